@@ -1,4 +1,6 @@
-"""What pyproject.toml cannot express: `examples/` is installed as the package `omnivat_examples`."""
+"""What pyproject.toml cannot express: `examples/` is installed as the package
+`omnivat_examples`.
+"""
 
 from setuptools import find_packages, setup
 

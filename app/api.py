@@ -12,6 +12,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import Route
 
+from app.about import without_nan
 from app.api_schema import TOOLS, document
 from app.jobs import Job
 from app.limits import MAX_API_BYTES, REPORT_S
@@ -21,7 +22,6 @@ from app.pair_input import embedded, refs_from
 from app.requests import done, question_from, received
 from app.resources import Resources
 from app.state import order_from
-from app.views.data import without_nan
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
 
@@ -57,14 +57,18 @@ def predict(resources: Resources, given: Arguments, job: Job[Any]) -> dict[str, 
     from omnivat.head.predict import predict_embeddings
 
     order, head = order_from(given.get("order")), resources.head_named(given.get("head"))
-    named = {name: _image(resources, given.get(name), name, job) for name in ("vis", "tac")}
+    named = {name: _image(resources, given.get(name), name) for name in ("vis", "tac")}
     pair = embedded(resources, refs_from(named))
     found = predict_embeddings(head, pair["vis"], pair["tac"], order=order)[0]
     found.pop("profile")
-    return {**found, "source": head.source, "images": {name: ref for name, ref in named.items() if ref}}
+    return {
+        **found,
+        "source": head.source,
+        "images": {name: ref for name, ref in named.items() if ref},
+    }
 
 
-def _image(resources: Resources, value: Any, name: str, job: Job[Any]) -> Any:
+def _image(resources: Resources, value: Any, name: str) -> Any:
     """Return the reference of an image; a data: address is decoded and embedded."""
     if not isinstance(value, str) or not value.startswith("data:"):
         return value
@@ -75,7 +79,7 @@ def _image(resources: Resources, value: Any, name: str, job: Job[Any]) -> Any:
         comma = ""
     if not comma or len(kind) > 40:
         raise DataError(f"{name} is no data address; send 'data:image/png;base64,' and the file.")
-    return str(resources.take_image(content, name, job.check)[0])
+    return str(resources.take_image(content, name)[0])
 
 
 def gaps(resources: Resources, given: Arguments, job: Job[Any]) -> dict[str, Any]:
@@ -96,7 +100,7 @@ def gaps(resources: Resources, given: Arguments, job: Job[Any]) -> dict[str, Any
         "measure": measure,
         "pairs": len(data),
         "simulated": data.header.simulated,
-        **gap_record(rows, sets, measure, job.check),
+        **gap_record(rows, sets, measure),
     }
 
 
@@ -124,7 +128,9 @@ WORK: dict[str, Work] = {"about": about, "predict": predict, "gaps": gaps, "repo
 
 
 def checked(name: str, given: Arguments) -> Arguments:
-    """Return the arguments of a tool without nulls; raises DataError for one that it does not take."""
+    """Return the arguments of a tool without nulls; raises DataError for one that it does not
+    take.
+    """
     takes = TOOLS[name][1]["properties"]
     for key, value in given.items():
         if key not in takes:

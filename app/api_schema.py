@@ -13,8 +13,8 @@ COUNT: Schema = {"type": "integer"}
 NUMBER: Schema = {"type": "number"}
 MAYBE: Schema = {"type": ["number", "null"]}
 IMAGE = (
-    "'row:3' (a pair of the set), 'example:NAME' (see about), 'image:…' (from POST /omnivat/image), "
-    "or 'data:image/png;base64,…'; leave it out for a missing one"
+    "'row:3' (a pair of the set), 'example:NAME' (see about), 'image:…' (from POST /omnivat/image),"
+    " or 'data:image/png;base64,…'; leave it out for a missing one"
 )
 ORDER: Schema = {
     **NUMBER,
@@ -34,7 +34,11 @@ def _by_name(of: Schema) -> Schema:
 
 
 def _given(**properties: Schema) -> Schema:
-    return {"type": "object", "properties": {**properties, "set": SET}, "additionalProperties": False}
+    return {
+        "type": "object",
+        "properties": {**properties, "set": SET},
+        "additionalProperties": False,
+    }
 
 
 def _returned(**properties: Schema) -> Schema:
@@ -77,7 +81,10 @@ TOOLS: dict[str, tuple[str, Schema, Schema]] = {
         ),
     ),
     "predict": (
-        "Predict the material of a pair of a photo (vis) and a tactile image (tac), or of one of them.",
+        (
+            "Predict the material of a pair of a photo (vis) and a tactile image (tac), or of one"
+            " of them."
+        ),
         _given(
             vis={**TEXT, "description": f"the photo: {IMAGE}"},
             tac={**TEXT, "description": f"the tactile image: {IMAGE}"},
@@ -95,7 +102,10 @@ TOOLS: dict[str, tuple[str, Schema, Schema]] = {
             },
             order=NUMBER,
             source=TEXT,
-            images={**_by_name(TEXT), "description": "names under which the images can be used again"},
+            images={
+                **_by_name(TEXT),
+                "description": "names under which the images can be used again",
+            },
         ),
     ),
     "gaps": (
@@ -116,8 +126,10 @@ TOOLS: dict[str, tuple[str, Schema, Schema]] = {
         ),
     ),
     "report": (
-        "Report the domain shift of the loaded set's features, without a head: both gaps by every measure with "
-        "intervals, retrieval, neighbours, probes. It may take minutes.",
+        (
+            "Report the domain shift of the loaded set's features, without a head: both gaps by"
+            " every measure with intervals, retrieval, neighbours, probes. It may take minutes."
+        ),
         _given(),
         _returned(
             pairs=COUNT,
@@ -148,19 +160,26 @@ def document() -> Schema:
     image = {"schema": {**TEXT, "format": "binary", "maxLength": MAX_IMAGE_BYTES}}
     sent = _returned(ref=TEXT, width=COUNT, height=COUNT, preview=TEXT)
     paths = {
-        f"/omnivat/api/{name}": posted(what, {"application/json": {"schema": given}}, found, operationId=name)
+        f"/omnivat/api/{name}": posted(
+            what, {"application/json": {"schema": given}}, found, operationId=name
+        )
         for name, (what, given, found) in TOOLS.items()
     }
     paths["/omnivat/image"] = posted(
-        "Send one picture; its `ref` names it in predict.", {"image/*": image}, sent, operationId="image"
+        "Send one picture; its `ref` names it in predict.",
+        {"image/*": image},
+        sent,
+        operationId="image",
     )
     return {
         "openapi": "3.1.0",
         "info": {
             "title": "OmniVaT",
             "version": __version__,
-            "description": f"Bodies have at most {MAX_API_BYTES:,} bytes, pictures {MAX_IMAGE_BYTES:,}. The same tools "
-            "are at /omnivat/mcp (Model Context Protocol, streamable HTTP).",
+            "description": (
+                f"Bodies have at most {MAX_API_BYTES:,} bytes, pictures {MAX_IMAGE_BYTES:,}. The"
+                " same tools are at /omnivat/mcp (Model Context Protocol, streamable HTTP)."
+            ),
         },
         "paths": paths,
     }

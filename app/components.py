@@ -1,4 +1,6 @@
-"""The page's components, plain HTML and an ES module each, and its look: system fonts and our style sheets."""
+"""The page's components, plain HTML and an ES module each, and its look: system fonts and our
+style sheets.
+"""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -9,15 +11,18 @@ FONTS = ("system-ui", "-apple-system", "Segoe UI", "Roboto", "DejaVu Sans", "san
 MONO = ("ui-monospace", "Menlo", "Consolas", "DejaVu Sans Mono", "monospace")
 STYLES = (
     "shared/page",
-    "shared/tabs",
     "explore/explore",
+    "explore/analyse",
+    "explore/chapters",
     "pair/pair",
     "train/train",
-    "tree/tree",
     "shared/narrow",
 )  # in this order: later ones override
 # scripts that the first tab needs
-EARLY = ("explore/explore", *(f"shared/{part}" for part in ("cloud", "store", "frames", "measures", "api")))
+EARLY = (
+    "explore/explore",
+    *(f"shared/{part}" for part in ("cloud", "store", "frames", "measures", "api")),
+)
 
 
 def component(name: str) -> None:
@@ -55,5 +60,8 @@ def theme() -> Any:
     import gradio as gr
 
     return gr.themes.Base(
-        primary_hue=gr.themes.colors.blue, neutral_hue=gr.themes.colors.slate, font=list(FONTS), font_mono=list(MONO)
+        primary_hue=gr.themes.colors.blue,
+        neutral_hue=gr.themes.colors.slate,
+        font=list(FONTS),
+        font_mono=list(MONO),
     )

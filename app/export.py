@@ -8,12 +8,13 @@ from pathlib import Path
 from posixpath import normpath
 from typing import Any
 
+from app import about
 from app.components import STYLES, WEB
 from app.modes import fitting_files, modes
 from app.places import Places, places
 from app.resources import Resources
 from app.routes import sheet
-from app.views import data, explore
+from app.views import explore
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import write_text
 from omnivat.kit.progress import OnStep, Step, ignore
@@ -51,7 +52,9 @@ def where_from(head: Path | None, embeddings: Path | None) -> Places:
 
 
 def frames_file(where: Places, on_step: OnStep = ignore) -> Path:
-    """Return the frames of a head and a set; compute them if there is no file, or raise DataError with the reason."""
+    """Return the frames of a head and a set; compute them if there is no file, or raise
+    DataError with the reason.
+    """
     job = Resources(where).frames
     if where.frames is None:
         on_step(Step(done=0, total=1, text="frames, which may take minutes"))
@@ -64,7 +67,8 @@ def frames_file(where: Places, on_step: OnStep = ignore) -> Path:
 def export_picture(
     frames: Path, out: Path, *, what: str, order: float | None, stage: str, kind: str, colour: str
 ) -> None:
-    """Write the map or the curves at an order (None: the learned one) as HTML, SVG, PNG or Plotly's JSON.
+    """Write the map or the curves at an order (None: the learned one) as HTML, SVG, PNG or Plotly's
+    JSON.
 
     Raises SettingsError for an unknown map, colouring or ending.
     """
@@ -88,7 +92,10 @@ def export_page(where: Places, frames: Path, out: Path) -> None:
     from omnivat.maps.frames import read_frames
 
     found = read_frames(frames)
-    title = f"{found.pairs} VIS-TAC pairs of {len(found.domains)} domains, {len(found.orders)} stops of p"
+    title = (
+        f"{found.pairs} VIS-TAC pairs of {len(found.domains)} domains, {len(found.orders)} stops"
+        " of p"
+    )
     styles = "\n".join((WEB / f"{name}.css").read_text(encoding="utf-8") for name in STYLES)
     page = document(
         head=f"<title>OmniVaT: {title}</title>\n<style>{styles}</style>",
@@ -121,7 +128,8 @@ def held_files(where: Places, frames: Path) -> dict[str, str]:
         "/modes": modes(resources, among=()),
         "/pairs": explore.pairs(resources),
         "/toy": explore.mechanism(resources),
-        "/fit": data.fit(resources),
+        "/glossary": about.glossary(resources),
+        "/fit": about.fit(resources),
     }
     if not facts["/fit"]["problem"]:
         facts["/unseen"] = explore.unseen(resources)
@@ -151,7 +159,9 @@ def scripts() -> dict[str, str]:
             continue
         source = (WEB / name).read_text(encoding="utf-8")
         folder = name.rpartition("/")[0]
-        for line, start, wanted in dict.fromkeys(match.group(0, 1, 2) for match in IMPORT.finditer(source)):
+        for line, start, wanted in dict.fromkeys(
+            match.group(0, 1, 2) for match in IMPORT.finditer(source)
+        ):
             beside = normpath(f"{folder}/{wanted}")  # below `web`
             waiting.append(beside)
             source = source.replace(line, f'{start}"{PREFIX}{beside}"')

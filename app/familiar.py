@@ -5,12 +5,14 @@ from typing import TYPE_CHECKING, Any
 
 from app.pair_input import embedded, refs_from, rounded
 from app.resources import Resources
+from app.teaching import familiar_lessons
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np
     import torch
 
+    from omnivat.head.calibration import Familiarity
     from omnivat.head.checkpoint import Head
 
     Index = np.ndarray[Any, Any]
@@ -23,10 +25,12 @@ OTHER = {"vis": "tac", "tac": "vis"}
 def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Return the familiarity of each image of a pair.
 
-    question  {"vis", "tac": references}
-    return    `images`: modality -> `nearest`, the nearest training pairs of the loaded set and their
-              cosines in E, and what `looked_at` has; `strays`: true if an uploaded image is nearer to
-              the training images of the other modality; `of`: the set of the `nearest` pairs
+    question  {"vis", "tac": references; "lessons": the visitor's labelled pairs, with which images
+              are then compared}
+    return    `images`: modality -> `nearest`, the nearest training pairs of the loaded set and
+              their cosines in E, and what `looked_at` has; `strays`: true if an uploaded image is
+              nearer to the training images of the other modality; `of`: the set of the `nearest`
+              pairs
 
     Raises DataError if the set has another encoder.
     """
@@ -37,7 +41,7 @@ def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
     refs = refs_from(question)
     pair = embedded(resources, refs, question)
     index, of = training_pairs(resources)
-    looked = looked_at(head, pair["vis"], pair["tac"])
+    looked = looked_at(known_to(resources, head, question), pair["vis"], pair["tac"])
     images: dict[str, dict[str, Any]] = {}
     for name, ref in refs.items():
         raw = pair[name]
@@ -47,29 +51,50 @@ def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
         images[name] = {"nearest": near, **looked.get(name, {})}
         if ref.kind == "image" and not question.get("profile"):
             raw = torch.from_numpy(resources.embedding(ref, OTHER[name]).copy())[None]
-            images[name]["strays"] = _nearest(resources, OTHER[name], raw, index)[0]["cosine"] > near[0]["cosine"]
+            images[name]["strays"] = (
+                _nearest(resources, OTHER[name], raw, index)[0]["cosine"] > near[0]["cosine"]
+            )
     return {"images": images, "of": of}
 
 
-def looked_at(head: "Head", vis: "torch.Tensor | None", tac: "torch.Tensor | None") -> dict[str, dict[str, Any]]:
+def known_to(
+    resources: Resources, head: "Head", question: Mapping[str, Any]
+) -> "Familiarity | None":
+    """Return what images are compared with: the pictures of a request's lessons, else the head's
+    training images.
+    """
+    return familiar_lessons(resources, question) or head.familiarity
+
+
+def looked_at(
+    known: "Familiarity | None", vis: "torch.Tensor | None", tac: "torch.Tensor | None"
+) -> dict[str, dict[str, Any]]:
     """Return modality -> cosine, quantile, words and guess of one pair's raw embeddings (1, D).
 
-    The quantile is the share of the training images with a less similar nearest neighbour. Empty if
-    the head's folder lacks the training embeddings.
+    The quantile is the share of the known images with a less similar nearest neighbour. Empty if
+    none is known.
     """
     from omnivat.head.calibration import UNLIKE
 
-    if head.familiarity is None:
+    if known is None:
         return {}
-    found = head.familiarity.look(vis, tac)[0]
+    found = known.look(vis, tac)[0]
     return {name: {**one, "guess": one["quantile"] < UNLIKE} for name, one in found.items()}
 
 
-def predict_one(head: "Head", pair: "Mapping[str, torch.Tensor | None]", order: float | None = None) -> dict[str, Any]:
+def predict_one(
+    head: "Head",
+    pair: "Mapping[str, torch.Tensor | None]",
+    order: float | None = None,
+    known: "Familiarity | None" = None,
+) -> dict[str, Any]:
     """Return `readings`, the class probabilities, and `images`, the familiarity, of one pair."""
     out = head.model(pair["vis"], pair["tac"], order=order)
     readings = {name: rounded(values.numpy())[0] for name, values in out.readings.items()}
-    return {"readings": readings, "images": looked_at(head, pair["vis"], pair["tac"])}
+    return {
+        "readings": readings,
+        "images": looked_at(known or head.familiarity, pair["vis"], pair["tac"]),
+    }
 
 
 def first(resources: Resources) -> dict[str, Any]:
@@ -93,7 +118,9 @@ def first(resources: Resources) -> dict[str, Any]:
     if head.familiarity is None or not refs:
         return {"ref": next(iter(refs.values()), None)}
     rows = np.array(list(refs))
-    vis, tac = (torch.from_numpy(copied(getattr(embeddings, name)[rows])) for name in ("vis", "tac"))
+    vis, tac = (
+        torch.from_numpy(copied(getattr(embeddings, name)[rows])) for name in ("vis", "tac")
+    )
     looks = head.familiarity.look(vis, tac)
     least = [min(one["quantile"] for one in look.values()) for look in looks]
     best = int(np.argmax(least))
@@ -101,7 +128,9 @@ def first(resources: Resources) -> dict[str, Any]:
 
 
 def training_pairs(resources: Resources) -> "tuple[Index, str]":
-    """Return the training rows of the set, or all if it lacks the head's source, and their description."""
+    """Return the training rows of the set, or all if it lacks the head's source, and their
+    description.
+    """
     import numpy as np
 
     embeddings, source = resources.embeddings(), resources.head().source

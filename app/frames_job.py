@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.jobs import Job, Jobs, JobStopped
 from app.limits import LARGE_SET
-from omnivat.kit.errors import DataError
+from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import cache_folder, hash_of
 from omnivat.kit.progress import Step
 
@@ -37,7 +37,9 @@ class FramesState:
 
 
 def cache_name(head: Path, embeddings: Path, drawn: int = 0) -> str:
-    """Return a hash of both files and of `drawn`, as `FramesJob` has it. Raises DataError if a file is missing."""
+    """Return a hash of both files and of `drawn`, as `FramesJob` has it. Raises DataError if a
+    file is missing.
+    """
     from omnivat.maps.frames.file import VERSION
 
     files = (head / "weights.safetensors", head / "settings.json", embeddings)
@@ -62,6 +64,7 @@ class FramesJob:
     owner: str = ""  # of the job
     ready: Path | None = None  # a file with all frames
     folder: Path | None = None  # of computed frames; None: the cache
+    spare: "Callable[[], Path] | None" = None  # a folder for frames that the cache cannot take
     drawn: int = 0  # pairs drawn at random of a larger set; 0 for all
     features: bool = False  # draw the features alone if the head is of another encoder
 
@@ -75,7 +78,9 @@ class FramesJob:
         """Return the state; the first call starts the work if needed."""
         with self._lock:
             if not self._whole and self._wanted():
-                self._job = self.jobs.start(self._compute, lane="long", owner=self.owner, priority=FIRST_LOOK)
+                self._job = self.jobs.start(
+                    self._compute, lane="long", owner=self.owner, priority=FIRST_LOOK
+                )
             job, file, whole = self._job, self._file, self._whole
         if whole or job is None:
             return FramesState(file=file)
@@ -122,15 +127,15 @@ class FramesJob:
             if len(embeddings) > LARGE_SET and not readable(coarse):
                 if not readable(first):
                     stops = first_stops(head.model.order) if head else COARSE
-                    self._build(job, head, embeddings, stops, first, linear=True)
+                    first = self._build(job, head, embeddings, stops, first, linear=True)
                 self._file = first
                 job.go_on_at(LAST_TOUCH)
             if head and not readable(coarse):
-                self._build(job, head, embeddings, COARSE, coarse)
+                coarse = self._build(job, head, embeddings, COARSE, coarse)
             if head:
                 self._file = coarse
                 job.go_on_at(LAST_TOUCH)
-            self._build(job, head, embeddings, FINE, fine)
+            fine = self._build(job, head, embeddings, FINE, fine)
         self._file, self._whole = fine, True
 
     def _build(
@@ -142,14 +147,22 @@ class FramesJob:
         to: Path,
         *,
         linear: bool = False,
-    ) -> None:
-        """Compute and write the frames of some stops; `linear` computes PCA only."""
+    ) -> Path:
+        """Compute the frames of some stops and write them to `to` or, if it cannot be written, to
+        the spare folder.
+
+        `linear` computes PCA only. Return the file.
+        """
         from omnivat.head.checkpoint import head_hash
         from omnivat.maps.frames import build_frames, write_frames
         from omnivat.maps.frames.builder import DEFAULT_MAPS
         from omnivat.maps.frames.records import kind_of, with_learned
 
-        provenance = head and {"hash": head_hash(self.head), "source": head.source, "kind": kind_of(head)}
+        provenance = head and {
+            "hash": head_hash(self.head),
+            "source": head.source,
+            "kind": kind_of(head),
+        }
         frames = build_frames(
             head.model if head else None,
             embeddings,
@@ -159,13 +172,21 @@ class FramesJob:
             on_step=job.report,
         )
         job.check()
-        write_frames(to, frames)
+        try:
+            write_frames(to, frames)
+        except WriteError as error:
+            if self.spare is None:
+                raise
+            log.warning("%s The map is kept until the server stops.", error)
+            to = self.spare() / to.name
+            write_frames(to, frames)
         try:
             job.check()
         except JobStopped:  # its folder may have been removed in the meantime
             if self.folder is not None:
                 shutil.rmtree(self.folder, ignore_errors=True)
             raise
+        return to
 
 
 def first_stops(learned: float) -> tuple[float, ...]:

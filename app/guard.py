@@ -1,8 +1,9 @@
 """Access rules of the server and its page, checked before any route.
 
-Pages of other sites may neither send nor read. Host names that others bind to this machine (DNS rebinding) are not
-served. Of Gradio's routes, only those of the page are open: its event streams and its API would cost a connection
-each, for as long as a visitor likes. The page itself loads nothing from other hosts.
+Pages of other sites may neither send nor read. Host names that others bind to this machine (DNS
+rebinding) are not served. Of Gradio's routes, only those of the page are open: its event streams
+and its API would cost a connection each, for as long as a visitor likes. The page itself loads
+nothing from other hosts.
 """
 
 import re
@@ -21,10 +22,10 @@ from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 LOOPBACK = frozenset({"localhost", "127.0.0.1", "::1"})
-OPEN = ("/omnivat/", "/assets/", "/static/", "/svelte/", "/custom_component/", "/pwa_icon")
-PAGE = frozenset(("/", "/config", "/theme.css", "/favicon.ico", "/manifest.json", "/robots.txt")) | {
-    "/gradio_api/startup-events"
-}  # Gradio requests the last one itself when it starts
+OPEN = ("/omnivat/", "/assets/", "/static/", "/svelte/", "/custom_component/")
+PAGE = frozenset(
+    ("/", "/config", "/theme.css", "/favicon.ico", "/manifest.json", "/robots.txt")
+) | {"/gradio_api/startup-events"}  # Gradio requests the last one itself when it starts
 POLICY = (
     "default-src 'self'",
     "style-src 'self' 'unsafe-inline'",
@@ -37,6 +38,8 @@ POLICY = (
     "base-uri 'self'",
     "form-action 'self'",
 )
+# headers that would name this server in its page
+NAMING = (b"forwarded", b"x-forwarded-host", b"x-gradio-server")
 INLINE = re.compile(rb"<script(?![^>]*\ssrc=)[^>]*>(.*?)</script>", re.DOTALL)
 
 
@@ -52,10 +55,13 @@ class Rules:
 def rules(host: str, names: Iterable[str] = (), *, framed: bool = False) -> Rules:
     """Return the rules of a server on `host` with the additional host names `names`.
 
-    Beyond loopback, the machine's own name and numeric addresses are allowed: no other site can bind them to it.
+    Beyond loopback, the machine's own name and numeric addresses are allowed: no other site can
+    bind them to it.
     """
     local = is_loopback(host)
-    own = {name.strip("[]").lower() for name in (host, *names)} | (set() if local else {gethostname().lower()})
+    own = {name.strip("[]").lower() for name in (host, *names)} | (
+        set() if local else {gethostname().lower()}
+    )
     return Rules(names=LOOPBACK | own, addresses=not local, framed=framed)
 
 
@@ -81,8 +87,11 @@ class Guard:
             await self._app(scope, receive, send)
         elif problem := refused(scope, self._rules):
             await JSONResponse({"error": problem}, 403)(scope, receive, send)
-        elif (path := scope["path"].removeprefix(scope.get("root_path", ""))) in PAGE or path.startswith(OPEN):
-            await self._app(scope, receive, self._guarded(send))
+        elif (
+            path := scope["path"].removeprefix(scope.get("root_path", ""))
+        ) in PAGE or path.startswith(OPEN):
+            sent = [(name, value) for name, value in scope["headers"] if name.lower() not in NAMING]
+            await self._app({**scope, "headers": sent}, receive, self._guarded(send))
         else:
             missing = {"error": "The page has no such address; open it at '/'."}
             await JSONResponse(missing, 404)(scope, receive, send)
@@ -94,7 +103,10 @@ class Guard:
         async def guarded(message: Message) -> None:
             if message["type"] == "http.response.start":
                 sent = MutableHeaders(scope=message)
-                if sent.get("content-type", "").startswith("text/html") and "content-encoding" not in sent:
+                if (
+                    sent.get("content-type", "").startswith("text/html")
+                    and "content-encoding" not in sent
+                ):
                     held.append(message)
                     return
                 sent.update(headers(b"", self._rules))
@@ -118,20 +130,28 @@ def refused(scope: Scope, rules: Rules) -> str:
     sent = Headers(scope=scope)
     host, origins = sent.get("host", ""), filter(None, sent.getlist("origin"))
     if not _known(host, rules):
-        return f"This server is not called '{host:.80}'. Start it with --allow-host NAME to serve that name, too."
+        return (
+            f"This server is not called '{host:.80}'. Start it with --allow-host NAME to serve that"
+            " name, too."
+        )
     opened = sent.get("sec-fetch-mode") == "navigate" and scope.get("method") in ("GET", "HEAD")
     foreign = sent.get("sec-fetch-site") in ("cross-site", "same-site") and not opened
-    if foreign or any(_place(one) != _place(f"http://{host}") for one in origins):  # browsers send it with any method
+    # browsers send it with any method
+    if foreign or any(_place(one) != _place(f"http://{host}") for one in origins):
         return "A page of another site may not use this server; open the page itself."
     return ""
 
 
 @asynccontextmanager
 async def alone(app: Any) -> AsyncIterator[None]:
-    """Serve a Gradio application without its own CORS headers, which allow any origin with cookies."""
+    """Serve a Gradio application without its own CORS headers, which allow any origin with
+    cookies.
+    """
     from gradio.route_utils import CustomCORSMiddleware
 
-    app.user_middleware = [one for one in app.user_middleware if one.cls is not CustomCORSMiddleware]
+    app.user_middleware = [
+        one for one in app.user_middleware if one.cls is not CustomCORSMiddleware
+    ]
     app.middleware_stack = app.build_middleware_stack()
     yield
 
@@ -157,8 +177,11 @@ def _place(origin: str) -> tuple[str, int | None]:
 
 def headers(page: bytes, rules: Rules) -> dict[str, str]:
     """Return the response headers; they allow only the inline scripts of `page`."""
-    hashes = " ".join(f"'sha256-{b64encode(sha256(script).digest()).decode()}'" for script in INLINE.findall(page))
-    script = f"script-src 'self' 'unsafe-eval' {hashes}".strip()  # Gradio compiles component code from text
+    hashes = " ".join(
+        f"'sha256-{b64encode(sha256(script).digest()).decode()}'" for script in INLINE.findall(page)
+    )
+    # Gradio compiles component code from text
+    script = f"script-src 'self' 'unsafe-eval' {hashes}".strip()
     frames = "frame-ancestors *" if rules.framed else "frame-ancestors 'none'"
     found = {
         "content-security-policy": "; ".join((script, *POLICY, frames)),

@@ -10,7 +10,9 @@ Inbox = SimpleQueue[Callable[[], None] | None]
 
 
 class JobThreads:
-    """Threads that run jobs. KEPT_THREADS idle ones wait for the next job: a new one costs as much as a drag."""
+    """Threads that run jobs. KEPT_THREADS idle ones wait for the next job: a new one costs as
+    much as a drag.
+    """
 
     def __init__(self) -> None:
         self._lock = Lock()
@@ -19,7 +21,9 @@ class JobThreads:
         self._closed = False
 
     def run(self, work: Callable[[], None]) -> None:
-        """Run `work` in an idle thread or in a new one. Raises RuntimeError if the system has none left."""
+        """Run `work` in an idle thread or in a new one. Raises RuntimeError if the system has
+        none left.
+        """
         with self._lock:
             inbox = self._idle.pop() if self._idle else None
         if inbox is None:

@@ -1,11 +1,11 @@
 """Long work: a queue with positions, and a state for each job.
 
-A job is a function of its `Job` that regularly calls `job.report(step)` or `job.check()`. There it
-stops if its visitor is gone or its time is over, and waits for jobs of higher priority.
+A job is a function of its `Job`. At each `omnivat.kit.progress.checkpoint` and each
+`job.report(step)` it stops if its visitor is gone or its time is over, and waits for jobs of higher
+priority.
 """
 
 import logging
-from collections import Counter, OrderedDict
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
@@ -16,16 +16,15 @@ from time import monotonic, sleep
 from typing import Any, Generic, Literal, TypeVar
 
 from app.job_threads import JobThreads
-from app.limits import AGE_S, GIVE_WAY_S, OWN_JOBS, SLOTS, WAITING_JOBS
+from app.limits import AGE_S, GIVE_WAY_S, SLOTS, WAITING_JOBS
 from app.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
 from app.state import VISITOR
 from omnivat.kit.errors import OmniVatError
-from omnivat.kit.progress import Pace, Step
+from omnivat.kit.progress import CHECK, Pace, Step
 
 log = logging.getLogger(__name__)
 T = TypeVar("T")
 LOOK_S = 0.005
-VISITORS = 1000  # whose turns are remembered
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
 
 
@@ -93,7 +92,9 @@ class Job(Generic[T]):
         """Return the state of the job."""
         error = self.future.exception() if self.future.done() else None
         problem = str(error) if error else ""
-        return Status(state=self.state, place=self.jobs.place(self), step=self.step, problem=problem)
+        return Status(
+            state=self.state, place=self.jobs.place(self), step=self.step, problem=problem
+        )
 
     def wait(self, timeout_s: float | None = None) -> T:
         """Return the result of the work; raises its OmniVatError, or TimeoutError."""
@@ -103,6 +104,7 @@ class Job(Generic[T]):
         """Run the work and store its result; called in the job's own thread."""
         self.state = "running"
         VISITOR.set(self.visitor)
+        CHECK.set(self.check)
         try:
             value = self.work(self)
         except JobStopped:
@@ -126,27 +128,24 @@ class Job(Generic[T]):
 class _Lane:
     """Jobs of one kind: at most `slots` running, and the waiting ones.
 
-    Higher priority goes first; after `age_s` of waiting a job counts as of the next one. One of several
-    slots is for jobs of priority 0, so that a rush of uploads does not hold up drags. Among equals,
-    paused jobs go first, then those of the visitor who was served longest ago.
+    Higher priority goes first; after `age_s` of waiting a job counts as of the next one. One of
+    several slots is for jobs of priority 0, so that a rush of uploads does not hold up drags. Among
+    equals, paused jobs go first, then the oldest.
     """
 
     def __init__(self, slots: int, age_s: float) -> None:
         self.slots, self.age_s = slots, age_s
         self.running: set[Job[Any]] = set()
         self.waiting: list[Job[Any]] = []
-        self._served: OrderedDict[str, int] = OrderedDict()  # visitor -> number of the last turn
-        self._turns = count(1)
 
     def add(self, job: Job[Any]) -> None:
         job.queued = monotonic()
         self.waiting.append(job)
 
-    def rank(self, job: Job[Any]) -> tuple[int, int, int]:
+    def rank(self, job: Job[Any]) -> tuple[int, bool, int]:
         """Return the key by which waiting jobs are sorted."""
         level = max(0, job.priority - int((monotonic() - job.queued) / self.age_s))
-        turn = -1 if job.begun else self._served.get(job.visitor, 0)
-        return level, turn, job.number
+        return level, not job.begun, job.number
 
     def next(self) -> Job[Any] | None:
         """Move the first waiting job to the running ones; None if there is no slot for any."""
@@ -159,20 +158,7 @@ class _Lane:
         job = min(ready, key=self.rank)
         self.waiting.remove(job)
         self.running.add(job)
-        self._served[job.visitor] = next(self._turns)
-        self._served.move_to_end(job.visitor)
-        if len(self._served) > VISITORS:
-            self._served.popitem(last=False)
         return job
-
-    def hog(self, visitor: str) -> Job[Any] | None:
-        """Return the newest waiting job of the visitor with most, if that is not `visitor`."""
-        unborn = [job for job in self.waiting if not job.begun]
-        held = Counter(job.visitor for job in unborn)
-        most = max(held, key=lambda one: held[one], default=visitor)
-        if held[most] <= held[visitor] + 1:
-            return None
-        return max((job for job in unborn if job.visitor == most), key=lambda job: job.number)
 
 
 class Jobs:
@@ -197,8 +183,8 @@ class Jobs:
     ) -> Job[T]:
         """Put work in the queue of a lane; return the job.
 
-        owner       owner of the job, for `cancel_owner`; an owner has at most OWN_JOBS jobs
-        visitor     who takes turns with others; see `app.requests.visitor_of`
+        owner       owner of the job, for `cancel_owner`
+        visitor     whose pictures and heads the job finds; see `app.requests.visitor_of`
         priority    smaller numbers run first; a running job yields at its next check
         deadline_s  seconds of running, without waiting; None: no limit
 
@@ -206,7 +192,10 @@ class Jobs:
         """
         line = self._lanes[lane]
         with self._changed:
-            self._require_room(line, owner, visitor)
+            if self._closed:
+                raise BusyError("The server is stopping; start it again.")
+            if len(line.waiting) >= WAITING_JOBS:
+                raise BusyError("Too much is waiting here already; try again in a minute.")
             job = Job(self, work, lane, owner, visitor, priority, deadline_s, next(self._numbers))
             line.add(job)
             self._let_in(line)
@@ -218,7 +207,9 @@ class Jobs:
         with self._changed:
             spent = monotonic() - job.since
             if job.left_s is not None and spent > job.left_s:
-                raise BusyError("This took longer than allowed and was stopped; try something smaller.")
+                raise BusyError(
+                    "This took longer than allowed and was stopped; try something smaller."
+                )
             better = any(one.priority < job.priority for one in line.waiting)
             if better and job in line.running and not job.cancelled:
                 job.left_s = None if job.left_s is None else job.left_s - spent
@@ -235,12 +226,16 @@ class Jobs:
         It looks every LOOK_S: a wait for `_changed` would wake it twice for each request.
         """
         began, quick = monotonic(), self._lanes["quick"]
-        while (quick.running or quick.waiting) and not job.cancelled and monotonic() - began < GIVE_WAY_S:
+        while (
+            (quick.running or quick.waiting)
+            and not job.cancelled
+            and monotonic() - began < GIVE_WAY_S
+        ):
             sleep(LOOK_S)
         job.since += monotonic() - began
 
-    def cancel(self, job: Job[Any], why: OmniVatError | None = None) -> None:
-        """Stop one job; with `why`, one that waits fails with that error."""
+    def cancel(self, job: Job[Any]) -> None:
+        """Stop one job."""
         line = self._lanes[job.lane]
         with self._changed:
             job.cancelled = True
@@ -249,7 +244,7 @@ class Jobs:
                 line.waiting.remove(job)
             self._changed.notify_all()
         if unborn:
-            job.end("failed" if why else "cancelled", why or CancelledError("This work was cancelled."))
+            job.end("cancelled", CancelledError("This work was cancelled."))
 
     def cancel_owner(self, owner: str) -> None:
         """Stop every job of an owner."""
@@ -275,18 +270,6 @@ class Jobs:
 
     def _all(self) -> list[Job[Any]]:
         return [job for line in self._lanes.values() for job in (*line.running, *line.waiting)]
-
-    def _require_room(self, line: _Lane, owner: str, visitor: str) -> None:
-        if self._closed:
-            raise BusyError("The server is stopping; start it again.")
-        own = sum(job.owner == owner for job in (*line.running, *line.waiting)) if owner else 0
-        full = BusyError("Too much is waiting here already; try again in a minute.")
-        if own >= OWN_JOBS:
-            raise full
-        if len(line.waiting) >= WAITING_JOBS:
-            if (last := line.hog(visitor)) is None:
-                raise full
-            self.cancel(last, full)
 
     def _let_in(self, line: _Lane) -> None:
         """Start or wake the jobs that may run now; the caller holds the lock."""

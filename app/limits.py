@@ -2,32 +2,28 @@
 
 MAX_IMAGE_BYTES = 20_000_000  # a phone's photo is 3 to 12 MB
 MAX_PIXELS = 64_000_000  # the library's limit, shown in the page
-IMAGE_MEMORY = 200_000_000  # memory for all pictures being decoded
 DECODE_S = 3  # CPU seconds to decode one picture
 DECODE_WAIT_S = 8  # seconds after which decoding is killed
 DECODER_BYTES = 220_000_000  # memory of such a process
 IDLE_S = 20  # seconds without a byte of an upload
 BODY_S = 600  # seconds for a whole upload
-CONNECTIONS = 1000  # open at a time; at the limit, the address with most loses one
-DESCRIPTORS = 4096  # open files that the server requests of the system
+# of uvicorn: open connections, of which more get 503; seconds of an idle one; connections that wait
+# to be accepted
+CONNECTIONS = {"limit_concurrency": 400, "timeout_keep_alive": IDLE_S, "backlog": 128}
 MAX_QUESTION_BYTES = 10_000
 MAX_API_BYTES = 4_000_000  # of a request to the API, small pictures included
 REPORT_S = 600  # seconds of a report by the API
 SLOTS = {"quick": 2, "long": 1}  # jobs that run at a time: requests; maps and training
 GIVE_WAY_S = 0.1  # longest wait of each training step while requests run or wait
 WAITING_JOBS = 200  # in one lane; more are refused
-OWN_JOBS = 6  # of one owner in one lane
 DRAWN_PAIRS = 20_000  # a larger set is sampled to this many pairs, and the page shows that
 MAPPED_BYTES = 1_000_000  # larger arrays of a set stay in its file
-CENTRED_PAIRS = 8_000  # of a larger set no maps with centred domains are made on request
 LARGE_SET = 400  # from this many pairs on, the first maps are PCA at two stops
 AGE_S = {"quick": 1.0, "long": 600.0}  # seconds of waiting that count as one priority
 KEPT_DESKS = 16  # heads or sets loaded through the page
 DESKS_BYTES = 1_000_000_000  # total size of their files; one more may be above
-OWN_PARTS = 1000  # uploaded files of one visitor; the oldest are dropped
-OWN_BYTES = 500_000_000  # total size of them; a head and a set have at most 422 MB
-PARTS_BYTES = 2_000_000_000  # total size of the uploaded files of all visitors
-PART_S = 600  # seconds after which uploaded files make room for those of others
+KEPT_PARTS = 1000  # uploaded files that are not loaded yet; the oldest are dropped
+PARTS_BYTES = 2_000_000_000  # total size of them; a head and a set have at most 422 MB
 # accepted files of a head or set, and the largest size of each
 PARTS = {
     "weights.safetensors": 64_000_000,

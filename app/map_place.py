@@ -1,10 +1,10 @@
-"""Positions of a pair and its tree nodes on a map of the set, and the set's features at a stage."""
+"""Positions of a pair on a map of the set, and the set's features at a stage."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from app.pair_input import embedded, refs_from
-from app.resources import Resources
+from app.resources import Resources, state_of
 from app.state import Ref, order_from
 from omnivat.kit.errors import DataError
 
@@ -16,11 +16,10 @@ if TYPE_CHECKING:
 
 
 def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
-    """Place a pair, and optionally the nodes of its tree, on one map of the first head.
+    """Place a pair on one map of the first head.
 
-    question  {"vis", "tac": references, "order": p, "stage": …, "map": "pca" or "umap",
-              "nodes": true to place the tree's nodes}
-    return    `points` by modality and `nodes`, each [x, y] in map units; `order` of the map's stop;
+    question  {"vis", "tac": references, "order": p, "stage": …, "map": "pca" or "umap"}
+    return    `points` by modality, each [x, y] in map units; `order` of the map's stop;
               `exact`: true if the map is linear, so the position is not an estimate; `of_set`:
               true if the pair belongs to the set and has its place on the map
 
@@ -33,12 +32,11 @@ def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
     stage, order, flat = _drawn(resources, question)
     refs = refs_from(question)
-    own, nodes = _features(resources, refs, stage, order, question)
-    queries = torch.cat([*own.values(), *nodes])
+    own = _features(resources, refs, stage, order, question)
+    queries = torch.cat(list(own.values()))
     rows = torch.from_numpy(kept_features(resources, stage, order))
     found = placed(unit(queries), rows, torch.from_numpy(flat))
-    at = found.places.tolist()
-    points = dict(zip(own, at, strict=False))
+    points = dict(zip(own, found.places.tolist(), strict=True))
     half = len(flat) // 2
     of_set = {
         name: flat[int(ref.name) + (half if name == "tac" else 0)].tolist()
@@ -47,7 +45,6 @@ def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     }
     return {
         "points": {**points, **of_set},
-        "nodes": at[len(own) :],
         "order": order,
         "exact": found.exact,
         "of_set": of_set.keys() == points.keys(),
@@ -55,14 +52,16 @@ def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _drawn(resources: Resources, question: Mapping[str, Any]) -> "tuple[str, float, Array]":
-    """Return the requested map at its stop nearest to the requested order: stage, order, positions (2N, 2)."""
+    """Return the requested map at its stop nearest to the requested order: stage, order,
+    positions (2N, 2).
+    """
     from omnivat.maps.frames import read_frames
 
     stage, kind = str(question.get("stage")), str(question.get("map"))
     file = resources.frames.state().file
     if file is None:
         raise DataError("The map is still being computed; try again when it is there.")
-    frames = read_frames(file)
+    frames = resources.drawn_frames.once(repr(state_of(file)), lambda: read_frames(file))
     maps = frames.maps.get(f"{kind}/{stage}")
     if maps is None:
         raise DataError(f"There is no map '{kind:.20}/{stage:.20}' to place the pair on.")
@@ -73,27 +72,27 @@ def _drawn(resources: Resources, question: Mapping[str, Any]) -> "tuple[str, flo
 
 
 def _features(
-    resources: Resources, refs: Mapping[str, Ref | None], stage: str, order: float, question: Mapping[str, Any]
-) -> "tuple[dict[str, Tensor], list[Tensor]]":
-    """Return the pair's rows (1, W) at the map's stage by modality, and its nodes [(M, W)].
-
-    Nodes have the head's width; none if not requested or if the stage has another width.
-    """
+    resources: Resources,
+    refs: Mapping[str, Ref | None],
+    stage: str,
+    order: float,
+    question: Mapping[str, Any],
+) -> "dict[str, Tensor]":
+    """Return the pair's rows (1, W) at the map's stage by modality."""
     import torch
 
     from omnivat.maps.sweep.walk import stage_features
 
-    pair, nodes = embedded(resources, refs, question), question.get("nodes") is True
+    pair = embedded(resources, refs, question)
     with torch.inference_mode():
-        out = resources.head().model(pair["vis"], pair["tac"], order=order, nodes=nodes)
+        out = resources.head().model(pair["vis"], pair["tac"], order=order)
         given = {name: rows for name, rows in pair.items() if rows is not None}
-        own = given if stage == "raw" else dict(stage_features(out, stage))
-    width = next(iter(own.values())).shape[1]
-    return own, [] if out.nodes is None or out.nodes.shape[-1] != width else [out.nodes[0]]
+        return given if stage == "raw" else dict(stage_features(out, stage))
 
 
 def kept_features(resources: Resources, stage: str, order: float | None) -> "Array":
-    """Return the unit features (2N, W) of the first head at a stage, VIS first; "raw" needs no head.
+    """Return the unit features (2N, W) of the first head at a stage, VIS first; "raw" needs no
+    head.
 
     order  None: the learned one
     """

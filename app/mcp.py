@@ -1,4 +1,5 @@
-"""The API's tools by the Model Context Protocol: JSON-RPC over streamable HTTP, without state or streams.
+"""The API's tools by the Model Context Protocol: JSON-RPC over streamable HTTP, without state or
+streams.
 
 Gradio has an MCP server, too. It reaches its tools through Gradio's queue and event streams, which
 `app.guard` keeps closed, so it could not have the page's limits.
@@ -45,7 +46,9 @@ async def mcp(sets: VisitorSets, request: Request) -> Response:
         if asked.get("method") != "tools/call" or "id" not in asked:
             return None
         params = asked.get("params")
-        name, given = (params.get("name"), params.get("arguments") or {}) if _is(params) else ("", {})
+        name, given = (
+            (params.get("name"), params.get("arguments") or {}) if _is(params) else ("", {})
+        )
         if not isinstance(name, str) or name not in TOOLS:
             raise RpcError(f"There is no such tool; there are {', '.join(TOOLS)}.", PARAMS)
         if not _is(given):
@@ -83,7 +86,9 @@ def replied(asked: Mapping[str, Any]) -> dict[str, Any]:
         return {"tools": [dict(zip(LISTED, row, strict=True)) for row in rows]}
     if not isinstance(method, str) or asked.get("jsonrpc") != "2.0":
         raise RpcError('A request has "jsonrpc": "2.0", an id and a method.', REQUEST)
-    raise RpcError(f"The method '{method:.40}' is unknown; there are tools/list and tools/call.", METHOD)
+    raise RpcError(
+        f"The method '{method:.40}' is unknown; there are tools/list and tools/call.", METHOD
+    )
 
 
 def _failed(number: Any, error: OmniVatError) -> Response:

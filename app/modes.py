@@ -12,7 +12,7 @@ from typing import Any
 
 from app.places import Places
 from app.resources import Resources
-from omnivat.head.heads import shipped_sets
+from omnivat.head.heads import EXAMPLES, shipped_sets
 from omnivat.kit.errors import DataError
 
 log = logging.getLogger(__name__)
@@ -39,7 +39,12 @@ def fitting_files(resources: Resources) -> dict[str, Path]:
         try:
             record = frames_header(file)
             made = record["embeddings"]
-            if (record["pairs"], tuple(record["domains"]), made["weights_hash"], made.get("origin", "")) == wanted:
+            if (
+                record["pairs"],
+                tuple(record["domains"]),
+                made["weights_hash"],
+                made.get("origin", ""),
+            ) == wanted:
                 fitting[mode] = file
             else:
                 log.warning("'%s' is of another set and is left out.", file.name)
@@ -52,8 +57,9 @@ def modes(resources: Resources, among: Container[str] | None = None) -> dict[str
     """Return the choices of a visitor: the modes of p and the sets of the project.
 
     among   names of the sets to list; None: all
-    return  {"modes": names in the page's order, "sets": [{"name", "title", "shown", "curve"}, …]};
-            `curve` is the accuracy of heads trained at each p, {"title", "orders", "share"} or None
+    return  {"modes": names in the page's order, "sets": [{"name", "title", "shown", "curve"}, …],
+            "twins": whether the project's twins are there}; `curve` is the accuracy of heads
+            trained at each p, {"title", "orders", "share"} or None
     """
     try:
         fitting = fitting_files(resources)
@@ -66,8 +72,14 @@ def modes(resources: Resources, among: Container[str] | None = None) -> dict[str
     for name in listed if among is None else [one for one in listed if one in among]:
         (folder, embeddings), title = listed[name], SETS.get(name, name)
         curve = _curve(folder / FILES["trained"], title)
-        sets.append({"name": name, "title": title, "shown": embeddings.resolve() == shown, "curve": curve})
-    return {"modes": [mode for mode in ("trained", MOVED, "every") if mode in {MOVED, *fitting}], "sets": sets}
+        sets.append(
+            {"name": name, "title": title, "shown": embeddings.resolve() == shown, "curve": curve}
+        )
+    return {
+        "modes": [mode for mode in ("trained", MOVED, "every") if mode in {MOVED, *fitting}],
+        "sets": sets,
+        "twins": bool(sets) and (EXAMPLES / "twins.json").is_file(),
+    }
 
 
 def _curve(file: Path, title: str) -> dict[str, Any] | None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from app.resources import Resources
 from app.state import ForgottenError, Ref, ref_from
 from omnivat.kit.errors import DataError
+from omnivat.kit.progress import checkpoint
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,7 +30,9 @@ def mixed(refs: Mapping[str, Ref | None]) -> bool:
 
 
 def embedded(
-    resources: Resources, refs: Mapping[str, Ref | None], question: Mapping[str, Any] = MappingProxyType({})
+    resources: Resources,
+    refs: Mapping[str, Ref | None],
+    question: Mapping[str, Any] = MappingProxyType({}),
 ) -> "dict[str, torch.Tensor | None]":
     """Return the embeddings (1, input_width) of the named images; None for a missing one.
 
@@ -37,12 +40,18 @@ def embedded(
 
     Raises DataError if both are missing or one is not available.
     """
+    checkpoint()
     if not any(refs.values()):
         raise DataError("Choose a pair first: a VIS image, a TAC image or both.")
-    return {modality: of_ref(resources, ref, modality, question) if ref else None for modality, ref in refs.items()}
+    return {
+        modality: of_ref(resources, ref, modality, question) if ref else None
+        for modality, ref in refs.items()
+    }
 
 
-def of_ref(resources: Resources, ref: Ref, modality: str, question: Mapping[str, Any]) -> "torch.Tensor":
+def of_ref(
+    resources: Resources, ref: Ref, modality: str, question: Mapping[str, Any]
+) -> "torch.Tensor":
     """Return the embedding (1, input_width) of one image, as `embedded` does."""
     import torch
 
@@ -50,17 +59,26 @@ def of_ref(resources: Resources, ref: Ref, modality: str, question: Mapping[str,
     return moved(resources, question, modality, rows) if ref.kind == "image" else rows
 
 
-def moved(resources: Resources, question: Mapping[str, Any], modality: str, rows: "torch.Tensor") -> "torch.Tensor":
-    """Return rows (B, input_width) of a visitor's images, moved by the profile of a request, if any.
+def moved(
+    resources: Resources, question: Mapping[str, Any], modality: str, rows: "torch.Tensor"
+) -> "torch.Tensor":
+    """Return rows (B, input_width) of a visitor's images, moved by the profile of a request, if
+    any.
 
     Raises DataError if it does not fit the head, or the head has no profile of its source.
     """
     profile = profile_in(resources, question)
-    return rows if profile is None else resources.head_named(question.get("head")).moved(modality, rows, profile)
+    return (
+        rows
+        if profile is None
+        else resources.head_named(question.get("head")).moved(modality, rows, profile)
+    )
 
 
 def profile_in(resources: Resources, question: Mapping[str, Any]) -> "Profile | None":
-    """Return the profile named in a request; None without a name. Raises ForgottenError if it is not kept."""
+    """Return the profile named in a request; None without a name. Raises ForgottenError if it is
+    not kept.
+    """
     name = question.get("profile")
     found = resources.profiles.get(str(name)[:64]) if name else None
     if name and found is None:

@@ -1,7 +1,9 @@
-"""Replies to a request whose body is a picture: its name for later, a live prediction, or occlusion."""
+"""Replies to a request whose body is a picture: its name for later, a live prediction, or
+occlusion.
+"""
 
 import base64
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
@@ -14,6 +16,7 @@ from app.resources import Resources
 from app.state import Ref
 from app.teaching import head_taught
 from omnivat.kit.errors import DataError
+from omnivat.kit.progress import checkpoint
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -37,12 +40,16 @@ class Sent:
     other: Ref | None = None  # the other image of the pair; None to predict without it
     order: float | None = None  # p in quarter turns; None: the learned one
     name: str = "the image"
-    taught: str = ""  # name of a taught head, from `app.teaching.taught_name`; "": the head as trained
+    # name of a taught head, from `app.teaching.taught_name`; "": the head as trained
+    taught: str = ""
     profile: str = ""  # name of a profile, from `app.sensor`; "": images as they come
-    check: Callable[[], None] = lambda: None  # called regularly; an error it raises ends the work
 
-    def pair(self, resources: Resources, rows: "Mapping[str, Tensor]") -> "dict[str, Tensor | None]":
-        """Return the embeddings of both modalities: `rows` (B, W) of the pictures sent, and the other image."""
+    def pair(
+        self, resources: Resources, rows: "Mapping[str, Tensor]"
+    ) -> "dict[str, Tensor | None]":
+        """Return the embeddings of both modalities: `rows` (B, W) of the pictures sent, and the
+        other image.
+        """
         asked = {"profile": self.profile}
         pair: dict[str, Tensor | None] = {"vis": None, "tac": None}
         for own, some in rows.items():
@@ -55,8 +62,13 @@ class Sent:
 
 def taken(resources: Resources, sent: Sent) -> dict[str, Any]:
     """Embed an image; return its name and a small preview. The picture itself is not kept."""
-    ref, found = resources.take_image(sent.content, sent.name, sent.check)
-    return {"ref": str(ref), "width": found.width, "height": found.height, "preview": preview(found.image)}
+    ref, found = resources.take_image(sent.content, sent.name)
+    return {
+        "ref": str(ref),
+        "width": found.width,
+        "height": found.height,
+        "preview": preview(found.image),
+    }
 
 
 def preview(image: "Image.Image") -> str:
@@ -84,11 +96,14 @@ def live(resources: Resources, sent: Sent) -> dict[str, Any]:
     head, read = head_taught(resources, sent.taught), resources.shared.decoder.read
     with torch.inference_mode():
         pixels = {
-            one: for_modality(resources.encoder(), one).preprocess(read(part, sent.name, sent.check).image)
+            one: for_modality(resources.encoder(), one).preprocess(read(part, sent.name).image)
             for one, part in _parts(sent).items()
         }
         decoded = perf_counter()
-        rows = {one: for_modality(resources.encoder(), one).embed(some[None]) for one, some in pixels.items()}
+        rows = {
+            one: for_modality(resources.encoder(), one).embed(some[None])
+            for one, some in pixels.items()
+        }
         embedded = perf_counter()
         found = predict_one(head, sent.pair(resources, rows), sent.order)
     ms = {"read": decoded - began, "encoder": embedded - decoded, "head": perf_counter() - embedded}
@@ -105,7 +120,9 @@ def _parts(sent: Sent) -> dict[str, bytes | Path]:
         raise DataError(f"modality is '{sent.modality:.20}'; it is vis, tac or both.")
     whole = content.read_bytes() if isinstance(content, Path) else content
     if not 0 < sent.split < len(whole):
-        raise DataError(f"split is {sent.split}; give the bytes of the photo, before those of the touch.")
+        raise DataError(
+            f"split is {sent.split}; give the bytes of the photo, before those of the touch."
+        )
     return {"vis": whole[: sent.split], "tac": whole[sent.split :]}
 
 
@@ -124,7 +141,7 @@ def occlusion(resources: Resources, sent: Sent) -> dict[str, Any]:
     from omnivat.encoders.base import for_modality
 
     began = perf_counter()
-    image = resources.shared.decoder.read(sent.content, sent.name, sent.check).image
+    image = resources.shared.decoder.read(sent.content, sent.name).image
     image.thumbnail((SIDE, SIDE))
     encoder = for_modality(resources.encoder(), sent.modality)
     head = head_taught(resources, sent.taught)
@@ -132,7 +149,7 @@ def occlusion(resources: Resources, sent: Sent) -> dict[str, Any]:
         pixels = [encoder.preprocess(one) for one in (image, *hidden(image))]
         parts = []
         for few in torch.stack(pixels).split(AT_ONCE):
-            sent.check()
+            checkpoint()
             parts.append(encoder.embed(few))
         pair = sent.pair(resources, {sent.modality: torch.cat(parts)})
         probabilities = head.model(pair["vis"], pair["tac"], order=sent.order).probabilities
@@ -165,6 +182,9 @@ def over_cells(falls: list[list[float]]) -> list[list[float]]:
     """Return the mean decrease for each cell, over the parts that cover it."""
     covering = [range(max(0, k - PATCH + 1), min(len(falls), k + 1)) for k in range(CELLS)]
     return [
-        [round(sum(falls[r][c] for r in rows for c in columns) / (len(rows) * len(columns)), 6) for columns in covering]
+        [
+            round(sum(falls[r][c] for r in rows for c in columns) / (len(rows) * len(columns)), 6)
+            for columns in covering
+        ]
         for rows in covering
     ]

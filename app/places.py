@@ -25,7 +25,9 @@ class Places:
     drawn: int = DRAWN_PAIRS  # of a larger set so many pairs are drawn at random
 
 
-def places(head: Path | None = None, embeddings: Path | None = None, compare: Sequence[Path] = ()) -> Places:
+def places(
+    head: Path | None = None, embeddings: Path | None = None, compare: Sequence[Path] = ()
+) -> Places:
     """Return the locations of the project's own files or of given ones."""
     found = _places(EXAMPLES, head or default_head(), embeddings or default_embeddings())
     if head or embeddings:
@@ -34,7 +36,9 @@ def places(head: Path | None = None, embeddings: Path | None = None, compare: Se
 
 
 def shipped_places(name: str) -> Places:
-    """Return the locations of a set of the project; `omnivat.head.heads.shipped_sets` lists them."""
+    """Return the locations of a set of the project; `omnivat.head.heads.shipped_sets` lists
+    them.
+    """
     folder, embeddings = shipped_sets()[name]
     return _places(folder, folder / "head", embeddings)
 
@@ -62,7 +66,8 @@ def head_names(where: Places) -> dict[str, Path]:
 
 
 def find_examples(folder: Path) -> dict[str, dict[str, Path]]:
-    """Return the images of the complete pairs under `folder`: "domain/class/stem" -> modality -> file.
+    """Return the images of the complete pairs under `folder`: "domain/class/stem" -> modality ->
+    file.
 
     The files are `<domain>/<class>/<stem>_{vis,tac}.*`; a missing folder has none.
     """

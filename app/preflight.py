@@ -1,4 +1,5 @@
-"""The arguments of `python app.py`, and their check before the server starts: one sentence for a wrong one.
+"""The arguments of `python app.py`, and their check before the server starts: one sentence for a
+wrong one.
 
 A hosting service sets address, host names and framing by the environment.
 """
@@ -31,7 +32,13 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
     add("--embeddings", type=Path, help="embeddings file to show")
     add("--profile", type=Path, metavar="FILE", help="profile of your sensor (`omnivat profile`)")
     text = f"draw N pairs of a set that has more; {DRAWN_PAIRS:,} if left out"
-    add("--sample", type=partial(whole, MOST_PAIRS, NO_COUNT), default=DRAWN_PAIRS, metavar="N", help=text)
+    add(
+        "--sample",
+        type=partial(whole, MOST_PAIRS, NO_COUNT),
+        default=DRAWN_PAIRS,
+        metavar="N",
+        help=text,
+    )
     text = "a head to compare with the first; can be given several times"
     add("--compare", type=Path, action="append", default=[], metavar="DIR", help=text)
     text = f"address to listen on; ${NAME}, or this machine alone"
@@ -44,7 +51,11 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
     add("--allow-host", action="append", default=names, metavar="NAME", help=text)
     text = "let other pages show this one in a frame, for notebooks and hosted demos"
     add("--allow-framing", action="store_true", default=FRAMED in environ, help=text)
-    add("--api", action="store_true", help="open the API for programs, over HTTP and MCP (docs/api.md)")
+    add(
+        "--api",
+        action="store_true",
+        help="open the API for programs, over HTTP and MCP (docs/api.md)",
+    )
     add("--no-browser", action="store_true", default=hosted, help="do not open a browser")
     add("--desktop", action="store_true", help="open a separate window (needs pywebview)")
     return parser
@@ -56,14 +67,18 @@ def keeps_nothing(environ: Mapping[str, str]) -> bool:
 
 
 def whole(most: int, wrong: str, text: str) -> int:
-    """Return a number of the command line from 1 to `most`; raises ArgumentTypeError for anything else."""
+    """Return a number of the command line from 1 to `most`; raises ArgumentTypeError for
+    anything else.
+    """
     if not (text.isascii() and text.isdigit() and len(text) < 10 and 1 <= int(text) <= most):
         raise argparse.ArgumentTypeError(wrong.format(text, most))
     return int(text)
 
 
 def require_files(chosen: argparse.Namespace) -> None:
-    """Raise DataError for a named head or set that does not exist, or a profile that does not load."""
+    """Raise DataError for a named head or set that does not exist, or a profile that does not
+    load.
+    """
     if chosen.profile is not None:
         from omnivat.data.profile import load_profile
 
@@ -71,12 +86,13 @@ def require_files(chosen: argparse.Namespace) -> None:
     for folder in filter(None, (chosen.head, *chosen.compare)):
         if not (folder / "settings.json").is_file():
             raise DataError(
-                f"No head at '{folder}'. Train one with `python -m omnivat train --out {folder}`, or "
-                "name the folder of another."
+                f"No head at '{folder}'. Train one with `python -m omnivat train --out {folder}`,"
+                " or name the folder of another."
             )
     if chosen.embeddings is not None and not chosen.embeddings.is_file():
         raise DataError(
-            f"No embeddings file at '{chosen.embeddings}'. Make one with `python -m omnivat embed`, or name another."
+            f"No embeddings file at '{chosen.embeddings}'. Make one with `python -m omnivat embed`,"
+            " or name another."
         )
 
 
@@ -89,7 +105,8 @@ def free_port(host: str, port: int | None) -> int:
         family, _, _, _, place = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[0]
     except (OSError, UnicodeError) as error:
         raise SettingsError(
-            f"--host is '{host:.80}', which names no machine; leave it out, or give 0.0.0.0 to be reached by others."
+            f"--host is '{host:.80}', which names no machine; leave it out, or give 0.0.0.0 to be"
+            " reached by others."
         ) from error
     for one in [port] if port else PORTS:
         with socket.socket(family, socket.SOCK_STREAM) as probe:
@@ -101,7 +118,8 @@ def free_port(host: str, port: int | None) -> int:
                 if error.errno != errno.EADDRINUSE:
                     why = error.strerror or str(error)
                     raise SettingsError(
-                        f"Nothing can listen on '{host:.80}', port {one} ({why}); choose another --host or --port."
+                        f"Nothing can listen on '{host:.80}', port {one} ({why}); choose another"
+                        " --host or --port."
                     ) from error
     if port:
         raise SettingsError(f"Port {port} is in use; choose another --port, or leave it out.")

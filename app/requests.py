@@ -1,4 +1,6 @@
-"""Read requests safely (limited bytes, JSON objects, numbers); run each as a job that ends when its visitor leaves."""
+"""Read requests safely (limited bytes, JSON objects, numbers); run each as a job that ends when
+its visitor leaves.
+"""
 
 import asyncio
 import json
@@ -80,7 +82,9 @@ async def blocks(request: Request, limit: int, what: str) -> AsyncIterator[bytes
             raise StalledError(f"{what} did not arrive in time; send it again.") from error
         size += len(block)
         if size > limit:
-            raise TooLargeError(f"{what} is larger than {limit / 1e6:.3g} MB; scale it down and try again.")
+            raise TooLargeError(
+                f"{what} is larger than {limit / 1e6:.3g} MB; scale it down and try again."
+            )
         yield block
 
 
@@ -110,8 +114,12 @@ async def done(
     lane: str = "quick",
     deadline_s: float = QUESTION_S,
 ) -> T:
-    """Run `work` as a job of a lane, cancelled when the visitor disconnects; return its result or raise its error."""
-    job = jobs.start(work, lane=lane, visitor=visitor_of(request), priority=priority, deadline_s=deadline_s)
+    """Run `work` as a job of a lane, cancelled when the visitor disconnects; return its result
+    or raise its error.
+    """
+    job = jobs.start(
+        work, lane=lane, visitor=visitor_of(request), priority=priority, deadline_s=deadline_s
+    )
     end = asyncio.wrap_future(job.future)
     try:
         while not (await asyncio.wait({end}, timeout=LOOK_S))[0]:
@@ -124,7 +132,9 @@ async def done(
 
 
 @asynccontextmanager
-async def received(request: Request, scratch: Scratch, limit: int, what: str) -> AsyncIterator[Path]:
+async def received(
+    request: Request, scratch: Scratch, limit: int, what: str
+) -> AsyncIterator[Path]:
     """Yield a temporary file with the request's bytes; raises the errors of `blocks`."""
     file = scratch.folder("images") / os.urandom(8).hex()
     try:

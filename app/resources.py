@@ -10,7 +10,7 @@ from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING, Any
 
-from app.decoder import Check, Decoder, Picture
+from app.decoder import Decoder, Picture
 from app.frames_job import FramesJob
 from app.jobs import Jobs
 from app.limits import MAPPED_BYTES
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from omnivat.data.store import Embeddings
     from omnivat.encoders.base import Encoder
     from omnivat.head.checkpoint import Head
+    from omnivat.maps.frames import FrameSet
 
 log = logging.getLogger(__name__)
 KEPT_IMAGES = 512  # embeddings of uploaded images; about 5 kB each
@@ -35,23 +36,26 @@ KEPT_FEATURES = 6  # the whole set at one stage and order; some MB each
 
 
 class Shared:
-    """Shared by all heads and sets of a server: jobs, decoder, encoders. Making it loads nothing heavy."""
+    """Shared by all heads and sets of a server: jobs, decoder, encoders. Making it loads nothing
+    heavy.
+    """
 
     def __init__(self) -> None:
         self.jobs, self.decoder, self.scratch = Jobs(), Decoder(), Scratch()
         self._encoders: dict[str, Lazy[Encoder]] = {}
         self._lock = Lock()
 
-    def encoder(self, name: str, weights_hash: str = "") -> "Encoder":
-        """Return the encoder with that name and weights, loaded once for all.
+    def encoder(self, name: str, weights_hash: str = "", dots: str = "keep") -> "Encoder":
+        """Return the encoder with that name and weights, loaded once for all; `dots` as in
+        `load_encoder`.
 
         Its weights are read from their last known location; nothing is downloaded.
         """
         from omnivat.encoders.base import load_encoder
 
-        load = partial(load_encoder, name, weights_hash=weights_hash, download="no")
+        load = partial(load_encoder, name, weights_hash=weights_hash, download="no", dots=dots)
         with self._lock:
-            lazy = self._encoders.setdefault(f"{name} {weights_hash}", Lazy(load))
+            lazy = self._encoders.setdefault(f"{name} {weights_hash} {dots}", Lazy(load))
         return lazy()
 
     def close(self) -> None:
@@ -89,6 +93,7 @@ class Resources:
                 owner=owner,
                 ready=None if name else where.frames,
                 folder=where.computed,
+                spare=partial(self.shared.scratch.folder, "maps"),
                 drawn=where.drawn,
                 features=not name,
             )
@@ -97,6 +102,7 @@ class Resources:
         self.frames = self.frame_jobs[""]
         self.features: Recent[np.ndarray[Any, Any]] = Recent(KEPT_FEATURES)  # by stage and order
         self.results: Recent[dict[str, Any]] = Recent(KEPT_FEATURES)  # by method or tree
+        self.drawn_frames: Recent[FrameSet] = Recent(1)  # of the map, by file
         self.taught: Recent[Head] = Recent(KEPT_TAUGHT, own=True)  # from visitors' labelled pairs
         self.profiles: Recent[Profile] = Recent(KEPT_PROFILES, own=True)  # of visitors' sensors
         self._row_of: Lazy[dict[str, int]] = Lazy(self._rows_by_file)
@@ -107,7 +113,7 @@ class Resources:
     def holds(self) -> str:
         """A hash of the head and set; other or newer files have another one."""
         files = [self.where.embeddings, *(f / "weights.safetensors" for f in self.folders.values())]
-        return content_name(repr([_state_of(file) for file in files]).encode())
+        return content_name(repr([state_of(file) for file in files]).encode())
 
     def warm(self) -> None:
         """Load the head and the set, so that the first request is fast."""
@@ -118,24 +124,30 @@ class Resources:
                 log.warning("%s", error)
 
     def head_named(self, name: Any) -> "Head":
-        """Return the head named in a request, "" for the first one. Raises DataError if the page cannot use it."""
+        """Return the head named in a request, "" for the first one. Raises DataError if the page
+        cannot use it.
+        """
         require_name(name, self.heads)
         head = self.heads[name or ""]()
         if name and self.head().encoder != head.encoder:
             raise DataError(
-                f"The head '{name}' was trained with another encoder than the first one; compare heads of one encoder."
+                f"The head '{name}' was trained with another encoder than the first one; compare"
+                " heads of one encoder."
             )
         return head
 
     def embedding(self, ref: Ref, modality: str) -> "np.ndarray[Any, Any]":
         """Return the embedding (input_width,) of an image of the modality "vis" or "tac".
 
-        Raises DataError if there is no such image, ForgottenError if an uploaded one is no longer kept.
+        Raises DataError if there is no such image, ForgottenError if an uploaded one is no longer
+        kept.
         """
         if ref.kind == "row":
             count = len(self.embeddings())
             if not ref.name.isascii() or not ref.name.isdigit() or int(ref.name) >= count:
-                raise DataError(f"No pair has the number '{ref.name:.20}'; there are 0 to {count - 1}.")
+                raise DataError(
+                    f"No pair has the number '{ref.name:.20}'; there are 0 to {count - 1}."
+                )
             return self._from_set(int(ref.name), modality)
         if ref.kind == "example":
             file = self.example(ref.name, modality)
@@ -143,28 +155,39 @@ class Resources:
             if row is not None:
                 return self._from_set(row, modality)
             key = content_name(file.read_bytes())
-            found = self._shown.once(key, lambda: self._embedded(self.shared.decoder.read(file, ref.name)))
+            found = self._shown.once(
+                key, lambda: self._embedded(self.shared.decoder.read(file, ref.name))
+            )
             return _of(found, modality)
         kept = self._sent.get(ref.name)
         if kept is None:
             raise ForgottenError("The server no longer has this image; send it again.")
         return _of(kept, modality)
 
-    def take_image(self, source: bytes | Path, name: str, check: Check = lambda: None) -> tuple[Ref, Picture]:
-        """Embed an image from bytes or a file; return its reference and the decoded picture, as `Decoder.read` does."""
+    def take_image(self, source: bytes | Path, name: str) -> tuple[Ref, Picture]:
+        """Embed an image from bytes or a file; return its reference and the decoded picture, as
+        `Decoder.read` does.
+        """
         key = content_name(source if isinstance(source, bytes) else source.read_bytes())
-        found = self.shared.decoder.read(source, name, check)
+        found = self.shared.decoder.read(source, name)
         self._sent.once(key, lambda: self._embedded(found))
         return Ref("image", key), found
 
     def _embedded(self, found: Picture) -> "np.ndarray[Any, Any]":
         import numpy as np
 
-        from omnivat.encoders.base import for_modality
+        from omnivat.encoders.base import DotsFilled, for_modality
 
-        # One vector, or VIS and TAC if each modality has its own encoder.
-        encoders = dict.fromkeys(for_modality(self.encoder(), name) for name in ("vis", "tac"))
-        rows = [one.embed(one.preprocess(found.image)[None])[0].numpy() for one in encoders]
+        # One vector, or VIS and TAC if each modality has its own encoder, or dots were filled in
+        # TAC.
+        encoder = self.encoder()
+        encoders = list(dict.fromkeys(for_modality(encoder, name) for name in ("vis", "tac")))
+        pixels = [one.preprocess(found.image) for one in encoders]
+        if isinstance(encoder, DotsFilled) and encoder.one_network and pixels[0].equal(pixels[1]):
+            del encoders[1:]
+        rows = [
+            one.embed(some[None])[0].numpy() for one, some in zip(encoders, pixels, strict=False)
+        ]
         return rows[0] if len(rows) == 1 else np.stack(rows)
 
     def _from_set(self, row: int, modality: str) -> "np.ndarray[Any, Any]":
@@ -177,7 +200,9 @@ class Resources:
         return np.array(plain[row], np.float32)
 
     def example(self, name: str, modality: str) -> Path:
-        """Return the image of an example, "vis" or "tac". Raises DataError if there is no such example."""
+        """Return the image of an example, "vis" or "tac". Raises DataError if there is no such
+        example.
+        """
         if name not in self.examples():
             raise DataError(f"No example is called '{name:.80}'; pick one of the gallery.")
         return self.examples()[name][modality]
@@ -204,7 +229,10 @@ class Resources:
 
     def _load_encoder(self) -> "Encoder":
         wanted = self.head().encoder
-        encoder = self.shared.encoder(wanted["name"], wanted["weights_hash"])
+        from omnivat.data.dots import dots_of
+
+        dots = dots_of(wanted["preprocessing"])
+        encoder = self.shared.encoder(wanted["name"], wanted["weights_hash"], dots)
         made = (encoder.name, encoder.weights_hash, encoder.preprocessing)
         self.head().require(made, encoder.width, what="Images encoded here")
         return encoder
@@ -247,7 +275,7 @@ def _pairs_in(file: Path) -> int:
         return 0
 
 
-def _state_of(file: Path) -> tuple[str, int, int]:
+def state_of(file: Path) -> tuple[str, int, int]:
     """Return the identity of a file: path, size and modification time."""
     try:
         found = file.stat()

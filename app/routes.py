@@ -15,13 +15,12 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
-from app import sensor, teaching
+from app import about, nodes, predictors, sensor, teaching
 from app.api import api_routes
 from app.components import WEB
 from app.familiar import familiar, first
 from app.map_place import place
 from app.mcp import mcp
-from app.measuring import measured
 from app.messages import Handler, in_sentences, refusal
 from app.modes import mode_files, modes
 from app.requests import done, question_of, set_of
@@ -29,7 +28,7 @@ from app.resources import Resources, require_name
 from app.saving import save_figure
 from app.training import Trainings
 from app.uploads import upload_routes
-from app.views import compare, data, explore, pair, tree
+from app.views import explore, pair
 from app.visitor_sets import VisitorSets
 
 Computed = Callable[[Resources, Mapping[str, Any]], dict[str, Any]]
@@ -37,13 +36,12 @@ QUESTIONS: dict[str, Computed] = {
     "pair": pair.predicted,
     "many": pair.many,
     "attention": pair.attention,
-    "tree": tree.tree,
-    "votes": tree.votes,
+    "tree": nodes.tree,
+    "votes": nodes.votes,
     "neighbours": explore.neighbours,
     "ladder": explore.ladder,
     "place": place,
-    "predictions": compare.predictions,
-    "measure": measured,
+    "predictions": predictors.predictions,
     "familiar": familiar,
     "profile": sensor.profile,
     "teach": teaching.teach,
@@ -56,17 +54,17 @@ DOWNLOADS: dict[str, Callable[[Resources, Mapping[str, Any]], bytes]] = {
     "save/figure": save_figure,
 }
 FACTS: dict[str, Callable[[Resources], Any]] = {
-    "about": data.about,
-    "fit": data.fit,
-    "heads": compare.heads,
-    "matrix": compare.matrix,
+    "about": about.about,
+    "fit": about.fit,
+    "glossary": about.glossary,
+    "heads": predictors.heads,
     "modes": modes,
     "first": first,
     "pairs": explore.pairs,
     "toy": explore.mechanism,
     "unseen": explore.unseen,
-    "centred/pca": partial(explore.centred, method="pca"),
-    "centred/umap": partial(explore.centred, method="umap"),
+    "twins": explore.twins,
+    "twins/map": explore.twins_map,
     "examples": pair.gallery,
 }
 TYPES = {".js": "text/javascript", ".css": "text/css"}
@@ -86,11 +84,15 @@ def routes(first: Resources, *, api: bool = False) -> list[Route]:
         "/omnivat/frames": partial(frames, sets),
         "/omnivat/thumbnails.{kind}": partial(thumbnails, sets),
         "/omnivat/example/{name:path}": partial(example_image, sets),
+        "/omnivat/twins/{name}.webp": twin_picture,
         **{f"/omnivat/{name}": partial(facts, sets, found) for name, found in FACTS.items()},
     }
     questions = {**QUESTIONS, "trainings": trainings.offers, "train": trainings.start}
     posts: dict[str, Handler] = {
-        **{f"/omnivat/{name}": partial(compute, sets, computed) for name, computed in questions.items()},
+        **{
+            f"/omnivat/{name}": partial(compute, sets, computed)
+            for name, computed in questions.items()
+        },
         **{f"/omnivat/{name}": partial(download, sets, made) for name, made in DOWNLOADS.items()},
         "/omnivat/training": partial(look, trainings.state),
         "/omnivat/training/cancel": partial(look, trainings.cancel),
@@ -118,20 +120,25 @@ def web_files() -> dict[str, Path]:
     return {p.relative_to(WEB).as_posix(): p for p in WEB.rglob("*") if p.suffix in TYPES}
 
 
-def file_response(request: Request, file: Path, headers: Mapping[str, str] = FRESH, **options: Any) -> Response:
+def file_response(
+    request: Request, file: Path, headers: Mapping[str, str] = FRESH, **options: Any
+) -> Response:
     """Serve a file with `headers`, or 304 if the browser has the current version."""
     headers = {**FRESH, **headers}
     sent = FileResponse(file, stat_result=file.stat(), headers=headers, **options)
     tag = sent.headers["etag"]
     if tag not in request.headers.get("if-none-match", ""):
         return sent
-    return Response(status_code=304, headers={**headers, "ETag": tag}, background=options.get("background"))
+    return Response(
+        status_code=304, headers={**headers, "ETag": tag}, background=options.get("background")
+    )
 
 
 async def frames(sets: VisitorSets, request: Request) -> Response:
     """Serve the frames of a head, or their progress (202), or the reason of a failure (404).
 
-    A header marks frames of which finer ones will follow. Then head and set load, so that the first request is fast.
+    A header marks frames of which finer ones will follow. Then head and set load, so that the first
+    request is fast.
     """
     resources = set_of(sets, request)
     if mode := request.query_params.get("mode", ""):  # another one than the loaded head's
@@ -151,8 +158,13 @@ async def frames(sets: VisitorSets, request: Request) -> Response:
             "text": ", ".join(filter(None, (state.step.text, state.step.left))),
         }
         return JSONResponse({"step": step, "ready": state.file is not None}, status_code=202)
-    headers = {"X-Frames": "coarse" if state.step else "fine", "X-Thumbnails": "sheet" if sheet(resources) else "none"}
-    return frames_response(request, resources, state.file, headers, background=BackgroundTask(resources.warm))
+    headers = {
+        "X-Frames": "coarse" if state.step else "fine",
+        "X-Thumbnails": "sheet" if sheet(resources) else "none",
+    }
+    return frames_response(
+        request, resources, state.file, headers, background=BackgroundTask(resources.warm)
+    )
 
 
 def frames_response(
@@ -166,7 +178,9 @@ def frames_response(
 async def thumbnails(sets: VisitorSets, request: Request) -> Response:
     """Serve the thumbnail sheet or its description; sets without one show names only."""
     sprite = sheet(set_of(sets, request))
-    file = {"webp": sprite, "json": sprite.with_suffix(".json") if sprite else None}.get(request.path_params["kind"])
+    file = {"webp": sprite, "json": sprite.with_suffix(".json") if sprite else None}.get(
+        request.path_params["kind"]
+    )
     if file is None:
         return refusal("This set has no thumbnails; the page shows names instead.", 404)
     return file_response(request, file)
@@ -176,6 +190,14 @@ def sheet(resources: Resources) -> Path | None:
     """Return the set's sheet of thumbnails; None if it has none."""
     sprite = None if resources.drawn() else resources.where.sprite  # its pairs are in another order
     return sprite if sprite and sprite.is_file() and sprite.with_suffix(".json").is_file() else None
+
+
+async def twin_picture(request: Request) -> Response:
+    """Serve a sheet of the twins' pictures."""
+    file = explore.twin_pictures().get(f"{request.path_params['name']}.webp")
+    if file is None:
+        return refusal("There is no such sheet of pictures.", 404)
+    return file_response(request, file)
 
 
 async def example_image(sets: VisitorSets, request: Request) -> Response:
@@ -201,7 +223,10 @@ def in_json(value: Any, resources: Resources) -> Response:
             return JSONResponse(value, headers=headers)
         return Response(content, media_type="application/json", headers=headers)
     except ValueError:
-        return refusal("The head gives values that are not finite numbers; its weights are damaged. Train it again.")
+        return refusal(
+            "The head gives values that are not finite numbers; its weights are damaged. Train it"
+            " again."
+        )
 
 
 async def facts(sets: VisitorSets, found: Callable[[Resources], Any], request: Request) -> Response:
@@ -213,7 +238,9 @@ async def facts(sets: VisitorSets, found: Callable[[Resources], Any], request: R
 async def compute(sets: VisitorSets, computed: Computed, request: Request) -> Response:
     """Run one JSON request as a job."""
     resources, question = set_of(sets, request), await question_of(request)
-    return in_json(await done(request, sets.shared.jobs, lambda _: computed(resources, question)), resources)
+    return in_json(
+        await done(request, sets.shared.jobs, lambda _: computed(resources, question)), resources
+    )
 
 
 async def download(

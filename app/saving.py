@@ -39,11 +39,16 @@ def set_zip(embeddings: "Embeddings", name: str) -> bytes:
     """Return a zip of an embeddings file and its manifest, in a folder called `name`."""
     from omnivat.data.store import save_embeddings
 
-    return _zipped(lambda folder: save_embeddings(folder / "embeddings.safetensors", embeddings), name, SET_NOTE)
+    return _zipped(
+        lambda folder: save_embeddings(folder / "embeddings.safetensors", embeddings),
+        name,
+        SET_NOTE,
+    )
 
 
 def save_figure(resources: Resources, question: Mapping[str, Any]) -> bytes:
-    """Return the open map, the curves against p and the staircase as one HTML page without a server.
+    """Return the open map, the curves against p and the staircase as one HTML page without a
+    server.
 
     question  {"order": p or None, "stage", "map", "colour", "mode": as in the page's address}
 
@@ -54,7 +59,9 @@ def save_figure(resources: Resources, question: Mapping[str, Any]) -> bytes:
     from omnivat.maps.frames import read_frames
     from omnivat.maps.frames.records import FEATURES
 
-    file = mode_files(resources.where).get(str(question.get("mode"))) or resources.frames.state().file
+    file = (
+        mode_files(resources.where).get(str(question.get("mode"))) or resources.frames.state().file
+    )
     if file is None:
         raise DataError("The map is not ready yet; save it when it is shown.")
     frames = read_frames(file)

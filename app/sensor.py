@@ -27,8 +27,8 @@ def profile(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]
     question  {"photos", "touches": references, at most MOST_AT_ONCE; "profile": one to add to}
     return    `profile`, its name, and `counts` of pictures by modality
 
-    Raises DataError for no images or too many, or a head without its source's profile; ForgottenError
-    for an image that is not kept.
+    Raises DataError for no images or too many, or a head without its source's profile;
+    ForgottenError for an image that is not kept.
     """
     import numpy as np
 
@@ -43,7 +43,9 @@ def profile(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]
         raise DataError(f"Send 1 to {MOST_AT_ONCE} pictures of your sensor at a time.")
     channels = dict(before.channels) if before else {}
     for name, some in given.items():
-        rows = [resources.embedding(ref, name) for one in some if (ref := ref_from(one)) is not None]
+        rows = [
+            resources.embedding(ref, name) for one in some if (ref := ref_from(one)) is not None
+        ]
         if rows:
             found = channels_of(np.stack(rows))
             channels[name] = joined(channels[name], found) if name in channels else found
@@ -78,7 +80,9 @@ def save_sensor(resources: Resources, question: Mapping[str, Any]) -> bytes:
 
 
 def load_sensor(resources: Resources, file: Path) -> dict[str, Any]:
-    """Keep a saved profile; return as `profile` does. Raises DataError if it does not fit the head."""
+    """Keep a saved profile; return as `profile` does. Raises DataError if it does not fit the
+    head.
+    """
     from omnivat.data.profile import load_profile, require_key
 
     found = load_profile(file)

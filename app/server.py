@@ -7,7 +7,7 @@ import signal
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
+from functools import partial, partialmethod
 from importlib import import_module
 from threading import Lock
 from time import monotonic
@@ -17,6 +17,7 @@ from typing import Any
 from app.components import WEB, component, head, theme
 from app.guard import Guard, alone, rules, warning
 from app.light import light_imports
+from app.limits import CONNECTIONS
 from app.preflight import free_port, keeps_nothing, parser, require_files
 from app.scratch import sweep
 from app.views import VIEWS
@@ -28,13 +29,13 @@ LINES, LONGEST, TRACEBACKS = 60, 300, 50  # a minute; characters of a line; of o
 
 
 class Bounded(logging.Filter):
-    """Lets LINES lines a minute through, and the traceback of one place once."""
+    """Lets LINES lines a minute through, and the traceback of one error at one place once."""
 
     def __init__(self) -> None:
         super().__init__()
         self._lock = Lock()
         self._minute, self._lines = -1, 0
-        self._seen: set[tuple[str, int]] = set()
+        self._seen: set[tuple[str, int, str]] = set()
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Shorten a record; False if the minute has had its lines."""
@@ -47,10 +48,14 @@ class Bounded(logging.Filter):
             if self._lines == LINES:
                 record.msg, record.args = "the log leaves out the rest of this minute", ()
             trace = record.exc_info[2] if record.exc_info else None
-            *_, place = [("", 0), *((frame.f_code.co_filename, line) for frame, line in walk_tb(trace))]
-            if place in self._seen or len(self._seen) >= TRACEBACKS:
+            *_, place = [
+                ("", 0),
+                *((frame.f_code.co_filename, line) for frame, line in walk_tb(trace)),
+            ]
+            error = (*place, repr(record.exc_info[1])[:LONGEST] if record.exc_info else "")
+            if error in self._seen or len(self._seen) >= TRACEBACKS:
                 record.exc_info = record.exc_text = None
-            self._seen.add(place)
+            self._seen.add(error)
         record.msg, record.args = printable(record.getMessage())[:LONGEST], ()
         return True
 
@@ -83,11 +88,12 @@ def build() -> Any:
 def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any) -> Any:
     """Serve the page until it is stopped; with `prevent_thread_lock`, return at once."""
     from starlette.middleware import Middleware
+    from uvicorn import Config
 
-    from app.connections import install
     from app.routes import routes
 
-    install()
+    # Gradio starts uvicorn without settings of its own
+    Config.__init__ = partialmethod(Config.__init__, ws="none", **CONNECTIONS)  # type: ignore[method-assign, assignment]
     guarded = rules(arguments.host, arguments.allow_host, framed=arguments.allow_framing)
     return page.launch(
         server_name=arguments.host,
@@ -115,7 +121,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the page until it is stopped."""
     chosen = parser().parse_args(arguments)
     os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
-    os.environ.setdefault("OMP_WAIT_POLICY", "passive")  # torch's idle threads sleep: visitors share the processors
+    # torch's idle threads sleep: visitors share the processors
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
     start_log()
     from app.places import places
     from app.resources import Resources, Shared

@@ -1,8 +1,8 @@
 """`python -m omnivat export --site DIR`: the page as a folder for any plain file server.
 
-The folder holds the page's own scripts, the server's replies that are always the same, as files named
-by their content, and the models with which the browser computes the others. Only `index.html` and
-`sw.js` keep their names from one export to the next.
+The folder holds the page's own scripts, the server's replies that are always the same, as files
+named by their content, and the models with which the browser computes the others. Only `index.html`
+and `sw.js` keep their names from one export to the next.
 """
 
 import json
@@ -19,11 +19,12 @@ from app.export import document, frames_file, html_of, set_files
 from app.messages import without_places
 from app.modes import modes
 from app.places import Places
+from app.predictors import METHODS
 from app.resources import Resources
 from app.routes import FACTS, QUESTIONS, web_files
 from app.site_models import files_in, write_models
 from app.state import content_name
-from app.views import VIEWS, compare, explore
+from app.views import VIEWS, explore
 from app.visitor_sets import VisitorSets
 from omnivat.head.heads import shipped_sets
 from omnivat.kit.errors import DataError, SettingsError, WriteError
@@ -85,8 +86,9 @@ def export_site(
     runtime  a folder with the npm package onnxruntime-web for that; None: it is fetched
     return   file -> bytes
 
-    A folder that an earlier export wrote is replaced; what was added to it stays. Raises WriteError for any other
-    folder that is not empty, SettingsError for an unknown set, DataError if head and set do not fit.
+    A folder that an earlier export wrote is replaced; what was added to it stays. Raises WriteError
+    for any other folder that is not empty, SettingsError for an unknown set, DataError if head and
+    set do not fit.
     """
     there = earlier_files(out)
     desks = visitor_sets(where, sets)
@@ -116,7 +118,9 @@ def earlier_files(out: Path) -> set[str]:
     try:
         return {MARK, *json.loads((out / MARK).read_text(encoding="utf-8"))["files"]}
     except (OSError, ValueError, KeyError, TypeError) as error:
-        raise WriteError(f"'{out}' holds files that no export wrote; name an empty or a new folder.") from error
+        raise WriteError(
+            f"'{out}' holds files that no export wrote; name an empty or a new folder."
+        ) from error
 
 
 def visitor_sets(where: Places, sets: Sequence[str] | None) -> dict[str, Resources]:
@@ -126,7 +130,9 @@ def visitor_sets(where: Places, sets: Sequence[str] | None) -> dict[str, Resourc
         raise SettingsError(f"No set is called '{min(unknown):.40}'; there are {', '.join(known)}.")
     desks = VisitorSets(Resources(where))
     home = next((name for name in known if desks.named(name) is desks.first), OWN)
-    return {home: desks.first} | {n: desks.named(n) for n in (known if sets is None else sets) if n != home}
+    return {home: desks.first} | {
+        n: desks.named(n) for n in (known if sets is None else sets) if n != home
+    }
 
 
 def fill(folder: Path, desks: Mapping[str, Resources], models: str, on_step: OnStep) -> None:
@@ -157,15 +163,19 @@ def fill(folder: Path, desks: Mapping[str, Resources], models: str, on_step: OnS
     write_text(folder / "sw.js", worker(folder))
 
 
-def replies(resources: Resources, desks: Container[str]) -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
+def replies(
+    resources: Resources, desks: Container[str]
+) -> Iterator[tuple[str, Callable[[], dict[str, Any]]]]:
     """Yield the requests about a set whose replies are always the same, each with its function."""
     for name, found in FACTS.items():
-        yield name, partial(modes, resources, desks) if name == "modes" else partial(found, resources)
-    sources = ["", *explore.ladder(resources, {"source": ""})["sources"]]
+        yield (
+            name,
+            partial(modes, resources, desks) if name == "modes" else partial(found, resources),
+        )
     for path, question in (
         ("votes", {"head": ""}),
-        *(("predictions", {"method": method}) for method in compare.METHODS),
-        *(("ladder", {"source": source}) for source in sources),
+        *(("predictions", {"method": method}) for method in METHODS),
+        ("ladder", {"source": ""}),
     ):
         body = json.dumps(question, ensure_ascii=False, separators=(",", ":"))
         yield f"{path} {body}", partial(QUESTIONS[path], resources, question)
@@ -174,6 +184,7 @@ def replies(resources: Resources, desks: Container[str]) -> Iterator[tuple[str, 
 def whole_files(resources: Resources, on_step: OnStep) -> dict[str, Path]:
     """Return the files of a set, by request: frames, thumbnails, pictures of the examples."""
     found = set_files(resources, frames_file(resources.where, on_step))
+    found |= {f"/twins/{name}": file for name, file in explore.twin_pictures().items()}
     for name, images in resources.examples().items():
         found |= {f"/example/{name}/{modality}": file for modality, file in images.items()}
     return found
@@ -194,8 +205,14 @@ def page(web: str, held: Mapping[str, Any]) -> str:
     buttons, panels = "", []
     for name in VIEWS:
         title, tab = escape(import_module(f"app.views.{name}").TITLE), f'id="view-{name}'
-        buttons += f'<button type="button" role="tab" {tab}-button" aria-controls="view-{name}">{title}</button>'
-        panels.append(f'<div {tab}" role="tabpanel" aria-labelledby="view-{name}-button" hidden>{html_of(name)}</div>')
+        buttons += (
+            f'<button type="button" role="tab" {tab}-button"'
+            f' aria-controls="view-{name}">{title}</button>'
+        )
+        panels.append(
+            f'<div {tab}" role="tabpanel" aria-labelledby="view-{name}-button"'
+            f" hidden>{html_of(name)}</div>"
+        )
     return document(
         head=f"""<meta http-equiv="Content-Security-Policy" content="{POLICY}">
 <title>OmniVaT</title>
@@ -212,10 +229,15 @@ def page(web: str, held: Mapping[str, Any]) -> str:
 
 
 def worker(folder: Path) -> str:
-    """Return the service worker with the names of its files: first, of any visit; rest, fetched once that has begun."""
+    """Return the service worker with the names of its files: first, of any visit; rest, fetched
+    once that has begun.
+    """
     names = sorted(p.relative_to(folder).as_posix() for p in files_in(folder) if p.parent != folder)
     first = [name for name in names if name.startswith("web-")]
-    rest = sorted((name for name in names if not name.startswith("web-")), key=lambda name: "-example-" in name)
+    rest = sorted(
+        (name for name in names if not name.startswith("web-")),
+        key=lambda name: "-example-" in name,
+    )
     kept = {"first": first, "rest": rest}
     script = (WEB / "site" / "sw.js").read_text(encoding="utf-8")
     return f"globalThis.omnivatSite = {json.dumps(kept)};\n{script}"

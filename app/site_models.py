@@ -38,7 +38,10 @@ COPIED = (  # for familiarity, profiles, and saving a taught head
 
 
 def write_models(
-    desks: Mapping[str, Resources], folder: Path, runtime: Path | None = None, on_step: OnStep = ignore
+    desks: Mapping[str, Resources],
+    folder: Path,
+    runtime: Path | None = None,
+    on_step: OnStep = ignore,
 ) -> str:
     """Write all that the routes of Try a pair need into a new folder of `folder`; return its name.
 
@@ -63,7 +66,9 @@ def files_in(folder: Path) -> list[Path]:
 
 
 def pack(file: Path) -> None:
-    """Replace a file by its gzip, whose bytes depend on nothing else; a plain server packs nothing."""
+    """Replace a file by its gzip, whose bytes depend on nothing else; a plain server packs
+    nothing.
+    """
     with replacing(file.with_name(f"{file.name}.gz")) as packed:
         packed.write_bytes(compress(file.read_bytes(), 9, mtime=0))
     file.unlink()
@@ -80,14 +85,20 @@ def write_set(resources: Resources, folder: Path) -> None:
     files = {name: name or "first" for name in resources.folders}
     index, of = training_pairs(resources)
     for start in range(0, len(embeddings), PART):
-        rows = {n: np.asarray(getattr(embeddings, n)[start : start + PART]).astype(np.float16) for n in IMAGES}
+        rows = {
+            n: np.asarray(getattr(embeddings, n)[start : start + PART]).astype(np.float16)
+            for n in IMAGES
+        }
         with replacing(folder / f"set-{start // PART}.safetensors") as file:
             save_file(rows, file)
     for name in COPIED:
         if first.path and (first.path / name).is_file():
             shutil.copyfile(first.path / name, folder / name)
     record = {
-        "heads": {name: _write_head(resources.head_named(name), folder, file) for name, file in files.items()},
+        "heads": {
+            name: _write_head(resources.head_named(name), folder, file)
+            for name, file in files.items()
+        },
         "encoder": write_encoder(resources, folder.parent),
         "key": dict(first.encoder),
         "width": embeddings.width,
@@ -107,8 +118,12 @@ def write_set(resources: Resources, folder: Path) -> None:
 
 
 def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
-    """Write the encoder of a set's head and return how the page uses it; None for one that needs Python."""
+    """Write the encoder of a set's head and return how the page uses it; None for one that needs
+    Python.
+    """
+    from omnivat.data.dots import dots_of
     from omnivat.data.strips import ENCODER as STRIP
+    from omnivat.encoders.base import for_modality
     from omnivat.encoders.efficientnet import MEAN, NAME, STD, EfficientNetLite0
 
     wanted = resources.head().encoder
@@ -117,10 +132,11 @@ def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
     if wanted["name"] != NAME:
         return None
     file = folder / f"encoder-{wanted['weights_hash']}.onnx"
-    encoder = resources.encoder()
+    encoder = for_modality(resources.encoder(), "vis")
     if not file.is_file() and isinstance(encoder, EfficientNetLite0):
         encoder.write_onnx(file)
-    return {"kind": "onnx", "file": file.name, "mean": MEAN, "std": STD}
+    dots = dots_of(wanted["preprocessing"])
+    return {"kind": "onnx", "file": file.name, "mean": MEAN, "std": STD, "dots": dots}
 
 
 def _write_head(head: "Head", folder: Path, name: str) -> dict[str, Any]:

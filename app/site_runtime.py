@@ -17,7 +17,9 @@ from omnivat.kit.files import cache_folder, replacing
 PACKAGE, VERSION = "onnxruntime-web", "1.30.0"
 FILES = {  # SHA-256 of the pinned version
     "ort.wasm.bundle.min.mjs": "11e64bd8ffe11bd1a2a2f0d6275fdfbbba7262f0b76b99b53d228a8a22ef3d90",
-    "ort-wasm-simd-threaded.wasm": "3398c10d07d229bd91b364548e130e0e51a8e5704b88c7c083ebbeb78842dee2",
+    "ort-wasm-simd-threaded.wasm": (
+        "3398c10d07d229bd91b364548e130e0e51a8e5704b88c7c083ebbeb78842dee2"
+    ),
 }
 FETCH_S = 300
 
@@ -31,7 +33,9 @@ def write_runtime(folder: Path, given: Path | None = None) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name in FILES:
         if not (source / name).is_file():
-            raise DataError(f"'{source}' holds no {name}; name the folder of the npm package {PACKAGE}.")
+            raise DataError(
+                f"'{source}' holds no {name}; name the folder of the npm package {PACKAGE}."
+            )
         with replacing(folder / name) as file:
             shutil.copyfile(source / name, file)
 
@@ -62,6 +66,6 @@ def _fetched() -> Path:
 
 def _unreachable(why: str) -> DataError:
     return DataError(
-        f"A site needs the runtime {PACKAGE} {VERSION}, and {why}. Fetch that package elsewhere, and "
-        "name its folder with --runtime."
+        f"A site needs the runtime {PACKAGE} {VERSION}, and {why}. Fetch that package elsewhere,"
+        " and name its folder with --runtime."
     )

@@ -1,10 +1,11 @@
-"""References in requests (a pair of the set, an example, or an uploaded image), and what the server keeps.
+"""References in requests (a pair of the set, an example, or an uploaded image), and what the server
+keeps.
 
 Of uploaded images, the server keeps only embeddings, named by a hash of their content. A visitor
 finds only what came from its own address.
 """
 
-from collections import Counter, OrderedDict
+from collections import OrderedDict
 from collections.abc import Callable
 from contextvars import ContextVar
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from threading import Lock
 from typing import Any, Generic, TypeVar
 
 from omnivat.kit.errors import DataError
+from omnivat.kit.progress import checkpoint
 from omnivat.kit.stages import optional_order
 
 
@@ -43,7 +45,9 @@ class Ref:
 
 
 def ref_from(value: Any) -> Ref | None:
-    """Return the image reference in a request; None if it is left out. Raises DataError for anything else."""
+    """Return the image reference in a request; None if it is left out. Raises DataError for
+    anything else.
+    """
     if value is None or value == "":
         return None
     if not isinstance(value, str) or len(value) > LONGEST_NAME:
@@ -61,7 +65,9 @@ def content_name(content: bytes) -> str:
 
 
 class Lazy(Generic[V]):
-    """Holds the result of `make`, computed on first use by any thread. After a failure, the next use tries again."""
+    """Holds the result of `make`, computed on first use by any thread. After a failure, the next
+    use tries again.
+    """
 
     def __init__(self, make: Callable[[], V]) -> None:
         self._make, self._lock = make, Lock()
@@ -80,13 +86,11 @@ class Recent(Generic[V]):
 
     own   a visitor finds only its own values
     room  the most bytes of all values; the newest may be above
-
-    With either, the visitor with the largest share loses a value first.
     """
 
     def __init__(self, limit: int, *, own: bool = False, room: int = 0) -> None:
         self._limit, self._own, self._room = limit, own, room
-        self._values: OrderedDict[tuple[str, str], tuple[V, str, int]] = OrderedDict()  # value, visitor, bytes
+        self._values: OrderedDict[tuple[str, str], tuple[V, int]] = OrderedDict()  # value, bytes
         self._lock = Lock()
 
     def get(self, name: str) -> V | None:
@@ -101,27 +105,26 @@ class Recent(Generic[V]):
     def keep(self, name: str, value: V, size: int = 0) -> list[V]:
         """Keep `value` of `size` bytes; return the values that are dropped for it."""
         dropped: list[V] = []
-        key, visitor = self._key(name), VISITOR.get() if self._own or self._room else ""
+        key = self._key(name)
         with self._lock:
-            self._values[key] = value, visitor, size
+            self._values[key] = value, size
             self._values.move_to_end(key)
-            while len(self._values) > 1 and (len(self._values) > self._limit or 0 < self._room < self._bytes()):
-                shares: Counter[str] = Counter()
-                for _, one, its in self._values.values():
-                    shares[one] += its + max(1, self._room // self._limit)
-                old = min([*self._values][:-1], key=lambda name: -shares[self._values[name][1]])  # the first of equals
-                dropped.append(self._values.pop(old)[0])
+            while len(self._values) > 1 and (
+                len(self._values) > self._limit or 0 < self._room < self._bytes()
+            ):
+                dropped.append(self._values.popitem(last=False)[1][0])
         return dropped
 
     def once(self, name: str, make: Callable[[], V]) -> V:
         """Return the value called `name`; make and keep it if it is not kept."""
         kept = self.get(name)
         if kept is None:
+            checkpoint()
             self.keep(name, kept := make())
         return kept
 
     def _bytes(self) -> int:
-        return sum(size for _, _, size in self._values.values())
+        return sum(size for _, size in self._values.values())
 
     def _key(self, name: str) -> tuple[str, str]:
         return VISITOR.get() if self._own else "", name

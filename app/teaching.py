@@ -9,9 +9,11 @@ from app.resources import Resources
 from app.saving import head_zip, set_zip
 from app.state import ForgottenError, content_name
 from omnivat.kit.errors import DataError
+from omnivat.kit.stages import IMAGES
 
 if TYPE_CHECKING:
     from omnivat.data.store import Embeddings
+    from omnivat.head.calibration import Familiarity
     from omnivat.head.checkpoint import Head
     from omnivat.head.teach import Lesson
 
@@ -21,7 +23,9 @@ DOMAIN = "My pairs"
 
 
 def lessons_in(question: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """Return the labelled pairs in a request: [{"vis", "tac", "label"}, …]; raises DataError for anything else."""
+    """Return the labelled pairs in a request: [{"vis", "tac", "label"}, …]; raises DataError for
+    anything else.
+    """
     given = question.get("lessons") or []
     if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
         raise DataError("lessons has to be a list of pairs with a label each.")
@@ -33,11 +37,13 @@ def lessons_in(question: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     for one in given:
         label = one.get("label")
         if not isinstance(label, str) or not 0 < len(label.strip()) <= LONGEST_LABEL:
-            raise DataError(f"A label is {label!r:.60}; give a name of 1 to {LONGEST_LABEL} letters.")
+            raise DataError(
+                f"A label is {label!r:.60}; give a name of 1 to {LONGEST_LABEL} letters."
+            )
         if mixed(refs_from(one)):
             raise DataError(
-                f"The photo and the touch labelled '{label}' come from different pairs; label pairs "
-                "of two pictures of one object."
+                f"The photo and the touch labelled '{label}' come from different pairs; label pairs"
+                " of two pictures of one object."
             )
     return given
 
@@ -49,7 +55,9 @@ def head_for(resources: Resources, question: Mapping[str, Any]) -> "Head":
         return head
     from omnivat.head.teach import taught
 
-    return resources.taught.once(_name(question), lambda: taught(head, _lessons(resources, given, question)))
+    return resources.taught.once(
+        _name(question), lambda: taught(head, _lessons(resources, given, question))
+    )
 
 
 def taught_name(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -61,7 +69,9 @@ def taught_name(resources: Resources, question: Mapping[str, Any]) -> dict[str, 
 
 
 def head_taught(resources: Resources, name: str) -> "Head":
-    """Return the head of a name from `taught_name`; the first head for "". Raises ForgottenError if it is not kept."""
+    """Return the head of a name from `taught_name`; the first head for "". Raises ForgottenError
+    if it is not kept.
+    """
     head = resources.taught.get(name) if name else resources.head()
     if head is None:
         raise ForgottenError("The server no longer has the taught head; press Teach again.")
@@ -73,9 +83,9 @@ def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
     question  {"lessons": […]}
     return    `judged`: label, before, after of each pair, where "after" comes from a head taught
-              from all other pairs; `right`: correct predictions before and after; `method` of
-              teaching, chosen by leaving pairs out, and `methods`: right predictions of each;
-              `classes` of the taught head
+              from all other pairs; `right`: correct predictions before and after; `share` of the
+              lessons alone in the taught head (omnivat/head/teach.py), and `parts`: right
+              predictions of each map; `classes` of the taught head
 
     Raises DataError for too few pairs or classes.
     """
@@ -85,21 +95,48 @@ def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     return {
         "judged": [{"label": j.label, "before": j.before, "after": j.after} for j in found.judged],
         "right": {"before": found.before, "after": found.after},
-        "method": found.method,
-        "methods": dict(found.right),
+        "share": round(found.share, 4),
+        "parts": dict(found.right),
         "classes": list(head_for(resources, question).settings.classes),
     }
 
 
+def familiar_lessons(resources: Resources, question: Mapping[str, Any]) -> "Familiarity | None":
+    """Return the pictures of a request's lessons as what others are compared with; None for fewer
+    than two of a kind.
+
+    Their quantiles are the nearest cosines of each picture among the others.
+    """
+    import torch
+
+    from omnivat.head.calibration import Familiarity, nearest_cosine
+
+    lessons = _lessons(resources, lessons_in(question), question)
+    pictures = {
+        name: [one for lesson in lessons if (one := getattr(lesson, name)) is not None]
+        for name in IMAGES
+    }
+    rows = {name: torch.cat(some) for name, some in pictures.items() if len(some) > 1}
+    owners = {name: torch.arange(len(own)) for name, own in rows.items()}
+    near = {
+        n: nearest_cosine(own, own, owners[n], owners[n]).sort().values for n, own in rows.items()
+    }
+    return Familiarity(rows=rows, quantiles=near) if rows else None
+
+
 def own_set(resources: Resources, question: Mapping[str, Any]) -> "Embeddings":
-    """Return the visitor's labelled pairs as a set of one domain; raises DataError if none has both images."""
+    """Return the visitor's labelled pairs as a set of one domain; raises DataError if none has
+    both images.
+    """
     import numpy as np
 
     from omnivat.data.store import ROW_NAMES, Embeddings, Header
 
     given = [one for one in lessons_in(question) if one.get("vis") and one.get("tac")]
     if not given:
-        raise DataError("A set needs pairs of both images; label at least one photo with its touch.")
+        raise DataError(
+            "A set needs pairs of both images; label at least one photo with its touch."
+        )
     lessons = _lessons(resources, given, {})  # as they come: a profile is a file of its own
     labels = [one.label for one in lessons]
     classes = tuple(dict.fromkeys(labels))
@@ -137,13 +174,20 @@ def save_taught(resources: Resources, question: Mapping[str, Any]) -> bytes:
 
 
 def _name(question: Mapping[str, Any]) -> str:
-    text = json.dumps([question.get(name) for name in ("head", "profile", "lessons")], sort_keys=True)
+    text = json.dumps(
+        [question.get(name) for name in ("head", "profile", "lessons")], sort_keys=True
+    )
     return content_name(text.encode("utf-8", "replace"))
 
 
-def _lessons(resources: Resources, given: Sequence[Mapping[str, Any]], question: Mapping[str, Any]) -> "list[Lesson]":
+def _lessons(
+    resources: Resources, given: Sequence[Mapping[str, Any]], question: Mapping[str, Any]
+) -> "list[Lesson]":
     from omnivat.head.teach import Lesson
 
     pairs = [embedded(resources, refs_from(one), question) for one in given]
     labels = [one["label"].strip() for one in given]
-    return [Lesson(label=label, vis=pair["vis"], tac=pair["tac"]) for label, pair in zip(labels, pairs, strict=True)]
+    return [
+        Lesson(label=label, vis=pair["vis"], tac=pair["tac"])
+        for label, pair in zip(labels, pairs, strict=True)
+    ]

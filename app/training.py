@@ -2,7 +2,6 @@
 
 import base64
 import os
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from threading import Lock
@@ -29,8 +28,8 @@ MOST_RUNS = 12  # that run or wait
 KEPT_RUNS = 48  # whose results are kept
 ABANDONED_S = 150.0  # without a request for its state; a hidden tab sends one each minute
 PRIORITY = 1  # after the first stops of a map, before the rest
-DEADLINE_S = 300.0
-MEASURE_EVERY = 2  # epochs; each measurement runs the whole set through the head
+DEADLINE_S = 600.0
+MEASURE_EVERY = 4  # epochs; each measurement runs the whole set through the head
 MAP_PAIRS = 2000  # pairs on the map in training; a larger set is thinned evenly
 REACH = 1.5  # maps show unit rows, so coordinates are within it
 LONGEST_VISITOR = 40
@@ -41,7 +40,6 @@ class Run:
     """One training: its plan and its results so far."""
 
     plan: Plan
-    address: str  # of the visitor
     rows: "np.ndarray[Any, Any]"  # pairs on the maps
     job: Job[None] = field(init=False)
     epochs: list[dict[str, Any]] = field(default_factory=list)
@@ -67,7 +65,13 @@ class Run:
             }
         )
         self.require_visitor()
-        self.job.report(Step(done=int(report.epoch), total=self.plan.training.epochs, text=f"epoch {report.epoch}"))
+        self.job.report(
+            Step(
+                done=int(report.epoch),
+                total=self.plan.training.epochs,
+                text=f"epoch {report.epoch}",
+            )
+        )
 
 
 class Trainings:
@@ -88,23 +92,32 @@ class Trainings:
 
         question  {"visitor": name, "source", "width", …}: see `app.training_plan`
 
-        Addresses (`VISITOR`) take turns, and the one with most places makes way. A training is cancelled if its
-        state is not requested for ABANDONED_S seconds. Raises DataError for invalid settings, or if the visitor
-        already has one in the queue; BusyError if the queue is full.
+        A training is cancelled if its state is not requested for ABANDONED_S seconds. Raises
+        DataError for invalid settings, or if the visitor already has one in the queue; BusyError if
+        the queue is full.
         """
         address = VISITOR.get()
-        if not isinstance(name := question.get("visitor"), str) or not 0 < len(name) <= LONGEST_VISITOR:
+        if (
+            not isinstance(name := question.get("visitor"), str)
+            or not 0 < len(name) <= LONGEST_VISITOR
+        ):
             raise DataError("visitor has to be a short name that the page made; reload the page.")
         visitor = address, name
         plan = plan_from(question, resources.embeddings())
         embeddings = looked_at(resources.embeddings(), plan.source)
-        run = Run(plan=plan, address=address, rows=thinned(len(embeddings), MAP_PAIRS))
+        run = Run(plan=plan, rows=thinned(len(embeddings), MAP_PAIRS))
         with self._lock:
-            self._active = {name: one for name, one in self._active.items() if not one.job.future.done()}
+            self._active = {
+                name: one for name, one in self._active.items() if not one.job.future.done()
+            }
             if visitor in self._active:
-                raise DataError("Your training before this one still runs or waits; cancel it first.")
+                raise DataError(
+                    "Your training before this one still runs or waits; cancel it first."
+                )
             if len(self._active) >= MOST_RUNS:
-                self._make_way(address)
+                raise BusyError(
+                    f"{MOST_RUNS} trainings run or wait here already; try again in a few minutes."
+                )
             run.job = self._sets.shared.jobs.start(
                 lambda job: self._work(job, run, embeddings, resources.owner),
                 lane="long",
@@ -126,16 +139,6 @@ class Trainings:
             "domain": embeddings.domain[run.rows].tolist(),
             "label": embeddings.label[run.rows].tolist(),
         }
-
-    def _make_way(self, address: str) -> None:
-        """End the last waiting training of the address with most. Raises BusyError if that is `address`."""
-        held = Counter(run.address for run in self._active.values())
-        most = max(held, key=lambda one: held[one])
-        waiting = [run.job for run in self._active.values() if run.address == most and run.job.state == "waiting"]
-        if held[most] <= held[address] + 1 or not waiting:
-            raise BusyError(f"{MOST_RUNS} trainings run or wait here already; try again in a few minutes.")
-        why = "Your place was needed by another visitor; start the training again in a few minutes."
-        self._sets.shared.jobs.cancel(waiting[-1], BusyError(why))
 
     def state(self, question: Mapping[str, Any]) -> dict[str, Any]:
         """Return the state of a training, and its epochs from number `since` on."""

@@ -14,14 +14,15 @@ if TYPE_CHECKING:
 
 WIDTHS = (16, 32, 64, 128)
 ORDERS = ("gradient", "fixed", "search", "every")  # what p does
-# name -> least, most, at first; whole numbers or not
+# name -> least, most, at first: those of the default head; whole numbers or not
 RANGES: dict[str, tuple[float, float, float]] = {
     "p": (0.0, 1.0, 0.5),
     "mma": (0.0, 50.0, 10.0),  # λ
     "levels": (1, 5, 3),  # R
     "expansion": (1, 8, 4),  # E
-    "noise": (0.0, 5.0, 0.0),  # on embeddings, in standard deviations of each channel
-    "epochs": (5, 100, 40),
+    "noise": (0.0, 5.0, 4.0),  # on embeddings, in standard deviations of each channel
+    "shift": (0.0, 2.0, 1.0),  # of a batch along the source's covariance: an imitated sensor
+    "epochs": (5, 150, 120),
     "seed": (0, 999, 0),
 }
 BEYOND = 0.1  # a head for every p draws p from a little more than [0, 1]: see docs/order.md
@@ -51,7 +52,9 @@ def offers(embeddings: "Embeddings", source: str) -> dict[str, Any]:
 
     header, domains = embeddings.header, list(embeddings.learnable)
     if not domains:
-        raise DataError("No domain has pairs of two classes, so there is nothing to train a head on.")
+        raise DataError(
+            "No domain has pairs of two classes, so there is nothing to train a head on."
+        )
     return {
         "sources": domains,
         "widths": list(WIDTHS),
@@ -68,10 +71,12 @@ def offers(embeddings: "Embeddings", source: str) -> dict[str, Any]:
 
 
 def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
-    """Return the plan of a request; missing settings have their defaults. Raises DataError for a wrong one.
+    """Return the plan of a request; missing settings have their defaults. Raises DataError for a
+    wrong one.
 
     question  {"source": domain, "width", "order": what p does, "p": initial value, "mma": λ,
-              "levels": R, "expansion": E, "noise", "lang": true to use LANG, "epochs", "seed"}
+              "levels": R, "expansion": E, "noise", "shift", "lang": true to use LANG, "epochs",
+              "seed"}
     """
     from omnivat.training import TrainSettings
 
@@ -94,6 +99,7 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
         order_low=-BEYOND if order == "every" else 0.0,
         order_high=1 + BEYOND if order == "every" else 1.0,
         noise=number["noise"],
+        shift=number["shift"],
     )
     return Plan(
         source=source,

@@ -12,7 +12,7 @@ from app.jobs import Job
 from app.limits import MAX_IMAGE_BYTES, PARTS
 from app.messages import Handler, refusal
 from app.pictures import Sent, live, occlusion, taken
-from app.requests import blocks, done, number_from, question_of, received, set_of, visitor_of
+from app.requests import blocks, done, number_from, question_of, received, set_of
 from app.resources import Resources
 from app.sensor import load_sensor
 from app.state import order_from, ref_from
@@ -34,7 +34,10 @@ def upload_routes(sets: VisitorSets) -> dict[str, Handler]:
 
 
 async def of_image(
-    work: Callable[[Resources, Sent], dict[str, Any]], priority: int, sets: VisitorSets, request: Request
+    work: Callable[[Resources, Sent], dict[str, Any]],
+    priority: int,
+    sets: VisitorSets,
+    request: Request,
 ) -> Response:
     """Run `work` on an uploaded image with the parameters of the address; the file is not kept."""
     query = request.query_params
@@ -52,8 +55,8 @@ async def of_image(
     )
     async with received(request, sets.shared.scratch, MAX_IMAGE_BYTES, "The image") as file:
 
-        def computed(job: Job[dict[str, Any]]) -> dict[str, Any]:
-            return work(resources, replace(sent, content=file, check=job.check))
+        def computed(_: Job[dict[str, Any]]) -> dict[str, Any]:
+            return work(resources, replace(sent, content=file))
 
         return JSONResponse(await done(request, sets.shared.jobs, computed, priority=priority))
 
@@ -61,15 +64,19 @@ async def of_image(
 async def take_sensor(sets: VisitorSets, request: Request) -> Response:
     """Receive a saved profile of a sensor."""
     resources = set_of(sets, request)
-    async with received(request, sets.shared.scratch, PARTS["profile.safetensors"], "The profile") as file:
-        return JSONResponse(await done(request, sets.shared.jobs, lambda _: load_sensor(resources, file)))
+    async with received(
+        request, sets.shared.scratch, PARTS["profile.safetensors"], "The profile"
+    ) as file:
+        return JSONResponse(
+            await done(request, sets.shared.jobs, lambda _: load_sensor(resources, file))
+        )
 
 
 async def take_part(sets: VisitorSets, request: Request) -> Response:
     """Receive one file of a head or set."""
     name = request.query_params.get("name", "")
     content = blocks(request, max(PARTS.values()), "The file")
-    return JSONResponse({"part": await sets.parts.keep(name, content, visitor_of(request))})
+    return JSONResponse({"part": await sets.parts.keep(name, content)})
 
 
 async def load(sets: VisitorSets, request: Request) -> Response:
@@ -80,7 +87,7 @@ async def load(sets: VisitorSets, request: Request) -> Response:
         return refusal("parts has to name the files that were sent; choose them again.")
     compare = question.get("compare") is True
 
-    def loaded(job: Job[str]) -> str:
-        return sets.load(parts, beside=set_of(sets, request).owner, compare=compare, check=job.check)
+    def loaded(_: Job[str]) -> str:
+        return sets.load(parts, beside=set_of(sets, request).owner, compare=compare)
 
     return JSONResponse({"set": await done(request, sets.shared.jobs, loaded, priority=LOADED)})

@@ -1,8 +1,9 @@
 """Heads and sets loaded by visitors, each named by a hash of its content.
 
-A visitor set is the head and the set of pairs that a visitor uses. The server starts with one. A loaded head or set
-makes another, which only those with its name can reach. Its folder in the server's temporary folder holds all that
-visitors have loaded of it, so that no set needs another; removing it cancels its unfinished jobs, too.
+A visitor set is the head and the set of pairs that a visitor uses. The server starts with one. A
+loaded head or set makes another, which only those with its name can reach. Its folder in the
+server's temporary folder holds all that visitors have loaded of it, so that no set needs another;
+removing it cancels its unfinished jobs, too.
 """
 
 import os
@@ -13,7 +14,6 @@ from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING
 
-from app.decoder import Check
 from app.limits import DESKS_BYTES, KEPT_DESKS
 from app.places import Places, shipped_places
 from app.resources import Resources
@@ -21,11 +21,18 @@ from app.state import ForgottenError, Recent, content_name
 from app.upload_store import UploadStore, linked
 from omnivat.head.heads import shipped_sets
 from omnivat.kit.errors import DataError
+from omnivat.kit.progress import checkpoint
 
 if TYPE_CHECKING:
     from omnivat.head.checkpoint import Head
 
-HEAD = ("weights.safetensors", "settings.json", "metrics.json", "familiarity.safetensors", "profile.safetensors")
+HEAD = (
+    "weights.safetensors",
+    "settings.json",
+    "metrics.json",
+    "familiarity.safetensors",
+    "profile.safetensors",
+)
 SET = "embeddings.safetensors"
 SHEET = ("embeddings.thumbnails.webp", "embeddings.thumbnails.json")
 
@@ -41,7 +48,9 @@ class VisitorSets:
         self.parts = UploadStore(self.shared.scratch)
 
     def named(self, name: str) -> Resources:
-        """Return the visitor set of that name, "" for the first one. Raises ForgottenError if it is no longer there."""
+        """Return the visitor set of that name, "" for the first one. Raises ForgottenError if it
+        is no longer there.
+        """
         if not name:
             return self.first
         if name in shipped_sets():  # a set of the project is opened once and stays open
@@ -56,29 +65,35 @@ class VisitorSets:
             return loaded
         raise ForgottenError(
             "The server no longer has the head or set of this address. Load it again in "
-            "Data & limits, or go back to the page without `set` in its address."
+            "Try a pair, or go back to the page without `set` in its address."
         )
 
-    def load(self, parts: Mapping[str, str], *, beside: str, compare: bool, check: Check = lambda: None) -> str:
-        """Make a visitor set from uploaded files; return its name. It counts to the share of `VISITOR`.
+    def load(self, parts: Mapping[str, str], *, beside: str, compare: bool) -> str:
+        """Make a visitor set from uploaded files; return its name.
 
         parts    file name -> its name from `parts.keep`
         beside   the visitor set that provides what is not among the parts
         compare  True adds the head for comparison instead of replacing its own
-        check    called between steps; an error it raises ends the work
 
-        Two equal loads make one visitor set. Raises DataError if the files are no head or set, or do not fit together.
+        Two equal loads make one visitor set. Raises DataError if the files are no head or set, or
+        do not fit together.
         """
         base = self.named(beside)
-        key = content_name(repr((sorted(parts.items()), beside, compare)).encode("utf-8", "backslashreplace"))
+        key = content_name(
+            repr((sorted(parts.items()), beside, compare)).encode("utf-8", "backslashreplace")
+        )
         if self._loaded.get(key) is not None:
             return key
 
         fits = any(name in parts for name in HEAD)  # a set alone may be of another encoder
-        return self._made(key, lambda folder: self._placed(folder, parts, base.where, compare), check, fits)
+        return self._made(
+            key, lambda folder: self._placed(folder, parts, base.where, compare), fits
+        )
 
     def adopt(self, head: "Head", *, beside: str) -> str:
-        """Make a visitor set from a head trained on the server and the set of `beside`; return its name."""
+        """Make a visitor set from a head trained on the server and the set of `beside`; return
+        its name.
+        """
         from omnivat.head.checkpoint import save_head
 
         base = self.named(beside).where
@@ -89,19 +104,21 @@ class VisitorSets:
 
         return self._made(os.urandom(12).hex(), placed)
 
-    def _made(self, key: str, placed: Callable[[Path], Places], check: Check = lambda: None, fits: bool = True) -> str:
-        """Fill a new folder, check its content and, if it has to, that the heads fit the set; add it as a visitor set."""
+    def _made(self, key: str, placed: Callable[[Path], Places], fits: bool = True) -> str:
+        """Fill a new folder, check its content and, if it has to, that the heads fit the set;
+        add it as a visitor set.
+        """
         folder = self.shared.scratch.folder(os.urandom(8).hex())
         try:
             made = Resources(placed(folder), self.shared, owner=key)
-            check()
+            checkpoint()
             embeddings = made.embeddings()
             if not len(embeddings):
                 raise DataError(f"'{SET}' holds no pairs; embed some and load it again.")
             for name in made.heads if fits else ():
-                check()
+                checkpoint()
                 made.head_named(name).require_embeddings(embeddings)
-            check()
+            checkpoint()
         except BaseException:
             shutil.rmtree(folder, ignore_errors=True)
             raise
@@ -114,18 +131,26 @@ class VisitorSets:
             shutil.rmtree(old.where.computed or folder, ignore_errors=True)
         return key
 
-    def _placed(self, folder: Path, parts: Mapping[str, str], base: Places, compare: bool) -> Places:
+    def _placed(
+        self, folder: Path, parts: Mapping[str, str], base: Places, compare: bool
+    ) -> Places:
         """Move the parts to their places under `folder`."""
         for name, sent in parts.items():
             self.parts.place(name, sent, folder / ("head" if name in HEAD else ".") / name)
         where = replace(base, computed=folder, frames=None)
         if any(name in parts for name in HEAD):
             if missing := [name for name in HEAD[:2] if name not in parts]:
-                raise DataError(f"A head also has {' and '.join(missing)}; choose its whole folder.")
+                raise DataError(
+                    f"A head also has {' and '.join(missing)}; choose its whole folder."
+                )
             head = folder / "head"
             if compare:
                 head = head.rename(folder / f"loaded-{len(where.compare) + 1}")
-            where = replace(where, compare=(*where.compare, head)) if compare else replace(where, head=head)
+            where = (
+                replace(where, compare=(*where.compare, head))
+                if compare
+                else replace(where, head=head)
+            )
         if SET in parts:
             sheet = folder / SHEET[0] if all(name in parts for name in SHEET) else None
             where = replace(where, embeddings=folder / SET, pairs=None, sprite=sheet)

@@ -1,1 +1,1 @@
-"""Benchmarks of speed and accuracy; each module writes a page or table of docs/."""
+"""Benchmarks of speed and accuracy; README.md lists them."""

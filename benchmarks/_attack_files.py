@@ -52,7 +52,11 @@ def spoilt(value: Any, chance: random.Random) -> Any:
 def heads(folder: Path, chance: random.Random, count: int) -> Iterator[dict[str, bytes]]:
     """Yield the files of heads, profiles among them, with one damaged part."""
     names = ["weights.safetensors", "settings.json", "metrics.json"]
-    names += [f"{k}.safetensors" for k in ("profile", "familiarity") if (folder / f"{k}.safetensors").is_file()]
+    names += [
+        f"{k}.safetensors"
+        for k in ("profile", "familiarity")
+        if (folder / f"{k}.safetensors").is_file()
+    ]
     good = {name: (folder / name).read_bytes() for name in names}
     for k in range(count):
         name = ("settings.json", *names)[k % (len(names) + 1)]

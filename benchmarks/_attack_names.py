@@ -24,7 +24,12 @@ def hostile_set(file: Path) -> Path:
     random, count = np.random.default_rng(0), 72
     domain, label = np.arange(count) % len(NAMES), np.arange(count) // 6 % len(NAMES)
     header = Header(
-        encoder=SCRIPT, weights_hash="0" * 16, preprocessing="=1", domains=NAMES, classes=NAMES[::-1], origin=SCRIPT
+        encoder=SCRIPT,
+        weights_hash="0" * 16,
+        preprocessing="=1",
+        domains=NAMES,
+        classes=NAMES[::-1],
+        origin=SCRIPT,
     )
     rows = {name: [NAMES[k % len(NAMES)] + str(k) for k in range(count)] for name in ROW_NAMES}
     rows["split"] = [""] * count

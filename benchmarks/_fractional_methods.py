@@ -103,8 +103,12 @@ def _torch_frft() -> dict[str, Method]:
         return frame
 
     return {
-        "torch-frft dfrft": Method(module.dfrft, _keep_nothing(module.dfrft), module._get_dfrft_evecs),
-        "torch-frft dfrft, eigenvectors kept": Method(module.dfrft, cached, differentiable=False, slow=True),
+        "torch-frft dfrft": Method(
+            module.dfrft, _keep_nothing(module.dfrft), module._get_dfrft_evecs
+        ),
+        "torch-frft dfrft, eigenvectors kept": Method(
+            module.dfrft, cached, differentiable=False, slow=True
+        ),
         "torch-frft frft (chirp)": Method(chirp.frft, _keep_nothing(chirp.frft), slow=True),
     }
 

@@ -37,7 +37,9 @@ def threads(count: int) -> Iterator[None]:
         torch.set_num_threads(before)
 
 
-def interleaved(calls: Mapping[str, Callable[[], Any]], rounds: int, cpu: bool = False) -> dict[str, Spread]:
+def interleaved(
+    calls: Mapping[str, Callable[[], Any]], rounds: int, cpu: bool = False
+) -> dict[str, Spread]:
     """Time each call in every round, in a new random order, after one warm-up call.
 
     Other load and the state of the caches then affect all calls equally. A call is repeated for at
@@ -58,10 +60,15 @@ def interleaved(calls: Mapping[str, Callable[[], Any]], rounds: int, cpu: bool =
                 calls[name]()
                 count, passed = count + 1, clock() - start
             taken[name].append(1e3 * passed / count)
-    return {name: Spread(statistics.median(times), min(times), max(times), len(times)) for name, times in taken.items()}
+    return {
+        name: Spread(statistics.median(times), min(times), max(times), len(times))
+        for name, times in taken.items()
+    }
 
 
-def product_call(width: int = 1024, dtype: torch.dtype = torch.float32) -> tuple[Callable[[], Tensor], float]:
+def product_call(
+    width: int = 1024, dtype: torch.dtype = torch.float32
+) -> tuple[Callable[[], Tensor], float]:
     """A square matrix product as a reference, and its number of operations."""
     a, b = torch.randn(width, width, dtype=dtype), torch.randn(width, width, dtype=dtype)
     out = torch.empty_like(a)

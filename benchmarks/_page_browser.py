@@ -28,7 +28,7 @@ FLAGS = [
     "--use-fake-ui-for-media-stream",
 ]
 MAP = ".explore .map[data-order]"
-VIEWS = ("explore", "pair", "tree", "compare", "data")
+VIEWS = ("explore", "pair", "train")
 KEPT_MAPS = ("pca/raw", "pca/frft", "pca/f_hat")  # others would only enlarge the file
 SLOT = '.pair .slot[data-modality="tac"]'
 
@@ -51,7 +51,9 @@ WATCH = """() => {
   };
   requestAnimationFrame(look);
 }"""
-READ = "() => { seen.on = false; return { waits: seen.waits, times: seen.times, stops: seen.stops }; }"
+READ = (
+    "() => { seen.on = false; return { waits: seen.waits, times: seen.times, stops: seen.stops }; }"
+)
 HEAP = "() => { gc(); return performance.memory.usedJSHeapSize / 1e6; }"
 
 
@@ -66,7 +68,10 @@ def frames_of(pairs: int, to: Path) -> Path:
 
     def spread(points: Any) -> Any:
         both = points.reshape(len(points), 2, frames.pairs, 2)[:, :, rows]
-        noise = random.normal(scale=900, size=both.shape[1:]) * (np.arange(pairs) >= frames.pairs)[:, None]
+        noise = (
+            random.normal(scale=900, size=both.shape[1:])
+            * (np.arange(pairs) >= frames.pairs)[:, None]
+        )
         moved = np.clip(both + noise, 0, 65535).astype(np.uint16)
         return moved.reshape(len(points), 2 * pairs, 2)
 
@@ -87,7 +92,10 @@ def opened(browser: Any, address: str, query: str = "", frames: Path | None = No
     page = browser.new_page(viewport={"width": 1440, "height": 900}, permissions=["camera"])
     page.set_default_timeout(120_000)
     if frames:
-        page.route("**/omnivat/frames", lambda route: route.fulfill(path=frames, headers={"X-Frames": "fine"}))
+        page.route(
+            "**/omnivat/frames",
+            lambda route: route.fulfill(path=frames, headers={"X-Frames": "fine"}),
+        )
     page.goto(address + query, wait_until="commit")
     page.wait_for_selector(MAP)
     return page
@@ -117,7 +125,10 @@ def drag(page: Any, moves: int) -> dict[str, float]:
 
 def quantiles(name: str, values: Any) -> dict[str, float]:
     """Return the median and the 95th percentile under names of their own."""
-    return {f"{name}_p50_ms": float(np.quantile(values, 0.5)), f"{name}_p95_ms": float(np.quantile(values, 0.95))}
+    return {
+        f"{name}_p50_ms": float(np.quantile(values, 0.5)),
+        f"{name}_p95_ms": float(np.quantile(values, 0.95)),
+    }
 
 
 def settled(page: Any, times: int) -> dict[str, float]:
@@ -170,12 +181,14 @@ def live(page: Any, pictures: int) -> dict[str, float]:
     page.evaluate("document.getElementById('view-pair-button').click()")
     page.wait_for_selector(".pair .reading")
     answered: list[dict[str, Any]] = []
-    page.on("requestfinished", lambda request: answered.append(request.timing) if "/live?" in request.url else None)
+    page.on(
+        "requestfinished",
+        lambda request: answered.append(request.timing) if "/live?" in request.url else None,
+    )
     page.click(f"{SLOT} .live")
     while len(answered) < pictures + 5:  # the first ones load the encoder
         page.wait_for_timeout(50)
-    told = page.evaluate(
-        """async () => {
+    told = page.evaluate("""async () => {
           const canvas = new OffscreenCanvas(256, 192);
           canvas.getContext('2d').fillRect(20, 30, 90, 60);
           const body = await canvas.convertToBlob({ type: 'image/jpeg' });
@@ -184,8 +197,7 @@ def live(page: Any, pictures: int) -> dict[str, float]:
             found.push((await (await fetch('omnivat/live?modality=tac&other=row:0', { method: 'POST', body })).json()).ms);
           }
           return found;
-        }"""
-    )
+        }""")
     page.click(f"{SLOT} .live")
     starts = [timing["startTime"] for timing in answered[5:]]
     return {
@@ -195,7 +207,10 @@ def live(page: Any, pictures: int) -> dict[str, float]:
 
 
 def measured(
-    chromium: Any, start: Callable[[], tuple[subprocess.Popen[bytes], str, float]], to: Path, moves: int
+    chromium: Any,
+    start: Callable[[], tuple[subprocess.Popen[bytes], str, float]],
+    to: Path,
+    moves: int,
 ) -> dict[str, float]:
     """Start a server, measure one visit from cold start to every tab opened, stop it."""
     began = time.perf_counter()

@@ -69,7 +69,9 @@ def reference_basis(size: int) -> ReferenceBasis:
     e = _polished(even, beside)
     o = _polished(odd, np.full(max(paired - 1, 0), one)) if paired else np.zeros((0, 0))
     e[1 : paired + 1] /= root
-    return ReferenceBasis(e, o / root, [2 * i for i in range(half)], [2 * i + 1 for i in range(paired)])
+    return ReferenceBasis(
+        e, o / root, [2 * i for i in range(half)], [2 * i + 1 for i in range(paired)]
+    )
 
 
 def _turned(indices: list[int], order: float) -> tuple[Long, Long]:

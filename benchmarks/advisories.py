@@ -1,4 +1,5 @@
-"""Compare the locked packages with known advisories, without a network: `python -m benchmarks.advisories FILE`.
+"""Compare the locked packages with known advisories, without a network: `python -m
+benchmarks.advisories FILE`.
 
 FILE has advisories in the OSV format, one JSON object or a list of them. Exits with 1 if a locked
 version is affected, or a package is not locked.
@@ -28,7 +29,9 @@ def plain(name: str) -> str:
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
-def affected(packages: Mapping[str, Version], advisories: list[Mapping[str, Any]]) -> Iterator[tuple[str, str]]:
+def affected(
+    packages: Mapping[str, Version], advisories: list[Mapping[str, Any]]
+) -> Iterator[tuple[str, str]]:
     """Yield package and advisory for each affected locked version."""
     for advisory in advisories:
         if advisory.get("withdrawn"):
@@ -45,7 +48,11 @@ def hit(version: Version, entry: Mapping[str, Any]) -> bool:
     """True if an advisory's entry includes this version, by name or by range."""
     if any(_version(text) == version for text in entry.get("versions", [])):
         return True
-    return any(within(version, span["events"]) for span in entry.get("ranges", []) if span.get("type") == "ECOSYSTEM")
+    return any(
+        within(version, span["events"])
+        for span in entry.get("ranges", [])
+        if span.get("type") == "ECOSYSTEM"
+    )
 
 
 def within(version: Version, events: list[Mapping[str, str]]) -> bool:

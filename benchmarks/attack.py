@@ -1,9 +1,9 @@
 """Attack the page and count the results: `python -m benchmarks.attack`.
 
-Hostile images, heads, sets, requests (to the page, the API and MCP) and callers are sent to the page's routes. A case passes if
-the status is below 500 within the time limit, an error is one sentence, and no sentence contains a
-folder of the server. What an earlier attack broke is tried again (`_attack_falls`). Failures are
-printed with their seed.
+Hostile images, heads, sets, requests (to the page, the API and MCP) and callers are sent to the
+page's routes. A case passes if the status is below 500 within the time limit, an error is one
+sentence, and no sentence contains a folder of the server. What an earlier attack broke is tried
+again by families (`_attack_falls`). Failures are printed with their seed.
 """
 
 import argparse
@@ -13,12 +13,13 @@ import sys
 from base64 import b64encode
 from collections import Counter
 from dataclasses import dataclass, field
+from itertools import chain
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from benchmarks._attack_costly import FOUR_MB, MOST_MB, MOST_S, measured
-from benchmarks._attack_falls import falls
+from benchmarks._attack_costly import decoded
+from benchmarks._attack_falls import families
 from benchmarks._attack_files import heads, images, questions, sets, spoilt_tensors
 
 SLOW_S = 5.0  # seconds; a slower reply is a failure
@@ -118,24 +119,6 @@ def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Coun
     return found
 
 
-def costs(decoder: Any) -> tuple[Counts, dict[str, Any]]:
-    """Decode costly images; exceeding the limits is a failure."""
-    counts, record = Counts(), {}
-
-    def take(name: str, found: dict[str, Any]) -> None:
-        record[name] = found
-        counts.slowest_s = max(counts.slowest_s, found["processor_s"])
-        if found["processor_s"] > MOST_S or found["mb"] > MOST_MB:
-            counts.fell.append(f"{name}: {found}")
-        else:
-            counts.held += 1
-
-    four = measured(decoder, take)
-    if four["mb"] > FOUR_MB:
-        counts.fell.append(f"four at once: {four}")
-    return counts, {"files": record, "four_at_once": four}
-
-
 def load(client: Any, parts: dict[str, bytes]) -> dict[str, str]:
     """Upload the files of a head or set; return their names."""
     return {
@@ -146,7 +129,7 @@ def load(client: Any, parts: dict[str, bytes]) -> dict[str, str]:
 
 def used(client: Any, name: str, counts: Counts, what: str) -> None:
     """Use an accepted head or set: its facts and one pair."""
-    for address in ("about", "heads", "matrix"):
+    for address in ("about", "heads"):
         began = perf_counter()
         response = client.get(f"/omnivat/{address}?set={name}")
         counts.take(response, perf_counter() - began, f"{what}, then {address}")
@@ -199,11 +182,12 @@ def main(arguments: list[str] | None = None) -> int:
 
     with TestClient(application(), base_url="http://127.0.0.1") as client:
         found = attack(client, resources, chosen.seed, chosen.count)
-    found["falls"] = Counts()
-    for what, held in falls(application, resources):
-        found["falls"].held += held
-        found["falls"].fell += [] if held else [what]
-    found["costly"], costly = costs(resources.shared.decoder)
+    costly = ("costly", decoded(resources.shared.decoder))
+    for family, cases in chain([costly], families(application, resources, chosen.seed)):
+        found[family] = Counts()
+        for what, held in cases:
+            found[family].held += held
+            found[family].fell += [] if held else [what]
     resources.shared.close()
     record: dict[str, dict[str, Any]] = {
         name: {
@@ -214,10 +198,7 @@ def main(arguments: list[str] | None = None) -> int:
         }
         for name, counts in found.items()
     }
-    write_json(chosen.out, {"seed": chosen.seed, "count": chosen.count, "attacks": record, "costly": costly})
-    for name, one in costly["files"].items():
-        print(f"{name:34} {one['processor_s']:5.2f} s {one['mb']:4} MB  {one['said']:.90}")
-    print(f"four at once: {costly['four_at_once']}")
+    write_json(chosen.out, {"seed": chosen.seed, "count": chosen.count, "attacks": record})
     for name, one in record.items():
         print(f"{name:10} held {one['held']:5}  fell {len(one['fell'])}  {one['statuses']}")
         for line in one["fell"][:10]:

@@ -1,6 +1,6 @@
 """Embed 10,000 generated JPEGs: peak memory, and identical bytes after a kill and resume.
 
-    python -m benchmarks.embed_scale [--images 10000] [--out docs/benchmarks]
+    python -m benchmarks.embed_scale [--images 10000]
 
 Writes the images (640 x 480, all different, and one that cannot be read), then runs
 `python -m omnivat embed` on them in separate processes:
@@ -14,8 +14,8 @@ files differ. Linux only: memory is read from /proc.
 
     python -m benchmarks.embed_scale --rate 200
 
-Without a process of its own: reading, decoding and encoding that many JPEGs beside the encoder alone
-on their tensors, in turns; prints the shares of processor time and of the clock.
+Without a process of its own: reading, decoding and encoding that many JPEGs beside the encoder
+alone on their tensors, in turns; prints the shares of processor time and of the clock.
 """
 
 import argparse
@@ -41,11 +41,12 @@ MATERIALS = ("wood", "steel", "plastic", "ceramic", "glass")
 
 
 def main() -> None:
-    """Run the measurement, print it as JSON, and write the page if requested."""
+    """Run the measurement and print it as JSON."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--images", type=int, default=10_000)
-    parser.add_argument("--out", type=Path, help="folder for embed_scale.md")
-    parser.add_argument("--rate", type=int, help="only the share of the encoder, of this many images")
+    parser.add_argument(
+        "--rate", type=int, help="only the share of the encoder, of this many images"
+    )
     options = parser.parse_args()
     if options.rate:
         with tempfile.TemporaryDirectory() as folder:
@@ -56,8 +57,6 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         found = measured(Path(folder), options.images)
     print(json.dumps(found, indent=2))
-    if options.out:
-        (options.out / "embed_scale.md").write_text(page(found), encoding="utf-8")
 
 
 def measured(folder: Path, count: int) -> dict[str, Any]:
@@ -71,7 +70,10 @@ def measured(folder: Path, count: int) -> dict[str, Any]:
     if out.exists() or not kept:
         raise SystemExit("The kill came too late or too early to prove anything.")
     runs["resumed"] = watched(images, out, stop_at=None)
-    require(runs["resumed"]["said"], f"{pairs - 1} pairs embedded, {kept * CHUNK} of them by an earlier run")
+    require(
+        runs["resumed"]["said"],
+        f"{pairs - 1} pairs embedded, {kept * CHUNK} of them by an earlier run",
+    )
     embedded = len(load_embeddings(out))
     same = [digest(file) == digest(broken / file.name) for file in sorted(whole.iterdir())]
     peak = max(run["peak_mb"] for run in runs.values())
@@ -92,7 +94,9 @@ def measured(folder: Path, count: int) -> dict[str, Any]:
 
 
 def rate(folder: Path, count: int) -> dict[str, Any]:
-    """Time whole pairs and the encoder alone in turns, a chunk of pairs at a time, on one thread."""
+    """Time whole pairs and the encoder alone in turns, a chunk of pairs at a time, on one
+    thread.
+    """
     from omnivat.data.images import read_image
     from omnivat.data.pairs import Pair
     from omnivat.encoders.embed.job import Job, embed_one
@@ -101,7 +105,10 @@ def rate(folder: Path, count: int) -> dict[str, Any]:
     pin_thread()
     write_images(folder, count + 2)  # the last one cannot be read
     files = sorted(folder.rglob("*.jpg"))[:-2]
-    pairs = [Pair(vis=a, tac=b, domain="", material="") for b, a in zip(files[::2], files[1::2], strict=True)]
+    pairs = [
+        Pair(vis=a, tac=b, domain="", material="")
+        for b, a in zip(files[::2], files[1::2], strict=True)
+    ]
     found: dict[str, Any] = {"images": len(files), "machine": machine()}
     for flips in (True, False):
         job = Job(encoder="efficientnet-lite0", flips=flips)
@@ -112,7 +119,11 @@ def rate(folder: Path, count: int) -> dict[str, Any]:
             began = np.array((time.process_time(), time.perf_counter()))
             embed_one(encoder, job, pair)
             spent[0] += (time.process_time(), time.perf_counter()) - began
-            ready = [encoder.preprocess(read_image(file)) for file in (pair.vis, pair.tac) for _ in job.views]
+            ready = [
+                encoder.preprocess(read_image(file))
+                for file in (pair.vis, pair.tac)
+                for _ in job.views
+            ]
             began = np.array((time.process_time(), time.perf_counter()))
             for pixels in ready:
                 encoder.embed(pixels[None])
@@ -186,48 +197,6 @@ def used(pid: int) -> tuple[float, float]:
         return 0.0, 0.0
     peak = [int(line.split()[1]) for line in status.splitlines() if line.startswith("VmHWM")]
     return (peak[0] / 1000 if peak else 0.0), (int(clocks[11]) + int(clocks[12])) / 100
-
-
-def page(found: dict[str, Any]) -> str:
-    """Return the figures as Markdown."""
-    place = found["machine"]
-    lines = [
-        "# Embedding 10,000 images" if found["images"] == 10_000 else "# Embedding many images",
-        "",
-        "Written by `python -m benchmarks.embed_scale --out docs/benchmarks`: "
-        f"{found['images']:,} generated JPEGs of 640 × 480, one of them cut short, through "
-        "`python -m omnivat embed --no-flips` with EfficientNet-Lite0 in fp32. "
-        f"{place['machine']}, shared; load {place['load']}; torch {place['torch']}; one run each.",
-        "",
-        "| run | peak memory, MB | wall s | processor s | what it said |",
-        "| --- | --- | --- | --- | --- |",
-    ]
-    names = {
-        "whole": "without a break",
-        "killed": f"killed with {found['kept_by_the_killed_run']} pairs done",
-        "resumed": "the same command again",
-    }
-    lines += [
-        f"| {names[name]} | {run['peak_mb']} | {run['wall_s']:.0f} | {run['cpu_s']:.0f} "
-        f"| {run['said'].partition('; written to')[0] or '(killed)'} |"
-        for name, run in found["runs"].items()
-    ]
-    return "\n".join(
-        [
-            *lines,
-            "",
-            f"- **Rate**: {found['images_per_s']} images a second without a break, "
-            f"{found['cpu_ms_an_image']} ms of one core an image: reading, decoding, resizing and "
-            "encoding.",
-            f"- **Memory**: the limit is {LIMIT_MB} MB, and the benchmark fails above it. The file "
-            f"written has {found['file_mb']} MB; vectors go through memory one part at a time.",
-            f"- **Resumed**: both `.safetensors` files have the digest `{found['digest'][:16]}`, and "
-            f"both tables agree to the byte. The second start embedded only the "
-            f"{found['pairs'] - found['kept_by_the_killed_run']} pairs that were left.",
-            "- **Unreadable**: the pair with the image that was cut short was skipped and named.",
-            "",
-        ]
-    )
 
 
 if __name__ == "__main__":

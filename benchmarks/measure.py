@@ -61,22 +61,6 @@ def machine() -> dict[str, Any]:
     }
 
 
-def product_rate(width: int, rows: int = 4096, runs: int = 7) -> float:
-    """Return the best rate of (rows, width) @ (width, width) in float32, operations per CPU second.
-
-    It uses CPU time, so that other load does not look like a slower processor.
-    """
-    a, b = torch.randn(rows, width), torch.randn(width, width)
-    count = max(1, int(2e9 / (2 * rows * width**2)))
-
-    def products() -> None:
-        for _ in range(count):
-            torch.mm(a, b)
-
-    products()
-    return 2 * rows * width**2 * count / timed(products, runs).cpu_low
-
-
 def as_dict(timing: Timing) -> dict[str, float]:
     """Return a timing for a JSON file."""
     return asdict(timing)

@@ -1,8 +1,8 @@
-"""Make the README's pictures in a real browser: three views of the page, and a drag of p on chirps.
+"""Make the README's pictures in a real browser: three views of the page.
 
     python -m benchmarks.pictures [--out docs]
 
-Needs Chromium. The drag steps through exact frames without interpolation.
+Needs Chromium.
 """
 
 import argparse
@@ -16,27 +16,7 @@ from PIL import Image
 from benchmarks._page_browser import FLAGS, opened
 from benchmarks.page import CHROMIUM, ROOT, started
 
-WIDTH, HEIGHT = 1280, 800
 LARGE = {"width": 1440, "height": 900}
-STOPS = (*range(0, 101, 5), *range(95, 30, -5))  # hundredths of p: there, and back to p*
-MOVE = """value => {
-  const slider = document.querySelector('.explore .order');
-  slider.value = value;
-  slider.dispatchEvent(new Event('input', { bubbles: true }));
-}"""
-
-
-def drag(page: Any, to: Path) -> None:
-    """Write the drag of p as an animated WebP, 900 pixels wide."""
-    page.wait_for_selector(".explore .map[data-order]")
-    frames = []
-    for stop in STOPS:
-        page.evaluate(MOVE, f"{stop / 100:.2f}")
-        page.wait_for_timeout(120)
-        shot = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
-        frames.append(shot.resize((900, round(900 * shot.height / shot.width))))
-    first, *others = frames
-    first.save(to, save_all=True, append_images=others, duration=220, loop=0, quality=55, method=6)
 
 
 def shot(page: Any, to: Path) -> None:
@@ -79,16 +59,11 @@ def main() -> None:
     try:
         with sync_playwright() as driver:
             browser = driver.chromium.launch(executable_path=binary, args=FLAGS)
-            page = opened(browser, address, "?chapter=order&p=0.35")
+            page = opened(browser, address, "?chapter=touch")
             page.set_viewport_size(LARGE)
-            chapter(page, "order", ".explore .map[data-order]", chosen.out / "page.png")
-            all_bars = ".explore .waterfall [data-rung=n20]"
-            chapter(page, "failure", all_bars, chosen.out / "failure.png")
+            chapter(page, "touch", ".explore .twin .said", chosen.out / "page.png")
+            chapter(page, "where", ".explore .together path", chosen.out / "where.png")
             own_picture(page, photo, touch, chosen.out / "own.png")
-            page = opened(browser, address, "?chapter=order")
-            page.set_viewport_size({"width": WIDTH, "height": HEIGHT})
-            page.wait_for_load_state("networkidle")
-            drag(page, chosen.out / "drag.webp")
             browser.close()
     finally:
         process.terminate()

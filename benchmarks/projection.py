@@ -1,7 +1,7 @@
 """Maps of 2,000 points: our UMAP against umap-learn and PCA, and a chain of maps over p.
 
-    python -m benchmarks.projection [--points 2000] [--width 512] [--runs 5] [--threads 1] [--out FILE]
-    python -m benchmarks.projection --large
+    python -m benchmarks.projection [--points 2000] [--width 512] [--runs 5] [--threads 1] [--out
+    FILE] python -m benchmarks.projection --large
 
 Each method runs in a separate process, so that its first call includes compilation and warm-up. All
 methods use the same points for quality. One thread by default: with more, waiting threads count as
@@ -85,7 +85,12 @@ def large_report() -> dict[str, Any]:
     flat = torch_umap.project(points)
     cpu = time.process_time() - begun
     score = quality(points, flat)
-    return {"points": MANY, "cpu": cpu, "trustworthiness": score.trustworthiness, "recall_at_15": score.recall}
+    return {
+        "points": MANY,
+        "cpu": cpu,
+        "trustworthiness": score.trustworthiness,
+        "recall_at_15": score.recall,
+    }
 
 
 def chain_report(points: Tensor) -> list[dict[str, Any]]:
@@ -128,13 +133,15 @@ def in_own_process(name: str, arguments: argparse.Namespace) -> dict[str, Any]:
     for option in ("points", "width", "runs", "threads"):
         command += [f"--{option}", str(getattr(arguments, option))]
     limits = dict.fromkeys(("OMP_NUM_THREADS", "NUMBA_NUM_THREADS"), str(arguments.threads))
-    done = subprocess.run(command, check=True, capture_output=True, text=True, env={**os.environ, **limits})
+    done = subprocess.run(
+        command, check=True, capture_output=True, text=True, env={**os.environ, **limits}
+    )
     report: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
     return report
 
 
 def show(report: dict[str, Any]) -> None:
-    """Print the tables of docs/benchmarks/projection.md."""
+    """Print both tables."""
     print(json.dumps(report["machine"]))
     print("| method | first call, CPU s | again, CPU s (lowest to highest) | trust | recall@15 |")
     print("| --- | --- | --- | --- | --- |")

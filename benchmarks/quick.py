@@ -1,9 +1,10 @@
-"""How quick the page is, without a browser: `python -m benchmarks.quick [--repeat 5] [--visitors 50]`.
+"""How quick the page is, without a browser: `python -m benchmarks.quick [--repeat 5] [--visitors
+50]`.
 
-Each round starts a server. Figures are medians over rounds (and over requests): the first page and its
-memory, an own pair from the drop to three readings, the profile of a sensor from 20 pictures, and
-visitors who drag p, upload and train at the same time. Seconds are wall time, so they hold on a quiet machine
-alone; the load is in the record.
+Each round starts a server. Figures are medians over rounds (and over requests): the first page and
+its memory, an own pair from the drop to three readings, the profile of a sensor from 20 pictures,
+and visitors who drag p, upload and train at the same time. Seconds are wall time, so they hold on a
+quiet machine alone; the load is in the record.
 """
 
 import argparse
@@ -53,7 +54,9 @@ def picture(number: int) -> bytes:
 
 
 class Visitor:
-    """One visitor: an address of its own, as a proxy would report it, and one open connection, as in a browser."""
+    """One visitor: an address of its own, as a proxy would report it, and one open connection,
+    as in a browser.
+    """
 
     def __init__(self, address: str, number: int, *, connect: bool = False) -> None:
         self.connection, self.number = HTTPConnection(urlsplit(address).netloc), number
@@ -147,7 +150,9 @@ def main() -> int:
     parser.add_argument("--repeat", type=int, default=5, help="rounds")
     parser.add_argument("--visitors", type=int, default=50)
     parser.add_argument(
-        "--connect", action="store_true", help="a new connection for each request; browsers keep theirs"
+        "--connect",
+        action="store_true",
+        help="a new connection for each request; browsers keep theirs",
     )
     parser.add_argument("--out", type=Path, default=OUT)
     chosen = parser.parse_args()

@@ -1,111 +1,143 @@
-"""Quality of the simulated set: probes on sight, touch and both; look-alikes; sensors; real pairs.
+"""Quality of a simulated set: linear probes on sight, touch and both, and look-alikes.
 
-    python -m benchmarks.simulated                      # of the shipped embeddings
-    python -m benchmarks.simulated --pairs DIR          # of a set on disk, embedded first
-    ... [--real DIR] [--examples examples/pairs] [--matrices]
+    python -m benchmarks.simulated [--embeddings FILE] [--matrices]
 
-Prints tables in Markdown; `docs/simulated.md` shows them.
+A probe is logistic regression (C = 1) on unit rows of one domain's training pairs. It predicts that
+domain's test pairs and all pairs of the others. Ceramic is left out where either domain lacks it.
+Prints tables in Markdown; `docs/simulated.md` has the figures.
 """
 
 import argparse
-import logging
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
+from sklearn.linear_model import LogisticRegression
 
-from benchmarks.simulated_features import SHIPPED, Features, embedded, features_in, features_of
-from benchmarks.simulated_probe import READINGS, Accuracy, judged, read_all, sensor_accuracy
-from benchmarks.simulated_real import print_real, real_pairs
-from benchmarks.simulated_table import print_imitations, print_matrix, print_table
-from omnivat.data.domains import DOMAINS, paper_name
-from omnivat.encoders.base import DEFAULT_ENCODER
-from omnivat.kit.errors import DataError
+from omnivat.data.domains import paper_name
+from omnivat.data.embeddings import Embeddings
+from omnivat.data.store import load_embeddings
+from omnivat.head.heads import default_embeddings
+from omnivat.study.reports.intervals import t_interval
+
+Array = NDArray[Any]
+READINGS = ("VIS", "TAC", "both, concatenated")
+SCARCE = "ceramic"  # a class that TacQuad lacks
+UNTESTED = -1
+
+
+def unit(rows: Array) -> Array:
+    """Return rows (N, D) of length 1."""
+    wide = np.asarray(rows, np.float32)
+    return np.asarray(wide / np.linalg.norm(wide, axis=1, keepdims=True))
+
+
+def predictions(pairs: Embeddings) -> dict[str, Array]:
+    """Return reading -> (S, N) classes that the probe of each domain predicts; -1 if untested."""
+    vis, tac = unit(pairs.vis), unit(pairs.tac)
+    inputs = dict(zip(READINGS, (vis, tac, np.hstack([vis, tac])), strict=True))
+    train = np.array(pairs.rows["split"]) == "train"
+    count = len(pairs.header.domains)
+    scarce = np.array(pairs.header.classes)[pairs.label] == SCARCE
+    has = np.isin(np.arange(count), pairs.domain[scarce])
+    found = {name: np.full((count, len(pairs)), UNTESTED) for name in READINGS}
+    for source in range(count):
+        home = pairs.domain == source
+        shared = has[source] & has[pairs.domain]  # targets that are tested with all classes
+        for every in (True, False) if has[source] else (False,):
+            kept = np.full(len(pairs), every) | ~scarce
+            here = kept & ~(home & train) & (shared == every)
+            for name, rows in inputs.items() if here.any() else ():
+                some = home & train & kept
+                probe = LogisticRegression(C=1.0, max_iter=3000).fit(rows[some], pairs.label[some])
+                found[name][source, here] = probe.predict(rows[here])
+    return found
+
+
+def matrix(said: Array, pairs: Embeddings, chosen: Array) -> Array:
+    """Return the accuracy (S, S) from each domain to each, of the chosen pairs; NaN without any."""
+    count = len(said)
+    shares = np.full((count, count), np.nan)
+    for source, target in np.ndindex(count, count):
+        rows = (pairs.domain == target) & chosen & (said[source] != UNTESTED)
+        if rows.any():
+            shares[source, target] = (said[source] == pairs.label)[rows].mean()
+    return shares
+
+
+def by_source(shares: Array, *, home: bool) -> Array:
+    """Return a share for each source (S,): in it, or the mean over the other domains."""
+    own = np.eye(len(shares), dtype=bool)
+    return np.asarray(np.diag(shares) if home else np.nanmean(np.where(own, np.nan, shares), 1))
+
+
+def groups(pairs: Embeddings) -> dict[str, Array]:
+    """Return the rows of the table: words -> a mask of pairs."""
+    looks, feels = (np.array(pairs.rows[name]) != "" for name in ("looks_like", "feels_like"))
+    found = {
+        "all": np.ones(len(pairs), bool),
+        "look like another class": looks,
+        "feel like another class": feels,
+        "imitate no class": ~looks & ~feels,
+    }
+    return {name: mask for name, mask in found.items() if mask.any()}
+
+
+def table(said: Mapping[str, Array], pairs: Embeddings) -> str:
+    """Return accuracy (%) of every group and reading, and what both images add, as Markdown."""
+    text = ["| pairs | number | " + " | ".join(READINGS) + " | over VIS | over TAC |"]
+    text.append("| --- |" + " ---: |" * (len(READINGS) + 3))
+    tested = said["VIS"] != UNTESTED
+    own = pairs.domain[None] == np.arange(len(tested))[:, None]
+    for name, mask in groups(pairs).items():
+        for home in (True, False):
+            number = int((tested & mask & (own == home)).sum())
+            shares = [by_source(matrix(said[r], pairs, mask), home=home) for r in READINGS]
+            cells = [f"{100 * np.nanmean(share):.1f}" for share in shares]
+            cells += [_gain(shares[2], alone) for alone in shares[:2]]
+            place = "within a domain" if home else "other domains"
+            text.append(f"| {name}, {place} | {number} | {' | '.join(cells)} |")
+    return "\n".join(text)
+
+
+def _gain(both: Array, alone: Array) -> str:
+    less = 100 * (both - alone)
+    found = t_interval(less[np.isfinite(less)].tolist())
+    return f"{found.mean:+.1f} [{found.low:.1f}, {found.high:.1f}]"
+
+
+def same_sensor(pairs: Embeddings) -> dict[str, float]:
+    """Return, by domain, the share of test touches whose nearest training touch has their
+    domain.
+    """
+    train, tac = np.array(pairs.rows["split"]) == "train", unit(pairs.tac)
+    nearest = pairs.domain[train][(tac[~train] @ tac[train].T).argmax(1)]
+    right, domain = nearest == pairs.domain[~train], pairs.domain[~train]
+    return {
+        name: float(right[domain == place].mean())
+        for place, name in enumerate(pairs.header.domains)
+    }
 
 
 def main() -> None:
     """Print every table."""
-    logging.basicConfig(level=logging.INFO, format="%(message)s")
-    given = _parser().parse_args()
-    features = features_of(given.pairs) if given.pairs else features_in(given.embeddings)
-    print(f"{len(features.rows)} pairs, {DEFAULT_ENCODER} features of unit length.\n")
-    found = judged(features)
-    print_table(found, features)
-    print_imitations(found, features)
-    for reading in READINGS if given.matrices else ():
-        print_matrix(found, features, reading)
-    print_sensors(features)
-    print_gaps(features)
-    if given.real:
-        print_real(features, real_pairs(given.real))
-    if given.examples:
-        print_examples(features, given.examples)
-
-
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(description=__doc__)
-    source = parser.add_mutually_exclusive_group()
-    source.add_argument("--embeddings", type=Path, default=SHIPPED, help="file of the embed command")
-    source.add_argument("--pairs", type=Path, help="a folder with pairs.csv, to embed first")
-    parser.add_argument("--real", type=Path, help="a folder of real pairs with labels.csv")
-    parser.add_argument("--examples", type=Path, help="example pairs to compare with the set's own")
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--embeddings", type=Path, default=default_embeddings(), help="a set")
     parser.add_argument("--matrices", action="store_true", help="also from each domain to each")
-    return parser
-
-
-def print_sensors(features: Features) -> None:
-    """Print how often the nearest TAC neighbour has the same sensor."""
-    shares = sensor_accuracy(features.tac, domains=features.column("domain"), splits=features.column("split"))
-    print("## Sensor identified by the nearest TAC neighbour (test pairs against training pairs, %)\n")
-    print("| domain | sensor | right |\n| --- | --- | ---: |")
-    for domain, cell in shares.items():
-        sensor = DOMAINS[paper_name(domain)].sensor
-        print(f"| {paper_name(domain)} | {sensor} | {100 * cell.share:.0f} |")
-    right, of = (sum(getattr(cell, name) for cell in shares.values()) for name in ("right", "of"))
-    whole = Accuracy(right=right, of=of)
-    print(f"\nAll: {100 * whole.share:.1f} of {whole.of} images.\n")
-
-
-def print_gaps(features: Features) -> None:
-    """Print the distance between the VIS and TAC centroids, and the spread around each."""
-    print("## Modality gap (unit vectors)\n")
-    print("| domain | between centroids | spread of VIS | spread of TAC |\n| --- | ---: | ---: | ---: |")
-    domains = features.column("domain")
-    for domain in dict.fromkeys(map(str, domains)):
-        vis, tac = features.vis[domains == domain], features.tac[domains == domain]
-        gap = np.linalg.norm(vis.mean(0) - tac.mean(0))
-        spreads = [np.linalg.norm(x - x.mean(0), axis=1).mean() for x in (vis, tac)]
-        print(f"| {paper_name(domain)} | {gap:.2f} | {spreads[0]:.2f} | {spreads[1]:.2f} |")
-    print()
-
-
-def print_examples(features: Features, folder: Path) -> None:
-    """Print the similarity between embeddings of lossy example images and of the originals.
-
-    It has the cosine, and the agreement of probes trained on all training pairs.
-    """
-    place = {(row["domain"], Path(row["vis"]).stem): i for i, row in enumerate(features.rows)}
-    files = sorted(folder.glob("*/*/*_vis.jpg"))
-    known = [(f, place.get((f.parent.parent.name, f.stem))) for f in files]
-    lost = [file for file, index in known if index is None]
-    if lost or not files:
-        raise DataError(f"'{(lost or [folder])[0]}' is no example of this set; make both anew.")
-    own = np.array([index for _, index in known])
-    vis = embedded(files)
-    tac = embedded([f.with_name(f.name.replace("_vis.", "_tac.")) for f in files])
-    materials = features.column("material")
-    found = read_all(
-        np.concatenate([features.vis, vis]),
-        np.concatenate([features.tac, tac]),
-        np.concatenate([features.column("split") == "train", np.zeros(len(own), dtype=bool)]),
-        np.concatenate([materials, materials[own]]),
-    )["concatenation"]
-    print("## Example images, lossy, against the images that were embedded\n")
-    print("| | images | least cosine | mean cosine |\n| --- | ---: | ---: | ---: |")
-    for name, here, there in (("VIS", vis, features.vis[own]), ("TAC", tac, features.tac[own])):
-        near = (here * there).sum(1)
-        print(f"| {name} | {len(near)} | {near.min():.3f} | {near.mean():.3f} |")
-    same = (found[own] == found[len(materials) :]).sum()
-    print(f"\nThe same material is predicted for {same} of {len(own)} pairs.\n")
+    options = parser.parse_args()
+    pairs = load_embeddings(options.embeddings)
+    said = predictions(pairs)
+    print(table(said, pairs), "\n")
+    names = [paper_name(name) for name in pairs.header.domains]
+    for reading in READINGS if options.matrices else ():
+        shares = 100 * matrix(said[reading], pairs, np.ones(len(pairs), bool))
+        print(f"| {reading}: from, to | {' | '.join(names)} |\n| --- |" + " ---: |" * len(names))
+        for name, row in zip(names, shares, strict=True):
+            print(f"| {name} | " + " | ".join(f"{share:.0f}" for share in row) + " |")
+    print("\nThe nearest touch is of the same sensor, % of test pairs:")
+    print(", ".join(f"{paper_name(n)} {100 * s:.0f}" for n, s in same_sensor(pairs).items()))
 
 
 if __name__ == "__main__":

@@ -1,21 +1,18 @@
 """Compare the page without a server with `predict`: the same pairs, in a real Chromium.
 
     python -m benchmarks.site [--pairs 300] [--runtime FOLDER] [--out docs/benchmarks/site]
-    python -m benchmarks.site --firefox --pairs 30 [--out docs/benchmarks/site_firefox]
-    python -m benchmarks.site --page SITE [--out docs/benchmarks/site_page]
+    python -m benchmarks.site --page FOLDER
 
-A quarter of the pairs are the example pictures as files, a quarter are parts cut from them, and half
-are pairs of the shipped set; each has three readings. Then pictures of kinds that decoders treat
-differently. `--page` measures the whole site instead: an own pair from drop to readings, also with the
-browser's process stopped for three quarters of the time; the longest task of the main thread; and a new
-visitor's waits behind a line of 20 Mbit/s. Processor times hold on a busy machine, the others do not.
+A quarter of the pairs are the example pictures as files, a quarter are parts cut from them, and
+half are pairs of the shipped set; each has three readings. Then pictures of kinds that decoders
+treat differently. `--page` opens a folder that `omnivat export --site` wrote behind a line of 20
+Mbit/s.
 """
 
 import argparse
 import functools
 import http.server
 import json
-import os
 import shutil
 import threading
 import time
@@ -34,10 +31,8 @@ from app.components import WEB
 from app.decoder import Decoder
 from app.places import places
 from app.resources import Resources
-from app.site_models import files_in, write_models
-from benchmarks._firefox import firefox
+from app.site_models import write_models
 from benchmarks._page_browser import FLAGS
-from benchmarks._site_page import dropped, over_line, stalls
 from omnivat.head.predict import predict_embeddings
 from omnivat.kit.errors import OmniVatError
 from omnivat.kit.files import write_json, write_text
@@ -54,7 +49,14 @@ ASK = """async ([path, query, body]) => {
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 WANTED = 0.005
 MBIT, DELAY_S = 20, 0.02  # of the slow line
-PAGE_PAIRS = 10
+WAITS = (
+    ("", "first_chapter_s", ".explore.ready"),
+    ("?tab=pair", "first_prediction_s", ".pair .reading .said"),
+)
+TOLD = """globalThis.told = 0; setInterval(() => {
+  const text = document.querySelector('.on-its-way:not([hidden])')?.textContent ?? '';
+  if (text.includes('the encoder')) told = performance.now();
+}, 20)"""
 
 
 class Site:
@@ -86,7 +88,9 @@ class Site:
 
 
 class Line:
-    """A connection to the world that all requests share: bytes are handed out no faster than `rate` a second."""
+    """A connection to the world that all requests share: bytes are handed out no faster than
+    `rate` a second.
+    """
 
     PIECE = 16384
 
@@ -107,7 +111,9 @@ class Line:
 
 @contextmanager
 def served(folder: Path, line: Line | None = None) -> Iterator[str]:
-    """Yield the address of a plain file server of `folder`, at the rate of `line` if one is given."""
+    """Yield the address of a plain file server of `folder`, at the rate of `line` if one is
+    given.
+    """
 
     class Quiet(http.server.SimpleHTTPRequestHandler):
         protocol_version = "HTTP/1.1" if line else "HTTP/1.0"
@@ -143,25 +149,25 @@ def make(resources: Resources, folder: Path, runtime: Path | None) -> None:
 
 
 @contextmanager
-def opened(folder: Path, in_firefox: bool = False) -> Iterator[Site]:
-    """Yield the site in a browser."""
+def chromium() -> Iterator[Any]:
+    """Yield a Chromium."""
     from playwright.sync_api import sync_playwright
 
-    with served(folder) as address:
-        if in_firefox:
-            with firefox() as fox:
-                fox.goto(address)
-                yield Site(fox)
-            return
-        with sync_playwright() as player:
-            binary = next((path for name in CHROMIUM if (path := shutil.which(name))), None)
-            browser = player.chromium.launch(executable_path=binary, args=FLAGS)
-            page = browser.new_page()
-            site = Site(page)
-            page.on("request", lambda request: site.fetched.append(request.url))
-            page.goto(address)
-            yield site
-            browser.close()
+    with sync_playwright() as player:
+        binary = next((path for name in CHROMIUM if (path := shutil.which(name))), None)
+        browser = player.chromium.launch(executable_path=binary, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@contextmanager
+def opened(folder: Path) -> Iterator[Site]:
+    """Yield the site in a browser."""
+    with served(folder) as address, chromium() as browser:
+        site = Site(browser.new_page())
+        site.page.on("request", lambda request: site.fetched.append(request.url))
+        site.page.goto(address)
+        yield site
 
 
 def png(image: Image.Image, kind: str = "PNG", **options: Any) -> bytes:
@@ -202,7 +208,9 @@ def embedded(resources: Resources, decoder: Decoder, content: bytes) -> torch.Te
     return encoder.embed(encoder.preprocess(decoder.read(content, "a").image)[None])
 
 
-def compared(found: Mapping[str, Any], classes: list[str], wanted: Mapping[str, Any]) -> tuple[float, int]:
+def compared(
+    found: Mapping[str, Any], classes: list[str], wanted: Mapping[str, Any]
+) -> tuple[float, int]:
     """Return the largest difference of a probability, and the number of changed classes."""
     gaps, changed = [], 0
     for name, shares in wanted.items():
@@ -227,7 +235,10 @@ def pairs_compared(site: Site, resources: Resources, count: int) -> dict[str, An
         changed += more
     rows = np.linspace(0, len(embeddings) - 1, count - count // 2).astype(int).tolist()
     for row in rows:
-        pair = {n: torch.from_numpy(getattr(embeddings, n)[row : row + 1].copy()) for n in ("vis", "tac")}
+        pair = {
+            n: torch.from_numpy(getattr(embeddings, n)[row : row + 1].copy())
+            for n in ("vis", "tac")
+        }
         _, reply, spent = site.ask("many", {"pairs": [{"vis": f"row:{row}", "tac": f"row:{row}"}]})
         gap, more = compared(reply["pairs"][0]["readings"], classes, expected(resources, pair))
         gaps["pairs of the set"].append(gap)
@@ -298,57 +309,62 @@ def odd_compared(site: Site, resources: Resources) -> dict[str, Any]:
             continue
         _, reply, _ = site.ask("many", {"pairs": [{"vis": reply["ref"]}]})
         (wanted,) = predict_embeddings(resources.head(), row, None)
-        gap, changed = compared(reply["pairs"][0]["readings"], classes, {"vis": wanted["probabilities"]})
+        gap, changed = compared(
+            reply["pairs"][0]["readings"], classes, {"vis": wanted["probabilities"]}
+        )
         found[name] = {"difference": gap, "changed": changed}
     decoder.close()
     return found
 
 
-def page_measured(folder: Path, pairs: list[dict[str, bytes]]) -> dict[str, Any]:
-    """Return sizes, times and stalls of the whole site in Chromium, and times over a line of 20 Mbit/s."""
-    from playwright.sync_api import sync_playwright
-
-    binary = next((path for name in CHROMIUM if (path := shutil.which(name))), None)
-    with sync_playwright() as player:
-        browser = player.chromium.launch(executable_path=binary, args=FLAGS)
-        with served(folder, Line(MBIT * 1e6 / 8, DELAY_S)) as address:
-            line = over_line(browser, address)
-        with served(folder) as address:
-            record = {
-                "site_mb": sum(file.stat().st_size for file in files_in(folder)) / 1e6,
-                "own_pair": dropped(browser, address, pairs),
-                "main_thread": stalls(browser, address, pairs),
-                f"at_{MBIT}_mbit_per_s": line,
-                "load_average": os.getloadavg()[0],
-            }
-        browser.close()
-    return record
+def over_line(folder: Path) -> dict[str, float]:
+    """Return the seconds until a new visitor at 20 Mbit/s has a chapter, a prediction, the
+    encoder.
+    """
+    found = {}
+    with served(folder, Line(MBIT * 1e6 / 8, DELAY_S)) as address, chromium() as browser:
+        for query, name, selector in WAITS:
+            page = browser.new_context().new_page()
+            page.set_default_timeout(300_000)
+            page.add_init_script(TOLD)
+            began = time.monotonic()
+            page.goto(address + query, wait_until="commit")
+            page.wait_for_selector(selector)
+            found[name] = time.monotonic() - began
+            if query:
+                page.wait_for_selector(".pair .on-map canvas")
+                found["encoder_there_s"] = page.evaluate("told") / 1000
+            page.context.close()
+    return found
 
 
 def main() -> None:
     """Make the site, open it, compare, and write the figures."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--pairs", type=int, default=300)
-    parser.add_argument("--firefox", action="store_true", help="the pairs alone, in Firefox")
-    parser.add_argument("--page", type=Path, help="the times of a folder that export --site wrote")
+    parser.add_argument(
+        "--page", type=Path, help="a folder that export --site wrote: its waits alone"
+    )
     parser.add_argument("--runtime", type=Path, help="folder of onnxruntime-web")
     parser.add_argument("--out", type=Path, help="write the figures here, as JSON")
     options = parser.parse_args()
-    resources = Resources(places())
+    record: dict[str, Any]
     if options.page:
-        record = page_measured(options.page, list(own_pairs(resources, PAGE_PAIRS)))
+        record = {f"at_{MBIT}_mbit_per_s": over_line(options.page)}
     else:
+        resources = Resources(places())
         with TemporaryDirectory(prefix="omnivat-site-") as place:
             make(resources, Path(place), options.runtime)
-            with opened(Path(place), options.firefox) as site:
+            with opened(Path(place)) as site:
                 record = pairs_compared(site, resources, options.pairs)
-                if not options.firefox:
-                    record["odd_pictures"] = odd_compared(site, resources)
-                    record["other_hosts"] = site.outside()
+                record["odd_pictures"] = odd_compared(site, resources)
+                record["other_hosts"] = site.outside()
     print(json.dumps(record, indent=2, ensure_ascii=False))
     if options.out:
         write_json(options.out.with_suffix(".json"), record)
-    if not options.page and (record["changed_classes"] or max(record["largest_difference"].values()) >= WANTED):
+    if "pairs" in record and (
+        record["changed_classes"] or max(record["largest_difference"].values()) >= WANTED
+    ):
         raise SystemExit("The browser's predictions differ from those of `predict`.")
 
 

@@ -1,9 +1,8 @@
 """Worst errors of the fractional transform over orders, lengths, scales, precisions and chains.
 
-    python -m benchmarks.stability [--quick] [--out docs/benchmarks]
+    python -m benchmarks.stability [--quick] [--out docs/benchmarks/stability.json]
 
-Writes stability.json, stability.md and, with matplotlib installed, stability.png. Exits with 1 when
-an error is above its target.
+Prints a table and writes the record. Exits with 1 when an error is above its target.
 """
 
 from __future__ import annotations
@@ -21,8 +20,7 @@ from torch import Tensor
 
 from benchmarks._reference import reference
 from omnivat.fractional import dfrft
-from omnivat.kit.errors import MissingPackageError
-from omnivat.kit.tables import need
+from omnivat.kit.files import write_text
 
 SIZES = (1, 2, 3, 4, 5, 6, 7, 8, 63, 64, 65, 511, 512, 513, 768, 1024, 2048, 4096)
 QUICK = (1, 2, 3, 4, 5, 8, 63, 64, 512)
@@ -96,7 +94,10 @@ def laws(size: int, dtype: torch.dtype) -> list[Cell]:
     wide = x.to(torch.complex128)
     back = relative(dfrft(dfrft(x, 0.375), -0.375), wide)
     added = relative(dfrft(dfrft(x, 0.375), 0.8125), dfrft(x, 1.1875).to(torch.complex128))
-    cells = [Cell("unitarity", size, name, back, bound), Cell("additivity", size, name, added, bound * 4 / 3)]
+    cells = [
+        Cell("unitarity", size, name, back, bound),
+        Cell("additivity", size, name, added, bound * 4 / 3),
+    ]
     step, y = 2.0**-10, x
     for _ in range(STEPS):
         y = dfrft(y, step)
@@ -125,11 +126,6 @@ def gradients(size: int, dtype: torch.dtype) -> Cell:
 def table(cells: list[Cell]) -> str:
     """Markdown: worst error and target of each check and precision, and where it is worst."""
     lines = [
-        "# The fractional transform: worst errors",
-        "",
-        "`python -m benchmarks.stability`: relative errors against 80-bit arithmetic, worst of all "
-        f"lengths ({', '.join(map(str, sorted({c.size for c in cells})))}).",
-        "",
         "| check | dtype | worst | at N | target | met |",
         "| --- | --- | --- | --- | --- | --- |",
     ]
@@ -139,34 +135,11 @@ def table(cells: list[Cell]) -> str:
             key=lambda c: math.inf if math.isnan(c.error) else c.error / c.target,
         )
         met = "yes" if worst.error <= worst.target else "**no**"
-        lines.append(f"| {key[0]} | {key[1]} | {worst.error:.1e} | {worst.size} | {worst.target:.1e} | {met} |")
-    return "\n".join([*lines, ""])
-
-
-def plot(cells: list[Cell], path: Path) -> None:
-    """A heat map: checks by lengths, colour = error over target on a logarithmic scale."""
-    try:
-        matplotlib = need("matplotlib", purpose="the heat map")
-        pyplot = need("matplotlib.pyplot", purpose="the heat map")
-    except MissingPackageError as error:
-        print(error, file=sys.stderr)
-        return
-    matplotlib.use("Agg")
-    checks = list(dict.fromkeys((c.dtype, c.check) for c in cells))
-    sizes = sorted({c.size for c in cells})
-    grid = torch.full((len(checks), len(sizes)), torch.nan)
-    for c in cells:
-        share = max(c.error / c.target, 1e-4)
-        grid[checks.index((c.dtype, c.check)), sizes.index(c.size)] = share
-    figure, axis = pyplot.subplots(figsize=(9, 0.32 * len(checks) + 1.6))
-    image = axis.imshow(grid.log10().numpy(), cmap="viridis", vmin=-3, vmax=0, aspect="auto")
-    axis.set_xticks(range(len(sizes)), [str(size) for size in sizes], rotation=60)
-    axis.set_yticks(range(len(checks)), [f"{check}, {kind}" for kind, check in checks], fontsize=7)
-    axis.set_xlabel("N")
-    figure.colorbar(image, label="log10 (error / target)")
-    figure.tight_layout()
-    figure.savefig(path, dpi=130)
-    pyplot.close(figure)
+        lines.append(
+            f"| {key[0]} | {key[1]} | {worst.error:.1e} | {worst.size} | {worst.target:.1e} |"
+            f" {met} |"
+        )
+    return "\n".join(lines)
 
 
 def measure(sizes: tuple[int, ...], on_size: Callable[[int], None]) -> list[Cell]:
@@ -183,15 +156,13 @@ def main(arguments: list[str] | None = None) -> int:
     """Measure and write; return 0 if every target is met, else 1."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="lengths up to 512 only")
-    parser.add_argument("--out", type=Path, default=Path("docs/benchmarks"))
+    parser.add_argument("--out", type=Path, default=Path("docs/benchmarks/stability.json"))
     given = parser.parse_args(arguments)
     sizes = QUICK if given.quick else SIZES
     cells = measure(sizes, lambda size: print(f"N = {size}: done", flush=True))
-    given.out.mkdir(parents=True, exist_ok=True)
     record = json.dumps([asdict(cell) for cell in cells], indent=1)
-    (given.out / "stability.json").write_text(record + "\n")
-    (given.out / "stability.md").write_text(table(cells))
-    plot(cells, given.out / "stability.png")
+    write_text(given.out, record + "\n")
+    print(table(cells))
     missed = [cell for cell in cells if not cell.error <= cell.target]
     for cell in missed:
         print(f"missed: {cell}", file=sys.stderr)

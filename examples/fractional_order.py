@@ -24,5 +24,5 @@ chirp = dfrft(spike, -0.35)  # a signal that is a single spike at p = 0.35
 if len(sys.argv) > 1 and sys.argv[1].endswith(".svg"):
     seen = {f"p = {p:g}": (range(64), dfrft(chirp, p).abs().tolist()) for p in (0, 0.35, 1)}
     chart = lines(seen, title="One chirp at three orders", across="sample", up="magnitude",
-                  caption="p = 0 shows the signal, p = 1 its spectrum. At 0.35, one sample holds all of it.")  # fmt: skip
+                  caption="p = 0 shows the signal, p = 1 its spectrum. At 0.35, one sample holds all of it.")  # fmt: skip  # noqa: E501
     write(sys.argv[1], chart)

@@ -16,6 +16,7 @@ _PUBLIC = {
     "Embeddings": "omnivat.data.store:Embeddings",
     "load_embeddings": "omnivat.data.store:load_embeddings",
     "load_head": "omnivat.head.checkpoint:load_head",
+    "twins": "omnivat.measure.twins:twins",
 }
 __all__ = ["__version__", *_PUBLIC]
 __getattr__ = late(__name__, _PUBLIC)

@@ -27,8 +27,9 @@ class Cell:
     def _repr_html_(self) -> str:
         """Return the page in a sandboxed frame, which cannot reach the notebook."""
         return (
-            f'<iframe srcdoc="{escape(self.page)}" style="width:100%;height:{self.height}px;border:0" '
-            'sandbox="allow-scripts allow-downloads" title="OmniVaT: Explore"></iframe>'
+            f'<iframe srcdoc="{escape(self.page)}"'
+            f' style="width:100%;height:{self.height}px;border:0" sandbox="allow-scripts'
+            ' allow-downloads" title="OmniVaT: Explore"></iframe>'
         )
 
     def save(self, path: str | Path) -> Path:
@@ -65,7 +66,8 @@ def explore(
         place = Path(temporary)
         folder = _place(head, place / "head", "omnivat.head.checkpoint", "save_head")
         where = where_from(
-            folder, _place(embeddings, place / "set.safetensors", "omnivat.data.store", "save_embeddings")
+            folder,
+            _place(embeddings, place / "set.safetensors", "omnivat.data.store", "save_embeddings"),
         )
         frames = frames_file(where, on_step)
         export_page(where, frames, place / "page.html")
@@ -73,9 +75,9 @@ def explore(
     return Cell(page, height)
 
 
-def _place(given: Any, target: Path, module: str, save: str) -> Path | None:
+def _place(place: Any, target: Path, module: str, save: str) -> Path | None:
     """Return the path of a head or a set; one in memory is first written to `target`."""
-    if given is None or isinstance(given, str | Path):
-        return None if given is None else Path(given)
-    getattr(import_module(module), save)(target, given)
+    if place is None or isinstance(place, str | Path):
+        return None if place is None else Path(place)
+    getattr(import_module(module), save)(target, place)
     return target

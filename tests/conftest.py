@@ -11,7 +11,9 @@ import pytest
 from hypothesis import HealthCheck, settings
 
 settings.register_profile("ci", derandomize=True, deadline=None, max_examples=40)
-settings.register_profile("home", deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile(
+    "home", deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow]
+)
 settings.load_profile("ci" if os.environ.get("CI") else "home")
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
@@ -20,8 +22,7 @@ CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Mark browser tests as slow; run tests that start an event loop first: the browser keeps one.
 
-    Tests marked as long run with `-m long` alone. A journey that waited in vain on a busy machine
-    starts once more, and the summary names it; a wrong answer fails at once.
+    Tests marked as long run with `-m long` alone.
     """
     items.sort(key=lambda item: not item.nodeid.startswith("tests/app/"))
     if "long" not in config.option.markexpr:
@@ -31,7 +32,6 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     for item in items:
         if item.get_closest_marker("browser"):
             item.add_marker("slow")
-            item.add_marker(pytest.mark.flaky(reruns=1, only_rerun=["TimeoutError"]))
 
 
 @pytest.fixture(scope="session")
@@ -48,7 +48,8 @@ def clips() -> Any:
 
 @pytest.fixture(scope="session")
 def presses() -> Callable[[str], tuple[Any, Any]]:
-    """Return a reader of real frames: "gelsight" or "gelsight_mini" -> the rest picture, presses of a ball.
+    """Return a reader of real frames: "gelsight" or "gelsight_mini" -> the rest picture, presses of
+    a ball.
 
     Pictures are (H, W, 3) bytes. They are those that the package `taxim` carries (MIT).
     """
@@ -85,9 +86,13 @@ def make_embeddings() -> Callable[..., object]:
         label = np.tile(np.repeat(np.arange(len(classes)), per_class), len(domains))
         noise = random.normal(size=(4, len(label), width))
         vis, tac, vis_flip, tac_flip = (
-            (directions[label] + shifts[domain, m % 2] + noise[m]).astype(np.float32) for m in range(4)
+            (directions[label] + shifts[domain, m % 2] + noise[m]).astype(np.float32)
+            for m in range(4)
         )
-        names = [f"{domains[d]}/{classes[c]}/{i}" for i, (d, c) in enumerate(zip(domain, label, strict=True))]
+        names = [
+            f"{domains[d]}/{classes[c]}/{i}"
+            for i, (d, c) in enumerate(zip(domain, label, strict=True))
+        ]
         rows = {
             "vis": [name + "_vis.png" for name in names],
             "tac": [name + "_tac.png" for name in names],
@@ -107,7 +112,14 @@ def make_embeddings() -> Callable[..., object]:
             origin="made by a test",
         )
         return Embeddings(
-            header=header, vis=vis, tac=tac, vis_flip=vis_flip, tac_flip=tac_flip, domain=domain, label=label, rows=rows
+            header=header,
+            vis=vis,
+            tac=tac,
+            vis_flip=vis_flip,
+            tac_flip=tac_flip,
+            domain=domain,
+            label=label,
+            rows=rows,
         )
 
     return make
@@ -127,7 +139,9 @@ def without_classes() -> Callable[..., object]:
 
 
 @pytest.fixture(scope="session")
-def head_folder(make_embeddings: Callable[..., object], tmp_path_factory: pytest.TempPathFactory) -> Path:
+def head_folder(
+    make_embeddings: Callable[..., object], tmp_path_factory: pytest.TempPathFactory
+) -> Path:
     """Return the folder of a small head, trained for two epochs on made-up embeddings."""
     from omnivat.cli import main
     from omnivat.data.store import save_embeddings

@@ -1,3 +1,5 @@
-"""The tabs, one in each file: results are functions. A `build` lays out more than the tab's component."""
+"""The tabs, one in each file: results are functions. A `build` lays out more than the tab's
+component.
+"""
 
-VIEWS = ("explore", "pair", "train", "tree", "compare", "data")  # in their order on the page
+VIEWS = ("explore", "pair", "train")  # in their order on the page

@@ -5,12 +5,13 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.limits import CENTRED_PAIRS
+import orjson
+
 from app.map_place import kept_features
 from app.resources import Resources
 from app.state import order_from
 from omnivat.data.packing import packed
-from omnivat.head.heads import kept_ladder
+from omnivat.head.heads import EXAMPLES, kept_ladder
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -42,7 +43,9 @@ def neighbours(resources: Resources, question: Mapping[str, Any]) -> dict[str, A
 
 
 def nearest(features: "Array", point: int) -> list[dict[str, Any]]:
-    """Return the NEIGHBOURS rows of `features` (2N, D), of unit length, with the largest cosine to another one."""
+    """Return the NEIGHBOURS rows of `features` (2N, D), of unit length, with the largest cosine
+    to another one.
+    """
     import numpy as np
 
     cosines = features @ features[point]
@@ -88,25 +91,11 @@ def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
         recorded = not source and not resources.drawn()
         kept = kept_ladder(resources.where.head, resources.where.embeddings) if recorded else None
-        return {**kept, "kept": True} if kept else ladder(resources.head(), embeddings, source=source)
+        return (
+            {**kept, "kept": True} if kept else ladder(resources.head(), embeddings, source=source)
+        )
 
     return resources.results.once(f"ladder {source}", climbed)
-
-
-def centred(resources: Resources, method: str) -> dict[str, Any]:
-    """Return maps of the touches' raw embedding as it comes and with each domain's mean taken away.
-
-    method  "pca", or "umap", which takes seconds where no file has it
-    """
-    from omnivat.maps.frames.centred import centred_reply, kept_reply
-
-    def made() -> dict[str, Any]:
-        embeddings = resources.embeddings()
-        if len(embeddings) > CENTRED_PAIRS:
-            raise DataError(f"Domains are centred in sets of at most {CENTRED_PAIRS:,} pairs.")
-        return kept_reply(resources.where.embeddings, embeddings, method) or centred_reply(embeddings, method)
-
-    return resources.results.once(f"centred {method}", made)
 
 
 def pairs(resources: Resources) -> dict[str, list[str]]:
@@ -114,6 +103,35 @@ def pairs(resources: Resources) -> dict[str, list[str]]:
     rows = resources.embeddings().rows
     names = [Path(file).stem.removesuffix("_vis") for file in rows["vis"]]
     return {"name": names, "looks_like": rows["looks_like"], "feels_like": rows["feels_like"]}
+
+
+def twins(_: Resources) -> dict[str, Any]:
+    """Return what heads predict of the project's twins, as `python -m benchmarks.twins --page`
+    wrote it.
+    """
+    return _written("twins.json")
+
+
+def twins_map(_: Resources) -> dict[str, Any]:
+    """Return the positions of the twins' touches, as they come and with mean and spread moved."""
+    return _written("twins.map.json")
+
+
+@cache
+def _written(name: str) -> dict[str, Any]:
+    try:
+        written: dict[str, Any] = orjson.loads((EXAMPLES / name).read_bytes())
+    except OSError as error:
+        raise DataError(
+            f"The file '{name}' is not beside the project's sets; make it with `python -m"
+            " benchmarks.twins --page`."
+        ) from error
+    return written
+
+
+def twin_pictures() -> dict[str, Path]:
+    """Return the sheets of the twins' pictures by name."""
+    return {file.name: file for file in sorted((EXAMPLES / "twins").glob("*.webp"))}
 
 
 def mechanism(_: Resources) -> dict[str, Any]:

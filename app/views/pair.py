@@ -4,7 +4,7 @@ import base64
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from app.familiar import predict_one
+from app.familiar import known_to, predict_one
 from app.pair_input import embedded, refs_from, rounded
 from app.resources import Resources
 from app.state import order_from
@@ -64,7 +64,10 @@ def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
         "learned": head.model.order,
         "span": trained_span(head),
         "stops": {name: rounded(readings[name][:-1]) for name in READINGS if name in readings},
-        "exact": {"order": exact, "readings": {name: rounded(values[-1:])[0] for name, values in readings.items()}},
+        "exact": {
+            "order": exact,
+            "readings": {name: rounded(values[-1:])[0] for name, values in readings.items()},
+        },
         "spectra": {name: spectrum(values) for name, values in magnitudes.items()},
     }
 
@@ -73,7 +76,8 @@ def many(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Return the head's predictions for several pairs at its learned order.
 
     question  {"pairs": [{"vis", "tac": references}, …], at most MOST_AT_ONCE; "lessons"}
-    return    classes; `pairs`: `readings` and `images` of each, as `app.familiar.predict_one` has them
+    return    classes; `pairs`: `readings` and `images` of each, as `app.familiar.predict_one` has
+              them
 
     Raises DataError for another number of pairs, ForgottenError for a picture that is not kept.
     """
@@ -86,12 +90,18 @@ def many(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
         raise DataError(f"{len(given)} pairs were sent; send 1 to {MOST_AT_ONCE} at a time.")
     head = head_for(resources, question)
     with torch.inference_mode():
-        found = [predict_one(head, embedded(resources, refs_from(one), question)) for one in given]
+        known = known_to(resources, head, question)
+        found = [
+            predict_one(head, embedded(resources, refs_from(one), question), known=known)
+            for one in given
+        ]
     return {"classes": list(head.settings.classes), "pairs": found}
 
 
 def trained_span(head: "Head") -> list[float]:
-    """Return the orders [low, high] that the head was trained for: the learned one twice if p was not drawn."""
+    """Return the orders [low, high] that the head was trained for: the learned one twice if p
+    was not drawn.
+    """
     train = head.provenance.get("train", {})
     if train.get("order_draw", "none") != "none":
         return [float(train.get("order_low", 0)), float(train.get("order_high", 1))]
@@ -99,7 +109,11 @@ def trained_span(head: "Head") -> list[float]:
 
 
 def at_orders(
-    model: "OmniVaT", pair: "Mapping[str, torch.Tensor | None]", orders: Sequence[float], *, attention: bool = False
+    model: "OmniVaT",
+    pair: "Mapping[str, torch.Tensor | None]",
+    orders: Sequence[float],
+    *,
+    attention: bool = False,
 ) -> "HeadOutput":
     """Return the head's output for one pair at P orders, in one batch."""
     import torch

@@ -1,6 +1,7 @@
 """The command line: `python -m omnivat COMMAND`, each command in a file of this folder.
 
-A command has `add`, which declares its arguments, and `run`, which takes them.
+A command has `add`, which declares its arguments, and `run`, which takes them. It may import every
+wing; nothing imports it. A new command is a module here and its name in `NAMES`.
 """
 
 import argparse
@@ -18,7 +19,7 @@ from omnivat.kit.files import require_writable
 from omnivat.kit.tables import suggestion
 
 NAMES = (  # in the order of the help; a command's file has its name, or that in FILES
-    "try", "predict", "embed", "import", "train", "evaluate", "profile", "teach", "protocol",
+    "try", "fetch", "predict", "embed", "dots", "import", "train", "evaluate", "profile", "teach", "protocol",  # noqa: E501
     "ablate", "report", "reproduce", "sweep", "gaps", "project", "thumbnails", "export", "simulate",
     "prompts",
 )  # fmt: skip
@@ -29,7 +30,8 @@ COMMANDS = {name: import_module(f"omnivat.cli.{FILES.get(name, name)}") for name
 def parser() -> argparse.ArgumentParser:
     """Return the parser of all commands."""
     top = argparse.ArgumentParser(
-        prog="omnivat", description="See why a model trained on one tactile sensor fails on the next."
+        prog="omnivat",
+        description="See why a model trained on one tactile sensor fails on the next.",
     )
     top.add_argument("--version", action="version", version=f"omnivat {__version__}")
     commands = top.add_subparsers(dest="command", metavar="COMMAND")
@@ -79,7 +81,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1
     except OSError as error:  # a full disk or a lost network folder: a traceback does not help
         where = f"'{error.filename}': " if error.filename else ""
-        what = f"{where}{error.strerror or error}. Check the path, its permissions and the free space."
+        what = (
+            f"{where}{error.strerror or error}. Check the path, its permissions and the free space."
+        )
         print(f"omnivat {options.command}: {what}", file=sys.stderr)
         _drop_output()
         return 1
@@ -87,7 +91,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _drop_output() -> None:
-    """Close standard output without another error: the interpreter would write the rest at its end."""
+    """Close standard output without another error: the interpreter would write the rest at its
+    end.
+    """
     with suppress(OSError, AttributeError):
         sys.stdout.flush()
         return

@@ -41,7 +41,9 @@ def run(options: argparse.Namespace) -> None:
             "title": table.title,
             "axis": table.axis,
             "sources": listed(options.sources) or table.sources,
-            "rows": {row: (method_name(row), one.label, one.value) for row, one in table.rows.items()},
+            "rows": {
+                row: (method_name(row), one.label, one.value) for row, one in table.rows.items()
+            },
         }
         for name, table in tables.items()
     }

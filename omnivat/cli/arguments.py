@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.encoders.base import DEFAULT_ENCODER
-from omnivat.head.heads import default_embeddings, default_head
+from omnivat.head.heads import default_embeddings, default_head, head_named
 from omnivat.kit.config import field_names, parse_assignments
 from omnivat.kit.devices import named
 from omnivat.kit.errors import SettingsError
@@ -23,14 +23,20 @@ if TYPE_CHECKING:
     from omnivat.head.checkpoint import Head
 
 
-DEVICE = "cpu (default), cuda, cuda:1, or auto: a GPU if there is one; $OMNIVAT_DEVICE holds where this is left out"
+DEVICE = (
+    "cpu (default), cuda, cuda:1, or auto: a GPU if there is one; $OMNIVAT_DEVICE holds where this"
+    " is left out"
+)
 EMBEDDINGS = "embeddings file; default: the project's simulated domains"
-HEAD = "folder of a trained head; default: the project's own"
+HEAD = (
+    "folder of a trained head, or own: the project's head of all simulated domains; default: its"
+    " head of one domain"
+)
 ORDER = "fractional order p, -4 to 4 quarter turns; default: the learned one"
 PROFILE = "profile of a sensor (`omnivat profile`); once or for several domains"
 REST = (
-    "picture of the untouched sensor, subtracted from each tactile image; auto: the nearest rest.png above each image, "
-    "but not for gels with markers; all: for those, too"
+    "picture of the untouched sensor, subtracted from each tactile image; auto: the nearest"
+    " rest.png above each image, but not for gels with markers; all: for those, too"
 )
 EVERY_S = 2.0  # seconds between two lines of a log, at least: short work writes none
 AT_MOST_S = 60.0  # seconds after which a line comes before the next tenth
@@ -38,7 +44,9 @@ AT_MOST_S = 60.0  # seconds after which a line comes before the next tenth
 
 @contextmanager
 def progress_bar(title: str) -> Iterator[OnStep]:
-    """Yield a function that draws progress reports: a bar, or lines if stderr is a file or a pipe."""
+    """Yield a function that draws progress reports: a bar, or lines if stderr is a file or a
+    pipe.
+    """
     if not sys.stderr.isatty():
         yield _Lines(title).show
         return
@@ -70,25 +78,37 @@ class _Lines:
         if not due or now - self.written < EVERY_S:
             return
         self.tenth, self.written = tenth, now
-        share = f"{100 * step.done // step.total} %, {step.done:,} of {step.total:,}" if step.total else ""
+        share = (
+            f"{100 * step.done // step.total} %, {step.done:,} of {step.total:,}"
+            if step.total
+            else ""
+        )
         text = ", ".join(filter(None, [share or f"{step.done:,} done", left, step.text]))
         print(f"{self.title}: {text}", file=sys.stderr, flush=True)
 
 
 def shared(parser: argparse.ArgumentParser, *names: str, **helps: str) -> None:
-    """Declare options that several commands have, by name; `name="text"` gives another help text."""
+    """Declare options that several commands have, by name; `name="text"` gives another help
+    text.
+    """
     options: dict[str, dict[str, Any]] = {
         "device": {"default": named(), "help": DEVICE},
         "embeddings": {"type": Path, "default": default_embeddings(), "help": EMBEDDINGS},
         "encoder": {"default": DEFAULT_ENCODER, "help": "named as for `embed`"},
-        "head": {"type": Path, "default": default_head(), "help": HEAD},
+        "head": {"type": head_named, "default": default_head(), "help": HEAD},
         "jobs": {"type": whole(1), "default": 1, "help": "parallel processes"},
         "json": {"action": "store_true", "help": "print JSON"},
         "lang": {"type": Path, "help": "LANG bank; default: the project's own"},
         "only": {"default": "", "metavar": "a,b,c", "help": "some of the ablations"},
         "order": {"type": order, "metavar": "P", "help": ORDER},
         "out": {"type": Path, "required": True, "help": "the .safetensors file to write"},
-        "profile": {"type": Path, "action": "append", "default": [], "metavar": "FILE", "help": PROFILE},
+        "profile": {
+            "type": Path,
+            "action": "append",
+            "default": [],
+            "metavar": "FILE",
+            "help": PROFILE,
+        },
         "seed": {"type": int, "default": 0, "help": "seed of all random choices; default: 0"},
         "seeds": {"default": "0,1,2", "metavar": "0,1,2", "help": "one run for each seed"},
         "set": {"action": "append", "default": [], "metavar": "key=value"},
@@ -102,7 +122,11 @@ def shared(parser: argparse.ArgumentParser, *names: str, **helps: str) -> None:
 
 
 def choice(
-    parser: argparse.ArgumentParser, name: str, choices: Sequence[Any], text: str = "", first: Any = None
+    parser: argparse.ArgumentParser,
+    name: str,
+    choices: Sequence[Any],
+    text: str = "",
+    first: Any = None,
 ) -> None:
     """Declare an option that is one of `choices`; the default is `first`, or the first of them."""
     default = choices[0] if first is None else first
@@ -117,7 +141,9 @@ def download(parser: argparse.ArgumentParser) -> None:
         ("--download", "yes", "fetch missing weights from the hub without asking"),
         ("--offline", "no", "never fetch weights"),
     ):
-        group.add_argument(name, action="store_const", const=value, dest="download", default="ask", help=text)
+        group.add_argument(
+            name, action="store_const", const=value, dest="download", default="ask", help=text
+        )
 
 
 def figure(parser: argparse.ArgumentParser, of: str) -> None:
@@ -126,8 +152,12 @@ def figure(parser: argparse.ArgumentParser, of: str) -> None:
     parser.add_argument("--figure", "--html", type=Path, metavar="FILE", help=text)
 
 
-def head_and_set(options: argparse.Namespace, *, sample: int = 0, profiled: bool = True) -> "tuple[Head, Embeddings]":
-    """Return the head and the embeddings that fit it, `sample` of the pairs or all, with the profiles of the options."""
+def head_and_set(
+    options: argparse.Namespace, *, sample: int = 0, profiled: bool = True
+) -> "tuple[Head, Embeddings]":
+    """Return the head and the embeddings that fit it, `sample` of the pairs or all, with the
+    profiles of the options.
+    """
     from omnivat.data.store import load_embeddings
     from omnivat.head.checkpoint import load_head
 
@@ -143,7 +173,9 @@ def with_profiles(head: "Head | None", embeddings: "Embeddings", files: list[Pat
     from omnivat.data.profile import load_profile
 
     if head is None:
-        raise SettingsError("--profile needs a head, and stage raw uses none; choose another stage.")
+        raise SettingsError(
+            "--profile needs a head, and stage raw uses none; choose another stage."
+        )
     return head.profiled(embeddings, [load_profile(file) for file in files])
 
 

@@ -18,12 +18,23 @@ from omnivat.kit.files import require_writable
 def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("pairs", type=Path, help="a folder or CSV of pairs, or a data set's root")
     text = (
-        f"image encoder: {', '.join(ENCODERS)}; hf:NAME_OR_FOLDER for a vision model of transformers; module:function or "
-        "file.py:function for your own (docs/encoders.md)"
+        f"image encoder: {', '.join(ENCODERS)}; hf:NAME_OR_FOLDER for a vision model of"
+        " transformers; module:function or file.py:function for your own (docs/encoders.md)"
     )
-    shared(parser, "out", "weights", "tac_rest", "workers", "device", encoder=text, seed="of balanced subsampling")
+    shared(
+        parser,
+        "out",
+        "weights",
+        "tac_rest",
+        "workers",
+        "device",
+        encoder=text,
+        seed="of balanced subsampling",
+    )
     shared(parser, set="an option of the reader, such as by_folder=true (docs/data.md lists them)")
-    parser.add_argument("--tac-encoder", metavar="NAME", help="another encoder for tactile images; named as above")
+    parser.add_argument(
+        "--tac-encoder", metavar="NAME", help="another encoder for tactile images; named as above"
+    )
     parser.add_argument("--tac-weights", type=Path, help="checkpoint of --tac-encoder")
     text = "layout of PAIRS; default: recognised from the files"
     parser.add_argument("--reader", choices=["auto", *READERS], default="auto", help=text)
@@ -32,6 +43,12 @@ def add(parser: argparse.ArgumentParser) -> None:
     choice(parser, "--dtype", ("float32", "float16"), "type of the stored vectors")
     choice(parser, "--engine", ("local", "ray"), "this machine, or a Ray cluster")
     choice(parser, "--manifest", ("csv", "parquet"), "kind of the table next to the embeddings")
+    choice(
+        parser,
+        "--dots",
+        ("fill", "keep"),
+        "printed dots of a gel in tactile images: fill them first, or keep them",
+    )
     parser.add_argument("--no-flips", action="store_true", help="leave out the mirrored copies")
     download(parser)
 
@@ -47,7 +64,8 @@ def run(options: argparse.Namespace) -> None:
     require_writable(options.out, ".safetensors")
     if realpath(manifest_place(options.out, options.manifest)) == realpath(options.pairs):
         raise SettingsError(
-            f"--out is '{options.out}', and its table would replace '{options.pairs}'; choose another name."
+            f"--out is '{options.out}', and its table would replace '{options.pairs}'; choose"
+            " another name."
         )
     encoder = encoder_name(options.encoder, options.tac_encoder, options.tac_weights)
     for text in options.set:
@@ -59,7 +77,18 @@ def run(options: argparse.Namespace) -> None:
     print(summary_table(found))
     if rested := sum(pair.tac_rest is not None for pair in found.pairs):
         print(f"a rest picture is subtracted from {rested} of {len(found.pairs)} tactile images")
-    names = ("weights", "tac_weights", "device", "download", "precision", "dtype", "manifest", "engine", "workers")
+    names = (
+        "weights",
+        "tac_weights",
+        "device",
+        "download",
+        "precision",
+        "dtype",
+        "manifest",
+        "engine",
+        "workers",
+        "dots",
+    )
     how = {**passed(options, *names), "flips": not options.no_flips}
     with progress_bar(f"embed with {encoder}") as show:
         report = embed_pairs(found, encoder, options.out, **how, on_step=show)
@@ -73,7 +102,9 @@ def run(options: argparse.Namespace) -> None:
 
 
 def encoder_name(vis: str, tac: str | None, tac_weights: Path | None) -> str:
-    """Return the name of one encoder, or of a pair. Raises SettingsError for weights without one."""
+    """Return the name of one encoder, or of a pair. Raises SettingsError for weights without
+    one.
+    """
     if tac is not None:
         return JOINED.join((vis, tac))
     if tac_weights is not None:

@@ -1,8 +1,9 @@
 """Evaluate a head on every domain of an embeddings file.
 
-python -m omnivat evaluate --head DIR --embeddings FILE [--order P] [--profile FILE] [--json] [--figure FILE]
-python -m omnivat evaluate --ladder    the page's ladder, as a file next to the embeddings
-python -m omnivat evaluate --unlabelled N [--draws K] [--seed N]    profiles of N unlabelled pairs of each domain
+python -m omnivat evaluate --head DIR --embeddings FILE [--order P] [--profile FILE] [--json]
+[--figure FILE] python -m omnivat evaluate --ladder    the page's ladder, as a file next to the
+embeddings python -m omnivat evaluate --unlabelled N [--draws K] [--seed N]    profiles of N
+unlabelled pairs of each domain
 """
 
 import argparse
@@ -11,7 +12,15 @@ from collections.abc import Iterator, Sequence
 from statistics import pstdev
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import as_json, figure, head_and_set, progress_bar, shared, whole, with_profiles
+from omnivat.cli.arguments import (
+    as_json,
+    figure,
+    head_and_set,
+    progress_bar,
+    shared,
+    whole,
+    with_profiles,
+)
 from omnivat.kit.errors import SettingsError
 
 if TYPE_CHECKING:
@@ -20,17 +29,29 @@ if TYPE_CHECKING:
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    shared(parser, "head", "embeddings", "order", "profile", "device", "json", seed="seed of --unlabelled; default: 0")
-    text = "draw N training pairs of each target domain, profile them without their labels, and predict the rest"
+    shared(
+        parser,
+        "head",
+        "embeddings",
+        "order",
+        "profile",
+        "device",
+        "json",
+        seed="seed of --unlabelled; default: 0",
+    )
+    text = (
+        "draw N training pairs of each target domain, profile them without their labels, and"
+        " predict the rest"
+    )
     parser.add_argument("--unlabelled", type=whole(0), metavar="N", help=text)
     text = (
-        "draws of --unlabelled to average over, with seeds SEED, SEED + 1, ... (default: %(default)s): figures of one draw "
-        "of few pairs vary by a point or two"
+        "draws of --unlabelled to average over, with seeds SEED, SEED + 1, ... (default:"
+        " %(default)s): figures of one draw of few pairs vary by a point or two"
     )
     parser.add_argument("--draws", type=whole(1), default=10, metavar="K", help=text)
     text = (
-        "write what each step of knowledge about a new sensor brings, next to the embeddings; the page then shows it "
-        "at once"
+        "write what each step of knowledge about a new sensor brings, next to the embeddings; the"
+        " page then shows it at once"
     )
     parser.add_argument("--ladder", action="store_true", help=text)
     figure(parser, "accuracy in each domain with 95 %% intervals")
@@ -65,10 +86,11 @@ def run(options: argparse.Namespace) -> None:
 def _known(
     options: argparse.Namespace, head: "Head", embeddings: "Embeddings"
 ) -> Iterator[tuple["Embeddings", dict[str, int]]]:
-    """Yield, for each draw, profiled embeddings without the pairs of profiles, and pictures by domain."""
-    import numpy as np
-
-    from omnivat.data.profile import domain_of, drawn_profiles, load_profile, profiled
+    """Yield, for each draw, profiled embeddings without the pairs of profiles, and pictures by
+    domain.
+    """
+    from omnivat.data.profile import domain_of, load_profile
+    from omnivat.measure.known import drawn
 
     if options.unlabelled is None:
         loaded = [load_profile(file) for file in options.profile]
@@ -78,11 +100,9 @@ def _known(
         return
     if options.profile:
         raise SettingsError("Give --profile or --unlabelled, not both.")
-    for draw in range(options.draws if options.unlabelled else 1):
-        profiles, rows = drawn_profiles(embeddings, head.source, options.unlabelled, seed=options.seed + draw)
-        rest = embeddings.select(np.setdiff1d(np.arange(len(embeddings)), rows))
-        moved = profiled(rest, profiles, head.source_profile)
-        yield moved, {n: p.counts["vis"] for n, p in profiles.items()}
+    for k in range(options.draws if options.unlabelled else 1):
+        draw = drawn(head, embeddings, options.unlabelled, seed=options.seed + k)
+        yield draw.embeddings, draw.pictures
 
 
 def averaged(draws: Sequence[list[dict[str, Any]]]) -> list[dict[str, Any]]:
@@ -131,7 +151,9 @@ def table(records: Sequence[dict[str, Any]]) -> str:
 
     "photo only" and "touch only" are ACC with the other image absent.
     """
-    lines = [f"{'domain':<18} {'pairs':>6} {'ACC':>6} {'F1':>6} {'photo only':>11} {'touch only':>11}"]
+    lines = [
+        f"{'domain':<18} {'pairs':>6} {'ACC':>6} {'F1':>6} {'photo only':>11} {'touch only':>11}"
+    ]
     for record in records:
         name = record["domain"] + (" (source)" if record["is_source"] else "")
         scores = record["scores"]
@@ -139,7 +161,10 @@ def table(records: Sequence[dict[str, Any]]) -> str:
             lines.append(f"{name:<18} {0:>6}  no pairs of the head's classes")
             continue
         fused = scores["fused"]
-        alone = [f"{100 * scores[n]['accuracy']:>11.1f}" if n in scores else f"{'-':>11}" for n in ("vis", "tac")]
+        alone = [
+            f"{100 * scores[n]['accuracy']:>11.1f}" if n in scores else f"{'-':>11}"
+            for n in ("vis", "tac")
+        ]
         lines.append(
             f"{name:<18} {record['pairs']:>6} {100 * fused['accuracy']:>6.1f} "
             f"{100 * fused['macro_f1']:>6.1f} {' '.join(alone)}"
@@ -149,7 +174,9 @@ def table(records: Sequence[dict[str, Any]]) -> str:
     targets = target_scores(records)
     mean, f1 = target_mean(targets), target_mean(targets, "macro_f1")
     if math.isnan(mean):
-        lines.append("mean of targets: none, because no other domain has pairs of the head's classes")
+        lines.append(
+            "mean of targets: none, because no other domain has pairs of the head's classes"
+        )
     else:
         lines.append(f"{'mean of targets':<18} {'':>6} {100 * mean:>6.1f} {100 * f1:>6.1f}")
     if most := max((record.get("unlabelled", 0) for record in records), default=0):
@@ -165,5 +192,7 @@ def table(records: Sequence[dict[str, Any]]) -> str:
                 f"{pstdev(each):.1f} points between draws."
             )
     if any(record["trained_on"] for record in records):
-        lines.append("The set has no split: the source's row is measured on the head's training pairs.")
+        lines.append(
+            "The set has no split: the source's row is measured on the head's training pairs."
+        )
     return "\n".join(lines)

@@ -42,7 +42,8 @@ class StageFeatures:
         from omnivat.measure.gaps.unit import unit
 
         model, count = self.head.model if self.head else None, len(self.embeddings)
-        chunk = CHUNK if model else 8 * CHUNK  # without a head, larger blocks cost no memory to speak of
+        # without a head, larger blocks cost no memory to speak of
+        chunk = CHUNK if model else 8 * CHUNK
         blocks = stage_blocks(model, self.embeddings, self.order, self.stage, chunk=chunk)
         with progress_bar(f"features at {self.stage}") as show:
             for rows, found in blocks:
@@ -57,10 +58,12 @@ class StageFeatures:
 
         count, width, points = len(self.embeddings), self.embeddings.width, torch.empty(0, 0)
         if count > LARGE:
-            # held once, and as much again while they are measured; twice as wide in the transform's two stages
+            # held once, and as much again while they are measured; twice as wide in the transform's
+            # two stages
             text = (
-                f"{count:,} pairs of width {width}: about {2 * 2 * 4 * count * width / 1e9:.1f} GB and some minutes "
-                "(docs/scale.md has the times of one machine); --sample 20000 takes a random part"
+                f"{count:,} pairs of width {width}: about {2 * 2 * 4 * count * width / 1e9:.1f} GB"
+                " and some minutes (docs/scale.md has the times of one machine); --sample 20000"
+                " takes a random part"
             )
             print(text, file=sys.stderr, flush=True)
         for rows, found in self.blocks():
@@ -73,10 +76,14 @@ class StageFeatures:
 
 def add_stage(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments that select features."""
-    shared(parser, "embeddings", "order", "profile", "device", head=f"{HEAD}; not read at stage raw")
+    shared(
+        parser, "embeddings", "order", "profile", "device", head=f"{HEAD}; not read at stage raw"
+    )
     text = "raw embedding, raw DFrFT, F after ReLU, after FrATT, after DTG (default)"
     parser.add_argument("--stage", choices=STAGES, default="f_hat", help=text)
-    parser.add_argument("--sample", type=int, default=0, metavar="N", help="use N random pairs; default: all")
+    parser.add_argument(
+        "--sample", type=int, default=0, metavar="N", help="use N random pairs; default: all"
+    )
 
 
 def stage_features(options: argparse.Namespace) -> StageFeatures:
@@ -87,7 +94,9 @@ def stage_features(options: argparse.Namespace) -> StageFeatures:
         raise SettingsError(f"--sample is {options.sample}; give a number of pairs, or 0 for all.")
     head, order = None, None
     if options.stage == "raw":
-        embeddings = with_profiles(None, load_embeddings(options.embeddings).sampled(options.sample), options.profile)
+        embeddings = with_profiles(
+            None, load_embeddings(options.embeddings).sampled(options.sample), options.profile
+        )
     else:
         head, embeddings = head_and_set(options, sample=options.sample)
         order = head.model.order if options.order is None else options.order

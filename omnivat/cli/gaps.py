@@ -40,8 +40,8 @@ def run(options: argparse.Namespace) -> None:
     print(f"{options.measure} at {options.stage}: {found.about}\n")
     if "standard_error" in record:
         print(
-            f"estimated from {record['drawn']:,} random pairs, because the set is large; standard error "
-            f"of a gap at most ± {record['standard_error']:.2g}\n"
+            f"estimated from {record['drawn']:,} random pairs, because the set is large; standard"
+            f" error of a gap at most ± {record['standard_error']:.2g}\n"
         )
     print("between VIS and TAC")
     for name, value in record["modality_gap"].items():
@@ -51,26 +51,26 @@ def run(options: argparse.Namespace) -> None:
         print(matrix(record["domain_gap"][modality]))
 
 
-def gaps_of(found: StageFeatures, measure: str) -> dict[str, Any]:
+def gaps_of(features: StageFeatures, measure: str) -> dict[str, Any]:
     """Return the gaps as `omnivat.measure.gaps.domain.gap_record` has them.
 
-    Of a large set, exact measures come from moments, and the others from random pairs of each domain:
-    then also "drawn" pairs and the largest "standard_error" of a value.
+    Of a large set, exact measures come from moments, and the others from random pairs of each
+    domain: then also "drawn" pairs and the largest "standard_error" of a value.
     """
     from omnivat.kit.tables import load
     from omnivat.measure.gaps.domain import gap_record
     from omnivat.measure.gaps.large import ESTIMATES, MOMENT_GAPS, drawn, moments_of, parts_of
     from omnivat.measure.gaps.mmd import MOST_ROWS
 
-    data, names = found.embeddings, found.embeddings.header.domains
+    data, names = features.embeddings, features.embeddings.header.domains
     more: dict[str, Any] = {}
     sets: dict[str, dict[str, Any]]
     every: Mapping[str, Any]
     gap: Callable[[Any, Any], Any]
     if measure in ESTIMATES and 2 * len(data) > MOST_ROWS:
         rows, alike = drawn(data.domain)
-        found = replace(found, embeddings=data.select(rows))
-        sets, every = parts_of(found.points(), data.domain[rows], names, alike)
+        features = replace(features, embeddings=data.select(rows))
+        sets, every = parts_of(features.points(), data.domain[rows], names, alike)
         more |= {"drawn": len(rows), "standard_error": 0.0}
 
         def estimated(a: Any, b: Any) -> Any:
@@ -80,10 +80,12 @@ def gaps_of(found: StageFeatures, measure: str) -> dict[str, Any]:
 
         gap = estimated
     elif measure in MOMENT_GAPS and len(data) > LARGE:
-        sets, every = moments_of(found.blocks(), data.domain, names, squares=measure == "frechet")
+        sets, every = moments_of(
+            features.blocks(), data.domain, names, squares=measure == "frechet"
+        )
         gap = MOMENT_GAPS[measure]
     else:
-        sets, every = parts_of(found.points(), data.domain, names)
+        sets, every = parts_of(features.points(), data.domain, names)
         gap = load(GAPS, measure, kind="gap")
     return gap_record(every, sets, gap) | more
 

@@ -1,8 +1,8 @@
-"""Import embeddings from another program, windows of contact signals, or pictures of recordings.
+"""Import embeddings from another program, or pictures of recordings.
 
-python -m omnivat import FILE --encoder NAME --out set.safetensors [--domain NAME] [--column material=class] python -m
-omnivat import FOLDER --encoder strip --out set.safetensors [--window 64] python -m omnivat import LEROBOT --out PAIRS
-[--frames 5] [--pick even|contact] [--labels episodes.csv] python -m omnivat import videos.csv --out PAIRS
+python -m omnivat import FILE --encoder NAME --out set.safetensors [--domain NAME] [--column
+material=class] python -m omnivat import LEROBOT --out PAIRS [--frames 5] [--pick even|contact]
+[--labels episodes.csv] python -m omnivat import videos.csv --out PAIRS
 """
 
 import argparse
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 def add(parser: argparse.ArgumentParser) -> None:
     text = (
-        ".npz, .parquet, .h5 or .csv (docs/encoders.md), a folder of signals, a LeRobot data set, or a table of videos "
-        "(docs/data.md)"
+        ".npz, .parquet, .h5 or .csv (docs/encoders.md), a LeRobot data set, or a table of videos"
+        " (docs/data.md)"
     )
     parser.add_argument("file", type=Path, help=text)
     shared(parser, out="the .safetensors file to write; of recordings, a new folder of pairs")
@@ -31,9 +31,19 @@ def add(parser: argparse.ArgumentParser) -> None:
     add_foreign(parser)
     parser.add_argument("--preprocessing", default="", help="preprocessing of the images")
     parser.add_argument("--origin", default="", help="one line on the file's origin")
-    parser.add_argument("--window", type=int, default=64, help="samples of each row, for a folder of signals")
-    parser.add_argument("--frames", type=whole(1), default=5, metavar="N", help="pairs of each recording; default: 5")
-    choice(parser, "--pick", ("even", "contact"), "moments: evenly spaced, or where the touch differs most")
+    parser.add_argument(
+        "--frames",
+        type=whole(1),
+        default=5,
+        metavar="N",
+        help="pairs of each recording; default: 5",
+    )
+    choice(
+        parser,
+        "--pick",
+        ("even", "contact"),
+        "moments: evenly spaced, or where the touch differs most",
+    )
     parser.add_argument("--vis", default="", metavar="CAMERA", help="LeRobot: camera of the photos")
     text = "LeRobot: tactile camera; can be given several times"
     parser.add_argument("--tac", action="append", default=[], metavar="CAMERA", help=text)
@@ -54,34 +64,27 @@ def add_foreign(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Read, check, write; print a summary."""
     from omnivat.data.foreign import import_embeddings
-    from omnivat.data.readers.signals import signal_embeddings
     from omnivat.data.recordings import is_recording
     from omnivat.data.store import manifest_place, require_own, save_embeddings
-    from omnivat.data.strips import ENCODER
 
     if is_recording(options.file):
         _recordings(options)
         return
     if not options.encoder:
-        raise SettingsError(f"'{options.file}' is no recording, so --encoder has to name the encoder of its vectors.")
+        raise SettingsError(
+            f"'{options.file}' is no recording, so --encoder has to name the encoder of its"
+            " vectors."
+        )
     require_writable(options.out, ".safetensors")
     require_own(manifest_place(options.out, "csv"))
-    if options.file.is_dir():
-        if options.encoder != ENCODER:
-            raise SettingsError(
-                f"'{options.file}' is a folder, which is read as signals: pass --encoder {ENCODER}, or "
-                "name a file of vectors."
-            )
-        found, skipped = signal_embeddings(options.file, window=options.window)
-        _tell(skipped)
-    else:
-        about = passed(options, "encoder", "preprocessing", "origin")
-        found = import_embeddings(options.file, **about, **foreign(options))
-    save_embeddings(options.out, found, dtype=options.dtype)
-    header = found.header
+    about = passed(options, "encoder", "preprocessing", "origin")
+    imported = import_embeddings(options.file, **about, **foreign(options))
+    save_embeddings(options.out, imported, dtype=options.dtype)
+    header = imported.header
     print(
-        f"{len(found)} pairs of width {found.width} by {header.encoder}: domains "
-        f"{', '.join(header.domains)}; materials {', '.join(header.classes)}; written to {options.out}"
+        f"{len(imported)} pairs of width {imported.width} by {header.encoder}: domains"
+        f" {', '.join(header.domains)}; materials {', '.join(header.classes)}; written to"
+        f" {options.out}"
     )
 
 
@@ -91,9 +94,14 @@ def _recordings(options: argparse.Namespace) -> None:
 
     clips = clips_of(options.file, **passed(options, "vis", "tac", "domain", "labels"))
     with progress_bar("import") as show:
-        count, skipped = write_pairs(clips, options.out, **passed(options, "frames", "pick"), on_step=show)
+        count, skipped = write_pairs(
+            clips, options.out, **passed(options, "frames", "pick"), on_step=show
+        )
     _tell(skipped)
-    print(f"{count} pairs of {len(clips) - len(skipped)} recordings; next: python -m omnivat try {options.out}")
+    print(
+        f"{count} pairs of {len(clips) - len(skipped)} recordings; next: python -m omnivat try"
+        f" {options.out}"
+    )
 
 
 def _tell(skipped: "Sequence[Skipped]") -> None:
@@ -104,9 +112,14 @@ def _tell(skipped: "Sequence[Skipped]") -> None:
 
 
 def foreign(options: argparse.Namespace) -> dict[str, Any]:
-    """Return what `add_foreign` declares, for a reader; raises SettingsError for a column in another form."""
+    """Return what `add_foreign` declares, for a reader; raises SettingsError for a column in
+    another form.
+    """
     for text in options.column:
         if not all(text.partition("=")):
             raise SettingsError(f"--column got '{text}'; write it as OURS=THEIRS.")
     columns = dict(text.split("=", 1) for text in options.column)
-    return passed(options, "domain", "simulated") | {"classes": listed(options.classes), "columns": columns}
+    return passed(options, "domain", "simulated") | {
+        "classes": listed(options.classes),
+        "columns": columns,
+    }

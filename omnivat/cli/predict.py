@@ -3,7 +3,8 @@
     python -m omnivat predict VIS TAC [VIS TAC ...] [--head DIR] [--order P] [--tac-rest FILE]
         [--profile FILE] [--json]
 
-Write "-" for a missing VIS or TAC. Of --pairs, pairs with an unreadable image are named on stderr and left out.
+Write "-" for a missing VIS or TAC. Of --pairs, pairs with an unreadable image are named on stderr
+and left out.
 """
 
 import argparse
@@ -24,8 +25,12 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("images", nargs="*", metavar="VIS TAC", help=text)
     parser.add_argument("--pairs", help="a folder or CSV of pairs, instead of single images")
     shared(parser, "head", "order", "tac_rest", "weights", "device", "json")
-    parser.add_argument("--profile", type=Path, metavar="FILE", help="profile of the sensor (`omnivat profile`)")
-    parser.add_argument("--tac-weights", type=Path, help="checkpoint of the encoder of tactile images, if another")
+    parser.add_argument(
+        "--profile", type=Path, metavar="FILE", help="profile of the sensor (`omnivat profile`)"
+    )
+    parser.add_argument(
+        "--tac-weights", type=Path, help="checkpoint of the encoder of tactile images, if another"
+    )
     parser.add_argument("--no-cache", action="store_true", help="encode anew")
     download(parser)
 
@@ -37,10 +42,12 @@ def run(options: argparse.Namespace) -> None:
         raise SettingsError("Give either images or --pairs, not both.")
     if not options.pairs and (not given or given % 2):
         raise SettingsError(
-            f"Got {given} image{'' if given == 1 else 's'}; give VIS and TAC for each pair, with '-' for a missing one."
+            f"Got {given} image{'' if given == 1 else 's'}; give VIS and TAC for each pair, with"
+            " '-' for a missing one."
         )
     import torch
 
+    from omnivat.data.dots import dots_of
     from omnivat.data.profile import load_profile
     from omnivat.data.rest import RESTED
     from omnivat.encoders import load_encoder
@@ -54,7 +61,8 @@ def run(options: argparse.Namespace) -> None:
     rested = head.encoder["preprocessing"].endswith(RESTED)
     pairs = _pairs(options, _rest(options, rested))
     where = passed(options, "weights", "tac_weights", "device", "download")
-    encoder = load_encoder(head.encoder["name"], **where, weights_hash=head.encoder["weights_hash"])
+    made = head.encoder["weights_hash"], dots_of(head.encoder["preprocessing"])
+    encoder = load_encoder(head.encoder["name"], **where, weights_hash=made[0], dots=made[1])
     head.require(
         (encoder.name, encoder.weights_hash, encoder.preprocessing + (RESTED if rested else "")),
         encoder.width,
@@ -93,17 +101,20 @@ def _rest(options: argparse.Namespace, rested: bool) -> str:
     choice = options.tac_rest or ("none" if not rested else "auto" if options.pairs else "")
     if not rested and choice != "none":
         raise SettingsError(
-            f"--tac-rest is '{choice}', and this head was trained on tactile images as they come; leave it out."
+            f"--tac-rest is '{choice}', and this head was trained on tactile images as they come;"
+            " leave it out."
         )
     if not choice and any(name != MISSING for name in options.images[1::2]):
         raise SettingsError(
-            "This head was trained on tactile images minus a rest picture; name the picture of your "
-            "untouched sensor with --tac-rest FILE (none: predict without)."
+            "This head was trained on tactile images minus a rest picture; name the picture of your"
+            " untouched sensor with --tac-rest FILE (none: predict without)."
         )
     return choice or "none"
 
 
-def _pairs(options: argparse.Namespace, rest: str) -> list[tuple[Path | None, Path | None, int, Path | None]]:
+def _pairs(
+    options: argparse.Namespace, rest: str
+) -> list[tuple[Path | None, Path | None, int, Path | None]]:
     """Return VIS, TAC, the side of the square crop of TAC, and its rest picture, for each pair."""
     if options.pairs:
         from omnivat.data.readers import read_pairs
@@ -120,8 +131,11 @@ def _readable(predicted: dict[str, Any], source: str) -> str:
     alone = {WORDS[name]: column for name, column in predicted["modalities"].items()}
     columns = {"both": predicted["probabilities"], **alone} if len(alone) > 1 else alone
     lines = [
-        f"{predicted['vis'] or 'no VIS'} + {predicted['tac'] or 'no TAC'}: {predicted['prediction']}"
-        f"  (order p = {predicted['order']:.3f}, head trained on {source})",
+        (
+            f"{predicted['vis'] or 'no VIS'} + {predicted['tac'] or 'no TAC'}:"
+            f" {predicted['prediction']}  (order p = {predicted['order']:.3f}, head trained on"
+            f" {source})"
+        ),
         "  " + f"{'class':>9} " + " ".join(f"{name:>10}" for name in columns),
     ]
     for name in predicted["probabilities"]:

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import download, passed, progress_bar, shared
+from omnivat.cli.arguments import choice, download, passed, progress_bar, shared
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
 
@@ -20,14 +20,29 @@ EMBEDDINGS = ".safetensors"
 
 def add(parser: argparse.ArgumentParser) -> None:
     text = (
-        "an embeddings file, or a folder of pictures: pairs in any layout of `embed`, or files named *_vis.* and *_tac.*, "
-        "or folders named vis and tac"
+        "an embeddings file, or a folder of pictures: pairs in any layout of `embed`, or files"
+        " named *_vis.* and *_tac.*, or folders named vis and tac"
     )
     parser.add_argument("pictures", nargs="?", type=Path, help=text)
     parser.add_argument("--vis", type=Path, metavar="DIR", help="a folder of photos alone")
     parser.add_argument("--tac", type=Path, metavar="DIR", help="a folder of tactile images alone")
-    parser.add_argument("--domain", default="", help="name of the domain; of a set: the one to take")
-    shared(parser, "out", "weights", "tac_rest", "device", encoder="image encoder, named as for `embed`")
+    parser.add_argument(
+        "--domain", default="", help="name of the domain; of a set: the one to take"
+    )
+    shared(
+        parser,
+        "out",
+        "weights",
+        "tac_rest",
+        "device",
+        encoder="image encoder, named as for `embed`",
+    )
+    choice(
+        parser,
+        "--dots",
+        ("fill", "keep"),
+        "printed dots of a gel in tactile images, as for `embed`",
+    )
     download(parser)
 
 
@@ -44,7 +59,9 @@ def run(options: argparse.Namespace) -> None:
         embeddings = load_embeddings(options.pictures)
         domains = embeddings.header.domains
         if not options.domain and len(domains) > 1:
-            raise SettingsError(f"The set has {len(domains)} domains; name one: --domain {domains[0]!r}.")
+            raise SettingsError(
+                f"The set has {len(domains)} domains; name one: --domain {domains[0]!r}."
+            )
         name = options.domain or domains[0]
         profile = profile_of(embeddings, embeddings.rows_of(name), domain=name)
     else:
@@ -60,7 +77,9 @@ def _of_pictures(options: argparse.Namespace) -> "Profile":
     from omnivat.head.profile_pictures import pictures_in, profile_of_pictures
 
     found = pictures_in(options.pictures, vis=options.vis, tac=options.tac, rest=options.tac_rest)
-    encoder = load_encoder(options.encoder, **passed(options, "weights", "device", "download"))
+    encoder = load_encoder(
+        options.encoder, **passed(options, "weights", "device", "download", "dots")
+    )
     with progress_bar(f"embed with {encoder.name}") as show:
         profile, skipped = profile_of_pictures(encoder, found, domain=options.domain, on_step=show)
     for one in skipped:

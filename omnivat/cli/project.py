@@ -1,7 +1,7 @@
 """Draw a map of a set at one stage: a CSV of every VIS and TAC point, or an interactive figure.
 
-python -m omnivat project [--out MAP.csv] [--figure MAP.html] [--stage S] [--order P] [--method umap|pca|umap-learn]
-python -m omnivat project --centred --embeddings FILE
+python -m omnivat project [--out MAP.csv] [--figure MAP.html] [--stage S] [--order P] [--method
+umap|pca|umap-learn]
 """
 
 import argparse
@@ -30,25 +30,12 @@ def add(parser: argparse.ArgumentParser) -> None:
     choice(parser, "--method", list(PROJECTIONS), "method of the map", "umap")
     parser.add_argument("--out", type=Path, help="the CSV to write")
     choice(parser, "--dimensions", (2, 3), "of the map")
-    text = (
-        "write the page's maps of the touches, as they come and with each domain centred, next to the embeddings, and "
-        "nothing else"
-    )
-    parser.add_argument("--centred", action="store_true", help=text)
     shared(parser, seed="seed of the layout; default: 0")
     figure(parser, "the map")
 
 
 def run(options: argparse.Namespace) -> None:
     """Compute the features, map them, write the CSV, print the faithfulness."""
-    if options.centred:
-        from omnivat.data.store import load_embeddings
-        from omnivat.maps.frames.centred import write_centred
-
-        if options.out is not None or options.figure is not None:
-            raise SettingsError("--centred writes next to the embeddings; leave out --out and --figure.")
-        print(f"written: {write_centred(options.embeddings, load_embeddings(options.embeddings))}")
-        return
     if options.out is None and options.figure is None:
         raise SettingsError("There is no output; give --out MAP.csv or --figure MAP.html.")
     if options.out is not None:
@@ -78,39 +65,45 @@ def run(options: argparse.Namespace) -> None:
     print(f"{len(points)} points written to {written}")
 
 
-def _draw(options: argparse.Namespace, found: StageFeatures, flat: "Tensor", trust: str) -> None:
+def _draw(options: argparse.Namespace, features: StageFeatures, flat: "Tensor", trust: str) -> None:
     from omnivat.figures import map_figure, pictures, write
     from omnivat.kit.stages import STAGE_TITLES
     from omnivat.maps.thumbnails import sheet_of
 
-    header, domain = found.embeddings.header, found.embeddings.domain
-    classes = [header.classes[k] for k in found.embeddings.label]
+    header, domain = features.embeddings.header, features.embeddings.domain
+    classes = [header.classes[k] for k in features.embeddings.label]
     figure = map_figure(
         flat.cpu().numpy(),
         domain,
         header.domains,
         title=f"{STAGE_TITLES[options.stage]}: {options.method}",
-        caption=". ".join(part for part in (found.about, trust) if part),
+        caption=". ".join(part for part in (features.about, trust) if part),
         hover=[f"{header.domains[d]} · {c}" for d, c in zip(domain, classes, strict=True)],
         pictures=None if options.sample else pictures(sheet_of(options.embeddings)),
     )
     write(options.figure, figure)
 
 
-def faithfulness(found: "Quality") -> str:
+def faithfulness(quality: "Quality") -> str:
     """Return a line with the faithfulness of a map, with intervals if rows were sampled."""
-    drawn = found.trustworthiness_error > 0
+    drawn = quality.trustworthiness_error > 0
     trust, recall = (
         f"{value:.4f}" + (f" ± {error:.4f}" if drawn else "")
-        for value, error in ((found.trustworthiness, found.trustworthiness_error), (found.recall, found.recall_error))
+        for value, error in (
+            (quality.trustworthiness, quality.trustworthiness_error),
+            (quality.recall, quality.recall_error),
+        )
     )
-    of = f", from {found.rows:,} points drawn at random" if drawn else ""
-    return f"trustworthiness {trust}, recall {recall} at {NEIGHBOURS} neighbours (1 is a faithful map){of}"
+    of = f", from {quality.rows:,} points drawn at random" if drawn else ""
+    return (
+        f"trustworthiness {trust}, recall {recall} at {NEIGHBOURS} neighbours (1 is a faithful"
+        f" map){of}"
+    )
 
 
-def _rows(found: StageFeatures, flat: "Tensor") -> Iterator[list[str]]:
+def _rows(features: StageFeatures, flat: "Tensor") -> Iterator[list[str]]:
     """Yield one row for each point: all VIS, then all TAC, in the order of the pairs."""
-    embeddings = found.embeddings
+    embeddings = features.embeddings
     header, count = embeddings.header, len(embeddings)
     for point, place in enumerate(flat):
         modality, pair = ("vis", "tac")[point // count], point % count

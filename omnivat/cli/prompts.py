@@ -16,7 +16,15 @@ if TYPE_CHECKING:
     from omnivat.encoders.clip_text import ClipText
     from omnivat.encoders.lang.bank import LangBank
 
-CLIPS = ("clip-vit-b32", "clip-vit-b16", "clip-vit-l14", "clip-vit-l14-336", "clip-rn50", "clip-rn101", "clip")
+CLIPS = (
+    "clip-vit-b32",
+    "clip-vit-b16",
+    "clip-vit-l14",
+    "clip-vit-l14-336",
+    "clip-rn50",
+    "clip-rn101",
+    "clip",
+)
 TEXT_ENCODERS = ("minilm", *CLIPS)
 METHODS = ("phrases", "promptstyler")
 
@@ -24,9 +32,20 @@ METHODS = ("phrases", "promptstyler")
 def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--classes", default=",".join(MATERIALS), help="names, with commas")
     choice(parser, "--encoder", TEXT_ENCODERS, "text encoder")
-    shared(parser, "out", "device", weights="checkpoint of a CLIP encoder", seed="of the learned styles")
+    shared(
+        parser,
+        "out",
+        "device",
+        weights="checkpoint of a CLIP encoder",
+        seed="of the learned styles",
+    )
     download(parser)
-    choice(parser, "--method", METHODS, "eighty fixed style phrases, or styles learned as word vectors (CLIP only)")
+    choice(
+        parser,
+        "--method",
+        METHODS,
+        "eighty fixed style phrases, or styles learned as word vectors (CLIP only)",
+    )
     parser.add_argument("--styles", type=int, default=80, help="number of styles for promptstyler")
     parser.add_argument("--steps", type=int, default=100, help="steps for each learned style")
 
@@ -50,7 +69,9 @@ def run(options: argparse.Namespace) -> None:
     if options.encoder != "minilm":
         from omnivat.encoders.clip_text import load_text_encoder
 
-        clip = load_text_encoder(options.encoder, **passed(options, "weights", "device", "download"))
+        clip = load_text_encoder(
+            options.encoder, **passed(options, "weights", "device", "download")
+        )
     bank = _learned(options, classes, clip) if learned and clip else _phrases(classes, clip)
     save_bank(options.out, _of_clip(bank, clip) if clip else bank)
     print(f"{bank.embeddings[..., 0].size} texts by {bank.origin} written to {options.out}")
@@ -81,7 +102,9 @@ def _learned(options: argparse.Namespace, classes: tuple[str, ...], clip: "ClipT
     origin = f"{clip.name} (weights {clip.weights_hash[:12]})"
     tower = ClipWords(clip.network, clip.tokenizer, origin=origin)
     with progress_bar("learn styles") as show:
-        words = learn_styles(tower, classes, **passed(options, "styles", "steps", "seed"), on_step=show)
+        words = learn_styles(
+            tower, classes, **passed(options, "styles", "steps", "seed"), on_step=show
+        )
     return styled_bank(tower, classes, words, how=f" of {options.steps} steps, seed {options.seed}")
 
 
@@ -95,5 +118,9 @@ def _of_clip(bank: "LangBank", clip: "ClipText") -> "LangBank":
     remember(clip.weights_hash, clip.place)
     plain = clip.embed_texts([PLAIN.format(name) for name in bank.classes])
     return replace(
-        bank, plain=plain.cpu().numpy(), encoder=clip.name, text_hash=clip.weights_hash, logit_scale=clip.logit_scale
+        bank,
+        plain=plain.cpu().numpy(),
+        encoder=clip.name,
+        text_hash=clip.weights_hash,
+        logit_scale=clip.logit_scale,
     )

@@ -7,7 +7,16 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import choice, listed, numbers, passed, progress_bar, shared, split_settings, whole
+from omnivat.cli.arguments import (
+    choice,
+    listed,
+    numbers,
+    passed,
+    progress_bar,
+    shared,
+    split_settings,
+    whole,
+)
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.files import require_writable
 
@@ -19,28 +28,39 @@ RUNS = "runs.jsonl"
 
 def add(parser: argparse.ArgumentParser) -> None:
     add_running(parser)
-    parser.add_argument("--methods", default="", metavar="a,b,c", help="methods by name; default: all fast ones")
-    parser.add_argument("--sources", default="", metavar="A,B", help="domains to train on; default: all in the set")
+    parser.add_argument(
+        "--methods", default="", metavar="a,b,c", help="methods by name; default: all fast ones"
+    )
+    parser.add_argument(
+        "--sources", default="", metavar="A,B", help="domains to train on; default: all in the set"
+    )
     text = "source-side evidence instead: this many folds of held-out objects, no target"
     parser.add_argument("--folds", type=whole(0), default=0, help=text)
-    shared(parser, set="a setting of the head or of its training, such as width=64 or selection=source-val")
+    shared(
+        parser,
+        set="a setting of the head or of its training, such as width=64 or selection=source-val",
+    )
     text = (
-        "the folder or table of pairs that was embedded, for methods that learn inside CLIP; noted by `omnivat embed` "
-        "on this machine"
+        "the folder or table of pairs that was embedded, for methods that learn inside CLIP; noted"
+        " by `omnivat embed` on this machine"
     )
     parser.add_argument("--images", type=Path, metavar="PAIRS", help=text)
     text = "also fit temperatures and a learned fusion to held-out objects; twice the time"
     parser.add_argument("--calibrate", action="store_true", help=text)
     text = (
-        "settings of the head to choose among, for each source on its held-out objects; give two or more, '' for the "
-        "settings as they are"
+        "settings of the head to choose among, for each source on its held-out objects; give two or"
+        " more, '' for the settings as they are"
     )
-    parser.add_argument("--candidate", action="append", default=[], metavar="key=value,...", help=text)
+    parser.add_argument(
+        "--candidate", action="append", default=[], metavar="key=value,...", help=text
+    )
 
 
 def add_running(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments shared by `protocol` and `ablate`."""
-    shared(parser, "embeddings", "lang", "seeds", "jobs", "device", out="folder for records and tables")
+    shared(
+        parser, "embeddings", "lang", "seeds", "jobs", "device", out="folder for records and tables"
+    )
     choice(parser, "--engine", ("local", "ray"), "this machine, or a Ray cluster")
     parser.add_argument("--tables-only", action="store_true", help="rebuild tables, run nothing")
 
@@ -65,7 +85,9 @@ def run(options: argparse.Namespace) -> None:
         if options.images and not options.images.exists():
             raise DataError(f"There is no folder or file at '{options.images}'. Check --images.")
         if options.images:
-            remember(images_key(set_of_pairs.header), start_of(options.images, set_of_pairs.rows["vis"]))
+            remember(
+                images_key(set_of_pairs.header), start_of(options.images, set_of_pairs.rows["vis"])
+            )
         head, training = split_settings(options.set, HeadSettings, TrainSettings)
         if len(options.candidate) == 1:
             raise SettingsError("One --candidate leaves nothing to choose; give two or more.")
@@ -77,7 +99,10 @@ def run(options: argparse.Namespace) -> None:
         methods = methods_named(named, head, training, candidates)
         sources = listed(options.sources) or available(set_of_pairs)
         if not sources:
-            raise DataError(f"'{options.embeddings}' has no domain with pairs of two classes or more to learn from.")
+            raise DataError(
+                f"'{options.embeddings}' has no domain with pairs of two classes or more to learn"
+                " from."
+            )
         folds = tuple(range(options.folds)) or (None,)
         runs = planned(methods, sources, numbers(options.seeds), folds, calibrate=options.calibrate)
         work(runs, options, lang=training.get("lang", True))
@@ -90,7 +115,10 @@ def work(runs: "list[Run]", options: argparse.Namespace, *, lang: bool = True) -
     from omnivat.encoders.lang.bank import DEFAULT_BANK
     from omnivat.study.protocol.engine import run_all
 
-    bank, how = (options.lang or DEFAULT_BANK) if lang else None, passed(options, "embeddings", "jobs", "engine")
+    bank, how = (
+        (options.lang or DEFAULT_BANK) if lang else None,
+        passed(options, "embeddings", "jobs", "engine"),
+    )
     with progress_bar(f"{len(runs)} runs") as show:
         done = run_all(runs, options.out / RUNS, bank=bank, **how, on_step=show)
     print(f"{done} runs done, {len(runs) - done} were there already")

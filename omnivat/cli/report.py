@@ -1,4 +1,5 @@
-"""Report the domain shift of any features, without a head: gaps, retrieval, neighbours, probes, maps.
+"""Report the domain shift of any features, without a head: gaps, retrieval, neighbours, probes,
+maps.
 
 python -m omnivat report FEATURES --out DIR [--encoder NAME] [--column vis=THEIRS]
 """
@@ -14,13 +15,19 @@ from omnivat.kit.files import require_writable
 
 def add(parser: argparse.ArgumentParser) -> None:
     text = (
-        "embeddings .safetensors, or .npz, .parquet, .h5 or .csv as `omnivat import` reads them; one modality, one domain "
-        "and no classes are accepted"
+        "embeddings .safetensors, or .npz, .parquet, .h5 or .csv as `omnivat import` reads them;"
+        " one modality, one domain and no classes are accepted"
     )
     parser.add_argument("features", type=Path, metavar="FEATURES", help=text)
-    parser.add_argument("--encoder", default="", metavar="NAME", help="name of the vectors' encoder")
+    parser.add_argument(
+        "--encoder", default="", metavar="NAME", help="name of the vectors' encoder"
+    )
     add_foreign(parser)
-    shared(parser, out="folder to write", seed="seed of maps and the random part of a large set; default: 0")
+    shared(
+        parser,
+        out="folder to write",
+        seed="seed of maps and the random part of a large set; default: 0",
+    )
 
 
 def run(options: argparse.Namespace) -> None:
@@ -31,7 +38,9 @@ def run(options: argparse.Namespace) -> None:
         require_writable(options.out / name)
     from omnivat.study.shift import read_features, write_report
 
-    found = read_features(options.features, encoder=options.encoder, **foreign(options), seed=options.seed)
+    found = read_features(
+        options.features, encoder=options.encoder, **foreign(options), seed=options.seed
+    )
     with progress_bar("report") as show:
         files = write_report(found, options.out, seed=options.seed, on_step=show)
     what = " and ".join(found.modalities) + ("" if found.labelled else ", without classes")

@@ -27,12 +27,16 @@ TIMED = 8  # pairs for timing the encoder
 
 def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--data", type=Path, required=True, help="folder of the data sets")
-    parser.add_argument("--encoder", default="", metavar="NAME", help="clip with --weights, else clip-vit-b16")
+    parser.add_argument(
+        "--encoder", default="", metavar="NAME", help="clip with --weights, else clip-vit-b16"
+    )
     parser.add_argument("--methods", default="", metavar="a,b,c", help="of the comparison")
     parser.add_argument("--no-ablations", action="store_true", help="skip the ablations")
     parser.add_argument("--styles", type=whole(1), default=80, help="styles of PromptStyler")
     parser.add_argument("--steps", type=whole(1), default=100, help="steps for each style")
-    shared(parser, "seeds", "jobs", "only", "device", out="output folder", set="a setting of the head")
+    shared(
+        parser, "seeds", "jobs", "only", "device", out="output folder", set="a setting of the head"
+    )
     shared(parser, "workers", weights="checkpoint of CLIP, of any layout and size")
     download(parser)
 
@@ -70,7 +74,9 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _embed(sets: "PaperSets", name: str, encoder: "Encoder", options: argparse.Namespace) -> None:
-    """Embed all pairs, unless the file has the same pairs and encoder."""
+    """Embed all pairs with the dots of gels, as the paper has them, unless the file has the same
+    pairs and encoder.
+    """
     from omnivat.encoders.embed import embed_pairs
     from omnivat.kit.schema import read_object
 
@@ -82,7 +88,14 @@ def _embed(sets: "PaperSets", name: str, encoder: "Encoder", options: argparse.N
             print(f"{file} has these pairs and this encoder; kept")
             return
     with progress_bar(f"embed with {name}") as show:
-        report = embed_pairs(sets.pairs, name, file, **passed(options, *ENCODING, "workers"), on_step=show)
+        report = embed_pairs(
+            sets.pairs,
+            name,
+            file,
+            **passed(options, *ENCODING, "workers"),
+            dots="keep",
+            on_step=show,
+        )
     write_json(options.out / STATE, state)
     print(f"{report.embedded} pairs embedded, {len(report.skipped)} skipped")
 
@@ -93,7 +106,10 @@ def _lang(name: str, encoder: "Encoder", options: argparse.Namespace) -> Path | 
 
     tower = getattr(encoder, "text_hash", "")
     if not tower:
-        print("The checkpoint has no text tower; heads train without LANG, and text methods are skipped")
+        print(
+            "The checkpoint has no text tower; heads train without LANG, and text methods are"
+            " skipped"
+        )
         return None
     file: Path = options.out / LANG
     if file.is_file() and load_bank(file).text_hash == tower:

@@ -1,7 +1,9 @@
-"""Simulate the eight visual-tactile domains, or a set of chirps.
+"""Simulate the eight visual-tactile domains, twins, or a set of chirps.
 
 python -m omnivat simulate --out DIR [--pairs-per-class 60] [--seed 0] [--examples DIR]
-python -m omnivat simulate --set chirps --out DIR [--order 0.35] [--strength 2] [--shift 1]
+python -m omnivat simulate --set twins --out DIR    one press, imaged by every sensor
+(docs/twins.md) python -m omnivat simulate --set chirps --out DIR [--order 0.35] [--strength 2]
+[--shift 1]
 
 Chirps are synthetic signals whose class shows at one fractional order only (docs/order.md).
 """
@@ -19,12 +21,19 @@ if TYPE_CHECKING:
     from omnivat.data.pairs import PairSet
 
 CHIRP_OPTIONS = ("order", "strength", "shift")
+SETS = {  # name -> options of other sets
+    "sensors": CHIRP_OPTIONS,
+    "twins": ("domains", *CHIRP_OPTIONS),
+    "chirps": ("domains", "workers"),
+}
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    choice(parser, "--set", ("sensors", "chirps"), "the set to make")
+    choice(parser, "--set", tuple(SETS), "the set to make")
     parser.add_argument("--domains", help="only these, separated by commas")
-    parser.add_argument("--pairs-per-class", type=int, help="60 for sensors, 40 for chirps")
+    parser.add_argument(
+        "--pairs-per-class", type=int, help="60 for sensors and twins, 40 for chirps"
+    )
     parser.add_argument("--examples", type=Path, help="copy a few test pairs here, as JPEG")
     text = "pairs of each class and domain to copy to --examples"
     parser.add_argument("--examples-per-class", type=whole(1), default=2, metavar="N", help=text)
@@ -39,14 +48,17 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.data.pairs import summary_table
     from omnivat.simulate.build import write_examples
 
-    for name in ("domains", "workers") if options.set == "chirps" else CHIRP_OPTIONS:
+    for name in SETS[options.set]:
         if getattr(options, name) is not None:
             raise SettingsError(f"--{name} does not apply to --set {options.set}; leave it out.")
     require_writable(options.out / "pairs.csv")
     if options.examples:
         require_writable(options.examples / "pairs")
-    with progress_bar("simulate chirps" if options.set == "chirps" else "simulate") as show:
-        made = (_chirps if options.set == "chirps" else _sensors)(options, show)
+    make = {"sensors": _sensors, "twins": _twins, "chirps": _chirps}[options.set]
+    with progress_bar(
+        "simulate" if options.set == "sensors" else f"simulate {options.set}"
+    ) as show:
+        made = make(options, show)
     print(summary_table(made))
     if options.examples:
         files = write_examples(made, options.examples, each=options.examples_per_class)
@@ -59,7 +71,16 @@ def _sensors(options: argparse.Namespace, show: OnStep) -> "PairSet":
 
     domains = [name.strip() for name in options.domains.split(",")] if options.domains else None
     count = {} if options.pairs_per_class is None else {"pairs_per_class": options.pairs_per_class}
-    return simulate(options.out, domains=domains, **passed(options, "seed", "workers"), on_step=show, **count)
+    return simulate(
+        options.out, domains=domains, **passed(options, "seed", "workers"), on_step=show, **count
+    )
+
+
+def _twins(options: argparse.Namespace, show: OnStep) -> "PairSet":
+    from omnivat.simulate.twins import simulate_twins
+
+    each = {} if options.pairs_per_class is None else {"each": options.pairs_per_class}
+    return simulate_twins(options.out, **passed(options, "seed", "workers"), on_step=show, **each)
 
 
 def _chirps(options: argparse.Namespace, show: OnStep) -> "PairSet":

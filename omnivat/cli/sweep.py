@@ -4,8 +4,9 @@
     python -m omnivat sweep --csv CURVES --stages raw,f_hat --measures mmd_rbf,ece --orders 0,0.5,1
     python -m omnivat sweep --retrain 21 --out FRAMES [--source DOMAIN] [--seeds 0,1,2] [--jobs 2]
 
---out writes the frames file for the page; without it, no maps are computed. --retrain trains a head at each order, with
-the settings of --head, instead of moving the p of one head. Finished heads of an interrupted run are used again.
+--out writes the frames file for the page; without it, no maps are computed. --retrain trains a head
+at each order, with the settings of --head, instead of moving the p of one head. Finished heads of
+an interrupted run are used again.
 """
 
 import argparse
@@ -17,7 +18,16 @@ from os.path import realpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import choice, figure, head_and_set, numbers, progress_bar, shared, split_settings, whole
+from omnivat.cli.arguments import (
+    choice,
+    figure,
+    head_and_set,
+    numbers,
+    progress_bar,
+    shared,
+    split_settings,
+    whole,
+)
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
 from omnivat.kit.stages import checked_order
@@ -42,11 +52,15 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--orders", help="these orders instead, such as 0,0.25,1.5")
     text = "of raw, frft, relu, f_bar, f_hat, separated by commas; default: all, for the page"
     parser.add_argument("--stages", default=ALL, help=text)
-    parser.add_argument("--measures", help="of docs/gaps.md, separated by commas, or 'all'; default: the fast ones")
+    parser.add_argument(
+        "--measures", help="of docs/gaps.md, separated by commas, or 'all'; default: the fast ones"
+    )
     text = "this machine, or a Ray cluster (curves alone: --json or --csv)"
     choice(parser, "--engine", ("local", "ray"), text)
     group = parser.add_argument_group("a head at each order")
-    group.add_argument("--retrain", type=whole(2, 1001), metavar="N", help="train a head at each of N orders")
+    group.add_argument(
+        "--retrain", type=whole(2, 1001), metavar="N", help="train a head at each of N orders"
+    )
     group.add_argument("--source", help="domain to train on; default: that of --head")
     group.add_argument("--seeds", help="such as 0,1,2 (default); maps show the first one's heads")
     group.add_argument("--jobs", type=whole(1, 256), help="processes; default: all cores")
@@ -63,7 +77,9 @@ def run(options: argparse.Namespace) -> None:
     if not outputs:
         raise SettingsError("There is no output; give --out, --json, --csv or --figure.")
     if len({realpath(path) for path in outputs}) < len(outputs):
-        raise SettingsError("Two of --out, --json, --csv and --figure name the same file; give each its own file.")
+        raise SettingsError(
+            "Two of --out, --json, --csv and --figure name the same file; give each its own file."
+        )
     for path in outputs:
         require_writable(path)
     _check_retrain(options)
@@ -83,7 +99,12 @@ def run(options: argparse.Namespace) -> None:
 
     wanted: Wanted = {"stages": names_of(options.stages, STAGES, "stage"), "measures": MEASURES}
     if options.measures:
-        wanted = {**wanted, "measures": names_of(options.measures, (*STAGE_MEASURES, *PREDICTION_MEASURES), "measure")}
+        wanted = {
+            **wanted,
+            "measures": names_of(
+                options.measures, (*STAGE_MEASURES, *PREDICTION_MEASURES), "measure"
+            ),
+        }
     head, embeddings = head_and_set(options)
     provenance = {
         "hash": head_hash(options.head),
@@ -101,7 +122,12 @@ def run(options: argparse.Namespace) -> None:
         more: dict[str, Any] = {"measures": wanted["measures"], "provenance": provenance}
         with progress_bar("sweep") as show:
             frames = build_frames(
-                head.model, embeddings, orders=orders, maps=_of(DEFAULT_MAPS, wanted), on_step=show, **more
+                head.model,
+                embeddings,
+                orders=orders,
+                maps=_of(DEFAULT_MAPS, wanted),
+                on_step=show,
+                **more,
             )
     if frames is not None:
         write_frames(options.out, frames)
@@ -142,7 +168,11 @@ def _check_retrain(options: argparse.Namespace) -> None:
 
 
 def _retrained(
-    options: argparse.Namespace, head: "Head", embeddings: "Embeddings", orders: Stops, wanted: Wanted
+    options: argparse.Namespace,
+    head: "Head",
+    embeddings: "Embeddings",
+    orders: Stops,
+    wanted: Wanted,
 ) -> Any:
     """Train the missing heads, and return the frames of all."""
     from omnivat.encoders.embed.pairs import usable_cores
@@ -155,13 +185,25 @@ def _retrained(
     seeds = numbers(options.seeds or "0,1,2")
     plan = plan_like(head, embeddings, source=options.source or "", bank=options.lang)
     changes = split_settings(options.set or [], HeadSettings, TrainSettings)
-    plan = replace(plan, settings=replace(plan.settings, **changes[0]), training=replace(plan.training, **changes[1]))
+    plan = replace(
+        plan,
+        settings=replace(plan.settings, **changes[0]),
+        training=replace(plan.training, **changes[1]),
+    )
     folder = options.keep or options.out.with_name(options.out.name + ".heads")
     with progress_bar("train a head at each order") as show:
-        heads_at_stops(plan, orders, folder, seeds=seeds, jobs=options.jobs or usable_cores(), on_step=show)
+        heads_at_stops(
+            plan, orders, folder, seeds=seeds, jobs=options.jobs or usable_cores(), on_step=show
+        )
     with progress_bar("map each head") as show:
         frames = retrained_frames(
-            plan, orders, folder, seeds=seeds, maps=_of(MAPS, wanted), measures=wanted["measures"], on_step=show
+            plan,
+            orders,
+            folder,
+            seeds=seeds,
+            maps=_of(MAPS, wanted),
+            measures=wanted["measures"],
+            on_step=show,
         )
     if options.keep is None:
         shutil.rmtree(folder, ignore_errors=True)
@@ -173,7 +215,11 @@ def _of(maps: Mapping[str, int], wanted: Wanted) -> dict[str, int]:
 
 
 def _curves(
-    options: argparse.Namespace, head: "Head", embeddings: "Embeddings", orders: Stops, wanted: Wanted
+    options: argparse.Namespace,
+    head: "Head",
+    embeddings: "Embeddings",
+    orders: Stops,
+    wanted: Wanted,
 ) -> dict[str, list[float | None]]:
     from omnivat.maps.sweep import sweep
     from omnivat.maps.sweep.curves import curves_on_ray
@@ -205,7 +251,9 @@ def orders_of(text: str | None, stops: int | None) -> list[float]:
         raise SettingsError(f"--orders is '{text}'; write numbers such as 0,0.25,1.5.") from None
     rising = all(before < after for before, after in pairwise(orders))
     if not rising or len(orders) > MOST_STOPS:
-        raise SettingsError(f"--orders is '{text}'; write 1 to {MOST_STOPS} numbers, each above the last.")
+        raise SettingsError(
+            f"--orders is '{text}'; write 1 to {MOST_STOPS} numbers, each above the last."
+        )
     return [checked_order(order, name="An order of --orders") for order in orders]
 
 
@@ -231,6 +279,9 @@ def table(orders: Stops, curves: Values) -> str:
     lines = [f"{'curve':<{width}} {heads}"]
     for name, values in curves.items():
         shown = (values[place] for place in places)
-        cells = (f"{'-':>10}" if value is None or value != value else f"{value:>10.4f}" for value in shown)
+        cells = (
+            f"{'-':>10}" if value is None or value != value else f"{value:>10.4f}"
+            for value in shown
+        )
         lines.append(f"{name:<{width}} " + " ".join(cells))
     return "\n".join(lines)

@@ -1,6 +1,7 @@
 """Teach a head from labelled pairs of a new sensor; whole objects are left out to test it.
 
-python -m omnivat teach --embeddings LABELLED --out H2 [--head H] [--domain NAME] [--profile FILE] [--json]
+python -m omnivat teach --embeddings LABELLED --out H2 [--head H] [--domain NAME] [--profile FILE]
+[--json]
 """
 
 import argparse
@@ -12,7 +13,9 @@ from omnivat.kit.errors import DataError
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--embeddings", type=Path, required=True, help="labelled pairs, from `omnivat embed`")
+    parser.add_argument(
+        "--embeddings", type=Path, required=True, help="labelled pairs, from `omnivat embed`"
+    )
     parser.add_argument("--domain", help="only the pairs of this domain")
     shared(parser, "head", "profile", "json", out="folder for the taught head")
 
@@ -36,7 +39,9 @@ def run(options: argparse.Namespace) -> None:
     vis, tac = (torch.from_numpy(rows.copy()).float() for rows in (embeddings.vis, embeddings.tac))
     names, objects = embeddings.header.classes, embeddings.rows["object"]
     lessons = [
-        Lesson(label=names[label], vis=vis[row : row + 1], tac=tac[row : row + 1], object=objects[row])
+        Lesson(
+            label=names[label], vis=vis[row : row + 1], tac=tac[row : row + 1], object=objects[row]
+        )
         for row, label in enumerate(embeddings.label)
     ]
     try:
@@ -46,14 +51,14 @@ def run(options: argparse.Namespace) -> None:
         report, why = None, str(error)
         if not lessons:
             raise
-    found = taught(head, lessons, report.method if report else "")
+    found = taught(head, lessons)
     save_head(options.out, found)
     told, tested = ("object", "label", "before", "after"), report.judged if report else ()
     record: dict[str, Any] = {
         "pairs": len(lessons),
         "before": report.before if report else None,
         "after": report.after if report else None,
-        "method": found.provenance["taught_by"],
+        "share": round(found.provenance["lessons_share"], 4),
         "right": dict(report.right) if report else {},
         "held_out": [{name: getattr(one, name) for name in told} for one in tested],
         "classes": list(found.settings.classes),
@@ -63,7 +68,9 @@ def run(options: argparse.Namespace) -> None:
         return print(as_json(record))
     pairs, out = record["pairs"], f"head written to {options.out}"
     if why:
-        return print(f"{record['method']}; {pairs} pairs; not tested. {why}\n{out}")
-    methods = ", ".join(f"{name} {right}" for name, right in record["right"].items())
-    before = f"{record['method']}; right before {record['before']}, after {record['after']} of {pairs}"
-    print(f"{before}, each object left out\n  right by method: {methods}\n{out}")
+        return print(f"{pairs} pairs; not tested. {why}\n{out}")
+    parts = ", ".join(f"{name} {right}" for name, right in record["right"].items())
+    print(
+        f"right before {record['before']}, after {record['after']} of {pairs}, each object left out"
+    )
+    print(f"  parts: {parts}; share of the second {record['share']:.2f}\n{out}")

@@ -10,17 +10,27 @@ the temperatures to the last quarter; --no-calibration skips it.
 import argparse
 
 from omnivat.cli.arguments import numbers, passed, progress_bar, shared, split_settings
+from omnivat.kit.errors import SettingsError
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--source", required=True, help="the source domain")
+    parser.add_argument(
+        "--source",
+        required=True,
+        help=(
+            "the source domain; all: every domain, each standardised by its own profile, for one's"
+            " own pictures"
+        ),
+    )
     parser.add_argument("--part", default="", help="only this part of it, such as outdoor")
     shared(parser, "embeddings", "lang", "device", out="folder for the head")
     shared(parser, seed="seed of weights and batches; default: 0")
     shared(parser, set="a setting of the head or of training, such as width=64 or lr=0.02")
     text = "train again with these seeds, for the spread of the scores; the saved head uses --seed"
     parser.add_argument("--repeat", default="", metavar="1,2", help=text)
-    parser.add_argument("--no-calibration", action="store_true", help="keep temperature 1: half the time")
+    parser.add_argument(
+        "--no-calibration", action="store_true", help="keep temperature 1: half the time"
+    )
     parser.add_argument("--resume", action="store_true", help="resume a stopped training of --out")
 
 
@@ -36,14 +46,28 @@ def run(options: argparse.Namespace) -> None:
     repeat = numbers(options.repeat, name="--repeat") if options.repeat else ()
     require_head_folder(options.out, also=(STATE,))
     head_values, train_values = split_settings(options.set, HeadSettings, TrainSettings)
-    embeddings, how = load_embeddings(options.embeddings), {**passed(options, "part", "seed"), "bank": options.lang}
-    plan = plan_training(embeddings, options.source, head=head_values, training=TrainSettings(**train_values), **how)
+    if options.source == "all":
+        _of_all(options)
+        return
+    embeddings, how = (
+        load_embeddings(options.embeddings),
+        {**passed(options, "part", "seed"), "bank": options.lang},
+    )
+    plan = plan_training(
+        embeddings, options.source, head=head_values, training=TrainSettings(**train_values), **how
+    )
     without = f"; {plan.left_out} pairs without a class are left out" if plan.left_out else ""
-    print(f"{parameter_count(plan.settings):,} trainable parameters, {len(plan.pairs)} pairs{without}")
+    print(
+        f"{parameter_count(plan.settings):,} trainable parameters, {len(plan.pairs)} pairs{without}"
+    )
     if not options.resume:
         (options.out / STATE).unlink(missing_ok=True)
     with progress_bar(f"train on {options.source}") as show:
-        how = {"repeat": repeat, "calibrate": not options.no_calibration, "resume": options.out / STATE}
+        how = {
+            "repeat": repeat,
+            "calibrate": not options.no_calibration,
+            "resume": options.out / STATE,
+        }
         head = trained_head(plan, **how, watch=Watch(on_step=show))
     save_head(options.out, head)
     from omnivat.cli.evaluate import table
@@ -52,3 +76,25 @@ def run(options: argparse.Namespace) -> None:
     if search := head.metrics.get("order_search"):
         print(f"Order search: {search['note']}")
     print(f"Head written to {options.out}, learned order p = {head.model.order:.4f}")
+
+
+def _of_all(options: argparse.Namespace) -> None:
+    """Train and write a head of all domains, and print what it reads right in domains left out."""
+    from omnivat.data.store import load_embeddings
+    from omnivat.head.checkpoint import save_head
+    from omnivat.training.own import own_head
+
+    if options.set or options.part or options.repeat or options.resume:
+        raise SettingsError("With --source all, give --embeddings, --seed and --out only.")
+    with progress_bar("train on all domains") as show:
+        head = own_head(load_embeddings(options.embeddings), seed=options.seed, on_step=show)
+    save_head(options.out, head)
+    print(
+        f"{'pictures without labels':<24} {'both':>6} {'photo':>6} {'touch':>6}   (domains left"
+        " out)"
+    )
+    for count, shares in head.metrics["left_out"].items():
+        print(
+            f"{count:<24} " + " ".join(f"{100 * shares[n]:6.1f}" for n in ("fused", "vis", "tac"))
+        )
+    print(f"Head written to {options.out}")

@@ -2,8 +2,9 @@
 
 python -m omnivat try PAIRS [--out DIR] [--source DOMAIN] [--no-page]
 
-PAIRS: a folder or CSV of pictures, an embeddings file, or vectors as NPZ, Parquet, HDF5 or CSV. One
-domain, one modality, no classes and two pairs are accepted.
+PAIRS: a folder or CSV of pictures, an embeddings file, or vectors as NPZ, Parquet, HDF5 or CSV, or
+the name of a set that `fetch` lists. One domain, one modality, no classes and two pairs are
+accepted.
 """
 
 import argparse
@@ -15,10 +16,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from omnivat.cli.arguments import download, passed, progress_bar, shared
+from omnivat.cli.fetch import bring
 from omnivat.cli.imports import add_foreign, foreign
 from omnivat.encoders.base import DEFAULT_ENCODER
 from omnivat.kit.errors import DataError, SettingsError, printable
-from omnivat.kit.files import replacing, require_writable, write_json
+from omnivat.kit.files import replacing, require_regular, require_writable, write_json
 
 if TYPE_CHECKING:
     from omnivat.study.shift import Features
@@ -28,8 +30,12 @@ PAGE = "from app.server import main; raise SystemExit(main())"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("pairs", type=Path, metavar="PAIRS", help="a folder, a CSV, embeddings, NPZ or Parquet")
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder to write; default: beside PAIRS")
+    parser.add_argument(
+        "pairs", type=Path, metavar="PAIRS", help="a folder, CSV, NPZ, Parquet, or a set of fetch"
+    )
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", help="folder to write; default: beside PAIRS"
+    )
     parser.add_argument("--source", default="", help="domain to train on; default: the largest")
     parser.add_argument("--no-page", action="store_true", help="write the folder, open no page")
     add_foreign(parser)
@@ -39,7 +45,11 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Read or embed, train, print the figures, write the folder, open the page."""
+    from omnivat.data.fetching import fetched_sets
+
     place = options.pairs
+    if not place.exists() and str(place) in fetched_sets():
+        bring(str(place), place)
     if not place.exists():
         raise DataError(f"There is no folder or file at '{printable(str(place))}'. Check the path.")
     whole = place.resolve()
@@ -68,7 +78,9 @@ def run(options: argparse.Namespace) -> None:
         trial = try_pairs(found, source=options.source, seed=options.seed, on_step=show)
     print("\n".join(trial.lines))
     for k, name in enumerate(found.domains):
-        profile = profile_of(found.embeddings, found.members(name), domain=name, modalities=found.modalities)
+        profile = profile_of(
+            found.embeddings, found.members(name), domain=name, modalities=found.modalities
+        )
         plain = "".join(letter if letter.isalnum() else "-" for letter in name)[:60]
         save_profile(out / "profiles" / f"{k + 1}-{plain}.safetensors", profile)
     if trial.head is not None:
@@ -82,7 +94,8 @@ def run(options: argparse.Namespace) -> None:
     if options.no_page:
         return
     command = [sys.executable, "-c", PAGE, "--embeddings", str(out / SET)]
-    if (out / HEAD).is_dir():  # without one, the page shows the set through the project's, or its features alone
+    # without one, the page shows the set through the project's, or its features alone
+    if (out / HEAD).is_dir():
         command += ["--head", str(out / HEAD)]
     print(f"The page again: python app.py {' '.join(command[3:])}", flush=True)
     with subprocess.Popen(command) as page:
@@ -123,6 +136,7 @@ def _features(options: argparse.Namespace, out: Path) -> tuple["Features", list[
 
 def _of_pictures(table: Path) -> bool:
     """True for a table whose first row has a column vis or tac: names of files, not numbers."""
+    require_regular(table)
     with table.open(encoding="utf-8-sig", errors="replace") as lines:
         header = {name.strip().strip('"').lower() for name in lines.readline().split(",")}
     return bool(header & {"vis", "tac"}) or not any("_0" in name for name in header)
@@ -149,7 +163,9 @@ def _embed(options: argparse.Namespace, out: Path) -> list[str]:
     pairs = with_rest(found, options.tac_rest or "none")
     print(summary_table(pairs), flush=True)
     with progress_bar(f"embed with {options.encoder}") as show:
-        report = embed_pairs(pairs, options.encoder, out / SET, **passed(options, "device", "download"), on_step=show)
+        report = embed_pairs(
+            pairs, options.encoder, out / SET, **passed(options, "device", "download"), on_step=show
+        )
     notes = [f"Skipped {one.what}: {one.why}" for one in report.skipped]
     embeddings = load_embeddings(out / SET)
     wanted = Path(embeddings.rows["vis"][0]).parts

@@ -16,10 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import safe_open
 
+from omnivat.kit.errors import DataError
 from omnivat.kit.schema import tensor_table
 
 NAMES = {"F32": "<f4", "F16": "<f2", "I64": "<i8", "U8": "|u1"}
 MOST_COLUMNS = 64
+MOST, LEAST = 1e9, 1e-6  # magnitudes of the largest value of a set
 LARGE_BYTES = 64_000_000  # larger arrays are mapped read-only
 WALKED_BYTES = 32_000_000  # bytes read from such an array before its pages are released
 
@@ -47,11 +49,18 @@ def write_arrays(path: Path, columns: Mapping[str, Column], metadata: Mapping[st
     table: dict[str, Any] = {"__metadata__": dict(metadata)}
     # Widest numbers first, so that every array starts at a multiple of its own width.
     widths = {name: np.dtype(NAMES[one.dtype]).itemsize for name, one in columns.items()}
-    sizes = {name: widths[name] * int(np.prod(one.shape, dtype=np.int64)) for name, one in columns.items()}
+    sizes = {
+        name: widths[name] * int(np.prod(one.shape, dtype=np.int64))
+        for name, one in columns.items()
+    }
     order, end = sorted(columns, key=lambda name: -widths[name]), 0
     for name in order:
         start, end = end, end + sizes[name]
-        table[name] = {"dtype": columns[name].dtype, "shape": list(columns[name].shape), "data_offsets": [start, end]}
+        table[name] = {
+            "dtype": columns[name].dtype,
+            "shape": list(columns[name].shape),
+            "data_offsets": [start, end],
+        }
     head = json.dumps(table, ensure_ascii=False, separators=(",", ":")).encode()
     head += b" " * (-len(head) % 8)
     with path.open("wb") as handle:
@@ -61,13 +70,18 @@ def write_arrays(path: Path, columns: Mapping[str, Column], metadata: Mapping[st
             for block in columns[name].blocks:
                 written += handle.write(np.ascontiguousarray(block, dtype=code).tobytes())
             if written != sizes[name]:
-                raise ValueError(f"{name} has {written} bytes, not what {columns[name].shape} needs")
+                raise ValueError(
+                    f"{name} has {written} bytes, not what {columns[name].shape} needs"
+                )
 
 
-def read_arrays(path: Path, *, large: int | None = None) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
+def read_arrays(
+    path: Path, *, large: int | None = None
+) -> tuple[dict[str, NDArray[Any]], dict[str, str]]:
     """Return named memory-mapped arrays and the metadata.
 
-    large  bytes up to which an array is writable in memory, without changing the file; None: LARGE_BYTES
+    large  bytes up to which an array is writable in memory, without changing the file; None:
+           LARGE_BYTES
 
     Raises DataError for an invalid header, SafetensorError for a truncated file.
     """
@@ -96,7 +110,9 @@ def copied(array: NDArray[Any]) -> NDArray[np.float32]:
     return whole
 
 
-def walked(array: NDArray[Any], rows: NDArray[np.int64] | None = None, *, size: int = 4096) -> Iterator[NDArray[Any]]:
+def walked(
+    array: NDArray[Any], rows: NDArray[np.int64] | None = None, *, size: int = 4096
+) -> Iterator[NDArray[Any]]:
     """Yield copies of an array's rows, `size` at a time, without keeping a large array in memory.
 
     rows    indices; None: every row
@@ -109,12 +125,38 @@ def walked(array: NDArray[Any], rows: NDArray[np.int64] | None = None, *, size: 
     for start in range(0, count, size):
         some: Any = slice(start, start + size) if rows is None else rows[start : start + size]
         block = np.array(array[some], wide)
-        read += array[:1].nbytes * (len(block) if rows is None else int(some.max() - some.min() + 1))
+        read += array[:1].nbytes * (
+            len(block) if rows is None else int(some.max() - some.min() + 1)
+        )
         if read >= WALKED_BYTES or start + size >= count:
             read = 0
             if not array.flags.writeable:
                 released(array)
         yield block
+
+
+def require_range(blocks: Iterable[NDArray[Any]], what: str) -> Iterator[NDArray[Any]]:
+    """Yield blocks of rows (N, D); their largest magnitude has to be 0 or from LEAST to MOST.
+
+    Beyond, squares overflow or vanish in single precision, and a figure is wrong without a word.
+    Raises DataError with row and column.
+    """
+    start, largest = 0, 0.0
+    for block in blocks:
+        size = np.abs(block)
+        if not (size <= MOST).all():  # also true of NaN
+            row, at = np.argwhere(~(size <= MOST))[0].tolist()
+            raise DataError(
+                f"{what} has {block[row, at]:g} in row {start + row}, column {at}, and at most"
+                f" {MOST:g} is taken; look at the encoder, or scale all rows."
+            )
+        largest, start = max(largest, float(size.max(initial=0))), start + len(block)
+        yield block
+    if 0 < largest < LEAST:
+        raise DataError(
+            f"{what} has no value above {largest:.2g}; scale all rows until one is {LEAST:g} or"
+            " more."
+        )
 
 
 def _mapped(path: Path, start: int, entry: Mapping[str, Any], large: int) -> NDArray[Any]:

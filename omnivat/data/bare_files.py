@@ -43,7 +43,9 @@ def rotation(exif: bytes) -> int:
         for start in range(at + 2, at + 2 + 12 * min(many, MOST_ENTRIES), 12):
             tag, kind = struct.unpack_from(order + "HH", exif, start)
             if tag == ORIENTATION:
-                (turn,) = struct.unpack_from(order + {1: "B", 3: "H", 4: "I"}[kind], exif, start + 8)
+                (turn,) = struct.unpack_from(
+                    order + {1: "B", 3: "H", 4: "I"}[kind], exif, start + 8
+                )
                 return turn if 1 <= turn <= 8 else 1
     except (struct.error, KeyError):
         pass
@@ -80,7 +82,8 @@ def _tiff(content: bytes) -> tuple[bytes, int]:
     kept = [content[at : at + wide] for at, tag in tag_at.items() if tag in TIFF_TAGS]
     count = struct.pack(table.order + table.count, len(kept))
     start = table.entries[0] - len(count)
-    end = table.entries[-1] + wide + struct.calcsize("=" + table.word)  # the place of the next table
+    # the place of the next table
+    end = table.entries[-1] + wide + struct.calcsize("=" + table.word)
     shorter = b"".join([count, *kept]).ljust(end - start, b"\0")
     turn = dict(table.values(content)).get(ORIENTATION, 1)
     return content[:start] + shorter + content[end:], turn if 1 <= turn <= 8 else 1

@@ -27,7 +27,9 @@ DOMAINS = {
         Domain(name="OF 2.0 A", sensor="Taxim"),
         Domain(name="OF 2.0 B", sensor="Taxim"),
         Domain(name="TQ-DIGIT", sensor="DIGIT", series=("indoor", "outdoor"), ceramic=False),
-        Domain(name="TQ-GelMini", sensor="GelSight Mini", series=("indoor", "outdoor"), ceramic=False),
+        Domain(
+            name="TQ-GelMini", sensor="GelSight Mini", series=("indoor", "outdoor"), ceramic=False
+        ),
         Domain(name="TQ-DuraGel", sensor="DuraGel", series=("indoor", "outdoor"), ceramic=False),
         Domain(name="TQ-T3D", sensor="Tac3D", series=("indoor",), ceramic=False),
     )
@@ -52,4 +54,7 @@ def paper_name(name: str) -> str:
 def require_domain_names(domains: Sequence[str]) -> None:
     """Raise DataError if a domain has the name of figures over all domains."""
     if TOTAL in domains:
-        raise DataError(f"A domain is called '{TOTAL}', the name of figures over all domains; rename the domain.")
+        raise DataError(
+            f"A domain is called '{TOTAL}', the name of figures over all domains; rename the"
+            " domain."
+        )

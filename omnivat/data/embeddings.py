@@ -74,7 +74,9 @@ class Embeddings:
     @property
     def labelled(self) -> NDArray[np.bool_]:
         """(N,) true for pairs with a class: `NO_CLASS` is the lack of one."""
-        named: NDArray[np.bool_] = np.array([name != NO_CLASS for name in self.header.classes], bool)[self.label]
+        named: NDArray[np.bool_] = np.array(
+            [name != NO_CLASS for name in self.header.classes], bool
+        )[self.label]
         return named
 
     @property
@@ -88,8 +90,12 @@ class Embeddings:
         """Return the pairs of `keep`, a mask or indices; the list of domains stays the same."""
         index = np.flatnonzero(keep) if keep.dtype == bool else keep
         rows = {name: [column[i] for i in index] for name, column in self.rows.items()}
-        vectors: dict[str, Any] = {name: _rows(array, index) for name, array in self.vectors.items()}
-        return replace(self, **vectors, domain=self.domain[index], label=self.label[index], rows=rows)
+        vectors: dict[str, Any] = {
+            name: _rows(array, index) for name, array in self.vectors.items()
+        }
+        return replace(
+            self, **vectors, domain=self.domain[index], label=self.label[index], rows=rows
+        )
 
     def sampled(self, count: int, *, seed: int = 0) -> "Embeddings":
         """Return `count` random pairs in their order, or all if there are fewer.
@@ -111,7 +117,8 @@ class Embeddings:
     def rows_of(self, name: str, *, split: str = "", part: str = "") -> NDArray[np.int64]:
         """Return the rows of one domain, optionally of one split or part, ascending.
 
-        If the data have no split ("" in every row), all pairs are kept. Raises DataError if the set lacks the domain.
+        If the data have no split ("" in every row), all pairs are kept. Raises DataError if the set
+        lacks the domain.
         """
         if name not in self.header.domains:
             known = ", ".join(self.header.domains)

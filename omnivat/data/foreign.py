@@ -18,10 +18,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from omnivat.data.arrays import require_range
 from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header, indices
 from omnivat.data.materials import in_order
+from omnivat.data.readers.files import encodable
 from omnivat.data.store import ROW_NAMES
 from omnivat.kit.errors import DataError, OmniVatError, first_line
+from omnivat.kit.files import require_regular
 from omnivat.kit.tables import need
 
 PREFIX = "imported:"  # prefix of the encoder's name for imported embeddings
@@ -62,23 +65,28 @@ def import_embeddings(
     for name in ("vis", "tac"):
         if name not in found:
             raise DataError(
-                f"'{place}' has no vectors '{name}'; it has {', '.join(found) or 'nothing'}. Name the "
-                f"right one with --column {name}=THEIRS."
+                f"'{place}' has no vectors '{name}'; it has {', '.join(found) or 'nothing'}. Name"
+                f" the right one with --column {name}=THEIRS."
             )
     count = len(found["vis"])
     vectors = {name: _vectors(found[name], name, count, place) for name in VECTORS if name in found}
     if len(vectors) == 3:
         vectors = {name: vectors[name] for name in ("vis", "tac")}
     texts = {name: _texts(found[name], name, count, place) for name in TEXTS if name in found}
-    texts = {name: [text] * count for name, text in (("domain", domain), ("material", material)) if text} | texts
+    texts = {
+        name: [text] * count for name, text in (("domain", domain), ("material", material)) if text
+    } | texts
     _require_names(texts, place)
     texts["material"] = _materials(texts["material"], classes, place)
     widths = {name: array.shape[1] for name, array in vectors.items()}
-    padded = f" ({', '.join(f'{name} {width}' for name, width in widths.items())} values, then zeros)"
+    padded = (
+        f" ({', '.join(f'{name} {width}' for name, width in widths.items())} values, then zeros)"
+    )
     header = Header(
         encoder=PREFIX + encoder.strip(),
         weights_hash=blake2b(encoder.strip().encode(), digest_size=8).hexdigest(),
-        preprocessing=(preprocessing or "made elsewhere") + (padded if len(set(widths.values())) > 1 else ""),
+        preprocessing=(preprocessing or "made elsewhere")
+        + (padded if len(set(widths.values())) > 1 else ""),
         domains=tuple(dict.fromkeys(texts["domain"])),
         classes=in_order(set(texts["material"])),
         simulated=simulated,
@@ -89,17 +97,20 @@ def import_embeddings(
         domain=indices(header.domains, texts["domain"]),
         label=indices(header.classes, texts["material"]),
         rows=_rows(found, texts, place),
-        **{name: np.pad(array, ((0, 0), (0, max(widths.values()) - widths[name]))) for name, array in vectors.items()},
+        **{
+            name: np.pad(array, ((0, 0), (0, max(widths.values()) - widths[name])))
+            for name, array in vectors.items()
+        },
     )
 
 
-def _rows(found: Columns, texts: Mapping[str, list[str]], place: Path) -> dict[str, list[str]]:
+def _rows(columns: Columns, texts: Mapping[str, list[str]], place: Path) -> dict[str, list[str]]:
     """Return the named columns; files and objects without a name have the row's number."""
     count = len(texts["material"])
     rows = {name: texts.get(name, [""] * count) for name in ROW_NAMES}
     for name in ("vis", "tac"):
         numbered = np.array([f"{place.stem}/{row}_{name}" for row in range(count)])
-        rows[name] = _texts(found.get(f"{name}_file", numbered), f"{name}_file", count, place)
+        rows[name] = _texts(columns.get(f"{name}_file", numbered), f"{name}_file", count, place)
     if not any(rows["object"]):
         rows["object"] = [f"{place.stem}/{row}" for row in range(count)]
     return rows
@@ -110,8 +121,12 @@ def _renamed(found: Columns, columns: Mapping[str, str], place: Path) -> Columns
     known = {*VECTORS, *TEXTS, "vis_file", "tac_file"}
     for ours, theirs in columns.items():
         if ours not in known:
-            raise DataError(f"There is no column '{ours}' to fill; there are {', '.join(sorted(known))}.")
-        numbered = {key: v for key, v in found.items() if re.fullmatch(f"{re.escape(theirs)}_\\d+", key)}
+            raise DataError(
+                f"There is no column '{ours}' to fill; there are {', '.join(sorted(known))}."
+            )
+        numbered = {
+            key: v for key, v in found.items() if re.fullmatch(f"{re.escape(theirs)}_\\d+", key)
+        }
         if theirs not in found and not numbered:
             raise DataError(f"'{place}' has no column '{theirs}'; it has {', '.join(found)}.")
         if theirs in found:
@@ -124,17 +139,25 @@ def _renamed(found: Columns, columns: Mapping[str, str], place: Path) -> Columns
     return _joined(found, place)
 
 
-def _joined(found: Columns, place: Path) -> Columns:
+def _joined(columns: Columns, place: Path) -> Columns:
     """Return `vis_0`, `vis_1`, ... as one array (N, D), and so on."""
-    joined = dict(found)
+    joined = dict(columns)
     for name in VECTORS:
-        numbers = sorted(int(key.removeprefix(f"{name}_")) for key in found if re.fullmatch(f"{name}_\\d+", key))
-        if not numbers or name in found:
+        numbers = sorted(
+            int(key.removeprefix(f"{name}_"))
+            for key in columns
+            if re.fullmatch(f"{name}_\\d+", key)
+        )
+        if not numbers or name in columns:
             continue
         if numbers != list(range(numbers[0], numbers[0] + len(numbers))):
-            raise DataError(f"'{place}' lacks some of the columns {name}_{numbers[0]} to {name}_{numbers[-1]}.")
+            raise DataError(
+                f"'{place}' lacks some of the columns {name}_{numbers[0]} to {name}_{numbers[-1]}."
+            )
         try:
-            joined[name] = np.stack([found[f"{name}_{i}"].astype(np.float64) for i in numbers], axis=1)
+            joined[name] = np.stack(
+                [columns[f"{name}_{i}"].astype(np.float64) for i in numbers], axis=1
+            )
         except ValueError as error:
             raise DataError(f"'{place}' has text in the columns {name}_...: {error}.") from error
     return joined
@@ -142,24 +165,28 @@ def _joined(found: Columns, place: Path) -> Columns:
 
 def _vectors(array: NDArray[Any], name: str, count: int, place: Path) -> Array:
     if array.ndim != 2 or len(array) != count or not count or not array.shape[1]:
-        raise DataError(f"'{place}' has {name} of shape {array.shape}, expected ({count}, D): a row for each pair.")
+        raise DataError(
+            f"'{place}' has {name} of shape {array.shape}, expected ({count}, D): a row for each"
+            " pair."
+        )
     if array.dtype.kind not in "fiu":
         raise DataError(f"'{place}' has {name} of type {array.dtype}; expected numbers.")
     with np.errstate(over="ignore"):
         values = array.astype(np.float32)
-    bad = ~np.isfinite(values).all(axis=1)
-    if bad.any():
-        raise DataError(
-            f"'{place}' has NaN or infinite values in {int(bad.sum())} rows of {name}, the first is "
-            f"row {int(bad.argmax())}; leave those pairs out."
-        )
-    return values
+    (checked,) = require_range([values], f"{name} of '{place}'")
+    return checked
 
 
 def _texts(array: NDArray[Any], name: str, count: int, place: Path) -> list[str]:
     if array.shape != (count,):
-        raise DataError(f"'{place}' has {name} of shape {array.shape}, expected ({count},): one for each pair.")
-    return [value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value) for value in array.tolist()]
+        raise DataError(
+            f"'{place}' has {name} of shape {array.shape}, expected ({count},): one for each pair."
+        )
+    texts = [
+        value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
+        for value in array.tolist()
+    ]
+    return [encodable(text, f"{name} in row {row} of '{place}'") for row, text in enumerate(texts)]
 
 
 def _require_names(texts: Mapping[str, list[str]], place: Path) -> None:
@@ -169,7 +196,9 @@ def _require_names(texts: Mapping[str, list[str]], place: Path) -> None:
         if not all(text.strip() for text in texts[name]):
             raise DataError(f"'{place}' has pairs without a {name}; fill that column.")
     if unknown := sorted(set(texts.get("split", ())) - set(SPLITS)):
-        raise DataError(f"'{place}' has the split '{unknown[0]}'; there are train, val, test and none.")
+        raise DataError(
+            f"'{place}' has the split '{unknown[0]}'; there are train, val, test and none."
+        )
 
 
 def _materials(texts: list[str], classes: Sequence[str], place: Path) -> list[str]:
@@ -191,8 +220,7 @@ def read_columns(place: Path) -> Columns:
     Raises DataError if it is missing, of another kind or unreadable, MissingPackageError if the
     package for it is not installed.
     """
-    if not place.is_file():
-        raise DataError(f"No file at '{place}'.")
+    require_regular(place)
     reader = READERS.get(place.suffix.lower())
     if reader is None:
         raise DataError(f"'{place}' ends in '{place.suffix}'; there are {', '.join(READERS)}.")
@@ -201,7 +229,9 @@ def read_columns(place: Path) -> Columns:
     except OmniVatError:
         raise
     except Exception as error:  # each reader has its own errors for damaged files
-        raise DataError(f"'{place}' cannot be read ({first_line(error)}); export it again.") from error
+        raise DataError(
+            f"'{place}' cannot be read ({first_line(error)}); export it again."
+        ) from error
 
 
 def _npz(place: Path) -> Columns:
@@ -248,8 +278,12 @@ def _csv(place: Path) -> Columns:
     names, body = rows[0], rows[1:]
     short = next((i for i, row in enumerate(body, start=2) if len(row) != len(names)), None)
     if short is not None:
-        raise DataError(f"'{place}' has {len(body[short - 2])} cells in line {short}, not {len(names)}.")
-    return {name: np.array(column) for name, column in zip(names, zip(*body, strict=True), strict=True)}
+        raise DataError(
+            f"'{place}' has {len(body[short - 2])} cells in line {short}, not {len(names)}."
+        )
+    return {
+        name: np.array(column) for name, column in zip(names, zip(*body, strict=True), strict=True)
+    }
 
 
 READERS = {".npz": _npz, ".parquet": _parquet, ".h5": _hdf5, ".hdf5": _hdf5, ".csv": _csv}

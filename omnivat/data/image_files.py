@@ -194,7 +194,9 @@ def _tiff(content: Content, found: ImageFile) -> ImageFile:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TiffTable:
-    """The table of a TIFF's first picture: byte order, codes of its numbers, place of each entry."""
+    """The table of a TIFF's first picture: byte order, codes of its numbers, place of each
+    entry.
+    """
 
     order: str
     count: str
@@ -237,4 +239,12 @@ def _ppm(content: Content, found: ImageFile) -> ImageFile:
     return replace(found, usual=False)
 
 
-WALKS = {"PNG": _png, "JPEG": _jpeg, "GIF": _gif, "BMP": _bmp, "WEBP": _webp, "TIFF": _tiff, "PPM": _ppm}
+WALKS = {
+    "PNG": _png,
+    "JPEG": _jpeg,
+    "GIF": _gif,
+    "BMP": _bmp,
+    "WEBP": _webp,
+    "TIFF": _tiff,
+    "PPM": _ppm,
+}

@@ -62,7 +62,11 @@ VISITORS = Limits(kinds=COMMON, cost=64_000_000, pixels=24_000_000, variants=Fal
 
 
 def read_image(
-    source: str | Path | bytes | Image.Image, name: str = "", *, limits: Limits = OWN, reduced: bool = True
+    source: str | Path | bytes | Image.Image,
+    name: str = "",
+    *,
+    limits: Limits = OWN,
+    reduced: bool = True,
 ) -> Image.Image:
     """Return the image in `source`, a path, a file's bytes or an open image, as upright RGB.
 
@@ -82,11 +86,15 @@ def read_image(
     del source
     with BytesIO(content) as handle:
         image = _open(handle, found, name)
-        _check_cost(replace(found, width=image.width, height=image.height), name, limits, reduced=reduced)
+        _check_cost(
+            replace(found, width=image.width, height=image.height), name, limits, reduced=reduced
+        )
         return _rgb(image, name, reduced=reduced, turn=turn)
 
 
-def examined(content: Content, name: str, *, limits: Limits = OWN, reduced: bool = True) -> ImageFile:
+def examined(
+    content: Content, name: str, *, limits: Limits = OWN, reduced: bool = True
+) -> ImageFile:
     """Return facts from the header of an accepted file.
 
     Raises DataError as `read_image` does; no pixel is decoded.
@@ -179,11 +187,16 @@ def _rgb(image: Image.Image, name: str, *, reduced: bool, turn: int | None = Non
 def _check_size(width: int, height: int, name: str) -> None:
     size, most = f"'{name}' is {width} × {height} pixels", MAX_PIXELS // 10**6
     if width * height > MAX_PIXELS:
-        raise DataError(f"{size}, more than the {most} megapixels that are read; scale it down and try again.")
+        raise DataError(
+            f"{size}, more than the {most} megapixels that are read; scale it down and try again."
+        )
     if max(width, height) > MAX_SIDE:
         raise DataError(f"{size}, and a side may have {MAX_SIDE:,}; crop it and try again.")
     if min(width, height) < MIN_SIDE:
-        raise DataError(f"{size}; a side needs {MIN_SIDE} or more for a surface to be seen, so choose a larger image.")
+        raise DataError(
+            f"{size}; a side needs {MIN_SIDE} or more for a surface to be seen, so choose a larger"
+            " image."
+        )
 
 
 def _check_cost(found: ImageFile, name: str, limits: Limits, *, reduced: bool) -> None:
@@ -233,17 +246,28 @@ def _levels(image: Image.Image, name: str) -> Callable[[Image.Image], Image.Imag
 
     if not image.mode.startswith("I;16"):  # of which no value is outside
         step = max(1, STRIP_PIXELS // image.width)
-        boxes = [(0, top, image.width, min(image.height, top + step)) for top in range(0, image.height, step)]
-        ends = [(values.min(), values.max()) for values in (np.asarray(image.crop(box)) for box in boxes)]
+        boxes = [
+            (0, top, image.width, min(image.height, top + step))
+            for top in range(0, image.height, step)
+        ]
+        ends = [
+            (values.min(), values.max())
+            for values in (np.asarray(image.crop(box)) for box in boxes)
+        ]
         low, high = float(np.min(ends)), float(np.max(ends))
         if floating and not (low >= 0 and high <= 1):  # also true of NaN
             what = f"floating values from {low:g} to {high:g}, expected 0 to 1"
             raise DataError(f"'{name}' holds {what}; save it as 8- or 16-bit PNG.")
         if low < 0 or high > 65535:
-            raise DataError(f"'{name}' holds values from {int(low)} to {int(high)}; save it as 8- or 16-bit PNG.")
+            raise DataError(
+                f"'{name}' holds values from {int(low)} to {int(high)}; save it as 8- or 16-bit"
+                " PNG."
+            )
 
     def eight_bits(strip: Image.Image) -> Image.Image:
         values = np.asarray(strip)
-        return Image.fromarray((np.rint(values * 255) if floating else values.astype(np.uint32) >> 8).astype(np.uint8))
+        return Image.fromarray(
+            (np.rint(values * 255) if floating else values.astype(np.uint32) >> 8).astype(np.uint8)
+        )
 
     return eight_bits

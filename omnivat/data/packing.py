@@ -1,4 +1,6 @@
-"""Labels, object numbers and probabilities of many pairs as short text, for records and the page."""
+"""Labels, object numbers and probabilities of many pairs as short text, for records and the
+page.
+"""
 
 import string
 from base64 import b64decode, b64encode
@@ -57,7 +59,9 @@ def odds(logs: ArrayLike) -> str:
     array([[0.665, 0.245, 0.09 ]])
     """
     values = np.asarray(logs, dtype=np.float64)
-    return b64encode((values[:, :-1] - values[:, -1:]).clip(-6e4, 6e4).astype("<f2").tobytes()).decode()
+    return b64encode(
+        (values[:, :-1] - values[:, -1:]).clip(-6e4, 6e4).astype("<f2").tobytes()
+    ).decode()
 
 
 def unodds(text: str, classes: int) -> NDArray[np.float64]:
@@ -77,6 +81,9 @@ def packed(values: NDArray[Any], kind: str, steps: int = 1) -> dict[str, Any]:
     Raises DataError if a number is not finite.
     """
     if not np.isfinite(values).all():
-        raise DataError("The head gives values that are not finite numbers; its weights are damaged. Train it again.")
+        raise DataError(
+            "The head gives values that are not finite numbers; its weights are damaged. Train it"
+            " again."
+        )
     whole = np.rint(values.astype(np.float64) * steps).astype(f"<{kind}")
     return {"kind": kind, "steps": steps, "data": b64encode(whole.tobytes()).decode()}

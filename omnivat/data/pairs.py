@@ -35,7 +35,9 @@ class Skipped:
 
 
 class Tally:
-    """Counts skipped pairs by item and reason, so that a hundred thousand frames give a few lines."""
+    """Counts skipped pairs by item and reason, so that a hundred thousand frames give a few
+    lines.
+    """
 
     def __init__(self) -> None:
         self._counts: Counter[tuple[str, str]] = Counter()
@@ -46,7 +48,9 @@ class Tally:
 
     def skipped(self) -> tuple[Skipped, ...]:
         """Return one entry for each item and reason, in order of first appearance."""
-        return tuple(Skipped(what=what, why=why, count=count) for (what, why), count in self._counts.items())
+        return tuple(
+            Skipped(what=what, why=why, count=count) for (what, why), count in self._counts.items()
+        )
 
     def reasons(self, limit: int = 3) -> str:
         """Return the most frequent reasons in a few words, for an error."""
@@ -102,9 +106,9 @@ def summary_table(found: PairSet, *, examples: int = 3) -> str:
     return "\n".join(lines)
 
 
-def _reasons(found: PairSet, examples: int) -> list[list[str]]:
+def _reasons(pairs: PairSet, examples: int) -> list[list[str]]:
     by_reason: dict[str, list[Skipped]] = {}
-    for skipped in found.skipped:
+    for skipped in pairs.skipped:
         by_reason.setdefault(skipped.why, []).append(skipped)
     rows = []
     for why, group in by_reason.items():

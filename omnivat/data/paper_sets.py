@@ -38,7 +38,10 @@ class PaperSets:
     @property
     def fingerprint(self) -> str:
         """A hash of the list of pairs: files, names and splits."""
-        rows = [[str(p.vis), str(p.tac), p.domain, p.material, p.split, p.part] for p in self.pairs.pairs]
+        rows = [
+            [str(p.vis), str(p.tac), p.domain, p.material, p.split, p.part]
+            for p in self.pairs.pairs
+        ]
         return blake2b(json.dumps(rows).encode(), digest_size=8).hexdigest()
 
 
@@ -52,7 +55,9 @@ def find_paper_sets(root: Path) -> dict[str, Path]:
     found: dict[str, Path] = {}
     folders, level = [root], [root]
     for _ in range(DEPTH):
-        level = [child for folder in level for child in folders_in(folder) if not child.is_symlink()]
+        level = [
+            child for folder in level for child in folders_in(folder) if not child.is_symlink()
+        ]
         folders += level  # breadth first
     for folder in folders:
         if any(folder != place and folder.is_relative_to(place) for place in found.values()):
@@ -60,13 +65,15 @@ def find_paper_sets(root: Path) -> dict[str, Path]:
         for name in SETS:
             if import_module(READERS[name].split(":")[0]).recognises(folder):
                 if name in found:
-                    raise DataError(f"{SETS[name]} is there twice, in '{found[name]}' and '{folder}'; keep one.")
+                    raise DataError(
+                        f"{SETS[name]} is there twice, in '{found[name]}' and '{folder}'; keep one."
+                    )
                 found[name] = folder
                 break
     if not found:
         raise DataError(
-            f"None of {', '.join(SETS.values())} is in '{root}'; docs/reproduce.md lists where each is "
-            "from and how it lies on disk."
+            f"None of {', '.join(SETS.values())} is in '{root}'; docs/reproduce.md lists where each"
+            " is from and how it lies on disk."
         )
     return {name: found[name] for name in SETS if name in found}
 
@@ -82,4 +89,6 @@ def read_paper_sets(root: Path, *, seed: int = 0) -> PaperSets:
     pairs = tuple(pair for part in parts.values() for pair in part.pairs)
     skipped = tuple(one for part in parts.values() for one in part.skipped)
     origin = "; ".join(part.origin or SETS[name] for name, part in parts.items())
-    return PaperSets(places=places, parts=parts, pairs=PairSet(pairs=pairs, skipped=skipped, origin=origin))
+    return PaperSets(
+        places=places, parts=parts, pairs=PairSet(pairs=pairs, skipped=skipped, origin=origin)
+    )

@@ -1,8 +1,9 @@
-"""Profiles: mean and variance of every embedding channel over pictures of one domain, without labels.
+"""Profiles: mean and variance of every embedding channel over pictures of one domain, without
+labels.
 
 A new sensor shifts and stretches the channels. Its profile, matched to the source's, undoes that:
-no label, no gradient, no training. The idea is AdaBN's (Li et al., arXiv:1603.04779), applied to the
-encoder's output; a rest picture subtracted from each tactile image does the same for pixels.
+no label, no gradient, no training. The idea is AdaBN's (Li et al., arXiv:1603.04779), applied to
+the encoder's output; a rest picture subtracted from each tactile image does the same for pixels.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,8 +28,8 @@ Array = NDArray[np.float32]
 FORMAT = "omnivat-profile-1"
 MOST_BYTES = 4_000_000  # of a profile file: two modalities of 65,536 channels take 1 MB
 KEY = ("encoder", "weights_hash", "preprocessing")
-MEAN_PRIOR, VARIANCE_PRIOR = 2, 10  # pictures that the source's mean and variance weigh
-STEP_SHIFTED = 0.875  # of a head trained with imitated sensors (benchmarks.profile_step)
+MEAN_PRIOR, VARIANCE_PRIOR = 4, 10  # pictures that the source's mean and variance weigh
+STEP_SHIFTED = 0.875  # of a head trained with imitated sensors (docs/decisions/0009)
 FLOOR = 1.0  # mean deviations added to every channel's, so that still channels count less
 
 
@@ -92,7 +93,9 @@ def channels_of(rows: Array, index: NDArray[np.int64] | None = None) -> Channels
         raise DataError("A profile needs one picture or more; there are none.")
     offset = np.asarray(total) / count
     variance = np.maximum(np.asarray(squares) / count - offset**2, 0)
-    return Channels(mean=(start + offset).astype(np.float32), variance=variance.astype(np.float32), count=count)
+    return Channels(
+        mean=(start + offset).astype(np.float32), variance=variance.astype(np.float32), count=count
+    )
 
 
 def profile_of(
@@ -114,7 +117,8 @@ def profile_of(
 
 
 def shrunk(target: Channels, source: Channels, step: float = 1.0) -> Channels:
-    """Draw a target's statistics of n pictures towards the source's: by n / (n + 2) and n / (n + 10).
+    """Draw a target's statistics of n pictures towards the source's: by n / (n + 4) and n / (n +
+    10).
 
     Without pictures it is the source's, so that nothing moves. Few pictures know a mean better than
     a variance. Both shares are times `step`.
@@ -157,7 +161,9 @@ def standardised(rows: Array, source: Channels) -> Array:
     return np.asarray(np.tanh((rows - source.mean) / scale_of(source, floor_of(source))))
 
 
-def profiled(embeddings: Embeddings, profiles: Mapping[str, Profile], source: Profile) -> Embeddings:
+def profiled(
+    embeddings: Embeddings, profiles: Mapping[str, Profile], source: Profile
+) -> Embeddings:
     """Return embeddings with the pairs of each profiled domain moved onto the source's statistics.
 
     profiles  domain -> its profile; other domains stay as they are
@@ -190,8 +196,8 @@ def domain_of(profile: Profile, domains: Sequence[str], source: str) -> str:
         return others[0]
     named = f"of '{profile.domain}'" if profile.domain else "without a domain's name"
     raise DataError(
-        f"The profile is {named}, and the set has {', '.join(domains)}. Make the profile again with "
-        "--domain and one of these names."
+        f"The profile is {named}, and the set has {', '.join(domains)}. Make the profile again with"
+        " --domain and one of these names."
     )
 
 
@@ -206,7 +212,11 @@ def require_key(profile: Profile, key: tuple[str, str, str], width: int) -> None
 
 
 def _moved_array(
-    array: Array, domain: NDArray[np.int64], owners: Mapping[int, Profile], modality: str, source: Profile
+    array: Array,
+    domain: NDArray[np.int64],
+    owners: Mapping[int, Profile],
+    modality: str,
+    source: Profile,
 ) -> Array:
     changed, start = _empty(array.shape), 0
     for block in walked(array):
@@ -273,15 +283,18 @@ def load_profile(file: str | Path) -> Profile:
     """
     path = Path(file)
     if not path.is_file():
-        raise DataError(f"No profile at '{path}'. Make one with `python -m omnivat profile PICTURES --out {path}`.")
+        raise DataError(
+            f"No profile at '{path}'. Make one with `python -m omnivat profile PICTURES --out"
+            f" {path}`."
+        )
     if path.stat().st_size > MOST_BYTES:
         raise DataError(f"'{path}' is larger than {MOST_BYTES / 1e6:g} MB; it is no profile.")
     try:
         arrays, metadata = read_arrays(path)
         if metadata.get("format") != FORMAT:
             raise DataError(
-                f"'{path}' is not a profile (format '{metadata.get('format', 'none'):.60}'). Make one "
-                "with `python -m omnivat profile`."
+                f"'{path}' is not a profile (format '{metadata.get('format', 'none'):.60}'). Make"
+                " one with `python -m omnivat profile`."
             )
         return Profile(
             channels={n: _channels(arrays, metadata, n) for n in IMAGES if f"{n}_mean" in arrays},
@@ -290,7 +303,9 @@ def load_profile(file: str | Path) -> Profile:
             step=float(metadata.get("step", "1")),
         ).checked()
     except (SafetensorError, OSError, ValueError, KeyError) as error:
-        raise DataError(f"'{path}' cannot be read as a profile ({error!s:.200}); make it again.") from error
+        raise DataError(
+            f"'{path}' cannot be read as a profile ({error!s:.200}); make it again."
+        ) from error
 
 
 def _channels(arrays: dict[str, Any], metadata: dict[str, str], name: str) -> Channels:

@@ -29,13 +29,16 @@ def hold_out(
     seed      the same seed holds out the same pairs
     return    (N,) True where held out
 
-    A class of two or more objects has pairs on both sides, unless objects of several classes prevent it. A class of one
-    object is never held out. Raises DataError if the fraction is out of range or the lengths differ.
+    A class of two or more objects has pairs on both sides, unless objects of several classes
+    prevent it. A class of one object is never held out. Raises DataError if the fraction is out of
+    range or the lengths differ.
     """
     if not 0 <= fraction < 1:
         raise DataError(f"The fraction to hold out is {fraction}; choose 0 or more and below 1.")
     if len(objects) != len(labels):
-        raise DataError(f"There are {len(objects)} objects but {len(labels)} labels; expected as many.")
+        raise DataError(
+            f"There are {len(objects)} objects but {len(labels)} labels; expected as many."
+        )
     names: list[Hashable] = [name or number for number, name in enumerate(objects)]
     classes: dict[Hashable, Counter[Hashable]] = defaultdict(Counter)
     for name, label in zip(names, labels, strict=True):
@@ -44,7 +47,9 @@ def hold_out(
     return np.fromiter((name in held for name in names), dtype=bool, count=len(names))
 
 
-def _choose(objects: dict[Hashable, Counter[Hashable]], fraction: float, random: Random) -> set[Hashable]:
+def _choose(
+    objects: dict[Hashable, Counter[Hashable]], fraction: float, random: Random
+) -> set[Hashable]:
     """Return objects that together hold about `fraction` of each class.
 
     Objects are visited in random order, and one is chosen if that brings its classes closer to
@@ -69,19 +74,24 @@ def _choose(objects: dict[Hashable, Counter[Hashable]], fraction: float, random:
     for name in order:
         content = objects[name]
         gain = sum(
-            (abs(taken[c] - fraction * total[c]) - abs(taken[c] + n - fraction * total[c])) / total[c]
+            (abs(taken[c] - fraction * total[c]) - abs(taken[c] + n - fraction * total[c]))
+            / total[c]
             for c, n in content.items()
         )
         if gain > 0 and leaves_some(content):
             take(name)
     for label in [label for label in total if not taken[label]]:
-        fitting = [n for n in order if n not in held and label in objects[n] and leaves_some(objects[n])]
+        fitting = [
+            n for n in order if n not in held and label in objects[n] and leaves_some(objects[n])
+        ]
         if fitting and not taken[label]:
             take(min(fitting, key=lambda name: objects[name].total()))
     return held
 
 
-def split_by_object(pairs: Sequence[Pair], *, seed: int, test: float = 0.3, val: float = 0.0) -> tuple[Pair, ...]:
+def split_by_object(
+    pairs: Sequence[Pair], *, seed: int, test: float = 0.3, val: float = 0.0
+) -> tuple[Pair, ...]:
     """Return the pairs with split train, val or test, without dividing objects.
 
     test, val  fractions of the pairs of each class in each domain; the rest is train
@@ -90,7 +100,9 @@ def split_by_object(pairs: Sequence[Pair], *, seed: int, test: float = 0.3, val:
     Raises DataError if the two fractions leave nothing for training.
     """
     if not (test >= 0 and val >= 0 and test + val < 1):
-        raise DataError(f"test {test} and val {val} leave no pairs to train on; their sum must be below 1.")
+        raise DataError(
+            f"test {test} and val {val} leave no pairs to train on; their sum must be below 1."
+        )
     split = ["train"] * len(pairs)
     for domain in dict.fromkeys(pair.domain for pair in pairs):
         rest = [i for i, pair in enumerate(pairs) if pair.domain == domain]
@@ -118,8 +130,14 @@ def balance(pairs: Sequence[Pair], *, seed: int) -> tuple[tuple[Pair, ...], tupl
     for (domain, split), classes in groups.items():
         smallest = min(map(len, classes.values()))
         for material, members in classes.items():
-            keep.update(Random(derive_seed(seed, "balance", domain, split, material)).sample(members, smallest))
+            keep.update(
+                Random(derive_seed(seed, "balance", domain, split, material)).sample(
+                    members, smallest
+                )
+            )
             if extra := len(members) - smallest:
-                what = f"{domain}{' ' if split else ''}{split}: {extra} of {len(members)} {material}"
+                what = (
+                    f"{domain}{' ' if split else ''}{split}: {extra} of {len(members)} {material}"
+                )
                 lost.append(Skipped(what=what, why="balanced to the smallest class", count=extra))
     return tuple(pair for index, pair in enumerate(pairs) if index in keep), tuple(lost)

@@ -15,7 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError
 
-from omnivat.data.arrays import MOST_COLUMNS, Column, column, read_arrays, released, walked, write_arrays
+from omnivat.data.arrays import (
+    MOST_COLUMNS,
+    Column,
+    column,
+    read_arrays,
+    released,
+    require_range,
+    walked,
+    write_arrays,
+)
 from omnivat.data.domains import require_domain_names
 from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header
 from omnivat.kit.errors import DataError, SettingsError, WriteError
@@ -36,7 +45,9 @@ MOST_CELLS = 1_000_000  # domains times classes: entries of the table of counts
 __all__ = ["FORMAT", "ROW_NAMES", "Embeddings", "Header", "load_embeddings", "save_embeddings"]
 
 
-def save_embeddings(path: str | Path, embeddings: Embeddings, *, dtype: str = "float32", manifest: str = "csv") -> None:
+def save_embeddings(
+    path: str | Path, embeddings: Embeddings, *, dtype: str = "float32", manifest: str = "csv"
+) -> None:
     """Write the embeddings, completely or not at all, and a manifest.
 
     dtype       "float32", or "float16" for half the size and 3 digits
@@ -52,7 +63,9 @@ def save_embeddings(path: str | Path, embeddings: Embeddings, *, dtype: str = "f
         for name, array in vectors.items()
     }
     of_pairs = {"domain": embeddings.domain, "label": embeddings.label}
-    write_columns(path, embeddings.header, columns, **of_pairs, rows=embeddings.rows, manifest=manifest)
+    write_columns(
+        path, embeddings.header, columns, **of_pairs, rows=embeddings.rows, manifest=manifest
+    )
 
 
 def write_columns(
@@ -67,11 +80,15 @@ def write_columns(
 ) -> None:
     """Write a set of embeddings block by block, completely or not at all.
 
-    Raises DataError when a value is not finite or too large for float16, or a domain is called "all".
+    Raises DataError when a value is not finite or too large for float16, or a domain is called
+    "all".
     """
     require_domain_names(header.domains)
     rows = _completed(rows, len(label))
-    columns = {name: replace(vector, blocks=_checked(path, name, vector)) for name, vector in vectors.items()}
+    columns = {
+        name: replace(vector, blocks=_checked(path, name, vector))
+        for name, vector in vectors.items()
+    }
     columns |= {
         "domain": column(np.asarray(domain, np.int64)),
         "label": column(np.asarray(label, np.int64)),
@@ -100,8 +117,9 @@ def _written(path: str | Path, rows: Mapping[str, Sequence[str]]) -> bytes:
         return json.dumps(rows, ensure_ascii=False).encode()
     except UnicodeEncodeError as error:
         raise DataError(
-            f"'{path}' was not written: the name {error.object[max(0, error.start - 20) : error.end + 20]!a} "
-            "holds bytes that are no text (UTF-8); rename that file."
+            f"'{path}' was not written: the name"
+            f" {error.object[max(0, error.start - 20) : error.end + 20]!a} holds bytes that are no"
+            " text (UTF-8); rename that file."
         ) from error
 
 
@@ -119,11 +137,10 @@ def _blocks(array: NDArray[Any], size: int = 4096) -> Iterator[NDArray[Any]]:
 
 def _checked(path: str | Path, name: str, vector: Column) -> Iterator[NDArray[Any]]:
     limit = np.finfo(np.float16 if vector.dtype == "F16" else np.float32).max
-    for block in vector.blocks:
-        if not (np.abs(block) <= limit).all():  # also true of NaN
+    for block in require_range(vector.blocks, f"'{path}' was not written: {name}"):
+        if not (np.abs(block) <= limit).all():
             raise DataError(
-                f"'{path}' was not written: {name} holds NaN, infinite or (for float16) too large "
-                "embeddings; look at the images and the encoder, or use float32."
+                f"'{path}' was not written: {name} holds values too large for float16; use float32."
             )
         yield block
 
@@ -158,7 +175,10 @@ def load_embeddings(path: str | Path, *, large: int | None = None) -> Embeddings
     """
     file = Path(path)
     if not file.is_file():
-        raise DataError(f"No embeddings file at '{file}'. Make one with `python -m omnivat embed PAIRS --out {file}`.")
+        raise DataError(
+            f"No embeddings file at '{file}'. Make one with `python -m omnivat embed PAIRS --out"
+            f" {file}`."
+        )
     try:
         arrays, metadata = read_arrays(file, large=large)
         if metadata.get("format") != FORMAT:
@@ -180,8 +200,8 @@ def load_embeddings(path: str | Path, *, large: int | None = None) -> Embeddings
         raise
     except (SafetensorError, OSError, ValueError, KeyError, TypeError) as error:
         raise DataError(
-            f"'{file}' cannot be read as embeddings ({error}). It may be cut short; make it again with "
-            "`python -m omnivat embed`."
+            f"'{file}' cannot be read as embeddings ({error}). It may be cut short; make it again"
+            " with `python -m omnivat embed`."
         ) from error
     _check(file, embeddings)
     return embeddings
@@ -216,10 +236,12 @@ def _check(file: Path, embeddings: Embeddings) -> None:
     require_domain_names(header.domains)
     if len(header.domains) * len(header.classes) > MOST_CELLS:
         raise DataError(
-            f"'{file}' names {len(header.domains):,} domains and {len(header.classes):,} classes, and "
-            f"their product may be {MOST_CELLS:,}; leave out names without pairs."
+            f"'{file}' names {len(header.domains):,} domains and {len(header.classes):,} classes,"
+            f" and their product may be {MOST_CELLS:,}; leave out names without pairs."
         )
     count, width = embeddings.vis.shape if embeddings.vis.ndim == 2 else (-1, -1)
+    if not width:
+        raise DataError(f"'{file}' holds rows without numbers (width 0); embed the pairs again.")
     flips = [a for a in (embeddings.vis_flip, embeddings.tac_flip) if a is not None]
     shapes_agree = (
         count >= 0
@@ -234,10 +256,9 @@ def _check(file: Path, embeddings: Embeddings) -> None:
         if count and not (index.min() >= 0 and index.max() < len(names)):
             raise DataError(f"'{file}' has a {name} index without a name; make it again.")
     for vectors in (embeddings.vis, embeddings.tac, *flips):
-        finite = all(np.isfinite(block).all() for block in walked(vectors))
+        for _ in require_range(walked(vectors), f"'{file}'"):
+            pass
         released(vectors)  # read, not changed
-        if not finite:
-            raise DataError(f"'{file}' holds NaN or infinite embeddings; embed the pairs again.")
 
 
 def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str = "csv") -> Path:
@@ -254,7 +275,9 @@ def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str =
     pyarrow = need("pyarrow", purpose="a Parquet manifest")
     parquet = need("pyarrow.parquet", purpose="a Parquet manifest", install="pyarrow")
     with replacing(place) as temporary:
-        parquet.write_table(pyarrow.table({name: list(values) for name, values in columns.items()}), temporary)
+        parquet.write_table(
+            pyarrow.table({name: list(values) for name, values in columns.items()}), temporary
+        )
     return place
 
 
@@ -266,7 +289,9 @@ def manifest_place(path: Path, kind: str) -> Path:
 
 
 def require_own(place: Path) -> None:
-    """Raise WriteError if a CSV that is not a manifest would be replaced, such as a table of pairs."""
+    """Raise WriteError if a CSV that is not a manifest would be replaced, such as a table of
+    pairs.
+    """
     if place.suffix != ".csv" or not place.is_file():
         return
     with place.open("rb") as handle:

@@ -36,7 +36,9 @@ def load_field(file: Path) -> Field:
         raise DataError(f"'{printable(str(file))}' is not a NumPy array ({error}).") from error
     wanted = (MARKERS, MARKERS, 3)
     if field.shape not in (wanted, (MARKERS**2, 3)):
-        raise DataError(f"'{printable(str(file))}' has shape {field.shape}, expected {wanted} displacements.")
+        raise DataError(
+            f"'{printable(str(file))}' has shape {field.shape}, expected {wanted} displacements."
+        )
     if field.dtype.kind not in "fiu" or not np.isfinite(field).all():
         raise DataError(f"'{printable(str(file))}' holds values that are not finite numbers.")
     return field.astype(np.float64).reshape(wanted)
@@ -62,8 +64,13 @@ def field_to_rgb(field: Field, scale: Field, *, side: int = SIDE) -> NDArray[np.
     scale  (3,) > 0, the displacements drawn as full colour; larger ones are clipped
     """
     colours = (np.clip(field / scale, -1, 1) * 127.5 + 127.5).astype(np.float32)
-    axes = [Image.fromarray(colours[..., k]).resize((side, side), Image.Resampling.BICUBIC) for k in range(3)]
-    return np.clip(np.round(np.stack(list(map(np.asarray, axes)), axis=-1)), 0, 255).astype(np.uint8)
+    axes = [
+        Image.fromarray(colours[..., k]).resize((side, side), Image.Resampling.BICUBIC)
+        for k in range(3)
+    ]
+    return np.clip(np.round(np.stack(list(map(np.asarray, axes)), axis=-1)), 0, 255).astype(
+        np.uint8
+    )
 
 
 def draw_all(files: Sequence[Path], folder: Path) -> tuple[dict[Path, Path], dict[Path, str]]:
@@ -83,7 +90,9 @@ def draw_all(files: Sequence[Path], folder: Path) -> tuple[dict[Path, Path], dic
             except DataError as error:
                 refused[file] = str(error)
 
-    scale = robust_scale(field for _, field in fields(files[:: -(-len(files) // MOST_FOR_SCALE) or 1]))
+    scale = robust_scale(
+        field for _, field in fields(files[:: -(-len(files) // MOST_FOR_SCALE) or 1])
+    )
     for file, field in fields(files):
         content = blake2b(field.tobytes() + scale.tobytes(), digest_size=12).hexdigest()
         drawn[file] = folder / f"tac3d-{content}.png"

@@ -1,8 +1,27 @@
-"""Image encoders with one small contract, listed by name and loaded on first use."""
+"""Pictures and words to vectors: frozen encoders behind one small contract, loaded on first use.
 
-from omnivat.encoders.base import DEFAULT_ENCODER, ENCODERS, Encoder, PairEncoder, load_encoder, text_encoder
+Imports `data` and `kit`. A new encoder is a function in any module, named as
+`module:function`, or a line in the table of `base`; nothing here is trained.
+"""
+
+from omnivat.encoders.base import (
+    DEFAULT_ENCODER,
+    ENCODERS,
+    Encoder,
+    PairEncoder,
+    load_encoder,
+    text_encoder,
+)
 from omnivat.kit.tables import late
 
-__all__ = ["DEFAULT_ENCODER", "ENCODERS", "Encoder", "PairEncoder", "TorchEncoder", "load_encoder", "text_encoder"]
+__all__ = [
+    "DEFAULT_ENCODER",
+    "ENCODERS",
+    "Encoder",
+    "PairEncoder",
+    "TorchEncoder",
+    "load_encoder",
+    "text_encoder",
+]
 
 __getattr__ = late(__name__, {"TorchEncoder": "omnivat.encoders.wrapping:TorchEncoder"})

@@ -37,11 +37,14 @@ class PairEncoder:
 
         self.width = max(vis.width, tac.width)
         self.vis, self.tac = (
-            one if one.width == self.width else NamedEncoder(one, one.name, self.width) for one in (vis, tac)
+            one if one.width == self.width else NamedEncoder(one, one.name, self.width)
+            for one in (vis, tac)
         )
         self.name = JOINED.join((vis.name, tac.name))
         self.weights_hash = JOINED.join((vis.weights_hash, tac.weights_hash))
-        self.precision = vis.precision if vis.precision == tac.precision else f"{vis.precision}/{tac.precision}"
+        self.precision = (
+            vis.precision if vis.precision == tac.precision else f"{vis.precision}/{tac.precision}"
+        )
         self.preprocessing = f"VIS: {self.vis.preprocessing}; TAC: {self.tac.preprocessing}"
 
     def preprocess(self, _: Any) -> "torch.Tensor":
@@ -51,9 +54,34 @@ class PairEncoder:
     embed = preprocess
 
 
+class DotsFilled:
+    """An encoder whose tactile images lose their printed dots first: `vis` as it is, `tac` with
+    the fill.
+    """
+
+    def __init__(self, inner: "Encoder") -> None:
+        from omnivat.data.dots import FILLED
+        from omnivat.encoders.wrapping import WithoutDots
+
+        touches = for_modality(inner, "tac")
+        self.vis, self.tac = for_modality(inner, "vis"), WithoutDots(touches)
+        self.one_network = self.vis is touches
+        self.name, self.width, self.precision = inner.name, inner.width, inner.precision
+        self.weights_hash, self.text_hash = inner.weights_hash, getattr(inner, "text_hash", "")
+        self.preprocessing = inner.preprocessing + FILLED
+
+    def preprocess(self, _: Any) -> "torch.Tensor":
+        """Refuse: each modality has its own (`for_modality`). Raises DataError."""
+        raise DataError(
+            f"'{self.name}' fills the dots of touch alone; say which modality is meant."
+        )
+
+    embed = preprocess
+
+
 def for_modality(encoder: "Encoder", modality: str) -> "Encoder":
     """Return the encoder for "vis" or "tac"; a single encoder serves both."""
-    if not isinstance(encoder, PairEncoder):
+    if not isinstance(encoder, PairEncoder | DotsFilled):
         return encoder
     return encoder.vis if modality == "vis" else encoder.tac
 
@@ -117,6 +145,7 @@ def load_encoder(
     precision: str = "fp32",
     download: str = "ask",
     weights_hash: str = "",
+    dots: str = "keep",
 ) -> Encoder:
     """Load the encoder called `name`.
 
@@ -130,18 +159,28 @@ def load_encoder(
                     default encoder on a CPU) is faster and changes only the last digits
     download        "ask", "yes" or "no": permission to fetch missing weights from the hub
     weights_hash    expected hash, if known: without `weights`, the last file with that hash is read
+    dots            "fill": printed dots of tactile images are filled before they are encoded; a
+                    picture of stripes, which the encoder "strip" reads, has none
 
-    Raises MissingNameError for an unknown name, SettingsError for an unavailable precision or device, DataError if the
-    encoder violates the contract or a checkpoint is missing; the message then has the command that fetches it.
+    Raises MissingNameError for an unknown name, SettingsError for an unavailable precision or
+    device, DataError if the encoder violates the contract or a checkpoint is missing; the message
+    then has the command that fetches it.
     """
     settings = {"device": device, "precision": precision, "download": download}
+    encoder: Encoder
     if JOINED not in name:
-        return _load_one(name, weights, weights_hash, settings)
-    names, hashes = name.partition(JOINED)[::2], weights_hash.partition(JOINED)[::2]
-    return PairEncoder(*map(_load_one, names, (weights, tac_weights), hashes, (settings,) * 2))
+        encoder = _load_one(name, weights, weights_hash, settings)
+    else:
+        names, hashes = name.partition(JOINED)[::2], weights_hash.partition(JOINED)[::2]
+        encoder = PairEncoder(
+            *map(_load_one, names, (weights, tac_weights), hashes, (settings,) * 2)
+        )
+    return DotsFilled(encoder) if dots == "fill" and name != "strip" else encoder
 
 
-def _load_one(name: str, weights: Path | None, weights_hash: str, settings: dict[str, Any]) -> Encoder:
+def _load_one(
+    name: str, weights: Path | None, weights_hash: str, settings: dict[str, Any]
+) -> Encoder:
     from omnivat.encoders.hub import recall, remember
     from omnivat.encoders.wrapping import checked
     from omnivat.kit.devices import device_from
@@ -167,8 +206,9 @@ def _loader_of(name: str) -> Callable[..., Any]:
         return cast("Callable[..., Any]", load(ENCODERS, name, kind="encoder"))
     if name.startswith(IMPORTED):
         raise DataError(
-            f"The embeddings of '{name.removeprefix(IMPORTED)}' were made elsewhere and imported; no "
-            "image can be encoded here. Wrap that encoder (docs/encoders.md) and embed the pairs with it."
+            f"The embeddings of '{name.removeprefix(IMPORTED)}' were made elsewhere and imported;"
+            " no image can be encoded here. Wrap that encoder (docs/encoders.md) and embed the"
+            " pairs with it."
         )
     if name.startswith(HUB):
         from omnivat.encoders.huggingface import load as load_model
@@ -225,7 +265,8 @@ def _attribute(name: str) -> Any:
     module, _, attribute = name.rpartition(":")
     file = Path(module)
     folder = str((file.parent if file.suffix == ".py" else Path()).resolve())
-    if folder not in sys.path:  # as `python -m` does; the installed command would not find code beside the file
+    # as `python -m` does; the installed command would not find code beside the file
+    if folder not in sys.path:
         sys.path.append(folder)
     if file.suffix == ".py":
         spec = importlib.util.spec_from_file_location(f"omnivat_encoder_{file.stem}", file)
@@ -245,7 +286,8 @@ def text_encoder(
 ) -> "Callable[[Sequence[str]], np.ndarray[Any, Any]]":
     """Return a function that embeds texts (B) as float32 (B, D) in the space of encoder `name`.
 
-    Raises MissingNameError for an encoder without a text tower, DataError if a checkpoint is missing.
+    Raises MissingNameError for an encoder without a text tower, DataError if a checkpoint is
+    missing.
     """
     from omnivat.encoders.clip_text import load_text_encoder
 

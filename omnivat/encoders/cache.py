@@ -1,8 +1,9 @@
 """Embed each image or pair once: a small cache in memory over files on disk, keyed by content.
 
-The key hashes the bytes of the image, the encoder, its weights, precision and preprocessing, the crop and the
-mirroring. An entry is one small file: a checksum, then float32 values. It is written to a temporary file and moved into
-place, so two processes cannot corrupt it. An entry with a wrong checksum is computed again.
+The key hashes the bytes of the image, the encoder, its weights, precision and preprocessing, the
+crop and the mirroring. An entry is one small file: a checksum, then float32 values. It is written
+to a temporary file and moved into place, so two processes cannot corrupt it. An entry with a wrong
+checksum is computed again.
 """
 
 import threading
@@ -38,7 +39,9 @@ class EmbeddingCache:
     folder      folder of the entries; None keeps them in memory only
     """
 
-    def __init__(self, folder: Path | None = None, *, in_memory: int = 2048, on_disk: int = 20_000) -> None:
+    def __init__(
+        self, folder: Path | None = None, *, in_memory: int = 2048, on_disk: int = 20_000
+    ) -> None:
         self._folder = folder
         self._in_memory = in_memory
         self._held: OrderedDict[str, Array] = OrderedDict()
@@ -131,11 +134,17 @@ def embed_views(
     content = source if isinstance(source, Image.Image) else read_bytes(source, name)
     calm = b"" if rest is None else read_bytes(rest)
 
+    from omnivat.encoders.wrapping import WithoutDots
+
     @lru_cache(maxsize=1)
     def pixels() -> "torch.Tensor":
         seen = central_square(read_image(content, name, reduced=not crop), crop)
         if calm:
-            seen = minus_rest(seen, central_square(read_image(calm, str(rest), reduced=not crop), crop))
+            still = central_square(read_image(calm, str(rest), reduced=not crop), crop)
+            # dots move, and would show twice in the difference
+            if isinstance(encoder, WithoutDots):
+                seen, still = encoder.cleaned(seen), encoder.cleaned(still)
+            seen = minus_rest(seen, still)
         return encoder.preprocess(seen)
 
     def compute(flip: bool) -> Array:
@@ -145,7 +154,9 @@ def embed_views(
     if cache is None:
         return [compute(flip) for flip in flips]
     keys = _keys(encoder, content, crop, flips, calm)
-    return [cache.embedding(key, partial(compute, flip)) for key, flip in zip(keys, flips, strict=True)]
+    return [
+        cache.embedding(key, partial(compute, flip)) for key, flip in zip(keys, flips, strict=True)
+    ]
 
 
 def embed_pair(
@@ -165,17 +176,29 @@ def embed_pair(
     def one(source: Source | None, modality: str, **views: Any) -> Array | None:
         if source is None:
             return None
-        name = f"the {modality.upper()} image" if isinstance(source, bytes | Image.Image) else str(source)
+        name = (
+            f"the {modality.upper()} image"
+            if isinstance(source, bytes | Image.Image)
+            else str(source)
+        )
         return embed_image(for_modality(encoder, modality), source, cache, name=name, **views)
 
     return one(vis, "vis"), one(tac, "tac", crop=tac_crop, rest=tac_rest)
 
 
-def _keys(encoder: Encoder, source: bytes | Image.Image, crop: int, flips: Sequence[bool], calm: bytes) -> list[str]:
+def _keys(
+    encoder: Encoder, source: bytes | Image.Image, crop: int, flips: Sequence[bool], calm: bytes
+) -> list[str]:
     if isinstance(source, Image.Image):
         upright = read_image(source)
         source = f"{upright.size}".encode() + upright.tobytes()
-    made_by = (READING, encoder.name, encoder.weights_hash, encoder.precision, encoder.preprocessing)
+    made_by = (
+        READING,
+        encoder.name,
+        encoder.weights_hash,
+        encoder.precision,
+        encoder.preprocessing,
+    )
     contents = [blake2b(content).hexdigest() for content in ((calm, source) if calm else (source,))]
     texts = ("\x1f".join((*made_by, *contents, str(crop), str(flip))) for flip in flips)
     return [blake2b(text.encode(), digest_size=20).hexdigest() for text in texts]

@@ -11,7 +11,10 @@ from omnivat.encoders.hub import Checkpoint, find
 from omnivat.encoders.weights import read_weights
 from omnivat.kit.errors import DataError
 
-_OPENAI = "curl -L --create-dirs -o {folder}/%s.pt https://openaipublic.azureedge.net/clip/models/%s/%s.pt"
+_OPENAI = (
+    "curl -L --create-dirs -o {folder}/%s.pt"
+    " https://openaipublic.azureedge.net/clip/models/%s/%s.pt"
+)
 
 
 def _on_hub(name: str, repository: str, megabytes: int) -> Checkpoint:
@@ -30,8 +33,14 @@ CHECKPOINTS = {
         _on_hub("clip-vit-b16", "openai/clip-vit-base-patch16", 599),
         _on_hub("clip-vit-l14", "openai/clip-vit-large-patch14", 1711),
         _on_hub("clip-vit-l14-336", "openai/clip-vit-large-patch14-336", 1712),
-        _at_openai("clip-rn50", "RN50", "afeb0e10f9e5a86da6080e35cf09123aca3b358a0c3e3b6c78a7b63bc04b6762"),
-        _at_openai("clip-rn101", "RN101", "8fa8567bab74a42d41c5915025a8e4538c3bdbe8804a470a72f30b0d94fab599"),
+        _at_openai(
+            "clip-rn50", "RN50", "afeb0e10f9e5a86da6080e35cf09123aca3b358a0c3e3b6c78a7b63bc04b6762"
+        ),
+        _at_openai(
+            "clip-rn101",
+            "RN101",
+            "8fa8567bab74a42d41c5915025a8e4538c3bdbe8804a470a72f30b0d94fab599",
+        ),
         Checkpoint(name=ANY, fetch="hf download OWNER/NAME --local-dir {folder}"),
     )
 }
@@ -49,8 +58,9 @@ def open_clip(name: str, weights: Path | None, *, download: str = "ask") -> Clip
     state = clip_state(found.state)
     if state is None:
         raise DataError(
-            f"'{found.file}' holds no weights of CLIP (its first name is '{min(found.state, default='none')}'); "
-            "name a checkpoint of CLIP, or use --encoder hf:FOLDER for another model of transformers."
+            f"'{found.file}' holds no weights of CLIP (its first name is"
+            f" '{min(found.state, default='none')}'); name a checkpoint of CLIP, or use --encoder"
+            " hf:FOLDER for another model of transformers."
         )
     try:
         shape = image_shape(state) if state.image else None
@@ -66,6 +76,8 @@ def open_clip(name: str, weights: Path | None, *, download: str = "ask") -> Clip
     )
 
 
-def load(name: str, *, weights: Path | None, device: torch.device, precision: str, download: str = "ask") -> ClipTower:
+def load(
+    name: str, *, weights: Path | None, device: torch.device, precision: str, download: str = "ask"
+) -> ClipTower:
     """Load the image tower of a CLIP checkpoint as an encoder. Raises DataError if it has none."""
     return ClipTower(open_clip(name, weights, download=download), device, precision)

@@ -60,7 +60,9 @@ class LiveClip:
 
     def image_end(self, tokens: Tensor) -> Tensor:
         """Return embeddings (B, D) of class tokens (B, W) from the last layer."""
-        return cast("Tensor", self.image.visual_projection(self.image.vision_model.post_layernorm(tokens)))
+        return cast(
+            "Tensor", self.image.visual_projection(self.image.vision_model.post_layernorm(tokens))
+        )
 
     def embed(self, images: Tensor) -> Tensor:
         """Return the model's own embeddings (B, D) of images (B, 3, side, side)."""
@@ -109,18 +111,18 @@ def load_live(encoder: str, weights_hash: str) -> LiveClip:
     """
     if JOINED in encoder or encoder not in CHECKPOINTS:
         raise DataError(
-            f"Methods that learn inside CLIP need one CLIP for both images, and '{encoder}' made these "
-            "embeddings; embed the pairs with --encoder clip --weights FILE."
+            f"Methods that learn inside CLIP need one CLIP for both images, and '{encoder}' made"
+            " these embeddings; embed the pairs with --encoder clip --weights FILE."
         )
     clip = open_clip(encoder, recall(weights_hash), download="no")
     if clip.image_hash != weights_hash:
         raise DataError(
-            f"The weights of {encoder} found on this machine ({clip.image_hash}) are not those of the "
-            f"embeddings ({weights_hash}); embed the pairs again with --weights FILE."
+            f"The weights of {encoder} found on this machine ({clip.image_hash}) are not those of"
+            f" the embeddings ({weights_hash}); embed the pairs again with --weights FILE."
         )
     if not clip.weights.text:
         raise DataError(
-            f"'{clip.file}' has an image tower and no text tower, which methods that learn inside CLIP "
-            "need; embed the pairs with the whole model."
+            f"'{clip.file}' has an image tower and no text tower, which methods that learn inside"
+            " CLIP need; embed the pairs with the whole model."
         )
     return LiveClip(clip, current())

@@ -1,7 +1,8 @@
 """Map the weights of all CLIP layouts to one set of names.
 
-Image tower of a ViT and text tower: the names of `transformers`. Image tower of a ResNet: the names of OpenAI without
-`visual.`. open_clip uses OpenAI's names; some of its models put `text.` before those of the text tower.
+Image tower of a ViT and text tower: the names of `transformers`. Image tower of a ResNet: the names
+of OpenAI without `visual.`. open_clip uses OpenAI's names; some of its models put `text.` before
+those of the text tower.
 """
 
 from collections.abc import Mapping
@@ -36,7 +37,11 @@ _TEXT = {
 }
 
 # One weight of each kind of image tower.
-_ANCHORS = ("vision_model.embeddings.class_embedding", "visual.class_embedding", "visual.attnpool.positional_embedding")
+_ANCHORS = (
+    "vision_model.embeddings.class_embedding",
+    "visual.class_embedding",
+    "visual.attnpool.positional_embedding",
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,7 +67,8 @@ def clip_state(state: Mapping[str, Tensor]) -> ClipState | None:
         kind, image = VIT, _pick(state, "vision_model.", "visual_projection.")
         text = _pick(state, "text_model.", "text_projection.")
     else:
-        state = {key.removeprefix("text."): value for key, value in state.items()}  # as open_clip may have it
+        # as open_clip may have it
+        state = {key.removeprefix("text."): value for key, value in state.items()}
         kind = RESNET if "visual.layer1.0.conv1.weight" in state else VIT
         image = _vit(state)
         if kind == RESNET:
@@ -79,7 +85,9 @@ def clip_state(state: Mapping[str, Tensor]) -> ClipState | None:
 
 
 def _unwrapped(state: Mapping[str, Tensor]) -> Mapping[str, Tensor]:
-    """Return the part of `state` that is CLIP, without what a model around it put before its names."""
+    """Return the part of `state` that is CLIP, without what a model around it put before its
+    names.
+    """
     for anchor in _ANCHORS:
         found = next((key for key in state if key.endswith(f".{anchor}")), "")
         if prefix := found.removesuffix(anchor):

@@ -54,7 +54,8 @@ def _of_transformers(file: Path, name: str) -> ClipSettings:
     config = _json(file, name)
     if config.get("model_type", "clip") not in ("clip", "clip_vision_model", "clip_text_model"):
         raise DataError(
-            f"'{file}' is not of a CLIP model but of '{config['model_type']}'; use --encoder hf:{file.parent}."
+            f"'{file}' is not of a CLIP model but of '{config['model_type']}'; use --encoder"
+            f" hf:{file.parent}."
         )
     image = config.get("vision_config") or config
     text = config.get("text_config") or config
@@ -65,7 +66,11 @@ def _of_transformers(file: Path, name: str) -> ClipSettings:
         eps=float(image.get("layer_norm_eps", 1e-5)),
         image=_sizes(image, 12, {"patch": "patch_size", "side": "image_size"}),
         text=_sizes(text, 8, {"eos": "eos_token_id"}),
-        **{name: tuple(map(float, pixels[f"image_{name}"])) for name in ("mean", "std") if f"image_{name}" in pixels},
+        **{
+            name: tuple(map(float, pixels[f"image_{name}"]))
+            for name in ("mean", "std")
+            if f"image_{name}" in pixels
+        },
     )
 
 
@@ -124,8 +129,14 @@ class ImageShape:
     def __str__(self) -> str:
         layers = "+".join(map(str, self.layers))
         if self.kind == RESNET:
-            return f"a ResNet of {layers} blocks from width {self.width}, D {self.embed}, {self.side} px"
-        return f"a ViT of patch {self.patch}, {layers} layers of width {self.width}, D {self.embed}, {self.side} px"
+            return (
+                f"a ResNet of {layers} blocks from width {self.width}, D {self.embed},"
+                f" {self.side} px"
+            )
+        return (
+            f"a ViT of patch {self.patch}, {layers} layers of width {self.width}, D {self.embed},"
+            f" {self.side} px"
+        )
 
 
 PUBLISHED = {
@@ -142,14 +153,23 @@ def image_shape(clip: ClipState) -> ImageShape:
     """Return the sizes of an image tower from its weights. Raises KeyError for a missing weight."""
     state = clip.image
     if clip.kind == RESNET:
-        patch, width, places = 32, len(state["layer1.0.conv1.weight"]), state["attnpool.positional_embedding"]
+        patch, width, places = (
+            32,
+            len(state["layer1.0.conv1.weight"]),
+            state["attnpool.positional_embedding"],
+        )
         layers, last = [f"layer{stage}." for stage in (1, 2, 3, 4)], state["attnpool.c_proj.weight"]
     else:
         width, _, patch, _ = state["vision_model.embeddings.patch_embedding.weight"].shape
         places = state["vision_model.embeddings.position_embedding.weight"]
         layers, last = ["vision_model.encoder.layers."], state["visual_projection.weight"]
-    numbers, side = tuple(count(state, name) for name in layers), round((len(places) - 1) ** 0.5) * patch
-    return ImageShape(kind=clip.kind, patch=patch, width=width, layers=numbers, embed=len(last), side=side)
+    numbers, side = (
+        tuple(count(state, name) for name in layers),
+        round((len(places) - 1) ** 0.5) * patch,
+    )
+    return ImageShape(
+        kind=clip.kind, patch=patch, width=width, layers=numbers, embed=len(last), side=side
+    )
 
 
 def count(state: State, prefix: str) -> int:

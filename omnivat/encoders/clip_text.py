@@ -44,14 +44,19 @@ class ClipText:
             return torch.cat([self._embed(text) for text in texts])
 
     def _embed(self, text: str) -> Tensor:
-        tokens = self.tokenizer([text], truncation=True, max_length=self._longest, return_tensors="pt").to(self._device)
+        tokens = self.tokenizer(
+            [text], truncation=True, max_length=self._longest, return_tensors="pt"
+        ).to(self._device)
         embeds: Tensor = self.network(**tokens).text_embeds
         return embeds.float()
 
 
 def _network(clip: Clip) -> Any:
     """Return the tower of `transformers` with the checkpoint's weights."""
-    state, names = clip.weights.text, ("embeddings.token_embedding", "embeddings.position_embedding")
+    state, names = (
+        clip.weights.text,
+        ("embeddings.token_embedding", "embeddings.position_embedding"),
+    )
     words, places = (clip.weight(state, f"text_model.{name}.weight") for name in names)
     vocabulary, width = words.shape
     return transformer(
@@ -62,7 +67,8 @@ def _network(clip: Clip) -> Any:
         max_position_embeddings=len(places),
         projection_dim=len(clip.weight(state, "text_projection.weight")),
         bos_token_id=vocabulary - 2,
-        eos_token_id=clip.settings.text.get("eos", vocabulary - 1),  # the last token in every published CLIP
+        # the last token in every published CLIP
+        eos_token_id=clip.settings.text.get("eos", vocabulary - 1),
     )
 
 
@@ -71,17 +77,21 @@ def load_text_encoder(
 ) -> ClipText:
     """Load the text tower of the image encoder called `name`.
 
-    Raises MissingNameError for an encoder without one, DataError if a checkpoint is missing or has only an image tower.
+    Raises MissingNameError for an encoder without one, DataError if a checkpoint is missing or has
+    only an image tower.
     """
     if name not in CHECKPOINTS:
         raise MissingNameError(
-            f"No text tower belongs to '{name}'; there are {', '.join(CHECKPOINTS)}." + suggestion(name, CHECKPOINTS)
+            f"No text tower belongs to '{name}'; there are {', '.join(CHECKPOINTS)}."
+            + suggestion(name, CHECKPOINTS)
         )
     from omnivat.kit.devices import device_from
 
     clip = open_clip(name, weights, download=download)
     if not clip.weights.text:
-        raise DataError(f"'{clip.file}' has an image tower and no text tower; name the whole model.")
+        raise DataError(
+            f"'{clip.file}' has an image tower and no text tower; name the whole model."
+        )
     return ClipText(clip, device_from(device))
 
 
@@ -105,7 +115,10 @@ def load_tokenizer(place: Path, *, longest: int, vocabulary: int) -> Any:
     transformers = need("transformers", purpose="CLIP's tokenizer")
     folder = place if place.is_dir() else place.parent
     packages = [
-        Path(path) for spec in map(find_spec, CARRIERS) if spec for path in spec.submodule_search_locations or ()
+        Path(path)
+        for spec in map(find_spec, CARRIERS)
+        if spec
+        for path in spec.submodule_search_locations or ()
     ]
     for candidate in (folder, *sorted(cache_folder().glob("clip*")), *packages):
         if any(all((candidate / name).is_file() for name in names) for names in FILES):
@@ -116,8 +129,8 @@ def load_tokenizer(place: Path, *, longest: int, vocabulary: int) -> Any:
             break
     else:
         raise DataError(
-            f"'{folder}' has no tokenizer (tokenizer.json, vocab.json and merges.txt, or {MERGES}); "
-            "put CLIP's there, or `pip install --no-deps open_clip_torch`, which carries it."
+            f"'{folder}' has no tokenizer (tokenizer.json, vocab.json and merges.txt, or {MERGES});"
+            " put CLIP's there, or `pip install --no-deps open_clip_torch`, which carries it."
         )
     if len(found) > vocabulary:
         raise DataError(
@@ -134,7 +147,11 @@ def _of_merges(transformers: Any, file: Path) -> Any:
     # A printable letter for each of the 256 bytes, in the order of CLIP's vocabulary.
     printable = [*range(33, 127), *range(161, 173), *range(174, 256)]
     letters = [*map(chr, printable), *(chr(256 + i) for i in range(256 - len(printable)))]
-    words = [*letters, *(letter + "</w>" for letter in letters), *(line.replace(" ", "") for line in merges)]
+    words = [
+        *letters,
+        *(letter + "</w>" for letter in letters),
+        *(line.replace(" ", "") for line in merges),
+    ]
     words += ["<|startoftext|>", "<|endoftext|>"]
     vocabulary = {word: index for index, word in enumerate(words)}
     return transformers.CLIPTokenizer(vocab=vocabulary, merges=[tuple(m.split()) for m in merges])

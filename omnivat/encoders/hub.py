@@ -70,8 +70,8 @@ def explained(error: Exception, repository: str) -> str:
     proxy = next((path for scheme in ("https", "http") if (path := getproxies().get(scheme))), "")
     behind = f" through the proxy {proxy}" if proxy else ""
     return (
-        f"The hub at {constants.ENDPOINT} cannot be reached{behind} ({kind}); set $HTTPS_PROXY if this "
-        "machine is behind a proxy."
+        f"The hub at {constants.ENDPOINT} cannot be reached{behind} ({kind}); set $HTTPS_PROXY if"
+        " this machine is behind a proxy."
     )
 
 
@@ -152,8 +152,8 @@ def find(checkpoint: Checkpoint, weights: Path | None, *, download: str = "ask")
         why = f" {found}"
     command = checkpoint.fetch.format(folder=checkpoint.folder)
     raise DataError(
-        f"There is no checkpoint of {checkpoint.name} at '{place}'.{why} Fetch it with `{command}`, "
-        f"or name its place with --weights or ${checkpoint.variable}."
+        f"There is no checkpoint of {checkpoint.name} at '{place}'.{why} Fetch it with `{command}`,"
+        f" or name its place with --weights or ${checkpoint.variable}."
     )
 
 

@@ -26,7 +26,12 @@ POOLED, MEAN_TOKEN = "the model's pooled output", "mean of tokens"
 
 
 def load(
-    model: str, *, weights: Path | None = None, device: torch.device, precision: str = "fp32", download: str = "ask"
+    model: str,
+    *,
+    weights: Path | None = None,
+    device: torch.device,
+    precision: str = "fp32",
+    download: str = "ask",
 ) -> TorchEncoder:
     """Load a vision model from a folder or from the hub.
 
@@ -40,7 +45,9 @@ def load(
     side, mean, std = _image_settings(folder, network.config)
     run, about = _run_and_pooling(network, side)
     tower = _Tower(network, run)
-    return TorchEncoder(tower, side=side, mean=mean, std=std, about=about, device=device, precision=precision)
+    return TorchEncoder(
+        tower, side=side, mean=mean, std=std, about=about, device=device, precision=precision
+    )
 
 
 class _Tower(nn.Module):
@@ -61,7 +68,10 @@ def _folder(place: Path, model: str, download: str) -> Path:
     if place.is_dir():
         return place
     if place.suffix or model.count("/") != 1 or model.startswith((".", "/", "~")):
-        raise DataError(f"'{place}' is not a folder with a model of transformers; name one, or OWNER/NAME on the hub.")
+        raise DataError(
+            f"'{place}' is not a folder with a model of transformers; name one, or OWNER/NAME on"
+            " the hub."
+        )
     found = hub.fetch(model, download=download)
     if isinstance(found, Path):
         return found
@@ -76,12 +86,15 @@ def _network(folder: Path) -> Any:
             folder, local_files_only=True, output_loading_info=True, dtype=torch.float32
         )
     except Exception as error:  # transformers has a different error for each kind of damaged folder
-        raise DataError(f"'{folder}' cannot be loaded as a model of transformers: {first_line(error, 160)}") from error
+        raise DataError(
+            f"'{folder}' cannot be loaded as a model of transformers: {first_line(error, 160)}"
+        ) from error
     missing = sorted(key for key in info["missing_keys"] if not _unused(network, key))
     if missing or info.get("mismatched_keys"):
         wrong = missing or [str(key) for key in info["mismatched_keys"]]
         raise DataError(
-            f"'{folder}' lacks {len(wrong)} weights of {type(network).__name__}, such as {wrong[0]}; fetch it again."
+            f"'{folder}' lacks {len(wrong)} weights of {type(network).__name__}, such as"
+            f" {wrong[0]}; fetch it again."
         )
     return network.eval().requires_grad_(False)
 
@@ -100,7 +113,9 @@ def _run_and_pooling(network: Any, side: int) -> tuple[Callable[[Tensor], Tensor
     """Return the function from images to (B, D), and the name of its pooling."""
     config = getattr(network.config, "vision_config", network.config)
     # A model whose input is patches (SigLIP 2 NaFlex) states their number.
-    inputs = partial(_inputs, patch=int(config.patch_size) if hasattr(config, "num_patches") else None)
+    inputs = partial(
+        _inputs, patch=int(config.patch_size) if hasattr(config, "num_patches") else None
+    )
     if hasattr(network, "get_image_features"):
 
         def features(images: Tensor) -> Tensor:
@@ -141,7 +156,8 @@ def _inputs(images: Tensor, patch: int | None) -> dict[str, Tensor]:
     """Return the arguments of the model for images (B, 3, side, side)."""
     if patch is None:
         return {"pixel_values": images}
-    grid = images.unflatten(3, (-1, patch)).unflatten(2, (-1, patch))  # (B, 3, rows, patch, columns, patch)
+    # (B, 3, rows, patch, columns, patch)
+    grid = images.unflatten(3, (-1, patch)).unflatten(2, (-1, patch))
     rows = grid.permute(0, 2, 4, 3, 5, 1).flatten(1, 2).flatten(2)  # (B, N, patch * patch * 3)
     shape = torch.tensor([[grid.shape[2], grid.shape[4]]] * len(images), device=images.device)
     mask = torch.ones(rows.shape[:2], dtype=torch.long, device=images.device)
@@ -160,7 +176,9 @@ def _image_settings(folder: Path, config: Any) -> tuple[int, tuple[float, ...], 
         side = round(vision.num_patches**0.5) * vision.patch_size
     else:
         crop = stated.get("crop_size") if stated.get("do_center_crop", True) else None
-        side = _side(crop) or _side(stated.get("size")) or _side(getattr(vision, "image_size", SIDE))
+        side = (
+            _side(crop) or _side(stated.get("size")) or _side(getattr(vision, "image_size", SIDE))
+        )
     if stated.get("do_normalize", True) is False:
         return side or SIDE, (0.0,) * 3, (1.0,) * 3
     mean = tuple(map(float, stated.get("image_mean") or IMAGENET_MEAN))

@@ -31,7 +31,9 @@ def in_onnx_runtime(network: nn.Module, example: Tensor) -> Callable[[Tensor], T
         return running(file)
 
 
-def translate(network: nn.Module, example: Tensor | tuple[Tensor, ...], file: Path, **options: Any) -> None:
+def translate(
+    network: nn.Module, example: Tensor | tuple[Tensor, ...], file: Path, **options: Any
+) -> None:
     """Write `network` to one `file`; its inputs have the shapes of `example`.
 
     options  of torch.onnx.export; without them one input, images (1, 3, H, W)
@@ -47,13 +49,16 @@ def translate(network: nn.Module, example: Tensor | tuple[Tensor, ...], file: Pa
         before, quiet.level = quiet.level, logging.ERROR
         try:
             settings: dict[str, Any] = {"input_names": ["images"]} | options
-            torch.onnx.export(network, given, file, dynamo=True, verbose=False, external_data=False, **settings)
+            torch.onnx.export(
+                network, given, file, dynamo=True, verbose=False, external_data=False, **settings
+            )
         finally:
             quiet.level = before
 
 
 def in_half(file: Path) -> None:
-    """Keep the large weights of a network in 16 bits, as whole numbers with a scale for each output.
+    """Keep the large weights of a network in 16 bits, as whole numbers with a scale for each
+    output.
 
     The network still computes in float32. Half-precision floats of the same size change a head's
     probabilities ten times as much.
@@ -67,7 +72,9 @@ def in_half(file: Path) -> None:
         values, name = onnx.numpy_helper.to_array(one), one.name
         top = np.abs(values).max(axis=tuple(range(1, values.ndim)), keepdims=True)
         scale = np.maximum(top, 1e-30).astype(np.float32) / 32767
-        one.CopyFrom(onnx.numpy_helper.from_array(np.rint(values / scale).astype(np.int16), f"{name}/whole"))
+        one.CopyFrom(
+            onnx.numpy_helper.from_array(np.rint(values / scale).astype(np.int16), f"{name}/whole")
+        )
         graph.initializer.append(onnx.numpy_helper.from_array(scale, f"{name}/scale"))
         make = onnx.helper.make_node
         nodes += [

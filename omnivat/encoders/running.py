@@ -21,7 +21,9 @@ ONNX = "fp32-onnx"
 PRECISIONS = {"fp32": torch.float32, "bf16": torch.bfloat16, ONNX: torch.float32}
 
 
-def pixels(image: Image.Image, mean: Sequence[float], std: Sequence[float], side: int = SIDE) -> torch.Tensor:
+def pixels(
+    image: Image.Image, mean: Sequence[float], std: Sequence[float], side: int = SIDE
+) -> torch.Tensor:
     """Return an RGB image as (3, side, side) float32: resized directly, then (0..1 - mean) / std.
 
     mean, std   of red, green and blue
@@ -69,7 +71,9 @@ def precision_type(precision: str, device: torch.device, *, onnx: bool = False) 
     if precision not in PRECISIONS:
         raise SettingsError(f"precision is '{precision}'; choose {' or '.join(PRECISIONS)}.")
     if precision == ONNX and not (onnx and device.type == "cpu"):
-        raise SettingsError(f"precision is '{ONNX}', which is for efficientnet-lite0 on a CPU; use fp32 or bf16.")
+        raise SettingsError(
+            f"precision is '{ONNX}', which is for efficientnet-lite0 on a CPU; use fp32 or bf16."
+        )
     if precision == "bf16" and device.type == "cpu" and not cpu_has_bf16():
         raise SettingsError("precision is 'bf16' and this CPU cannot compute in it; use fp32.")
     return PRECISIONS[precision]
@@ -92,7 +96,13 @@ class FoldedConv(torch.nn.Module):
     """A convolution with its batch normalisation folded in, padded by half its kernel."""
 
     def __init__(
-        self, state: Mapping[str, torch.Tensor], conv: str, norm: str, *, stride: int = 1, eps: float = 1e-5
+        self,
+        state: Mapping[str, torch.Tensor],
+        conv: str,
+        norm: str,
+        *,
+        stride: int = 1,
+        eps: float = 1e-5,
     ) -> None:
         super().__init__()
         scale = state[f"{norm}.weight"] / torch.sqrt(state[f"{norm}.running_var"] + eps)
@@ -112,7 +122,9 @@ def placed(network: M, device: torch.device, dtype: torch.dtype) -> M:
     return moved.to(memory_format=torch.channels_last)  # type: ignore[call-overload,no-any-return]
 
 
-def one_by_one(network: Callable[[torch.Tensor], torch.Tensor], images: torch.Tensor) -> torch.Tensor:
+def one_by_one(
+    network: Callable[[torch.Tensor], torch.Tensor], images: torch.Tensor
+) -> torch.Tensor:
     """Return float32 (B, D): `network` run on each image of (B, 3, H, W) separately.
 
     The last digits of a product depend on the batch size, the number of threads and the memory

@@ -25,7 +25,13 @@ from omnivat.kit.errors import DataError
 NAME, HEAD, INSIDE = ("sitr", 64, "base_model.")  # head width; classifier prefix
 MEAN, STD = (-1.2223, -1.8114, -1.7090), (11.7932, 12.7956, 13.6452)  # of differences, 0 to 255
 # Number of presses in a checkpoint -> indices among the 18.
-PRESSES = {0: (), 4: (1, 3, 7, 9), 8: (1, 3, 7, 9, 10, 12, 16, 18), 9: tuple(range(1, 10)), 18: tuple(range(1, 19))}
+PRESSES = {
+    0: (),
+    4: (1, 3, 7, 9),
+    8: (1, 3, 7, 9, 10, 12, 16, 18),
+    9: tuple(range(1, 10)),
+    18: tuple(range(1, 19)),
+}
 
 
 class Block(nn.Module):
@@ -34,7 +40,9 @@ class Block(nn.Module):
     def __init__(self, width: int, hidden: int) -> None:
         super().__init__()
         self.norm1, self.norm2 = nn.LayerNorm(width), nn.LayerNorm(width)
-        self.attn = nn.ModuleDict({"qkv": nn.Linear(width, 3 * width), "proj": nn.Linear(width, width)})
+        self.attn = nn.ModuleDict(
+            {"qkv": nn.Linear(width, 3 * width), "proj": nn.Linear(width, width)}
+        )
         self.mlp = nn.ModuleDict({"fc1": nn.Linear(width, hidden), "fc2": nn.Linear(hidden, width)})
 
     def forward(self, tokens: Tensor) -> Tensor:
@@ -52,12 +60,21 @@ class Block(nn.Module):
 class Sitr(nn.Module):
     """Differences (B, 3, side, side) to the sensor at rest -> class tokens (B, W).
 
-    rest     (3, side, side) the sensor at rest, 0 to 255; stored here, so that the hash depends on it
+    rest     (3, side, side) the sensor at rest, 0 to 255; stored here, so that the hash depends on
+             it
     presses  (1, 3 P, side, side) normalised differences of the sensor's calibration; P may be 0
     """
 
     def __init__(
-        self, *, width: int, depth: int, hidden: int, patch: int, places: int, rest: Tensor, presses: Tensor
+        self,
+        *,
+        width: int,
+        depth: int,
+        hidden: int,
+        patch: int,
+        places: int,
+        rest: Tensor,
+        presses: Tensor,
     ) -> None:
         super().__init__()
         self.patch_embed = nn.ModuleDict({"proj": nn.Conv2d(3, width, patch, patch)})
@@ -65,7 +82,9 @@ class Sitr(nn.Module):
         self.pos_embed = nn.Parameter(torch.zeros(1, places + 1, width))
         self.calibrated = bool(presses.shape[1])
         if self.calibrated:
-            self.c_patch_embed = nn.ModuleDict({"proj": nn.Conv2d(presses.shape[1], width, patch, patch)})
+            self.c_patch_embed = nn.ModuleDict(
+                {"proj": nn.Conv2d(presses.shape[1], width, patch, patch)}
+            )
             self.c_pos_embed = nn.Parameter(torch.zeros(1, places, width))
         self.blocks = nn.ModuleList(Block(width, hidden) for _ in range(depth))
         self.norm = nn.LayerNorm(width)
@@ -87,17 +106,20 @@ class Sitr(nn.Module):
         return found
 
 
-def load(weights: Path | None = None, device: torch.device | str = "cpu", precision: str = "fp32") -> TorchEncoder:
+def load(
+    weights: Path | None = None, device: torch.device | str = "cpu", precision: str = "fp32"
+) -> TorchEncoder:
     """Load SITR from its weights, with the calibration next to them.
 
-    weights  a PyTorch or safetensors file, of the base model or of a classifier over it, or its folder
+    weights  a PyTorch or safetensors file, of the base model or of a classifier over it, or its
+             folder
 
     Raises DataError if the file or a calibration picture is missing, or a shape differs.
     """
     if weights is None:
         raise DataError(
-            "SITR needs its published weights; download them from the authors' data set on the hub, "
-            "hgupt3/sitr_dataset, and pass --tac-weights FILE."
+            "SITR needs its published weights; download them from the authors' data set on the hub,"
+            " hgupt3/sitr_dataset, and pass --tac-weights FILE."
         )
     file = weights_file(weights, NAME)
     found = read_weights(weights, NAME).state
@@ -112,9 +134,12 @@ def load(weights: Path | None = None, device: torch.device | str = "cpu", precis
         return _normalised(_raw(image, side) - rest)
 
     about = (
-        f"resize {side}x{side} bicubic, difference to the sensor at rest, class token, {number} presses of calibration"
+        f"resize {side}x{side} bicubic, difference to the sensor at rest, class token, {number}"
+        " presses of calibration"
     )
-    return TorchEncoder(network, prepare=prepare, about=about, device=device, precision=precision, name=NAME)
+    return TorchEncoder(
+        network, prepare=prepare, about=about, device=device, precision=precision, name=NAME
+    )
 
 
 def _sizes(state: Mapping[str, Tensor], file: Path) -> tuple[int, dict[str, int]]:
@@ -125,16 +150,23 @@ def _sizes(state: Mapping[str, Tensor], file: Path) -> tuple[int, dict[str, int]
         hidden = len(state["blocks.0.mlp.fc1.weight"])
     except (KeyError, ValueError, IndexError) as error:
         raise DataError(
-            f"'{file}' is not of SITR: it lacks or misshapes {error}; name the file that SITR's authors publish."
+            f"'{file}' is not of SITR: it lacks or misshapes {error}; name the file that SITR's"
+            " authors publish."
         ) from error
     grid = round(places**0.5)
     if width % HEAD or grid**2 != places:
         raise DataError(
-            f"'{file}' has layers of width {width} and {places} places; SITR's are a multiple of {HEAD} and "
-            "a square. Name the file that SITR's authors publish."
+            f"'{file}' has layers of width {width} and {places} places; SITR's are a multiple of"
+            f" {HEAD} and a square. Name the file that SITR's authors publish."
         )
     depth = count(dict(state), "blocks.")
-    return grid * patch, {"width": width, "depth": depth, "hidden": hidden, "patch": patch, "places": places}
+    return grid * patch, {
+        "width": width,
+        "depth": depth,
+        "hidden": hidden,
+        "patch": patch,
+        "places": places,
+    }
 
 
 def _presses(state: Mapping[str, Tensor], file: Path) -> int:
@@ -143,7 +175,8 @@ def _presses(state: Mapping[str, Tensor], file: Path) -> int:
     channels = 0 if weight is None or weight.ndim != 4 else weight.shape[1]
     if channels % 3 or channels // 3 not in PRESSES:
         raise DataError(
-            f"'{file}' takes {channels} channels of calibration; three for each of 0, 4, 8, 9 or 18 presses are known."
+            f"'{file}' takes {channels} channels of calibration; three for each of 0, 4, 8, 9 or 18"
+            " presses are known."
         )
     return channels // 3
 
@@ -154,11 +187,17 @@ def _calibration(folder: Path, number: int, side: int) -> tuple[Tensor, Tensor]:
     missing = [file.name for file in wanted if not file.is_file()]
     if missing:
         raise DataError(
-            f"SITR needs {len(wanted)} pictures of the sensor's calibration in '{folder}' and {missing[0]} "
-            f"is missing ({len(missing)} are); 0000.png is the sensor at rest (docs/encoders.md)."
+            f"SITR needs {len(wanted)} pictures of the sensor's calibration in '{folder}' and"
+            f" {missing[0]} is missing ({len(missing)} are); 0000.png is the sensor at rest"
+            " (docs/encoders.md)."
         )
     rest, *pressed = [_raw(read_image(file), side) for file in wanted]
-    return rest, torch.cat([*(_normalised(one - rest) for one in pressed), torch.zeros(0, side, side)])[None]
+    return (
+        rest,
+        torch.cat([*(_normalised(one - rest) for one in pressed), torch.zeros(0, side, side)])[
+            None
+        ],
+    )
 
 
 def _raw(image: Image.Image, side: int) -> Tensor:
@@ -176,8 +215,8 @@ def _fill(network: Sitr, state: Mapping[str, Tensor], file: Path) -> None:
         if given is None or given.shape != own.shape:
             came = "lacks it" if given is None else f"has {tuple(given.shape)}"
             raise DataError(
-                f"SITR's weight {name} should have the shape {tuple(own.shape)}, and '{file}' {came}; name the "
-                "file that SITR's authors publish."
+                f"SITR's weight {name} should have the shape {tuple(own.shape)}, and '{file}'"
+                f" {came}; name the file that SITR's authors publish."
             )
         own.data.copy_(given)
     network.eval().requires_grad_(False)

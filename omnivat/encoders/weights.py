@@ -1,8 +1,8 @@
 """Read weights from any common file, without running its code.
 
-OpenAI publishes CLIP as TorchScript archives. An archive is a zip: `data.pkl` describes nested modules, each a
-table of attributes, and `data/N` holds the values of tensor N. Only these are read here, and nothing is compiled. The
-pickle may use only listed names; any other name raises an error.
+OpenAI publishes CLIP as TorchScript archives. An archive is a zip: `data.pkl` describes nested
+modules, each a table of attributes, and `data/N` holds the values of tensor N. Only these are read
+here, and nothing is compiled. The pickle may use only listed names; any other name raises an error.
 """
 
 import pickle
@@ -44,7 +44,8 @@ def read_weights(place: Path, name: str) -> Weights:
     """Return the weights in a file, or in the first known file of a folder.
 
     place   a `.safetensors`, a PyTorch file (read with `weights_only`), a TorchScript archive
-            (whose code is not run), or a folder with one; a training checkpoint may nest its weights
+            (whose code is not run), or a folder with one; a training checkpoint may nest its
+            weights
     name    name of the model, for errors
 
     Raises DataError if there is no file or it cannot be read.
@@ -54,13 +55,19 @@ def read_weights(place: Path, name: str) -> Weights:
         state, training = _unwrapped(_content(file))
     except Exception as error:  # a damaged file may raise any error in three readers
         raise DataError(
-            f"'{file}' cannot be read as weights of {name} ({first_line(error)}); fetch it again, or "
-            "save its state dict as a .safetensors file."
+            f"'{file}' cannot be read as weights of {name} ({first_line(error)}); fetch it again,"
+            " or save its state dict as a .safetensors file."
         ) from error
     # Copied, because numbers in a mapped file may be unaligned, and the last digits of a product
     # depend on alignment.
-    floats = {key: value.to(torch.float32, copy=True) for key, value in state.items() if value.is_floating_point()}
-    while floats and (wrapper := next((p for p in WRAPPERS if all(key.startswith(p) for key in floats)), "")):
+    floats = {
+        key: value.to(torch.float32, copy=True)
+        for key, value in state.items()
+        if value.is_floating_point()
+    }
+    while floats and (
+        wrapper := next((p for p in WRAPPERS if all(key.startswith(p) for key in floats)), "")
+    ):
         floats = {key.removeprefix(wrapper): value for key, value in floats.items()}
     return Weights(state=floats, file=file, training=training)
 
@@ -82,7 +89,8 @@ def weights_file(place: Path, name: str) -> Path:
         return others[0]
     why = f"; {len(others)} files could be meant" if others else ""
     raise DataError(
-        f"'{place}' has no weights of {name}{why}; name the file, or one of {', '.join(WEIGHTS[:4])} is wanted."
+        f"'{place}' has no weights of {name}{why}; name the file, or one of"
+        f" {', '.join(WEIGHTS[:4])} is wanted."
     )
 
 
@@ -94,23 +102,25 @@ def _content(file: Path) -> Any:
     return torch.load(file, map_location="cpu", weights_only=True)
 
 
-def _unwrapped(found: Any) -> tuple[Mapping[str, Tensor], str | None]:
+def _unwrapped(content: Any) -> tuple[Mapping[str, Tensor], str | None]:
     """Return the state dict inside a training checkpoint, and the name of its run."""
     training: str | None = None
-    while isinstance(found, Mapping):
-        inner = next((found[key] for key in NESTED if isinstance(found.get(key), Mapping)), None)
+    while isinstance(content, Mapping):
+        inner = next(
+            (content[key] for key in NESTED if isinstance(content.get(key), Mapping)), None
+        )
         if inner is None:
             break
-        if "epoch" in found or "optimizer" in found:
-            training = str(found.get("name", ""))
-        found = inner
-    if not isinstance(found, Mapping) or not any(isinstance(v, Tensor) for v in found.values()):
+        if "epoch" in content or "optimizer" in content:
+            training = str(content.get("name", ""))
+        content = inner
+    if not isinstance(content, Mapping) or not any(isinstance(v, Tensor) for v in content.values()):
         raise ValueError("no table of weights is in it")
-    return {str(key): v for key, v in found.items() if isinstance(v, Tensor)}, training
+    return {str(key): v for key, v in content.items() if isinstance(v, Tensor)}, training
 
 
 _KINDS = {
-    "Double": "float64", "Float": "float32", "Half": "float16", "BFloat16": "bfloat16", "Long": "int64",
+    "Double": "float64", "Float": "float32", "Half": "float16", "BFloat16": "bfloat16", "Long": "int64",  # noqa: E501
     "Int": "int32", "Short": "int16", "Char": "int8", "Byte": "uint8", "Bool": "bool",
 }  # fmt: skip
 STORAGES = {f"{name}Storage": getattr(torch, kind) for name, kind in _KINDS.items()}

@@ -12,10 +12,12 @@ Used as `--encoder their_module:load --weights FILE`; docs/encoders.md has whole
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
 import torch
 from PIL import Image
 from torch import Tensor, nn
 
+from omnivat.data.dots import FILLED, fill_dots
 from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, resized, state_hash
 from omnivat.kit.errors import DataError
 
@@ -106,11 +108,14 @@ def checked(encoder: Any, name: str) -> "NamedEncoder":
 
     One test image must give one finite float32 vector of the stated width.
     """
-    missing = [part for part in ("preprocess", "embed", "width", *TEXTS) if not hasattr(encoder, part)]
+    missing = [
+        part for part in ("preprocess", "embed", "width", *TEXTS) if not hasattr(encoder, part)
+    ]
     if missing:
         raise DataError(
-            f"'{name}' returned {type(encoder).__name__}, which has no {', '.join(missing)}; return "
-            "an omnivat.encoders.TorchEncoder, or an object with the contract in docs/encoders.md."
+            f"'{name}' returned {type(encoder).__name__}, which has no {', '.join(missing)}; return"
+            " an omnivat.encoders.TorchEncoder, or an object with the contract in"
+            " docs/encoders.md."
         )
     for part in TEXTS:
         if not isinstance(getattr(encoder, part), str) or not getattr(encoder, part):
@@ -122,7 +127,8 @@ def checked(encoder: Any, name: str) -> "NamedEncoder":
     vector = found.embed(pixels[None])
     if tuple(vector.shape) != (1, found.width):
         raise DataError(
-            f"embed of '{name}' gave shape {tuple(vector.shape)} for one image, expected (1, {found.width})."
+            f"embed of '{name}' gave shape {tuple(vector.shape)} for one image, expected (1,"
+            f" {found.width})."
         )
     if not vector.is_meta and not vector.isfinite().all():
         raise DataError(f"embed of '{name}' gave NaN or infinite values for a grey image.")
@@ -130,14 +136,19 @@ def checked(encoder: Any, name: str) -> "NamedEncoder":
 
 
 class NamedEncoder:
-    """An encoder under a name: embeddings become float32, with zeros up to `width` if that is larger."""
+    """An encoder under a name: embeddings become float32, with zeros up to `width` if that is
+    larger.
+    """
 
     def __init__(self, inner: Any, name: str, width: int = 0) -> None:
         self._inner, self.name = inner, name
         self.width = max(width, int(inner.width))
         self._zeros = self.width - int(inner.width)
         more = f", {inner.width} values and zeros up to {width}" if self._zeros else ""
-        self.preprocessing, self.weights_hash = f"{inner.preprocessing}{more}", str(inner.weights_hash)
+        self.preprocessing, self.weights_hash = (
+            f"{inner.preprocessing}{more}",
+            str(inner.weights_hash),
+        )
         self.precision = str(getattr(inner, "precision", "fp32"))
         self.text_hash = str(getattr(inner, "text_hash", ""))
 
@@ -150,4 +161,25 @@ class NamedEncoder:
         """Return the embeddings (B, D), float32."""
         with torch.inference_mode():
             vectors: Tensor = self._inner.embed(images)
-            return torch.nn.functional.pad(vectors.float(), (0, self._zeros)) if self._zeros else vectors.float()
+            return (
+                torch.nn.functional.pad(vectors.float(), (0, self._zeros))
+                if self._zeros
+                else vectors.float()
+            )
+
+
+class WithoutDots(NamedEncoder):
+    """An encoder of tactile images that fills their printed dots first."""
+
+    def __init__(self, inner: Any) -> None:
+        super().__init__(inner, inner.name)
+        self.preprocessing += FILLED
+
+    def preprocess(self, image: Image.Image) -> Tensor:
+        """Convert an RGB image, without its dots, to the tensor (C, H, W) for `embed`."""
+        return super().preprocess(self.cleaned(image))
+
+    def cleaned(self, image: Image.Image) -> Image.Image:
+        """Return the image without its dots, or as it is if it has none."""
+        filled, dots = fill_dots(np.asarray(image))
+        return image if dots is None else Image.fromarray(filled)

@@ -1,7 +1,8 @@
 """Figures to take away, each a `plotly.graph_objects.Figure`; the one place that imports Plotly.
 
 A figure shows itself in a notebook cell, and `write` saves it: .html (complete, opens offline in
-light and dark), .svg and .png (drawn without a browser), .json (Plotly's own format).
+light and dark), .svg and .png (drawn without a browser), .json (Plotly's own format). Imports
+every wing below; a new figure is a function in one of its modules and its name in `_ROOMS`.
 """
 
 from omnivat.kit.tables import late

@@ -45,9 +45,15 @@ def lines(
         ends += [float(y) + sign * b for y, b in known if y is not None for sign in (-1, 1)]
         places += list(xs)
         colour = {"color": SERIES[index % len(SERIES)]}
-        look: dict[str, Any] = {"mode": "lines+markers", "line": colour, "marker": colour | {"size": 6}}
+        look: dict[str, Any] = {
+            "mode": "lines+markers",
+            "line": colour,
+            "marker": colour | {"size": 6},
+        }
         look["error_y"] = {"array": bars} if bars else None
-        traces.append(go.Scatter(x=list(xs), y=[y if _is(y) else None for y in ys], name=plain(name), **look))
+        traces.append(
+            go.Scatter(x=list(xs), y=[y if _is(y) else None for y in ys], name=plain(name), **look)
+        )
     marks = {"tickvals": list(range(len(ticks))), "ticktext": [plain(t) for t in ticks]}
     low, high = (min(ends), max(ends)) if ends else (0.0, 1.0)
     room = 0.05 * (high - low or 1)
@@ -81,31 +87,52 @@ def gap_curves(frames: FrameSet, *, stage: str = "f_hat", order: float | None = 
         key, most = str(k + 1) if k else "", _highest(frames, name)
         left, low = BOXES[k]
         span = [frames.orders[0], frames.orders[-1]]
-        layout[f"xaxis{key}"] = axis(domain=[left, left + 0.44], anchor=f"y{key}", range=span, showgrid=False)
-        layout[f"yaxis{key}"] = axis(domain=[low, low + 0.36], anchor=f"x{key}", range=[0, most], nticks=5)
+        layout[f"xaxis{key}"] = axis(
+            domain=[left, left + 0.44], anchor=f"y{key}", range=span, showgrid=False
+        )
+        layout[f"yaxis{key}"] = axis(
+            domain=[low, low + 0.36], anchor=f"x{key}", range=[0, most], nticks=5
+        )
         here = {"xref": f"x{key}", "yref": f"y{key}"}
         upright = {"xref": f"x{key}", "yref": f"y{key} domain", "y0": 0, "y1": 1}
         fits = frames.head.get("fits")
         if frames.head.get("kind", "moved") == "moved" and fits is not None:
             ends = {"x0": max(span[0], fits[0]), "x1": min(span[1], fits[1])}
             if ends["x0"] < ends["x1"]:
-                shapes.append({"type": "rect", "fillcolor": AREA, "line_width": 0, **upright, **ends})
+                shapes.append(
+                    {"type": "rect", "fillcolor": AREA, "line_width": 0, **upright, **ends}
+                )
         raw = frames.curves.get(f"{name}/raw") or [None]
         level = 1 / len(frames.classes) if name == "accuracy" else raw[0]
         if level is not None:
             ends = {"x0": span[0], "x1": span[1], "y0": level, "y1": level}
             shapes.append({"type": "line", "line": {"color": SOFT, "dash": "dash"}, **here, **ends})
-        shapes.append({"type": "line", "line": {"color": MARK, "width": 1}, **upright, "x0": at, "x1": at})
+        shapes.append(
+            {"type": "line", "line": {"color": MARK, "width": 1}, **upright, "x0": at, "x1": at}
+        )
         traces += _chart(frames, name, words, stage, {"xaxis": f"x{key}", "yaxis": f"y{key}"})
-        place = {"xref": f"x{key} domain", "yref": f"y{key} domain", "x": 0, "y": 1, "showarrow": False}
+        place = {
+            "xref": f"x{key} domain",
+            "yref": f"y{key} domain",
+            "x": 0,
+            "y": 1,
+            "showarrow": False,
+        }
         place |= {"xanchor": "left", "yanchor": "bottom", "align": "left"}
         notes.append({"text": f"{words}<br>{_value_at(frames, name, stage, at)}", **place})
     title = f"OmniVaT, {STAGE_TITLES.get(stage, stage)}, against p"
-    layout |= {"shapes": shapes, "annotations": notes, "showlegend": False, "margin": {"t": 88, "b": 32}}
+    layout |= {
+        "shapes": shapes,
+        "annotations": notes,
+        "showlegend": False,
+        "margin": {"t": 88, "b": 32},
+    }
     return figure(traces, title=title, caption=_caption(frames), height=560, **layout)
 
 
-def _chart(frames: FrameSet, name: str, words: str, stage: str, axes: Mapping[str, str]) -> list[Any]:
+def _chart(
+    frames: FrameSet, name: str, words: str, stage: str, axes: Mapping[str, str]
+) -> list[Any]:
     """Return the span of several trainings, if any, and the curve."""
     traces, kind = [], frames.head.get("kind", "moved")
     stem = "seeds:accuracy/unseen" if name == "accuracy" else f"seeds:{name}/{stage}"
@@ -114,7 +141,13 @@ def _chart(frames: FrameSet, name: str, words: str, stage: str, axes: Mapping[st
         there = [k for k, (a, b) in enumerate(zip(low, high, strict=True)) if _is(a) and _is(b)]
         around = [*there, *reversed(there)]
         ends = [(low if i < len(there) else high)[k] for i, k in enumerate(around)]
-        pale = {"fill": "toself", "fillcolor": AREA, "line_width": 0, "mode": "lines", "hoverinfo": "skip"}
+        pale = {
+            "fill": "toself",
+            "fillcolor": AREA,
+            "line_width": 0,
+            "mode": "lines",
+            "hoverinfo": "skip",
+        }
         traces.append(go.Scatter(x=[frames.orders[k] for k in around], y=ends, **pale, **axes))
     own = _curve(frames, name, stage)
     if own is not None:
@@ -180,7 +213,11 @@ def staircase(frames: FrameSet, *, order: float | None = None) -> Figure:
         traces.append(go.Scatter(x=edges, y=steps, name=MEASURES[name], mode="lines", line=line))
     most = max(_highest(frames, name) for name in measures)
     # the angle leaves room for all names, on a phone, too
-    ticks: dict[str, Any] = {"tickvals": list(range(len(words))), "ticktext": words, "tickangle": -35}
+    ticks: dict[str, Any] = {
+        "tickvals": list(range(len(words))),
+        "ticktext": words,
+        "tickangle": -35,
+    }
     return figure(
         traces,
         title=f"Gaps at each step, p = {frames.orders[stop]:.2f}",
@@ -196,8 +233,13 @@ def training_curves(epochs: Sequence[Mapping[str, float]], *, title: str = "Trai
     left_out = {"epoch", "order", "clipped", "order_clipped"}
     names = [name for name in (epochs[0] if epochs else {}) if name not in left_out]
     places = [row.get("epoch", k) + 1 for k, row in enumerate(epochs)]
-    logs = {name: [math.log10(v) if (v := row.get(name) or 0) > 0 else None for row in epochs] for name in names}
-    kept = {name: (places, found) for name, found in logs.items() if any(v is not None for v in found)}
+    logs = {
+        name: [math.log10(v) if (v := row.get(name) or 0) > 0 else None for row in epochs]
+        for name in names
+    }
+    kept = {
+        name: (places, found) for name, found in logs.items() if any(v is not None for v in found)
+    }
     found = lines(kept, title=title, across="epoch", up="loss")
     low, high = found.layout.yaxis.range
     tens = range(math.floor(low), math.ceil(high) + 1)
@@ -213,17 +255,24 @@ def search_curve(record: Mapping[str, Any], *, title: str = "Search for p") -> F
     found = sorted(zip(record["orders"], record["score"], record["round"], strict=True))
     names = {"coarse": "even orders", "fine": "around the best"}
     series = {
-        names.get(kind, kind): ([p for p, _, k in found if k == kind], [s for _, s, k in found if k == kind])
+        names.get(kind, kind): (
+            [p for p, _, k in found if k == kind],
+            [s for _, s, k in found if k == kind],
+        )
         for kind in dict.fromkeys(record["round"])
     }
-    caption = f"Each dot is a short training on the source alone. The lowest loss is at p = {min(found, key=lambda f: f[1])[0]:.4g}."
+    caption = (
+        "Each dot is a short training on the source alone. The lowest loss is at p ="
+        f" {min(found, key=lambda f: f[1])[0]:.4g}."
+    )
     return lines(series, title=title, across="order p", up="held-out log loss", caption=caption)
 
 
 def panels(rows: Sequence[Sequence[Mapping[str, Any]]], *, title: str, caption: str = "") -> Figure:
     """Return a grid of panels, readable at the width of a phone if titles are short.
 
-    rows  {"x", "y": values of the dots, "across", and in the first of a row "up": titles of the axes}
+    rows  {"x", "y": values of the dots, "across", and in the first of a row "up": titles of the
+          axes}
 
     Raises DataError without any panel, or for a panel without dots.
     """
@@ -239,13 +288,13 @@ def panels(rows: Sequence[Sequence[Mapping[str, Any]]], *, title: str, caption: 
         traces.append(
             go.Scatter(
                 x=list(cell["x"]), y=list(cell["y"]), mode="markers", showlegend=False,
-                marker={"color": SERIES[0], "size": 8, "opacity": 0.7}, xaxis=f"x{key}", yaxis=f"y{key}",
+                marker={"color": SERIES[0], "size": 8, "opacity": 0.7}, xaxis=f"x{key}", yaxis=f"y{key}",  # noqa: E501
             )
         )  # fmt: skip
         left, top = c * wide, 1 - r * high
         layout[f"xaxis{key}"] = axis(
             cell["across"], range=_ends(cell["x"]), domain=[left, left + wide - GUTTER],
-            anchor=f"y{key}", showgrid=False, nticks=3, tickangle=0, tickfont_size=11, title_font_size=11,
+            anchor=f"y{key}", showgrid=False, nticks=3, tickangle=0, tickfont_size=11, title_font_size=11,  # noqa: E501
         )  # fmt: skip
         layout[f"yaxis{key}"] = axis(
             cell.get("up", ""), range=_ends(cell["y"]), domain=[max(0.0, top - high + gap), top],

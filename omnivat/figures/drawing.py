@@ -19,8 +19,8 @@ FINE = 2  # a PNG is drawn this much larger and scaled down, for smooth edges
 class Shape:
     """One shape, filled if `fill` is given, with an outline if `stroke` is given.
 
-    kind    "circle" (one point and `size`), "triangle" (the same), "line" (points), "area" (corners),
-            "rect" (two corners) or "text" (one point and `text`)
+    kind    "circle" (one point and `size`), "triangle" (the same), "line" (points), "area"
+            (corners), "rect" (two corners) or "text" (one point and `text`)
     anchor  of a text: "start", "middle" or "end"
     """
 
@@ -74,9 +74,9 @@ def svg(picture: Picture) -> str:
     size = f'width="{picture.width:g}" height="{picture.height:g}"'
     view = f'viewBox="0 0 {picture.width:g} {picture.height:g}"'
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" {size} {view} font-family="sans-serif" role="img">'
-        f"<title>{escape(picture.title)}</title>"
-        f'<rect width="100%" height="100%" fill="#fff"/>\n{body}\n</svg>\n'
+        f'<svg xmlns="http://www.w3.org/2000/svg" {size} {view} font-family="sans-serif"'
+        f' role="img"><title>{escape(picture.title)}</title><rect width="100%" height="100%"'
+        f' fill="#fff"/>\n{body}\n</svg>\n'
     )
 
 
@@ -89,7 +89,7 @@ def _element(shape: Shape) -> str:
     if shape.kind == "circle":
         return f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{shape.size:g}" {paint}/>'
     if shape.kind == "rect":
-        (right, bottom) = rest[0]
+        right, bottom = rest[0]
         return f'<rect x="{x:g}" y="{y:g}" width="{right - x:g}" height="{bottom - y:g}" {paint}/>'
     if shape.kind == "text":
         look = f'font-size="{shape.size:g}" text-anchor="{shape.anchor}"'
@@ -97,7 +97,9 @@ def _element(shape: Shape) -> str:
     points = triangle((x, y), shape.size) if shape.kind == "triangle" else shape.points
     name = "polyline" if shape.kind == "line" else "polygon"
     if shape.kind == "line":
-        paint += f' stroke-width="{shape.size:g}"' + (' stroke-dasharray="4 3"' if shape.dashed else "")
+        paint += f' stroke-width="{shape.size:g}"' + (
+            ' stroke-dasharray="4 3"' if shape.dashed else ""
+        )
     return f'<{name} points="{" ".join(f"{a:.2f},{b:.2f}" for a, b in points)}" {paint}/>'
 
 
@@ -121,7 +123,7 @@ def _paint(draw: Any, shape: Shape, factor: float) -> None:
     points = _scaled(shape.points, factor)
     size = shape.size * factor
     if shape.kind == "circle":
-        (x, y) = points[0]
+        x, y = points[0]
         box = (x - size, y - size, x + size, y + size)
         draw.ellipse(box, fill=fill, outline=stroke, width=round(factor))
     elif shape.kind == "triangle":

@@ -58,16 +58,32 @@ def map_figure(
             own = np.flatnonzero(group[k * count : (k + 1) * count] == index) + k * count
             if len(own):
                 first = not np.any(group[: k * count] == index)
-                traces.append(_points(places[own], rows, k, colours[index % len(colours)], first, plain(name)))
-                text = [] if hover is None else [f"{modality} · {plain(hover[int(i) % count])}" for i in own]
-                tiles = [[int(i % count), int(i % count + count)][: len(modalities)] for i in own] if pictures else None
-                traces[-1].update(text=text or None, hoverinfo="text" if text else "name", customdata=tiles)
+                traces.append(
+                    _points(places[own], rows, k, colours[index % len(colours)], first, plain(name))
+                )
+                text = (
+                    []
+                    if hover is None
+                    else [f"{modality} · {plain(hover[int(i) % count])}" for i in own]
+                )
+                tiles = (
+                    [[int(i % count), int(i % count + count)][: len(modalities)] for i in own]
+                    if pictures
+                    else None
+                )
+                traces[-1].update(
+                    text=text or None, hoverinfo="text" if text else "name", customdata=tiles
+                )
     shapes = "Circle: photo (VIS); triangle: touch (TAC)" if len(modalities) == 2 else ""
     words = ". ".join(part for part in (caption.rstrip("."), shapes) if part) + "."
-    return figure(traces, title=title, caption=words, height=height, pictures=pictures, **_axes(places))
+    return figure(
+        traces, title=title, caption=words, height=height, pictures=pictures, **_axes(places)
+    )
 
 
-def _points(places: NDArray[Any], rows: int, modality: int, colour: str, named: bool, name: str) -> Any:
+def _points(
+    places: NDArray[Any], rows: int, modality: int, colour: str, named: bool, name: str
+) -> Any:
     deep = places.shape[1] == 3  # a triangle is no symbol of three dimensions
     symbol = ("circle", "diamond" if deep else "triangle-up")[modality]
     dot = {"color": colour, "size": 3 if deep else 6, "opacity": 0.75, "symbol": symbol}
@@ -120,14 +136,18 @@ def frames_map(
     headless = frames.head.get("kind") == FEATURES
     predicted = [f" · predicted {frames.classes[k]}" for k in frames.prediction[stop]]
     pairs = zip(frames.domain, frames.label, predicted, strict=True)
-    hover = [f"{frames.domains[d]} · {frames.classes[c]}{'' if headless else p}" for d, c, p in pairs]
+    hover = [
+        f"{frames.domains[d]} · {frames.classes[c]}{'' if headless else p}" for d, c, p in pairs
+    ]
     title = f"OmniVaT, {STAGE_TITLES[stage]}{'' if headless else f', p = {at:.2f}'}"
     caption = f"{kind.upper()} of {frames.pairs} pairs, {what}; the axes have no unit"
     look: dict[str, Any] = {"colours": colours, "hover": hover, "pictures": pictures}
     return map_figure(drawn.places(frame), group, names, title=title, caption=caption, **look)
 
 
-def _grouped(frames: FrameSet, colour: str, stop: int) -> tuple[Sequence[str], Sequence[str], NDArray[Any]]:
+def _grouped(
+    frames: FrameSet, colour: str, stop: int
+) -> tuple[Sequence[str], Sequence[str], NDArray[Any]]:
     """Return the groups' names and colours, and the group of each pair or each of the 2N points."""
     if colour == "domain":
         return frames.domains, DOMAINS, frames.domain
@@ -148,7 +168,9 @@ def _grouped(frames: FrameSet, colour: str, stop: int) -> tuple[Sequence[str], S
 
 
 def pictures(sheet: str | Path) -> dict[str, Any] | None:
-    """Return a sheet from `omnivat thumbnails` for `pictures=`; None without one, or above 16 MB."""
+    """Return a sheet from `omnivat thumbnails` for `pictures=`; None without one, or above 16
+    MB.
+    """
     file = Path(sheet)
     if not file.is_file() or not file.with_suffix(".json").is_file() or file.stat().st_size > LIMIT:
         return None

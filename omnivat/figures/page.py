@@ -55,18 +55,23 @@ def html_page(title: str, parts: Sequence[Any]) -> str:
         "config": json.dumps(CONFIG),
         "library": _library(),
     }
-    return re.sub(f"%({'|'.join(filled)})%", lambda part: filled[part[1]], PAGE.read_text(encoding="utf-8"))
+    return re.sub(
+        f"%({'|'.join(filled)})%", lambda part: filled[part[1]], PAGE.read_text(encoding="utf-8")
+    )
 
 
-def _section(found: Any) -> str:
-    words = escape((found.layout.meta or {}).get("caption", ""))
-    height = found.layout.height or 420
-    return f'<figure><div class="plot" style="height:{height}px"></div><figcaption>{words}</figcaption></figure>'
+def _section(figure: Any) -> str:
+    words = escape((figure.layout.meta or {}).get("caption", ""))
+    height = figure.layout.height or 420
+    return (
+        '<figure><div class="plot"'
+        f' style="height:{height}px"></div><figcaption>{words}</figcaption></figure>'
+    )
 
 
-def _json(found: Any) -> str:
+def _json(figure: Any) -> str:
     """Return a figure without its template, which the page holds once."""
-    bare = go.Figure(found)
+    bare = go.Figure(figure)
     bare.layout.template = None
     return str(bare.to_json(validate=False))
 
@@ -76,14 +81,14 @@ def _held(text: str) -> str:
     return text.replace("<", "\\u003c")
 
 
-def cell(found: Any) -> str:
+def cell(figure: Any) -> str:
     """Return a figure as the HTML of a notebook cell; the frame cannot reach the notebook."""
-    title = str(found.layout.title.text or "figure")
-    whole = escape(html_page(title, [found]))
-    return CELL.format(page=whole, height=(found.layout.height or 420) + 90, title=escape(title))
+    title = str(figure.layout.title.text or "figure")
+    whole = escape(html_page(title, [figure]))
+    return CELL.format(page=whole, height=(figure.layout.height or 420) + 90, title=escape(title))
 
 
-def write(path: str | Path, found: Any) -> Path:
+def write(path: str | Path, figure: Any) -> Path:
     """Write a figure, completely or not at all; the ending of the name chooses the kind.
 
     Raises SettingsError for another ending, or for SVG and PNG of a figure in three dimensions.
@@ -91,23 +96,26 @@ def write(path: str | Path, found: Any) -> Path:
     target = require_ending(Path(path))
     ending = target.suffix.lower()
     if ending == ".html":
-        write_text(target, html_page(str(found.layout.title.text or "figure"), [found]))
+        write_text(target, html_page(str(figure.layout.title.text or "figure"), [figure]))
     elif ending == ".json":
-        write_text(target, found.to_json())
+        write_text(target, figure.to_json())
     else:
-        write_picture(target, picture(found))
+        write_picture(target, picture(figure))
     return target
 
 
 def require_ending(path: Path) -> Path:
     """Return a path that ends in one of ENDINGS; raises SettingsError for another."""
     if path.suffix.lower() not in ENDINGS:
-        raise SettingsError(f"The figure '{path.name}' ends in '{path.suffix}'; choose {', '.join(ENDINGS)}.")
+        raise SettingsError(
+            f"The figure '{path.name}' ends in '{path.suffix}'; choose {', '.join(ENDINGS)}."
+        )
     return path
 
 
 class Figure(go.Figure):  # type: ignore[misc]  # plotly has no types
-    """A Plotly figure that shows itself in a notebook without another host, hover pictures included.
+    """A Plotly figure that shows itself in a notebook without another host, hover pictures
+    included.
 
     `layout.meta` holds "caption" and, if there are pictures, "pictures".
     """

@@ -30,7 +30,8 @@ def dots(
 ) -> Figure:
     """Return a row of dots with intervals for each name: rows from the top, series side by side.
 
-    records  {"row", "value", and if known "series", "low", "high", "note"}; a value of None is left out
+    records  {"row", "value", and if known "series", "low", "high", "note"}; a value of None is left
+             out
     level    a dashed line, such as chance
     ends     of the axis; None: around the values
     percent  the values are shares
@@ -39,7 +40,9 @@ def dots(
     """
     known = [r for r in records if r.get("value") is not None and math.isfinite(r["value"])]
     if not known:
-        raise DataError(f"There is no value to draw for '{title}'; choose a set with labelled pairs.")
+        raise DataError(
+            f"There is no value to draw for '{title}'; choose a set with labelled pairs."
+        )
     rows = list(dict.fromkeys(str(r["row"]) for r in known))
     series = list(dict.fromkeys(str(r.get("series", "")) for r in known))
     traces = []
@@ -52,16 +55,40 @@ def dots(
         bars: dict[str, Any] = {"type": "data", "thickness": 1.6, "width": 0}
         bars["array"] = [h - v for h, v in zip(high, values, strict=True)]
         bars["arrayminus"] = [v - b for b, v in zip(low, values, strict=True)]
-        look = {"mode": "markers", "marker": {"color": colour, "size": 9}, "error_x": bars, "hoverinfo": "text"}
-        places, text = [rows.index(str(r["row"])) + shift for r in own], [_words(r, percent) for r in own]
+        look = {
+            "mode": "markers",
+            "marker": {"color": colour, "size": 9},
+            "error_x": bars,
+            "hoverinfo": "text",
+        }
+        places, text = (
+            [rows.index(str(r["row"])) + shift for r in own],
+            [_words(r, percent) for r in own],
+        )
         traces.append(go.Scatter(x=values, y=places, name=plain(name), text=text, **look))
     every = [_end(r, end) for r in known for end in ("low", "high")] + ([level] if level else [])
     room = 0.04 * (max(every) - min(every) or 1)
-    span = (ends[0], 1.02 * ends[1]) if ends else (min(0.0, min(every)) and min(every) - room, max(every) + room)
-    chance = {"type": "line", "line": {"color": SOFT, "dash": "dash"}, "x0": level, "x1": level, "yref": "y domain"}
+    span = (
+        (ends[0], 1.02 * ends[1])
+        if ends
+        else (min(0.0, min(every)) and min(every) - room, max(every) + room)
+    )
+    chance = {
+        "type": "line",
+        "line": {"color": SOFT, "dash": "dash"},
+        "x0": level,
+        "x1": level,
+        "yref": "y domain",
+    }
     tall = 116 + max(ROW, 15 * len(series) + 8) * len(rows)
-    ticks: dict[str, Any] = {"tickvals": list(range(len(rows))), "ticktext": [plain(row) for row in rows]}
-    layout: dict[str, Any] = {"showlegend": len(series) > 1, "margin": {"l": 24 + 7 * max(map(len, rows))}}
+    ticks: dict[str, Any] = {
+        "tickvals": list(range(len(rows))),
+        "ticktext": [plain(row) for row in rows],
+    }
+    layout: dict[str, Any] = {
+        "showlegend": len(series) > 1,
+        "margin": {"l": 24 + 7 * max(map(len, rows))},
+    }
     layout["xaxis"] = axis(across, range=list(span), tickformat=".0%" if percent else None)
     layout["yaxis"] = axis(range=[len(rows) - 0.5, -0.5], **ticks)
     layout["shapes"] = [] if level is None else [{**chance, "y0": 0, "y1": 1}]
@@ -86,18 +113,26 @@ def _words(record: Record, percent: bool) -> str:
 def strangers(summary: Record) -> Figure:
     """Return the accuracy in each domain with 95 % intervals: both images, photo only, touch only.
 
-    summary  from `omnivat.measure.unseen.unseen_summary`, or with the same keys "domains", "chance", "unseen"
+    summary  from `omnivat.measure.unseen.unseen_summary`, or with the same keys "domains",
+             "chance", "unseen"
     """
     records = []
-    for domain in (*summary["domains"], {"name": "mean of unseen", **(summary.get("unseen") or {})}):
+    for domain in (
+        *summary["domains"],
+        {"name": "mean of unseen", **(summary.get("unseen") or {})},
+    ):
         name = domain["name"] + (" (source)" if domain.get("is_source") else "")
         for reading, words in READING_NAMES.items():
             if share := domain.get(f"answers/{reading}"):
                 note = f"of {domain['pairs']} pairs" if "pairs" in domain else ""
                 ends = {"low": share.get("low"), "high": share.get("high")}
-                records.append({"row": name, "series": words, "value": share["share"], "note": note, **ends})
+                records.append(
+                    {"row": name, "series": words, "value": share["share"], "note": note, **ends}
+                )
     colours = {words: READINGS[name] for name, words in READING_NAMES.items()}
-    caption = f"Trained on {summary.get('source') or 'one domain'}. Bars: 95 % intervals. Dashed: chance."
+    caption = (
+        f"Trained on {summary.get('source') or 'one domain'}. Bars: 95 % intervals. Dashed: chance."
+    )
     look: dict[str, Any] = {"level": summary.get("chance"), "colours": colours, "caption": caption}
     return dots(records, title="Accuracy in each domain", **look, **SHARES)
 
@@ -110,19 +145,36 @@ def ladder(records: Sequence[Record], *, chance: float | None = None) -> Figure:
     rows = [f"{r['known']}, {r['n']}" if r.get("n") else str(r["known"]) for r in records]
     told = zip(rows, records, strict=True)
     rungs = [{**r, "row": row, "series": r["method"], "value": r["accuracy"]} for row, r in told]
-    caption = "Each row names what is known of the target, and the number of its pairs. Bars: 95 % intervals."
-    return dots(rungs, title="Accuracy against what is known of the target", level=chance, caption=caption, **SHARES)
+    caption = (
+        "Each row names what is known of the target, and the number of its pairs. Bars: 95 %"
+        " intervals."
+    )
+    return dots(
+        rungs,
+        title="Accuracy against what is known of the target",
+        level=chance,
+        caption=caption,
+        **SHARES,
+    )
 
 
-def confusion(counts: Sequence[Sequence[float]], classes: Sequence[str], *, title: str = "Confusion") -> Figure:
+def confusion(
+    counts: Sequence[Sequence[float]], classes: Sequence[str], *, title: str = "Confusion"
+) -> Figure:
     """Return counts (K, K), true class by predicted class, as shares of each row."""
     totals = [sum(row) for row in counts]
-    shares = [[v / t if t else math.nan for v in row] for row, t in zip(counts, totals, strict=True)]
+    shares = [
+        [v / t if t else math.nan for v in row] for row, t in zip(counts, totals, strict=True)
+    ]
     words = [[f"{100 * v:.0f}" if v == v else "" for v in row] for row in shares]
     rows = [f"{name} ({int(total)})" for name, total in zip(classes, totals, strict=True)]
     heat = _heat(shares, words, (0, 1), "true %{y}, predicted %{x}: %{text} %")
-    caption = "Rows: the true class and its pairs. Columns: the predicted class. Figures: % of the row."
-    return figure([heat], title=title, caption=caption, height=190 + 42 * len(classes), **_grid(rows, classes))
+    caption = (
+        "Rows: the true class and its pairs. Columns: the predicted class. Figures: % of the row."
+    )
+    return figure(
+        [heat], title=title, caption=caption, height=190 + 42 * len(classes), **_grid(rows, classes)
+    )
 
 
 def _heat(values: Any, words: Any, ends: tuple[float, float], hover: str, **more: Any) -> Any:
@@ -131,9 +183,14 @@ def _heat(values: Any, words: Any, ends: tuple[float, float], hover: str, **more
                       hovertemplate=hover + "<extra></extra>", showscale=False, **more)  # fmt: skip
 
 
-def _grid(rows: Sequence[str], columns: Sequence[str], key: str = "", **more: Any) -> dict[str, Any]:
+def _grid(
+    rows: Sequence[str], columns: Sequence[str], key: str = "", **more: Any
+) -> dict[str, Any]:
     def side(names: Sequence[str], ends: list[float], **extra: Any) -> dict[str, Any]:
-        ticks: dict[str, Any] = {"tickvals": list(range(len(names))), "ticktext": [plain(n) for n in names]}
+        ticks: dict[str, Any] = {
+            "tickvals": list(range(len(names))),
+            "ticktext": [plain(n) for n in names],
+        }
         return axis(range=ends, showgrid=False, **ticks, **extra)
 
     wide = max((len(name) for name in rows), default=0)
@@ -145,7 +202,8 @@ def _grid(rows: Sequence[str], columns: Sequence[str], key: str = "", **more: An
 
 
 def gap_tables(record: Record) -> Figure:
-    """Return the gap between all pairs of domains, of photos and of touches, as two tables of colour.
+    """Return the gap between all pairs of domains, of photos and of touches, as two tables of
+    colour.
 
     record  as `omnivat gaps --json` prints it
     """
@@ -168,7 +226,10 @@ def gap_tables(record: Record) -> Figure:
     if len(sides) == 2:  # one set of names for both tables
         layout["yaxis2"] |= {"showticklabels": False, "tickvals": [], "ticktext": []}
     title = f"Between domains: {GAP_NAMES.get(record['measure'], record['measure'])}"
-    caption = f"At {record['stage']}, {record['pairs']} pairs{', simulated data' if record.get('simulated') else ''}."
+    caption = (
+        f"At {record['stage']}, {record['pairs']}"
+        f" pairs{', simulated data' if record.get('simulated') else ''}."
+    )
     caption += "" if gap is None else f" Between photos and touches: {gap:.{digits}f}."
     return figure(traces, title=title, caption=caption, height=200 + 38 * len(names), **layout)
 
@@ -189,7 +250,9 @@ def tree(facts: Any, classes: Sequence[str], *, title: str = "Nodes of the tree"
     label = [f"{plain(classes[k])}<br>{100 * p:.0f} %" for k, p in zip(best, share, strict=True)]
     hover = [
         f"node {i + 1}, norm {float(n):.3f}"
-        + "".join(f"<br>{plain(c)} {100 * float(p):.1f} %" for c, p in zip(classes, row, strict=True))
+        + "".join(
+            f"<br>{plain(c)} {100 * float(p):.1f} %" for c, p in zip(classes, row, strict=True)
+        )
         for i, (n, row) in enumerate(zip(facts.lengths, facts.probabilities, strict=True))
     ]
     edges = [(at[p], at[i]) for i, p in enumerate(facts.parents) if p >= 0]
@@ -201,8 +264,8 @@ def tree(facts: Any, classes: Sequence[str], *, title: str = "Nodes of the tree"
     below = {"mode": "text", "textposition": "bottom center", "hoverinfo": "skip"}
     return figure(
         [
-            go.Scatter(x=sides[0], y=sides[1], mode="lines", line={"color": SOFT, "width": 1}, hoverinfo="skip"),
-            go.Scatter(x=across, y=up, mode="markers", marker=dot, hovertext=hover, hoverinfo="text"),
+            go.Scatter(x=sides[0], y=sides[1], mode="lines", line={"color": SOFT, "width": 1}, hoverinfo="skip"),  # noqa: E501
+            go.Scatter(x=across, y=up, mode="markers", marker=dot, hovertext=hover, hoverinfo="text"),  # noqa: E501
             go.Scatter(x=across, y=[y - 0.2 for y in up], text=words, **below),
         ],
         title=title,

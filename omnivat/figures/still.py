@@ -33,7 +33,10 @@ class Plane:
         left, right, low, high = self.box
         across = (x - self.x[0]) / (self.x[1] - self.x[0] or 1)
         up = (y - self.y[0]) / (self.y[1] - self.y[0] or 1)
-        return (left + min(1.0, max(0.0, across)) * (right - left), low - min(1.0, max(0.0, up)) * (low - high))
+        return (
+            left + min(1.0, max(0.0, across)) * (right - left),
+            low - min(1.0, max(0.0, up)) * (low - high),
+        )
 
 
 def picture(figure: Any, *, width: float = WIDTH) -> Picture:
@@ -44,10 +47,12 @@ def picture(figure: Any, *, width: float = WIDTH) -> Picture:
     for trace in figure.data:
         if trace.type not in ("scatter", "scattergl", "heatmap"):
             raise SettingsError(
-                f"A figure of the kind '{trace.type}' has no SVG or PNG; name a file that ends in .html."
+                f"A figure of the kind '{trace.type}' has no SVG or PNG; name a file that ends in"
+                " .html."
             )
     height = float(figure.layout.height or 420)
-    keys = [name[5:] for name in figure.layout.to_plotly_json() if name.startswith("xaxis")]  # "", "2", ...
+    # "", "2", ...
+    keys = [name[5:] for name in figure.layout.to_plotly_json() if name.startswith("xaxis")]
     planes = {key: _plane(figure, key, width, height) for key in keys}
     shapes = [shape for key, plane in planes.items() for shape in _axes(figure, key, plane)]
     shapes += [s for one in figure.layout.shapes for s in _marked(one, planes)]
@@ -86,11 +91,17 @@ def _axes(figure: Any, key: str, plane: Plane) -> Iterator[Shape]:
     if across.visible is not False:
         ticks = _ticks(across, plane.x)
         wide = LETTER * max((len(label) for _, label in ticks), default=0)
-        rows = min(4, max(1, math.ceil(wide * len(ticks) / (right - left))))  # long names take turns
+        # long names take turns
+        rows = min(4, max(1, math.ceil(wide * len(ticks) / (right - left))))
         for k, (value, label) in enumerate(ticks):
             x = plane.at(value, plane.y[0])[0]
             yield text((x, low + 16 + 13 * (k % rows)), label, 11, "middle")
-        yield text(((left + right) / 2, low + 23 + 13 * rows), unescape(across.title.text or ""), 12, "middle")
+        yield text(
+            ((left + right) / 2, low + 23 + 13 * rows),
+            unescape(across.title.text or ""),
+            12,
+            "middle",
+        )
     if up.visible is not False:
         for value, label in _ticks(up, plane.y):
             y = plane.at(plane.x[0], value)[1]
@@ -185,11 +196,18 @@ def _heat(trace: Any, plane: Plane) -> Iterator[Shape]:
             if value is None or not math.isfinite(value):
                 continue
             share = min(1.0, max(0.0, (float(value) - low) / (high - low or 1)))
-            (x0, y0), (x1, y1) = plane.at(column - 0.5, row - 0.5), plane.at(column + 0.5, row + 0.5)
-            yield Shape(kind="rect", points=((x0, min(y0, y1)), (x1, max(y0, y1))), fill=full, opacity=share)
+            (x0, y0), (x1, y1) = (
+                plane.at(column - 0.5, row - 0.5),
+                plane.at(column + 0.5, row + 0.5),
+            )
+            yield Shape(
+                kind="rect", points=((x0, min(y0, y1)), (x1, max(y0, y1))), fill=full, opacity=share
+            )
             if trace.text is not None:
                 words, ink = str(trace.text[row][column]), "#ffffff" if share > 0.6 else INK
-                yield replace(text(((x0 + x1) / 2, (y0 + y1) / 2 + 4), words, 11, "middle"), fill=ink)
+                yield replace(
+                    text(((x0 + x1) / 2, (y0 + y1) / 2 + 4), words, 11, "middle"), fill=ink
+                )
 
 
 def _marked(mark: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
@@ -208,7 +226,9 @@ def _marked(mark: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
     else:
         (x0, y0), (x1, y1) = ends
         fill, share = _paint(mark.fillcolor)
-        yield Shape(kind="rect", points=((x0, min(y0, y1)), (x1, max(y0, y1))), fill=fill, opacity=share)
+        yield Shape(
+            kind="rect", points=((x0, min(y0, y1)), (x1, max(y0, y1))), fill=fill, opacity=share
+        )
 
 
 def _note(note: Any, planes: dict[str, Plane], width: float, height: float) -> Iterator[Shape]:

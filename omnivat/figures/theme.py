@@ -37,7 +37,12 @@ def template(name: str) -> Any:
     ink, line, card = colour["ink"], colour["line"], colour["card"]
     axis = {"gridcolor": line, "linecolor": line, "zerolinecolor": line, "automargin": True}
     scale = [[0, card], [1, colour["full"]]]
-    legend = {"orientation": "h", "yref": "container", "yanchor": "bottom", "itemsizing": "constant"}
+    legend = {
+        "orientation": "h",
+        "yref": "container",
+        "yanchor": "bottom",
+        "itemsizing": "constant",
+    }
     return go.layout.Template(
         layout={
             "font": {"family": FONT, "color": ink, "size": 13},

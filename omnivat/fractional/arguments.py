@@ -64,13 +64,17 @@ def checked_order(order: float | Tensor | Any, device: torch.device) -> Float64[
     try:
         found = order if isinstance(order, Tensor) else torch.as_tensor(order, dtype=torch.float64)
     except (TypeError, ValueError, OverflowError, RuntimeError) as error:
-        raise SettingsError(f"The order is {order!r}, expected a finite real number, or a tensor of them.") from error
+        raise SettingsError(
+            f"The order is {order!r}, expected a finite real number, or a tensor of them."
+        ) from error
     if found.is_complex():
         raise SettingsError(f"The order is complex ({found.dtype}), expected real quarter turns.")
     if readable(found) and not bool(torch.isfinite(found).all()):
         bad = found.detach()[~torch.isfinite(found)]
         few = ", ".join(str(value) for value in bad[:3].tolist()) + (", …" if len(bad) > 3 else "")
-        raise SettingsError(f"The order holds NaN or infinity ({few}), expected finite quarter turns.")
+        raise SettingsError(
+            f"The order holds NaN or infinity ({few}), expected finite quarter turns."
+        )
     return found.to(device=device, dtype=torch.float64)
 
 

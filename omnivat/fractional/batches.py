@@ -28,8 +28,8 @@ _WORTH_WORKERS = 2**18  # numbers in the result; fewer are not worth a second th
 class Piece:
     """Some rows of coefficients.
 
-    rows: their place in the broadcast batch; shared: phases shared with other pieces, else None, and
-    the piece computes its own.
+    rows: their place in the broadcast batch; shared: phases shared with other pieces, else None,
+    and the piece computes its own.
     """
 
     rows: slice
@@ -56,7 +56,8 @@ def slices(rows: Inexact[Tensor, "R N"]) -> Iterator[slice]:
 def leading_shape(values: Inexact[Tensor, "... N"], order: Float64[Tensor, "..."]) -> torch.Size:
     """Return the batch shape: leading axes of the values and axes of the order, broadcast."""
     lead = values.shape[:-1]
-    if not order.dim() or order.shape == lead[-order.dim() :]:  # broadcast_shapes is written in Python and slow
+    # broadcast_shapes is written in Python and slow
+    if not order.dim() or order.shape == lead[-order.dim() :]:
         return lead
     shape: torch.Size = torch.broadcast_shapes(lead, order.shape)
     return shape
@@ -219,4 +220,7 @@ def turned_back(
 
     for_each(work, pieces(values, order, split.indices), spread=_spread(to_values))
     lead = shape[:-1]
-    return (to_values.view(shape).sum_to_size(values.shape), to_order.view(lead).sum_to_size(order.shape))
+    return (
+        to_values.view(shape).sum_to_size(values.shape),
+        to_order.view(lead).sum_to_size(order.shape),
+    )

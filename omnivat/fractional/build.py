@@ -51,7 +51,8 @@ def build_split(size: int, like: Tensor) -> Split:
     if size <= _TINY:
         vectors = torch.from_numpy(_tiny_vectors(size)).to(like)
         return PlainSplit(vectors, torch.from_numpy(indices_by_parity(size)).to(like.device))
-    with one_blas_thread():  # each parity has a core: identical to the last bit for any number of threads
+    # each parity has a core: identical to the last bit for any number of threads
+    with one_blas_thread():
         blocks = parity_blocks(size)
         if size % 4 == 0 and size > 4:
             factors = _both(refined_quarter, blocks)
@@ -59,7 +60,9 @@ def build_split(size: int, like: Tensor) -> Split:
         even, odd = _both(refined_spectrum, blocks)
     even[1 : (size + 1) // 2] *= np.sqrt(0.5)  # every sample but 0 and N/2 has a mirror image
     halves = [torch.from_numpy(half).to(like) for half in (even, odd * np.sqrt(0.5))]
-    return HalfSplit(halves[0], halves[1], torch.from_numpy(indices_by_parity(size)).to(like.device))
+    return HalfSplit(
+        halves[0], halves[1], torch.from_numpy(indices_by_parity(size)).to(like.device)
+    )
 
 
 def _both(refine: Callable[[Tridiagonal], T], blocks: ParityBlocks) -> list[T]:
@@ -69,7 +72,9 @@ def _both(refine: Callable[[Tridiagonal], T], blocks: ParityBlocks) -> list[T]:
 
 
 class BoundedCache:
-    """The most recently used splits. Threads may share it; each split is built once, one at a time."""
+    """The most recently used splits. Threads may share it; each split is built once, one at a
+    time.
+    """
 
     def __init__(self, build: Callable[[int, Tensor], Split], limit: int = _KEPT) -> None:
         self._build, self._limit = build, limit

@@ -65,8 +65,8 @@ def _axes_left(parts: tuple[Any, ...], shape: torch.Size, *, after: int) -> int:
     tables = [part for part in parts if isinstance(part, Tensor | list)]
     if len(tables) > 1:
         raise ShapeError(
-            f"The index holds {len(tables)} tensors or lists, expected one at most where axes follow "
-            "the transformed one: index one axis after the other."
+            f"The index holds {len(tables)} tensors or lists, expected one at most where axes"
+            " follow the transformed one: index one axis after the other."
         )
     used = sum(_consumed(part) for part in parts)
     axis, kept = 0, 0

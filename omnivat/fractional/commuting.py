@@ -67,9 +67,9 @@ class Tridiagonal:
         return y
 
 
-def _exchange(y: Pair, x: Array, one: int, other: int) -> None:
+def _exchange(y: Pair, x: Array, row: int, other: int) -> None:
     """Add (√2 - 1) times each of two rows of x to the other row of y, in place."""
-    for to, source in ((one, other), (other, one)):
+    for to, source in ((row, other), (other, row)):
         root = multiply(Pair(x[source], 0 * x[source]), SQRT2)
         more = add(root, Pair(-x[source], 0 * x[source]))
         y.high[to], y.low[to] = add(Pair(y.high[to], y.low[to]), more)
@@ -111,7 +111,9 @@ def doubled_cosines(size: int) -> Pair:
     square = multiply(x, x)
     cosine, sine = _taylor(square, 1), multiply(x, _taylor(square, 2))
     two = np.where(second, -2.0, 2.0)
-    return Pair(two * np.where(steep, sine.high, cosine.high), two * np.where(steep, sine.low, cosine.low))
+    return Pair(
+        two * np.where(steep, sine.high, cosine.high), two * np.where(steep, sine.low, cosine.low)
+    )
 
 
 def _shift_last(values: Pair, by: float) -> Pair:
@@ -130,4 +132,6 @@ def parity_blocks(size: int) -> ParityBlocks:
     if size % 2 == 0:
         return ParityBlocks(Tridiagonal(cosines, root_first=True, root_last=True), Tridiagonal(odd))
     # For odd N the two middle samples are both neighbours and mirror images.
-    return ParityBlocks(Tridiagonal(_shift_last(cosines, 1.0), root_first=True), Tridiagonal(_shift_last(odd, -1.0)))
+    return ParityBlocks(
+        Tridiagonal(_shift_last(cosines, 1.0), root_first=True), Tridiagonal(_shift_last(odd, -1.0))
+    )

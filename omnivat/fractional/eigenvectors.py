@@ -12,17 +12,22 @@ to one side. Derivation: docs/fractional.md.
 
 from __future__ import annotations
 
-import ctypes
-import functools
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib import import_module
 
 import numpy as np
 from jaxtyping import Float64
 
 from omnivat.fractional.commuting import Tridiagonal
-from omnivat.fractional.double_double import SQRT2, Array, Pair, add, exact_product, excess_norm, multiply
+from omnivat.fractional.double_double import (
+    SQRT2,
+    Array,
+    Pair,
+    add,
+    exact_product,
+    excess_norm,
+    multiply,
+)
 
 _COLUMNS = 128  # double-double makes dozens of passes; this many columns stay in the cache
 
@@ -41,39 +46,19 @@ def blocks_of_columns(count: int) -> Iterator[slice]:
         yield slice(start, min(start + _COLUMNS, count))
 
 
-@functools.cache
-def _dstevd() -> Callable[..., None]:
-    """Return LAPACK's `dstevd` for ctypes, which releases Python's lock; scipy's wrapper holds it.
-
-    Source: the C pointers that scipy.linalg.cython_lapack exports.
-    """
-    capsule = import_module("scipy.linalg.cython_lapack").__pyx_capi__["dstevd"]
-    python = ctypes.pythonapi
-    python.PyCapsule_GetName.restype = ctypes.c_char_p
-    python.PyCapsule_GetName.argtypes = [ctypes.py_object]
-    python.PyCapsule_GetPointer.restype = ctypes.c_void_p
-    python.PyCapsule_GetPointer.argtypes = [ctypes.py_object, ctypes.c_char_p]
-    address = python.PyCapsule_GetPointer(capsule, python.PyCapsule_GetName(capsule))
-    return ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * 11)(address)
-
-
 def lapack_spectrum(block: Tridiagonal) -> Spectrum:
     """Compute eigenvalues and eigenvectors to float64 accuracy by divide and conquer (`dstevd`).
 
     The faster `dstemr` loses orthogonality at N = 4096, and fails for half a spectrum.
     """
-    n = len(block)
-    if n < 2:
-        return Spectrum(block.diagonal.high.copy(), np.ones((n, n)))
-    values, beside, vectors = block.diagonal.high.copy(), block.beside, np.empty((n, n))
-    work, whole = np.empty(1 + 4 * n + n * n), np.empty(3 + 5 * n, np.int32)
-    sizes = np.array([n, n, len(work), len(whole), n], np.int32)  # n, ldz, lwork, liwork; LAPACK sets info
-    size, stride, length, count, info = (sizes[i : i + 1].ctypes.data for i in range(5))
-    arrays = (a.ctypes.data for a in (values, beside, vectors))
-    _dstevd()(b"V", size, *arrays, stride, work.ctypes.data, length, whole.ctypes.data, count, info)
-    if sizes[4]:
-        raise ArithmeticError(f"LAPACK dstevd failed with info = {sizes[4]} at size {n}.")
-    return Spectrum(values[::-1], vectors.T[:, ::-1])  # LAPACK writes columns
+    if len(block) < 2:
+        return Spectrum(block.diagonal.high.copy(), np.ones((len(block), len(block))))
+    from scipy.linalg import eigh_tridiagonal
+
+    values, vectors = eigh_tridiagonal(
+        block.diagonal.high, block.beside, lapack_driver="stevd", check_finite=False
+    )
+    return Spectrum(values[::-1], vectors[:, ::-1])
 
 
 def residual(
@@ -112,8 +97,8 @@ def refined_spectrum(block: Tridiagonal) -> Float64[np.ndarray, "n n"]:
 class QuarterFactor:
     """Unit singular vectors of one parity block in columns, by decreasing σ.
 
-    large (w = m + 1): m vectors, then the null vector; rows are samples, the middle one last. small: their partners.
-    middle_is_plus: True if `large` belongs to Q = +1.
+    large (w = m + 1): m vectors, then the null vector; rows are samples, the middle one last.
+    small: their partners. middle_is_plus: True if `large` belongs to Q = +1.
     """
 
     large: Float64[np.ndarray, "w w"]

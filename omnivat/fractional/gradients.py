@@ -1,7 +1,7 @@
 """V and Vᵀ as autograd functions with closed-form gradients of any order.
 
-V is orthogonal, so V and Vᵀ are each other's gradient. `Synthesise` fuses the phases and Vᵀ. For higher
-derivatives, its gradient is composed of these two.
+V is orthogonal, so V and Vᵀ are each other's gradient. `Synthesise` fuses the phases and Vᵀ. For
+higher derivatives, its gradient is composed of these two.
 """
 
 from __future__ import annotations
@@ -83,7 +83,9 @@ class _Apply(Function):
         return _applied(tangent, ctx.split, ctx.back)
 
     @staticmethod
-    def vmap(info: Any, in_dims: tuple[int, None, None], x: Tensor, split: Split, back: bool) -> tuple[Tensor, int]:
+    def vmap(
+        info: Any, in_dims: tuple[int, None, None], x: Tensor, split: Split, back: bool
+    ) -> tuple[Tensor, int]:
         return _applied(x.movedim(in_dims[0], 0), split, back), 0
 
 
@@ -119,7 +121,12 @@ class _Synthesise(Function):
 
     @staticmethod
     def vmap(
-        info: Any, in_dims: tuple[int | None, ...], values: Tensor, order: Tensor, split: Split, planar: bool
+        info: Any,
+        in_dims: tuple[int | None, ...],
+        values: Tensor,
+        order: Tensor,
+        split: Split,
+        planar: bool,
     ) -> tuple[Tensor, int]:
         apart, own = in_dims[0] is not None, in_dims[1] is not None
         lead = max(values.dim() - 1 - apart, order.dim() - own)
@@ -148,4 +155,7 @@ def _differentiable_back(
     back = smooth_phases(order, split.indices).to(grad.dtype).conj() * analyse(grad, split)
     to_values = back if values.is_complex() else back.real
     density = (back.conj() * values).imag * (split.indices * (math.pi / 2))
-    return (to_values.sum_to_size(values.shape), density.sum(-1).to(order.dtype).sum_to_size(order.shape))
+    return (
+        to_values.sum_to_size(values.shape),
+        density.sum(-1).to(order.dtype).sum_to_size(order.shape),
+    )

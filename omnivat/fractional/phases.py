@@ -11,7 +11,9 @@ from torch import Tensor
 _GRID = 2.0**30  # k · (p rounded to this grid) is exact in float64 for k < 2**20
 
 
-def phases(order: Float64[Tensor, "*own"], indices: Float64[Tensor, " N"]) -> Complex128[Tensor, "*own N"]:
+def phases(
+    order: Float64[Tensor, "*own"], indices: Float64[Tensor, " N"]
+) -> Complex128[Tensor, "*own N"]:
     """exp(-iπpk/2) of orders in quarter turns, on their device.
 
     The nearest quarter turn is an exact factor, so whole orders give exactly ±1 and ±i.
@@ -28,7 +30,9 @@ def phases(order: Float64[Tensor, "*own"], indices: Float64[Tensor, " N"]) -> Co
     return torch.complex(torch.cos(angle), torch.sin(angle)).mul_(whole)
 
 
-def smooth_phases(order: Float64[Tensor, "*own"], indices: Float64[Tensor, " N"]) -> Complex128[Tensor, "*own N"]:
+def smooth_phases(
+    order: Float64[Tensor, "*own"], indices: Float64[Tensor, " N"]
+) -> Complex128[Tensor, "*own N"]:
     """Return the same phases, differentiable any number of times.
 
     The exact value is a constant. A second factor of value 1 has the derivative -iπk/2 · exp(…).

@@ -71,7 +71,9 @@ class HalfSplit:
     them, columns by increasing k. One row gives a sample and its mirror image.
     """
 
-    def __init__(self, even: Float[Tensor, "h h"], odd: Float[Tensor, "g g"], indices: Float64[Tensor, " N"]) -> None:
+    def __init__(
+        self, even: Float[Tensor, "h h"], odd: Float[Tensor, "g g"], indices: Float64[Tensor, " N"]
+    ) -> None:
         self.even, self.odd, self.indices = even, odd, indices
 
     def analyse(self, x: Float[Tensor, "R N"], out: Float[Tensor, "R N"]) -> None:
@@ -104,7 +106,9 @@ class _Parity:
         self.high = slice(self.null + 1, self.null + 1 + pairs)
         self.plus_is_large = factor.middle_is_plus
         # In restore the large side also uses the null vector, which lies next to both halves.
-        large = slice(start, self.null + 1) if self.plus_is_large else slice(self.null, self.high.stop)
+        large = (
+            slice(start, self.null + 1) if self.plus_is_large else slice(self.null, self.high.stop)
+        )
         self.large = large
         self.sides = (large, self.high) if self.plus_is_large else (self.low, large)
         # samples of this parity in [0, M) and, for the large side, the middle one

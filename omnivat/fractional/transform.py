@@ -1,4 +1,6 @@
-"""The transform: `dfrft`, its two halves `coefficients` and `synthesise`, its layer, and its basis."""
+"""The transform: `dfrft`, its two halves `coefficients` and `synthesise`, its layer, and its
+basis.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ from omnivat.fractional.coefficients import Coefficients
 from omnivat.kit.errors import ShapeError
 
 
-def coefficients(x: Shaped[Tensor, "..."], dim: int = -1, *, centered: bool = False) -> Coefficients:
+def coefficients(
+    x: Shaped[Tensor, "..."], dim: int = -1, *, centered: bool = False
+) -> Coefficients:
     """The part of the transform that does not depend on the order: x in the eigenbasis.
 
     x: any shape, real or complex. float64 stays float64; half and integers use float32.
@@ -68,13 +72,16 @@ def synthesise(
         lead = leading_shape(values, p)
     except RuntimeError as error:
         raise ShapeError(
-            f"The order has shape {tuple(p.shape)}, expected one that broadcasts against the "
-            f"leading axes {tuple(values.shape[:-1])}: use order[:, None] for many orders of all rows."
+            f"The order has shape {tuple(p.shape)}, expected one that broadcasts against the"
+            f" leading axes {tuple(values.shape[:-1])}: use order[:, None] for many orders of all"
+            " rows."
         ) from error
     with full_precision(values.device):
         if out is not None:
             if dim != -1 or coefficients.centered:
-                raise ShapeError("`out` works only for the last axis without centring: do not pass it here.")
+                raise ShapeError(
+                    "`out` works only for the last axis without centring: do not pass it here."
+                )
             shape, kind = (*lead, values.shape[-1]), values.dtype
             wanted = ((2, *shape), kind.to_real()) if planar else (shape, kind.to_complex())
             if (tuple(out.shape), out.dtype) != wanted or not out.is_contiguous():
@@ -150,7 +157,9 @@ def fft_is_exact(size: int) -> bool:
     return size == 1
 
 
-def quarter_turn(x: Inexact[Tensor, "*any"], turns: int, dim: int, *, centered: bool) -> Complex[Tensor, "*any"]:
+def quarter_turn(
+    x: Inexact[Tensor, "*any"], turns: int, dim: int, *, centered: bool
+) -> Complex[Tensor, "*any"]:
     """Return the transform of order `turns` along dim as a new complex tensor."""
     x = torch.fft.ifftshift(x, dim) if centered else x
     if turns == 0:
@@ -178,7 +187,13 @@ class FractionalTransform(nn.Module):
     order: Float64[Tensor, ""]
 
     def __init__(
-        self, order: float = 0.5, *, learnable: bool = True, dim: int = -1, centered: bool = False, planar: bool = False
+        self,
+        order: float = 0.5,
+        *,
+        learnable: bool = True,
+        dim: int = -1,
+        centered: bool = False,
+        planar: bool = False,
     ) -> None:
         super().__init__()
         start = checked_order(order, torch.device("cpu"))
@@ -213,7 +228,9 @@ class Basis(NamedTuple):
     indices: Float64[Tensor, " N"]
 
 
-def basis(size: int, *, dtype: torch.dtype = torch.float64, device: torch.device | str = "cpu") -> Basis:
+def basis(
+    size: int, *, dtype: torch.dtype = torch.float64, device: torch.device | str = "cpu"
+) -> Basis:
     """Return the Hermite-like eigenvectors of the DFT of length N, ordered by sign changes k.
 
     k = 0 … N-2 and N for even N, 0 … N-1 for odd N. The sign of each vector is arbitrary.

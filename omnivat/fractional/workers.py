@@ -76,7 +76,11 @@ def for_each(work: Callable[[T], object], parts: Iterable[T], *, spread: bool) -
         for part in parts:
             work(part)
         return
-    source, one_at_a_time, inference = (iter(parts), threading.Lock(), torch.is_inference_mode_enabled())
+    source, one_at_a_time, inference = (
+        iter(parts),
+        threading.Lock(),
+        torch.is_inference_mode_enabled(),
+    )
 
     def drain() -> None:
         with torch.inference_mode(inference), torch.no_grad():

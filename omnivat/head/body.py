@@ -26,6 +26,8 @@ class Body(nn.Module):
     taught_rows: Float[Tensor, "2 T W"]
     taught_bias: Float[Tensor, " T"]
     taught_class: Int[Tensor, " T"]
+    taught_alone_rows: Float[Tensor, "2 T W"]
+    taught_alone_bias: Float[Tensor, "2 T"]
 
     def __init__(self, settings: HeadSettings) -> None:
         super().__init__()
@@ -36,9 +38,14 @@ class Body(nn.Module):
             self.register_buffer("input_mean", torch.zeros(shape))
             self.register_buffer("input_scale", torch.ones(shape))
         if settings.taught:  # rows, biases and classes of `taught_logits`
-            self.register_buffer("taught_rows", torch.zeros(2, settings.taught, settings.input_width))
+            self.register_buffer(
+                "taught_rows", torch.zeros(2, settings.taught, settings.input_width)
+            )
             self.register_buffer("taught_bias", torch.zeros(settings.taught))
             self.register_buffer("taught_class", torch.zeros(settings.taught, dtype=torch.int64))
+        if settings.taught_alone:
+            self.register_buffer("taught_alone_rows", torch.zeros_like(self.taught_rows))
+            self.register_buffer("taught_alone_bias", torch.zeros(2, settings.taught))
         if settings.projects:
             self.project_image: nn.Module = nn.Linear(settings.input_width, width)
         else:
@@ -51,7 +58,9 @@ class Body(nn.Module):
             self.project_lang = nn.Identity()
         self.mffa = MFFA(settings)
         levels = settings.levels if settings.edges else 1  # without matrices, a single root
-        self.dtg = DTG(width, levels=levels, init=settings.tree_init, arrangement=settings.generation)
+        self.dtg = DTG(
+            width, levels=levels, init=settings.tree_init, arrangement=settings.generation
+        )
         self.classifier = nn.Parameter(torch.empty(len(settings.classes), width))
         if not self.classifier.is_meta:  # there, torch would load its compiler for this: 0.9 s
             nn.init.normal_(self.classifier, std=width**-0.5)
@@ -59,7 +68,9 @@ class Body(nn.Module):
 
     @property
     def order(self) -> float:
-        """The learned fractional order p, in quarter turns; the mean of VIS and TAC if each has one."""
+        """The learned fractional order p, in quarter turns; the mean of VIS and TAC if each has
+        one.
+        """
         return float(self.mffa.orders(IMAGES).detach().mean())
 
     @property
@@ -76,7 +87,9 @@ class Body(nn.Module):
     def classify(
         self, features: Float[Tensor, "*any D"], directions: Float[Tensor, "K D"] | None = None
     ) -> Float[Tensor, "*any K"]:
-        """Return logits of features such as F-hat or tree nodes; `directions` are computed if None."""
+        """Return logits of features such as F-hat or tree nodes; `directions` are computed if
+        None.
+        """
         if self.settings.feature_scale == "literal":
             return linear(features, self.classifier)
         directions = self.directions() if directions is None else directions
@@ -93,30 +106,32 @@ class Body(nn.Module):
         """Length of an embedding before the transform: √D, so that entries are near 1."""
         return 1.0 if self.settings.feature_scale == "literal" else float(self.settings.width**0.5)
 
-    def embedded(self, given: Mapping[str, Float[Tensor, "B _"]]) -> Float[Tensor, "M B D"]:
+    def embedded(self, images: Mapping[str, Float[Tensor, "B _"]]) -> Float[Tensor, "M B D"]:
         """Return embeddings for the transform: projected, of length √D.
 
-        given  VIS and TAC of input_width, or LANG alone of lang_width, from the encoders
+        images  VIS and TAC of input_width, or LANG alone of lang_width, from the encoders
 
         Raises DataError if none is given, ShapeError for wrong widths or unequal numbers of pairs.
         """
-        if not given:
+        if not images:
             raise DataError("Neither VIS nor TAC was given; give one of them or both.")
-        lang = "lang" in given
+        lang = "lang" in images
         width = self.settings.lang_width if lang else self.settings.input_width
-        for name, raw in given.items():
+        for name, raw in images.items():
             if raw.ndim != 2 or raw.shape[1] != width:
                 raise ShapeError(
                     f"{name} has shape {tuple(raw.shape)}; this head needs (B, {width}). "
                     "Use embeddings of the encoder that the head was trained with."
                 )
-        if len({len(raw) for raw in given.values()}) > 1:
-            raise ShapeError("vis and tac have different numbers of pairs; give one of each for every pair.")
-        raw = torch.stack([self.standardised(n, r.to(self.dtype)) for n, r in given.items()])
+        if len({len(raw) for raw in images.values()}) > 1:
+            raise ShapeError(
+                "vis and tac have different numbers of pairs; give one of each for every pair."
+            )
+        raw = torch.stack([self.standardised(n, r.to(self.dtype)) for n, r in images.items()])
         projected: Tensor
         if self.settings.projects_apart and not lang:
             maps = {"vis": self.project_image, "tac": self.project_tac}
-            projected = torch.stack([maps[n](r) for n, r in zip(given, raw, strict=True)])
+            projected = torch.stack([maps[n](r) for n, r in zip(images, raw, strict=True)])
         else:
             projected = (self.project_lang if lang else self.project_image)(raw)
         if self.settings.feature_scale == "literal":
@@ -140,18 +155,32 @@ class Body(nn.Module):
         return 0.5 * math.sqrt(self.settings.input_width) * unit(rows)
 
     def standing(self, name: str, raw: Float[Tensor, "B W"]) -> Float[Tensor, "B W"]:
-        """Return a modality's standardised rows of length √½, for teaching: side by side, length 1."""
+        """Return a modality's standardised rows of length √½, for teaching: side by side, length
+        1.
+        """
         return math.sqrt(0.5) * unit(self.standardised(name, raw.to(self.dtype)))
 
-    def taught_logits(self, given: Mapping[str, Float[Tensor, "B W"]]) -> dict[str, Float[Tensor, "B K"]]:
+    def taught_logits(
+        self, images: Mapping[str, Float[Tensor, "B W"]]
+    ) -> dict[str, Float[Tensor, "B K"]]:
         """Return logits of a taught head: "fused", and "vis", "tac" of one image alone.
 
-        A class has the largest score of its rows. One image alone counts twice. {} if not taught.
+        A class has the largest score of its rows. One image alone counts twice, or has rows of its
+        own; a pair then has the mean of the probabilities of three maps. {} if not taught.
         """
         if not self.settings.taught:
             return {}
-        parts = {name: self.standing(name, raw) @ self.taught_rows[IMAGES.index(name)].T for name, raw in given.items()}
-        scores = {name: 2 * part + self.taught_bias for name, part in parts.items()}
+        rows = {name: self.standing(name, raw) for name, raw in images.items()}
+        parts = {name: x @ self.taught_rows[IMAGES.index(name)].T for name, x in rows.items()}
+        if self.settings.taught_alone:
+            places = {name: IMAGES.index(name) for name in rows}
+            scores = {
+                name: x @ self.taught_alone_rows[places[name]].T
+                + self.taught_alone_bias[places[name]]
+                for name, x in rows.items()
+            }
+        else:
+            scores = {name: 2 * part + self.taught_bias for name, part in parts.items()}
         together = torch.stack(list(parts.values())).sum(0) + self.taught_bias
         scores["fused"] = together if len(parts) > 1 else next(iter(scores.values()))
         found = {}
@@ -159,4 +188,6 @@ class Body(nn.Module):
             empty = each.new_full((len(each), len(self.settings.classes)), -torch.inf)
             place = self.taught_class.expand(len(each), -1)
             found[name] = empty.scatter_reduce(1, place, each, "amax")
+        if self.settings.taught_alone and len(parts) > 1:
+            found["fused"] = torch.stack([x.softmax(-1) for x in found.values()]).mean(0).log()
         return found

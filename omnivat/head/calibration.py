@@ -1,9 +1,10 @@
 """Calibration of a head's confidence, from held-out source pairs, and how familiar an image is.
 
-Familiarity is the distance of an image to the training images, relative to their own distances: the cosine in E, the
-encoder's space, to the nearest training image of the modality. A cosine alone means little, so it is compared with the
-training set: the cosine of each training image to the nearest image of another object. A quantile of 0.02 means that
-98 % of the training images have a closer neighbour.
+Familiarity is the distance of an image to the training images, relative to their own distances: the
+cosine in E, the encoder's space, to the nearest training image of the modality. A cosine alone
+means little, so it is compared with the training set: the cosine of each training image to the
+nearest image of another object. A quantile of 0.02 means that 98 % of the training images have a
+closer neighbour.
 """
 
 from collections.abc import Mapping, Sequence
@@ -76,14 +77,20 @@ def fit_share(vis: Tensor, tac: Tensor, labels: Tensor) -> float:
     return min(shares, key=loss)
 
 
-def fit_calibration(logits: Mapping[str, Tensor], labels: Tensor, *, fusion: str = "mean") -> Calibration:
+def fit_calibration(
+    logits: Mapping[str, Tensor], labels: Tensor, *, fusion: str = "mean"
+) -> Calibration:
     """Return temperatures for "fused", "vis" and "tac", and the share of a learned fusion.
 
     logits  of held-out pairs: "vis" and "tac" with the other image absent; "vis_branch" and
-            "tac_branch" inside the pair, "pair" of the summed features. A missing one keeps temperature 1
+            "tac_branch" inside the pair, "pair" of the summed features. A missing one keeps
+            temperature 1
     fusion  late fusion of the branches
     """
-    temperature = {name: fit_temperature(logits[name], labels) if name in logits else 1.0 for name in ("vis", "tac")}
+    temperature = {
+        name: fit_temperature(logits[name], labels) if name in logits else 1.0
+        for name in ("vis", "tac")
+    }
     share = 0.5
     if "vis_branch" in logits and "tac_branch" in logits:
         branches = logits["vis_branch"], logits["tac_branch"]
@@ -118,7 +125,8 @@ class Familiarity:
 
     rows: dict[str, Tensor]  # (N, D) of unit length
     quantiles: dict[str, Tensor]  # (101,) ascending cosines, from quantile 0 to 1
-    lengths: dict[str, Tensor] = field(default_factory=dict)  # (N,) of the rows before; empty for an older head
+    # (N,) of the rows before; empty for an older head
+    lengths: dict[str, Tensor] = field(default_factory=dict)
     labels: Tensor | None = None  # (N,) class indices of the head; None for an older head
 
     def look(self, vis: Tensor | None, tac: Tensor | None) -> list[dict[str, dict[str, Any]]]:
@@ -162,14 +170,20 @@ def familiarity_of(
     levels = torch.linspace(0, 1, QUANTILES)
     return Familiarity(
         rows=rows,
-        quantiles={name: torch.quantile(nearest_cosine(x, x, owner, owner), levels) for name, x in rows.items()},
+        quantiles={
+            name: torch.quantile(nearest_cosine(x, x, owner, owner), levels)
+            for name, x in rows.items()
+        },
         lengths={name: x[::step].float().norm(dim=-1) for name, x in given.items()},
         labels=None if labels is None else labels[::step].long(),
     )
 
 
 def nearest_cosine(
-    rows: Tensor, reference: Tensor, owner: Tensor | None = None, reference_owner: Tensor | None = None
+    rows: Tensor,
+    reference: Tensor,
+    owner: Tensor | None = None,
+    reference_owner: Tensor | None = None,
 ) -> Tensor:
     """Return (B,): the largest cosine of each row (B, D) with reference rows (N, D).
 
@@ -196,13 +210,15 @@ def quantile_of(values: Tensor, quantiles: Tensor) -> Tensor:
     return place
 
 
-def save_familiarity(file: Path, found: Familiarity) -> None:
+def save_familiarity(file: Path, familiarity: Familiarity) -> None:
     """Write the rows in half precision, and the quantiles."""
-    tensors = {name: rows.half().contiguous() for name, rows in found.rows.items()}
-    tensors |= {f"{name}_quantiles": q.contiguous() for name, q in found.quantiles.items()}
-    tensors |= {f"{name}_lengths": x.float().contiguous() for name, x in found.lengths.items()}
-    if found.labels is not None:
-        tensors["labels"] = found.labels.to(torch.int64).contiguous()
+    tensors = {name: rows.half().contiguous() for name, rows in familiarity.rows.items()}
+    tensors |= {f"{name}_quantiles": q.contiguous() for name, q in familiarity.quantiles.items()}
+    tensors |= {
+        f"{name}_lengths": x.float().contiguous() for name, x in familiarity.lengths.items()
+    }
+    if familiarity.labels is not None:
+        tensors["labels"] = familiarity.labels.to(torch.int64).contiguous()
     file.write_bytes(save(tensors, metadata={"format": "omnivat-familiarity-1"}))
     file.chmod(0o644)
 
@@ -218,11 +234,17 @@ def load_familiarity(file: Path, width: int) -> Familiarity | None:
         tensor_table(file, types=(*FLOATS, "I64"))
         tensors = load_file(file)
     except (SafetensorError, OSError) as error:
-        raise DataError(f"'{file}' cannot be read ({error}); copy the head folder again.") from error
+        raise DataError(
+            f"'{file}' cannot be read ({error}); copy the head folder again."
+        ) from error
     names = [name for name in IMAGES if name in tensors]
     count = len(tensors[names[0]]) if names else 0
-    fits = names and all(tensors[n].shape[1:] == (width,) and f"{n}_quantiles" in tensors for n in names)
-    others = [tensors[key] for key in ("labels", *(f"{n}_lengths" for n in names)) if key in tensors]
+    fits = names and all(
+        tensors[n].shape[1:] == (width,) and f"{n}_quantiles" in tensors for n in names
+    )
+    others = [
+        tensors[key] for key in ("labels", *(f"{n}_lengths" for n in names)) if key in tensors
+    ]
     if not fits or any(one.shape != (count,) for one in others):
         raise DataError(f"'{file}' does not fit this head; copy the head folder again.")
     return Familiarity(

@@ -1,7 +1,8 @@
 """A head on disk: a folder of `weights.safetensors`, `settings.json` and `metrics.json`.
 
-`settings.json` has the calibration; `familiarity.safetensors` has the training embeddings; `profile.safetensors` has
-their channel statistics. Heads without them also load, with temperature 1 and None.
+`settings.json` has the calibration; `familiarity.safetensors` has the training embeddings;
+`profile.safetensors` has their channel statistics. Heads without them also load, with temperature 1
+and None.
 """
 
 import shutil
@@ -17,7 +18,16 @@ from safetensors import SafetensorError
 from safetensors.torch import load_file, save
 from torch import Tensor
 
-from omnivat.data.profile import Profile, domain_of, load_profile, moved, profiled, require_key, save_profile
+from omnivat.data.dots import FILLED, dots_of
+from omnivat.data.profile import (
+    Profile,
+    domain_of,
+    load_profile,
+    moved,
+    profiled,
+    require_key,
+    save_profile,
+)
 from omnivat.data.rest import RESTED
 from omnivat.data.store import Embeddings
 from omnivat.head.calibration import Familiarity, load_familiarity, save_familiarity
@@ -63,11 +73,26 @@ class Head:
         wanted = tuple(self.encoder[name] for name in ENCODER)
         if key == wanted and width == self.settings.input_width:
             return
-        if key != wanted and "".join(key).removesuffix(RESTED) == "".join(wanted).removesuffix(RESTED):
+        if key != wanted and "".join(key).replace(FILLED, "") == "".join(wanted).replace(
+            FILLED, ""
+        ):
+            words = {
+                "fill": "with the dots of touch filled",
+                "keep": "with the dots of touch as they are",
+            }
+            theirs, own = dots_of(key[2]), dots_of(wanted[2])
+            raise DataError(
+                f"{what} are made {words[theirs]}, and this head was trained {words[own]}. Embed"
+                f" the pairs with --dots {own}, or choose a head that fits."
+            )
+        if key != wanted and "".join(key).removesuffix(RESTED) == "".join(wanted).removesuffix(
+            RESTED
+        ):
             less, more = ("with", "without") if wanted[2].endswith(RESTED) else ("without", "with")
             raise DataError(
-                f"{what} are made {more} a rest picture subtracted from touch, and this head was "
-                f"trained {less} one. Embed the pairs {less} --tac-rest, or choose a head that fits."
+                f"{what} are made {more} a rest picture subtracted from touch, and this head was"
+                f" trained {less} one. Embed the pairs {less} --tac-rest, or choose a head that"
+                " fits."
             )
         raise DataError(
             f"{what} come from {_describe(key, width)}, and this head was trained with "
@@ -89,8 +114,8 @@ class Head:
         """The profile of the training pairs; raises DataError for a head without one."""
         if self.profile is None:
             raise DataError(
-                "This head has no profile of its source, so no sensor's profile can be matched to it. "
-                "Train it again, or copy profile.safetensors into its folder."
+                "This head has no profile of its source, so no sensor's profile can be matched to"
+                " it. Train it again, or copy profile.safetensors into its folder."
             )
         return self.profile
 
@@ -157,7 +182,9 @@ def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None
     if target.exists() and not target.is_dir():
         raise DataError(f"'{target}' is a file; name a folder for the head.")
     allowed = {WEIGHTS, SETTINGS, METRICS, FAMILIARITY, PROFILE, *also}
-    foreign = sorted(p.name for p in target.iterdir() if p.name not in allowed) if target.is_dir() else []
+    foreign = (
+        sorted(p.name for p in target.iterdir() if p.name not in allowed) if target.is_dir() else []
+    )
     if foreign:
         raise DataError(
             f"'{target}' holds '{foreign[0]}', which is not part of a head and would be lost; "
@@ -171,7 +198,8 @@ def _sweep(target: Path) -> None:
     for left in target.parent.glob(f".{escape(target.name)}.*"):
         if not left.is_dir() or time() - left.stat().st_mtime < UNFINISHED_S:
             continue
-        aside = left if left.name.endswith(".old") else left / "old"  # of earlier versions, and of this one
+        # of earlier versions, and of this one
+        aside = left if left.name.endswith(".old") else left / "old"
         if aside.is_dir() and not target.exists():
             aside.rename(target)
         shutil.rmtree(left, ignore_errors=True)
@@ -187,7 +215,9 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
     """
     path = Path(folder)
     if not path.is_dir():
-        raise DataError(f"No head at '{path}'. Train one with `python -m omnivat train --out {path}`.")
+        raise DataError(
+            f"No head at '{path}'. Train one with `python -m omnivat train --out {path}`."
+        )
     file = path / SETTINGS
     _require(file)
     record = read_object(file)
@@ -227,13 +257,13 @@ def head_hash(folder: str | Path) -> str:
     return hash_of(*(Path(folder) / name for name in (WEIGHTS, SETTINGS)))[:16]
 
 
-def _calibration(file: Path, given: Any) -> Calibration:
+def _calibration(file: Path, stored: Any) -> Calibration:
     """Return the calibration in a head's settings; temperature 1 for an older head."""
-    if given is None:
+    if stored is None:
         return Calibration()
     try:
-        temperature = {n: float(given["temperature"][n]) for n in ("fused", "vis", "tac")}
-        share = float(given["share"])
+        temperature = {n: float(stored["temperature"][n]) for n in ("fused", "vis", "tac")}
+        share = float(stored["share"])
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(f"'{file}' holds a calibration that cannot be read: {error!r}.") from error
     if all(0 < t < 1e6 for t in temperature.values()) and 0 <= share <= 1:
@@ -245,12 +275,21 @@ def _calibration(file: Path, given: Any) -> Calibration:
 
 
 def _require_provenance(provenance: Any, file: Path) -> None:
-    """Raise DataError if the provenance, or training settings that others read, are of another kind."""
+    """Raise DataError if the provenance, or training settings that others read, are of another
+    kind.
+    """
     if not isinstance(provenance, dict):
         raise DataError(f"'{file}' should hold its provenance as an object.")
     train = provenance.get("train", {})
-    kinds = {"order_draw": str, "modalities": str, "order_low": int | float, "order_high": int | float}
-    if not isinstance(train, dict) or not all(isinstance(train[n], kinds[n]) for n in kinds.keys() & train.keys()):
+    kinds = {
+        "order_draw": str,
+        "modalities": str,
+        "order_low": int | float,
+        "order_high": int | float,
+    }
+    if not isinstance(train, dict) or not all(
+        isinstance(train[n], kinds[n]) for n in kinds.keys() & train.keys()
+    ):
         raise DataError(f"'{file}' should hold its training settings as an object; train it again.")
 
 
@@ -260,7 +299,9 @@ def _load_weights(file: Path, settings: HeadSettings) -> OmniVaT:
         tensor_table(file)
         tensors = load_file(file)
     except (SafetensorError, OSError) as error:
-        raise DataError(f"'{file}' cannot be read ({error}); copy the head folder again.") from error
+        raise DataError(
+            f"'{file}' cannot be read ({error}); copy the head folder again."
+        ) from error
     with torch.device("meta"):
         model = OmniVaT(settings)
     wanted = model.state_dict()
@@ -271,21 +312,23 @@ def _load_weights(file: Path, settings: HeadSettings) -> OmniVaT:
     return model
 
 
-def _misfit(name: str, given: Tensor | None, wanted: Tensor | None) -> str:
-    if given is None:
+def _misfit(name: str, tensor: Tensor | None, wanted: Tensor | None) -> str:
+    if tensor is None:
         return "is missing"
     if wanted is None:
         return "is not part of such a head"
-    if given.shape != wanted.shape:
-        return f"has shape {tuple(given.shape)}, expected {tuple(wanted.shape)}"
-    if given.is_floating_point() != wanted.is_floating_point():
-        return f"is of type {given.dtype}, expected {wanted.dtype}"
-    if not given.isfinite().all():
+    if tensor.shape != wanted.shape:
+        return f"has shape {tuple(tensor.shape)}, expected {tuple(wanted.shape)}"
+    if tensor.is_floating_point() != wanted.is_floating_point():
+        return f"is of type {tensor.dtype}, expected {wanted.dtype}"
+    if not tensor.isfinite().all():
         return "holds NaN or infinite values"
-    far = name.endswith("order") and (given.abs() > LIMIT).any()
+    far = name.endswith("order") and (tensor.abs() > LIMIT).any()
     return f"is beyond {LIMIT:g} quarter turns" if far else ""
 
 
 def _require(file: Path) -> None:
     if not file.is_file():
-        raise DataError(f"'{file}' is missing; a head folder holds {WEIGHTS}, {SETTINGS}, {METRICS}.")
+        raise DataError(
+            f"'{file}' is missing; a head folder holds {WEIGHTS}, {SETTINGS}, {METRICS}."
+        )

@@ -58,7 +58,9 @@ class DTG(nn.Module):
     (each node is a child of the root). Source: paper, Eq. 7 to 11, and its ablation of generation.
     """
 
-    def __init__(self, width: int, *, levels: int = 3, init: str = "orthogonal", arrangement: str = "tree") -> None:
+    def __init__(
+        self, width: int, *, levels: int = 3, init: str = "orthogonal", arrangement: str = "tree"
+    ) -> None:
         super().__init__()
         self.levels = levels
         self.arrangement = arrangement
@@ -86,7 +88,9 @@ class DTG(nn.Module):
         found = [nodes[:, group.start : group.stop] for group in groups(self.arrangement, count)]
         return Grown(nodes, [nodes[:, :1], *found] if self.arrangement == "series" else found)
 
-    def fold(self, dtype: torch.dtype | None = None) -> tuple[Float[Tensor, "D D"], Float[Tensor, " D"]]:
+    def fold(
+        self, dtype: torch.dtype | None = None
+    ) -> tuple[Float[Tensor, "D D"], Float[Tensor, " D"]]:
         """Return M and b: the mean over all nodes of root T is T @ M.T + b, exactly.
 
         dtype  precision of the products; None means that of the weights
@@ -102,18 +106,22 @@ class DTG(nn.Module):
         return torch.stack(matrices).mean(0), torch.stack(offsets).mean(0)
 
 
-def grow(tree: DTG, settings: HeadSettings, found: Float[Tensor, "M B D"], root: Float[Tensor, "B D"]) -> Grown | None:
+def grow(
+    tree: DTG, settings: HeadSettings, features: Float[Tensor, "M B D"], root: Float[Tensor, "B D"]
+) -> Grown | None:
     """Return all nodes of the features and their root, or None without generation."""
     if settings.generation == "none":
         return None
     if settings.generation == "interpolation":
-        points = interpolated(found, settings.levels)
+        points = interpolated(features, settings.levels)
         return Grown(points, [root[:, None]])  # on one line: NOD does not apply
     return tree.grow(root)
 
 
 def interpolated(features: Float[Tensor, "M B D"], levels: int) -> Float[Tensor, "B N D"]:
-    """Return 2^R - 1 evenly spaced points between VIS and TAC; with one modality, each is its feature."""
+    """Return 2^R - 1 evenly spaced points between VIS and TAC; with one modality, each is its
+    feature.
+    """
     count = 2**levels
     first, last = features[0], features[-1]
     shares = torch.arange(1, count, dtype=first.dtype, device=first.device)[:, None] / count

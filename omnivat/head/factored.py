@@ -42,7 +42,9 @@ def tables(theta: Float[Tensor, "M E"], channels: int) -> Tables:
     return Tables(tokens, pairs.flatten(3).flatten(1, 2), columns.flatten(2), weights.mean(-1))
 
 
-def dots(queries: Float[Tensor, "q M B D"], keys: Float[Tensor, "r M B D"]) -> Float[Tensor, "M B q r"]:
+def dots(
+    queries: Float[Tensor, "q M B D"], keys: Float[Tensor, "r M B D"]
+) -> Float[Tensor, "M B q r"]:
     """Return all dot products within a sample."""
     return torch.einsum("qmbd,rmbd->mbqr", queries, keys)
 
@@ -52,8 +54,8 @@ def mean_weights(
 ) -> Float[Tensor, "M B T"]:
     """Return attention, the mean over a sample's own tokens as queries.
 
-    Without gradients, short rows are taken side by side: 6 times as fast, and within 1e-7. A training
-    keeps its order of rounding, so that records repeat.
+    Without gradients, short rows are taken side by side: 6 times as fast, and within 1e-7. A
+    training keeps its order of rounding, so that records repeat.
 
     scores      between base vectors
     key_scores  of base vectors as keys with the bias of the queries
@@ -67,12 +69,17 @@ def mean_weights(
     return torch.softmax(full, dim=-1).mean(-2)
 
 
-def mixed(base: Float[Tensor, "r M B D"], weights: Float[Tensor, "M B T"], table: Tables) -> Float[Tensor, "M B D"]:
+def mixed(
+    base: Float[Tensor, "r M B D"], weights: Float[Tensor, "M B T"], table: Tables
+) -> Float[Tensor, "M B D"]:
     """Return the weighted sum of tokens."""
     return combined(base, weights @ table.tokens.mT)
 
 
-def combined(base: Float[Tensor, "r M B D"], shares: Float[Tensor, "M #B r"]) -> Float[Tensor, "M B D"]:  # noqa: F821
+def combined(
+    base: Float[Tensor, "r M B D"],
+    shares: Float[Tensor, "M #B r"],  # noqa: F821
+) -> Float[Tensor, "M B D"]:
     """Return the weighted sum of base vectors."""
     first, *others = zip(base.unbind(0), torch.split(shares, 1, dim=-1), strict=True)
     total: Tensor = first[0] * first[1]

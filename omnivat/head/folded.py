@@ -1,8 +1,9 @@
 """Prediction with folded weights: the fast path of the head.
 
-Scores need only θ_Qᵀ θ_K. θ_V comes after the mean over tokens, so it is merged into the first layer of the
-feed-forward network. The mean of the tree is one matrix, and the class token is one constant vector. Products of
-weights are computed once in double precision, so folding loses no accuracy.
+Scores need only θ_Qᵀ θ_K. θ_V comes after the mean over tokens, so it is merged into the first
+layer of the feed-forward network. The mean of the tree is one matrix, and the class token is one
+constant vector. Products of weights are computed once in double precision, so folding loses no
+accuracy.
 """
 
 from collections.abc import Callable, Sequence
@@ -36,7 +37,9 @@ class FoldedMFFA:
     score_root: float
     unit: bool
 
-    def features(self, channels: Float[Tensor, "C M B D"]) -> tuple[Float[Tensor, "M B D"], Float[Tensor, "C M B D"]]:
+    def features(
+        self, channels: Float[Tensor, "C M B D"]
+    ) -> tuple[Float[Tensor, "M B D"], Float[Tensor, "C M B D"]]:
         """Return F-bar and F."""
         base = factored.base_vectors(channels, self.table.halves.shape[1])
         scores = factored.dots(base @ self.scores, base)

@@ -3,7 +3,8 @@
 mean        mean of the two softmaxes
 product     softmax of the mean of the two log-probabilities, a product of experts
 confidence  mean of the softmaxes, weighted by certainty: log K minus the entropy
-learned     softmax of a weighted sum of the two log-probabilities; the weight of VIS is fitted on held-out source pairs
+learned     softmax of a weighted sum of the two log-probabilities; the weight of VIS is fitted on
+            held-out source pairs
 feature     one classification of the sum of the two features
 """
 
@@ -30,7 +31,9 @@ class Calibration:
     share        weight of VIS, 0 to 1, in a learned fusion
     """
 
-    temperature: Mapping[str, float] = field(default_factory=lambda: {"fused": 1.0, "vis": 1.0, "tac": 1.0})
+    temperature: Mapping[str, float] = field(
+        default_factory=lambda: {"fused": 1.0, "vis": 1.0, "tac": 1.0}
+    )
     share: float = 0.5
 
 
@@ -40,7 +43,10 @@ def tempered(logits: Float[Tensor, "*any K"], temperature: float) -> Float[Tenso
 
 
 def fuse(
-    kind: str, logits: Mapping[str, Float[Tensor, "B K"]], pair: Float[Tensor, "B K"] | None, calibration: Calibration
+    kind: str,
+    logits: Mapping[str, Float[Tensor, "B K"]],
+    pair: Float[Tensor, "B K"] | None,
+    calibration: Calibration,
 ) -> Float[Tensor, "B K"]:
     """Return the pair's class probabilities, tempered.
 
@@ -81,7 +87,9 @@ LATE: dict[str, Callable[[Float[Tensor, "2 *any K"], float], Float[Tensor, "*any
     "mean": lambda logs, share: torch.logsumexp(logs, dim=0) - math.log(2),
     "product": lambda logs, share: torch.log_softmax(logs.mean(0), dim=-1),
     "confidence": lambda logs, share: _confidence(logs),
-    "learned": lambda logs, share: torch.log_softmax(share * logs[0] + (1 - share) * logs[1], dim=-1),
+    "learned": lambda logs, share: torch.log_softmax(
+        share * logs[0] + (1 - share) * logs[1], dim=-1
+    ),
 }
 FUSIONS = (*LATE, "feature")
 

@@ -27,7 +27,8 @@ class PairCoefficients:
 
     names: tuple[str, ...]  # of the M modalities
     stacked: Coefficients  # values "M B D"
-    taught: dict[str, Float[Tensor, "B K"]] = field(default_factory=dict)  # see `Body.taught_logits`
+    # see `Body.taught_logits`
+    taught: dict[str, Float[Tensor, "B K"]] = field(default_factory=dict)
 
     def __getitem__(self, pairs: Any) -> "PairCoefficients":
         """Return the coefficients of some pairs: a slice, a mask or indices."""
@@ -65,7 +66,9 @@ class OmniVaT(Body):
             kept = self.coefficients(vis, tac)
             return self.from_coefficients(kept, order, nodes=nodes, attention=attention)
 
-    def coefficients(self, vis: Float[Tensor, "_ _"] | None, tac: Float[Tensor, "_ _"] | None) -> PairCoefficients:
+    def coefficients(
+        self, vis: Float[Tensor, "_ _"] | None, tac: Float[Tensor, "_ _"] | None
+    ) -> PairCoefficients:
         """Return the coefficients of B pairs; keep them to change p. One image may be None.
 
         Raises DataError if both are missing, ShapeError for a wrong width or unequal B.
@@ -162,22 +165,28 @@ class OmniVaT(Body):
         )
 
     def _mean(
-        self, found: Float[Tensor, "M B D"], root: Float[Tensor, "B D"], fold: bool
+        self, features: Float[Tensor, "M B D"], root: Float[Tensor, "B D"], fold: bool
     ) -> Float[Tensor, "B D"] | None:
         """Return the mean over the nodes that grow from the features."""
         if self.settings.generation == "none":
             return None
         if self.settings.generation == "interpolation":
-            return root / len(found)  # points are evenly spaced between the features
-        folded = self._folds.get(("tree",), lambda: fold_tree(self.dtg)) if fold else self.dtg.fold()
+            return root / len(features)  # points are evenly spaced between the features
+        folded = (
+            self._folds.get(("tree",), lambda: fold_tree(self.dtg)) if fold else self.dtg.fold()
+        )
         return linear(root, *folded)
 
-    def _alone(self, found: Float[Tensor, "M B D"], fold: bool) -> Float[Tensor, "M B D"]:
+    def _alone(self, features: Float[Tensor, "M B D"], fold: bool) -> Float[Tensor, "M B D"]:
         """Return F-hat of each modality with the other image absent: T is its F-bar."""
         if not self.settings.tree_at_inference:
-            return found
-        means = [self._mean(rows[None], rows, fold) for rows in found]
-        return found if means[0] is None else found + torch.stack([m for m in means if m is not None])
+            return features
+        means = [self._mean(rows[None], rows, fold) for rows in features]
+        return (
+            features
+            if means[0] is None
+            else features + torch.stack([m for m in means if m is not None])
+        )
 
     def training_pass(
         self,
@@ -194,21 +203,28 @@ class OmniVaT(Body):
 
         lang      of each pair's class, or None
         lang_on   pairs whose VIS and TAC are guided by LANG; None: all
-        token_on  pairs that use the token of their class; the others use the class-agnostic one, as in prediction
+        token_on  pairs that use the token of their class; the others use the class-agnostic one, as
+                  in prediction
         order     orders that replace the learned one, without gradient
         """
         given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
-        return training_pass(self, given, lang, labels, lang_on=lang_on, token_on=token_on, order=order)
+        return training_pass(
+            self, given, lang, labels, lang_on=lang_on, token_on=token_on, order=order
+        )
 
 
-def _by_name(names: tuple[str, ...], channels: Float[Tensor, "2 M B D"]) -> dict[str, Float[Tensor, "2 B D"]]:
+def _by_name(
+    names: tuple[str, ...], channels: Float[Tensor, "2 M B D"]
+) -> dict[str, Float[Tensor, "2 B D"]]:
     """Return the channels by modality."""
     return {name: channels[:, row] for row, name in enumerate(names)}
 
 
 def _rows(order: float | Tensor, rows: slice) -> float | Tensor:
     """Return the orders of some pairs; a single order serves all."""
-    return order[rows] if isinstance(order, Tensor) and order.ndim == 1 and len(order) > 1 else order
+    return (
+        order[rows] if isinstance(order, Tensor) and order.ndim == 1 and len(order) > 1 else order
+    )
 
 
 def build_head(settings: HeadSettings, *, seed: int = 0) -> OmniVaT:

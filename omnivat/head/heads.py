@@ -42,6 +42,19 @@ def default_head() -> Path:
     return EXAMPLES / "head"
 
 
+def own_head() -> Path:
+    """Return the folder of the head for one's own pictures: it learned from all simulated
+    domains.
+    """
+    return EXAMPLES / "own"
+
+
+def head_named(text: str) -> Path:
+    """Return the folder of a head; "own" is the project's head for one's own pictures."""
+    folder = Path(text)
+    return own_head() if text == "own" and not folder.is_dir() else folder
+
+
 def default_embeddings() -> Path:
     """Return the project's own embeddings file (simulated domains)."""
     return EXAMPLES / "simulated.safetensors"
@@ -53,7 +66,8 @@ def ladder_file(embeddings: Path) -> Path:
 
 
 def ladder_key(head: Path, embeddings: Path) -> str:
-    """Return a hash of what a ladder is computed from: the head with its profile, the set and the records.
+    """Return a hash of what a ladder is computed from: the head with its profile, the set and the
+    records.
 
     Raises OSError if another file than the profile is missing: older heads have none.
     """
@@ -64,7 +78,9 @@ def ladder_key(head: Path, embeddings: Path) -> str:
 
 
 def kept_ladder(head: Path, embeddings: Path) -> dict[str, Any] | None:
-    """Return the ladder that `omnivat evaluate --ladder` wrote for exactly this head and set, or None."""
+    """Return the ladder that `omnivat evaluate --ladder` wrote for exactly this head and set, or
+    None.
+    """
     try:
         kept = json.loads(ladder_file(embeddings).read_bytes())
         return kept["ladder"] if kept["of"] == ladder_key(head, embeddings) else None

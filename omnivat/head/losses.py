@@ -1,4 +1,6 @@
-"""The losses: multimodal alignment (MMA), node diversity (NOD), and the joint loss with its parts."""
+"""The losses: multimodal alignment (MMA), node diversity (NOD), and the joint loss with its
+parts.
+"""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -13,14 +15,15 @@ from omnivat.kit.stages import MODALITIES
 
 
 def mma_loss(
-    lang: Float[Tensor, "B D"], vis: Float[Tensor, "B D"] | None = None, tac: Float[Tensor, "B D"] | None = None
+    lang: Float[Tensor, "B D"],
+    vis: Float[Tensor, "B D"] | None = None,
+    tac: Float[Tensor, "B D"] | None = None,
 ) -> Float[Tensor, ""]:
     """Multimodal alignment (MMA): KL(LANG || VIS) + KL(LANG || TAC), without the weight λ.
 
-    A softmax over D makes each feature a distribution; an absent modality has no term. In nats, >= 0,
-    mean over the batch; 0 if they agree. LANG is the reference, the first argument of the divergence. Gradients flow to all.
-    Raises ShapeError if shapes differ.
-    Source: paper, L_MMA.
+    A softmax over D makes each feature a distribution; an absent modality has no term. In nats, >=
+    0, mean over the batch; 0 if they agree. LANG is the reference, the first argument of the
+    divergence. Gradients flow to all. Raises ShapeError if shapes differ. Source: paper, L_MMA.
     """
     others = {name: x for name, x in (("vis", vis), ("tac", tac)) if x is not None}
     require_shapes(lang=(lang, "B D"), **{name: (x, "B D") for name, x in others.items()})
@@ -90,5 +93,9 @@ def joint_loss(
         mma = mma_loss(**{n: x if aligned is None else x[aligned] for n, x in given.items()})
     nod = nod_loss(layers) if nod_weight else zero
     ce = torch.stack([cross_entropy(values, labels) for values in logits.values()]).mean()
-    fit = ce if targets is None else torch.stack([mse_loss(logits[n], targets[n]) for n in logits]).mean()
+    fit = (
+        ce
+        if targets is None
+        else torch.stack([mse_loss(logits[n], targets[n]) for n in logits]).mean()
+    )
     return Losses(mma_weight * mma + nod_weight * nod + fit, mma, nod, ce)

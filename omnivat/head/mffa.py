@@ -8,13 +8,13 @@ from jaxtyping import Bool, Float, Float64, Int
 from torch import Tensor, nn
 from torch.nn.functional import linear, normalize
 
-from omnivat.head import factored, reference
+from omnivat.head import factored, plain
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.stages import MODALITIES
 
 
 class FrATT(nn.Module):
-    """The weights of fractional Fourier attention (FrATT); `reference.attention` computes it.
+    """The weights of fractional Fourier attention (FrATT); `plain.attention` computes it.
 
     One head; biases on all linear layers; no output projection, residual or normalisation.
     The same weights serve VIS, TAC and LANG. The bias of the keys and the class token in the keys
@@ -26,7 +26,9 @@ class FrATT(nn.Module):
         self.query = nn.Linear(width, width)
         self.key = nn.Linear(width, width)
         self.value = nn.Linear(width, width)
-        self.ffn = nn.Sequential(nn.Linear(width, ffn_ratio * width), nn.GELU(), nn.Linear(ffn_ratio * width, width))
+        self.ffn = nn.Sequential(
+            nn.Linear(width, ffn_ratio * width), nn.GELU(), nn.Linear(ffn_ratio * width, width)
+        )
         root = float(width**0.5)  # √D divides the scores, or as printed the values
         self.roots = (root, 1.0) if scale == "inside" else (1.0, root)
 
@@ -68,7 +70,9 @@ class MFFA(nn.Module):
             return
         for name in MODALITIES:
             self.theta[name] = nn.Parameter(_theta(settings))
-        self.fratt = FrATT(settings.width, ffn_ratio=settings.ffn_ratio, scale=settings.attention_scale)
+        self.fratt = FrATT(
+            settings.width, ffn_ratio=settings.ffn_ratio, scale=settings.attention_scale
+        )
         classes = len(settings.classes)
         self.register_buffer("bank", torch.zeros(len(MODALITIES), classes, settings.width))
         self.register_buffer("bank_seen", torch.zeros(classes, dtype=torch.bool))
@@ -80,11 +84,14 @@ class MFFA(nn.Module):
         return self.order[[MODALITIES.index(name) for name in names], None]
 
     def parts(
-        self, names: Sequence[str], embedding: Float[Tensor, "M B D"], order: Tensor | float | None = None
+        self,
+        names: Sequence[str],
+        embedding: Float[Tensor, "M B D"],
+        order: Tensor | float | None = None,
     ) -> Float[Tensor, "2 M B D"]:
         """Transform embeddings to Re and Im. order None: the learned one."""
         p = self.orders(names) if order is None else torch.as_tensor(order, dtype=torch.float64)
-        return reference.transform(embedding, p.to(embedding.device))  # few rows: one product with V
+        return plain.transform(embedding, p.to(embedding.device))  # few rows: one product with V
 
     def channels(self, parts: Float[Tensor, "2 *any"]) -> Float[Tensor, "#2 *any"]:
         """Return the channels for tokens: Re and Im, their modulus, or Re."""
@@ -109,7 +116,11 @@ class MFFA(nn.Module):
 
     @torch.no_grad()
     def update_bank(
-        self, tokens: Mapping[str, Float[Tensor, "B D"]], labels: Int[Tensor, " B"], *, momentum: float = 0.9
+        self,
+        tokens: Mapping[str, Float[Tensor, "B D"]],
+        labels: Int[Tensor, " B"],
+        *,
+        momentum: float = 0.9,
     ) -> None:
         """Move the bank towards the class means of `tokens`, by modality."""
         if not tokens:
@@ -131,29 +142,30 @@ class MFFA(nn.Module):
         table = factored.tables(self.thetas(names), len(channels))
         return Expanded(parts, factored.base_vectors(channels, table.halves.shape[1]), table)
 
-    def mean_tokens(self, own: Expanded) -> Float[Tensor, "M B D"]:
+    def mean_tokens(self, expanded: Expanded) -> Float[Tensor, "M B D"]:
         """Return the mean over the tokens of each sample.
 
-        With complex attention it is the mean of the real tokens, because class tokens are added to them.
+        With complex attention it is the mean of the real tokens, because class tokens are added to
+        them.
         """
         if self.real == "hermitian":
-            return factored.mean_channels(own.base, own.table)[0]
-        return factored.combined(own.base, own.table.tokens.mean(-1)[:, None])
+            return factored.mean_channels(expanded.base, expanded.table)[0]
+        return factored.combined(expanded.base, expanded.table.tokens.mean(-1)[:, None])
 
     # ---- attention ---------------------------------------------------------------------------
 
     def features(
         self,
         names: Sequence[str],
-        own: Expanded,
+        expanded: Expanded,
         *,
         guide: Float[Tensor, "B D"] | None = None,
         guided: Bool[Tensor, " B"] | None = None,
         token: Float[Tensor, "M #B D"] | None = None,  # noqa: F821
     ) -> Float[Tensor, "M B D"]:
-        """Return F-bar of several modalities, equal to that of `reference.mffa`.
+        """Return F-bar of several modalities, equal to that of `plain.mffa`.
 
-        own     from `expand`
+        expanded  from `expand`
         guide   F-bar of LANG: replaces token queries where `guided` is True
         token   class tokens; None: the class-agnostic ones
         """
@@ -163,9 +175,11 @@ class MFFA(nn.Module):
             token = self.class_agnostic_tokens(names)[:, None]
         if self.real == "hermitian":  # complex attention has no base vectors: token by token
             rows = [None] * len(names) if token is None else token
-            each = zip(names, own.parts.unbind(1), rows, strict=True)
-            return torch.stack([self.attend(n, p, guide=guide, guided=guided, token=t)[0] for n, p, t in each])
-        fratt, base, table = self.fratt, own.base, own.table
+            each = zip(names, expanded.parts.unbind(1), rows, strict=True)
+            return torch.stack(
+                [self.attend(n, p, guide=guide, guided=guided, token=t)[0] for n, p, t in each]
+            )
+        fratt, base, table = self.fratt, expanded.base, expanded.table
         score_root, value_root = fratt.roots
         keys = linear(base, fratt.key.weight)
         scores = factored.dots(linear(base, fratt.query.weight), keys)
@@ -190,12 +204,14 @@ class MFFA(nn.Module):
         guided: Bool[Tensor, " B"] | None = None,
         token: Float[Tensor, "#B D"] | None = None,
     ) -> tuple[Float[Tensor, "B D"], Float[Tensor, "B Q T"]]:
-        """Return F-bar of one modality and its attention weights, token by token; see `features`."""
-        tokens = reference.tokens_of(parts, self.theta[name], self.real)
-        queries = reference.queries_of(tokens, guide, guided)
+        """Return F-bar of one modality and its attention weights, token by token; see
+        `features`.
+        """
+        tokens = plain.tokens_of(parts, self.theta[name], self.real)
+        queries = plain.queries_of(tokens, guide, guided)
         if self.class_token and token is None:
             token = self.class_agnostic_tokens([name])
-        found, weights = reference.attention(self.fratt, queries, reference.with_class_token(tokens, token))
+        found, weights = plain.attention(self.fratt, queries, plain.with_class_token(tokens, token))
         return self._finished(found), weights
 
     def _finished(self, feature: Float[Tensor, "*any D"]) -> Float[Tensor, "*any D"]:

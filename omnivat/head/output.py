@@ -28,15 +28,18 @@ class HeadOutput:
     """
 
     logits: dict[str, Float[Tensor, "B K"]]  # of the cosine classifier, for each branch
-    alone: dict[str, Float[Tensor, "B K"]]  # with the other image absent, as in a call with one image
+    # with the other image absent, as in a call with one image
+    alone: dict[str, Float[Tensor, "B K"]]
     pair: Float[Tensor, "B K"]  # of the sum of both F-hat
     frft: dict[str, Float[Tensor, "2 B D"]]  # Re and Im of the transformed embedding
     relu: dict[str, Float[Tensor, "2 B D"]]  # F: after θ_e and ReLU, mean over the E tokens
     f_bar: dict[str, Float[Tensor, "B D"]]  # after FrATT
     f_hat: dict[str, Float[Tensor, "B D"]]  # after DTG
     attention: dict[str, Float[Tensor, "B T T"]] = field(default_factory=dict)  # if requested
-    nodes: Float[Tensor, "B N D"] | None = None  # of the tree in heap order, if requested and present
-    taught: dict[str, Float[Tensor, "B K"]] = field(default_factory=dict)  # replace the classifier's, by reading
+    # of the tree in heap order, if requested and present
+    nodes: Float[Tensor, "B N D"] | None = None
+    # replace the classifier's, by reading
+    taught: dict[str, Float[Tensor, "B K"]] = field(default_factory=dict)
 
     fusion: str = "mean"  # of the branches
     calibration: Calibration = field(default_factory=Calibration)  # on held-out source pairs
@@ -92,7 +95,8 @@ class TrainingOutput:
     features: dict[str, Float[Tensor, "B D"]]  # F-bar: "vis", "tac", and "lang" if present
     layers: list[Float[Tensor, "B _ D"]]  # groups for NOD: the tree's levels, root first
     logits: dict[str, Float[Tensor, "B K"]]
-    tokens: dict[str, Float[Tensor, "B D"]]  # mean token of each modality, for the bank of class tokens
+    # mean token of each modality, for the bank of class tokens
+    tokens: dict[str, Float[Tensor, "B D"]]
 
 
 def joined(outputs: Sequence[HeadOutput]) -> HeadOutput:

@@ -1,6 +1,6 @@
 """Write heads and encoders as ONNX files, for a page that computes in its visitor's browser.
 
-The head is `model/reference.py`, exported as it stands: the transform is two real products with cos
+The head is `plain.py`, exported as it stands: the transform is two real products with cos
 and sin of k·p, and p is an input.
 """
 
@@ -13,7 +13,7 @@ import torch
 from torch import Tensor, nn
 
 from omnivat.encoders.onnx_runtime import translate
-from omnivat.head import reference
+from omnivat.head import plain
 from omnivat.head.checkpoint import Head
 from omnivat.head.fusion import fuse, tempered
 from omnivat.head.output import READINGS
@@ -23,7 +23,11 @@ from omnivat.kit.stages import IMAGES, STAGES
 INPUTS = (*IMAGES, "orders", "directions")
 OUTPUTS = (
     *(f"p_{name}" for name in READINGS),
-    *(f"{name}_{what}" for name in IMAGES for what in ("size", "alone", "f_hat", "standing", "attention")),
+    *(
+        f"{name}_{what}"
+        for name in IMAGES
+        for what in ("size", "alone", "f_hat", "standing", "attention")
+    ),
 )
 
 
@@ -44,22 +48,27 @@ class PortableHead(_Portable):
                 the row for teaching (1, input_width) and attention (P, Q, T)
     """
 
-    def forward(self, vis: Tensor, tac: Tensor, orders: Tensor, directions: Tensor) -> tuple[Tensor, ...]:
+    def forward(
+        self, vis: Tensor, tac: Tensor, orders: Tensor, directions: Tensor
+    ) -> tuple[Tensor, ...]:
         head = self.model
         raw = {"vis": vis, "tac": tac}
         found = {
-            name: reference.mffa(head, name, reference.embedded(head, name, raw[name]), orders[row])
+            name: plain.mffa(head, name, plain.embedded(head, name, raw[name]), orders[row])
             for row, name in enumerate(IMAGES)
         }
         bars = [one.f_bar.expand(orders.shape[1], -1) for one in found.values()]  # (P, D) each
         hats = [bar + self._mean(bars) for bar in bars]
         alone = [bar + self._mean([bar]) for bar in bars]
-        branches = {name: head.classify(hat, directions) for name, hat in zip(IMAGES, hats, strict=True)}
+        branches = {
+            name: head.classify(hat, directions) for name, hat in zip(IMAGES, hats, strict=True)
+        }
         own, scale = head.calibration, head.calibration.temperature
         pair = head.classify(torch.stack(hats).sum(0), directions)
         readings = [fuse(head.settings.fusion, branches, pair, own)]
         readings += [
-            tempered(head.classify(one, directions), scale[name]) for name, one in zip(IMAGES, alone, strict=True)
+            tempered(head.classify(one, directions), scale[name])
+            for name, one in zip(IMAGES, alone, strict=True)
         ]
         readings += [tempered(one, scale["fused"]) for one in branches.values()]
         rest = []
@@ -71,7 +80,7 @@ class PortableHead(_Portable):
         return (*readings, *rest)
 
     def _mean(self, bars: list[Tensor]) -> Tensor | float:
-        nodes = reference.tree(self.model, bars, torch.stack(bars).sum(0))
+        nodes = plain.tree(self.model, bars, torch.stack(bars).sum(0))
         return nodes.mean(1) if nodes is not None and self.model.settings.tree_at_inference else 0.0
 
 
@@ -96,9 +105,17 @@ def _write(
     shapes: tuple[Any, ...],
 ) -> None:
     model = deepcopy(head.model).float()
-    reference.eigenbasis(head.settings.width, model.dtype, torch.device("cpu"))  # a constant of the graph
+    # a constant of the graph
+    plain.eigenbasis(head.settings.width, model.dtype, torch.device("cpu"))
     with replacing(file) as whole:
-        translate(portable(model), given, whole, input_names=inputs, output_names=outputs, dynamic_shapes=shapes)
+        translate(
+            portable(model),
+            given,
+            whole,
+            input_names=inputs,
+            output_names=outputs,
+            dynamic_shapes=shapes,
+        )
 
 
 STAGED = STAGES[1:]  # all but the raw embedding
@@ -109,13 +126,14 @@ class PortableStages(_Portable):
 
     vis, tac  (B, input_width) raw embeddings
     orders    (B,) float64, quarter turns
-    return    STAGED of each modality (B, D) or (B, 2D), Re before Im; then, if the head has a tree, of
-              the pair, of VIS alone and of TAC alone: nodes (B, N, D) and their probabilities (B, N, K)
+    return    STAGED of each modality (B, D) or (B, 2D), Re before Im; then, if the head has a tree,
+              of the pair, of VIS alone and of TAC alone: nodes (B, N, D) and their probabilities
+              (B, N, K)
     """
 
     def forward(self, vis: Tensor, tac: Tensor, orders: Tensor) -> tuple[Tensor, ...]:
         head = self.model
-        out = reference.predict(head, {"vis": vis, "tac": tac}, orders)
+        out = plain.predict(head, {"vis": vis, "tac": tac}, orders)
         bars = {name: one.f_bar for name, one in out.features.items()}
         stages = {
             "frft": {name: one.parts for name, one in out.features.items()},
@@ -124,19 +142,23 @@ class PortableStages(_Portable):
             "f_hat": out.f_hat,
         }
         rows = [stages[s][name].movedim(-2, 0).flatten(1) for s in STAGED for name in IMAGES]
-        trees = [out.nodes, *(reference.tree(head, [bars[n]], bars[n]) for n in IMAGES)]
+        trees = [out.nodes, *(plain.tree(head, [bars[n]], bars[n]) for n in IMAGES)]
         grown = [(nodes, head.classify(nodes).softmax(-1)) for nodes in trees if nodes is not None]
         return (*rows, *(tensor for pair in grown for tensor in pair))
 
 
 def write_stages(file: Path, head: Head) -> None:
-    """Write the stages of a head as one ONNX file: STAGED_vis, STAGED_tac, [vis_|tac_]nodes and shares.
+    """Write the stages of a head as one ONNX file: STAGED_vis, STAGED_tac, [vis_|tac_]nodes and
+    shares.
 
     Raises MissingPackageError if a package of ONNX is not installed.
     """
     names = [f"{stage}_{name}" for stage in STAGED for name in IMAGES]
     if head.settings.generation != "none":
         names += [f"{of}{what}" for of in ("", "vis_", "tac_") for what in ("nodes", "shares")]
-    many, rows = torch.export.Dim("pairs", min=2, max=4096), torch.rand(3, head.settings.input_width)
+    many, rows = (
+        torch.export.Dim("pairs", min=2, max=4096),
+        torch.rand(3, head.settings.input_width),
+    )
     given = rows, rows.clone(), torch.rand(3, dtype=torch.float64)
     _write(file, head, PortableStages, given, (*IMAGES, "orders"), names, ({0: many},) * 3)

@@ -14,7 +14,12 @@ PRECISION = torch.float64  # heads in this dtype give the same digits in any bat
 
 @torch.no_grad()
 def predict_embeddings(
-    head: Head, vis: Tensor | None, tac: Tensor | None, *, order: float | None = None, profile: Profile | None = None
+    head: Head,
+    vis: Tensor | None,
+    tac: Tensor | None,
+    *,
+    order: float | None = None,
+    profile: Profile | None = None,
 ) -> list[dict[str, Any]]:
     """Return one record for each pair, as plain values.
 
@@ -27,7 +32,10 @@ def predict_embeddings(
               modality, if the head has its training embeddings
     """
     if profile is not None:
-        vis, tac = (x if x is None else head.moved(name, x, profile) for name, x in (("vis", vis), ("tac", tac)))
+        vis, tac = (
+            x if x is None else head.moved(name, x, profile)
+            for name, x in (("vis", vis), ("tac", tac))
+        )
     given = [None if rows is None else rows.to(head.model.classifier.device) for rows in (vis, tac)]
     readings = head.model(*given, order=optional_order(order)).readings
     found = {name: values.cpu() for name, values in readings.items()}
@@ -35,7 +43,9 @@ def predict_embeddings(
     looked = head.familiarity.look(vis, tac) if head.familiarity else None
 
     def named(row: int, ending: str = "") -> dict[str, dict[str, float]]:
-        own = {name: found[name + ending][row].tolist() for name in IMAGES if name + ending in found}
+        own = {
+            name: found[name + ending][row].tolist() for name in IMAGES if name + ending in found
+        }
         return {name: dict(zip(classes, values, strict=True)) for name, values in own.items()}
 
     return [

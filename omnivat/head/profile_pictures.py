@@ -31,7 +31,11 @@ class Picture:
 
 
 def pictures_in(
-    folder: Path | None, *, vis: Path | None = None, tac: Path | None = None, rest: str | None = None
+    folder: Path | None,
+    *,
+    vis: Path | None = None,
+    tac: Path | None = None,
+    rest: str | None = None,
 ) -> list[Picture]:
     """Return the pictures of a folder: of pairs, or by name (`*_vis.*`, `*_tac.*`, vis/, tac/).
 
@@ -41,9 +45,15 @@ def pictures_in(
     """
     if folder is None:
         places = (("vis", vis), ("tac", tac))
-        found = [_picture(name, path) for name, place in places for path in (_images(place) if place else ())]
+        found = [
+            _picture(name, path)
+            for name, place in places
+            for path in (_images(place) if place else ())
+        ]
     else:
-        found = _of_pairs(folder, rest) or [_picture(m, path) for path in _images(folder) if (m := modality_of(path))]
+        found = _of_pairs(folder, rest) or [
+            _picture(m, path) for path in _images(folder) if (m := modality_of(path))
+        ]
     if not found:
         raise DataError(
             f"No photos or tactile images are in '{show(folder or vis or tac or '')}'. Name them "
@@ -65,7 +75,9 @@ def _of_pairs(folder: Path, rest: str | None) -> list[Picture]:
     except OmniVatError:
         return []
     photos = [_picture("vis", path) for path in dict.fromkeys(pair.vis for pair in pairs)]
-    return photos + [replace(_picture("tac", p.tac), crop=p.tac_crop, rest=p.tac_rest) for p in pairs]
+    return photos + [
+        replace(_picture("tac", p.tac), crop=p.tac_crop, rest=p.tac_rest) for p in pairs
+    ]
 
 
 def modality_of(path: Path) -> str:

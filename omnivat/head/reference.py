@@ -1,258 +1,199 @@
-"""The OmniVaT head as the paper has it, from top to bottom: plain, slow, complete. Read it first.
+"""OmniVaT as the paper has it, top to bottom, in plain torch. Read this first.
 
-A comment beside a line is the shape of its result; a test checks those of arguments and results. B pairs, C channels (Re and Im), E numbers θ_e,
-T tokens, Q queries, D width, N nodes of the tree, K classes. The fast head (`head.py`, `mffa.py`)
-computes the same with fewer products; the tests compare the two. No line looks at a value, so
-`torch.export` takes `predict` with p as an input. Choices that the paper leaves open: docs/method.md.
+Source: Qiu et al., *OmniVaT: Single Domain Generalization for Multimodal Visual-Tactile Learning*;
+Eq. numbers are the paper's. A comment beside a line is the shape of its result: B pairs, W width of
+the encoder, D width of the head, E numbers θ_e, T = 2E tokens, N nodes, K classes. Where the paper
+leaves something open, this is the project's choice; docs/method.md gives the reasons. The fast head
+(`head.py`) has the same parameters under the same names and computes the same; a test holds the two
+together.
 """
 
-from collections.abc import Mapping
-from functools import lru_cache
-from typing import Any, NamedTuple
-
 import torch
-from jaxtyping import Bool, Float, Float64, Int
-from torch import Tensor, nn
+from torch import Tensor, linalg, log_softmax, nn, relu, softmax, stack
 from torch.nn.functional import cross_entropy, linear, normalize
 
-from omnivat.fractional import Basis, basis
-from omnivat.head.dtg import groups, parents
-from omnivat.head.fusion import fuse, tempered
-from omnivat.head.output import TrainingOutput
+from omnivat.fractional import basis
+from omnivat.kit.stages import MODALITIES  # lang: text, in training alone; vis: photo; tac: touch
 
 
-def embedded(head: Any, name: str, raw: Float[Tensor, "B W"]) -> Float[Tensor, "B D"]:
-    """Project an encoder's embeddings to width D; their length becomes √D.
+def dfrft(x: Tensor, p: Tensor) -> tuple[Tensor, Tensor]:
+    """Eq. 2: F_p(x) = V exp(-iπpk/2) Vᵀ x, as its real and imaginary part.
 
-    Ours, before it: each channel of an image by the source's mean and scale (docs/method.md).
+    V are the eigenvectors of the Fourier matrix, k the index of each. p = 0 leaves x as it is,
+    p = 1 is the Fourier transform, and p in between stops on the way.
     """
-    if head.settings.standardize:
-        raw = head.standardised(name, raw)  # (B, W)
-    apart = name == "tac" and head.settings.projects_apart
-    layer = head.project_tac if apart else head.project_image
-    projected = (head.project_lang if name == "lang" else layer)(raw)  # (B, D)
-    if head.settings.feature_scale == "literal":
-        return projected  # type: ignore[no-any-return]
-    return head.length * normalize(projected, dim=-1)  # type: ignore[no-any-return]
+    vectors, k = basis(x.shape[-1], dtype=x.dtype)  # (D, D), (D,)
+    angle = torch.pi / 2 * p * k  # (D,)
+    cos, sin = angle.cos().to(x.dtype), angle.sin().to(x.dtype)  # of float64, as p is
+    inner = x @ vectors  # (B, D)
+    return (inner * cos) @ vectors.mT, (inner * -sin) @ vectors.mT
 
 
-@lru_cache(maxsize=8)
-def eigenbasis(width: int, dtype: torch.dtype, device: torch.device) -> Basis:
-    """Return the eigenvectors V of the Fourier matrix, and the index k of each."""
-    with torch.inference_mode(False):
-        return basis(width, dtype=dtype, device=device)
+class FrATT(nn.Module):
+    """Fractional Fourier attention, one head. Eq. 4."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.query, self.key, self.value = (nn.Linear(width, width) for _ in range(3))
+        self.ffn = nn.Sequential(
+            nn.Linear(width, 4 * width), nn.GELU(), nn.Linear(4 * width, width)
+        )
+
+    def forward(self, queries: Tensor, tokens: Tensor) -> Tensor:
+        """Return a feature (B, D) of queries and tokens (B, T, D)."""
+        scores = self.query(queries) @ self.key(tokens).mT  # (B, T, T)
+        # the root: inside, against Eq. 4
+        weights = softmax(scores / tokens.shape[-1] ** 0.5, dim=-1)
+        mixed: Tensor = self.ffn((weights @ self.value(tokens)).mean(1))  # (B, D)
+        return mixed
 
 
-def transform(embedding: Float[Tensor, "*any D"], order: Float64[Tensor, "..."]) -> Float[Tensor, "2 *any D"]:
-    """Return F_p(E) = V diag(exp(-iπpk/2)) Vᵀ E, as Re and Im. Eq. 2.
+class MFFA(nn.Module):
+    """Multimodal fractional Fourier adapter: one order p and one FrATT for all modalities."""
 
-    order  broadcast against the leading axes of E; with gradients, once
+    def __init__(self, width: int, expansion: int, classes: int) -> None:
+        super().__init__()
+        self.order = nn.Parameter(torch.tensor(0.5, dtype=torch.float64))  # p, learned
+        # equal ones stay equal
+        spread = torch.linspace(0.5, 1.5, expansion) if expansion > 1 else torch.ones(1)
+        self.theta = nn.ParameterDict({m: nn.Parameter(spread.clone()) for m in MODALITIES})
+        self.fratt = FrATT(width)
+        # class tokens, kept while training
+        self.register_buffer("bank", torch.zeros(3, classes, width))
+        self.register_buffer("bank_seen", torch.zeros(classes).bool())
+
+    def class_token(self, name: str) -> Tensor:
+        """Return the class-agnostic token (D,): the mean over the classes; it needs no label."""
+        bank, seen = self.get_buffer("bank"), self.get_buffer("bank_seen").double()
+        rows: Tensor = bank[MODALITIES.index(name)]
+        return (seen.to(rows) @ rows) / seen.sum().clamp_min(1).to(rows)
+
+    def forward(
+        self,
+        name: str,
+        embedding: Tensor,
+        guide: Tensor | None = None,
+        guided: Tensor | None = None,
+        same: Tensor | None = None,
+        token_on: Tensor | None = None,
+    ) -> Tensor:
+        """Return F̄ (B, D) of one modality's embeddings (B, D).
+
+        guide, guided    F̄ of LANG (B, D), and which pairs (B,) it guides
+        same, token_on   which pairs share a class (B, B), and which see their own class token (B,)
+        """
+        parts = stack(dfrft(embedding, self.order), dim=1)  # (B, 2, D)
+        # Eq. 3: (B, T, D)
+        tokens = relu(self.theta[name][:, None] * parts[:, :, None]).flatten(1, 2)
+        queries = tokens
+        if guide is not None and guided is not None:  # Eq. 6: LANG is the query
+            queries = torch.where(guided[:, None, None], guide[:, None], tokens)
+        token = self.class_token(name).expand_as(embedding)  # F_g: (B, D)
+        if same is not None and token_on is not None:  # in training: the mean of the pair's class
+            of_class = same / same.sum(1, keepdim=True) @ tokens.mean(1)  # (B, D)
+            token = torch.where(token_on[:, None], of_class, token)
+        return normalize(self.fratt(queries, tokens + token[:, None]), dim=-1)
+
+
+class DTG(nn.Module):
+    """Discrete tree generation: a binary tree of linear children. Eq. 7 and 8."""
+
+    def __init__(self, width: int, levels: int) -> None:
+        super().__init__()
+        edges = 2**levels - 2
+        self.weight = nn.Parameter(
+            stack([linalg.qr(torch.empty(width, width).normal_())[0] for _ in range(edges)])
+        )
+        self.bias = nn.Parameter(torch.zeros(edges, width))
+
+    def forward(self, root: Tensor) -> Tensor:
+        """Return all nodes (B, N, D) of roots (B, D): node n has the children 2n + 1 and 2n + 2."""
+        nodes = [root]
+        for edge, (weight, bias) in enumerate(zip(self.weight, self.bias, strict=True)):
+            nodes.append(linear(nodes[edge // 2], weight, bias))  # (B, D)
+        return stack(nodes, dim=1)
+
+
+class Reference(nn.Module):
+    """The head: frozen embeddings of widths `images` and `text` in, class probabilities out.
+
+    A worked pair becomes one prediction over three classes; the tree has 2^3 - 1 = 7 nodes:
+
+    >>> _ = torch.manual_seed(0)
+    >>> head = Reference(classes=3, images=12, text=10, width=8)
+    >>> vis, tac = torch.randn(1, 12), torch.randn(1, 12)
+    >>> probabilities = head({"vis": vis, "tac": tac})
+    >>> probabilities.shape, torch.allclose(probabilities.sum(), torch.tensor(1.0))
+    (torch.Size([1, 3]), True)
+    >>> photo, touch = (head.mffa(m, head.embedded(m, x)) for m, x in (("vis", vis), ("tac", tac)))
+    >>> head.dtg(photo + touch).shape
+    torch.Size([1, 7, 8])
+
+    >>> head({"vis": vis}).shape  # from the photo alone
+    torch.Size([1, 3])
     """
-    vectors, k = eigenbasis(embedding.shape[-1], embedding.dtype, embedding.device)
-    turns = torch.fmod(torch.fmod(order, 4.0)[..., None] * k, 4.0)  # (..., D) float64, quarter turns
-    whole = torch.round(turns)  # applied as 0 or ±1, so that even orders are exact
-    angle, quarter = (turns - whole) * (torch.pi / 2), torch.remainder(whole.detach(), 4.0)
-    step = (quarter - 2).abs() - 1, 1 - (quarter - 1).abs()  # cosine and sine of it
-    cos = (angle.cos() * step[0] - angle.sin() * step[1]).to(embedding.dtype)
-    sin = (angle.sin() * step[0] + angle.cos() * step[1]).to(embedding.dtype)
-    inner = embedding @ vectors  # (..., D)
-    return linear(torch.stack((inner * cos, inner * -sin)), vectors)  # (2, ..., D)
 
+    def __init__(
+        self, classes: int, images: int, text: int, width: int, expansion: int = 4, levels: int = 3
+    ) -> None:
+        super().__init__()
+        self.length = width**0.5
+        self.project_image, self.project_tac = (nn.Linear(images, width) for _ in range(2))
+        self.project_lang = nn.Linear(text, width)
+        self.mffa, self.dtg = MFFA(width, expansion, classes), DTG(width, levels)
+        self.classifier = nn.Parameter(torch.empty(classes, width).normal_(std=width**-0.5))
 
-def tokens_of(parts: Float[Tensor, "2 B D"], theta: Float[Tensor, " E"], kind: str) -> Float[Tensor, "#2 B T D"]:
-    """Expand by θ_e and apply ReLU, Eq. 3.
+    def embedded(self, name: str, raw: Tensor) -> Tensor:
+        """Project an encoder's embeddings (B, W) to (B, D), of length √D."""
+        layers = {"lang": self.project_lang, "vis": self.project_image, "tac": self.project_tac}
+        embedding: Tensor = normalize(layers[name](raw), dim=-1) * self.length  # (B, D)
+        return embedding
 
-    θ_e commutes with the transform. Re and Im become tokens side by side, T = 2E; other kinds
-    take the modulus or Re alone, T = E, or keep complex tokens, (2, B, E, D).
-    """
-    if kind == "magnitude":
-        parts, theta = torch.linalg.vector_norm(parts, dim=0, keepdim=True), theta.abs()
-    parts = parts[:1] if kind == "real" else parts
-    tokens = torch.relu(theta[:, None] * parts[:, :, None])  # (C, B, E, D)
-    return tokens if kind == "hermitian" else tokens.movedim(0, 1).flatten(1, 2)[None]
+    def classify(self, features: Tensor) -> Tensor:
+        """Return logits (B, K): ten times the cosine to each class."""
+        return 10 * normalize(features, dim=-1) @ normalize(self.classifier, dim=-1).mT
 
+    def forward(self, images: dict[str, Tensor]) -> Tensor:
+        """Return probabilities (B, K) of "vis", "tac" or both (B, W). Alg. 2, with the tree."""
+        bars = [self.mffa(name, self.embedded(name, raw)) for name, raw in images.items()]
+        mean = self.dtg(stack(bars).sum(0)).mean(1)  # T = F̄ᵛ + F̄ᵗ, and the mean node: (B, D)
+        return stack([softmax(self.classify(bar + mean), dim=-1) for bar in bars]).mean(0)
 
-def attention(
-    fratt: nn.Module, queries: Float[Tensor, "C B Q D"], tokens: Float[Tensor, "C B T D"]
-) -> tuple[Float[Tensor, "B D"], Float[Tensor, "B Q T"]]:
-    """FrATT, Eq. 4: the feature and the weights.
+    def loss(
+        self,
+        images: dict[str, Tensor],
+        lang: Tensor,
+        labels: Tensor,
+        lang_on: Tensor,
+        token_on: Tensor,
+    ) -> Tensor:
+        """Return the joint loss of a batch, Alg. 1: 10 L_MMA + L_NOD + cross-entropy. Eq. 12.
 
-    C = 1, or 2 for complex tokens: scores Re(Q Kᴴ), then the modulus; biases belong to Re.
-    """
-    fratt_any: Any = fratt
-    score_root, value_root = fratt_any.roots
-    query, key = (_layer(x, y) for x, y in ((fratt_any.query, queries), (fratt_any.key, tokens)))
-    weights = torch.softmax((query @ key.mT).sum(0) / score_root, dim=-1)  # (B, Q, T)
-    mixed = (weights @ _layer(fratt_any.value, tokens)).mean(2) / value_root  # (C, B, D)
-    real = mixed[0] if len(mixed) == 1 else torch.linalg.vector_norm(mixed, dim=0)  # (B, D)
-    return fratt_any.ffn(real), weights
-
-
-def queries_of(
-    tokens: Float[Tensor, "C B T D"], guide: Float[Tensor, "B D"] | None, guided: Bool[Tensor, " B"] | None
-) -> Float[Tensor, "C B T D"]:
-    """Return queries: tokens, or F-bar of LANG where guided. Eq. 6."""
-    if guide is None or guided is None:
-        return tokens
-    text = torch.stack((guide, torch.zeros_like(guide)))[: len(tokens), :, None]  # (C, B, 1, D)
-    return torch.where(guided[:, None, None], text, tokens)
-
-
-def with_class_token(tokens: Float[Tensor, "C B T D"], token: Float[Tensor, "#B D"] | None) -> Float[Tensor, "C B T D"]:
-    """Add F_g to the real part of the tokens."""
-    if token is None:
-        return tokens
-    real = tokens[:1] + token[:, None]  # (1, B, T, D)
-    return torch.cat((real, tokens[1:]))
-
-
-def _layer(layer: nn.Linear, parts: Float[Tensor, "C B N _"]) -> Float[Tensor, "C B N _"]:
-    """Apply a real layer to channels; its bias is added to the first one only."""
-    return torch.cat((layer(parts[:1]), linear(parts[1:], layer.weight)))
-
-
-class Feature(NamedTuple):
-    """One modality after MFFA."""
-
-    f_bar: Float[Tensor, "B D"]
-    parts: Float[Tensor, "2 B D"]  # Re and Im of F_p(E)
-    relu: Float[Tensor, "C B D"]  # F: the mean over θ_e of the tokens of each channel
-    weights: Float[Tensor, "B Q T"] | None = None
-
-
-def mffa(
-    head: Any,
-    name: str,
-    embedding: Float[Tensor, "B D"],
-    order: Float64[Tensor, "..."] | None,
-    *,
-    guide: Float[Tensor, "B D"] | None = None,
-    guided: Bool[Tensor, " B"] | None = None,
-    token: Any = None,
-) -> Feature:
-    """Return F-bar of embeddings, Eq. 3 to 6.
-
-    guide   F-bar of LANG, the query of the pairs `guided`
-    token   maps the mean token (B, D) to the class token F_g; None: the class-agnostic one
-    """
-    own = head.mffa
-    p = own.orders([name]) if order is None else order
-    parts = transform(embedding, p.reshape(-1))  # (2, B, D)
-    if not head.settings.mffa:
-        return Feature(embedding / head.length, parts, torch.relu(parts))
-    tokens = tokens_of(parts, own.theta[name], own.real)  # (C, B, T, D)
-    channels = 1 if own.real in ("magnitude", "real") else 2
-    means = (
-        tokens.mean(2) if own.real == "hermitian" else tokens[0].unflatten(1, (channels, -1)).mean(2).movedim(1, 0)
-    )  # (C, B, D)
-    queries = queries_of(tokens, guide, guided)
-    if own.class_token:
-        added = own.class_agnostic_tokens([name]) if token is None else token(tokens[0].mean(1))
-        tokens = with_class_token(tokens, added)
-    feature, weights = attention(own.fratt, queries, tokens)
-    feature = normalize(feature, dim=-1) if own.unit else feature
-    return Feature(feature, parts, means, weights)
-
-
-def tree(head: Any, features: list[Float[Tensor, "B D"]], root: Float[Tensor, "B D"]) -> Float[Tensor, "B N D"] | None:
-    """DTG: return nodes, the root T first; a child is W x + b of its parent. Eq. 7, 8."""
-    settings, dtg = head.settings, head.dtg
-    if settings.generation == "none":
-        return None
-    if settings.generation == "interpolation":
-        shares = [n / 2**settings.levels for n in range(1, 2**settings.levels)]
-        return torch.stack([torch.lerp(features[0], features[-1], s) for s in shares], dim=1)
-    nodes = [root]  # (B, D) each
-    for child, parent in enumerate(parents(dtg.arrangement, len(dtg.weight) + 1)[1:]):
-        nodes.append(linear(nodes[parent], dtg.weight[child], dtg.bias[child]))
-    return torch.stack(nodes, dim=1)
-
-
-class Predicted(NamedTuple):
-    """A prediction, by modality where it is a dictionary."""
-
-    probabilities: Float[Tensor, "B K"]
-    logits: dict[str, Float[Tensor, "B K"]]
-    features: dict[str, Feature]
-    f_hat: dict[str, Float[Tensor, "B D"]]
-    nodes: Float[Tensor, "B N D"] | None
-
-
-def predict(
-    head: Any, images: Mapping[str, Float[Tensor, "B W"]], order: Float64[Tensor, "*any"] | None = None
-) -> Predicted:
-    """Predict from embeddings of "vis", "tac" or both, at one order or one for each pair; None: the learned one."""
-    features = {n: mffa(head, n, embedded(head, n, raw), order) for n, raw in images.items()}
-    found = [one.f_bar for one in features.values()]  # (B, D) each
-    nodes = tree(head, found, torch.stack(found).sum(0))
-    grows = nodes is not None and head.settings.tree_at_inference
-    mean = nodes.mean(1) if nodes is not None and grows else 0.0  # (B, D)
-    f_hat = {name: one.f_bar + mean for name, one in features.items()}
-    logits = {name: head.classify(one) for name, one in f_hat.items()}
-    if len(logits) == 1:
-        ((name, only),) = logits.items()
-        shares = tempered(only, head.calibration.temperature[name])
-    else:
-        pair = head.classify(torch.stack(list(f_hat.values())).sum(0))
-        shares = fuse(head.settings.fusion, logits, pair, head.calibration)
-    return Predicted(shares, logits, features, f_hat, nodes)
-
-
-def training_pass(
-    head: Any,
-    images: Mapping[str, Float[Tensor, "B W"]],
-    lang: Float[Tensor, "B L"] | None,
-    labels: Int[Tensor, " B"],
-    *,
-    lang_on: Bool[Tensor, " B"],
-    token_on: Bool[Tensor, " B"],
-    order: Float64[Tensor, "*any"] | None = None,
-) -> TrainingOutput:
-    """Run a batch in training: LANG guides VIS and TAC, Eq. 5 and 6; see `OmniVaT.training_pass`."""
-    settings, own = head.settings, head.mffa
-    same = (labels[:, None] == labels[None]).to(head.dtype)  # (B, B)
-    means: dict[str, Tensor] = {}
-
-    def run(
-        name: str, embedding: Float[Tensor, "B D"], guide: Float[Tensor, "B D"] | None = None
-    ) -> Float[Tensor, "B D"]:
-        def token(mean: Tensor) -> Tensor:
-            means[name] = mean
-            of_class = same / same.sum(1, keepdim=True) @ mean  # (B, D)
-            return torch.where(token_on[:, None], of_class, own.class_agnostic_tokens([name]))
-
-        return mffa(head, name, embedding, order, guide=guide, guided=lang_on, token=token).f_bar
-
-    on, guide = lang_on[:, None], None
-    inputs = {name: embedded(head, name, raw) for name, raw in images.items()}  # (B, D)
-    text = None if lang is None else run("lang", embedded(head, "lang", lang))
-    if text is not None and settings.mffa:
-        guide = text * (head.length if settings.guide_length == "embedding" else 1.0)
-        if settings.guide != "query":
-            inputs = {name: x + guide * on for name, x in inputs.items()}
-    query = None if settings.guide == "added" else guide
-    found = {name: run(name, x, query) for name, x in inputs.items()}
-    root = torch.stack(list(found.values())).sum(0) + (0.0 if text is None else text * on)
-    nodes = tree(head, list(found.values()), root)
-    mean = 0.0 if nodes is None else nodes.mean(1)
-    levels = [root[:, None]]  # (B, n, D) each
-    if nodes is not None and settings.edges:
-        kind = groups(head.dtg.arrangement, nodes.shape[1])
-        kind = [range(1), *kind] if len(kind) == 1 else kind  # NOD leaves out the first
-        levels = [nodes[:, group.start : group.stop] for group in kind]
-    logits = {name: head.classify(x + mean) for name, x in found.items()}
-    named = {} if text is None or not settings.mffa else {"lang": text}
-    return TrainingOutput(features={**named, **found}, layers=levels, logits=logits, tokens=means)
-
-
-def joint_loss(output: TrainingOutput, labels: Int[Tensor, " B"], *, mma: float = 10.0) -> Float[Tensor, ""]:
-    """Return λ MMA + NOD + cross-entropy of a batch. Eq. 9 to 12."""
-    total = torch.stack([cross_entropy(x, labels) for x in output.logits.values()]).mean()
-    logs = {name: torch.log_softmax(x, dim=-1) for name, x in output.features.items()}  # (B, D)
-    for name in logs.keys() & {"vis", "tac"} if "lang" in logs else ():
-        total = total + mma * (logs["lang"].exp() * (logs["lang"] - logs[name])).sum(-1).mean()
-    for nodes in output.layers[1:]:  # (B, n, D)
-        units = normalize(nodes, dim=-1)
-        excess = units @ units.mT - torch.eye(nodes.shape[1], dtype=nodes.dtype)  # (B, n, n)
-        total = total + torch.linalg.matrix_norm(excess).mean()
-    return total
+        lang       (B, L) text embeddings of the labels (B,)
+        lang_on    (B,) pairs that LANG guides; the others learn to do without
+        token_on   (B,) pairs that see the token of their own class
+        """
+        same = (labels[:, None] == labels).to(self.classifier)  # (B, B)
+        text = self.mffa("lang", self.embedded("lang", lang), None, None, same, token_on)
+        guide, on = self.length * text, lang_on[:, None]  # (B, D), (B, 1)
+        bars = {
+            # Eq. 5
+            name: self.mffa(
+                name, self.embedded(name, raw) + guide * on, guide, lang_on, same, token_on
+            )
+            for name, raw in images.items()
+        }
+        nodes = self.dtg(stack(list(bars.values())).sum(0) + text * on)  # (B, N, D)
+        total = stack(
+            [cross_entropy(self.classify(bar + nodes.mean(1)), labels) for bar in bars.values()]
+        ).mean()
+        goal = log_softmax(text, dim=-1)  # Eq. 9, L_MMA: KL from LANG to each image
+        for bar in bars.values():
+            total = total + 10 * (goal.exp() * (goal - log_softmax(bar, dim=-1))).sum(-1).mean()
+        count, level = nodes.shape[1], 2
+        while level <= count:  # Eq. 10, 11, L_NOD: nodes of one level are kept apart
+            units = normalize(nodes[:, level - 1 : 2 * level - 1], dim=-1)  # (B, level, D)
+            excess = units @ units.mT - torch.eye(level).to(units)
+            total = total + linalg.matrix_norm(excess).mean()
+            level *= 2
+        return total

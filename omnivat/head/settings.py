@@ -29,7 +29,10 @@ class HeadSettings:
     width: Annotated[int, Within(2, 8192)] = 512  # D
     project: bool = False  # learn input projections even if widths agree
     shared_projection: bool = False  # one map for VIS and TAC (docs/decisions/0004)
-    taught: Annotated[int, Within(0, 100_000)] = 0  # rows that decide instead (omnivat/head/teach.py)
+    # rows that decide instead (omnivat/head/teach.py)
+    taught: Annotated[int, Within(0, 100_000)] = 0
+    # besides, rows of each image alone; a pair has the mean of three maps
+    taught_alone: bool = False
     standardize: bool = True  # each channel by the source's profile (omnivat/data/profile.py)
     expansion: Annotated[int, Within(1, 64)] = 4  # E, tokens for each channel
     levels: Annotated[int, Within(1, 6)] = 3  # R, tree levels, root included
@@ -78,4 +81,6 @@ def literal(settings: HeadSettings) -> HeadSettings:
 
     Such a head does not train: its features are so small that biases and NOD dominate.
     """
-    return replace(settings, attention_scale="outside", feature_scale="literal", tree_at_inference=False)
+    return replace(
+        settings, attention_scale="outside", feature_scale="literal", tree_at_inference=False
+    )

@@ -1,17 +1,22 @@
-"""Teach a trained head from a few labelled pairs; nothing is trained by gradient.
+"""Teach a trained head from a few labelled pairs: two linear maps, blended; nothing is trained by
+gradient.
 
-Lessons and the head's own training pairs decide together, in E, standardised by the source's
-profile. Four methods compete, and whole objects are left out to choose between them:
+Lessons and the head's own training pairs are rows in E, standardised by the source's profile. Each
+map is a ridge regression of one-hot classes on rows, which a linear system solves:
 
-logistic regression   chosen unless another is clearly better: on the training pairs and the lessons, which count several times
-nearest class mean    the mean of a class's lessons; of its training pairs if it has none
-nearest neighbour     among the lessons, and the training pairs of classes without lessons
-class directions      means in F-hat join the directions that the head has learned
+both     training pairs and lessons; the lessons of a class count as WEIGHT pairs together
+lessons  the lessons, and training pairs of the classes that no lesson has
+
+The taught head's scores are (1 - t) both + t lessons. The share t has the least squared error over
+the lessons, each predicted without its object. It has a closed form and no threshold, so a lesson
+more or less moves it little. Predictions of left-out objects follow from the same linear system.
+
+Source: stacked regression (Breiman, Machine Learning 24, 1996); leaving out in closed form as in
+Rifkin and Lippert, "Notes on regularized least squares" (MIT-CSAIL-TR-2007-025), for whole objects.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 import torch
@@ -22,17 +27,16 @@ from torch.nn.functional import normalize
 from omnivat.head.checkpoint import Head
 from omnivat.head.head import OmniVaT
 from omnivat.head.settings import HeadSettings
-from omnivat.kit.errors import DataError, SettingsError
-from omnivat.kit.logistic import Problem
-from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.errors import DataError
+from omnivat.kit.progress import OnStep, Step, checkpoint, ignore
 from omnivat.kit.stages import IMAGES
 
 FEWEST = 2  # objects of a class, and classes
 MOST = 2000  # lessons
-METHODS = ("logistic regression", "nearest class mean", "nearest neighbour", "class directions")
-LOGISTIC, MEAN, NEIGHBOUR, DIRECTIONS = METHODS
-STRENGTH, TOTAL = 1.0, 20  # C; weight of a class's lessons together, in pairs
-SHARPNESS = 10.0  # of cosines
+PARTS = ("training pairs and lessons", "lessons alone")
+PENALTY = 1.0  # of squared weights; a row has length 1, and a constant 1 beside it
+WEIGHT = 10  # of a class's lessons together, in training pairs
+SHARPNESS = (0.5, 50.0)  # least and most, of scores
 Rows = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
@@ -44,7 +48,8 @@ class Lesson:
     label: str
     vis: Tensor | None
     tac: Tensor | None
-    object: str = ""  # its name: pairs of one object are left out together; "": an object of its own
+    # its name: pairs of one object are left out together; "": an object of its own
+    object: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,9 +66,10 @@ class Judged:
 class Report:
     """What teaching brings."""
 
-    judged: tuple[Judged, ...]  # each lesson. The method is chosen without it: by the other objects' predictions
-    method: str  # the best method over all lessons, which `taught` uses
-    right: Mapping[str, int]  # method -> lessons that it predicts rightly, each object left out
+    # each lesson; the share of the maps is chosen without its object, too
+    judged: tuple[Judged, ...]
+    share: float  # of the lessons alone, 0 to 1, in the taught head
+    right: Mapping[str, int]  # map -> lessons that it predicts rightly, each object left out
 
     @property
     def before(self) -> int:
@@ -76,21 +82,14 @@ class Report:
         return sum(one.after == one.label for one in self.judged)
 
 
-def taught(head: Head, lessons: Sequence[Lesson], method: str = "") -> Head:
+def taught(head: Head, lessons: Sequence[Lesson]) -> Head:
     """Return a head that predicts as the lessons teach; `head` is not modified.
 
-    method  one of METHODS; "": chosen by leaving objects out, or logistic regression with too few
-
-    Features and stages do not change. A class that the head lacks is added. With a method other than class directions,
-    the order p has no influence on the prediction. Raises DataError without lessons, or with more than 2,000.
+    Features and stages do not change, and the order p has no influence on the prediction. A class
+    that the head lacks is added. With too few objects to leave out, the share of the lessons alone
+    is 0. Raises DataError without lessons, or with more than 2,000.
     """
-    work = _Work(head, lessons)
-    if not method:
-        enough = _missing(lessons) == ""
-        method = work.report(ignore).method if enough else work.methods[0]
-    elif method not in work.methods:
-        raise SettingsError(f"There is no method '{method}' here; choose {', '.join(work.methods)}.")
-    return work.head_of(method)
+    return _Work(head, lessons).head_taught()
 
 
 def judged(head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> Report:
@@ -106,20 +105,79 @@ def judged(head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> R
 def _missing(lessons: Sequence[Lesson]) -> str:
     """Return what is missing before lessons can be judged, or ""."""
     objects: dict[str, set[str]] = {}
-    for one, name in zip(lessons, _objects(lessons), strict=True):
-        objects.setdefault(one.label, set()).add(name)
-    if sum(len(own) >= FEWEST for own in objects.values()) >= FEWEST:
+    for lesson, name in zip(lessons, _objects(lessons), strict=True):
+        objects.setdefault(lesson.label, set()).add(name)
+    if sum(len(names) >= FEWEST for names in objects.values()) >= FEWEST:
         return ""
-    there = ", ".join(f"{label} {len(own)}" for label, own in objects.items()) or "none yet"
-    return f"Label two or more pairs of each of two or more classes first, of different objects; there are: {there}."
+    there = ", ".join(f"{label} {len(names)}" for label, names in objects.items()) or "none yet"
+    return (
+        "Label two or more pairs of each of two or more classes first, of different objects; there"
+        f" are: {there}."
+    )
 
 
 def _objects(lessons: Sequence[Lesson]) -> list[str]:
-    return [one.object or f"\0{index}" for index, one in enumerate(lessons)]
+    return [lesson.object or f"\0{index}" for index, lesson in enumerate(lessons)]
+
+
+@dataclass(frozen=True, slots=True)
+class Ridge:
+    """A ridge regression of one-hot classes, and its predictions for rows that it did not see."""
+
+    weights: Rows  # (2 W, K)
+    bias: Rows  # (K,)
+    apart: Rows  # (L, K) scores of each lesson by the regression without its object
+
+
+def ridge(
+    rows: Rows, labels: Labels, counts: Rows, classes: int, groups: Sequence[Labels]
+) -> Ridge:
+    """Solve the regression of one-hot labels (N,) on rows (N, 2 W) of which each counts `counts`
+    (N,) times.
+
+    groups  the places of each object's lessons, which are left out together; lessons are the first
+            rows
+
+    With M = rows rowsᵀ + 1 + PENALTY / counts and a = M⁻¹ targets, the error of a group left out is
+    (M⁻¹ of the group)⁻¹ (a of the group).
+    """
+    targets = np.eye(classes)[labels]
+    inverse = np.linalg.inv(rows @ rows.T + 1 + PENALTY * np.diag(1 / counts))
+    shares = inverse @ targets
+    apart = targets[: sum(map(len, groups))].copy()
+    for group in groups:
+        apart[group] -= np.linalg.solve(inverse[np.ix_(group, group)], shares[group])
+    return Ridge(rows.T @ shares, shares.sum(0), apart)
+
+
+def share_of_lessons(both: Rows, lessons: Rows) -> float:
+    """Return t, 0 to 1, with the least squared error of (1 - t) both + t lessons: errors (L, K)
+    of each map.
+    """
+    apart = both - lessons
+    return float(np.clip((both * apart).sum() / max((apart**2).sum(), 1e-12), 0, 1))
+
+
+def sharpness(scores: Rows, labels: Labels) -> float:
+    """Return the factor of scores (L, K) whose softmax has the least log loss, within SHARPNESS.
+
+    One more lesson, of every class alike, keeps it finite.
+    """
+    own, count = scores[np.arange(len(labels)), labels], len(labels)
+    low, high = SHARPNESS
+    for _ in range(40):  # the slope of the loss rises with the factor
+        factor = (low + high) / 2
+        shares = np.exp(factor * (scores - scores.max(1, keepdims=True)))
+        mean = (shares / shares.sum(1, keepdims=True) * scores).sum(1)
+        slope = (mean - own).sum() + (mean - scores.mean(1)).sum() / count
+        low, high = (factor, high) if slope < 0 else (low, factor)
+    return high
 
 
 class _Work:
-    """Lessons and training pairs as rows: unit length in each modality, both side by side."""
+    """Lessons and training pairs as rows of length 1, both modalities side by side, and the two
+    maps.
+    """
 
     def __init__(self, head: Head, lessons: Sequence[Lesson]) -> None:
         if not lessons:
@@ -130,124 +188,106 @@ class _Work:
                 "with `python -m omnivat train` instead."
             )
         self.head, self.lessons = head, lessons
-        self.classes = tuple(dict.fromkeys([*head.settings.classes, *(one.label for one in lessons)]))
+        self.classes = tuple(
+            dict.fromkeys([*head.settings.classes, *(one.label for one in lessons)])
+        )
         self.labels = np.array([self.classes.index(one.label) for one in lessons])
-        self.rows = np.concatenate([_row(head.model, one) for one in lessons])
-        self.source, self.source_labels = _training_rows(head)
+        rows = np.concatenate([_row(head.model, one) for one in lessons])
+        source, known = _training_rows(head)
         names = _objects(lessons)
-        place = {name: index for index, name in enumerate(dict.fromkeys(names))}
-        self.objects = np.array([place[name] for name in names])
-        self.means = torch.stack([_mean_direction(head.model, one) for one in lessons])
-        self.methods = METHODS if len(self.source) else (DIRECTIONS, MEAN, NEIGHBOUR)
-        self._start: Rows | None = None
+        self.objects = [
+            np.flatnonzero([name == other for other in names]) for name in dict.fromkeys(names)
+        ]
+        self.present = np.unique(np.concatenate((known, self.labels)))
+        weight = max(1.0, WEIGHT * len(np.unique(self.labels)) / len(lessons))
+        untaught = ~np.isin(known, self.labels)
+        self.maps = [
+            ridge(
+                np.concatenate((rows, source[kept])),
+                np.concatenate((self.labels, known[kept])),
+                np.concatenate((np.full(len(rows), weight), np.ones(kept.sum()))),
+                len(self.classes),
+                self.objects,
+            )
+            for kept in (np.ones(len(known), bool), untaught)
+        ]
+        self.errors = [np.eye(len(self.classes))[self.labels] - one.apart for one in self.maps]
+        self.share = 0.0 if _missing(lessons) else share_of_lessons(*self.errors)
 
-    @cached_property
-    def _problem(self) -> Problem:
-        """All rows in the basis of their span, which is computed once."""
-        both = torch.from_numpy(np.concatenate((self.source, self.rows)))
-        labels = torch.from_numpy(np.concatenate((self.source_labels, self.labels)))
-        return Problem.of(both, labels, len(self.classes))
+    def blended(self, both: Rows, lessons: Rows, share: float | None = None) -> Rows:
+        share = self.share if share is None else share
+        return (1 - share) * both + share * lessons
 
     def report(self, on_step: OnStep) -> Report:
-        """Leave each object out and predict its lessons by every method."""
-        before = [_said(self.head, one) for one in self.lessons]
-        found = {name: np.zeros(len(self.lessons), np.int64) for name in self.methods}
-        apart = [self.objects == held for held in np.unique(self.objects)]
-        for done, out in enumerate(apart):
-            on_step(Step(done=done, total=len(apart)))
-            for name in self.methods:
-                found[name][out] = self._predicted(name, ~out, out)
-        right = {name: said == self.labels for name, said in found.items()}
+        """Predict each lesson before, by each map and by their blend, its object left out."""
+        before = []
+        for done, lesson in enumerate(self.lessons):
+            checkpoint()
+            on_step(Step(done=done, total=len(self.lessons)))
+            before.append(_predicted(self.head, lesson))
+        both, alone = (one.apart for one in self.maps)
         after = np.empty(len(self.lessons), np.int64)
-        for out in apart:
-            best = self._best({name: int(values[~out].sum()) for name, values in right.items()})
-            after[out] = found[best][out]
-        scores = {name: int(values.sum()) for name, values in right.items()}
+        for group in self.objects:
+            others = np.setdiff1d(np.arange(len(after)), group)
+            share = share_of_lessons(*(errors[others] for errors in self.errors))
+            after[group] = self._best(self.blended(both[group], alone[group], share))
         return Report(
             judged=tuple(
-                Judged(label=one.label, before=was, after=self.classes[said], object=one.object)
-                for one, was, said in zip(self.lessons, before, after, strict=True)
+                Judged(label=one.label, before=was, after=self.classes[label], object=one.object)
+                for one, was, label in zip(self.lessons, before, after, strict=True)
             ),
-            method=self._best(scores),
-            right=scores,
+            share=self.share,
+            right={
+                name: int((self._best(one.apart) == self.labels).sum())
+                for name, one in zip(PARTS, self.maps, strict=True)
+            },
         )
 
-    def _best(self, right: Mapping[str, int]) -> str:
-        """Return the best method; the first one unless another is better by more than chance.
+    def _best(self, scores: Rows) -> Labels:
+        chosen: Labels = self.present[scores[:, self.present].argmax(1)]
+        return chosen
 
-        Half of √N is about the standard error of a difference of two counts of N lessons.
+    def head_taught(self) -> Head:
+        """Return the head taught by all lessons; it keeps a row and a bias of each class that
+        has pairs.
         """
-        first, best = self.methods[0], max(self.methods, key=right.__getitem__)
-        return best if right[best] - right[first] > len(self.lessons) ** 0.5 / 2 else first
-
-    def _predicted(self, method: str, kept: NDArray[np.bool_], out: NDArray[np.bool_]) -> Labels:
-        if method == DIRECTIONS:
-            labels = [one.label for one, keep in zip(self.lessons, kept, strict=True) if keep]
-            other = _with_means(self.head, self.means[torch.from_numpy(kept)], labels)
-            said = [_said(other, self.lessons[row]) for row in np.flatnonzero(out).tolist()]
-            return np.array([self.classes.index(name) for name in said])
-        rows, bias, owner = self.deciding(method, kept)
-        answers: Labels = owner[(self.rows[out] @ rows.T + bias).argmax(1)]
-        return answers
-
-    def deciding(self, method: str, kept: NDArray[np.bool_]) -> tuple[Rows, Rows, Labels]:
-        """Return rows (P, 2 W), biases (P,) and classes (P,): the largest score decides."""
-        if method == LOGISTIC:
-            weight, bias = self._logistic(kept)
-            present = np.unique(np.concatenate((self.source_labels, self.labels[kept])))
-            return weight[present], bias[present], present
-        lessons, labels = self.rows[kept], self.labels[kept]
-        rest = ~np.isin(self.source_labels, labels)
-        rows = np.concatenate((lessons, self.source[rest]))
-        owner = np.concatenate((labels, self.source_labels[rest]))
-        if method == MEAN:
-            names = np.unique(owner)
-            rows, owner = np.stack([rows[owner == name].mean(0) for name in names]), names
-        rows = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12)
-        return SHARPNESS * rows, np.zeros(len(rows)), owner
-
-    def _logistic(self, kept: NDArray[np.bool_]) -> tuple[Rows, Rows]:
-        """Return weights (K, 2 W) and biases (K,); the search begins at the last solution."""
-        each = len(self.lessons) / len(np.unique(self.labels))
-        times = int(np.clip(TOTAL // each, 2, TOTAL))
-        count, whole = len(self.source), self._problem
-        index = np.concatenate((np.arange(count), np.tile(count + np.flatnonzero(kept), times)))
-        part = replace(whole, inside=whole.inside[index], labels=whole.labels[index])
-        self._start = part.solved(STRENGTH, part.start() if self._start is None else self._start, tolerance=1e-4)
-        weight, bias = part.parameters(self._start)
-        return weight.numpy(), bias.numpy()
-
-    def head_of(self, method: str) -> Head:
-        """Return the head taught by all lessons."""
-        labels = [one.label for one in self.lessons]
-        found = _with_means(self.head, self.means, labels)
-        found = replace(found, provenance={**found.provenance, "taught_by": method})
-        if method == DIRECTIONS:
-            return found
-        rows, bias, owner = self.deciding(method, np.ones(len(labels), bool))
+        both, alone = self.maps
+        sharp = sharpness(self.blended(both.apart, alone.apart), self.labels)
+        weights = sharp * self.blended(both.weights, alone.weights)[:, self.present]
+        bias = sharp * self.blended(both.bias, alone.bias)[self.present]
+        found = _with_classes(self.head, self.classes, self.lessons)
         dtype = found.model.dtype
-        own = {
-            "taught_rows": torch.from_numpy(np.stack(np.split(rows, 2, axis=1))).to(dtype),
+        rows = {
+            "taught_rows": torch.from_numpy(np.stack(np.split(weights.T, 2, axis=1))).to(dtype),
             "taught_bias": torch.from_numpy(bias).to(dtype),
-            "taught_class": torch.from_numpy(owner),
+            "taught_class": torch.from_numpy(self.present),
         }
-        settings = replace(found.settings, taught=len(rows))
-        return _with_state(found, settings, {**found.model.state_dict(), **own})
+        counts = {name: [one.label for one in self.lessons].count(name) for name in self.classes}
+        about = {
+            "taught": {name: count for name, count in counts.items() if count},
+            "lessons_share": self.share,
+        }
+        found = replace(found, provenance={**found.provenance, **about}, metrics={}, path=None)
+        settings = replace(found.settings, taught=len(self.present))
+        return _with_state(found, settings, {**found.model.state_dict(), **rows})
 
 
 @torch.no_grad()
 def _row(model: OmniVaT, lesson: Lesson) -> Rows:
     """Return the row (1, 2 W) of a pair; the part of a missing image is zero."""
-    given = {"vis": lesson.vis, "tac": lesson.tac}
     width = model.settings.input_width
-    parts = [torch.zeros(1, width) if raw is None else model.standing(name, raw) for name, raw in given.items()]
+    images = {"vis": lesson.vis, "tac": lesson.tac}
+    parts = [
+        torch.zeros(1, width) if raw is None else model.standing(name, raw)
+        for name, raw in images.items()
+    ]
     row: Rows = torch.cat(parts, dim=1).double().numpy()
     return row
 
 
 @torch.no_grad()
 def _training_rows(head: Head) -> tuple[Rows, Labels]:
-    """Return the head's training pairs as rows, with their classes; none for an older head."""
+    """Return the head's training pairs as rows, with their classes; none if its folder has none."""
     kept, width = head.familiarity, head.settings.input_width
     if kept is None or kept.labels is None or set(kept.lengths) != set(IMAGES):
         return np.zeros((0, 2 * width)), np.zeros(0, np.int64)
@@ -257,36 +297,39 @@ def _training_rows(head: Head) -> tuple[Rows, Labels]:
 
 
 @torch.no_grad()
-def _mean_direction(model: OmniVaT, lesson: Lesson) -> Tensor:
-    """Return the mean (D,) of the unit F̂ of the pair's images."""
-    return torch.cat([normalize(rows, dim=-1) for rows in model(lesson.vis, lesson.tac).f_hat.values()]).mean(0)
-
-
-@torch.no_grad()
-def _said(head: Head, lesson: Lesson) -> str:
+def _predicted(head: Head, lesson: Lesson) -> str:
     probabilities = head.model(lesson.vis, lesson.tac).probabilities[0]
     return head.settings.classes[int(probabilities.argmax())]
 
 
-def _with_means(head: Head, means: Tensor, labels: Sequence[str]) -> Head:
-    """Return the head with directions of class means (B, D) added to its own, by label."""
-    own = head.settings.classes
-    classes = tuple(dict.fromkeys([*own, *labels]))
-    state = {n: x.detach() for n, x in head.model.state_dict().items() if not n.startswith("taught_")}
-    extra = len(classes) - len(own)
-    directions = normalize(state["classifier"], dim=-1)
-    lengths = state["classifier"].norm(dim=-1).mean()
-    directions = torch.cat((directions, directions.new_zeros(extra, directions.shape[1])))
-    index = torch.tensor([classes.index(label) for label in labels])
-    moved = normalize(directions.index_add(0, index, means.to(directions.dtype)), dim=-1)
-    state["classifier"] = lengths * moved
+@torch.no_grad()
+def _with_classes(head: Head, classes: tuple[str, ...], lessons: Sequence[Lesson]) -> Head:
+    """Return the head with `classes`; the direction of a new one is the mean of its lessons'
+    unit F̂.
+    """
+    state = {
+        n: x.detach() for n, x in head.model.state_dict().items() if not n.startswith("taught_")
+    }
+    directions = state["classifier"]
+    for name in classes[len(directions) :]:
+        hats = [
+            f
+            for one in lessons
+            if one.label == name
+            for f in head.model(one.vis, one.tac).f_hat.values()
+        ]
+        mean = normalize(normalize(torch.cat(hats), dim=-1).mean(0), dim=-1)
+        length = state["classifier"].norm(dim=-1).mean()
+        directions = torch.cat((directions, length * mean[None]))
+    extra = len(directions) - len(state["classifier"])
+    state["classifier"] = directions
     if extra and "mffa.bank" in state:  # unseen classes: the class-agnostic token stays
         bank, seen = state["mffa.bank"], state["mffa.bank_seen"]
         state["mffa.bank"] = torch.cat((bank, bank.new_zeros(len(bank), extra, bank.shape[2])), 1)
         state["mffa.bank_seen"] = torch.cat((seen, seen.new_zeros(extra)))
-    counts = {label: list(labels).count(label) for label in dict.fromkeys(labels)}
-    found = replace(head, provenance={**head.provenance, "taught": counts}, metrics={}, path=None)
-    return _with_state(found, replace(head.settings, classes=classes, taught=0), state)
+    return _with_state(
+        head, replace(head.settings, classes=classes, taught=0, taught_alone=False), state
+    )
 
 
 def _with_state(head: Head, settings: HeadSettings, state: dict[str, Tensor]) -> Head:

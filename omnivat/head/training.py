@@ -12,7 +12,7 @@ from omnivat.head.output import TrainingOutput
 
 def training_pass(
     model: Body,
-    given: dict[str, Float[Tensor, "B W"]],
+    images: dict[str, Float[Tensor, "B W"]],
     lang: Float[Tensor, "B L"] | None,
     labels: Int[Tensor, " B"],
     *,
@@ -21,17 +21,17 @@ def training_pass(
     order: Float64[Tensor, "*any"] | None = None,
 ) -> TrainingOutput:
     """Run one batch; see `OmniVaT.training_pass`. given: "vis", "tac" or both."""
-    names = tuple(given)
+    names = tuple(images)
     lang_on = torch.ones_like(labels, dtype=torch.bool) if lang_on is None else lang_on
     if not model.settings.mffa:  # the tree grows from the embeddings, and MMA has nothing to align
-        found = model.embedded(given) / model.length
+        found = model.embedded(images) / model.length
         root = found.sum(0)
         if lang is not None:
             root = root + model.embedded({"lang": lang})[0] / model.length * lang_on[:, None]
-        return _output(model, dict(zip(given, found, strict=True)), found, root, {})
+        return _output(model, dict(zip(images, found, strict=True)), found, root, {})
     features: dict[str, Tensor] = {}
     tokens: dict[str, Tensor] = {}
-    embedding = model.embedded(given)
+    embedding = model.embedded(images)
     guide = None
     if lang is not None:
         text = model.embedded({"lang": lang})
@@ -94,7 +94,9 @@ def _class_tokens(
     return torch.where(token_on[:, None], own, model.mffa.class_agnostic_tokens(names)[:, None])
 
 
-def class_means(values: Float[Tensor, "*any B D"], labels: Int[Tensor, " B"]) -> Float[Tensor, "*any B D"]:
+def class_means(
+    values: Float[Tensor, "*any B D"], labels: Int[Tensor, " B"]
+) -> Float[Tensor, "*any B D"]:
     """Return each sample's class mean in the batch."""
     same = (labels[:, None] == labels[None]).to(values.dtype)
     return same / same.sum(1, keepdim=True) @ values

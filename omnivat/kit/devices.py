@@ -37,7 +37,8 @@ def device_from(name: str) -> "torch.device":
             raise SettingsError(f"Device '{name}' needs a GPU, and none is usable here; use cpu.")
         if device.index is not None and device.index >= torch.cuda.device_count():
             raise SettingsError(
-                f"Device '{name}' does not exist; there are {torch.cuda.device_count()} GPUs, counted from cuda:0."
+                f"Device '{name}' does not exist; there are {torch.cuda.device_count()} GPUs,"
+                " counted from cuda:0."
             )
     if device.type == "mps" and not torch.backends.mps.is_available():
         raise SettingsError(f"Device '{name}' is not usable here; use cpu.")

@@ -1,9 +1,16 @@
 """Errors with one clear sentence: what was given, what was expected, what to do."""
 
+LONGEST = 2000  # letters of a message
+
 
 def printable(text: str) -> str:
     """Return `text` with escapes for all characters that cannot be printed on one line."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
+def shortened(text: str) -> str:
+    """Return a sentence without its middle if it lists thousands of names."""
+    return text if len(text) <= LONGEST else f"{text[: LONGEST // 2]} … {text[-LONGEST // 4 :]}"
 
 
 def first_line(error: BaseException, most: int = 120) -> str:
@@ -18,7 +25,7 @@ class OmniVatError(Exception):
     """
 
     def __str__(self) -> str:  # KeyError would print the sentence in quotation marks
-        return printable(str(self.args[0])) if self.args else ""
+        return printable(shortened(str(self.args[0]))) if self.args else ""
 
 
 class ShapeError(OmniVatError, ValueError):

@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import shutil
 import stat
 import sys
 from collections.abc import Iterable, Iterator
@@ -10,7 +11,7 @@ from contextlib import contextmanager
 from glob import escape
 from hashlib import sha256
 from pathlib import Path
-from tempfile import NamedTemporaryFile, TemporaryDirectory
+from tempfile import NamedTemporaryFile, TemporaryDirectory, gettempdir
 from time import time
 from typing import IO, Any
 
@@ -20,6 +21,7 @@ if sys.platform != "win32":  # Windows has no such locks
     import fcntl
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")  # starts of a cell that a spreadsheet computes
+IN_USE = "in-use"  # a locked file in the folder of a running writer
 UNFINISHED_S = 60  # seconds without a byte; younger files may not have their lock yet
 
 
@@ -35,7 +37,9 @@ def replacing(path: str | Path) -> Iterator[Path]:
     with writing(target):
         target.parent.mkdir(parents=True, exist_ok=True)
         sweep_unfinished(target)
-        with NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", suffix=".tmp", delete=False) as handle:
+        with NamedTemporaryFile(
+            dir=target.parent, prefix=f".{target.name}.", suffix=".tmp", delete=False
+        ) as handle:
             temporary = Path(handle.name)
             locked(handle)
             try:
@@ -81,7 +85,8 @@ def writing(target: Path) -> Iterator[None]:
     except OSError as error:
         why = error.strerror or str(error)
         raise WriteError(
-            f"'{target}' was not written ({why}); check the folder, its permissions and the free space."
+            f"'{target}' was not written ({why}); check the folder, its permissions and the free"
+            " space."
         ) from error
 
 
@@ -94,7 +99,15 @@ def replacing_folder(path: Path) -> Iterator[Path]:
     parent = path.absolute().parent
     with writing(path):
         parent.mkdir(parents=True, exist_ok=True)
-        with TemporaryDirectory(dir=parent, prefix=f".{path.name}.", ignore_cleanup_errors=True) as beside:
+        sweep_folders(path)
+        prefix = f".{path.name}."
+        with (
+            TemporaryDirectory(
+                dir=parent, prefix=prefix, suffix=".tmp", ignore_cleanup_errors=True
+            ) as beside,
+            (Path(beside) / IN_USE).open("w") as handle,
+        ):
+            locked(handle)
             made, old = Path(beside) / "new", Path(beside) / "old"
             made.mkdir()
             yield made
@@ -116,6 +129,23 @@ def sweep_unfinished(target: Path) -> None:
                 if time() - os.fstat(handle.fileno()).st_mtime > UNFINISHED_S and locked(handle):
                     left.unlink(missing_ok=True)
         except OSError:  # another process removed it, or it is not ours
+            continue
+
+
+def sweep_folders(target: Path) -> None:
+    """Remove hidden folders that killed writers of the folder `target` left; a running one holds
+    a lock.
+    """
+    for left in target.absolute().parent.glob(f".{escape(target.name)}.*.tmp"):
+        try:
+            with (left / IN_USE).open("rb") as handle:
+                if not locked(handle):
+                    continue
+            # it was killed between two renamings
+            if (left / "old").exists() and not target.exists():
+                os.replace(left / "old", target)
+            shutil.rmtree(left, ignore_errors=True)
+        except OSError:  # a file of that name, or a folder that is not ours
             continue
 
 
@@ -152,7 +182,23 @@ def require_writable(path: str | Path, suffix: str = "") -> None:
     if not folder.is_dir():
         raise WriteError(f"'{target}' cannot be written: '{folder}' is a file; choose a folder.")
     if not os.access(folder, os.W_OK | os.X_OK):
-        raise WriteError(f"'{target}' cannot be written: nothing may be written in '{folder}'; choose another folder.")
+        raise WriteError(
+            f"'{target}' cannot be written: nothing may be written in '{folder}'; choose another"
+            " folder."
+        )
+
+
+def require_regular(path: str | Path, name: str = "") -> None:
+    """Raise DataError for a missing file, and for a pipe or device, whose reading might never
+    end.
+    """
+    try:
+        kind = os.stat(path).st_mode
+    except (OSError, ValueError) as error:
+        why = getattr(error, "strerror", None) or str(error)
+        raise DataError(f"'{name or path}' cannot be read ({why}); check the path.") from error
+    if not stat.S_ISREG(kind):
+        raise DataError(f"'{name or path}' is a folder, pipe or device; name a file.")
 
 
 def read_whole(path: str | Path, most: int, name: str = "") -> bytes:
@@ -204,8 +250,12 @@ def cache_folder() -> Path:
     """Return the cache folder: $OMNIVAT_CACHE, or the platform's default."""
     if named := os.environ.get("OMNIVAT_CACHE"):
         return Path(named)
+    try:
+        home = Path.home()
+    except RuntimeError:  # a process of an unknown user, without $HOME
+        return Path(gettempdir()) / "omnivat-cache"
     if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "omnivat"
+        return home / "Library" / "Caches" / "omnivat"
     if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local")) / "omnivat"
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "omnivat"
+        return Path(os.environ.get("LOCALAPPDATA", home / "AppData" / "Local")) / "omnivat"
+    return Path(os.environ.get("XDG_CACHE_HOME") or home / ".cache") / "omnivat"

@@ -9,13 +9,17 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.nn.functional import normalize
 
+from omnivat.kit.progress import checkpoint
+
 
 def scaling(rows: Tensor, kind: str = "unit") -> Callable[[Tensor], Tensor]:
     """Return the scaling that rows (N, D) need, a function of any rows.
 
     "unit"      unit length, centred, one scale for all axes (mean squared length D)
-    "standard"  mean 0 and variance 1 on each axis; a constant axis becomes 0. Probes do not use it: small
-                sources favour it, but axes that hardly vary in the source become huge on another sensor
+    "standard"  mean 0 and variance 1 on each axis; a constant axis becomes 0. Probes do not use it:
+    small
+                sources favour it, but axes that hardly vary in the source become huge on another
+                sensor
     """
     unit = kind == "unit"
     rows = normalize(rows, dim=-1) if unit else rows
@@ -56,7 +60,9 @@ class Problem:
         """Return zero parameters (K, R + 1), flat."""
         return np.zeros(self.classes * (self.inside.shape[1] + 1))
 
-    def solved(self, strength: float, start: NDArray[np.float64], tolerance: float = 1e-8) -> NDArray[np.float64]:
+    def solved(
+        self, strength: float, start: NDArray[np.float64], tolerance: float = 1e-8
+    ) -> NDArray[np.float64]:
         """Return the parameters that minimise the objective, starting from given ones."""
         from scipy.optimize import minimize
 
@@ -71,8 +77,11 @@ class Problem:
         parameters: NDArray[np.float64] = found.x
         return parameters
 
-    def _objective(self, flat: NDArray[np.float64], strength: float) -> tuple[float, NDArray[np.float64]]:
+    def _objective(
+        self, flat: NDArray[np.float64], strength: float
+    ) -> tuple[float, NDArray[np.float64]]:
         """Return the objective and its gradient at flat parameters."""
+        checkpoint()
         count, both = len(self.labels), flat.reshape(self.classes, -1)
         weight, bias = both[:, :-1], both[:, -1]
         logits = self.inside @ weight.T + bias

@@ -1,13 +1,16 @@
-"""Progress reports."""
+"""Progress reports, and points at which work whose result nobody wants any more can end."""
 
 import time
 from collections.abc import Callable
+from contextvars import ContextVar
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Step:
-    """One progress report: `done` of `total` (0 if unknown), the current step, and the time left."""
+    """One progress report: `done` of `total` (0 if unknown), the current step, and the time
+    left.
+    """
 
     done: int
     total: int
@@ -16,6 +19,17 @@ class Step:
 
 
 OnStep = Callable[[Step], None]
+
+# called at every checkpoint of the work in this context; an error that it raises ends the work
+CHECK: ContextVar[Callable[[], None] | None] = ContextVar("check", default=None)
+
+
+def checkpoint() -> None:
+    """End the work here if its caller wants that; loops that may take a second call it in each
+    step.
+    """
+    if check := CHECK.get():
+        check()
 
 
 def ignore(_: Step) -> None:

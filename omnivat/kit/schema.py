@@ -91,7 +91,12 @@ def texts(value: Any, name: str) -> dict[str, str]:
 
 def name_list(value: Any, name: str, most: int) -> tuple[str, ...]:
     """Return a list of different, short, non-empty names; raises DataError for anything else."""
-    good = isinstance(value, list) and all(isinstance(n, str) and 0 < len(n) <= LONGEST_NAME for n in value)
+    good = isinstance(value, list) and all(
+        isinstance(n, str)
+        and 0 < len(n) <= LONGEST_NAME
+        and n.encode(errors="ignore").decode() == n
+        for n in value
+    )
     if not good or len(value) > most or len(set(value)) < len(value):
         raise DataError(
             f"'{name}' should be a list of up to {most:,} different names of 1 to {LONGEST_NAME} "
@@ -101,7 +106,9 @@ def name_list(value: Any, name: str, most: int) -> tuple[str, ...]:
 
 
 def columns_in(content: bytes, name: str, most: int) -> dict[str, list[str]]:
-    """Return columns of texts from JSON bytes; there may be millions of texts. Raises DataError for anything else."""
+    """Return columns of texts from JSON bytes; there may be millions of texts. Raises DataError
+    for anything else.
+    """
     try:
         columns = json.loads(content)
     except (ValueError, RecursionError) as error:
@@ -150,7 +157,10 @@ def tensor_table(
     metadata = texts(table.pop("__metadata__", {}), f"{file} (metadata)")
     for name, entry in table.items():
         if not _is_entry(entry, types):
-            raise DataError(f"'{file}' cannot be read ('{name:.60}' is no array of {', '.join(types)}); copy it again.")
+            raise DataError(
+                f"'{file}' cannot be read ('{name:.60}' is no array of {', '.join(types)}); copy it"
+                " again."
+            )
     return table, metadata, 8 + length
 
 
@@ -158,5 +168,9 @@ def _is_entry(entry: Any, types: tuple[str, ...]) -> bool:
     match entry:
         case {"dtype": str(kind), "shape": [*shape], "data_offsets": [first, last]}:
             sizes = [*shape, first, last]
-            return kind in types and len(shape) <= MOST_AXES and all(type(n) is int and n >= 0 for n in sizes)
+            return (
+                kind in types
+                and len(shape) <= MOST_AXES
+                and all(type(n) is int and n >= 0 for n in sizes)
+            )
     return False

@@ -45,16 +45,19 @@ def require_shapes(**tensors: tuple[Shaped, str]) -> dict[str, int]:
 
 
 def unit(x: Tensor) -> Tensor:
-    """Return x (..., D) scaled to unit length, denormal to the largest float: no overflow or underflow.
+    """Return x (..., D) scaled to unit length, denormal to the largest float: no overflow or
+    underflow.
 
     Each row is first divided by its largest entry. A row of zeros stays zero and has no gradient.
     """
-    if x.ndim == 2 and x.shape[0] > AT_ONCE and not x.requires_grad:  # len(x) would fix an exported program's rows
+    # len(x) would fix an exported program's rows
+    if x.ndim == 2 and x.shape[0] > AT_ONCE and not x.requires_grad:
         out = torch.empty_like(x)
         for rows, into in zip(x.split(AT_ONCE), out.split(AT_ONCE), strict=True):
             into.copy_(unit(rows))
         return out
-    longest = x.detach().abs().amax(-1, keepdim=True)  # 20 times as fast as torch's norm of order inf
+    # 20 times as fast as torch's norm of order inf
+    longest = x.detach().abs().amax(-1, keepdim=True)
     found = normalize(x / longest.where(longest > 0, 1), dim=-1)
     if not found.requires_grad:
         return found

@@ -26,13 +26,15 @@ def checked_order(order: Any, *, name: str = "order") -> float:
     number = isinstance(order, int | float) and not isinstance(order, bool)
     if number and abs(order) <= LIMIT:
         return float(order)
-    exact = number and (isinstance(order, int) or abs(order) < 1e15)  # not NaN, infinite, or without fraction
+    # not NaN, infinite, or without fraction
+    exact = number and (isinstance(order, int) or abs(order) < 1e15)
     same = f" The transform has period 4, so use {order % 4:g}." if exact else ""
     raise SettingsError(f"{name} is {_shown(order)}; give {RANGE}.{same}")
 
 
 def fitting(learned: float, width: int) -> tuple[float, float]:
-    """Return the orders that a head of fixed weights was trained for: a range of 4 / D around its own.
+    """Return the orders that a head of fixed weights was trained for: a range of 4 / D around its
+    own.
 
     learned  the head's order, quarter turns
     width    D: the phases of the transform turn by D times the change of the order

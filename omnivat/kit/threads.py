@@ -1,7 +1,11 @@
-"""Limit the threads of torch and BLAS for small jobs. Outside `omnivat.fractional`, only this file sets torch's.
+"""Limit the threads of torch and BLAS for small jobs. Outside `omnivat.fractional`, only this file
+sets torch's.
 
-`torch.set_num_threads` changes the calling thread, and also the default of threads started later. A thread started
-during a small job would then keep one torch thread for ever, so a helper thread resets the default at once."""
+`torch.set_num_threads` changes the calling thread, and also the default of threads started later. A
+thread started
+during a small job would then keep one torch thread for ever, so a helper thread resets the default
+at once.
+"""
 
 import functools
 import os
@@ -53,7 +57,9 @@ def pin_thread() -> None:
 
 
 class _Blas:
-    """How many threads numpy's BLAS may use: one while anyone needs that, else as many as before."""
+    """How many threads numpy's BLAS may use: one while anyone needs that, else as many as
+    before.
+    """
 
     lock = threading.Lock()
     users = 0
@@ -112,17 +118,20 @@ def in_processes(
     items: Iterable[A],
     count: int,
     prepare: Callable[..., None] | None = None,
-    *given: Any,
+    *arguments: Any,
     check: Callable[[], None] = lambda: None,
 ) -> Iterator[B]:
     """Yield `work(item)` of each item when it is done, from `count` fresh processes.
 
-    prepare  called once in each process, with `given`
+    prepare  called once in each process, with `arguments`
     check    called twice a second; its error cancels what has not started
 
-    Processes end with their parent. Otherwise, those of a killed process would wait for ever and keep their memory.
+    Processes end with their parent. Otherwise, those of a killed process would wait for ever and
+    keep their memory.
     """
-    pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"), initializer=_begin, initargs=(prepare, given))
+    pool = ProcessPoolExecutor(
+        count, mp_context=get_context("spawn"), initializer=_begin, initargs=(prepare, arguments)
+    )
     try:
         waiting = {pool.submit(work, item) for item in items}
         while waiting:
@@ -133,10 +142,10 @@ def in_processes(
         pool.shutdown(cancel_futures=True)
 
 
-def _begin(prepare: Callable[..., None] | None, given: tuple[Any, ...]) -> None:
+def _begin(prepare: Callable[..., None] | None, arguments: tuple[Any, ...]) -> None:
     Thread(target=_end_with_parent, name="parent", daemon=True).start()
     if prepare is not None:
-        prepare(*given)
+        prepare(*arguments)
 
 
 def _end_with_parent() -> None:

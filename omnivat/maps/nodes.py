@@ -12,6 +12,7 @@ from omnivat.head.dtg import groups, parents
 from omnivat.head.head import OmniVaT
 from omnivat.head.losses import nod_loss
 from omnivat.kit.errors import DataError
+from omnivat.kit.progress import checkpoint
 from omnivat.maps.sweep.walk import coefficients_of
 
 CHUNK = 512  # pairs with nodes in memory at once
@@ -62,7 +63,13 @@ def tree_facts(model: OmniVaT, nodes: Tensor, labels: Tensor | None = None) -> T
     for group in groups(kind, nodes.shape[1]):
         own = nodes[:, group.start : group.stop]
         units = normalize(own, dim=-1)
-        levels.append(Level(nodes=group, cosines=(units @ units.mT).mean(0), nod=float(nod_loss([own[:, :1], own]))))
+        levels.append(
+            Level(
+                nodes=group,
+                cosines=(units @ units.mT).mean(0),
+                nod=float(nod_loss([own[:, :1], own])),
+            )
+        )
     return TreeFacts(
         parents=parents(kind, nodes.shape[1]),
         lengths=nodes.norm(dim=-1).mean(0),
@@ -83,10 +90,12 @@ def node_votes(head: Head, embeddings: Embeddings) -> list[NodeVote]:
     kept = coefficients_of(head.model, embeddings)
     classes, counts = head.settings.classes, torch.zeros(())
     for start in range(0, len(kept), CHUNK):
+        checkpoint()
         nodes = head.model.from_coefficients(kept[start : start + CHUNK], nodes=True).nodes
         if nodes is None:
             raise DataError("This head generates no nodes: it was trained without DTG.")
-        counts = counts + one_hot(head.model.classify(nodes).argmax(-1), len(classes)).sum(0)  # (N, K)
+        # (N, K)
+        counts = counts + one_hot(head.model.classify(nodes).argmax(-1), len(classes)).sum(0)
     return [
         NodeVote(label=classes[best], share=int(count) / len(kept))
         for count, best in zip(*(one.tolist() for one in counts.max(dim=1)), strict=True)

@@ -22,7 +22,12 @@ def sheet_of(embeddings: Path) -> Path:
 
 
 def write_thumbnails(
-    embeddings: Embeddings, root: str | Path, out: str | Path, *, tile: int = TILE, on_step: OnStep = ignore
+    embeddings: Embeddings,
+    root: str | Path,
+    out: str | Path,
+    *,
+    tile: int = TILE,
+    on_step: OnStep = ignore,
 ) -> int:
     """Write the sheet (WebP) and its description (JSON); return the number of missing images.
 
@@ -31,7 +36,8 @@ def write_thumbnails(
 
     Tile i is pair i's photo, tile N + i its tactile image, in rows from the top left. An image that
     cannot be read leaves a grey tile and is counted.
-    Raises DataError if there is no pair, no image is found, or the sheet would exceed the format's limit.
+    Raises DataError if there is no pair, no image is found, or the sheet would exceed the format's
+    limit.
     """
     names = [*embeddings.rows["vis"], *embeddings.rows["tac"]]
     if not names:
@@ -54,7 +60,9 @@ def write_thumbnails(
             sheet.paste(image.resize((tile, tile), Image.Resampling.LANCZOS), place)
         on_step(Step(done=index + 1, total=len(names), text=name))
     if missing == len(names):
-        raise DataError(f"None of the {missing} images is under '{root}'; pass the folder that was embedded.")
+        raise DataError(
+            f"None of the {missing} images is under '{root}'; pass the folder that was embedded."
+        )
     with replacing(out) as temporary:
         sheet.save(temporary, format="WEBP", quality=QUALITY, method=6)
     description = {"tile": tile, "columns": columns, "count": len(names)}

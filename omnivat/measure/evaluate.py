@@ -13,7 +13,7 @@ from omnivat.data.store import Embeddings
 from omnivat.head.checkpoint import Head
 from omnivat.head.head import OmniVaT
 from omnivat.kit.errors import DataError
-from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.progress import OnStep, Step, checkpoint, ignore
 from omnivat.kit.stages import IMAGES
 from omnivat.measure.gaps.confusion import accuracy, confusion, macro_f1
 
@@ -54,7 +54,12 @@ def predicted_logits(
 
 @torch.inference_mode()
 def _predicted(
-    what: str, model: OmniVaT, embeddings: Embeddings, order: float | None, modalities: Sequence[str], rows: Rows | None
+    what: str,
+    model: OmniVaT,
+    embeddings: Embeddings,
+    order: float | None,
+    modalities: Sequence[str],
+    rows: Rows | None,
 ) -> dict[str, Tensor]:
     """Return a property of `HeadOutput` for all pairs, some at a time."""
     found = []
@@ -74,9 +79,14 @@ def blocks(
     *,
     size: int = CHUNK,
 ) -> Iterator[tuple[slice, dict[str, Tensor]]]:
-    """Yield `size` pairs at a time by modality, with their places among `rows` (None: all pairs)."""
+    """Yield `size` pairs at a time by modality, with their places among `rows` (None: all
+    pairs).
+    """
     start = 0
-    for some in zip(*(walked(getattr(embeddings, name), rows, size=size) for name in modalities), strict=True):
+    for some in zip(
+        *(walked(getattr(embeddings, name), rows, size=size) for name in modalities), strict=True
+    ):
+        checkpoint()
         yield (
             slice(start, start + size),
             {n: torch.from_numpy(b).to(device) for n, b in zip(modalities, some, strict=True)},
@@ -87,6 +97,11 @@ def blocks(
 def label_map(head_classes: Sequence[str], data_classes: Sequence[str]) -> np.ndarray[Any, Any]:
     """Return the index of each class of the data in the head, or -1 if the head lacks it."""
     return np.array([head_classes.index(c) if c in head_classes else -1 for c in data_classes])
+
+
+def inputs_of(head: Head) -> tuple[str, ...]:
+    """Return the images that a head was trained with: "vis", "tac" or both."""
+    return tuple(head.provenance.get("train", {}).get("modalities", "vis+tac").split("+"))
 
 
 def evaluate(
@@ -102,13 +117,13 @@ def evaluate(
     order       quarter turns; None: the learned one
     modalities  input of the head: "vis", "tac" or both; None: as in training
 
-    If the data have a split, only the test part counts. "trained_on" is true when evaluated on training pairs. Pairs of
-    classes that the head lacks are left out and counted. F1 averages the classes present in the domain; the "union"
-    variant also averages classes that were only predicted.
-    Raises DataError if the embeddings are from another encoder.
+    If the data have a split, only the test part counts. "trained_on" is true when evaluated on
+    training pairs. Pairs of classes that the head lacks are left out and counted. F1 averages the
+    classes present in the domain; the "union" variant also averages classes that were only
+    predicted. Raises DataError if the embeddings are from another encoder.
     """
     head.require_embeddings(embeddings)
-    given = modalities or head.provenance.get("train", {}).get("modalities", "vis+tac").split("+")
+    given = modalities or inputs_of(head)
     records, done = [], 0
     for index, name in enumerate(embeddings.header.domains):
         records.append(_evaluate_domain(head, embeddings, name, order, given))
@@ -147,9 +162,16 @@ def _evaluate_domain(
 
 
 def scores(truth: Tensor, predicted: Tensor, *, union: bool = True) -> dict[str, float]:
-    """Return ACC and macro-F1 of predicted classes (N,), and F1 over the union with the predicted ones."""
-    found = {"accuracy": float(accuracy(truth, predicted)), "macro_f1": float(macro_f1(truth, predicted))}
-    return found | ({"macro_f1_union": float(macro_f1(truth, predicted, average="union"))} if union else {})
+    """Return ACC and macro-F1 of predicted classes (N,), and F1 over the union with the
+    predicted ones.
+    """
+    found = {
+        "accuracy": float(accuracy(truth, predicted)),
+        "macro_f1": float(macro_f1(truth, predicted)),
+    }
+    return found | (
+        {"macro_f1_union": float(macro_f1(truth, predicted, average="union"))} if union else {}
+    )
 
 
 def target_scores(records: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
@@ -158,6 +180,8 @@ def target_scores(records: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any
 
 
 def target_mean(scores: Iterable[Mapping[str, Any]], metric: str = "accuracy") -> float:
-    """Return the unweighted mean of a metric over targets, one mapping each; NaN without targets."""
+    """Return the unweighted mean of a metric over targets, one mapping each; NaN without
+    targets.
+    """
     values = [found[metric] for found in scores]
     return sum(values) / len(values) if values else float("nan")

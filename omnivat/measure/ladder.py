@@ -1,8 +1,9 @@
 """The ladder: what is known about a new sensor, and the accuracy that each step brings.
 
-Every rung is accuracy over unseen domains with something known about them, beside the strict protocol, in which nothing
-is. The loaded head's own rungs are computed in seconds; those that need another training come from the records of
-`python -m benchmarks.ladder`, a light head like the default one.
+Every rung is accuracy over unseen domains with something known about them, beside the strict
+protocol, in which nothing is. The loaded head's own rungs are computed in seconds; those that need
+another training come from the records of `python -m benchmarks.table`, a light head like the
+default one.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,14 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omnivat.data.embeddings import Embeddings
-from omnivat.data.profile import drawn_profiles, profiled
 from omnivat.head.checkpoint import Head
 from omnivat.head.heads import LADDERS, ladder_file, ladder_key
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import write_json
 from omnivat.kit.lines import lines
-from omnivat.measure.evaluate import label_map, predicted_probabilities
-from omnivat.measure.unseen import counted, of_domains, wilson
+from omnivat.measure.known import NOTHING, measured, pairs, record
 
 FORMAT = "omnivat-ladder-1"
 METHOD = "omnivat"  # in the records: the light head, trained as the default one
@@ -32,18 +31,14 @@ DRAWS = 3  # of pairs, in the rungs of a loaded head
 KNOWN = {
     "home": "its own sensor",
     "none": "nothing: pictures as they come",
-    "rest": "a rest picture",
     **{f"n{n}": f"{n} pair{'s' * (n > 1)} without labels" for n in COUNTS},
     "all": "all pairs without labels",
-    "one": "20 pairs without labels, all of one class",
-    "t3a": "all pairs without labels: profile and T3A",
-    "lame": "all pairs without labels: profile and LAME",
-    "self": "all pairs without labels: profile and self-training",
     **{f"k{k}": f"{k} labelled pair{'s' * (k > 1)} of each class" for k in (1, 3, 5)},
     **{f"m{m}": f"{m} source domains" for m in (2, 4, 7)},
-    **{f"m{m}+": f"{m} source domains and all pairs without labels" for m in (1, 2, 4, 7)},
+    **{f"m{m}+": f"{m} source domains and all pairs without labels" for m in (2, 4, 7)},
 }
-Rung = dict[str, Any]  # one step: shares of right predictions, mean over unseen domains with a 95 % interval
+# one step: shares of right predictions, mean over unseen domains with a 95 % interval
+Rung = dict[str, Any]
 
 
 def rungs(head: Head, embeddings: Embeddings, *, source: str = "") -> list[Rung]:
@@ -70,62 +65,44 @@ def ladder(head: Head, embeddings: Embeddings, *, source: str = "") -> dict[str,
 
 
 def write_ladder(head: Head, embeddings: Embeddings, place: Path) -> Path:
-    """Write the head's ladder next to its set, the file `place`, so that the page need not compute it."""
+    """Write the head's ladder next to its set, the file `place`, so that the page need not
+    compute it.
+    """
     if head.path is None:
         raise DataError("Only the ladder of a saved head can be kept; save the head first.")
-    write_json(ladder_file(place), {"of": ladder_key(head.path, place), "ladder": ladder(head, embeddings)})
+    write_json(
+        ladder_file(place), {"of": ladder_key(head.path, place), "ladder": ladder(head, embeddings)}
+    )
     return ladder_file(place)
 
 
 def _of_head(head: Head, embeddings: Embeddings) -> Iterator[Rung]:
     """Yield the rungs that need no training; without a profile, home and away only."""
-    head.require_embeddings(embeddings)
-    label = label_map(head.settings.classes, embeddings.header.classes)[embeddings.label]
-    tested = counted(embeddings, head.source) & (label >= 0)
-    test = embeddings.select(tested)
-    right = _right(head, test, label[tested])
-    home = list(embeddings.header.domains).index(head.source)
-    own = test.domain == home
-    for name, there in (("home", own), ("none", ~own)):
-        if there.any():
-            yield rung(name, [right], test.domain, home, head.source, "this head")
-    if own.all() or head.profile is None:
-        return
-    for name, count in (*((f"n{n}", n) for n in COUNTS), ("all", ALL)):
-        rows = []
-        for seed in range(DRAWS if count < ALL else 1):
-            profiles, _ = drawn_profiles(embeddings, head.source, count, seed=seed)
-            rows.append(_right(head, profiled(test, profiles, head.profile), label[tested]))
-        yield rung(name, rows, test.domain, home, head.source, "this head")
+    steps = [NOTHING]
+    if head.profile is not None:
+        steps += [*map(pairs, COUNTS), pairs(ALL, every=True)]
+    for known in steps:
+        for home in (True, False) if known == NOTHING else (False,):
+            try:
+                draws = 1 if known.name == "all" else DRAWS
+                step = measured(head, embeddings, known, draws=draws, home=home)
+            except DataError:  # no test pair of the source, or no other domain
+                continue
+            yield _rung("home" if home else known.name, step, head.source, "this head")
 
 
-def _right(head: Head, test: Embeddings, label: NDArray[np.int64]) -> NDArray[np.float64]:
-    shares = predicted_probabilities(head.model, test)["fused"]
-    right: NDArray[np.float64] = (shares.argmax(1).numpy() == label).astype(float)
-    return right
-
-
-def rung(name: str, rows: Sequence[Any], domain: NDArray[np.int64], home: int, source: str, origin: str) -> Rung:
-    """Return a rung from the right predictions (N,) of each draw; NaN where none was made.
-
-    The interval is for other domains and other pairs: both are drawn (`unseen.intervals`). That of "home" is for other
-    pairs of the source.
-    """
-    given = np.ma.masked_invalid(np.stack(rows)).mean(axis=0)
-    known, right = ~np.ma.getmaskarray(given), given.filled(0.0)
-    masks = [known & (domain == d) for d in np.unique(domain) if (d == home) == (name == "home")]
-    counts = [(round(float(right[m].sum())), int(m.sum())) for m in masks if m.any()]
-    low, high = wilson(*counts[0]) if name == "home" else of_domains(counts)
-    mean = float(np.mean([right[m].mean() for m in masks if m.any()]))
-    told = {"rung": name, "known": KNOWN[name], "accuracy": mean}
-    return {**told, "low": low, "high": high, "source": source, "from": origin}
+def _rung(name: str, step: Mapping[str, Any], source: str, origin: str) -> Rung:
+    kept = {key: step[key] for key in ("accuracy", "low", "high")}
+    return {"rung": name, "known": KNOWN[name], **kept, "source": source, "from": origin}
 
 
 @cache
 def _records() -> tuple[Mapping[str, Any], list[Mapping[str, Any]]]:
     """Return the head line of the shipped records, and the lines that `recorded` reads."""
     found = list(lines(LADDERS, FORMAT))
-    return (found[0] if found else {}), [one for one in found[1:] if one["method"] in (METHOD, *OTHERS)]
+    return (found[0] if found else {}), [
+        one for one in found[1:] if one["method"] in (METHOD, *OTHERS)
+    ]
 
 
 def recorded(source: str, domains: Sequence[str]) -> list[Rung]:
@@ -150,12 +127,14 @@ def recorded(source: str, domains: Sequence[str]) -> list[Rung]:
                 np.where(taught, marks(answers, truth), np.nan)
                 for one in records
                 if one["method"] == method
-                for key, answers in one["answers"].items()
-                if key.partition(":")[0] == name
+                if (answers := one["answers"].get(name))
             ]
             if rows:
                 known = words if method == METHOD else f"{words} ({OTHERS[method]})"
-                found.append(rung(name, rows, domain, home, source, "records") | {"known": known})
+                right = np.stack(rows)
+                right[:, (domain == home) != (name == "home")] = np.nan
+                step = record(right, domain, first["domains"])
+                found.append(_rung(name, step, source, "records") | {"known": known})
                 break
     return found
 

@@ -1,4 +1,6 @@
-"""Results of a head in unseen domains: test pairs, 95 % intervals of shares, confusion and retrieval in one record."""
+"""Results of a head in unseen domains: test pairs, 95 % intervals of shares, confusion and
+retrieval in one record.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -67,7 +69,9 @@ def counted(embeddings: Embeddings, source: str) -> Mask:
     return keep
 
 
-def mean_over_domains(right: NDArray[Any], embeddings: Embeddings, source: str, keep: Mask) -> float | None:
+def mean_over_domains(
+    right: NDArray[Any], embeddings: Embeddings, source: str, keep: Mask
+) -> float | None:
     """Return the mean over unseen domains of each domain's share of `right` (N,) among `keep`.
 
     None if the source is not among the domains or no unseen domain has a test pair.
@@ -87,11 +91,17 @@ def judged(keep: NDArray[np.bool_], domain: NDArray[Any], most: int = MOST) -> N
     chosen = [np.zeros(0, dtype=np.int64)]
     for name in np.unique(domain):
         own = np.flatnonzero(keep & (domain == name))
-        chosen.append(own if len(own) <= most else own[np.linspace(0, len(own) - 1, most).round().astype(np.int64)])
+        chosen.append(
+            own
+            if len(own) <= most
+            else own[np.linspace(0, len(own) - 1, most).round().astype(np.int64)]
+        )
     return np.sort(np.concatenate(chosen))
 
 
-def nearest_touch(vis: Array, tac: Array, domain: NDArray[Any], rows: NDArray[np.int64]) -> NDArray[np.int64]:
+def nearest_touch(
+    vis: Array, tac: Array, domain: NDArray[Any], rows: NDArray[np.int64]
+) -> NDArray[np.int64]:
     """Return for each of `rows` the row of the touch with the largest cosine in its domain.
 
     vis     (len(rows), W), photos of `rows`; tac  (N, W); all of any length. A photo's own touch
@@ -134,7 +144,7 @@ class _Facts:
 
 
 def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
-    """Return the page's record; docs/page.md describes its keys.
+    """Return the page's record of unseen domains.
 
     Every share is computed on test pairs, at exactly the learned order. `readings` are "fused"
     (both images), "vis" and "tac" (one image, the other one absent). "pairs" has values of each
@@ -159,7 +169,8 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     vis, tac, cosine = _alone(head, embeddings, rows)
     shares["retrieval"] = np.full(len(label), np.nan)  # of photos that are not tested
     shares["retrieval"][rows] = label[nearest_touch(vis, tac, facts.domain, rows)] == label[rows]
-    looks = embeddings.rows.get("looks_like", []) or [""] * len(label)  # unseen pairs that look like another class
+    # unseen pairs that look like another class
+    looks = embeddings.rows.get("looks_like", []) or [""] * len(label)
     alike = np.array([bool(name) for name in looks], bool) & facts.unseen
     return {
         "source": head.source,
@@ -176,10 +187,15 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
             for name, mask in facts.members.items()
         ],
         "unseen": {name: _over_domains(facts, right) for name, right in shares.items()},
-        "look_alikes": {"pairs": int(alike.sum()), **{key: _share(right[alike]) for key, right in shares.items()}}
+        "look_alikes": {
+            "pairs": int(alike.sum()),
+            **{key: _share(right[alike]) for key, right in shares.items()},
+        }
         if alike.any()
         else None,
-        "confusion": {name: _confusions(facts, values, len(classes)) for name, values in predicted.items()},
+        "confusion": {
+            name: _confusions(facts, values, len(classes)) for name, values in predicted.items()
+        },
         "pairs": {
             "counts": facts.counts,
             "answers": predicted,
@@ -219,8 +235,11 @@ def _confusions(facts: _Facts, predicted: Array, classes: int) -> dict[str, list
 
 
 @torch.inference_mode()
-def _alone(head: Head, embeddings: Embeddings, rows: NDArray[np.int64]) -> tuple[Array, Array, Array]:
-    """Return unit F-hat of some photos and of each touch, each seen alone, and cosines (N,) of pairs.
+def _alone(
+    head: Head, embeddings: Embeddings, rows: NDArray[np.int64]
+) -> tuple[Array, Array, Array]:
+    """Return unit F-hat of some photos and of each touch, each seen alone, and cosines (N,) of
+    pairs.
 
     rows  ascending: photos whose F-hat is kept
     """

@@ -3,10 +3,11 @@
 A few pairs of a set can be copied as small examples."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from os import cpu_count
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from PIL import Image
@@ -25,6 +26,7 @@ from omnivat.simulate.drawing import drawn, resting
 from omnivat.simulate.noise import Array
 from omnivat.simulate.plan import PAIRS, Planned, classes, planned, write_table
 
+A = TypeVar("A")
 QUALITY = 94  # of JPEG: over a quarter of the PNG; no subsampling, for the colours of a gel
 
 
@@ -41,12 +43,16 @@ def write_examples(made: PairSet, folder: Path, *, each: int = 2) -> list[Path]:
         if pair.split == "test":
             classes[pair.domain, pair.material].append(pair)
     if not classes:
-        raise DataError("The set has no test objects to take examples from; ask for 4 pairs per class or more.")
+        raise DataError(
+            "The set has no test objects to take examples from; ask for 4 pairs per class or more."
+        )
     written = []
     for (domain, material), things in classes.items():
         for pair in chosen(things, each):
             for kind, image in (("vis", pair.vis), ("tac", pair.tac)):
-                file = folder / domain / material / f"{image.stem.removesuffix(f'_{kind}')}_{kind}.jpg"
+                file = (
+                    folder / domain / material / f"{image.stem.removesuffix(f'_{kind}')}_{kind}.jpg"
+                )
                 with replacing(file) as temporary:
                     read_image(image).save(temporary, "JPEG", quality=QUALITY, subsampling=0)
                 written.append(file)
@@ -67,7 +73,10 @@ def spread(things: list[Pair], count: int) -> list[Pair]:
     return [things[(2 * index + 1) * len(things) // (2 * count)] for index in range(count)]
 
 
-RENDERERS = {"mitsuba": "omnivat.simulate.vision:rendered", "plain": "omnivat.simulate.photograph:plain"}
+RENDERERS = {
+    "mitsuba": "omnivat.simulate.vision:rendered",
+    "plain": "omnivat.simulate.photograph:plain",
+}
 
 
 def simulate(
@@ -99,50 +108,76 @@ def simulate(
     """
     plan = list(_plan(domains, pairs_per_class))
     if size < 32:
-        raise DataError(f"Images of {size} pixels are too small to show a touch; ask for 32 or more.")
+        raise DataError(
+            f"Images of {size} pixels are too small to show a touch; ask for 32 or more."
+        )
     # Alternate between classes, so that an interrupted build has a mixed sample.
     todo = sorted(
-        (pair for pair in plan if not all(_is_whole(_path(out, pair, kind), size) for kind in ("vis", "tac"))),
+        (
+            pair
+            for pair in plan
+            if not all(is_whole(image_path(out, pair, kind), size) for kind in ("vis", "tac"))
+        ),
         key=lambda pair: int(pair.object.rsplit("-", 1)[1]),
     )
-    done = len(plan) - len(todo)
-    on_step(Step(done=done, total=len(plan), text="already there"))
     work = partial(draw_to, out=out, seed=seed, size=size, renderer=renderer)
-    count = min(workers or cpu_count() or 1, len(todo))
-    for pair in in_processes(work, todo, count) if count > 1 else map(work, todo):
-        done += 1
-        on_step(Step(done=done, total=len(plan), text=f"{pair.folder()}/{pair.stem}"))
+    finish(work, todo, total=len(plan), workers=workers, on_step=on_step)
     for name, made in {pair.domain: pair.made for pair in plan}.items():
-        _write(out / simulated(name) / REST, resting(made.sensor, size=size))
-    pairs = tuple(_pair(out, pair) for pair in plan)
+        write_image(out / simulated(name) / REST, resting(made.sensor, size=size))
+    pairs = tuple(on_disk(out, pair) for pair in plan)
     write_table(out, pairs)
-    return PairSet(pairs=pairs, origin=f"simulated by omnivat, seed {seed}, {renderer} renderer", simulated=True)
+    return PairSet(
+        pairs=pairs,
+        origin=f"simulated by omnivat, seed {seed}, {renderer} renderer",
+        simulated=True,
+    )
 
 
-def draw_to(pair: Planned, *, out: Path, seed: int, size: int, renderer: str) -> Planned:
+def finish(
+    work: Callable[[A], str], todo: Sequence[A], *, total: int, workers: int | None, on_step: OnStep
+) -> None:
+    """Do the rest of a build in processes; `work` returns the name of what it wrote."""
+    done = total - len(todo)
+    on_step(Step(done=done, total=total, text="already there"))
+    count = min(workers or cpu_count() or 1, len(todo))
+    for name in in_processes(work, todo, count) if count > 1 else map(work, todo):
+        done += 1
+        on_step(Step(done=done, total=total, text=name))
+
+
+def draw_to(pair: Planned, *, out: Path, seed: int, size: int, renderer: str) -> str:
     """Draw one pair and write its two images, each completely or not at all."""
     both = drawn(pair, seed=seed, size=size, renderer=load(RENDERERS, renderer, kind="renderer"))
     for kind, image in zip(("vis", "tac"), both, strict=True):
-        _write(_path(out, pair, kind), image)
-    return pair
+        write_image(image_path(out, pair, kind), image)
+    return f"{pair.folder()}/{pair.stem}"
 
 
-def _plan(domains: Sequence[str | SimulatedDomain] | None, pairs_per_class: int) -> Iterator[Planned]:
+def _plan(
+    domains: Sequence[str | SimulatedDomain] | None, pairs_per_class: int
+) -> Iterator[Planned]:
     if not 1 <= pairs_per_class <= NUMBERS:
-        raise DataError(f"{pairs_per_class} pairs of a class were requested; choose 1 to {NUMBERS:,}.")
+        raise DataError(
+            f"{pairs_per_class} pairs of a class were requested; choose 1 to {NUMBERS:,}."
+        )
     for wanted in [*SIMULATED] if domains is None else domains:
-        domain = wanted if isinstance(wanted, SimulatedDomain) else SIMULATED.get(paper_name(wanted))
+        domain = (
+            wanted if isinstance(wanted, SimulatedDomain) else SIMULATED.get(paper_name(wanted))
+        )
         if domain is None:
-            raise DataError(unknown(paper_name(str(wanted)), map(simulated, SIMULATED), kind="domain"))
+            raise DataError(
+                unknown(paper_name(str(wanted)), map(simulated, SIMULATED), kind="domain")
+            )
         for material in classes(domain):
             yield from planned(domain, material, pairs=pairs_per_class)
 
 
-def _path(out: Path, pair: Planned, kind: str) -> Path:
+def image_path(out: Path, pair: Planned, kind: str) -> Path:
+    """Return the file of a pair's "vis" or "tac" image."""
     return out / pair.folder() / f"{pair.stem}_{kind}.png"
 
 
-def _is_whole(path: Path, size: int) -> bool:
+def is_whole(path: Path, size: int) -> bool:
     """True if a file decodes to an image of the right size."""
     try:
         with Image.open(path) as image:
@@ -152,15 +187,22 @@ def _is_whole(path: Path, size: int) -> bool:
         return False
 
 
-def _write(path: Path, image: Array) -> None:
+def write_image(path: Path, image: Array) -> None:
+    """Write an image (H, W, 3), 0 to 1, as PNG, completely or not at all."""
     with replacing(path) as temporary:
-        Image.fromarray(np.round(image * 255).astype(np.uint8)).save(temporary, format="PNG", compress_level=6)
+        Image.fromarray(np.round(image * 255).astype(np.uint8)).save(
+            temporary, format="PNG", compress_level=6
+        )
 
 
-def _pair(out: Path, pair: Planned) -> Pair:
+def on_disk(out: Path, pair: Planned) -> Pair:
+    """Return a planned pair with the paths of its images."""
     return Pair(
-        vis=_path(out, pair, "vis"),
-        tac=_path(out, pair, "tac"),
+        vis=image_path(out, pair, "vis"),
+        tac=image_path(out, pair, "tac"),
         domain=simulated(pair.domain),
-        **{name: getattr(pair, name) for name in ("material", "object", "split", "part", "looks_like", "feels_like")},
+        **{
+            name: getattr(pair, name)
+            for name in ("material", "object", "split", "part", "looks_like", "feels_like")
+        },
     )

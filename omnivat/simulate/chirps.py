@@ -52,7 +52,8 @@ class ChirpSettings:
         require_declared(self)
         if self.classes > self.width // 2 - 1:
             raise SettingsError(
-                f"{self.classes} classes need a width of {2 * self.classes + 2} or more, got {self.width}."
+                f"{self.classes} classes need a width of {2 * self.classes + 2} or more, got"
+                f" {self.width}."
             )
 
     @property
@@ -69,7 +70,8 @@ class ChirpSettings:
 def chirp_embeddings(settings: ChirpSettings) -> Embeddings:
     """Return the whole set in memory: VIS and TAC are signals (N, D).
 
-    The same settings give the same numbers. The largest magnitude of a signal is 1, as after reading its picture.
+    The same settings give the same numbers. The largest magnitude of a signal is 1, as after
+    reading its picture.
     """
     count, domains = settings.pairs_per_class, settings.domains
     label = np.tile(np.repeat(np.arange(settings.classes), count), domains).astype(np.int64)
@@ -78,22 +80,35 @@ def chirp_embeddings(settings: ChirpSettings) -> Embeddings:
         encoder=ENCODER, weights_hash=READER, preprocessing=PREPROCESSING, simulated=True,
         domains=settings.domain_names, classes=settings.class_names, origin=origin(settings),
     )  # fmt: skip
-    vis, tac = map(np.concatenate, zip(*(domain_signals(settings, number) for number in range(domains)), strict=True))
-    return Embeddings(header=header, vis=vis, tac=tac, domain=domain, label=label, rows=pair_names(settings))
+    vis, tac = map(
+        np.concatenate,
+        zip(*(domain_signals(settings, number) for number in range(domains)), strict=True),
+    )
+    return Embeddings(
+        header=header, vis=vis, tac=tac, domain=domain, label=label, rows=pair_names(settings)
+    )
 
 
 def origin(settings: ChirpSettings) -> str:
     """Return one line on the origin of the set."""
     louder = f"interference of {settings.strength:g} times its norm at other orders"
-    return f"made-up chirps: a class is a spike at order {settings.order:g}, {louder}, seed {settings.seed}"
+    return (
+        f"made-up chirps: a class is a spike at order {settings.order:g}, {louder}, seed"
+        f" {settings.seed}"
+    )
 
 
-def domain_signals(settings: ChirpSettings, domain: int) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def domain_signals(
+    settings: ChirpSettings, domain: int
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return VIS and TAC (N, D) of one domain, class by class, independent of other domains."""
     label = np.repeat(np.arange(settings.classes), settings.pairs_per_class)
     orders = interference_orders(settings)[domain]
     seeds = (derive_seed(settings.seed, "chirps", domain, name) for name in IMAGES)
-    made = [_signals(settings, label, p, np.random.default_rng(s)) for p, s in zip(orders, seeds, strict=True)]
+    made = [
+        _signals(settings, label, p, np.random.default_rng(s))
+        for p, s in zip(orders, seeds, strict=True)
+    ]
     return made[0], made[1]
 
 
@@ -160,7 +175,9 @@ def pair_names(settings: ChirpSettings) -> dict[str, list[str]]:
     """Return the columns of the set's table, in the order of `chirp_embeddings`."""
     test, count = round(settings.test_share * settings.pairs_per_class), settings.pairs_per_class
     every = list(product(settings.domain_names, settings.class_names, range(count)))
-    stems = [f"{domain}/{kind}/{kind.replace(' ', '-')}-{number:03d}" for domain, kind, number in every]
+    stems = [
+        f"{domain}/{kind}/{kind.replace(' ', '-')}-{number:03d}" for domain, kind, number in every
+    ]
     found = {name: [""] * len(every) for name in ROW_NAMES}
     found |= {name: [f"{stem}_{name}.png" for stem in stems] for name in IMAGES}
     found["object"] = [f"{domain} {kind} {number}" for domain, kind, number in every]
@@ -170,9 +187,11 @@ def pair_names(settings: ChirpSettings) -> dict[str, list[str]]:
 def write_chirps(out: Path, settings: ChirpSettings, *, on_step: OnStep = ignore) -> PairSet:
     """Write `<out>/<domain>/<class>/<name>_{vis,tac}.png` and `<out>/pairs.csv`; return the pairs.
 
-    The same settings give the same bytes. `omnivat embed OUT --encoder strip --no-flips` reads the signals back.
+    The same settings give the same bytes. `omnivat embed OUT --encoder strip --no-flips` reads the
+    signals back.
 
-    Raises SettingsError for a width that does not fit a picture, WriteError if the folder is not writable.
+    Raises SettingsError for a width that does not fit a picture, WriteError if the folder is not
+    writable.
     """
     if settings.width != STRIPES:
         raise SettingsError(
@@ -189,6 +208,8 @@ def write_chirps(out: Path, settings: ChirpSettings, *, on_step: OnStep = ignore
     columns = {**made.rows, **{name: [out / file for file in made.rows[name]] for name in IMAGES}}
     columns["domain"] = [made.header.domains[k] for k in made.domain]
     columns["material"] = [made.header.classes[k] for k in made.label]
-    pairs = tuple(Pair(**dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True))
+    pairs = tuple(
+        Pair(**dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True)
+    )
     write_table(out, pairs, COLUMNS)
     return PairSet(pairs=pairs, origin=origin(settings), simulated=True)

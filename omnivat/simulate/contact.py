@@ -68,7 +68,8 @@ FIELD = 16.0  # mm across the markers
 DEPTH = (0.4, 0.85)  # mm
 _BULGE = 0.45  # mm sideways for a slope of 1: the gel moves aside
 _DRAG = 0.5  # share of the drag that reaches the markers
-# mm for full colour: `robust_scale` of 60 pairs of the shipped set; fixed, so an image does not depend on the others
+# mm for full colour: `robust_scale` of 60 pairs of the shipped set; fixed, so an image does not
+# depend on the others
 SCALE = np.array([0.14, 0.14, 0.74])
 _GRID = 160  # resolution of the gel before sampling at the markers
 

@@ -46,15 +46,24 @@ def calibrated(thing: Thing, press: Press, calibration: str, *, size: int) -> Ar
 
 
 def _seen(calibration: str, distance: Array, depth: float | None, size: int) -> Array:
-    seen = _simulator(calibration).render(distance.astype(np.float32), with_shadow=False, press_depth=depth)
-    whole = Image.fromarray(np.round(np.clip(np.asarray(seen)[:, _SQUARE], 0, 1) * 255).astype(np.uint8))
+    seen = _simulator(calibration).render(
+        distance.astype(np.float32), with_shadow=False, press_depth=depth
+    )
+    whole = Image.fromarray(
+        np.round(np.clip(np.asarray(seen)[:, _SQUARE], 0, 1) * 255).astype(np.uint8)
+    )
     small = whole.resize((size, size), Image.Resampling.BICUBIC)
     return np.asarray(small, dtype=np.float64) / 255.0
 
 
 def drawn(pair: Planned, *, seed: int, size: int, renderer: Renderer) -> tuple[Array, Array]:
-    """Return VIS and TAC of `pair`, (size, size, 3) from 0 to 1; the same seed gives the same images."""
-    made, stream = thing(pair, seed=seed), derive_seed(seed, "pair", pair.domain, pair.material, pair.object)
+    """Return VIS and TAC of `pair`, (size, size, 3) from 0 to 1; the same seed gives the same
+    images.
+    """
+    made, stream = (
+        thing(pair, seed=seed),
+        derive_seed(seed, "pair", pair.domain, pair.material, pair.object),
+    )
     vis = photograph(made, pair, stream, size=size, renderer=renderer)
     return vis, tactile(made, pair.made.sensor, stream, size=size)
 
@@ -76,9 +85,12 @@ def resting(sensor: SensorModel, *, size: int, stream: int | None = None) -> Arr
     stream  of a pair: the rest picture of that pair's own gel; None: of the sensor without wear
     """
     if isinstance(sensor, TaximSensor):
-        return _seen(sensor.calibration, np.full((_HEIGHT, _WIDTH), 1000.0), None, size)  # nothing within a metre
+        # nothing within a metre
+        return _seen(sensor.calibration, np.full((_HEIGHT, _WIDTH), 1000.0), None, size)
     if isinstance(sensor, Sensor):
-        return at_rest(sensor, size=size, seed=None if stream is None else derive_seed(stream, "sensor"))
+        return at_rest(
+            sensor, size=size, seed=None if stream is None else derive_seed(stream, "sensor")
+        )
     return coloured(np.zeros((MARKERS, MARKERS, 3)), size=size)
 
 
@@ -87,5 +99,8 @@ def pressing(rng: np.random.Generator) -> Press:
     lean, shear = rng.normal(0, 0.012, 2), rng.normal(0, 0.08, 2)
     turn, depth = float(rng.normal(0, 0.35)), float(rng.uniform(0, 1))
     return Press(
-        turn=turn, lean=(float(lean[0]), float(lean[1])), depth=depth, shear=(float(shear[0]), float(shear[1]))
+        turn=turn,
+        lean=(float(lean[0]), float(lean[1])),
+        depth=depth,
+        shear=(float(shear[0]), float(shear[1])),
     )

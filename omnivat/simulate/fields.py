@@ -1,4 +1,6 @@
-"""Fields: functions of place that add and multiply like numbers, and the patterns that materials share."""
+"""Fields: functions of place that add and multiply like numbers, and the patterns that materials
+share.
+"""
 
 import operator
 from collections.abc import Callable
@@ -16,8 +18,12 @@ def lifted(function: Callable[..., Array]) -> "Callable[..., Field]":
     """Make a function of arrays one of fields and numbers, which returns a field."""
 
     @wraps(function)
-    def of_fields(*given: Any) -> "Field":
-        return Field(lambda x, y: function(*(one(x, y) if isinstance(one, Field) else one for one in given)))
+    def of_fields(*arguments: Any) -> "Field":
+        return Field(
+            lambda x, y: function(
+                *(one(x, y) if isinstance(one, Field) else one for one in arguments)
+            )
+        )
 
     return of_fields
 
@@ -45,8 +51,8 @@ def field(pattern: Callable[Concatenate[Array, Array, P], Array]) -> Callable[P,
     """Make a function of (x, y) and settings one of the settings, which returns a field."""
 
     @wraps(pattern)
-    def made(*given: P.args, **named: P.kwargs) -> Field:
-        return Field(lambda x, y: pattern(x, y, *given, **named))
+    def made(*arguments: P.args, **named: P.kwargs) -> Field:
+        return Field(lambda x, y: pattern(x, y, *arguments, **named))
 
     return made
 
@@ -61,9 +67,9 @@ def tinted(colour: tuple[float, float, float], amount: Array) -> Array:
 
 
 @lifted
-def mixed(one: Array, other: Array, weight: Array) -> Array:
-    """Return `one` where weight is 0 and `other` where it is 1; colours (..., 3)."""
-    return one + (other - one) * weight[..., None]
+def mixed(first: Array, other: Array, weight: Array) -> Array:
+    """Return `first` where weight is 0 and `other` where it is 1; colours (..., 3)."""
+    return first + (other - first) * weight[..., None]
 
 
 @field
@@ -73,8 +79,11 @@ def streaks(x: Array, y: Array, *, angle: float, width: float, length: float, se
     stretch = width / length
     total = np.zeros(np.broadcast(x, y).shape)
     for step, (scale, weight) in enumerate(((1.0, 1.0), (0.5, 0.7), (0.25, 0.5))):
-        own = 2 * np.pi * np.random.default_rng(seed + step).uniform(0.0, 1.0, 3)[2]  # the noise's turn is undone
-        total += weight * noise(*turned(u * stretch, v, -own), wavelength=width * scale, seed=seed + step)
+        # the noise's turn is undone
+        own = 2 * np.pi * np.random.default_rng(seed + step).uniform(0.0, 1.0, 3)[2]
+        total += weight * noise(
+            *turned(u * stretch, v, -own), wavelength=width * scale, seed=seed + step
+        )
     return total / 1.32
 
 

@@ -4,7 +4,17 @@ from collections.abc import Callable
 
 import numpy as np
 
-from omnivat.simulate.fields import Field, field, grain, mixed, orange_peel, smooth, streaks, tiles, tinted
+from omnivat.simulate.fields import (
+    Field,
+    field,
+    grain,
+    mixed,
+    orange_peel,
+    smooth,
+    streaks,
+    tiles,
+    tinted,
+)
 from omnivat.simulate.noise import Array, cells, smoothstep
 
 
@@ -25,7 +35,10 @@ def _drawn(seed: int, low: float, high: float) -> tuple[float, float, float]:
 
 
 def _grass(seed: int) -> Field:
-    blades = sum(streaks(angle=0.9 * turn + 0.3, width=5.0, length=45.0, seed=seed + turn) for turn in range(3))
+    blades = sum(
+        streaks(angle=0.9 * turn + 0.3, width=5.0, length=45.0, seed=seed + turn)
+        for turn in range(3)
+    )
     return tinted((0.12, 0.15, 0.06), 0.22 * blades)
 
 
@@ -74,19 +87,27 @@ def _holes(x: Array, y: Array) -> Array:
 def _foliage(seed: int) -> Field:
     leaves = grain(coarsest=70.0, finest=9.0, seed=seed)
     gaps = smooth(orange_peel(size=160.0, seed=seed + 9), 0.8, 1.3)
-    sky = smooth(Field(lambda x, z: z) + 150.0 * orange_peel(size=300.0, seed=seed + 5), 700.0, 900.0)
-    return mixed(tinted((0.09, 0.13, 0.045), 0.55 * leaves - 0.7 * gaps), np.array([0.7, 0.8, 0.95]), sky)
+    sky = smooth(
+        Field(lambda x, z: z) + 150.0 * orange_peel(size=300.0, seed=seed + 5), 700.0, 900.0
+    )
+    return mixed(
+        tinted((0.09, 0.13, 0.045), 0.55 * leaves - 0.7 * gaps), np.array([0.7, 0.8, 0.95]), sky
+    )
 
 
 @field
 def _windows(x: Array, z: Array) -> Array:
-    return ((np.abs((x / 420.0) % 1.0 - 0.5) < 0.22) & (np.abs((z / 600.0) % 1.0 - 0.55) < 0.3)).astype(np.float64)
+    return (
+        (np.abs((x / 420.0) % 1.0 - 0.5) < 0.22) & (np.abs((z / 600.0) % 1.0 - 0.55) < 0.3)
+    ).astype(np.float64)
 
 
 @field
 def _bricks(x: Array, z: Array) -> Array:
     row = np.floor(z / 75.0)
-    inside = (np.abs((x / 215.0 + 0.5 * row) % 1.0 - 0.5) < 0.475) & (np.abs(z / 75 - row - 0.5) < 0.43)
+    inside = (np.abs((x / 215.0 + 0.5 * row) % 1.0 - 0.5) < 0.475) & (
+        np.abs(z / 75 - row - 0.5) < 0.43
+    )
     return inside.astype(np.float64)
 
 
@@ -109,13 +130,17 @@ def _shelf(x: Array, z: Array, seed: int) -> Array:
 
 def _wall(seed: int) -> Field:
     paint = tinted(_drawn(seed, 0.35, 0.75), 0.03 * orange_peel(size=200.0, seed=seed))
-    return mixed(paint, np.array([0.6, 0.58, 0.55]), Field(lambda x, z: (z < 80.0).astype(np.float64)))
+    return mixed(
+        paint, np.array([0.6, 0.58, 0.55]), Field(lambda x, z: (z < 80.0).astype(np.float64))
+    )
 
 
 def _door(seed: int) -> Field:
     middle = np.random.default_rng(seed).uniform(-300, 300)
     leaf = tinted((0.4, 0.26, 0.15), 0.1 * streaks(angle=np.pi / 2, width=9, length=300, seed=seed))
-    return mixed(_wall(seed), leaf, Field(lambda x, z: (np.abs(x - middle) < 380.0).astype(np.float64)))
+    return mixed(
+        _wall(seed), leaf, Field(lambda x, z: (np.abs(x - middle) < 380.0).astype(np.float64))
+    )
 
 
 def _even(value: float) -> Field:

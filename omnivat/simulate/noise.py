@@ -17,13 +17,17 @@ _CELLS = 512  # period of the noise in wavelengths
 
 @lru_cache(maxsize=1)
 def _table() -> Array:
-    """Return spline coefficients of one sheet of white noise, scaled so that noise has unit spread."""
+    """Return spline coefficients of one sheet of white noise, scaled so that noise has unit
+    spread.
+    """
     white = np.random.default_rng(20_000).normal(0.0, 1.7, (_CELLS, _CELLS))
     return np.asarray(spline_filter(white, order=2, mode="grid-wrap"))
 
 
 def noise(x: Array, y: Array, *, wavelength: float, seed: int) -> Array:
-    """Return smooth noise of about zero mean and unit spread whose bumps are `wavelength` mm apart."""
+    """Return smooth noise of about zero mean and unit spread whose bumps are `wavelength` mm
+    apart.
+    """
     dx, dy, angle = np.random.default_rng(seed).uniform(0.0, 1.0, 3)
     turn_x, turn_y = turned(x, y, 2 * np.pi * angle)
     scale = 1.0 / wavelength
@@ -31,8 +35,12 @@ def noise(x: Array, y: Array, *, wavelength: float, seed: int) -> Array:
     return np.asarray(map_coordinates(_table(), points, order=2, mode="grid-wrap", prefilter=False))
 
 
-def octaves(x: Array, y: Array, *, wavelength: float, finest: float, seed: int, roughness: float = 0.5) -> Array:
-    """Sum noise from `wavelength` down to `finest` mm; each octave is `roughness` times the last."""
+def octaves(
+    x: Array, y: Array, *, wavelength: float, finest: float, seed: int, roughness: float = 0.5
+) -> Array:
+    """Sum noise from `wavelength` down to `finest` mm; each octave is `roughness` times the
+    last.
+    """
     total = np.zeros(np.broadcast(x, y).shape)
     power, weight, step = 0.0, 1.0, 0
     while wavelength >= finest or step == 0:
@@ -48,7 +56,9 @@ def turned(x: Array, y: Array, angle: float) -> tuple[Array, Array]:
     return x * cos + y * sin, y * cos - x * sin
 
 
-def cells(x: Array, y: Array, *, size: float, seed: int, jitter: float = 0.9) -> tuple[Array, Array]:
+def cells(
+    x: Array, y: Array, *, size: float, seed: int, jitter: float = 0.9
+) -> tuple[Array, Array]:
     """Return distance (mm) to the nearest scattered point and to the border of its cell.
 
     Each square of `size` mm has one point, moved by `jitter` of the square.

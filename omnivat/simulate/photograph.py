@@ -79,7 +79,9 @@ def framed(scene: Scene, thing: Thing, *, outdoors: bool, seed: int) -> Framing:
     )
 
 
-def _camera(scene: Scene, thing: Thing, target: Array, distance: float, rng: np.random.Generator) -> Array:
+def _camera(
+    scene: Scene, thing: Thing, target: Array, distance: float, rng: np.random.Generator
+) -> Array:
     """Return a camera position that sees the contact, if one is found."""
     spot, best, most = thing.spot, target + np.array([0.0, -distance, distance]), -2.0
     steep = np.hypot(spot.normal[0], spot.normal[1]) > 0.4
@@ -109,7 +111,9 @@ def photograph(thing: Thing, pair: Planned, stream: int, *, size: int, renderer:
     """
     scene = pair.made.scene
     place = np.random.default_rng(derive_seed(stream, "place"))
-    framing = framed(scene, thing, outdoors=is_outdoors(pair, place), seed=derive_seed(stream, "framing"))
+    framing = framed(
+        scene, thing, outdoors=is_outdoors(pair, place), seed=derive_seed(stream, "framing")
+    )
     radiance = renderer(thing, framing, size=size)
     return exposed(radiance, scene, seed=derive_seed(stream, "camera"))
 

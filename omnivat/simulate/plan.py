@@ -1,4 +1,6 @@
-"""The plan of a simulated set: names, objects, splits and imitations; and the table of its pairs."""
+"""The plan of a simulated set: names, objects, splits and imitations; and the table of its
+pairs.
+"""
 
 import csv
 import io
@@ -12,7 +14,17 @@ from omnivat.data.pairs import Pair
 from omnivat.kit.files import write_text
 from omnivat.simulate.domains import SimulatedDomain
 
-COLUMNS = ("vis", "tac", "domain", "material", "object", "split", "part", "looks_like", "feels_like")
+COLUMNS = (
+    "vis",
+    "tac",
+    "domain",
+    "material",
+    "object",
+    "split",
+    "part",
+    "looks_like",
+    "feels_like",
+)
 PAIRS = 60  # of each class of each domain in the shipped set
 TEST_EVERY = 3  # one object of three is a test object
 LOOK_ALIKES = 0.25  # of the objects imitate another class by sight
@@ -54,7 +66,11 @@ def planned(domain: SimulatedDomain, material: str, *, pairs: int) -> list[Plann
     """
     parts = domain.series or ("",)
     places = [
-        ("test" if index // len(parts) % TEST_EVERY == 1 else "train", parts[index % len(parts)], index)
+        (
+            "test" if index // len(parts) % TEST_EVERY == 1 else "train",
+            parts[index % len(parts)],
+            index,
+        )
         for index in range(pairs)
     ]
     numbers = {place: domain.seed_base + rank for rank, place in enumerate(sorted(places))}
@@ -83,8 +99,9 @@ def write_table(out: Path, pairs: Iterable[Pair], columns: Sequence[str] = COLUM
 def imitated(domain: SimulatedDomain, material: str, number: int) -> tuple[str, str]:
     """Return the classes that an object imitates by sight and by touch, "" for none.
 
-    No object imitates in both ways, so one modality always shows its class. Only classes of the same domain are
-    imitated. The choice depends on the number only, by rotations with steps unrelated to those of the recipes.
+    No object imitates in both ways, so one modality always shows its class. Only classes of the
+    same domain are imitated. The choice depends on the number only, by rotations with steps
+    unrelated to those of the recipes.
     """
     here = classes(domain)
     looks = [name for name in IMITATIONS.get(material, ()) if name in here]

@@ -72,7 +72,13 @@ def _arm(framing: Framing, rng: np.random.Generator, *, lift: float) -> Array:
 def _rod(mi: Any, start: Array, end: Array, radius: float, colour: Colour) -> dict[str, Any]:
     """Return a closed cylinder between two points."""
     look = {"type": "twosided", "bsdf": _plastic(colour)}
-    return {"type": "cylinder", "p0": start.tolist(), "p1": end.tolist(), "radius": radius, "bsdf": look}
+    return {
+        "type": "cylinder",
+        "p0": start.tolist(),
+        "p1": end.tolist(),
+        "radius": radius,
+        "bsdf": look,
+    }
 
 
 def _ball(mi: Any, middle: Array, colour: Colour, *axes: tuple[Array, float]) -> dict[str, Any]:

@@ -1,7 +1,8 @@
 """One row for each scene: camera, light, place and camera errors of its photographs.
 
-The eight rows follow how each data set was collected: by hand, indoors and outdoors (Touch-and-Go), on a white
-turntable (OF Real), rendered on a plain ground (OF 2.0), at a desk with the sensor's rig in view (TacQuad).
+The eight rows follow how each data set was collected: by hand, indoors and outdoors (Touch-and-Go),
+on a white turntable (OF Real), rendered on a plain ground (OF 2.0), at a desk with the sensor's rig
+in view (TacQuad).
 """
 
 from dataclasses import dataclass

@@ -1,7 +1,8 @@
 """The tactile sensors: a gel with lamps and a camera, a calibration of Taxim, or Tac3D.
 
-The parameters of the gels come from published pictures and descriptions of the sensors, not from measurements on devices.
-They set the visible differences (lamps, tint, markers, softness, field), not calibrated colour.
+The parameters of the gels come from published pictures and descriptions of the sensors, not from
+measurements on devices. They set the visible differences (lamps, tint, markers, softness, field),
+not calibrated colour.
 """
 
 from dataclasses import dataclass

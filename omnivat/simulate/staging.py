@@ -70,7 +70,9 @@ def unresolved_slopes(surface: Surface, at: Array, *, spacing: float) -> tuple[f
 
 
 def mesh(mi: Any, solid: Solid, uv: Array, material: dict[str, Any]) -> Any:
-    """Return a solid as a Mitsuba mesh with its own normals; `uv` (V, 2) are texture coordinates."""
+    """Return a solid as a Mitsuba mesh with its own normals; `uv` (V, 2) are texture
+    coordinates.
+    """
     properties = mi.Properties()
     properties["bsdf"] = mi.load_dict(material)
     shape = mi.Mesh(
@@ -90,10 +92,14 @@ def mesh(mi: Any, solid: Solid, uv: Array, material: dict[str, Any]) -> Any:
 def material(mi: Any, thing: Thing, texture: Texture) -> dict[str, Any]:
     """Return the BSDF; skin and unresolved relief widen its highlight."""
     sight = thing.sight
-    along, across = (float(np.clip(np.hypot(sight.roughness, slope), 0.015, 0.6)) for slope in texture.slopes)
+    along, across = (
+        float(np.clip(np.hypot(sight.roughness, slope), 0.015, 0.6)) for slope in texture.slopes
+    )
     if sight.gloss == "glass":
         alpha = (along + across) / 2
-        kind = {"type": "dielectric"} if alpha < 0.03 else {"type": "roughdielectric", "alpha": alpha}
+        kind = (
+            {"type": "dielectric"} if alpha < 0.03 else {"type": "roughdielectric", "alpha": alpha}
+        )
         clear = bitmap(mi, np.sqrt(texture.colour))  # two walls, two faces each
         return kind | {"int_ior": 1.5, "specular_transmittance": clear}
     colour = bitmap(mi, texture.colour)
@@ -107,7 +113,12 @@ def material(mi: Any, thing: Thing, texture: Texture) -> dict[str, Any]:
             "specular_reflectance": colour,
         } | wide
     elif sight.gloss == "coated":
-        skin = {"type": "roughplastic", "distribution": "ggx", "alpha": (along + across) / 2, "int_ior": 1.5}
+        skin = {
+            "type": "roughplastic",
+            "distribution": "ggx",
+            "alpha": (along + across) / 2,
+            "int_ior": 1.5,
+        }
         skin |= {"diffuse_reflectance": colour, "nonlinear": True}
     bumps = bitmap(mi, texture.bumps[..., None])
     return {"type": "twosided", "bsdf": {"type": "bumpmap", "bumps": bumps, "bsdf": skin}}
@@ -161,8 +172,12 @@ def _backdrop(mi: Any, framing: Framing, clear: bool) -> dict[str, Any]:
     x, z = np.meshgrid(axis, axis + half)
     colour = beyond(framing.behind, x, z, seed=framing.seed + 4)
     centre = middle + np.array([0.0, 0.0, half - 15.0])
-    stand = mi.ScalarTransform4f().look_at(origin=centre.tolist(), target=(centre - far).tolist(), up=[0, 0, 1])
-    return {"type": "rectangle", "to_world": stand.scale([half, half, 1])} | _shown(mi, colour, framing, clear)
+    stand = mi.ScalarTransform4f().look_at(
+        origin=centre.tolist(), target=(centre - far).tolist(), up=[0, 0, 1]
+    )
+    return {"type": "rectangle", "to_world": stand.scale([half, half, 1])} | _shown(
+        mi, colour, framing, clear
+    )
 
 
 def _shown(mi: Any, colour: Array, framing: Framing, clear: bool) -> dict[str, Any]:

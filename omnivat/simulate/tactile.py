@@ -22,8 +22,16 @@ def touch(thing: Thing, press: Press, sensor: Sensor, *, size: int, seed: int) -
 
     `seed` fixes the gel, its wear, and the noise.
     """
-    sensor = used(sensor, np.random.default_rng(derive_seed(seed, "gel")))
-    height = pressed_height(thing, press, field=sensor.field, size=size)
+    return imaged(
+        pressed_height(thing, press, field=sensor.field, size=size), press, sensor, seed=seed
+    )
+
+
+def imaged(height: Array, press: Press, sensor: Sensor, *, seed: int) -> Array:
+    """Return the tactile image (size, size, 3), 0 to 1, of a height map (size, size; mm) over
+    the sensor's field.
+    """
+    size, sensor = len(height), used(sensor, np.random.default_rng(derive_seed(seed, "gel")))
     depth = sensor.depth[0] + press.depth * (sensor.depth[1] - sensor.depth[0])
     indent = indentation(height, field=sensor.field, depth=depth, dome=sensor.dome)
     sheet = draped(indent, field=sensor.field, give=sensor.give, skin=sensor.skin)
@@ -42,14 +50,18 @@ def at_rest(sensor: Sensor, *, size: int, seed: int | None = None) -> Array:
     else:
         sensor = used(sensor, np.random.default_rng(derive_seed(seed, "gel")))
         image = blotted(untouched(sensor, size=size), sensor, seed=seed)
-    return photographed(_marked(image, np.zeros((size, size)), sensor, (0.0, 0.0)), blur=sensor.blur)
+    return photographed(
+        _marked(image, np.zeros((size, size)), sensor, (0.0, 0.0)), blur=sensor.blur
+    )
 
 
 def _marked(image: Array, sheet: Array, sensor: Sensor, shear: tuple[float, float]) -> Array:
     """Return the picture with the gel's markers, if it has any."""
     if sensor.markers is None:
         return image
-    return np.asarray(image * (1.0 - marker_shade(sheet, sensor.markers, sensor.field, shear)[..., None]))
+    return np.asarray(
+        image * (1.0 - marker_shade(sheet, sensor.markers, sensor.field, shear)[..., None])
+    )
 
 
 def untouched(sensor: Sensor, *, size: int) -> Array:
@@ -89,20 +101,28 @@ def marker_shade(sheet: Array, markers: Markers, field: float, shear: tuple[floa
     pixel = field / len(sheet)
     down, right = np.gradient(gaussian_filter(sheet, 0.6 / pixel, mode="nearest"), pixel)
     pushed = smoothstep(gaussian_filter(sheet, 1.5 / pixel, mode="nearest"), 0.0, 0.4)
-    u, v = turned(x + 0.5 * right - shear[0] * pushed, y - 0.5 * down - shear[1] * pushed, markers.turn)
+    u, v = turned(
+        x + 0.5 * right - shear[0] * pushed, y - 0.5 * down - shear[1] * pushed, markers.turn
+    )
     u, v = u - markers.shift[0] * markers.pitch, v - markers.shift[1] * markers.pitch
     jitter = markers.uneven * markers.pitch
     u = u + jitter * noise(u, v, wavelength=2.6 * markers.pitch, seed=11)
     v = v + jitter * noise(u, v, wavelength=2.6 * markers.pitch, seed=12)
-    radius = markers.radius * (1.0 + 2.0 * markers.uneven * noise(u, v, wavelength=2.0 * markers.pitch, seed=13))
+    radius = markers.radius * (
+        1.0 + 2.0 * markers.uneven * noise(u, v, wavelength=2.0 * markers.pitch, seed=13)
+    )
     du = u - np.round(u / markers.pitch) * markers.pitch
     dv = v - np.round(v / markers.pitch) * markers.pitch
     edge = 1.2 * pixel
     return markers.darkness * (1.0 - smoothstep(np.hypot(du, dv) - radius, -edge, edge))
 
 
-def photographed(image: Array, *, blur: float, grain: float = 0.0, seed: int | None = None) -> Array:
-    """Return `image` (H, W, 3) as taken by a small camera: soft, grainy if it has a seed, clipped to 0 to 1."""
+def photographed(
+    image: Array, *, blur: float, grain: float = 0.0, seed: int | None = None
+) -> Array:
+    """Return `image` (H, W, 3) as taken by a small camera: soft, grainy if it has a seed,
+    clipped to 0 to 1.
+    """
     if blur:
         image = gaussian_filter(image, (blur, blur, 0.0), mode="nearest")
     if seed is not None:
@@ -111,18 +131,26 @@ def photographed(image: Array, *, blur: float, grain: float = 0.0, seed: int | N
     return np.asarray(np.clip(image, 0.0, 1.0))
 
 
-_TINT, _LAMP, _AIM = 0.07, 0.14, 4.0  # spread of the gel's colour, of a lamp's strength, of its direction in degrees
+# spread of the gel's colour, of a lamp's strength, of its direction in degrees
+_TINT, _LAMP, _AIM = 0.07, 0.14, 4.0
 
 
 def used(sensor: Sensor, rng: np.random.Generator) -> Sensor:
     """Return the sensor with one particular gel, on one day."""
     lamps = []
     for lamp in sensor.lamps:
-        azimuth, colour = lamp.azimuth + float(rng.normal(0, _AIM)), _varied(lamp.colour, _LAMP, rng)
-        lamps.append(Lamp(azimuth=azimuth, colour=colour, spill=lamp.spill * float(rng.uniform(0.8, 1.2))))
+        azimuth, colour = (
+            lamp.azimuth + float(rng.normal(0, _AIM)),
+            _varied(lamp.colour, _LAMP, rng),
+        )
+        lamps.append(
+            Lamp(azimuth=azimuth, colour=colour, spill=lamp.spill * float(rng.uniform(0.8, 1.2)))
+        )
     base = _varied(sensor.base, _TINT, rng)
     ranges = {"gain": (0.85, 1.2), "skin": (0.85, 1.2), "noise": (0.6, 1.4)}
-    worn: dict[str, Any] = {name: getattr(sensor, name) * float(rng.uniform(*ends)) for name, ends in ranges.items()}
+    worn: dict[str, Any] = {
+        name: getattr(sensor, name) * float(rng.uniform(*ends)) for name, ends in ranges.items()
+    }
     return replace(sensor, lamps=tuple(lamps), base=base, markers=_printed(sensor, rng), **worn)
 
 
@@ -134,12 +162,18 @@ def _varied(colour: Colour, spread: float, rng: np.random.Generator) -> Colour:
 
 def _printed(sensor: Sensor, rng: np.random.Generator) -> Markers | None:
     """Return the markers of one gel: shifted, worn, or missing."""
-    plain, worn, (right, up, turn) = rng.random(), float(rng.uniform(0.6, 1.05)), rng.uniform(-1, 1, 3).tolist()
+    plain, worn, (right, up, turn) = (
+        rng.random(),
+        float(rng.uniform(0.6, 1.05)),
+        rng.uniform(-1, 1, 3).tolist(),
+    )
     if sensor.markers is None or plain < sensor.plain_gels:
         return None
     radius = sensor.markers.radius * float(rng.uniform(0.85, 1.15))
     dark = min(sensor.markers.darkness * worn, 1.0)
-    return replace(sensor.markers, darkness=dark, radius=radius, shift=(right, up), turn=0.06 * turn)
+    return replace(
+        sensor.markers, darkness=dark, radius=radius, shift=(right, up), turn=0.06 * turn
+    )
 
 
 def blotted(image: Array, sensor: Sensor, *, seed: int) -> Array:

@@ -24,7 +24,10 @@ def touch_surface(pair: Planned, *, seed: int) -> Surface:
     """
     rng = np.random.default_rng(derive_seed(seed, "skin", pair.material, pair.number))
     if not pair.feels_like:
-        own, maker = surface(pair.material, pair.number, seed=seed), recipe(pair.material, pair.number, seed=seed)
+        own, maker = (
+            surface(pair.material, pair.number, seed=seed),
+            recipe(pair.material, pair.number, seed=seed),
+        )
         return skinned(own, pair.material, maker, rng)
     maker = SMOOTH[pair.feels_like]
     own = maker(rng)
@@ -37,7 +40,8 @@ def touched_spot(solid: Solid, rng: np.random.Generator, *, edges: bool = True) 
 
     edges  True to press edges and rims, too
 
-    Several spots are tried, because people also adjust a sensor. The first such spot is used, or the best one.
+    Several spots are tried, because people also adjust a sensor. The first such spot is used, or
+    the best one.
     """
     drawn, worst = [], []
     for _ in range(_TRIES):
@@ -74,7 +78,9 @@ class Thing:
 def thing(pair: Planned, *, seed: int) -> Thing:
     """Return the object of a planned pair; the same seed and pair give the same object."""
     rng = np.random.default_rng(derive_seed(seed, "thing", pair.domain, pair.material, pair.number))
-    seen = surface(pair.looks_like or pair.material, pair.number + _IMITATOR * bool(pair.looks_like), seed=seed)
+    seen = surface(
+        pair.looks_like or pair.material, pair.number + _IMITATOR * bool(pair.looks_like), seed=seed
+    )
     if pair.looks_like:  # a print or a coat: the same picture, with less relief
         seen = replace(seen, relief=EMBOSSED * seen.relief)
     # Most imitations have a shape of the class that they look like.
@@ -83,7 +89,14 @@ def thing(pair: Planned, *, seed: int) -> Thing:
     solid = KINDS[kind](rng, made_of(pair.material, rng))
     place = touched_spot(solid, rng, edges=kind != "floor")
     touch = touch_surface(pair, seed=seed)
-    return Thing(solid=solid, sight=seen, touch=touch, spot=place, material=pair.material, looks_like=pair.looks_like)
+    return Thing(
+        solid=solid,
+        sight=seen,
+        touch=touch,
+        spot=place,
+        material=pair.material,
+        looks_like=pair.looks_like,
+    )
 
 
 def is_outdoors(pair: Planned, rng: np.random.Generator) -> bool:

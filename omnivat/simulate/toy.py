@@ -26,8 +26,8 @@ DIGITS = 3
 def toy(orders: Sequence[float]) -> dict[str, Any]:
     """Return the toy at each of P orders.
 
-    return  {"orders": (P), "signals": {"vis", "tac": {"re", "im": (P, 64)}}, "clouds": {"vis", "tac":
-            (P, 40, 2)}, "distances": {"signals", "clouds": {"turned", "clipped": (P)}}}
+    return  {"orders": (P), "signals": {"vis", "tac": {"re", "im": (P, 64)}}, "clouds": {"vis",
+            "tac": (P, 40, 2)}, "distances": {"signals", "clouds": {"turned", "clipped": (P)}}}
 
     `signals` and `clouds` are turned and not yet clipped. `turned` is the distance after the
     transform, the same at every p; `clipped` is the distance after the ReLU on real and imaginary
@@ -36,16 +36,23 @@ def toy(orders: Sequence[float]) -> dict[str, Any]:
     signals, clouds = _signals(), _clouds()
     turned = {name: torch.stack([dfrft(x, p) for p in orders]) for name, x in signals.items()}
     angle = -torch.pi / 2 * torch.as_tensor(orders, dtype=torch.float64)
-    turns = torch.polar(torch.ones_like(angle), angle)[:, None]  # of the transform's first coefficient
+    # of the transform's first coefficient
+    turns = torch.polar(torch.ones_like(angle), angle)[:, None]
     spun = {name: turns * z for name, z in clouds.items()}
     planes = {name: torch.view_as_real(x) for name, x in turned.items()}
     flat = {name: torch.view_as_real(x) for name, x in spun.items()}
     return {
         "orders": [float(p) for p in orders],
         "spike": SPIKE_ORDER,
-        "signals": {name: {"re": _rounded(x[..., 0]), "im": _rounded(x[..., 1])} for name, x in planes.items()},
+        "signals": {
+            name: {"re": _rounded(x[..., 0]), "im": _rounded(x[..., 1])}
+            for name, x in planes.items()
+        },
         "clouds": {name: _rounded(x) for name, x in flat.items()},
-        "distances": {"signals": _apart(planes, lambda x: x.flatten(1)), "clouds": _apart(flat, lambda x: x.mean(1))},
+        "distances": {
+            "signals": _apart(planes, lambda x: x.flatten(1)),
+            "clouds": _apart(flat, lambda x: x.mean(1)),
+        },
     }
 
 
@@ -60,7 +67,9 @@ def _clouds() -> dict[str, Tensor]:
     """Return two clouds (40,) of complex numbers: one coefficient of 40 embeddings."""
     random = np.random.default_rng(7)
     return {
-        name: torch.from_numpy((np.array(centre) + WIDTH * random.standard_normal((POINTS, 2))) @ np.array([1, 1j]))
+        name: torch.from_numpy(
+            (np.array(centre) + WIDTH * random.standard_normal((POINTS, 2))) @ np.array([1, 1j])
+        )
         for name, centre in zip(IMAGES, CENTRES, strict=True)
     }
 

@@ -1,7 +1,7 @@
 """VIS by Mitsuba 3: the object in its place, its surroundings, the camera, and a denoiser.
 
-Denoising is an edge-avoiding à-trous filter (Dammertz et al., 2010) on light divided by the surface's
-colour, which keeps textures sharp.
+Denoising is an edge-avoiding à-trous filter (Dammertz et al., 2010) on light divided by the
+surface's colour, which keeps textures sharp.
 """
 
 from functools import lru_cache
@@ -68,12 +68,20 @@ def _pixels(image: Any) -> Array:
 
 
 def _camera(mi: Any, framing: Framing, size: int, samples: int) -> dict[str, Any]:
-    view = mi.ScalarTransform4f().look_at(origin=framing.eye.tolist(), target=framing.target.tolist(), up=[0, 0, 1])
+    view = mi.ScalarTransform4f().look_at(
+        origin=framing.eye.tolist(), target=framing.target.tolist(), up=[0, 0, 1]
+    )
     return {
         "type": "perspective",
         "fov": float(np.rad2deg(framing.lens)),
         "to_world": view,
-        "film": {"type": "hdrfilm", "width": size, "height": size, "pixel_format": "rgb", "rfilter": {"type": "box"}},
+        "film": {
+            "type": "hdrfilm",
+            "width": size,
+            "height": size,
+            "pixel_format": "rgb",
+            "rfilter": {"type": "box"},
+        },
         "sampler": {"type": "independent", "sample_count": samples},
     }
 
@@ -124,11 +132,18 @@ def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
     Shiny objects mirror their surroundings, so the sky has a horizon and walls or clouds. The key
     light's total power does not depend on its size.
     """
-    down, round_ = (np.arange(_ROWS) + 0.5) / _ROWS * np.pi, (np.arange(_COLUMNS) + 0.5) / _COLUMNS * 2 * np.pi
+    down, round_ = (
+        (np.arange(_ROWS) + 0.5) / _ROWS * np.pi,
+        (np.arange(_COLUMNS) + 0.5) / _COLUMNS * 2 * np.pi,
+    )
     polar, azimuth = np.meshgrid(down, round_, indexing="ij")
-    way = np.stack([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1)
+    way = np.stack(
+        [np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1
+    )
     flat = np.cos(framing.height)
-    key = np.array([flat * np.cos(framing.light), flat * np.sin(framing.light), np.sin(framing.height)])
+    key = np.array(
+        [flat * np.cos(framing.light), flat * np.sin(framing.light), np.sin(framing.height)]
+    )
     width = max(framing.scene.softness, least_softness, 0.08)
     away = np.arccos(np.clip(way @ key, -1.0, 1.0))
     lamp = np.exp(-((away / width) ** 4))
@@ -136,6 +151,8 @@ def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
     lamp = lamp / (lamp * weight).sum() * _ROWS * _COLUMNS / np.pi**2
     x, y = 3.0 * way[..., 0] + way[..., 2], 3.0 * way[..., 1]
     blocks = octaves(x, y, wavelength=1.5, finest=0.4, seed=framing.seed)
-    around = (0.2 + 0.8 * smoothstep(np.cos(polar), -0.05, 0.25)) * (1.0 + 0.8 * np.tanh(2.0 * blocks))
+    around = (0.2 + 0.8 * smoothstep(np.cos(polar), -0.05, 0.25)) * (
+        1.0 + 0.8 * np.tanh(2.0 * blocks)
+    )
     sky = framing.sky * around[..., None]
     return np.asarray(sky + 1.3 * framing.sun * lamp[..., None])

@@ -54,9 +54,13 @@ ABLATIONS = {
         "Key components",
         rows={
             "baseline": BASELINE,
-            "mffa without MMA": Row("+ MFFA (without L_MMA)", head=ONLY_MFFA, train={"mma_weight": 0.0}),
+            "mffa without MMA": Row(
+                "+ MFFA (without L_MMA)", head=ONLY_MFFA, train={"mma_weight": 0.0}
+            ),
             "mffa": Row("+ MFFA", head=ONLY_MFFA),
-            "dtg without NOD": Row("+ DTG (without L_NOD)", head=ONLY_DTG, train={"nod_weight": 0.0}),
+            "dtg without NOD": Row(
+                "+ DTG (without L_NOD)", head=ONLY_DTG, train={"nod_weight": 0.0}
+            ),
             "dtg": Row("+ DTG", head=ONLY_DTG),
             "full": FULL,
         },
@@ -65,7 +69,9 @@ ABLATIONS = {
         "Feature generation, seven nodes each",
         rows={
             "baseline": BASELINE,
-            "interpolation": Row("OmniVaT (linear interpolation)", head={"generation": "interpolation"}),
+            "interpolation": Row(
+                "OmniVaT (linear interpolation)", head={"generation": "interpolation"}
+            ),
             "series": Row("OmniVaT (series)", head={"generation": "series"}),
             "parallel": Row("OmniVaT (parallel)", head={"generation": "parallel"}),
             "full": FULL,
@@ -75,7 +81,9 @@ ABLATIONS = {
         "Global class token",
         rows={
             "baseline": BASELINE,
-            "without class token": Row("OmniVaT (without class token)", head={"class_token": False}),
+            "without class token": Row(
+                "OmniVaT (without class token)", head={"class_token": False}
+            ),
             "full": FULL,
         },
     ),
@@ -105,7 +113,9 @@ ABLATIONS = {
                 for p in (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
             },
             "p 0.5 fixed": Row("p = 0.5 (fixed)", head={"order": 0.5, "learn_order": False}),
-            "p per modality": Row("p = 0.5, one for each modality", head={"order_per_modality": True}),
+            "p per modality": Row(
+                "p = 0.5, one for each modality", head={"order_per_modality": True}
+            ),
         },
     ),
     "fixed_order": Ablation(
@@ -113,7 +123,9 @@ ABLATIONS = {
         axis="p, fixed",
         rows={
             **{
-                f"p {p:g} fixed": Row(f"p = {p:g} (fixed)", head={"order": p, "learn_order": False}, value=p)
+                f"p {p:g} fixed": Row(
+                    f"p = {p:g} (fixed)", head={"order": p, "learn_order": False}, value=p
+                )
                 for p in (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
             },
             "full": Row("OmniVaT, p learned from 0.5"),
@@ -123,7 +135,9 @@ ABLATIONS = {
         "Projection to the head's width (ours): one map for VIS and TAC, or one each",
         sources=ALL_SOURCES,
         rows={
-            "shared projection": Row("OmniVaT (one map for VIS and TAC)", head={"shared_projection": True}),
+            "shared projection": Row(
+                "OmniVaT (one map for VIS and TAC)", head={"shared_projection": True}
+            ),
             "full": FULL,
         },
     ),
@@ -134,7 +148,9 @@ ABLATIONS = {
             "guide added": Row("guide added only (Eq. 5)", head={"guide": "added"}),
             "guide query": Row("guide as query only (Eq. 6)", head={"guide": "query"}),
             "guide unit": Row("guide of length 1 in place of √D", head={"guide_length": "unit"}),
-            "bank all": Row("class tokens of guided pairs in the bank, too", train={"bank_from": "all"}),
+            "bank all": Row(
+                "class tokens of guided pairs in the bank, too", train={"bank_from": "all"}
+            ),
             "mma guided": Row("L_MMA on pairs guided by LANG only", train={"mma_on": "guided"}),
             "full": FULL,
         },
@@ -145,7 +161,9 @@ ABLATIONS = {
         axis="R",
         rows={
             f"R {levels}": Row(
-                f"R = {levels}, {2**levels - 1} node{'s' if levels > 1 else ''}", head={"levels": levels}, value=levels
+                f"R = {levels}, {2**levels - 1} node{'s' if levels > 1 else ''}",
+                head={"levels": levels},
+                value=levels,
             )
             for levels in (1, 2, 3, 4, 5)
         },
@@ -154,7 +172,9 @@ ABLATIONS = {
         "Expansion E",
         sources=("TAG",),
         axis="E",
-        rows={f"E {n}": Row(f"E = {n}", head={"expansion": n}, value=n) for n in (1, 2, 3, 4, 6, 8)},
+        rows={
+            f"E {n}": Row(f"E = {n}", head={"expansion": n}, value=n) for n in (1, 2, 3, 4, 6, 8)
+        },
     ),
     "balance": Ablation(
         "Balance weight λ of L_MMA",
@@ -169,7 +189,9 @@ ABLATIONS = {
 
 
 def chosen(names: tuple[str, ...]) -> dict[str, Ablation]:
-    """Return ablations by name; without names, all. Raises MissingNameError with the nearest name."""
+    """Return ablations by name; without names, all. Raises MissingNameError with the nearest
+    name.
+    """
     return {name: entry(ABLATIONS, name, kind="ablation") for name in names or ABLATIONS}
 
 

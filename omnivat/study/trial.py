@@ -1,4 +1,6 @@
-"""Try a set of pairs: a head that suits their number, and figures on objects that it did not see."""
+"""Try a set of pairs: a head that suits their number, and figures on objects that it did not
+see.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -7,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.data.profile import profile_of, profiled
 from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import DEFAULT_BANK, load_bank
 from omnivat.head.checkpoint import Head
@@ -16,21 +17,22 @@ from omnivat.kit.errors import DataError, printable
 from omnivat.kit.progress import OnStep, ignore
 from omnivat.kit.seeding import derive_seed
 from omnivat.measure.evaluate import label_map, predicted_probabilities
+from omnivat.measure.known import measured, pairs
 from omnivat.measure.unseen import wilson
-from omnivat.study.shift.probe import VIEWS, fitted_probe, joined
+from omnivat.study.shift.probe import VIEWS, fitted_probe, raw_of
 from omnivat.study.shift.reading import Features
 from omnivat.training import TrainSettings, Watch, train
 from omnivat.training.from_pairs import TrainingPlan, plan_training, trained_head
 from omnivat.training.loop import steps_of
 
-STEPS = 1500  # of all trainings together: under a minute on two cores
+EPOCHS = 40  # of every training
 FOLDS, FEW = 5, 200  # up to FEW pairs; with more, 3
 KNOWN = 20  # pictures of a target's profile; they are not tested, and are half of it at most
 WORDS = {"vis": "photo only", "tac": "touch only", "both": "both"}
-PROBE = "a logistic regression of the same vectors"
+PROBE = "linear maps"  # of the same vectors: the yardstick
 NO_CLASSES = (
-    "the pairs have no classes, or all have the same one. Gaps, retrieval and maps need none: `python -m omnivat report` "
-    "measures them."
+    "the pairs have no classes, or all have the same one. Gaps, retrieval and maps need none:"
+    " `python -m omnivat report` measures them."
 )
 Rows = NDArray[np.int64]
 Labels = NDArray[np.int64]
@@ -45,8 +47,11 @@ class Trial:
     records: list[dict[str, Any]] = field(default_factory=list)
 
 
-def try_pairs(found: Features, *, source: str = "", seed: int = 0, on_step: OnStep = ignore) -> Trial:
-    """Train on one domain and measure at home, with whole objects left out, and in every other domain.
+def try_pairs(
+    found: Features, *, source: str = "", seed: int = 0, on_step: OnStep = ignore
+) -> Trial:
+    """Train on one domain and measure at home, with whole objects left out, and in every other
+    domain.
 
     source  "": the domain with the most pairs among those with two classes or more
 
@@ -66,18 +71,22 @@ def try_pairs(found: Features, *, source: str = "", seed: int = 0, on_step: OnSt
     own, objects = found.members(source), _objects(data)
     own = own[data.labelled[own]]
     folds, alone = _folds(data.label[own], objects[own], seed)
-    plan = _plan(found, source, len(folds) + 2, seed)
+    plan = _plan(found, source, seed)
     each = plan.training.epochs * steps_of(len(plan.pairs), plan.training)
     watch, whole = Watch(on_step=on_step), (len(folds) + 1) * each
-    said = {view: np.full(len(own), -1) for view in _views(found)} | {PROBE: np.full(len(own), -1)}
+    names = [name for view in _views(found) for name in (view, probe_of(view))]
+    said = {name: np.full(len(own), -1) for name in names}
     for k, out in enumerate(folds):
         fit = own[~out]
-        part = _plan(found, source, len(folds) + 2, seed, rows=fit)
+        part = _plan(found, source, seed, rows=fit)
         turn = watch.part(k * each, whole)
-        model = train(part.pairs, part.settings, part.training, bank=part.bank, seed=seed, watch=turn).model
+        model = train(
+            part.pairs, part.settings, part.training, bank=part.bank, seed=seed, watch=turn
+        ).model
         for view, labels in _predicted(model, data, own[out], _views(found)).items():
             said[view][out] = labels
-        said[PROBE][out] = _probed(found, fit, own[out])
+        for name, labels in _probed(found, fit, own[out]).items():
+            said[name][out] = labels
     head = trained_head(plan, watch=watch.part(len(folds) * each, whole))
     tested = np.any(folds, axis=0) if folds else np.zeros(len(own), bool)
     lines = [_about(plan, source)]
@@ -101,16 +110,20 @@ def try_pairs(found: Features, *, source: str = "", seed: int = 0, on_step: OnSt
         lines.append("There is one domain, so how this head fares on another sensor is not known.")
     if len(np.unique(objects)) == len(data) and len(data) > 2:
         lines.append(
-            "No two pairs share an object's name, so each pair counts as an object. If several show "
-            "one thing, name the objects: these figures are too good otherwise."
+            "No two pairs share an object's name, so each pair counts as an object. If several show"
+            " one thing, name the objects: these figures are too good otherwise."
         )
+    lines.append(conclusion(records, source))
     return Trial(head=head, lines=lines, records=records)
 
 
 def _objects(data: Embeddings) -> NDArray[np.int64]:
     """Return an index (N,) of objects by domain and name; a pair without a name is its own."""
     names = data.rows["object"]
-    keys = [f"{d}/{name or f'{chr(0)}{k}'}" for k, (d, name) in enumerate(zip(data.domain, names, strict=True))]
+    keys = [
+        f"{d}/{name or f'{chr(0)}{k}'}"
+        for k, (d, name) in enumerate(zip(data.domain, names, strict=True))
+    ]
     return np.unique(keys, return_inverse=True)[1]
 
 
@@ -119,15 +132,16 @@ def _views(found: Features) -> tuple[str, ...]:
     return tuple(VIEWS) if len(found.modalities) == 2 else found.modalities
 
 
-def _plan(found: Features, source: str, trainings: int, seed: int, rows: Rows | None = None) -> TrainingPlan:
+def _plan(found: Features, source: str, seed: int, rows: Rows | None = None) -> TrainingPlan:
     """Return the plan of a head that suits the pairs: small, with noise and imitated sensors."""
     data = found.embeddings if rows is None else found.embeddings.select(rows)
     count = len(found.members(source))
     batch = 16 if count <= 500 else 64 if count <= 2000 else 256
-    epochs = int(np.clip(STEPS * batch // (trainings * max(count, batch)), 5, 40))
     classes = {data.header.classes[k] for k in np.unique(data.label[data.labelled])}
     lang, modalities = classes <= set(load_bank(DEFAULT_BANK).classes), "+".join(found.modalities)
-    training = TrainSettings(epochs=epochs, batch=batch, noise=4.0, shift=1.0, lang=lang, modalities=modalities)
+    training = TrainSettings(
+        epochs=EPOCHS, batch=batch, noise=4.0, shift=1.0, lang=lang, modalities=modalities
+    )
     return plan_training(data, source, head={"width": 64}, training=training, seed=seed)
 
 
@@ -155,20 +169,28 @@ def _folds(labels: Labels, objects: Rows, seed: int) -> tuple[list[NDArray[np.bo
 def _predicted(model: Any, data: Embeddings, rows: Rows, views: Sequence[str]) -> dict[str, Labels]:
     """Return the predicted label (N,) in the set's classes for each reading."""
     back = label_map(data.header.classes, model.settings.classes)
-    shares = {v: predicted_probabilities(model, data, modalities=VIEWS[v], rows=rows)["fused"] for v in views}
+    shares = {
+        v: predicted_probabilities(model, data, modalities=VIEWS[v], rows=rows)["fused"]
+        for v in views
+    }
     return {view: back[found.argmax(-1).numpy()] for view, found in shares.items()}
 
 
-def _probed(found: Features, fit: Rows, rows: Rows) -> Labels:
-    """Return the labels of `rows` by a probe of unit vectors, both modalities side by side, that is fitted to `fit`."""
-    data = found.embeddings
-    fitted, asked = (joined([np.array(getattr(data, n)[k], np.float32) for n in found.modalities]) for k in (fit, rows))
-    labels: Labels = fitted_probe(fitted, data.label[fit])(asked)
-    return labels
+def probe_of(view: str) -> str:
+    """Return the name of the linear maps' reading in the records."""
+    return f"{PROBE}, {view}"
+
+
+def _probed(found: Features, fit: Rows, rows: Rows) -> dict[str, Labels]:
+    """Return the labels of `rows` by each reading of linear maps that learned `fit`."""
+    answers = fitted_probe(raw_of(found, fit), found.embeddings.label[fit])(raw_of(found, rows))
+    return {probe_of(view): labels for view, labels in answers.items()}
 
 
 def _record(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels]) -> dict[str, Any]:
-    """Return the tested pairs' counts, and the share right of each reading with its interval, by objects."""
+    """Return the tested pairs' counts, and the share right of each reading with its interval, by
+    objects.
+    """
     sizes, count = np.bincount(labels), len(np.unique(objects))
     record: dict[str, Any] = {"domain": domain, "pairs": len(labels), "objects": count}
     record["classes"] = int((sizes > 0).sum())
@@ -180,32 +202,35 @@ def _record(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels])
     return record
 
 
-def _in_target(found: Features, head: Head, own: Rows, rows: Rows, name: str) -> tuple[dict[str, Any] | None, str]:
-    """Return the record of a target domain, plain and with a profile of its pictures, and a sentence."""
+def _in_target(
+    found: Features, head: Head, own: Rows, rows: Rows, name: str
+) -> tuple[dict[str, Any] | None, str]:
+    """Return the record of a target domain, plain and with a profile of its pictures, and a
+    sentence.
+    """
     data, views = found.embeddings, _views(found)
     lead = f"In '{printable(name)}'"
     known = rows[np.isin(data.label[rows], np.unique(data.label[own]))]
     if not len(known):
         return None, f"{lead}: no pair is of a class that the head learned."
-    told = _predicted(head.model, data, known, views) | {PROBE: _probed(found, own, known)}
+    told = _predicted(head.model, data, known, views) | _probed(found, own, known)
     record = _record(name, data.label[known], _objects(data)[known], told)
     text = f"{lead}, of which nothing was known: {_sentence(record)}"
-    mixed = np.random.default_rng(derive_seed(0, "known", name)).permutation(rows)
     count = min(KNOWN, len(rows) // 2)
-    rest = np.setdiff1d(known, mixed[:count])
-    if count and len(rest):
-        profile = profile_of(data, np.sort(mixed[:count]), domain=name)
-        moved = profiled(data, {name: profile}, head.source_profile)
-        guessed = (_predicted(head.model, some, rest, views[-1:])[views[-1]] for some in (data, moved))
-        before, after = (float((labels == data.label[rest]).mean()) for labels in guessed)
-        record["profile"] = {"pictures": count, "pairs": len(rest), "share": after, "plain": before}
+    if count:
+        step = measured(head, data.select(rows), pairs(count))
+        kept = {key: step[key] for key in ("accuracy", "low", "high", "draws")}
+        record["profile"] = {"pictures": count, **kept}
         text += (
-            f" With a profile of {count} of its pairs without labels: {_percent(after)} of the other "
-            f"{len(rest)}, against {_percent(before)} without."
+            f" With a profile of {count} of its pairs without labels, which are not tested: "
+            f"{_percent(step['accuracy'])} (mean of {len(step['draws'])} draws)."
         )
     shared = {data.rows["object"][k] for k in own} & {data.rows["object"][k] for k in known} - {""}
     if shared:
-        text += f" {len(shared)} of its objects have names of training objects: if they are the same things, only the sensor is new."
+        text += (
+            f" {len(shared)} of its objects have names of training objects: if they are the same"
+            " things, only the sensor is new."
+        )
     return record, text
 
 
@@ -213,9 +238,10 @@ def _about(plan: TrainingPlan, source: str) -> str:
     numbers, settings = parameter_count(plan.settings), plan.training
     without = f" ({plan.left_out} pairs without a class left out)" if plan.left_out else ""
     return (
-        f"Trained on '{printable(source)}': {len(plan.pairs)} pairs, {len(plan.settings.classes)} classes{without}; "
-        f"a small head of {numbers:,} numbers (width {plan.settings.width}, noise {settings.noise:g}, "
-        f"shift {settings.shift:g}, {settings.epochs} epochs{', with texts' if settings.lang else ''})."
+        f"Trained on '{printable(source)}': {len(plan.pairs)} pairs, {len(plan.settings.classes)}"
+        f" classes{without}; a small head of {numbers:,} numbers (width {plan.settings.width},"
+        f" noise {settings.noise:g}, shift {settings.shift:g}, {settings.epochs}"
+        f" epochs{', with texts' if settings.lang else ''})."
     )
 
 
@@ -228,8 +254,49 @@ def _sentence(record: dict[str, Any]) -> str:
         f"{round(main['share'] * n)} of {n} pairs right, {_percent(main['share'])} "
         f"(95 %: {100 * main['low']:.0f} to {100 * main['high']:.0f}, of {objects} objects)"
     )
-    others = [f"{(WORDS | {PROBE: PROBE})[name]} {_percent(record[name]['share'])}" for name in (*views[1:], PROBE)]
-    return f"{text}; {', '.join(others)}, always its largest class {_percent(record['always the largest class'])}."
+    others = [f"{WORDS[name]} {_percent(record[name]['share'])}" for name in views[1:]]
+    others.append(f"{PROBE} of the same vectors {_percent(record[probe_of(views[0])]['share'])}")
+    text += (
+        f"; {', '.join(others)}, always its largest class"
+        f" {_percent(record['always the largest class'])}."
+    )
+    best = max(views[1:], key=lambda name: record[name]["share"], default=views[0])
+    if record[best]["share"] > main["share"]:
+        text += f" {WORDS[best].capitalize()} beats both images: one of the two misleads this head."
+    return text
+
+
+def conclusion(records: Sequence[dict[str, Any]], source: str) -> str:
+    """Return in one sentence what predicts best: in other domains than the source if there are any.
+
+    A lead counts if it exceeds half the width of the head's interval.
+    """
+    away = [one for one in records if one["domain"] != source]
+    tested = away or list(records)
+    if not tested:
+        return "In short: no figure can be had from these pairs."
+    views = [name for name in ("both", "vis", "tac") if name in tested[0]]
+    means = {
+        name: float(np.mean([one[name]["share"] for one in tested]))
+        for view in views
+        for name in (view, probe_of(view))
+    }
+    width = float(np.mean([one[views[0]]["high"] - one[views[0]]["low"] for one in tested])) / 2
+    head = max(views, key=means.__getitem__)
+    plain = max(map(probe_of, views), key=means.__getitem__)
+    where = "another sensor" if away else "objects that it did not see"
+    told = f"on {where} the head has {_percent(means[head])} ({WORDS[head]})"
+    read = WORDS[plain.removeprefix(f"{PROBE}, ")]
+    told += f" and linear maps {_percent(means[plain])} ({read})"
+    lead = means[head] - means[plain]
+    advice = (
+        "they are level within the uncertainty, so take the linear maps, which are simpler"
+        if abs(lead) <= width
+        else "take the head"
+        if lead > 0
+        else "take the linear maps"
+    )
+    return f"In short: {told}; {advice}."
 
 
 def _percent(share: float) -> str:

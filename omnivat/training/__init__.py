@@ -1,4 +1,9 @@
-"""Training: settings, batches, steps, order search, and resumable state."""
+"""From pairs to a head: settings, batches, steps, order search, resumable state, heads at stops of
+p.
+
+Imports `maps`, `measure`, `head`, `data` and `kit`. A new loss or step belongs in `steps`; what a
+run may choose is a field of `TrainSettings`.
+"""
 
 from omnivat.training.loop import Trained, TrainingCancelled, Watch
 from omnivat.training.settings import TrainSettings

@@ -37,7 +37,9 @@ class Batch:
         if self.labels.device == device:
             return self
         held: dict[str, Any] = {name: getattr(self, name) for name in self.__slots__}
-        moved: dict[str, Any] = {name: value if value is None else value.to(device) for name, value in held.items()}
+        moved: dict[str, Any] = {
+            name: value if value is None else value.to(device) for name, value in held.items()
+        }
         return Batch(**moved)
 
 
@@ -59,17 +61,26 @@ def labels_of(source: Embeddings, head: HeadSettings) -> Array:
     return labels
 
 
-def held_out(source: Embeddings, labels: Array, settings: TrainSettings, seed: int) -> tuple[Array, Array]:
+def held_out(
+    source: Embeddings, labels: Array, settings: TrainSettings, seed: int
+) -> tuple[Array, Array]:
     """Return indices of training pairs and of pairs held out for selection; no object is split."""
     everything = np.arange(len(source))
     if settings.selection == "last" or settings.val_fraction == 0:
         return everything, everything[:0]
-    held = hold_out(source.rows["object"], labels, settings.val_fraction, seed=derive_seed(seed, "hold-out"))
+    held = hold_out(
+        source.rows["object"], labels, settings.val_fraction, seed=derive_seed(seed, "hold-out")
+    )
     return everything[~held], everything[held]
 
 
 def batches(
-    source: Embeddings, labels: Array, fit: Array, bank: LangBank | None, settings: TrainSettings, seed: int
+    source: Embeddings,
+    labels: Array,
+    fit: Array,
+    bank: LangBank | None,
+    settings: TrainSettings,
+    seed: int,
 ) -> Iterator[Batch]:
     """Yield the batches of one epoch: shuffled pairs, random mirroring, a random text style."""
     random = np.random.default_rng(seed)
@@ -80,7 +91,10 @@ def batches(
     images = {n: _mirrored(source, n, shuffled, random) for n in settings.given}
     noise: dict[str, Array] = {}  # standard deviation of each channel
     if settings.noise:
-        noise = {n: settings.noise * getattr(source, n)[fit].std(0, dtype=np.float32) for n in settings.given}
+        noise = {
+            n: settings.noise * getattr(source, n)[fit].std(0, dtype=np.float32)
+            for n in settings.given
+        }
     spread = _spread(source, fit, settings, random)
     texts = None
     if bank is not None and settings.lang:  # a random style for every pair
@@ -92,7 +106,9 @@ def batches(
     for start in range(0, count, settings.batch):
         rows = slice(start, start + settings.batch)
         given = {
-            name: torch.from_numpy(_disturbed(held.rows(rows), noise.get(name), spread.get(name), random))
+            name: torch.from_numpy(
+                _disturbed(held.rows(rows), noise.get(name), spread.get(name), random)
+            )
             for name, held in images.items()
         }
         yield Batch(
@@ -116,7 +132,9 @@ def _orders(count: int, settings: TrainSettings, random: np.random.Generator) ->
     return torch.from_numpy(drawn)
 
 
-def _spread(source: Embeddings, fit: Array, settings: TrainSettings, random: np.random.Generator) -> dict[str, Array]:
+def _spread(
+    source: Embeddings, fit: Array, settings: TrainSettings, random: np.random.Generator
+) -> dict[str, Array]:
     """Return centred rows (M, input_width) by modality whose random sums are offsets; {} without.
 
     Their covariance is that of the source's pairs times shift², so an offset moves a batch along
@@ -130,8 +148,12 @@ def _spread(source: Embeddings, fit: Array, settings: TrainSettings, random: np.
     return {name: scale * (values - values.mean(0)) for name, values in rows.items()}
 
 
-def _disturbed(rows: Array, noise: Array | None, spread: Array | None, random: np.random.Generator) -> Array:
-    """Return rows (B, input_width) with white noise on every channel, and moved by one random offset."""
+def _disturbed(
+    rows: Array, noise: Array | None, spread: Array | None, random: np.random.Generator
+) -> Array:
+    """Return rows (B, input_width) with white noise on every channel, and moved by one random
+    offset.
+    """
     if noise is not None:
         rows = rows + noise * random.standard_normal(rows.shape, dtype=np.float32)
     if spread is not None:
@@ -157,7 +179,9 @@ class _Drawn:
         return chosen
 
 
-def _mirrored(source: Embeddings, name: str, shuffled: Array, random: np.random.Generator) -> _Drawn:
+def _mirrored(
+    source: Embeddings, name: str, shuffled: Array, random: np.random.Generator
+) -> _Drawn:
     """Draw embeddings of VIS or TAC; each is mirrored with probability 1/2."""
     plain, flipped = getattr(source, name), getattr(source, f"{name}_flip")
     if flipped is None:

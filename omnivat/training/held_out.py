@@ -2,7 +2,8 @@
 
 One fold: a quarter of the source's objects is held out, and a head is trained on the rest with the
 same settings. It predicts the held-out pairs as they are and under imitated sensors
-(omnivat/training/selection.py). With plain pairs alone, a head would be as confident on a new sensor as on
+(omnivat/training/selection.py). With plain pairs alone, a head would be as confident on a new
+sensor as on
 its own."""
 
 from collections.abc import Callable, Mapping, Sequence
@@ -42,13 +43,17 @@ class HeldOut:
 def held_out_logits(
     fold: Evidence, classes: Sequence[str], logits: Callable[[Embeddings], Mapping[str, Tensor]]
 ) -> HeldOut:
-    """Return a method's logits on the held-out pairs of a fold, plain and under imitated sensors."""
+    """Return a method's logits on the held-out pairs of a fold, plain and under imitated
+    sensors.
+    """
     parts = [logits(pairs) for pairs in fold.held.values()]
     labels = [label_map(classes, pairs.header.classes)[pairs.label] for pairs in fold.held.values()]
     return HeldOut(
         logits={name: torch.cat([part[name] for part in parts]) for name in parts[0]},
         labels=torch.from_numpy(np.concatenate(labels)),
-        plain=torch.cat([torch.full((len(p),), name == "held out") for name, p in fold.held.items()]),
+        plain=torch.cat(
+            [torch.full((len(p),), name == "held out") for name, p in fold.held.items()]
+        ),
     )
 
 
@@ -73,7 +78,9 @@ def calibration_of(
     return fit_calibration(found.logits, found.labels, fusion=head.fusion)
 
 
-def lang_guard(model: OmniVaT, pairs: Embeddings, bank: LangBank, *, seed: int = 0) -> dict[str, float]:
+def lang_guard(
+    model: OmniVaT, pairs: Embeddings, bank: LangBank, *, seed: int = 0
+) -> dict[str, float]:
     """Return ACC on pairs "with" the text of their class, "without" it, and the "gap".
 
     pairs  test pairs of the source; classes that the head lacks are left out
@@ -90,12 +97,17 @@ def lang_guard(model: OmniVaT, pairs: Embeddings, bank: LangBank, *, seed: int =
     texts = torch.from_numpy(bank.embeddings[truth.numpy(), styles])
     guided = guided_probabilities(model, pairs, texts, truth)
     plain = predicted_probabilities(model, pairs)["fused"]
-    found = {"with": float(accuracy(truth, guided.argmax(-1))), "without": float(accuracy(truth, plain.argmax(-1)))}
+    found = {
+        "with": float(accuracy(truth, guided.argmax(-1))),
+        "without": float(accuracy(truth, plain.argmax(-1))),
+    }
     return found | {"gap": found["with"] - found["without"]}
 
 
 @torch.no_grad()
-def guided_probabilities(model: OmniVaT, pairs: Embeddings, texts: Tensor, labels: Tensor) -> Tensor:
+def guided_probabilities(
+    model: OmniVaT, pairs: Embeddings, texts: Tensor, labels: Tensor
+) -> Tensor:
     """Return fused probabilities (N, K) of pairs guided by texts (N, lang_width), as in training.
 
     labels  (N,) not used by the head: class tokens are the class-agnostic ones
@@ -104,6 +116,8 @@ def guided_probabilities(model: OmniVaT, pairs: Embeddings, texts: Tensor, label
     for rows in torch.arange(len(pairs)).split(CHUNK):
         vis, tac = (torch.from_numpy(copied(x[rows.numpy()])) for x in (pairs.vis, pairs.tac))
         on = torch.ones(len(rows), dtype=torch.bool)
-        output = model.training_pass(vis, tac, texts[rows].to(model.dtype), labels[rows], lang_on=on, token_on=~on)
+        output = model.training_pass(
+            vis, tac, texts[rows].to(model.dtype), labels[rows], lang_on=on, token_on=~on
+        )
         found.append(fuse("mean", output.logits, None, model.calibration))
     return torch.cat(found)

@@ -20,7 +20,6 @@ from omnivat.kit.seeding import derive_seed
 from omnivat.measure.evaluate import predicted_probabilities
 from omnivat.measure.gaps.confusion import macro_f1
 from omnivat.training.batches import Batch, batches, held_out, labels_of
-from omnivat.training.momentum import Momentum
 from omnivat.training.settings import TrainSettings
 from omnivat.training.state import Progress, load_state, run_name, save_state
 from omnivat.training.steps import learn, make_optimiser, set_rate
@@ -108,7 +107,9 @@ def train_once(
         drawn = batches(source, labels, fit, bank, settings, stream)
         record = _epoch(model, optimiser, drawn, settings, epoch, steps, watch, teachers)
         if len(held):
-            shares = predicted_probabilities(model.eval(), source, modalities=settings.given, rows=held)
+            shares = predicted_probabilities(
+                model.eval(), source, modalities=settings.given, rows=held
+            )
             model.train()
             score = macro_f1(torch.from_numpy(labels[held]), shares["fused"].argmax(-1))
             record["source_val_macro_f1"] = float(score)
@@ -132,7 +133,7 @@ def steps_of(pairs: int, settings: TrainSettings) -> int:
 
 def _epoch(
     model: OmniVaT,
-    optimiser: Momentum,
+    optimiser: torch.optim.SGD,
     drawn: Iterable[Batch],
     settings: TrainSettings,
     epoch: int,
@@ -151,5 +152,9 @@ def _epoch(
         done = epoch * steps + step + 1
         text = f"epoch {epoch + 1} of {settings.epochs}, loss {losses['loss']:.3f}"
         watch.step(done, steps * settings.epochs, text)
-    apart = {f"order_{n}": p for n, p in model.orders.items()} if model.settings.order_per_modality else {}
+    apart = (
+        {f"order_{n}": p for n, p in model.orders.items()}
+        if model.settings.order_per_modality
+        else {}
+    )
     return {"epoch": float(epoch), **sums, "order": model.order, **apart}

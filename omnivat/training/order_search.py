@@ -1,9 +1,9 @@
 """Search for p without training: closed-form classifiers at every order.
 
 The gradient cannot find p: the loss has a valley of width about 1/D, and it is flat elsewhere
-(docs/order.md). At each order of a grid, ridge regressions predict the class: from the tokens that the
-head would see, and from |F_p z|², in which a random phase has no part. Their error on pairs left out
-measures how good that order is. The search uses no other domain.
+(docs/order.md). At each order of a grid, ridge regressions predict the class: from the tokens that
+the head would see, and from |F_p z|², in which a random phase has no part. Their error on pairs
+left out measures how good that order is. The search uses no other domain.
 """
 
 import time
@@ -38,7 +38,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Scored:
-    """Errors of the classifiers at one order, for every pair left out; 1 is that of the class shares."""
+    """Errors of the classifiers at one order, for every pair left out; 1 is that of the class
+    shares.
+    """
 
     order: float
     losses: Array  # (classifier, N)
@@ -70,11 +72,12 @@ def search_order(
 ) -> dict[str, Any]:
     """Return the best order for the source, and the curve behind it.
 
-    return  "start" the order; "orders", "score", "spread", "round" one entry for each order scored (score: mean squared
-            error on pairs left out over that of the class shares, mean of six classifiers: tokens and energies, each of
-            photo only, touch only and both; 1 is chance, lower is better; spread: its standard error); "between" the
-            lowest and highest order around the best that the source cannot tell from it, "ties" the best such order in
-            each other valley, "note" both in words; "seconds" and "steps" the cost of the search
+    return  "start" the order; "orders", "score", "spread", "round" one entry for each order scored
+            (score: mean squared error on pairs left out over that of the class shares, mean of six
+            classifiers: tokens and energies, each of photo only, touch only and both; 1 is chance,
+            lower is better; spread: its standard error); "between" the lowest and highest order
+            around the best that the source cannot tell from it, "ties" the best such order in each
+            other valley, "note" both in words; "seconds" and "steps" the cost of the search
 
     The initial order in `head` has no effect. Orders outside [0, 1] repeat those inside.
     """
@@ -107,24 +110,24 @@ def search_order(
     }
 
 
-def lowest_valleys(found: Sequence[Scored], apart: float) -> list[Scored]:
+def lowest_valleys(scored: Sequence[Scored], apart: float) -> list[Scored]:
     """Return VALLEYS orders: the lowest ones further apart than this, then the lowest others."""
     chosen: list[Scored] = []
     others: list[Scored] = []
-    for one in sorted(found, key=lambda one: one.score):
+    for one in sorted(scored, key=lambda one: one.score):
         far = all(abs(one.order - other.order) > apart for other in chosen)
         (chosen if far else others).append(one)
     return [*chosen, *others][:VALLEYS]
 
 
-def tied(found: Sequence[Scored], best: Scored, apart: float) -> list[float]:
+def tied(scored: Sequence[Scored], best: Scored, apart: float) -> list[float]:
     """Return the orders in other valleys that are within DOUBT standard errors of the best.
 
     The error is that of the paired difference over pairs, so it is small where both orders fail on
     the same pairs. Orders are further than `apart` from each other, the lowest first.
     """
     ties: list[float] = []
-    for one in sorted(found, key=lambda one: one.score):
+    for one in sorted(scored, key=lambda one: one.score):
         near = (folded(other) for other in (best.order, *ties))
         if any(abs(folded(one.order) - other) <= apart for other in near):
             continue
@@ -133,11 +136,13 @@ def tied(found: Sequence[Scored], best: Scored, apart: float) -> list[float]:
     return ties
 
 
-def neighbours(found: Sequence[Scored], best: Scored) -> tuple[float, float]:
-    """Return the ends, within [0, 1], of the run of scored orders around the best that tie with it."""
+def neighbours(scored: Sequence[Scored], best: Scored) -> tuple[float, float]:
+    """Return the ends, within [0, 1], of the run of scored orders around the best that tie with
+    it.
+    """
     ends = []
     for side in (-1, 1):
-        beyond = [one for one in found if side * (one.order - best.order) > 0]
+        beyond = [one for one in scored if side * (one.order - best.order) > 0]
         beyond.sort(key=lambda one: abs(one.order - best.order))
         run = [one.order for one in takewhile(lambda one: _as_good(one, best), beyond)]
         ends.append(run[-1] if run else best.order)
@@ -145,19 +150,22 @@ def neighbours(found: Sequence[Scored], best: Scored) -> tuple[float, float]:
     return low, high
 
 
-def _as_good(one: Scored, best: Scored) -> bool:
-    more = (one.losses - best.losses).mean(0)
+def _as_good(scored: Scored, best: Scored) -> bool:
+    more = (scored.losses - best.losses).mean(0)
     return bool(more.mean() <= DOUBT * more.std(ddof=1) / len(more) ** 0.5)
 
 
 def _note(start: float, between: Sequence[float], ties: Sequence[float]) -> str:
     low, high = between
     if not ties:
-        return f"p = {start:.3f}; orders outside {low:.3f} to {high:.3f} are worse by two standard errors."
+        return (
+            f"p = {start:.3f}; orders outside {low:.3f} to {high:.3f} are worse by two standard"
+            " errors."
+        )
     others = ", ".join(f"{p:.3f}" for p in ties[:3]) + (" and others" if len(ties) > 3 else "")
     return (
-        f"p = {start:.3f} (as good from {low:.3f} to {high:.3f}) ties with {others}: the source alone "
-        "does not tell them apart. Compare heads at each of them on another domain."
+        f"p = {start:.3f} (as good from {low:.3f} to {high:.3f}) ties with {others}: the source"
+        " alone does not tell them apart. Compare heads at each of them on another domain."
     )
 
 
@@ -187,7 +195,12 @@ class _Scores:
     """Scores orders on one source, for a head before its training."""
 
     def __init__(
-        self, source: Embeddings, head: HeadSettings, settings: TrainSettings, seed: int, watch: Watch
+        self,
+        source: Embeddings,
+        head: HeadSettings,
+        settings: TrainSettings,
+        seed: int,
+        watch: Watch,
     ) -> None:
         if len(source) > MOST:
             random = np.random.default_rng(derive_seed(seed, "order-search"))
@@ -202,7 +215,9 @@ class _Scores:
         self.watch, self.total, self.count = watch, search_steps(head, settings), 0
 
     def at(self, order: float, name: str) -> Scored:
-        """Score one order by tokens and energies of the readings photo only, touch only and both."""
+        """Score one order by tokens and energies of the readings photo only, touch only and
+        both.
+        """
         self.count += 1
         self.watch.step(self.count, self.total, f"order {order:.3f}")
         with torch.inference_mode():
@@ -216,7 +231,9 @@ class _Scores:
 
 
 def _grams(rows: Tensor) -> list[Tensor]:
-    """Return inner products (N, N) of centred rows (M, N, C), mean squared length 1, and their mean."""
+    """Return inner products (N, N) of centred rows (M, N, C), mean squared length 1, and their
+    mean.
+    """
     rows = rows - rows.mean(1, keepdim=True)
     grams = (rows @ rows.mT).double()
     grams /= grams.diagonal(dim1=1, dim2=2).mean(1).clamp_min(1e-12)[:, None, None]
@@ -224,7 +241,9 @@ def _grams(rows: Tensor) -> list[Tensor]:
 
 
 def _groups(objects: Sequence[str], labels: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Return the rows of each object; each row alone if a class has one object or rows lack names."""
+    """Return the rows of each object; each row alone if a class has one object or rows lack
+    names.
+    """
     named = np.array(objects)
     groups = [np.flatnonzero(named == name) for name in dict.fromkeys(objects)]
     counts = np.bincount([labels[group[0]] for group in groups], minlength=labels.max() + 1)

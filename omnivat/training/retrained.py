@@ -15,7 +15,11 @@ from omnivat.maps.sweep import MEASURES, STAGES, walk
 from omnivat.training.from_pairs.at_stops import stop_folder
 from omnivat.training.from_pairs.plan import TrainingPlan
 
-MAPS: Mapping[str, int] = {**{f"pca/{stage}": 1001 for stage in STAGES}, "umap/raw": 1, "umap/f_hat": 1001}
+MAPS: Mapping[str, int] = {
+    **{f"pca/{stage}": 1001 for stage in STAGES},
+    "umap/raw": 1,
+    "umap/f_hat": 1001,
+}
 STILL = ("raw",)  # every head has its own projection, so distances after the transform differ
 
 
@@ -37,21 +41,36 @@ def retrained_frames(
     Raises DataError if a head is missing.
     """
     builder = FrameBuilder(
-        plan.settings, plan.embeddings, orders=orders, maps=maps, measures=measures, source=plan.source, still=STILL
+        plan.settings,
+        plan.embeddings,
+        orders=orders,
+        maps=maps,
+        measures=measures,
+        source=plan.source,
+        still=STILL,
     )
     over_seeds: dict[str, list[float | None]] = {}
     for index, order in enumerate(orders):
         heads = [load_head(stop_folder(folder, order, one)) for one in seeds]
         stages = [stage for stage in builder.stages if index == 0 or stage not in STILL]
-        found = next(iter(walk(heads[0].model, plan.embeddings, [order], stages=stages, predictions=True)))
+        found = next(
+            iter(walk(heads[0].model, plan.embeddings, [order], stages=stages, predictions=True))
+        )
         builder.add(replace(found, index=index))
         for name, value in _spread(heads).items():
             over_seeds.setdefault(name, [None] * len(orders))[index] = value
         on_step(Step(done=index + 1, total=len(orders), text=f"map of the head at {order:.2f}"))
     builder.curves |= over_seeds
-    of = {"source": plan.source, "width": plan.settings.width, "epochs": plan.training.epochs, "seeds": list(seeds)}
+    of = {
+        "source": plan.source,
+        "width": plan.settings.width,
+        "epochs": plan.training.epochs,
+        "seeds": list(seeds),
+    }
     simulated = plan.embeddings.header.simulated
-    return builder.finish({"kind": "retrained", "learned_order": None, **of, "simulated": simulated})
+    return builder.finish(
+        {"kind": "retrained", "learned_order": None, **of, "simulated": simulated}
+    )
 
 
 def _spread(heads: Sequence[Head]) -> dict[str, float | None]:

@@ -1,8 +1,9 @@
 """Source-side evidence for choosing settings: held-out objects of the source, plain and shifted.
 
-Targets are never used. Held-out objects alone measure how well a method fits its source, but a new sensor also shifts
-all embeddings of a modality. An imitated sensor applies one random offset and one random scale to all held-out pairs of
-a modality, drawn at the scale of the source's spread. Several draws imitate several unknown sensors, of two kinds:
+Targets are never used. Held-out objects alone measure how well a method fits its source, but a new
+sensor also shifts all embeddings of a modality. An imitated sensor applies one random offset and
+one random scale to all held-out pairs of a modality, drawn at the scale of the source's spread.
+Several draws imitate several unknown sensors, of two kinds:
 
 axes    each axis is shifted independently, including axes that hardly vary
 spread  the offset is drawn from the distribution of the source's pairs, along the directions in
@@ -47,7 +48,9 @@ def evidence(source: Embeddings, fold: int, *, shifts: int = SHIFTS) -> Evidence
     return evidence_of(source, held, seed, shifts=shifts)
 
 
-def evidence_of(source: Embeddings, held: NDArray[np.bool_], seed: int, *, shifts: int = SHIFTS) -> Evidence:
+def evidence_of(
+    source: Embeddings, held: NDArray[np.bool_], seed: int, *, shifts: int = SHIFTS
+) -> Evidence:
     """Return the fold with held-out pairs `held` (N,); the seed draws the imitated sensors."""
     fit, rest = source.select(~held), source.select(held)
     shifted = {
@@ -58,7 +61,9 @@ def evidence_of(source: Embeddings, held: NDArray[np.bool_], seed: int, *, shift
     return Evidence(fit=fit, held={"held out": rest, **shifted})
 
 
-def shift(pairs: Embeddings, reference: Embeddings, strength: float, seed: int, *, kind: str = "axes") -> Embeddings:
+def shift(
+    pairs: Embeddings, reference: Embeddings, strength: float, seed: int, *, kind: str = "axes"
+) -> Embeddings:
     """Return the pairs as measured by imitated sensors.
 
     "axes"    x -> mean + (x - mean) (1 + s a) + s std b, a in [-0.5, 0.5] and b ~ N(0, 1) by axis
@@ -67,16 +72,27 @@ def shift(pairs: Embeddings, reference: Embeddings, strength: float, seed: int, 
     The draw is the same for all pairs of a modality.
     """
     random = np.random.default_rng(seed)
-
-    def move(rows: NDArray[Any], known: NDArray[Any]) -> NDArray[np.float32]:
-        mean = known.mean(0)
-        stretch = 1 + strength * random.uniform(-0.5, 0.5, len(mean) if kind == "axes" else None)
-        if kind == "axes":
-            offset = strength * known.std(0) * random.normal(size=len(mean))
-        else:  # covariance: that of the reference
-            offset = strength * (random.normal(size=len(known)) / len(known) ** 0.5 @ (known - mean))
-        moved: NDArray[np.float32] = (mean + (rows - mean) * stretch + offset).astype(np.float32)
-        return moved
-
-    vis, tac = move(pairs.vis, reference.vis), move(pairs.tac, reference.tac)
+    vis, tac = (
+        imitated(getattr(pairs, name), getattr(reference, name), strength, random, kind)
+        for name in ("vis", "tac")
+    )
     return replace(pairs, vis=vis, tac=tac, vis_flip=None, tac_flip=None)
+
+
+def imitated(
+    rows: NDArray[Any],
+    reference: NDArray[Any],
+    strength: float,
+    random: np.random.Generator,
+    kind: str,
+) -> NDArray[np.float32]:
+    """Return rows (N, W) of one modality as an imitated sensor measures them; see `shift`."""
+    mean = reference.mean(0)
+    stretch = 1 + strength * random.uniform(-0.5, 0.5, len(mean) if kind == "axes" else None)
+    if kind == "axes":
+        offset = strength * reference.std(0) * random.normal(size=len(mean))
+    else:  # covariance: that of the reference
+        weights = random.normal(size=len(reference)) / len(reference) ** 0.5
+        offset = strength * (weights @ (reference - mean))
+    moved: NDArray[np.float32] = (mean + (rows - mean) * stretch + offset).astype(np.float32)
+    return moved

@@ -52,7 +52,8 @@ class TrainSettings:
         require_declared(self)
         if self.order_low > self.order_high:
             raise SettingsError(
-                f"order_low is {self.order_low} and order_high {self.order_high}; give the smaller one first."
+                f"order_low is {self.order_low} and order_high {self.order_high}; give the smaller"
+                " one first."
             )
         if self.order_teachers and self.order_draw == "none":
             raise SettingsError(
@@ -61,7 +62,8 @@ class TrainSettings:
             )
         if self.order_search and self.order_draw != "none":
             raise SettingsError(
-                "order_search and order_draw exclude each other: one finds a p, the other trains for all. Choose one."
+                "order_search and order_draw exclude each other: one finds a p, the other trains"
+                " for all. Choose one."
             )
 
     @property

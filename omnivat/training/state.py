@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
 
+import torch
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
 from torch import Tensor
@@ -17,8 +18,8 @@ from omnivat.head.settings import HeadSettings
 from omnivat.kit.config import settings_dict
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import replacing
-from omnivat.training.momentum import Momentum
 from omnivat.training.settings import TrainSettings
+from omnivat.training.steps import parameters_of
 
 STATE = "training.safetensors"  # file name in the folder of an unfinished head
 FORMAT = "omnivat-training-1"
@@ -40,7 +41,13 @@ class Progress:
             self.best = {name: tensor.clone() for name, tensor in model.state_dict().items()}
 
 
-def run_name(source: Embeddings, head: HeadSettings, settings: TrainSettings, bank: LangBank | None, seed: int) -> str:
+def run_name(
+    source: Embeddings,
+    head: HeadSettings,
+    settings: TrainSettings,
+    bank: LangBank | None,
+    seed: int,
+) -> str:
     """Return an identifier of the training: data, settings, LANG and seed."""
     digest = sha256()
     for array in (source.vis, source.tac, source.vis_flip, source.tac_flip, source.label):
@@ -50,13 +57,15 @@ def run_name(source: Embeddings, head: HeadSettings, settings: TrainSettings, ba
     return digest.hexdigest()[:16]
 
 
-def save_state(path: Path, run: str, model: OmniVaT, optimiser: Momentum, progress: Progress) -> None:
+def save_state(
+    path: Path, run: str, model: OmniVaT, optimiser: torch.optim.SGD, progress: Progress
+) -> None:
     """Write the state after an epoch, completely or not at all."""
     tensors = {f"model.{name}": t for name, t in model.state_dict().items()}
     tensors |= {f"best.{name}": t for name, t in progress.best.items()}
-    for index, parameter in enumerate(optimiser.parameters):
-        if parameter in optimiser.buffers:
-            tensors[f"momentum.{index}"] = optimiser.buffers[parameter]
+    for index, parameter in enumerate(parameters_of(optimiser)):
+        if parameter in optimiser.state:
+            tensors[f"momentum.{index}"] = optimiser.state[parameter]["momentum_buffer"]
     metadata = {
         "format": FORMAT,
         "run": run,
@@ -68,7 +77,7 @@ def save_state(path: Path, run: str, model: OmniVaT, optimiser: Momentum, progre
         temporary.write_bytes(save(plain, metadata=metadata))
 
 
-def load_state(path: Path, run: str, model: OmniVaT, optimiser: Momentum) -> Progress:
+def load_state(path: Path, run: str, model: OmniVaT, optimiser: torch.optim.SGD) -> Progress:
     """Load a stopped training's state into model and optimiser; return its progress.
 
     A missing file means that training has not begun.
@@ -89,12 +98,15 @@ def load_state(path: Path, run: str, model: OmniVaT, optimiser: Momentum) -> Pro
         )
     model.load_state_dict(_under("model.", tensors))
     momenta = _under("momentum.", tensors)
-    for index, parameter in enumerate(optimiser.parameters):
+    for index, parameter in enumerate(parameters_of(optimiser)):
         if str(index) in momenta:
-            optimiser.buffers[parameter] = momenta[str(index)]
+            optimiser.state[parameter]["momentum_buffer"] = momenta[str(index)]
     score, epoch = json.loads(metadata["best"])
     return Progress(
-        epochs=json.loads(metadata["epochs"]), best_score=score, best_epoch=epoch, best=_under("best.", tensors)
+        epochs=json.loads(metadata["epochs"]),
+        best_score=score,
+        best_epoch=epoch,
+        best=_under("best.", tensors),
     )
 
 

@@ -11,24 +11,32 @@ from omnivat.head.head import OmniVaT
 from omnivat.head.losses import joint_loss
 from omnivat.kit.errors import OmniVatError
 from omnivat.training.batches import Batch
-from omnivat.training.momentum import Momentum
 from omnivat.training.settings import TrainSettings
 
 
-def make_optimiser(model: OmniVaT, settings: TrainSettings) -> Momentum:
+def make_optimiser(model: OmniVaT, settings: TrainSettings) -> torch.optim.SGD:
     """SGD in three groups: p (slow, clamped), θ_e (no decay) and everything else."""
     order, theta = [model.mffa.order], list(model.mffa.theta.values())
     apart = {id(parameter) for parameter in (*order, *theta)}
     rest = [p for p in model.parameters() if id(p) not in apart]
-    groups: list[dict[str, Any]] = [{"params": rest, "weight_decay": settings.weight_decay, "scale": 1.0}]
+    groups: list[dict[str, Any]] = [
+        {"params": rest, "weight_decay": settings.weight_decay, "scale": 1.0}
+    ]
     if theta:
         groups.append({"params": theta, "weight_decay": 0.0, "scale": 1.0})
     if model.mffa.order.requires_grad:
         groups.append({"params": order, "weight_decay": 0.0, "scale": settings.order_lr_scale})
-    return Momentum([{**group, "lr": settings.lr} for group in groups], settings.momentum)
+    return torch.optim.SGD(groups, lr=settings.lr, momentum=settings.momentum, fused=True)
 
 
-def set_rate(optimiser: Momentum, settings: TrainSettings, epoch: float, step: float) -> None:
+def parameters_of(optimiser: torch.optim.SGD) -> list[Tensor]:
+    """Return all parameters, group by group."""
+    return [parameter for group in optimiser.param_groups for parameter in group["params"]]
+
+
+def set_rate(
+    optimiser: torch.optim.SGD, settings: TrainSettings, epoch: float, step: float
+) -> None:
     """Linear warm-up by step, then cosine to zero. epoch and step count in epochs."""
     warm = min(settings.warmup_epochs, settings.epochs)
     if epoch < warm:
@@ -53,13 +61,19 @@ def pairs_of(kind: str, batch: Batch) -> Tensor | None:
 
 @torch.no_grad()
 def taught_logits(teachers: Sequence[OmniVaT], batch: Batch) -> dict[str, Tensor]:
-    """Return the teachers' mean logits (B, K) of VIS and TAC, each at its own order, without LANG."""
+    """Return the teachers' mean logits (B, K) of VIS and TAC, each at its own order, without
+    LANG.
+    """
     found = [teacher(batch.vis, batch.tac).logits for teacher in teachers]
     return {name: torch.stack([one[name] for one in found]).mean(0) for name in found[0]}
 
 
 def learn(
-    model: OmniVaT, optimiser: Momentum, batch: Batch, settings: TrainSettings, teachers: Sequence[OmniVaT] = ()
+    model: OmniVaT,
+    optimiser: torch.optim.SGD,
+    batch: Batch,
+    settings: TrainSettings,
+    teachers: Sequence[OmniVaT] = (),
 ) -> dict[str, float]:
     """Take one optimiser step; return the losses as numbers.
 
@@ -69,7 +83,9 @@ def learn(
     Raises OmniVatError if the loss or a gradient is not finite.
     """
     on = {"lang_on": batch.lang_on, "token_on": batch.token_on}
-    output = model.training_pass(batch.vis, batch.tac, batch.lang, batch.labels, **on, order=batch.order)
+    output = model.training_pass(
+        batch.vis, batch.tac, batch.lang, batch.labels, **on, order=batch.order
+    )
     losses = joint_loss(
         features=output.features,
         layers=output.layers,
@@ -80,7 +96,7 @@ def learn(
         nod_weight=settings.nod_weight,
         targets=taught_logits(teachers, batch) if teachers else None,
     )
-    parameters = list(optimiser.parameters)
+    parameters = parameters_of(optimiser)
     for parameter in parameters:
         parameter.grad = None
     losses.total.backward()

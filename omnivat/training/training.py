@@ -57,11 +57,14 @@ def train(
         bank.is_of(source.header)  # raises an error for texts of another checkpoint
     with one_thread(head.width <= LIGHT):
         search: dict[str, Any] = {}
-        if settings.order_search:  # it keeps no state: a resumed training finds the same order again
+        # it keeps no state: a resumed training finds the same order again
+        if settings.order_search:
             part = source.select(held_out(source, labels_of(source, head), settings, seed)[0])
             first = search_steps(head, settings)
             whole = first + settings.epochs * steps_of(len(part), settings)
-            search = search_order(part, head, settings, seed=seed, watch=watch.part(0, whole).steps_only())
+            search = search_order(
+                part, head, settings, seed=seed, watch=watch.part(0, whole).steps_only()
+            )
             watch = watch.part(first, whole)
             head = replace(head, order=search["start"])
             settings = replace(settings, order_lr_scale=AFTER * settings.order_lr_scale)
@@ -70,13 +73,25 @@ def train(
             teachers, watch = _teachers(source, head, settings, bank, seed, watch)
             settings, bank = replace(settings, lang=False), None  # LANG was for the teachers
         trained = train_once(
-            source, head, settings, bank=bank, seed=seed, resume=resume, watch=watch, teachers=teachers
+            source,
+            head,
+            settings,
+            bank=bank,
+            seed=seed,
+            resume=resume,
+            watch=watch,
+            teachers=teachers,
         )
     return replace(trained, search={**search, "found": trained.model.order} if search else {})
 
 
 def _teachers(
-    source: Embeddings, head: HeadSettings, settings: TrainSettings, bank: LangBank | None, seed: int, watch: Watch
+    source: Embeddings,
+    head: HeadSettings,
+    settings: TrainSettings,
+    bank: LangBank | None,
+    seed: int,
+    watch: Watch,
 ) -> tuple[list[OmniVaT], Watch]:
     """Return heads with p held at evenly spaced orders of [0, 1], and the watch of the rest.
 
@@ -93,5 +108,7 @@ def _teachers(
     for k, order in enumerate(orders):
         part, one = watch.part(k * each, whole).steps_only(), derive_seed(seed, "teacher", k)
         held = replace(head, order=order)
-        made.append(train_once(source, held, own, bank=bank, seed=one, resume=None, watch=part).model)
+        made.append(
+            train_once(source, held, own, bank=bank, seed=one, resume=None, watch=part).model
+        )
     return made, watch.part(count * each, whole)

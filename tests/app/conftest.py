@@ -14,7 +14,9 @@ from app.resources import Resources
 
 @pytest.fixture(scope="session")
 def small_places(head_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Places:
-    """Return the locations of a small head, its set and two example pairs; there are no frames yet."""
+    """Return the locations of a small head, its set and two example pairs; there are no frames
+    yet.
+    """
     pairs = tmp_path_factory.mktemp("pairs")
     random = np.random.default_rng(0)
     for name in ("TAG-sim/wood/0", "OF Real-sim/steel/new"):
@@ -23,7 +25,11 @@ def small_places(head_folder: Path, tmp_path_factory: pytest.TempPathFactory) ->
             file.parent.mkdir(parents=True, exist_ok=True)
             Image.fromarray(random.integers(0, 255, (32, 32, 3), dtype=np.uint8)).save(file)
     return Places(
-        head=head_folder, embeddings=head_folder.parent / "set.safetensors", frames=None, sprite=None, pairs=pairs
+        head=head_folder,
+        embeddings=head_folder.parent / "set.safetensors",
+        frames=None,
+        sprite=None,
+        pairs=pairs,
     )
 
 
@@ -50,7 +56,9 @@ def encoder() -> PixelMeans:
 
 
 @pytest.fixture
-def resources(small_places: Places, encoder: PixelMeans, monkeypatch: pytest.MonkeyPatch) -> Resources:
+def resources(
+    small_places: Places, encoder: PixelMeans, monkeypatch: pytest.MonkeyPatch
+) -> Resources:
     """Return new resources for the small set, with an encoder without weights."""
     monkeypatch.setattr("omnivat.encoders.base.load_encoder", lambda name, **_: encoder)
     return Resources(small_places)
@@ -65,7 +73,9 @@ def png() -> Callable[..., bytes]:
 
         random = np.random.default_rng(seed)
         with BytesIO() as handle:
-            Image.fromarray(random.integers(0, 255, (side, side, 3), dtype=np.uint8)).save(handle, "PNG")
+            Image.fromarray(random.integers(0, 255, (side, side, 3), dtype=np.uint8)).save(
+                handle, "PNG"
+            )
             return handle.getvalue()
 
     return make

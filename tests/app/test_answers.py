@@ -1,14 +1,14 @@
-"""Smaller results: attention, a camera's picture, a measurement, retrained heads."""
+"""Smaller results: attention, a camera's picture, a record without targets."""
 
 import base64
 
 import numpy as np
 import pytest
 
-from app.measuring import measured
+from app import about
 from app.pictures import Sent, live
 from app.state import Ref
-from app.views import data, pair, tree
+from app.views import pair
 from omnivat.kit.errors import DataError
 
 
@@ -36,34 +36,8 @@ def test_a_picture_of_another_modality_is_refused(resources, png):
         live(resources, Sent(content=png(), modality="smell"))
 
 
-def test_a_measurement_names_its_error_and_its_spread(resources):
-    got = measured(resources, {})
-    assert len(got["rows"]) == 5
-    for row in got["rows"]:
-        assert row["ms"]["least"] <= row["ms"]["median"] <= row["ms"]["most"]
-        assert 0 <= row["error"] < 1e-4
-        assert row["of"]
-
-
-def test_a_domains_tree_is_the_mean_of_its_pairs_trees(resources):
-    rows = np.flatnonzero(resources.embeddings().domain == 1)
-    whole = tree.tree(resources, {"domain": "OF Real-sim", "order": 0.5})
-    each = [tree.tree(resources, {"vis": f"row:{r}", "tac": f"row:{r}", "order": 0.5}) for r in rows]
-    assert whole["pairs"] == len(rows)
-    norms = np.mean([[node["norm"] for node in one["nodes"]] for one in each], axis=0)
-    np.testing.assert_allclose([node["norm"] for node in whole["nodes"]], norms, atol=1e-3)
-    cosines = np.mean([one["layers"][2]["cosines"] for one in each], axis=0)
-    np.testing.assert_allclose(whole["layers"][2]["cosines"], cosines, atol=1e-4)
-    assert all(0 <= node["right"] <= 1 for node in whole["nodes"])
-
-
-def test_a_domain_that_is_not_there_is_refused(resources):
-    with pytest.raises(DataError, match="No domain is called 'Mars'"):
-        tree.tree(resources, {"domain": "Mars"})
-
-
 def test_a_record_without_any_target_can_be_sent():
-    sent = data.without_nan({"target_accuracy": float("nan"), "seeds": [{"order": 0.5}]})
+    sent = about.without_nan({"target_accuracy": float("nan"), "seeds": [{"order": 0.5}]})
     assert sent == {"target_accuracy": None, "seeds": [{"order": 0.5}]}
 
 

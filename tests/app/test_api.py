@@ -1,4 +1,6 @@
-"""The API for programs: its tools by HTTP and MCP, its schema, hostile calls, and the document's examples."""
+"""The API for programs: its tools by HTTP and MCP, its schema, hostile calls, and the document's
+examples.
+"""
 
 import asyncio
 import base64
@@ -79,7 +81,10 @@ def test_a_prediction_is_the_library_s_and_a_picture_can_be_used_again(client, r
     assert again == first and first["images"]["vis"].startswith("image:")
     import torch
 
-    vis, tac = (torch.from_numpy(rows[2:3]) for rows in (resources.embeddings().vis, resources.embeddings().tac))
+    vis, tac = (
+        torch.from_numpy(rows[2:3])
+        for rows in (resources.embeddings().vis, resources.embeddings().tac)
+    )
     got = client.post("/omnivat/api/predict", json={"vis": "row:2", "tac": "row:2", "order": 0.3})
     wanted = predict_embeddings(resources.head(), vis, tac, order=0.3)[0]
     assert got.json()["probabilities"] == pytest.approx(wanted["probabilities"], abs=1e-6)
@@ -160,7 +165,9 @@ def test_mcp_lists_and_runs_the_tools_without_a_session(client):
     hello = call(client, "initialize", {"protocolVersion": "2025-06-18"}).json()["result"]
     assert hello["protocolVersion"] == "2025-06-18" and "mcp-session-id" not in hello
     assert call(client, "initialize", {"protocolVersion": "1"}).json()["result"]["protocolVersion"]
-    note = client.post("/omnivat/mcp", json={"jsonrpc": "2.0", "method": "notifications/initialized"})
+    note = client.post(
+        "/omnivat/mcp", json={"jsonrpc": "2.0", "method": "notifications/initialized"}
+    )
     assert (note.status_code, note.content) == (202, b"")
     listed = call(client, "tools/list").json()["result"]["tools"]
     assert [one["name"] for one in listed] == list(TOOLS)

@@ -1,9 +1,14 @@
 """Explore's neighbours: exact, in the full width."""
 
+from base64 import b64decode
+
 import numpy as np
 import pytest
+from starlette.applications import Starlette
+from starlette.testclient import TestClient
 
-from app.views.explore import nearest, neighbours
+from app.routes import routes
+from app.views.explore import ladder, nearest, neighbours, twins, twins_map
 from omnivat.kit.errors import DataError
 
 
@@ -13,18 +18,26 @@ def test_the_nearest_row_by_cosine_comes_first_and_never_the_point_itself():
 
 
 def test_raw_neighbours_do_not_depend_on_the_order(resources):
-    at = [neighbours(resources, {"point": 4, "stage": "raw", "order": order}) for order in (0.1, 0.9)]
+    at = [
+        neighbours(resources, {"point": 4, "stage": "raw", "order": order}) for order in (0.1, 0.9)
+    ]
     assert at[0] == at[1]
 
 
-def test_the_map_of_the_transform_has_the_neighbours_of_its_input_when_nothing_is_projected(resources):
+def test_the_map_of_the_transform_has_the_neighbours_of_its_input_when_nothing_is_projected(
+    resources,
+):
     """The head of this test projects, so the two differ; the transform itself keeps distances."""
-    at = [neighbours(resources, {"point": 4, "stage": "frft", "order": order}) for order in (0.1, 0.9)]
+    at = [
+        neighbours(resources, {"point": 4, "stage": "frft", "order": order}) for order in (0.1, 0.9)
+    ]
     assert [n["point"] for n in at[0]["neighbours"]] == [n["point"] for n in at[1]["neighbours"]]
 
 
 def test_neighbours_after_the_relu_depend_on_the_order(resources):
-    at = [neighbours(resources, {"point": 4, "stage": "relu", "order": order}) for order in (0.1, 0.9)]
+    at = [
+        neighbours(resources, {"point": 4, "stage": "relu", "order": order}) for order in (0.1, 0.9)
+    ]
     assert at[0] != at[1]
 
 
@@ -42,20 +55,22 @@ def test_what_is_not_there_is_refused(resources, question, sentence):
         neighbours(resources, question)
 
 
-def test_centring_brings_the_means_of_domains_together_on_the_map(resources):
-    from app.views.explore import centred
+def test_only_the_sheets_of_the_twins_are_served(resources):
+    with TestClient(Starlette(routes=routes(resources))) as client:
+        shown = client.get("/omnivat/twins").json()["shown"]
+        sheets = [client.get(f"/omnivat/twins/{one['sheet']}") for one in shown]
+        assert {sheet.headers["content-type"] for sheet in sheets} == {"image/webp"}
+        for name in ("none.webp", "..%2Ftwins.json", "00.webp.webp"):
+            assert client.get(f"/omnivat/twins/{name}").status_code == 404
 
-    found = centred(resources, "pca")
-    before, after = found["curves"]["domain_gap/raw"]
-    assert after < 0.2 * before
-    assert len(found["bounds"]) == 2
+
+def test_the_twins_map_has_a_place_for_every_press_and_sensor(resources):
+    shown, places = twins(resources), twins_map(resources)
+    count = len(shown["domains"]) * places["presses"]
+    for method in ("pca", "umap"):
+        assert [len(b64decode(one)) for one in places[method]] == [4 * count] * 3
 
 
 def test_a_ladder_of_an_unknown_domain_is_refused(resources):
-    from app.views.explore import ladder
-
     with pytest.raises(DataError, match="The set has no domain 'nowhere'"):
         ladder(resources, {"source": "nowhere"})
-    found = ladder(resources, {"source": ""})
-    assert {"rung", "accuracy", "low", "high", "from"} <= set(found["rungs"][0])
-    assert found["sources"][0] == resources.head().source

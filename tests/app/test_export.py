@@ -27,7 +27,11 @@ def frames(small_places, tmp_path_factory) -> Path:
 
 def test_colours_are_those_of_the_page():
     text = (WEB / "shared/palette.js").read_text(encoding="utf-8")
-    for name, colours in (("OKABE_ITO", theme.DOMAINS), ("TOL_BRIGHT", theme.CLASSES), ("CIVIDIS", maps.CIVIDIS)):
+    for name, colours in (
+        ("OKABE_ITO", theme.DOMAINS),
+        ("TOL_BRIGHT", theme.CLASSES),
+        ("CIVIDIS", maps.CIVIDIS),
+    ):
         listed = re.search(rf"const {name} = \[(.*?)\]", text, re.S)
         assert listed
         assert re.findall(r"#\w{6}", listed[1]) == colours
@@ -44,7 +48,9 @@ def test_the_map_holds_every_point_and_says_simulated(frames, tmp_path, colour):
 
 def test_the_curves_say_what_is_a_what_if_and_shade_where_the_head_is_at_home(frames, tmp_path):
     out = tmp_path / "curves.svg"
-    export_picture(frames, out, what="curves", order=None, stage="relu", kind="pca", colour="domain")
+    export_picture(
+        frames, out, what="curves", order=None, stage="relu", kind="pca", colour="domain"
+    )
     text = out.read_text(encoding="utf-8")
     assert "what-if" in text
     assert "trained on TAG-sim" in text
@@ -77,7 +83,15 @@ def test_accuracy_that_the_frames_do_not_hold_is_said_to_be_missing(frames):
 
 def test_a_map_that_is_not_there_is_refused(frames, tmp_path):
     with pytest.raises(SettingsError, match="There is no map 'umap/relu'"):
-        export_picture(frames, tmp_path / "x.svg", what="map", order=0, stage="relu", kind="umap", colour="class")
+        export_picture(
+            frames,
+            tmp_path / "x.svg",
+            what="map",
+            order=0,
+            stage="relu",
+            kind="umap",
+            colour="class",
+        )
 
 
 def test_png_and_svg_show_the_same_shapes(tmp_path):
@@ -107,7 +121,9 @@ def test_every_script_of_the_saved_page_is_inside_and_names_no_file():
             assert wanted in found, (name, wanted)
 
 
-def test_the_saved_page_asks_nothing_of_outside_and_holds_its_frames(small_places, frames, tmp_path):
+def test_the_saved_page_asks_nothing_of_outside_and_holds_its_frames(
+    small_places, frames, tmp_path
+):
     out = tmp_path / "page.html"
     export_page(small_places, frames, out)
     text = out.read_text(encoding="utf-8")

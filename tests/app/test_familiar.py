@@ -38,14 +38,17 @@ def test_the_nearest_pairs_are_training_pairs_and_never_the_pair_itself(resource
     assert all(embeddings.domain[one["pair"]] == 0 for one in got["images"]["tac"]["nearest"])
 
 
-def test_a_set_in_half_precision_that_stays_in_its_file_has_nearest_pairs(resources, tmp_path, monkeypatch):
+def test_a_set_in_half_precision_that_stays_in_its_file_has_nearest_pairs(
+    resources, tmp_path, monkeypatch
+):
     monkeypatch.setattr("app.resources.MAPPED_BYTES", 0)
     save_embeddings(tmp_path / "half.safetensors", resources.embeddings(), dtype="float16")
     half = Resources(replace(resources.where, embeddings=tmp_path / "half.safetensors"))
     assert half.embeddings().vis.dtype == np.float16
     question = {"vis": "row:3", "tac": "row:50"}
     (near, wanted) = (
-        [one["pair"] for one in familiar(some, question)["images"]["vis"]["nearest"]] for some in (half, resources)
+        [one["pair"] for one in familiar(some, question)["images"]["vis"]["nearest"]]
+        for some in (half, resources)
     )
     assert near == wanted
     assert first(half) == first(resources)
@@ -77,10 +80,14 @@ def test_an_image_nearer_to_the_other_modality_strays_and_one_of_its_own_does_no
 
 
 def with_quantiles(resources, cosine):
-    """Let every image of the set be familiar (a low cosine) or unlike the training images (a high one)."""
+    """Let every image of the set be familiar (a low cosine) or unlike the training images (a
+    high one).
+    """
     known = resources.head().familiarity
     same = {name: torch.full_like(values, cosine) for name, values in known.quantiles.items()}
-    resources.head._made[:] = [replace(resources.head(), familiarity=replace(known, quantiles=same))]
+    resources.head._made[:] = [
+        replace(resources.head(), familiarity=replace(known, quantiles=same))
+    ]
 
 
 def test_the_page_opens_with_a_pair_that_was_not_trained_on_and_is_no_guess(knowing):

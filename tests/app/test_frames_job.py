@@ -47,6 +47,16 @@ def test_frames_are_kept_where_the_cache_was_named(source, jobs, tmp_path):
     assert read_frames(state.file).orders == (0.0, 0.1, 0.2)
 
 
+def test_a_cache_that_cannot_be_written_costs_time_and_not_frames(
+    source, jobs, tmp_path, monkeypatch
+):
+    (tmp_path / "file").write_text("no folder")
+    monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "file" / "cache"))
+    made = FramesJob(**source, jobs=jobs, spare=lambda: tmp_path / "spare").wait()
+    assert made.file.parent == tmp_path / "spare" and not made.problem
+    assert read_frames(made.file).orders
+
+
 def test_one_stop_is_exactly_the_learned_order(source, jobs, monkeypatch):
     monkeypatch.setattr(frames_job, "FINE", (0.0, 0.25, 1.0))
     learned = source["load_head"]().model.order
@@ -95,7 +105,9 @@ def test_the_name_changes_with_the_version_of_the_file_and_the_recipe(source, mo
     assert len(names) == 3
 
 
-@pytest.mark.parametrize("error", [DataError("No such set."), UnicodeEncodeError("utf-8", "\udc80", 0, 1, "surrogate")])
+@pytest.mark.parametrize(
+    "error", [DataError("No such set."), UnicodeEncodeError("utf-8", "\udc80", 0, 1, "surrogate")]
+)
 def test_a_first_failure_is_told_and_then_tried_again(source, jobs, monkeypatch, error):
     def fails(*_):
         raise error
@@ -178,4 +190,6 @@ def test_a_large_set_is_first_shown_by_its_principal_components_alone(source, jo
 
 
 def test_frames_of_a_part_of_a_set_have_a_name_of_their_own(source):
-    assert cache_name(source["head"], source["embeddings"]) != cache_name(source["head"], source["embeddings"], 20_000)
+    assert cache_name(source["head"], source["embeddings"]) != cache_name(
+        source["head"], source["embeddings"], 20_000
+    )

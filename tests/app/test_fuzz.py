@@ -61,3 +61,18 @@ def test_hostile_names_stay_text_in_every_output(tmp_path):
     cases = list(outputs(tmp_path))
     assert len(cases) > 20
     assert [what for what, held in cases if not held] == []
+
+
+@pytest.mark.slow
+def test_recordings_numbers_and_lessons_of_an_attacker_are_held(resources, tmp_path, monkeypatch):
+    import random
+
+    from benchmarks import _attack_falls as falls
+
+    monkeypatch.setattr(falls, "RECORDINGS", 40)
+    monkeypatch.setattr(falls, "SLOW_S", 1e9)  # counts and errors alone
+    (tmp_path / "recordings").mkdir()
+    cases = [*falls.recordings(tmp_path / "recordings", random.Random(3)), *falls.numbers(tmp_path)]
+    cases += falls.teaching(lambda: Starlette(routes=routes(resources)))
+    assert len(cases) > 60
+    assert [what for what, held in cases if not held] == []

@@ -88,21 +88,43 @@ def test_under_a_name_for_which_browsers_leave_the_site_out_the_origin_alone_is_
 def test_of_several_origins_each_has_to_be_the_pages_own():
     named = client(rules("127.0.0.1", ["demo.example"]), "http://demo.example")
     own, other = ("origin", "http://demo.example"), ("origin", "http://evil.example")
-    statuses = [named.get("/omnivat/a", headers=sent).status_code for sent in ([own, own], [own, other], [other, own])]
+    statuses = [
+        named.get("/omnivat/a", headers=sent).status_code
+        for sent in ([own, own], [own, other], [other, own])
+    ]
     assert statuses == [200, 403, 403]
 
 
 CLOSED = ["heartbeat/x", "dev/reload", "queue/data?session_hash=x", "info", "upload", "file=app.py"]
 
 
-@pytest.mark.parametrize("path", [f"/gradio_api/{name}" for name in CLOSED] + ["/monitoring", "/a"])
+@pytest.mark.parametrize(
+    "path", [f"/gradio_api/{name}" for name in CLOSED] + ["/monitoring", "/a", "/pwa_icon/512"]
+)
 def test_what_the_page_does_not_use_is_not_there(path):
     got = client().get(path)
     assert (got.status_code, got.json()["error"][-1]) == (404, ".")
 
 
+@pytest.mark.parametrize("name", ["X-Forwarded-Host", "X-Gradio-Server", "Forwarded"])
+def test_a_header_that_names_the_server_never_reaches_its_page(name):
+    async def sent(request):
+        return JSONResponse(sorted(request.headers))
+
+    guarded = Starlette(
+        routes=[Route("/omnivat/a", sent)], middleware=[Middleware(Guard, rules=rules("127.0.0.1"))]
+    )
+    found = TestClient(guarded, base_url="http://127.0.0.1:7860").get(
+        "/omnivat/a", headers={name: "javascript:1"}
+    )
+    assert name.lower() not in found.json() and "host" in found.json()
+
+
 def test_there_is_no_websocket():
-    with pytest.raises(WebSocketDisconnect), client().websocket_connect("ws://127.0.0.1:7860/omnivat/a"):
+    with (
+        pytest.raises(WebSocketDisconnect),
+        client().websocket_connect("ws://127.0.0.1:7860/omnivat/a"),
+    ):
         pass
 
 

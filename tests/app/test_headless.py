@@ -1,4 +1,6 @@
-"""Sets that no head fits: maps, gaps and neighbours of their features, and what a head would need."""
+"""Sets that no head fits: maps, gaps and neighbours of their features, and what a head would
+need.
+"""
 
 from dataclasses import replace
 
@@ -45,7 +47,10 @@ def test_raw_neighbours_need_no_head_and_other_steps_name_both_encoders(foreign)
     with asked(foreign()) as client:
         near = client.post("/omnivat/neighbours", json={"point": 0, "stage": "raw"}).json()
         assert len(near["neighbours"]) == 6
-        for path, question in (("neighbours", {"point": 0, "stage": "f_hat"}), ("pair", {"vis": "row:0"})):
+        for path, question in (
+            ("neighbours", {"point": 0, "stage": "f_hat"}),
+            ("pair", {"vis": "row:0"}),
+        ):
             text = client.post(f"/omnivat/{path}", json=question).json()["error"]
             assert "other-encoder" in text and "test-encoder" in text
 
@@ -76,7 +81,10 @@ def test_a_head_that_fits_needs_no_remedy(resources):
 def test_a_visitor_may_load_a_set_of_another_encoder_but_no_head_beside_it(foreign, resources):
     other = foreign().where.embeddings.read_bytes()
     files = {"embeddings.safetensors": other}
-    head = {name: (resources.where.head / name).read_bytes() for name in ("weights.safetensors", "settings.json")}
+    head = {
+        name: (resources.where.head / name).read_bytes()
+        for name in ("weights.safetensors", "settings.json")
+    }
     with asked(resources) as client:
 
         def load(files):

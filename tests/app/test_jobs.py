@@ -165,18 +165,14 @@ def test_progress_is_seen_while_the_job_runs(jobs):
     job.wait(5)
 
 
-def test_one_owner_cannot_fill_the_queue_and_nor_can_all(jobs, monkeypatch):
-    monkeypatch.setattr("app.jobs.OWN_JOBS", 2)
-    monkeypatch.setattr("app.jobs.WAITING_JOBS", 3)
-    _, _, there = held(jobs, owner="a")
+def test_a_full_queue_refuses_in_a_sentence(jobs, monkeypatch):
+    monkeypatch.setattr("app.jobs.WAITING_JOBS", 2)
+    _, _, there = held(jobs)
     there.wait(5)
-    held(jobs, owner="a")
+    held(jobs)
+    held(jobs)
     with pytest.raises(BusyError, match="Too much is waiting"):
-        held(jobs, owner="a")
-    held(jobs, owner="b")
-    held(jobs, owner="c")
-    with pytest.raises(BusyError, match="Too much is waiting"):
-        held(jobs, owner="d")
+        held(jobs)
 
 
 def test_waiting_jobs_of_a_low_priority_age_past_new_ones_of_a_high_one(jobs, monkeypatch):
@@ -243,34 +239,6 @@ def test_one_slot_stays_for_requests_of_the_first_priority(jobs):
     for one in uploads:
         one.wait(5)
     assert len(running) == 3
-
-
-def test_visitors_take_turns(jobs):
-    _, go, there = held(jobs, visitor="many")
-    there.wait(5)
-    order = []
-    started = [
-        jobs.start(lambda job, name=name: order.append(name), lane="long", visitor=name)
-        for name in ("many", "many", "many", "one", "other")
-    ]
-    go.set()
-    for job in started:
-        job.wait(5)
-    assert order == ["one", "other", "many", "many", "many"]
-
-
-def test_in_a_full_queue_the_visitor_with_most_makes_way(jobs, monkeypatch):
-    monkeypatch.setattr("app.jobs.WAITING_JOBS", 4)
-    _, go, there = held(jobs, visitor="many")
-    there.wait(5)
-    many = [jobs.start(lambda job: 1, lane="long", visitor="many") for _ in range(4)]
-    one = jobs.start(lambda job: 2, lane="long", visitor="one")
-    assert [job.status().state for job in many] == ["waiting"] * 3 + ["failed"]
-    assert "Too much is waiting" in many[-1].status().problem
-    with pytest.raises(BusyError, match="Too much is waiting"):
-        jobs.start(lambda job: 1, lane="long", visitor="many")
-    go.set()
-    assert one.wait(5) == 2
 
 
 def test_a_closed_runner_leaves_no_thread_and_takes_nothing(jobs):

@@ -1,4 +1,4 @@
-"""The log under a flood: few lines, short ones, each traceback once."""
+"""The log under a flood: few lines, short ones, each different traceback once."""
 
 import logging
 
@@ -35,3 +35,14 @@ def test_a_line_is_short_and_one_line_and_a_traceback_comes_once(caplog):
     for record in caplog.records:
         assert len(record.getMessage()) <= logs.LONGEST
         assert "\n" not in record.getMessage()
+
+
+def test_a_later_different_error_at_the_same_place_keeps_its_traceback(caplog):
+    log = logging.getLogger("different")
+    log.addFilter(logs.Bounded())
+    for text in ("first", "second", "first"):
+        try:
+            raise ValueError(text)
+        except ValueError:
+            log.exception("failed")
+    assert [bool(record.exc_info) for record in caplog.records] == [True, True, False]

@@ -79,7 +79,9 @@ def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypa
 def test_an_image_of_one_colour_has_nothing_to_hide(resources):
     with BytesIO() as handle:
         Image.new("RGB", (32, 32), "gray").save(handle, "PNG")
-        found = occlusion(resources, Sent(content=handle.getvalue(), modality="tac", other=Ref("row", "3")))
+        found = occlusion(
+            resources, Sent(content=handle.getvalue(), modality="tac", other=Ref("row", "3"))
+        )
     assert max(abs(drop) for row in found["drops"] for drop in row) < 1e-6
     assert found["class"] in resources.head().settings.classes
 

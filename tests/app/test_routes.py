@@ -109,10 +109,14 @@ def test_images_of_odd_kinds_are_accepted(client, content):
 
 
 def test_an_image_over_the_limit_is_refused(client):
-    assert "larger than 20 MB" in sentence(client.post("/omnivat/image", content=bytes(MAX_IMAGE_BYTES + 1)), 413)
+    assert "larger than 20 MB" in sentence(
+        client.post("/omnivat/image", content=bytes(MAX_IMAGE_BYTES + 1)), 413
+    )
 
 
-def test_an_error_nobody_thought_of_is_a_sentence_and_its_traceback_is_logged(client, monkeypatch, caplog):
+def test_an_error_nobody_thought_of_is_a_sentence_and_its_traceback_is_logged(
+    client, monkeypatch, caplog
+):
     monkeypatch.setattr("app.views.pair.refs_from", lambda question: 1 / 0)
     with caplog.at_level(logging.ERROR):
         assert sentence(client.post("/omnivat/pair", json={}), 500) == UNEXPECTED
@@ -120,7 +124,11 @@ def test_an_error_nobody_thought_of_is_a_sentence_and_its_traceback_is_logged(cl
 
 
 def test_the_page_serves_its_scripts_and_nothing_else(client):
-    assert client.get("/omnivat/web/explore/explore.js").headers["content-type"].startswith("text/javascript")
+    assert (
+        client.get("/omnivat/web/explore/explore.js")
+        .headers["content-type"]
+        .startswith("text/javascript")
+    )
     assert client.get("/omnivat/web/shared/page.css").status_code == 200
     for name in (
         "server.py",
@@ -158,7 +166,9 @@ def test_about_says_what_is_loaded_and_tells_no_path_of_the_server(client, small
     assert str(small_places.head.parent) not in json.dumps(about)
 
 
-def test_frames_are_computed_once_in_the_background_and_kept(resources, client, monkeypatch, tmp_path):
+def test_frames_are_computed_once_in_the_background_and_kept(
+    resources, client, monkeypatch, tmp_path
+):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr("app.frames_job.FINE", (0.0, 0.25, 0.5))
     monkeypatch.setattr("app.frames_job.COARSE", (0.0, 0.5))
@@ -196,11 +206,16 @@ def test_a_missing_head_is_a_sentence_everywhere_and_the_page_goes_on(resources,
 def test_two_visitors_share_nothing_but_equal_images(client, png):
     mine = client.post("/omnivat/image", content=png(seed=1)).json()["ref"]
     theirs = client.post("/omnivat/image", content=png(seed=2)).json()["ref"]
-    answers = [client.post("/omnivat/pair", json={"vis": ref}).json()["stops"] for ref in (mine, theirs, mine)]
+    answers = [
+        client.post("/omnivat/pair", json={"vis": ref}).json()["stops"]
+        for ref in (mine, theirs, mine)
+    ]
     assert answers[0] == answers[2] != answers[1]
 
 
-def test_an_image_that_a_restarted_server_lost_is_told_apart_so_that_the_page_sends_it_again(client):
+def test_an_image_that_a_restarted_server_lost_is_told_apart_so_that_the_page_sends_it_again(
+    client,
+):
     assert "send it again" in sentence(client.post("/omnivat/pair", json={"vis": "image:00"}), 410)
 
 
@@ -219,7 +234,9 @@ def test_the_frames_that_come_with_the_project_are_of_its_head_and_its_set():
     assert frames.embeddings["weights_hash"] == embeddings.header.weights_hash
 
 
-@pytest.mark.parametrize("query", ["", "modality=lang", "modality=vis&order=soon", "modality=vis&other=row:x"])
+@pytest.mark.parametrize(
+    "query", ["", "modality=lang", "modality=vis&order=soon", "modality=vis&other=row:x"]
+)
 def test_junk_asked_of_occlusion_is_refused_in_a_sentence(client, png, query):
     sentence(client.post(f"/omnivat/occlusion?{query}", content=png()))
 

@@ -26,7 +26,12 @@ def test_the_open_view_is_a_page_of_three_figures_that_loads_nothing(client):
     assert sent.text.count('class="plot"') == 3 and "default-src 'none'" in sent.text
     start = sent.text.index("const figures = ") + len("const figures = ")
     map_figure = json.JSONDecoder().raw_decode(sent.text[start:])[0][0]
-    assert sum(len(trace["customdata"]) if "customdata" in trace else 1 for trace in map_figure["data"]) >= 1
+    assert (
+        sum(
+            len(trace["customdata"]) if "customdata" in trace else 1 for trace in map_figure["data"]
+        )
+        >= 1
+    )
 
 
 @pytest.mark.parametrize(

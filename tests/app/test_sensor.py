@@ -8,11 +8,11 @@ import torch
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.about import about
 from app.pair_input import embedded
 from app.sensor import MOST_AT_ONCE, joined, load_sensor, profile, save_sensor
 from app.server import main
 from app.state import ForgottenError, Ref
-from app.views.data import about
 from app.views.pair import many
 from omnivat.data.profile import channels_of
 from omnivat.kit.errors import DataError
@@ -50,7 +50,9 @@ def test_a_profile_moves_a_visitors_pictures_and_never_pairs_of_the_set(visiting
     assert (plain["vis"] - with_it["vis"]).mean() > 1  # most of the shift is undone
     torch.testing.assert_close(with_it["tac"], plain["tac"])  # no touch is in the profile
     row = {"vis": Ref("row", "3"), "tac": None}
-    torch.testing.assert_close(embedded(visiting, row, {"profile": name})["vis"], embedded(visiting, row)["vis"])
+    torch.testing.assert_close(
+        embedded(visiting, row, {"profile": name})["vis"], embedded(visiting, row)["vis"]
+    )
 
 
 def test_predictions_follow_the_profile_and_go_back_without_it(visiting):
@@ -68,7 +70,9 @@ def test_more_pictures_are_added_to_a_profile(visiting):
     assert both["counts"] == {"vis": 20}
     alone = visiting.profiles.get(profile(visiting, {"photos": refs(20)})["profile"])
     np.testing.assert_allclose(
-        visiting.profiles.get(both["profile"]).channels["vis"].mean, alone.channels["vis"].mean, rtol=1e-5
+        visiting.profiles.get(both["profile"]).channels["vis"].mean,
+        alone.channels["vis"].mean,
+        rtol=1e-5,
     )
 
 
@@ -83,7 +87,8 @@ def test_a_saved_profile_is_loaded_again_and_a_broken_file_is_refused(visiting, 
 
 
 @pytest.mark.parametrize(
-    "question", [{}, {"photos": []}, {"photos": "image:0"}, {"touches": ["image:0"] * (MOST_AT_ONCE + 1)}]
+    "question",
+    [{}, {"photos": []}, {"photos": "image:0"}, {"touches": ["image:0"] * (MOST_AT_ONCE + 1)}],
 )
 def test_no_pictures_or_too_many_are_refused(visiting, question):
     with pytest.raises(DataError, match="pictures"):

@@ -39,7 +39,12 @@ page.close()
 def loaded() -> list[set[str]]:
     """Return the modules loaded by the first page, and those after importing torch."""
     done = subprocess.run(
-        [sys.executable, "-c", FIRST_PAGE], cwd=ROOT, capture_output=True, text=True, timeout=120, check=True
+        [sys.executable, "-c", FIRST_PAGE],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=True,
     )
     return [set(one.split()[1:]) for one in done.stdout.splitlines() if one.startswith("LOADED")]
 
@@ -56,10 +61,10 @@ def test_the_check_itself_sees_a_heavy_import(loaded):
 
 def test_gradio_still_finds_the_tables_that_it_was_imported_without():
     code = (
-        "import sys\nfrom app.light import light_imports\nwith light_imports(): import gradio\n"
-        "from gradio import caching, component_meta\nassert not {'pandas', 'mcp'} & set(sys.modules)\n"
-        "import mcp, pandas\nassert caching.pd.DataFrame is pandas.DataFrame\n"
-        "assert component_meta.create_or_modify_pyi.__name__ == '<lambda>'\n"
+        "import sys\nfrom app.light import light_imports\nwith light_imports(): import gradio\nfrom"
+        " gradio import caching, component_meta\nassert not {'pandas', 'mcp'} &"
+        " set(sys.modules)\nimport mcp, pandas\nassert caching.pd.DataFrame is"
+        " pandas.DataFrame\nassert component_meta.create_or_modify_pyi.__name__ == '<lambda>'\n"
     )
     subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, timeout=120)
 
@@ -99,7 +104,9 @@ def test_no_script_or_style_names_an_outside_address():
 
 def test_only_one_place_catches_everything():
     found = [
-        path.name for path in (ROOT / "app").rglob("*.py") if "except Exception" in path.read_text(encoding="utf-8")
+        path.name
+        for path in (ROOT / "app").rglob("*.py")
+        if "except Exception" in path.read_text(encoding="utf-8")
     ]
     assert found == ["messages.py"]
 
@@ -110,7 +117,10 @@ def test_without_pywebview_the_desktop_window_is_refused_in_a_sentence(monkeypat
     monkeypatch.setitem(sys.modules, "webview", None)
     assert main(["--desktop"]) == 1
     said = capsys.readouterr().err
-    assert said == "app.py: webview is needed for --desktop. Install it with `pip install pywebview`.\n"
+    assert (
+        said
+        == "app.py: webview is needed for --desktop. Install it with `pip install pywebview`.\n"
+    )
 
 
 def test_heads_to_compare_can_be_given_several_times():
@@ -140,7 +150,12 @@ def test_the_desktop_window_shows_the_page_while_it_is_open():
         probe.bind(("127.0.0.1", 0))
         port = str(probe.getsockname()[1])
     done = subprocess.run(
-        [sys.executable, "-c", WINDOW, port], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False
+        [sys.executable, "-c", WINDOW, port],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
     )
     assert done.returncode == 0, done.stderr
     said = [line for line in done.stdout.splitlines() if line.startswith(("SEEN", "STARTED"))]
@@ -150,7 +165,24 @@ def test_the_desktop_window_shows_the_page_while_it_is_open():
 @pytest.mark.slow
 def test_a_head_is_loaded_without_symbolic_algebra():
     code = (
-        "import sys\nfrom omnivat.head.checkpoint import load_head\nfrom omnivat.head.heads import default_head\n"
-        "load_head(default_head())\nassert 'torch' in sys.modules and 'sympy' not in sys.modules\n"
+        "import sys\nfrom omnivat.head.checkpoint import load_head\nfrom omnivat.head.heads import"
+        " default_head\nload_head(default_head())\nassert 'torch' in sys.modules and 'sympy' not in"
+        " sys.modules\n"
     )
     subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, timeout=120)
+
+
+def test_connections_are_limited_by_the_servers_own_settings(resources, monkeypatch):
+    import uvicorn
+
+    from app.limits import CONNECTIONS
+    from app.server import launch
+
+    class Page:
+        def launch(self, **_):
+            return uvicorn.Config(lambda: None, port=1)
+
+    monkeypatch.setattr(uvicorn.Config, "__init__", uvicorn.Config.__init__)
+    found = launch(Page(), resources, parser().parse_args([]))
+    assert {name: getattr(found, name) for name in CONNECTIONS} == CONNECTIONS
+    assert (found.ws, found.port) == ("none", 1)

@@ -13,7 +13,9 @@ SHEET = "set.thumbnails.webp"
 
 
 @pytest.mark.parametrize(("files", "told"), [((), "none"), ((SHEET,), "none"), (None, "sheet")])
-def test_frames_tell_whether_a_sheet_of_thumbnails_can_be_requested(small_places, tmp_path, files, told):
+def test_frames_tell_whether_a_sheet_of_thumbnails_can_be_requested(
+    small_places, tmp_path, files, told
+):
     for name in (SHEET, "set.thumbnails.json") if files is None else files:
         (tmp_path / name).write_bytes(b"{}")
     frames = tmp_path / "frames.bin"

@@ -40,7 +40,9 @@ def held(out: Path) -> dict:
 def test_every_address_is_relative_and_of_a_file_in_the_folder(written):
     text = (written / "index.html").read_text(encoding="utf-8")
     named = [*re.findall(r'(?:src|href)="([^"]+)"', text), *held(written)["files"].values()]
-    kept = json.loads(re.match(r"globalThis.omnivatSite = (.*);", (written / "sw.js").read_text())[1])
+    kept = json.loads(
+        re.match(r"globalThis.omnivatSite = (.*);", (written / "sw.js").read_text())[1]
+    )
     for address in [*named, *kept["first"], *kept["rest"]]:
         parts = urlsplit(address)
         assert not parts.scheme and not parts.netloc and not address.startswith("/"), address
@@ -63,7 +65,9 @@ def test_names_suit_any_file_system_and_follow_the_content(written, where, tmp_p
     names = [file.relative_to(written).as_posix() for file in files_in(written)]
     assert all(re.fullmatch(r"[\w./-]+", name, re.ASCII) for name in names)
     export_site(where, tmp_path / "again", sets=(), models=False)
-    assert names == [p.relative_to(tmp_path / "again").as_posix() for p in files_in(tmp_path / "again")]
+    assert names == [
+        p.relative_to(tmp_path / "again").as_posix() for p in files_in(tmp_path / "again")
+    ]
 
 
 def test_replies_are_those_of_the_server(written, where):
@@ -74,11 +78,15 @@ def test_replies_are_those_of_the_server(written, where):
     assert index["home"] == OWN and index["sets"] == [OWN]
     for name in ("about", "unseen", "pairs", "examples", "first"):
         file = index["files"][f"{OWN}/{name}"]
-        assert json.loads((written / file).read_text()) == json.loads(json.dumps(FACTS[name](resources)))
+        assert json.loads((written / file).read_text()) == json.loads(
+            json.dumps(FACTS[name](resources))
+        )
     file = index["files"][f'{OWN}/votes {{"head":""}}']
     assert json.loads((written / file).read_text()) == QUESTIONS["votes"](resources, {"head": ""})
     picture = index["files"][f"{OWN}/example/OF Real-sim/steel/new/tac"]
-    assert (written / picture).read_bytes() == resources.examples()["OF Real-sim/steel/new"]["tac"].read_bytes()
+    assert (written / picture).read_bytes() == resources.examples()["OF Real-sim/steel/new"][
+        "tac"
+    ].read_bytes()
 
 
 def test_a_reply_that_is_a_refusal_is_held_as_its_sentence(where, tmp_path, monkeypatch):

@@ -24,7 +24,9 @@ def test_junk_names_no_image(junk):
         ref_from(junk)
 
 
-@given(st.one_of(st.text(), st.integers(), st.lists(st.text()), st.dictionaries(st.text(), st.text())))
+@given(
+    st.one_of(st.text(), st.integers(), st.lists(st.text()), st.dictionaries(st.text(), st.text()))
+)
 def test_whatever_is_sent_as_a_reference_is_read_or_refused_in_a_sentence(value):
     refused = ""
     try:
@@ -58,15 +60,21 @@ def test_the_least_recently_used_value_is_forgotten_first():
     assert (recent.get("a"), recent.get("b"), recent.get("c")) == (1, None, 3)
 
 
-def test_a_visitor_finds_only_its_own_values_and_pushes_out_no_other():
+def test_a_visitor_finds_only_its_own_values():
     recent: Recent[int] = Recent(4, own=True)
     VISITOR.set("a")
     recent.keep("x", 1)
     VISITOR.set("b")
     assert recent.get("x") is None
-    for number in range(9):
-        recent.keep(str(number), number)
-    assert [recent.get(str(number)) for number in (5, 6, 7, 8)] == [None, 6, 7, 8]
+    recent.keep("x", 2)
     VISITOR.set("a")
     assert recent.get("x") == 1
     VISITOR.set("")
+
+
+def test_values_are_bounded_by_their_bytes_and_the_newest_stays():
+    recent: Recent[str] = Recent(9, room=10)
+    assert recent.keep("a", "a", 6) == []
+    assert recent.keep("b", "b", 6) == ["a"]
+    assert recent.keep("c", "c", 99) == ["b"]
+    assert recent.get("c") == "c"

@@ -8,8 +8,17 @@ import pytest
 
 from app.pictures import Sent, live, occlusion
 from app.state import ForgottenError, Ref
-from app.teaching import MOST_LESSONS, head_for, head_taught, own_set, save_set, save_taught, taught_name, teach
-from app.views.pair import predicted
+from app.teaching import (
+    MOST_LESSONS,
+    head_for,
+    head_taught,
+    own_set,
+    save_set,
+    save_taught,
+    taught_name,
+    teach,
+)
+from app.views.pair import many, predicted
 from omnivat.data.store import load_embeddings
 from omnivat.head.checkpoint import load_head
 from omnivat.kit.errors import DataError
@@ -100,3 +109,12 @@ def test_a_photo_and_a_touch_of_different_pairs_are_never_taught(resources, tac)
     resources._sent.keep("own", resources.embeddings().tac[0])
     with pytest.raises(DataError, match="come from different pairs"):
         teach(resources, {"lessons": [*LESSONS, {"vis": "row:40", "tac": tac, "label": "cork"}]})
+
+
+def test_after_teaching_a_picture_is_compared_with_the_visitors_own(resources):
+    question = {"pairs": [{"vis": "row:41", "tac": "row:41"}]}
+    taught = many(resources, {**question, "lessons": LESSONS})["pairs"][0]["images"]
+    assert {name: one["cosine"] for name, one in taught.items()} == {"vis": 1, "tac": 1}
+    assert many(resources, question)["pairs"][0]["images"] != taught
+    photos = [{**one, "tac": None} for one in LESSONS]
+    assert set(many(resources, {**question, "lessons": photos})["pairs"][0]["images"]) == {"vis"}

@@ -55,11 +55,14 @@ def test_a_training_is_watched_to_its_end_and_its_head_is_loaded_and_saved(sets,
     assert load_head(tmp_path / "trained-head").source == "TAG-sim"
 
 
-def test_pairs_without_a_class_are_left_out_of_a_training_and_told(sets, without_classes, monkeypatch):
+def test_pairs_without_a_class_are_left_out_of_a_training_and_told(
+    sets, without_classes, monkeypatch
+):
     some = without_classes(sets.first.embeddings(), 2)
     monkeypatch.setattr(sets.first, "embeddings", lambda: some)
     trainings = Trainings(sets)
-    assert trainings.offers(sets.first, {})["first"]["lang"]  # no text is wanted of pairs without a class
+    # no text is wanted of pairs without a class
+    assert trainings.offers(sets.first, {})["first"]["lang"]
     started = trainings.start(sets.first, SMALL)
     assert started["left_out"] == 16
     assert until_ended(trainings, started["run"])["state"] == "done"
@@ -83,7 +86,7 @@ def test_only_new_epochs_are_sent(sets):
 
 def test_one_training_runs_and_the_next_visitor_is_told_the_place(sets):
     trainings = Trainings(sets)
-    first = trainings.start(sets.first, {**SMALL, "epochs": 100})["run"]
+    first = trainings.start(sets.first, {**SMALL, "epochs": 150})["run"]
     second = trainings.start(sets.first, {**SMALL, "visitor": "bob"})["run"]
     state = trainings.state({"run": second})
     assert (state["state"], state["place"]) == ("waiting", 1)
@@ -132,7 +135,7 @@ def test_what_p_does_becomes_settings(resources, order, learned, searched, drawn
         ({"order": "up"}, "order is 'up'"),
         ({"p": 7}, "p is 7; give a number from 0 to 1"),
         ({"p": float("nan")}, "p is nan"),
-        ({"epochs": 10**9}, "epochs is 1000000000; give a whole number from 5 to 100"),
+        ({"epochs": 10**9}, "epochs is 1000000000; give a whole number from 5 to 150"),
         ({"epochs": 7.5}, "epochs is 7.5; give a whole number"),
         ({"levels": "3"}, "levels is '3'"),
     ],
@@ -142,7 +145,9 @@ def test_settings_that_cannot_be_are_refused_with_what_is_wanted(resources, wron
         plan_from({**SMALL, **wrong}, resources.embeddings())
 
 
-def test_of_a_large_set_all_of_the_source_and_a_part_of_the_rest_is_looked_at(make_embeddings, monkeypatch):
+def test_of_a_large_set_all_of_the_source_and_a_part_of_the_rest_is_looked_at(
+    make_embeddings, monkeypatch
+):
     embeddings = make_embeddings()
     assert looked_at(embeddings, "TAG-sim") is embeddings
     monkeypatch.setattr("app.training_plan.MOST_LOOKED_AT", 10)

@@ -78,18 +78,3 @@ def test_the_training_of_a_visitor_who_left_makes_way(queue, monkeypatch):
     monkeypatch.setattr(training, "ABANDONED_S", 0.5)
     until(lambda: standing(trainings, [next_one])[0][0] == "running")
     assert standing(trainings, [left]) == [("cancelled", 0)]
-
-
-def test_one_address_with_twelve_names_keeps_no_one_out_and_takes_turns(queue):
-    trainings, start = queue
-    hog = [start(f"name {k}", "10.0.0.1") for k in range(training.MOST_RUNS)]
-    until(lambda: standing(trainings, hog)[0] == ("running", 0))
-    other = start("ann", "10.0.0.2")
-    assert standing(trainings, [other]) == [("waiting", 1)]  # not the last place
-    ended = trainings.state({"run": hog[-1]})
-    assert (ended["state"], ended["problem"][:27]) == ("failed", "Your place was needed by an")
-    assert [state for state, _ in standing(trainings, hog)].count("waiting") == 10
-    with pytest.raises(BusyError, match="12 trainings run or wait"):
-        start("one more", "10.0.0.1")
-    trainings.cancel({"run": hog[0]})
-    until(lambda: standing(trainings, [other]) == [("running", 0)])

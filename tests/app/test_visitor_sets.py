@@ -11,7 +11,6 @@ from starlette.requests import Request
 from starlette.testclient import TestClient
 
 from app.limits import PARTS
-from app.messages import BusyError
 from app.requests import visitor_of
 from app.routes import routes
 from app.state import VISITOR, ForgottenError
@@ -34,7 +33,9 @@ def send(client: TestClient, files: dict[str, Path]) -> dict[str, str]:
 
 
 def head_files(folder: Path) -> dict[str, Path]:
-    return {name: folder / name for name in ("weights.safetensors", "settings.json", "metrics.json")}
+    return {
+        name: folder / name for name in ("weights.safetensors", "settings.json", "metrics.json")
+    }
 
 
 def test_a_loaded_head_answers_under_its_own_name_and_the_first_stays(client, small_places):
@@ -120,7 +121,7 @@ def load_one(sets, folder, number, beside="", visitor="", compare=False):
     parts = {}
     for name, file in head_files(folder).items():
         content = file.read_bytes() + b" " * (number if name == "metrics.json" else 0)
-        parts[name] = asyncio.run(sets.parts.keep(name, blocks(content, 1), visitor))
+        parts[name] = asyncio.run(sets.parts.keep(name, blocks(content, 1)))
     VISITOR.set(visitor)
     try:
         return sets.load(parts, beside=beside, compare=compare)
@@ -128,10 +129,14 @@ def load_one(sets, folder, number, beside="", visitor="", compare=False):
         VISITOR.set("")
 
 
-def test_ten_heads_are_compared_and_a_load_never_reports_a_set_that_is_gone(resources, small_places, monkeypatch):
+def test_ten_heads_are_compared_and_a_load_never_reports_a_set_that_is_gone(
+    resources, small_places, monkeypatch
+):
     monkeypatch.setattr("app.visitor_sets.KEPT_DESKS", 3)
     sets = VisitorSets(resources)
-    pairs = asyncio.run(sets.parts.keep("embeddings.safetensors", blocks(small_places.embeddings.read_bytes(), 1)))
+    pairs = asyncio.run(
+        sets.parts.keep("embeddings.safetensors", blocks(small_places.embeddings.read_bytes(), 1))
+    )
     name = sets.load({"embeddings.safetensors": pairs}, beside="", compare=False)
     for number in range(10):
         name = load_one(sets, small_places.head, number, beside=name, compare=True)
@@ -144,34 +149,22 @@ def test_ten_heads_are_compared_and_a_load_never_reports_a_set_that_is_gone(reso
     assert len(sets.named(name).heads) == 11
 
 
-def test_the_visitor_with_most_sets_loses_one_first(resources, small_places, monkeypatch):
-    monkeypatch.setattr("app.visitor_sets.KEPT_DESKS", 3)
+def test_files_that_are_not_loaded_are_bounded_and_the_oldest_go_first(
+    resources, small_places, monkeypatch
+):
+    monkeypatch.setattr("app.upload_store.KEPT_PARTS", 5)
     sets = VisitorSets(resources)
-    kept = load_one(sets, small_places.head, 0, visitor="one")
-    many = [load_one(sets, small_places.head, number, visitor="many") for number in range(1, 5)]
-    assert sets.named(kept) and sets.named(many[-1])
-    with pytest.raises(ForgottenError):
-        sets.named(many[0])
-
-
-def test_small_files_of_one_visitor_keep_no_other_out_and_none_of_a_load_is_lost(resources, small_places, monkeypatch):
-    monkeypatch.setattr("app.upload_store.OWN_PARTS", 5)
-    monkeypatch.setattr("app.upload_store.PARTS_BYTES", 1_200_000 + 9 * 4096)
-    sets = VisitorSets(resources)
-
-    def send_many(visitor, count):
-        for number in range(count):
-            content = f"{visitor} {number}".encode()
-            asyncio.run(sets.parts.keep("settings.json", blocks(content, 1), visitor))
-
-    send_many("many", 40)
-    assert len(list(sets.shared.scratch.folder("parts").iterdir())) == 5
-    assert load_one(sets, small_places.head, 0, visitor="one")
-    for other in "abc":
-        send_many(other, 4)  # others make room, the visitor with most first
-    monkeypatch.setattr("app.upload_store.OWN_BYTES", 500_000)
-    with pytest.raises(BusyError, match="try again in 10 minutes"):
-        send_many("one more", 1)
+    sent = [
+        asyncio.run(sets.parts.keep("settings.json", blocks(str(number).encode(), 1)))
+        for number in range(40)
+    ]
+    there = {file.name for file in sets.shared.scratch.folder("parts").iterdir()}
+    assert there == set(sent[-5:])
+    monkeypatch.setattr("app.upload_store.PARTS_BYTES", 8)
+    asyncio.run(sets.parts.keep("settings.json", blocks(b"1234567", 1)))
+    assert len(list(sets.shared.scratch.folder("parts").iterdir())) == 1
+    monkeypatch.undo()
+    assert load_one(sets, small_places.head, 0)
 
 
 @pytest.mark.parametrize(
@@ -188,7 +181,9 @@ def test_a_visitor_is_an_address_or_the_network_that_one_visitor_has(host, visit
     assert visitor_of(Request({"type": "http", "client": (host, 5)})) == visitor
 
 
-def test_the_desk_unused_for_longest_is_forgotten_with_its_files(resources, small_places, monkeypatch):
+def test_the_desk_unused_for_longest_is_forgotten_with_its_files(
+    resources, small_places, monkeypatch
+):
     monkeypatch.setattr("app.visitor_sets.KEPT_DESKS", KEPT_DESKS := 3)
     sets = VisitorSets(resources)
     names = [load_one(sets, small_places.head, number) for number in range(KEPT_DESKS + 1)]

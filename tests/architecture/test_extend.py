@@ -15,7 +15,9 @@ PAGE = (ROOT / "docs" / "extend.md").read_text(encoding="utf-8")
 
 def block(place: str) -> str:
     """Return the code that the page shows for the file at `place`."""
-    found = re.search(rf"```\w+\n(?:# |// |<!-- ){re.escape(place)}(?: -->)?\n(.*?)```", PAGE, re.DOTALL)
+    found = re.search(
+        rf"```\w+\n(?:# |// |<!-- ){re.escape(place)}(?: -->)?\n(.*?)```", PAGE, re.DOTALL
+    )
     assert found, f"docs/extend.md shows no {place}"
     return found[1]
 
@@ -44,7 +46,12 @@ def added(tmp_path, monkeypatch):
         return module
 
     yield add
-    pages = ("baselines.prior", "gaps.medians", "data.readers.flat", "projection.widest")
+    pages = (
+        "study.baselines.prior",
+        "measure.gaps.medians",
+        "data.readers.flat",
+        "maps.projection.widest",
+    )
     for name in (f"omnivat.{page}" for page in pages):
         sys.modules.pop(name, None)
 
@@ -59,7 +66,9 @@ def embeddings_file(make_embeddings, tmp_path):
     return path
 
 
-def test_a_method_of_one_file_and_one_line_runs_in_the_protocol(added, monkeypatch, embeddings_file):
+def test_a_method_of_one_file_and_one_line_runs_in_the_protocol(
+    added, monkeypatch, embeddings_file
+):
     from omnivat.cli import main
     from omnivat.study.baselines import BASELINES
 
@@ -137,8 +146,12 @@ def test_a_simulated_sensor_of_one_row_is_drawn(tmp_path):
 
     names: dict[str, object] = {}
     exec(block("omnivat/simulate/my_domain.py"), names)
-    made = simulate(tmp_path, domains=[names["BRIGHT"]], pairs_per_class=1, size=32, renderer="plain", workers=1)
-    assert {(pair.domain, pair.tac.is_file()) for pair in made.pairs} == {("Bright DIGIT-sim", True)}
+    made = simulate(
+        tmp_path, domains=[names["BRIGHT"]], pairs_per_class=1, size=32, renderer="plain", workers=1
+    )
+    assert {(pair.domain, pair.tac.is_file()) for pair in made.pairs} == {
+        ("Bright DIGIT-sim", True)
+    }
 
 
 def test_a_tab_of_the_page_is_a_module_with_a_title_and_a_folder_of_scripts(tmp_path):

@@ -1,4 +1,6 @@
-"""The lock file names every package that the application asks for, in a version that fits, with a hash."""
+"""The lock file names every package that the application asks for, in a version that fits, with
+a hash.
+"""
 
 import ast
 import re
@@ -12,7 +14,8 @@ from packaging.requirements import Requirement
 from benchmarks.advisories import locked, plain
 
 ROOT = Path(__file__).resolve().parents[2]
-OF_GRADIO = {"starlette", "uvicorn", "huggingface_hub"}  # whose versions Gradio chooses: its server, its downloads
+# whose versions Gradio chooses: its server, its downloads
+OF_GRADIO = {"starlette", "uvicorn", "huggingface_hub"}
 
 
 def requirements() -> list[Requirement]:
@@ -47,7 +50,10 @@ def test_every_package_that_is_imported_is_declared():
     brought = packages_distributions()
     undeclared = {
         name
-        for name in imported() - set(sys.stdlib_module_names) - {"app", "omnivat", "omnivat_examples"} - OF_GRADIO
+        for name in imported()
+        - set(sys.stdlib_module_names)
+        - {"app", "omnivat", "omnivat_examples"}
+        - OF_GRADIO
         if not {plain(one) for one in brought.get(name, [name])} & declared
     }
     assert undeclared == set()

@@ -24,7 +24,9 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     source.mkdir()
     for part in PARTS:
         if (ROOT / part).is_dir():
-            shutil.copytree(ROOT / part, source / part, ignore=shutil.ignore_patterns("__pycache__"))
+            shutil.copytree(
+                ROOT / part, source / part, ignore=shutil.ignore_patterns("__pycache__")
+            )
         else:
             shutil.copy(ROOT / part, source / part)
     build = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "-q"]
@@ -65,8 +67,8 @@ def test_an_installed_command_predicts_a_shipped_pair(site: Path) -> None:
 
 def test_the_page_finds_its_scripts_and_sets(site: Path) -> None:
     code = (
-        "from app.resources import Resources; from omnivat.head.heads import EXAMPLES, shipped_sets;"
-        "print(EXAMPLES, *shipped_sets())"
+        "from app.resources import Resources; from omnivat.head.heads import EXAMPLES,"
+        " shipped_sets;print(EXAMPLES, *shipped_sets())"
     )
     printed = run(site, "-c", code)
     assert "omnivat_examples" in printed and "sensors" in printed

@@ -28,7 +28,7 @@ FLAGS = [
     "--use-fake-ui-for-media-stream",
 ]
 PANELS = """localStorage['omnivat-panels'] ??= JSON.stringify(Object.fromEntries(
-  ['card', 'grid', 'confusion', 'filters', 'curves', 'raw', 'step', 'toy'].map((name) => [name, true])))"""
+  ['card', 'grid', 'domains', 'confusion', 'filters', 'curves', 'raw', 'step', 'toy'].map((name) => [name, true])))"""
 DESK = {"viewport": {"width": 1440, "height": 900}}
 
 
@@ -145,7 +145,7 @@ def watched(page: Any, address: str, problems: list[str]) -> Any:
             else problems.append(f"outside request: {request.url}")
         ),
     )
-    page.set_default_timeout(30_000)
+    page.set_default_timeout(90_000)  # of a busy machine; a journey fails by what it reads
     page.add_init_script(PANELS)  # journeys look into every panel of the workbench
     return page
 

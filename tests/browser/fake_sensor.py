@@ -10,7 +10,8 @@ from PIL import Image
 FRAMES, WIDE, HIGH = 8, 320, 240
 NOISE = 1.5  # grey levels, of a camera
 HEAD, MARK = f"YUV4MPEG2 W{WIDE} H{HIGH} F20:1 Ip A1:1 C420jpeg\n".encode(), b"FRAME\n"
-# For a page before it starts: it keeps its videos, and has Chromium's one camera of a file twice, by name.
+# For a page before it starts: it keeps its videos, and has Chromium's one camera of a file twice,
+# by name.
 CAMERAS = """
   window.videos = [];
   const make = document.createElement.bind(document);
@@ -35,7 +36,9 @@ CAMERAS = """
 
 
 class FakeSensor:
-    """Frames in a .y4m file. Chromium reads each frame anew, so the next one shows what is written."""
+    """Frames in a .y4m file. Chromium reads each frame anew, so the next one shows what is
+    written.
+    """
 
     def __init__(self, file: Path) -> None:
         self.file = file
@@ -66,7 +69,9 @@ class FakeSensor:
 
 def _packed(picture: NDArray[np.float64]) -> bytes:
     """Return a picture as planes of Y, Cb and Cr (BT.601, 16 to 235), colours at half size."""
-    planes = np.asarray(Image.fromarray(picture.clip(0, 255).astype(np.uint8)).convert("YCbCr"), float)
+    planes = np.asarray(
+        Image.fromarray(picture.clip(0, 255).astype(np.uint8)).convert("YCbCr"), float
+    )
     bright = 16 + planes[..., 0] * 219 / 255
     colour = 128 + (planes[..., 1:] - 128) * 224 / 255
     halved = colour.reshape(HIGH // 2, 2, WIDE // 2, 2, 2).mean((1, 3))

@@ -10,14 +10,17 @@ MAP = ".explore .map[data-order]"
 ANSWERED = ".pair .results[aria-busy=false] .reading"
 MOVED = "?chapter=analyse&mode=moved"  # the workbench, frames of one head at every stop
 TOOLS = "?chapter=analyse"
+TOUCH, WHERE = "?chapter=touch", "?chapter=where"
 READY = {  # what each tab shows once it is there
-    "explore": MAP,
+    "explore": ".ov.explore.ready",
     "pair": ANSWERED,
     "train": ".train .choices .go",
-    "tree": ".tree .groves[aria-busy=false] .tree-view",
-    "compare": ".compare .map[data-order]",
-    "data": ".data .facts .panel",
 }
+
+
+def settle(page: Any) -> None:
+    """Wait until every reply of the server, and what follows from it, has come to the page."""
+    page.wait_for_selector("body[data-ready]")
 
 
 def texture(seed: int) -> dict[str, Any]:

@@ -1,11 +1,13 @@
-"""The control of a chapter and its chart are in view at once, and the thumb stands under its value."""
+"""The control of a chapter and its chart are in view at once, and the thumb stands under its
+value.
+"""
 
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
-from .gestures import MAP
+from .gestures import MAP, READY
 
 pytestmark = pytest.mark.browser
 
@@ -18,9 +20,12 @@ OUTSIDE = """selectors => selectors.filter((one) => {
 
 # true if the button to the next chapter hides a part of the sentence that replies to the title
 COVERED = """() => {
-  const [remark, onward] = ['.remark', '.onward'].map((one) => document.querySelector(`.explore ${one}`));
+  const [remark, onward] = ['.remark', '.onward'].map((one) => document.querySelector(`.explore .stage ${one}`));
   return remark.getBoundingClientRect().bottom > onward.getBoundingClientRect().top + 1;
 }"""
+
+
+LOW, READINGS = ([], [".order", ".together svg"]), ([], [".readings"])  # a phone shows them below
 
 
 @pytest.mark.parametrize("size", SIZES, ids=str)
@@ -29,19 +34,27 @@ def test_map_chart_and_control_of_each_chapter_need_no_scrolling(
 ) -> None:
     page = open_page("?chapter=order", viewport=dict(zip(("width", "height"), size, strict=True)))
     page.wait_for_selector(MAP)
-    assert page.evaluate(OUTSIDE, [".map", ".over svg", ".order", ".title"]) == []
-    page.click('.explore [data-chapter="failure"]')
-    page.wait_for_selector(".explore .fall[data-rung=m2]")  # the whole ladder
-    page.wait_for_selector(".explore .profiles button")
-    assert page.evaluate(OUTSIDE, [".map", ".waterfall", ".title"]) == []
-    assert page.evaluate(COVERED) is False
-    page.click('.explore [data-chapter="fooled"]')
-    page.wait_for_selector(".explore .bar-row:visible")
-    assert page.evaluate(OUTSIDE, [".map", ".readings", ".title"]) == []
+    assert page.evaluate(OUTSIDE, [".map", ".over svg", ".order", ".stage .title"]) == []
+    page.click('.explore .chapters [data-chapter="where"]')
+    page.wait_for_selector(".explore .together path")
+    assert (
+        page.evaluate(OUTSIDE, [".threads", ".places", ".stage .title", *LOW[size[0] > 400]]) == []
+    )
+    assert size[0] == 400 or page.evaluate(COVERED) is False
+    page.click('.explore .chapters [data-chapter="fooled"]')
+    page.wait_for_selector(".explore .lookers .thumb:visible")
+    assert (
+        page.evaluate(
+            OUTSIDE, [".stage .map", ".lookers", ".stage .title", *READINGS[size[0] > 400]]
+        )
+        == []
+    )
     assert page.evaluate(COVERED) is False
 
 
-def test_the_thumb_of_the_slider_stands_under_its_value_on_the_curve(open_page: Callable[..., Any]) -> None:
+def test_the_thumb_of_the_slider_stands_under_its_value_on_the_curve(
+    open_page: Callable[..., Any],
+) -> None:
     page = open_page("?chapter=order")
     page.wait_for_selector(MAP)
     for key in ("Home", "End"):
@@ -63,28 +76,19 @@ def test_on_a_phone_the_tabs_are_one_row_of_large_targets_and_each_can_be_reache
     open_page: Callable[..., Any],
 ) -> None:
     page = open_page("", viewport={"width": 400, "height": 800}, has_touch=True)
-    page.wait_for_selector(MAP)
+    page.wait_for_selector(READY["explore"])
     tabs = page.locator("[role=tablist]:visible [role=tab]")
     boxes = [tabs.nth(i).bounding_box() for i in range(tabs.count())]
-    assert len(boxes) == 6
+    assert len(boxes) == 3
     assert len({box["y"] for box in boxes}) == 1
     assert min(min(box["height"], box["width"]) for box in boxes) >= 43.5
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-    for i in range(6):
+    for i in range(3):
         tabs.nth(i).tap()
         page.wait_for_function(
-            "i => document.querySelectorAll('[role=tab]:not(.visually-hidden *)')[i].getAttribute('aria-selected') === 'true'",
+            "i => document.querySelectorAll('[role=tab]:not(.visually-hidden"
+            " *)')[i].getAttribute('aria-selected') === 'true'",
             arg=i,
         )
         box = tabs.nth(i).bounding_box()
         assert box["x"] >= 0 and box["x"] + box["width"] <= 400
-
-
-def test_bars_that_were_not_measured_now_are_striped_and_the_legend_says_so(open_page: Callable[..., Any]) -> None:
-    page = open_page("?chapter=failure")
-    page.wait_for_selector(".explore .fall[data-rung=m2]")  # the ladder of the project's head stands in a file
-    assert page.locator(".explore .fall").count() == page.locator(".explore .fall:is(.kept, .recorded)").count()
-    assert "Striped: kept in a file" in page.inner_text(".explore .waterfall .hint >> nth=-1")
-    page.locator(".explore .waterfall select").select_option(index=1)  # another source: computed, from the records
-    page.wait_for_function("() => !document.querySelector('.explore .fall.kept')")
-    assert "Striped" not in page.inner_text(".explore .waterfall")

@@ -41,7 +41,7 @@ READ = """async ({ stops, stages }) => {
 def test_a_drag_asks_nothing_of_the_server(open_page: Callable[..., Any]) -> None:
     page = open_page("?chapter=analyse&map=pca&vis=row:0&tac=row:0")
     page.wait_for_selector(MAP)
-    for view, shown in (("pair", ".reading"), ("tree", ".tree-view"), ("explore", ".map")):
+    for view, shown in (("pair", ".reading"), ("explore", ".map")):
         open_tab(page, view)
         page.wait_for_selector(f".{view} {shown}")
         if view != "explore":  # the place on the map comes last
@@ -146,7 +146,9 @@ def test_finer_frames_take_the_place_of_coarse_ones_in_the_middle_of_a_drag(
             route.fulfill(path=tmp_path / "coarse.bin", headers={"X-Frames": "coarse"})
 
     page.route("**/omnivat/frames*", answer)
-    page.route("**/omnivat/modes", lambda route: route.fulfill(json={"modes": ["moved"], "sets": []}))
+    page.route(
+        "**/omnivat/modes", lambda route: route.fulfill(json={"modes": ["moved"], "sets": []})
+    )
     page.goto(address + "?mode=moved&map=pca&p=0.2", wait_until="commit")
     page.wait_for_selector(MAP)
     box = grab(page, 0.2)
@@ -161,10 +163,11 @@ def test_finer_frames_take_the_place_of_coarse_ones_in_the_middle_of_a_drag(
     assert page.locator(MAP).get_attribute("data-order") == str(float(p_shown(page)))
 
 
-def test_a_browser_without_webgl_shows_and_moves_the_map(new_page: Callable[..., Any], address: str) -> None:
+def test_a_browser_without_webgl_shows_and_moves_the_map(
+    new_page: Callable[..., Any], address: str
+) -> None:
     page = new_page()
-    page.add_init_script(
-        """window.refused = 0;
+    page.add_init_script("""window.refused = 0;
         for (const kind of [HTMLCanvasElement, OffscreenCanvas]) {
           const real = kind.prototype.getContext;
           kind.prototype.getContext = function (name, ...rest) {
@@ -172,8 +175,7 @@ def test_a_browser_without_webgl_shows_and_moves_the_map(new_page: Callable[...,
             window.refused += 1;
             return null;
           };
-        }"""
-    )
+        }""")
     page.goto(address + "?chapter=analyse", wait_until="commit")
     page.wait_for_selector(MAP)
     assert page.evaluate("document.createElement('canvas').getContext('webgl2')") is None
@@ -191,7 +193,9 @@ def touches(session: Any, kind: str, *at: tuple[float, float]) -> None:
 
 
 def test_fingers_pan_pinch_and_pin_on_the_map_and_drag_p(open_page: Callable[..., Any]) -> None:
-    page = open_page("?mode=moved", viewport={"width": 400, "height": 800}, has_touch=True, is_mobile=True)
+    page = open_page(
+        "?mode=moved", viewport={"width": 400, "height": 800}, has_touch=True, is_mobile=True
+    )
     page.wait_for_selector(MAP)
     finger = page.context.new_cdp_session(page)
 

@@ -14,7 +14,9 @@ EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
 pytestmark = pytest.mark.browser
 
 
-@pytest.mark.parametrize(("query", "folder"), [("", EXAMPLES), ("&set=chirps", EXAMPLES / "chirps")])
+@pytest.mark.parametrize(
+    ("query", "folder"), [("", EXAMPLES), ("&set=chirps", EXAMPLES / "chirps")]
+)
 def test_one_head_for_every_order_is_the_third_mode_and_its_curves_follow_p(
     open_page: Callable[..., Any], query: str, folder: Path
 ) -> None:
@@ -24,7 +26,11 @@ def test_one_head_for_every_order_is_the_third_mode_and_its_curves_follow_p(
         page.wait_for_selector(".explore[data-kind=every]")
         page.wait_for_selector(f'{MAP}[data-order="{order}"]')
         modes = page.locator(".explore .modes [data-key]")
-        assert modes.evaluate_all("all => all.map((one) => one.dataset.key)") == ["trained", "moved", "every"]
+        assert modes.evaluate_all("all => all.map((one) => one.dataset.key)") == [
+            "trained",
+            "moved",
+            "every",
+        ]
         shown = page.locator(".explore .curves [data-name=accuracy] output").first.text_content()
         value = frames.curves["accuracy/unseen"][frames.orders.index(order)]
         assert shown.replace("\xa0", " ") == f"{100 * value:.1f} %"

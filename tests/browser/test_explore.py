@@ -10,7 +10,7 @@ import pytest
 from omnivat.head.heads import EXAMPLES
 from omnivat.maps.frames import read_frames, write_frames
 
-from .gestures import MAP, MOVED, open_tab, place_of_a_point
+from .gestures import MAP, MOVED, READY, open_tab, pixels, place_of_a_point
 
 pytestmark = pytest.mark.browser
 
@@ -75,18 +75,24 @@ def test_the_first_mode_is_a_head_for_each_stop_and_the_other_a_what_if(two_mode
     page.wait_for_function("location.search.includes('mode=moved')")
 
 
-def test_the_learned_p_is_a_stop_of_its_own_and_is_not_taken_for_a_round_one(open_page: Callable[..., Any]) -> None:
+def test_the_learned_p_is_a_stop_of_its_own_and_is_not_taken_for_a_round_one(
+    open_page: Callable[..., Any],
+) -> None:
     learned = read_frames(EXAMPLES / "frames.bin").head["learned_order"]
     page = open_page(f"{MOVED}&map=pca&p=0.5")
     page.wait_for_selector(MAP)
     assert "moved to p = 0.50" in words(page, ".score")
     page.click(".explore .learned")
-    page.wait_for_function("document.querySelector('.explore .score').textContent.includes('learned')")
+    page.wait_for_function(
+        "document.querySelector('.explore .score').textContent.includes('learned')"
+    )
     assert f"at its learned p = {learned:.3f}" in words(page, ".score")
     assert abs(float(page.locator(MAP).get_attribute("data-order")) - learned) < 1e-9
 
 
-def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(open_page: Callable[..., Any]) -> None:
+def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(
+    open_page: Callable[..., Any],
+) -> None:
     frames = read_frames(EXAMPLES / "frames.bin")
     page = open_page(f"{MOVED}&p=0.3")
     page.wait_for_selector(MAP)
@@ -103,20 +109,25 @@ def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(open_page
 
 
 def test_there_is_one_accuracy_on_the_screen(two_modes: Any) -> None:
-    shown = two_modes.locator(".explore .side").inner_text().replace("\xa0", " ")
+    shown = two_modes.locator(".explore .stage .side").inner_text().replace("\xa0", " ")
     assert [line for line in shown.split("\n") if "% right in" in line] != []
     assert shown.count("62 %") == 1
 
 
-def test_strangers_have_a_bar_each_and_a_cell_of_the_matrix_filters_the_map(open_page: Callable[..., Any]) -> None:
+def test_strangers_have_a_bar_each_and_a_cell_of_the_matrix_filters_the_map(
+    open_page: Callable[..., Any],
+) -> None:
     frames = read_frames(EXAMPLES / "frames.bin")
     page = open_page("?chapter=fooled")
     page.wait_for_selector(".explore .bar-row")
     assert page.locator(".explore .bar-row .range").count() >= len(frames.domains)
     assert page.locator(".explore .bar-row.source").count() == 1
-    both = page.locator(".explore .bar-row output").all_inner_texts()
+    both, drawn = page.locator(".explore .bar-row output").all_inner_texts(), pixels(page)
     page.click('.explore .readings [data-key="tac"]')
     assert page.locator(".explore .bar-row output").all_inner_texts() != both
+    assert pixels(page) != drawn  # the touches alone, by what is read in them alone
+    page.click('.explore .readings [data-key="fused"]')
+    assert pixels(page) == drawn
     cell = page.locator(".explore .confusion button:not(:disabled)").first
     count = int(cell.inner_text())
     cell.click()
@@ -126,7 +137,9 @@ def test_strangers_have_a_bar_each_and_a_cell_of_the_matrix_filters_the_map(open
     page.wait_for_selector(".explore .pictures h4:has-text('look like another class')")
 
 
-def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(open_page: Callable[..., Any]) -> None:
+def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(
+    open_page: Callable[..., Any],
+) -> None:
     page = open_page(f"{MOVED}&p=0.1")
     page.wait_for_selector(".explore .toy .plane path")
     before = [words(page, f".toy .{name}") for name in ("d-turned", "d-clipped", "g-clipped")]
@@ -138,7 +151,9 @@ def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(open_
     assert after[2] != before[2]
 
 
-def test_pairs_are_found_by_class_and_hidden_points_leave_the_selection(open_page: Callable[..., Any]) -> None:
+def test_pairs_are_found_by_class_and_hidden_points_leave_the_selection(
+    open_page: Callable[..., Any],
+) -> None:
     page = open_page(MOVED)
     page.wait_for_selector(MAP)
     page.wait_for_selector(".explore .histograms svg")
@@ -184,7 +199,9 @@ def test_the_step_names_the_method_of_its_map(open_page: Callable[..., Any]) -> 
     assert "scale have no meaning" in words(page, ".approximate")
 
 
-def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(open_page: Callable[..., Any]) -> None:
+def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(
+    open_page: Callable[..., Any],
+) -> None:
     page = open_page(MOVED)
     page.wait_for_selector(MAP)
     x, _ = place_of_a_point(page)
@@ -197,15 +214,16 @@ def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(open_pa
     page.wait_for_selector(".explore .map.pictured")
 
 
-def test_a_link_of_a_forgotten_set_says_so_and_leads_home(new_page: Callable[..., Any], address: str) -> None:
+def test_a_link_of_a_forgotten_set_says_so_and_leads_home(
+    new_page: Callable[..., Any], address: str
+) -> None:
     page = new_page()
     page.goto(f"{address}?set=forgotten", wait_until="commit")
     page.wait_for_selector(".explore .wait.problem")
     assert "no longer has" in words(page, ".wait")
     assert not page.locator(".explore .order").is_visible()
-    for view, place in (("pair", ".pair .problem"), ("tree", ".tree .wait")):
-        open_tab(page, view)
-        page.wait_for_selector(f"{place}:has-text('no longer has')")
+    open_tab(page, "pair")
+    page.wait_for_selector(".pair .problem:has-text('no longer has')")
     open_tab(page, "explore")
     page.click(".explore .wait a")
-    page.wait_for_selector(MAP)
+    page.wait_for_selector(READY["explore"])

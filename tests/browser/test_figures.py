@@ -1,4 +1,6 @@
-"""Interactive figures in a real Chromium: offline, in light and dark, with pictures at the pointer."""
+"""Interactive figures in a real Chromium: offline, in light and dark, with pictures at the
+pointer.
+"""
 
 from pathlib import Path
 
@@ -37,7 +39,10 @@ def opened(chromium, file):
         page = contexts[-1].new_page()
         page.wrong = []
         page.on("pageerror", lambda error: page.wrong.append(str(error)))
-        page.on("request", lambda r: r.url.startswith(("data:", "blob:", "file:")) or page.wrong.append(r.url))
+        page.on(
+            "request",
+            lambda r: r.url.startswith(("data:", "blob:", "file:")) or page.wrong.append(r.url),
+        )
         page.goto(file.as_uri())
         page.wait_for_selector("body[data-drawn]", timeout=120_000)
         return page
@@ -49,7 +54,9 @@ def opened(chromium, file):
 
 def test_no_control_of_a_figure_leads_to_another_host(opened):
     page = opened()
-    titles = page.eval_on_selector_all(".modebar-btn", "all => all.map((e) => e.dataset.title ?? e.title)")
+    titles = page.eval_on_selector_all(
+        ".modebar-btn", "all => all.map((e) => e.dataset.title ?? e.title)"
+    )
     assert len(titles) >= 6 and not [t for t in titles if "Share" in t]
     assert page.eval_on_selector_all("a[href]", "all => all.map((e) => e.href)") == []
     refused = page.evaluate("fetch('https://example.org').then(() => 'sent', () => 'refused')")
@@ -60,7 +67,8 @@ def test_no_control_of_a_figure_leads_to_another_host(opened):
 def test_the_check_sees_the_upload_button_of_plotlys_defaults(opened):
     page = opened()
     page.evaluate(
-        "tip.insertAdjacentHTML('afterend', '<div id=bare></div>'), Plotly.newPlot('bare', [{ y: [1, 2] }]).then(() => 0)"
+        "tip.insertAdjacentHTML('afterend', '<div id=bare></div>'), Plotly.newPlot('bare', [{ y:"
+        " [1, 2] }]).then(() => 0)"
     )
     titles = page.eval_on_selector_all(
         "#bare .modebar-btn", "all => all.map((e) => (e.dataset.title ?? '') + (e.href ?? ''))"

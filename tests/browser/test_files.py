@@ -116,7 +116,9 @@ def posted(address: str, path: str, content: bytes) -> Any:
 
 
 @pytest.mark.parametrize("kind", TAKEN)
-def test_an_odd_image_is_answered_as_the_plain_picture_that_it_shows(pair_page: Any, address: str, kind: str) -> None:
+def test_an_odd_image_is_answered_as_the_plain_picture_that_it_shows(
+    pair_page: Any, address: str, kind: str
+) -> None:
     content, plain = TAKEN[kind]()
     name = f"{kind}.png"
     choose(pair_page, name, content)
@@ -137,7 +139,9 @@ def test_an_odd_image_is_answered_as_the_plain_picture_that_it_shows(pair_page: 
 
 
 @pytest.mark.parametrize("kind", REFUSED)
-def test_a_bad_file_is_one_sentence_that_names_it_and_the_page_stays_usable(pair_page: Any, kind: str) -> None:
+def test_a_bad_file_is_one_sentence_that_names_it_and_the_page_stays_usable(
+    pair_page: Any, kind: str
+) -> None:
     content, wanted = REFUSED[kind]
     before = shares(pair_page)
     choose(pair_page, f"{kind}.png", content)

@@ -32,7 +32,8 @@ def test_a_range_is_named_in_the_title_kept_in_the_address_and_put_aside_by_othe
     drag_over(page, "cosine")
     page.wait_for_selector(f"{TITLE}:has-text('photo–touch cosine')")
     pixels(page)  # the last move of the mouse is drawn
-    page.evaluate("() => new Promise((done) => setTimeout(done, 300))")  # and in the address, which waits 150 ms
+    # and in the address, which waits 150 ms
+    page.evaluate("() => new Promise((done) => setTimeout(done, 300))")
     page.wait_for_function("location.search.includes('range=')")
     found = page.locator(".explore .finder .found").inner_text()
     page.reload()
@@ -44,7 +45,9 @@ def test_a_range_is_named_in_the_title_kept_in_the_address_and_put_aside_by_othe
     page.wait_for_selector(f".explore .finder .found:has-text('{found}')")
 
 
-def test_a_link_to_a_cell_of_the_confusion_matrix_shows_its_pairs(open_page: Callable[..., Any]) -> None:
+def test_a_link_to_a_cell_of_the_confusion_matrix_shows_its_pairs(
+    open_page: Callable[..., Any],
+) -> None:
     page = open_page("?chapter=fooled")
     page.wait_for_selector(MAP)
     page.click(".explore .confusion .hit button:not([disabled])")

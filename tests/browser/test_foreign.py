@@ -112,8 +112,12 @@ def by_name(tmp_path_factory):
 
 
 @pytest.mark.parametrize("sandbox", [False, True], ids=["a foreign origin", "the origin null"])
-@pytest.mark.parametrize("name", ["demo.example", pytest.param("127.0.0.2", marks=pytest.mark.long)])
-def test_a_server_with_a_name_of_its_own_gives_foreign_pages_nothing(chromium, by_name, foreign, name, sandbox):
+@pytest.mark.parametrize(
+    "name", ["demo.example", pytest.param("127.0.0.2", marks=pytest.mark.long)]
+)
+def test_a_server_with_a_name_of_its_own_gives_foreign_pages_nothing(
+    chromium, by_name, foreign, name, sandbox
+):
     """For plain http and such a name, a browser leaves Sec-Fetch-Site out."""
     target = f"http://{name}:{by_name.port}/"
     with named_browser(chromium) as browser:

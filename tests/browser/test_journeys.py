@@ -34,7 +34,9 @@ def test_raw_stages_do_not_move_and_the_page_says_why(open_page: Callable[..., A
     assert pixels(page) == before
 
 
-def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(open_page: Callable[..., Any]) -> None:
+def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(
+    open_page: Callable[..., Any],
+) -> None:
     page = open_page(TOOLS)
     page.wait_for_selector(MAP)
     at = place_of_a_point(page)
@@ -101,21 +103,34 @@ def test_the_map_works_by_keyboard_alone(open_page: Callable[..., Any]) -> None:
     assert page.locator(".explore .card .tag").is_visible()
 
 
-def test_the_tour_asks_for_six_predictions_over_both_sets_and_covers_nothing(open_page: Callable[..., Any]) -> None:
+# what a figure of the page looks like, where it can be seen
+FIGURES = """() => [...document.querySelectorAll('.explore :is(b, output, .said, .figure, .remark)')].filter((one) =>
+  !one.closest('.tour') && one.checkVisibility({ visibilityProperty: true }) && /[0-9✓✗]/.test(one.textContent)
+  && !one.matches('.order-value')).map((one) => one.textContent)"""
+
+
+def test_the_tour_asks_before_the_screen_answers_walks_four_chapters_and_ends_with_the_titles_answer(
+    open_page: Callable[..., Any],
+) -> None:
     page = open_page("?stage=relu&colour=class")
     page.wait_for_selector(MAP)
     page.click(".tour-start")
     chapters = []
-    for step in range(1, 7):
-        page.wait_for_selector(f".tour h3:has-text('{step} of 6')")
+    for step in range(1, 8):
+        page.wait_for_selector(f".tour h3:has-text('{step} of 8')")
         assert page.locator(".tour [data-option]").count() >= 2
+        assert page.locator(".tour [data-option]:focus").count() == 0  # the focus marks no option
+        assert page.evaluate(FIGURES) == []
         chapters.append(page.evaluate("document.querySelector('.ov.explore').dataset.chapter"))
-        page.keyboard.press("Enter")  # the first option has the focus
+        page.keyboard.press("Tab")
+        page.keyboard.press("Enter")
         page.wait_for_selector(".tour .next-step")
         told = page.locator(".tour p").inner_text()
         assert "As you predicted" in told or "Not so" in told
         assert not re.search("NaN|undefined", told)
         page.keyboard.press("Enter")  # the next button has the focus
-    assert chapters == ["order", "order", "failure", "failure", "fooled", "failure"]
+    assert chapters == ["touch"] * 3 + ["where"] * 2 + ["order", "fooled"]
+    assert len(re.findall(r"\d+\s%", page.locator(".tour p").inner_text())) >= 4
+    page.keyboard.press("Enter")
     page.wait_for_selector(".tour", state="detached")
     page.wait_for_function("location.search.includes('stage=relu')")

@@ -7,7 +7,7 @@ import pytest
 
 from app.views import VIEWS
 
-from .gestures import READY, open_tab
+from .gestures import READY, open_tab, settle
 
 pytestmark = pytest.mark.browser
 
@@ -23,7 +23,9 @@ CUT = """() => [...document.querySelectorAll('.ov .map-title .where-at, .ov h3, 
 
 
 @pytest.mark.parametrize("width", [400, pytest.param(1024, marks=pytest.mark.long)])
-def test_no_letter_of_a_drawing_is_too_small_and_no_title_is_cut(open_page: Callable[..., Any], width: int) -> None:
+def test_no_letter_of_a_drawing_is_too_small_and_no_title_is_cut(
+    open_page: Callable[..., Any], width: int
+) -> None:
     page = open_page(PAIR, viewport={"width": width, "height": 800})
     for view in VIEWS:
         if view != "explore":
@@ -35,7 +37,9 @@ def test_no_letter_of_a_drawing_is_too_small_and_no_title_is_cut(open_page: Call
 
 @pytest.mark.parametrize("name", ["sensors", "chirps"])
 @pytest.mark.parametrize("width", [400, 1440])
-def test_no_part_of_explore_is_wider_than_the_window(open_page: Callable[..., Any], name: str, width: int) -> None:
+def test_no_part_of_explore_is_wider_than_the_window(
+    open_page: Callable[..., Any], name: str, width: int
+) -> None:
     page = open_page(f"?set={name}&chapter=analyse", viewport={"width": width, "height": 800})
     page.wait_for_selector(".explore .score b")
     assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
@@ -43,10 +47,35 @@ def test_no_part_of_explore_is_wider_than_the_window(open_page: Callable[..., An
     assert box["width"] > 200, "the score has room beside the map"
 
 
-def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(open_page: Callable[..., Any]) -> None:
+def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(
+    open_page: Callable[..., Any],
+) -> None:
     page = open_page("?chapter=analyse")
     page.wait_for_selector(READY["explore"])
     names = page.locator(".explore .staircase .stair-name").all_text_contents()
     assert "photo to touch" in names[0]
     assert "domain to domain" in names[1]
     assert "Dashed: the raw embedding" in page.locator(".explore .all.curves").text_content()
+
+
+def test_analyse_is_no_wider_than_its_column_and_no_axis_of_a_lecture_is_cut(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page(
+        "?chapter=analyse&mode=moved&beside=1", viewport={"width": 1280, "height": 720}
+    )
+    page.wait_for_selector(READY["explore"])
+    settle(page)
+    assert (
+        page.evaluate(
+            "(({ scrollWidth, clientWidth }) => scrollWidth -"
+            " clientWidth)(document.querySelector('.side'))"
+        )
+        <= 0
+    )
+    page.keyboard.press("f")
+    page.wait_for_selector("body.lecturing")
+    cut = """() => [...document.querySelectorAll('.explore .over text')].filter((text) =>
+      text.checkVisibility() && text.getBoundingClientRect().left < document.querySelector('.side').getBoundingClientRect().left)
+      .map((text) => text.textContent)"""
+    assert page.evaluate(cut) == []

@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
+from shutil import copyfile
 from typing import Any
 from zipfile import ZipFile
 
@@ -14,9 +15,10 @@ from PIL import Image
 
 from omnivat.cli import main
 from omnivat.data.store import load_embeddings
+from omnivat.head.heads import EXAMPLES
 
 from .fake_sensor import CAMERAS, FakeSensor
-from .gestures import ANSWERED, texture
+from .gestures import ANSWERED, settle, texture
 
 pytestmark = pytest.mark.browser
 
@@ -95,9 +97,12 @@ def test_no_letter_of_the_chart_over_p_is_cut_off(open_page: Callable[..., Any])
     assert cut == []
 
 
-def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(open_page: Callable[..., Any]) -> None:
+def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(
+    open_page: Callable[..., Any],
+) -> None:
     page = open_page(PAIR)
     page.wait_for_selector(ANSWERED)
+    settle(page)
     prediction = said(page, "both")
     page.click(".pair .what-if-p summary")
     page.wait_for_selector(".pair .lines svg .band")
@@ -105,9 +110,39 @@ def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(open_page:
     page.focus(".pair .order")
     for _ in range(10):
         page.keyboard.press("ArrowLeft")
-    page.wait_for_function("before => document.querySelector('.pair .at-p').innerText !== before", arg=before)
+    page.wait_for_function(
+        "before => document.querySelector('.pair .at-p').innerText !== before", arg=before
+    )
     assert said(page, "both") == prediction
     assert "guessing" in page.locator(".pair .about-p").inner_text()
+
+
+def test_a_csv_that_names_one_file_twice_is_refused_and_its_folder_is_read(
+    open_page: Callable[..., Any], tmp_path: Path
+) -> None:
+    for seed, folder in enumerate(("visual", "tactile")):
+        for number in range(2):
+            file = tmp_path / "own" / folder / f"{number}.png"
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_bytes(texture(10 * seed + number)["buffer"])
+    table = tmp_path / "own" / "pairs.csv"
+    table.write_text("vis,tac\n" + "".join(f"visual/{n}.png,tactile/{n}.png\n" for n in range(2)))
+    page = open_page("?view=pair")
+    page.wait_for_selector(ANSWERED)
+    files = [*sorted((tmp_path / "own" / "visual").iterdir()), table]
+    page.set_input_files(".pair .pairs label:has-text('Files') input", files)
+    page.wait_for_selector(".pair .many:has-text('would be one file')")
+    assert not page.locator(".pair .many [data-row]").count()
+    page.set_input_files(".pair .pairs label:has-text('Folder') input", tmp_path / "own")
+    page.wait_for_selector(".pair .many [data-row='1']")
+    page.click(".pair .many [data-row='1']")
+    for modality in ("vis", "tac"):
+        page.wait_for_selector(f"{SLOT.format(modality)} .what:has-text('1.png')")
+    settle(page)
+    shown = [
+        page.locator(f"{SLOT.format(m)} .picture img").get_attribute("src") for m in ("vis", "tac")
+    ]
+    assert shown[0] != shown[1]
 
 
 def test_own_pairs_are_counted_taught_and_saved(open_page: Callable[..., Any]) -> None:
@@ -128,7 +163,6 @@ def test_own_pairs_are_counted_taught_and_saved(open_page: Callable[..., Any]) -
     page.wait_for_selector(".pair .taught table")
     report = page.locator(".pair .taught p").first.inner_text()
     assert re.search(r"Right before: \d of 4\. After: \d of 4\.", report)
-    page.click(".pair .use")
     page.wait_for_selector(".pair .taught-now")
     page.wait_for_selector(ANSWERED)
     assert page.locator(".pair .bars th:has-text('cork')").count() == 1
@@ -141,8 +175,7 @@ def test_own_pairs_are_counted_taught_and_saved(open_page: Callable[..., Any]) -
 def test_a_second_click_while_the_camera_opens_leaves_it_off(open_page: Callable[..., Any]) -> None:
     page = open_page(PAIR, permissions=["camera"])
     page.wait_for_selector(ANSWERED)
-    page.evaluate(
-        """() => {
+    page.evaluate("""() => {
           const open = navigator.mediaDevices.getUserMedia.bind(navigator.mediaDevices);
           window.streams = [];
           navigator.mediaDevices.getUserMedia = async (what) => {
@@ -154,10 +187,11 @@ def test_a_second_click_while_the_camera_opens_leaves_it_off(open_page: Callable
           const start = document.querySelector('.pair .cameras .start');
           start.click();
           start.click();
-        }"""
-    )
+        }""")
     page.wait_for_function("window.streams.length === 1")
-    page.wait_for_function("window.streams.every((one) => one.getTracks().every((t) => t.readyState === 'ended'))")
+    page.wait_for_function(
+        "window.streams.every((one) => one.getTracks().every((t) => t.readyState === 'ended'))"
+    )
     assert page.locator(".pair .cameras .start").get_attribute("aria-pressed") == "false"
     page.wait_for_selector(ANSWERED)
 
@@ -171,7 +205,9 @@ def live(open_page: Callable[..., Any], sensor: FakeSensor, presses: Any) -> Cal
         page = open_page(PAIR, permissions=["camera"])
         page.add_init_script(f"{{{CAMERAS}}}")
         for modality, wanted in kept.items():
-            page.add_init_script(f"localStorage['omnivat-live-{modality}'] ??= '{json.dumps(wanted)}'")
+            page.add_init_script(
+                f"localStorage['omnivat-live-{modality}'] ??= '{json.dumps(wanted)}'"
+            )
         page.goto(page.url)
         page.wait_for_selector(ANSWERED)
         page.click(".pair .cameras > summary")
@@ -234,7 +270,10 @@ def shown(body: bytes, pictures: list[Any]) -> int:
     """Return which picture a request shows."""
     with Image.open(BytesIO(body)) as image:
         sent = np.asarray(image.convert("RGB").resize((64, 48)), float)
-    apart = [np.abs(np.asarray(Image.fromarray(p).resize((64, 48)), float) - sent).mean() for p in pictures]
+    apart = [
+        np.abs(np.asarray(Image.fromarray(p).resize((64, 48)), float) - sent).mean()
+        for p in pictures
+    ]
     return int(np.argmin(apart))
 
 
@@ -277,7 +316,7 @@ def test_live_calibrates_and_records_pairs_that_embed_reads(
     page.wait_for_selector(IDLE)
     page.click(".pair .cameras .calibrate")  # waits for a contact
     sensor.see(pressed[0], page=page)
-    page.wait_for_selector(".pair .sensor:has-text('profile of 10')")
+    page.wait_for_selector(".pair .profile-now:has-text('profile of 10')")
     page.fill(".pair .cameras .label", "wood")
     page.click(".pair .cameras .record")
     page.wait_for_selector(".pair .cameras .rate:has-text('2 pairs recorded')")
@@ -292,14 +331,19 @@ def test_live_calibrates_and_records_pairs_that_embed_reads(
         archive.extractall(tmp_path)
     table = (tmp_path / "recording" / "pairs.csv").read_text(encoding="utf-8").splitlines()
     assert table[0] == "vis,tac,domain,material,time"
-    assert main(["embed", str(tmp_path / "recording"), "--out", str(tmp_path / "set.safetensors")]) == 0
+    assert (
+        main(["embed", str(tmp_path / "recording"), "--out", str(tmp_path / "set.safetensors")])
+        == 0
+    )
     found = load_embeddings(tmp_path / "set.safetensors")
     assert len(found) == len(table) - 1 >= 4
     assert found.header.domains == ("My sensor",) and len(found.header.classes) == 2
     page.wait_for_selector(ANSWERED)
 
 
-def test_another_crop_drops_the_rest_picture_and_says_so_until_it_is_taken_again(live: Callable[..., Any]) -> None:
+def test_another_crop_drops_the_rest_picture_and_says_so_until_it_is_taken_again(
+    live: Callable[..., Any],
+) -> None:
     page = live(vis={"device": "none"})
     take_rest(page)
     page.wait_for_selector(IDLE)
@@ -333,7 +377,8 @@ def test_where_tells_whether_any_part_matters(open_page: Callable[..., Any]) -> 
     page.click(f"{slot} .where")
     page.wait_for_selector(f"{slot} .what:has-text('Hiding')")
     page.wait_for_function(
-        "slot => !document.querySelector(slot + ' .what').innerText.includes('one part after')", arg=slot
+        "slot => !document.querySelector(slot + ' .what').innerText.includes('one part after')",
+        arg=slot,
     )
     told = page.locator(f"{slot} .what").inner_text()
     shown = page.locator(f"{slot} .picture canvas").count()
@@ -362,7 +407,9 @@ def test_an_upload_takes_the_example_away_and_says_so(open_page: Callable[..., A
     assert page.locator(".pair .reading[data-reading=both] .wrong").count() == 0
 
 
-def test_a_label_waits_until_the_picture_on_its_way_has_settled(open_page: Callable[..., Any]) -> None:
+def test_a_label_waits_until_the_picture_on_its_way_has_settled(
+    open_page: Callable[..., Any],
+) -> None:
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
     for modality in ("vis", "tac"):
@@ -391,7 +438,11 @@ def named(name: str, seed: int) -> dict[str, Any]:
 def test_many_pairs_become_a_table_and_a_csv(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
-    files = [named(f"{k}_{m}.png", 60 + k) for k in range(3) for m in ("vis", "tac")]
+    files = [
+        named(f"{k}_{m}.png", 60 + k + 10 * i)
+        for k in range(3)
+        for i, m in enumerate(("vis", "tac"))
+    ]
     broken = {"name": "3_vis.png", "mimeType": "image/png", "buffer": b"no picture"}
     page.set_input_files(".pair .pairs input >> nth=0", [*files, broken, named("alone.png", 1)])
     page.wait_for_selector(".pair .many table")
@@ -403,12 +454,14 @@ def test_many_pairs_become_a_table_and_a_csv(open_page: Callable[..., Any]) -> N
         page.click(".pair .many .csv")
     lines = saved.value.path().read_text(encoding="utf-8").splitlines()
     assert len(lines) == 5
-    page.click(".pair .many tr[data-row='1'] button")
+    page.click(".pair .many [data-row='1']")
     page.wait_for_selector(f"{SLOT.format('tac')} .what:has-text('1_tac.png')")
     page.wait_for_selector(f"{SLOT.format('tac')} .picture img")
 
 
-def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(open_page: Callable[..., Any]) -> None:
+def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(
+    open_page: Callable[..., Any],
+) -> None:
     page = open_page("?view=pair", viewport={"width": 1440, "height": 900})
     page.wait_for_selector(ANSWERED)
     send(page, "tac", 70)
@@ -427,11 +480,95 @@ def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(open_page: Cal
     page.wait_for_selector(".pair .sensor:has-text('no labels')")
 
 
+def own_folder(to: Path, domains: tuple[str, ...]) -> list[str]:
+    """Write example pairs of two classes as a folder without classes; return their labels by
+    number.
+    """
+    labels = []
+    for domain in domains:
+        for label in ("wood", "glass"):
+            for photo in sorted((EXAMPLES / "pairs" / f"{domain}-sim" / label).glob("*_vis.*"))[:2]:
+                for kind in ("vis", "tac"):
+                    file = to / f"{len(labels)}_{kind}.jpg"
+                    file.parent.mkdir(parents=True, exist_ok=True)
+                    copyfile(photo.with_name(photo.name.replace("_vis", f"_{kind}")), file)
+                labels.append(label)
+    return labels
+
+
+FOLDER = ".pair .pairs label:has-text('Folder') input"
+
+
+def test_a_folder_goes_from_a_drop_to_predictions_of_the_next_pictures_by_the_taught_head(
+    open_page: Callable[..., Any], tmp_path: Path
+) -> None:
+    labels = own_folder(tmp_path / "first", ("TQ-DIGIT", "OF Real"))
+    own_folder(tmp_path / "next", ("TQ-GelMini",))
+    page = open_page("?view=pair")
+    page.wait_for_selector(ANSWERED)
+    line = page.locator(".pair .line")
+    assert "Drop photos" in line.inner_text()
+    page.set_input_files(FOLDER, tmp_path / "first")
+    page.wait_for_selector(".pair .many table")
+    settle(page)
+    assert "20 pairs without labels bring" in line.inner_text()
+    before = page.locator(".pair .many tbody").inner_text()
+    names = page.locator(".pair .many .link").all_inner_texts()
+    for row, name in enumerate(names):
+        page.fill(f".pair .many [data-label='{row}']", labels[int(name.split("/")[-1])])
+        page.keyboard.press("Tab")
+    assert f"Teach it your {len(labels)} pairs" in line.inner_text()
+    page.click(".pair .many .teach")
+    page.wait_for_selector(".pair .taught table")
+    settle(page)
+    assert "of your pairs are right with each left out" in line.inner_text()
+    assert page.locator(".pair .many tbody").inner_text() != before
+    assert page.locator(".pair .many small:has-text('taught with it')").count() == len(labels)
+    with page.expect_request(lambda request: request.url.endswith("/omnivat/many")) as sent:
+        page.set_input_files(FOLDER, tmp_path / "next")
+    assert len(json.loads(sent.value.post_data)["lessons"]) == len(labels)
+    page.wait_for_selector(".pair .many:has-text('By the head taught')")
+    page.click(".pair .many [data-row='0']")
+    page.wait_for_selector(".pair .familiar:has-text('your labelled photos')")
+
+
+def test_photos_given_as_touches_are_asked_about_and_their_profile_can_be_taken_away_where_it_acts(
+    open_page: Callable[..., Any], tmp_path: Path
+) -> None:
+    own_folder(tmp_path / "own", ("TQ-DIGIT", "OF Real"))
+    photos = tmp_path / "photos"
+    photos.mkdir()
+    for file in (tmp_path / "own").glob("*_vis.jpg"):
+        copyfile(file, photos / file.name.replace("_vis", ""))
+    page = open_page("?view=pair", viewport={"width": 1440, "height": 900})
+    page.wait_for_selector(ANSWERED)
+    page.set_input_files(".pair .sensor label:has-text('Folder') input", photos)
+    page.wait_for_selector(".pair .sensor [role=status]:has-text('look more like photos')")
+    page.click(".pair .sensor [data-kind=vis]")
+    page.wait_for_selector(".pair .profile-now:has-text('the profile of 8 photos')")
+    settle(page)
+    page.reload()
+    page.wait_for_selector(".pair .profile-now:has-text('the profile of 8 photos')")
+    page.click(".pair .profile-now button")
+    page.wait_for_selector(".pair .profile-now", state="hidden")
+
+
+def test_pictures_whose_names_tell_nothing_are_asked_about(open_page: Callable[..., Any]) -> None:
+    page = open_page("?view=pair")
+    page.wait_for_selector(ANSWERED)
+    page.set_input_files(".pair .pairs input >> nth=0", [named("7.png", 7), named("8.png", 8)])
+    page.click(".pair .many [data-kind=tac]")
+    page.wait_for_selector(".pair .many table")
+    assert page.locator(".pair .many tbody tr").count() == 2
+
+
 def test_reading_many_pairs_can_be_cancelled(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
     page.route("**/omnivat/image?*", lambda route: None)  # the server never replies
-    page.set_input_files(".pair .pairs input >> nth=0", [named("a_vis.png", 1), named("b_vis.png", 2)])
+    page.set_input_files(
+        ".pair .pairs input >> nth=0", [named("a_vis.png", 1), named("b_vis.png", 2)]
+    )
     page.wait_for_selector(".pair .many .stop")
     assert "1 of 2" in page.locator(".pair .many").inner_text()
     page.click(".pair .many .stop")
@@ -443,6 +580,7 @@ def test_a_photo_is_shown_whole(open_page: Callable[..., Any]) -> None:
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
     fits = page.evaluate(
-        "[...document.querySelectorAll('.pair .picture img')].map((e) => getComputedStyle(e).objectFit)"
+        "[...document.querySelectorAll('.pair .picture img')].map((e) =>"
+        " getComputedStyle(e).objectFit)"
     )
     assert fits == ["contain", "contain"]

@@ -8,7 +8,7 @@ import pytest
 from app.views import VIEWS
 
 from .conftest import watched
-from .gestures import ANSWERED, MAP, READY, open_tab, pixels
+from .gestures import ANSWERED, MAP, READY, open_tab, pixels, settle
 
 pytestmark = pytest.mark.browser
 
@@ -20,7 +20,9 @@ def faults(page: Any, options: dict[str, Any] | None = None) -> list[str]:
     """Return the axe audit's findings for the current page."""
     found = page.evaluate("options => axe.run(document, options)", options or {})
     return [
-        f"{fault['id']}: {fault['help']}: {node['target']}" for fault in found["violations"] for node in fault["nodes"]
+        f"{fault['id']}: {fault['help']}: {node['target']}"
+        for fault in found["violations"]
+        for node in fault["nodes"]
     ]
 
 
@@ -29,7 +31,7 @@ def audited(open_page: Callable[..., Any]) -> Any:
     """Return the open page with the audit's script in it."""
     from axe_playwright_python.base import AXE_SCRIPT
 
-    page = open_page(PAIR)
+    page = open_page(f"{PAIR}&chapter=analyse")
     page.wait_for_selector(MAP)
     page.evaluate(AXE_SCRIPT)
     return page
@@ -40,7 +42,7 @@ def test_an_audit_finds_nothing_wrong_with_any_tab(audited: Any) -> None:
         open_tab(audited, view)
         audited.wait_for_selector(READY[view])
         assert faults(audited) == [], view
-    audited.evaluate("document.querySelector('.ov.data h2').style.color = '#ccd'")
+    audited.evaluate("document.querySelector('.train .task').style.color = '#ccd'")
     assert any("contrast" in fault for fault in faults(audited))  # the audit can see
 
 
@@ -92,6 +94,7 @@ def test_the_tab_key_comes_to_everything_and_shows_where_it_is(walked: Any, view
     page = walked
     open_tab(page, view)
     page.wait_for_selector(READY[view])
+    settle(page)
     found = page.evaluate(REACH, view)
     assert found["count"] >= 2
     assert found["mute"] == []
@@ -108,8 +111,10 @@ def test_the_tab_key_comes_to_everything_and_shows_where_it_is(walked: Any, view
     assert blind == []
 
 
-def test_a_visitor_without_a_mouse_goes_from_tab_to_tab_and_chooses_a_pair(open_page: Callable[..., Any]) -> None:
-    page = open_page("?vis=row:0&tac=row:0")
+def test_a_visitor_without_a_mouse_goes_from_tab_to_tab_and_chooses_a_pair(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?chapter=analyse&vis=row:0&tac=row:0")
     page.wait_for_selector(MAP)
     page.focus("#view-explore-button")
     page.keyboard.press("Tab")
@@ -118,7 +123,9 @@ def test_a_visitor_without_a_mouse_goes_from_tab_to_tab_and_chooses_a_pair(open_
     page.focus(".pair .gallery button:nth-child(4)")
     page.keyboard.press("Enter")
     page.wait_for_selector(".pair .gallery button:nth-child(4)[aria-pressed=true]")
-    page.wait_for_function("!location.search.includes('row%3A0') && !location.search.includes('row:0')")
+    page.wait_for_function(
+        "!location.search.includes('row%3A0') && !location.search.includes('row:0')"
+    )
 
 
 def test_where_p_has_come_to_is_said_aloud(open_page: Callable[..., Any]) -> None:
@@ -133,13 +140,18 @@ def test_where_p_has_come_to_is_said_aloud(open_page: Callable[..., Any]) -> Non
     "options",
     [
         {"viewport": {"width": 400, "height": 800}},
-        pytest.param({"viewport": {"width": 720, "height": 450}, "device_scale_factor": 2}, marks=pytest.mark.long),
+        pytest.param(
+            {"viewport": {"width": 720, "height": 450}, "device_scale_factor": 2},
+            marks=pytest.mark.long,
+        ),
     ],
     ids=["a phone", "200 % zoom"],
 )
-def test_a_narrow_page_needs_no_scrolling_sideways(open_page: Callable[..., Any], options: dict[str, Any]) -> None:
+def test_a_narrow_page_needs_no_scrolling_sideways(
+    open_page: Callable[..., Any], options: dict[str, Any]
+) -> None:
     page = open_page(PAIR, **options)
-    page.wait_for_selector(MAP)
+    page.wait_for_selector(READY["explore"])
     wide = options["viewport"]["width"]
     for view in VIEWS:
         open_tab(page, view)
@@ -147,7 +159,7 @@ def test_a_narrow_page_needs_no_scrolling_sideways(open_page: Callable[..., Any]
         over = page.evaluate(
             """wide => [...document.querySelectorAll('.ov *')].filter((e) => e.getClientRects().length
                  && e.getBoundingClientRect().right > wide + 1
-                 && !e.closest('.gallery, .scroll, pre, .sr, svg, .thumb'))
+                 && !e.closest('.gallery, .scroll, .chapters, pre, .sr, svg, .thumb'))
                .map((e) => e.outerHTML.slice(0, 90))""",
             wide,
         )
@@ -160,6 +172,85 @@ def test_a_dark_system_gets_the_dark_page(open_page: Callable[..., Any]) -> None
     page.wait_for_selector(MAP)
     assert page.evaluate("document.body.classList.contains('dark')")
     ground = page.evaluate(
-        "[...document.querySelector('.explore .map canvas').getContext('2d').getImageData(3, 3, 1, 1).data]"
+        "[...document.querySelector('.explore .map canvas').getContext('2d').getImageData(3, 3, 1,"
+        " 1).data]"
     )
     assert sum(ground[:3]) < 150
+
+
+HOVERED = """async () => {
+  const parts = (text) => {
+    const all = (text.match(/[\\d.]+/g) ?? [0, 0, 0, 0]).map(Number);
+    return text.startsWith('color(') ? all.map((v, i) => (i < 3 ? 255 * v : v)) : all;
+  };
+  const over = ([r, g, b, a = 1], below) => [r, g, b].map((v, i) => a * v + (1 - a) * below[i]);
+  const ground = (e) => (e ? over(parts(getComputedStyle(e).backgroundColor), ground(e.parentElement)) : [255, 255, 255]);
+  const light = (rgb) => rgb.map((v) => v / 255).map((v) => (v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4))
+    .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
+  const now = document.querySelector('[data-hovered]');
+  const back = ground(now);
+  const [high, low] = [light(over(parts(getComputedStyle(now).color), back)), light(back)].sort((a, b) => b - a);
+  return (high + 0.05) / (low + 0.05);
+}"""
+
+
+KINDS = """view => {
+  const seen = new Map();
+  for (const one of document.querySelectorAll(`.ov.${view} button, .ov.${view} summary, .ov.top button`)) {
+    if (one.disabled || !one.checkVisibility() || !one.textContent.trim()) continue;
+    const style = getComputedStyle(one);
+    const key = [one.className, style.color, style.backgroundColor, one.ariaPressed, one.ariaChecked].join();
+    if (!seen.has(key)) seen.set(key, one);
+  }
+  window.toHover = [...seen.values()];
+  return window.toHover.map((one) => one.outerHTML.slice(0, 90));
+}"""
+NEXT = """n => {
+  document.querySelector('[data-hovered]')?.removeAttribute('data-hovered');
+  window.toHover[n].dataset.hovered = '';
+}"""
+
+
+def faint(page: Any, view: str) -> list[str]:
+    """Return the buttons of a view, one of each look, whose text is too faint under the pointer."""
+    found = []
+    for number, name in enumerate(page.evaluate(KINDS, view)):
+        page.evaluate(NEXT, number)
+        page.locator("[data-hovered]").hover(force=True)
+        if (ratio := page.evaluate(HOVERED)) < 4.5:
+            found.append(f"{name}: {ratio:.2f}")
+    return found
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_a_button_under_the_pointer_can_be_read_pressed_or_not(
+    open_page: Callable[..., Any], theme: str
+) -> None:
+    page = open_page("?chapter=analyse&beside=1&vis=row:0&tac=row:0", color_scheme=theme)
+    page.wait_for_selector(MAP)
+    page.add_style_tag(content="* { transition: none !important; }")
+    chapters = page.locator(".chapters [data-chapter]").evaluate_all(
+        "all => all.map((one) => one.dataset.chapter)"
+    )
+    for chapter in chapters:
+        page.click(f'.chapters [data-chapter="{chapter}"]')
+        page.wait_for_selector(f'.explore[data-chapter="{chapter}"]')
+        settle(page)
+        assert faint(page, "explore") == [], chapter
+    for view in VIEWS[1:]:
+        open_tab(page, view)
+        page.wait_for_selector(READY[view])
+        settle(page)
+        assert faint(page, view) == [], view
+    page.add_style_tag(
+        content=".ov button:hover { color: #ccd !important; background: #dde !important; }"
+    )
+    assert faint(page, "train")  # the check can see
+
+
+def test_a_printed_page_keeps_the_words_simulated_data(open_page: Callable[..., Any]) -> None:
+    page = open_page()
+    page.wait_for_selector(".top .badge:visible")
+    page.emulate_media(media="print")
+    assert page.locator(".top .badge").is_visible()
+    assert not page.locator(".top .tour-start").is_visible()

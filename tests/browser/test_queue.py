@@ -25,7 +25,9 @@ def shows(page: Any, words: str) -> None:
     page.wait_for_selector(f".train .status:has-text('{words}')", timeout=120_000)
 
 
-def test_four_visitors_see_their_places_and_cancelling_frees_one(open_page: Callable[..., Any]) -> None:
+def test_four_visitors_see_their_places_and_cancelling_frees_one(
+    open_page: Callable[..., Any],
+) -> None:
     pages = [open_page("?view=train", **DESK) for _ in range(4)]
     for number, page in enumerate(pages):
         press_train(page)

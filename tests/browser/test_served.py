@@ -52,13 +52,18 @@ JUNK = [
     (b"\xff\xfe\x00", "application/json"),
     (b"[]", "application/json"),
     (b"[" * 5000, "application/json"),
-    (b'{"data": [{"path": "/etc/passwd"}], "fn_index": 0, "session_hash": "x"}', "application/json"),
+    (
+        b'{"data": [{"path": "/etc/passwd"}], "fn_index": 0, "session_hash": "x"}',
+        "application/json",
+    ),
     (b'{"vis": "row:-1", "point": -1, "stage": {}, "parts": {"../x": "../y"}}', "application/json"),
     (b"--x\r\nbroken", "multipart/form-data; boundary=x"),
 ]
 
 
-def asked(address: str, method: str, path: str, body: bytes | None = None, kind: str = "") -> tuple[int, bytes]:
+def asked(
+    address: str, method: str, path: str, body: bytes | None = None, kind: str = ""
+) -> tuple[int, bytes]:
     """Return status and body; the path is sent unchanged, with dots."""
     parts = urlsplit(address)
     connection = HTTPConnection(str(parts.hostname), parts.port, timeout=30)
@@ -92,7 +97,9 @@ def test_no_path_gives_a_file_that_the_page_does_not_need(address: str) -> None:
 
 def test_the_search_for_leaks_would_see_one(address: str) -> None:
     script = ROOT / "app/web/explore/explore.js"
-    found = [path for path in ways(script) if script.read_bytes()[:60] in asked(address, "GET", path)[1]]
+    found = [
+        path for path in ways(script) if script.read_bytes()[:60] in asked(address, "GET", path)[1]
+    ]
     assert "/omnivat/web/explore/explore.js" in found
 
 

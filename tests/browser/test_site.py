@@ -51,35 +51,41 @@ def visit(context: Any) -> tuple[Any, list[str]]:
     return page, problems
 
 
-def test_a_plain_file_server_is_enough_for_p_tree_compare_and_a_pair_by_its_address(desktop: Any, folder: Path) -> None:
+def test_a_plain_file_server_is_enough_for_p_nodes_a_second_map_and_a_pair_by_its_address(
+    desktop: Any, folder: Path
+) -> None:
     with site(folder) as address:
-        chapters_tree_compare_and_a_pair(desktop, address, folder)
+        chapters_analyse_and_a_pair(desktop, address, folder)
 
 
-def chapters_tree_compare_and_a_pair(context: Any, address: str, folder: Path) -> None:
+def chapters_analyse_and_a_pair(context: Any, address: str, folder: Path) -> None:
     page, problems = visit(context)
     sizes: list[int] = []
-    page.on("request", lambda r: r.url.startswith((address, "data:", "blob:")) or problems.append(r.url))
+    page.on(
+        "request", lambda r: r.url.startswith((address, "data:", "blob:")) or problems.append(r.url)
+    )
     page.on("response", lambda r: sizes.append(int(r.headers.get("content-length") or 0)))
 
     page.goto(address)
     page.wait_for_selector(".explore.ready")
     assert sum(sizes) < 3e6
-    before = page.inner_text(".explore .figure")
+    page.wait_for_selector(".explore .twin .said")
+    page.click('.explore .chapters [data-chapter="order"]')
+    page.wait_for_selector(".explore .stage .figure b")
+    before = page.inner_text(".explore .stage .figure")
     for _ in range(4):
         page.press(".explore .order", "ArrowRight")
-    page.wait_for_selector(f".explore .figure:not(:text-is('{before}'))")
+    page.wait_for_selector(f".explore .stage .figure:not(:text-is('{before}'))")
 
-    page.click("#view-tree-button")
-    page.wait_for_selector(".tree .tree-view .disc")
-    page.wait_for_selector(".tree .where-note:has-text('pairs')")
-    page.click("#view-compare-button")
-    page.wait_for_selector(".compare .sides canvas >> nth=0")
-    page.wait_for_selector(".compare .scores td", state="attached")
+    page.goto(f"{address}?chapter=analyse&pin=3&panel=nodes&beside=1&head2=method:nearest_mean")
+    page.wait_for_selector(".explore .nodes .disc >> nth=6")
+    page.wait_for_selector(".explore .changed:has-text('predictions change')")
     page.click("#view-train-button")
     page.wait_for_selector(".train .problem:has-text('python app.py')")
 
-    picture = next(file for file in files_in(folder) if "-example-" in file.name and "vis" in file.name)
+    picture = next(
+        file for file in files_in(folder) if "-example-" in file.name and "vis" in file.name
+    )
     page.goto(f"{address}?tab=pair&vis=data/{picture.name}&tac=https://else.where/a.png")
     page.wait_for_selector(".pair .reading[data-reading=vis] .said")
     assert "not on this page's host" in page.inner_text(".pair .problem")
@@ -101,7 +107,8 @@ def test_a_browser_that_cannot_run_the_models_gets_a_sentence_and_the_chapters(
     context = chromium.new_context(service_workers="block")
     script = next(folder.glob("web-*/site/worker.js")).read_text(encoding="utf-8")
     context.route(
-        "**/site/worker.js", lambda route: route.fulfill(body=f"{lack}\n{script}", content_type="text/javascript")
+        "**/site/worker.js",
+        lambda route: route.fulfill(body=f"{lack}\n{script}", content_type="text/javascript"),
     )
     with site(folder) as address:
         page, problems = visit(context)
@@ -109,13 +116,13 @@ def test_a_browser_that_cannot_run_the_models_gets_a_sentence_and_the_chapters(
         page.wait_for_selector(f'.pair .problem:has-text("{sentence}")')
         page.click("#view-explore-button")
         page.wait_for_selector(".explore.ready")
-        page.click("#view-data-button")
-        page.wait_for_selector(".data :text('python app.py') >> nth=0")
         context.close()
     assert problems == []
 
 
-def test_after_one_visit_the_site_predicts_an_own_pair_without_a_network(chromium: Any, folder: Path) -> None:
+def test_after_one_visit_the_site_predicts_an_own_pair_without_a_network(
+    chromium: Any, folder: Path
+) -> None:
     kept = sum(len(file.relative_to(folder).parts) > 1 for file in files_in(folder))
     pictures = [file for file in files_in(folder) if "-example-" in file.name]
     context = chromium.new_context()

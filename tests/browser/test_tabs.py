@@ -1,4 +1,4 @@
-"""Tree, Compare, Data and Train: one journey for each action."""
+"""The second map, nodes, limits and Train here: one journey for each action."""
 
 import re
 from collections.abc import Callable
@@ -6,70 +6,140 @@ from typing import Any
 
 import pytest
 
-from .gestures import open_tab
+from .gestures import pixels, settle
 
 pytestmark = pytest.mark.browser
 
 
-def test_the_tree_follows_p_and_tells_which_nodes_are_constant(open_page: Callable[..., Any]) -> None:
-    page = open_page("?view=tree&vis=row:0&tac=row:0")
-    page.wait_for_selector(".tree .tree-view")
-    assert page.locator(".tree .tree-view .disc").count() == 7
-    page.wait_for_selector(".tree .worth:has-text('nodes')")
-    told = page.locator(".tree .worth").inner_text()
+SECOND = "?chapter=analyse&mode=moved&beside=1"
+
+
+def test_the_nodes_of_the_pinned_pair_follow_p_and_tell_which_are_constant(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?chapter=analyse&mode=moved&pin=0&panel=nodes")
+    page.wait_for_selector(".explore .worth:has-text('nodes')")
+    settle(page)
+    assert page.locator(".explore .nodes .disc").count() == 7
+    told = page.locator(".explore .worth").inner_text()
     number = re.search(r"(\d) of 7 nodes \(dashed\)", told)
-    assert page.locator(".tree .disc.fixed").count() == (int(number[1]) if number else 0)
-    assert "(learned)" in page.locator(".tree .whose").inner_text()
-    before = page.locator(".tree .matrices").text_content()
-    page.focus(".tree .order")
+    assert page.locator(".explore .nodes .disc.fixed").count() == (int(number[1]) if number else 0)
+    assert "its learned p" in page.locator(".explore .nodes p").first.inner_text()
+    before = page.locator(".explore .tree-view").text_content()
+    page.focus(".explore .order")
     for _ in range(20):
         page.keyboard.press("ArrowRight")
-    page.wait_for_function("before => document.querySelector('.tree .matrices').textContent !== before", arg=before)
-    assert "what-if" in page.locator(".tree .whose").inner_text()
+    page.wait_for_selector(".explore .nodes p:has-text('moved from its learned p')")
+    assert page.locator(".explore .tree-view").text_content() != before
 
 
-def test_compare_starts_at_the_learned_p_and_counts_what_changes(open_page: Callable[..., Any]) -> None:
-    page = open_page("?view=compare")
-    page.wait_for_selector(".compare .moved:has-text('predictions change')")
-    text = page.locator(".compare .moved").inner_text().replace(",", "")
+def test_a_second_map_shows_both_gaps_of_another_step_and_moves_with_the_first(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?chapter=analyse&mode=moved")
+    page.wait_for_selector(".explore .map[data-order]")
+    page.click(".explore .second")
+    page.wait_for_selector(".explore .beside .map[data-order]")
+    for pane in (".now", ".beside"):
+        told = page.locator(f".explore {pane} .pane").inner_text()
+        assert "modality gap" in told
+        assert "domain gap" in told
+    assert page.locator(".explore .changed").is_hidden()  # one head at one p predicts the same
+    before = [pixels(page, f".explore {pane} .map") for pane in (".now", ".beside")]
+    page.focus(".explore .beside .map canvas + canvas")
+    page.keyboard.press("+")
+    assert all(
+        pixels(page, f".explore {p} .map") != old
+        for p, old in zip((".now", ".beside"), before, strict=True)
+    )
+    page.click(".explore .second")
+    assert page.locator(".explore .beside").is_hidden()
+
+
+def test_a_second_map_has_a_step_a_method_and_a_p_of_its_own(open_page: Callable[..., Any]) -> None:
+    page = open_page(SECOND)
+    page.wait_for_selector(".explore .beside .map[data-order]")
+    page.select_option(".explore .beside .step", "f_hat")
+    page.focus(".explore .beside .its-p")
+    for _ in range(200):
+        page.keyboard.press("ArrowRight")
+    page.wait_for_function("location.search.includes('p2=')")
+    of_p = counts(page)
+    page.select_option(".explore .beside .by", "method:nearest_mean")
+    page.wait_for_selector(".explore .beside .its-p:disabled")
+    assert counts(page) != of_p
+
+
+def counts(page: Any) -> list[int]:
+    """Return what the page counts of changed predictions, and check that it adds up."""
+    page.wait_for_selector(".explore .changed:has-text('predictions change')")
+    text = page.locator(".explore .changed").inner_text().replace(",", "")
     changed, everything = (int(n) for n in re.search(r"(\d+) of (\d+)", text).groups())
     parts = [int(n) for n in re.findall(r"(\d+) (?:corrected|broken|still)", text)]
-    assert "nearest class mean" in text
     assert changed == sum(parts) > 0
     assert everything > changed
-    sides = page.locator(".compare .order").evaluate_all("all => all.map((one) => one.value)")
-    assert sides[0] == sides[1]
+    return parts
 
 
-def test_compare_links_two_maps(open_page: Callable[..., Any]) -> None:
-    page = open_page("?view=compare")
-    page.wait_for_selector(".compare .moved:has-text('predictions change')")
-    before = [
-        canvas.evaluate("c => c.toDataURL()") for canvas in page.query_selector_all(".compare .map canvas:first-child")
-    ]
-    page.focus(".compare .map canvas + canvas")
-    page.keyboard.press("+")
-    page.wait_for_function(
-        """before => [...document.querySelectorAll('.compare .map canvas:first-child')]
-             .every((canvas, i) => canvas.toDataURL() !== before[i])""",
-        arg=before,
+@pytest.mark.parametrize(
+    ("query", "shown"),
+    [
+        ("?view=tree&vis=row:4&tac=row:4", ".explore .nodes .disc >> nth=6"),
+        ("?view=compare&stage2=relu", ".explore .beside .map[data-order]"),
+        ("?view=data", ".pair .loading[open] .go"),
+    ],
+    ids=["tree", "compare", "data"],
+)
+def test_an_address_of_an_earlier_view_shows_what_took_its_place(
+    open_page: Callable[..., Any], query: str, shown: str
+) -> None:
+    page = open_page(query)
+    page.wait_for_selector(f"{shown} >> visible=true")
+
+
+def test_simulated_data_say_so_and_their_limits_open_there(open_page: Callable[..., Any]) -> None:
+    page = open_page()
+    page.click(".top .badge:has-text('simulated data')")
+    page.wait_for_selector(".top .limits:has-text('No figure here is about a real sensor')")
+    page.keyboard.press("Escape")
+    assert page.locator(".top .limits").is_hidden()
+
+
+DEFINED = """() => {
+  const [text, box] = [document.querySelector('.explore .provenance'), document.querySelector('.definition')]
+    .map((one) => one.getBoundingClientRect());
+  return !(box.top < text.bottom && text.top < box.bottom && box.left < text.right && text.left < box.right);
+}"""
+
+
+@pytest.mark.parametrize("way", ["point", "tap", "key"])
+def test_a_word_of_the_field_has_its_sentence_where_it_stands_and_not_over_the_text(
+    open_page: Callable[..., Any], way: str
+) -> None:
+    page = open_page("?chapter=analyse", **({"has_touch": True} if way == "tap" else {}))
+    word = page.locator(".explore .provenance dfn:has-text('head')")
+    word.wait_for()
+    settle(page)
+    {"point": word.hover, "tap": word.tap, "key": word.focus}[way]()
+    page.wait_for_selector(
+        ".definition:has-text('the small network that learns here') >> visible=true"
     )
+    assert page.evaluate(DEFINED)
+    page.keyboard.press("Escape")
+    assert page.locator(".definition").is_hidden()
 
 
-def test_scores_from_source_to_target_are_shown_by_two_measures(open_page: Callable[..., Any]) -> None:
-    page = open_page("?view=compare")
-    page.click(".compare details.every summary")
-    page.wait_for_selector(".scores tbody tr")
-    accuracy = page.locator(".scores tbody").inner_text()
-    page.click('.matrix [data-key="1"]')
-    assert page.locator(".scores tbody").inner_text() != accuracy
-
-
-def test_simulated_data_say_so(open_page: Callable[..., Any]) -> None:
-    page = open_page("?view=data")
-    page.wait_for_selector(".data .note")
-    assert "Simulated" in page.locator(".data .note").inner_text()
-    assert page.locator(".top .badge").is_visible()
+def test_the_accuracy_of_analyse_names_its_head_its_source_its_pairs_and_what_was_known(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?chapter=analyse&mode=moved")
+    line = page.locator(".explore .provenance")
+    line.wait_for()
+    assert re.fullmatch(
+        r"By the loaded head.*, learned from TAG-sim alone\. Over \d+ pairs of 7 unseen domains, "
+        r"the mean of these domains\. Known of these: nothing\.",
+        line.inner_text(),
+    )
 
 
 def test_a_head_is_trained_scrubbed_used_and_saved(open_page: Callable[..., Any]) -> None:
@@ -91,7 +161,9 @@ def test_a_head_is_trained_scrubbed_used_and_saved(open_page: Callable[..., Any]
     for _ in range(4):
         page.keyboard.press("ArrowLeft")
     assert page.locator(".train .scrubber output").inner_text() == "2 of 6"
-    page.wait_for_function("last => document.querySelector('.train .map canvas').toDataURL() !== last", arg=last)
+    page.wait_for_function(
+        "last => document.querySelector('.train .map canvas').toDataURL() !== last", arg=last
+    )
     with page.expect_download() as saved:
         page.click(".train .save")
     assert saved.value.path().read_bytes()[:2] == b"PK"
@@ -99,8 +171,6 @@ def test_a_head_is_trained_scrubbed_used_and_saved(open_page: Callable[..., Any]
     page.wait_for_url("**/?set=*")
     page.wait_for_selector(".ov.explore:visible")
     page.wait_for_selector(".explore .modes [data-key=moved][aria-checked=true]")
-    open_tab(page, "data")
-    page.wait_for_selector(".data .facts:has-text('D = 16')")
 
 
 def test_a_training_can_be_cancelled(open_page: Callable[..., Any]) -> None:

@@ -29,7 +29,6 @@ def taught(open_page: Callable[..., Any]) -> Any:
         photo(page, seed)
         page.click(f'.pair .labels [data-label="{label}"]')
     page.click(".pair .teach")
-    page.click(".pair .use")
     page.wait_for_selector(".pair .taught-now")
     return page
 

@@ -8,7 +8,7 @@ import pytest
 from app.views import VIEWS
 
 from .conftest import watched
-from .gestures import ANSWERED, MAP, grab, open_tab, p_shown, pixels, pull, texture
+from .gestures import ANSWERED, MAP, READY, WHERE, grab, open_tab, p_shown, pixels, pull, texture
 
 pytestmark = pytest.mark.browser
 
@@ -28,49 +28,46 @@ def test_the_tab_of_a_link_opens_even_where_gradio_loses_the_first_clicks(
     new_page: Callable[..., Any], address: str
 ) -> None:
     page = new_page()
-    page.add_init_script(
-        """{
+    page.add_init_script("""{
             const click = HTMLElement.prototype.click;
             let lost = 0;
             HTMLElement.prototype.click = function () {
                 if (this.getAttribute("role") !== "tab" || ++lost > 2) click.call(this);
             };
-        }"""
-    )
-    page.goto(f"{address}?view=data", wait_until="commit")
-    page.wait_for_selector(".data .note")
+        }""")
+    page.goto(f"{address}?view=train", wait_until="commit")
+    page.wait_for_selector(".train .go:visible")
     page.click("#view-explore-button")
-    page.wait_for_selector(MAP)
+    page.wait_for_selector(READY["explore"])
 
 
-def test_nothing_but_maps_waits_for_a_map_that_takes_long(new_page: Callable[..., Any], address: str) -> None:
+def test_nothing_but_maps_waits_for_a_map_that_takes_long(
+    new_page: Callable[..., Any], address: str
+) -> None:
     page = new_page()
     ready: list[bool] = []
     step = {"step": {"done": 1, "total": 9, "text": "p = 0.1"}, "ready": False}
-    page.route("**/omnivat/frames*", lambda route: route.continue_() if ready else route.fulfill(status=202, json=step))
-    page.goto(f"{address}?view=data", wait_until="commit")
-    page.wait_for_selector(".data .note")
-    assert "Map positions" not in page.locator(".data .exact").inner_text()
+    page.route(
+        "**/omnivat/frames*",
+        lambda route: route.continue_() if ready else route.fulfill(status=202, json=step),
+    )
+    page.goto(f"{address}?view=pair&chapter=analyse", wait_until="commit")
     page.wait_for_selector(".top .badge:visible")
-    open_tab(page, "tree")
-    page.wait_for_selector(".tree .tree-view")
-    open_tab(page, "pair")
     page.wait_for_selector(ANSWERED)
     assert not page.locator(".pair .on-map").is_visible()
-    assert not page.locator(".tree .on-map").is_visible()
     open_tab(page, "explore")
     assert "1 of 9" in page.locator(".explore .wait").inner_text()
     ready.append(True)
     page.wait_for_selector(MAP)
     open_tab(page, "pair")
     page.wait_for_selector(".pair .on-map canvas")
-    open_tab(page, "tree")
-    page.wait_for_selector(".tree .on-map canvas")
-    open_tab(page, "data")
-    page.wait_for_function("document.querySelector('.data .exact').innerText.includes('Map positions')")
+    page.click(".top .badge")
+    page.wait_for_selector(".top .limits:has-text('Map positions')")
 
 
-def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(open_page: Callable[..., Any]) -> None:
+def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(
+    open_page: Callable[..., Any],
+) -> None:
     page = open_page("?mode=moved")
     page.wait_for_selector(MAP)
     plain = pixels(page)
@@ -92,7 +89,9 @@ def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(
 
 
 def test_junk_in_the_address_is_left_out_and_the_page_opens(open_page: Callable[..., Any]) -> None:
-    page = open_page("?p=abc&stage=%3Cimg%20src=x%3E&colour=constructor&pin=-4&view=nowhere&map=x&class=~~&p2=1e9")
+    page = open_page(
+        "?p=abc&stage=%3Cimg%20src=x%3E&colour=constructor&pin=-4&view=nowhere&map=x&class=~~&p2=1e9"
+    )
     page.wait_for_selector(MAP)
     assert 0 <= float(p_shown(page)) <= 1
     before = pixels(page)
@@ -105,7 +104,7 @@ def test_junk_in_the_address_is_left_out_and_the_page_opens(open_page: Callable[
 def test_going_back_shows_what_was_left_and_a_drag_leaves_one_step_not_hundreds(
     open_page: Callable[..., Any], address: str
 ) -> None:
-    page = open_page()
+    page = open_page("?chapter=order")
     page.wait_for_selector(MAP)
     steps = page.evaluate("history.length")
     pull(page, grab(page), 0.85, steps=20)
@@ -116,26 +115,30 @@ def test_going_back_shows_what_was_left_and_a_drag_leaves_one_step_not_hundreds(
     page.goto(address + "omnivat/about")
     page.go_back(wait_until="commit")
     page.wait_for_selector(MAP)
-    page.wait_for_function("p => document.querySelector('.explore .order-value')?.textContent === p", arg=left)
+    page.wait_for_function(
+        "p => document.querySelector('.explore .order-value')?.textContent === p", arg=left
+    )
     before = pixels(page)
     page.focus(".explore .order")
     page.keyboard.press("ArrowLeft")
     assert pixels(page) != before  # alive, not a picture of itself
 
 
-def test_back_steps_through_chapters_and_the_chosen_theme_outlives_a_reload(open_page: Callable[..., Any]) -> None:
-    page = open_page("?chapter=failure")
-    page.wait_for_selector(MAP)
+def test_back_steps_through_chapters_and_the_chosen_theme_outlives_a_reload(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page(WHERE)
+    page.wait_for_selector(READY["explore"])
     page.click('.explore [data-chapter="fooled"]')
     page.wait_for_selector('.explore[data-chapter="fooled"]')
     page.go_back(wait_until="commit")
-    page.wait_for_selector('.explore[data-chapter="failure"]')
+    page.wait_for_selector('.explore[data-chapter="where"]')
     page.go_forward(wait_until="commit")
     page.wait_for_selector('.explore[data-chapter="fooled"]')
     was = page.evaluate("document.body.classList.contains('dark')")
     page.click(".ov.top .theme")
     page.reload(wait_until="commit")
-    page.wait_for_selector(MAP)
+    page.wait_for_selector(READY["explore"])
     assert page.evaluate("document.body.classList.contains('dark')") is not was
     page.click(".ov.top .theme")  # this profile is shared
 
@@ -158,17 +161,21 @@ def test_two_visitors_do_not_disturb_one_another(open_page: Callable[..., Any]) 
         page.wait_for_selector(ANSWERED)
     for page, seed in ((one, 12), (two, 11)):
         assert f"{seed}.png" not in page.locator(".pair .slots").inner_text()
-    said = [page.locator(".pair .bars td[data-reading=vis]").all_text_contents() for page in (one, two)]
+    said = [
+        page.locator(".pair .bars td[data-reading=vis]").all_text_contents() for page in (one, two)
+    ]
     assert said[0] != said[1]
 
 
-def test_no_tab_needs_anything_from_outside_this_machine(new_page: Callable[..., Any], address: str) -> None:
+def test_no_tab_needs_anything_from_outside_this_machine(
+    new_page: Callable[..., Any], address: str
+) -> None:
     page = new_page()
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
     page.route(lambda url: not url.startswith(address), lambda route: route.abort())
     page.goto(address, wait_until="commit")
-    page.wait_for_selector(MAP)
+    page.wait_for_selector(READY["explore"])
     for view in VIEWS:
         open_tab(page, view)
     page.wait_for_load_state("networkidle")
@@ -203,7 +210,7 @@ def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_i
 ) -> None:
     page = desktop.new_page()
     page.set_default_timeout(60_000)
-    page.goto(server.address + "?vis=row:0&tac=row:0", wait_until="commit")
+    page.goto(server.address + "?chapter=analyse&vis=row:0&tac=row:0", wait_until="commit")
     page.wait_for_selector(MAP)
     open_tab(page, "pair")
     page.wait_for_selector(ANSWERED)
@@ -226,7 +233,9 @@ def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_i
     page.close()
 
 
-def test_a_server_started_again_with_another_head_is_told_of_and_not_mixed_in(open_page: Callable[..., Any]) -> None:
+def test_a_server_started_again_with_another_head_is_told_of_and_not_mixed_in(
+    open_page: Callable[..., Any],
+) -> None:
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
 

@@ -11,7 +11,12 @@ from omnivat.kit.tables import load
 from omnivat.measure.gaps import GAPS
 from omnivat.measure.gaps.confusion import macro_f1
 from omnivat.measure.gaps.domain import pairwise_gaps
-from omnivat.measure.gaps.sums import cosine_margin, cross_domain_margin, cross_modal_margin, domain_gap
+from omnivat.measure.gaps.sums import (
+    cosine_margin,
+    cross_domain_margin,
+    cross_modal_margin,
+    domain_gap,
+)
 from omnivat.measure.gaps.unit import unit
 
 seeds = st.integers(0, 2**31)
@@ -32,7 +37,9 @@ def sets(seed, count, width):
 
 def labelled(seed, count):
     generator = torch.Generator().manual_seed(seed)
-    return torch.randint(0, 3, (count,), generator=generator), torch.randint(0, 3, (count,), generator=generator)
+    return torch.randint(0, 3, (count,), generator=generator), torch.randint(
+        0, 3, (count,), generator=generator
+    )
 
 
 @gaps
@@ -89,13 +96,16 @@ def test_margins_equal_those_of_every_pair_counted_one_by_one(seed, count, width
     tac, _ = sets(seed + 1, count, width)
     labels, domains = labelled(seed, count)
     labels[:4], domains[:4] = torch.tensor([0, 0, 1, 1]), torch.tensor([0, 1, 0, 1])
-    torch.testing.assert_close(cosine_margin(rows, labels), slow_margin(rows, rows, labels, labels, lambda i, j: i < j))
+    torch.testing.assert_close(
+        cosine_margin(rows, labels), slow_margin(rows, rows, labels, labels, lambda i, j: i < j)
+    )
     torch.testing.assert_close(
         cross_domain_margin(rows, labels, domains),
         slow_margin(rows, rows, labels, labels, lambda i, j: i < j and domains[i] != domains[j]),
     )
     torch.testing.assert_close(
-        cross_modal_margin(rows, tac, labels), slow_margin(rows, tac, labels, labels, lambda i, j: i != j)
+        cross_modal_margin(rows, tac, labels),
+        slow_margin(rows, tac, labels, labels, lambda i, j: i != j),
     )
 
 
@@ -117,7 +127,9 @@ def test_macro_f1_agrees_with_scikit_learn(seed, count):
 
     truth, answers = labelled(seed, count)
     union = f1_score(truth, answers, average="macro", zero_division=0)
-    present = f1_score(truth, answers, labels=truth.unique().tolist(), average="macro", zero_division=0)
+    present = f1_score(
+        truth, answers, labels=truth.unique().tolist(), average="macro", zero_division=0
+    )
     assert macro_f1(truth, answers, average="union").item() == pytest.approx(union)
     assert macro_f1(truth, answers).item() == pytest.approx(present)
 
@@ -126,4 +138,6 @@ def test_macro_f1_agrees_with_scikit_learn(seed, count):
 @given(seed=seeds, length=st.sampled_from([1e-310, 1e-30, 1e30, 1e308]))
 def test_unit_rows_have_length_one_at_any_scale(seed, length):
     rows, _ = sets(seed, 6, 5)
-    torch.testing.assert_close(unit(rows / rows.abs().max() * length).norm(dim=1), torch.ones(6, dtype=torch.float64))
+    torch.testing.assert_close(
+        unit(rows / rows.abs().max() * length).norm(dim=1), torch.ones(6, dtype=torch.float64)
+    )

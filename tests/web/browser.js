@@ -2,7 +2,7 @@
 
 globalThis.document ??= {
   querySelector: () => null,
-  body: { classList: { contains: () => false } },
+  body: { classList: { contains: () => false }, dataset: {} },
   baseURI: "http://x/",
 };
 globalThis.location ??= { search: "", href: "http://x/" };

@@ -14,11 +14,14 @@ const { loadTags, tagOf, tagPairs, tagsCsv } = await import("../../app/web/explo
 const { setOf } = await import("../../app/web/shared/sets.js");
 const { colouring, colouringsOf } = await import("../../app/web/shared/palette.js");
 const { csv } = await import("../../app/web/explore/exports.js");
-const { Curves } = await import("../../app/web/explore/curves.js");
+const { Curves, whole } = await import("../../app/web/explore/curves.js");
 const { modeWords } = await import("../../app/web/explore/modes.js");
 const { Cloud } = await import("../../app/web/shared/cloud.js");
 const { Scale } = await import("../../app/web/shared/chart.js");
-const { changeOf } = await import("../../app/web/explore/waterfall.js");
+const { chosen, pressOf, read } = await import("../../app/web/explore/touch.js");
+const { between } = await import("../../app/web/explore/threads.js");
+const { sizes } = await import("../../app/web/explore/wave.js");
+const { lookAlikes } = await import("../../app/web/explore/strangers.js");
 const { change, openAt, openChapter, state } = await import("../../app/web/shared/store.js");
 globalThis.history = { state: null, replaceState: () => {} };
 
@@ -115,7 +118,7 @@ test("an accuracy names its head, and a learned p is not a round one", () => {
   assert.match(headOf(frames({ head: { source: "Z" } }), 1), /trained on Z, which is not in this set/);
 });
 
-test("the first chapter speaks of p only as far as the accuracy bears", () => {
+test("the chapter of the order speaks of p only as far as the accuracy bears", () => {
   const at = (share, stop = 1) =>
     chapterNamed("order").words({ frames: frames({ curves: { "accuracy/unseen": share } }), stop });
   assert.match(at([0.3, 0.9, 0.4]).title, /^At one order, two kinds/);
@@ -177,11 +180,11 @@ test("tags are saved and loaded by CSV; formulas are texts there, and another fi
   assert.throws(() => loadTags(shown, "pair,tag\n77,far"), /No line/);
 });
 
-test("the first chapter shows the chirps, the others the set of the page or the sensors", () => {
+test("the chapter of the order shows the chirps, the others the set of the page or the sensors", () => {
   const sets = (shown) => ["sensors", "chirps"].map((name) => ({ name, shown: name === shown }));
   assert.equal(setOf("order", sets("sensors")), "chirps");
-  assert.equal(setOf("failure", sets("sensors")), "");
-  assert.equal(setOf("failure", sets("chirps")), "sensors");
+  assert.equal(setOf("where", sets("sensors")), "");
+  assert.equal(setOf("where", sets("chirps")), "sensors");
   assert.equal(setOf("analyse", sets("chirps")), "");
   assert.equal(setOf("fooled", sets("")), "");
   assert.equal(setOf("order", []), "");
@@ -217,25 +220,106 @@ test("both ends of a range move by keys, and neither passes the other or leaves 
   assert.deepEqual(shifted([0.5, 1], [0, 1], 1, true), [0.5, 1]);
 });
 
-test("a bar of the waterfall shows its change both ways, and only beside the same head", () => {
-  const away = { rung: "none", accuracy: 0.6, low: 0.55, high: 0.65, from: "this head" };
-  const rung = (accuracy, more = {}) => ({
-    rung: "n20",
-    from: "this head",
-    accuracy,
-    low: accuracy - 0.05,
-    high: accuracy + 0.05,
-    ...more,
-  });
-  assert.equal(changeOf(rung(0.59), away).points.toFixed(1), "-1.0");
-  assert.equal(changeOf(rung(0.59), away).sure, false);
-  assert.equal(changeOf(rung(0.75), away).sure, true);
-  assert.equal(changeOf(rung(0.75, { from: "records" }), away), null);
-  assert.equal(changeOf(rung(0.75, { known: "3 labels (logistic regression)" }), away), null);
-  assert.equal(changeOf({ ...away, rung: "home" }, away), null);
+const twins = {
+  classes: ["wood", "steel"],
+  domains: [{ name: "A-sim" }, { name: "B-sim" }],
+  pictures: [5, 20],
+  learned: [[0, 1], [0]],
+  shown: [{ class: 0 }, { class: 1 }],
+  ...Object.fromEntries(
+    ["accuracy", "away", "verdicts"].map((table) => [
+      table,
+      Object.fromEntries(
+        ["touch", "photo", "both"].map((kind) => [
+          kind,
+          [0, 1].map((from) =>
+            [0, 1].map((dots) =>
+              [0, 1, 2].map((rung) => (table === "verdicts" ? "0110" : [kind, from, dots, rung].join(" "))),
+            ),
+          ),
+        ]),
+      ),
+    ]),
+  ),
+};
+
+test("the first chapter reads the cell of the tables that the buttons choose", () => {
+  openChapter("touch", { from: "1", dots: "1", known: "20", press: "1" });
+  const figures = () => read(twins, chosen(twins));
+  assert.equal(figures().away, "touch 1 1 2");
+  assert.deepEqual(figures().said, [1, 0]);
+  assert.equal(figures().truth, 1);
+  assert.equal(figures().chance, 1);
+  change({ reading: "vis" });
+  assert.equal(figures().away, "photo 1 0 2"); // a photo has no dots
 });
 
-test("the other tabs do not take p from the first chapter, which finds its own again", () => {
+test("the page opens with the press of which filled dots turn most verdicts, and that looks like what it is", () => {
+  const made = {
+    domains: twins.domains,
+    shown: [{ class: 0 }, { class: 0 }, { class: 0, looks_like: "steel" }],
+    verdicts: { touch: [[["011111"], ["010000"]]] },
+  };
+  change({ press: "" });
+  assert.equal(pressOf(made), 1);
+});
+
+test("an address that names no press, sensor or number of pictures opens with the first", () => {
+  openChapter("touch");
+  change({ from: "99", press: "-1", known: "7", dots: "", reading: "fused" });
+  assert.deepEqual(chosen(twins), { reading: "fused", table: "both", press: 0, from: 0, dots: 0, rung: 0 });
+  change({ from: "0", press: "", known: "0", reading: "tac" });
+});
+
+test("points glide from one place to the next and end there", () => {
+  const [from, to] = [new Float32Array([0, 10]), new Uint16Array([4, 20])];
+  assert.deepEqual([...between(from, to, 0.5)], [2, 15]);
+  assert.deepEqual([...between(from, to, 1)], [4, 20]);
+});
+
+test("the chirp is drawn by the size of its samples at one stop", () => {
+  assert.deepEqual(sizes({ re: [[], [3, 0]], im: [[], [4, 1]] }, 1), [5, 1]);
+});
+
+test("accuracy is drawn only between the stops over which p was dragged, and another set when all were seen", () => {
+  const shown = frames();
+  const curves = { hides: true, frames: shown, charts: [], again: () => {} };
+  const known = () => Curves.prototype.known.call(curves, [0.2, 0.8, 0.4]).map((v) => Number.isFinite(v));
+  Curves.prototype.mark.call(curves, 2);
+  assert.deepEqual(known(), [false, false, true]);
+  assert.equal(whole(shown), false);
+  Curves.prototype.mark.call(curves, 0);
+  assert.deepEqual(known(), [true, true, true]);
+  assert.equal(whole(shown), true);
+});
+
+test("the map of the last chapter follows the reading: its points, its predictions, its colours", () => {
+  openChapter("fooled", { reading: "tac" });
+  const own = frames({ prediction: [0, 1, 0, 1, 0, 1] });
+  const scene = new Scene({ own });
+  scene.facts.unseen = { pairs: { answers: { tac: [1, 1] } } };
+  scene.refilter();
+  assert.deepEqual([...scene.mask], [0, 0, 1, 1]);
+  assert.equal(colouring(own, "correctness").of(own, 0)(0), 1);
+  change({ reading: "fused" });
+  scene.refilter();
+  assert.deepEqual([...scene.mask], [1, 1, 1, 1]);
+  assert.equal(colouring(own, "correctness").of(own, 0)(0), 0);
+  openChapter("analyse");
+});
+
+test("look-alikes come from unseen domains and are scored, one of each class", () => {
+  const scene = {
+    frames: frames({ pairs: 4, domain: [0, 1, 1, 1], label: [0, 1, 1, 0] }),
+    facts: {
+      unseen: { source: "A", pairs: { counts: [1, 1, 1, 1] } },
+      pairs: { looks_like: ["steel", "wood", "wood", ""] },
+    },
+  };
+  assert.deepEqual(lookAlikes(scene), [1]);
+});
+
+test("the other tabs do not take p from the chapter of the order, which finds its own again", () => {
   openChapter("order");
   change({ p: 0.8 });
   change({ view: "compare" });

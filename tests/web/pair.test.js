@@ -161,6 +161,21 @@ test("a CSV pairs pictures of any name and labels them", () => {
   assert.deepEqual(cells('a,"b ""c"""\n,\n'), [["a", 'b "c"']]);
 });
 
+test("a CSV whose paths name one file twice, or a file that another shares its name with, pairs nothing", () => {
+  const table = "vis,tac\nvisual/7.png,tactile/7.png\n";
+  const [photo, touch] = ["visual", "tactile"].map((folder) => ({ path: `set/${folder}/7.png`, file: folder }));
+  assert.deepEqual(paired([photo, touch], table, []).pairs[0].tac, "tactile");
+  const bare = { path: "7.png", file: "bare" };
+  const once = paired([bare], table, []);
+  assert.deepEqual(once.pairs, []);
+  assert.match(
+    once.problem,
+    /'visual\/7.png' and 'tactile\/7.png' of the CSV would be one file, 7.png. Choose the folder/,
+  );
+  assert.match(paired([bare, bare], table, []).problem, /'visual\/7.png' of the CSV can be 7.png or another file/);
+  assert.match(paired([bare], "vis,tac\n7.png,7.png\n", []).problem, /7.png as photo and as touch/);
+});
+
 test("the table as CSV marks guesses and holds no formula", () => {
   const rows = [
     {

@@ -6,7 +6,7 @@ import { moved, profileFrom, saved } from "../../app/web/site/profiles.js";
 
 const channels = (mean, variance) => ({ mean, variance, count: 6 });
 const [target, source] = [channels([2, 3], [4, 1]), channels([0, 1], [1, 4])];
-const AT = { 1: [-0.42262, -3.928679], 0.75: [-0.109348, -3.406266], 0: [1, -2] };
+const AT = { 1: [-0.169048, -3.6001], 0.75: [0.087478, -3.165925], 0: [1, -2] };
 
 test("a head's source says how much of the step is taken", () => {
   for (const [step, wanted] of Object.entries(AT))
@@ -22,6 +22,21 @@ test("a profile without a step takes the whole one", () => {
   const found = profileFrom(saved({ channels: { vis: parts } }, key).buffer, key);
   assert.equal(found.step, 1);
   assert.equal(profileFrom({ ...asFile(parts), __metadata__: { ...about, step: "0.75" } }).step, 0.75);
+});
+
+test("a damaged profile is refused in a sentence before anything computes with it", () => {
+  const good = { mean: Float32Array.of(1, 2), variance: Float32Array.of(1, 1) };
+  const damaged = [
+    [{ ...good, mean: Float32Array.of(Number.NaN, 2) }, {}],
+    [{ ...good, variance: Float32Array.of(-1, 1) }, {}],
+    [{ ...good, variance: Float32Array.of(Number.POSITIVE_INFINITY, 1) }, {}],
+    [{ ...good, mean: Float32Array.of(1) }, {}],
+    [good, { vis_count: "0" }],
+    [good, { vis_count: "many" }],
+  ];
+  for (const [parts, more] of damaged)
+    assert.throws(() => profileFrom({ ...asFile(parts), __metadata__: { ...about, ...more } }), /is damaged/);
+  assert.throws(() => profileFrom({ __metadata__: about }), /is damaged/);
 });
 
 const about = { format: "omnivat-profile-1", vis_count: "3" };

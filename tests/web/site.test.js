@@ -1,12 +1,12 @@
 /** What a page without a server reads, and where it cannot run. */
 
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { factors, headerOf, rotation, whole } from "../../app/web/site/decode.js";
-import { solved, triangle, unfolded } from "../../app/web/site/logistic.js";
 import { inTurn, runtime } from "../../app/web/site/runtime.js";
-import { lessonsIn } from "../../app/web/site/teaching.js";
-import { dot, tensors, written } from "../../app/web/site/tensors.js";
+import { lessonsIn, ridge, shareOf, sharpness } from "../../app/web/site/teaching.js";
+import { tensors, written } from "../../app/web/site/tensors.js";
 
 globalThis.self ??= /** @type {any} */ ({});
 const nothing = () => Promise.resolve(new ArrayBuffer(0));
@@ -84,27 +84,24 @@ test("a large picture is made smaller in the steps of the server", () => {
   assert.deepEqual(factors("JPEG", 5472, 3648), [2, 1]);
 });
 
-test("the regression ends where its gradient vanishes, and the basis changes no product", () => {
-  const rows = Array.from({ length: 9 }, (_, i) =>
-    Float64Array.from({ length: 14 }, (_, j) => Math.sin(i * 7 + j * j)),
+test("teaching solves what the library solves: one table of cases holds both", () => {
+  const table = JSON.parse(readFileSync(new URL("teaching.json", import.meta.url), "utf8"));
+  const near = (found, wanted) =>
+    wanted.flat().forEach((value, i) => assert.ok(Math.abs(value - found.flatMap((row) => [...row])[i]) < 1e-8));
+  const rows = table.rows.map((row) => Float64Array.from(row));
+  const { labels, counts, classes, lessons } = table;
+  const both = ridge(rows, labels, counts, classes, lessons);
+  const alone = ridge(rows.slice(0, lessons), labels.slice(0, lessons), counts.slice(0, lessons), classes, lessons);
+  near(both.weights, table.weights);
+  near([both.bias], [table.bias]);
+  near(both.apart, table.apart);
+  near(alone.apart, table.alone);
+  const errors = [both, alone].map(({ apart }) =>
+    apart.map((row, i) => row.map((score, k) => Number(labels[i] === k) - score)),
   );
-  const lower = triangle(rows);
-  rows.forEach((row, i) =>
-    rows.forEach((other, j) => assert.ok(Math.abs(dot(row, other) - dot(lower[i], lower[j])) < 1e-9)),
-  );
-  const problem = { rows: lower, labels: [0, 1, 2, 0, 1, 2, 0, 1, 2], counts: [1, 1, 1, 4, 4, 4, 1, 1, 0], classes: 3 };
-  const found = solved(problem, null, 1e-9);
-  const again = solved(
-    problem,
-    found.map((value) => value + 0.3),
-    1e-9,
-  );
-  found.forEach((value, i) => (i + 1) % 10 && assert.ok(Math.abs(value - again[i]) < 1e-6)); // biases may move together
-  const weights = [0, 1, 2].map((k) => found.slice(10 * k, 10 * k + 9));
-  const wide = unfolded(weights, lower, rows);
-  wide.forEach((weight, k) =>
-    rows.forEach((row, i) => assert.ok(Math.abs(dot(weight, row) - dot(weights[k], lower[i])) < 1e-8)),
-  );
+  const share = shareOf(errors[0], errors[1]);
+  const blend = both.apart.map((row, i) => row.map((score, k) => (1 - share) * score + share * alone.apart[i][k]));
+  near([[share, sharpness(blend, labels.slice(0, lessons))]], [[table.share, table.sharpness]]);
 });
 
 test("lessons without a label, or of two different pairs, are refused", () => {

@@ -6,53 +6,66 @@ import { orderText } from "../shared/frames.js";
 import { asText, values } from "../shared/measures.js";
 import { orderBar } from "../shared/order.js";
 import { colouring, isLecture } from "../shared/palette.js";
+import { ofFrames } from "../shared/provenance.js";
 import { explained, featuresOf, stageNamed, stepsOf } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
+import { define } from "../shared/terms.js";
 import { fill } from "../shared/text.js";
 import { press } from "../shared/view.js";
 import { Acts } from "./acts.js";
-import { chapterNamed, featuresHtml, headOf } from "./chapters.js";
+import { chapterNamed, decided, featuresHtml, headOf } from "./chapters.js";
 import { Curves } from "./curves.js";
 import { Finder } from "./finder.js";
 import { showGrid } from "./grid.js";
 import { Maps } from "./maps.js";
 import { modeWords } from "./modes.js";
+import { Nodes } from "./nodes.js";
 import { panels } from "./panels.js";
 import { peek } from "./pictures.js";
 import { Saving } from "./saving.js";
 import { Scene } from "./scene.js";
 import { Staircase } from "./staircase.js";
 import { Strangers } from "./strangers.js";
+import { Together } from "./together.js";
 import { Toy } from "./toy.js";
-import { Waterfall } from "./waterfall.js";
+import { Wave } from "./wave.js";
 
 const ANSWERS = ["Correctness", "Confidence"]; // colourings that change with p
 
 export class Board {
-  /** `data` as in library.js. */
-  constructor($, data) {
+  /** `data` as in library.js; `threads` is the map of the second chapter. */
+  constructor($, data, threads) {
     this.$ = $;
+    this.threads = threads;
     this.lassoMode = false;
     this.sample = -1; // the pair that the card shows at first
     const scene = (this.scene = new Scene(data));
     this.acts = new Acts(this);
     this.maps = new Maps($, scene, this.acts.pointing());
     this.peek = peek($(".peek"), $(".maps"), scene);
-    this.panels = panels($(".panels"), () => this.showToy());
+    this.panels = panels($(".panels"), () => {
+      this.showToy();
+      this.nodes.follow();
+    });
+    this.nodes = new Nodes($(".nodes"), scene, () => state.chapter === "analyse" && this.panels.open("nodes"));
     this.bar = orderBar($(".ride"), data.own);
     const toOrder = (p) => change({ p: scene.frames.orders[scene.frames.stop(p)] });
     const tall = () =>
       isLecture() ? 0.5 * innerHeight : Math.min(560, 0.3 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
     const high = () => (innerWidth < 820 ? 110 : state.chapter === "order" ? tall() : 0.165 * innerHeight);
     this.ride = new Curves($(".over"), toOrder, { measures: ["accuracy"], high });
+    this.wave = new Wave($(".wave"));
+    this.together = new Together($(".together"), toOrder);
     this.curves = new Curves($(".all"), toOrder, { measures: ["modality_gap", "domain_gap", "margin"] });
     this.stairs = new Staircase(
       $(".staircase"),
       () => state.stage,
       (stage) => change({ stage }),
     );
-    this.waterfall = new Waterfall($(".waterfall"), $(".profiles"), scene);
-    this.strangers = new Strangers($, scene, (cell) => this.acts.onlyCell(cell));
+    this.strangers = new Strangers($, scene, {
+      onCell: (cell) => this.acts.onlyCell(cell),
+      onPick: (pair) => this.acts.pick(pair),
+    });
     this.toy = new Toy($(".toy"));
     this.finder = new Finder($(".finder"), scene);
     this.saving = new Saving($, scene, this.maps, () => this.showPictures());
@@ -63,10 +76,12 @@ export class Board {
   learned() {
     const { facts } = this.scene;
     if (facts.unseen) this.strangers.show();
+    this.read();
     this.finder.show();
     this.showLesson();
     if (state.find || state.alike || state.range) this.refilter();
     if (facts.unseen && state.cell) this.strangers.follow();
+    this.maps.beside.show();
     this.showPictures();
   }
 
@@ -78,19 +93,24 @@ export class Board {
     this.maps.reset();
     this.replace(frames);
     this.acts.selectNamed();
+    if (state.panel === "nodes") this.panels.show("nodes");
   }
 
   /** Show other frames of the same pairs. */
   replace(frames) {
     const { scene } = this;
     scene.frames = frames;
+    scene.read();
     scene.follow();
     this.bar.replace(frames);
-    this.bar.learned(state.chapter === "order" ? NaN : scene.own.learned); // the mark would give the answer away
+    this.bar.learned(state.chapter === "analyse" ? scene.own.learned : NaN); // the mark would give the answer away
+    this.ride.hides = state.chapter === "order";
     this.ride.replace(frames);
     this.curves.replace(frames);
+    if (state.chapter === "where") this.together.replace(frames);
     this.stairs.replace(frames);
     this.$(".mode-words").innerHTML = modeWords(frames);
+    define(this.$(".mode-words"));
     this.$(".explore").dataset.kind = frames.kind;
     this.$(".ride").classList.toggle("blind", !values(frames, "accuracy", "f_hat")?.some(Number.isFinite));
     this.showColours();
@@ -99,15 +119,23 @@ export class Board {
     this.showToy();
   }
 
+  /** Let the map show the points and the predictions of the chosen reading. */
+  read() {
+    this.scene.read();
+    this.refilter();
+  }
+
   showOrder() {
     const { scene } = this;
     scene.follow();
     this.bar.show(scene.stop);
     this.ride.mark(scene.stop);
     this.curves.mark(scene.stop);
+    if (state.chapter === "where") this.together.mark(scene.stop);
     this.stairs.show(scene.stop);
     if (this.panels.open("toy")) this.toy.show(scene.p);
-    if (state.chapter === "fooled") this.strangers.mark();
+    this.nodes.follow();
+    if (state.chapter === "order") this.wave.show(scene.p);
     if (ANSWERS.includes(colouring(scene.frames, state.colour).label)) this.maps.showLayers();
     this.maps.showNow();
     this.showCard();
@@ -120,11 +148,17 @@ export class Board {
   showLesson() {
     const { scene } = this;
     const lesson = chapterNamed(state.chapter);
-    const set = (selector, html) => fill(this.$(selector), html);
-    if (!lesson) return set(".score", scene.frames.headless ? featuresHtml(scene) : headOf(scene.frames, scene.stop));
+    const set = (selector, html) => fill(this.$(`.stage ${selector}`), html);
+    if (!lesson) {
+      const { frames, stop, facts } = scene;
+      return set(
+        ".score",
+        frames.headless ? featuresHtml(scene) : headOf(frames, stop) + ofFrames(frames, facts.unseen),
+      );
+    }
+    if (state.chapter === "where") return this.threads.tell(decided(scene.frames));
     const words = lesson.words(scene);
     for (const name of ["title", "figure", "remark"]) set(`.${name}`, words[name]);
-    if (state.chapter === "failure") this.waterfall.show();
     return undefined;
   }
 
@@ -135,6 +169,7 @@ export class Board {
     this.stairs.choose();
     const stage = stageNamed(state.stage);
     this.$(".explain").innerHTML = `<b>${stage.name}.</b> ${explained(stage, frames)}`;
+    define(this.$(".explain"));
     this.scene.near = [];
     this.maps.showKinds();
     this.showCurves();
@@ -190,6 +225,7 @@ export class Board {
 
   showMeans() {
     press(this.$(".tool.means"), state.means === "1");
+    press(this.$(".tool.second"), this.maps.beside.open);
     this.maps.paintMarks();
   }
 

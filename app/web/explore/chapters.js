@@ -4,11 +4,11 @@ import { orderText } from "../shared/frames.js";
 import { remedyHtml } from "../shared/headless.js";
 import { MEASURES, values } from "../shared/measures.js";
 import { escaped, percent } from "../shared/text.js";
+import { whole } from "./curves.js";
 import { inWords } from "./strangers.js";
 
 export const CLEAR = 0.1; // of accuracy: a smaller change over p is called small
 const AWAY = 0.8; // the order at which the first chapter opens if p decides: most heads fail there
-const MEASURING = "<small>Measuring each domain…</small>";
 const b = (text) => `<b>${text}</b>`;
 const known = (curve) => (curve ?? []).filter(Number.isFinite);
 const plural = (n, one, many = `${one}s`) => `${inWords(n)} ${n === 1 ? one : many}`;
@@ -87,44 +87,10 @@ function order({ frames, stop }) {
   return {
     title: there ? `At one order, ${kinds} come apart.` : `At which order do ${kinds} come apart?`,
     figure,
-    remark: there
-      ? `Elsewhere accuracy falls, to ${percent(facts.low)} at worst. Grey: on touch sensors every order does about as well.`
-      : "Drag <i>p</i>. Each stop is a head trained at that order.",
+    remark: whole(frames)
+      ? `Accuracy falls to ${percent(facts.low)} at worst. Grey: on touch sensors every order does about as well.`
+      : "Drag <i>p</i> from end to end. Each stop is a head trained at that order.",
   };
-}
-
-function failure({ own, frames, facts: { unseen, fit } }) {
-  const alone = own.domain.every((one) => one === own.domain[0]);
-  const title = alone ? "One domain: there is no next sensor to fail on." : "Why does it fail on the next sensor?";
-  if (own.headless)
-    return {
-      title: alone ? title : "How far apart are the domains?",
-      figure: alone ? "" : shifted(frames),
-      remark: headlessHtml(fit),
-    };
-  if (!unseen) return { title, figure: MEASURING, remark: shifted(frames) };
-  const home = unseen.domains.find(({ is_source }) => is_source)?.["answers/fused"];
-  const away = unseen.unseen["answers/fused"];
-  if (!home || !away)
-    return {
-      title,
-      figure: away
-        ? `${b(percent(away.share))} right on a new sensor: the loaded head, which learned from ${escaped(own.source)}.`
-        : `Learned from ${b(escaped(own.source || "an unknown domain"))}: ${blind(own)}`,
-      remark: shifted(frames),
-    };
-  return {
-    title,
-    figure: `${b(percent(away.share))} right on a new sensor, ${b(percent(home.share))} at home: the loaded head.`,
-    remark: shifted(frames),
-  };
-}
-
-/** How far domains lie apart, as they come and centred, in words. */
-function shifted({ kindOfStops, meta, domains = [] }) {
-  const [before, after] = (kindOfStops === "centred" && meta.curves["domain_gap/raw"]) || [];
-  if (!before) return domains.length > 1 ? "Each colour is a domain." : "The set has one domain.";
-  return `Each domain shifts all its pictures: domains lie ${before.toFixed(2)} apart, and ${after.toFixed(2)} once centred.`;
 }
 
 function fooled({ own, facts: { unseen, fit } }) {
@@ -142,19 +108,22 @@ function fooled({ own, facts: { unseen, fit } }) {
         : "",
     };
   const [photo, touch] = ["vis", "tac"].map((name) => alike[`answers/${name}`]);
-  const apart = touch.low > photo.high || photo.low > touch.high;
+  const [lower, higher] = photo.share < touch.share ? [photo, touch] : [touch, photo];
+  const all = ["vis", "tac", "fused"].map((name) => percent(unseen.unseen[`answers/${name}`]?.share));
   return {
     title,
-    figure: `${b(percent(alike.pairs / pairs))} of the unseen pairs look like another class. There the photo is right in ${b(percent(photo.share))}, the touch in ${b(percent(touch.share))}.`,
-    remark: apart
-      ? "Where a photo deceives, only touch can tell."
-      : "The two intervals overlap, so neither is surely ahead.",
+    figure: `${b(percent(alike.pairs / pairs))} of the unseen pairs look like another class.`,
+    remark: `${
+      lower.high < higher.low
+        ? `Where a photo deceives, only ${higher === touch ? "touch" : "the photo"} can tell.`
+        : "The intervals of photo and touch overlap, so neither is surely ahead."
+    } Of all unseen pairs: photo ${all[0]}, touch ${all[1]}, both ${all[2]}.`,
   };
 }
 
 const CHAPTERS = {
-  order: { words: order, to: "failure", next: "Now the touch sensors →" },
-  failure: { words: failure, to: "fooled", next: "Who is fooled →" },
+  where: { to: "order", next: "Next →" },
+  order: { words: order, to: "fooled", next: "Next →" },
   fooled: { words: fooled, to: "analyse", next: "Analyse →" },
 };
 

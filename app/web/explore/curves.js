@@ -19,6 +19,7 @@ export class Curves extends View {
     this.measures = MEASURES.filter(({ name }) => measures.includes(name));
     this.tall = high;
     this.pale = null; // {title, orders, share}: the accuracy curve of another set
+    this.hides = false; // whether a curve is drawn only as far as p was dragged
     this.wide = LEAST;
     this.scale = new Scale({ wide: LEAST, high: high(), pad: PAD });
     /** @type {any[]} */
@@ -71,6 +72,7 @@ export class Curves extends View {
   /** The curve of another set, pale. */
   other(ys) {
     if (!this.pale) return "";
+    if (this.hides && !whole(this.frames)) return "";
     const { orders, share: all, title } = this.pale;
     const { scale } = this;
     const words = (y, text) => `<text x="${scale.x(1) - 2}" y="${y}" text-anchor="end">${text}</text>`;
@@ -115,21 +117,32 @@ export class Curves extends View {
       const band = spread(frames, name, stage, only);
       root.querySelector(".of").textContent =
         only || (whole && domain ? "all domains" : name === "accuracy" ? "unseen domains" : "");
-      root.querySelector(".own").setAttribute("d", own ? this.path(own, ys) : "");
+      root.querySelector(".own").setAttribute("d", own ? this.path(this.known(own), ys) : "");
       root.querySelector(".ghost").setAttribute("d", ghost ? this.path(ghost, ys) : "");
-      root.querySelector(".spread").setAttribute("d", band ? this.area(band, ys) : "");
+      root.querySelector(".spread").setAttribute("d", band && !this.hides ? this.area(band, ys) : "");
       root.querySelector(".dots").innerHTML =
         own && frames.kind === "retrained"
-          ? each(zip(frames.orders, own), ([p, v]) =>
+          ? each(zip(frames.orders, this.known(own)), ([p, v]) =>
               Number.isFinite(v) ? `<circle cx="${this.scale.x(p)}" cy="${this.scale.y(v, ys)}" r="2"/>` : "",
             )
           : "";
     }
   }
 
+  /** The values that may be drawn: of the stops between which p was dragged. */
+  known(own) {
+    const [from, to] = this.hides ? (this.frames.seen ?? [1, 0]) : [0, own.length];
+    return own.map((v, i) => (i >= from && i <= to ? v : NaN));
+  }
+
   /** Mark one stop on every curve and write its value. */
   mark(stop) {
     this.stop = stop;
+    const [from, to] = (this.frames.seen ??= [stop, stop]);
+    if (this.hides && (stop < from || stop > to)) {
+      this.frames.seen = [Math.min(from, stop), Math.max(to, stop)];
+      return this.again();
+    }
     const p = this.frames.orders[stop];
     for (const { root, own, ys, name } of this.charts) {
       this.scale.mark(root, p);
@@ -140,8 +153,12 @@ export class Curves extends View {
       if (known) dot.setAttribute("cy", this.scale.y(own[stop], ys));
       root.querySelector("output").textContent = asText(name, known ? own[stop] : NaN);
     }
+    return undefined;
   }
 }
+
+/** Whether p was dragged over all stops of these frames. */
+export const whole = ({ seen, orders }) => seen?.[0] === 0 && seen[1] === orders.length - 1;
 
 const zip = (orders, all) => orders.map((p, i) => [p, all[i]]);
 const DASHED = '<p class="hint">Dashed: the raw embedding; for accuracy, guessing.</p>';

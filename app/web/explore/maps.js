@@ -10,8 +10,9 @@ import { colouring, colouringsOf, isDark, onTheme } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { radios } from "../shared/radios.js";
 import { isStill, stageNamed } from "../shared/stages.js";
-import { change, hidden, state } from "../shared/store.js";
+import { change, state } from "../shared/store.js";
 import { escaped, options } from "../shared/text.js";
+import { Beside } from "./beside.js";
 import { pictures } from "./pictures.js";
 
 export const METHODS = { pca: "PCA", umap: "UMAP" };
@@ -44,17 +45,25 @@ export class Maps {
       (x, cloud) => cloud.view.zoom < 3 && named(x, cloud),
       (x) => lassoLine(x, drawing.polygon),
     ];
-    onTheme(() => this.now.redraw());
+    this.beside = new Beside($, scene, this, on);
+    onTheme(() => {
+      this.now.redraw();
+      this.beside.cloud?.redraw();
+    });
   }
 
-  paintMarks = () => this.now.paintMarks();
+  paintMarks = () => {
+    this.now.paintMarks();
+    this.beside.paintMarks();
+  };
 
   /** Another set or chapter: room for its points, the whole map in view. */
   reset() {
     const over = getComputedStyle(this.$(".tools")).position === "absolute"; // on a phone they stand above the map
-    this.now.top = state.chapter === "analyse" && over ? TOOLS : 0;
+    this.now.top = state.chapter === "analyse" && over && !this.beside.open ? TOOLS : 0;
     if (this.now.count !== 2 * this.scene.own.pairs) this.now.hold(2 * this.scene.own.pairs);
     this.now.resetView();
+    this.beside.follow();
   }
 
   /** The method of the map: the chosen one if this step has it. */
@@ -85,9 +94,10 @@ export class Maps {
 
   showLayers() {
     const { frames, stop, shown, lit } = this.scene;
-    this.now.halves = ["VIS", "TAC"].map((name) => !hidden("modality").has(name));
+    this.now.halves = this.scene.halves;
     this.now.layers = layersOf(frames, stop, shown, lit);
     this.now.redraw();
+    this.beside.show();
   }
 
   /** Draw the open step at the present stop. */
@@ -97,6 +107,7 @@ export class Maps {
     if (!kind) return;
     const frame = frames.positions(kind, state.stage, stop);
     this.now.show(frame);
+    this.beside.show();
     this.now.box.dataset.order = frames.orders[isStill(state.stage, frames) ? stop : frame.drawn];
     this.$(".approximate").textContent = notes(frames, frame, stop, kind);
     const stage = stageNamed(state.stage);
@@ -127,13 +138,12 @@ export class Maps {
   }
 }
 
-const meaning = ({ signals, touchOnly }) =>
-  signals ? "● one recording  ▲ the other" : touchOnly ? "▲ touch" : "● photo  ▲ touch";
+const meaning = ({ signals }) => (signals ? "● one recording  ▲ the other" : "● photo  ▲ touch");
 
 /** What to know about the map: how far its neighbours can be trusted, and which stop it shows. */
 export function notes(frames, frame, stop, kind) {
   const parts = [];
-  if (Number.isFinite(frame.trust)) parts.push(`Trust ${frame.trust.toFixed(2)}.`);
+  if (Number.isFinite(frame.trust) && state.chapter === "analyse") parts.push(`Trust ${frame.trust.toFixed(2)}.`);
   if (kind !== state.map) parts.push(`This step has no ${METHODS[state.map]}.`);
   if (frame.stops > 1 && frame.drawn !== stop)
     parts.push(`Shown is p = ${orderText(frames.orders[frame.drawn])}, the nearest of ${frame.stops} stops.`);

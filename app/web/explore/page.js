@@ -7,17 +7,19 @@ import { setOf } from "../shared/sets.js";
 import { openAt, openChapter, state } from "../shared/store.js";
 import { Board } from "./board.js";
 import { chapterNamed, startOf } from "./chapters.js";
-import { centredFrames, dataOf } from "./library.js";
+import { dataOf } from "./library.js";
 import { Modes } from "./modes.js";
 import { showSets } from "./panels.js";
-import { wire } from "./wiring.js";
+import { Threads } from "./threads.js";
+import { OneTouch } from "./touch.js";
+import { wire, wireBoard } from "./wiring.js";
 
 export class Page {
   /** `say` shows the sentence of a Refusal, `telling` the server's progress; null for none. */
-  constructor($, { sets }, { say, telling }) {
+  constructor($, { sets, twins }, { say, telling }) {
     this.$ = $;
     this.sets = sets;
-    this.first = sets.some(({ shown }) => shown) ? "order" : "analyse";
+    this.first = !sets.some(({ shown }) => shown) ? "analyse" : twins ? "touch" : "order";
     this.say = say;
     this.telling = telling;
     this.chapter = ""; // the one on screen; none while its set loads
@@ -26,7 +28,11 @@ export class Page {
     this.data = null;
     /** @type {Board | null} */
     this.board = null; // made with the first set
+    this.touch = new OneTouch($(".touch"));
+    this.threads = new Threads($);
     showSets($(".sets"), sets);
+    for (const name of ["touch", "where"]) $(`.chapters [data-chapter=${name}]`).hidden = !twins; // as in a saved page
+    wire(this);
   }
 
   /** Open the chapter in the address: its set, its frames, its view. */
@@ -37,38 +43,41 @@ export class Page {
     this.layOut(chapter);
     const late = () => state.chapter !== chapter;
     return attempt(async () => {
+      if (chapter === "touch") {
+        await this.touch.open();
+        return late() || this.opened(chapter);
+      }
+      if (chapter === "where") {
+        await this.threads.open();
+        if (late()) return;
+        this.telling(null);
+        this.$(".explore").classList.add("ready");
+      }
       const set = setOf(chapter, this.sets);
       const data = await dataOf(set, (step) => !this.chapter && this.telling(step));
       if (late()) return;
       const board = this.boardOf(data);
       if (board.scene.set !== set) board.scene.load(data);
       this.data = data;
-      const frames = await (chapter === "failure" ? (data.centred ?? data.own) : this.modes.open(data));
+      const frames = await this.modes.open(data);
       if (late() || !frames) return;
-      this.telling(null);
-      this.chapter = chapter;
+      this.opened(chapter);
       this.start(board, frames);
       this.learnAll(board, data);
-      if (chapter === "failure" && !data.centred) this.centre(board, data);
       if (data.coarse) this.refine(board, data);
     }, this.say);
   }
 
-  /** The parts, made once. */
-  boardOf(data) {
-    if (!this.board) wire(this, (this.board = new Board(this.$, data)));
-    return this.board;
+  opened(chapter) {
+    this.telling(null);
+    this.chapter = chapter;
+    this.$(".explore").classList.add("ready");
   }
 
-  /** Show the frames of the second chapter once they are made; a set may be too large to centre. */
-  centre(board, data) {
-    return attempt(
-      async () => {
-        const frames = await centredFrames(data);
-        if (this.data === data && this.chapter === "failure") board.replace(frames);
-      },
-      () => {},
-    );
+  /** The parts, made once. */
+  boardOf(data) {
+    if (!this.board) wireBoard(this, (this.board = new Board(this.$, data, this.threads)));
+    return this.board;
   }
 
   /** Show the parts of a chapter. */
@@ -80,7 +89,9 @@ export class Page {
     for (const button of root.querySelectorAll(".chapters [data-chapter]"))
       button.setAttribute("aria-current", button.dataset.chapter === chapter ? "page" : "false");
     const lesson = chapterNamed(chapter);
-    if (lesson) this.$(".next").textContent = lesson.next;
+    if (!lesson) return;
+    this.$(".next").textContent = lesson.next;
+    this.$(".next").dataset.chapter = lesson.to;
   }
 
   start(board, frames) {
@@ -88,7 +99,6 @@ export class Page {
     if (state.p === null) openAt(startOf(state.chapter, frames, own));
     if (state.pin !== null && !(state.pin < frames.pairs)) state.pin = null;
     board.start(frames, this.sets.find(({ name }) => state.chapter === "order" && set && name !== set)?.curve);
-    this.$(".explore").classList.add("ready");
   }
 
   learnAll(board, data) {

@@ -5,7 +5,7 @@ import { each, escaped } from "../shared/text.js";
 import { onClick } from "../shared/view.js";
 
 const KEPT = "omnivat-panels";
-const FIRST = { card: true, grid: true, confusion: false }; // open on the first visit
+const FIRST = { card: true }; // open on the first visit
 
 /** `onOpen()` is called after a panel opens. Returns open(name) and show(name). */
 export function panels(box, onOpen) {
@@ -24,6 +24,7 @@ export function panels(box, onOpen) {
     open: (name) => named(name).open && named(name).checkVisibility(),
     show: (name) => {
       named(name).open = true;
+      named(name).scrollIntoView({ block: "start" });
     },
   };
 }

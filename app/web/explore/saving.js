@@ -4,7 +4,6 @@ import { attempt, inSet, refused } from "../shared/api.js";
 import { orderText } from "../shared/frames.js";
 import { axisNames } from "../shared/marks.js";
 import { colouring } from "../shared/palette.js";
-import { qrSvg } from "../shared/qr.js";
 import { made, save } from "../shared/save.js";
 import { stageNamed } from "../shared/stages.js";
 import { state } from "../shared/store.js";
@@ -14,7 +13,7 @@ import { loadTags, tagsCsv } from "./tags.js";
 
 const MODES = { moved: "weights fixed, p moved", retrained: "a head trained at this p", every: "one head for every p" };
 
-/** Copy the address together with the map's picture; return what was done, in words. */
+/** Copy the address together with the map's picture, if there is a map; return what was done, in words. */
 export async function share(saving) {
   const text = location.href;
   try {
@@ -32,10 +31,10 @@ export async function share(saving) {
   }
 }
 
-/** Show the link to this view with its QR code, for those who see the screen; a click beside it closes it. */
+/** Show the link to this view; a click beside it closes it. */
 export function showLink(box) {
   const link = location.href;
-  box.innerHTML = `<h3>This view</h3>${qrSvg(link) || "<p>The link is too long for a QR code.</p>"}<input type="text" readonly aria-label="Link to this view">`;
+  box.innerHTML = '<h3>This view</h3><input type="text" readonly aria-label="Link to this view">';
   const field = box.querySelector("input");
   field.value = link;
   field.onfocus = () => field.select();

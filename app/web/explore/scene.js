@@ -4,6 +4,7 @@ import { hidden, state } from "../shared/store.js";
 import { HISTOGRAMS } from "./finder.js";
 import { tagOf } from "./tags.js";
 
+const HALF = { vis: "VIS", tac: "TAC" };
 const isHistogram = (name) => HISTOGRAMS.some((one) => one.name === name);
 
 export class Scene {
@@ -26,6 +27,7 @@ export class Scene {
   highlight = null;
   /** @type {{pairs: Set<number>, words: string} | null} a cell of the confusion matrix */
   only = null;
+  halves = [true, true]; // whether photos and touches are shown
   mask = new Uint8Array(0); // points that all filters leave
 
   /** `data` as in load. */
@@ -59,10 +61,17 @@ export class Scene {
     return Object.fromEntries(known.map(([name, from, to]) => [name, [+from, +to]]));
   }
 
-  /** Take the stop of the address: of p, or of what is known about each domain. */
+  /** Take the stop of p. */
   follow() {
-    const { frames } = this;
-    this.stop = frames.kindOfStops === "centred" ? Number(state.rung !== "0") : frames.stop(state.p);
+    this.stop = this.frames.stop(state.p);
+  }
+
+  /** Take the reading of the last chapter: one image alone has its own predictions, and its half of the points. */
+  read() {
+    const alone = state.chapter === "fooled" && state.reading !== "fused" && this.facts.unseen;
+    this.frames.answered = alone ? alone.pairs.answers[state.reading] : null;
+    const hides = hidden("modality");
+    this.halves = ["VIS", "TAC"].map((name) => !hides.has(name) && !(alone && name !== HALF[state.reading]));
   }
 
   get p() {
@@ -88,8 +97,8 @@ export class Scene {
   refilter() {
     const { frames, mask } = this;
     const wanted = this.wantedPairs();
-    const seen = ["VIS", "TAC"].map((name) => !hidden("modality").has(name));
-    if (frames.touchOnly) seen[0] = false;
+    this.read();
+    const seen = this.halves;
     for (let pair = 0; pair < frames.pairs; pair++) {
       const keep = wanted(pair);
       mask[pair] = keep && seen[0] ? 1 : 0;

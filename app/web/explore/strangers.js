@@ -1,20 +1,21 @@
-/** Unseen domains: accuracy with intervals, confusion, retrieval, look-alikes. */
+/** Unseen domains: look-alikes and each reading of them, every domain, confusion. */
 
-import { spread, values } from "../shared/measures.js";
+import { thumbnail } from "../shared/card.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
 import { each, escaped, options, percent } from "../shared/text.js";
 import { onClick } from "../shared/view.js";
 
 export const READINGS = [
+  { key: "vis", label: "Photo", title: "The touch is absent" },
+  { key: "tac", label: "Touch", title: "The photo is absent" },
   { key: "fused", label: "Both" },
-  { key: "vis", label: "Photo only", title: "The touch is absent" },
-  { key: "tac", label: "Touch only", title: "The photo is absent" },
 ];
 export const UNSEEN = "unseen";
 const NUMBERS = "no one two three four five six seven eight nine ten eleven twelve".split(" ");
 export const inWords = (n) => NUMBERS[n] ?? String(n);
 const NO_CELL = "Choose a cell to see its pairs.";
+const SHOWN = 3; // look-alikes with both pictures
 const times = (counts) => counts.flat().reduce((a, b) => Math.max(a, b), 1);
 
 const whisker = (own) =>
@@ -22,13 +23,25 @@ const whisker = (own) =>
     ? `<i class="range" style="--low:${own.low};--high:${own.high}"></i><i class="mean" style="--share:${own.share}"></i>`
     : "";
 
+/** Look-alikes of unseen domains, the first of each class. */
+export function lookAlikes({ frames, facts: { pairs, unseen } }, most = SHOWN) {
+  const source = frames.domains.indexOf(unseen.source);
+  const found = new Map();
+  for (let pair = 0; pair < frames.pairs; pair++)
+    if (unseen.pairs.counts[pair] && frames.domain[pair] !== source && pairs.looks_like[pair])
+      if (!found.has(frames.label[pair])) found.set(frames.label[pair], pair);
+  return [...found.values()].slice(0, most);
+}
+
 export class Strangers {
-  /** `onCell(cell)` filters the map: {domain, truth, answer} or null. */
-  constructor($, scene, onCell) {
+  /** `onCell(cell)` filters the map: {domain, truth, answer} or null; `onPick(pair)` pins a pair. */
+  constructor($, scene, { onCell, onPick }) {
     this.box = $(".strangers");
     this.confused = $(".confused");
+    this.domains = $(".each-domain");
     this.scene = scene;
     this.onCell = onCell;
+    this.onPick = onPick;
     /** @type {(() => void) | null} */
     this.marked = null;
     this.domain = UNSEEN;
@@ -41,10 +54,11 @@ export class Strangers {
     const facts = this.scene.facts.unseen;
     if (!facts) return;
     const measured = facts.domains.some((one) => one["answers/fused"]); // else there are no test pairs
-    for (const part of [this.box, this.confused.parentElement]) part.classList.toggle("nothing", !measured);
+    for (const part of [this.box, this.confused.parentElement, this.domains.parentElement])
+      part.classList.toggle("nothing", !measured);
     if (!this.marked) {
       this.box.innerHTML =
-        '<div class="readings" role="radiogroup" aria-label="What the head is given"></div><div class="bars"></div>';
+        '<div class="lookers"></div><div class="readings bars" role="radiogroup" aria-label="What the head is given"></div>';
       this.confused.innerHTML = `<p>Columns: predicted, of <select class="of-domain" aria-label="Domain of the confusion matrix"></select></p><div class="confusion"></div>
         <p class="hint cell-words">${NO_CELL}</p>`;
       this.marked = radios(
@@ -55,33 +69,61 @@ export class Strangers {
       );
     }
     this.marked();
-    this.box.querySelector(".bars").innerHTML = this.bars(facts);
+    this.showLookers();
+    this.showReadings(facts);
+    this.domains.innerHTML = this.bars(facts);
     this.listDomains(facts);
     this.showConfusion();
-    this.mark();
   }
 
+  /** Both pictures of a few look-alikes, and what the head reads in each alone. */
+  showLookers() {
+    const { scene } = this;
+    const { frames, sprite, facts } = scene;
+    const { classes, pairs } = facts.unseen;
+    const box = this.box.querySelector(".lookers");
+    box.hidden = !facts.unseen.look_alikes || !facts.pairs || !sprite;
+    if (box.hidden) return;
+    const side = innerWidth < 820 ? 54 : 64;
+    const read = (pair, reading, label) => {
+      const said = pairs.answers[reading][pair];
+      const right = said === frames.label[pair];
+      const tile = reading === "tac" ? frames.pairs + pair : pair;
+      return `<figure>${thumbnail(sprite, tile, side, label)}<figcaption class="${right ? "right" : "wrong"}">${right ? "✓" : "✗"} ${escaped(classes[said])}</figcaption></figure>`;
+    };
+    box.innerHTML = each(
+      lookAlikes(scene),
+      (pair) =>
+        `<button type="button" data-pair="${pair}"><span class="thumbs">${read(pair, "vis", "photo")}${read(pair, "tac", "touch")}</span>${escaped(classes[frames.label[pair]])}, looks like ${escaped(facts.pairs.looks_like[pair])}</button>`,
+    );
+    onClick(box, { "[data-pair]": ({ dataset }) => this.onPick(+dataset.pair) });
+  }
+
+  /** A bar for each reading: of the look-alikes, or of all unseen pairs where there are none. */
+  showReadings(facts) {
+    const of = facts.look_alikes ?? facts.unseen;
+    for (const button of this.box.querySelectorAll(".readings button")) {
+      const own = of[`answers/${button.dataset.key}`];
+      const label = READINGS.find(({ key }) => key === button.dataset.key)?.label;
+      const figure = own
+        ? `<b>${percent(own.share)}</b> <small>${(100 * own.low).toFixed(0)} to ${(100 * own.high).toFixed(0)}</small>`
+        : "–";
+      button.innerHTML = `<span>${label}</span><span class="scale" style="--chance:${facts.chance}">${whisker(own)}</span><output>${figure}</output>`;
+    }
+  }
+
+  /** Every domain, by the chosen reading. */
   bars(facts) {
     const key = `answers/${state.reading}`;
     const row = (name, own, kind, note, title = "") =>
-      `<div class="bar-row ${kind}" data-domain="${escaped(name)}" title="${title}"><span class="who">${escaped(name.replace(/-sim$/, ""))}${kind === "source" ? ' <b class="tag source">source</b>' : ""}</span><span class="scale" style="--chance:${facts.chance}">${whisker(own)}<i class="here" hidden></i></span><output>${own ? percent(own.share) : "–"}</output>${note}</div>`;
+      `<div class="bar-row ${kind}" data-domain="${escaped(name)}" title="${title}"><span class="who">${escaped(name.replace(/-sim$/, ""))}${kind === "source" ? ' <b class="tag source">source</b>' : ""}</span><span class="scale" style="--chance:${facts.chance}">${whisker(own)}</span><output>${own ? percent(own.share) : "–"}</output>${note}</div>`;
     const measured = facts.domains.filter((one) => one.pairs || one[key]);
     const domains = measured.map((one) =>
       row(one.name, one[key], one.is_source ? "source" : "", `<span class="sr">${one.pairs} test pairs</span>`),
     );
-    const alike = facts.look_alikes;
-    const rows = [
-      row("unseen, mean", facts.unseen[key], "mean-row", ""),
-      alike && row("look-alikes", alike[key], "alike-row", ""),
-      row(
-        "retrieval",
-        facts.unseen.retrieval,
-        "retrieval-row",
-        "",
-        "How often the touch nearest to a photo in the same domain has its class; each image is seen alone, at F̂",
-      ),
-    ];
-    return `${domains.join("")}<hr>${rows.filter(Boolean).join("")}`;
+    const retrieval =
+      "How often the touch nearest to a photo in the same domain has its class; each image is seen alone, at F̂";
+    return `${domains.join("")}<hr>${row("unseen, mean", facts.unseen[key], "mean-row", "")}${row("retrieval", facts.unseen.retrieval, "", "", retrieval)}`;
   }
 
   listDomains(facts) {
@@ -151,22 +193,5 @@ export class Strangers {
         found.push(pair);
     }
     return found;
-  }
-
-  /** Mark the accuracy of heads trained at the current p on each bar. */
-  mark() {
-    const { frames, stop } = this.scene;
-    const there = frames.kind === "retrained" && state.reading === "fused";
-    for (const row of this.box.querySelectorAll(".bar-row")) {
-      const here = row.querySelector(".here");
-      const name = row.classList.contains("mean-row") ? "" : row.dataset.domain;
-      const own =
-        there && !row.matches(".alike-row, .retrieval-row") ? values(frames, "accuracy", "f_hat", name) : null;
-      here.hidden = !Number.isFinite(own?.[stop]);
-      if (here.hidden) continue;
-      const ends = spread(frames, "accuracy", "f_hat", name);
-      here.style.setProperty("--share", own[stop]);
-      here.title = `heads trained at p = ${frames.orders[stop]}: ${percent(own[stop], 1)}${ends ? `, ${percent(ends.low[stop])} to ${percent(ends.high[stop])}` : ""}`;
-    }
   }
 }

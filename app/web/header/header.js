@@ -1,8 +1,10 @@
 /** The page header: title, badge for simulated data, light or dark. */
 
 import { refused } from "../shared/api.js";
+import { limits } from "../shared/limits.js";
 import { keep, kept } from "../shared/memory.js";
 import { followTabs } from "../shared/tabs.js";
+import { showDefinitions } from "../shared/terms.js";
 import { startTour } from "./tour.js";
 
 export function start(root) {
@@ -16,8 +18,11 @@ export function start(root) {
       }),
     );
   document.addEventListener("omnivat:simulated", (event) => {
-    root.querySelector(".badge").hidden = !(event instanceof CustomEvent && event.detail);
+    root.querySelector(".badge").hidden = false;
+    if (event instanceof CustomEvent && !event.detail) root.querySelector(".badge").textContent = "real pairs";
   });
+  limits(root.querySelector(".limits"));
+  showDefinitions();
   followTabs();
 }
 

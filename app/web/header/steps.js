@@ -1,13 +1,13 @@
-/** The tour: six steps through the chapters. A step has a chapter, a question, options and what is then told. */
+/** The tour: a question in each chapter, options, and what is then told. Every figure is one of the page's own. */
 
 import { values } from "../shared/measures.js";
 import { percent } from "../shared/text.js";
 
 const CLEAR = 0.1; // of accuracy: a smaller change over p is called small
 const NEAR = 0.05; // quarter turns between an option and the best order
+const MOST = 200; // pictures without labels
 const READINGS = { vis: "The photo", tac: "The touch" };
 
-const points = (v) => `${v < 0 ? "−" : "+"}${Math.abs(100 * v).toFixed(1)}`;
 const b = (text) => `<b>${text}</b>`;
 const known = (curve) => (curve ?? []).filter(Number.isFinite);
 /** @type {(curve: number[]) => [number, number]} */
@@ -15,18 +15,108 @@ const ends = (curve) => [Math.min(...known(curve)), Math.max(...known(curve))];
 const ranges = (curve) => (known(curve).length ? ends(curve)[1] - ends(curve)[0] : NaN);
 const best = ({ curve, orders }) => orders[curve.indexOf(ends(curve)[1])];
 const within = ([low, high]) => `between ${b(percent(low))} and ${b(percent(high))}`;
-const home = ({ unseen }) => unseen.domains.find(({ is_source }) => is_source)?.["answers/fused"];
-const away = ({ unseen }) => unseen.unseen["answers/fused"];
 const overlap = (one, other) => one.low <= other.high && other.low <= one.high;
 const missing = "These data cannot tell: the head's source or its accuracy is not known here.";
 
+/** [share, low, high] of the head that learned from the first sensor's touches: away, by dots and pictures; at home. */
+export const away = ({ twins }, dots = 0, pictures = 0) =>
+  twins.away.touch[0][dots][Math.max(0, [0, ...twins.pictures].indexOf(pictures))];
+export const home = ({ twins }) => twins.accuracy.touch[0][0][0][0];
+
+/** How much of the loss filled dots bring back, from 0 to 1. */
+const mended = (at) => (away(at, 1)[0] - away(at)[0]) / (home(at)[0] - away(at)[0]);
+
 /**
- * `at` gives the figures: curve and orders (accuracy over p of the first chapter's set), pale (that of the other
- * set), unseen (facts about the loaded head), gaps (domain gap as it comes, centred), rungs (the ladder of the loaded
- * head), records (gains of 20 pictures on heads from other sources), classes. A step is {title, chapter, set, ask,
- * options, right, reveal}. `right(at)` returns the keys that are right, or none if the data cannot decide.
+ * `at` gives the figures: twins and places (what heads predict of the twins, and their map; null in a saved page), curve
+ * and orders (accuracy over p on the chirps), pale (that on the sensors), unseen (facts about the loaded head). A step
+ * is {title, chapter, needs, set, ask, options, right, after, reveal}; without `ask` it tells only. `needs` names the
+ * figure without which it is left out, `set` what the chapter opens with. `right(at)` returns the keys that are right,
+ * or none if the data cannot decide.
+ * @type {any[]}
  */
 export const STEPS = [
+  {
+    title: "One touch",
+    chapter: "touch",
+    needs: "twins",
+    set: { press: "", from: "0", dots: "", known: "0", reading: "tac" },
+    ask: "A model learned materials from the first sensor’s touches. Seven others image the same presses. Of what it reads right at home, how much does it still read?",
+    options: [
+      ["most", "Nearly all"],
+      ["part", "More than half"],
+      ["less", "Less than half"],
+    ],
+    right: (at) => {
+      const left = away(at)[0] / home(at)[0];
+      return [left > 0.9 ? "most" : left < 0.5 ? "less" : "part"];
+    },
+    reveal: (at) =>
+      `${b(percent(home(at)[0]))} on its own sensor, ${b(percent(away(at)[0]))} on the seven others. Only the sensor changed.`,
+  },
+  {
+    title: "The dots",
+    chapter: "touch",
+    needs: "twins",
+    set: { press: "", from: "0", dots: "", known: "0", reading: "tac" },
+    ask: "Dots are printed on some gels. Now each dot takes the colours around it, in training too. How much of the loss comes back?",
+    options: [
+      ["little", "Hardly any"],
+      ["part", "Less than half"],
+      ["most", "More than half"],
+    ],
+    right: (at) => [mended(at) < 0.1 ? "little" : mended(at) < 0.5 ? "part" : "most"],
+    after: () => ({ dots: "1" }),
+    reveal: (at) =>
+      `${b(percent(away(at, 1)[0]))} in place of ${b(percent(away(at)[0]))}, and nothing was known of the new sensors.`,
+  },
+  {
+    title: "Without one label",
+    chapter: "touch",
+    needs: "twins",
+    set: { press: "", from: "0", dots: "", known: "0", reading: "tac" },
+    ask: `Instead, ${MOST} pictures of each new sensor give the mean and spread of each feature; no label is used. Does that bring more than filled dots?`,
+    options: [
+      ["more", "More"],
+      ["same", "About as much"],
+      ["less", "Less"],
+    ],
+    right: (at) => {
+      const [few, filled] = [away(at, 0, MOST), away(at, 1)];
+      return few[1] > filled[2] ? ["more"] : few[2] < filled[1] ? ["less"] : ["same"];
+    },
+    after: () => ({ known: String(MOST) }),
+    reveal: (at) =>
+      `${b(percent(away(at, 0, MOST)[0]))}; filled dots bring ${b(percent(away(at, 1)[0]))}, and both together ${b(percent(away(at, 1, MOST)[0]))}.`,
+  },
+  {
+    title: "Where they go",
+    chapter: "where",
+    needs: "places",
+    set: { rung: "0" },
+    ask: "Each colour is a sensor, and a thread joins one press. Suppose each sensor’s mean is taken away. Does the head read its touches again?",
+    options: [
+      ["yes", "Mostly"],
+      ["no", "Not yet"],
+    ],
+    right: ({ places: { accuracy } }) => [accuracy[1] - accuracy[0] > 0.5 * (accuracy[2] - accuracy[0]) ? "yes" : "no"],
+    after: () => ({ rung: "2" }),
+    reveal: ({ places: { accuracy } }) =>
+      `${b(percent(accuracy[0]))} as they come, ${b(percent(accuracy[1]))} with the mean moved, ${b(percent(accuracy[2]))} with mean and spread: sensors shift features and stretch them.`,
+  },
+  {
+    title: "The order p on touch",
+    chapter: "where",
+    needs: "pale",
+    set: { rung: "0" },
+    ask: "The slider turns all features by an order p; each stop has heads of its own. How far does accuracy on new sensors range?",
+    options: [
+      ["much", "Over ten points"],
+      ["little", "Less"],
+    ],
+    right: (at) => [ranges(at.pale) >= CLEAR ? "much" : "little"],
+    after: () => ({ rung: "p" }),
+    reveal: (at) => `It lies ${within(ends(at.pale))}. Drag p: the points and both gaps move all the same.`,
+  },
   {
     title: "When does p decide?",
     chapter: "order",
@@ -46,56 +136,8 @@ export const STEPS = [
     after: (at) => (known(at.curve).length ? { p: best(at) } : {}),
     reveal: (at) =>
       known(at.curve).length
-        ? `Accuracy in unseen domains lies ${within(ends(at.curve))}; the best order is p = ${b(best(at).toFixed(2))}. The map now shows it.`
+        ? `Accuracy in unseen domains lies ${within(ends(at.curve))}; the best order is p = ${b(best(at).toFixed(2))}. There the chirp is sharp.`
         : missing,
-  },
-  {
-    title: "And on touch sensors?",
-    chapter: "order",
-    ask: "The same heads, trained on photos and touches. How much does accuracy range over p there?",
-    options: [
-      ["much", "As much"],
-      ["little", "Hardly"],
-    ],
-    right: (at) => (known(at.pale).length ? [ranges(at.pale) >= CLEAR ? "much" : "little"] : []),
-    reveal: (at) =>
-      known(at.pale).length
-        ? `It lies ${within(ends(at.pale))}: the grey curve. An order decides only where the data hold a signal of that order.`
-        : "There is no second set here to compare with.",
-  },
-  {
-    title: "The next sensor",
-    chapter: "failure",
-    ask: "A head learned from one sensor, the source. How much of its accuracy is left on sensors it never met?",
-    options: [
-      ["most", "More than nine tenths"],
-      ["part", "Between half and nine tenths"],
-      ["less", "Less than half"],
-    ],
-    right: (at) => {
-      if (!home(at) || !away(at)) return [];
-      const left = away(at).share / home(at).share;
-      return [left > 0.9 ? "most" : left < 0.5 ? "less" : "part"];
-    },
-    reveal: (at) =>
-      home(at) && away(at)
-        ? `${b(percent(home(at).share))} at home, ${b(percent(away(at).share))} away: each colour is a sensor, and each lies at a place of its own.`
-        : missing,
-  },
-  {
-    title: "Without one label",
-    chapter: "failure",
-    ask: "Take from each sensor the mean of its own pictures; no label is needed. What becomes of the distance between sensors?",
-    options: [
-      ["same", "It stays"],
-      ["gone", "It shrinks to a small part"],
-    ],
-    right: (at) => (at.gaps?.[0] ? [at.gaps[1] < 0.5 * at.gaps[0] ? "gone" : "same"] : []),
-    after: () => ({ rung: "1" }),
-    reveal: (at) =>
-      at.gaps?.[0]
-        ? `Their mean distance falls from ${b(at.gaps[0].toFixed(2))} to ${b(at.gaps[1].toFixed(2))}: much of what differs between sensors is one offset of all pictures.`
-        : "This set has one domain, or is too large to centre here.",
   },
   {
     title: "When is touch needed?",
@@ -106,6 +148,7 @@ export const STEPS = [
       if (!alike || overlap(alike["answers/vis"], alike["answers/tac"])) return [];
       return [alike["answers/vis"].share > alike["answers/tac"].share ? "vis" : "tac"];
     },
+    after: () => ({ reading: "tac" }),
     reveal: ({ unseen: { look_alikes: alike } }) => {
       if (!alike) return "No pair of this set looks like another class.";
       const [photo, touch] = ["vis", "tac"].map((name) => alike[`answers/${name}`]);
@@ -115,51 +158,22 @@ export const STEPS = [
   },
   {
     title: "Why does it fail on the next sensor?",
-    chapter: "failure",
-    ask: "The sensors' offsets can be taken away without a label. Is accuracy away from home surely higher then?",
-    options: [
-      ["yes", "Surely higher"],
-      ["no", "Not surely"],
-    ],
-    climbs: true, // waits for the ladder
-    right: (at) => (away(at) && profiled(at) ? [profiled(at).low > away(at).high ? "yes" : "no"] : []),
-    after: () => ({ rung: "1" }),
+    chapter: "touch",
+    needs: "twins",
+    set: { dots: "1", known: String(MOST), reading: "tac", from: "0" },
     reveal: (at) => answer(at),
   },
 ];
 
-/** The loaded head's accuracy away from home once 20 pictures of each new sensor give its offset, if computed. */
-const profiled = ({ rungs = [] }) => rungs.find(({ rung, from }) => rung === "n20" && from === "this head") ?? null;
-
-/** What that brings: on this head with its intervals, and on heads from other sensors, from the records. */
-function brings(at) {
-  const [mine, here] = [profiled(at), away(at)];
-  if (!mine || !here) return "";
-  const sure = mine.low > here.high || mine.high < here.low ? "" : ", so this is not sure";
-  const others = (at.records ?? []).filter(Number.isFinite);
-  const mean = others.reduce((sum, v) => sum + v, 0) / others.length;
-  const elsewhere = others.length
-    ? `; light heads from ${others.length} other sources, in the records, gain ${b(points(mean))} points on average (${points(Math.min(...others))} to ${points(Math.max(...others))})`
-    : "";
-  return ` With 20 pictures and no labels this head is right in ${b(percent(mine.accuracy))} (${percent(mine.low)} to ${percent(mine.high)}, before ${percent(here.low)} to ${percent(here.high)}${sure})${elsewhere}.`;
-}
-
-/** The title's answer in sentences of the page's own figures: how it fails, what centring brings, what p does. */
+/** The title's answer in sentences of the page's own figures: what failed, what mended it, what p does. */
 export function answer(at) {
-  const [there, here] = [home(at), away(at)];
-  const failed =
-    there && here
-      ? `On sensors it never met the head is right in ${b(percent(here.share))} instead of ${b(percent(there.share))}`
-      : "How much it fails is not known here";
-  const offset = at.gaps?.[0]
-    ? `; each sensor shifts all its pictures, and without those shifts sensors lie ${b(at.gaps[1].toFixed(2))} apart instead of ${b(at.gaps[0].toFixed(2))}`
-    : "";
+  const dots =
+    mended(at) > 0.5 ? "Most of that were the dots printed on its gel: filled" : "With the printed dots filled";
+  const more = ` ${dots}, it reads ${b(percent(away(at, 1)[0]))}, and with ${MOST} pictures without labels ${b(percent(away(at, 1, MOST)[0]))}.`;
   const order = known(at.pale).length
     ? ` Over all orders p, accuracy lies ${within(ends(at.pale))} on the sensors, ${within(ends(at.curve))} on the chirps.`
-    : known(at.curve).length
-      ? ` Over all orders p, accuracy lies ${within(ends(at.curve))}.`
-      : "";
-  return `${failed}${offset}.${brings(at)}${order}`;
+    : "";
+  return `It had learned its sensor together with the materials: on another one it reads ${b(percent(away(at)[0]))} instead of ${b(percent(home(at)[0]))}.${more}${order}`;
 }
 
 /** The figures for the steps. */

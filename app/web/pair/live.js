@@ -60,6 +60,7 @@ export class Live extends View {
   press(on) {
     press(this.$(".start"), on);
     this.$(".start").textContent = on ? "Stop" : "Start";
+    this.box.closest(".desk").classList.toggle("live", on); // cameras and prediction side by side
     for (const feed of this.feeds) feed.active = on;
     for (const name of ["rest", "calibrate", "record"]) this.$(`.${name}`).disabled = !on;
   }

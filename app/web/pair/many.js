@@ -4,30 +4,49 @@ import { ask, attempt, refused } from "../shared/api.js";
 import { csv as written } from "../shared/csv.js";
 import { IMAGES } from "../shared/images.js";
 import { save } from "../shared/save.js";
-import { escaped, row, table } from "../shared/text.js";
+import { each, escaped, row, table } from "../shared/text.js";
 import { onClick, View } from "../shared/view.js";
 import { upload } from "./own-pictures.js";
 import { paired } from "./pairing.js";
 import { tally } from "./tally.js";
-import { brief, READINGS, readingsOf, said } from "./verdict.js";
+import { brief, READINGS, readingsOf, said, TERMS } from "./verdict.js";
 
 const AT_ONCE = 12; // pairs of one request
 const plural = (n, what) => `${n.toLocaleString("en-US")} ${what}${n === 1 ? "" : "s"}`;
 
 export class Many extends View {
-  /** on: open(pair), labels(pairs) to count and teach, classes() of the head, lessons(). */
+  /** on: open(pair), labels(pairs) to count, teach(), profile(photos, touches), classes() of the head, lessons(), changed(). */
   constructor(box, on) {
     super(box);
     this.on = on;
     this.stopped = new AbortController();
     this.rows = [];
+    /** @type {any[]} */
+    this.unnamed = []; // files whose names do not tell photo from touch
+    box.onchange = ({ target }) => target.dataset.label && this.label(+target.dataset.label, target.value.trim());
     onClick(box, {
-      "tr[data-row]": ({ dataset }) => on.open(this.rows[+dataset.row]),
+      "[data-row]": ({ dataset }) => on.open(this.rows[+dataset.row]),
       ".stop": () => this.stopped.abort(),
       ".csv": () => save("pairs.csv", csv(this.rows)),
-      ".labels": () => on.labels(this.rows.filter(({ label, said: found }) => label && found)),
+      ".teach": () => {
+        this.count();
+        on.teach();
+      },
+      ".as-profile": () => on.profile(...IMAGES.map((name) => this.rows.flatMap((one) => one[name] || []))),
+      "[data-kind]": ({ dataset }) => this.take(this.unnamed, dataset.kind),
       ".close": () => this.close(),
     });
+  }
+
+  /** A label typed into the table is counted at once. */
+  label(number, text) {
+    this.rows[number].label = text;
+    this.count();
+  }
+
+  count() {
+    const labelled = this.rows.filter(({ label, said: answer }) => label && answer);
+    if (labelled.length) this.on.labels(labelled);
   }
 
   close() {
@@ -36,19 +55,30 @@ export class Many extends View {
     this.box.hidden = true;
   }
 
-  /** files: [{path, file}]. */
-  async take(files) {
+  /** files: [{path, file}]; rest: what pictures are whose names do not tell. */
+  async take(files, rest = "") {
     this.close();
     const mine = (this.stopped = new AbortController());
     const table = files.find(({ path }) => /\.csv$/i.test(path));
-    const { pairs, alone } = paired(files, table ? await table.file.text() : "", await this.on.classes());
+    const { pairs, alone, problem } = paired(
+      files,
+      table ? await table.file.text() : "",
+      await this.on.classes(),
+      rest,
+    );
     this.box.hidden = false;
     const left = alone.length ? ` ${plural(alone.length, "picture")} left out: no partner by name.` : "";
+    if (!pairs.length && alone.length && !table && !rest) {
+      this.unnamed = files;
+      this.box.innerHTML = `<div class="stand"><p role="status">${plural(alone.length, "picture")} without vis or tac in the name. They are</p>${each(IMAGES, (name) => `<button type="button" data-kind="${name}">${TERMS[name].many}</button>`)}<button type="button" class="close">Close</button></div>`;
+      return;
+    }
     if (!pairs.length) {
       this.show(
-        table
-          ? "The CSV names none of these pictures. Drop it together with them; it needs the columns vis and tac."
-          : `No pair was recognised among ${plural(files.length, "file")}. Name them x_vis and x_tac, or add a CSV with the columns vis and tac.`,
+        problem ||
+          (table
+            ? "The CSV names none of these pictures. Drop it together with them; it needs the columns vis and tac."
+            : `No pair was recognised among ${plural(files.length, "file")}. Name them x_vis and x_tac, or add a CSV with the columns vis and tac.`),
       );
       return;
     }
@@ -68,6 +98,7 @@ export class Many extends View {
         this.rows.push(...some);
       }
       this.show(left);
+      this.on.changed();
     } catch (error) {
       if (mine.signal.aborted && this.stopped === mine)
         this.show(` Cancelled after ${this.rows.length} of ${plural(pairs.length, "pair")}.${left}`);
@@ -86,6 +117,7 @@ export class Many extends View {
         pair[modality] = null;
       }
     }
+    if (pair.vis && pair.vis === pair.tac) pair.problem = "Photo and touch are the same picture.";
   }
 
   async predict(pairs, signal) {
@@ -115,12 +147,12 @@ export class Many extends View {
 
   show = (note) => {
     this.box.innerHTML = this.rows.length
-      ? tableHtml(this.rows, note)
+      ? tableHtml(this.rows, note, Boolean(this.on.lessons().lessons))
       : `<div class="stand"><p role="status">${escaped(note)}</p><button type="button" class="close">Close</button></div>`;
   };
 }
 
-function tableHtml(rows, note) {
+function tableHtml(rows, note, taught) {
   const read = rows.filter((one) => one.readings).map((one) => ({ ...one, said: readingsOf(one) }));
   const labelled = rows.filter(({ label, readings }) => label && readings);
   const guesses = read.filter(({ said }) => said[0].guess ?? said.some(({ guess }) => guess)).length;
@@ -128,17 +160,21 @@ function tableHtml(rows, note) {
   const scores = READINGS.filter(([reading]) => right[reading]).map(
     ([reading, title]) => `${title.toLowerCase()} ${right[reading].right} of ${right[reading].of}`,
   );
+  const names = [...new Set(rows.flatMap(({ classes = [], label }) => [...classes, label]))].filter(Boolean);
   const lines = rows.map((one, i) => {
     if (!one.readings) return row(escaped(one.name), [`<td colspan="4" class="wrong">${escaped(one.problem)}</td>`]);
     const cells = readingsOf(one).map((reading) => {
       const mark = one.label && reading.label && (one.label === reading.label ? "right" : "wrong");
       return `<td class="${mark || ""}">${brief(reading)}</td>`;
     });
-    const name = `<button type="button" class="link">${escaped(one.name)}</button>`;
-    return row(name, [escaped(one.label || "–"), ...cells]).replace("<tr", `<tr data-row="${i}"`);
+    const name = `<button type="button" class="link" data-row="${i}">${escaped(one.name)}</button>`;
+    const label = `<input type="text" list="ov-classes" maxlength="40" size="9" data-label="${i}" aria-label="Label of ${escaped(one.name)}" value="${escaped(one.label)}">`;
+    const lesson = taught && one.label ? "<small>taught with it</small>" : "";
+    return row(`${name} ${lesson}`, [label, ...cells]).replace("<tr", `<tr data-pair="${i}"`);
   });
-  return `<header><h3>${plural(rows.length, "pair")}: ${plural(guesses, "guess").replace("guesss", "guesses")}</h3><span class="row">${labelled.length ? '<button type="button" class="labels">Count and teach them</button>' : ""}<button type="button" class="main csv">Save as CSV</button><button type="button" class="close">Close</button></span></header>
-    <p class="hint" role="status">${scores.length ? `Right: ${scores.join(", ")}. ` : ""}“?” marks a guess: a picture unlike anything the head has seen. Choose a row to open its pair.${escaped(note)}</p>
+  return `<header><h3>${plural(rows.length, "pair")}: ${plural(guesses, "guess").replace("guesss", "guesses")}</h3><span class="row"><button type="button" class="as-profile" title="Their mean and spread, without labels">Profile of these</button><button type="button" class="main teach">Teach</button><button type="button" class="csv">Save as CSV</button><button type="button" class="close">Close</button></span></header>
+    <p class="hint" role="status">${taught ? "By the head taught on your labelled pairs. " : scores.length ? `Right: ${scores.join(", ")}. ` : ""}“?” marks a guess: a picture unlike ${taught ? "those that you labelled" : "anything the head has seen"}. Type a label; a name opens its pair.${escaped(note)}</p>
+    <datalist id="ov-classes">${each(names, (name) => `<option value="${escaped(name)}">`)}</datalist>
     ${table("Your pairs and their predictions", ["Pair", "Label", ...READINGS.map(([, title]) => title)], lines)}`;
 }
 

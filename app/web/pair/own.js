@@ -1,7 +1,9 @@
 /** The visitor's own pairs: labels, a running count, and teaching the head. */
 
-import { ask, attempt, bytesOf } from "../shared/api.js";
+import { ask, attempt, bytesOf, visit } from "../shared/api.js";
+import { loaded } from "../shared/facts.js";
 import { IMAGES } from "../shared/images.js";
+import { provenance } from "../shared/provenance.js";
 import { made, save } from "../shared/save.js";
 import { escaped, row, table } from "../shared/text.js";
 import { onClick, View } from "../shared/view.js";
@@ -10,12 +12,18 @@ import { READINGS, said } from "./verdict.js";
 import { zipped } from "./zip.js";
 
 export class OwnPairs extends View {
-  /** onAgain: predict again, by another head; onLabel: a label is new; onOpen: show this pair. */
-  constructor(box, { onAgain, onLabel, onOpen }) {
+  /** onAgain: predict again, by another head; onLabel: a label is new; onOpen: show this pair; onChange: whenever shown. */
+  constructor(box, { onAgain, onLabel, onOpen, onChange }) {
     super(box);
+    this.onChange = onChange;
     this.onAgain = onAgain;
     this.onLabel = onLabel;
     this.pairs = [];
+    this.source = "its own training pairs";
+    loaded().then(
+      ({ head }) => (this.source = head.provenance?.source ?? this.source),
+      () => {}, // the page itself reports a lost set
+    );
     this.report = null; // result of teaching
     this.inUse = false;
     this.note = "";
@@ -56,6 +64,7 @@ export class OwnPairs extends View {
     this.now = now;
     if (classes) this.classes = classes;
     if (describe) this.describe = describe;
+    this.onChange();
     this.box.hidden = !this.pairs.length && !isOwn(now);
     if (this.box.hidden || !this.classes) return;
     this.box.innerHTML = `${isOwn(now) ? this.question() : ""}${this.counted()}${this.teaching()}<p class="hint" role="status">${escaped(this.note)}</p>`;
@@ -96,7 +105,13 @@ export class OwnPairs extends View {
       (one) =>
         `<li><button type="button" class="open" data-key="${escaped(keyOf(one))}">${escaped(one.label)}<small>${escaped(one.name)}</small></button><button type="button" class="drop" data-key="${escaped(keyOf(one))}" aria-label="Forget ${escaped(one.name)}">×</button></li>`,
     );
-    return `<div class="tally"><b>Right so far:</b> ${parts.join(" ")}</div><ul class="chips">${chips.join("")}</ul>`;
+    const from = provenance({
+      head: "the head as trained",
+      source: this.source,
+      pairs: `your ${this.pairs.length} labelled pairs`,
+      known: visit.profile ? "a profile of your pictures" : "nothing",
+    });
+    return `<div class="tally"><b>Right so far:</b> ${parts.join(" ")}</div>${from}<ul class="chips">${chips.join("")}</ul>`;
   }
 
   teaching() {
@@ -107,7 +122,7 @@ export class OwnPairs extends View {
       this.report
         ? `<button type="button" class="use" aria-pressed="${this.inUse}">${use}</button><button type="button" class="save-head">Save the taught head</button>`
         : ""
-    }<button type="button" class="save-set" title="Their embeddings, as a file for this page and the commands">Save my pairs as a set</button><button type="button" class="save-pictures" title="The pictures in folders by class, for omnivat embed">Save the pictures</button></div>${lacking ? `<p class="hint">${escaped(lacking)}</p>` : ""}${this.report ? reportHtml(this.report) : ""}`;
+    }<button type="button" class="save-set" title="Their embeddings, as a file for this page and the commands">Save my pairs as a set</button><button type="button" class="save-pictures" title="The pictures in folders by class, for omnivat embed">Save the pictures</button></div>${lacking ? `<p class="hint">${escaped(lacking)}</p>` : ""}${this.report ? reportHtml(this.report, this.source) : ""}`;
   }
 
   /** Count the pair on the screen by what the head as trained predicts for exactly this pair. */
@@ -138,7 +153,9 @@ export class OwnPairs extends View {
     await attempt(async () => {
       this.report = await ask("teach", { lessons: lessonsFor(this.pairs, {}) });
       this.note = "";
+      this.inUse = true;
       this.show(this.now);
+      this.onAgain();
     }, this.say);
   }
 
@@ -174,7 +191,7 @@ const ending = ({ type }) =>
   ({ "image/png": "png", "image/webp": "webp", "image/tiff": "tif", "image/bmp": "bmp" })[type] ?? "jpg";
 
 /** Before and after, pair by pair. */
-function reportHtml({ judged, right, method }) {
+function reportHtml({ judged, right, share }, source) {
   const cell = (label, said) =>
     `<td class="${said === label ? "right" : "wrong"}">${said === label ? "✓" : "✗"} ${escaped(said)}</td>`;
   const rows = judged.map((one) =>
@@ -185,6 +202,7 @@ function reportHtml({ judged, right, method }) {
   );
   const step = Math.round(100 / judged.length);
   return `<div class="taught"><p><b>Right before: ${right.before} of ${judged.length}. After: ${right.after} of ${judged.length}.</b></p>
-    <p class="hint">Each pair was predicted by a head taught on all the others. Method: <b>${method}</b>, chosen by leaving pairs out. Features do not change, and p plays no part unless the method is class directions. One pair is ${step} points here.</p>
+    ${provenance({ head: "a head taught on all your other pairs", source: `${source} and those`, pairs: `your ${judged.length} labelled pairs`, known: "the labels of the others" })}
+    <p class="hint">Your pairs alone have ${Math.round(100 * share)} % of the say, the training pairs with yours the rest. Features do not change, and p plays no part. One pair is ${step} points here.</p>
     ${table("Your pairs before and after teaching", ["It is", "before", "after"], rows)}</div>`;
 }

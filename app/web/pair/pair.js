@@ -1,22 +1,26 @@
 /** Try a pair: choose two images, see the prediction and its reliability. */
 
 import { ask, attempt, isCancelled, json, refused } from "../shared/api.js";
-import { loaded } from "../shared/facts.js";
+import { ladder, loaded } from "../shared/facts.js";
 import { needsHead } from "../shared/headless.js";
 import { headLabel, heads } from "../shared/headsets.js";
 import { IMAGES, OTHER } from "../shared/images.js";
-import { nodeMap } from "../shared/nodemap.js";
 import { onTheme } from "../shared/palette.js";
 import { somePair } from "../shared/pick.js";
+import { awaited } from "../shared/ready.js";
 import { change, state, watch, watchIn } from "../shared/store.js";
+import { fill } from "../shared/text.js";
 import { theSetSoon } from "../shared/theset.js";
 import { onClick, tell, View } from "../shared/view.js";
 import { Live, liveHtml } from "./live.js";
+import { loading } from "./loading.js";
 import { Many } from "./many.js";
+import { pairMap } from "./on-map.js";
 import { OwnPairs } from "./own.js";
 import { chosenFiles, droppedFiles, Known, takeLinked } from "./own-pictures.js";
-import { Sensor } from "./sensor.js";
+import { madeOf as profileOf, Sensor } from "./sensor.js";
 import { Gallery, slots } from "./slots.js";
+import { lineHtml, nextStep, stepOf } from "./steps.js";
 import { isOwn, mixed, taughtBy } from "./tally.js";
 import {
   cards,
@@ -71,30 +75,40 @@ class PairTab extends View {
     this.known = new Known(examples, set);
     this.whatIf = new WhatIf(this.$(".what-if-p"));
     this.own = new OwnPairs(this.$(".own"), {
-      onAgain: () => this.ask(),
+      onAgain: () => {
+        this.ask();
+        this.many.again();
+      },
       onLabel: () => this.showVerdict(),
+      onChange: () => this.showLine(),
       onOpen: ({ vis, tac }) => change({ vis, tac }),
     });
     this.sending = 0; // uploads on the way
     this.many = new Many(this.$(".many"), {
       open: ({ vis, tac }) => change({ vis, tac }),
       labels: (pairs) => this.own.add(pairs),
-      classes: async () => (await loaded()).head.classes ?? [],
+      teach: () => this.own.teach(),
       lessons: () => this.own.lessons({}),
+      profile: (photos, touches) => this.sensor.make(photos, touches),
+      changed: () => this.showLine(),
+      classes: async () => (await loaded()).head.classes ?? [],
     });
     this.cameras = new Live(this.$(".cameras"), {
       answer: (found) => this.showLive(found),
       problem: this.problem,
       taught: async (fresh) => taughtBy(this.own.lessons({}), fresh),
-      calibrate: (files) => this.sensor.take(files),
+      calibrate: (files) => this.sensor.take(files, "tac"),
     });
     this.sensor = new Sensor(this.$(".sensor"), {
       pair: () => this.pair,
       again: () => {
         this.ask();
         this.many.again();
+        this.showProfile();
       },
     });
+    /** @type {any[]} */
+    this.rungs = []; // what is known of a new sensor, and the accuracy that it brings
     this.gallery = new Gallery(this.$(".gallery"), this.$(".take"));
     this.showSlots = slots(this.$(".slots"), {
       onRef: (modality, ref) => change({ [modality]: ref }),
@@ -107,6 +121,8 @@ class PairTab extends View {
       onProblem: this.problem,
       lessons: () => this.own.lessons(this.pair),
     });
+    loading(this.$(".loading"));
+    this.$(".loading").open = state.panel === "loading";
     this.placeOnMap();
     this.gallery.fill(examples, set);
     this.wire();
@@ -117,6 +133,13 @@ class PairTab extends View {
   }
 
   wire() {
+    ladder().then(
+      ({ rungs }) => {
+        this.rungs = rungs;
+        this.showLine();
+      },
+      () => {}, // a set without a ladder: no gain is named
+    );
     watch(IMAGES, () => {
       this.unlinked = "";
       this.ask();
@@ -129,15 +152,16 @@ class PairTab extends View {
       ".swap": () => change({ vis: state.tac, tac: state.vis }),
     });
     onClick(this.$(".started"), { button: () => change(this.before) });
+    onClick(this.$(".profile-now"), { button: () => this.sensor.use("", null) });
     this.box.ondragover = (event) => event.preventDefault();
     this.box.ondrop = (event) => {
       event.preventDefault();
-      droppedFiles(event.dataTransfer).then((files) => (files.length ? this.many.take(files) : undefined));
+      awaited(droppedFiles(event.dataTransfer).then((files) => (files.length ? this.many.take(files) : undefined)));
     };
     for (const field of this.box.querySelectorAll(".pairs input")) {
       field.onchange = () => {
         const files = chosenFiles(field.files);
-        if (files.length) this.many.take(files);
+        if (files.length) awaited(this.many.take(files));
         field.value = "";
       };
     }
@@ -149,8 +173,6 @@ class PairTab extends View {
     const left = state[rest];
     const goes = left && (state[modality] || !isOwn({ [rest]: left }));
     this.before = { [rest]: left };
-    this.uploads = true;
-    this.$(".expect").hidden = true;
     change({ [modality]: ref, ...(goes && { [rest]: null }) });
     this.$(".started").hidden = !goes;
     this.$(".started span").textContent = `A new pair: the ${TERMS[rest].one} before it was taken away.`;
@@ -164,11 +186,27 @@ class PairTab extends View {
   placeOnMap() {
     this.box.classList.toggle("signals", Boolean(this.set.frames?.signals));
     if (this.set.frames?.signals) speakOfSignals();
-    const simulated = this.set.frames?.meta.embeddings.simulated && !this.set.frames.signals;
-    this.$(".expect").hidden = this.uploads || !simulated;
+    this.$(".line").hidden = Boolean(this.set.frames?.signals);
     this.$(".on-map").hidden = !this.set.frames;
     this.$(".of-signals").hidden = !this.set.frames?.signals;
-    this.onMap = this.set.frames ? nodeMap(this.$(".on-map"), this.set.frames, { nodes: false }) : null;
+    this.onMap = this.set.frames ? pairMap(this.$(".on-map"), this.set.frames) : null;
+  }
+
+  /** The step in hand, and what the next one brings. */
+  showLine() {
+    if (!this.many) return; // not all parts are there yet
+    const { pairs, report, inUse: used } = this.own;
+    const at = stepOf({ dropped: this.many.rows.length > 0 || isOwn(this.pair), pairs, report, used });
+    fill(this.$(".line"), lineHtml(at, nextStep(at, { pairs, report, counts: this.sensor?.counts }, this.rungs)));
+  }
+
+  /** A profile that acts on every prediction of own pictures is named beside them, and can be taken away. */
+  showProfile() {
+    const { counts } = this.sensor ?? {};
+    this.$(".profile-now").hidden = !counts;
+    if (counts)
+      this.$(".profile-now span").textContent = `In use for your pictures: the profile of ${profileOf(counts)}.`;
+    this.showLine();
   }
 
   problem = (sentence) => tell(this.$(".problem"), sentence, true);
@@ -186,6 +224,7 @@ class PairTab extends View {
   showInputs() {
     this.showSlots(state, this.set.sprite, this.set.frames?.pairs ?? 0, (ref) => this.known.of(ref).text);
     this.gallery.mark([state.vis, state.tac]);
+    this.showLine();
   }
 
   /** A new pair or another head: request everything again. */
@@ -229,8 +268,11 @@ class PairTab extends View {
       });
     await attempt(async () => {
       const others = this.rivals.map((one) => quietly(ask("pair", { ...pair, head: one.name }, signal)));
-      const familiar = await quietly(ask("familiar", pair, signal));
-      this.familiar = familiar.problem ? { images: {}, problem: familiar.problem } : familiar;
+      const own = this.own.lessons(pair);
+      const familiar = await quietly(ask("familiar", { ...pair, ...own }, signal));
+      this.familiar = familiar.problem
+        ? { images: {}, problem: familiar.problem }
+        : { ...familiar, yours: Boolean(own.lessons) };
       this.showFamiliar();
       this.showVerdict();
       this.whatIf.know(this.familiar.images);

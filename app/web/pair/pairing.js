@@ -7,6 +7,7 @@ const VIS = new Set(["vis", "visual", "vision", "photo", "rgb", "video", "surfac
 const FILLER = new Set(["image", "img", "frame", "picture"]); // words that tell pictures apart in no way
 export const isPicture = (path) => PICTURE.test(path);
 const PICTURE = /\.(a?png|jpe?g?|jfif|webp|bmp|dib|tiff?|gif|p[pgn]m|tga|jp2|j2k|avif)$/i;
+const WHOLE = "Choose the folder that holds them, so that the page sees their paths.";
 const LABELS = ["material", "class", "label"];
 
 const words = (text) =>
@@ -35,40 +36,53 @@ export function named(path) {
 
 /**
  * Pairs of some files. files: [{path, file}]; table: text of a CSV with columns vis, tac, or "";
- * classes: folders with these names are labels.
- * Returns {pairs: [{name, vis, tac, label}], alone: files without a place in a pair}.
+ * classes: folders with these names are labels; rest: what pictures are whose names do not tell, or "".
+ * Returns {pairs: [{name, vis, tac, label}], alone: files without a place in a pair, problem}; `problem` is why
+ * nothing was paired, if names do not tell which file is meant.
  */
-export function paired(files, table, classes) {
+export function paired(files, table, classes, rest = "") {
   const pictures = files.filter(({ path }) => PICTURE.test(path));
-  return table ? byTable(pictures, cells(table)) : byName(pictures, classes);
+  return table ? byTable(pictures, cells(table)) : byName(pictures, classes, rest);
 }
 
-function byName(pictures, classes) {
+function byName(pictures, classes, rest) {
   const label = new Map(classes.map((name) => [name.toLowerCase(), name]));
-  const found = new Map();
+  const pairs = new Map();
   const alone = [];
   for (const one of pictures) {
-    const { modality, key, folder } = named(one.path);
-    const pair = found.get(key) ?? { name: key, vis: null, tac: null, label: label.get(folder.toLowerCase()) ?? "" };
+    const { modality: told, key, folder } = named(one.path);
+    const modality = told || rest;
+    const pair = pairs.get(key) ?? { name: key, vis: null, tac: null, label: label.get(folder.toLowerCase()) ?? "" };
     if (!modality || pair[modality]) alone.push(one);
-    else found.set(key, Object.assign(pair, { [modality]: one.file }));
+    else pairs.set(key, Object.assign(pair, { [modality]: one.file }));
   }
-  return { pairs: [...found.values()], alone };
+  return { pairs: [...pairs.values()], alone, problem: "" };
+}
+
+/** The pictures that a path of a CSV can mean: those at this path, else those known by their bare name alone. */
+function meant(pictures, path) {
+  const exact = pictures.filter((p) => p.path === path || p.path.endsWith(`/${path}`));
+  return exact.length ? exact : pictures.filter((p) => p.path === path.split("/").at(-1));
 }
 
 /** @param {any[]} pictures @param {string[][]} table */
 function byTable(pictures, [head = [], ...rows]) {
   const column = (names) => head.findIndex((name) => names.includes(name.toLowerCase()));
   const [vis, tac, label] = [["vis"], ["tac"], LABELS].map(column);
-  const used = new Set();
-  const file = (path = "") => {
-    const wanted = path.replaceAll("\\", "/").replace(/^(\.?\/)+/, "");
-    const one =
-      wanted &&
-      pictures.find((p) => p.path === wanted || p.path.endsWith(`/${wanted}`) || p.path === wanted.split("/").at(-1));
-    if (one) used.add(one);
-    return one ? one.file : null;
+  const pathOf = new Map(); // picture -> the path that the CSV gives it
+  let problem = "";
+  const file = (text = "") => {
+    const path = text.replaceAll("\\", "/").replace(/^(\.?\/)+/, "");
+    const [one, other] = path ? meant(pictures, path) : [];
+    if (!one) return null;
+    const before = pathOf.get(one) ?? path;
+    pathOf.set(one, path);
+    if (other) problem ||= `'${path}' of the CSV can be ${one.path} or another file of that name. ${WHOLE}`;
+    if (before !== path) problem ||= `'${before}' and '${path}' of the CSV would be one file, ${one.path}. ${WHOLE}`;
+    return one.file;
   };
+  for (const row of rows)
+    if (row[vis] && row[vis] === row[tac]) problem ||= `The CSV gives ${row[vis]} as photo and as touch of one pair.`;
   const pairs = rows
     .map((row) => ({
       name: row[vis] || row[tac] || "",
@@ -77,5 +91,5 @@ function byTable(pictures, [head = [], ...rows]) {
       label: row[label] ?? "",
     }))
     .filter((pair) => pair.vis || pair.tac);
-  return { pairs, alone: pictures.filter((one) => !used.has(one)) };
+  return { pairs: problem ? [] : pairs, alone: pictures.filter((one) => !pathOf.has(one)), problem };
 }

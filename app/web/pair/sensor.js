@@ -2,6 +2,7 @@
 
 import { ask, attempt, get, refused, visit } from "../shared/api.js";
 import { loaded } from "../shared/facts.js";
+import { OTHER } from "../shared/images.js";
 import { keep, kept } from "../shared/memory.js";
 import { made, save } from "../shared/save.js";
 import { base64, bytesOf, escaped, row, table } from "../shared/text.js";
@@ -13,6 +14,7 @@ import { brief, readingsOf, TERMS } from "./verdict.js";
 const KEPT = "omnivat-sensor"; // of this visit: survives a reload, not the browser's end
 const AT_ONCE = 50; // pictures of one request
 const FEW = 5;
+const LOOKED_AT = 3; // pictures whose kind is checked
 const plural = (n, [one, many]) => `${n.toLocaleString("en-US")} ${n === 1 ? one : many}`;
 
 /** What a profile was made of, in words. */
@@ -37,9 +39,11 @@ export class Sensor extends View {
     this.counts = null;
     this.stopped = new AbortController();
     this.note = "";
+    this.doubt = []; // pictures of which the visitor is asked
     visit.renew = () => this.restore();
     onClick(box, {
       ".stop": () => this.stopped.abort(),
+      "[data-kind]": ({ dataset }) => this.take(this.doubt, dataset.kind),
       ".off": () => this.use("", null),
       ".save": () => attempt(async () => save("my-sensor.safetensors", await this.bytes()), this.say),
     });
@@ -87,12 +91,21 @@ export class Sensor extends View {
     );
   }
 
+  /** Make a profile of pictures that were sent before: references of photos and touches. */
+  make(photos, touches) {
+    return attempt(async () => {
+      const { profile, counts } = await ask("profile", { photos, touches, profile: "" });
+      this.note = "";
+      this.use(profile, counts);
+    }, this.say);
+  }
+
   /** files: [{path, file}]. The profile in use stays until the new one is complete. */
-  async take(files) {
+  async take(files, sure = "") {
     const mine = (this.stopped = new AbortController());
-    const queue = Object.entries(sorted(files, this.$("select").value)).flatMap(([name, some]) =>
-      some.map((file) => [name, file]),
-    );
+    const rest = sure || this.$("select").value;
+    if (!sure && (await this.doubted(files, rest, mine.signal))) return;
+    const queue = Object.entries(sorted(files, rest)).flatMap(([name, some]) => some.map((file) => [name, file]));
     const broken = [];
     /** @type {any} */
     let made = null;
@@ -126,6 +139,29 @@ export class Sensor extends View {
       if (mine.signal.aborted) return this.say("Cancelled; nothing was changed.");
       refused(error, this.say);
     }
+  }
+
+  /** Pictures whose names do not tell, and that look like the other kind: ask which they are. True if asked. */
+  async doubted(files, rest, signal) {
+    const some = files.filter(({ path }) => isPicture(path) && !named(path).modality).slice(0, LOOKED_AT);
+    let strange = 0;
+    await attempt(
+      async () => {
+        for (const { file } of some) {
+          const ref = await upload(file, signal);
+          const { images } = await ask("familiar", { [rest]: ref, profile: "" }, signal);
+          strange += images[rest]?.strays ? 1 : 0;
+        }
+      },
+      () => {}, // a broken picture is named when all are read
+    );
+    if (2 * strange <= some.length) return false;
+    this.doubt = files;
+    const [own, other] = [rest, OTHER[rest]].map((name) => TERMS[name].many);
+    this.say("");
+    this.$("[role=status]").innerHTML =
+      `${strange} of ${some.length} look more like ${other} than like ${own}. They are <button type="button" data-kind="${OTHER[rest]}">${other}</button> <button type="button" data-kind="${rest}">${own}</button>`;
+    return true;
   }
 
   load(file) {

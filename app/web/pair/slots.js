@@ -4,6 +4,7 @@ import { address, attempt, refused } from "../shared/api.js";
 import { thumbnail } from "../shared/card.js";
 import { IMAGES, OTHER } from "../shared/images.js";
 import { shelf } from "../shared/pick.js";
+import { awaited } from "../shared/ready.js";
 import { change } from "../shared/store.js";
 import { each, escaped } from "../shared/text.js";
 import { onClick, View } from "../shared/view.js";
@@ -59,7 +60,7 @@ class Slot extends View {
       event.preventDefault();
       element.classList.remove("over");
       event.stopPropagation();
-      droppedFiles(event.dataTransfer).then((files) => this.takeAll(files));
+      awaited(droppedFiles(event.dataTransfer).then((files) => this.takeAll(files)));
     };
     element.onpaste = (event) => {
       const file = [...event.clipboardData.files][0];

@@ -93,7 +93,8 @@ export function called(classes, row, strange, familiar) {
   if (!familiar) return `<p class="said">${escaped(label)}</p>`;
   if (!strange.length) return `<p class="said">${escaped(label)} <b>${percent(share)}</b></p>`;
   const what = strange.length > 1 ? "Both images are" : `The ${TERMS[strange[0]].one} is`;
-  return `<p class="said guess">${escaped(label)}?</p><p class="guessed"><b>This is a guess.</b> ${what} unlike anything it has seen.</p>`;
+  const seen = familiar.yours ? "the pictures that you labelled" : "anything it has seen";
+  return `<p class="said guess">${escaped(label)}?</p><p class="guessed"><b>This is a guess.</b> ${what} unlike ${seen}.</p>`;
 }
 
 /** Whether a prediction is right; for a mixed pair, which image it follows. */
@@ -163,8 +164,12 @@ const SIDE = 104; // CSS pixels of a neighbour: large enough to see what it is
 const SAME = 0.9999; // the cosine of an image with itself, rounded
 
 /** One sentence on an image, from its quantile among the training images. */
-export function sentence(modality, image) {
+export function sentence(modality, image, yours = false) {
   const { one, many } = TERMS[modality];
+  if (yours && image.words !== undefined)
+    return image.guess
+      ? `Farther from your labelled ${many} than they are from one another.`
+      : `Like your labelled ${many}.`;
   if (image.words === undefined) return `This head has no record of how familiar a ${one} is.`;
   if (image.cosine > SAME) return `Familiar: it is one of the training ${many}.`;
   const farther = Math.round(100 * image.quantile);
@@ -187,7 +192,7 @@ export function swapHtml(images) {
 }
 
 /** The panel; `set` has thumbnails and names of domains and classes, once loaded. */
-export function familiarHtml({ images, of }, set) {
+export function familiarHtml({ images, of, yours }, set) {
   const rows = Object.entries(images).map(([modality, image]) => {
     const mark = image.guess ? "wrong" : "right";
     const meter =
@@ -195,7 +200,7 @@ export function familiarHtml({ images, of }, set) {
         ? ""
         : `<div class="meter" aria-hidden="true"><i class="${mark}" style="--at:${image.quantile}"></i></div>`;
     return `<div class="look" data-modality="${modality}"><h4><span class="sign ${modality}"></span>${capital(TERMS[modality].one)}</h4>
-      <p class="${image.words === undefined ? "hint" : mark}">${escaped(sentence(modality, image))}</p>${meter}
+      <p class="${image.words === undefined ? "hint" : mark}">${escaped(sentence(modality, image, yours))}</p>${meter}
       <div class="nearest">${each(image.nearest, (one) => neighbour(one, modality, set))}</div></div>`;
   });
   return `<header><h3>Seen before?</h3><p class="hint">Nearest: ${escaped(of)}</p></header><div class="looked">${rows.join("")}</div>`;

@@ -1,6 +1,7 @@
 /** Requests to the server. Every failure becomes a Refusal with a one-sentence message. */
 
 import { base, fileOf, held, own, respond } from "./held.js";
+import { awaited } from "./ready.js";
 
 /** An error for the visitor; any other error is a bug and stays one. */
 export class Refusal extends Error {
@@ -69,7 +70,8 @@ export async function get(path, options) {
   return checked(sent, new URL(path, base).searchParams.get("set") ?? own);
 }
 
-export const json = async (path) => (await get(path)).json();
+const inJson = async (reply) => (await reply).json();
+export const json = (path) => awaited(inJson(get(path)));
 
 const kept = new Map();
 
@@ -95,11 +97,13 @@ export const isCancelled = (error) => error instanceof Error && error.name === "
 export const visit = { profile: "", renew: async () => false };
 
 /** Send a request; if the server has lost an uploaded image or the profile, send that again first. */
-export async function ask(path, question, signal) {
+export const ask = (path, question, signal) => awaited(answered(path, question, signal));
+
+async function answered(path, question, signal) {
   const headers = { "Content-Type": "application/json" };
   const send = async () => {
     const body = JSON.stringify(visit.profile ? { profile: visit.profile, ...question } : question);
-    return (await get(path, { method: "POST", body, headers, signal })).json();
+    return inJson(get(path, { method: "POST", body, headers, signal }));
   };
   try {
     return await send();
@@ -115,7 +119,7 @@ export async function ask(path, question, signal) {
 
 export async function sendImage(blob, name, signal) {
   const path = `image?name=${encodeURIComponent(name)}`;
-  const sent = await (await get(path, { method: "POST", body: blob, signal })).json();
+  const sent = await awaited(inJson(get(path, { method: "POST", body: blob, signal })));
   files.set(sent.ref, [blob, name]);
   return sent;
 }
@@ -125,7 +129,7 @@ export async function bytesOf(ref, modality) {
   if (files.has(ref)) return files.get(ref)[0];
   if (!ref.startsWith("example:")) return null;
   const path = ref.slice("example:".length).split("/").map(encodeURIComponent).join("/");
-  return (await get(`example/${path}/${modality}`)).blob();
+  return awaited(get(`example/${path}/${modality}`).then((response) => response.blob()));
 }
 
 /** Send an image with a request: "occlusion" or "live"; `taught` names a taught head. */
@@ -136,10 +140,10 @@ export async function askOfImage(what, blob, { modality, other = null, order = n
   if (split) query.set("split", String(split));
   if (taught) query.set("taught", taught);
   if (visit.profile) query.set("profile", visit.profile);
-  return (await get(`${what}?${query}`, { method: "POST", body: blob })).json();
+  return awaited(inJson(get(`${what}?${query}`, { method: "POST", body: blob })));
 }
 
 /** Upload one file of a head or set; returns its name for `loadParts`. */
 export async function sendPart(name, file) {
-  return (await (await get(`part?name=${encodeURIComponent(name)}`, { method: "POST", body: file })).json()).part;
+  return (await awaited(inJson(get(`part?name=${encodeURIComponent(name)}`, { method: "POST", body: file })))).part;
 }

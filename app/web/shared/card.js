@@ -21,12 +21,13 @@ export const thumbnailPair = (frames, sprite, pair, side) =>
 /** The prediction for a pair at one stop. */
 export function verdict(frames, pair, stop) {
   const at = stop * frames.pairs + pair;
+  const said = frames.answered?.[pair] ?? frames.prediction[at];
   return {
     domain: frames.domains[frames.domain[pair]],
     truth: frames.classes[frames.label[pair]],
-    said: frames.headless ? "" : frames.classes[frames.prediction[at]],
-    right: !frames.headless && frames.prediction[at] === frames.label[pair],
-    confidence: frames.kind === "moved" ? frames.confidence[at] / 255 : NaN, // other heads have no temperature
+    said: frames.headless ? "" : frames.classes[said],
+    right: !frames.headless && said === frames.label[pair],
+    confidence: frames.kind === "moved" && !frames.answered ? frames.confidence[at] / 255 : NaN, // other heads have no temperature
   };
 }
 

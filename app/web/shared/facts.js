@@ -41,14 +41,16 @@ export const fit = fact("fit");
 export const pairNames = fact("pairs");
 /** The mechanism on a toy. */
 export const toyFacts = fact("toy");
+/** What heads predict of the twins: one press of one object, by every sensor and in every scene. */
+export const twins = () => once("twins", () => json("twins"));
+/** Positions of the twins' touches: as they come, mean moved, mean and spread moved. */
+export const twinsMap = () => once("twins/map", () => json("twins/map"));
 /** {rungs, sources}: what is known of a new sensor, and the accuracy that it brings. */
 export const ladder = (set = "", source = "") =>
   once(`ladder ${set} ${source}`, () => ask(inSet("ladder", set), { source }));
-/** Positions of all pairs as they come and with each domain centred. */
-export const centred = { pca: fact("centred/pca"), umap: fact("centred/umap") };
 /** Modes of p and sets; only the head if the server lists none. */
 export const choices = (set = "") =>
-  once(`modes ${set}`, () => json(inSet("modes", set)).catch(() => ({ modes: ["moved"], sets: [] })));
+  once(`modes ${set}`, () => json(inSet("modes", set)).catch(() => ({ modes: ["moved"], sets: [], twins: false })));
 
 /** Frames of another mode than the head's; `own` are the head's frames, of the same pairs. */
 export const framesOf = (mode, own, set = "") =>

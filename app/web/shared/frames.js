@@ -1,6 +1,7 @@
 /** Read the binary of frames: exact map positions for every stop of p, and the curves. */
 
 import { address, get, inSet, Refusal } from "./api.js";
+import { awaited } from "./ready.js";
 import { featuresOf } from "./stages.js";
 import { isSignals, NO_CLASS } from "./text.js";
 
@@ -130,7 +131,9 @@ const query = (named) => {
 
 /** Fetch the frames of a head, mode or set; report progress to `onWait` while the server computes them.
  * @param {(step: any) => void} onWait @param {{head?: string, mode?: string, set?: string}} named */
-export async function fetchFrames(onWait, named = {}) {
+export const fetchFrames = (onWait, named = {}) => awaited(fetched(onWait, named));
+
+async function fetched(onWait, named) {
   for (;;) {
     const response = await get(query(named));
     if (response.status === 200) {
@@ -154,7 +157,9 @@ export async function whenFine(onWait, named = {}) {
 }
 
 /** The sheet of thumbnails of a set that has them; null in a saved page without them. */
-export async function fetchThumbnails(set = "") {
+export const fetchThumbnails = (set = "") => awaited(sheet(set));
+
+async function sheet(set) {
   const response = await get(inSet("thumbnails.json", set)).catch(() => null);
   if (!response) return null;
   return { ...(await response.json()), url: address(inSet("thumbnails.webp", set)) };

@@ -15,7 +15,7 @@ export function onTheme(action) {
   new MutationObserver(action).observe(document.body, { attributeFilter: ["class"] });
 }
 
-const domainColour = (index) => OKABE_ITO[index % OKABE_ITO.length];
+export const domainColour = (index) => OKABE_ITO[index % OKABE_ITO.length];
 export const classColour = (index) => TOL_BRIGHT[index % TOL_BRIGHT.length];
 
 /** Colourings of points: each has names, colours, and the group of a point. */
@@ -46,7 +46,7 @@ export const COLOURINGS = {
     ],
     of: (f, stop) => {
       const from = stop * f.pairs;
-      return (pair) => (f.prediction[from + pair] === f.label[pair] ? 0 : 1);
+      return (pair) => ((f.answered?.[pair] ?? f.prediction[from + pair]) === f.label[pair] ? 0 : 1);
     },
   },
   confidence: {

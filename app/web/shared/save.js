@@ -1,6 +1,7 @@
 /** Download a file. */
 
 import { get } from "./api.js";
+import { awaited } from "./ready.js";
 
 /** @param {string} name @param {Blob | string} what a text is a table */
 export function save(name, what) {
@@ -13,7 +14,8 @@ export function save(name, what) {
 }
 
 /** The file that the server makes of a question. Throws a Refusal. */
-export async function made(path, question) {
+export function made(path, question) {
   const headers = { "Content-Type": "application/json" };
-  return (await get(path, { method: "POST", body: JSON.stringify(question), headers })).blob();
+  const reply = get(path, { method: "POST", body: JSON.stringify(question), headers });
+  return awaited(reply.then((response) => response.blob()));
 }

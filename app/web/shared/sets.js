@@ -5,7 +5,7 @@ const SENSORS = "sensors";
 /** The set of a chapter, by name; "" is the page's own. `listed` are the sets of the project. */
 export function setOf(chapter, listed) {
   const shown = listed.find((one) => one.shown)?.name;
-  const wanted = { order: LESSON, failure: SENSORS, fooled: SENSORS }[chapter];
+  const wanted = { order: LESSON, where: SENSORS, fooled: SENSORS }[chapter];
   if (!shown && chapter !== "order") return "";
   return wanted && wanted !== shown && listed.some(({ name }) => name === wanted) ? wanted : "";
 }

@@ -11,12 +11,16 @@ const DEFAULTS = {
   chapter: "", // resolved when the set is known
   mode: "",
   reading: "fused",
+  press: "", // of the twins: a number of those shown; the chapter chooses one
+  from: "0", // the domain that a head learned from
+  dots: "", // "1": filled
+  known: "0", // pictures of the new sensor, without labels
   alike: "",
   find: "",
   range: "", // histogram:from:to, joined by ~
   cell: "", // of the confusion matrix: truth~predicted~domain
   sel: "", // selected points, see acts.js
-  rung: "0", // of the waterfall: what is known about each domain
+  rung: "0", // what is moved in the second chapter: "1" the mean, "2" the spread too, "p" the order
   p: null,
   stage: "f_hat",
   map: "umap",
@@ -29,21 +33,28 @@ const DEFAULTS = {
   tac: null,
   p2: null,
   stage2: "raw",
-  head: "",
   head2: "",
-  only: "",
-  only2: "",
+  beside: "", // whether the second map is open
+  panel: "", // one that a link opens
   means: "",
-  tree: "",
+};
+/** Views of earlier links, and what shows it now. */
+const MOVED = {
+  tree: { view: "explore", chapter: "analyse", panel: "nodes" },
+  compare: { view: "explore", chapter: "analyse", beside: "1" },
+  data: { view: "pair", panel: "loading" },
 };
 /** The chapters of Explore, and what each opens with where it differs from the workbench. */
 export const CHAPTERS = {
+  touch: { reading: "tac" },
+  where: { map: "pca" },
   order: { map: "pca", colour: "class" },
-  failure: { stage: "raw", modality: "VIS" },
   fooled: { mode: "moved", colour: "correctness" },
   analyse: {},
 };
+const RENAMED = { failure: "where" }; // chapters of earlier links
 const OWN = ["mode", "alike", "find", "range", "cell", "sel", "rung", "p", "stage", "map", "colour"];
+OWN.push("reading", "press", "from", "dots", "known");
 OWN.push("domain", "class", "modality", "pin", "means"); // what each chapter has for itself
 const LONG = { sel: 4000, vis: 2000, tac: 2000 }; // letters of a value in the address; 200 of any other
 const NUMBERS = new Set(["p", "p2", "pin"]);
@@ -51,10 +62,12 @@ const KEYS = STAGES.map((stage) => stage.key);
 const CHOICES = {
   // allowed values in the address; all others are ignored
   view: VIEWS,
-  chapter: Object.keys(CHAPTERS),
   mode: ["", "trained", "moved", "every"],
   reading: ["fused", "vis", "tac"],
   alike: ["", "1"],
+  dots: ["", "1"],
+  rung: ["0", "1", "2", "p"],
+  known: ["0", "5", "20", "50", "200"],
   stage: KEYS,
   stage2: KEYS,
   map: ["pca", "umap"],
@@ -72,15 +85,18 @@ const usual = (chapter) => ({ ...DEFAULTS, ...CHAPTERS[chapter] });
 function fromAddress() {
   const address = new URLSearchParams(location.search);
   if (address.has("tab")) address.set("view", address.get("tab") ?? "");
-  const named = address.get("chapter");
+  for (const [name, value] of Object.entries(MOVED[address.get("view") ?? ""] ?? {})) address.set(name, value);
+  const named = RENAMED[address.get("chapter") ?? ""] ?? address.get("chapter");
   const tools = [...address.keys()].some((name) => OWN.includes(name)); // a link to the workbench
   const chapter = Object.hasOwn(CHAPTERS, named ?? "") ? named : tools ? "analyse" : "";
   const chosen = { ...usual(chapter), chapter };
   for (const [name, text] of address) {
-    if (!Object.hasOwn(DEFAULTS, name) || CHOICES[name]?.includes(text) === false) continue;
+    if (name === "chapter" || !Object.hasOwn(DEFAULTS, name) || CHOICES[name]?.includes(text) === false) continue;
     if (!NUMBERS.has(name)) chosen[name] = links.get(text) ?? text.slice(0, LONG[name] ?? 200);
     else if (text !== "" && Number.isFinite(Number(text))) chosen[name] = Number(text);
   }
+  const row = /^row:(\d+)$/.exec(chosen.panel === "nodes" ? (chosen.vis ?? "") : "");
+  if (row) chosen.pin ??= Number(row[1]); // the tree of a pair was a view of its own
   if (!(Number.isInteger(chosen.pin) && chosen.pin >= 0)) chosen.pin = null;
   return chosen;
 }

@@ -38,10 +38,13 @@ export function base64(bytes) {
 }
 
 const shown = new WeakMap();
+/** What follows once an element was filled; set by what marks terms. @type {{next: (box: HTMLElement) => any}} */
+export const filled = { next: () => {} };
 /** Write HTML into an element if it is not there yet, so that what is in use keeps the focus. */
 export function fill(box, html) {
   if (shown.get(box) === html) return false;
   shown.set(box, html);
   box.innerHTML = html;
+  filled.next(box);
   return true;
 }

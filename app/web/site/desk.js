@@ -4,7 +4,7 @@ import { IMAGES, imagesOf } from "../shared/images.js";
 import { moved, profileFrom } from "./profiles.js";
 import { Refused } from "./refusal.js";
 import { lessonsIn, scoresOf, taught } from "./teaching.js";
-import { dot, norm, rounded, rowOf, unit } from "./tensors.js";
+import { dot, rounded, rowOf, unit } from "./tensors.js";
 
 const READINGS = ["fused", "vis", "tac", "vis_branch", "tac_branch"];
 const UNLIKE = 0.05; // below this quantile a prediction is a guess
@@ -14,7 +14,7 @@ const KEPT = 512;
 export class Desk {
   constructor(models) {
     this.models = models;
-    this.sent = new Map(); // reference -> embedding
+    this.sent = new Map(); // reference -> its embeddings as {vis, tac}
     this.profiles = new Map();
     this.taught = new Map();
   }
@@ -56,7 +56,7 @@ export async function embedding(desk, ref, modality, question) {
     if (row === undefined) throw new Refused(`No example is called '${name.slice(0, 60)}' here.`);
     return desk.models.row(row, modality);
   }
-  const row = desk.sent.get(ref);
+  const row = desk.sent.get(ref)?.[modality];
   if (!row) throw new Refused("The page no longer has this image; send it again.", 410);
   return movedBy(desk, question, modality, row);
 }
@@ -134,26 +134,42 @@ export const roundedAll = (readings) =>
   Object.fromEntries(Object.entries(readings).map(([name, row]) => [name, rounded(row)]));
 
 /** Readings at the learned order, and the familiarity of each image. */
-export async function predictOne(desk, head, rows, /** @type {number | null} */ order = null) {
+export async function predictOne(desk, head, rows, /** @type {number | null} */ order = null, question = {}) {
   const orders = order === null ? learned(head) : [order, order];
   const out = await desk.models.run(head, rows, [orders]);
-  return { readings: roundedAll(readingsOf(head, out, 0, rows)), images: await lookedAt(desk, rows) };
+  return { readings: roundedAll(readingsOf(head, out, 0, rows)), images: await lookedAt(desk, rows, question) };
 }
 
-/** Cosine to the nearest training image of each modality, its place among the training images, and words. */
-export async function lookedAt(desk, rows) {
+/** What images are compared with, by modality: {rows, quantiles}, of the lessons of a question or the training. */
+async function knownTo(desk, question) {
+  const lessons = lessonsIn(question);
+  const pairs = await Promise.all(lessons.map((one) => pairOf(desk, { ...one, profile: question.profile })));
+  const own = IMAGES.map((name) => [name, pairs.flatMap((pair) => (pair[name] ? [unit(pair[name])] : []))]);
+  const several = own.filter(([, rows]) => rows.length > 1);
+  if (several.length)
+    return Object.fromEntries(several.map(([name, rows]) => [name, { rows, quantiles: nearestOf(rows) }]));
   const { has } = await desk.models.about();
   if (!has.includes("familiarity")) return {};
   const known = await desk.models.file("familiarity.safetensors");
+  const there = IMAGES.filter((name) => known[name]);
+  const rowsOf = (all) => Array.from({ length: all.shape[0] }, (_, i) => unit(rowOf(all, i)));
+  return Object.fromEntries(
+    there.map((name) => [name, { rows: rowsOf(known[name]), quantiles: known[`${name}_quantiles`].values }]),
+  );
+}
+
+/** The nearest cosine of each row among the others, ascending. */
+const nearestOf = (rows) =>
+  rows.map((row, i) => Math.max(...rows.map((other, j) => (i === j ? -1 : dot(row, other))))).sort((a, b) => a - b);
+
+/** Cosine to the nearest known image of each modality, its place among the known images, and words. */
+export async function lookedAt(desk, rows, question = {}) {
+  const known = await knownTo(desk, question);
   const found = {};
   for (const name of IMAGES.filter((one) => rows[one] && known[one])) {
     const query = unit(rows[name]);
-    let cosine = -1;
-    for (let row = 0; row < known[name].shape[0]; row++) {
-      const own = rowOf(known[name], row);
-      cosine = Math.max(cosine, dot(query, own) / (norm(own) || 1));
-    }
-    const quantile = quantileOf(cosine, known[`${name}_quantiles`].values);
+    const cosine = known[name].rows.reduce((most, row) => Math.max(most, dot(query, row)), -1);
+    const quantile = quantileOf(cosine, known[name].quantiles);
     const guess = quantile < UNLIKE;
     const words = guess ? "unlike the training images" : "familiar";
     found[name] = { cosine: rounded([cosine], 4)[0], quantile: rounded([quantile], 3)[0], words, guess };

@@ -4,7 +4,7 @@ import { IMAGES, imagesOf } from "../shared/images.js";
 import { orderIn, pairOf } from "./desk.js";
 import { Refused } from "./refusal.js";
 import { quiet } from "./runtime.js";
-import { best, dot, norm, rounded, rowOf, unit } from "./tensors.js";
+import { dot, norm, rounded, rowOf, unit } from "./tensors.js";
 
 const STEP = 32; // pairs of one run of the head: 30 ms, for which a question of the visitor may wait
 const NEAREST = 6;
@@ -32,92 +32,32 @@ async function single(desk, head, pair, order, stages = []) {
   return { there, alone, out, nodes: out[`${alone}nodes`], shares: out[`${alone}shares`] };
 }
 
-/** Means over pairs of what the tree shows of its nodes. */
-class Means {
-  constructor(head, count) {
-    this.head = head;
-    this.pairs = 0;
-    this.known = 0;
-    this.lengths = new Float64Array(count);
-    this.shares = Array.from({ length: count }, () => new Float64Array(head.classes.length));
-    this.right = new Float64Array(count);
-    this.levels = head.groups.map(([start, stop]) => ({
-      start,
-      stop,
-      cosines: Array.from({ length: stop - start }, () => new Float64Array(stop - start)),
-      nod: 0,
-    }));
-  }
-
-  /** nodes (N, D) and shares (N, K) of one pair; label: of the head's classes, -1 for none. */
-  add(nodes, shares, label) {
-    this.pairs += 1;
-    this.known += label >= 0 ? 1 : 0;
-    const units = nodes.map((row, n) => {
-      this.lengths[n] += norm(row);
-      shares[n].forEach((share, k) => {
-        this.shares[n][k] += share;
-      });
-      if (label >= 0 && best(shares[n]) === label) this.right[n] += 1;
-      return unit(row);
-    });
-    for (const level of this.levels) {
-      let apart = 0;
-      for (let a = level.start; a < level.stop; a++)
-        for (let b = level.start; b < level.stop; b++) {
-          const cosine = dot(units[a], units[b]);
-          level.cosines[a - level.start][b - level.start] += cosine;
-          apart += a === b ? 0 : cosine * cosine;
-        }
-      level.nod += Math.sqrt(apart);
-    }
-  }
-
-  /** The records of the page; `judged` adds the accuracy of each node. */
-  records(judged) {
-    const mean = (row) => rounded(Array.from(row, (value) => value / this.pairs));
-    return {
-      pairs: this.pairs,
-      nodes: [...this.lengths].map((length, n) => ({
-        norm: rounded([length / this.pairs], 5)[0],
-        probabilities: mean(this.shares[n]),
-        ...(judged && { right: this.known ? rounded([this.right[n] / this.known], 5)[0] : null }),
-      })),
-      layers: this.levels.map(({ start, stop, cosines, nod }) => ({
-        nodes: Array.from({ length: stop - start }, (_, i) => start + i),
-        cosines: cosines.map(mean),
-        nod: rounded([nod / this.pairs], 5)[0],
-      })),
-    };
-  }
-}
-
 const rowsOf = ({ shape, values }, pair) =>
   Array.from({ length: shape[1] }, (_, n) => {
     const start = (pair * shape[1] + n) * shape[2];
     return values.subarray(start, start + shape[2]);
   });
 
-/** The tree of one pair, or the mean over a domain's pairs. */
+/** The nodes of a group: their cosines, and the distance of these from the identity. */
+function level(units, [start, stop]) {
+  const numbers = Array.from({ length: stop - start }, (_, i) => start + i);
+  const cosines = numbers.map((n) => numbers.map((m) => dot(units[n], units[m])));
+  const off = cosines.flatMap((row, i) => row.map((value, j) => (value - Number(i === j)) ** 2));
+  return {
+    nodes: numbers,
+    cosines: cosines.map((row) => rounded(row)),
+    nod: rounded([Math.sqrt(off.reduce((sum, value) => sum + value, 0))], 5)[0],
+  };
+}
+
+/** The tree of one pair. */
 async function tree(desk, question) {
   const head = await desk.models.head(question.head);
   const order = orderIn(question.order) ?? head.learned;
   if (!head.parents.length) throw new Refused("This head generates no nodes: it was trained without DTG.");
-  const means = new Means(head, head.parents.length);
-  const { domain } = question;
-  if (domain) {
-    const { set } = await desk.models.about();
-    const place = set.domains.indexOf(domain);
-    const numbers = [...set.domain.keys()].filter((pair) => set.domain[pair] === place);
-    if (!numbers.length) throw new Refused(`The domain '${String(domain).slice(0, 80)}' has no pairs here.`);
-    const labels = numbers.map((pair) => head.classes.indexOf(set.classes[set.label[pair]]));
-    await walk(desk, head, numbers, order, ["nodes", "shares"], (out, count) => {
-      for (let i = 0; i < count; i++) means.add(rowsOf(out.nodes, i), rowsOf(out.shares, i), labels[means.pairs]);
-    });
-  } else {
-    const { nodes, shares } = await single(desk, head, await pairOf(desk, question), order);
-    means.add(rowsOf(nodes, 0), rowsOf(shares, 0), -1);
-  }
+  const found = await single(desk, head, await pairOf(desk, question), order);
+  const [nodes, shares] = [found.nodes, found.shares].map((rows) => rowsOf(rows, 0));
+  const units = nodes.map((row) => unit(row));
   return {
     classes: head.classes,
     order,
@@ -126,7 +66,8 @@ async function tree(desk, question) {
     in_use: head.in_use,
     source: head.source,
     parents: head.parents,
-    ...means.records(Boolean(domain)),
+    nodes: nodes.map((row, n) => ({ norm: rounded([norm(row)], 5)[0], probabilities: rounded(shares[n]) })),
+    layers: head.groups.map((group) => level(units, group)),
   };
 }
 
@@ -167,7 +108,7 @@ function nearest(all, query, count, own = -1) {
   return order.map((point) => ({ point, cosine: cosines[point] }));
 }
 
-/** The points of the set nearest to a pair's images and to the nodes of its tree. */
+/** The points of the set nearest to a pair's images. */
 async function near(desk, question, stopped) {
   const head = await desk.models.head();
   const order = orderIn(question.order) ?? head.learned;
@@ -183,10 +124,7 @@ async function near(desk, question, stopped) {
   };
   const all = await featuresOf(desk, head, "f_hat", order, stopped);
   const around = (row) => nearest(all, unit(row), AROUND);
-  return {
-    points: Object.fromEntries(there.map((name) => [name, around(hat(name))])),
-    nodes: question.nodes ? grown.map(around) : [],
-  };
+  return { points: Object.fromEntries(there.map((name) => [name, around(hat(name))])) };
 }
 
 async function neighbours(desk, { point, stage, order }, stopped) {

@@ -1,5 +1,6 @@
 /** The models of one set: the encoder, the heads and the embeddings, each fetched when it is first used. */
 
+import { withoutDots } from "./dots.js";
 import { Refused } from "./refusal.js";
 import { FILTERS, resized } from "./resize.js";
 import { inTurn, LOST, runtime } from "./runtime.js";
@@ -117,7 +118,20 @@ export class Models {
     return Object.fromEntries(wanted.map((name) => [name, { shape: found[name].dims, values: found[name].data }]));
   }
 
-  /** The embedding of a picture {pixels, width, height}. */
+  /** The picture as the encoder gets it as "vis" or "tac": the dots of a gel are filled if they were in training. */
+  async seen(picture, modality) {
+    const { encoder } = await this.about();
+    return modality === "tac" && encoder?.dots === "fill" ? withoutDots(picture) : picture;
+  }
+
+  /** The embeddings of a picture as photo and as touch, {vis, tac}: two only where dots were filled. */
+  async asEither(picture) {
+    const touch = await this.seen(picture, "tac");
+    const vis = await this.encoded(picture);
+    return { vis, tac: touch === picture ? vis : await this.encoded(touch) };
+  }
+
+  /** The embedding of a picture {pixels, width, height}, as `seen` gives it. */
   async encoded(picture) {
     const { encoder } = await this.about();
     if (!encoder) throw new Refused(NOT_HERE, 501);

@@ -29,7 +29,7 @@ async function image(desk, { body, query }) {
   const name = (query.get("name") ?? "").slice(0, 120) || "the image";
   const ref = `image:${nameOf(body)}`;
   const picture = await decoded(body, name);
-  if (!desk.sent.has(ref)) desk.keep(desk.sent, ref, await desk.models.encoded(picture));
+  if (!desk.sent.has(ref)) desk.keep(desk.sent, ref, await desk.models.asEither(picture));
   const [width, height] = picture.full;
   return { ref, width, height, preview: await preview(picture) };
 }
@@ -59,7 +59,7 @@ export async function warm(desk) {
     const { ref } = await image(desk, { body, query: new URLSearchParams() });
     const row = desk.sent.get(ref);
     desk.sent.delete(ref);
-    await predictOne(desk, head, { vis: row, tac: row });
+    await predictOne(desk, head, row);
   }
   return {};
 }
@@ -87,7 +87,7 @@ async function live(desk, { body, query }) {
   const parts =
     modality === "both" ? { vis: body.subarray(0, split), tac: body.subarray(split) } : { [modality]: body };
   const pictures = {};
-  for (const [name, part] of Object.entries(parts)) pictures[name] = await decoded(part);
+  for (const [name, part] of Object.entries(parts)) pictures[name] = await desk.models.seen(await decoded(part), name);
   const read = performance.now();
   /** @type {Record<string, any>} */
   const rows = { vis: null, tac: null };
@@ -114,7 +114,12 @@ async function occlusion(desk, { body, query, stopped }) {
   const steps = CELLS - PATCH + 1;
   const predicted = async (one) => {
     if (stopped()) throw new Refused("The request was withdrawn.", 499);
-    const own = await movedBy(desk, { profile }, modality, await desk.models.encoded(one));
+    const own = await movedBy(
+      desk,
+      { profile },
+      modality,
+      await desk.models.encoded(await desk.models.seen(one, modality)),
+    );
     const rows = { vis: null, tac: null, [modality]: own, ...(other && { [rest]: other }) };
     const out = await desk.models.run(head, rows, [order === null ? learned(head) : [order, order]]);
     return readingsOf(head, out, 0, rows).fused;

@@ -1,4 +1,4 @@
-/** Where a pair and its nodes lie on the set's map: between the nearest points. Runs on the page, which has the map. */
+/** Where a pair lies on the set's map: between the nearest points. Runs on the page, which has the map. */
 
 import { held, own } from "../shared/held.js";
 import { imagesOf } from "../shared/images.js";
@@ -18,9 +18,9 @@ export async function placed(set, body, ask) {
     y0 + (map.points[2 * point + 1] / 65535) * (y1 - y0),
   ];
   const there = imagesOf(question);
-  const known = !question.nodes && there.every((name) => question[name].startsWith("row:"));
+  const known = there.every((name) => question[name].startsWith("row:"));
   const { status, value: found } = known
-    ? { status: 200, value: { points: Object.fromEntries(there.map((name) => [name, []])), nodes: [] } }
+    ? { status: 200, value: { points: Object.fromEntries(there.map((name) => [name, []])) } }
     : await ask("near", JSON.stringify({ ...question, order }));
   if (status !== 200) return { status, value: found };
   const points = Object.fromEntries(
@@ -30,8 +30,7 @@ export async function placed(set, body, ask) {
     }),
   );
   const of_set = Object.keys(points).every((name) => question[name].startsWith("row:"));
-  const nodes = found.nodes.map((around) => between(around, at));
-  return { status, value: { points, nodes, order, exact: false, of_set } };
+  return { status, value: { points, order, exact: false, of_set } };
 }
 
 /** The mean of places, weighted by exp(-(d - nearest) / mean excess); a point of the map has its own. */

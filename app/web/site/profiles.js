@@ -5,7 +5,7 @@ import { Refused } from "./refusal.js";
 import { tensors, written } from "./tensors.js";
 
 const FORMAT = "omnivat-profile-1";
-const MEAN_PRIOR = 2; // pictures that the source's mean weighs
+const MEAN_PRIOR = 4; // pictures that the source's mean weighs
 const VARIANCE_PRIOR = 10;
 const means = (values) => values.reduce((a, b) => a + b, 0) / values.length;
 
@@ -54,9 +54,15 @@ export function profileFrom(file, /** @type {any} */ key = null) {
     );
   const names = IMAGES.filter((name) => found[`${name}_mean`]);
   const parts = names.map((name) => {
-    const [mean, variance] = ["mean", "variance"].map((what) => found[`${name}_${what}`].values);
-    return [name, { mean, variance, count: Number(about[`${name}_count`]) }];
+    const [mean, variance] = ["mean", "variance"].map((what) => found[`${name}_${what}`]?.values ?? []);
+    const count = Number(about[`${name}_count`]);
+    const sound = mean.every(Number.isFinite) && variance.every((value) => value >= 0 && value < Infinity);
+    if (!sound || !mean.length || mean.length !== variance.length || !(count > 0 && count < 1e12))
+      throw new Refused("The file of the profile is damaged; save it again from this page.");
+    return [name, { mean, variance, count }];
   });
+  if (new Set(names.map((name) => found[`${name}_mean`].values.length)).size !== 1)
+    throw new Refused("The file of the profile is damaged; save it again from this page.");
   return { channels: Object.fromEntries(parts), domain: about.domain, step: Number(about.step ?? 1) };
 }
 

@@ -97,7 +97,7 @@ async function many(desk, question) {
   const head = await headFor(desk, question);
   const found = [];
   for (const one of pairs)
-    found.push(await predictOne(desk, head, await pairOf(desk, { ...one, profile: question.profile })));
+    found.push(await predictOne(desk, head, await pairOf(desk, { ...one, profile: question.profile }), null, question));
   return { classes: head.classes, pairs: found };
 }
 
@@ -119,7 +119,7 @@ async function nearest(desk, name, row, own) {
 
 async function familiar(desk, question) {
   const rows = await pairOf(desk, question);
-  const looked = await lookedAt(desk, rows);
+  const looked = await lookedAt(desk, rows, question);
   const images = {};
   for (const name of imagesOf(rows)) {
     const ref = question[name];

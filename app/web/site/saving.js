@@ -71,14 +71,14 @@ async function saveSet(desk, question) {
   });
 }
 
-/** The weights of a head with the directions, classes and deciding rows of the taught one. */
+/** The weights of a head with the classes and deciding rows of the taught one. */
 function taughtWeights(entries, head) {
   const { classifier, "mffa.bank": bank, "mffa.bank_seen": seen } = entries;
   const [classes, wide] = classifier.shape;
   const old = new Float32Array(classifier.bytes.slice().buffer);
-  const lengths = Array.from({ length: classes }, (_, k) => norm(old.subarray(k * wide, (k + 1) * wide)));
-  const mean = lengths.reduce((a, b) => a + b, 0) / classes;
-  const rows = head.directions.map((row) => Array.from(unit(row), (value) => mean * value));
+  const row = (k) => old.subarray(k * wide, (k + 1) * wide);
+  const mean = head.classes.reduce((total, _, k) => total + (k < classes ? norm(row(k)) / classes : 0), 0);
+  const rows = head.directions.map((one, k) => (k < classes ? [...row(k)] : Array.from(unit(one), (x) => mean * x)));
   const found = { ...entries, classifier: floats(Float32Array.from(rows.flat()), [rows.length, wide]) };
   if (bank && rows.length > classes) {
     const [many, , width] = bank.shape; // new classes have no token of their own
@@ -93,7 +93,6 @@ function taughtWeights(entries, head) {
       bytes: Uint8Array.of(...seen.bytes, ...new Array(rows.length - classes).fill(0)),
     };
   }
-  if (!head.rows) return found;
   const width = head.rows[0].length / 2;
   const halves = [0, width].flatMap((from) => head.rows.map((row) => row.subarray(from, from + width)));
   const flat = new Float32Array(halves.length * width);
@@ -115,8 +114,8 @@ async function saveHead(desk, question) {
   const settings = JSON.parse(new TextDecoder().decode(await bytes("settings.json")));
   const counts = {};
   for (const { label } of lessons) counts[label.trim()] = (counts[label.trim()] ?? 0) + 1;
-  settings.head = { ...settings.head, classes: head.classes, taught: head.rows?.length ?? 0 };
-  settings.provenance = { ...settings.provenance, taught: counts, taught_by: head.method };
+  settings.head = { ...settings.head, classes: head.classes, taught: head.rows.length };
+  settings.provenance = { ...settings.provenance, taught: counts, lessons_share: head.share };
   const entries = taughtWeights(raw((await bytes("weights.safetensors")).buffer), head);
   const name = "taught-head";
   const files = {

@@ -1,20 +1,14 @@
 /** Teaching from a visitor's labelled pairs, as `omnivat/head/teach.py` does it. No DOM here. */
 
 import { IMAGES, imagesOf } from "../shared/images.js";
-import { solved, triangle, unfolded } from "./logistic.js";
 import { Refused } from "./refusal.js";
 import { best, dot, rowOf, softmax, unit } from "./tensors.js";
 
-const [LOGISTIC, MEAN, NEIGHBOUR, DIRECTIONS] = [
-  "logistic regression",
-  "nearest class mean",
-  "nearest neighbour",
-  "class directions",
-];
 const MOST_LESSONS = 60;
 const LONGEST_LABEL = 40;
-const TOTAL = 20; // weight of a class's lessons together, in pairs
-const SHARPNESS = 10; // of cosines
+const WEIGHT = 10; // of a class's lessons together, in training pairs
+const SHARPNESS = [0.5, 50]; // least and most, of scores
+const PARTS = ["training pairs and lessons", "lessons alone"];
 
 /** The labelled pairs of a question. */
 export function lessonsIn({ lessons = [] }) {
@@ -87,163 +81,184 @@ function standing(out, there) {
   return row;
 }
 
+/** The inverse of a positive definite matrix, by Cholesky's factor. */
+export function inverted(matrix) {
+  const size = matrix.length;
+  const lower = matrix.map(() => new Float64Array(size));
+  for (let i = 0; i < size; i++)
+    for (let j = 0; j <= i; j++) {
+      const rest = matrix[i][j] - dot(lower[i].subarray(0, j), lower[j]);
+      lower[i][j] = i === j ? Math.sqrt(rest) : rest / lower[j][j];
+    }
+  const roots = lower.map(() => new Float64Array(size)); // row i: column i of the factor's inverse
+  for (let i = 0; i < size; i++) {
+    roots[i][i] = 1 / lower[i][i];
+    for (let j = i + 1; j < size; j++)
+      roots[i][j] = -dot(lower[j].subarray(i, j), roots[i].subarray(i, j)) / lower[j][j];
+  }
+  return roots.map((row, i) =>
+    Float64Array.from(roots, (other, j) => dot(row.subarray(Math.max(i, j)), other.subarray(Math.max(i, j)))),
+  );
+}
+
+/** The ridge regression of one-hot labels on counted rows: `weights` (K, W), `bias` (K) and `apart`, the scores (L, K)
+ * of each of the first `lessons` rows by the regression without it. See `ridge` in omnivat/head/teach.py. */
+export function ridge(rows, labels, counts, classes, lessons) {
+  const products = rows.map((row, i) => rows.slice(0, i + 1).map((other) => dot(row, other)));
+  const inverse = inverted(
+    rows.map((_, i) =>
+      Float64Array.from(rows, (_, j) => products[Math.max(i, j)][Math.min(i, j)] + 1 + (i === j ? 1 / counts[i] : 0)),
+    ),
+  );
+  const target = (i, k) => Number(labels[i] === k);
+  const shares = Array.from({ length: classes }, (_, k) =>
+    inverse.map((row) => sum(row.filter((_, j) => target(j, k)))),
+  );
+  const weights = shares.map((share) => {
+    const weight = new Float64Array(rows[0].length);
+    rows.forEach((row, i) => row.forEach((value, at) => (weight[at] += share[i] * value)));
+    return weight;
+  });
+  const apart = labels
+    .slice(0, lessons)
+    .map((_, i) => shares.map((share, k) => target(i, k) - share[i] / inverse[i][i]));
+  return { weights, bias: shares.map(sum), apart };
+}
+
+/** t with the least squared error of (1 - t) both + t lessons, of errors (L, K). */
+export function shareOf(both, lessons) {
+  const pairs = both.flatMap((row, i) => row.map((error, k) => [error, error - lessons[i][k]]));
+  const top = sum(pairs.map(([error, apart]) => error * apart));
+  return Math.min(1, Math.max(0, top / Math.max(1e-12, sum(pairs.map(([, apart]) => apart * apart)))));
+}
+
+/** The factor of scores (L, K) whose softmax has the least log loss, with one more lesson of every class alike. */
+export function sharpness(scores, labels) {
+  let [low, high] = SHARPNESS;
+  for (let turn = 0; turn < 40; turn++) {
+    const factor = (low + high) / 2;
+    const means = scores.map((row) => dot(softmax(row.map((score) => factor * score)), row));
+    const slope = sum(
+      means.map((mean, i) => mean - scores[i][labels[i]] + (mean - sum(scores[i]) / scores[i].length) / scores.length),
+    );
+    if (slope < 0) low = factor;
+    else high = factor;
+  }
+  return high;
+}
+
+const sum = (values) => values.reduce((total, value) => total + value, 0);
+const blended = (share, both, lessons) => both.map((value, i) => (1 - share) * value + share * lessons[i]);
+
+/** The two maps of lessons {label, pair} and training pairs, and what each says of the lessons without them. */
 class Work {
-  /** @type {{row: Float64Array, label: number}[]} of the head's own training */
-  source = [];
   /** @type {string[]} */
-  methods = [];
-  /** @type {Float64Array[]} of the lessons */
-  rows = [];
-  /** @type {any[]} of the lessons, at F̂ */
-  means = [];
-  /** @type {number[]} what is predicted before */
   before = [];
+  /** @type {Float64Array[][]} of each lesson's images, unit rows at F̂ */
+  hats = [];
+  /** @type {ReturnType<typeof ridge>[]} */
+  maps = [];
+  /** @type {number[][][]} of each map and lesson */
+  errors = [];
+  /** @type {number[]} classes with pairs */
+  present = [];
+  share = 0; // of the lessons alone
 
   /** room: {head, lessons: [{label, pair}], known, run(pair, head)} */
-  constructor({ head, lessons, known, run }) {
-    this.head = head;
-    this.lessons = lessons;
-    this.known = known;
-    this.run = run;
-    this.lower = null;
-    this.start = null;
-    const names = this.lessons.map(({ label }) => label);
+  constructor(room) {
+    this.room = room;
+    this.head = room.head;
+    const names = room.lessons.map(({ label }) => label);
     this.classes = [...new Set([...this.head.classes, ...names])];
     this.labels = names.map((name) => this.classes.indexOf(name));
   }
 
   async prepared() {
-    this.source = await trainingRows(this);
-    this.methods = this.source.length ? [LOGISTIC, MEAN, NEIGHBOUR, DIRECTIONS] : [DIRECTIONS, MEAN, NEIGHBOUR];
-    for (const { pair } of this.lessons) {
-      const out = await this.run(pair);
-      const there = imagesOf(pair);
-      this.rows.push(standing(out, there));
-      const hats = there.map((name) => unit(rowOf(out[there.length > 1 ? `${name}_f_hat` : `${name}_alone`], 0)));
-      this.means.push(hats[0].map((_, i) => hats.reduce((sum, hat) => sum + hat[i], 0) / hats.length));
-      this.before.push(best(said(out, there)));
-    }
+    const { labels, classes } = this;
+    const source = await trainingRows(this.room);
+    const outs = [];
+    for (const { pair } of this.room.lessons) outs.push({ out: await this.room.run(pair), there: imagesOf(pair) });
+    this.before = outs.map(({ out, there }) => this.head.classes[best(said(out, there))]);
+    this.hats = outs.map(({ out, there }) =>
+      there.map((name) => unit(rowOf(out[there.length > 1 ? `${name}_f_hat` : `${name}_alone`], 0))),
+    );
+    const rows = outs.map(({ out, there }) => standing(out, there));
+    const weight = Math.max(1, (WEIGHT * new Set(labels).size) / labels.length);
+    this.maps = [source, source.filter(({ label }) => !labels.includes(label))].map((some) =>
+      ridge(
+        [...rows, ...some.map(({ row }) => row)],
+        [...labels, ...some.map(({ label }) => label)],
+        [...rows.map(() => weight), ...some.map(() => 1)],
+        classes.length,
+        rows.length,
+      ),
+    );
+    this.present = [...new Set([...source.map(({ label }) => label), ...labels])].sort((a, b) => a - b);
+    this.errors = this.maps.map(({ apart }) =>
+      apart.map((row, i) => row.map((score, k) => Number(labels[i] === k) - score)),
+    );
+    this.share = missing(this.room.lessons) ? 0 : shareOf(this.errors[0], this.errors[1]);
     return this;
   }
 
-  /** Leave each lesson out and predict it by every method. */
-  async report() {
-    /** @type {Record<string, any[]>} */
-    const found = Object.fromEntries(this.methods.map((name) => [name, []]));
-    for (const out of this.lessons.keys())
-      for (const name of this.methods) found[name].push(await this.predicted(name, out));
-    const right = (name, but = -1) => found[name].filter((label, i) => i !== but && label === this.labels[i]).length;
-    const after = this.labels.map((_, out) => found[this.best((name) => right(name, out))][out]);
-    const judged = this.lessons.map(({ label }, i) => ({
-      label,
-      before: this.head.classes[this.before[i]],
-      after: this.classes[after[i]],
-    }));
-    const count = (when) => judged.filter((one) => one[when] === one.label).length;
+  best = (scores) => this.present[best(this.present.map((k) => scores[k]))];
+
+  /** Each lesson before, and after teaching by the others; the share is chosen without it, too. */
+  report() {
+    const { labels, classes, before, maps } = this;
+    const after = labels.map((_, out) => {
+      const [both, alone] = this.errors.map((errors) => errors.filter((_, i) => i !== out));
+      const share = shareOf(both, alone);
+      return classes[this.best(blended(share, maps[0].apart[out], maps[1].apart[out]))];
+    });
+    const judged = this.room.lessons.map(({ label }, i) => ({ label, before: before[i], after: after[i] }));
+    const right = (when) => judged.filter((one) => one[when] === one.label).length;
+    const parts = maps.map(({ apart }) => apart.filter((row, i) => this.best(row) === labels[i]).length);
     return {
       judged,
-      right: { before: count("before"), after: count("after") },
-      method: this.best((name) => right(name)),
-      methods: Object.fromEntries(this.methods.map((name) => [name, right(name)])),
+      right: { before: right("before"), after: right("after") },
+      share: Math.round(1e4 * this.share) / 1e4,
+      parts: Object.fromEntries(PARTS.map((name, i) => [name, parts[i]])),
     };
   }
 
-  /** The best method; the first one unless another is better by more than chance. */
-  best(right) {
-    const top = this.methods.reduce((one, name) => (right(name) > right(one) ? name : one));
-    return right(top) - right(this.methods[0]) > Math.sqrt(this.lessons.length) / 2 ? top : this.methods[0];
-  }
-
-  async predicted(method, out) {
-    if (method === DIRECTIONS) {
-      const { pair } = this.lessons[out];
-      const found = await this.run(pair, this.directed(out));
-      return best(said(found, imagesOf(pair)));
-    }
-    if (method === LOGISTIC) {
-      const { weights, present } = this.logistic(out);
-      const row = this.lower[this.source.length + out];
-      return present[best(present.map((label) => dot(row, weights[label]) + weights[label].at(-1)))];
-    }
-    const { rows, owner } = this.deciding(method, out);
-    return owner[best(rows.map((row) => dot(row, this.rows[out])))];
-  }
-
-  /** The regression without one lesson: weights (K, R + 1) in the basis, and the classes that it saw. */
-  logistic(out) {
-    const all = [...this.source.map(({ row }) => row), ...this.rows];
-    this.lower ??= triangle(all);
-    const labels = [...this.source.map(({ label }) => label), ...this.labels];
-    const each = this.lessons.length / new Set(this.labels).size;
-    const times = Math.trunc(Math.min(TOTAL, Math.max(2, Math.floor(TOTAL / each))));
-    const counts = labels.map((_, i) => (i < this.source.length ? 1 : i === this.source.length + out ? 0 : times));
-    const problem = { rows: this.lower, labels, counts, classes: this.classes.length };
-    this.start = solved(problem, this.start);
-    const wide = this.lower.length + 1;
-    const weights = this.classes.map((_, k) => this.start.slice(k * wide, (k + 1) * wide));
-    const present = [...new Set(labels.filter((_, i) => counts[i]))].sort((a, b) => a - b);
-    return { weights, present, all };
-  }
-
-  /** Rows, biases and classes without one lesson: the largest score decides. */
-  deciding(method, out = -1) {
-    if (method === LOGISTIC) {
-      const { weights, present, all } = this.logistic(out);
-      const own = present.map((label) => weights[label]);
-      return {
-        rows: unfolded(
-          own.map((row) => row.slice(0, -1)),
-          this.lower,
-          all,
-        ),
-        bias: own.map((row) => row.at(-1)),
-        owner: present,
-      };
-    }
-    const kept = this.rows.map((row, i) => ({ row, label: this.labels[i] })).filter((_, i) => i !== out);
-    const taught = new Set(kept.map(({ label }) => label));
-    let some = [...kept, ...this.source.filter(({ label }) => !taught.has(label))];
-    if (method === MEAN) {
-      const names = [...new Set(some.map(({ label }) => label))].sort((a, b) => a - b);
-      some = names.map((label) => ({
-        label,
-        row: sum(some.filter((one) => one.label === label).map(({ row }) => row)),
-      }));
-    }
-    const rows = some.map(({ row }) => unit(row).map((value) => SHARPNESS * value));
-    return { rows, bias: rows.map(() => 0), owner: some.map(({ label }) => label) };
-  }
-
-  /** The head with the means of the lessons added to its directions. */
-  directed(out = -1) {
-    const { head, classes } = this;
-    const wide = this.means[0].length;
-    const own = classes.map((_, k) => (head.directions[k] ? unit(head.directions[k]) : new Float64Array(wide)));
-    this.means.forEach((mean, i) => i !== out && own[this.labels[i]].forEach((_, at, row) => (row[at] += mean[at])));
-    const directions = own.map((row) => Array.from(unit(row), (value) => head.scale * value));
-    return { ...head, classes, directions };
-  }
-
-  made(method) {
-    const found = this.directed();
-    return method === DIRECTIONS ? { ...found, method } : { ...found, ...this.deciding(method), method };
+  /** The taught head: a row and a bias of each class that has pairs, and directions of new classes. */
+  made() {
+    const { head, classes, labels, share, present } = this;
+    const [both, alone] = this.maps;
+    const sharp = sharpness(
+      both.apart.map((row, i) => blended(share, row, alone.apart[i])),
+      labels,
+    );
+    const directions = classes.map((_, k) => {
+      if (head.directions[k]) return head.directions[k];
+      const hats = this.hats.filter((_, i) => labels[i] === k).flat();
+      const mean = unit(hats[0].map((_, at) => sum(hats.map((hat) => hat[at])) / hats.length));
+      return Array.from(mean, (value) => head.scale * value);
+    });
+    return {
+      ...head,
+      classes,
+      directions,
+      share,
+      rows: present.map((k) => blended(share, both.weights[k], alone.weights[k]).map((value) => sharp * value)),
+      bias: blended(share, both.bias, alone.bias)
+        .filter((_, k) => present.includes(k))
+        .map((value) => sharp * value),
+      owner: present,
+    };
   }
 }
 
-const sum = (rows) => rows[0].map((_, i) => rows.reduce((total, row) => total + row[i], 0));
 const said = (out, there) => rowOf(out[there.length > 1 ? "p_fused" : `p_${there[0]}`], 0);
 
-/** A head that predicts as the lessons teach: by the best method, or the first one with too few lessons. */
-export async function taught(room) {
-  const work = await new Work(room).prepared();
-  return work.made(missing(room.lessons) ? work.methods[0] : (await work.report()).method);
-}
+/** A head that predicts as the lessons teach. */
+export const taught = async (room) => (await new Work(room).prepared()).made();
 
 /** The report of teaching, and the taught head. */
 export async function headOf(room) {
   const lacking = missing(room.lessons);
   if (lacking) throw new Refused(lacking);
   const work = await new Work(room).prepared();
-  const report = await work.report();
-  return { report, made: work.made(report.method) };
+  return { report: work.report(), made: work.made() };
 }

@@ -6,7 +6,7 @@ import { each } from "../shared/text.js";
 
 const W = 300; // unless the width of the box is known; text keeps its size then
 const H = 120;
-const PAD = { left: 38, right: 8, top: 8, bottom: 18 };
+const PAD = { left: 46, right: 8, top: 8, bottom: 18 };
 
 /** A round upper limit of an axis. */
 export function niceTop(value) {

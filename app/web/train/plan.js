@@ -16,6 +16,7 @@ const NUMBERS = {
   levels: ["R, tree levels", 1],
   expansion: ["E, tokens", 1],
   noise: ["noise on embeddings, std", "any"],
+  shift: ["imitated sensors, std", "any"],
   epochs: ["Epochs", 1],
   seed: ["Seed", 1],
 };
@@ -34,7 +35,7 @@ export function formHtml({ sources, widths, orders, ranges, first }) {
   };
   return `${select("source", "Learn from", sources)}${select("order", "What p does", orders, (v) => ORDERS[v])}
     <div class="row"><button type="submit" class="main go">Train</button><button type="button" class="stop" hidden>Cancel</button></div>
-    <details class="advanced"><summary>Advanced</summary>${select("width", "D, width", widths)}${each(["p", "mma", "levels", "expansion", "noise", "epochs", "seed"], number)}
+    <details class="advanced"><summary>Advanced</summary>${select("width", "D, width", widths)}${each(["p", "mma", "levels", "expansion", "noise", "shift", "epochs", "seed"], number)}
     <label class="check"><input type="checkbox" name="lang" ${first.lang ? "checked" : ""}> LANG guides the training</label></details>`;
 }
 
@@ -48,7 +49,7 @@ export function chosen(entries) {
 
 /** The settings in one line. */
 export const inWords = (q) =>
-  `${q.source}, D = ${q.width}, ${ORDERS[q.order]}${q.order === "fixed" ? ` = ${q.p}` : ""}, λ = ${q.mma}, R = ${q.levels}, E = ${q.expansion}, ${q.noise ? `noise ${q.noise}, ` : ""}${q.lang ? "LANG" : "no LANG"}, seed ${q.seed}`;
+  `${q.source}, D = ${q.width}, ${ORDERS[q.order]}${q.order === "fixed" ? ` = ${q.p}` : ""}, λ = ${q.mma}, R = ${q.levels}, E = ${q.expansion}, ${q.noise ? `noise ${q.noise}, ` : ""}${q.shift ? `imitated sensors ${q.shift}, ` : ""}${q.lang ? "LANG" : "no LANG"}, seed ${q.seed}`;
 
 /** A state from the server in words. leftOut: pairs of the source without a class */
 export function standing(state, { epochs, total, leftOut = 0 }) {
@@ -96,16 +97,12 @@ export function result(epochs) {
   };
 }
 
-/** The last two runs beside the spread of seeds: std of one training over its seeds, or null if unknown. */
-export function compared(runs, std) {
+/** The last two runs in words. */
+export function compared(runs) {
   const [a, b] = runs.slice(-2).map(({ share }) => share);
   if (runs.length < 2 || !Number.isFinite(a + b)) return "";
-  const points = (v) => `${(100 * v).toFixed(1)} points`;
-  const said = `The last run is ${points(Math.abs(b - a))} ${b < a ? "below" : "above"} the one before it.`;
-  if (std === null) return `${said} Train the same settings with other seeds to see how much is chance.`;
-  const chance = Math.SQRT2 * std; // of the difference of two trainings
-  const verdict = Math.abs(b - a) > 2 * chance ? "so this is more than seeds explain" : "so this may be chance";
-  return `${said} Two seeds of the same settings differ by about ${points(chance)} (standard deviation), ${verdict}.`;
+  const points = `${(100 * Math.abs(b - a)).toFixed(1)} points`;
+  return `The last run is ${points} ${b < a ? "below" : "above"} the one before it. Train the same settings with other seeds to see how much is chance.`;
 }
 
 const NAME = "omnivat-visitor";

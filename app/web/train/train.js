@@ -1,9 +1,11 @@
 /** Train here: choose settings, train, follow the epochs, use the head. */
 
-import { ask, attempt, isForgotten, json, refused } from "../shared/api.js";
+import { ask, attempt, isForgotten, refused } from "../shared/api.js";
 import { fit, loaded } from "../shared/facts.js";
 import { remedyHtml } from "../shared/headless.js";
+import { provenance } from "../shared/provenance.js";
 import { made, save } from "../shared/save.js";
+import { define } from "../shared/terms.js";
 import { escaped, row, table } from "../shared/text.js";
 import { onClick, tell, View } from "../shared/view.js";
 import { charts } from "./lines.js";
@@ -39,6 +41,8 @@ class TrainTab extends View {
     this.follows = true;
     this.map = new RunMap(this.$(".map-of-run"));
     this.$(".choices").innerHTML = formHtml(offers);
+    define(this.$(".choices"));
+    define(this.$(".explain"));
     this.wire();
     this.show();
     this.resume();
@@ -166,6 +170,11 @@ class TrainTab extends View {
     const done = run.epochs.length;
     this.$(".preview").hidden = true;
     this.$(".status").textContent = standing(run.state, { epochs: done, total: run.total, leftOut: run.leftOut });
+    this.$(".from").innerHTML = provenance({
+      head: `this run’s head (D = ${run.question.width})`,
+      source: `${run.question.source} alone`,
+      pairs: "all pairs of the unseen domains, the mean of these domains",
+    });
     this.$(".bar-of-epochs").hidden = !active;
     this.$(".bar-of-epochs i").style.width = `${(100 * done) / run.total}%`;
     this.showActions();
@@ -195,7 +204,7 @@ class TrainTab extends View {
     }
   }
 
-  async remember(run) {
+  remember(run) {
     keep({ ...kept(), epochs: run.epochs.map(({ map, ...one }) => one) });
     this.earlier.push({ words: inWords(run.question), ...result(run.epochs) });
     const rows = this.earlier.map((one) =>
@@ -206,9 +215,7 @@ class TrainTab extends View {
     this.$(".earlier").innerHTML =
       `<h3>Trained in this visit</h3>${table("Heads trained in this visit", head, rows)}<p class="difference"></p>`;
     if (this.earlier.length < 2) return;
-    const found = await json("matrix").catch(() => ({ ranking: [] }));
-    const seeds = found.ranking.find(({ label }) => /^OmniVaT, D/.test(label))?.seeds ?? null;
-    this.$(".difference").textContent = compared(this.earlier, seeds);
+    this.$(".difference").textContent = compared(this.earlier);
   }
 
   use() {

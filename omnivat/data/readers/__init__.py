@@ -75,7 +75,9 @@ def _checked(name: str, read: Callable[..., PairSet], options: dict[str, Any]) -
     for option, value in options.items():
         if option not in own:
             known = f"it has {', '.join(own)}" if own else "it has none"
-            raise SettingsError(f"The reader '{name}' has no option '{option}'; {known}.{suggestion(option, own)}")
+            raise SettingsError(
+                f"The reader '{name}' has no option '{option}'; {known}.{suggestion(option, own)}"
+            )
         if isinstance(own[option], bool) and not isinstance(value, bool):
             if str(value).lower() not in ("true", "false"):
                 raise SettingsError(f"{option} is '{value}'; choose true or false.")

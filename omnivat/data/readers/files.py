@@ -4,9 +4,10 @@ import csv
 import json
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from io import StringIO
 from pathlib import Path
+from string import Formatter
 from typing import Any
 
 from omnivat.kit.errors import DataError, printable
@@ -16,6 +17,7 @@ from omnivat.kit.tables import suggestion
 MOST_TEXT = 1_000_000_000  # bytes of a table or list; a million pairs take 200 MB
 is_file = os.path.isfile  # unlike Path.is_file, it never raises for long names
 SUFFIXES = "png apng jpg jpeg jpe jfif webp bmp dib tif tiff gif ppm pgm pnm tga jp2 j2k avif"
+WIDTH = re.compile(r"(0?\d{1,2}d?)?")
 IMAGE_SUFFIXES = frozenset(f".{suffix}" for suffix in SUFFIXES.split())
 
 
@@ -27,6 +29,55 @@ def show(path: Path | str) -> str:
 def is_text(name: str) -> bool:
     """True if a file name is valid UTF-8."""
     return not any(0xD800 <= ord(letter) <= 0xDFFF for letter in name)
+
+
+def encodable(text: str, what: str) -> str:
+    """Return a text that can be written; raise DataError for one with half of a surrogate pair."""
+    if not is_text(text):
+        raise DataError(f"{what} is '{show(text[:60])}', which no file can hold; correct it.")
+    return text
+
+
+def number_in(value: object, low: float, high: float, what: str) -> float:
+    """Return a finite number from `low` to `high`, or a text of one; raise DataError for
+    anything else.
+    """
+    try:
+        number = (
+            float(value)
+            if isinstance(value, int | float | str) and not isinstance(value, bool)
+            else float("nan")
+        )
+    except (ValueError, OverflowError):
+        number = float("nan")
+    if not low <= number <= high:  # also true of NaN
+        raise DataError(
+            f"{what} is {printable(repr(value)[:40])}; it has to be a number from {low:g} to"
+            f" {high:g}."
+        )
+    return number
+
+
+def filled(template: object, names: Mapping[str, object], what: str) -> str:
+    """Return a path template with its named places filled: plain names, and widths below 100.
+
+    Raises DataError for anything else that Python's format would evaluate.
+    """
+    try:
+        places = [part[1:] for part in Formatter().parse(str(template)) if part[1] is not None]
+        known = all(
+            name in names and WIDTH.fullmatch(form or "") and not kind
+            for name, form, kind in places
+        )
+        if isinstance(template, str) and known:
+            return template.format(**names)
+    except (ValueError, TypeError):  # a brace that does not close; a number's form for a text
+        pass
+    allowed = ", ".join(f"{{{name}}}" for name in names)
+    raise DataError(
+        f"{what} is '{show(str(template)[:80])}'; it may hold {allowed}, and widths as in"
+        f" {{{[*names][-1]}:03d}}."
+    )
 
 
 def is_image_name(name: str) -> bool:
@@ -55,7 +106,9 @@ def folders_in(folder: Path) -> list[Path]:
 
 def leads_upwards(folder: Path) -> bool:
     """True if a link leads to one of its own parent folders."""
-    return folder.is_symlink() and Path(os.path.realpath(folder.parent)).is_relative_to(os.path.realpath(folder))
+    return folder.is_symlink() and Path(os.path.realpath(folder.parent)).is_relative_to(
+        os.path.realpath(folder)
+    )
 
 
 def number_of(path: Path) -> int | None:
@@ -72,7 +125,12 @@ def frames_in(folder: Path, suffixes: frozenset[str] = IMAGE_SUFFIXES) -> dict[i
     for entry in visible(folder):
         path = folder / entry.name
         number = number_of(path)
-        if number is not None and path.suffix.lower() in suffixes and is_text(entry.name) and is_file(path):
+        if (
+            number is not None
+            and path.suffix.lower() in suffixes
+            and is_text(entry.name)
+            and is_file(path)
+        ):
             frames.setdefault(number, path)
     return dict(sorted(frames.items()))
 
@@ -111,14 +169,16 @@ def read_cells(file: Path) -> list[list[str]]:
 
 
 def read_rows(file: Path, needed: Sequence[str]) -> list[dict[str, str]]:
-    """Return the rows of a CSV by the names in its first row. Raises DataError without a `needed` one."""
+    """Return the rows of a CSV by the names in its first row. Raises DataError without a
+    `needed` one.
+    """
     header, *cells = read_cells(file) or [[]]
     header = [name.lower() for name in header]
     for name in needed:
         if name not in header:
             raise DataError(
-                f"'{show(file)}' has no column '{name}'; expected a first row with {', '.join(needed)}."
-                f"{suggestion(name, header)}"
+                f"'{show(file)}' has no column '{name}'; expected a first row with"
+                f" {', '.join(needed)}.{suggestion(name, header)}"
             )
     return [dict(zip(header, row, strict=False)) for row in cells]
 
@@ -132,5 +192,7 @@ def read_names(file: Path, key: str, value: str) -> dict[str, str]:
     for row in read_rows(file, (key, value)):
         name, text = row.get(key, ""), row.get(value, "")
         if name and named.setdefault(name, text) != text:
-            raise DataError(f"'{show(file)}' gives '{show(name)}' two values for {value}. Keep one.")
+            raise DataError(
+                f"'{show(file)}' gives '{show(name)}' two values for {value}. Keep one."
+            )
     return named

@@ -1,4 +1,6 @@
-"""Plain folders: <root>/<domain>/<class>/[<object>/]<name>_vis.png and <name>_tac.png, or such names anywhere."""
+"""Plain folders: <root>/<domain>/<class>/[<object>/]<name>_vis.png and <name>_tac.png, or such
+names anywhere.
+"""
 
 import os
 import re
@@ -8,7 +10,14 @@ from pathlib import Path
 from omnivat.data.domains import is_simulated
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
 from omnivat.data.pairs import Pair, PairSet, Skipped
-from omnivat.data.readers.files import folders_in, is_image_name, is_text, leads_upwards, show, visible
+from omnivat.data.readers.files import (
+    folders_in,
+    is_image_name,
+    is_text,
+    leads_upwards,
+    show,
+    visible,
+)
 from omnivat.data.rest import REST
 from omnivat.kit.errors import DataError
 
@@ -112,9 +121,13 @@ class _Walk:
         for name, found in halves.items():
             vis, tac = found["vis"], found["tac"]
             if len(vis) == len(tac) == 1:
-                self.pairs.append(Pair(vis=vis[0], tac=tac[0], domain=domain, material=material, object=thing))
+                self.pairs.append(
+                    Pair(vis=vis[0], tac=tac[0], domain=domain, material=material, object=thing)
+                )
             elif not vis or not tac:
-                self.skip(folder / name, f"no {'_vis' if not vis else '_tac'} image beside the other")
+                self.skip(
+                    folder / name, f"no {'_vis' if not vis else '_tac'} image beside the other"
+                )
             else:
                 files = " and ".join(show(path.name) for path in max(vis, tac, key=len))
                 self.skip(folder / name, f"one half is there more than once: {files}")
@@ -157,8 +170,8 @@ def _of_one_name(folders: list[Path], kind: str) -> list[Path]:
 def _no_pairs(source: Path, skipped: list[Skipped]) -> str:
     if any((source / name).is_file() for name in ("meta/info.json", "videos.csv")):
         return (
-            f"'{show(source)}' holds recordings; make pairs of them first: `python -m omnivat import "
-            f"{show(source)} --out PAIRS`."
+            f"'{show(source)}' holds recordings; make pairs of them first: `python -m omnivat"
+            f" import {show(source)} --out PAIRS`."
         )
     message = f"No pairs in '{show(source)}'; expected {LAYOUT}."
     for place in (source, *folders_in(source)):
@@ -207,7 +220,10 @@ def read_loose(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
         else:
             skipped.append(Skipped(what=show(some[0].relative_to(source)), why="lacks its partner"))
     if not pairs:
-        raise DataError(f"No pairs in '{show(source)}': name pictures NAME_vis.png and NAME_tac.png, in one folder.")
+        raise DataError(
+            f"No pairs in '{show(source)}': name pictures NAME_vis.png and NAME_tac.png, in one"
+            " folder."
+        )
     return PairSet(
         pairs=tuple(pairs),
         skipped=tuple(skipped),

@@ -14,7 +14,15 @@ from random import Random
 
 from omnivat.data.materials import class_key, rules, why_left_out
 from omnivat.data.pairs import Pair, PairSet, Tally
-from omnivat.data.readers.files import folders_in, frames_in, is_file, number_of, read_cells, read_json, show
+from omnivat.data.readers.files import (
+    folders_in,
+    frames_in,
+    is_file,
+    number_of,
+    read_cells,
+    read_json,
+    show,
+)
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.tables import suggestion
@@ -32,7 +40,12 @@ def recognises(source: Path) -> bool:
 
 
 def read(
-    source: Path, *, strict: bool = False, seed: int = 0, split: str = "paper", objects: Path | str | None = None
+    source: Path,
+    *,
+    strict: bool = False,
+    seed: int = 0,
+    split: str = "paper",
+    objects: Path | str | None = None,
 ) -> PairSet:
     """Return the pairs of ObjectFolder 2.0, A and B.
 
@@ -47,18 +60,25 @@ def read(
     one number has two materials, if a file is missing, or if there are no pairs.
     """
     if split not in SPLITS:
-        raise SettingsError(f"split is '{split}'; choose {', '.join(SPLITS)}.{suggestion(split, SPLITS)}")
+        raise SettingsError(
+            f"split is '{split}'; choose {', '.join(SPLITS)}.{suggestion(split, SPLITS)}"
+        )
     left_out = Tally()
     raw = materials_of_objects(source, Path(objects) if objects else source / "objects.csv")
     things = _things(source, raw, strict, left_out)
     pairs = [pair for thing in things for pair in _pairs(source, thing, things[thing], left_out)]
-    pairs = _released(source, pairs, left_out) if split == "release" else _drawn(pairs, seed, left_out)
+    pairs = (
+        _released(source, pairs, left_out) if split == "release" else _drawn(pairs, seed, left_out)
+    )
     if not pairs:
         raise DataError(f"No pairs of ObjectFolder 2.0 in '{show(source)}'.{left_out.reasons()}")
     return PairSet(
         pairs=tuple(pairs),
         skipped=left_out.skipped(),
-        origin=f"ObjectFolder 2.0, {'split.json' if split == 'release' else 'objects drawn as many a class'}",
+        origin=(
+            "ObjectFolder 2.0,"
+            f" {'split.json' if split == 'release' else 'objects drawn as many a class'}"
+        ),
         simulated=True,
     )
 
@@ -66,7 +86,8 @@ def read(
 def materials_of_objects(source: Path, table: Path) -> dict[int, str]:
     """Return each labelled object's material, after checking it against label.json.
 
-    Raises DataError unless every number of label.json matches one material and every material one number.
+    Raises DataError unless every number of label.json matches one material and every material one
+    number.
     """
     file = source / "label.json"
     listed = read_json(file, dict).items()
@@ -103,7 +124,9 @@ def _materials(table: Path) -> dict[int, str]:
             f"No table of objects at '{show(table)}'. The release does not name the materials: "
             "copy objects.csv of the ObjectFolder repository there."
         )
-    found = {int(r[0]): class_key(r[3]) for r in read_cells(table) if len(r) > 3 and r[0].isdecimal()}
+    found = {
+        int(r[0]): class_key(r[3]) for r in read_cells(table) if len(r) > 3 and r[0].isdecimal()
+    }
     if not found:
         raise DataError(f"'{show(table)}' has no rows of id,name,scale,Material,url.")
     return found
@@ -150,10 +173,13 @@ def _released(source: Path, pairs: list[Pair], left_out: Tally) -> list[Pair]:
     file = source / "split.json"
     listed = read_json(file, dict).items()
     try:
-        where = {(str(int(thing)), int(k)): name for name, members in listed for thing, k in members}
+        where = {
+            (str(int(thing)), int(k)): name for name, members in listed for thing, k in members
+        }
     except (TypeError, ValueError) as error:
         raise DataError(
-            f"'{show(file)}' is no split ({error}); expected [object, instance] under train, val, test."
+            f"'{show(file)}' is no split ({error}); expected [object, instance] under train, val,"
+            " test."
         ) from error
     placed = [(pair, where.get((pair.object, number_of(pair.tac) or 0))) for pair in pairs]
     if lost := sum(name is None for _, name in placed):
@@ -171,7 +197,10 @@ def _drawn(pairs: list[Pair], seed: int, left_out: Tally) -> list[Pair]:
     things: dict[tuple[str, str], dict[str, list[Pair]]] = defaultdict(lambda: defaultdict(list))
     for pair in pairs:
         things[pair.domain, pair.material][pair.object].append(pair)
-    rarest = {d: min(len(members) for (name, _), members in things.items() if name == d) for d, _ in things}
+    rarest = {
+        d: min(len(members) for (name, _), members in things.items() if name == d)
+        for d, _ in things
+    }
     drawn: list[Pair] = []
     for (domain, material), members in things.items():
         order = list(members)

@@ -52,7 +52,9 @@ def read(
     recording. Raises DataError without a table or without pairs.
     """
     if frames not in CHOICES:
-        raise SettingsError(f"frames is '{frames}'; choose {', '.join(CHOICES)}.{suggestion(frames, CHOICES)}")
+        raise SettingsError(
+            f"frames is '{frames}'; choose {', '.join(CHOICES)}.{suggestion(frames, CHOICES)}"
+        )
     left_out = Tally()
     table = Path(materials) if materials else source / "materials.csv"
     if not is_file(table):
@@ -70,8 +72,9 @@ def read(
     ]
     if not pairs:
         raise DataError(
-            f"No pairs of ObjectFolder Real in '{show(source)}'; expected "
-            f"<object>/tactile_data/<contact>/0/gelsight and a camera beside it.{left_out.reasons()}"
+            f"No pairs of ObjectFolder Real in '{show(source)}'; expected"
+            " <object>/tactile_data/<contact>/0/gelsight and a camera beside"
+            f" it.{left_out.reasons()}"
         )
     return PairSet(
         pairs=split_by_object(pairs, seed=seed, test=TEST_SHARE),
@@ -116,6 +119,10 @@ def _pairs(thing: Path, material: str, choice: str, camera: str, left_out: Tally
 
 def _camera_frames(recording: Path, camera: str) -> list[Path]:
     """Return the frames of the given camera, or of the best one with frames."""
-    beside = [one for one in folders_in(recording) if one.name != TOUCH and camera in ("", one.name)]
-    beside.sort(key=lambda one: ([word not in one.name.lower() for word in PREFERRED], one.name.lower()))
+    beside = [
+        one for one in folders_in(recording) if one.name != TOUCH and camera in ("", one.name)
+    ]
+    beside.sort(
+        key=lambda one: ([word not in one.name.lower() for word in PREFERRED], one.name.lower())
+    )
     return next((list(frames.values()) for frames in map(frames_in, beside) if frames), [])

@@ -32,8 +32,8 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     strict  keep the five materials only
     seed    not used: every pair is kept
 
-    A row without an image or a name, or a repeated row, is skipped and listed. Raises DataError for another kind of
-    file, an unknown split, the same images under two names, or no pairs.
+    A row without an image or a name, or a repeated row, is skipped and listed. Raises DataError for
+    another kind of file, an unknown split, the same images under two names, or no pairs.
     """
     file = source / "pairs.csv" if source.is_dir() else source
     pairs: list[Pair] = []
@@ -52,14 +52,17 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
                 here, there = getattr(pair, name), getattr(same, name)
                 if here != there:
                     raise DataError(
-                        f"'{show(file)}' gives the same two images the {name} '{show(there)}' in row "
-                        f"{earlier} and '{show(here)}' in row {number}. Keep the right one."
+                        f"'{show(file)}' gives the same two images the {name} '{show(there)}' in"
+                        f" row {earlier} and '{show(here)}' in row {number}. Keep the right one."
                     )
             why = "repeats an earlier row"
         skipped.append(Skipped(what=f"row {number}", why=why))
     if not pairs:
         first_reason = f" The first reason, {skipped[0].what}: {skipped[0].why}." if skipped else ""
-        raise DataError(f"No pairs in '{show(file)}': none of its {len(skipped)} rows can be used.{first_reason}")
+        raise DataError(
+            f"No pairs in '{show(file)}': none of its {len(skipped)} rows can be"
+            f" used.{first_reason}"
+        )
     return PairSet(
         pairs=tuple(pairs),
         skipped=tuple(skipped),
@@ -86,7 +89,9 @@ def _rows(file: Path) -> Iterator[tuple[int, Row]]:
             "Look for a quotation mark that is not closed."
         ) from error
     except UnicodeDecodeError as error:
-        raise DataError(f"'{show(file)}' is not UTF-8 text (byte {error.start}). Save it as 'CSV UTF-8'.") from error
+        raise DataError(
+            f"'{show(file)}' is not UTF-8 text (byte {error.start}). Save it as 'CSV UTF-8'."
+        ) from error
 
 
 def _check_header(file: Path, header: list[str]) -> None:

@@ -39,7 +39,11 @@ class Sensor:
     column: int
 
 
-SENSORS = (Sensor("TQ-GelMini", "gelsight", 1), Sensor("TQ-DIGIT", "digit", 3), Sensor("TQ-DuraGel", "duragel", 5))
+SENSORS = (
+    Sensor("TQ-GelMini", "gelsight", 1),
+    Sensor("TQ-DIGIT", "digit", 3),
+    Sensor("TQ-DuraGel", "duragel", 5),
+)
 TAC3D = Sensor("TQ-T3D", "tac3d", -1)
 
 
@@ -77,7 +81,8 @@ def read(
     all_frames  keep every frame in contact; otherwise 41 training and 15 test frames of each
                 outdoor item and 15 test frames of each indoor item, as the paper's counts suggest
     by_object   put whole outdoor items into train or test; otherwise frames of one item are in both
-    materials   the table item,material, if it is not <root>/materials.csv; an empty material skips the item
+    materials   the table item,material, if it is not <root>/materials.csv; an empty material skips
+                the item
     cache       folder of the images of Tac3D fields; by default the user's cache folder
 
     Raises DataError if there are no pairs.
@@ -87,7 +92,9 @@ def read(
     pairs: list[Pair] = []
     for contact in contacts:
         for sensor in SENSORS:
-            pairs += _with_splits(list(_touches(contact, sensor, left_out)), contact, sensor, seed, all_frames)
+            pairs += _with_splits(
+                list(_touches(contact, sensor, left_out)), contact, sensor, seed, all_frames
+            )
     pairs += _tac3d(contacts, Path(cache) if cache else cache_folder() / "tac3d", seed, left_out)
     if not pairs:
         raise DataError(f"No pairs of TacQuad in '{show(source)}'.{left_out.reasons()}")
@@ -97,7 +104,9 @@ def read(
     return PairSet(pairs=tuple(pairs), skipped=left_out.skipped(), origin=f"TacQuad, {how}")
 
 
-def _contacts(source: Path, table: Path | str | None, strict: bool, left_out: Tally) -> Iterator[Contact]:
+def _contacts(
+    source: Path, table: Path | str | None, strict: bool, left_out: Tally
+) -> Iterator[Contact]:
     """Yield the rows of both parts whose item exists and has one of the five materials."""
     overrides = _overrides(Path(table or source / "materials.csv"), required=table is not None)
     for part in PARTS:
@@ -122,20 +131,25 @@ def _overrides(file: Path, *, required: bool) -> dict[str, str]:
         if required:
             raise DataError(f"No table of materials at '{show(file)}'. Check the path.")
         return {}
-    overrides = {item: class_key(name) for item, name in read_names(file, "item", "material").items()}
+    overrides = {
+        item: class_key(name) for item, name in read_names(file, "item", "material").items()
+    }
     for item, material in overrides.items():
         if material and material not in MATERIALS:
             raise DataError(
-                f"'{show(file)}' calls '{show(item)}' {show(material)}; expected {', '.join(MATERIALS)} "
-                f"or nothing.{suggestion(material, MATERIALS)}"
+                f"'{show(file)}' calls '{show(item)}' {show(material)}; expected"
+                f" {', '.join(MATERIALS)} or nothing.{suggestion(material, MATERIALS)}"
             )
     return overrides
 
 
-def material_of(item: str, caption: str, overrides: dict[str, str], *, strict: bool = False) -> tuple[str, str]:
+def material_of(
+    item: str, caption: str, overrides: dict[str, str], *, strict: bool = False
+) -> tuple[str, str]:
     """Return an item's material, or "" and the reason.
 
-    An override has priority, then the item's name, then the caption. A text with two materials is ignored.
+    An override has priority, then the item's name, then the caption. A text with two materials is
+    ignored.
     """
     if item in overrides:
         return overrides[item], "" if overrides[item] else "left out by the table of materials"
@@ -164,7 +178,9 @@ def _touches(contact: Contact, sensor: Sensor, left_out: Tally) -> Iterator[Pair
     yield from _paired(contact, sensor, inside, len(touch), left_out)
 
 
-def _paired(contact: Contact, sensor: Sensor, touch: dict[int, Path], recorded: int, left_out: Tally) -> Iterator[Pair]:
+def _paired(
+    contact: Contact, sensor: Sensor, touch: dict[int, Path], recorded: int, left_out: Tally
+) -> Iterator[Pair]:
     """Yield touch frames with the image of the same moment.
 
     recorded  number of all touch frames; the number of images may differ slightly, so frame t is
@@ -187,15 +203,17 @@ def _paired(contact: Contact, sensor: Sensor, touch: dict[int, Path], recorded: 
             )
 
 
-def _with_splits(found: list[Pair], contact: Contact, sensor: Sensor, seed: int, all_frames: bool) -> list[Pair]:
+def _with_splits(
+    pairs: list[Pair], contact: Contact, sensor: Sensor, seed: int, all_frames: bool
+) -> list[Pair]:
     """Return the training and test frames of an item, in recorded order."""
     outdoor = contact.part == "outdoor"
-    wanted = len(found) if all_frames else min(len(found), TEST + TRAIN * outdoor)
+    wanted = len(pairs) if all_frames else min(len(pairs), TEST + TRAIN * outdoor)
     random = Random(derive_seed(seed, "frames", sensor.domain, contact.part, contact.item))
-    order = random.sample(range(len(found)), wanted)
+    order = random.sample(range(len(pairs)), wanted)
     tests = round(wanted * TEST / (TEST + TRAIN)) if outdoor else wanted
     split = {index: "test" if rank < tests else "train" for rank, index in enumerate(order)}
-    return [replace(found[index], split=split[index]) for index in sorted(split)]
+    return [replace(pairs[index], split=split[index]) for index in sorted(split)]
 
 
 def _tac3d(contacts: list[Contact], folder: Path, seed: int, left_out: Tally) -> list[Pair]:

@@ -72,9 +72,9 @@ def read(
         frames = _unlisted(clips)
     else:
         raise DataError(
-            f"No labels for the clips in '{show(source)}': neither train.txt and test.txt nor "
-            "label.txt is there. Copy them beside the clips, or take the clips' own names as classes: "
-            "`omnivat embed` with --set keep_labels=true."
+            f"No labels for the clips in '{show(source)}': neither train.txt and test.txt nor"
+            " label.txt is there. Copy them beside the clips, or take the clips' own names as"
+            " classes: `omnivat embed` with --set keep_labels=true."
         )
     pairs = tuple(_pairs(frames, clips, left_out))
     if not pairs:
@@ -113,7 +113,9 @@ def _listed(files: dict[str, Path], left_out: Tally) -> Iterator[Frame]:
             elif label == INCONCLUSIVE:
                 left_out.add(show(file.name), "label -1, inconclusive")
             elif earlier := seen.get((clip, int(number))):
-                left_out.add(show(clip), "listed twice" if earlier == label else "listed with two labels")
+                left_out.add(
+                    show(clip), "listed twice" if earlier == label else "listed with two labels"
+                )
             else:
                 seen[clip, int(number)] = label
                 yield Frame(clip, int(number), label, split)
@@ -124,7 +126,10 @@ def _label_names(places: tuple[Path, ...]) -> dict[str, str]:
 
     Raises DataError if one of the five has another name there.
     """
-    file = next((p / "category_reference.txt" for p in places if is_file(p / "category_reference.txt")), None)
+    file = next(
+        (p / "category_reference.txt" for p in places if is_file(p / "category_reference.txt")),
+        None,
+    )
     names: dict[str, str] = {}
     for line in read_lines(file) if file else ():
         name, _, number = line.rpartition(":")
@@ -133,8 +138,8 @@ def _label_names(places: tuple[Path, ...]) -> dict[str, str]:
     for label, rule in rules("touch_and_go").items():
         if file and label in names and rule.named not in names[label]:
             raise DataError(
-                f"'{show(file)}' calls label {label} '{show(names[label])}', expected '{rule.named}'. "
-                "This is another numbering; correct the lists or the file."
+                f"'{show(file)}' calls label {label} '{show(names[label])}', expected"
+                f" '{rule.named}'. This is another numbering; correct the lists or the file."
             )
     return names
 
@@ -176,7 +181,14 @@ def _pairs(frames: list[tuple[Frame, str]], clips: Path, left_out: Tally) -> Ite
             halves[frame.clip] = (frames_in(folder / VIS), frames_in(folder / TAC))
         vis, tac = (half.get(frame.number) for half in halves[frame.clip])
         if vis and tac:
-            yield Pair(vis=vis, tac=tac, domain=DOMAIN, material=material, object=frame.clip, split=frame.split)
+            yield Pair(
+                vis=vis,
+                tac=tac,
+                domain=DOMAIN,
+                material=material,
+                object=frame.clip,
+                split=frame.split,
+            )
         else:
             missing = [n for n, half in ((VIS, vis), (TAC, tac)) if not half]
             left_out.add(show(frame.clip), f"no image in {' and '.join(missing)}")

@@ -1,10 +1,12 @@
-"""Pairs of pictures from recordings: LeRobot data sets with tactile images, and videos with a table of labels."""
+"""Pairs of pictures from recordings: LeRobot data sets with tactile images, and videos with a
+table of labels.
+"""
 
 from collections.abc import Sequence
 from pathlib import Path
 
 from omnivat.data.materials import NO_CLASS, class_key
-from omnivat.data.readers.files import read_rows, show
+from omnivat.data.readers.files import number_in, read_rows, show
 from omnivat.data.recordings.lerobot import INFO, LeRobot
 from omnivat.data.recordings.tracks import HALVES, Clip, Track
 from omnivat.data.recordings.writing import write_pairs
@@ -13,6 +15,7 @@ from omnivat.kit.errors import DataError, SettingsError
 __all__ = ["clips_of", "is_recording", "write_pairs"]
 
 TABLE = "videos.csv"  # of a folder of videos
+DAY = 86_400.0  # seconds; no recording of a contact is longer
 VIDEOS = (".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg")
 
 
@@ -28,12 +31,18 @@ def is_recording(source: Path) -> bool:
 
 
 def clips_of(
-    source: Path, *, vis: str = "", tac: Sequence[str] = (), domain: str = "", labels: Path | None = None
+    source: Path,
+    *,
+    vis: str = "",
+    tac: Sequence[str] = (),
+    domain: str = "",
+    labels: Path | None = None,
 ) -> list[Clip]:
     """Return the recordings in `source`.
 
     vis, tac  LeRobot: names of cameras; "" and () choose by name
-    domain    of all pairs; "": the name of the data set, or of the tactile camera if there are several
+    domain    of all pairs; "": the name of the data set, or of the tactile camera if there are
+              several
     labels    LeRobot: a CSV with the columns episode and material, perhaps domain, object, split
 
     Raises DataError for another layout, or if the cameras cannot be told.
@@ -41,7 +50,9 @@ def clips_of(
     if source.is_dir() and (source / INFO).is_file():
         return LeRobot(source).clips(vis, tac, domain, labels)
     if vis or tac or labels:
-        raise SettingsError("--vis, --tac and --labels are for LeRobot; here the table has names and labels.")
+        raise SettingsError(
+            "--vis, --tac and --labels are for LeRobot; here the table has names and labels."
+        )
     return _videos(source / TABLE if source.is_dir() else source, domain)
 
 
@@ -49,28 +60,32 @@ def _videos(file: Path, domain: str) -> list[Clip]:
     """Return the recordings of a table: vis and tac name videos; start and end are seconds."""
     clips = []
     for number, row in enumerate(read_rows(file, ("material",)), start=2):
-        seconds: dict[str, float] = {}
-        for name in filter(row.get, ("start", "end", "tac_delay")):
-            try:
-                seconds[name] = float(row[name])
-            except ValueError as error:
-                raise DataError(f"'{show(file)}', row {number}: {name} is no number of seconds.") from error
-        start, delay = seconds.get("start", 0.0), {"vis": 0.0, "tac": seconds.get("tac_delay", 0.0)}
-        names = {half: row[half] for half in HALVES if row.get(half)}
-        if not names:
-            raise DataError(f"'{show(file)}', row {number}: name a video under vis or tac.")
-        tracks = {half: Track(file=file.parent / name, start=start + delay[half]) for half, name in names.items()}
-        clips.append(
-            Clip(
-                name=f"row {number}",
-                tracks=tracks,
-                length=seconds["end"] - start if "end" in seconds else None,
-                domain=row.get("domain") or domain or file.absolute().parent.name,
-                material=class_key(row["material"]) or NO_CLASS,
-                object=row.get("object") or f"row {number}",
-                split=row.get("split", ""),
-            )
-        )
+        labels = {
+            "name": f"row {number}",
+            "domain": row.get("domain") or domain or file.absolute().parent.name,
+            "material": class_key(row.get("material", "")) or NO_CLASS,
+            "object": row.get("object") or f"row {number}",
+            "split": row.get("split", ""),
+        }
+        try:
+            tracks, length = _filmed(file.parent, row)
+            clips.append(Clip(tracks=tracks, length=length, **labels))
+        except DataError as error:
+            clips.append(Clip(tracks={}, length=None, problem=str(error), **labels))
     if not clips:
         raise DataError(f"'{show(file)}' has no rows below its header.")
     return clips
+
+
+def _filmed(folder: Path, row: dict[str, str]) -> tuple[dict[str, Track], float | None]:
+    """Return the tracks of a row, and its length in seconds; None for the video's."""
+    given = [name for name in ("start", "end", "tac_delay") if row.get(name)]
+    seconds = {name: number_in(row[name], -DAY, DAY, name) for name in given}
+    start, delay = seconds.get("start", 0.0), {"vis": 0.0, "tac": seconds.get("tac_delay", 0.0)}
+    names = {half: row[half] for half in HALVES if row.get(half)}
+    if not names:
+        raise DataError("It names no video; name one under vis or tac.")
+    tracks = {
+        half: Track(file=folder / name, start=start + delay[half]) for half, name in names.items()
+    }
+    return tracks, seconds["end"] - start if "end" in seconds else None

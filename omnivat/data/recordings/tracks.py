@@ -1,4 +1,6 @@
-"""Recordings of one contact: their tracks and labels; pictures of a track, from a video or a Parquet file."""
+"""Recordings of one contact: their tracks and labels; pictures of a track, from a video or a
+Parquet file.
+"""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -8,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from omnivat.data.images import MAX_PIXELS, read_image
 from omnivat.data.readers.files import show
 from omnivat.kit.errors import DataError, first_line
+from omnivat.kit.files import require_regular
 from omnivat.kit.tables import need
 
 if TYPE_CHECKING:
@@ -39,10 +42,13 @@ class Clip:
     material: str
     object: str
     split: str = ""
+    problem: str = ""  # why it cannot be read
 
 
 def pictures(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:
-    """Yield the picture of a track at each of the rising times; raises DataError if one is missing."""
+    """Yield the picture of a track at each of the rising times; raises DataError if one is
+    missing.
+    """
     return _stored(track, times) if track.column else _filmed(track, times)
 
 
@@ -50,21 +56,27 @@ def _stored(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:
     rows = parquet_rows(track.file, [track.column], [("episode_index", "=", track.episode)])
     for moment in times:
         k = min(int(moment * track.fps + NEAR), len(rows) - 1)
-        content = (rows[k].get(track.column) or {}).get("bytes") if rows else None
-        if not content:
-            raise DataError(f"'{show(track.file)}' has no picture '{track.column}' at {moment:.2f} s.")
+        cell = rows[k].get(track.column) if rows else None
+        content = cell.get("bytes") if isinstance(cell, dict) else None
+        if not isinstance(content, bytes) or not content:  # a text would be read as a path
+            raise DataError(
+                f"'{show(track.file)}' has no picture '{track.column}' at {moment:.2f} s."
+            )
         yield read_image(content, f"{track.file.name}, row {k}")
 
 
 def _opened(file: Path) -> tuple[Any, Any]:
     av = need("av", purpose="reading videos")
+    require_regular(file, show(file))
     try:
         container = av.open(str(file))
         if not container.streams.video:
             raise DataError(f"'{show(file)}' holds no video.")
         stream = container.streams.video[0]
     except (av.error.FFmpegError, OSError) as error:
-        raise DataError(f"'{show(file)}' is no video that can be read; export it as MP4.") from error
+        raise DataError(
+            f"'{show(file)}' is no video that can be read; export it as MP4."
+        ) from error
     if stream.width * stream.height > MAX_PIXELS:
         raise DataError(f"'{show(file)}' has pictures over {MAX_PIXELS // 1_000_000} megapixels.")
     return container, stream
@@ -76,8 +88,13 @@ def extent(track: Track) -> tuple[float, float]:
         return 0.0, track.fps
     container, stream = _opened(track.file)
     with container:
-        seconds = stream.duration * stream.time_base if stream.duration else container.duration / 1e6
-        return float(seconds), float(stream.average_rate or 30)
+        try:
+            seconds = (
+                stream.duration * stream.time_base if stream.duration else container.duration / 1e6
+            )
+            return float(seconds), float(stream.average_rate or 30)
+        except (TypeError, ValueError, OverflowError) as error:
+            raise DataError(f"'{show(track.file)}' has no length; export it as MP4.") from error
 
 
 def _filmed(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:
@@ -105,8 +122,11 @@ def _filmed(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:
         raise DataError(f"'{show(track.file)}' ends before {waiting[0]:.2f} s.")
 
 
-def parquet_rows(file: Path, columns: list[str] | None = None, filters: Any = None) -> list[dict[str, Any]]:
+def parquet_rows(
+    file: Path, columns: list[str] | None = None, filters: Any = None
+) -> list[dict[str, Any]]:
     """Return rows of a Parquet file; raises DataError if it cannot be read."""
+    require_regular(file, show(file))
     parquet = need("pyarrow.parquet", purpose="reading LeRobot data sets", install="pyarrow")
     try:
         table = parquet.read_table(file, columns=columns, filters=filters)

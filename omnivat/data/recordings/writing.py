@@ -8,7 +8,7 @@ import numpy as np
 from PIL import Image
 
 from omnivat.data.pairs import Skipped
-from omnivat.data.readers.files import show
+from omnivat.data.readers.files import encodable, show
 from omnivat.data.recordings.tracks import HALVES, Clip, extent, pictures
 from omnivat.kit.errors import DataError, SettingsError, WriteError
 from omnivat.kit.files import replacing_folder, write_csv
@@ -21,20 +21,27 @@ COLUMNS = ("vis", "tac", "domain", "material", "object", "split")
 
 
 def write_pairs(
-    clips: Sequence[Clip], out: Path, *, frames: int = 5, pick: str = "even", on_step: OnStep = ignore
+    clips: Sequence[Clip],
+    out: Path,
+    *,
+    frames: int = 5,
+    pick: str = "even",
+    on_step: OnStep = ignore,
 ) -> tuple[int, list[Skipped]]:
     """Write pictures of each recording into a new folder that `omnivat embed` and `try` read.
 
     frames  pairs of each recording, which are one object: no split divides them
-    pick    "even": in the middle of `frames` equal parts; "contact": of 60 moments, those whose touch
-            differs most from the first one
+    pick    "even": in the middle of `frames` equal parts; "contact": of 60 moments, those whose
+            touch differs most from the first one
     return  number of pairs; recordings that were left out, with reasons
 
-    The folder appears when it is complete. Raises WriteError if it exists with files, DataError if no
-    recording can be read.
+    The folder appears when it is complete. Raises WriteError if it exists with files, DataError if
+    no recording can be read.
     """
     if pick not in PICKS or frames < 1:
-        raise SettingsError(f"frames is {frames} and pick is '{pick}'; give 1 or more, and {' or '.join(PICKS)}.")
+        raise SettingsError(
+            f"frames is {frames} and pick is '{pick}'; give 1 or more, and {' or '.join(PICKS)}."
+        )
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise WriteError(f"'{out}' exists; name a new folder.")
     with replacing_folder(out) as work:
@@ -51,12 +58,18 @@ def _written(
     for done, clip in enumerate(clips):
         on_step(Step(done=done, total=len(clips), text=clip.name))
         try:
-            times = _times(clip, frames, pick)
+            if clip.problem:
+                raise DataError(clip.problem)
+            for name in ("domain", "material", "object", "split"):
+                encodable(getattr(clip, name), f"its {name}")
+            times = moments(clip, frames, pick)
             shots = {half: list(pictures(track, times)) for half, track in clip.tracks.items()}
         except DataError as error:
             skipped.append(Skipped(what=clip.name, why=str(error)))
             continue
-        folder = Path(*(_plain(part) for part in (clip.domain, clip.material, clip.name)))
+        folder = Path(*(plain(part) for part in (clip.domain, clip.material, clip.name)))
+        if (work / folder).exists():  # plain and shortened names may be equal
+            folder = folder.with_name(f"{folder.name} - {done}")
         (work / folder).mkdir(parents=True, exist_ok=True)
         for k in range(frames):
             names = {half: str(folder / f"{k:03d}_{half}.png") for half in shots}
@@ -70,34 +83,36 @@ def _written(
     return rows, skipped
 
 
-def _times(clip: Clip, frames: int, pick: str) -> list[float]:
+def moments(clip: Clip, frames: int, pick: str) -> list[float]:
     """Return the moments of a recording, in seconds from its start."""
     track = clip.tracks["tac" if "tac" in clip.tracks else "vis"]
     seconds, fps = extent(track)
     length = clip.length if clip.length is not None else seconds - track.start
     there = int(length * fps + 0.5)
     if there < frames:
-        raise DataError(f"'{show(track.file)}' has {max(0, there)} pictures there, and {frames} were asked for.")
+        raise DataError(
+            f"'{show(track.file)}' has {max(0, there)} pictures there, and {frames} were asked for."
+        )
 
     def even(count: int) -> list[float]:
         return [(k + 0.5) * length / count for k in range(count)]
 
     if pick == "even":
         return even(frames)
-    moments = even(max(frames, min(LOOKS, there)))
+    looks = even(max(frames, min(LOOKS, there)))
     small = [
         np.asarray(one.convert("L").resize((GRID, GRID), Image.Resampling.BOX), float)
-        for one in pictures(track, moments)
+        for one in pictures(track, looks)
     ]
     change = np.array(small) - small[0]
     off = np.abs(change - np.median(change, axis=(1, 2), keepdims=True)).max(axis=(1, 2))
-    return [moments[k] for k in sorted(np.argsort(-off, kind="stable")[:frames])]
+    return [looks[k] for k in sorted(np.argsort(-off, kind="stable")[:frames])]
 
 
-def _plain(name: str) -> str:
+def plain(name: str) -> str:
     """Return a name as a folder.
 
-    >>> _plain("wood / oak"), _plain("..")
+    >>> plain("wood / oak"), plain("..")
     ('wood - oak', '-')
     """
     return re.sub(r"[^\w .()+-]+|^\.+", "-", name).strip()[:80] or "-"

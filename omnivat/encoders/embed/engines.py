@@ -21,7 +21,12 @@ AHEAD = 4  # waiting pairs for each worker; bounds the memory
 
 
 def run_local(
-    chunks: Sequence[Chunk], job: Job, encoder: Encoder, *, workers: int, on_pairs: Callable[[int], None]
+    chunks: Sequence[Chunk],
+    job: Job,
+    encoder: Encoder,
+    *,
+    workers: int,
+    on_pairs: Callable[[int], None],
 ) -> Iterator[tuple[Chunk, bytes]]:
     """Yield each chunk with the content of its part file, in order.
 
@@ -43,7 +48,9 @@ def run_local(
         pool.shutdown(cancel_futures=True)  # of what has not started
 
 
-def in_order(pool: ThreadPoolExecutor, work: Callable[[A], B], items: Iterable[A], *, window: int) -> Iterator[B]:
+def in_order(
+    pool: ThreadPoolExecutor, work: Callable[[A], B], items: Iterable[A], *, window: int
+) -> Iterator[B]:
     """Yield `work(item)` for each item in order, with at most `window` items in progress."""
     under_way: deque[Future[B]] = deque()
     for item in items:
@@ -55,14 +62,22 @@ def in_order(pool: ThreadPoolExecutor, work: Callable[[A], B], items: Iterable[A
 
 
 def run_on_ray(
-    chunks: Sequence[Chunk], job: Job, encoder: Encoder, *, workers: int, on_pairs: Callable[[int], None]
+    chunks: Sequence[Chunk],
+    job: Job,
+    encoder: Encoder,
+    *,
+    workers: int,
+    on_pairs: Callable[[int], None],
 ) -> Iterator[tuple[Chunk, bytes]]:
     """Yield each chunk with the content of its part file, in the order of completion.
 
     It uses the connected cluster, or the one of $RAY_ADDRESS, or starts Ray here.
     workers     number of worker processes, each on one core of the cluster
     """
-    ray, data = (need(n, purpose="embedding over a cluster", install="'ray[data]'") for n in ("ray", "ray.data"))
+    ray, data = (
+        need(n, purpose="embedding over a cluster", install="'ray[data]'")
+        for n in ("ray", "ray.data")
+    )
     if not chunks:
         return
     started_here = not ray.is_initialized()
@@ -72,7 +87,10 @@ def run_on_ray(
         data.DataContext.get_current().enable_progress_bars = False
         rows = [{"index": i, "chunk": pickle.dumps(chunk)} for i, chunk in enumerate(chunks)]
         finished = data.from_items(rows, override_num_blocks=len(rows)).map(
-            Worker, fn_constructor_args=(job, encoder.weights_hash), concurrency=min(workers, len(rows)), num_cpus=1
+            Worker,
+            fn_constructor_args=(job, encoder.weights_hash),
+            concurrency=min(workers, len(rows)),
+            num_cpus=1,
         )
         for row in finished.iter_rows():
             chunk = chunks[row["index"]]
@@ -92,8 +110,9 @@ class Worker:
         self._cache = EmbeddingCache(in_memory=1024)
         if self._encoder.weights_hash != weights_hash:
             raise DataError(
-                f"A worker has other weights of {job.encoder} than the machine that asked "
-                f"({self._encoder.weights_hash}, not {weights_hash}); put the same checkpoint on both."
+                f"A worker has other weights of {job.encoder} than the machine that asked"
+                f" ({self._encoder.weights_hash}, not {weights_hash}); put the same checkpoint on"
+                " both."
             )
 
     def __call__(self, row: dict[str, Any]) -> dict[str, Any]:

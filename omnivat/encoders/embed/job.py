@@ -1,4 +1,6 @@
-"""The embedding job: chunks of pairs, the work for one pair, part files, and their merging into one set."""
+"""The embedding job: chunks of pairs, the work for one pair, part files, and their merging into
+one set.
+"""
 
 import json
 import os
@@ -40,6 +42,7 @@ class Job:
     device: str = "cpu"
     precision: str = "fp32"
     flips: bool = True
+    dots: str = "fill"
     download: str = "ask"
 
     @property
@@ -61,6 +64,7 @@ class Job:
             device=self.device,
             precision=self.precision,
             download=self.download,
+            dots=self.dots,
         )
 
 
@@ -73,15 +77,28 @@ class Chunk:
     fingerprint: str
 
 
-def chunks_of(pairs: Sequence[Pair], encoder: Encoder, job: Job, size: int = CHUNK) -> Iterator[Chunk]:
+def chunks_of(
+    pairs: Sequence[Pair], encoder: Encoder, job: Job, size: int = CHUNK
+) -> Iterator[Chunk]:
     """Split the pairs into chunks of `size`."""
-    made_by = [encoder.name, encoder.weights_hash, encoder.preprocessing, encoder.precision, job.columns]
+    made_by = [
+        encoder.name,
+        encoder.weights_hash,
+        encoder.preprocessing,
+        encoder.precision,
+        job.columns,
+    ]
     for index, start in enumerate(range(0, len(pairs), size)):
         part = tuple(pairs[start : start + size])
         rests = [_state(pair.tac_rest) if pair.tac_rest else () for pair in part]
-        files = [[*_state(p.vis), *_state(p.tac), p.tac_crop, *rest] for p, rest in zip(part, rests, strict=True)]
+        files = [
+            [*_state(p.vis), *_state(p.tac), p.tac_crop, *rest]
+            for p, rest in zip(part, rests, strict=True)
+        ]
         text = json.dumps([made_by, files])
-        yield Chunk(index=index, pairs=part, fingerprint=blake2b(text.encode(), digest_size=16).hexdigest())
+        yield Chunk(
+            index=index, pairs=part, fingerprint=blake2b(text.encode(), digest_size=16).hexdigest()
+        )
 
 
 def _state(path: Path) -> tuple[str, int, int]:
@@ -92,12 +109,16 @@ def _state(path: Path) -> tuple[str, int, int]:
     return str(path), found.st_size, found.st_mtime_ns
 
 
-def embed_one(encoder: Encoder, job: Job, pair: Pair, cache: EmbeddingCache | None = None) -> list[Array] | Skipped:
+def embed_one(
+    encoder: Encoder, job: Job, pair: Pair, cache: EmbeddingCache | None = None
+) -> list[Array] | Skipped:
     """Return a pair's vectors (D,) in the order of `job.columns`, or the reason of a failure."""
     photos, touches = for_modality(encoder, "vis"), for_modality(encoder, "tac")
     try:
         vis = embed_views(photos, pair.vis, cache, flips=job.views)
-        tac = embed_views(touches, pair.tac, cache, flips=job.views, crop=pair.tac_crop, rest=pair.tac_rest)
+        tac = embed_views(
+            touches, pair.tac, cache, flips=job.views, crop=pair.tac_crop, rest=pair.tac_rest
+        )
     except DataError as error:
         return Skipped(what=f"{pair.vis} + {pair.tac}", why=str(error))
     return [*vis, *tac]
@@ -115,11 +136,15 @@ class Part:
 def part_bytes(chunk: Chunk, job: Job, results: Sequence[list[Array] | Skipped]) -> bytes:
     """Return the content of a chunk's part file from the results of `embed_one`."""
     skipped = [asdict(result) for result in results if isinstance(result, Skipped)]
-    vectors = {index: result for index, result in enumerate(results) if not isinstance(result, Skipped)}
+    vectors = {
+        index: result for index, result in enumerate(results) if not isinstance(result, Skipped)
+    }
     arrays: dict[str, NDArray[Any]] = {"kept": np.array(list(vectors), np.int64)}
     for name, column in zip(job.columns, zip(*vectors.values(), strict=True), strict=bool(vectors)):
         arrays[name] = np.stack(column)
-    return bytes(save(arrays, metadata={"fingerprint": chunk.fingerprint, "skipped": json.dumps(skipped)}))
+    return bytes(
+        save(arrays, metadata={"fingerprint": chunk.fingerprint, "skipped": json.dumps(skipped)})
+    )
 
 
 class Parts:
@@ -180,7 +205,14 @@ class Parts:
 
 
 def merge(
-    out: Path, parts: Sequence[Part], source: PairSet, encoder: Encoder, job: Job, *, dtype: str, manifest: str
+    out: Path,
+    parts: Sequence[Part],
+    source: PairSet,
+    encoder: Encoder,
+    job: Job,
+    *,
+    dtype: str,
+    manifest: str,
 ) -> Header:
     """Write the parts as one set of embeddings, with one part in memory at a time."""
     found = PairSet(pairs=tuple(pair for part in parts for pair in part.pairs))
@@ -198,7 +230,9 @@ def merge(
         tac_rest=rests,
     )
     kind, shape = vector_type(dtype), (len(found.pairs), encoder.width)
-    vectors = {name: Column(dtype=kind, shape=shape, blocks=_vectors(parts, name)) for name in job.columns}
+    vectors = {
+        name: Column(dtype=kind, shape=shape, blocks=_vectors(parts, name)) for name in job.columns
+    }
     files = [path.absolute() for pair in found.pairs for path in (pair.vis, pair.tac)]
     root = _shared_folder(files)
     write_columns(
@@ -222,9 +256,15 @@ def _vectors(parts: Sequence[Part], name: str) -> Iterator[NDArray[Any]]:
 
 
 def _names(pairs: Sequence[Pair], files: Sequence[Path], root: str) -> dict[str, list[str]]:
-    """Return the named columns; `files` has VIS and TAC of every pair in turn, named from `root`."""
+    """Return the named columns; `files` has VIS and TAC of every pair in turn, named from
+    `root`.
+    """
     short = [_text((file.relative_to(root) if root else file).as_posix()) for file in files]
-    crops = {"tac_crop": [str(pair.tac_crop) for pair in pairs]} if any(pair.tac_crop for pair in pairs) else {}
+    crops = (
+        {"tac_crop": [str(pair.tac_crop) for pair in pairs]}
+        if any(pair.tac_crop for pair in pairs)
+        else {}
+    )
     others = {name: [_text(getattr(pair, name)) for pair in pairs] for name in ROW_NAMES[2:]}
     return {"vis": short[::2], "tac": short[1::2], **others, **crops}
 
@@ -235,7 +275,9 @@ def _shared_folder(files: Sequence[Path]) -> str:
     Short names then keep domain and class, `<domain>/<class>/<name>`.
     """
     try:
-        return os.path.commonpath({str(file.parents[min(2, len(file.parents) - 1)]) for file in files})
+        return os.path.commonpath(
+            {str(file.parents[min(2, len(file.parents) - 1)]) for file in files}
+        )
     except ValueError:  # different drives
         return ""
 

@@ -15,7 +15,10 @@ from omnivat.kit.files import require_writable
 from omnivat.kit.progress import OnStep, Step, ignore, time_text
 from omnivat.kit.tables import load
 
-ENGINES = {"local": "omnivat.encoders.embed.engines:run_local", "ray": "omnivat.encoders.embed.engines:run_on_ray"}
+ENGINES = {
+    "local": "omnivat.encoders.embed.engines:run_local",
+    "ray": "omnivat.encoders.embed.engines:run_on_ray",
+}
 _log = logging.getLogger(__name__)
 
 
@@ -43,6 +46,7 @@ def embed_pairs(
     download: str = "ask",
     engine: str = "local",
     flips: bool = True,
+    dots: str = "fill",
     workers: int | None = None,
     dtype: str = "float32",
     manifest: str = "csv",
@@ -53,6 +57,7 @@ def embed_pairs(
     encoder_name, weights, tac_weights, device, precision, download  as for `load_encoder`
     engine      "local", or "ray" for a cluster; both write the same file
     flips       also embed mirrored images, for training
+    dots        "fill": printed dots of touch are filled first (`omnivat.data.dots`); or "keep"
     workers     images in parallel; default: every core
     dtype       of the file: "float32", or "float16" for half the size
     manifest    "csv" or "parquet": the readable table next to `out`
@@ -71,6 +76,7 @@ def embed_pairs(
         device=device,
         precision=precision,
         flips=flips,
+        dots=dots,
         download=download,
     )
     begun = time.monotonic()
@@ -82,7 +88,9 @@ def embed_pairs(
         if resumed:
             _log.info("%d pairs were embedded by an earlier run", resumed)
         on_pairs = _progress(total, resumed, on_step)
-        for chunk, content in run(waiting, job, encoder, workers=workers or usable_cores(), on_pairs=on_pairs):
+        for chunk, content in run(
+            waiting, job, encoder, workers=workers or usable_cores(), on_pairs=on_pairs
+        ):
             parts.write(chunk, content)
         finished = [part for chunk in chunks if (part := parts.read(chunk)) is not None]
         _require_all(finished, len(chunks), pairs, parts)
@@ -98,7 +106,9 @@ def embed_pairs(
     )
 
 
-def _require_sound(pairs: PairSet, out: Path, workers: int | None, dtype: str, manifest: str) -> None:
+def _require_sound(
+    pairs: PairSet, out: Path, workers: int | None, dtype: str, manifest: str
+) -> None:
     """Check input and output before loading the encoder."""
     vector_type(dtype)
     require_writable(out, ".safetensors")
@@ -107,7 +117,9 @@ def _require_sound(pairs: PairSet, out: Path, workers: int | None, dtype: str, m
         raise SettingsError(f"workers is {workers}; choose 1 or more.")
     if not pairs.pairs:
         place = pairs.origin or "what was given"
-        raise DataError(f"There are no pairs to embed in {place}; check the items that the reader skipped.")
+        raise DataError(
+            f"There are no pairs to embed in {place}; check the items that the reader skipped."
+        )
 
 
 def usable_cores() -> int:

@@ -59,9 +59,10 @@ class LangBank:
         missing = [name for name in classes if name not in self.classes]
         if missing:
             raise DataError(
-                f"The LANG bank has no text for {', '.join(missing)}; it has {', '.join(self.classes)}. "
-                f"Make one with `python -m omnivat prompts --classes {','.join(classes)} --out FILE` "
-                "and pass it as --lang FILE, or train with --set lang=false."
+                f"The LANG bank has no text for {', '.join(missing)}; it has"
+                f" {', '.join(self.classes)}. Make one with `python -m omnivat prompts --classes"
+                f" {','.join(classes)} --out FILE` and pass it as --lang FILE, or train with --set"
+                " lang=false."
             )
         rows = [self.classes.index(name) for name in classes]
         plain = None if self.plain is None else self.plain[rows]
@@ -76,9 +77,10 @@ class LangBank:
             return False
         if self.encoder == header.encoder and self.text_hash != header.text_hash:
             raise DataError(
-                f"The LANG bank was made by another checkpoint of {self.encoder} (text tower {self.text_hash}) "
-                f"than the images' (text tower {header.text_hash}); make it again with `python -m omnivat prompts "
-                f"--encoder {self.encoder} --weights FILE`, FILE being the checkpoint of the images."
+                f"The LANG bank was made by another checkpoint of {self.encoder} (text tower"
+                f" {self.text_hash}) than the images' (text tower {header.text_hash}); make it"
+                f" again with `python -m omnivat prompts --encoder {self.encoder} --weights FILE`,"
+                " FILE being the checkpoint of the images."
             )
         return self.text_hash == header.text_hash
 
@@ -109,11 +111,15 @@ def load_bank(path: str | Path = DEFAULT_BANK) -> LangBank:
         with safe_open(file, framework="numpy") as handle:
             metadata = handle.metadata() or {}
             if metadata.get("format") != FORMAT:
-                raise DataError(f"'{file}' is not a LANG bank. Make one with `python -m omnivat prompts`.")
+                raise DataError(
+                    f"'{file}' is not a LANG bank. Make one with `python -m omnivat prompts`."
+                )
             arrays = {name: handle.get_tensor(name).astype(np.float32) for name in handle.keys()}  # noqa: SIM118
             embeddings, plain = arrays["embeddings"], arrays.get("plain")
     except (SafetensorError, OSError, KeyError) as error:
-        raise DataError(f"'{file}' cannot be read as a LANG bank ({error}); make it again.") from error
+        raise DataError(
+            f"'{file}' cannot be read as a LANG bank ({error}); make it again."
+        ) from error
     classes = tuple(json.loads(metadata["classes"]))
     shaped = embeddings.ndim == 3 and len(embeddings) == len(classes)
     if not shaped or (plain is not None and plain.shape != embeddings[:, 0].shape):

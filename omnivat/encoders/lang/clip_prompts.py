@@ -16,7 +16,8 @@ FILLER = "x"  # a token whose vector is replaced
 class ClipPrompts:
     """A `CLIPTextModelWithProjection` of transformers and its tokenizer, as a `PromptTower`.
 
-    A prompt is CONTEXT CLASS and a full stop. The context vectors are given; everything else is CLIP's and frozen.
+    A prompt is CONTEXT CLASS and a full stop. The context vectors are given; everything else is
+    CLIP's and frozen.
     """
 
     def __init__(self, network: Any, tokenizer: Any) -> None:
@@ -49,9 +50,15 @@ class ClipPrompts:
         device = self._embedding.weight.device
         return tokens["input_ids"].to(device), tokens["attention_mask"].to(device)
 
-    def _embedded(self, ids: Tensor, mask: Tensor, change: Callable[[Tensor], Tensor] | None = None) -> Tensor:
+    def _embedded(
+        self, ids: Tensor, mask: Tensor, change: Callable[[Tensor], Tensor] | None = None
+    ) -> Tensor:
         """Return embeddings (N, D) of tokens; `change` alters their word vectors (N, T, W)."""
-        with self._embedding.register_forward_hook(lambda *call: change(call[-1])) if change else nullcontext():
+        with (
+            self._embedding.register_forward_hook(lambda *call: change(call[-1]))
+            if change
+            else nullcontext()
+        ):
             found: Tensor = self._network(input_ids=ids, attention_mask=mask).text_embeds
         return found
 
@@ -79,7 +86,9 @@ class ClipWords(ClipPrompts):
         if not bool(places.any(1).all()):
             raise DataError(f"A prompt has no '{WORD}' for a word vector to replace.")
         first = (places & (places.cumsum(1) == 1))[..., None]
-        return self._embedded(ids, mask, lambda words: torch.where(first, word.to(words.dtype), words))
+        return self._embedded(
+            ids, mask, lambda words: torch.where(first, word.to(words.dtype), words)
+        )
 
 
 def load_prompts(encoder: str, text_hash: str) -> ClipPrompts:
@@ -93,7 +102,7 @@ def load_prompts(encoder: str, text_hash: str) -> ClipPrompts:
     clip = load_text_encoder(encoder, weights=recall(text_hash), download="no")
     if clip.weights_hash != text_hash:
         raise DataError(
-            f"The text tower of {encoder} found on this machine ({clip.weights_hash}) is not that of "
-            f"the LANG bank ({text_hash}); make the bank again with the images' checkpoint."
+            f"The text tower of {encoder} found on this machine ({clip.weights_hash}) is not that"
+            f" of the LANG bank ({text_hash}); make the bank again with the images' checkpoint."
         )
     return ClipPrompts(clip.network, clip.tokenizer)

@@ -7,7 +7,10 @@ from numpy.typing import NDArray
 
 from omnivat.kit.tables import need
 
-_LOOKS = "plain bright dark blurry sharp noisy grainy smooth rough shiny dull coloured grey worn clean scratched"
+_LOOKS = (
+    "plain bright dark blurry sharp noisy grainy smooth rough shiny dull coloured grey worn clean"
+    " scratched"
+)
 VIEWS = ("photo", "close-up", "tactile image", "rendering", "sensor reading")
 STYLES = tuple(f"{look} {view}" for look in _LOOKS.split() for view in VIEWS)
 

@@ -69,7 +69,9 @@ def learn_styles(
     earlier = contents[:0]
     for index in range(styles):
         random = torch.Generator().manual_seed(derive_seed(seed, "style", index))
-        word = (0.02 * torch.randn(tower.word_width, generator=random)).to(contents).requires_grad_()
+        word = (
+            (0.02 * torch.randn(tower.word_width, generator=random)).to(contents).requires_grad_()
+        )
         optimiser = torch.optim.SGD([word], lr=lr, momentum=momentum)
         for _ in range(steps):
             embedded = tower.embed_with_word(texts, word)
@@ -83,7 +85,9 @@ def learn_styles(
     return torch.stack(words)
 
 
-def styled_bank(tower: WordTower, classes: Sequence[str], words: Tensor, *, how: str = "") -> LangBank:
+def styled_bank(
+    tower: WordTower, classes: Sequence[str], words: Tensor, *, how: str = ""
+) -> LangBank:
     """Return the LANG bank of all classes in the styles `words` (S, W); `how` ends its origin."""
     texts = styled_texts(classes)
     with torch.no_grad():

@@ -27,6 +27,8 @@ from omnivat.measure.unseen import counted, mean_over_domains
 
 METHODS = ("pca", "umap")
 MOST_NAMES = 256  # an index is one byte
+# of a set, in its frames
+ENCODED = ("encoder", "weights_hash", "preprocessing", "simulated", "origin")
 
 
 @dataclass(slots=True, eq=False)
@@ -55,7 +57,9 @@ NAMES = {"fused": "accuracy/unseen", "vis": "accuracy:vis/unseen", "tac": "accur
 
 
 class UnseenAccuracy:
-    """Mean accuracy over unseen domains, by curve name, of the pairs that `omnivat.measure.unseen.counted` chooses."""
+    """Mean accuracy over unseen domains, by curve name, of the pairs that
+    `omnivat.measure.unseen.counted` chooses.
+    """
 
     def __init__(self, embeddings: Embeddings, classes: tuple[str, ...], source: str) -> None:
         self._embeddings, self._source = embeddings, source
@@ -70,9 +74,14 @@ class UnseenAccuracy:
         if self._source not in self._embeddings.header.domains:
             return {}
         found = {
-            NAMES[n]: shares.argmax(1).cpu().numpy() == self._label for n, shares in probabilities.items() if n in NAMES
+            NAMES[n]: shares.argmax(1).cpu().numpy() == self._label
+            for n, shares in probabilities.items()
+            if n in NAMES
         }
-        return {n: mean_over_domains(right, self._embeddings, self._source, self._keep) for n, right in found.items()}
+        return {
+            n: mean_over_domains(right, self._embeddings, self._source, self._keep)
+            for n, right in found.items()
+        }
 
 
 class FrameBuilder:
@@ -114,36 +123,46 @@ class FrameBuilder:
         self.unitary = {name.split("/")[1] for name in maps} - wanted  # frft, if it shares raw
         self.classes, self.facts = facts_of(embeddings, known)
         if max(len(self.classes), len(embeddings.header.domains)) > MOST_NAMES:
-            raise DataError(f"Frames can have {MOST_NAMES} domains and classes; choose a smaller set.")
+            raise DataError(
+                f"Frames can have {MOST_NAMES} domains and classes; choose a smaller set."
+            )
         self.curves: dict[str, list[float | None]] = {}
         self._unseen = UnseenAccuracy(embeddings, known, source)
         self._predictions: list[Any] = []
         self._confidences: list[Any] = []
 
-    def add(self, found: AtOrder) -> None:
+    def add(self, at_order: AtOrder) -> None:
         """Add the next stop: features of the stages that depend on p, and predictions."""
         for track in set(self.tracks.values()):
-            if found.index in track.stops:
-                track.add(stacked(found.features[track.stage]), self.seed)
+            if at_order.index in track.stops:
+                track.add(stacked(at_order.features[track.stage]), self.seed)
         count = len(self.orders)
-        for stage, name, value in measured(found, self.facts, self.measures):
+        for stage, name, value in measured(at_order, self.facts, self.measures):
             curve = self.curves.setdefault(name, [None] * count)
             known = value if np.isfinite(value) else None
             curve[:] = [known] * count if stage in self.still else curve
-            curve[found.index] = known
+            curve[at_order.index] = known
         if "accuracy" in self.measures:
-            for name, share in self._unseen.at(found.probabilities).items():
-                self.curves.setdefault(name, [None] * count)[found.index] = share
+            for name, share in self._unseen.at(at_order.probabilities).items():
+                self.curves.setdefault(name, [None] * count)[at_order.index] = share
         nothing = torch.zeros(len(self.embeddings), 1)  # without a head
-        confidence, predicted = found.probabilities.get("fused", nothing).max(1)
+        confidence, predicted = at_order.probabilities.get("fused", nothing).max(1)
         self._predictions.append(predicted.to(torch.uint8).cpu().numpy())
         self._confidences.append((confidence * 255).round().to(torch.uint8).cpu().numpy())
 
     def finish(self, head: Mapping[str, Any]) -> FrameSet:
         """Return the frames. head: facts about the head."""
         if "frft" in self.unitary:  # the curves of the raw embedding are those of the raw DFrFT
-            raw = {name: name.split("/") for name in self.curves if name.split(":")[0].split("/")[0] in STAGE_MEASURES}
-            found = {"/".join([n, "frft", *rest]): name for name, (n, at, *rest) in raw.items() if at == "raw"}
+            raw = {
+                name: name.split("/")
+                for name in self.curves
+                if name.split(":")[0].split("/")[0] in STAGE_MEASURES
+            }
+            found = {
+                "/".join([n, "frft", *rest]): name
+                for name, (n, at, *rest) in raw.items()
+                if at == "raw"
+            }
             self.curves |= {name: list(self.curves[own]) for name, own in found.items()}
         frames = {track: track.frames() for track in set(self.tracks.values())}
         header = self.embeddings.header
@@ -158,7 +177,7 @@ class FrameBuilder:
             maps={name: frames[track] for name, track in self.tracks.items()},
             curves=self.curves,
             head=dict(head),
-            embeddings={n: getattr(header, n) for n in ("encoder", "weights_hash", "simulated", "origin")},
+            embeddings={n: getattr(header, n) for n in ENCODED},
         )
 
 
@@ -185,7 +204,9 @@ def spread(stops: int, count: int) -> tuple[int, ...]:
     return tuple(int(place) for place in np.rint(places))
 
 
-def _tracks(maps: Mapping[str, int], count: int, *, projects: bool, still: Sequence[str]) -> dict[str, _Track]:
+def _tracks(
+    maps: Mapping[str, int], count: int, *, projects: bool, still: Sequence[str]
+) -> dict[str, _Track]:
     """Map each map name to its track; the unitary raw DFrFT shares that of the raw embedding.
 
     If the head projects embeddings, the DFrFT has its own track, of the projected embeddings.
@@ -226,8 +247,9 @@ def build_frames(
 
     model       None: the features alone, one stop, with the maps and gaps of the raw stage
     orders      stops of the slider, in quarter turns, ascending
-    maps        "method/stage" -> largest number of stops, evenly spaced with both ends; the page shows the nearest one.
-                Raw embedding and raw DFrFT have one map for all stops, because the transform is unitary
+    maps        "method/stage" -> largest number of stops, evenly spaced with both ends; the page
+                shows the nearest one. Raw embedding and raw DFrFT have one map for all stops,
+                because the transform is unitary
     measures    curves to compute, for the stages with a map; see docs/gaps.md
     provenance  facts about the head, apart from its learned order: hash, source domain
     Raises SettingsError for an unknown map or order, DataError for too many domains or classes.
@@ -235,11 +257,22 @@ def build_frames(
     known = dict(provenance or {})
     if model is None:
         orders, maps = (0.0,), {name: 1 for name in maps if name.endswith("/raw")}
-    more: dict[str, Any] = {"measures": measures, "source": str(known.get("source", "")), "still": STILL, "seed": seed}
-    builder = FrameBuilder(model.settings if model else None, embeddings, orders=orders, maps=maps, **more)
-    for found in walk(model, embeddings, orders, stages=builder.stages, predictions=model is not None):
+    more: dict[str, Any] = {
+        "measures": measures,
+        "source": str(known.get("source", "")),
+        "still": STILL,
+        "seed": seed,
+    }
+    builder = FrameBuilder(
+        model.settings if model else None, embeddings, orders=orders, maps=maps, **more
+    )
+    for found in walk(
+        model, embeddings, orders, stages=builder.stages, predictions=model is not None
+    ):
         builder.add(found)
-        on_step(Step(done=found.index + 1, total=len(orders), text=f"map at order {found.order:.2f}"))
+        on_step(
+            Step(done=found.index + 1, total=len(orders), text=f"map at order {found.order:.2f}")
+        )
     if model is None:
         return builder.finish({"kind": FEATURES, **known})
     known = {"fits": list(fitting(model.order, model.settings.width))} | known

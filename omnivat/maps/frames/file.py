@@ -1,6 +1,6 @@
 """The frames file: the page's data for all stops of p, as one binary.
 
-The format is in docs/frames.md. Reading needs only numpy.
+The format is in docs/gaps.md. Reading needs only numpy.
 """
 
 import json
@@ -36,8 +36,17 @@ def write_frames(path: str | Path, frames: FrameSet) -> None:
         entries[name] = {"offset": offset, "dtype": kind, "shape": list(array.shape)}
         blobs.append(blob + b"\0" * (-len(blob) % ALIGN))
         offset += len(blobs[-1])
-    record: dict[str, Any] = {"version": VERSION, "orders": list(frames.orders), "pairs": frames.pairs}
-    record |= {"domains": list(frames.domains), "classes": list(frames.classes), "arrays": entries, "maps": maps}
+    record: dict[str, Any] = {
+        "version": VERSION,
+        "orders": list(frames.orders),
+        "pairs": frames.pairs,
+    }
+    record |= {
+        "domains": list(frames.domains),
+        "classes": list(frames.classes),
+        "arrays": entries,
+        "maps": maps,
+    }
     record |= {name: dict(getattr(frames, name)) for name in FACTS}
     text = json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
     text += b" " * (-(len(MAGIC) + 4 + len(text)) % ALIGN)
@@ -71,10 +80,17 @@ def read_frames(path: str | Path) -> FrameSet:
     record, start = _header(file)
     content = file.read_bytes()
     try:
-        arrays = {name: _array(file, content, start, name, entry) for name, entry in record["arrays"].items()}
-        known: dict[str, Any] = {name: tuple(record[name]) for name in ("orders", "domains", "classes")}
+        arrays = {
+            name: _array(file, content, start, name, entry)
+            for name, entry in record["arrays"].items()
+        }
+        known: dict[str, Any] = {
+            name: tuple(record[name]) for name in ("orders", "domains", "classes")
+        }
         known |= {name: arrays[name] for name in INDEXES} | {name: record[name] for name in FACTS}
-        frames = FrameSet(**known, maps={name: _map(entry, arrays) for name, entry in record["maps"].items()})
+        frames = FrameSet(
+            **known, maps={name: _map(entry, arrays) for name, entry in record["maps"].items()}
+        )
         if record["pairs"] != frames.pairs:
             raise ValueError(f"{record['pairs']} pairs stated, {frames.pairs} found")
         require_fit(frames)
@@ -82,7 +98,8 @@ def read_frames(path: str | Path) -> FrameSet:
         if isinstance(error, DataError):
             raise
         raise DataError(
-            f"'{file}' cannot be read as frames ({error!r}). Build it again with `python -m omnivat sweep`."
+            f"'{file}' cannot be read as frames ({error!r}). Build it again with `python -m omnivat"
+            " sweep`."
         ) from error
     return frames
 
@@ -108,11 +125,15 @@ def _header(file: Path) -> tuple[dict[str, Any], int]:
     start = len(MAGIC) + 4 + length
     version = record.get("version") if isinstance(record, dict) else None
     if version != VERSION or start % ALIGN:
-        raise DataError(f"'{file}' has frames of version {version}, expected {VERSION}; build it again.")
+        raise DataError(
+            f"'{file}' has frames of version {version}, expected {VERSION}; build it again."
+        )
     return record, start
 
 
-def _array(file: Path, content: bytes, start: int, name: str, entry: Mapping[str, Any]) -> NDArray[Any]:
+def _array(
+    file: Path, content: bytes, start: int, name: str, entry: Mapping[str, Any]
+) -> NDArray[Any]:
     dtype, shape = DTYPES[entry["dtype"]], tuple(map(int, entry["shape"]))
     first, count = start + int(entry["offset"]), math.prod(shape)
     if min((0, *shape)) < 0 or first < start or first + count * dtype.itemsize > len(content):

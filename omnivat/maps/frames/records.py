@@ -17,7 +17,9 @@ FEATURES = "features"  # the kind of frames without a head
 
 def kind_of(head: "Head") -> str:
     """Return the kind of a head's frames: "every" if trained with random p, else "moved"."""
-    return "every" if head.provenance.get("train", {}).get("order_draw", "none") != "none" else "moved"
+    return (
+        "every" if head.provenance.get("train", {}).get("order_draw", "none") != "none" else "moved"
+    )
 
 
 CLOSE = 0.0005  # quarter turns: a round stop this close to the learned order is replaced by it
@@ -105,7 +107,11 @@ class FrameSet:
 def require_fit(frames: FrameSet) -> None:
     """Raise ValueError if parts of the frames do not fit together; the message names the part."""
     stops, pairs = len(frames.orders), frames.pairs
-    for name, wanted in (("domain", (pairs,)), ("prediction", (stops, pairs)), ("confidence", (stops, pairs))):
+    for name, wanted in (
+        ("domain", (pairs,)),
+        ("prediction", (stops, pairs)),
+        ("confidence", (stops, pairs)),
+    ):
         if getattr(frames, name).shape != wanted:
             raise ValueError(f"{name} has shape {getattr(frames, name).shape}, expected {wanted}")
     for name, index, names in (

@@ -8,6 +8,7 @@ import torch
 from torch import Tensor
 
 from omnivat.kit.errors import SettingsError
+from omnivat.kit.progress import checkpoint
 from omnivat.kit.shapes import require_shapes
 
 BLOCK = 1024  # rows of the distance matrix held at once
@@ -43,6 +44,7 @@ def nearest(points: Tensor, k: int, *, queries: Tensor | None = None) -> Neighbo
     squares = points.square().sum(1)
     found = []
     for start in range(0, len(queries), BLOCK):
+        checkpoint()
         rows = queries[start : start + BLOCK]
         nearness = torch.addmm(squares, rows, points.T, alpha=-2)
         if own:

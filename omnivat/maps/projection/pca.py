@@ -13,7 +13,9 @@ BLOCK = 16_384  # rows centred at once
 
 @dataclass(frozen=True, slots=True)
 class Basis:
-    """A linear map to the plane or to space: subtract `mean` (D,), multiply by `axes` (D, 2 or 3)."""
+    """A linear map to the plane or to space: subtract `mean` (D,), multiply by `axes` (D, 2 or
+    3).
+    """
 
     mean: Tensor
     axes: Tensor
@@ -24,7 +26,9 @@ class Basis:
 
 
 def project(points: Tensor, *, seed: int = 0, dimensions: int = 2) -> Tensor:
-    """Return the PCA map of points (N, D) -> (N, dimensions). PCA is exact: `seed` has no effect."""
+    """Return the PCA map of points (N, D) -> (N, dimensions). PCA is exact: `seed` has no
+    effect.
+    """
     return basis(points, dimensions).place(points)
 
 
@@ -39,10 +43,14 @@ def basis(points: Tensor, dimensions: int = 2) -> Basis:
     require_shapes(points=(points, "N D"))
     rows, width = points.shape
     if rows < 1 or width < dimensions:
-        raise ShapeError(f"points has shape {(rows, width)}; a map needs 1 row and {dimensions} columns or more.")
+        raise ShapeError(
+            f"points has shape {(rows, width)}; a map needs 1 row and {dimensions} columns or more."
+        )
     mean = points.mean(0)
     few = dimensions <= rows < width
-    axes = _from_gram(points - mean, dimensions) if few else _from_covariance(points, mean, dimensions)
+    axes = (
+        _from_gram(points - mean, dimensions) if few else _from_covariance(points, mean, dimensions)
+    )
     largest = axes.gather(0, axes.abs().argmax(0, keepdim=True))
     return Basis(mean, (axes * torch.where(largest < 0, -1, 1)).to(points.dtype))
 
@@ -64,7 +72,9 @@ def _from_covariance(points: Tensor, mean: Tensor, dimensions: int) -> Tensor:
 
 def _from_gram(centred: Tensor, dimensions: int) -> Tensor:
     """For fewer rows than columns: the same axes from the N×N Gram matrix."""
-    vectors = torch.linalg.eigh((centred @ centred.T).double()).eigenvectors[:, -dimensions:].flip(1)
+    vectors = (
+        torch.linalg.eigh((centred @ centred.T).double()).eigenvectors[:, -dimensions:].flip(1)
+    )
     axes = centred.double().T @ vectors
     # QR gives unit columns, and a perpendicular one if the rows have no second direction
     turned: Tensor = torch.linalg.qr(axes).Q

@@ -31,13 +31,15 @@ class Quality:
     rows: int
 
 
-def quality(points: Tensor, flat: Tensor, *, k: int = 15, rows: int = SAMPLE, seed: int = 0) -> Quality:
+def quality(
+    points: Tensor, flat: Tensor, *, k: int = 15, rows: int = SAMPLE, seed: int = 0
+) -> Quality:
     """Return the quality of a map, from `rows` of its rows sampled at random.
 
-    points (N, D), flat (N, 2); k below N / 2. Trustworthiness is 1 if every neighbour on the map is one
-    of the k nearest in space; a neighbour of rank r > k costs r - k. Recall is the share of the k
-    nearest rows in space that are among the k nearest on the map. Each sampled row is compared with
-    all N, which costs O(rows N D) instead of O(N² D). The intervals cover the sampling.
+    points (N, D), flat (N, 2); k below N / 2. Trustworthiness is 1 if every neighbour on the map is
+    one of the k nearest in space; a neighbour of rank r > k costs r - k. Recall is the share of the
+    k nearest rows in space that are among the k nearest on the map. Each sampled row is compared
+    with all N, which costs O(rows N D) instead of O(N² D). The intervals cover the sampling.
     Source: Venna and Kaski, ICANN 2001.
     """
     require_shapes(points=(points, "N D"), flat=(flat, "N C"))
@@ -74,7 +76,9 @@ def quality(points: Tensor, flat: Tensor, *, k: int = 15, rows: int = SAMPLE, se
 
 
 def trust(points: Tensor, flat: Tensor) -> float | None:
-    """Return the sampled trustworthiness of a map of points (N, D), flat (N, 2); None for few points."""
+    """Return the sampled trustworthiness of a map of points (N, D), flat (N, 2); None for few
+    points.
+    """
     if len(points) <= 4 * NEIGHBOURS:
         return None
     return quality(points, flat, k=NEIGHBOURS, rows=TRUST_SAMPLE).trustworthiness
@@ -96,7 +100,9 @@ def distances(points: Tensor, rows: Tensor, middle: Tensor, squares: Tensor) -> 
 
 
 def drift(before: Tensor, after: Tensor) -> float:
-    """Mean distance between the points of two maps (N, 2), in radii of the first: root mean square from its middle."""
+    """Mean distance between the points of two maps (N, 2), in radii of the first: root mean
+    square from its middle.
+    """
     require_shapes(before=(before, "N C"), after=(after, "N C"))
     radius = (before - before.mean(0)).square().sum(1).mean().sqrt()
     return float((after - before).norm(dim=1).mean() / radius)

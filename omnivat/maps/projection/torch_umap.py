@@ -14,6 +14,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
+from omnivat.kit.progress import checkpoint
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.shapes import require_shapes
 from omnivat.maps.projection import pca
@@ -24,7 +25,9 @@ BISECTIONS = 32
 
 @dataclass(frozen=True, slots=True)
 class Graph:
-    """Undirected weighted edges over N rows: tail, head (M,) with tail != head, weight in (0, 1]."""
+    """Undirected weighted edges over N rows: tail, head (M,) with tail != head, weight in (0,
+    1].
+    """
 
     tail: Tensor
     head: Tensor
@@ -148,20 +151,26 @@ def project(
     return descend(graph, start, steps=steps, rate=rate, seed=seed)
 
 
-def following(points: Tensor, before: Tensor | None, *, seed: int = 0, neighbours: int = 15) -> Tensor:
+def following(
+    points: Tensor, before: Tensor | None, *, seed: int = 0, neighbours: int = 15
+) -> Tensor:
     """Return the map (N, 2) of points (N, D), started from the map `before` if given.
 
-    The start is almost right, so a later map takes only WARM_STEPS steps. The low rate WARM_RATE keeps
-    rows in their places: maps of neighbouring orders are as trustworthy as independent ones and move
-    far less (`python -m benchmarks.projection`).
+    The start is almost right, so a later map takes only WARM_STEPS steps. The low rate WARM_RATE
+    keeps rows in their places: maps of neighbouring orders are as trustworthy as independent ones
+    and move far less (`python -m benchmarks.projection`).
     """
     if before is None:
         return project(points, seed=seed, neighbours=neighbours)
-    return project(points, seed=seed, neighbours=neighbours, steps=WARM_STEPS, rate=WARM_RATE, start=before)
+    return project(
+        points, seed=seed, neighbours=neighbours, steps=WARM_STEPS, rate=WARM_RATE, start=before
+    )
 
 
 def chain(features: Iterable[Tensor], *, seed: int = 0, neighbours: int = 15) -> Iterator[Tensor]:
-    """Yield a map (N, 2) for each (N, D), each started from the one before: the same rows at orders in order."""
+    """Yield a map (N, 2) for each (N, D), each started from the one before: the same rows at
+    orders in order.
+    """
     before: Tensor | None = None
     for points in features:
         before = following(points, before, seed=seed, neighbours=neighbours)
@@ -206,8 +215,12 @@ def _spread(points: Tensor, chosen: Tensor, flat: Tensor) -> Tensor:
     pivots = known[:: -(-len(known) // CELLS)]
     ring = torch.cdist(pivots, pivots).topk(min(RING, len(pivots)), largest=False).indices
     cells = nearest(pivots, 1, queries=known).index[:, 0]
-    home = torch.cat([nearest(pivots, 1, queries=points[some]).index[:, 0] for some in rest.split(PLACED)])
-    for cell, own in enumerate(rest[home.argsort()].split(home.bincount(minlength=len(pivots)).tolist())):
+    home = torch.cat(
+        [nearest(pivots, 1, queries=points[some]).index[:, 0] for some in rest.split(PLACED)]
+    )
+    for cell, own in enumerate(
+        rest[home.argsort()].split(home.bincount(minlength=len(pivots)).tolist())
+    ):
         if not len(own):  # a cell of the sample alone
             continue
         near = torch.isin(cells, ring[cell]).nonzero()[:, 0]
@@ -233,6 +246,7 @@ def descend(graph: Graph, start: Tensor, *, steps: int, rate: float, seed: int) 
     # umap-learn visits each edge from both ends: hence twice the weight
     on_tail, on_head = 2 * graph.weight / degree[tail], -2 * graph.weight / degree[head]
     for step in range(steps):
+        checkpoint()
         pull = attraction(places[:, tail] - places[:, head])  # (2, M)
         drawn = torch.randint(rows, (REPELLERS, rows), generator=generator, device=device)
         move = NEGATIVES * repulsion(places[:, None] - places[:, drawn]).mean(1)  # (2, N)

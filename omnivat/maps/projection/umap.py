@@ -8,7 +8,8 @@ from omnivat.maps.projection import pca
 
 
 def project(points: Tensor, *, seed: int = 0, dimensions: int = 2, neighbours: int = 15) -> Tensor:
-    """Return umap-learn's map of points (N, D) -> (N, dimensions), with its defaults and one thread.
+    """Return umap-learn's map of points (N, D) -> (N, dimensions), with its defaults and one
+    thread.
 
     The same seed gives the same map. The first call in a process compiles for 10 s or more;
     `omnivat.maps.projection.torch_umap` gives maps of the same trustworthiness without compiling.

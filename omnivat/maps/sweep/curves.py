@@ -26,7 +26,9 @@ from omnivat.measure.gaps.unit import unit
 Curves = Mapping[str, Sequence[float | None]]
 
 
-def write_curves_json(path: str | Path, orders: Sequence[float], curves: Curves, head: Mapping[str, Any]) -> None:
+def write_curves_json(
+    path: str | Path, orders: Sequence[float], curves: Curves, head: Mapping[str, Any]
+) -> None:
     """Write `{"orders": [...], "head": {...}, "curves": {name: [...]}}`; null means undefined."""
     plain = {name: [_number(value) for value in values] for name, values in curves.items()}
     write_json(path, {"orders": list(orders), "head": dict(head), "curves": plain})
@@ -49,13 +51,15 @@ MEASURES = ("modality_gap", "domain_gap", "margin", "accuracy", "macro_f1")
 class Sweep:
     """Curves over P orders for N pairs.
 
-    curves  "measure/stage", "accuracy/all" and the like -> (P,); NaN if undefined. docs/gaps.md lists the names
+    curves  "measure/stage", "accuracy/all" and the like -> (P,); NaN if undefined. docs/gaps.md
+            lists the names
     """
 
     orders: NDArray[np.float64]  # (P,) quarter turns, as given
     classes: tuple[str, ...]  # the head's K classes, then other classes of the set
     label: NDArray[np.int64]  # (N,) index into `classes`
-    probabilities: NDArray[np.float32]  # (P, N, K), from both images; (P, 0, K) without prediction measures
+    # (P, N, K), from both images; (P, 0, K) without prediction measures
+    probabilities: NDArray[np.float32]
     curves: dict[str, NDArray[np.float64]] = field(default_factory=dict)
 
 
@@ -74,8 +78,9 @@ def sweep(
     orders    quarter turns, any real numbers; computed coarse first, returned as given
     stages    of `STAGES`; others are not kept
     measures  of `STAGE_MEASURES` and `ANSWER_MEASURES`
-    chunk     pairs that pass the head at once. Memory holds one order's predictions, the probabilities of all orders
-              and, for measures that are not of `SUM_MEASURES`, one order's features
+    chunk     pairs that pass the head at once. Memory holds one order's predictions, the
+              probabilities of all orders and, for measures that are not of `SUM_MEASURES`, one
+              order's features
 
     Measures of the raw embedding and the raw DFrFT are computed once, because they do not depend on
     the order. Without prediction measures and other stages, the head runs at one order at most.
@@ -92,8 +97,15 @@ def sweep(
         probabilities=np.zeros((len(orders), count, len(model.settings.classes)), dtype=np.float32),
     )
     visits = coarse_first(len(orders))
-    sums = facts if all(name in SUM_MEASURES for name in measures if name in STAGE_MEASURES) else None
-    how: dict[str, Any] = {"stages": stages, "predictions": predictions, "visits": visits, "chunk": chunk}
+    sums = (
+        facts if all(name in SUM_MEASURES for name in measures if name in STAGE_MEASURES) else None
+    )
+    how: dict[str, Any] = {
+        "stages": stages,
+        "predictions": predictions,
+        "visits": visits,
+        "chunk": chunk,
+    }
     walked = walk(model, embeddings, orders, **how, sums_for=sums)
     for done, found in enumerate(walked, start=1):
         for stage, name, value in measured(found, facts, measures):
@@ -105,10 +117,12 @@ def sweep(
     return result
 
 
-def measured(found: AtOrder, facts: Facts, measures: Sequence[str]) -> Iterator[tuple[str, str, float]]:
+def measured(
+    at_order: AtOrder, facts: Facts, measures: Sequence[str]
+) -> Iterator[tuple[str, str, float]]:
     """Yield stage ("" for predictions), name and value of all curves at one order."""
-    for stage in (*found.features, *found.sums):
-        features, sums = found.features.get(stage, {}), found.sums.get(stage)
+    for stage in (*at_order.features, *at_order.sums):
+        features, sums = at_order.features.get(stage, {}), at_order.sums.get(stage)
         if sums is None and any(name in SUM_MEASURES for name in measures):
             sums = facts.sums()
             sums.add(features, facts.labels, facts.domains)
@@ -124,8 +138,8 @@ def measured(found: AtOrder, facts: Facts, measures: Sequence[str]) -> Iterator[
                 tail = f"/{domain}" if domain else ""
                 yield stage, f"{name}{variant}/{stage}{tail}", float(value)
     for name in measures:
-        if name in PREDICTION_MEASURES and found.probabilities:
-            for suffix, value in PREDICTION_MEASURES[name](found.probabilities, facts):
+        if name in PREDICTION_MEASURES and at_order.probabilities:
+            for suffix, value in PREDICTION_MEASURES[name](at_order.probabilities, facts):
                 yield "", f"{name}{suffix}", float(value)
 
 
@@ -158,7 +172,8 @@ def curves_on_ray(
     measures: Sequence[str],
     on_step: OnStep = ignore,
 ) -> dict[str, NDArray[np.float64]]:
-    """Return the curves (P,) that `omnivat.maps.sweep.sweep` gives, by name; each order is one task.
+    """Return the curves (P,) that `omnivat.maps.sweep.sweep` gives, by name; each order is one
+    task.
 
     head, embeddings  paths that every machine of the cluster can read
     orders            P quarter turns
@@ -183,11 +198,17 @@ def curves_on_ray(
             still = name.split("/")[1] in STILL  # it holds for every order
             curve = curves.setdefault(name, np.full(len(orders), np.nan))
             curve[slice(None) if still else index] = value
-        on_step(Step(done=len(tasks) - len(waiting), total=len(tasks), text=f"order {orders[index]:.2f}"))
+        on_step(
+            Step(
+                done=len(tasks) - len(waiting), total=len(tasks), text=f"order {orders[index]:.2f}"
+            )
+        )
     return curves
 
 
-def _at(head: str, embeddings: str, order: float, stages: Sequence[str], measures: Sequence[str]) -> dict[str, float]:
+def _at(
+    head: str, embeddings: str, order: float, stages: Sequence[str], measures: Sequence[str]
+) -> dict[str, float]:
     """Return every curve's value at one order, in a worker of one core."""
     with one_thread():
         model = load_head(head).model

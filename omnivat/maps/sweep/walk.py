@@ -11,6 +11,7 @@ from omnivat.data.store import Embeddings
 from omnivat.head.head import OmniVaT, PairCoefficients
 from omnivat.head.output import HeadOutput
 from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.progress import checkpoint
 from omnivat.kit.stages import STAGES, STILL
 from omnivat.kit.tables import unknown
 from omnivat.measure.evaluate import blocks
@@ -28,14 +29,17 @@ Features = Mapping[str, Tensor]  # modality -> (N, W), rows of any length
 class AtOrder:
     """The results at one order.
 
-    features  by stage: requested stages that depend on the order; at the first order visited, also those that do not
+    features  by stage: requested stages that depend on the order; at the first order visited, also
+              those that do not
     """
 
     index: int  # of the order in the given list
     order: float
     features: Mapping[str, Features]
-    probabilities: Mapping[str, Tensor]  # reading -> (N, K); empty if predictions were not requested
-    sums: Mapping[str, Sums] = field(default_factory=dict)  # by stage, instead of features if requested
+    # reading -> (N, K); empty if predictions were not requested
+    probabilities: Mapping[str, Tensor]
+    # by stage, instead of features if requested
+    sums: Mapping[str, Sums] = field(default_factory=dict)
 
 
 def coarse_first(count: int) -> list[int]:
@@ -66,8 +70,9 @@ def walk(
     sums_for  yield sums of the features by these labels and domains instead of features; memory is
               then that of the predictions
 
-    If no requested result depends on the order, only the first order is visited. Raises SettingsError for an unknown
-    stage or an order that is not finite, DataError if there are no pairs.
+    If no requested result depends on the order, only the first order is visited. Raises
+    SettingsError for an unknown stage or an order that is not finite, DataError if there are no
+    pairs.
     """
     require_known(stages, STAGES, "stage")
     if model is None and (predictions or set(stages) - {"raw"}):
@@ -97,7 +102,13 @@ def walk(
                 if predictions:
                     found.take("", output.readings, rows)
         probabilities = found.whole.pop("", {})
-        yield AtOrder(index=index, order=order, features=found.whole, probabilities=probabilities, sums=found.sums)
+        yield AtOrder(
+            index=index,
+            order=order,
+            features=found.whole,
+            probabilities=probabilities,
+            sums=found.sums,
+        )
 
 
 class _Found:
@@ -108,14 +119,14 @@ class _Found:
         self.sums: dict[str, Sums] = {}
         self.count, self.facts = count, facts
 
-    def take(self, stage: str, found: Features, rows: slice) -> None:
+    def take(self, stage: str, batch: Features, rows: slice) -> None:
         """Add the features of some rows, or their predictions if the stage is ""."""
         if stage and (facts := self.facts) is not None:
             sums = self.sums.setdefault(stage, facts.sums())
-            sums.add(found, facts.labels[rows], facts.domains[rows])
+            sums.add(batch, facts.labels[rows], facts.domains[rows])
             return
         into = self.whole.setdefault(stage, {})
-        for name, values in found.items():
+        for name, values in batch.items():
             if name not in into:
                 into[name] = values.new_empty(self.count, *values.shape[1:])
             into[name][rows] = values
@@ -123,7 +134,12 @@ class _Found:
 
 @torch.no_grad()
 def stage_blocks(
-    model: OmniVaT | None, embeddings: Embeddings, order: float | None, stage: str, *, chunk: int = CHUNK
+    model: OmniVaT | None,
+    embeddings: Embeddings,
+    order: float | None,
+    stage: str,
+    *,
+    chunk: int = CHUNK,
 ) -> Iterator[tuple[slice, Features]]:
     """Yield the features of one stage at one order, `chunk` pairs at a time, with their slice.
 
@@ -156,6 +172,7 @@ def _outputs(
             yield rows, model.from_coefficients(model.coefficients(**raw), order)
         return
     for start in range(0, len(kept), chunk):
+        checkpoint()
         rows = slice(start, start + chunk)
         yield rows, model.from_coefficients(kept[rows], order)
 
@@ -165,7 +182,9 @@ def stage_features(output: HeadOutput, stage: str) -> Features:
     return {name: rows.movedim(-2, 0).flatten(1) for name, rows in getattr(output, stage).items()}
 
 
-def _raw_chunks(model: OmniVaT | None, embeddings: Embeddings, chunk: int) -> Iterator[tuple[slice, dict[str, Tensor]]]:
+def _raw_chunks(
+    model: OmniVaT | None, embeddings: Embeddings, chunk: int
+) -> Iterator[tuple[slice, dict[str, Tensor]]]:
     if not len(embeddings):
         raise DataError(NO_PAIRS)
     return blocks(embeddings, model.classifier.device if model else None, size=chunk)

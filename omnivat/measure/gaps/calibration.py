@@ -7,7 +7,9 @@ from torch import Tensor
 from omnivat.kit.shapes import require_shapes
 
 
-def ece(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"], *, bins: int = 15) -> Float[Tensor, ""]:
+def ece(
+    probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"], *, bins: int = 15
+) -> Float[Tensor, ""]:
     """Expected calibration error: mean over pairs of |accuracy - confidence| in the pair's bin.
 
     probabilities  rows that add up to 1; confidence is a row's largest entry
@@ -33,7 +35,9 @@ def nll(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float
     return -own.clamp_min(1e-12).log().mean()
 
 
-def risk_coverage(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float[Tensor, " N"]:
+def risk_coverage(
+    probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]
+) -> Float[Tensor, " N"]:
     """Return the error rate of the n most confident pairs, n = 1 .. N.
 
     Confidence is a row's largest entry. Pairs with equal confidence keep their order.

@@ -10,7 +10,9 @@ from omnivat.kit.shapes import require_shapes
 AVERAGES = ("present", "union")
 
 
-def confusion(labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"], classes: int) -> Int64[Tensor, "K K"]:
+def confusion(
+    labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"], classes: int
+) -> Int64[Tensor, "K K"]:
     """Count how often each class (row) is predicted as each class (column)."""
     require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
     return torch.bincount(labels * classes + predicted, minlength=classes**2).view(classes, classes)
@@ -22,7 +24,9 @@ def accuracy(labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"]) -> Float[T
     return (labels == predicted).to(torch.get_default_dtype()).mean()
 
 
-def macro_f1(labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"], *, average: str = "present") -> Float[Tensor, ""]:
+def macro_f1(
+    labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"], *, average: str = "present"
+) -> Float[Tensor, ""]:
     """Mean over classes of F1 = 2 TP / (2 TP + FP + FN).
 
     average  "present": classes among the labels. "union": classes among labels or predictions, so

@@ -7,13 +7,16 @@ from typing import Any
 from jaxtyping import Float
 from torch import Tensor
 
+from omnivat.kit.progress import checkpoint
 from omnivat.kit.tables import load
 from omnivat.measure.gaps import GAPS
 
 Gap = Callable[[Float[Tensor, "N D"], Float[Tensor, "M D"]], Float[Tensor, ""]]
 
 
-def pairwise_gaps(sets: Mapping[str, Float[Tensor, "_ D"]], gap: Gap) -> dict[tuple[str, str], Float[Tensor, ""]]:
+def pairwise_gaps(
+    sets: Mapping[str, Float[Tensor, "_ D"]], gap: Gap
+) -> dict[tuple[str, str], Float[Tensor, ""]]:
     """Return gap(a, b) for all pairs of the named sets, in the order of the names."""
     return {(a, b): gap(sets[a], sets[b]) for a, b in combinations(sets, 2)}
 
@@ -22,20 +25,18 @@ def gap_record(
     rows: Mapping[str, Any],
     sets: Mapping[str, Mapping[str, Any]],
     measure: str | Callable[[Any, Any], Tensor],
-    check: Callable[[], None] = lambda: None,
 ) -> dict[str, Any]:
     """Return both gaps of a set by one measure, as plain values.
 
     rows     "vis", "tac" -> (N, D) unit rows
     sets     modality -> domain with pairs -> its rows
     measure  one of `GAPS`, or a gap of what `rows` and `sets` hold instead of rows
-    check    called before each gap; an error it raises ends the work
     return   "modality_gap": domain (or "all") -> value; "domain_gap": modality -> a -> b -> value
     """
     measured = load(GAPS, measure, kind="gap") if isinstance(measure, str) else measure
 
     def gap(a: Any, b: Any) -> Tensor:
-        check()
+        checkpoint()
         found: Tensor = measured(a, b)
         return found
 

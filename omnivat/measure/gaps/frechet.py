@@ -11,11 +11,11 @@ from omnivat.measure.gaps.unit import require_rows, unit
 def frechet(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, ""]:
     """Squared Fréchet distance |μa - μb|² + tr(Σa + Σb - 2 (Σa Σb)^½), on unit rows.
 
-    Each set has 2 rows or more, of any length. 0 for equal sets. Covariances divide by N - 1. The trace of the root is the sum of the singular values of
-    Ra Rbᵀ, where Ra is the triangular factor of the centred rows. No D×D root is needed, and
-    sets smaller than D (singular covariances) are exact.
-    Raises ShapeError for sets that are too small or of differing widths.
-    Source: Dowson and Landau, J. Multivariate Anal. 12:450-455, 1982.
+    Each set has 2 rows or more, of any length. 0 for equal sets. Covariances divide by N - 1. The
+    trace of the root is the sum of the singular values of Ra Rbᵀ, where Ra is the triangular factor
+    of the centred rows. No D×D root is needed, and sets smaller than D (singular covariances) are
+    exact. Raises ShapeError for sets that are too small or of differing widths. Source: Dowson and
+    Landau, J. Multivariate Anal. 12:450-455, 1982.
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(2, a=a, b=b)
@@ -24,7 +24,10 @@ def frechet(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, "
 
 
 def distance(
-    mean_a: Float[Tensor, " D"], root_a: Float[Tensor, "_ D"], mean_b: Float[Tensor, " D"], root_b: Float[Tensor, "_ D"]
+    mean_a: Float[Tensor, " D"],
+    root_a: Float[Tensor, "_ D"],
+    mean_b: Float[Tensor, " D"],
+    root_b: Float[Tensor, "_ D"],
 ) -> Float[Tensor, ""]:
     """Return the distance of Gaussians with these means and covariances RᵀR of roots R."""
     means = (mean_a - mean_b).square().sum()

@@ -15,7 +15,10 @@ from omnivat.measure.gaps.proxy_a import proxy_a_estimate
 from omnivat.measure.gaps.unit import Estimate
 
 DRAWN, LEAST = 20_000, 4096  # pairs drawn of all domains together, and at least of each
-ESTIMATES: dict[str, Callable[..., Estimate]] = {"mmd_rbf": mmd_rbf_estimate, "proxy_a": proxy_a_estimate}
+ESTIMATES: dict[str, Callable[..., Estimate]] = {
+    "mmd_rbf": mmd_rbf_estimate,
+    "proxy_a": proxy_a_estimate,
+}
 Index = Int64[np.ndarray, " N"]
 Sets = dict[str, dict[str, Float[Tensor, "_ W"]]]  # by modality and domain
 
@@ -23,7 +26,8 @@ Sets = dict[str, dict[str, Float[Tensor, "_ W"]]]  # by modality and domain
 class Moments:
     """Number, mean and, with `squares`, covariance of unit rows, in double precision.
 
-    Products of a block are in the rows' precision. They are taken about the first block's mean, so nothing cancels.
+    Products of a block are in the rows' precision. They are taken about the first block's mean, so
+    nothing cancels.
     """
 
     def __init__(self, rows: Float[Tensor, "B W"], *, squares: bool = False) -> None:
@@ -59,7 +63,8 @@ class Moments:
         whole.origin, whole.count = parts[0].origin, sum(one.count for one in parts)
         moves = [one.origin - whole.origin for one in parts]
         whole.sum = sum(
-            (one.sum + one.count * move for one, move in zip(parts, moves, strict=True)), torch.zeros_like(whole.origin)
+            (one.sum + one.count * move for one, move in zip(parts, moves, strict=True)),
+            torch.zeros_like(whole.origin),
         )
         whole.products = None
         if parts[0].products is not None:
@@ -105,11 +110,13 @@ def moments_of(
     return sets, {name: Moments.joined(list(own.values())) for name, own in sets.items()}
 
 
-def drawn(domain: Index, *, seed: int = 0) -> tuple[Int64[np.ndarray, " M"], Int64[np.ndarray, " S"]]:
+def drawn(
+    domain: Index, *, seed: int = 0
+) -> tuple[Int64[np.ndarray, " M"], Int64[np.ndarray, " S"]]:
     """Draw pairs of each domain; return their rows by domain, and which represent the whole set.
 
-    A domain with at most DRAWN / domains (or LEAST) pairs is whole; the second result holds the same
-    share of each domain.
+    A domain with at most DRAWN / domains (or LEAST) pairs is whole; the second result holds the
+    same share of each domain.
     """
     random = np.random.default_rng(derive_seed(seed, "drawn pairs"))
     sizes = np.bincount(domain)
@@ -117,12 +124,18 @@ def drawn(domain: Index, *, seed: int = 0) -> tuple[Int64[np.ndarray, " M"], Int
     share = min(1.0, most / int(sizes.max()))
     mixed = [random.permutation(np.flatnonzero(domain == k)) for k in np.flatnonzero(sizes)]
     taken = [np.sort(own[:most]) for own in mixed]
-    alike = [np.isin(rows, own[: round(share * len(own))]) for rows, own in zip(taken, mixed, strict=True)]
+    alike = [
+        np.isin(rows, own[: round(share * len(own))])
+        for rows, own in zip(taken, mixed, strict=True)
+    ]
     return np.concatenate(taken), np.flatnonzero(np.concatenate(alike))
 
 
 def parts_of(
-    points: Float[Tensor, "_ W"], domain: Index, names: Sequence[str], alike: Int64[np.ndarray, " S"] | None = None
+    points: Float[Tensor, "_ W"],
+    domain: Index,
+    names: Sequence[str],
+    alike: Int64[np.ndarray, " S"] | None = None,
 ) -> tuple[Sets, dict[str, Float[Tensor, "_ W"]]]:
     """Return modality -> domain -> rows, and modality -> the rows that represent the set.
 

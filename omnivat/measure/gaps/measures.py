@@ -108,7 +108,9 @@ def confusions(probabilities: Features, facts: Facts) -> Values:
             yield f"/{truth}>{predicted_class}", share
 
 
-def scores(probabilities: Features, facts: Facts, *, score: Callable[[Tensor, Tensor], Tensor]) -> Values:
+def scores(
+    probabilities: Features, facts: Facts, *, score: Callable[[Tensor, Tensor], Tensor]
+) -> Values:
     """Yield a score of the fused prediction (all, by domain) and of each other reading."""
     for name, members in facts.parts():
         kept = members & facts.scored
@@ -130,7 +132,11 @@ def by_sums(features: Features, facts: Facts, *, measure: SumMeasure) -> Values:
 
 
 # of the sums of a stage: rows need not be in memory together; `domain_gap` is the centroid gap
-SUM_MEASURES: dict[str, SumMeasure] = {"modality_gap": modality_gaps, "domain_gap": domain_gaps, "margin": margins}
+SUM_MEASURES: dict[str, SumMeasure] = {
+    "modality_gap": modality_gaps,
+    "domain_gap": domain_gaps,
+    "margin": margins,
+}
 
 # of the features of a stage: curve names are measure[:variant]/stage[/domain]
 STAGE_MEASURES: dict[str, Measure] = {
@@ -142,7 +148,9 @@ STAGE_MEASURES: dict[str, Measure] = {
 PREDICTION_MEASURES: dict[str, Measure] = {
     "accuracy": partial(scores, score=lambda p, labels: accuracy(labels, p.argmax(1))),
     "macro_f1": partial(scores, score=lambda p, labels: macro_f1(labels, p.argmax(1))),
-    "macro_f1_union": partial(scores, score=lambda p, labels: macro_f1(labels, p.argmax(1), average="union")),
+    "macro_f1_union": partial(
+        scores, score=lambda p, labels: macro_f1(labels, p.argmax(1), average="union")
+    ),
     "ece": partial(scores, score=ece),
     "confusion": confusions,
 }

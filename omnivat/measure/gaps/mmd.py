@@ -25,17 +25,19 @@ def mmd_linear(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor
     return centroid_gap(a, b).square()
 
 
-def mmd_rbf(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"], *, gamma: float | None = None) -> Float[Tensor, ""]:
+def mmd_rbf(
+    a: Float[Tensor, "N D"], b: Float[Tensor, "M D"], *, gamma: float | None = None
+) -> Float[Tensor, ""]:
     """Squared MMD with the kernel exp(-gamma |x - y|²), on unit rows.
 
     gamma   inverse squared width; by default, one over the mean squared distance of two rows of
             both sets together, which needs no kernel matrix and is symmetric in a and b
     return  in [0, 2]; 0 for equal sets. Unlike the linear kernel, it compares more than means
 
-    Costs O((N + M)² D) up to MOST_ROWS rows of both together, and holds BLOCK² numbers of the kernel
-    at once. Beyond, it is estimated by `mmd_rbf_estimate`, at a cost that does not depend on N and M.
-    Raises ShapeError for an empty set or differing widths.
-    Source: Gretton et al., JMLR 13:723-773, 2012.
+    Costs O((N + M)² D) up to MOST_ROWS rows of both together, and holds BLOCK² numbers of the
+    kernel at once. Beyond, it is estimated by `mmd_rbf_estimate`, at a cost that does not depend on
+    N and M. Raises ShapeError for an empty set or differing widths. Source: Gretton et al., JMLR
+    13:723-773, 2012.
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(1, a=a, b=b)
@@ -53,15 +55,15 @@ def mmd_rbf_estimate(
 ) -> Estimate:
     """Estimate `mmd_rbf` by random Fourier features of random rows, with its standard error.
 
-    return  the mean over GROUPS groups of FEATURES features and at most SAMPLE rows of each set. Groups
-            share no rows, so they are independent also where the rows themselves were drawn from a
-            larger set, and their spread gives the error. The same seed gives the same value
+    return  the mean over GROUPS groups of FEATURES features and at most SAMPLE rows of each set.
+            Groups share no rows, so they are independent also where the rows themselves were drawn
+            from a larger set, and their spread gives the error. The same seed gives the same value
 
     For a frequency w and S of N rows, m the mean of exp(iwx) over them, (S|m|² - 1) / (S - 1) has
-    the mean of (N|φ|² - 1) / (N - 1), where φ is the mean over all rows. At most SAMPLE rows are all
-    in each group. Without `gamma`, each group has that of its rows. Costs O(D GROUPS FEATURES SAMPLE),
-    however many rows there are, and holds SAMPLE rows.
-    Source: Rahimi and Recht, NeurIPS 2007; Sutherland and Schneider, UAI 2015.
+    the mean of (N|φ|² - 1) / (N - 1), where φ is the mean over all rows. At most SAMPLE rows are
+    all in each group. Without `gamma`, each group has that of its rows. Costs O(D GROUPS FEATURES
+    SAMPLE), however many rows there are, and holds SAMPLE rows. Source: Rahimi and Recht, NeurIPS
+    2007; Sutherland and Schneider, UAI 2015.
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(1, a=a, b=b)
@@ -78,8 +80,12 @@ def mmd_rbf_estimate(
     return Estimate(found.mean().clamp_min(0), found.std() / GROUPS**0.5)
 
 
-def _groups(rows: Float[Tensor, "N D"], generator: torch.Generator) -> Iterator[Float[Tensor, "_ D"]]:
-    """Yield GROUPS parts without common rows, each of at most SAMPLE; at most SAMPLE rows as a whole."""
+def _groups(
+    rows: Float[Tensor, "N D"], generator: torch.Generator
+) -> Iterator[Float[Tensor, "_ D"]]:
+    """Yield GROUPS parts without common rows, each of at most SAMPLE; at most SAMPLE rows as a
+    whole.
+    """
     size = min(SAMPLE, len(rows) // GROUPS)
     mixed = torch.randperm(len(rows), generator=generator)
     for k in range(GROUPS):
@@ -106,19 +112,25 @@ def _gamma(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"], share: float) -> Fl
     return torch.where(distance > tiny, 1 / distance.clamp_min(tiny), torch.ones_like(distance))
 
 
-def _mean_kernel(x: Float[Tensor, "N D"], y: Float[Tensor, "M D"], gamma: Float[Tensor, ""]) -> Float[Tensor, ""]:
+def _mean_kernel(
+    x: Float[Tensor, "N D"], y: Float[Tensor, "M D"], gamma: Float[Tensor, ""]
+) -> Float[Tensor, ""]:
     """Mean kernel of all rows of x with all rows of y; for one set, each pair of blocks once."""
     total = x.new_zeros(())
     for start in range(0, len(x), BLOCK):
         rows = x[start : start + BLOCK]
         if x is y:
-            total = total + _summed(rows, rows, gamma) + 2 * _summed(rows, x[start + BLOCK :], gamma)
+            total = (
+                total + _summed(rows, rows, gamma) + 2 * _summed(rows, x[start + BLOCK :], gamma)
+            )
         else:
             total = total + _summed(rows, y, gamma)
     return total / (len(x) * len(y))
 
 
-def _summed(x: Float[Tensor, "N D"], y: Float[Tensor, "M D"], gamma: Float[Tensor, ""]) -> Float[Tensor, ""]:
+def _summed(
+    x: Float[Tensor, "N D"], y: Float[Tensor, "M D"], gamma: Float[Tensor, ""]
+) -> Float[Tensor, ""]:
     """Sum of the kernel over all rows of x and all rows of y."""
     total, own = x.new_zeros(()), x.square().sum(1, keepdim=True)
     for others in y.split(ACROSS):

@@ -12,7 +12,12 @@ from omnivat.measure.gaps.unit import Estimate, require_rows, unit
 
 
 def proxy_a(
-    a: Float[Tensor, "N D"], b: Float[Tensor, "M D"], *, folds: int = 5, ridge: float = 1e-2, seed: int = 0
+    a: Float[Tensor, "N D"],
+    b: Float[Tensor, "M D"],
+    *,
+    folds: int = 5,
+    ridge: float = 1e-2,
+    seed: int = 0,
 ) -> Float[Tensor, ""]:
     """Return 2 (1 - 2 ε), where ε is the out-of-fold error of a linear classifier of a against b.
 
@@ -21,16 +26,22 @@ def proxy_a(
     seed    draws the folds; the same seed gives the same result
     return  in [0, 2]; 0 if the sets cannot be separated, 2 if a hyperplane always separates them
 
-    The classifier is ridge regression on -1 / +1 in closed form, with equal weight for both sets. ε is the mean of the
-    two sets' errors; a tie counts half. Errors above one half give 0, because a classifier below chance shows no
-    distance. The distance is symmetric in a and b. Raises ShapeError for sets that are too small or of differing
-    widths. Source: Ben-David et al., NeurIPS 2007.
+    The classifier is ridge regression on -1 / +1 in closed form, with equal weight for both sets. ε
+    is the mean of the two sets' errors; a tie counts half. Errors above one half give 0, because a
+    classifier below chance shows no distance. The distance is symmetric in a and b. Raises
+    ShapeError for sets that are too small or of differing widths. Source: Ben-David et al., NeurIPS
+    2007.
     """
     return proxy_a_estimate(a, b, folds=folds, ridge=ridge, seed=seed).value
 
 
 def proxy_a_estimate(
-    a: Float[Tensor, "N D"], b: Float[Tensor, "M D"], *, folds: int = 5, ridge: float = 1e-2, seed: int = 0
+    a: Float[Tensor, "N D"],
+    b: Float[Tensor, "M D"],
+    *,
+    folds: int = 5,
+    ridge: float = 1e-2,
+    seed: int = 0,
 ) -> Estimate:
     """Return `proxy_a` with the standard error of its test rows, which are drawn from larger sets.
 
@@ -56,23 +67,24 @@ def _folds(count: int, folds: int, seed: int) -> Int[Tensor, " {count}"]:
 
 
 def _fits(
-    one: tuple[Float[Tensor, "N D"], Int[Tensor, " N"]],
+    first: tuple[Float[Tensor, "N D"], Int[Tensor, " N"]],
     other: tuple[Float[Tensor, "M D"], Int[Tensor, " M"]],
     folds: int,
     ridge: float,
 ) -> Iterator[tuple[Float[Tensor, " D"], Float[Tensor, " D"]]]:
     """Yield, without each fold, the direction to the first set and the midpoint of means."""
-    width, small = one[0].shape[1], len(one[0]) + len(other[0]) < 2 * one[0].shape[1]
-    origins = [rows.mean(0) for rows, _ in (one, other)]  # so that products do not cancel
+    width, small = first[0].shape[1], len(first[0]) + len(other[0]) < 2 * first[0].shape[1]
+    origins = [rows.mean(0) for rows, _ in (first, other)]  # so that products do not cancel
     parts = [
-        [rows[fold == k] - at for k in range(folds)] for (rows, fold), at in zip((one, other), origins, strict=True)
+        [rows[fold == k] - at for k in range(folds)]
+        for (rows, fold), at in zip((first, other), origins, strict=True)
     ]
-    every = torch.cat([p for each in parts for p in each]) if small else one[0]
+    every = torch.cat([p for each in parts for p in each]) if small else first[0]
     cosines = every @ every.T if small else every
     held = torch.cat([torch.full((len(p),), k) for each in parts for k, p in enumerate(each)])
     products = [] if small else [torch.stack([p.T @ p for p in each]) for each in parts]
     sums = [torch.stack([p.sum(0) for p in each]) for each in parts]
-    tiny = torch.finfo(one[0].dtype).tiny
+    tiny = torch.finfo(first[0].dtype).tiny
     for fold in range(folds):
         kept = [[p for k, p in enumerate(each) if k != fold] for each in parts]
         sizes = [sum(map(len, each)) for each in kept]
@@ -80,7 +92,10 @@ def _fits(
         a, b = (mean + at for mean, at in zip(means, origins, strict=True))
         if small:
             rows = torch.cat(
-                [(torch.cat(each) - mean) / n**0.5 for each, mean, n in zip(kept, means, sizes, strict=True)]
+                [
+                    (torch.cat(each) - mean) / n**0.5
+                    for each, mean, n in zip(kept, means, sizes, strict=True)
+                ]
             )
             index = (held != fold).nonzero()[:, 0].to(rows.device)
             gram = _centred(cosines[index[:, None], index], sizes)
@@ -103,5 +118,7 @@ def _centred(products: Float[Tensor, "N N"], sizes: list[int]) -> Float[Tensor, 
     """Return the products of rows less the mean of their set, over the root of its size."""
     for axis in (0, 1):
         sets = products.split(sizes, axis)
-        products = torch.cat([(p - p.mean(axis, keepdim=True)) / p.shape[axis] ** 0.5 for p in sets], axis)
+        products = torch.cat(
+            [(p - p.mean(axis, keepdim=True)) / p.shape[axis] ** 0.5 for p in sets], axis
+        )
     return products

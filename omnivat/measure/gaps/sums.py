@@ -15,7 +15,8 @@ from omnivat.measure.gaps.unit import unit
 
 AT_ONCE = 256  # rows normalized at once: temporaries stay in the cache
 PAIR = "pair"  # the mean direction of a contact's two rows
-Cosines = tuple[Float64[Tensor, ""], Float64[Tensor, ""]]  # sum and number of the cosines of a kind of pairs
+# sum and number of the cosines of a kind of pairs
+Cosines = tuple[Float64[Tensor, ""], Float64[Tensor, ""]]
 
 
 class Sums:
@@ -37,7 +38,10 @@ class Sums:
         self._names = torch.zeros(0, dtype=torch.long)  # (K,) that number of each cell
 
     def add(
-        self, features: Mapping[str, Float[Tensor, "B W"]], labels: Int[Tensor, " B"], domains: Int[Tensor, " B"]
+        self,
+        features: Mapping[str, Float[Tensor, "B W"]],
+        labels: Int[Tensor, " B"],
+        domains: Int[Tensor, " B"],
     ) -> None:
         """Add pairs: "vis", "tac" or both, of any length."""
         for some, cell in zip(
@@ -115,7 +119,9 @@ class Sums:
         return (vis * tac).sum(), sizes.square().sum()
 
     def _groups(self, name: str, kind: str) -> tuple[Float64[Tensor, "G W"], Float64[Tensor, " G"]]:
-        """Return sums and sizes of groups: the cells of a "class", of a "domain", each "cell", or "all"."""
+        """Return sums and sizes of groups: the cells of a "class", of a "domain", each "cell",
+        or "all".
+        """
         of_cell = {
             "class": self._names // self._domains,
             "domain": self._names % self._domains,
@@ -140,7 +146,8 @@ def _margin(same: Cosines, total: Cosines) -> Float64[Tensor, ""]:
 def cosine_margin(features: Float[Tensor, "N D"], labels: Int[Tensor, " N"]) -> Float64[Tensor, ""]:
     """Mean cosine of pairs of the same class minus that of pairs of different classes, in [-2, 2].
 
-    NaN if there is no pair of one kind. The paper's margin table samples pairs; here all are counted.
+    NaN if there is no pair of one kind. The paper's margin table samples pairs; here all are
+    counted.
     """
     return _sums(labels, torch.zeros_like(labels), vis=features).margin("vis")
 
@@ -148,24 +155,34 @@ def cosine_margin(features: Float[Tensor, "N D"], labels: Int[Tensor, " N"]) -> 
 def cross_domain_margin(
     features: Float[Tensor, "N D"], labels: Int[Tensor, " N"], domains: Int[Tensor, " N"]
 ) -> Float64[Tensor, ""]:
-    """The same, for pairs of rows from different domains: does a class keep its direction across sensors?"""
+    """The same, for pairs of rows from different domains: does a class keep its direction across
+    sensors?
+    """
     return _sums(labels, domains, vis=features).cross_domain_margin("vis")
 
 
 def cross_modal_margin(
     vis: Float[Tensor, "N D"], tac: Float[Tensor, "N D"], labels: Int[Tensor, " N"]
 ) -> Float64[Tensor, ""]:
-    """The same, for pairs of a VIS row and a TAC row of different contacts; row i of both is one contact."""
+    """The same, for pairs of a VIS row and a TAC row of different contacts; row i of both is one
+    contact.
+    """
     return _sums(labels, torch.zeros_like(labels), vis=vis, tac=tac).cross_modal_margin()
 
 
 def domain_gap(features: Float[Tensor, "N D"], domains: Int[Tensor, " N"]) -> Float64[Tensor, ""]:
-    """Mean centroid gap over all pairs of domains, in [0, 2]; NaN for fewer than two domains with rows."""
+    """Mean centroid gap over all pairs of domains, in [0, 2]; NaN for fewer than two domains
+    with rows.
+    """
     return _sums(torch.zeros_like(domains), domains, vis=features).domain_gap("vis")
 
 
-def _sums(labels: Int[Tensor, " N"], domains: Int[Tensor, " N"], **features: Float[Tensor, "N D"]) -> Sums:
-    require_shapes(labels=(labels, "N"), domains=(domains, "N"), **{n: (x, "N D") for n, x in features.items()})
+def _sums(
+    labels: Int[Tensor, " N"], domains: Int[Tensor, " N"], **features: Float[Tensor, "N D"]
+) -> Sums:
+    require_shapes(
+        labels=(labels, "N"), domains=(domains, "N"), **{n: (x, "N D") for n, x in features.items()}
+    )
     sums = Sums(*(int(index.max()) + 1 if len(index) else 1 for index in (labels, domains)))
     sums.add(features, labels, domains)
     return sums

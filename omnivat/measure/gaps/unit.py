@@ -21,4 +21,7 @@ def require_rows(least: int, **sets: Tensor) -> None:
     """Raise ShapeError for sets with fewer than `least` rows; the message names them."""
     for name, rows in sets.items():
         if len(rows) < least:
-            raise ShapeError(f"{name} has {len(rows)} rows; this measure needs {least} or more. Choose a larger set.")
+            raise ShapeError(
+                f"{name} has {len(rows)} rows; this measure needs {least} or more. Choose a larger"
+                " set."
+            )

@@ -11,7 +11,18 @@ from omnivat.simulate.shapes import flats, tools, vessels
 from omnivat.simulate.shapes.solid import Made, Solid, made_of
 from omnivat.simulate.shapes.spots import Spot, blocked, spot
 
-__all__ = ["KINDS", "OBJECTS", "PARTS", "Made", "Solid", "Spot", "blocked", "kind_of", "made_of", "spot"]
+__all__ = [
+    "KINDS",
+    "OBJECTS",
+    "PARTS",
+    "Made",
+    "Solid",
+    "Spot",
+    "blocked",
+    "kind_of",
+    "made_of",
+    "spot",
+]
 
 KINDS: dict[str, Callable[[np.random.Generator, Made], Solid]] = {
     shape.__name__: shape
@@ -47,8 +58,26 @@ OBJECTS: dict[str, dict[str, float]] = {  # what is photographed whole, by weigh
 }  # fmt: skip
 PARTS: dict[str, dict[str, float]] = {  # what is met indoors and outdoors, by weight
     "wood": {"floor": 2, "panel": 3, "post": 3, "bench": 3, "seat": 2, "box": 1, "board": 1},
-    "steel": {"panel": 3, "post": 3, "pipe": 2, "floor": 1, "can": 1, "bench": 1, "seat": 1, "bowl": 1},
-    "plastic": {"panel": 2, "seat": 3, "box": 2, "bench": 1, "post": 1, "floor": 1, "bottle": 1, "tray": 2},
+    "steel": {
+        "panel": 3,
+        "post": 3,
+        "pipe": 2,
+        "floor": 1,
+        "can": 1,
+        "bench": 1,
+        "seat": 1,
+        "bowl": 1,
+    },
+    "plastic": {
+        "panel": 2,
+        "seat": 3,
+        "box": 2,
+        "bench": 1,
+        "post": 1,
+        "floor": 1,
+        "bottle": 1,
+        "tray": 2,
+    },
     "ceramic": {"floor": 3, "panel": 2, "brick": 2, "vase": 3, "tile": 2, "plate": 1, "bowl": 1},
     "glass": {"panel": 4, "floor": 1, "bottle": 2, "vase": 2, "bowl": 1, "tumbler": 1},
 }

@@ -47,7 +47,9 @@ def tile(rng: Rng, made: Made) -> Solid:
 def pipe(rng: Rng, made: Made) -> Solid:
     """Return a piece of pipe, lying."""
     r, long, t = rng.uniform(10, 26), rng.uniform(120, 240), min(made.wall, 5.0)
-    tube = turned([(r - t, 0.0, 0.0), (r, 0.0, 0.6), (r, long, 0.6), (r - t, long, 0.6), (r - t, 0.0, 0.0)])
+    tube = turned(
+        [(r - t, 0.0, 0.0), (r, 0.0, 0.6), (r, long, 0.6), (r - t, long, 0.6), (r - t, 0.0, 0.0)]
+    )
     return grounded(placed(placed(tube, roll=np.pi / 2), turn=rng.uniform(0, np.pi)))
 
 
@@ -76,9 +78,13 @@ def bench(rng: Rng, made: Made) -> Solid:
     wide, thick, count = rng.uniform(60, 100), rng.uniform(18, 30), int(rng.integers(2, 5))
     long, gap, bevel = rng.uniform(420, 620), rng.uniform(6, 14), made.bevel
     places = (np.arange(count) - (count - 1) / 2) * (wide + gap)
-    planks = [placed(block((long, wide, thick), bevel=bevel), at=(0, y, 200 + thick / 2)) for y in places]
+    planks = [
+        placed(block((long, wide, thick), bevel=bevel), at=(0, y, 200 + thick / 2)) for y in places
+    ]
     span = count * (wide + gap)
-    feet = [placed(block((40, span, 200), bevel=3), at=(x, 0, 100)) for x in (-0.35 * long, 0.35 * long)]
+    feet = [
+        placed(block((40, span, 200), bevel=3), at=(x, 0, 100)) for x in (-0.35 * long, 0.35 * long)
+    ]
     return grounded(sawn(joined(*planks, *feet)))
 
 
@@ -86,6 +92,9 @@ def seat(rng: Rng, made: Made) -> Solid:
     """Return the seat of a stool: a thick disc or square on one leg."""
     r, thick = rng.uniform(120, 180), rng.uniform(18, 40)
     power = float(rng.choice([2.0, 6.0]))
-    top = turned([(0.0, 0.0, 0.0), (r, 0.0, made.bevel), (r, thick, made.bevel), (0.0, thick - 2, 0.0)], power=power)
+    top = turned(
+        [(0.0, 0.0, 0.0), (r, 0.0, made.bevel), (r, thick, made.bevel), (0.0, thick - 2, 0.0)],
+        power=power,
+    )
     leg = turned([(0.0, 0.0, 0.0), (25, 0.0, 3.0), (25, 240, 3.0), (0.0, 240, 0.0)])
     return sawn(joined(placed(top, at=(0, 0, 238)), leg))

@@ -56,7 +56,9 @@ class Solid:
         corner = self.vertices[self.faces]
         across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
         meet = same[self.faces].ravel()
-        total = np.stack([np.bincount(meet, weights=np.repeat(part, 3)) for part in across.T], axis=1)
+        total = np.stack(
+            [np.bincount(meet, weights=np.repeat(part, 3)) for part in across.T], axis=1
+        )
         normal = total[same]
         return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-12)[:, None])
 
@@ -65,11 +67,15 @@ def joined(*parts: Solid) -> Solid:
     """Return several solids as one; each keeps its coordinates on the pattern."""
     starts = np.cumsum([0, *(len(part.vertices) for part in parts)])
     faces = np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=False)])
-    vertices, uv = (np.concatenate([getattr(part, name) for part in parts]) for name in ("vertices", "uv"))
+    vertices, uv = (
+        np.concatenate([getattr(part, name) for part in parts]) for name in ("vertices", "uv")
+    )
     return Solid(vertices=vertices, faces=faces, uv=uv)
 
 
-def placed(solid: Solid, *, at: Sequence[float] = (0.0, 0.0, 0.0), turn: float = 0.0, roll: float = 0.0) -> Solid:
+def placed(
+    solid: Solid, *, at: Sequence[float] = (0.0, 0.0, 0.0), turn: float = 0.0, roll: float = 0.0
+) -> Solid:
     """Return the solid rolled about x, turned about z (rad), then moved by `at` mm."""
     x, y, z = solid.vertices.T
     y, z = y * np.cos(roll) - z * np.sin(roll), y * np.sin(roll) + z * np.cos(roll)
@@ -93,7 +99,9 @@ def grid(points: Array, uv: Array) -> Solid:
     """Return the mesh of points (rows, columns, 3); normals point along columns x rows."""
     rows, columns = points.shape[:2]
     index = np.arange(rows * columns).reshape(rows, columns)
-    a, b, c, d = (part.ravel() for part in (index[:-1, :-1], index[:-1, 1:], index[1:, :-1], index[1:, 1:]))
+    a, b, c, d = (
+        part.ravel() for part in (index[:-1, :-1], index[:-1, 1:], index[1:, :-1], index[1:, 1:])
+    )
     faces = np.concatenate([np.stack([a, b, d], 1), np.stack([a, d, c], 1)])
     return Solid(vertices=points.reshape(-1, 3), faces=faces, uv=uv.reshape(-1, 2))
 
@@ -114,17 +122,23 @@ def outline(corners: Profile) -> Array:
     """
     points = np.array([corner[:2] for corner in corners], dtype=np.float64)
     pieces = [points[:1]]
-    for before, here, after, corner in zip(points, points[1:], points[2:], list(corners)[1:-1], strict=False):
+    for before, here, after, corner in zip(
+        points, points[1:], points[2:], list(corners)[1:-1], strict=False
+    ):
         back, ahead = before - here, after - here
         lengths = np.linalg.norm(back), np.linalg.norm(ahead)
         soft = min(corner[2], 0.49 * float(min(lengths)))
         start, end = here + back / lengths[0] * soft, here + ahead / lengths[1] * soft
         t = np.linspace(0.0, 1.0, _ARC)[:, None] if soft > 0.0 else np.zeros((1, 1))
         pieces.append((1 - t) ** 2 * start + 2 * t * (1 - t) * here + t**2 * end)
-    points = np.concatenate([*pieces, points[-1:]])  # and more where two lie further apart than a step
+    # and more where two lie further apart than a step
+    points = np.concatenate([*pieces, points[-1:]])
     away = np.linalg.norm(np.diff(points, axis=0), axis=1)
     counts = np.maximum(np.ceil(away / _STEP), 1).astype(int)
-    pieces = [a + (b - a) * np.arange(n)[:, None] / n for a, b, n in zip(points, points[1:], counts, strict=False)]
+    pieces = [
+        a + (b - a) * np.arange(n)[:, None] / n
+        for a, b, n in zip(points, points[1:], counts, strict=False)
+    ]
     return np.concatenate([*pieces, points[-1:]])
 
 
@@ -166,7 +180,9 @@ def swept(path: Array, half: Array, *, power: float = 2.0) -> Solid:
     wide, thick = half[:, :1] * ends, half[:, 1:] * ends
     across = wide[..., None] * (plan * cos)[None, :, None] * side[:, None]
     points = path[:, None] + across + thick[..., None] * (plan * sin)[None, :, None] * up[:, None]
-    return grid(points, _spread(_along(path)[:, None], angle * np.maximum(half.mean(1), 0.5)[:, None]))
+    return grid(
+        points, _spread(_along(path)[:, None], angle * np.maximum(half.mean(1), 0.5)[:, None])
+    )
 
 
 def _spread(*parts: Array) -> Array:
@@ -196,7 +212,11 @@ def block(size: Sequence[float], *, bevel: float) -> Solid:
     quarter = np.linspace(0.0, np.pi / 2, 5)
     up = np.concatenate([quarter - np.pi / 2, quarter])  # the middle twice: the flat sides
     round_ = np.concatenate([quarter + k * np.pi / 2 for k in range(4)] + [[2 * np.pi]])
-    way = _spread(np.cos(up)[:, None] * np.cos(round_), np.cos(up)[:, None] * np.sin(round_), np.sin(up)[:, None])
+    way = _spread(
+        np.cos(up)[:, None] * np.cos(round_),
+        np.cos(up)[:, None] * np.sin(round_),
+        np.sin(up)[:, None],
+    )
     corner = np.array([[1, 1], [-1, 1], [-1, -1], [1, -1], [1, 1]])[np.arange(len(round_)) // 5]
     signs = _spread(*corner.T, np.where(np.arange(len(up)) < 5, -1, 1)[:, None])
     points = signs * (half - bevel) + bevel * way

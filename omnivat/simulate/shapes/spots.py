@@ -24,7 +24,9 @@ class Spot:
 
 
 def spot(solid: Solid, rng: np.random.Generator, *, edges: bool = True) -> Spot:
-    """Draw a touched place: not underneath, with room for a sensor, often a rim or an edge if `edges`."""
+    """Draw a touched place: not underneath, with room for a sensor, often a rim or an edge if
+    `edges`.
+    """
     corner, normal = solid.vertices[solid.faces], solid.normals()[solid.faces]
     bent = rng.random() < _EDGES and edges
     across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
@@ -37,7 +39,9 @@ def spot(solid: Solid, rng: np.random.Generator, *, edges: bool = True) -> Spot:
     best = _first_free(solid, points, normals)
     there = solid.faces[face[best]]
     tangent = _along(solid.vertices[there], solid.uv[there], normals[best])
-    return Spot(point=points[best], normal=normals[best], tangent=tangent, uv=share[best] @ solid.uv[there])
+    return Spot(
+        point=points[best], normal=normals[best], tangent=tangent, uv=share[best] @ solid.uv[there]
+    )
 
 
 def _bends(normal: Array, corner: Array) -> Array:
@@ -91,7 +95,9 @@ _BULGE = 0.6  # mm: largest bulge of a curved face over its flat triangle
 _CREASE = 0.7  # cosine of the angle between faces that form an edge
 
 
-def contact_height(solid: Solid, spot: Spot, *, field: float, size: int, turn: float = 0.0) -> Array:
+def contact_height(
+    solid: Solid, spot: Spot, *, field: float, size: int, turn: float = 0.0
+) -> Array:
     """Return the height (size, size) in mm of the solid around the touched spot, along its normal.
 
     field  mm across the square map; x grows to the right and y upwards

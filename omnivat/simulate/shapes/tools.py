@@ -2,7 +2,18 @@
 
 import numpy as np
 
-from omnivat.simulate.shapes.solid import Made, Solid, bar, block, grounded, joined, placed, sawn, swept, turned
+from omnivat.simulate.shapes.solid import (
+    Made,
+    Solid,
+    bar,
+    block,
+    grounded,
+    joined,
+    placed,
+    sawn,
+    swept,
+    turned,
+)
 
 Rng = np.random.Generator
 
@@ -45,7 +56,9 @@ def spatula(rng: Rng, made: Made) -> Solid:
     strips = slots + 1 if slots else 1
     each = wide / strips - (5 if slots else 0)
     places = (np.arange(strips) - (strips - 1) / 2) * wide / strips
-    blade = [placed(block((long, each, thick), bevel=thick * 0.4), at=(long / 2, y, 3)) for y in places]
+    blade = [
+        placed(block((long, each, thick), bevel=thick * 0.4), at=(long / 2, y, 3)) for y in places
+    ]
     ends = [placed(block((12, wide - 5 * bool(slots), thick), bevel=thick * 0.4),
                    at=(x, 0, 3)) for x in (5, long - 5)] if slots else []  # fmt: skip
     return grounded(sawn(joined(*blade, *ends, handle(rng, made, rng.uniform(140, 210)))))
@@ -73,7 +86,13 @@ def wrench(rng: Rng, made: Made) -> Solid:
         for side in (-1, 1)
     ]  # fmt: skip
     ring = turned(
-        [(jaw * 0.55, 0.0, 0.0), (jaw, 0.0, 1.2), (jaw, thick, 1.2), (jaw * 0.55, thick, 1.2), (jaw * 0.55, 0.0, 0.0)]
+        [
+            (jaw * 0.55, 0.0, 0.0),
+            (jaw, 0.0, 1.2),
+            (jaw, thick, 1.2),
+            (jaw * 0.55, thick, 1.2),
+            (jaw * 0.55, 0.0, 0.0),
+        ]
     )
     heel = placed(block((jaw * 0.9, jaw * 2.0, thick), bevel=made.bevel), at=(long / 2, 0, 0))
     eye = placed(ring, at=(-long / 2 - jaw * 0.8, 0, -thick / 2))

@@ -8,7 +8,13 @@ Rng = np.random.Generator
 
 
 def wall(
-    foot: float, waist: tuple[float, float], rim: float, height: float, *, thick: float, ring: float = 0.0
+    foot: float,
+    waist: tuple[float, float],
+    rim: float,
+    height: float,
+    *,
+    thick: float,
+    ring: float = 0.0,
 ) -> Profile:
     """Return the profile of an open vessel: up outside, over the rim, down inside. All in mm.
 
@@ -16,7 +22,11 @@ def wall(
     ring   height of a foot ring; 0 has none
     """
     soft, soft_rim = 0.8 * height, 0.5 * thick
-    under = [(0.0, ring, 0.0), (foot * 0.82, ring, 0.8), (foot * 0.86, 0.0, 0.8)] if ring else [(0.0, 0.0, 0.0)]
+    under = (
+        [(0.0, ring, 0.0), (foot * 0.82, ring, 0.8), (foot * 0.86, 0.0, 0.8)]
+        if ring
+        else [(0.0, 0.0, 0.0)]
+    )
     base = max(foot - thick, 2.0)
     return [
         *under, (foot, 0.0, 1.5), (waist[0], waist[1], soft), (rim, height, 0.5 * thick),
@@ -50,7 +60,9 @@ def mug(rng: Rng, made: Made) -> Solid:
     body = turned(wall(foot, waist, rim, height, thick=made.wall))
     angle = np.linspace(-0.55 * np.pi, 0.55 * np.pi, 30)
     reach, tall = rng.uniform(20, 30), height * rng.uniform(0.28, 0.36)
-    path = np.stack([rim - 6 + reach * np.cos(angle), 0 * angle, height * 0.52 + tall * np.sin(angle)], axis=1)
+    path = np.stack(
+        [rim - 6 + reach * np.cos(angle), 0 * angle, height * 0.52 + tall * np.sin(angle)], axis=1
+    )
     half = np.repeat([[rng.uniform(4.5, 7), 1.5 + 0.6 * made.wall]], 30, 0)
     return joined(body, swept(path, half, power=2.5))
 

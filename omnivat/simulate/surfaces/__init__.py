@@ -4,9 +4,10 @@ A recipe is a function from a random generator to a `Surface`. Recipes of differ
 similar on purpose (ribbed glass and ribbed plastic, cast steel and moulded plastic), so that
 neither sight nor touch alone is always enough.
 
-Each material also has a skin, a micro-relief of all its recipes: wood has fibres and open pores, steel has tool marks
-and scratches, plastic has mould texture, parting lines and sink marks, ceramic has wavy glaze with grit and pinholes.
-Glass is smooth: its skin has only the long waves of fire polishing.
+Each material also has a skin, a micro-relief of all its recipes: wood has fibres and open pores,
+steel has tool marks and scratches, plastic has mould texture, parting lines and sink marks, ceramic
+has wavy glaze with grit and pinholes. Glass is smooth: its skin has only the long waves of fire
+polishing.
 """
 
 from collections.abc import Callable
@@ -27,7 +28,9 @@ FAINT = 0.7  # share of the skin left on a smooth or coated surface
 _MATERIALS = {"wood": wood, "steel": steel, "plastic": plastic, "ceramic": ceramic, "glass": glass}
 RECIPES: dict[str, dict[Recipe, float]] = {name: room.RECIPES for name, room in _MATERIALS.items()}
 SMOOTH: dict[str, Recipe] = {name: room.SMOOTH for name, room in _MATERIALS.items()}
-SKINS: dict[str, Callable[[np.random.Generator, float], Field]] = {name: room.skin for name, room in _MATERIALS.items()}
+SKINS: dict[str, Callable[[np.random.Generator, float], Field]] = {
+    name: room.skin for name, room in _MATERIALS.items()
+}
 
 
 def surface(material: str, number: int, *, seed: int) -> Surface:
@@ -60,4 +63,6 @@ def skinned(surface: Surface, material: str, maker: Recipe, rng: np.random.Gener
     maker  the recipe that made the surface: smooth ones keep a faint skin only
     """
     skin = SKINS[material](rng, surface.angle)
-    return replace(surface, relief=surface.relief + (FAINT if maker is SMOOTH[material] else 1.0) * skin)
+    return replace(
+        surface, relief=surface.relief + (FAINT if maker is SMOOTH[material] else 1.0) * skin
+    )

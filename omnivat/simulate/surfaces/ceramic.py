@@ -2,7 +2,19 @@
 
 import numpy as np
 
-from omnivat.simulate.fields import Field, arcs, cracks, grain, mixed, orange_peel, pits, ribs, smooth, tiles, tinted
+from omnivat.simulate.fields import (
+    Field,
+    arcs,
+    cracks,
+    grain,
+    mixed,
+    orange_peel,
+    pits,
+    ribs,
+    smooth,
+    tiles,
+    tinted,
+)
 from omnivat.simulate.surfaces.base import Colour, Surface, pick, pick_log, stream
 
 _GLAZES = (
@@ -30,7 +42,9 @@ def crazed(rng: np.random.Generator) -> Surface:
     """Return a glaze with a net of cracks, stained dark."""
     glaze, seed = _one_of(_GLAZES, rng), stream(rng)
     size, stain = pick(rng, 3.0, 5.5), pick(rng, 0.4, 0.8)
-    relief = 0.012 * orange_peel(size=5.0, seed=seed + 5) - 0.07 * cracks(size=size, width=0.22, seed=seed)
+    relief = 0.012 * orange_peel(size=5.0, seed=seed + 5) - 0.07 * cracks(
+        size=size, width=0.22, seed=seed
+    )
     colour = tinted(glaze, -stain * cracks(size=size, width=0.28, seed=seed))
     return Surface("crazed", relief, colour, gloss="coated", roughness=pick(rng, 0.02, 0.06))
 
@@ -59,12 +73,16 @@ def thrown(rng: np.random.Generator) -> Surface:
     seed, bare = stream(rng), rng.random() < 0.4
     base = _one_of(_CLAYS if bare else _GLAZES, rng)
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 3.0, 7.0), pick(rng, 0.08, 0.22)
-    ridges = ribs(angle=angle, pitch=pitch, sharpness=1.2).moved(0.22 * pitch * orange_peel(size=12.0, seed=seed))
+    ridges = ribs(angle=angle, pitch=pitch, sharpness=1.2).moved(
+        0.22 * pitch * orange_peel(size=12.0, seed=seed)
+    )
     grit = (0.022 if bare else 0.006) * grain(coarsest=1.4, finest=0.25, seed=seed + 11)
     colour = tinted(base, 0.14 * (ridges - 0.5))
     rough = 0.6 if bare else pick(rng, 0.03, 0.12)
     relief = rise * ridges + grit
-    return Surface("thrown", relief, colour, gloss="matte" if bare else "coated", roughness=rough, angle=angle)
+    return Surface(
+        "thrown", relief, colour, gloss="matte" if bare else "coated", roughness=rough, angle=angle
+    )
 
 
 def tiled(rng: np.random.Generator) -> Surface:
@@ -77,7 +95,9 @@ def tiled(rng: np.random.Generator) -> Surface:
     mortar = Field(lambda x, y: np.array([0.5, 0.48, 0.44]) * np.ones((*np.shape(x), 1)))
     colour = mixed(mortar, tinted(glaze, 0.05 * orange_peel(size=12.0, seed=seed + 3)), face)
     relief = face * top + (1 - face) * sand
-    return Surface("tiled", relief, colour, gloss="coated", roughness=pick(rng, 0.03, 0.10), angle=angle)
+    return Surface(
+        "tiled", relief, colour, gloss="coated", roughness=pick(rng, 0.03, 0.10), angle=angle
+    )
 
 
 def carved(rng: np.random.Generator) -> Surface:
@@ -100,5 +120,13 @@ def skin(rng: np.random.Generator, angle: float) -> Field:
     return wave * orange_peel(size=4.5, seed=seed) + bump * grit - 0.08 * open_
 
 
-RECIPES = {glazed: 2.0, crazed: 1.3, stoneware: 1.5, terracotta: 1.2, thrown: 0.8, tiled: 0.4, carved: 0.4}
+RECIPES = {
+    glazed: 2.0,
+    crazed: 1.3,
+    stoneware: 1.5,
+    terracotta: 1.2,
+    thrown: 0.8,
+    tiled: 0.4,
+    carved: 0.4,
+}
 SMOOTH = glazed  # its skin is faint

@@ -2,7 +2,17 @@
 
 import numpy as np
 
-from omnivat.simulate.fields import Field, diamonds, dots, field, grain, orange_peel, ribs, scratches, tinted
+from omnivat.simulate.fields import (
+    Field,
+    diamonds,
+    dots,
+    field,
+    grain,
+    orange_peel,
+    ribs,
+    scratches,
+    tinted,
+)
 from omnivat.simulate.noise import Array, cells
 from omnivat.simulate.surfaces.base import Surface, pick, pick_log, stream
 
@@ -13,7 +23,9 @@ _TINTS = (
 )  # fmt: skip
 
 
-def _glass(rng: Rng, recipe: str, relief: Field, *, vessel: bool = False, dull: bool = False) -> Surface:
+def _glass(
+    rng: Rng, recipe: str, relief: Field, *, vessel: bool = False, dull: bool = False
+) -> Surface:
     """Return glass of one tint with this relief."""
     rng.random(2 + (rng.random() >= 0.6) if vessel else 1)  # once a curvature; keeps shipped bytes
     skin = pick(rng, 0.25, 0.4) if dull else 0.02
@@ -39,7 +51,12 @@ def rippled(rng: np.random.Generator) -> Surface:
 def reeded(rng: np.random.Generator) -> Surface:
     """Return fluted glass: exact, smooth ribs, which plastic has too."""
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 3.0, 7.0), pick(rng, 0.25, 0.5)
-    return _glass(rng, "reeded", rise * ribs(angle=angle, pitch=pitch, sharpness=0.6), vessel=rng.random() >= 0.5)
+    return _glass(
+        rng,
+        "reeded",
+        rise * ribs(angle=angle, pitch=pitch, sharpness=0.6),
+        vessel=rng.random() >= 0.5,
+    )
 
 
 def pebbled(rng: np.random.Generator) -> Surface:
@@ -80,5 +97,13 @@ def skin(rng: np.random.Generator, angle: float) -> Field:
     return rise * orange_peel(size=11.0, seed=seed)
 
 
-RECIPES = {float_glass: 2.0, rippled: 1.7, reeded: 0.5, pebbled: 1.5, frosted: 0.5, cut: 0.7, pressed: 0.7}
+RECIPES = {
+    float_glass: 2.0,
+    rippled: 1.7,
+    reeded: 0.5,
+    pebbled: 1.5,
+    frosted: 0.5,
+    cut: 0.7,
+    pressed: 0.7,
+}
 SMOOTH = float_glass  # its skin is faint

@@ -4,7 +4,18 @@ from typing import Any
 
 import numpy as np
 
-from omnivat.simulate.fields import Field, borders, dots, field, grain, orange_peel, ribs, scratches, smooth, tinted
+from omnivat.simulate.fields import (
+    Field,
+    borders,
+    dots,
+    field,
+    grain,
+    orange_peel,
+    ribs,
+    scratches,
+    smooth,
+    tinted,
+)
 from omnivat.simulate.noise import Array, smoothstep, turned
 from omnivat.simulate.surfaces.base import Colour, Surface, pick, pick_log, stream
 
@@ -12,13 +23,17 @@ from omnivat.simulate.surfaces.base import Colour, Surface, pick, pick_log, stre
 def _dye(rng: np.random.Generator) -> Colour:
     """Return a colour that plastics have: strong, white, grey or black."""
     if rng.random() < 0.75:
-        red, green, blue = rng.permutation(np.array([pick(rng, 0.35, 0.8), pick(rng, 0.03, 0.45), 0.04])).tolist()
+        red, green, blue = rng.permutation(
+            np.array([pick(rng, 0.35, 0.8), pick(rng, 0.03, 0.45), 0.04])
+        ).tolist()
         return (red, green, blue)
     level, warm = pick_log(rng, 0.02, 0.8), pick(rng, -0.06, 0.06)
     return (level * (1 + warm), level, level * (1 - warm))
 
 
-def _moulded(recipe: str, relief: Field, dye: Colour, shade: Field, roughness: float, **more: Any) -> Surface:
+def _moulded(
+    recipe: str, relief: Field, dye: Colour, shade: Field, roughness: float, **more: Any
+) -> Surface:
     return Surface(recipe, relief, tinted(dye, shade), gloss="coated", roughness=roughness, **more)
 
 
@@ -35,7 +50,13 @@ def leather_grain(rng: np.random.Generator) -> Surface:
     dye, seed = _dye(rng), stream(rng)
     size, depth = pick(rng, 1.4, 2.8), pick(rng, 0.08, 0.18)
     cushions = smooth(borders(size=size, seed=seed), 0.0, 0.35 * size)
-    return _moulded("leather grain", depth * cushions, dye, 0.10 * (cushions - 1.0), roughness=pick(rng, 0.25, 0.45))
+    return _moulded(
+        "leather grain",
+        depth * cushions,
+        dye,
+        0.10 * (cushions - 1.0),
+        roughness=pick(rng, 0.25, 0.45),
+    )
 
 
 def ribbed(rng: np.random.Generator) -> Surface:
@@ -53,7 +74,9 @@ def studded(rng: np.random.Generator) -> Surface:
     dye, seed = _dye(rng), stream(rng)
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 2.5, 6.5), pick(rng, 0.15, 0.4)
     skin = 0.004 * grain(coarsest=0.7, finest=0.2, seed=seed)
-    relief = rise * dots(pitch=pitch, radius=pitch * pick(rng, 0.2, 0.33), angle=angle, edge=0.25) + skin
+    relief = (
+        rise * dots(pitch=pitch, radius=pitch * pick(rng, 0.2, 0.33), angle=angle, edge=0.25) + skin
+    )
     shade = 0.02 * orange_peel(size=8.0, seed=seed)
     return _moulded("studded", relief, dye, shade, roughness=pick(rng, 0.2, 0.4), angle=angle)
 
@@ -64,16 +87,32 @@ def glossy(rng: np.random.Generator) -> Surface:
     wave, count = pick(rng, 0.003, 0.008), int(rng.integers(4, 20))
     used = scratches(count=count, reach=30.0, width=0.10, seed=seed + 5)
     relief = wave * orange_peel(size=6.0, seed=seed) - 0.015 * used
-    return _moulded("glossy", relief, dye, 0.02 * orange_peel(size=15.0, seed=seed), roughness=pick(rng, 0.04, 0.15))
+    return _moulded(
+        "glossy",
+        relief,
+        dye,
+        0.02 * orange_peel(size=15.0, seed=seed),
+        roughness=pick(rng, 0.04, 0.15),
+    )
 
 
 def printed(rng: np.random.Generator) -> Surface:
     """Return a 3-D print: layer lines, slightly uneven."""
     dye, seed = _dye(rng), stream(rng)
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 0.45, 0.9), pick(rng, 0.025, 0.06)
-    lines = ribs(angle=angle, pitch=pitch, sharpness=0.7).moved(0.12 * pitch * orange_peel(size=10.0, seed=seed))
+    lines = ribs(angle=angle, pitch=pitch, sharpness=0.7).moved(
+        0.12 * pitch * orange_peel(size=10.0, seed=seed)
+    )
     shade = 0.12 * (lines - 0.5)
-    return _moulded("printed", rise * lines, dye, shade, roughness=pick(rng, 0.2, 0.35), brushing=0.4, angle=angle)
+    return _moulded(
+        "printed",
+        rise * lines,
+        dye,
+        shade,
+        roughness=pick(rng, 0.2, 0.35),
+        brushing=0.4,
+        angle=angle,
+    )
 
 
 def skin(rng: np.random.Generator, angle: float) -> Field:
@@ -85,7 +124,9 @@ def skin(rng: np.random.Generator, angle: float) -> Field:
     @field
     def parting(x: Array, y: Array) -> Array:
         across = turned(x, y, turn)[1]
-        return 1.0 - smoothstep(np.abs(across / apart - np.round(across / apart)) * apart, 0.08, 0.28)
+        return 1.0 - smoothstep(
+            np.abs(across / apart - np.round(across / apart)) * apart, 0.08, 0.28
+        )
 
     sunk = 0.02 * orange_peel(size=14.0, seed=seed + 5)
     return texture * grain(coarsest=size, finest=0.25, seed=seed) + sunk + high * parting()

@@ -40,7 +40,9 @@ def brushed(rng: np.random.Generator) -> Surface:
     depth, width = pick_log(rng, 0.010, 0.026), pick(rng, 0.25, 0.5)
     hairs = streaks(angle=angle, width=width, length=60.0, seed=seed)
     colour = tinted(base, 0.07 * hairs)
-    return _metal("brushed", depth * hairs, colour, roughness=pick(rng, 0.12, 0.22), brushing=0.8, angle=angle)
+    return _metal(
+        "brushed", depth * hairs, colour, roughness=pick(rng, 0.12, 0.22), brushing=0.8, angle=angle
+    )
 
 
 def machined(rng: np.random.Generator) -> Surface:
@@ -52,7 +54,9 @@ def machined(rng: np.random.Generator) -> Surface:
     marks = arcs(centre=centre, pitch=pitch) + 0.35 * arcs(centre=centre, pitch=pitch * 3.3)
     relief = depth * marks + 0.002 * grain(coarsest=0.6, finest=0.15, seed=seed)
     colour, along = tinted(base, 0.06 * marks), turn + np.pi / 2
-    return _metal("machined", relief, colour, roughness=pick(rng, 0.12, 0.25), brushing=0.6, angle=along)
+    return _metal(
+        "machined", relief, colour, roughness=pick(rng, 0.12, 0.25), brushing=0.6, angle=along
+    )
 
 
 def ground(rng: np.random.Generator) -> Surface:
@@ -69,7 +73,9 @@ def cast(rng: np.random.Generator) -> Surface:
     seed, base = stream(rng), _steel(rng)
     dark, depth = pick(rng, 0.3, 0.8), pick_log(rng, 0.012, 0.05)
     rough = grain(coarsest=pick(rng, 0.8, 1.8), finest=0.15, seed=seed)
-    return _metal("cast", depth * rough, dark * tinted(base, 0.10 * rough), roughness=pick(rng, 0.3, 0.45))
+    return _metal(
+        "cast", depth * rough, dark * tinted(base, 0.10 * rough), roughness=pick(rng, 0.3, 0.45)
+    )
 
 
 def rusty(rng: np.random.Generator) -> Surface:
@@ -81,8 +87,12 @@ def rusty(rng: np.random.Generator) -> Surface:
     holes = pits(size=2.2, radius=0.5, share=0.3, seed=seed + 40)
     shade = 1.0 + 0.35 * grain(coarsest=3.0, finest=0.4, seed=seed + 60)
     bare = tinted(base, Field(lambda x, y: 0 * x))
-    colour = lifted(np.clip)(mixed(bare, lifted(lambda s: _RUST * s[..., None])(shade), scabs), 0.01, 0.9)
-    return _metal("rusty", depth * (scabs * crust - 0.8 * holes), colour, roughness=pick(rng, 0.3, 0.5))
+    colour = lifted(np.clip)(
+        mixed(bare, lifted(lambda s: _RUST * s[..., None])(shade), scabs), 0.01, 0.9
+    )
+    return _metal(
+        "rusty", depth * (scabs * crust - 0.8 * holes), colour, roughness=pick(rng, 0.3, 0.5)
+    )
 
 
 def chequered(rng: np.random.Generator) -> Surface:
@@ -110,9 +120,19 @@ def skin(rng: np.random.Generator, angle: float) -> Field:
     depth, count = pick_log(rng, 0.018, 0.032), int(rng.integers(15, 45))
     far = (150.0 * np.sin(angle), -150.0 * np.cos(angle))
     straight = rng.random() < 0.6
-    marks = 2.0 * ribs(angle=angle, pitch=pitch) - 1.0 if straight else arcs(centre=far, pitch=pitch)
+    marks = (
+        2.0 * ribs(angle=angle, pitch=pitch) - 1.0 if straight else arcs(centre=far, pitch=pitch)
+    )
     return depth * marks - 0.05 * scratches(count=count, reach=40.0, width=0.12, seed=seed)
 
 
-RECIPES = {brushed: 2.0, machined: 1.5, ground: 1.2, cast: 0.6, rusty: 0.6, chequered: 0.5, knurled: 0.6}
+RECIPES = {
+    brushed: 2.0,
+    machined: 1.5,
+    ground: 1.2,
+    cast: 0.6,
+    rusty: 0.6,
+    chequered: 0.5,
+    knurled: 0.6,
+}
 SMOOTH = ground  # its skin is faint

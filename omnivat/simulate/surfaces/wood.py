@@ -4,7 +4,18 @@ from dataclasses import replace
 
 import numpy as np
 
-from omnivat.simulate.fields import Field, arcs, field, grain, lifted, orange_peel, ribs, smooth, streaks, tinted
+from omnivat.simulate.fields import (
+    Field,
+    arcs,
+    field,
+    grain,
+    lifted,
+    orange_peel,
+    ribs,
+    smooth,
+    streaks,
+    tinted,
+)
 from omnivat.simulate.noise import Array, smoothstep, turned
 from omnivat.simulate.surfaces.base import Surface, pick, pick_log, stream
 
@@ -15,7 +26,9 @@ _SPECIES = (  # linear reflectance of early wood; late wood is darker
 
 
 class _Grain:
-    """Year rings (late wood 1, early wood 0), fibres and pores of one board, shared by its relief and its colour."""
+    """Year rings (late wood 1, early wood 0), fibres and pores of one board, shared by its
+    relief and its colour.
+    """
 
     def __init__(self, rng: np.random.Generator) -> None:
         self.angle, pitch = pick(rng, 0, np.pi), pick_log(rng, 2.0, 9.0)
@@ -30,7 +43,9 @@ class _Grain:
 
     def surface(self, recipe: str, relief: Field, *, roughness: float) -> Surface:
         """Return bare wood with this relief."""
-        return Surface(recipe, relief, self.colour, gloss="matte", roughness=roughness, angle=self.angle)
+        return Surface(
+            recipe, relief, self.colour, gloss="matte", roughness=roughness, angle=self.angle
+        )
 
 
 @field
@@ -46,7 +61,11 @@ def sawn(rng: np.random.Generator) -> Surface:
     lean = wood.angle + np.pi / 2 + pick(rng, -0.3, 0.3)
     rough, teeth = pick(rng, 0.03, 0.07), pick(rng, 0.02, 0.06)
     torn = grain(coarsest=1.2, finest=0.15, seed=stream(rng))
-    relief = rough * (wood.fibres - 1.4 * wood.pores) + 0.4 * rough * torn + teeth * ribs(angle=lean, pitch=saw_pitch)
+    relief = (
+        rough * (wood.fibres - 1.4 * wood.pores)
+        + 0.4 * rough * torn
+        + teeth * ribs(angle=lean, pitch=saw_pitch)
+    )
     return wood.surface("sawn", relief, roughness=0.6)
 
 
@@ -83,7 +102,9 @@ def varnished(rng: np.random.Generator) -> Surface:
     wood, coat = _Grain(rng), stream(rng)
     left, soft = pick(rng, 0.008, 0.018), pick(rng, 0.003, 0.006)
     relief = left * (wood.fibres - 2.5 * wood.pores) + soft * orange_peel(size=2.5, seed=coat)
-    return replace(wood.surface("varnished", relief, roughness=pick(rng, 0.08, 0.25)), gloss="coated")
+    return replace(
+        wood.surface("varnished", relief, roughness=pick(rng, 0.08, 0.25)), gloss="coated"
+    )
 
 
 def end_grain(rng: np.random.Generator) -> Surface:
@@ -95,7 +116,9 @@ def end_grain(rng: np.random.Generator) -> Surface:
     rings = smooth(Field(lambda x, y: even(x * (bent := warp(x, y)), y * bent)), -0.4, 0.8)
     torn = 0.022 * grain(coarsest=0.8, finest=0.15, seed=seed + 1)
     relief = 0.05 * rings + torn + saw * ribs(angle=wood.angle, pitch=1.7)
-    colour = tinted(wood.species, -0.5 * rings + 0.10 * grain(coarsest=0.8, finest=0.2, seed=seed + 1))
+    colour = tinted(
+        wood.species, -0.5 * rings + 0.10 * grain(coarsest=0.8, finest=0.2, seed=seed + 1)
+    )
     return replace(wood.surface("end grain", relief, roughness=0.6), colour=colour)
 
 

@@ -1,8 +1,9 @@
 """Comparison methods over the same cached embeddings: one method in each file.
 
-`BASELINES` maps names to fit functions: fit(Source) -> Fitted (see contract.py). `LABELS` has the name of each method
-in tables. A surrogate of a published method that cannot run on pooled embeddings has a suffix in its label and a note
-on what is missing. `omnivat.kit.tables.load` imports a method on first use.
+`BASELINES` maps names to fit functions: fit(Source) -> Fitted (see contract.py). `LABELS` has the
+name of each method in tables. A surrogate of a published method that cannot run on pooled
+embeddings has a suffix in its label and a note on what is missing. `omnivat.kit.tables.load`
+imports a method on first use.
 """
 
 from typing import NamedTuple
@@ -12,6 +13,7 @@ BASELINES = {
     "linear_probe": "omnivat.study.baselines.linear_probe:fit",
     "linear_probe_concat": "omnivat.study.baselines.linear_probe:fit_concatenated",
     "linear_probe_sum": "omnivat.study.baselines.linear_probe:fit_sum",
+    "linear_maps": "omnivat.study.baselines.linear_maps:fit",
     "erm_mlp": "omnivat.study.baselines.erm_mlp:fit",
     "baseline": "omnivat.study.baselines.baseline:fit",
     "promptstyler": "omnivat.study.baselines.text:fit_promptstyler",
@@ -20,11 +22,6 @@ BASELINES = {
     "zero_shot_styles": "omnivat.study.baselines.text:fit_zero_shot_styles",
     "spg": "omnivat.study.baselines.spg:fit",
     "mmrl": "omnivat.study.baselines.mmrl:fit",
-    "mixup": "omnivat.study.baselines.classics:fit_mixup",
-    "mixstyle": "omnivat.study.baselines.classics:fit_mixstyle",
-    "fourier": "omnivat.study.baselines.classics:fit_fourier",
-    "sam": "omnivat.study.baselines.classics:fit_sam",
-    "coral": "omnivat.study.baselines.classics:fit_coral",
     "sitr_supcon": "omnivat.study.baselines.contrastive:fit_sitr",
     "vt_cmc_head": "omnivat.study.baselines.contrastive:fit_vt_cmc",
     "ldc": "omnivat.study.baselines.ldc:fit",
@@ -46,6 +43,10 @@ LABELS = {
     "linear_probe": Label("Linear probe, late fusion"),
     "linear_probe_concat": Label("Linear probe, early fusion (concatenation)"),
     "linear_probe_sum": Label("Linear probe, sum of features"),
+    "linear_maps": Label(
+        "Linear maps of photo, touch and both",
+        "standardised by the source's profile, averaged; training noise chosen on the source",
+    ),
     "erm_mlp": Label("ERM-MLP"),
     "baseline": Label(
         "Baseline (styles + linear)",
@@ -54,50 +55,58 @@ LABELS = {
     ),
     "promptstyler": Label(
         "PromptStyler (source-free)",
-        "exact: stage 2 with ArcFace at the paper's rate of 0.005, which stays; the LANG bank is stage 1",
+        "exact: stage 2 with ArcFace at the paper's rate of 0.005, which stays; the LANG bank is"
+        " stage 1",
     ),
     "promptstyler_ce": Label(
         "PromptStyler, cross-entropy",
-        "exact but for the loss, rate (0.05, cosine) and decay, those of a public re-implementation",
+        "exact but for the loss, rate (0.05, cosine) and decay, those of a public"
+        " re-implementation",
         optional=True,
     ),
-    "zero_shot": Label("CLIP zero-shot", 'exact: "a photo of a CLASS.", the model\'s own logit scale'),
-    "zero_shot_styles": Label("CLIP zero-shot, mean of styles", "ours: the LANG bank's styles", optional=True),
+    "zero_shot": Label(
+        "CLIP zero-shot", 'exact: "a photo of a CLASS.", the model\'s own logit scale'
+    ),
+    "zero_shot_styles": Label(
+        "CLIP zero-shot, mean of styles", "ours: the LANG bank's styles", optional=True
+    ),
     "spg": Label(
         "SPG",
-        "exact over pooled embeddings but for random crops, with the rate and the clips that its code "
-        "has for other sets than PACS; one noise vector for all, so that results repeat",
+        "exact over pooled embeddings but for random crops, with the rate and the clips that its"
+        " code has for other sets than PACS; one noise vector for all, so that results repeat",
         optional=True,
     ),
     "mmrl": Label(
-        "MMRL", "exact but for random crops, through both live towers; VIS and TAC are images alike", optional=True
-    ),
-    "mixup": Label("mixup", "exact, over frozen embeddings", optional=True),
-    "mixstyle": Label("MixStyle-vector", "surrogate: statistics over axes, not over a map's places", optional=True),
-    "fourier": Label("FACT-vector", "surrogate: amplitudes of the embedding, not of the image", optional=True),
-    "sam": Label("SAM", "exact, over frozen embeddings", optional=True),
-    "coral": Label("CORAL VIS-TAC", "surrogate: aligns the modalities, for there is one domain", optional=True),
-    "sitr_supcon": Label(
-        "SITR-SupCon",
-        "surrogate, touch alone: its contrastive loss over frozen embeddings; no transformer of its "
-        "own and no calibration presses",
+        "MMRL",
+        "exact but for random crops, through both live towers; VIS and TAC are images alike",
         optional=True,
     ),
-    "vt_cmc_head": Label("VT CMC-head", "contrastive head and probe only: the encoders are not pre-trained on touch"),
+    "sitr_supcon": Label(
+        "SITR-SupCon",
+        "surrogate, touch alone: its contrastive loss over frozen embeddings; no transformer of its"
+        " own and no calibration presses",
+        optional=True,
+    ),
+    "vt_cmc_head": Label(
+        "VT CMC-head", "contrastive head and probe only: the encoders are not pre-trained on touch"
+    ),
     "ldc": Label(
         "LDC",
-        "exact but for random crops, its list of prompts and its search of a mix, through the live image "
-        "tower; VIS and TAC are images alike",
+        "exact but for random crops, its list of prompts and its search of a mix, through the live"
+        " image tower; VIS and TAC are images alike",
         optional=True,
     ),
     "ldc_icd": Label(
         "LDC-ICD",
-        "surrogate, logit de-confusion only: the adapters of inner image tokens are in `ldc`; logits and "
-        "embedding are concatenated, not added, a gate for each class, no BatchNorm, gradients clipped at "
-        "5; base logits come from source class means where no text of the image encoder is at hand",
+        "surrogate, logit de-confusion only: the adapters of inner image tokens are in `ldc`;"
+        " logits and embedding are concatenated, not added, a gate for each class, no BatchNorm,"
+        " gradients clipped at 5; base logits come from source class means where no text of the"
+        " image encoder is at hand",
     ),
     "robust_vish": Label(
-        "RobustVisH-2", "two branches: the kinaesthetic one has no counterpart in these data", optional=True
+        "RobustVisH-2",
+        "two branches: the kinaesthetic one has no counterpart in these data",
+        optional=True,
     ),
 }
 OPTIONAL = tuple(name for name, label in LABELS.items() if label.optional)

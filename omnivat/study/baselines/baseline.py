@@ -1,7 +1,8 @@
 """The paper's Baseline: style texts and source images through one D×D layer and a linear head.
 
-This is our reading of the paper's PromptStyler row. Its results depend on the source, so it trains on source images,
-and its 0.3 M parameters fit a D×D layer. Source: paper, Table of components, row 1.
+This is our reading of the paper's PromptStyler row. Its results depend on the source, so it trains
+on source images, and its 0.3 M parameters fit a D×D layer. Source: paper, Table of components, row
+1.
 """
 
 from dataclasses import replace
@@ -15,7 +16,9 @@ from omnivat.study.baselines.descent import Descent, learned, size
 from omnivat.study.baselines.evidence import best
 
 EPOCHS = 20
-CANDIDATES = {f"lr {lr:g}, text {share:g}": (lr, share) for lr in (0.02, 0.1) for share in (0.1, 1.0)}
+CANDIDATES = {
+    f"lr {lr:g}, text {share:g}": (lr, share) for lr in (0.02, 0.1) for share in (0.1, 1.0)
+}
 TEXTS = 16  # style texts in each step
 
 

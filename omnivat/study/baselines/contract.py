@@ -37,7 +37,8 @@ class Live:
     """The images of a source's embeddings, and the CLIP that made them."""
 
     read: Callable[[str, int], Image.Image]  # ("vis" or "tac", row among all pairs) -> an RGB image
-    load: "Callable[[], LiveClip]"  # returns the live towers; they are frozen and shared, and no method changes them
+    # returns the live towers; they are frozen and shared, and no method changes them
+    load: "Callable[[], LiveClip]"
     rows: Tensor  # (N,) indices of these pairs among all pairs
 
     def images(self, name: str, rows: Tensor, given: ImageInput) -> Tensor:
@@ -55,8 +56,8 @@ def live_towers(source: "Source", what: str) -> "tuple[Live, LiveClip, ImageInpu
     """Return a source's images, live towers and preprocessing. Raises DataError without them."""
     if source.live is None:
         raise DataError(
-            f"{what} learns inside CLIP and needs the images and the checkpoint behind these embeddings, "
-            f"which are not at hand. {source.why_not_live}".strip()
+            f"{what} learns inside CLIP and needs the images and the checkpoint behind these"
+            f" embeddings, which are not at hand. {source.why_not_live}".strip()
         )
     clip = source.live.load()
     return source.live, clip, input_of(clip)
@@ -89,7 +90,8 @@ class Source:
     why_no_lang: str = ""  # the reason, if lang is None
     plain: Tensor | None = None  # (K, D) text embeddings of "a photo of a CLASS."
     logit_scale: float | None = None  # that encoder's factor of cosines, if known
-    prompts: "Callable[[], ClipPrompts] | None" = None  # loads the live text tower, to learn prompts
+    # loads the live text tower, to learn prompts
+    prompts: "Callable[[], ClipPrompts] | None" = None
     live: Live | None = None  # images and live towers, to learn inside them
     why_not_live: str = ""  # the reason, if live is None
     seed: int = 0
@@ -102,7 +104,8 @@ class Source:
             rows = getattr(self, name)
             if rows is not None and not rows.isfinite().all():
                 raise DataError(
-                    f"{name} has NaN or infinite values; a method can learn nothing from them. Embed the pairs again."
+                    f"{name} has NaN or infinite values; a method can learn nothing from them."
+                    " Embed the pairs again."
                 )
 
     def __len__(self) -> int:
@@ -121,7 +124,9 @@ class Source:
     def select(self, rows: Tensor) -> "Source":
         """Return the pairs with these indices (n,)."""
         names = ("vis", "tac", "labels", "vis_flip", "tac_flip")
-        own: dict[str, Any] = {n: found[rows] for n in names if (found := getattr(self, n)) is not None}
+        own: dict[str, Any] = {
+            n: found[rows] for n in names if (found := getattr(self, n)) is not None
+        }
         if self.live is not None:
             own["live"] = replace(self.live, rows=self.live.rows[rows])
         return replace(self, objects=tuple(self.objects[row] for row in rows.tolist()), **own)
@@ -152,7 +157,9 @@ class Source:
 
     def drawn(self, rows: Tensor) -> tuple[Tensor, Tensor]:
         """Return VIS and TAC of the rows, each mirrored with probability 1/2, then with noise."""
-        return self._drawn(self.vis, self.vis_flip, rows), self._drawn(self.tac, self.tac_flip, rows)
+        return self._drawn(self.vis, self.vis_flip, rows), self._drawn(
+            self.tac, self.tac_flip, rows
+        )
 
     def _drawn(self, plain: Tensor, flipped: Tensor | None, rows: Tensor) -> Tensor:
         if flipped is None:
@@ -180,15 +187,17 @@ def embeddings_themselves(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
 class Fitted:
     """A fitted method: functions of VIS and TAC, (B, D) each.
 
-    predict  class probabilities (B, K): "fused" from both images, "vis" and "tac" from one alone, independent of the
-             other image
-    images   preprocessing, for a method that learned inside the image tower: both functions then take images
-             (B, 3, side, side)
+    predict  class probabilities (B, K): "fused" from both images, "vis" and "tac" from one alone,
+             independent of the other image
+    images   preprocessing, for a method that learned inside the image tower: both functions then
+             take images (B, 3, side, side)
     """
 
     predict: Predict
-    features: Predict = embeddings_themselves  # the last ones before classification, (B, W): "vis", "tac", "pair"
-    chosen: dict[str, float | str] = field(default_factory=dict)  # settings chosen by source-side evidence, by name
+    # the last ones before classification, (B, W): "vis", "tac", "pair"
+    features: Predict = embeddings_themselves
+    # settings chosen by source-side evidence, by name
+    chosen: dict[str, float | str] = field(default_factory=dict)
     parameters: int = 0  # how many were fitted
     images: ImageInput | None = None
 

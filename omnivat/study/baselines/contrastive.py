@@ -3,10 +3,10 @@
 VT CMC, head only: a contrastive loss over VIS and TAC of a contact. Photo only and touch only are
 probes of one modality's projection. Source: Yang et al., NeurIPS 2022, which trains two ResNets.
 
-SITR's objective: a surrogate, for touch alone. The published method (Gupta et al., ICLR 2025) trains a
-transformer of its own on simulated sensors, with calibration presses that the data sets here lack; only
-its supervised contrastive loss remains. Its prediction for a pair uses the touch alone; "photo only" is
-the same head trained on photos, for comparison.
+SITR's objective: a surrogate, for touch alone. The published method (Gupta et al., ICLR 2025)
+trains a transformer of its own on simulated sensors, with calibration presses that the data sets
+here lack; only its supervised contrastive loss remains. Its prediction for a pair uses the touch
+alone; "photo only" is the same head trained on photos, for comparison.
 """
 
 import torch
@@ -54,7 +54,11 @@ def fit_vt_cmc(source: Source) -> Fitted:
         return contrastive_loss(*map(_unit, maps.values(), source.drawn(rows)))
 
     maps = learned(
-        source, lambda: nn.ModuleDict({n: nn.Linear(source.width, WIDTH) for n in IMAGES}), HOW, loss, "vt-cmc"
+        source,
+        lambda: nn.ModuleDict({n: nn.Linear(source.width, WIDTH) for n in IMAGES}),
+        HOW,
+        loss,
+        "vt-cmc",
     )
 
     def features(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
@@ -67,7 +71,9 @@ def fit_vt_cmc(source: Source) -> Fitted:
     probes = {name: fit_logistic(source, view(name)) for name in (*IMAGES, "pair")}
 
     def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
-        found = {name: probes[name].probabilities(rows) for name, rows in features(vis, tac).items()}
+        found = {
+            name: probes[name].probabilities(rows) for name, rows in features(vis, tac).items()
+        }
         return {"fused": found.pop("pair"), **found}
 
     both = probes["pair"]
@@ -86,7 +92,9 @@ def fit_sitr(source: Source) -> Fitted:
         def loss(own: nn.Module, rows: Tensor) -> Tensor:
             return supcon_loss(_unit(own, source.drawn(rows)[which]), source.labels[rows])
 
-        return learned(source, lambda: nn.Linear(source.width, WIDTH), HOW, loss, "sitr", IMAGES[which])
+        return learned(
+            source, lambda: nn.Linear(source.width, WIDTH), HOW, loss, "sitr", IMAGES[which]
+        )
 
     seen, touched = projection(0), projection(1)
     of_vis = fit_logistic(source, lambda pairs: _unit(seen, pairs.vis))

@@ -27,12 +27,15 @@ class Descent:
     warmup: float = 0.05  # share of all steps
     cosine: bool = True  # else the rate stays
     clip: float = 5.0  # of the gradient's norm; 0 leaves it out
-    sharpness: float = 0.0  # ρ of sharpness-aware minimisation; 0 leaves it out
     eps: float = 1e-8  # of AdamW
 
 
 def learned(
-    source: Source, build: Callable[[], M], how: Descent, loss: Callable[[M, Tensor], Tensor], *stream: str
+    source: Source,
+    build: Callable[[], M],
+    how: Descent,
+    loss: Callable[[M, Tensor], Tensor],
+    *stream: str,
 ) -> M:
     """Return a module trained on a source, frozen; its weights and batches are drawn from `stream`.
 
@@ -57,9 +60,13 @@ def descend(module: nn.Module, count: int, how: Descent, loss: Callable[[Tensor]
     """
     optimiser: torch.optim.Optimizer
     if how.method == "adam":
-        optimiser = torch.optim.AdamW(module.parameters(), weight_decay=how.weight_decay, eps=how.eps, fused=True)
+        optimiser = torch.optim.AdamW(
+            module.parameters(), weight_decay=how.weight_decay, eps=how.eps, fused=True
+        )
     else:
-        optimiser = torch.optim.SGD(module.parameters(), momentum=0.9, weight_decay=how.weight_decay)
+        optimiser = torch.optim.SGD(
+            module.parameters(), momentum=0.9, weight_decay=how.weight_decay
+        )
     total = how.epochs * math.ceil(count / how.batch)
     step = 0
     module.train()
@@ -68,33 +75,12 @@ def descend(module: nn.Module, count: int, how: Descent, loss: Callable[[Tensor]
             for group in optimiser.param_groups:
                 group["lr"] = how.lr * (rate(step, total, how.warmup) if how.cosine else 1.0)
             optimiser.zero_grad(set_to_none=True)
-            drawn = torch.random.get_rng_state()
             loss(rows).backward()
-            if how.sharpness:
-                _at_the_worst_near(module, how.sharpness, drawn, partial(loss, rows))
             if how.clip:
                 torch.nn.utils.clip_grad_norm_(module.parameters(), how.clip)
             optimiser.step()
             step += 1
     module.eval()
-
-
-def _at_the_worst_near(module: nn.Module, radius: float, drawn: Tensor, loss: Callable[[], Tensor]) -> None:
-    """Replace the gradients by those at the highest point of the loss within `radius`, to first order.
-
-    drawn  state of torch's random stream before the first pass; both passes use it
-    Source: Foret et al., Sharpness-Aware Minimization, ICLR 2021.
-    """
-    weights: list[Tensor] = [p for p in module.parameters() if p.grad is not None]
-    norm = torch.stack([p.grad.norm() for p in weights if p.grad is not None]).norm()
-    steps = [p.grad * (radius / (norm + 1e-12)) for p in weights if p.grad is not None]
-    with torch.no_grad():
-        torch._foreach_add_(weights, steps)
-    module.zero_grad(set_to_none=True)
-    torch.random.set_rng_state(drawn)
-    loss().backward()
-    with torch.no_grad():
-        torch._foreach_sub_(weights, steps)
 
 
 def rate(step: int, total: int, warmup: float) -> float:

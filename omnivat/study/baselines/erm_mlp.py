@@ -20,7 +20,9 @@ Inputs = Mapping[str, tuple[str, ...]]  # reading -> modalities that its percept
 Loss = Callable[[nn.Module, Tensor], Tensor]
 FUSED: Inputs = {"fused": ("vis", "tac")}  # enough to choose settings
 INPUTS: Inputs = {**FUSED, "vis": ("vis",), "tac": ("tac",)}
-CANDIDATES = {f"lr {lr:g}, decay {decay:g}": (lr, decay) for lr in (3e-4, 1e-3) for decay in (1e-2, 1.0)}
+CANDIDATES = {
+    f"lr {lr:g}, decay {decay:g}": (lr, decay) for lr in (3e-4, 1e-3) for decay in (1e-2, 1.0)
+}
 
 
 class Perceptron(nn.Module):
@@ -52,7 +54,9 @@ def fit(source: Source) -> Fitted:
 
 
 def _fitted(source: Source, choice: tuple[float, float], inputs: Inputs) -> Fitted:
-    how = Descent(lr=choice[0], epochs=source.epochs or EPOCHS, weight_decay=choice[1], method="adam")
+    how = Descent(
+        lr=choice[0], epochs=source.epochs or EPOCHS, weight_decay=choice[1], method="adam"
+    )
 
     def loss(model: nn.Module, rows: Tensor) -> Tensor:
         return cross_entropy(model(*source.drawn(rows)), source.labels[rows])
@@ -73,7 +77,9 @@ def perceptrons(source: Source, inputs: Inputs, how: Descent, loss: Loss, stream
         return {**joined(own["vis"], own["tac"]), "pair": own["fused"]}
 
     return Fitted(
-        predict=lambda vis, tac: {name: model(vis, tac).softmax(-1) for name, model in models.items()},
+        predict=lambda vis, tac: {
+            name: model(vis, tac).softmax(-1) for name, model in models.items()
+        },
         features=features,
         parameters=size(models["fused"]),
     )

@@ -9,6 +9,7 @@ from torch import Tensor
 from torch.nn.functional import nll_loss
 
 from omnivat.data.splits import hold_out
+from omnivat.kit.progress import checkpoint
 from omnivat.kit.seeding import derive_seed
 from omnivat.study.baselines.contract import Fitted, Source
 
@@ -24,7 +25,9 @@ def folds(source: Source, repeats: int = REPEATS) -> list[tuple[Tensor, Tensor]]
     found = []
     for repeat in range(repeats):
         seed = derive_seed(source.seed, "folds", repeat)
-        held = torch.from_numpy(hold_out(source.objects, source.labels.numpy(), FRACTION, seed=seed))
+        held = torch.from_numpy(
+            hold_out(source.objects, source.labels.numpy(), FRACTION, seed=seed)
+        )
         if held.any():
             found.append(((~held).nonzero()[:, 0], held.nonzero()[:, 0]))
     return found
@@ -58,7 +61,11 @@ def log_loss(probabilities: Tensor, labels: Tensor) -> float:
 
 
 def best(
-    source: Source, candidates: Mapping[str, C], fit: Callable[[Source, C], Fitted], *, repeats: int = REPEATS
+    source: Source,
+    candidates: Mapping[str, C],
+    fit: Callable[[Source, C], Fitted],
+    *,
+    repeats: int = REPEATS,
 ) -> str:
     """Return the candidate with the lowest log loss on held-out objects; accuracy breaks ties.
 
@@ -71,5 +78,6 @@ def best(
     for rows, held in folds(source, repeats) if len(candidates) > 1 else []:
         part, rest = source.select(rows), source.select(held)
         for name, candidate in candidates.items():
+            checkpoint()
             scores[name].add(fit(part, candidate).predict(rest.vis, rest.tac)["fused"], rest.labels)
     return max(scores, key=lambda name: scores[name].rank)  # the first one of equals

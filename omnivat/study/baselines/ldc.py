@@ -1,14 +1,16 @@
 """LDC: adapt and join features of four levels of the image tower, then de-confuse the logits.
 
-Source: Li et al., Logits DeConfusion with CLIP for Few-Shot Learning, CVPR 2025; sizes, losses and rates are those of
-its code. Its first part, the multi-level adapters, needs the live image tower. Our changes: VIS and TAC count as images
-alike; each class has one plain prompt instead of a list; images are mirrored, not cropped; a small source gets at
-least 200 steps; the learned gate mixes the two kinds of logits, whereas the released code searches for the mix, on the
-test set if there is no other.
+Source: Li et al., Logits DeConfusion with CLIP for Few-Shot Learning, CVPR 2025; sizes, losses and
+rates are those of its code. Its first part, the multi-level adapters, needs the live image tower.
+Our changes: VIS and TAC count as images alike; each class has one plain prompt instead of a list;
+images are mirrored, not cropped; a small source gets at least 200 steps; the learned gate mixes the
+two kinds of logits, whereas the released code searches for the mix, on the test set if there is no
+other.
 
-LDC-ICD is the logit part only, over pooled embeddings, which lack inner tokens: the feature is the embedding. Its
-network is ours besides: logits and feature are concatenated where the published one adds two perceptrons, the estimate
-is subtracted, each class has a gate of its own, layers have biases and no BatchNorm, and gradients are clipped at 5.
+LDC-ICD is the logit part only, over pooled embeddings, which lack inner tokens: the feature is the
+embedding. Its network is ours besides: logits and feature are concatenated where the published one
+adds two perceptrons, the estimate is subtracted, each class has a gate of its own, layers have
+biases and no BatchNorm, and gradients are clipped at 5.
 """
 
 import math
@@ -29,10 +31,14 @@ from omnivat.study.baselines.nearest_mean import class_directions
 WEIGHTS = (0.1, 0.2, 0.3, 0.4)  # of the levels
 STEP, HIDDEN = 2, 2048  # layers between two levels; width of the head
 # 32 pairs are the published batch of 64 images.
-HOW = Descent(lr=1e-4, epochs=50, batch=32, weight_decay=1e-4, method="adam", warmup=0.0, eps=1e-4, clip=0.0)
+HOW = Descent(
+    lr=1e-4, epochs=50, batch=32, weight_decay=1e-4, method="adam", warmup=0.0, eps=1e-4, clip=0.0
+)
 LEAST = 200  # steps
 OF_ROWS = 512  # hidden width of LDC-ICD
-CANDIDATES = {f"lr {lr:g}, scale {scale:g}": (lr, scale) for lr in (1e-4, 1e-3) for scale in (10.0, 30.0)}
+CANDIDATES = {
+    f"lr {lr:g}, scale {scale:g}": (lr, scale) for lr in (1e-4, 1e-3) for scale in (10.0, 30.0)
+}
 
 
 class TokenLevels(nn.Module):
@@ -44,7 +50,8 @@ class TokenLevels(nn.Module):
         last = len(clip.image_layers) - 1
         self.after = [max(0, last - STEP * back) for back in (3, 2, 1, 0)]
         self.adapters = nn.ModuleList(
-            nn.Sequential(nn.Linear(width, width, bias=False), nn.LayerNorm(width), nn.ReLU()) for _ in WEIGHTS
+            nn.Sequential(nn.Linear(width, width, bias=False), nn.LayerNorm(width), nn.ReLU())
+            for _ in WEIGHTS
         )
 
     def forward(self, clip: LiveClip, images: Tensor) -> tuple[Tensor, Tensor]:
@@ -82,7 +89,10 @@ class MapLevels(nn.Module):
         with torch.no_grad():
             found = clip.image.levels(images)
             plain = clip.image.pool(found[-1])
-        levels = [weight * adapter(maps) for weight, adapter, maps in zip(WEIGHTS, self.adapters, found, strict=True)]
+        levels = [
+            weight * adapter(maps)
+            for weight, adapter, maps in zip(WEIGHTS, self.adapters, found, strict=True)
+        ]
         return plain, clip.image.pool(torch.stack(levels).sum(0))
 
 
@@ -117,7 +127,10 @@ class DeConfused(nn.Module):
 
 def _perceptron(width: int, hidden: int, out: int) -> nn.Sequential:
     return nn.Sequential(
-        nn.Linear(width, hidden, bias=False), nn.BatchNorm1d(hidden), nn.ReLU(), nn.Linear(hidden, out, bias=False)
+        nn.Linear(width, hidden, bias=False),
+        nn.BatchNorm1d(hidden),
+        nn.ReLU(),
+        nn.Linear(hidden, out, bias=False),
     )
 
 
@@ -128,7 +141,9 @@ def fit(source: Source) -> Fitted:
     """
     live, clip, given = live_towers(source, "LDC")
     with torch.no_grad():
-        texts = normalize(clip.embed_texts([PROMPT.format(name) for name in source.classes]), dim=-1)
+        texts = normalize(
+            clip.embed_texts([PROMPT.format(name) for name in source.classes]), dim=-1
+        )
 
     def loss(model: DeConfused, rows: Tensor) -> Tensor:
         found = model(live.drawn(rows, given).to(clip.device))
@@ -138,7 +153,9 @@ def fit(source: Source) -> Fitted:
         return torch.stack([*right, *near]).sum()
 
     epochs = max(HOW.epochs, math.ceil(LEAST / math.ceil(len(source) / HOW.batch)))
-    model = learned(source, lambda: DeConfused(clip, texts), replace(HOW, epochs=epochs), loss, "ldc")
+    model = learned(
+        source, lambda: DeConfused(clip, texts), replace(HOW, epochs=epochs), loss, "ldc"
+    )
 
     @torch.no_grad()
     def found(name: str, images: Tensor) -> Tensor:
@@ -154,14 +171,18 @@ def fit(source: Source) -> Fitted:
 
 
 class PooledDeConfusion(nn.Module):
-    """An MLP's logits, base logits without estimated confusion, and a gated mix; one for VIS and TAC."""
+    """An MLP's logits, base logits without estimated confusion, and a gated mix; one for VIS and
+    TAC.
+    """
 
     def __init__(self, source: Source, scale: float) -> None:
         super().__init__()
         self.scale, self.prototypes = scale, _prototypes(source)
         width, classes = source.width, len(source.classes)
         self.head = nn.Sequential(nn.Linear(width, OF_ROWS), nn.ReLU(), nn.Linear(OF_ROWS, classes))
-        self.confusion = nn.Sequential(nn.Linear(width + classes, OF_ROWS), nn.ReLU(), nn.Linear(OF_ROWS, classes))
+        self.confusion = nn.Sequential(
+            nn.Linear(width + classes, OF_ROWS), nn.ReLU(), nn.Linear(OF_ROWS, classes)
+        )
         self.gate = nn.Linear(width, classes)
 
     def forward(self, name: str, rows: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor]:
@@ -179,7 +200,9 @@ def _prototypes(source: Source) -> dict[str, Tensor]:
         texts = normalize(normalize(source.lang, dim=-1).mean(1), dim=-1)
         return {"vis": texts, "tac": texts}
     full = source.both_views()
-    return {n: class_directions(rows, full.labels, len(full.classes)) for n, rows in full.images.items()}
+    return {
+        n: class_directions(rows, full.labels, len(full.classes)) for n, rows in full.images.items()
+    }
 
 
 def fit_icd(source: Source) -> Fitted:
@@ -190,14 +213,21 @@ def fit_icd(source: Source) -> Fitted:
 
 def _fitted_icd(source: Source, choice: tuple[float, float]) -> Fitted:
     def loss(model: PooledDeConfusion, rows: Tensor) -> Tensor:
-        """Three cross-entropies and two distances to the base logits for each modality, each of weight 1."""
+        """Three cross-entropies and two distances to the base logits for each modality, each of
+        weight 1.
+        """
         labels, total = source.labels[rows], torch.zeros(())
         for name, images in zip(IMAGES, source.drawn(rows), strict=True):
             base, *found = model(name, images)
             right = [cross_entropy(logits, labels) for logits in found]
-            total = total + torch.stack([*right, *(l1_loss(logits, base) for logits in found[:2])]).sum()
+            total = (
+                total
+                + torch.stack([*right, *(l1_loss(logits, base) for logits in found[:2])]).sum()
+            )
         return total
 
     how = Descent(lr=choice[0], epochs=30, batch=64, weight_decay=1e-4, method="adam")
     model = learned(source, lambda: PooledDeConfusion(source, choice[1]), how, loss, "ldc-icd")
-    return Fitted(predict=late(lambda name, rows: model(name, rows)[3].softmax(-1)), parameters=size(model))
+    return Fitted(
+        predict=late(lambda name, rows: model(name, rows)[3].softmax(-1)), parameters=size(model)
+    )

@@ -60,7 +60,10 @@ def _one_each(source: Source) -> dict[str, Logistic]:
     if key not in _KEPT:
         while len(_KEPT) > 1:
             _KEPT.pop(next(iter(_KEPT)))
-        vis, tac = fit_logistic(source, lambda pairs: pairs.vis), fit_logistic(source, lambda pairs: pairs.tac)
+        vis, tac = (
+            fit_logistic(source, lambda pairs: pairs.vis),
+            fit_logistic(source, lambda pairs: pairs.tac),
+        )
         _KEPT[key] = {"vis": vis, "tac": tac}
     return _KEPT[key]
 

@@ -1,11 +1,12 @@
 """MMRL: learn shared tokens inside the upper layers of both towers.
 
-For each upper layer of each tower, a linear map turns five vectors into tokens after the first token. A copy of the
-image projection reads these tokens; the class token passes as in CLIP. The towers are frozen, and gradients pass
-through them. Source: Guo and Gu, MMRL, CVPR 2025; sizes, rates and losses are those of its few-shot code. Only the
-class token predicts, as in that code for unseen domains. Our changes: VIS and TAC count as images alike; images are
-mirrored, not cropped, as in the OmniVaT paper; in towers with other depths than twelve, the last seven layers are the
-upper ones.
+For each upper layer of each tower, a linear map turns five vectors into tokens after the first
+token. A copy of the image projection reads these tokens; the class token passes as in CLIP. The
+towers are frozen, and gradients pass through them. Source: Guo and Gu, MMRL, CVPR 2025; sizes,
+rates and losses are those of its few-shot code. Only the class token predicts, as in that code for
+unseen domains. Our changes: VIS and TAC count as images alike; images are mirrored, not cropped, as
+in the OmniVaT paper; in towers with other depths than twelve, the last seven layers are the upper
+ones.
 """
 
 from collections.abc import Callable, Sequence
@@ -50,7 +51,9 @@ class Representations(nn.Module):
     def images(self, images: Tensor) -> tuple[Tensor, Tensor]:
         """Return unit embeddings (B, D) of images, of the class token and of the shared tokens."""
         (clip,) = self._towers
-        tokens = self._upper(clip.image_tokens(images), clip.image_layers, self.to_image, lambda f, x: f(x, None))
+        tokens = self._upper(
+            clip.image_tokens(images), clip.image_layers, self.to_image, lambda f, x: f(x, None)
+        )
         last = clip.image.vision_model.post_layernorm(tokens[:, 1 : 1 + TOKENS]).mean(1)
         plain, shared = clip.image_end(tokens[:, 0]), self.projection(last)
         return normalize(plain, dim=-1), normalize(shared, dim=-1)
@@ -61,8 +64,16 @@ class Representations(nn.Module):
         tokens = self._upper(tokens, clip.text_layers, self.to_text, clip.text_layer)
         return normalize(clip.text_end(tokens, ends + TOKENS), dim=-1)
 
-    def _upper(self, tokens: Tensor, layers: Sequence[Any], maps: nn.ModuleList, step: Callable[..., Tensor]) -> Tensor:
-        """Pass tokens (B, T, W) through a tower's layers; the upper ones get shared tokens after the first token."""
+    def _upper(
+        self,
+        tokens: Tensor,
+        layers: Sequence[Any],
+        maps: nn.ModuleList,
+        step: Callable[..., Tensor],
+    ) -> Tensor:
+        """Pass tokens (B, T, W) through a tower's layers; the upper ones get shared tokens after
+        the first token.
+        """
         first = len(layers) - self.upper
         for number, layer in enumerate(layers):
             if number >= first:
@@ -87,8 +98,8 @@ def fit(source: Source) -> Fitted:
     live, clip, given = live_towers(source, "MMRL")
     if not clip.is_vit:
         raise DataError(
-            "MMRL puts tokens between the layers of a ViT, and these embeddings are of a ResNet; embed "
-            "the pairs with a CLIP ViT."
+            "MMRL puts tokens between the layers of a ViT, and these embeddings are of a ResNet;"
+            " embed the pairs with a CLIP ViT."
         )
     named = [PROMPT.format(name) for name in source.classes]
     with torch.no_grad():

@@ -25,8 +25,13 @@ def fit(source: Source) -> Fitted:
 def _fitted(source: Source, choice: tuple[bool, float]) -> Fitted:
     (centred, sharpness), full = choice, source.both_views()
     unit = {name: normalize(rows, dim=-1) for name, rows in full.images.items()}
-    middle = {name: rows.mean(0) if centred else torch.zeros_like(rows[0]) for name, rows in unit.items()}
-    means = {n: class_directions(rows - middle[n], full.labels, len(full.classes)) for n, rows in unit.items()}
+    middle = {
+        name: rows.mean(0) if centred else torch.zeros_like(rows[0]) for name, rows in unit.items()
+    }
+    means = {
+        n: class_directions(rows - middle[n], full.labels, len(full.classes))
+        for n, rows in unit.items()
+    }
 
     def alone(name: str, rows: Tensor) -> Tensor:
         rows = normalize(normalize(rows, dim=-1) - middle[name], dim=-1)

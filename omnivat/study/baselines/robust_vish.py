@@ -1,7 +1,8 @@
 """RobustVisH-2: convolutions and a recurrent net over embeddings as sequences, fused by attention.
 
-Source: the published architecture without its kinaesthetic branch. A fit takes minutes to hours on a CPU, so it is not
-among the default methods. An absent image is its training mean, zero after scaling.
+Source: the published architecture without its kinaesthetic branch. A fit takes minutes to hours on
+a CPU, so it is not among the default methods. An absent image is its training mean, zero after
+scaling.
 """
 
 import torch
@@ -23,7 +24,11 @@ class Convolutions(nn.Sequential):
         inputs = (1, *WIDTH[:-1])
         layers: list[nn.Module] = []
         for into, out, kernel in zip(inputs, WIDTH, KERNELS, strict=True):
-            layers += [nn.Conv1d(into, out, kernel, padding=kernel // 2), nn.BatchNorm1d(out), nn.ReLU()]
+            layers += [
+                nn.Conv1d(into, out, kernel, padding=kernel // 2),
+                nn.BatchNorm1d(out),
+                nn.ReLU(),
+            ]
         super().__init__(*layers)
 
     def forward(self, rows: Tensor) -> Tensor:
@@ -39,7 +44,9 @@ class RobustVisH(nn.Module):
         self.vis, self.tac = Convolutions(), Convolutions()
         self.recurrent = nn.GRU(WIDTH[-1], WIDTH[-1] // 2, bidirectional=True, batch_first=True)
         self.share = nn.Parameter(torch.zeros(2))
-        layer = nn.TransformerEncoderLayer(WIDTH[-1] + 1, HEADS, dim_feedforward=128, dropout=0.5, batch_first=True)
+        layer = nn.TransformerEncoderLayer(
+            WIDTH[-1] + 1, HEADS, dim_feedforward=128, dropout=0.5, batch_first=True
+        )
         self.attention = nn.TransformerEncoder(layer, 2, enable_nested_tensor=False)
         self.head = nn.Linear(WIDTH[-1] + 1, classes)
 

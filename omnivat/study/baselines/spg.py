@@ -1,10 +1,11 @@
 """SPG: a generator makes a prompt for each image and compares the image with the class texts.
 
-Stage 1 learns one prompt for the source (CoOp). Stage 2 trains a conditional GAN: its generator makes a prompt from
-noise and an image's embedding; its discriminator separates it from the learned prompt. SPG needs pooled embeddings and
-the live text tower, but not the inside of the image tower. Source: Bai et al., Soft Prompt Generation for Domain
-Generalization, ECCV 2024; networks, starts, rates, schedules and clips are those of its code, for other sets than PACS
-and VLCS where they differ. Our changes: VIS and TAC count as images alike, images are mirrored, not cropped, and one
+Stage 1 learns one prompt for the source (CoOp). Stage 2 trains a conditional GAN: its generator
+makes a prompt from noise and an image's embedding; its discriminator separates it from the learned
+prompt. SPG needs pooled embeddings and the live text tower, but not the inside of the image tower.
+Source: Bai et al., Soft Prompt Generation for Domain Generalization, ECCV 2024; networks, starts,
+rates, schedules and clips are those of its code, for other sets than PACS and VLCS where they
+differ. Our changes: VIS and TAC count as images alike, images are mirrored, not cropped, and one
 fixed noise vector serves every prediction, so that a prediction does not depend on the batch.
 """
 
@@ -87,8 +88,9 @@ def fit(source: Source) -> Fitted:
     texts_of_the_image_encoder(source, "SPG")
     if source.prompts is None:
         raise DataError(
-            "SPG needs the live text tower of the images' checkpoint, which is not at hand; make the "
-            "LANG bank on this machine with `python -m omnivat prompts --encoder NAME --weights FILE`."
+            "SPG needs the live text tower of the images' checkpoint, which is not at hand; make"
+            " the LANG bank on this machine with `python -m omnivat prompts --encoder NAME"
+            " --weights FILE`."
         )
     tower, scale = source.prompts(), source.logit_scale or LOGIT_SCALE
     with seeded(derive_seed(source.seed, "spg")):
@@ -119,7 +121,10 @@ def learn_generator(source: Source, prompt: Tensor) -> Generator:
     images, _ = _images(source)
     generator = Generator(images.shape[1], tuple(prompt.shape))
     judge = Discriminator(images.shape[1], tuple(prompt.shape))
-    optimisers = [torch.optim.AdamW(net.parameters(), lr=LEAST, weight_decay=1e-4) for net in (generator, judge)]
+    optimisers = [
+        torch.optim.AdamW(net.parameters(), lr=LEAST, weight_decay=1e-4)
+        for net in (generator, judge)
+    ]
     for epoch in range(GAN_EPOCHS):
         for optimiser in optimisers:
             optimiser.param_groups[0]["lr"] = rate(epoch, GAN_RATE, GAN_EPOCHS, WARM)
@@ -149,7 +154,10 @@ def _gan_step(
 
 
 def _step(
-    optimiser: torch.optim.AdamW, network: nn.Module, loss: Tensor, most: tuple[float, float, dict[str, float]]
+    optimiser: torch.optim.AdamW,
+    network: nn.Module,
+    loss: Tensor,
+    most: tuple[float, float, dict[str, float]],
 ) -> None:
     optimiser.zero_grad(set_to_none=True)
     loss.backward()

@@ -2,10 +2,11 @@
 
 Zero-shot compares images with texts by cosine (Radford et al., CLIP, 2021).
 
-PromptStyler, source-free: a linear head trained on style texts classifies images. Stage 1, the styles, is the LANG
-bank. Stage 2 is trained here: with ArcFace, at the paper's rate, which stays, for the paper states no schedule, decay
-or clip; or with plain cross-entropy, at the rate and with the schedule of a public re-implementation (Dassl's warm-up,
-cosine and decay). Source: Cho et al., PromptStyler, ICCV 2023; ArcFace: Deng et al., CVPR 2019.
+PromptStyler, source-free: a linear head trained on style texts classifies images. Stage 1, the
+styles, is the LANG bank. Stage 2 is trained here: with ArcFace, at the paper's rate, which stays,
+for the paper states no schedule, decay or clip; or with plain cross-entropy, at the rate and with
+the schedule of a public re-implementation (Dassl's warm-up, cosine and decay). Source: Cho et al.,
+PromptStyler, ICCV 2023; ArcFace: Deng et al., CVPR 2019.
 """
 
 from collections.abc import Callable
@@ -36,8 +37,8 @@ def fit_zero_shot(source: Source) -> Fitted:
     texts_of_the_image_encoder(source, "Zero-shot prediction")
     if source.plain is None:
         raise DataError(
-            "Zero-shot prediction needs the plain prompts, which this LANG bank lacks; make it again "
-            "with `python -m omnivat prompts`, or use zero_shot_styles."
+            "Zero-shot prediction needs the plain prompts, which this LANG bank lacks; make it"
+            " again with `python -m omnivat prompts`, or use zero_shot_styles."
         )
     return _compared(source.plain, source.logit_scale or LOGIT_SCALE)
 
@@ -106,5 +107,8 @@ def _fit_head(source: Source, *, logits: Logits, loss: Loss, how: Descent) -> Fi
 
 fit_promptstyler = partial(_fit_head, logits=scaled_cosines, loss=arcface, how=PAPER)
 fit_promptstyler_ce = partial(
-    _fit_head, logits=linear, loss=lambda rows, w, labels: cross_entropy(rows @ w.T, labels), how=PUBLIC
+    _fit_head,
+    logits=linear,
+    loss=lambda rows, w, labels: cross_entropy(rows @ w.T, labels),
+    how=PUBLIC,
 )

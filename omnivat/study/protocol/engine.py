@@ -113,7 +113,9 @@ def _results(
     return in_processes(_work, runs, jobs, _prepare, embeddings, bank)
 
 
-def _one_by_one(runs: Sequence[Run], embeddings: Path, bank: Path | None) -> Iterator[dict[str, Any]]:
+def _one_by_one(
+    runs: Sequence[Run], embeddings: Path, bank: Path | None
+) -> Iterator[dict[str, Any]]:
     with one_thread():  # as in a worker, because the number of threads changes the last bits
         pairs, texts = _opened(embeddings, bank)
         for run in runs:
@@ -135,7 +137,9 @@ def _work(run: Run) -> dict[str, Any]:
 def _by_ray(runs: Sequence[Run], embeddings: Path, bank: Path | None) -> Iterator[dict[str, Any]]:
     ray = need("ray", purpose="running on a cluster", install="ray")
     ray.init(ignore_reinit_error=True)
-    remote: Callable[..., Any] = ray.remote(lambda run, *files: next(iter(_one_by_one([run], *files)))).remote
+    remote: Callable[..., Any] = ray.remote(
+        lambda run, *files: next(iter(_one_by_one([run], *files)))
+    ).remote
     waiting = [remote(run, embeddings, bank) for run in runs]
     while waiting:
         done, waiting = ray.wait(waiting, num_returns=1)

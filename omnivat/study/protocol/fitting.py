@@ -40,14 +40,20 @@ BRANCHES = ("vis_branch", "tac_branch")  # of a head, inside a pair
 T = TypeVar("T")
 
 
-def source_arrays(found: Task, bank: LangBank | None, seed: int, pairs: Embeddings | None = None) -> Source:
+def source_arrays(
+    found: Task, bank: LangBank | None, seed: int, pairs: Embeddings | None = None
+) -> Source:
     """Return training pairs as arrays for baselines; `pairs` None: all of the task.
 
     A LANG bank that lacks a class is left out; `why_no_lang` has the reason.
     """
     pairs = found.train if pairs is None else pairs
     labels = label_map(found.classes, pairs.header.classes)[pairs.label]
-    texts, why = _or_why(lambda: bank.for_classes(found.classes)) if bank else (None, "No LANG bank is used.")
+    texts, why = (
+        _or_why(lambda: bank.for_classes(found.classes))
+        if bank
+        else (None, "No LANG bank is used.")
+    )
     live, why_not_live = _or_why(lambda: live_of(pairs))
     of_text: dict[str, Any] = {"why_no_lang": why}
     if texts is not None:
@@ -56,7 +62,9 @@ def source_arrays(found: Task, bank: LangBank | None, seed: int, pairs: Embeddin
             "lang_of_images": texts.is_of(pairs.header),
             "plain": None if texts.plain is None else tensor(texts.plain),
             "logit_scale": texts.logit_scale,
-            "prompts": partial(load_prompts, texts.encoder, texts.text_hash) if texts.text_hash else None,
+            "prompts": partial(load_prompts, texts.encoder, texts.text_hash)
+            if texts.text_hash
+            else None,
         }
     return Source(
         vis=tensor(pairs.vis),
@@ -98,8 +106,10 @@ class Choice:
     """Choices made on held-out objects of a source: once for each source, for all seeds."""
 
     candidate: str = ""  # name of the head's settings among `Method.candidates`
-    fusion: str = "mean"  # late fusion that held-out pairs favour; "fused" remains the method's own fusion
-    calibration: Calibration = field(default_factory=Calibration)  # temperatures, and the share of a learned fusion
+    # late fusion that held-out pairs favour; "fused" remains the method's own fusion
+    fusion: str = "mean"
+    # temperatures, and the share of a learned fusion
+    calibration: Calibration = field(default_factory=Calibration)
     losses: Mapping[str, float] = field(default_factory=dict)  # held-out log loss of each candidate
     settled: tuple[str, ...] = ()  # names of the candidates that a baseline chose
 
@@ -108,8 +118,8 @@ class Choice:
 class Outcome:
     """A fitted method, and the contents of its record.
 
-    logits  pairs -> reading -> logits or log-probabilities (N, K) before any temperature: "fused", "vis", "tac" and, of
-            a head, "vis_branch", "tac_branch" and "pair"
+    logits  pairs -> reading -> logits or log-probabilities (N, K) before any temperature: "fused",
+            "vis", "tac" and, of a head, "vis_branch", "tac_branch" and "pair"
     """
 
     logits: Logits
@@ -123,19 +133,25 @@ class Outcome:
 
 def choice_record(choice: Choice) -> dict[str, Any]:
     """Return a choice for the record."""
-    head = {"settings": choice.candidate, "held-out log loss": dict(choice.losses)} if choice.losses else {}
+    head = (
+        {"settings": choice.candidate, "held-out log loss": dict(choice.losses)}
+        if choice.losses
+        else {}
+    )
     return {"fusion": choice.fusion, **head}
 
 
-def fusions(logits: Mapping[str, Tensor], separate: tuple[str, str], share: float) -> dict[str, Tensor]:
-    """Return logits (N, K) of every late fusion of two readings, and of the summed features if there are any."""
+def fusions(
+    logits: Mapping[str, Tensor], separate: tuple[str, str], share: float
+) -> dict[str, Tensor]:
+    """Return logits (N, K) of every late fusion of two readings, and of summed features if any."""
     vis, tac = (logits[name] for name in separate)
     mixed = {kind: fused_logs(kind, vis, tac, share) for kind in LATE}
     return mixed | ({"feature": logits["pair"]} if "pair" in logits else {})
 
 
 def chosen_fusion(logits: Mapping[str, Tensor], labels: Tensor) -> str:
-    """Return the late fusion with the lowest log loss on held-out pairs, each at its own temperature.
+    """Return the late fusion with the lowest log loss on held-out pairs, each at its temperature.
 
     logits  as for `fit_calibration`; fusion needs two branches
     """
@@ -144,7 +160,9 @@ def chosen_fusion(logits: Mapping[str, Tensor], labels: Tensor) -> str:
     mixed = fusions(logits, BRANCHES, fit_calibration(logits, labels).share)
 
     def loss(kind: str) -> float:
-        tempered_logs = torch.log_softmax(mixed[kind] / fit_temperature(mixed[kind], labels), dim=-1)
+        tempered_logs = torch.log_softmax(
+            mixed[kind] / fit_temperature(mixed[kind], labels), dim=-1
+        )
         return round(float(nll_loss(tempered_logs, labels)), 9)
 
     return min(mixed, key=loss)
@@ -153,11 +171,21 @@ def chosen_fusion(logits: Mapping[str, Tensor], labels: Tensor) -> str:
 def with_fused(logits: Mapping[str, Tensor], fusion: str, share: float = 0.5) -> dict[str, Tensor]:
     """Add "fused": the fused branches, or the only modality."""
     single = "vis_branch" not in logits
-    return {**logits, "fused": next(iter(logits.values())) if single else fusions(logits, BRANCHES, share)[fusion]}
+    return {
+        **logits,
+        "fused": next(iter(logits.values()))
+        if single
+        else fusions(logits, BRANCHES, share)[fusion],
+    }
 
 
 def fit_baseline(
-    method: Method, found: Task, bank: LangBank | None, seed: int, calibrate: bool, prior: Choice | None
+    method: Method,
+    found: Task,
+    bank: LangBank | None,
+    seed: int,
+    calibrate: bool,
+    prior: Choice | None,
 ) -> Outcome:
     """Fit a baseline, with settings chosen on held-out objects, and its temperatures."""
     begin = load(BASELINES, method.base, kind="baseline")
@@ -182,7 +210,10 @@ def fit_baseline(
         logits = held.logits
         if late:
             logits |= {"vis_branch": logits["vis"], "tac_branch": logits["tac"]}
-        choice = Choice(fusion=chosen_fusion(logits, held.labels), calibration=fit_calibration(logits, held.labels))
+        choice = Choice(
+            fusion=chosen_fusion(logits, held.labels),
+            calibration=fit_calibration(logits, held.labels),
+        )
     return Outcome(
         logits=partial(_baseline_logs, fitted),
         features=partial(_joined, fitted.features, fitted),
@@ -212,11 +243,18 @@ def head_settings(
     training = settings_from(TrainSettings, {**method.train, **changes.get("train", {})})
     width = bank.width if bank and training.lang else 1
     given = {"classes": found.classes, "input_width": found.train.width, "lang_width": width}
-    return settings_from(HeadSettings, {**given, **method.head, **changes.get("head", {})}), training
+    return settings_from(
+        HeadSettings, {**given, **method.head, **changes.get("head", {})}
+    ), training
 
 
 def fit_head(
-    method: Method, found: Task, bank: LangBank | None, seed: int, calibrate: bool, prior: Choice | None
+    method: Method,
+    found: Task,
+    bank: LangBank | None,
+    seed: int,
+    calibrate: bool,
+    prior: Choice | None,
 ) -> Outcome:
     """Choose on held-out objects, then train on all pairs."""
     choice = prior or _choose_head(method, found, bank, seed, calibrate)
@@ -241,7 +279,9 @@ def fit_head(
     )
 
 
-def _choose_head(method: Method, found: Task, bank: LangBank | None, seed: int, calibrate: bool) -> Choice:
+def _choose_head(
+    method: Method, found: Task, bank: LangBank | None, seed: int, calibrate: bool
+) -> Choice:
     """Choose the candidate with the lowest log loss on held-out pairs, as for the baselines. Then
     choose a fusion, and fit temperatures, on those pairs and under imitated sensors."""
     names, fusion = tuple(method.candidates) or ("",), stated_fusion(method)
@@ -260,7 +300,9 @@ def _choose_head(method: Method, found: Task, bank: LangBank | None, seed: int, 
     return Choice(
         candidate=best,
         fusion=chosen_fusion(own.logits, own.labels) if calibrate else fusion,
-        calibration=fit_calibration(own.logits, own.labels, fusion=fusion) if calibrate else Calibration(),
+        calibration=fit_calibration(own.logits, own.labels, fusion=fusion)
+        if calibrate
+        else Calibration(),
         losses=losses if len(names) > 1 else {},
     )
 
@@ -286,20 +328,31 @@ def stated_fusion(method: Method) -> str:
 
 
 @torch.no_grad()
-def _head_features(model: OmniVaT, modalities: tuple[str, ...], pairs: Embeddings) -> dict[str, Tensor]:
+def _head_features(
+    model: OmniVaT, modalities: tuple[str, ...], pairs: Embeddings
+) -> dict[str, Tensor]:
     """Return F-hat of each modality alone, and both branches concatenated as "pair"."""
     rows = {n: tensor(getattr(pairs, n)) if n in modalities else None for n in ("vis", "tac")}
-    alone = {name: model(*(x if n == name else None for n, x in rows.items())).f_hat[name] for name in modalities}
+    alone = {
+        name: model(*(x if n == name else None for n, x in rows.items())).f_hat[name]
+        for name in modalities
+    }
     return {**alone, "pair": torch.cat(list(model(rows["vis"], rows["tac"]).f_hat.values()), -1)}
 
 
 def fit(
-    method: Method, found: Task, bank: LangBank | None, *, seed: int, calibrate: bool, prior: Choice | None = None
+    method: Method,
+    found: Task,
+    bank: LangBank | None,
+    *,
+    seed: int,
+    calibrate: bool,
+    prior: Choice | None = None,
 ) -> Outcome:
     """Fit a method on the task's training pairs.
 
-    calibrate  also choose the fusion and fit temperatures, with one more training for each candidate
-               on three quarters of the objects
+    calibrate  also choose the fusion and fit temperatures, with one more training for each
+               candidate on three quarters of the objects
     prior      choices of another seed on this source; they are not made again
     Raises a child of OmniVatError if the method cannot run on these pairs.
     """

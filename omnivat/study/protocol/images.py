@@ -49,7 +49,8 @@ def _read(pairs: Embeddings, root: Path, name: str, row: int) -> Image.Image:
 def require_own_images(pairs: Embeddings) -> None:
     """Check that the images belong to the embeddings, on the first pair.
 
-    Raises DataError for missing or different images, and for shifted embeddings, such as those of imitated sensors.
+    Raises DataError for missing or different images, and for shifted embeddings, such as those of
+    imitated sensors.
     """
     if not len(pairs):
         return
@@ -57,14 +58,17 @@ def require_own_images(pairs: Embeddings) -> None:
     clip = live.load()
     for name, rows in (("vis", pairs.vis), ("tac", pairs.tac)):
         with torch.no_grad():
-            found = clip.embed(live.images(name, torch.tensor([0]), input_of(clip)).to(clip.device)).cpu()
+            found = clip.embed(
+                live.images(name, torch.tensor([0]), input_of(clip)).to(clip.device)
+            ).cpu()
         wanted = tensor(rows[:1])
         away = float((found - wanted).norm() / wanted.norm())
         if not away <= MOST:
             raise DataError(
-                f"The image '{pairs.rows[name][0]}' and its embedding do not belong together (made again, it "
-                f"lies {away:.0%} away): another image lies there now, or the embedding was moved, as under an "
-                "imitated sensor. Methods that learn inside CLIP predict images as they were embedded."
+                f"The image '{pairs.rows[name][0]}' and its embedding do not belong together (made"
+                f" again, it lies {away:.0%} away): another image lies there now, or the embedding"
+                " was moved, as under an imitated sensor. Methods that learn inside CLIP predict"
+                " images as they were embedded."
             )
 
 

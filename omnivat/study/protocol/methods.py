@@ -15,7 +15,11 @@ Part = tuple[str, dict[str, Any], dict[str, Any]]
 VARIANTS: dict[str, Part] = {
     "mffa_alone": ("MFFA alone", {"generation": "none"}, {}),
     "dtg_alone": ("DTG alone", {"mffa": False}, {}),
-    "cosine_head": ("Cosine head, neither MFFA nor tree", {"mffa": False, "generation": "none"}, {"nod_weight": 0.0}),
+    "cosine_head": (
+        "Cosine head, neither MFFA nor tree",
+        {"mffa": False, "generation": "none"},
+        {"nod_weight": 0.0},
+    ),
 }
 # The head with one part switched off: shown in the tables, excluded from the lead.
 ABLATED: dict[str, Part] = {
@@ -32,8 +36,8 @@ DEFAULT_METHODS = (HEAD, *VARIANTS, *(name for name in BASELINES if name not in 
 class Method:
     """A row of a table.
 
-    candidates  settings to choose from on held-out objects of the source, by name: {"head": {...}, "train": {...}}
-                override `head` and `train`; empty: no choice
+    candidates  settings to choose from on held-out objects of the source, by name: {"head": {...},
+                "train": {...}} override `head` and `train`; empty: no choice
     """
 
     name: str  # unique; a file's records are grouped by it
@@ -78,7 +82,11 @@ def methods_named(
             label, of_head, of_train = heads[name]
             settings: dict[str, Any] = {"head": {**head, **of_head}, "train": {**train, **of_train}}
             ablated = name in ABLATED
-            found.append(Method(name=name, label=label, candidates=candidates or {}, ablated=ablated, **settings))
+            found.append(
+                Method(
+                    name=name, label=label, candidates=candidates or {}, ablated=ablated, **settings
+                )
+            )
         else:
             label, note, _ = LABELS.get(name, Label(name))
             found.append(Method(name=name, base=name, train=own, label=label, note=note))

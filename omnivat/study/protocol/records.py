@@ -53,8 +53,12 @@ def provenance(embeddings: Embeddings, bank: LangBank | None) -> dict[str, Any]:
 
 
 def key(record: Mapping[str, Any]) -> str:
-    """Return the key of a run: equal runs have equal keys. Versions and times are not part of it."""
-    parts = [record[name] for name in ("method", "base", "settings", "source", "part", "seed", "fold")]
+    """Return the key of a run: equal runs have equal keys. Versions and times are not part of
+    it.
+    """
+    parts = [
+        record[name] for name in ("method", "base", "settings", "source", "part", "seed", "fold")
+    ]
     parts += [record["data"]["fingerprint"], (record["lang"] or {}).get("hash", "")]
     text = json.dumps(parts, sort_keys=True)
     return blake2b(text.encode(), digest_size=8).hexdigest()
@@ -70,7 +74,8 @@ def append(path: Path, record: Mapping[str, Any]) -> None:
 
 
 def read(path: Path) -> list[dict[str, Any]]:
-    """Return the records of a file, which may be compressed (.gz); an incomplete last line is ignored.
+    """Return the records of a file, which may be compressed (.gz); an incomplete last line is
+    ignored.
 
     Raises DataError with the line number for any other invalid line.
     """
@@ -84,7 +89,9 @@ def mend(path: Path) -> None:
 
 
 def _versions() -> dict[str, str]:
-    """Return versions, and the processor's instructions: they change the last bits of a training."""
+    """Return versions, and the processor's instructions: they change the last bits of a
+    training.
+    """
     return {
         "python": platform.python_version(),
         "omnivat": __version__,

@@ -54,7 +54,9 @@ def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> dict[str
     }
     started = time.perf_counter()
     try:
-        outcome = fit(run.method, found, bank, seed=run.seed, calibrate=run.calibrate, prior=run.prior)
+        outcome = fit(
+            run.method, found, bank, seed=run.seed, calibrate=run.calibrate, prior=run.prior
+        )
     except OmniVatError as error:
         return record | {"skipped": str(error)}
     record |= {
@@ -71,7 +73,10 @@ def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> dict[str
         record["source_test"] = score(outcome, found.source_test, found.classes, numbers)
     parts = {side.domain: side.part for side in found.setting.targets}
     record["targets"] = {
-        name: {"part": parts.get(paper_name(name), ""), **score(outcome, pairs, found.classes, numbers)}
+        name: {
+            "part": parts.get(paper_name(name), ""),
+            **score(outcome, pairs, found.classes, numbers),
+        }
         for name, pairs in found.targets.items()
     }
     return record

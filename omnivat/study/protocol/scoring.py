@@ -25,7 +25,10 @@ from omnivat.study.protocol.fitting import Outcome, fusions
 
 
 def score(
-    outcome: Outcome, pairs: Embeddings, classes: tuple[str, ...], numbers: Mapping[str, int] | None = None
+    outcome: Outcome,
+    pairs: Embeddings,
+    classes: tuple[str, ...],
+    numbers: Mapping[str, int] | None = None,
 ) -> dict[str, Any]:
     """Return counts, scores by reading, late fusions, margins and every prediction.
 
@@ -43,10 +46,18 @@ def score(
     mixed = fusions(logits, outcome.separate, calibration.share) if outcome.separate else {}
     readings = {name: logits[name] for name in READINGS if name in logits}
     record["scores"] = {name: scores(truth, values.argmax(-1)) for name, values in readings.items()}
-    record["scores"]["fused"] |= confidence(logits["fused"], truth, calibration.temperature["fused"])
-    record["fusions"] = {name: scores(truth, values.argmax(-1), union=False) for name, values in mixed.items()}
-    margins = {name: float(cosine_margin(rows, truth)) for name, rows in outcome.features(pairs).items()}
-    record["margins"] = {name: None if math.isnan(value) else value for name, value in margins.items()}
+    record["scores"]["fused"] |= confidence(
+        logits["fused"], truth, calibration.temperature["fused"]
+    )
+    record["fusions"] = {
+        name: scores(truth, values.argmax(-1), union=False) for name, values in mixed.items()
+    }
+    margins = {
+        name: float(cosine_margin(rows, truth)) for name, rows in outcome.features(pairs).items()
+    }
+    record["margins"] = {
+        name: None if math.isnan(value) else value for name, value in margins.items()
+    }
     if numbers is not None and len(classes) <= len(DIGITS):
         record["truth"] = digits(truth.tolist())
         record["objects"] = compact([numbers[name] for name in named_objects(pairs)])

@@ -82,7 +82,9 @@ def task(embeddings: Embeddings, source: str) -> Task:
         domains = embeddings.header.domains
         if source not in domains:
             hint = suggestion(paper_name(source), [*SETTINGS, *domains])
-            raise DataError(f"'{source}' is not one of the paper's domains, nor of these embeddings.{hint}")
+            raise DataError(
+                f"'{source}' is not one of the paper's domains, nor of these embeddings.{hint}"
+            )
         sides = tuple(Side(domain=paper_name(name)) for name in domains if name != source)
         setting = Setting(source=Side(domain=paper_name(source)), targets=sides, ceramic=True)
     names = {paper_name(name): name for name in embeddings.header.domains}
@@ -101,16 +103,24 @@ def task(embeddings: Embeddings, source: str) -> Task:
     targets, missing = {}, []
     for side in setting.targets:
         name = names.get(side.domain, "")
-        pairs = _without(embeddings.in_domain(name, split="test", part=side.part), dropped) if name else None
+        pairs = (
+            _without(embeddings.in_domain(name, split="test", part=side.part), dropped)
+            if name
+            else None
+        )
         if pairs is None or present.isdisjoint(pairs.label.tolist()):
             missing.append(str(side))
         else:
             targets[name] = pairs
     return Task(
         setting=setting,
-        classes=tuple(name for index, name in enumerate(embeddings.header.classes) if index in present),
+        classes=tuple(
+            name for index, name in enumerate(embeddings.header.classes) if index in present
+        ),
         train=train,
-        source_test=_without(test, dropped) if any(test.rows["split"]) else test.select(test.label < 0),
+        source_test=_without(test, dropped)
+        if any(test.rows["split"])
+        else test.select(test.label < 0),
         targets=targets,
         missing=tuple(missing),
     )

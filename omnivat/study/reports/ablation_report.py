@@ -12,13 +12,23 @@ from omnivat.kit.files import write_text
 from omnivat.study.reports.evidence_report import count_text, markdown, spread_text
 from omnivat.study.reports.intervals import Spread, spread, spread_lines
 from omnivat.study.reports.paper import MARK, ablation_cell, not_comparable
-from omnivat.study.reports.reading import METRICS, Record, by_run, by_seed, changed_settings, completed, latest
+from omnivat.study.reports.reading import (
+    METRICS,
+    Record,
+    by_run,
+    by_seed,
+    changed_settings,
+    completed,
+    latest,
+)
 
 REPORT = "ablations.md"
 SCORES = ("accuracy", "macro_f1")
 
 
-def write_ablations(records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]], folder: Path) -> str:
+def write_ablations(
+    records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]], folder: Path
+) -> str:
     """Write `ablations.md`, and a plot and its points for each figure; return the text.
 
     layout  ablation -> title, axis, sources, rows: {row: (method, label, position on the axis)}
@@ -46,11 +56,13 @@ def _heading(records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]])
     seeds = sorted({record["seed"] for record in records})
     what = "Simulated domains" if data["simulated"] else "Data"
     full = {table["rows"]["full"][0] for table in layout.values() if "full" in table["rows"]}
-    base = next((changed_settings(r) for r in records if r["method"] in full), "")  # common to all rows
+    # common to all rows
+    base = next((changed_settings(r) for r in records if r["method"] in full), "")
     return (
         f"# Ablations\n\n{what}: {data['origin'] or 'origin not stated'}; encoder "
         f"{data['encoder']}. ACC / Macro-F1, mean over unseen targets, ± standard deviation "
-        f"(n − 1) over seeds {', '.join(map(str, seeds))}." + (f" All rows start from {base}." if base else "")
+        f"(n − 1) over seeds {', '.join(map(str, seeds))}."
+        + (f" All rows start from {base}." if base else "")
     )
 
 
@@ -59,7 +71,9 @@ def _spread(records: Sequence[Record], method: str, sources: Sequence[str], metr
     return spread(by_seed(by_run(records, method, metric), sources))
 
 
-def ablation_table(records: Sequence[Record], name: str, table: Mapping[str, Any], sources: Sequence[str]) -> str:
+def ablation_table(
+    records: Sequence[Record], name: str, table: Mapping[str, Any], sources: Sequence[str]
+) -> str:
     """Return one ablation: one row for each variant, with our and the printed figures."""
     why = not_comparable(records[0]["data"], ablations=True)
     printed = f"printed, ViT-B/16{f' {MARK}' if why else ''}"
@@ -70,11 +84,14 @@ def ablation_table(records: Sequence[Record], name: str, table: Mapping[str, Any
             cells += [_scores(records, method, [source]), ablation_cell(name, row, source)]
         if len(sources) > 1:
             cells.append(_scores(records, method, sources))
-        counts = [r["parameters"] for r in completed(records, method) if r["source"] in set(sources)]
+        counts = [
+            r["parameters"] for r in completed(records, method) if r["source"] in set(sources)
+        ]
         rows.append([label, *cells, count_text(counts)])
     header = ["variant", *(text for source in sources for text in (f"{source} → X", printed))]
     header += [*["average"] * (len(sources) > 1), "parameters"]
-    full = [i for i in range(len(header)) if any(row[i] for row in rows)]  # sources without printed figures
+    # sources without printed figures
+    full = [i for i in range(len(header)) if any(row[i] for row in rows)]
     return markdown([header[i] for i in full], [[row[i] for i in full] for row in rows])
 
 
@@ -82,7 +99,9 @@ def _scores(records: Sequence[Record], method: str, sources: Sequence[str]) -> s
     return " / ".join(spread_text(_spread(records, method, sources, metric)) for metric in SCORES)
 
 
-def ablation_plot(records: Sequence[Record], table: Mapping[str, Any], sources: Sequence[str]) -> str:
+def ablation_plot(
+    records: Sequence[Record], table: Mapping[str, Any], sources: Sequence[str]
+) -> str:
     """Return the figure of one ablation: ACC and Macro-F1, mean over its sources."""
     placed = [(method, value) for method, _, value in table["rows"].values() if value is not None]
     series = {}
@@ -90,7 +109,10 @@ def ablation_plot(records: Sequence[Record], table: Mapping[str, Any], sources: 
         spreads = [_spread(records, method, sources, metric).scaled(100) for method, _ in placed]
         series[METRICS[metric]] = spread_lines(spreads)
     where = sources[0] if len(sources) == 1 else f"mean of {len(sources)} sources"
-    title, ticks = f"{table['title'].split(':')[0]}, {where} → X", [f"{value:g}" for _, value in placed]
+    title, ticks = (
+        f"{table['title'].split(':')[0]}, {where} → X",
+        [f"{value:g}" for _, value in placed],
+    )
     return svg_of(lines(series, title=title, across=table["axis"], up="%", ticks=ticks))
 
 

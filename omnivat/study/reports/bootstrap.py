@@ -4,9 +4,10 @@ One draw takes all sources with replacement, all seeds of each with replacement,
 domain as many objects of each class as it has. All sources, seeds and methods share the objects
 drawn for a domain, so differences are paired and a reused test set counts once.
 
-Differences to many rows have simultaneous intervals d ± q s, where s is the bootstrap's standard deviation of d and q
-the 95 % quantile of the largest |d* - d| / s over all rows (single-step max-t). All intervals hold together in 95 % of
-repetitions, so the best row may be picked after the fact.
+Differences to many rows have simultaneous intervals d ± q s, where s is the bootstrap's standard
+deviation of d and q the 95 % quantile of the largest |d* - d| / s over all rows (single-step
+max-t). All intervals hold together in 95 % of repetitions, so the best row may be picked after the
+fact.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
@@ -38,7 +39,9 @@ class Draws:
     def of(self, domain: str, target: Mapping[str, Any]) -> NDArray[np.float32]:
         """Return weights (1 + B, N) of a target's pairs: ones, then the draws."""
         columns = [self.places[domain][number] for number in unpacked(target["objects"])]
-        return np.concatenate((np.ones((1, len(columns)), dtype=np.float32), self.weights[domain][:, columns]))
+        return np.concatenate(
+            (np.ones((1, len(columns)), dtype=np.float32), self.weights[domain][:, columns])
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,7 +80,10 @@ def draws_for(records: Sequence[Record], *, draws: int = DRAWS) -> Draws:
             counts[:, own] = random.multinomial(len(own), np.full(len(own), 1 / len(own)), draws)
         weights[domain], places[domain] = counts, {name: i for i, name in enumerate(order)}
     shape = (draws, len(sources))
-    drawn, again = random.integers(len(sources), size=shape), random.integers(len(seeds), size=(*shape, len(seeds)))
+    drawn, again = (
+        random.integers(len(sources), size=shape),
+        random.integers(len(seeds), size=(*shape, len(seeds))),
+    )
     return Draws(sources=drawn, seeds=again, weights=weights, places=places)
 
 
@@ -102,15 +108,24 @@ def resampled(records: Sequence[Record], row: Row, drawn: Draws) -> dict[str, Re
     values = np.empty((len(METRICS), len(drawn.sources) + 1, len(sources), len(seeds)))
     for record in own:
         targets, count = record["targets"], len(record["classes"])
-        cells = [_scores(target, reading, count, drawn.of(domain, target)) for domain, target in targets.items()]
-        values[:, :, sources.index(record["source"]), seeds.index(record["seed"])] = np.mean(cells, axis=0)
+        cells = [
+            _scores(target, reading, count, drawn.of(domain, target))
+            for domain, target in targets.items()
+        ]
+        values[:, :, sources.index(record["source"]), seeds.index(record["seed"])] = np.mean(
+            cells, axis=0
+        )
     rows = np.arange(len(drawn.sources))[:, None]
     by_seed = values[:, 1:][:, rows[..., None], drawn.sources[..., None], drawn.seeds].mean(-1)
     draws, point = by_seed.mean(-1), values[:, 0].mean((-1, -2))
-    return {name: Resampled(value=float(point[i]), draws=draws[i]) for i, name in enumerate(METRICS)}
+    return {
+        name: Resampled(value=float(point[i]), draws=draws[i]) for i, name in enumerate(METRICS)
+    }
 
 
-def _scores(target: Mapping[str, Any], reading: str, classes: int, weights: NDArray[np.float32]) -> Array:
+def _scores(
+    target: Mapping[str, Any], reading: str, classes: int, weights: NDArray[np.float32]
+) -> Array:
     """Return ACC and Macro-F1 over present classes (2, 1 + B) of weighted pairs."""
     eye = np.eye(classes, dtype=np.float32)
     truth = eye[[DIGITS.index(d) for d in target["truth"]]]
@@ -128,14 +143,24 @@ def simultaneous(ours: Resampled, others: Mapping[Row, Resampled]) -> dict[Row, 
     means = {row: ours.value - other.value for row, other in others.items()}
     draws = {row: ours.draws - other.draws for row, other in others.items()}
     spreads = {row: float(d.std(ddof=1)) for row, d in draws.items()}
-    scaled = [np.abs(draws[row] - means[row]) / spreads[row] for row in others if spreads[row] > 1e-12]
+    scaled = [
+        np.abs(draws[row] - means[row]) / spreads[row] for row in others if spreads[row] > 1e-12
+    ]
     factor = float(np.quantile(np.max(scaled, axis=0), 0.95)) if scaled else 0.0
-    ends = {row: (means[row] - factor * spreads[row], means[row] + factor * spreads[row]) for row in others}
-    return {row: Interval(mean=means[row], low=a, high=b, n=len(ours.draws)) for row, (a, b) in ends.items()}
+    ends = {
+        row: (means[row] - factor * spreads[row], means[row] + factor * spreads[row])
+        for row in others
+    }
+    return {
+        row: Interval(mean=means[row], low=a, high=b, n=len(ours.draws))
+        for row, (a, b) in ends.items()
+    }
 
 
 def percentile(ours: Resampled, other: Resampled) -> Interval:
     """Return the 95 % percentile interval of ours minus one row chosen beforehand."""
     differences = ours.draws - other.draws
     low, high = np.quantile(differences, [0.025, 0.975])
-    return Interval(mean=ours.value - other.value, low=float(low), high=float(high), n=len(differences))
+    return Interval(
+        mean=ours.value - other.value, low=float(low), high=float(high), n=len(differences)
+    )

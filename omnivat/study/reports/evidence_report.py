@@ -23,9 +23,11 @@ def method_table(
     first: str = "method",
     below: Sequence[Sequence[str]] = (),
 ) -> str:
-    """Return a table with a row for each method: its label, and `cells` of its completed records; "" without a row.
+    """Return a table with a row for each method: its label, and `cells` of its completed records;
+    "" without a row.
 
-    A method has no row if nothing of it was completed, or if it has no cells. `below`: finished rows.
+    A method has no row if nothing of it was completed, or if it has no cells. `below`: finished
+    rows.
     """
     named = [(label, completed(records, name)) for name, label in methods(records).items()]
     rows = [[label, *found] for label, own in named if own and (found := cells(own))]
@@ -63,7 +65,12 @@ def interval_text(found: Interval) -> str:
 
 
 REPORT = "evidence.md"
-COLUMNS = (("plain", "accuracy"), ("plain", "macro_f1"), ("shifted", "accuracy"), ("shifted", "macro_f1"))
+COLUMNS = (
+    ("plain", "accuracy"),
+    ("plain", "macro_f1"),
+    ("shifted", "accuracy"),
+    ("shifted", "macro_f1"),
+)
 
 
 def write_evidence(records: Sequence[Record], folder: Path) -> str:
@@ -82,7 +89,9 @@ def evidence_report(records: Sequence[Record]) -> str:
     for name in dict.fromkeys(record["method"] for record in found):
         own = [record for record in found if record["method"] == name]
         spreads = [_spread(own, kind, metric) for kind, metric in COLUMNS]
-        rows.append((spreads[1].mean + spreads[3].mean, [own[0]["label"], *map(spread_text, spreads)]))
+        rows.append(
+            (spreads[1].mean + spreads[3].mean, [own[0]["label"], *map(spread_text, spreads)])
+        )
     rows.sort(key=lambda row: -row[0])
     header = ["method", "held-out ACC", "held-out Macro-F1", "shifted ACC", "shifted Macro-F1"]
     runs = len({(r["source"], r["seed"], r["fold"]) for r in found})
@@ -97,6 +106,8 @@ def _spread(records: Sequence[Record], kind: str, metric: str) -> Spread:
     """Return the spread over runs of a score on held-out pairs, plain or averaged over shifts."""
     values = []
     for record in records:
-        own = [t for name, t in record["targets"].items() if (name == "held out") == (kind == "plain")]
+        own = [
+            t for name, t in record["targets"].items() if (name == "held out") == (kind == "plain")
+        ]
         values.append(sum(target["scores"]["fused"][metric] for target in own) / len(own))
     return spread(values)

@@ -23,11 +23,15 @@ def spread(values: Sequence[float]) -> Spread:
     """Return mean, standard deviation and n."""
     array = np.asarray(values, dtype=float)
     mean = float(array.mean()) if len(array) else float("nan")
-    return Spread(mean=mean, std=float(array.std(ddof=1)) if len(array) > 1 else float("nan"), n=len(array))
+    return Spread(
+        mean=mean, std=float(array.std(ddof=1)) if len(array) > 1 else float("nan"), n=len(array)
+    )
 
 
 def spread_lines(found: Sequence[Spread]) -> tuple[list[float], list[float], list[float]]:
-    """Return places 0, 1, 2, ..., means and standard deviations, as `omnivat.figures.lines` takes them."""
+    """Return places 0, 1, 2, ..., means and standard deviations, as `omnivat.figures.lines`
+    takes them.
+    """
     return [float(k) for k in range(len(found))], [s.mean for s in found], [s.std for s in found]
 
 
@@ -49,11 +53,15 @@ def t_interval(differences: Sequence[float]) -> Interval:
     from scipy.stats import t
 
     found = spread(differences)
-    half = float(t.ppf(0.975, found.n - 1)) * found.std / found.n**0.5 if found.n > 1 else float("nan")
+    half = (
+        float(t.ppf(0.975, found.n - 1)) * found.std / found.n**0.5 if found.n > 1 else float("nan")
+    )
     return Interval(mean=found.mean, low=found.mean - half, high=found.mean + half, n=found.n)
 
 
-def bootstrap_interval(differences: Mapping[str, Sequence[float]], *, draws: int = 10_000) -> Interval:
+def bootstrap_interval(
+    differences: Mapping[str, Sequence[float]], *, draws: int = 10_000
+) -> Interval:
     """Return a 95 % percentile interval that resamples groups, then values within each group.
 
     differences  group (a source) -> its paired differences (seeds). Seeds of one source share its
@@ -67,7 +75,9 @@ def bootstrap_interval(differences: Mapping[str, Sequence[float]], *, draws: int
     if len(groups) < 2:
         return Interval(mean=centre, low=float("nan"), high=float("nan"), n=total)
     # means of resampled seeds, for every group
-    resampled = np.stack([random.choice(values, (draws, len(values))).mean(1) for values in groups], axis=1)
+    resampled = np.stack(
+        [random.choice(values, (draws, len(values))).mean(1) for values in groups], axis=1
+    )
     chosen = random.integers(len(groups), size=(draws, len(groups)))
     means = np.take_along_axis(resampled, chosen, axis=1).mean(1)
     low, high = np.quantile(means, [0.025, 0.975])

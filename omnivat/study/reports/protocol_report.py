@@ -12,9 +12,23 @@ from omnivat.study.reports.evidence_report import (
     percent,
     score_cells,
 )
-from omnivat.study.reports.intervals import bootstrap_interval, paired_differences, spread, t_interval
+from omnivat.study.reports.intervals import (
+    bootstrap_interval,
+    paired_differences,
+    spread,
+    t_interval,
+)
 from omnivat.study.reports.paper import MARK, not_comparable, paper_rows, target_rows
-from omnivat.study.reports.reading import METRICS, Record, by_run, by_seed, changed_settings, completed, latest, methods
+from omnivat.study.reports.reading import (
+    METRICS,
+    Record,
+    by_run,
+    by_seed,
+    changed_settings,
+    completed,
+    latest,
+    methods,
+)
 from omnivat.study.reports.readings_report import readings_parts
 from omnivat.study.reports.side_report import side_parts
 
@@ -45,9 +59,12 @@ def protocol_report(records: Sequence[Record]) -> str:
         *side_parts(found),
         "## Other intervals: both images by mean fusion, 95 %, paired by source and seed",
         interval_table(found),
-        "Points; none of these treats test objects as random or corrects for several comparisons. t: "
-        "over sources × seeds (n printed), assumed independent. Grouped: percentile bootstrap that "
-        "draws whole sources, then seeds. t of sources: over one mean for each source.",
+        (
+            "Points; none of these treats test objects as random or corrects for several"
+            " comparisons. t: over sources × seeds (n printed), assumed independent. Grouped:"
+            " percentile bootstrap that draws whole sources, then seeds. t of sources: over one"
+            " mean for each source."
+        ),
         "## Macro-F1 with predicted classes counted too (union), source test, size, time",
         side_table(found),
         "## Every target",
@@ -77,7 +94,10 @@ def main_table(records: Sequence[Record]) -> str:
 
     def cells(own: list[Record]) -> list[str]:
         scores = [by_run(own, own[0]["method"], metric) for metric in SCORES]
-        each = [score_cells(*([v for (s, _), v in one.items() if s == source] for one in scores)) for source in sources]
+        each = [
+            score_cells(*([v for (s, _), v in one.items() if s == source] for one in scores))
+            for source in sources
+        ]
         return [*each, score_cells(*(by_seed(one, sources) for one in scores))]
 
     header = [*(f"{s} → X" for s in sources), "average"]
@@ -90,7 +110,9 @@ def interval_table(records: Sequence[Record]) -> str:
     def cells(own: list[Record]) -> list[str]:
         cells: list[str] = []
         for metric in SCORES if own[0]["method"] != OURS else ():
-            found = paired_differences(by_run(records, OURS, metric), by_run(own, own[0]["method"], metric))
+            found = paired_differences(
+                by_run(records, OURS, metric), by_run(own, own[0]["method"], metric)
+            )
             plain = t_interval([value for values in found.values() for value in values])
             cells += [
                 f"{interval_text(plain)} n={plain.n}",
@@ -109,7 +131,9 @@ def side_table(records: Sequence[Record]) -> str:
 
     def cells(own: list[Record]) -> list[str]:
         union = spread(list(by_run(own, own[0]["method"], "macro_f1_union").values())).mean
-        test = [r["source_test"]["scores"]["fused"]["accuracy"] for r in own if r.get("source_test")]
+        test = [
+            r["source_test"]["scores"]["fused"]["accuracy"] for r in own if r.get("source_test")
+        ]
         seconds = sorted(r["seconds"] for r in own)[len(own) // 2]
         size = count_text([r["parameters"] for r in own])
         return [percent(union), percent(spread(test).mean), size, f"{seconds:.1f}"]
@@ -128,9 +152,17 @@ def _targets(records: Sequence[Record], name: str, label: str) -> list[str]:
     for source in _sources(found):
         cells = []
         for target in targets:
-            own = [r["targets"][target] for r in found if r["source"] == source and target in r["targets"]]
+            own = [
+                r["targets"][target]
+                for r in found
+                if r["source"] == source and target in r["targets"]
+            ]
             scores = [one["scores"]["fused"] for one in own]
-            cells.append(" / ".join(percent(spread([s[m] for s in scores]).mean) for m in SCORES) if scores else "")
+            cells.append(
+                " / ".join(percent(spread([s[m] for s in scores]).mean) for m in SCORES)
+                if scores
+                else ""
+            )
         rows.append([source, *cells])
     return [f"### {label}", markdown(["source", *targets], rows)]
 
@@ -139,7 +171,9 @@ def _printed_targets(records: Sequence[Record]) -> list[str]:
     """Return the paper's tables of single targets for the sources in these records."""
     data = records[0]["data"]
     targets = list(dict.fromkeys(t for r in records for t in r.get("targets", {})))
-    rows = [[source, *row] for source in _sources(records) for row in target_rows(source, targets, data)]
+    rows = [
+        [source, *row] for source in _sources(records) for row in target_rows(source, targets, data)
+    ]
     if not rows:
         return []
     why = not_comparable(data, ablations=True)
@@ -152,12 +186,20 @@ def _notes(records: Sequence[Record]) -> str:
     for r in records:
         label, source, chosen = r["label"], r["source"], r.get("chosen", {}).get("settings")
         kinds[0] += [f"- {label}: {r['note']}."] if r["note"] else []
-        kinds[1] += [f"- {label}: settings {changed_settings(r) or 'as the defaults'}."] if r.get("settings") else []
-        kinds[2] += [f"- {label}, {source}: settings chosen on the source: {chosen}."] if chosen else []
+        kinds[1] += (
+            [f"- {label}: settings {changed_settings(r) or 'as the defaults'}."]
+            if r.get("settings")
+            else []
+        )
+        kinds[2] += (
+            [f"- {label}, {source}: settings chosen on the source: {chosen}."] if chosen else []
+        )
         kinds[3] += [f"- {label} did not run: {r['skipped']}"] if "skipped" in r else []
         missing = ", ".join(r["missing_targets"])
         kinds[4] += (
-            [f"- From {source} these targets have no pairs of the learned classes: {missing}."] if missing else []
+            [f"- From {source} these targets have no pairs of the learned classes: {missing}."]
+            if missing
+            else []
         )
     lines = dict.fromkeys(line for notes in kinds for line in notes)
     return "\n".join(["## Notes", "", *lines]) if lines else ""

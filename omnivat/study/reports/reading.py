@@ -8,7 +8,12 @@ from typing import Any
 from omnivat.measure.evaluate import target_mean
 
 Record = Mapping[str, Any]
-METRICS = {"accuracy": "ACC", "macro_f1": "Macro-F1", "macro_f1_union": "Macro-F1 (union)", "ece": "ECE"}
+METRICS = {
+    "accuracy": "ACC",
+    "macro_f1": "Macro-F1",
+    "macro_f1_union": "Macro-F1 (union)",
+    "ece": "ECE",
+}
 
 
 def latest(records: Iterable[Record]) -> list[Record]:
@@ -22,7 +27,8 @@ def latest(records: Iterable[Record]) -> list[Record]:
 def settled(record: Record) -> Record:
     """Return a record whose reading "fused" is the mean fusion, and "chosen" the chosen one.
 
-    In records of format 1, "fused" is the chosen fusion. Methods that fuse features have no "chosen".
+    In records of format 1, "fused" is the chosen fusion. Methods that fuse features have no
+    "chosen".
     """
     targets, kind = record.get("targets", {}), record.get("chosen", {}).get("fusion")
     if not any(target.get("fusions") for target in targets.values()):
@@ -68,9 +74,14 @@ def record_mean(record: Record, metric: str, which: str = "fused") -> float:
     return target_mean((found[which] for found in scores if which in found), metric)
 
 
-def by_run(records: Iterable[Record], method: str, metric: str, which: str = "fused") -> dict[tuple[str, int], float]:
+def by_run(
+    records: Iterable[Record], method: str, metric: str, which: str = "fused"
+) -> dict[tuple[str, int], float]:
     """Return (source, seed) -> mean score over targets."""
-    return {(one["source"], one["seed"]): record_mean(one, metric, which) for one in completed(records, method)}
+    return {
+        (one["source"], one["seed"]): record_mean(one, metric, which)
+        for one in completed(records, method)
+    }
 
 
 def by_seed(values: Mapping[tuple[str, int], float], sources: Sequence[str]) -> list[float]:
@@ -95,6 +106,14 @@ def changed_settings(record: Record) -> str:
     kinds: dict[str, Any] = {"head": HeadSettings, "train": TrainSettings}
     for part, kind in kinds.items():
         defaults = {f.name: f.default for f in fields(kind)}
-        changed = {name: value for name, value in given.get(part, {}).items() if value != defaults.get(name)}
-        found += [f"{n}={v}" for n, v in changed.items() if n not in {"classes", "input_width", "lang_width"}]
+        changed = {
+            name: value
+            for name, value in given.get(part, {}).items()
+            if value != defaults.get(name)
+        }
+        found += [
+            f"{n}={v}"
+            for n, v in changed.items()
+            if n not in {"classes", "input_width", "lang_width"}
+        ]
     return " ".join(found)

@@ -5,25 +5,44 @@ from dataclasses import dataclass, replace
 
 from omnivat.head.fusion import FUSIONS
 from omnivat.study.reports import bootstrap
-from omnivat.study.reports.bootstrap import METRICS, Resampled, Row, complete_rows, draws_for, resampled
-from omnivat.study.reports.evidence_report import interval_text, markdown, method_table, percent, score_cells
+from omnivat.study.reports.bootstrap import (
+    METRICS,
+    Resampled,
+    Row,
+    complete_rows,
+    draws_for,
+    resampled,
+)
+from omnivat.study.reports.evidence_report import (
+    interval_text,
+    markdown,
+    method_table,
+    percent,
+    score_cells,
+)
 from omnivat.study.reports.intervals import Interval
 from omnivat.study.reports.reading import METRICS as NAMES
 from omnivat.study.reports.reading import Record, by_run, by_seed, completed, methods
 
 OURS = ("omnivat", "fused")
 CHOSEN = ("omnivat", "chosen")
-READINGS = {"vis": "photo only", "tac": "touch only", "fused": "both, mean fusion", "chosen": "both, chosen fusion"}
+READINGS = {
+    "vis": "photo only",
+    "tac": "touch only",
+    "fused": "both, mean fusion",
+    "chosen": "both, chosen fusion",
+}
 
 
 def readings_parts(records: Sequence[Record]) -> list[str]:
     """Return the headline, the table of readings and the differences; empty without predictions."""
     parts = ["## Photo only, touch only, both: ACC / Macro-F1", readings_table(records)]
     parts.append(
-        "Mean over unseen targets, then sources; ± standard deviation (n − 1) over seeds. Photo "
-        "only and touch only: the other image is absent. Both, mean fusion: the mean of two "
-        "predictions, or the one prediction of a method that joins features (“–” under chosen fusion). "
-        "Chosen fusion: the one with the lowest log loss on held-out objects of the source."
+        "Mean over unseen targets, then sources; ± standard deviation (n − 1) over seeds. Photo"
+        " only and touch only: the other image is absent. Both, mean fusion: the mean of two"
+        " predictions, or the one prediction of a method that joins features (“–” under chosen"
+        " fusion). Chosen fusion: the one with the lowest log loss on held-out objects of the"
+        " source."
     )
     found = compared(records)
     if found is None:
@@ -33,9 +52,11 @@ def readings_parts(records: Sequence[Record]) -> list[str]:
         "Both images, mean fusion:",
         *map(found.headline, METRICS),
         *_chosen_headline(records, found),
-        "Intervals: hierarchical bootstrap over sources, seeds and test objects (the objects of a "
-        "test set are drawn once for all sources), simultaneous over all rows below by the max-t "
-        "method; 2,000 draws.",
+        (
+            "Intervals: hierarchical bootstrap over sources, seeds and test objects (the objects of"
+            " a test set are drawn once for all sources), simultaneous over all rows below by the"
+            " max-t method; 2,000 draws."
+        ),
         *parts,
         "## OmniVaT, both images by mean fusion, minus every other row",
         found.table(),
@@ -96,14 +117,17 @@ class Compared:
         found = self.intervals(metric)[best]
         verdict = "zero is outside" if found.low > 0 or found.high < 0 else "zero is inside"
         return (
-            f"**{NAMES[metric]}**: OmniVaT {percent(self.ours[metric].value)}; best of {len(others)} other rows: "
-            f"{self.label(best)}, {percent(others[best].value)}. Difference {interval_text(found)}: {verdict}."
+            f"**{NAMES[metric]}**: OmniVaT {percent(self.ours[metric].value)}; best of"
+            f" {len(others)} other rows: {self.label(best)}, {percent(others[best].value)}."
+            f" Difference {interval_text(found)}: {verdict}."
         )
 
     def table(self) -> str:
         """Return every difference with its simultaneous and its single interval."""
         intervals, rows = {metric: self.intervals(metric) for metric in METRICS}, []
-        for row in sorted(self.others[METRICS[0]], key=lambda row: -self.others[METRICS[0]][row].value):
+        for row in sorted(
+            self.others[METRICS[0]], key=lambda row: -self.others[METRICS[0]][row].value
+        ):
             cells = [self.label(row)]
             for metric in METRICS:
                 alone = bootstrap.percentile(self.ours[metric], self.others[metric][row])

@@ -27,9 +27,14 @@ def margins_report(records: Sequence[Record]) -> str:
     below = []
     for label, cells in printed.items():
         values = [cells.get(name) for name in (*map(paper_name, targets), *joint)]
-        below.append([f"printed: {label}{mark}", *("–" if v is None else f"{v:.3f}" for v in values)])
+        below.append(
+            [f"printed: {label}{mark}", *("–" if v is None else f"{v:.3f}" for v in values)]
+        )
     table = method_table(
-        found, [*targets, *joint], lambda own: [_margin(own, t) for t in targets] + ["–"] * len(joint), below=below
+        found,
+        [*targets, *joint],
+        lambda own: [_margin(own, t) for t in targets] + ["–"] * len(joint),
+        below=below,
     )
     return f"# Cosine margins from {SOURCE}\n\nMean over seeds, both images.\n\n{table}\n"
 
@@ -60,8 +65,8 @@ def cost_report(records: Sequence[Record], measured: Mapping[str, Any]) -> str:
         below.append([f"printed: {label} {MARK} (their machine)", *texts])
     table = method_table(latest(records), columns, cells, below=below)
     note = (
-        f"On {measured['machine']}. Training is a whole fit on cached embeddings, with the choices on "
-        "held-out objects; the paper prints seconds for an epoch with the encoder, a different "
-        "quantity. FPS is pairs per second with the encoder, which takes nearly all of the time."
+        f"On {measured['machine']}. Training is a whole fit on cached embeddings, with the choices"
+        " on held-out objects; the paper prints seconds for an epoch with the encoder, a different"
+        " quantity. FPS is pairs per second with the encoder, which takes nearly all of the time."
     )
     return f"# Cost\n\n{table}\n\n{note}\n"

@@ -27,22 +27,24 @@ def side_parts(records: Sequence[Record]) -> list[str]:
 
 
 FUSION_NOTE = (
-    "Every fusion mixes the same two predictions. "
-    "The weight of a learned fusion, and which fusion a source uses, come from its held-out objects, "
-    "plain and under imitated sensors; “feature” classifies the sum of the two features."
+    "Every fusion mixes the same two predictions. The weight of a learned fusion, and which fusion"
+    " a source uses, come from its held-out objects, plain and under imitated sensors; “feature”"
+    " classifies the sum of the two features."
 )
 CONFIDENCE_NOTE = (
-    "On unseen targets, both images, mean fusion; rows whose records hold the probabilities. ECE in percent, NLL in nats, AURC: area under the risk-coverage "
-    "curve, × 100. Temperatures are fitted to held-out objects of the source, plain and under "
-    "imitated sensors; they change no prediction."
+    "On unseen targets, both images, mean fusion; rows whose records hold the probabilities. ECE in"
+    " percent, NLL in nats, AURC: area under the risk-coverage curve, × 100. Temperatures are"
+    " fitted to held-out objects of the source, plain and under imitated sensors; they change no"
+    " prediction."
 )
 MARGIN_NOTE = (
-    "Mean cosine of pairs of one class minus that of pairs of different classes, all pairs counted, "
-    "mean over sources and seeds. [V;T]: both features side by side; V, T: one image, the other absent."
+    "Mean cosine of pairs of one class minus that of pairs of different classes, all pairs counted,"
+    " mean over sources and seeds. [V;T]: both features side by side; V, T: one image, the other"
+    " absent."
 )
 GUARD_NOTE = (
-    "The text is that of the pair's own class, as in training. A gap of 5 points or more means that "
-    "training taught the head to read the label from the text."
+    "The text is that of the pair's own class, as in training. A gap of 5 points or more means that"
+    " training taught the head to read the label from the text."
 )
 
 
@@ -50,7 +52,11 @@ def _mean(records: Sequence[Record], part: str, name: str, metric: str) -> float
     """Return the mean of a score over targets, then runs; NaN without values."""
     runs = []
     for record in records:
-        values = [v for t in record["targets"].values() if (v := t[part].get(name, {}).get(metric)) is not None]
+        values = [
+            v
+            for t in record["targets"].values()
+            if (v := t[part].get(name, {}).get(metric)) is not None
+        ]
         runs += [sum(values) / len(values)] if values else []
     return spread(runs).mean
 

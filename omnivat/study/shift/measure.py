@@ -39,10 +39,14 @@ def interval(values: Array, objects: Array) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def share(part: str, measure: str, values: Array, objects: Array, *place: str, note: str = "") -> Record:
+def share(
+    part: str, measure: str, values: Array, objects: Array, *place: str, note: str = ""
+) -> Record:
     """Return the record of a mean over pairs, with its interval."""
     low, high = interval(values, objects)
-    return record(part, measure, float(values.mean()), *place, low=low, high=high, n=len(values), note=note)
+    return record(
+        part, measure, float(values.mean()), *place, low=low, high=high, n=len(values), note=note
+    )
 
 
 def record(part: str, measure: str, value: float, *place: str, **more: Any) -> Record:
@@ -52,21 +56,30 @@ def record(part: str, measure: str, value: float, *place: str, **more: Any) -> R
     more   the columns "low", "high", "n" and "note"
     """
     modality, first, second = (*place, "", "", "")[:3]
-    where = {"part": part, "measure": measure, "value": value, "modality": modality, "from": first, "to": second}
+    where = {
+        "part": part,
+        "measure": measure,
+        "value": value,
+        "modality": modality,
+        "from": first,
+        "to": second,
+    }
     return {**where, "low": None, "high": None, "n": "", "note": "", **more}
 
 
-def gaps(found: Features, on_step: OnStep) -> list[Record]:
+def gaps(features: Features, on_step: OnStep) -> list[Record]:
     """Return both gaps by every measure of `GAPS`, with jackknife intervals and a no-gap level.
 
     Means over domains (photos to touches) or over pairs of domains have intervals: a jackknife of
     BLOCKS blocks of objects. "no gap" is the same measure between two random halves of one domain.
     """
-    sizes = {name: len(found.members(name)) for name in found.domains}
+    sizes = {name: len(features.members(name)) for name in features.domains}
     largest = sorted(sizes, key=lambda n: -sizes[n])[:MOST_DOMAINS]
-    rows = {m: found.rows(m) for m in found.modalities}
-    members = {n: found.members(n) for n in found.domains if n in largest and sizes[n] >= LEAST}
-    objects = found.objects
+    rows = {m: features.rows(m) for m in features.modalities}
+    members = {
+        n: features.members(n) for n in features.domains if n in largest and sizes[n] >= LEAST
+    }
+    objects = features.objects
     random = np.random.default_rng(derive_seed(0, "blocks"))
     block = random.permutation(objects.max() + 1)[objects] % BLOCKS
     records = []
@@ -75,7 +88,9 @@ def gaps(found: Features, on_step: OnStep) -> list[Record]:
         whole = _of(rows, members, gap)
         parts = []
         for left_out in range(BLOCKS):
-            parts.append(_of(rows, {d: own[block[own] != left_out] for d, own in members.items()}, gap))
+            parts.append(
+                _of(rows, {d: own[block[own] != left_out] for d, own in members.items()}, gap)
+            )
             text = f"{name}, block {left_out + 1} of {BLOCKS}"
             on_step(Step(done=done * BLOCKS + left_out + 1, total=len(GAPS) * BLOCKS, text=text))
         records += _summed(name, whole, parts) + _halves(name, rows, members, gap)
@@ -89,7 +104,10 @@ def _of(rows: Mapping[str, Tensor], members: Mapping[str, Array], gap: Any) -> G
     """Return the gap between modalities in each domain, and between each two domains."""
     found: Gaps = {}
     if len(rows) == 2:
-        found = {("", name, name): _one(gap, rows["vis"][own], rows["tac"][own]) for name, own in members.items()}
+        found = {
+            ("", name, name): _one(gap, rows["vis"][own], rows["tac"][own])
+            for name, own in members.items()
+        }
     for modality, (a, b) in product(rows, combinations(members, 2)):
         found[modality, a, b] = _one(gap, rows[modality][members[a]], rows[modality][members[b]])
     return found
@@ -118,7 +136,9 @@ def _summed(measure: str, whole: Gaps, parts: list[Gaps]) -> list[Record]:
     return records
 
 
-def _halves(measure: str, rows: Mapping[str, Tensor], members: Mapping[str, Array], gap: Any) -> list[Record]:
+def _halves(
+    measure: str, rows: Mapping[str, Tensor], members: Mapping[str, Array], gap: Any
+) -> list[Record]:
     random = np.random.default_rng(derive_seed(0, "halves"))
     found = []
     for modality, every in rows.items():
@@ -130,54 +150,79 @@ def _halves(measure: str, rows: Mapping[str, Tensor], members: Mapping[str, Arra
     return found
 
 
-def retrieval(found: Features) -> list[Record]:
+def retrieval(features: Features) -> list[Record]:
     """Return recall at DEPTHS, the median rank, and with classes mAP: photo to touch, and back.
 
     Each photo ranks all touches of its domain by cosine; its own touch is the one to find. A tie
     counts half. For mAP, every touch of the photo's class is right.
     """
-    if len(found.modalities) < 2:
+    if len(features.modalities) < 2:
         return []
-    vis, tac = found.rows("vis"), found.rows("tac")
-    records, objects, label = [], found.objects, found.embeddings.label
-    members = {domain: own for domain in found.domains if len(own := found.members(domain)) > 1}
+    vis, tac = features.rows("vis"), features.rows("tac")
+    records, objects, label = [], features.objects, features.embeddings.label
+    members = {
+        domain: own for domain in features.domains if len(own := features.members(domain)) > 1
+    }
     for domain, own in members.items():
         cosines = vis[own] @ tac[own].T
-        for place, table in (((domain, "photo", "touch"), cosines), ((domain, "touch", "photo"), cosines.T)):
+        for place, table in (
+            ((domain, "photo", "touch"), cosines),
+            ((domain, "touch", "photo"), cosines.T),
+        ):
             right = table.diagonal()[:, None]
             ranks = ((table > right).sum(1) + ((table == right).sum(1) - 1) / 2 + 1).numpy()
             for k in DEPTHS:
                 note = f"chance {min(1.0, k / len(own)):.4f}"
-                records.append(share("retrieval", f"recall@{k}", ranks <= k, objects[own], *place, note=note))
+                records.append(
+                    share("retrieval", f"recall@{k}", ranks <= k, objects[own], *place, note=note)
+                )
             note = f"of {len(own)}; chance {(len(own) + 1) / 2:g}"
-            records.append(record("retrieval", "median rank", float(np.median(ranks)), *place, n=len(own), note=note))
-            if found.labelled:
+            records.append(
+                record(
+                    "retrieval",
+                    "median rank",
+                    float(np.median(ranks)),
+                    *place,
+                    n=len(own),
+                    note=note,
+                )
+            )
+            if features.labelled:
                 same = torch.from_numpy(label[own][:, None] == label[own][None])
                 hits = same.gather(1, table.argsort(1, descending=True)).double()
                 at = hits.cumsum(1) / torch.arange(1, len(own) + 1)
-                values, note = ((at * hits).sum(1) / hits.sum(1)).numpy(), f"chance {float(same.double().mean()):.4f}"
-                records.append(share("retrieval", "mAP of the class", values, objects[own], *place, note=note))
+                values, note = (
+                    ((at * hits).sum(1) / hits.sum(1)).numpy(),
+                    f"chance {float(same.double().mean()):.4f}",
+                )
+                records.append(
+                    share("retrieval", "mAP of the class", values, objects[own], *place, note=note)
+                )
     return records
 
 
-def neighbours(found: Features) -> list[Record]:
+def neighbours(features: Features) -> list[Record]:
     """Return how far domains mix, and whether the nearest pair of another domain has the class.
 
     The NEAR nearest rows of other objects: the share of the own domain, beside the share if domains
     were mixed. The nearest row of another domain: the share of the own class, beside chance.
     """
-    domain, label, objects = found.embeddings.domain, found.embeddings.label, found.objects
-    if len(found.domains) < 2:
+    domain, label, objects = features.embeddings.domain, features.embeddings.label, features.objects
+    if len(features.domains) < 2:
         return []
     records = []
-    for modality in found.modalities:
-        rows = found.rows(modality)
+    for modality in features.modalities:
+        rows = features.rows(modality)
         home, level, right, chance = [], [], [], []
         for some in np.array_split(np.arange(len(rows)), -(-len(rows) // 512)):
             cosines = rows[some] @ rows.T
             same = domain[some][:, None] == domain[None]
             others = objects[some][:, None] != objects[None]
-            near = cosines.masked_fill(torch.from_numpy(~others), -2).topk(min(NEAR, len(rows) - 1)).indices
+            near = (
+                cosines.masked_fill(torch.from_numpy(~others), -2)
+                .topk(min(NEAR, len(rows) - 1))
+                .indices
+            )
             home.append(np.take_along_axis(same, near.numpy(), 1).mean(1))
             level.append((same & others).sum(1) / np.maximum(1, others.sum(1)))
             cosines[torch.from_numpy(same)] = -2
@@ -186,11 +231,21 @@ def neighbours(found: Features) -> list[Record]:
             chance.append((alike & ~same).sum(1) / np.maximum(1, (~same).sum(1)))
         mixed = float(np.concatenate(level).mean())
         values = np.concatenate(home)
-        for name in ("", *found.domains):
-            own = found.members(name) if name else np.arange(len(values))
-            note, what = f"{mixed:.4f} if domains were mixed" if not name else "", f"own domain among {NEAR} nearest"
-            records.append(share("neighbours", what, values[own], objects[own], modality, name, note=note))
-        if found.labelled:
-            note, what = f"chance {float(np.concatenate(chance).mean()):.4f}", "class of the nearest in another domain"
-            records.append(share("neighbours", what, np.concatenate(right), objects, modality, note=note))
+        for name in ("", *features.domains):
+            own = features.members(name) if name else np.arange(len(values))
+            note, what = (
+                f"{mixed:.4f} if domains were mixed" if not name else "",
+                f"own domain among {NEAR} nearest",
+            )
+            records.append(
+                share("neighbours", what, values[own], objects[own], modality, name, note=note)
+            )
+        if features.labelled:
+            note, what = (
+                f"chance {float(np.concatenate(chance).mean()):.4f}",
+                "class of the nearest in another domain",
+            )
+            records.append(
+                share("neighbours", what, np.concatenate(right), objects, modality, note=note)
+            )
     return records

@@ -39,7 +39,9 @@ class Features:
     def objects(self) -> NDArray[np.int64]:
         """(N,) index of each pair's object: pairs of one object are not independent."""
         header, names = self.embeddings.header, self.embeddings.rows["object"]
-        keys = [f"{header.domains[d]}/{n}" for d, n in zip(self.embeddings.domain, names, strict=True)]
+        keys = [
+            f"{header.domains[d]}/{n}" for d, n in zip(self.embeddings.domain, names, strict=True)
+        ]
         return np.unique(keys, return_inverse=True)[1]
 
     def rows(self, modality: str) -> Tensor:
@@ -48,7 +50,9 @@ class Features:
 
     def members(self, domain: str) -> NDArray[np.int64]:
         """Rows of a domain."""
-        return np.flatnonzero(self.embeddings.domain == self.embeddings.header.domains.index(domain))
+        return np.flatnonzero(
+            self.embeddings.domain == self.embeddings.header.domains.index(domain)
+        )
 
 
 def read_features(
@@ -63,12 +67,16 @@ def read_features(
 ) -> Features:
     """Return the features in an embeddings file, NPZ, Parquet, HDF5 or CSV.
 
-    columns  name here -> name in the file, as for `omnivat import`; `vis` or `tac` may be absent, as
-             may `material` and `domain`
+    columns  name here -> name in the file, as for `omnivat import`; `vis` or `tac` may be absent,
+             as may `material` and `domain`
     Raises DataError, one sentence with the file and the fault.
     """
     own = file.suffix.lower() == ".safetensors"
-    read = (load_embeddings(file),) if own else _foreign(file, encoder, domain, classes, columns, simulated)
+    read = (
+        (load_embeddings(file),)
+        if own
+        else _foreign(file, encoder, domain, classes, columns, simulated)
+    )
     found = features_of(*read, seed=seed)
     if found.drawn_of < 2:
         raise DataError(f"'{file}' has {found.drawn_of} pair(s); 2 or more are needed.")
@@ -78,9 +86,16 @@ def read_features(
 def features_of(
     data: Embeddings, modalities: tuple[str, ...] = (), labelled: bool = True, *, seed: int = 0
 ) -> Features:
-    """Return the features of a set that is loaded; see `read_features`. modalities  (): by its pictures"""
+    """Return the features of a set that is loaded; see `read_features`. modalities  (): by its
+    pictures
+    """
     known, kinds = labelled and len(np.unique(data.label)) > 1, modalities or _pictured(data)
-    return Features(embeddings=data.sampled(MOST, seed=seed), modalities=kinds, labelled=known, drawn_of=len(data))
+    return Features(
+        embeddings=data.sampled(MOST, seed=seed),
+        modalities=kinds,
+        labelled=known,
+        drawn_of=len(data),
+    )
 
 
 def _pictured(data: Embeddings) -> tuple[str, ...]:
@@ -92,7 +107,12 @@ def _pictured(data: Embeddings) -> tuple[str, ...]:
 
 
 def _foreign(
-    file: Path, encoder: str, domain: str, classes: tuple[str, ...], columns: Mapping[str, str] | None, simulated: bool
+    file: Path,
+    encoder: str,
+    domain: str,
+    classes: tuple[str, ...],
+    columns: Mapping[str, str] | None,
+    simulated: bool,
 ) -> tuple[Embeddings, tuple[str, ...], bool]:
     named: dict[str, str] = dict(columns or {})
     found = read_columns(file)
@@ -104,7 +124,7 @@ def _foreign(
     if not classes and labels is not None and labels.dtype.kind in "iu" and labels.size:
         classes = tuple(f"class {k}" for k in range(min(int(labels.max()), 10_000) + 1))
     read = import_embeddings(
-        file, encoder=encoder or file.stem, domain=domain or file.stem, material=NO_CLASS, classes=classes,
+        file, encoder=encoder or file.stem, domain=domain or file.stem, material=NO_CLASS, classes=classes,  # noqa: E501
         columns=named, simulated=simulated,
     )  # fmt: skip
     return read, there or ("vis", "tac"), labels is not None

@@ -27,41 +27,45 @@ CHANCE = "#8593a8"  # grey in both themes
 Drawn = dict[str, Any]
 
 
-def write_report(found: Features, out: Path, *, seed: int = 0, on_step: OnStep = ignore) -> list[Path]:
-    """Measure, draw, and write report.html, numbers.csv, methods.txt and figures/*.svg; return them.
+def write_report(
+    features: Features, out: Path, *, seed: int = 0, on_step: OnStep = ignore
+) -> list[Path]:
+    """Measure, draw, and write report.html, numbers.csv, methods.txt and figures/*.svg; return
+    them.
 
     Raises WriteError if a file cannot be written. Each file is complete or absent.
     """
-    records = numbers(found, on_step)
+    records = numbers(features, on_step)
     on_step(Step(done=0, total=0, text="maps"))
-    drawn, trusts = _maps(found, seed)
-    drawn |= _charts(found, records)
+    drawn, trusts = _maps(features, seed)
+    drawn |= _charts(features, records)
     records += trusts
-    words = methods(found, seed)
+    words = methods(features, seed)
     table, text, page = (out / name for name in ("numbers.csv", "methods.txt", "report.html"))
     write_csv(table, COLUMNS, ([one[name] for name in COLUMNS] for one in records))
     write_text(text, words + "\n")
     files = [figures.write(out / "figures" / f"{name}.svg", one) for name, one in drawn.items()]
-    write_text(page, figures.html_page("Domain shift", _page(found, records, drawn, words)))
+    write_text(page, figures.html_page("Domain shift", _page(features, records, drawn, words)))
     return [table, text, *files, page]
 
 
-def numbers(found: Features, on_step: OnStep = ignore) -> list[Record]:
+def numbers(features: Features, on_step: OnStep = ignore) -> list[Record]:
     """Return every number of the report but those of its maps, a record of COLUMNS each."""
-    with one_thread(), one_blas_thread():  # small matrices: a second thread costs more than it helps
-        records = gaps(found, on_step)
+    # small matrices: a second thread costs more than it helps
+    with one_thread(), one_blas_thread():
+        records = gaps(features, on_step)
         on_step(Step(done=0, total=0, text="retrieval and neighbours"))
-        return [*records, *retrieval(found), *neighbours(found), *probes(found, on_step)]
+        return [*records, *retrieval(features), *neighbours(features), *probes(features, on_step)]
 
 
-def _maps(found: Features, seed: int) -> tuple[Drawn, list[Record]]:
+def _maps(features: Features, seed: int) -> tuple[Drawn, list[Record]]:
     """Return UMAP by domain and by class, PCA by domain, and the trust in each map."""
-    data, count = found.embeddings, len(found.embeddings)
-    points = torch.cat([found.rows(name) for name in found.modalities])
-    names = [name.upper() for name in found.modalities]
+    data, count = features.embeddings, len(features.embeddings)
+    points = torch.cat([features.rows(name) for name in features.modalities])
+    names = [name.upper() for name in features.modalities]
     drawn, records = {}, []
     hover = [
-        f"{data.header.domains[d]}" + (f" · {data.header.classes[c]}" if found.labelled else "")
+        f"{data.header.domains[d]}" + (f" · {data.header.classes[c]}" if features.labelled else "")
         for d, c in zip(data.domain, data.label, strict=True)
     ]
     for method in ("umap", "pca"):
@@ -69,50 +73,67 @@ def _maps(found: Features, seed: int) -> tuple[Drawn, list[Record]]:
         trust = "too few points for a trust score"
         if len(points) > 2 * NEIGHBOURS:
             score = quality(points, flat, k=NEIGHBOURS, seed=seed)
-            trust = f"trustworthiness {score.trustworthiness:.3f}, recall {score.recall:.3f} at {NEIGHBOURS} neighbours"
+            trust = (
+                f"trustworthiness {score.trustworthiness:.3f}, recall {score.recall:.3f} at"
+                f" {NEIGHBOURS} neighbours"
+            )
             scores = {"trustworthiness": score.trustworthiness, "recall": score.recall}
-            records += [record("map", f"{method} {m}", value, n=len(points)) for m, value in scores.items()]
+            records += [
+                record("map", f"{method} {m}", value, n=len(points)) for m, value in scores.items()
+            ]
         colourings = {"domain": (data.domain, data.header.domains)}
-        if found.labelled and method == "umap":
+        if features.labelled and method == "umap":
             colourings["class"] = (data.label, data.header.classes)
         for colour, (group, groups) in colourings.items():
             words = {"title": f"{method.upper()} by {colour}", "hover": hover, "modalities": names}
             words["caption"] = f"{count} pairs, unit rows; {trust}. The axes have no unit"
-            drawn[f"map_{method}_{colour}"] = figures.map_figure(flat.numpy(), group, groups, **words)
+            drawn[f"map_{method}_{colour}"] = figures.map_figure(
+                flat.numpy(), group, groups, **words
+            )
     return drawn, records
 
 
-def _charts(found: Features, records: Sequence[Record]) -> Drawn:
+def _charts(features: Features, records: Sequence[Record]) -> Drawn:
     drawn: Drawn = {}
     for measure in ("centroid", "proxy_a"):
-        if (table := _gap_record(found, records, measure)) is not None:
+        if (table := _gap_record(features, records, measure)) is not None:
             drawn[f"gaps_{measure}"] = figures.gap_tables(table)
     depth = DEPTHS[1]
-    chosen = [r for r in records if r["measure"] == f"recall@{depth}" and len(found.members(r["modality"])) > depth]
+    chosen = [
+        r
+        for r in records
+        if r["measure"] == f"recall@{depth}" and len(features.members(r["modality"])) > depth
+    ]
     if chosen:
         kept = _few(chosen, "modality")
         rows = [{**r, "row": r["modality"], "series": f"{r['from']} to {r['to']}"} for r in kept]
         names = dict.fromkeys(r["modality"] for r in kept)
-        rows += [{"row": n, "series": "chance", "value": depth / len(found.members(n))} for n in names]
+        rows += [
+            {"row": n, "series": "chance", "value": depth / len(features.members(n))} for n in names
+        ]
         drawn["retrieval"] = figures.dots(
-            rows, title=f"Own partner among the {depth} nearest", across=f"recall@{depth}", percent=True,
-            colours={"chance": CHANCE}, caption="Within each domain, by cosine. Bars: 95 % intervals over objects.",
+            rows, title=f"Own partner among the {depth} nearest", across=f"recall@{depth}", percent=True,  # noqa: E501
+            colours={"chance": CHANCE}, caption="Within each domain, by cosine. Bars: 95 % intervals over objects.",  # noqa: E501
         )  # fmt: skip
-    mixing = [r for r in records if r["part"] == "neighbours" and "own domain" in r["measure"] and r["from"]]
+    mixing = [
+        r
+        for r in records
+        if r["part"] == "neighbours" and "own domain" in r["measure"] and r["from"]
+    ]
     if mixing:
         level = next(r for r in records if r["part"] == "neighbours" and "if domains" in r["note"])
         drawn["neighbours"] = figures.dots(
             [{**r, "row": r["from"], "series": VIEWS[r["modality"]]} for r in _few(mixing, "from")],
-            title="Neighbours from the own domain", across="share of the 10 nearest", percent=True, ends=(0, 1),
+            title="Neighbours from the own domain", across="share of the 10 nearest", percent=True, ends=(0, 1),  # noqa: E501
             level=float(level["note"].split()[0]),
-            caption="100 %: every neighbour is of the same domain. Dashed: the share if domains were mixed. Bars: 95 % intervals over objects.",
+            caption="100 %: every neighbour is of the same domain. Dashed: the share if domains were mixed. Bars: 95 % intervals over objects.",  # noqa: E501
         )  # fmt: skip
     means = [r for r in records if r["part"] == "probe" and r["note"] and r["measure"] in MEASURES]
     if means:
         drawn["probe"] = figures.dots(
             [{**r, "row": VIEWS[r["modality"]], "series": r["measure"]} for r in means],
-            title="A linear probe at home and away", across="accuracy", percent=True, ends=(0, 1),
-            caption=f"Home: held-out objects of the same domain. Away: mean over other domains. Profile: {PROFILE} pictures of the target without labels. Bars: 95 % intervals over domains.",
+            title="Linear maps at home and away", across="accuracy", percent=True, ends=(0, 1),
+            caption=f"Home: held-out objects of the same domain. Away: mean over other domains. Profile: {PROFILE} pictures of the target without labels. Bars: 95 % intervals over domains.",  # noqa: E501
         )  # fmt: skip
     return drawn
 
@@ -122,36 +143,56 @@ def _few(records: Sequence[Record], key: str) -> list[Record]:
     return [one for one in records if one[key] in names]
 
 
-def _gap_record(found: Features, records: Sequence[Record], measure: str) -> dict[str, Any] | None:
+def _gap_record(
+    features: Features, records: Sequence[Record], measure: str
+) -> dict[str, Any] | None:
     """Return the gaps of a measure as `figures.gap_tables` takes them; None for one domain."""
     own = [r for r in records if r["part"] == "domain gap" and r["measure"] == measure and r["to"]]
     names = list(dict.fromkeys(n for r in own for n in (r["from"], r["to"])))
     if not names:
         return None
-    tables = {m: {a: dict.fromkeys(names, 0.0) for a in names} for m in found.modalities}
+    tables = {m: {a: dict.fromkeys(names, 0.0) for a in names} for m in features.modalities}
     for one in own:
         a, b = one["from"], one["to"]
         tables[one["modality"]][a][b] = tables[one["modality"]][b][a] = one["value"]
-    between = [r for r in records if r["part"] == "modality gap" and r["measure"] == measure and r["note"]]
-    data, gap = found.embeddings, between[0]["value"] if between else None
-    said = {"measure": measure, "stage": "unit length", "pairs": len(data), "simulated": data.header.simulated}
+    between = [
+        r for r in records if r["part"] == "modality gap" and r["measure"] == measure and r["note"]
+    ]
+    data, gap = features.embeddings, between[0]["value"] if between else None
+    said = {
+        "measure": measure,
+        "stage": "unit length",
+        "pairs": len(data),
+        "simulated": data.header.simulated,
+    }
     return {**said, "modality_gap": {"all": gap}, "domain_gap": tables}
 
 
-def _page(found: Features, records: Sequence[Record], drawn: Drawn, words: str) -> list[Any]:
-    data = found.embeddings
-    sizes = f"{len(found.domains)} domain{'s' * (len(found.domains) > 1)}"
-    facts = f"{len(data)} pairs, {sizes}: {', '.join(found.domains)}." + " Simulated data." * data.header.simulated
-    parts: list[Any] = [f"<p>{escape(facts)}</p>" + "".join(f"<p><b>{escape(m)}</b></p>" for m in notes(found))]
+def _page(features: Features, records: Sequence[Record], drawn: Drawn, words: str) -> list[Any]:
+    data = features.embeddings
+    sizes = f"{len(features.domains)} domain{'s' * (len(features.domains) > 1)}"
+    facts = (
+        f"{len(data)} pairs, {sizes}: {', '.join(features.domains)}."
+        + " Simulated data." * data.header.simulated
+    )
+    parts: list[Any] = [
+        f"<p>{escape(facts)}</p>" + "".join(f"<p><b>{escape(m)}</b></p>" for m in notes(features))
+    ]
     parts += [one for name, one in drawn.items() if name.startswith("map")]
-    if any(one["part"].endswith(" gap") and one["note"] for one in records if one["part"] != "no gap"):
+    if any(
+        one["part"].endswith(" gap") and one["note"] for one in records if one["part"] != "no gap"
+    ):
         parts += ["<h2>Gaps, means with 95 % intervals</h2>" + _gap_table(records)]
     parts += [one for name, one in drawn.items() if not name.startswith("map")]
     if "probe" in drawn:
         head = ("probe of", "accuracy", "over", "mean", "95 % interval")
         told = [r for r in records if r["part"] == "probe" and r["note"]]
-        names = [(VIEWS[r["modality"]], r["measure"], r["note"].removeprefix("mean, ")) for r in told]
-        cells = [(*name, _number(r["value"]), _ends(r)) for name, r in zip(names, told, strict=True)]
+        names = [
+            (VIEWS[r["modality"]], r["measure"], r["note"].removeprefix("mean, ")) for r in told
+        ]
+        cells = [
+            (*name, _number(r["value"]), _ends(r)) for name, r in zip(names, told, strict=True)
+        ]
         parts += [_table(head, cells, words=3)]
     files = "<p>Every number is in numbers.csv; the figures are in figures/ as SVG.</p>"
     return [*parts, f"<h2>Methods</h2><p>{escape(words)}</p>{files}"]
@@ -163,7 +204,11 @@ def _gap_table(records: Sequence[Record]) -> str:
     cells = []
     for one in means:
         level = _number(floors.get((one["measure"], one["modality"])))
-        what = "between photos and touches" if not one["modality"] else f"between domains, {VIEWS[one['modality']]}"
+        what = (
+            "between photos and touches"
+            if not one["modality"]
+            else f"between domains, {VIEWS[one['modality']]}"
+        )
         cells.append((NAMES[one["measure"]], what, _number(one["value"]), _ends(one), level))
     head = ("measure", "gap", "mean", "95 % interval", "two halves of one domain")
     return _table(head, cells, words=2)
@@ -174,15 +219,23 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]], *, words: int) ->
 
     def line(cells: Sequence[str], tag: str) -> str:
         kinds = [' class="words"' if k < words else "" for k in range(len(cells))]
-        return "".join(f"<{tag}{kind}>{escape(cell)}</{tag}>" for cell, kind in zip(cells, kinds, strict=True))
+        return "".join(
+            f"<{tag}{kind}>{escape(cell)}</{tag}>" for cell, kind in zip(cells, kinds, strict=True)
+        )
 
     lines = [line(head, "th"), *(line(row, "td") for row in rows)]
-    return '<div class="table"><table>' + "".join(f"<tr>{line}</tr>" for line in lines) + "</table></div>"
+    return (
+        '<div class="table"><table>'
+        + "".join(f"<tr>{line}</tr>" for line in lines)
+        + "</table></div>"
+    )
 
 
 def _number(value: float | None) -> str:
     return "–" if value is None or math.isnan(value) else f"{value:.3f}"
 
 
-def _ends(one: Record) -> str:
-    return "–" if one["low"] is None else f"{_number(one['low'])} to {_number(one['high'])}"
+def _ends(record: Record) -> str:
+    return (
+        "–" if record["low"] is None else f"{_number(record['low'])} to {_number(record['high'])}"
+    )

@@ -69,7 +69,11 @@ def _is_done(plan: TrainingPlan, stop: Stop, folder: Path) -> bool:
 
 
 def _carried_out(
-    plan: TrainingPlan, stops: Sequence[Stop], folder: Path, jobs: int, cancelled: Callable[[], bool]
+    plan: TrainingPlan,
+    stops: Sequence[Stop],
+    folder: Path,
+    jobs: int,
+    cancelled: Callable[[], bool],
 ) -> Iterator[Stop]:
     """Yield each stop when its head is written."""
     if jobs == 1 or len(stops) < 2:

@@ -59,7 +59,9 @@ def head_from_pairs(
 
     Raises the errors of `plan_training`, and TrainingCancelled.
     """
-    plan = plan_training(embeddings, source, part=part, head=head, training=training, bank=bank, seed=seed)
+    plan = plan_training(
+        embeddings, source, part=part, head=head, training=training, bank=bank, seed=seed
+    )
     watch = Watch(on_step=on_step, cancelled=cancelled)
     if on_epoch is not None:
         watch = replace(watch, on_epoch=_reporter(plan, on_epoch, measure_every, snapshot))
@@ -93,17 +95,30 @@ def trained_head(
         encoder=plan.encoder,
         provenance=provenance,
         familiarity=_familiarity(plan.pairs, labels_of(plan.pairs, plan.settings)),
-        profile=replace(profile_of(plan.pairs, domain=plan.source), step=STEP_SHIFTED if plan.training.shift else 1.0),
+        profile=replace(
+            profile_of(plan.pairs, domain=plan.source),
+            step=STEP_SHIFTED if plan.training.shift else 1.0,
+        ),
     )
     head.metrics.update(_metrics(plan, head, trained))
     for seed in repeat:
-        other = replace(head, model=_trained(replace(plan, seed=seed), steps, None).model, metrics={})
+        other = replace(
+            head, model=_trained(replace(plan, seed=seed), steps, None).model, metrics={}
+        )
         head.metrics["seeds"].append(_summary(seed, other, evaluate(other, plan.embeddings)))
     return head
 
 
 def _trained(plan: TrainingPlan, watch: Watch, resume: Path | None) -> Trained:
-    return train(plan.pairs, plan.settings, plan.training, bank=plan.bank, seed=plan.seed, resume=resume, watch=watch)
+    return train(
+        plan.pairs,
+        plan.settings,
+        plan.training,
+        bank=plan.bank,
+        seed=plan.seed,
+        resume=resume,
+        watch=watch,
+    )
 
 
 def _reporter(
@@ -129,7 +144,9 @@ def _calibration(plan: TrainingPlan, order: float, watch: Watch) -> tuple[Calibr
     settings = replace(plan.settings, order=order)
     training = replace(plan.training, order_search=False)
     try:
-        found = calibration_of(plan.pairs, settings, training, bank=plan.bank, seed=plan.seed, watch=watch)
+        found = calibration_of(
+            plan.pairs, settings, training, bank=plan.bank, seed=plan.seed, watch=watch
+        )
     except DataError as error:
         return None, f"none: {error}"
     return found, "a quarter of the source's objects, as they are and under imitated sensors"
@@ -161,10 +178,13 @@ def _metrics(plan: TrainingPlan, head: Head, trained: Trained) -> dict[str, Any]
 
 def _summary(seed: int, head: Head, records: Sequence[dict[str, Any]]) -> dict[str, Any]:
     """Return the scores of one seed: means over targets, and of each domain."""
-    means = {score: target_mean(target_scores(records), score) for score in ("accuracy", "macro_f1")}
+    means = {
+        score: target_mean(target_scores(records), score) for score in ("accuracy", "macro_f1")
+    }
     return {
         "seed": seed,
         "order": head.model.order,
-        **{f"target_{s}": None if math.isnan(mean) else mean for s, mean in means.items()},  # JSON has no NaN
+        # JSON has no NaN
+        **{f"target_{s}": None if math.isnan(mean) else mean for s, mean in means.items()},
         "domains": {r["domain"]: r["scores"]["fused"] for r in records if r["scores"]},
     }

@@ -50,7 +50,11 @@ class TrainingPlan:
     def encoder(self) -> dict[str, str]:
         """The encoder of the embeddings, for the head folder."""
         header = self.embeddings.header
-        return {"name": header.encoder, "weights_hash": header.weights_hash, "preprocessing": header.preprocessing}
+        return {
+            "name": header.encoder,
+            "weights_hash": header.weights_hash,
+            "preprocessing": header.preprocessing,
+        }
 
     def provenance(self) -> dict[str, Any]:
         """Return the provenance of a head of this plan, for the head folder."""
@@ -65,7 +69,10 @@ class TrainingPlan:
             "seed": self.seed,
             "train": settings_dict(self.training),
             "lang": {"origin": bank.origin, "hash": bank.hash} if bank else None,
-            "versions": {"python": platform.python_version(), **{name: version(name) for name in PACKAGES}},
+            "versions": {
+                "python": platform.python_version(),
+                **{name: version(name) for name in PACKAGES},
+            },
         }
 
 
@@ -81,7 +88,8 @@ def plan_training(
 ) -> TrainingPlan:
     """Plan a training on the pairs of one domain, without training.
 
-    source    name of the domain; its split "train" is used, or all pairs without a split. Pairs without a class are left out
+    source    name of the domain; its split "train" is used, or all pairs without a split. Pairs
+              without a class are left out
     part      only this part of it, such as "outdoor"
     head      settings of the head by name; classes and widths follow from the data
     training  None: default settings
@@ -98,13 +106,21 @@ def plan_training(
     if left_out := len(pairs) - int(pairs.labelled.sum()):
         pairs = pairs.select(pairs.labelled)
         if not len(pairs):
-            raise DataError(f"None of the {left_out} pairs of '{source}' has a class; choose another domain.")
+            raise DataError(
+                f"None of the {left_out} pairs of '{source}' has a class; choose another domain."
+            )
     present = set(pairs.label.tolist())
     classes = tuple(name for k, name in enumerate(embeddings.header.classes) if k in present)
     texts = None
     if training.lang:
-        texts = (bank if isinstance(bank, LangBank) else load_bank(bank or DEFAULT_BANK)).for_classes(classes)
-    values = {"classes": classes, "input_width": embeddings.width, "lang_width": texts.width if texts else 1}
+        texts = (
+            bank if isinstance(bank, LangBank) else load_bank(bank or DEFAULT_BANK)
+        ).for_classes(classes)
+    values = {
+        "classes": classes,
+        "input_width": embeddings.width,
+        "lang_width": texts.width if texts else 1,
+    }
     settings = settings_from(HeadSettings, {**values, **(head or {})})
     labels = labels_of(pairs, settings)  # raises an error for a single class before any work
     if training.selection != "last" and not len(held_out(pairs, labels, training, seed)[1]):

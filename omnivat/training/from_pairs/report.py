@@ -59,27 +59,33 @@ class Meter:
         training = model.training
         model.eval()
         with torch.no_grad():
-            found = next(iter(walk(model, self.embeddings, [order], stages=[STAGE], predictions=True)))
+            found = next(
+                iter(walk(model, self.embeddings, [order], stages=[STAGE], predictions=True))
+            )
         model.train(training)
         return found
 
-    def measures(self, found: AtOrder) -> dict[str, float]:
+    def measures(self, at_order: AtOrder) -> dict[str, float]:
         """Return the measures of `EpochReport`, without undefined ones."""
-        gaps = {name: value for _, name, value in measured(found, self.facts, GAPS)}
+        gaps = {name: value for _, name, value in measured(at_order, self.facts, GAPS)}
         kept = {f"{name}/{STAGE}": gaps[f"{name}/{STAGE}"] for name in GAPS}
-        own = self.keep & (self.embeddings.domain == self.embeddings.header.domains.index(self.source))
-        for reading in (one for one in ("fused", "vis", "tac") if one in found.probabilities):
+        own = self.keep & (
+            self.embeddings.domain == self.embeddings.header.domains.index(self.source)
+        )
+        for reading in (one for one in ("fused", "vis", "tac") if one in at_order.probabilities):
             name = "accuracy" if reading == "fused" else f"accuracy:{reading}"
-            right = found.probabilities[reading].argmax(1).cpu().numpy() == self.label
+            right = at_order.probabilities[reading].argmax(1).cpu().numpy() == self.label
             if own.any():
                 kept[f"{name}/source_test"] = float(right[own].mean())
-            if (unseen := mean_over_domains(right, self.embeddings, self.source, self.keep)) is not None:
+            if (
+                unseen := mean_over_domains(right, self.embeddings, self.source, self.keep)
+            ) is not None:
                 kept[f"{name}/unseen"] = unseen
         return {name: value for name, value in kept.items() if np.isfinite(value)}
 
-    def map(self, found: AtOrder) -> NDArray[Any]:
+    def map(self, at_order: AtOrder) -> NDArray[Any]:
         """Return a map (2N, 2) of F̂, aligned with the previous map."""
-        features = found.features[STAGE]
+        features = at_order.features[STAGE]
         flat = pca.project(torch.cat([unit(features["vis"]), unit(features["tac"])]))
         self._before = flat if self._before is None else aligned(flat, self._before)
         return np.asarray(self._before.double().cpu())

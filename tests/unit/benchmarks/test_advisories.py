@@ -14,7 +14,10 @@ Some_Name==1.0
 
 
 def advisory(name, *events, **more):
-    entry = {"package": {"ecosystem": "PyPI", "name": name}, "ranges": [{"type": "ECOSYSTEM", "events": list(events)}]}
+    entry = {
+        "package": {"ecosystem": "PyPI", "name": name},
+        "ranges": [{"type": "ECOSYSTEM", "events": list(events)}],
+    }
     return {"id": "TEST-1", "affected": [entry], **more}
 
 
@@ -28,7 +31,12 @@ def test_a_lock_file_is_read_by_the_names_that_registries_compare():
     [("0.9", False), ("1.0", True), ("1.4", True), ("1.5", False), ("2.0", True), ("2.1", True), ("2.2", False)],
 )  # fmt: skip
 def test_ranges_are_read_from_introduced_to_fixed_or_last_affected(version, inside):
-    events = [{"introduced": "1.0"}, {"fixed": "1.5"}, {"introduced": "2.0"}, {"last_affected": "2.1"}]
+    events = [
+        {"introduced": "1.0"},
+        {"fixed": "1.5"},
+        {"introduced": "2.0"},
+        {"last_affected": "2.1"},
+    ]
     assert within(Version(version), events) is inside
 
 

@@ -69,7 +69,9 @@ def test_an_argument_out_of_range_is_refused_with_the_range(arguments, sentence,
         (["embed", "nowhere", "--out", "x.safetensors"], "There is no folder or file at 'nowhere'"),
     ],
 )
-def test_what_a_person_can_put_right_is_one_sentence_and_exit_1(arguments, sentence, capsys, tmp_path, monkeypatch):
+def test_what_a_person_can_put_right_is_one_sentence_and_exit_1(
+    arguments, sentence, capsys, tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     assert main(arguments) == 1
     captured = capsys.readouterr()
@@ -88,7 +90,9 @@ def test_what_a_person_can_put_right_is_one_sentence_and_exit_1(arguments, sente
     ],
     ids=lambda arguments: arguments[0],
 )
-def test_a_file_in_the_place_of_an_output_folder_is_refused_before_any_work(arguments, capsys, tmp_path, monkeypatch):
+def test_a_file_in_the_place_of_an_output_folder_is_refused_before_any_work(
+    arguments, capsys, tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "file").write_text("mine")
     assert main(arguments) == 1
@@ -106,11 +110,24 @@ def test_a_file_in_the_place_of_an_output_folder_is_refused_before_any_work(argu
         (["selection=target"], "selection is 'target'; choose one of last, source-val."),
     ],
 )
-def test_a_wrong_setting_is_refused_before_anything_is_written(texts, sentence, head_folder, tmp_path, capsys):
+def test_a_wrong_setting_is_refused_before_anything_is_written(
+    texts, sentence, head_folder, tmp_path, capsys
+):
     embeddings = head_folder.parent / "set.safetensors"
     settings = [part for text in texts for part in ("--set", text)]
     out = tmp_path / "head"
-    code = main(["train", "--embeddings", str(embeddings), "--source", "TAG-sim", "--out", str(out), *settings])
+    code = main(
+        [
+            "train",
+            "--embeddings",
+            str(embeddings),
+            "--source",
+            "TAG-sim",
+            "--out",
+            str(out),
+            *settings,
+        ]
+    )
     assert code == 1
     assert sentence in capsys.readouterr().err
     assert not out.exists()
@@ -118,7 +135,9 @@ def test_a_wrong_setting_is_refused_before_anything_is_written(texts, sentence, 
 
 def test_an_unknown_source_lists_the_domains_there_are(head_folder, tmp_path, capsys):
     embeddings = head_folder.parent / "set.safetensors"
-    code = main(["train", "--embeddings", str(embeddings), "--source", "TAGG", "--out", str(tmp_path / "h")])
+    code = main(
+        ["train", "--embeddings", str(embeddings), "--source", "TAGG", "--out", str(tmp_path / "h")]
+    )
     assert code == 1
     assert "there are TAG-sim, OF Real-sim" in capsys.readouterr().err
 
@@ -135,20 +154,26 @@ def test_evaluate_prints_every_domain_and_json_for_programs(head_folder, capsys)
 
 
 @pytest.mark.parametrize("stated", [True, False])
-def test_evaluate_says_so_where_the_source_was_trained_on(stated, head_folder, make_embeddings, tmp_path, capsys):
+def test_evaluate_says_so_where_the_source_was_trained_on(
+    stated, head_folder, make_embeddings, tmp_path, capsys
+):
     from dataclasses import replace
 
     from omnivat.data.store import save_embeddings
 
     made = make_embeddings()
     splits = ["train" if stated and n % 2 else "test" if stated else "" for n in range(len(made))]
-    save_embeddings(tmp_path / "set.safetensors", replace(made, rows={**made.rows, "split": splits}))
+    save_embeddings(
+        tmp_path / "set.safetensors", replace(made, rows={**made.rows, "split": splits})
+    )
     given = ["--head", str(head_folder), "--embeddings", str(tmp_path / "set.safetensors")]
     assert main(["evaluate", *given]) == 0
     assert ("measured on the head's training pairs" in capsys.readouterr().out) is not stated
 
 
-def test_a_head_refuses_embeddings_of_another_encoder(head_folder, make_embeddings, tmp_path, capsys):
+def test_a_head_refuses_embeddings_of_another_encoder(
+    head_folder, make_embeddings, tmp_path, capsys
+):
     from dataclasses import replace
 
     from omnivat.data.store import save_embeddings
@@ -156,7 +181,15 @@ def test_a_head_refuses_embeddings_of_another_encoder(head_folder, make_embeddin
     other = make_embeddings()
     other = replace(other, header=replace(other.header, encoder="clip-vit-b16"))
     save_embeddings(tmp_path / "other.safetensors", other)
-    code = main(["evaluate", "--head", str(head_folder), "--embeddings", str(tmp_path / "other.safetensors")])
+    code = main(
+        [
+            "evaluate",
+            "--head",
+            str(head_folder),
+            "--embeddings",
+            str(tmp_path / "other.safetensors"),
+        ]
+    )
     assert code == 1
     error = capsys.readouterr().err
     assert "clip-vit-b16" in error and "test-encoder" in error
@@ -168,7 +201,9 @@ def test_the_parser_knows_its_version(capsys):
     assert capsys.readouterr().out.startswith("omnivat ")
 
 
-@pytest.mark.parametrize("words", ["embed loop --out q.safetensors", "sweep --csv loop --json loop"])
+@pytest.mark.parametrize(
+    "words", ["embed loop --out q.safetensors", "sweep --csv loop --json loop"]
+)
 def test_a_link_to_itself_is_refused_in_a_sentence(words, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "loop").symlink_to("loop")

@@ -29,7 +29,9 @@ def test_gaps_at_raw_are_those_of_the_embeddings_and_need_no_head(head_folder, c
     assert found["modality_gap"]["all"] == pytest.approx(float(modality_gap(vis, tac)), rel=1e-5)
     a, b = embeddings.header.domains
     assert found["domain_gap"]["tac"][a][b] == found["domain_gap"]["tac"][b][a]
-    assert found["domain_gap"]["tac"][a][b] == pytest.approx(float(centroid_gap(tac[first], tac[~first])), rel=1e-5)
+    assert found["domain_gap"]["tac"][a][b] == pytest.approx(
+        float(centroid_gap(tac[first], tac[~first])), rel=1e-5
+    )
 
 
 def test_the_raw_transform_changes_no_gap(names, capsys):

@@ -1,4 +1,6 @@
-"""Each long command is killed once while it writes: nothing half-written stands, and it can run again."""
+"""Each long command is killed once while it writes: nothing half-written stands, and it can run
+again.
+"""
 
 import os
 import signal
@@ -39,9 +41,17 @@ TRAIN = "--source TAG-sim --set width=16 --set epochs=2 --set lang=false --no-ca
 # command, its arguments, what it makes, and after how many files it is killed
 COMMANDS = {
     "train": (f"--embeddings {{set}} {TRAIN} --out {{out}}/head", "head", 2),
-    "sweep": ("--head {head} --embeddings {set} --orders 0,0.5 --out {out}/f.bin --json {out}/c.json", "f.bin", 1),
+    "sweep": (
+        "--head {head} --embeddings {set} --orders 0,0.5 --out {out}/f.bin --json {out}/c.json",
+        "f.bin",
+        1,
+    ),
     "embed": ("{pairs} --encoder strip --out {out}/e.safetensors", "e.safetensors", 2),
-    "protocol": ("--embeddings {set} --methods linear_probe --seeds 0 --out {out}/records", "records", 0),
+    "protocol": (
+        "--embeddings {set} --methods linear_probe --seeds 0 --out {out}/records",
+        "records",
+        0,
+    ),
     "simulate": ("--set chirps --pairs-per-class 4 --out {out}/chirps", "chirps", 30),
     "export": ("--frames {frames} --out {out}/map.svg", "map.svg", 0),
     "thumbnails": ("{pairs} --embeddings {embedded} --out {out}/s.webp", "s.webp", 1),

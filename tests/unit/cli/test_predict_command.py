@@ -59,7 +59,9 @@ def test_a_single_pair_that_cannot_be_read_is_an_error_without_json(folder, caps
     assert said.out == "" and "a_vis.png" in said.err and said.err.count("\n") == 1
 
 
-def test_a_head_of_rest_pictures_uses_the_one_given_and_tells_when_it_needs_one(folder, tmp_path, capsys):
+def test_a_head_of_rest_pictures_uses_the_one_given_and_tells_when_it_needs_one(
+    folder, tmp_path, capsys
+):
     head = tmp_path / "head"
     copytree(default_head(), head)
     settings = json.loads((head / "settings.json").read_text())

@@ -25,7 +25,15 @@ def two(make_embeddings, head_folder, tmp_path_factory):
 
 def evaluated(capsys, folder, head, *more):
     code = main(
-        ["evaluate", "--head", str(head), "--embeddings", str(folder / "set.safetensors"), "--json", *list(more)]
+        [
+            "evaluate",
+            "--head",
+            str(head),
+            "--embeddings",
+            str(folder / "set.safetensors"),
+            "--json",
+            *list(more),
+        ]
     )
     out = capsys.readouterr()
     assert code == 0, out.err
@@ -53,10 +61,11 @@ def test_the_scores_of_unlabelled_pairs_are_means_over_draws(capsys, monkeypatch
         seeds.append(seed)
         return drawn_profiles(*given, seed=seed)
 
-    monkeypatch.setattr("omnivat.data.profile.drawn_profiles", drawn)
+    monkeypatch.setattr("omnivat.measure.known.drawn_profiles", drawn)
     some = evaluated(capsys, two, head_folder, "--unlabelled", "3", "--draws", "2", "--seed", "4")
     single = [
-        evaluated(capsys, two, head_folder, "--unlabelled", "3", "--draws", "1", "--seed", seed) for seed in ("4", "5")
+        evaluated(capsys, two, head_folder, "--unlabelled", "3", "--draws", "1", "--seed", seed)
+        for seed in ("4", "5")
     ]
     assert seeds == [4, 5, 4, 5]
     for domain in ("OF Real-sim", "TQ-DIGIT-sim"):
@@ -67,7 +76,9 @@ def test_the_scores_of_unlabelled_pairs_are_means_over_draws(capsys, monkeypatch
     assert "draws" not in some["TAG-sim"]
 
 
-def test_without_a_split_the_drawn_pairs_are_not_predicted(capsys, tmp_path, make_embeddings, head_folder):
+def test_without_a_split_the_drawn_pairs_are_not_predicted(
+    capsys, tmp_path, make_embeddings, head_folder
+):
     save_embeddings(tmp_path / "set.safetensors", make_embeddings())
     plain = evaluated(capsys, tmp_path, head_folder)
     some = evaluated(capsys, tmp_path, head_folder, "--unlabelled", "7")
@@ -83,7 +94,10 @@ def test_a_profile_file_serves_the_domain_that_it_names(capsys, two, head_folder
 
 def test_the_table_says_what_was_known(capsys, two, head_folder):
     set_ = str(two / "set.safetensors")
-    assert main(["evaluate", "--head", str(head_folder), "--embeddings", set_, "--unlabelled", "5"]) == 0
+    assert (
+        main(["evaluate", "--head", str(head_folder), "--embeddings", set_, "--unlabelled", "5"])
+        == 0
+    )
     said = capsys.readouterr().out
     assert "5 pictures without labels" in said and "Mean of 10 draws" in said
 
@@ -108,7 +122,9 @@ def test_a_head_without_its_sources_profile_is_named(capsys, tmp_path, two, head
     shutil.copytree(head_folder, tmp_path / "head")
     (tmp_path / "head" / "profile.safetensors").unlink()
     set_ = str(two / "set.safetensors")
-    code = main(["evaluate", "--head", str(tmp_path / "head"), "--embeddings", set_, "--unlabelled", "2"])
+    code = main(
+        ["evaluate", "--head", str(tmp_path / "head"), "--embeddings", set_, "--unlabelled", "2"]
+    )
     assert code == 1 and "has no profile of its source" in capsys.readouterr().err
 
 

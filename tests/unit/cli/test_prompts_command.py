@@ -45,8 +45,10 @@ def test_styles_are_learned_through_clip_and_the_bank_says_so(tmp_path, monkeypa
     assert main([*command, "--method", "promptstyler", "--steps", "2", "--seed", "7"]) == 0
     bank = load_bank(out)
     assert bank.embeddings.shape == (5, 3, 4)
-    assert bank.origin == (
-        "PromptStyler stage 1, 3 styles of 2 steps, seed 7, through clip-vit-b16 (weights 0123456789ab)"
+    assert (
+        bank.origin
+        == "PromptStyler stage 1, 3 styles of 2 steps, seed 7, through clip-vit-b16 (weights"
+        " 0123456789ab)"
     )
     assert "15 texts by PromptStyler" in capsys.readouterr().out
     assert (bank.encoder, bank.text_hash) == ("clip-vit-b16", "0123456789abcdef")

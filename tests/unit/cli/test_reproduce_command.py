@@ -44,7 +44,9 @@ def root(tmp_path: Path, put: Put, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def touch_and_go(root: Path, put: Put) -> None:
     lines: dict[str, list[str]] = {"train": [], "test": []}
-    for number, (split, label) in enumerate((split, label) for split in lines for label in (3, 4, 1) for _ in range(2)):
+    for number, (split, label) in enumerate(
+        (split, label) for split in lines for label in (3, 4, 1) for _ in range(2)
+    ):
         for side in ("video_frame", "gelsight_frame"):
             put(root / "dataset" / "20220101_000000" / side / f"{number:010d}.jpg")
         lines[split].append(f"20220101_000000/{number:010d}.jpg,{label}\n")
@@ -78,7 +80,10 @@ def objectfolder_2(root: Path, put: Put) -> None:
 
 
 def tacquad(root: Path, put: Put) -> None:
-    for part, items in (("indoor", ("wood_block", "steel_cup")), ("outdoor", ("wood_bench", "steel_rail"))):
+    for part, items in (
+        ("indoor", ("wood_block", "steel_cup")),
+        ("outdoor", ("wood_bench", "steel_rail")),
+    ):
         for name in items:
             for sensor in ("gelsight", "digit", "duragel"):
                 for number in range(3):
@@ -115,7 +120,11 @@ def test_a_set_that_is_there_twice_is_refused_with_both_places(root: Path, put: 
 
 @pytest.mark.slow
 def test_one_command_writes_the_papers_tables_and_goes_on_from_where_it_stopped(
-    clips: Any, root: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    clips: Any,
+    root: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(clips, "LONGEST", 32)  # prompts are spelt by letters
     place = clips.write("OpenAI state dict", tmp_path / "clip", clips.small_model())

@@ -61,7 +61,9 @@ def test_the_files_hold_what_the_library_answers(head_folder, tmp_path):
         assert [float(text) for text in table[name]] == pytest.approx(values.tolist())
 
 
-def test_a_value_that_does_not_exist_is_null_and_an_empty_cell(head_folder, make_embeddings, tmp_path):
+def test_a_value_that_does_not_exist_is_null_and_an_empty_cell(
+    head_folder, make_embeddings, tmp_path
+):
     from omnivat.data.store import save_embeddings
 
     one_domain = tmp_path / "one.safetensors"
@@ -74,7 +76,9 @@ def test_a_value_that_does_not_exist_is_null_and_an_empty_cell(head_folder, make
     assert columns(tmp_path / "c.csv")["domain_gap/raw"] == ["", ""]
 
 
-def test_frames_are_made_for_the_orders_stages_and_measures_asked_for(head_folder, tmp_path, capsys):
+def test_frames_are_made_for_the_orders_stages_and_measures_asked_for(
+    head_folder, tmp_path, capsys
+):
     out = tmp_path / "frames.bin"
     asked = ("--orders", "0,0.5,2.5", "--stages", "raw,relu", "--measures", "margin")
     assert main(command(head_folder, "--out", out, *asked)) == 0
@@ -101,7 +105,9 @@ def test_frames_are_made_for_the_orders_stages_and_measures_asked_for(head_folde
         (("--csv", "c", "--stops", "1"), "--stops is 1; choose 2 to 1001."),
     ],
 )
-def test_what_cannot_be_swept_is_one_sentence_and_no_file(asked, sentence, head_folder, tmp_path, monkeypatch, capsys):
+def test_what_cannot_be_swept_is_one_sentence_and_no_file(
+    asked, sentence, head_folder, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     assert main(command(head_folder, *asked)) == 1
     said = capsys.readouterr()

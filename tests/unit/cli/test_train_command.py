@@ -57,7 +57,9 @@ def test_without_resume_a_stopped_training_starts_again(file, tmp_path, monkeypa
     assert main(command(file, tmp_path / "head")) == 0
 
 
-def test_resuming_with_other_settings_is_refused_with_a_sentence(file, tmp_path, monkeypatch, capsys):
+def test_resuming_with_other_settings_is_refused_with_a_sentence(
+    file, tmp_path, monkeypatch, capsys
+):
     with monkeypatch.context() as patch:
         stopped_in_the_second_epoch(patch)
         assert main(command(file, tmp_path / "head")) == 130
@@ -83,14 +85,18 @@ def test_repeats_leave_their_scores_beside_those_of_the_head_that_is_kept(file, 
     """The head is --seed's; the others are what training with their seeds gives."""
     assert main(command(file, tmp_path / "head", "--repeat", "1")) == 0
     assert main(command(file, tmp_path / "other", "--seed", "1")) == 0
-    kept, other = (json.loads((tmp_path / name / "metrics.json").read_text()) for name in ("head", "other"))
+    kept, other = (
+        json.loads((tmp_path / name / "metrics.json").read_text()) for name in ("head", "other")
+    )
     assert [one["seed"] for one in kept["seeds"]] == [0, 1]
     assert kept["seeds"][0]["target_accuracy"] == kept["target_accuracy"]
     assert kept["seeds"][1] == other["seeds"][0]
     assert set(kept["seeds"][1]["domains"]) == {d["domain"] for d in kept["domains"]}
 
 
-def test_a_folder_that_holds_something_else_is_refused_before_the_first_step(file, tmp_path, monkeypatch, capsys):
+def test_a_folder_that_holds_something_else_is_refused_before_the_first_step(
+    file, tmp_path, monkeypatch, capsys
+):
     from omnivat.training import loop
 
     (tmp_path / "head").mkdir()

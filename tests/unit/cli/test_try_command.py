@@ -18,7 +18,7 @@ from omnivat.study.shift import read_features
 
 @pytest.fixture(autouse=True)
 def short(monkeypatch):
-    monkeypatch.setattr(trial, "STEPS", 60)
+    monkeypatch.setattr(trial, "EPOCHS", 5)
 
 
 def tried(capsys, place, *more):
@@ -40,11 +40,15 @@ def vectors(file, count=24, **columns):
     random = np.random.default_rng(0)
     labels = np.arange(count) % 3
     rows = random.normal(size=(3, 16))[labels] + 0.1 * random.normal(size=(count, 16))
-    np.savez(file, **{"vis": rows, "tac": rows + 1, "material": np.array(list("abc"))[labels]} | columns)
+    np.savez(
+        file, **{"vis": rows, "tac": rows + 1, "material": np.array(list("abc"))[labels]} | columns
+    )
     return file
 
 
-def test_features_of_two_domains_become_a_folder_with_head_profiles_and_figures(make_embeddings, tmp_path, capsys):
+def test_features_of_two_domains_become_a_folder_with_head_profiles_and_figures(
+    make_embeddings, tmp_path, capsys
+):
     save_embeddings(tmp_path / "mine.safetensors", make_embeddings(split=True))
     said = tried(capsys, tmp_path / "mine.safetensors")
     out = tmp_path / "mine-try"
@@ -54,7 +58,9 @@ def test_features_of_two_domains_become_a_folder_with_head_profiles_and_figures(
     home, away = json.loads((out / "figures.json").read_text())
     assert (home["domain"], home["pairs"], home["objects"]) == ("TAG-sim", 40, 20)
     assert (away["domain"], away["profile"]["pictures"]) == ("OF Real-sim", 20)
-    assert {p.channels["vis"].count for p in map(load_profile, (out / "profiles").iterdir())} == {40}
+    assert {p.channels["vis"].count for p in map(load_profile, (out / "profiles").iterdir())} == {
+        40
+    }
     assert "of which nothing was known" in said and "split is not used" in said
     assert all(line in said for line in (out / "summary.txt").read_text().splitlines())
 
@@ -84,6 +90,31 @@ def test_no_head_sees_an_object_that_it_is_tested_on(make_embeddings, tmp_path, 
     }
 
 
+def reading(share: float) -> dict[str, float]:
+    return {"share": share, "low": share - 0.1, "high": share + 0.1}
+
+
+def figures(head: float, maps: float, photo: float = 0.4, domain: str = "TAG") -> dict[str, object]:
+    names = {"both": (head, maps), "vis": (photo, 0.3), "tac": (0.3, 0.3)}
+    shares = {k: v for n, (a, b) in names.items() for k, v in ((n, a), (trial.probe_of(n), b))}
+    known = {"domain": domain, "pairs": 50, "objects": 10, "always the largest class": 0.2}
+    return known | {name: reading(share) for name, share in shares.items()}
+
+
+@pytest.mark.parametrize(
+    ("head", "maps", "advice"),
+    [(0.8, 0.5, "take the head."), (0.5, 0.8, "take the linear maps."), (0.5, 0.52, "level")],
+)
+def test_the_last_sentence_tells_what_to_take(head, maps, advice):
+    said = trial.conclusion([figures(0.9, 0.1), figures(head, maps, domain="DIGIT")], "TAG")
+    assert said.startswith("In short: on another sensor") and advice in said
+
+
+def test_one_image_that_beats_both_is_remarked():
+    assert "Photo only beats both images" in trial._sentence(figures(0.5, 0.5, photo=0.6))
+    assert "beats" not in trial._sentence(figures(0.5, 0.5))
+
+
 def test_noise_without_classes_in_it_is_not_praised(tmp_path, capsys):
     random = np.random.default_rng(1)
     rows = random.normal(size=(2, 120, 16))
@@ -98,6 +129,7 @@ def test_noise_without_classes_in_it_is_not_praised(tmp_path, capsys):
 
 def test_one_domain_says_what_is_not_known(tmp_path, capsys):
     said = tried(capsys, vectors(tmp_path / "one.npz"))
+    assert "In short: on objects that it did not see" in said
     assert "another sensor is not known" in said and "each pair counts as an object" in said
 
 
@@ -124,9 +156,13 @@ def test_a_class_of_one_object_is_named_and_not_tested(tmp_path, capsys):
     assert (home["pairs"], home["classes"]) == (16, 2)
 
 
-def test_without_classes_there_is_no_head_and_the_page_opens_on_the_features(tmp_path, capsys, monkeypatch):
+def test_without_classes_there_is_no_head_and_the_page_opens_on_the_features(
+    tmp_path, capsys, monkeypatch
+):
     started = []
-    monkeypatch.setattr(try_pairs.subprocess, "Popen", lambda command: started.append(command) or MagicMock())
+    monkeypatch.setattr(
+        try_pairs.subprocess, "Popen", lambda command: started.append(command) or MagicMock()
+    )
     rows = np.random.default_rng(0).normal(size=(6, 16))
     np.savez(tmp_path / "bare.npz", vis=rows, tac=rows + 1)
     assert main(["try", str(tmp_path / "bare.npz")]) == 0
@@ -171,14 +207,22 @@ def test_pairs_without_a_class_among_others_are_neither_learned_nor_tested(
 ):
     save_embeddings(tmp_path / "mine.safetensors", without_classes(make_embeddings(), 2))
     said = tried(capsys, tmp_path / "mine.safetensors")
-    assert "24 pairs, 3 classes (16 pairs without a class left out)" in said and "with texts" in said
-    assert load_head(tmp_path / "mine-try" / "head").settings.classes == ("wood", "steel", "plastic")
+    assert (
+        "24 pairs, 3 classes (16 pairs without a class left out)" in said and "with texts" in said
+    )
+    assert load_head(tmp_path / "mine-try" / "head").settings.classes == (
+        "wood",
+        "steel",
+        "plastic",
+    )
     home, away = json.loads((tmp_path / "mine-try" / "figures.json").read_text())
     assert (home["pairs"], home["classes"], away["pairs"]) == (24, 3, 24)
 
 
 def test_pictures_with_names_alone_get_thumbnails(tmp_path, capsys):
-    root = pictures(tmp_path / "p", [f"{k}_{half}.png" for k in range(2) for half in ("vis", "tac")])
+    root = pictures(
+        tmp_path / "p", [f"{k}_{half}.png" for k in range(2) for half in ("vis", "tac")]
+    )
     said = tried(capsys, root)
     assert "no classes" in said and "No thumbnails" not in said
     assert (tmp_path / "p-try" / "set.thumbnails.webp").is_file()
@@ -200,10 +244,15 @@ def test_the_page_opens_on_the_new_head_and_set(tmp_path, monkeypatch):
     assert main(["try", str(vectors(tmp_path / "x.npz")), "--out", str(tmp_path / "out")]) == 0
     (command,) = started
     chosen = parser({}).parse_args(command[3:])
-    assert (chosen.head, chosen.embeddings) == (tmp_path / "out" / "head", tmp_path / "out" / "set.safetensors")
+    assert (chosen.head, chosen.embeddings) == (
+        tmp_path / "out" / "head",
+        tmp_path / "out" / "set.safetensors",
+    )
 
 
-@pytest.mark.parametrize(("name", "words"), [("none.npz", "no folder or file"), ("x.txt", "ends in '.txt'")])
+@pytest.mark.parametrize(
+    ("name", "words"), [("none.npz", "no folder or file"), ("x.txt", "ends in '.txt'")]
+)
 def test_what_cannot_be_read_ends_in_one_sentence(tmp_path, capsys, name, words):
     (tmp_path / "x.txt").write_text("x")
     assert main(["try", str(tmp_path / name), "--no-page"]) == 1

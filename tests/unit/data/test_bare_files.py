@@ -64,10 +64,16 @@ def in_tiff(entries: int, number: int) -> bytes:
 
 
 COSTLY = {
-    "an EXIF table of 20,000 entries in a PNG": in_png(b"eXIf", table(20_000, 2, 200_000) + bytes(200_000)),
-    "an EXIF table of 5,000 entries in a JPEG": in_jpeg(0xE1, b"Exif\0\0" + table(5_000, 10, 500, 100)),
+    "an EXIF table of 20,000 entries in a PNG": in_png(
+        b"eXIf", table(20_000, 2, 200_000) + bytes(200_000)
+    ),
+    "an EXIF table of 5,000 entries in a JPEG": in_jpeg(
+        0xE1, b"Exif\0\0" + table(5_000, 10, 500, 100)
+    ),
     "300 EXIF parts in a JPEG": in_jpeg(0xE1, b"Exif\0\0" + bytes(65_000), 300),
-    "10 MB of fill bytes in a JPEG": encoded(SMALL, "JPEG").replace(b"\xff\xd8", b"\xff\xd8" + b"\xff" * 10_000_000, 1),
+    "10 MB of fill bytes in a JPEG": encoded(SMALL, "JPEG").replace(
+        b"\xff\xd8", b"\xff\xd8" + b"\xff" * 10_000_000, 1
+    ),
     "9 million starts of a scan behind a progressive JPEG": encoded(SMALL, "JPEG", progressive=True)
     + b"\xff\xda" * 9_000_000,
     "450 entries of 1 MB in a TIFF": in_tiff(450, 1_000_000),
@@ -94,7 +100,9 @@ def test_what_is_no_pixel_costs_no_time_and_little_more_memory_than_the_file(wha
 @pytest.mark.parametrize("kind", ["PNG", "JPEG", "WEBP", "TIFF"])
 @pytest.mark.parametrize("order", ["<", ">"])
 @pytest.mark.parametrize("turn", range(1, 9))
-def test_the_rotation_that_is_read_is_the_one_that_pillow_finds(kind: str, order: str, turn: int) -> None:
+def test_the_rotation_that_is_read_is_the_one_that_pillow_finds(
+    kind: str, order: str, turn: int
+) -> None:
     exif = Image.Exif()
     exif.endian = order
     exif[0x0112] = turn
@@ -103,14 +111,17 @@ def test_the_rotation_that_is_read_is_the_one_that_pillow_finds(kind: str, order
 
 
 @pytest.mark.parametrize(
-    "exif", [b"", b"II*\0", b"II*\0\xff\xff\xff\xff", b"XX*\0\x08\0\0\0\1\0", table(3, 3, 9), b"\0" * 40]
+    "exif",
+    [b"", b"II*\0", b"II*\0\xff\xff\xff\xff", b"XX*\0\x08\0\0\0\1\0", table(3, 3, 9), b"\0" * 40],
 )
 def test_a_damaged_table_turns_nothing(exif: bytes) -> None:
     assert rotation(exif) == 1
 
 
 @pytest.mark.parametrize("kind", ["PNG", "JPEG", "TIFF"])
-def test_a_file_without_notes_is_handed_on_as_it_is_and_with_notes_has_the_same_pixels(kind: str) -> None:
+def test_a_file_without_notes_is_handed_on_as_it_is_and_with_notes_has_the_same_pixels(
+    kind: str,
+) -> None:
     noted = {
         "PNG": in_png(b"tEXt", b"k\0" + b"x" * 99),
         "JPEG": in_jpeg(0xE1, b"Exif\0\0" + table(9, 3, 1)),

@@ -118,7 +118,9 @@ def test_files_imported_under_one_name_are_of_one_encoder(table: Table, tmp_path
     assert first == second != other
 
 
-def test_the_narrower_vectors_end_in_zeros_and_the_header_says_so(table: Table, tmp_path: Path) -> None:
+def test_the_narrower_vectors_end_in_zeros_and_the_header_says_so(
+    table: Table, tmp_path: Path
+) -> None:
     table["tac"] = table["tac"][:, :3]
     write_npz(table, tmp_path / "a.npz")
     found = import_embeddings(tmp_path / "a.npz", encoder="x")
@@ -146,8 +148,14 @@ Change = Callable[[Table], object]
         (lambda t: t.pop("material"), "no column 'material'; pass --column material"),
         (lambda t: t.pop("domain"), "no column 'domain'; pass --domain"),
         (lambda t: t.update(tac=t["tac"][:5]), r"tac of shape \(5, 4\), expected \(6, D\)"),
-        (lambda t: t.update(vis=t["vis"] * np.nan), "NaN or infinite values in 6 rows of vis"),
-        (lambda t: t.update(vis=t["vis"].astype(float) * 1e300), "NaN or infinite"),
+        (lambda t: t.update(vis=t["vis"] * np.nan), "vis of .* has nan in row 0, column 0"),
+        (lambda t: t.update(vis=t["vis"].astype(float) * 1e300), "has -?inf in row 0"),
+        (lambda t: t["vis"].__setitem__((3, 1), 1e30), r"has 1e\+30 in row 3, column 1"),
+        (lambda t: t.update(tac=t["tac"] * 1e-40), "no value above"),
+        (
+            lambda t: t["domain"].__setitem__(2, "\ud800"),
+            "domain in row 2 .* which no file can hold",
+        ),
         (lambda t: t.update(vis=t["vis"].astype(str)), "expected numbers"),
         (lambda t: t.update(material=np.arange(6)), "0 to 5; name them with --classes"),
         (lambda t: t.update(split=np.array(["dev"] * 6)), "the split 'dev'"),
@@ -155,7 +163,9 @@ Change = Callable[[Table], object]
         (lambda t: t.update(object=np.array([{}] * 6)), "pickled objects"),
     ],
 )
-def test_what_does_not_fit_is_refused_by_name(table: Table, tmp_path: Path, change: Change, match: str) -> None:
+def test_what_does_not_fit_is_refused_by_name(
+    table: Table, tmp_path: Path, change: Change, match: str
+) -> None:
     change(table)
     write_npz(table, tmp_path / "a.npz")
     with pytest.raises(DataError, match=match) as caught:

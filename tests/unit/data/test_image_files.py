@@ -138,7 +138,9 @@ def test_the_strips_of_a_picture_with_a_palette_and_transparency_join_without_a_
     assert (read == (200, 100, 50)).all()
 
 
-@pytest.mark.parametrize(("size", "wanted"), [((3000, 4000), 2), ((8160, 6120), 4), ((640, 480), 1)])
+@pytest.mark.parametrize(
+    ("size", "wanted"), [((3000, 4000), 2), ((8160, 6120), 4), ((640, 480), 1)]
+)
 def test_a_jpeg_is_decoded_no_smaller_than_the_factor_asks(size, wanted):
     assert draft_scale(*size) == wanted <= factor(*size)
 

@@ -193,7 +193,9 @@ def test_a_decompression_bomb_is_refused_by_its_header(side: int) -> None:
     assert f"{side} × {side}" in refusal(png((side, side), 2, 8, b"\0" * 99))
 
 
-@pytest.mark.parametrize("content", [b"hello, this is no image at all", b"\0" * 64, b"%!PS-Adobe-3.0 EPSF", b"<svg/>"])
+@pytest.mark.parametrize(
+    "content", [b"hello, this is no image at all", b"\0" * 64, b"%!PS-Adobe-3.0 EPSF", b"<svg/>"]
+)
 def test_what_is_no_image_is_refused(content: bytes) -> None:
     assert "PNG or JPEG" in refusal(content)
 

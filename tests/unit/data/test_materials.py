@@ -6,7 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from omnivat.data.materials import MATERIALS, class_key, in_order, rules, rules_in_text, why_left_out
+from omnivat.data.materials import (
+    MATERIALS,
+    class_key,
+    in_order,
+    rules,
+    rules_in_text,
+    why_left_out,
+)
 
 
 @pytest.mark.parametrize("name", ["Wood", "wood ", " WOOD", "\twood\n", "ｗｏｏｄ"])
@@ -63,12 +70,16 @@ def found(text, glued=False):
     return {rule.material for rule in rules_in_text(text, "tacquad", glued=glued)}
 
 
-@pytest.mark.parametrize("text", ["galss", "lgass", "glasss", "Glass", "glass3", "a_glass_cup", "GLASS."])
+@pytest.mark.parametrize(
+    "text", ["galss", "lgass", "glasss", "Glass", "glass3", "a_glass_cup", "GLASS."]
+)
 def test_a_slip_of_the_keyboard_is_forgiven(text):
     assert found(text) == {"glass"}
 
 
-@pytest.mark.parametrize("text", ["grass", "class", "brass", "glasses", "glasscup", "medal", "wod", ""])
+@pytest.mark.parametrize(
+    "text", ["grass", "class", "brass", "glasses", "glasscup", "medal", "wod", ""]
+)
 def test_another_word_is_not_a_slip(text):
     assert found(text) == set()
 

@@ -49,7 +49,9 @@ def test_the_summary_names_every_column_and_counts_every_pair():
 
 
 def test_the_summary_says_what_is_simulated():
-    assert summary_table(PairSet(pairs=(), origin="x", simulated=True)) == "0 pairs from x (simulated)"
+    assert (
+        summary_table(PairSet(pairs=(), origin="x", simulated=True)) == "0 pairs from x (simulated)"
+    )
 
 
 def test_odd_names_are_written_as_escapes():

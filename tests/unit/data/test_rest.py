@@ -33,7 +33,9 @@ def a_set(root: Path) -> None:
             grey(hash(name) % 256).save(file)
 
 
-def test_the_nearest_rest_picture_above_an_image_is_its_own_and_none_is_a_pair(tmp_path: Path) -> None:
+def test_the_nearest_rest_picture_above_an_image_is_its_own_and_none_is_a_pair(
+    tmp_path: Path,
+) -> None:
     a_set(tmp_path)
     places = [tmp_path / name / "rest.png" for name in ("TAG", "TQ-DIGIT", "TQ-DIGIT/wood/unit 2")]
     for place in places:
@@ -75,6 +77,13 @@ def test_two_units_with_equal_rest_pictures_are_one_in_the_header(tmp_path: Path
         (tmp_path / unit).mkdir()
         grey(100).save(tmp_path / unit / "rest.png")
     pairs = tuple(
-        Pair(vis=Path("x"), tac=Path(u), domain="d", material="wood", tac_rest=tmp_path / u / "rest.png") for u in "ab"
+        Pair(
+            vis=Path("x"),
+            tac=Path(u),
+            domain="d",
+            material="wood",
+            tac_rest=tmp_path / u / "rest.png",
+        )
+        for u in "ab"
     )
     assert [len(hashes) for hashes in rests_of(pairs).values()] == [1]

@@ -43,7 +43,11 @@ def test_no_class_is_held_out_whole(members, fraction, seed):
     assert set(labels[~held]) == set(labels)
 
 
-@given(st.dictionaries(st.sampled_from("xyz"), st.integers(2, 9), min_size=1), st.integers(1, 4), st.floats(0.05, 0.9))
+@given(
+    st.dictionaries(st.sampled_from("xyz"), st.integers(2, 9), min_size=1),
+    st.integers(1, 4),
+    st.floats(0.05, 0.9),
+)
 def test_every_class_of_two_objects_is_on_both_sides(classes, size, fraction):
     members = [(f"{c}{i}", c) for c, n in classes.items() for i in range(n) for _ in range(size)]
     labels = np.array([m[1] for m in members])
@@ -52,7 +56,9 @@ def test_every_class_of_two_objects_is_on_both_sides(classes, size, fraction):
 
 
 def test_each_class_gives_its_share():
-    members = [(f"{c}{i}", c) for c, n in (("x", 50), ("y", 20)) for i in range(n) for _ in range(3)]
+    members = [
+        (f"{c}{i}", c) for c, n in (("x", 50), ("y", 20)) for i in range(n) for _ in range(3)
+    ]
     labels = np.array([m[1] for m in members])
     held = hold_out([m[0] for m in members], labels, 0.3, seed=0)
     assert Counter(labels[held]) == {"x": 45, "y": 18}
@@ -60,7 +66,9 @@ def test_each_class_gives_its_share():
 
 def test_objects_of_many_sizes_come_within_one_object_of_the_share():
     random = np.random.default_rng(0)
-    members = [(f"{c}{i}", c) for c in "xyz" for i in range(20) for _ in range(random.integers(1, 12))]
+    members = [
+        (f"{c}{i}", c) for c in "xyz" for i in range(20) for _ in range(random.integers(1, 12))
+    ]
     labels = np.array([m[1] for m in members])
     held = hold_out([m[0] for m in members], labels, 0.25, seed=3)
     for name in "xyz":
@@ -96,7 +104,9 @@ def test_lists_of_two_lengths_are_refused():
 
 
 def test_three_splits_have_their_shares_and_share_no_object():
-    given_pairs = pairs([(f"{m}{i}", m) for m in ("wood", "glass") for i in range(20) for _ in range(2)])
+    given_pairs = pairs(
+        [(f"{m}{i}", m) for m in ("wood", "glass") for i in range(20) for _ in range(2)]
+    )
     made = split_by_object(given_pairs, seed=0, test=0.3, val=0.2)
     counts = Counter((p.split, p.material) for p in made)
     assert {counts[s, "wood"] for s in ("train", "val", "test")} == {20, 8, 12}
@@ -135,7 +145,11 @@ def test_balance_draws_as_many_of_each_class():
 def test_balance_keeps_domains_apart():
     members = pairs([("", "wood")] * 3 + [("", "glass")], "A") + pairs([("", "wood")] * 5, "B")
     kept, _ = balance(members, seed=0)
-    assert Counter((p.domain, p.material) for p in kept) == {("A", "wood"): 1, ("A", "glass"): 1, ("B", "wood"): 5}
+    assert Counter((p.domain, p.material) for p in kept) == {
+        ("A", "wood"): 1,
+        ("A", "glass"): 1,
+        ("B", "wood"): 5,
+    }
 
 
 def test_balance_of_nothing_is_nothing():

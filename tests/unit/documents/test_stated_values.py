@@ -1,7 +1,7 @@
 """Defaults, bounds and limits have the values that benchmarks chose and documents state.
 
-docs/method.md, docs/fractional.md, docs/gaps.md and docs/order.md give the reasons. A change of one is a
-decision: it is made here and in its document, too.
+docs/method.md, docs/fractional.md, docs/gaps.md and docs/order.md give the reasons. A change of one
+is a decision: it is made here and in its document, too.
 """
 
 import inspect
@@ -29,7 +29,14 @@ FRACTIONAL = {
 MODEL = {"factored": {"VECTOR": 16}, "fusion": {"TINY": 1e-12}, "head": {"CHUNK": 512}}
 GAPS = {
     "large": {"DRAWN": 20_000, "LEAST": 4096},
-    "mmd": {"BLOCK": 1024, "ACROSS": 16_384, "MOST_ROWS": 20_000, "GROUPS": 16, "FEATURES": 64, "SAMPLE": 2048},
+    "mmd": {
+        "BLOCK": 1024,
+        "ACROSS": 16_384,
+        "MOST_ROWS": 20_000,
+        "GROUPS": 16,
+        "FEATURES": 64,
+        "SAMPLE": 2048,
+    },
     "sums": {"AT_ONCE": 256},
 }
 TRAIN = {
@@ -38,7 +45,9 @@ TRAIN = {
         "MOST": 256,
         "MOST_STOPS": 2001,
         "RIDGE": 1.0,
-        "FINE": tuple(k * 0.125 for k in (-8, -7, -6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6, 7, 8)),
+        "FINE": tuple(
+            k * 0.125 for k in (-8, -7, -6, -5, -4, -3, -2, -1, 0, 1, 2, 3, 4, 5, 6, 7, 8)
+        ),
         "VALLEYS": 3,
         "APART": 4.0,
         "DOUBT": 2.0,
@@ -48,7 +57,13 @@ TRAIN = {
 PROJECTION = {
     "neighbours": {"BLOCK": 1024, "EXACT": 0.001},
     "pca": {"BLOCK": 16_384},
-    "quality": {"SAMPLE": 1000, "NEIGHBOURS": 15, "TRUST_SAMPLE": 200, "BLOCK": 16_384, "AT_ONCE": 32},
+    "quality": {
+        "SAMPLE": 1000,
+        "NEIGHBOURS": 15,
+        "TRUST_SAMPLE": 200,
+        "BLOCK": 16_384,
+        "AT_ONCE": 32,
+    },
     "torch_umap": {
         "BISECTIONS": 32,
         "DIRECTIONS": 4,
@@ -92,7 +107,6 @@ DEFAULTS = {
     "omnivat.head.head:build_head": {"seed": 0},
     "omnivat.head.mffa:FrATT": {"ffn_ratio": 4},
     "omnivat.head.mffa:MFFA.update_bank": {"momentum": 0.9},
-    "omnivat.head.reference:joint_loss": {"mma": 10.0},
     "omnivat.head.losses:joint_loss": {"mma_weight": 10.0, "nod_weight": 1.0},
     "omnivat.measure.gaps.calibration:ece": {"bins": 15},
     "omnivat.measure.gaps.large:drawn": {"seed": 0},
@@ -176,5 +190,7 @@ def test_a_parameter_has_its_stated_default(place: str) -> None:
 def test_a_setting_has_its_stated_default_and_bounds(kind: type[Any]) -> None:
     parameters = inspect.signature(kind).parameters
     limits = {name: limit for name, limit in declared(kind).items() if isinstance(limit, Within)}
-    found = {name: (parameters[name].default, limit.low, limit.high) for name, limit in limits.items()}
+    found = {
+        name: (parameters[name].default, limit.low, limit.high) for name, limit in limits.items()
+    }
     assert found == BOUNDS[kind]

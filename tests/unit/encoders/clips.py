@@ -199,7 +199,9 @@ def image_embeddings(model: Any, images: Tensor) -> Tensor:
 
 def text_embeddings(model: Any, texts: list[str]) -> Tensor:
     """Return what transformers makes of texts, padded in one batch."""
-    tokens = tokenizer()(texts, padding=True, truncation=True, max_length=LONGEST, return_tensors="pt")
+    tokens = tokenizer()(
+        texts, padding=True, truncation=True, max_length=LONGEST, return_tensors="pt"
+    )
     with torch.inference_mode():
         embedded: Tensor = model.text_projection(model.text_model(**tokens).pooler_output)
     return embedded
@@ -218,7 +220,9 @@ def rn50_state(width: int = 8, blocks: tuple[int, ...] = (2, 1, 1, 1)) -> State:
         state[f"{norm}.running_var"] = torch.rand(out) + 0.5
         state[f"{norm}.num_batches_tracked"] = torch.tensor(3)
 
-    for i, (out, into) in enumerate([(width // 2, 3), (width // 2, width // 2), (width, width // 2)]):
+    for i, (out, into) in enumerate(
+        [(width // 2, 3), (width // 2, width // 2), (width, width // 2)]
+    ):
         conv(f"conv{i + 1}", f"bn{i + 1}", out, into, 3)
     into = width
     for stage, count in enumerate(blocks):

@@ -41,7 +41,8 @@ class Hub(BaseHTTPRequestHandler):
             self._send(404, b"", body, {"X-Error-Code": "RepoNotFound"})
         elif what == ["tree"]:
             files = [
-                {"type": "file", "path": f.name, "size": f.stat().st_size, "oid": SHA} for f in sorted(folder.iterdir())
+                {"type": "file", "path": f.name, "size": f.stat().st_size, "oid": SHA}
+                for f in sorted(folder.iterdir())
             ]
             self._send(200, json.dumps(files).encode(), body)
         else:
@@ -58,7 +59,9 @@ class Hub(BaseHTTPRequestHandler):
         headers = {"ETag": f'"{sha256(content).hexdigest()}"', "X-Repo-Commit": SHA}
         self._send(200, content, body, headers)
 
-    def _send(self, status: int, content: bytes, body: bool, headers: dict[str, str] | None = None) -> None:
+    def _send(
+        self, status: int, content: bytes, body: bool, headers: dict[str, str] | None = None
+    ) -> None:
         self.send_response(status)
         for name, value in (headers or {}).items():
             self.send_header(name, value)

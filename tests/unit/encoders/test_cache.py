@@ -85,7 +85,9 @@ def test_both_views_decode_the_image_once(monkeypatch: pytest.MonkeyPatch) -> No
 
     decoded = []
     original = module.read_image
-    monkeypatch.setattr(module, "read_image", lambda *a, **k: decoded.append(1) or original(*a, **k))
+    monkeypatch.setattr(
+        module, "read_image", lambda *a, **k: decoded.append(1) or original(*a, **k)
+    )
     encoder = Counting()
     plain, mirrored = embed_views(encoder, png(), EmbeddingCache())
     assert (len(decoded), encoder.calls) == (1, 2)

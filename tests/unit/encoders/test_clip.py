@@ -51,7 +51,9 @@ def test_both_towers_agree_with_transformers_in_every_layout(
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_half_precision_weights_are_widened(clips: Any, tmp_path: Path, images: Tensor, layout: str) -> None:
+def test_half_precision_weights_are_widened(
+    clips: Any, tmp_path: Path, images: Tensor, layout: str
+) -> None:
     model = clips.small_model().half()
     place = clips.write(layout, tmp_path / "clip", model)
     encoder = load_encoder("clip", weights=place)
@@ -59,7 +61,9 @@ def test_half_precision_weights_are_widened(clips: Any, tmp_path: Path, images: 
     torch.testing.assert_close(encoder.embed(images), wanted, rtol=0, atol=1e-5)
 
 
-def test_the_layout_does_not_change_a_hash_and_the_weights_and_the_activation_do(clips: Any, tmp_path: Path) -> None:
+def test_the_layout_does_not_change_a_hash_and_the_weights_and_the_activation_do(
+    clips: Any, tmp_path: Path
+) -> None:
     def hashes(layout: str, folder: str, **settings: Any) -> tuple[str, str]:
         place = clips.write(layout, tmp_path / folder, clips.small_model(**settings))
         encoder: Any = load_encoder("clip", weights=place)
@@ -72,7 +76,9 @@ def test_the_layout_does_not_change_a_hash_and_the_weights_and_the_activation_do
     assert len({image for image, _ in found}) == len({text for _, text in found}) == 3
 
 
-def test_an_embedding_is_the_same_alone_and_in_any_batch(clips: Any, tmp_path: Path, images: Tensor) -> None:
+def test_an_embedding_is_the_same_alone_and_in_any_batch(
+    clips: Any, tmp_path: Path, images: Tensor
+) -> None:
     encoder = load_encoder("clip", weights=clips.write(LAYOUTS[0], tmp_path, clips.small_model()))
     alone = torch.cat([encoder.embed(image[None]) for image in images])
     assert torch.equal(encoder.embed(images), alone)
@@ -87,7 +93,9 @@ def test_an_embedding_is_the_same_alone_and_in_any_batch(clips: Any, tmp_path: P
         (ImageShape("ViT", 32, 256, (12,), 512, 224), "clip, which takes any size"),
     ],
 )
-def test_weights_of_another_size_than_their_name_says_are_refused(change: ImageShape, right: str) -> None:
+def test_weights_of_another_size_than_their_name_says_are_refused(
+    change: ImageShape, right: str
+) -> None:
     with pytest.raises(DataError, match=f"patch 16.*use --encoder {right}"):
         require_name("clip-vit-b16", change, "some file")
 
@@ -114,7 +122,9 @@ def test_pixel_statistics_beside_the_weights_are_used(clips: Any, tmp_path: Path
 
 @pytest.mark.parametrize("prefix", ["clip.", "clip_model.", "net.image_encoder.", "model."])
 @pytest.mark.parametrize("names", ["transformers", "OpenAI"])
-def test_a_clip_inside_another_model_is_found_by_its_names(prefix: str, names: str, clips: Any, tmp_path: Path) -> None:
+def test_a_clip_inside_another_model_is_found_by_its_names(
+    prefix: str, names: str, clips: Any, tmp_path: Path
+) -> None:
     plain = clips.small_model().state_dict()
     state = plain if names == "transformers" else clips.openai_names(plain)
     wrapped = {f"{prefix}{key}": value for key, value in state.items()}

@@ -36,7 +36,9 @@ def test_a_given_place_that_is_missing_is_named(tmp_path: Path) -> None:
         load_encoder("clip-vit-b16", weights=tmp_path / "nowhere")
 
 
-def test_the_environment_and_the_default_folder_are_looked_at(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_environment_and_the_default_folder_are_looked_at(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     checkpoint = Checkpoint(name="clip-rn50", fetch="fetch {folder}")
     checkpoint.folder.mkdir(parents=True)
     assert find(checkpoint, None) == tmp_path / "cache" / "clip-rn50"
@@ -53,7 +55,10 @@ Damage = Callable[[Path], object]
         (lambda folder: (folder / "config.json").write_text("{"), "not of a CLIP model"),
         (lambda folder: (folder / WEIGHTS).unlink(), "has no weights"),
         (lambda folder: (folder / WEIGHTS).write_bytes(b"x" * 99), "cannot be read"),
-        (lambda folder: save_file({"fc.weight": torch.zeros(1)}, folder / WEIGHTS), "no weights of"),
+        (
+            lambda folder: save_file({"fc.weight": torch.zeros(1)}, folder / WEIGHTS),
+            "no weights of",
+        ),
         (lambda folder: without(folder, "visual_projection.weight"), "lacks the weight 'visual_pr"),
         (lambda folder: without(folder, "layers.1.mlp.fc2.bias"), "lacks 1 weights"),
         (lambda folder: reshaped(folder, "layers.1.mlp.fc2.bias"), "expected"),
@@ -61,7 +66,9 @@ Damage = Callable[[Path], object]
         (lambda folder: stated(folder, "num_attention_heads", 7), "cannot be 7"),
     ],
 )
-def test_a_damaged_folder_is_refused(clips: Any, tmp_path: Path, damage: Damage, match: str) -> None:
+def test_a_damaged_folder_is_refused(
+    clips: Any, tmp_path: Path, damage: Damage, match: str
+) -> None:
     folder = clips.write("transformers folder", tmp_path, clips.small_model())
     damage(folder)
     with pytest.raises(DataError, match=match):
@@ -76,7 +83,9 @@ def without(folder: Path, ending: str) -> None:
 
 def reshaped(folder: Path, ending: str) -> None:
     state = load_file(folder / WEIGHTS)
-    save_file({k: v[:-1].clone() if k.endswith(ending) else v for k, v in state.items()}, folder / WEIGHTS)
+    save_file(
+        {k: v[:-1].clone() if k.endswith(ending) else v for k, v in state.items()}, folder / WEIGHTS
+    )
 
 
 def stated(folder: Path, name: str, value: int) -> None:

@@ -75,7 +75,9 @@ def test_a_resnet_and_its_text_tower_agree_with_the_paper_in_every_kind_of_file(
     state = clips.rn50_state()
     place = write_resnet(clips, clips.published_resnet(state), tmp_path / name)
     encoder: Any = load_encoder("clip", weights=place)
-    torch.testing.assert_close(encoder.embed(large), reference_rn50(state, large), rtol=1e-4, atol=1e-5)
+    torch.testing.assert_close(
+        encoder.embed(large), reference_rn50(state, large), rtol=1e-4, atol=1e-5
+    )
     tower = load_text_encoder("clip", weights=place)
     wanted = clips.text_embeddings(clips.small_model(), clips.TEXTS)
     torch.testing.assert_close(tower.embed_texts(clips.TEXTS), wanted, rtol=0, atol=1e-5)
@@ -87,7 +89,9 @@ def reference_rn50(state: dict[str, Tensor], x: Tensor) -> Tensor:
         weight = state[f"{name}.weight"]
         x = nn.functional.conv2d(x, weight, stride=stride, padding=weight.shape[-1] // 2)
         mean, var = state[f"{norm}.running_mean"], state[f"{norm}.running_var"]
-        return nn.functional.batch_norm(x, mean, var, state[f"{norm}.weight"], state[f"{norm}.bias"], eps=1e-5)
+        return nn.functional.batch_norm(
+            x, mean, var, state[f"{norm}.weight"], state[f"{norm}.bias"], eps=1e-5
+        )
 
     for i in (1, 2, 3):
         x = conv(x, f"conv{i}", f"bn{i}", stride=2 if i == 1 else 1).relu()
@@ -112,7 +116,9 @@ def reference_rn50(state: dict[str, Tensor], x: Tensor) -> Tensor:
         attention.out_proj.weight.copy_(torch.eye(width))
         attention.out_proj.bias.zero_()
         seen = attention(tokens[:1], tokens, tokens, need_weights=False)[0][0]
-    return nn.functional.linear(seen, state["attnpool.c_proj.weight"], state["attnpool.c_proj.bias"])
+    return nn.functional.linear(
+        seen, state["attnpool.c_proj.weight"], state["attnpool.c_proj.bias"]
+    )
 
 
 def test_the_parts_of_the_published_rn50_have_its_sizes(clips: Any) -> None:
@@ -138,7 +144,9 @@ def test_an_encoder_without_a_text_tower_says_which_have_one(clips: Any, tmp_pat
 
 
 @pytest.mark.parametrize("kind", ["ViT", "ResNet"])
-def test_an_image_tower_alone_under_openais_names_loads(kind: str, clips: Any, tmp_path: Path) -> None:
+def test_an_image_tower_alone_under_openais_names_loads(
+    kind: str, clips: Any, tmp_path: Path
+) -> None:
     whole = clips.openai_names(clips.small_model().state_dict())
     if kind == "ResNet":
         whole = clips.published_resnet(clips.rn50_state())

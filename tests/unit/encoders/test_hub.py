@@ -125,7 +125,12 @@ print(hub.fetch(sys.argv[1], megabytes=599, download=sys.argv[2]))
     ],
 )
 def test_what_hinders_a_download_is_one_sentence(
-    served: tuple[str, Path], tmp_path: Path, repository: str, download: str, variables: dict[str, str], sentence: str
+    served: tuple[str, Path],
+    tmp_path: Path,
+    repository: str,
+    download: str,
+    variables: dict[str, str],
+    sentence: str,
 ) -> None:
     done = subprocess.run(
         [sys.executable, "-c", FETCH, repository, download],
@@ -139,7 +144,9 @@ def test_what_hinders_a_download_is_one_sentence(
     assert sentence in done.stdout and done.stdout.count("\n") == 1
 
 
-def test_nothing_is_downloaded_without_consent(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def test_nothing_is_downloaded_without_consent(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     asked: list[str] = []
 
     class Terminal:

@@ -128,7 +128,9 @@ def test_tokens_without_a_pooling_are_refused() -> None:
 # One encoder for each modality
 
 
-def test_photos_and_touches_have_their_own_encoders_of_one_width(own: str, picture: Image.Image) -> None:
+def test_photos_and_touches_have_their_own_encoders_of_one_width(
+    own: str, picture: Image.Image
+) -> None:
     pair = load_encoder(f"efficientnet-lite0 | {own}:load")
     assert isinstance(pair, PairEncoder)
     vis, tac = load_encoder("efficientnet-lite0"), load_encoder(f"{own}:load")

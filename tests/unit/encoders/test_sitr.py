@@ -1,4 +1,6 @@
-"""SITR's loader over a stand-in with the names and shapes of the published code; no published file was at hand."""
+"""SITR's loader over a stand-in with the names and shapes of the published code; no published
+file was at hand.
+"""
 
 from pathlib import Path
 
@@ -17,7 +19,9 @@ PLACES = (SIDE // PATCH) ** 2
 State = dict[str, Tensor]
 
 
-def shapes(width: int, depth: int, places: int, presses: int, patch: int = 16) -> dict[str, tuple[int, ...]]:
+def shapes(
+    width: int, depth: int, places: int, presses: int, patch: int = 16
+) -> dict[str, tuple[int, ...]]:
     """Names and shapes of the authors' module, read off its definition (hgupt3/gsrl)."""
     found: dict[str, tuple[int, ...]] = {
         "cls_token": (1, 1, width),
@@ -108,11 +112,14 @@ def oracle(state: State, seed: int, presses: list[int]) -> Tensor:
             }
         )
         tokens = layer(tokens)
-    return nn.functional.layer_norm(tokens[:, 0], (WIDTH,), state["norm.weight"], state["norm.bias"])
+    return nn.functional.layer_norm(
+        tokens[:, 0], (WIDTH,), state["norm.weight"], state["norm.bias"]
+    )
 
 
 @pytest.mark.parametrize(
-    ("number", "presses"), [(0, []), (4, [1, 3, 7, 9]), (8, [1, 3, 7, 9, 10, 12, 16, 18]), (18, list(range(1, 19)))]
+    ("number", "presses"),
+    [(0, []), (4, [1, 3, 7, 9]), (8, [1, 3, 7, 9, 10, 12, 16, 18]), (18, list(range(1, 19)))],
 )
 def test_its_embedding_is_the_class_token_of_the_press_beside_the_calibration(
     number: int, presses: list[int], tmp_path: Path
@@ -144,14 +151,18 @@ def test_the_published_base_size_has_these_names_and_shapes() -> None:
 def test_a_classifier_over_it_and_a_training_checkpoint_load_alike(tmp_path: Path) -> None:
     state = made(4)
     classifier = {f"base_model.{name}": value for name, value in state.items()}
-    classifier |= {"fc1.weight": torch.zeros(5, 528), "backbone.conv1.weight": torch.zeros(8, 3, 7, 7)}
+    classifier |= {
+        "fc1.weight": torch.zeros(5, 528),
+        "backbone.conv1.weight": torch.zeros(8, 3, 7, 7),
+    }
     files = {
         "plain": state,
         "classifier": classifier,
         "training": {"model": {f"module.{n}": v for n, v in state.items()}, "epoch": 3},
     }
     hashes = {
-        load_encoder("sitr", weights=written(tmp_path / name, content)).weights_hash for name, content in files.items()
+        load_encoder("sitr", weights=written(tmp_path / name, content)).weights_hash
+        for name, content in files.items()
     }
     assert len(hashes) == 1
 
@@ -169,7 +180,9 @@ def test_what_does_not_fit_is_refused_in_a_sentence(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="needs 5 pictures.*0003.png is missing"):
         load_encoder("sitr", weights=written(tmp_path / "few", made(4), pictures=3))
     short = {n: v for n, v in made(0).items() if n != "blocks.1.norm2.bias"}
-    with pytest.raises(DataError, match=r"blocks.1.norm2.bias should have the shape \(128,\).*lacks"):
+    with pytest.raises(
+        DataError, match=r"blocks.1.norm2.bias should have the shape \(128,\).*lacks"
+    ):
         load_encoder("sitr", weights=written(tmp_path / "short", short))
     bent = made(0) | {"blocks.1.attn.qkv.weight": torch.zeros(5, WIDTH)}
     with pytest.raises(DataError, match=r"shape \(384, 128\).*has \(5, 128\)"):

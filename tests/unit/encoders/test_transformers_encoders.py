@@ -70,7 +70,9 @@ def reference(kind: str, model: Any, pixels: Tensor) -> Tensor:
         elif kind == "siglip2 naflex":
             rows = pixels.unfold(2, 16, 16).unfold(3, 16, 16)  # (1, 3, 4, 4, 16, 16)
             rows = rows.permute(0, 2, 3, 4, 5, 1).reshape(1, 16, 768)
-            found = model.vision_model(rows, torch.ones(1, 16, dtype=torch.long), torch.tensor([[4, 4]])).pooler_output
+            found = model.vision_model(
+                rows, torch.ones(1, 16, dtype=torch.long), torch.tensor([[4, 4]])
+            ).pooler_output
         elif kind in ("convnext", "siglip tower"):
             found = model(pixel_values=pixels).pooler_output
         elif kind == "i-jepa":
@@ -93,7 +95,9 @@ POOLING = {
 
 
 @pytest.mark.parametrize("kind", POOLING)
-def test_a_folder_of_transformers_loads_and_states_its_pooling(tmp_path: Path, picture: Image.Image, kind: str) -> None:
+def test_a_folder_of_transformers_loads_and_states_its_pooling(
+    tmp_path: Path, picture: Image.Image, kind: str
+) -> None:
     model = vision_model(kind)
     model.save_pretrained(tmp_path / "model")  # type: ignore[operator]
     encoder = load_encoder(f"hf:{tmp_path / 'model'}")
@@ -101,7 +105,9 @@ def test_a_folder_of_transformers_loads_and_states_its_pooling(tmp_path: Path, p
     assert encoder.preprocessing.startswith("resize 64x64 bicubic, RGB, mean 0.485")
     assert POOLING[kind] in encoder.preprocessing
     pixels = encoder.preprocess(picture)[None]
-    torch.testing.assert_close(encoder.embed(pixels), reference(kind, model, pixels), rtol=0, atol=1e-5)
+    torch.testing.assert_close(
+        encoder.embed(pixels), reference(kind, model, pixels), rtol=0, atol=1e-5
+    )
 
 
 def test_the_pixels_are_those_of_the_models_own_settings(tmp_path: Path) -> None:
@@ -123,7 +129,9 @@ def test_a_model_whose_weights_are_not_all_there_is_refused(tmp_path: Path) -> N
     state = load_file(folder / "model.safetensors")
     state.pop("layernorm.weight")
     save_file(state, folder / "model.safetensors", metadata={"format": "pt"})
-    with pytest.raises(DataError, match=r"lacks 1 weights of Dinov2Model, such as layernorm\.weight"):
+    with pytest.raises(
+        DataError, match=r"lacks 1 weights of Dinov2Model, such as layernorm\.weight"
+    ):
         load_encoder(f"hf:{folder}")
 
 

@@ -59,7 +59,8 @@ def test_every_figure_is_plotlys_and_has_a_still_picture_of_valid_svg(name, tmp_
 
 def test_no_figure_has_the_name_of_the_module_that_holds_it():
     modules = {file.stem for file in Path(figures.__file__).parent.glob("*.py")}
-    assert not modules & set(figures.__all__)  # an import of the module would take the figure's place
+    # an import of the module would take the figure's place
+    assert not modules & set(figures.__all__)
 
 
 def test_a_map_has_a_mark_for_every_point_and_one_name_a_group():
@@ -77,7 +78,9 @@ def test_higher_values_are_higher_and_bars_reach_as_far_as_their_error():
     low, high = (float(e.get("cy")) for e in root.iter(f"{SVG}circle"))
     assert high < low
     unit = (low - high) / 10
-    ends = [e.get("points").split() for e in root.iter(f"{SVG}polyline") if e.get("stroke") == "#3b82f6"]
+    ends = [
+        e.get("points").split() for e in root.iter(f"{SVG}polyline") if e.get("stroke") == "#3b82f6"
+    ]
     bar = next(e for e in ends if len({point.split(",")[0] for point in e}) == 1)
     y = sorted(float(point.split(",")[1]) for point in bar)
     assert y == pytest.approx([low - 2 * unit, low + 2 * unit], abs=0.05)
@@ -98,7 +101,11 @@ def test_a_page_holds_its_library_and_may_load_nothing_else():
     assert f'content="{POLICY}"' in text and "default-src 'none'" in text
     assert not re.findall(r'(?:src|href)="[^"]', text)
     assert json.loads(re.search(r"config = (\{.*?\});", text)[1]) == CONFIG
-    assert (CONFIG["showSendToCloud"], CONFIG["displaylogo"], CONFIG["plotlyServerURL"]) == (False, False, "")
+    assert (CONFIG["showSendToCloud"], CONFIG["displaylogo"], CONFIG["plotlyServerURL"]) == (
+        False,
+        False,
+        "",
+    )
     assert text.count('class="plot"') == 2 and "<p>words</p>" in text
 
 
@@ -127,7 +134,9 @@ def test_bad_input_is_one_sentence(tmp_path):
         some_map(4)
     with pytest.raises(SettingsError, match="'f.gif' ends in '.gif'; choose .html, .svg"):
         figures.write(tmp_path / "f.gif", some_map())
-    with pytest.raises(SettingsError, match="'scatter3d' has no SVG or PNG; name a file that ends in .html"):
+    with pytest.raises(
+        SettingsError, match="'scatter3d' has no SVG or PNG; name a file that ends in .html"
+    ):
         figures.write(tmp_path / "f.svg", some_map(3))
     with pytest.raises(DataError, match="There is no value to draw for 'x'"):
         figures.dots([{"row": "a", "value": None}], title="x", across="y")

@@ -12,7 +12,9 @@ from omnivat.kit.errors import SettingsError, ShapeError
 X = torch.ones(5, 12)
 
 
-@pytest.mark.parametrize("order", [math.nan, math.inf, -math.inf, torch.tensor([0.1, math.nan, 0.2, 0.3, 0.4])])
+@pytest.mark.parametrize(
+    "order", [math.nan, math.inf, -math.inf, torch.tensor([0.1, math.nan, 0.2, 0.3, 0.4])]
+)
 def test_an_order_that_is_no_number_is_refused(order: float | torch.Tensor) -> None:
     for call in (lambda: dfrft(X, order), lambda: synthesise(coefficients(X), order)):
         with pytest.raises(SettingsError, match="holds NaN or infinity .* expected finite quarter"):

@@ -52,7 +52,9 @@ def test_it_agrees_with_forty_digits(size: int) -> None:
         falling = sorted(range(size), key=lambda i: -values[i])
         even, odd = falling[: size // 2 + 1], falling[size // 2 + 1 :]
         exact = [mpmath.mpc(0)] * size
-        for k, i in [(2 * c, i) for c, i in enumerate(even)] + [(2 * c + 1, i) for c, i in enumerate(odd)]:
+        for k, i in [(2 * c, i) for c, i in enumerate(even)] + [
+            (2 * c + 1, i) for c, i in enumerate(odd)
+        ]:
             weight = sum(vectors[n, i] * mpmath.mpf(float(x[n])) for n in range(size))
             phase = mpmath.expjpi(-mpmath.mpf(1000.3) * k / 2)
             exact = [y + phase * weight * vectors[n, i] for n, y in enumerate(exact)]

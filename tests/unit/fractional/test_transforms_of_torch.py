@@ -35,7 +35,9 @@ def test_vmap_over_vectors_orders_or_both_is_the_batched_transform(x, orders, pl
     wanted = dfrft(x[0], orders[:, None].expand(5, 1), planar=planar)
     found = vmap(transform, (None, 0), out_dims=batch)(x[0], orders)
     torch.testing.assert_close(found, wanted.squeeze(batch + 1))
-    torch.testing.assert_close(vmap(transform, (0, None), out_dims=batch)(x, 0.3), dfrft(x, 0.3, planar=planar))
+    torch.testing.assert_close(
+        vmap(transform, (0, None), out_dims=batch)(x, 0.3), dfrft(x, 0.3, planar=planar)
+    )
 
 
 def test_vmap_over_an_axis_that_is_not_the_first(x, orders):

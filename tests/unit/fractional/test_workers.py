@@ -33,7 +33,11 @@ def both_ways(call: object) -> list[tuple[torch.Tensor, ...]]:
     return found
 
 
-ORDERS = {"one": torch.tensor(0.3), "a row": torch.linspace(-2, 2, 1500), "many": torch.tensor([[0.1], [1.7]])}
+ORDERS = {
+    "one": torch.tensor(0.3),
+    "a row": torch.linspace(-2, 2, 1500),
+    "many": torch.tensor([[0.1], [1.7]]),
+}
 
 
 @pytest.mark.parametrize("size", [256, 258])
@@ -128,7 +132,9 @@ def test_a_forked_child_has_workers_of_its_own() -> None:
 
 def test_builds_at_once_leave_the_limit_of_blas_as_it_was() -> None:
     def counts() -> list[int]:
-        return [i["num_threads"] for i in threadpoolctl.threadpool_info() if i["user_api"] == "blas"]
+        return [
+            i["num_threads"] for i in threadpoolctl.threadpool_info() if i["user_api"] == "blas"
+        ]
 
     with one_blas_thread():
         assert set(counts()) == {1}

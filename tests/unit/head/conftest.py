@@ -36,6 +36,9 @@ def make_pairs() -> Callable[..., tuple[torch.Tensor, torch.Tensor]]:
 
     def make(count, width=24, dtype=torch.float64, seed=0):
         random = torch.Generator().manual_seed(seed)
-        return tuple(torch.randn(count, width, generator=random, dtype=torch.float64).to(dtype) for _ in ("vis", "tac"))
+        return tuple(
+            torch.randn(count, width, generator=random, dtype=torch.float64).to(dtype)
+            for _ in ("vis", "tac")
+        )
 
     return make

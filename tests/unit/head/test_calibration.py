@@ -83,5 +83,7 @@ def test_risk_grows_over_the_most_confident_first():
 
 def test_nll_is_the_mean_log_of_the_true_class():
     probabilities = torch.tensor([[0.5, 0.5], [0.1, 0.9]])
-    assert float(nll(probabilities, torch.tensor([0, 1]))) == pytest.approx(-(math.log(0.5) + math.log(0.9)) / 2)
+    assert float(nll(probabilities, torch.tensor([0, 1]))) == pytest.approx(
+        -(math.log(0.5) + math.log(0.9)) / 2
+    )
     assert math.isnan(nll(probabilities[:0], torch.zeros(0, dtype=torch.long)))

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 import torch
 
+from omnivat.data.dots import FILLED
 from omnivat.data.rest import RESTED
 from omnivat.head.checkpoint import Head, head_hash, load_head, save_head
 from omnivat.head.fusion import Calibration, plain
@@ -59,7 +60,9 @@ def test_saving_replaces_an_older_head_and_nothing_else(folder, tmp_path):
 
 def test_a_save_that_fails_leaves_the_old_head_whole(folder, monkeypatch):
     before, head = head_hash(folder), load_head(folder)
-    monkeypatch.setattr("omnivat.head.checkpoint.write_json", lambda *_: (_ for _ in ()).throw(OSError("disk full")))
+    monkeypatch.setattr(
+        "omnivat.head.checkpoint.write_json", lambda *_: (_ for _ in ()).throw(OSError("disk full"))
+    )
     with pytest.raises(OSError, match=r"was not written \(disk full\)"):
         save_head(folder, head)
     assert head_hash(folder) == before
@@ -99,7 +102,9 @@ def test_a_spoilt_head_is_refused_with_the_name_of_the_file(folder, spoil, sente
         load_head(folder)
 
 
-@pytest.mark.parametrize("train", [None, [], "x", {"order_draw": 3}, {"modalities": None}, {"order_low": "0"}])
+@pytest.mark.parametrize(
+    "train", [None, [], "x", {"order_draw": 3}, {"modalities": None}, {"order_low": "0"}]
+)
 def test_training_settings_of_another_kind_are_refused(folder, train):
     path = folder / "settings.json"
     record = json.loads(path.read_text())
@@ -125,6 +130,13 @@ def test_embeddings_with_a_rest_picture_are_refused_in_words_of_their_own(folder
         load_head(folder).require(("test-encoder", "0" * 16, "none" + RESTED), 24, what="They")
 
 
+def test_embeddings_with_other_dots_are_refused_in_words_of_their_own(folder):
+    with pytest.raises(
+        DataError, match=r"with the dots of touch filled, and .* Embed the pairs with --dots keep"
+    ):
+        load_head(folder).require(("test-encoder", "0" * 16, "none" + FILLED), 24, what="They")
+
+
 @pytest.mark.parametrize(
     ("key", "width"),
     [
@@ -137,13 +149,17 @@ def test_embeddings_with_a_rest_picture_are_refused_in_words_of_their_own(folder
 def test_embeddings_that_the_head_was_not_trained_on_are_refused(folder, key, width):
     head: Head = load_head(folder)
     head.require(("test-encoder", "0" * 16, "none"), 24, what="The embeddings")
-    with pytest.raises(DataError, match="The embeddings come from .* and this head was trained with"):
+    with pytest.raises(
+        DataError, match="The embeddings come from .* and this head was trained with"
+    ):
         head.require(key, width, what="The embeddings")
 
 
 def test_a_calibration_and_training_images_come_back(folder, tmp_path):
     first = load_head(folder)
-    first.model.calibration = Calibration(temperature={"vis": 2.0, "tac": 3.0, "fused": 1.5}, share=0.75)
+    first.model.calibration = Calibration(
+        temperature={"vis": 2.0, "tac": 3.0, "fused": 1.5}, share=0.75
+    )
     save_head(tmp_path / "again", first)
     second = load_head(tmp_path / "again")
     assert plain(second.model.calibration) == plain(first.model.calibration)

@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from omnivat.head import reference
+from omnivat.head import plain
 from omnivat.head.folded import versions
 from omnivat.head.output import HeadOutput
 
@@ -11,10 +11,10 @@ from omnivat.head.output import HeadOutput
 @torch.no_grad()
 def by_reference(model, vis, tac, order=None):
     order = order if order is None else torch.tensor(order, dtype=torch.float64)
-    return reference.predict(model, {"vis": vis, "tac": tac}, order)
+    return plain.predict(model, {"vis": vis, "tac": tac}, order)
 
 
-def largest_difference(first: reference.Predicted, second: HeadOutput) -> float:
+def largest_difference(first: plain.Predicted, second: HeadOutput) -> float:
     """Return the largest difference of F, F-bar, F-hat, logits and probabilities."""
     differences = [(first.probabilities - second.probabilities).abs().max()]
     for name, one in first.features.items():
@@ -71,7 +71,9 @@ def test_in_single_precision_they_differ_by_less_than_1e_6(make_head, make_pairs
 
 
 @pytest.mark.parametrize("dtype", [torch.float32, torch.float64])
-def test_a_pair_alone_in_a_batch_and_across_chunks_is_predicted_alike(make_head, make_pairs, monkeypatch, dtype):
+def test_a_pair_alone_in_a_batch_and_across_chunks_is_predicted_alike(
+    make_head, make_pairs, monkeypatch, dtype
+):
     monkeypatch.setattr("omnivat.head.head.CHUNK", 16)
     model = make_head(dtype=dtype, width=128, input_width=96, theta="signed")
     vis, tac = make_pairs(37, 96, dtype)
@@ -174,6 +176,8 @@ def test_attention_weights_are_shown_and_agree_with_the_fast_prediction(make_hea
     with torch.no_grad():
         shown, fast = model(*given, attention=True), model(*given)
     assert shown.attention["vis"].shape == (4, 8, 8)
-    torch.testing.assert_close(shown.attention["tac"].sum(-1), torch.ones(4, 8, dtype=torch.float64))
+    torch.testing.assert_close(
+        shown.attention["tac"].sum(-1), torch.ones(4, 8, dtype=torch.float64)
+    )
     assert not fast.attention
     assert largest_difference(by_reference(model, *given), shown) <= 1e-12

@@ -11,7 +11,12 @@ CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 
 
 def settings(**changes: object) -> HeadSettings:
-    values: dict[str, object] = {"classes": CLASSES, "input_width": 24, "width": 16, "lang_width": 8}
+    values: dict[str, object] = {
+        "classes": CLASSES,
+        "input_width": 24,
+        "width": 16,
+        "lang_width": 8,
+    }
     return HeadSettings(**(values | changes))
 
 
@@ -104,7 +109,9 @@ def test_one_modality_alone_is_enough(head, missing):
 
 
 def test_no_modality_at_all_is_refused(head):
-    with pytest.raises(DataError, match=r"Neither VIS nor TAC was given; give one of them or both\."):
+    with pytest.raises(
+        DataError, match=r"Neither VIS nor TAC was given; give one of them or both\."
+    ):
         head(None, None)
 
 
@@ -154,7 +161,9 @@ def test_a_tensor_of_one_order_serves_any_number_of_pairs(head):
     vis, tac = pairs(CHUNK + 3)
     order = torch.tensor([0.1], dtype=torch.float64)
     with torch.no_grad():
-        torch.testing.assert_close(head(vis, tac, order=order).probabilities, head(vis, tac, order=0.1).probabilities)
+        torch.testing.assert_close(
+            head(vis, tac, order=order).probabilities, head(vis, tac, order=0.1).probabilities
+        )
 
 
 def test_probabilities_change_with_the_order_and_continuously(head):
@@ -247,7 +256,9 @@ def test_same_seed_gives_the_same_weights_and_leaves_global_randomness_alone():
     torch.manual_seed(7)
     first, second, other = (build_head(settings(), seed=s) for s in (3, 3, 4))
     assert torch.equal(torch.rand(1), expected)
-    assert all(torch.equal(a, b) for a, b in zip(first.parameters(), second.parameters(), strict=True))
+    assert all(
+        torch.equal(a, b) for a, b in zip(first.parameters(), second.parameters(), strict=True)
+    )
     assert not torch.equal(first.classifier, other.classifier)
 
 
@@ -255,7 +266,10 @@ def test_same_seed_gives_the_same_weights_and_leaves_global_randomness_alone():
     ("change", "sentence"),
     [
         ({"levels": 9}, r"levels is 9; choose 1 to 6\."),
-        ({"theta_init": "twos"}, r"theta_init is 'twos'; choose one of spread, ones, signed, normal\."),
+        (
+            {"theta_init": "twos"},
+            r"theta_init is 'twos'; choose one of spread, ones, signed, normal\.",
+        ),
         ({"classes": ("wood",)}, "two or more different names"),
         ({"order": float("nan")}, "a number of quarter turns from -4 to 4"),
     ],

@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from omnivat.head import reference
+from omnivat.head import plain
 from omnivat.head.dtg import DTG, parents
 from omnivat.head.mffa import FrATT
 from omnivat.head.training import class_means
@@ -29,7 +29,7 @@ def test_tokens_are_the_transform_of_the_expanded_embedding():
     first = dfrft(theta[:, None] * embedding[:, None], 0.3)
     wanted = torch.cat([torch.relu(first.real), torch.relu(first.imag)], dim=1)
     once = dfrft(embedding, 0.3)
-    tokens = reference.tokens_of(torch.stack([once.real, once.imag]), theta, "tokens")
+    tokens = plain.tokens_of(torch.stack([once.real, once.imag]), theta, "tokens")
     torch.testing.assert_close(tokens[0], wanted)
 
 
@@ -40,7 +40,7 @@ def test_attention_equals_the_printed_order_of_operations():
     queries, tokens = (torch.randn(2, n, 8, dtype=torch.float64) for n in (3, 5))
     weights = torch.softmax(fratt.query(queries) @ fratt.key(tokens).mT / 8**0.5, dim=-1)
     wanted = fratt.ffn((weights @ fratt.value(tokens)).mean(1))
-    feature, shares = reference.attention(fratt, queries[None], tokens[None])
+    feature, shares = plain.attention(fratt, queries[None], tokens[None])
     torch.testing.assert_close(feature, wanted)
     torch.testing.assert_close(shares.sum(-1), torch.ones(2, 3, dtype=torch.float64))
 
@@ -53,7 +53,7 @@ def test_literal_attention_divides_after_the_softmax():
     value = tokens @ fratt.value.weight.T * 1.0
     bias = fratt.value.bias / 8**0.5
     wanted = fratt.ffn((weights @ value).mean(1) + bias)
-    torch.testing.assert_close(reference.attention(fratt, tokens[None], tokens[None])[0], wanted)
+    torch.testing.assert_close(plain.attention(fratt, tokens[None], tokens[None])[0], wanted)
 
 
 def test_class_means_are_those_of_the_batch():
@@ -79,7 +79,12 @@ def test_one_image_counts_twice_in_a_taught_head(make_head, make_pairs):
 
 @pytest.mark.parametrize(
     ("arrangement", "wanted"),
-    [("tree", [-1, 0, 0, 1]), ("series", [-1, 0, 1, 2]), ("parallel", [-1, 0, 0, 0]), ("none", [-1, -1, -1, -1])],
+    [
+        ("tree", [-1, 0, 0, 1]),
+        ("series", [-1, 0, 1, 2]),
+        ("parallel", [-1, 0, 0, 0]),
+        ("none", [-1, -1, -1, -1]),
+    ],
 )
 def test_every_node_but_a_root_has_a_parent_before_it(arrangement, wanted):
     assert parents(arrangement, 4) == wanted

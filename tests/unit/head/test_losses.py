@@ -32,13 +32,17 @@ def test_mma_is_zero_where_the_three_agree_and_a_mean_over_the_batch():
 
 
 def test_mma_refuses_features_of_differing_shape():
-    with pytest.raises(ShapeError, match=r"vis has shape \(2, 3\), expected \(B, D\) with B=2, D=4"):
+    with pytest.raises(
+        ShapeError, match=r"vis has shape \(2, 3\), expected \(B, D\) with B=2, D=4"
+    ):
         mma_loss(torch.zeros(2, 4), torch.zeros(2, 3), torch.zeros(2, 4))
 
 
 def test_mma_has_no_term_for_a_modality_that_is_not_there():
     lang, vis, tac = (torch.randn(2, 7, dtype=torch.float64) for _ in range(3))
-    torch.testing.assert_close(mma_loss(lang, vis=vis) + mma_loss(lang, tac=tac), mma_loss(lang, vis, tac))
+    torch.testing.assert_close(
+        mma_loss(lang, vis=vis) + mma_loss(lang, tac=tac), mma_loss(lang, vis, tac)
+    )
 
 
 def test_mma_gradient_agrees_with_finite_differences():
@@ -95,7 +99,9 @@ def test_joint_loss_weighs_its_parts():
     layers = [torch.randn(4, n, 6) for n in (1, 2)]
     logits = {name: torch.randn(4, 5) for name in ("vis", "tac")}
     labels = torch.tensor([0, 1, 2, 3])
-    parts = joint_loss(features=features, layers=layers, logits=logits, labels=labels, mma_weight=3, nod_weight=2)
+    parts = joint_loss(
+        features=features, layers=layers, logits=logits, labels=labels, mma_weight=3, nod_weight=2
+    )
     torch.testing.assert_close(parts.total, 3 * parts.mma + 2 * parts.nod + parts.cross_entropy)
     ce = sum(torch.nn.functional.cross_entropy(x, labels) for x in logits.values()) / 2
     torch.testing.assert_close(parts.cross_entropy, ce)
@@ -114,7 +120,9 @@ def test_a_weight_below_one_counts_in_full():
         mma_weight=0.5, nod_weight=0.25,
     )  # fmt: skip
     assert parts.mma == mma_loss(**features) and parts.nod == nod_loss(layers)
-    torch.testing.assert_close(parts.total, 0.5 * parts.mma + 0.25 * parts.nod + parts.cross_entropy)
+    torch.testing.assert_close(
+        parts.total, 0.5 * parts.mma + 0.25 * parts.nod + parts.cross_entropy
+    )
 
 
 def test_nod_does_not_see_the_length_of_short_nodes():

@@ -66,7 +66,9 @@ def one_batch(model, **how):
     return model.training_pass(vis, tac, text, labels, lang_on=on, **how)
 
 
-@pytest.mark.parametrize("change", [{"guide": "added"}, {"guide": "query"}, {"guide_length": "unit"}])
+@pytest.mark.parametrize(
+    "change", [{"guide": "added"}, {"guide": "query"}, {"guide_length": "unit"}]
+)
 def test_a_guide_changes_guided_pairs_and_no_others(make_head, change):
     usual = one_batch(make_head(class_token=False))
     other = one_batch(make_head(class_token=False, **change))
@@ -121,7 +123,9 @@ def bank_distance(source, kind):
     model = trained(source, epochs=30, training={"bank_from": kind})
     with torch.no_grad():
         given = {"vis": torch.from_numpy(source.vis), "tac": torch.from_numpy(source.tac)}
-        own = model.mffa.expand(("vis", "tac"), model.mffa.parts(("vis", "tac"), model.embedded(given)))
+        own = model.mffa.expand(
+            ("vis", "tac"), model.mffa.parts(("vis", "tac"), model.embedded(given))
+        )
         mean = model.mffa.mean_tokens(own).mean(1)
         found = model.mffa.class_agnostic_tokens(("vis", "tac"))
     return float((found - mean).norm() / mean.norm())

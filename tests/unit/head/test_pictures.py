@@ -43,7 +43,8 @@ def pairs(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    ("name", "modality"), [("a/x_vis.png", "vis"), ("a/tac.png", "tac"), ("tac/7.png", "tac"), ("a/b.png", "")]
+    ("name", "modality"),
+    [("a/x_vis.png", "vis"), ("a/tac.png", "tac"), ("tac/7.png", "tac"), ("a/b.png", "")],
 )
 def test_the_name_or_the_folder_gives_the_modality(name: str, modality: str) -> None:
     assert modality_of(Path(name)) == modality
@@ -86,7 +87,9 @@ def encoder() -> Encoder:
     return TorchEncoder(FirstPixels(), side=40)
 
 
-def test_a_profile_is_the_mean_of_whole_pictures_and_names_a_subtracted_rest(by_name: Path, tmp_path: Path) -> None:
+def test_a_profile_is_the_mean_of_whole_pictures_and_names_a_subtracted_rest(
+    by_name: Path, tmp_path: Path
+) -> None:
     own = encoder()
     found = pictures_in(by_name)
     profile, skipped = profile_of_pictures(own, found, domain="new")

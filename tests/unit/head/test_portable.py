@@ -103,7 +103,9 @@ def test_a_profile_moves_embeddings_before_a_portable_head_as_before_the_head(pl
     def profile(count):
         parts = {
             name: Channels(
-                mean=random.normal(size=24).astype("f4"), variance=random.uniform(size=24).astype("f4"), count=count
+                mean=random.normal(size=24).astype("f4"),
+                variance=random.uniform(size=24).astype("f4"),
+                count=count,
             )
             for name in ("vis", "tac")
         }
@@ -115,7 +117,9 @@ def test_a_profile_moves_embeddings_before_a_portable_head_as_before_the_head(pl
     near = [head.moved(name, rows, own) for name, rows in (("vis", vis), ("tac", tac))]
     found = run(file, *near, (0.31, 0.5), head.model.directions())
     wanted = predict_embeddings(head, vis, tac, order=0.31, profile=own)[0]
-    assert found["p_fused"][0].tolist() == pytest.approx(list(wanted["probabilities"].values()), abs=2e-6)
+    assert found["p_fused"][0].tolist() == pytest.approx(
+        list(wanted["probabilities"].values()), abs=2e-6
+    )
 
 
 def test_the_stages_and_trees_of_many_pairs_are_those_of_the_fast_head(tmp_path):

@@ -1,4 +1,6 @@
-"""Readings: one modality alone is not a branch of the pair, and each fusion has the effect of its name."""
+"""Readings: one modality alone is not a branch of the pair, and each fusion has the effect of
+its name.
+"""
 
 import pytest
 import torch
@@ -23,7 +25,9 @@ def depends_on_the_other_image(reading, pairs, name):
 
 @pytest.mark.parametrize("settings", [*({"generation": g} for g in GENERATIONS), {"mffa": False}])
 @pytest.mark.parametrize("name", ["vis", "tac"])
-def test_one_modality_alone_is_the_head_called_without_the_other(make_head, make_pairs, settings, name):
+def test_one_modality_alone_is_the_head_called_without_the_other(
+    make_head, make_pairs, settings, name
+):
     model, pairs = make_head(**settings), make_pairs(7)
     single = model(*(x if n == name else None for n, x in zip(("vis", "tac"), pairs, strict=True)))
     torch.testing.assert_close(model(*pairs).readings[name], single.readings["fused"])
@@ -32,7 +36,9 @@ def test_one_modality_alone_is_the_head_called_without_the_other(make_head, make
 
 @torch.no_grad()
 @pytest.mark.parametrize("name", ["vis", "tac"])
-def test_a_modality_alone_does_not_see_the_other_image_and_a_branch_does(make_head, make_pairs, name):
+def test_a_modality_alone_does_not_see_the_other_image_and_a_branch_does(
+    make_head, make_pairs, name
+):
     """The check of "alone" fails for a branch, so it would detect a branch used as "alone"."""
     model, pairs = make_head(), make_pairs(7)
     assert not depends_on_the_other_image(lambda *p: model(*p).readings[name], pairs, name)
@@ -53,7 +59,9 @@ def test_readings_are_the_same_in_chunks_and_with_live_weights(make_head, make_p
 
 @torch.no_grad()
 @pytest.mark.parametrize("fusion", FUSIONS)
-def test_a_fusion_gives_probabilities_and_a_temperature_changes_no_prediction(make_head, make_pairs, fusion):
+def test_a_fusion_gives_probabilities_and_a_temperature_changes_no_prediction(
+    make_head, make_pairs, fusion
+):
     model, pairs = make_head(fusion=fusion), make_pairs(9)
     before = model(*pairs).readings
     model.calibration = Calibration(temperature={"fused": 3.0, "vis": 0.5, "tac": 2.0})
@@ -89,7 +97,9 @@ def test_an_unknown_fusion_is_refused(make_head):
 
 
 def test_an_unknown_fusion_of_two_branches_is_an_error_with_the_nearest_name():
-    with pytest.raises(MissingNameError, match="'prodct'; there are mean, .*Did you mean 'product'"):
+    with pytest.raises(
+        MissingNameError, match="'prodct'; there are mean, .*Did you mean 'product'"
+    ):
         fused_logs("prodct", torch.zeros(1, 3), torch.zeros(1, 3))
 
 
@@ -101,7 +111,10 @@ def test_a_fusion_of_one_line_is_a_fusion_of_the_library(monkeypatch):
 
 
 def test_a_calibration_is_plain_values():
-    assert plain(Calibration()) == {"temperature": {"fused": 1.0, "vis": 1.0, "tac": 1.0}, "share": 0.5}
+    assert plain(Calibration()) == {
+        "temperature": {"fused": 1.0, "vis": 1.0, "tac": 1.0},
+        "share": 0.5,
+    }
 
 
 def test_predicted_records_name_every_reading_and_familiarity(head_folder, make_embeddings):

@@ -26,7 +26,9 @@ def test_the_source_lies_at_zero_after_standardising(head, make_embeddings):
     assert rows.std(0).max() < 1
 
 
-def test_a_sensor_that_shifts_channels_gets_the_same_probabilities_with_its_profile(head, make_embeddings):
+def test_a_sensor_that_shifts_channels_gets_the_same_probabilities_with_its_profile(
+    head, make_embeddings
+):
     source = make_embeddings().in_domain("TAG-sim")
     other = replace(source, vis=source.vis + 4, tac=source.tac - 3)
     profile = profile_of(other)
@@ -38,10 +40,12 @@ def test_a_sensor_that_shifts_channels_gets_the_same_probabilities_with_its_prof
     def away(records):
         pairs = zip(records, plain, strict=True)
         return max(
-            abs(a["probabilities"][name] - b["probabilities"][name]) for a, b in pairs for name in a["probabilities"]
+            abs(a["probabilities"][name] - b["probabilities"][name])
+            for a, b in pairs
+            for name in a["probabilities"]
         )
 
-    assert away(back) < 0.3 * away(lost)  # 40 pictures count 40 / 42 of their mean
+    assert away(back) < 0.4 * away(lost)  # 40 pictures count 40 / 44 of their mean
     assert back[0]["profile"] == {"vis": len(source), "tac": len(source)}
 
 
@@ -98,7 +102,10 @@ def test_moved_rows_of_the_head_are_those_of_the_arrays(head, make_embeddings):
 
 def test_rows_for_teaching_have_length_one_side_by_side(head, make_embeddings):
     source = make_embeddings().in_domain("TAG-sim")
-    rows = [head.model.standing(name, torch.from_numpy(getattr(source, name))) for name in ("vis", "tac")]
+    rows = [
+        head.model.standing(name, torch.from_numpy(getattr(source, name)))
+        for name in ("vis", "tac")
+    ]
     length = torch.cat(rows, dim=1).norm(dim=1)
     torch.testing.assert_close(length, torch.ones(len(length)))
 

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,8 +12,19 @@ from omnivat.cli import main
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.head.calibration import familiarity_of
 from omnivat.head.checkpoint import load_head, save_head
-from omnivat.head.teach import DIRECTIONS, LOGISTIC, MEAN, METHODS, NEIGHBOUR, Lesson, _Work, judged, taught
-from omnivat.kit.errors import DataError, SettingsError
+from omnivat.head.teach import (
+    PARTS,
+    SHARPNESS,
+    Lesson,
+    judged,
+    ridge,
+    share_of_lessons,
+    sharpness,
+    taught,
+)
+from omnivat.kit.errors import DataError
+
+ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture(scope="module")
@@ -23,10 +35,15 @@ def head(head_folder):
 
     pairs = load_embeddings(head_folder.parent / "set.safetensors").in_domain("TAG-sim")
     short = load_head(head_folder)
-    settings = HeadSettings(classes=short.settings.classes, input_width=pairs.width, width=16, lang_width=1)
+    settings = HeadSettings(
+        classes=short.settings.classes, input_width=pairs.width, width=16, lang_width=1
+    )
     model = train(pairs, settings, TrainSettings(epochs=15, lang=False)).model
     known = familiarity_of(
-        torch.from_numpy(pairs.vis), torch.from_numpy(pairs.tac), pairs.rows["object"], torch.from_numpy(pairs.label)
+        torch.from_numpy(pairs.vis),
+        torch.from_numpy(pairs.tac),
+        pairs.rows["object"],
+        torch.from_numpy(pairs.label),
     )
     return replace(short, model=model.requires_grad_(False), settings=settings, familiarity=known)
 
@@ -51,108 +68,170 @@ def said(head, one, reading="fused"):
     return head.settings.classes[int(head.model(one.vis, one.tac).readings[reading][0].argmax())]
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_taught_head_predicts_its_lessons(head, lessons, method):
-    after = taught(head, lessons, method)
+def test_a_taught_head_predicts_its_lessons(head, lessons):
+    after = taught(head, lessons)
     assert [said(after, one) for one in lessons] == [one.label for one in lessons]
-    assert after.provenance["taught_by"] == method
+    assert after.provenance["taught"] == {"wood": 2, "glass": 2}
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_teaching_leaves_the_head_and_its_features_as_they_were(head, lessons, method):
+def test_teaching_leaves_the_head_and_its_features_as_they_were(head, lessons):
     one = lessons[0]
     before = head.model(one.vis, one.tac)
-    after = taught(head, lessons, method)
+    after = taught(head, lessons)
     torch.testing.assert_close(head.model(one.vis, one.tac).logits, before.logits)
     torch.testing.assert_close(after.model(one.vis, one.tac).f_hat, before.f_hat)
     assert head.settings.classes == after.settings.classes
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_class_that_the_head_lacks_can_be_taught_and_saved(head, lessons, method, tmp_path):
+def test_a_class_that_the_head_lacks_can_be_taught_and_saved(head, lessons, tmp_path):
     cork = [replace(one, label="cork") if one.label == "glass" else one for one in lessons]
-    after = taught(head, cork, method)
+    after = taught(head, cork)
     assert after.settings.classes == (*head.settings.classes, "cork")
     again = load_head(save_head(tmp_path / "taught", after))
     many = torch.cat([one.vis for one in cork]), torch.cat([one.tac for one in cork])
     for name, shares in after.model(*many).readings.items():
         torch.testing.assert_close(again.model(*many).readings[name], shares)
         torch.testing.assert_close(shares.sum(1), torch.ones(len(cork)))
-    assert again.provenance["taught"] == {"wood": 2, "cork": 2}
     assert said(again, cork[-1]) == "cork"
     assert said(taught(again, lessons), lessons[-1]) == "glass"  # it can be taught once more
 
 
-def test_the_nearest_neighbour_is_the_pair_of_largest_cosine(head, lessons):
-    """An oracle in plain NumPy: cosines of both images, standardised, with equal weight."""
-    after = taught(head, lessons, NEIGHBOUR)
-    pairs = [torch.randn(60, head.settings.input_width) * 4 for _ in range(2)]
-    source = [head.familiarity.rows[n] * head.familiarity.lengths[n][:, None] for n in ("vis", "tac")]
-
-    def rows(vis, tac):
-        parts = [head.model.standardised(n, x) for n, x in (("vis", vis), ("tac", tac))]
-        return np.hstack([(x / x.norm(dim=1, keepdim=True)).numpy() for x in parts])
-
-    known = rows(*source)
-    known = np.vstack([np.vstack([rows(one.vis, one.tac) for one in lessons]), known])
-    owner = [head.settings.classes.index(one.label) for one in lessons]
-    owner = np.array([*owner, *head.familiarity.labels.tolist()])
-    kept = np.ones(len(owner), bool)
-    kept[4:] = ~np.isin(owner[4:], owner[:4])  # taught classes are known by their lessons alone
-    wanted = owner[kept][(rows(*pairs) @ known[kept].T).argmax(1)]
-    found = after.model(*pairs).probabilities.argmax(1).numpy()
-    assert (found == wanted).all()
-    assert len(set(found)) > 2
+def test_a_map_without_an_object_is_the_map_solved_without_its_rows():
+    """The closed form of leaving out, beside solving anew without each object."""
+    random = np.random.default_rng(0)
+    rows, labels = random.normal(size=(30, 8)), random.integers(0, 3, 30)
+    counts = np.where(np.arange(30) < 10, 4.0, 1.0)
+    groups = [np.array([0, 5]), np.array([1]), np.array([2, 3, 4]), np.array([6, 7, 8, 9])]
+    whole = ridge(rows, labels, counts, 3, groups)
+    for group in groups:
+        rest = np.setdiff1d(np.arange(30), group)
+        part = ridge(rows[rest], labels[rest], counts[rest], 3, [])
+        np.testing.assert_allclose(
+            whole.apart[group], rows[group] @ part.weights + part.bias, atol=1e-9
+        )
 
 
-def test_the_order_has_no_influence_but_on_class_directions(head, lessons):
-    one = lessons[0]
-    for method in METHODS:
-        model = taught(head, lessons, method).model
-        moved = model(one.vis, one.tac, order=0.9).probabilities
-        same = torch.equal(moved, model(one.vis, one.tac, order=0.1).probabilities)
-        assert same == (method != DIRECTIONS)
+def test_the_share_of_the_lessons_has_the_least_squared_error():
+    random = np.random.default_rng(1)
+    both, lessons = random.normal(size=(2, 20, 5))
+    best = share_of_lessons(both, lessons)
+    errors = [(((1 - t) * both + t * lessons) ** 2).sum() for t in np.linspace(0, 1, 1001)]
+    assert abs(best - np.argmin(errors) / 1000) < 1e-3
+    assert share_of_lessons(both, 3 * both) == 0 and share_of_lessons(3 * both, both) == 1
+
+
+def test_the_probabilities_have_the_sharpness_of_least_loss():
+    random = np.random.default_rng(2)
+    scores, labels = random.normal(size=(40, 3)), random.integers(0, 3, 40)
+    scores[np.arange(40), labels] += 0.5
+
+    def loss(factor):
+        logs = factor * scores - np.log(np.exp(factor * scores).sum(1, keepdims=True))
+        return -logs[np.arange(40), labels].sum() - logs.mean(1).mean()
+
+    found = sharpness(scores, labels)
+    assert loss(found) <= min(loss(0.99 * found), loss(1.01 * found))
+    assert sharpness(np.eye(3), np.arange(3)) < SHARPNESS[1]  # all right, yet not without doubt
+
+
+def test_the_exported_sites_table_of_cases_holds_here_too():
+    """`tests/web/site.test.js` reads the same table."""
+    table = json.loads((ROOT / "tests" / "web" / "teaching.json").read_text())
+    rows, labels, counts = (np.array(table[name]) for name in ("rows", "labels", "counts"))
+    lessons, classes = table["lessons"], table["classes"]
+    groups = [np.array([k]) for k in range(lessons)]
+    both = ridge(rows, labels, counts, classes, groups)
+    alone = ridge(rows[:lessons], labels[:lessons], counts[:lessons], classes, groups)
+    for name, found in (
+        ("weights", both.weights.T),
+        ("bias", both.bias),
+        ("apart", both.apart),
+        ("alone", alone.apart),
+    ):
+        np.testing.assert_allclose(found, table[name], atol=1e-8)
+    share = share_of_lessons(
+        *(np.eye(classes)[labels[:lessons]] - one.apart for one in (both, alone))
+    )
+    scores = (1 - share) * both.apart + share * alone.apart
+    np.testing.assert_allclose(
+        [share, sharpness(scores, labels[:lessons])],
+        [table["share"], table["sharpness"]],
+        atol=1e-8,
+    )
+
+
+def test_the_order_has_no_influence(head, lessons):
+    one, model = lessons[0], taught(head, lessons).model
+    moved = model(one.vis, one.tac, order=0.9).probabilities
+    assert torch.equal(moved, model(one.vis, one.tac, order=0.1).probabilities)
 
 
 def test_a_photo_alone_teaches_and_is_predicted_too(head, lessons):
     alone = [replace(one, tac=None) for one in lessons]
     assert len(judged(head, alone).judged) == 4
-    for method in METHODS:
-        assert said(taught(head, alone, method), alone[0]) == "wood"
+    assert said(taught(head, alone), alone[0]) == "wood"
 
 
 def test_no_pair_is_judged_by_a_head_that_learned_from_its_object(head, lessons):
     """Two pictures of one odd object: the second is no evidence for the first."""
     strange = -3 * lessons[0].vis
-    odd = [Lesson(label="cork", vis=strange + shift, tac=strange, object="odd") for shift in (0, 0.01)]
+    odd = [
+        Lesson(label="cork", vis=strange + shift, tac=strange, object="odd") for shift in (0, 0.01)
+    ]
     report = judged(head, [*lessons, *odd])
     apart = judged(head, [*lessons, odd[0], replace(odd[1], object="another")])
     assert all(one.after != "cork" for one in report.judged)
-    assert apart.right[NEIGHBOUR] == report.right[NEIGHBOUR] + 2
+    assert all(apart.right[name] == report.right[name] + 2 for name in PARTS)
     assert [one.before for one in report.judged[:4]] == [said(head, one) for one in lessons]
     assert report.after == sum(one.after == one.label for one in report.judged)
 
 
-def test_another_method_is_chosen_only_if_it_is_clearly_better(head, lessons):
-    work = _Work(head, lessons * 4)  # 16 lessons: by more than two
-    assert work._best({LOGISTIC: 8, MEAN: 10, NEIGHBOUR: 9, DIRECTIONS: 1}) == LOGISTIC
-    assert work._best({LOGISTIC: 8, MEAN: 11, NEIGHBOUR: 9, DIRECTIONS: 1}) == MEAN
+def test_one_lesson_more_moves_the_share_little(head, head_folder):
+    """The choice has no threshold: without one of 24 objects, no share is far from that of all."""
+    pairs = load_embeddings(head_folder.parent / "set.safetensors").in_domain("OF Real-sim")
+    rows = np.arange(0, len(pairs), len(pairs) // 24)[:24]
+    many = [
+        Lesson(
+            label=pairs.header.classes[pairs.label[row]],
+            vis=torch.from_numpy(pairs.vis[row : row + 1].copy()),
+            tac=torch.from_numpy(pairs.tac[row : row + 1].copy()),
+        )
+        for row in rows
+    ]
+    share = judged(head, many).share
+    assert all(abs(judged(head, many[:k] + many[k + 1 :]).share - share) < 0.25 for k in range(24))
 
 
-def test_an_older_head_without_training_labels_is_taught_by_the_lessons_alone(head, lessons):
-    older = replace(head, familiarity=None)
-    report = judged(older, lessons)
-    assert set(report.right) == {DIRECTIONS, MEAN, NEIGHBOUR}
-    with pytest.raises(SettingsError, match="There is no method 'logistic regression' here"):
-        taught(older, lessons, LOGISTIC)
+def test_lessons_outvote_training_pairs_that_contradict_them(head, head_folder):
+    """Training pairs under wrong names harm the map of both, not the taught head."""
+    pairs = load_embeddings(head_folder.parent / "set.safetensors").in_domain("TAG-sim")
+    names = pairs.header.classes
+    many = [
+        Lesson(
+            label=names[(pairs.label[row] + 1) % len(names)],
+            vis=torch.from_numpy(pairs.vis[row : row + 1].copy()),
+            tac=torch.from_numpy(pairs.tac[row : row + 1].copy()),
+        )
+        for row in range(0, len(pairs), 4)
+    ]
+    report = judged(head, many)
+    assert report.share > 0.5
+    assert report.after > report.right[PARTS[0]]
+
+
+def test_a_head_without_training_labels_is_taught_by_the_lessons_alone(head, lessons):
+    report = judged(replace(head, familiarity=None), lessons)
+    assert report.right[PARTS[0]] == report.right[PARTS[1]]
 
 
 @pytest.mark.parametrize("labels", [["wood"], ["wood", "wood"], ["wood", "wood", "glass"]])
 def test_too_few_labels_are_refused_with_what_is_there(head, lessons, labels):
     few = [replace(lessons[0], label=label) for label in labels]
-    with pytest.raises(DataError, match="two or more classes first, of different objects; there are: wood"):
+    with pytest.raises(
+        DataError, match="two or more classes first, of different objects; there are: wood"
+    ):
         judged(head, few)
-    assert taught(head, few).provenance["taught_by"] == LOGISTIC
+    assert taught(head, few).provenance["lessons_share"] == 0
 
 
 def test_pairs_of_one_object_are_not_enough(head, lessons):
@@ -166,7 +245,9 @@ def test_nothing_to_learn_from_is_refused(head):
         taught(head, [])
 
 
-def test_the_command_says_what_teaching_brings_and_writes_a_head(head, head_folder, tmp_path, capsys):
+def test_the_command_says_what_teaching_brings_and_writes_a_head(
+    head, head_folder, tmp_path, capsys
+):
     own = tmp_path / "own"
     save_head(own, head)
     pairs = load_embeddings(head_folder.parent / "set.safetensors").in_domain("OF Real-sim")
@@ -177,8 +258,7 @@ def test_the_command_says_what_teaching_brings_and_writes_a_head(head, head_fold
     assert found["pairs"] == len(found["held_out"]) == len(pairs) // 2
     assert found["after"] == sum(one["after"] == one["label"] for one in found["held_out"])
     assert found["after"] >= found["before"]
-    assert found["method"] in METHODS and set(found["right"]) == set(METHODS)
-    after = load_head(tmp_path / "new")
-    assert after.provenance["taught_by"] == found["method"]
+    assert 0 <= found["share"] <= 1 and set(found["right"]) == set(PARTS)
+    assert load_head(tmp_path / "new").settings.taught
     assert main([*command, "--out", str(tmp_path / "new")]) == 0
     assert f"right before {found['before']}, after {found['after']} of" in capsys.readouterr().out

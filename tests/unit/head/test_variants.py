@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from omnivat.head import reference
+from omnivat.head import plain
 from omnivat.head.dtg import DTG, interpolated
 from omnivat.head.head import parameter_count
 from omnivat.head.losses import nod_loss
@@ -162,17 +162,20 @@ def test_hermitian_attention_is_that_of_complex_numbers():
         return whole @ module.weight.T.to(whole.dtype) + module.bias
 
     asked, keys, values = (
-        layer(module, parts) for module, parts in ((fratt.query, queries), (fratt.key, tokens), (fratt.value, tokens))
+        layer(module, parts)
+        for module, parts in ((fratt.query, queries), (fratt.key, tokens), (fratt.value, tokens))
     )
     weights = torch.softmax((asked @ keys.mH).real / 6**0.5, dim=-1)
     mixed = (weights.to(values.dtype) @ values).mean(1)
-    feature, found = reference.attention(fratt, queries, tokens)
+    feature, found = plain.attention(fratt, queries, tokens)
     torch.testing.assert_close(found, weights)
     torch.testing.assert_close(feature, fratt.ffn(mixed.abs()))
 
 
 @pytest.mark.parametrize("kind", ["tokens", "hermitian", "magnitude", "real"])
-def test_answers_move_continuously_with_the_order_whatever_becomes_real(make_head, make_pairs, kind):
+def test_answers_move_continuously_with_the_order_whatever_becomes_real(
+    make_head, make_pairs, kind
+):
     model, given = make_head(theta="normal", complex_to_real=kind), make_pairs(6)
     with torch.no_grad():
         for order in (0.0, 0.5, 1.0):

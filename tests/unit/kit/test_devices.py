@@ -1,4 +1,6 @@
-"""One place decides where to compute. Without a GPU: every tensor that is made lies on the device."""
+"""One place decides where to compute. Without a GPU: every tensor that is made lies on the
+device.
+"""
 
 import os
 import subprocess
@@ -18,7 +20,18 @@ from omnivat.kit.devices import VARIABLE, computing_on, current, device_from, na
 from omnivat.kit.errors import SettingsError
 from omnivat.training.batches import Batch
 
-COMPUTING = {"predict", "embed", "train", "evaluate", "protocol", "ablate", "sweep", "gaps", "project", "prompts"}
+COMPUTING = {
+    "predict",
+    "embed",
+    "train",
+    "evaluate",
+    "protocol",
+    "ablate",
+    "sweep",
+    "gaps",
+    "project",
+    "prompts",
+}
 META = torch.device("meta")
 
 
@@ -29,7 +42,9 @@ def test_every_command_that_computes_takes_a_device(command: str) -> None:
     assert "--device" in choices[command]._option_string_actions  # type: ignore[index]
 
 
-def test_a_device_holds_inside_its_block_and_in_processes_started_there(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_device_holds_inside_its_block_and_in_processes_started_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.delenv(VARIABLE, raising=False)
     assert named() == "cpu"
     with computing_on("meta"):
@@ -75,7 +90,9 @@ def test_a_loaded_head_and_the_transform_lie_on_the_device() -> None:
 def test_a_batch_moves_whole_and_stays_where_it_lies() -> None:
     rows = torch.zeros(2, 4)
     on = torch.ones(2, dtype=torch.bool)
-    batch = Batch(vis=rows, tac=None, lang=rows, labels=on.long(), lang_on=on, token_on=on, order=None)
+    batch = Batch(
+        vis=rows, tac=None, lang=rows, labels=on.long(), lang_on=on, token_on=on, order=None
+    )
     moved = batch.to(META)
     assert moved.tac is None and moved.order is None
     for name in ("vis", "lang", "labels", "lang_on", "token_on"):

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from tempfile import gettempdir
 
 import pytest
 from hypothesis import given
@@ -13,7 +14,15 @@ from hypothesis import strategies as st
 from omnivat.cli import main
 from omnivat.data.store import COLUMNS, write_manifest
 from omnivat.kit.errors import DataError, OmniVatError, WriteError
-from omnivat.kit.files import replacing, replacing_folder, require_writable, safe_cell, write_csv, write_text
+from omnivat.kit.files import (
+    cache_folder,
+    replacing,
+    replacing_folder,
+    require_writable,
+    safe_cell,
+    write_csv,
+    write_text,
+)
 
 ROW = {name: ["x"] for name in COLUMNS}
 
@@ -95,7 +104,8 @@ def test_a_manifest_replaces_its_own_and_no_other_table(tmp_path):
 
 def test_embedding_a_table_never_replaces_that_table(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    text = ",".join(COLUMNS) + "\nA,wood,a.png,b.png,,,\n"  # looks like a manifest, and is the input
+    # looks like a manifest, and is the input
+    text = ",".join(COLUMNS) + "\nA,wood,a.png,b.png,,,\n"
     (tmp_path / "mine.csv").write_text(text)
     assert main(["embed", "mine.csv", "--out", "mine.safetensors"]) == 1
     assert "would replace 'mine.csv'; choose another name" in capsys.readouterr().err
@@ -115,7 +125,9 @@ def test_embedding_a_table_never_replaces_that_table(tmp_path, monkeypatch, caps
         ["prompts", "--out", "folder"],
     ],
 )
-def test_commands_refuse_an_unwritable_place_before_any_work(arguments, tmp_path, monkeypatch, capsys):
+def test_commands_refuse_an_unwritable_place_before_any_work(
+    arguments, tmp_path, monkeypatch, capsys
+):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "folder").mkdir()
     (tmp_path / "folder" / "a.csv").write_text("")
@@ -131,8 +143,10 @@ def test_an_error_of_the_system_is_one_sentence(monkeypatch, capsys):
 
     monkeypatch.setattr("omnivat.cli.evaluate.run", full)
     assert main(["evaluate"]) == 1
-    assert capsys.readouterr().err == (
-        "omnivat evaluate: 'x.bin': No space left on device. Check the path, its permissions and the free space.\n"
+    assert (
+        capsys.readouterr().err
+        == "omnivat evaluate: 'x.bin': No space left on device. Check the path, its permissions and"
+        " the free space.\n"
     )
 
 
@@ -176,7 +190,11 @@ def test_two_embeds_to_one_file_do_not_take_one_anothers_parts(tmp_path):
     from omnivat.encoders.embed.job import Parts
 
     first, second = Parts(tmp_path / "a.safetensors"), Parts(tmp_path / "a.safetensors")
-    with first.claimed(), pytest.raises(WriteError, match="another embed that is still running"), second.claimed():
+    with (
+        first.claimed(),
+        pytest.raises(WriteError, match="another embed that is still running"),
+        second.claimed(),
+    ):
         pass
     with second.claimed():
         pass
@@ -194,7 +212,9 @@ def test_a_pipe_in_place_of_a_table_is_refused_at_once(tmp_path):
         read_text(tmp_path / "table.csv")
 
 
-CELLS = st.one_of(st.text(st.sampled_from("=+-@\t\r\n '\",1e."), max_size=6), st.floats(), st.integers())
+CELLS = st.one_of(
+    st.text(st.sampled_from("=+-@\t\r\n '\",1e."), max_size=6), st.floats(), st.integers()
+)
 
 
 @given(CELLS)
@@ -222,7 +242,8 @@ def test_no_module_writes_a_table_past_the_one_writer():
         str(path.relative_to(root))
         for folder in ("omnivat", "app")
         for path in (root / folder).rglob("*.py")
-        if "csv.writer(" in path.read_text(encoding="utf-8") or "csv.DictWriter(" in path.read_text(encoding="utf-8")
+        if "csv.writer(" in path.read_text(encoding="utf-8")
+        or "csv.DictWriter(" in path.read_text(encoding="utf-8")
     }
     own = {"omnivat/kit/files.py", "omnivat/simulate/plan.py"}
     assert found == own
@@ -232,11 +253,15 @@ COMMAND = [sys.executable, "-m", "omnivat", "gaps", "--stage", "raw", "--embeddi
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("output", "why"), [(">&-", "output is closed"), ("> /dev/full", "No space left")])
+@pytest.mark.parametrize(
+    ("output", "why"), [(">&-", "output is closed"), ("> /dev/full", "No space left")]
+)
 def test_a_result_that_cannot_be_written_is_a_sentence_and_an_exit_code(head_folder, output, why):
     file = str(head_folder.parent / "set.safetensors")
     line = f'exec "$@" {output}'
-    done = subprocess.run(["bash", "-c", line, "-", *COMMAND, file], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        ["bash", "-c", line, "-", *COMMAND, file], capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stderr.count("\n")) == (1, 1)
     assert why in done.stderr
 
@@ -273,3 +298,42 @@ def test_a_folder_takes_its_place_whole_or_leaves_what_stood_there(tmp_path):
         stopped()
     assert [file.name for file in place.iterdir()] == ["second"]
     assert [file.name for file in tmp_path.iterdir()] == ["site"]
+
+
+KILLED = """
+import os, sys
+from pathlib import Path
+from omnivat.kit.files import replacing_folder
+with replacing_folder(Path(sys.argv[1])) as made:
+    (made / "half").write_text("half")
+    os._exit(9)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no such locks")
+def test_the_hidden_folder_of_a_killed_writer_goes_with_the_next_one(tmp_path):
+    place = tmp_path / "site"
+    with replacing_folder(place) as made:
+        (made / "first").write_text("first")
+    subprocess.run([sys.executable, "-c", KILLED, str(place)], check=False)
+    assert len(list(tmp_path.iterdir())) == 2
+    with replacing_folder(place) as made, replacing_folder(place) as beside:
+        assert made.exists() and beside.exists()  # a writer that runs keeps its own
+    assert [file.name for file in tmp_path.iterdir()] == ["site"]
+
+
+def test_without_a_home_the_cache_is_in_the_temporary_folder(monkeypatch):
+    def none():
+        raise RuntimeError("Could not determine home directory.")
+
+    for name in ("OMNIVAT_CACHE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(Path, "home", none)
+    assert cache_folder() == Path(gettempdir()) / "omnivat-cache"
+
+
+def test_a_message_that_lists_thousands_of_names_is_shortened():
+    text = str(
+        DataError(f"No domain is called 'x'; there are {', '.join(map(str, range(10_000)))}.")
+    )
+    assert len(text) < 2000 and text.startswith("No domain") and text.endswith("9999.")

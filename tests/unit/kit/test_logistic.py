@@ -23,7 +23,9 @@ def test_it_finds_the_optimum_that_another_solver_finds(count, width, strength):
     other = LogisticRegression(C=strength, tol=1e-10, max_iter=10_000).fit(rows, labels)
     ours = torch.softmax(rows @ weight.T + bias, -1)
     np.testing.assert_allclose(ours, other.predict_proba(rows), atol=1e-4)
-    np.testing.assert_allclose(weight - weight.mean(0), other.coef_ - other.coef_.mean(0), atol=1e-3)
+    np.testing.assert_allclose(
+        weight - weight.mean(0), other.coef_ - other.coef_.mean(0), atol=1e-3
+    )
 
 
 def test_seeking_in_the_span_of_few_rows_loses_nothing():

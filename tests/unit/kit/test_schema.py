@@ -8,7 +8,15 @@ import pytest
 
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import read_whole
-from omnivat.kit.schema import FLOATS, columns_in, json_in, name_list, object_in, tensor_table, texts
+from omnivat.kit.schema import (
+    FLOATS,
+    columns_in,
+    json_in,
+    name_list,
+    object_in,
+    tensor_table,
+    texts,
+)
 
 HOSTILE_JSON = {
     "a number of 5,000 digits": b'{"a": ' + b"9" * 5000 + b"}",
@@ -44,7 +52,9 @@ def test_what_are_no_texts_under_names_is_refused(value):
         texts(value, "encoder")
 
 
-@pytest.mark.parametrize("value", ["ab", [1], [""], ["a", "a"], ["x" * 301], {"a": 1}, list("abcd")])
+@pytest.mark.parametrize(
+    "value", ["ab", [1], [""], ["a", "a"], ["x" * 301], {"a": 1}, list("abcd")]
+)
 def test_what_is_no_list_of_names_is_refused(value):
     with pytest.raises(DataError, match="different names"):
         name_list(value, "classes", 3)

@@ -30,7 +30,9 @@ FIELDS = [(kind, name) for kind in WANTED for name in declared(kind)]
 
 
 @pytest.mark.parametrize(("kind", "name"), FIELDS)
-def test_what_a_field_does_not_take_is_refused_with_what_it_takes(kind: type[Any], name: str) -> None:
+def test_what_a_field_does_not_take_is_refused_with_what_it_takes(
+    kind: type[Any], name: str
+) -> None:
     limit = declared(kind)[name]
     values: list[Any] = ["nonsense"]
     if isinstance(limit, Within):

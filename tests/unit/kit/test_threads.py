@@ -37,7 +37,9 @@ def test_blas_has_one_thread_until_the_last_of_two_users_ends():
     def counts():
         with one_blas_thread():  # the library is loaded then
             pass
-        return {i["num_threads"] for i in threadpoolctl.threadpool_info() if i["user_api"] == "blas"}
+        return {
+            i["num_threads"] for i in threadpoolctl.threadpool_info() if i["user_api"] == "blas"
+        }
 
     before, first, second = counts(), one_blas_thread(), one_blas_thread()
     first.__enter__()

@@ -29,7 +29,10 @@ def test_the_workers_of_a_killed_process_end(tmp_path):
     (tmp_path / "work.py").write_text(SCRIPT)
     environ = {**os.environ, "PYTHONPATH": str(ROOT)}
     process = subprocess.Popen(
-        [sys.executable, tmp_path / "work.py"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environ
+        [sys.executable, tmp_path / "work.py"],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        env=environ,
     )
     worker = int(process.stdout.readline())
     process.kill()

@@ -40,11 +40,15 @@ def test_a_large_array_is_read_only_and_its_blocks_are_copies(mapped):
 
 def test_some_rows_are_predicted_as_they_are_among_all(mapped, model):
     rows = np.array([1, 4, 9, 11])
-    whole, some = (predicted_probabilities(model, mapped, rows=r)["fused"].numpy() for r in (None, rows))
+    whole, some = (
+        predicted_probabilities(model, mapped, rows=r)["fused"].numpy() for r in (None, rows)
+    )
     assert np.allclose(whole[rows], some, atol=1e-6)
 
 
-def test_a_sweep_that_keeps_no_coefficients_and_no_features_has_the_same_curves(mapped, model, monkeypatch):
+def test_a_sweep_that_keeps_no_coefficients_and_no_features_has_the_same_curves(
+    mapped, model, monkeypatch
+):
     orders = (0.0, 0.4, 1.0)
     _, facts = facts_of(mapped, mapped.header.classes)
     measures = ("modality_gap", "domain_gap", "margin", "accuracy")

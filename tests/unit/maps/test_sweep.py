@@ -40,7 +40,9 @@ def pairs(count=24, width=12, domains=3, classes=CLASSES, seed=0):
 
 
 def head(width=12, input_width=12, classes=CLASSES):
-    settings = HeadSettings(classes=classes, input_width=input_width, width=width, lang_width=12, standardize=False)
+    settings = HeadSettings(
+        classes=classes, input_width=input_width, width=width, lang_width=12, standardize=False
+    )
     return build_head(settings, seed=1).eval()
 
 
@@ -87,7 +89,9 @@ def test_every_curve_is_what_the_head_and_the_measure_return():
         answers = out.probabilities.argmax(1)
         wanted = {
             "modality_gap/f_hat": modality_gap(out.f_hat["vis"], out.f_hat["tac"]),
-            "modality_gap/relu": modality_gap(*(out.relu[name].movedim(1, 0).flatten(1) for name in ("vis", "tac"))),
+            "modality_gap/relu": modality_gap(
+                *(out.relu[name].movedim(1, 0).flatten(1) for name in ("vis", "tac"))
+            ),
             "modality_gap/f_bar/D1": modality_gap(out.f_bar["vis"][1::3], out.f_bar["tac"][1::3]),
             "margin:tac/f_bar": cosine_margin(out.f_bar["tac"], labels),
             "margin/f_hat": cosine_margin(unit(out.f_hat["vis"]) + unit(out.f_hat["tac"]), labels),
@@ -116,7 +120,9 @@ def test_raw_and_transformed_embeddings_keep_every_gap_at_every_order():
     for order in ORDERS:
         moved = sweep(model, data, (order,), stages=("frft",))
         for measure in ("modality_gap", "domain_gap", "margin:cross_modal"):
-            assert moved.curves[f"{measure}/frft"][0] == pytest.approx(still.curves[f"{measure}/raw"][0], abs=1e-6)
+            assert moved.curves[f"{measure}/frft"][0] == pytest.approx(
+                still.curves[f"{measure}/raw"][0], abs=1e-6
+            )
 
 
 def test_coefficients_are_made_once_and_each_pair_passes_once_an_order(monkeypatch):
@@ -168,7 +174,9 @@ def test_every_measure_has_a_curve_of_numbers(name):
 def test_steps_are_told_coarse_first():
     steps = []
     sweep(head(), pairs(), (0.0, 0.25, 0.5, 0.75, 1.0), on_step=steps.append)
-    assert [step.text for step in steps] == [f"order {p}" for p in ("0.00", "1.00", "0.50", "0.25", "0.75")]
+    assert [step.text for step in steps] == [
+        f"order {p}" for p in ("0.00", "1.00", "0.50", "0.25", "0.75")
+    ]
     assert [step.done for step in steps] == [1, 2, 3, 4, 5]
 
 

@@ -12,7 +12,15 @@ from omnivat.head.settings import HeadSettings
 from omnivat.maps.frames.builder import UnseenAccuracy
 from omnivat.maps.frames.records import with_learned
 from omnivat.measure.evaluate import evaluate, predicted_probabilities
-from omnivat.measure.unseen import counted, judged, mean_over_domains, nearest_touch, of_domains, unseen_summary, wilson
+from omnivat.measure.unseen import (
+    counted,
+    judged,
+    mean_over_domains,
+    nearest_touch,
+    of_domains,
+    unseen_summary,
+    wilson,
+)
 
 SOURCE = "TAG-sim"
 
@@ -25,7 +33,9 @@ def make_head():
         settings = HeadSettings(
             classes=embeddings.header.classes, input_width=embeddings.width, width=16, lang_width=16
         )
-        encoder = dict(zip(("name", "weights_hash", "preprocessing"), embeddings.header.key, strict=True))
+        encoder = dict(
+            zip(("name", "weights_hash", "preprocessing"), embeddings.header.key, strict=True)
+        )
         model = build_head(settings, seed=2).eval()
         return Head(model=model, settings=settings, encoder=encoder, provenance={"source": SOURCE})
 
@@ -35,7 +45,9 @@ def make_head():
 @pytest.fixture(scope="module")
 def found(make_embeddings, make_head):
     embeddings = make_embeddings(domains=(SOURCE, "OF Real-sim", "TQ-sim"), split=True)
-    embeddings.rows["looks_like"][:] = ["steel" if i % 4 == 2 else "" for i in range(len(embeddings))]
+    embeddings.rows["looks_like"][:] = [
+        "steel" if i % 4 == 2 else "" for i in range(len(embeddings))
+    ]
     head = make_head(embeddings)
     return head, embeddings, unseen_summary(head, embeddings)
 

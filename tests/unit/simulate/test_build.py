@@ -44,7 +44,9 @@ def test_the_set_lists_what_lies_on_disk(built: Path) -> None:
     assert {row["domain"] for row in rows} == {"TAG-sim", "TQ-T3D-sim"}
 
 
-def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(built: Path, tmp_path: Path) -> None:
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(
+    built: Path, tmp_path: Path
+) -> None:
     simulate(tmp_path / "again", **SMALL, workers=1)
     simulate(tmp_path / "other", **SMALL, seed=1, workers=1)
 
@@ -54,7 +56,9 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(built: Path,
     assert len(drawn) == 36 and all(other[name] != first[name] for name in drawn)
 
 
-def test_the_folder_of_every_domain_has_the_rest_picture_that_its_images_are_found_to_have(built: Path) -> None:
+def test_the_folder_of_every_domain_has_the_rest_picture_that_its_images_are_found_to_have(
+    built: Path,
+) -> None:
     found = with_rest(read_pairs(built), "all")
 
     assert {pair.tac_rest for pair in found.pairs} == {
@@ -86,7 +90,10 @@ def test_two_workers_give_what_one_gives(built: Path, tmp_path: Path) -> None:
 
 def test_a_domain_of_ones_own_renumbers_no_other(built: Path, tmp_path: Path) -> None:
     mine = SimulatedDomain(
-        name="Mine", sensor=replace(GELS["DIGIT"], gain=2.5), scene=SCENES["OF Real"], seed_base=80_000
+        name="Mine",
+        sensor=replace(GELS["DIGIT"], gain=2.5),
+        scene=SCENES["OF Real"],
+        seed_base=80_000,
     )
     pairs = simulate(tmp_path, **(SMALL | {"domains": [mine, "TAG"]}), workers=1)
 

@@ -7,7 +7,6 @@ import pytest
 from PIL import Image
 
 from app.places import find_examples
-from benchmarks.simulated_sheet import GAP, LEFT, TILE, TOP, sheet, two_of
 from omnivat.data.domains import DOMAINS, simulated
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.readers import read_pairs
@@ -70,13 +69,6 @@ def test_half_of_the_examples_look_like_another_class_where_there_are_such_objec
     assert len(chosen(alike, 2)) == 2
 
 
-def test_the_contact_sheet_shows_an_honest_pair_and_a_look_alike_of_each_class():
-    alike, plain = pair_like("a", "glass"), pair_like("p", "")
-
-    assert two_of([alike, plain]) == [plain, alike]
-    assert two_of([plain, plain, plain]) == [plain, plain]
-
-
 def test_a_set_without_test_objects_has_no_examples(tmp_path):
     only_train = simulate(tmp_path / "set", **SMALL, pairs_per_class=1)
     with pytest.raises(DataError, match="ask for 4 pairs per class"):
@@ -97,19 +89,3 @@ def test_shipped_examples_cover_every_class_and_are_test_pairs_of_the_shipped_fe
     assert {tuple(name.split("/")[:2]) for name in found} == wanted
     assert set(found) <= testing
     assert sum(f.stat().st_size for f in (SHIPPED / "pairs").rglob("*.*")) < 6e6
-
-
-def test_the_contact_sheet_has_a_tile_for_each_class_and_white_where_there_is_none():
-    picture = sheet(SHIPPED / "pairs")
-    row = list(DOMAINS).index("TQ-DIGIT")
-    middle = TOP + row * (2 * TILE + GAP) + TILE // 2
-    step = (picture.width - LEFT) // 5
-
-    ceramic = picture.getpixel((LEFT + 3 * step + TILE // 2, middle))
-    wood = picture.getpixel((LEFT + TILE // 2, middle))
-    assert ceramic == (255, 255, 255) != wood
-
-
-def test_a_folder_without_pairs_makes_no_sheet(tmp_path):
-    with pytest.raises(DataError, match="No pairs in"):
-        sheet(tmp_path)

@@ -51,7 +51,9 @@ def test_an_edge_stays_sharp_and_nothing_lies_beyond_it() -> None:
 
 
 def test_a_larger_map_is_the_smaller_one_seen_closer() -> None:
-    small, large = (contact_height(cylinder(), cylinder_spot(), field=16.0, size=size) for size in (56, 224))
+    small, large = (
+        contact_height(cylinder(), cylinder_spot(), field=16.0, size=size) for size in (56, 224)
+    )
 
     np.testing.assert_allclose(large.reshape(56, 4, 56, 4).mean((1, 3)), small, atol=0.02)
 

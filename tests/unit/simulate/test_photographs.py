@@ -81,7 +81,9 @@ def test_a_texture_covers_the_solid_and_its_colours_are_the_surface_s() -> None:
 def test_the_key_light_gives_the_same_power_small_or_large() -> None:
     framing = framing_of("OF 2.0 A", thing_of("OF 2.0 A"))
     weight = np.sin((np.arange(64) + 0.5) / 64 * np.pi)[:, None, None]
-    small, large = ((panorama(framing, least_softness=width) * weight).sum() for width in (0.25, 0.7))
+    small, large = (
+        (panorama(framing, least_softness=width) * weight).sum() for width in (0.25, 0.7)
+    )
 
     assert small == pytest.approx(large, rel=0.02)
 

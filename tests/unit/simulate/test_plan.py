@@ -22,7 +22,8 @@ EVERYTHING = [
 
 def test_the_shipped_set_has_the_objects_that_it_always_had() -> None:
     facts = [
-        (p.domain, p.material, p.object, p.number, p.split, p.part, p.looks_like, p.feels_like) for p in EVERYTHING
+        (p.domain, p.material, p.object, p.number, p.split, p.part, p.looks_like, p.feels_like)
+        for p in EVERYTHING
     ]
 
     assert sha256(repr(facts).encode()).hexdigest()[:16] == "4741f7d89e60eff0"
@@ -69,7 +70,9 @@ def test_tacquad_has_no_ceramic_and_its_parts_have_both_splits() -> None:
 def test_test_objects_are_of_the_same_kinds_as_training_objects() -> None:
     kinds = defaultdict(set)
     for pair in EVERYTHING:
-        kinds[pair.domain, pair.material, pair.split].add(recipe(pair.material, pair.number, seed=0))
+        kinds[pair.domain, pair.material, pair.split].add(
+            recipe(pair.material, pair.number, seed=0)
+        )
 
     unknown = sum(
         len(kinds[domain, material, "test"] - kinds[domain, material, "train"])

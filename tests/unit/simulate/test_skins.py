@@ -12,7 +12,9 @@ X, Y = plane(16.0, 160)
 
 def roughness(material: str) -> float:
     """Return the mean spread in mm of a material's skin."""
-    return float(np.mean([SKINS[material](np.random.default_rng(s), 0.3)(X, Y).std() for s in range(4)]))
+    return float(
+        np.mean([SKINS[material](np.random.default_rng(s), 0.3)(X, Y).std() for s in range(4)])
+    )
 
 
 def test_every_material_has_a_skin_and_names_its_smooth_recipes() -> None:

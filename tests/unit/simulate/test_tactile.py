@@ -15,7 +15,9 @@ from omnivat.simulate.tactile import at_rest, lit, marker_shade, touch, untouche
 from omnivat.simulate.things import Thing
 
 PRESS = Press(turn=0.4, lean=(0.0, 0.0), depth=0.5, shear=(0.05, 0.0))
-RED_FROM_THE_RIGHT = replace(GELS["DIGIT"], lamps=(Lamp(azimuth=0, colour=(1.0, 0.0, 0.0)),), base=(0.0, 0.0, 0.0))
+RED_FROM_THE_RIGHT = replace(
+    GELS["DIGIT"], lamps=(Lamp(azimuth=0, colour=(1.0, 0.0, 0.0)),), base=(0.0, 0.0, 0.0)
+)
 
 
 def slab(material: str, number: int) -> Thing:
@@ -31,7 +33,12 @@ def slab(material: str, number: int) -> Thing:
 
 @pytest.mark.parametrize(
     ("azimuth", "near", "far"),
-    [(0, (32, 44), (32, 19)), (90, (19, 32), (44, 32)), (180, (32, 19), (32, 44)), (270, (44, 32), (19, 32))],
+    [
+        (0, (32, 44), (32, 19)),
+        (90, (19, 32), (44, 32)),
+        (180, (32, 19), (32, 44)),
+        (270, (44, 32), (19, 32)),
+    ],
     ids=["right", "top", "left", "bottom"],
 )
 def test_a_lamp_lights_the_flank_of_a_bump_that_faces_it(azimuth, near, far) -> None:

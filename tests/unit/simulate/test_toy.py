@@ -15,10 +15,16 @@ def test_the_transform_keeps_distances_and_the_relu_makes_them_depend_on_p():
 
 def test_distances_are_those_of_what_is_drawn():
     found = toy(ORDERS)
-    vis, tac = (np.array(signal["re"]) + 1j * np.array(signal["im"]) for signal in found["signals"].values())
-    assert np.allclose(np.linalg.norm(vis - tac, axis=1), found["distances"]["signals"]["turned"], atol=5e-3)
+    vis, tac = (
+        np.array(signal["re"]) + 1j * np.array(signal["im"]) for signal in found["signals"].values()
+    )
+    assert np.allclose(
+        np.linalg.norm(vis - tac, axis=1), found["distances"]["signals"]["turned"], atol=5e-3
+    )
     vis, tac = (np.maximum(np.array(cloud), 0).mean(1) for cloud in found["clouds"].values())
-    assert np.allclose(np.linalg.norm(vis - tac, axis=1), found["distances"]["clouds"]["clipped"], atol=5e-3)
+    assert np.allclose(
+        np.linalg.norm(vis - tac, axis=1), found["distances"]["clouds"]["clipped"], atol=5e-3
+    )
 
 
 def test_at_its_own_p_each_signal_is_mostly_one_spike():

@@ -87,7 +87,13 @@ def test_under_imitated_sensors_they_are_skipped_with_the_reason(folder: Path) -
 def test_the_central_square_that_was_embedded_is_read_again(folder: Path) -> None:
     wood, steel = (folder / "pairs" / "lab" / name for name in ("wood", "steel"))
     pairs = tuple(
-        Pair(vis=place / "0_vis.png", tac=place / "0_tac.png", domain="lab", material=place.name, tac_crop=12)
+        Pair(
+            vis=place / "0_vis.png",
+            tac=place / "0_tac.png",
+            domain="lab",
+            material=place.name,
+            tac_crop=12,
+        )
         for place in (wood, steel)
     )
     weights = folder / "clip" / "ViT.pt"

@@ -42,7 +42,9 @@ def done(file, runs, out, **changes):
 
 
 def without_times(found):
-    return sorted((json.dumps({k: v for k, v in r.items() if k != "seconds"}) for r in found), key=str)
+    return sorted(
+        (json.dumps({k: v for k, v in r.items() if k != "seconds"}) for r in found), key=str
+    )
 
 
 def test_a_record_tells_what_was_resolved_and_every_target(file, runs, tmp_path):
@@ -74,7 +76,9 @@ def recomputed(target, name):
 def test_figures_can_be_recomputed_from_the_predictions_in_the_record(file):
     for name in NAMES:
         method = methods_named([name], *(QUICK.values() if name == "omnivat" else ({}, {})))[0]
-        record = execute(Run(method=method, source="TAG", seed=0), load_embeddings(file), load_bank())
+        record = execute(
+            Run(method=method, source="TAG", seed=0), load_embeddings(file), load_bank()
+        )
         for target in record["targets"].values():
             assert len(unpacked(target["objects"])) == target["pairs"] == len(target["truth"])
             for reading, found in target["scores"].items():
@@ -169,7 +173,9 @@ def test_methods_that_need_no_text_run_where_the_bank_lacks_the_classes(make_emb
     pairs = make_embeddings(domains=("A", "B"), classes=("felt", "cork"), split=True)
     runs_ = [
         Run(method=m, source="A", seed=0)
-        for m in methods_named(["nearest_mean", "linear_probe", "zero_shot", "omnivat"], QUICK["head"], QUICK["train"])
+        for m in methods_named(
+            ["nearest_mean", "linear_probe", "zero_shot", "omnivat"], QUICK["head"], QUICK["train"]
+        )
     ]
     found = {r.method.name: execute(r, pairs, load_bank()) for r in runs_}
     assert "targets" in found["nearest_mean"] and "targets" in found["linear_probe"]
@@ -259,7 +265,9 @@ def test_a_line_that_is_no_record_is_named(tmp_path):
 
 def test_ray_is_asked_for_with_its_purpose(file, runs, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "ray", None)
-    monkeypatch.setattr(engine, "need", lambda name, **how: (_ for _ in ()).throw(MissingPackageError(str(how))))
+    monkeypatch.setattr(
+        engine, "need", lambda name, **how: (_ for _ in ()).throw(MissingPackageError(str(how)))
+    )
     with pytest.raises(MissingPackageError, match="cluster"):
         done(file, runs[:1], tmp_path / "runs.jsonl", engine="ray")
 
@@ -273,7 +281,9 @@ def test_the_ray_engine_gives_the_same_records(file, runs, tmp_path, monkeypatch
     def wait(tasks, num_returns):
         return tasks[:num_returns], tasks[num_returns:]
 
-    stand_in = types.SimpleNamespace(init=lambda **_: None, remote=remote, wait=wait, get=lambda value: value)
+    stand_in = types.SimpleNamespace(
+        init=lambda **_: None, remote=remote, wait=wait, get=lambda value: value
+    )
     monkeypatch.setattr(engine, "need", lambda name, **how: stand_in)
     done(file, runs[:2], tmp_path / "ray.jsonl", engine="ray")
     done(file, runs[:2], tmp_path / "local.jsonl")

@@ -41,7 +41,9 @@ def test_objectfolder_2_a_and_b_are_never_source_and_target():
 @pytest.fixture
 def eight(make_embeddings):
     """All eight simulated domains with splits; TacQuad's with parts and without ceramic."""
-    pairs = make_embeddings(domains=tuple(f"{name}-sim" for name in SETTINGS), per_class=8, split=True)
+    pairs = make_embeddings(
+        domains=tuple(f"{name}-sim" for name in SETTINGS), per_class=8, split=True
+    )
     domains = np.array(pairs.header.domains)[pairs.domain]
     tacquad = np.char.startswith(domains.astype(str), "TQ")
     ceramic = pairs.label == pairs.header.classes.index("ceramic")

@@ -74,13 +74,23 @@ def test_two_workers_give_the_records_of_one_machine(make_embeddings, tmp_path):
     small = ("--methods", "omnivat,nearest_mean", "--set", "width=16", "--set", "epochs=1")
 
     def protocol(out):
-        words = ("protocol", "--embeddings", file, *small, "--seeds", "0,1", "--out", tmp_path / out)
+        words = (
+            "protocol",
+            "--embeddings",
+            file,
+            *small,
+            "--seeds",
+            "0,1",
+            "--out",
+            tmp_path / out,
+        )
         return [str(word) for word in words]
 
     assert main(protocol("here")) == 0
     on_two_workers(protocol("far"))
     here, far = (
-        {record["key"]: record for record in records.read(tmp_path / out / "runs.jsonl")} for out in ("here", "far")
+        {record["key"]: record for record in records.read(tmp_path / out / "runs.jsonl")}
+        for out in ("here", "far")
     )
     assert len(here) == 8  # two methods, two sources, two seeds
     assert far.keys() == here.keys()

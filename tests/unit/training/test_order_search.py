@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 import torch
 
-from benchmarks.studies._other_chirps import Recipe, drawn, embeddings_of, turned
 from omnivat.fractional import dfrft
 from omnivat.head.settings import HeadSettings
 from omnivat.measure.evaluate import predicted_probabilities
@@ -23,6 +22,8 @@ from omnivat.training.order_search import (
     search_steps,
     tied,
 )
+
+from .other_chirps import Recipe, drawn, embeddings_of, turned
 
 CHIRPS = ChirpSettings(order=0.62, seed=3, domains=2)
 
@@ -65,7 +66,11 @@ def test_the_gradient_alone_stays_where_it_starts(chirps):
 @pytest.mark.slow
 def test_the_record_of_a_search_holds_its_curve_and_what_it_cost(found):
     search = found.search
-    coarse = [score for score, kind in zip(search["score"], search["round"], strict=True) if kind == "coarse"]
+    coarse = [
+        score
+        for score, kind in zip(search["score"], search["round"], strict=True)
+        if kind == "coarse"
+    ]
     assert search["orders"][:65] == [k / 64 for k in range(65)] and len(coarse) == 65
     assert len(search["orders"]) == len(search["spread"]) == len(search["score"])
     assert search["orders"][int(np.argmin(coarse))] == pytest.approx(CHIRPS.order, abs=0.02)
@@ -103,7 +108,9 @@ def test_the_order_of_another_programs_chirps_is_found(seed):
 def test_orders_at_both_ends_and_beside_interference_are_found(order):
     near = ((0.0, 1.0) if order == 0.88 else (0.5, 0.6),)
     search = of(Recipe(order=order, near=near))
-    coarse = [p for p, kind in zip(search["orders"], search["round"], strict=True) if kind == "coarse"]
+    coarse = [
+        p for p, kind in zip(search["orders"], search["round"], strict=True) if kind == "coarse"
+    ]
     assert search["start"] == pytest.approx(order, abs=0.015)
     assert (coarse[0], coarse[-1]) == (0.0, 1.0)
 
@@ -179,7 +186,9 @@ def test_the_orders_around_the_best_that_tie_with_it_are_named():
     worse = [scored(p, 0.2, 1.01, 0.2, 1.01) for p in (0.45, 0.55)]
     assert neighbours([best, *same, *worse], best) == (0.48, 0.52)
     assert neighbours([best, *worse], best) == (0.5, 0.5)
-    assert neighbours([scored(-0.01, 0.1, 0.9), scored(0.0, 0.1, 0.9)], scored(0.0, 0.1, 0.9))[0] == 0
+    assert (
+        neighbours([scored(-0.01, 0.1, 0.9), scored(0.0, 0.1, 0.9)], scored(0.0, 0.1, 0.9))[0] == 0
+    )
 
 
 def test_a_classifier_that_is_worse_than_chance_counts_as_chance():
@@ -195,7 +204,10 @@ def test_an_order_beside_interference_at_an_end_is_found(seed):
 
 
 def test_valleys_are_apart_and_as_many_as_are_refined():
-    orders = [scored(p, loss, loss) for p, loss in ((0, 0.3), (0.1, 0.1), (0.12, 0.15), (0.5, 0.2), (1, 0.9))]
+    orders = [
+        scored(p, loss, loss)
+        for p, loss in ((0, 0.3), (0.1, 0.1), (0.12, 0.15), (0.5, 0.2), (1, 0.9))
+    ]
     assert [one.order for one in lowest_valleys(orders, 0.2)] == [0.1, 0.5, 1]
     assert [one.order for one in lowest_valleys(orders, 2.0)] == [0.1, 0.12, 0.5]
 
@@ -206,7 +218,9 @@ def test_a_resumed_training_searches_again_and_ends_at_the_same_weights(chirps, 
     whole = train(source, head(), settings)
     state = tmp_path / "training.safetensors"
     first = []
-    later = Watch(on_step=first.append, cancelled=lambda: len(first) > search_steps(head(), settings) + 10)
+    later = Watch(
+        on_step=first.append, cancelled=lambda: len(first) > search_steps(head(), settings) + 10
+    )
     with pytest.raises(TrainingCancelled):
         train(source, head(), settings, resume=state, watch=later)
     again = []
@@ -224,7 +238,9 @@ def test_a_source_of_one_object_a_class_is_searched_without_a_held_out_part(chir
 
 
 def test_orders_exactly_at_the_distance_share_a_valley():
-    found = [scored(p, loss, loss) for p, loss in ((0.25, 0.1), (0.5, 0.1), (0.75, 0.1), (1.0, 0.1))]
+    found = [
+        scored(p, loss, loss) for p, loss in ((0.25, 0.1), (0.5, 0.1), (0.75, 0.1), (1.0, 0.1))
+    ]
     assert [one.order for one in lowest_valleys(found[:3], 0.25)] == [0.25, 0.75, 0.5]
     assert tied(found, found[0], 0.25) == [0.75]
 
@@ -252,7 +268,8 @@ def test_a_note_names_three_ties_and_says_if_there_are_more():
 
 def test_the_grid_is_as_fine_as_the_width_and_bounded():
     counts = [
-        search_steps(head(width=w), TrainSettings(order_stops=n)) - 3 * 17 for w, n in ((8, 21), (64, 21), (4096, 9))
+        search_steps(head(width=w), TrainSettings(order_stops=n)) - 3 * 17
+        for w, n in ((8, 21), (64, 21), (4096, 9))
     ]
     assert counts == [21, 65, 2001]
 
@@ -287,7 +304,9 @@ def test_errors_left_out_are_those_of_a_ridge_fitted_to_the_rest(sizes):
     wide = np.hstack([rows, np.ones((8, 1))])  # the mean has no penalty
     for group in groups:
         rest = np.setdiff1d(np.arange(8), group)
-        weights = np.linalg.solve(wide[rest].T @ wide[rest] + np.diag([1, 1, 1, 0]), wide[rest].T @ targets[rest])
+        weights = np.linalg.solve(
+            wide[rest].T @ wide[rest] + np.diag([1, 1, 1, 0]), wide[rest].T @ targets[rest]
+        )
         wanted = ((targets[group] - wide[group] @ weights) ** 2).sum(1)
         np.testing.assert_allclose(found[group], wanted)
 

@@ -41,7 +41,10 @@ def test_a_head_learns_its_source_and_p_stays_near_its_start(source):
 
 
 def test_same_seed_gives_the_same_weights_to_the_bit(source):
-    runs = [train(source, head(), TrainSettings(epochs=1), bank=load_bank(), seed=s).model for s in (5, 5, 6)]
+    runs = [
+        train(source, head(), TrainSettings(epochs=1), bank=load_bank(), seed=s).model
+        for s in (5, 5, 6)
+    ]
     first, second, other = (run.state_dict() for run in runs)
     assert all(torch.equal(first[name], second[name]) for name in first)
     assert not torch.equal(first["classifier"], other["classifier"])
@@ -58,7 +61,9 @@ def test_the_leak_guard_can_fail(source):
     """Noise for VIS and TAC, LANG always on: right with text, lost without."""
     random = np.random.default_rng(0)
     noise = {n: random.normal(size=source.vis.shape).astype(np.float32) for n in ("vis", "tac")}
-    blind = type(source)(header=source.header, domain=source.domain, label=source.label, rows=source.rows, **noise)
+    blind = type(source)(
+        header=source.header, domain=source.domain, label=source.label, rows=source.rows, **noise
+    )
     leaky = TrainSettings(epochs=8, lang_drop=0.0, class_token_drop=1.0)
     trained = train(blind, head(), leaky, bank=load_bank())
     assert guided_accuracy(trained.model, blind) - accuracy(trained.model, blind) > 0.05
@@ -71,7 +76,11 @@ def guided_accuracy(model, pairs):
     off = torch.zeros(len(pairs), dtype=torch.bool)
     with torch.no_grad():
         output = model.training_pass(
-            torch.from_numpy(pairs.vis), torch.from_numpy(pairs.tac), lang, torch.from_numpy(pairs.label), token_on=off
+            torch.from_numpy(pairs.vis),
+            torch.from_numpy(pairs.tac),
+            lang,
+            torch.from_numpy(pairs.label),
+            token_on=off,
         )
     fused = sum(torch.softmax(values, -1) for values in output.logits.values())
     return (fused.argmax(-1).numpy() == pairs.label).mean()
@@ -155,7 +164,9 @@ def test_a_head_of_one_modality_learns_from_it_and_never_reads_the_other(source,
 
 
 def test_an_order_a_modality_is_learned_apart_and_logged(source):
-    trained = train(source, head(order_per_modality=True), TrainSettings(epochs=2), bank=load_bank())
+    trained = train(
+        source, head(order_per_modality=True), TrainSettings(epochs=2), bank=load_bank()
+    )
     assert len(set(trained.model.orders.values())) == 3
     assert trained.epochs[-1]["order_vis"] == trained.model.orders["vis"]
 
@@ -191,14 +202,21 @@ def test_a_loss_that_is_not_finite_stops_with_a_sentence(source):
     bad = source.vis.copy()
     bad[0, 0] = np.inf
     broken = type(source)(
-        header=source.header, vis=bad, tac=source.tac, domain=source.domain, label=source.label, rows=source.rows
+        header=source.header,
+        vis=bad,
+        tac=source.tac,
+        domain=source.domain,
+        label=source.label,
+        rows=source.rows,
     )
     with pytest.raises(OmniVatError, match=r"Training stopped: the loss is .*Lower lr"):
         train(broken, head(), TrainSettings(epochs=1), bank=load_bank())
 
 
 def test_a_gradient_that_is_not_finite_stops_although_the_loss_is(source, monkeypatch):
-    monkeypatch.setattr(torch, "_foreach_norm", lambda found: [torch.tensor(torch.inf)] * len(found))
+    monkeypatch.setattr(
+        torch, "_foreach_norm", lambda found: [torch.tensor(torch.inf)] * len(found)
+    )
     with pytest.raises(OmniVatError, match=r"Training stopped: the loss is \d.*Lower lr"):
         train(source, head(), TrainSettings(epochs=1), bank=load_bank())
 

@@ -46,10 +46,20 @@ def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_p
     state = tmp_path / "training.safetensors"
 
     with pytest.raises(Stop):
-        train(source, head(), settings, bank=load_bank(), seed=3, resume=state, on_step=stopped_after(0.6))
+        train(
+            source,
+            head(),
+            settings,
+            bank=load_bank(),
+            seed=3,
+            resume=state,
+            on_step=stopped_after(0.6),
+        )
     assert state.is_file()
     steps = []
-    resumed = train(source, head(), settings, bank=load_bank(), seed=3, resume=state, on_step=steps.append)
+    resumed = train(
+        source, head(), settings, bank=load_bank(), seed=3, resume=state, on_step=steps.append
+    )
     assert steps[0].done == steps[0].total // 2 + 1  # two of four epochs were not done again
     assert equal_weights(whole.model, resumed.model)
     assert whole.epochs == resumed.epochs
@@ -60,7 +70,9 @@ def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_p
 def test_the_resume_check_can_fail(source, tmp_path, monkeypatch):
     """Without the optimiser's momentum the weights differ."""
     kept = state_module._under
-    monkeypatch.setattr(state_module, "_under", lambda name, t: {} if name == "momentum." else kept(name, t))
+    monkeypatch.setattr(
+        state_module, "_under", lambda name, t: {} if name == "momentum." else kept(name, t)
+    )
     settings, state = TrainSettings(epochs=2), tmp_path / "training.safetensors"
     whole = train(source, head(), settings, bank=load_bank())
 
@@ -74,7 +86,14 @@ def test_the_state_of_another_training_is_refused(source, tmp_path):
     state = tmp_path / "training.safetensors"
 
     with pytest.raises(Stop):
-        train(source, head(), TrainSettings(epochs=2), bank=load_bank(), resume=state, on_step=stopped_after(0.5))
+        train(
+            source,
+            head(),
+            TrainSettings(epochs=2),
+            bank=load_bank(),
+            resume=state,
+            on_step=stopped_after(0.5),
+        )
     with pytest.raises(DataError, match="state of another training"):
         train(source, head(), TrainSettings(epochs=2), bank=load_bank(), seed=9, resume=state)
     state.write_bytes(b"cut short")

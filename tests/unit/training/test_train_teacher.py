@@ -58,7 +58,14 @@ def test_a_taught_head_never_sees_the_labels(source):
     plain = head(class_token=False, learn_order=False)
     first, second = (
         loop.train_once(
-            pairs, plain, settings, bank=None, seed=2, resume=None, watch=Watch(), teachers=[teacher]
+            pairs,
+            plain,
+            settings,
+            bank=None,
+            seed=2,
+            resume=None,
+            watch=Watch(),
+            teachers=[teacher],
         ).model.state_dict()
         for pairs in (source, shuffled)
     )
@@ -94,7 +101,8 @@ def test_progress_counts_the_steps_of_the_teachers_too(source):
     watch = Watch(on_step=steps.append, on_epoch=lambda record, model: epochs.append(record))
     made(source, EVERY, watch=watch)
     assert [step.done for step in steps] == list(range(1, steps[-1].total + 1))
-    assert {step.total for step in steps} == {120}  # 5 steps × 8 epochs × (two teachers and the head)
+    # 5 steps × 8 epochs × (two teachers and the head)
+    assert {step.total for step in steps} == {120}
     assert len(epochs) == EVERY.epochs
 
 

@@ -130,7 +130,9 @@ def test_a_folder_too_near_to_the_top_is_named(tmp_path, pair, depth):
 
 
 def test_an_empty_folder_says_what_was_wanted(tmp_path):
-    with pytest.raises(DataError, match=r"No pairs in '.*'; expected <domain>/<class>/<name>_vis.png"):
+    with pytest.raises(
+        DataError, match=r"No pairs in '.*'; expected <domain>/<class>/<name>_vis.png"
+    ):
         read(tmp_path)
 
 
@@ -161,7 +163,9 @@ def test_a_broken_link_and_a_folder_named_like_an_image_are_skipped(tmp_path, pa
     assert reasons(found)["D/wood/c_vis.png"] == "a folder with the name of an image"
 
 
-@pytest.mark.skipif(os.name == "nt" or os.uname().sysname == "Darwin", reason="names are text there")
+@pytest.mark.skipif(
+    os.name == "nt" or os.uname().sysname == "Darwin", reason="names are text there"
+)
 def test_names_that_are_not_utf8_are_skipped_and_can_be_printed(tmp_path, pair, image_bytes):
     pair(tmp_path / "D" / "wood", "a")
     folder = os.fsencode(tmp_path / "D" / "wood")
@@ -170,7 +174,9 @@ def test_names_that_are_not_utf8_are_skipped_and_can_be_printed(tmp_path, pair, 
     found = read(tmp_path)
     assert len(found.pairs) == 1
     assert summary_table(found).encode("utf-8")
-    assert [skipped.why for skipped in found.skipped] == ["the file's name is not UTF-8; rename it"] * 2
+    assert [skipped.why for skipped in found.skipped] == [
+        "the file's name is not UTF-8; rename it"
+    ] * 2
 
 
 def test_a_folder_without_permission_is_listed(tmp_path, pair, monkeypatch):
@@ -185,10 +191,12 @@ def test_a_path_that_is_not_there_is_named(tmp_path):
         read_pairs(tmp_path / "nowhere")
 
 
-names = st.text(st.sampled_from("aW \u00e9\uff37\n'\"_.-\u200b\U0001f600"), min_size=1, max_size=6).filter(
-    lambda name: name.strip(".") and len(name.encode()) < 100
+names = st.text(
+    st.sampled_from("aW \u00e9\uff37\n'\"_.-\u200b\U0001f600"), min_size=1, max_size=6
+).filter(lambda name: name.strip(".") and len(name.encode()) < 100)
+endings = st.sampled_from(
+    ["_vis.png", "_tac.png", "_VIS.jpg", "_tac.txt", "_vis", ".png", "_tac.npy"]
 )
-endings = st.sampled_from(["_vis.png", "_tac.png", "_VIS.jpg", "_tac.txt", "_vis", ".png", "_tac.npy"])
 
 
 @settings(max_examples=60)

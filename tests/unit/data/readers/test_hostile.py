@@ -14,16 +14,37 @@ from omnivat.kit.errors import DataError
 
 few = settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 cells = st.sampled_from(
-    ["1", "0", "-1", "007", "a", "glass", "3.5", "", " ", "../..", "1e9", "٣", "²", "\0", "é", '"', "9" * 30]
+    [
+        "1",
+        "0",
+        "-1",
+        "007",
+        "a",
+        "glass",
+        "3.5",
+        "",
+        " ",
+        "../..",
+        "1e9",
+        "٣",
+        "²",
+        "\0",
+        "é",
+        '"',
+        "9" * 30,
+    ]
 )
 tables = st.lists(st.lists(cells, max_size=9), max_size=6).map(
     lambda rows: "\n".join(",".join(row) for row in rows).encode()
 )
 contents = st.one_of(st.binary(max_size=40), tables)
 values = st.recursive(
-    st.one_of(st.none(), st.booleans(), st.integers(-1, 101), st.text(max_size=3), st.just(float("nan"))),
+    st.one_of(
+        st.none(), st.booleans(), st.integers(-1, 101), st.text(max_size=3), st.just(float("nan"))
+    ),
     lambda inner: st.one_of(
-        st.lists(inner, max_size=3), st.dictionaries(st.sampled_from(["1", "101", "a", "train", ""]), inner, max_size=3)
+        st.lists(inner, max_size=3),
+        st.dictionaries(st.sampled_from(["1", "101", "a", "train", ""]), inner, max_size=3),
     ),
     max_leaves=8,
 )
@@ -62,7 +83,9 @@ def test_any_bytes_in_touch_and_go_lists_give_pairs_or_a_sentence(clips, train, 
 @few
 @given(values, values, contents)
 @example({"1": 0}, {}, b"1,,,\x00")
-def test_any_values_in_objectfolder_2_tables_give_pairs_or_a_sentence(release, labels, split, table):
+def test_any_values_in_objectfolder_2_tables_give_pairs_or_a_sentence(
+    release, labels, split, table
+):
     root = release({1: "Wood", 2: "Glass", 101: "Iron"}, instances=1)
     answer(root)
     (root / "split.json").write_text(json.dumps(split))

@@ -21,7 +21,13 @@ def test_the_first_hundred_objects_are_a_and_the_rest_b(release):
 
 def test_the_draw_reproduces_the_papers_counts(release):
     """With the objects of each material that objects.csv has, merged, and 100 instances as 1."""
-    a = ["Polycarbonate"] * 24 + ["Wood"] * 21 + ["Ceramic"] * 19 + ["Steel"] * 17 + ["Plastic"] * 11
+    a = (
+        ["Polycarbonate"] * 24
+        + ["Wood"] * 21
+        + ["Ceramic"] * 19
+        + ["Steel"] * 17
+        + ["Plastic"] * 11
+    )
     a += ["Iron"] * 6 + ["Glass"] * 2
     b = ["Wood"] * 30 + ["Iron"] * 20 + ["Ceramic"] * 30 + ["Polycarbonate"] * 25 + ["Glass"] * 24
     b += ["Steel"] * 21 + ["Plastic"] * 9
@@ -88,7 +94,9 @@ def test_the_releases_own_split_can_be_read(release):
     assert sum(s.count for s in found.skipped) == 8
 
 
-@pytest.mark.parametrize("text", ["[]", "{", '{"train": 3}', '{"train": [[1]]}', '{"test": [["a", 1]]}'])
+@pytest.mark.parametrize(
+    "text", ["[]", "{", '{"train": 3}', '{"train": [[1]]}', '{"test": [["a", 1]]}']
+)
 def test_a_broken_split_is_refused(release, text):
     root = release(SMALL)
     (root / "split.json").write_text(text)

@@ -33,7 +33,9 @@ def test_each_contact_gives_its_middle_frame_and_the_hand_cameras(tree):
     assert len(found.pairs) == 10
 
 
-@pytest.mark.parametrize(("frames", "tac", "vis"), [("last", "4.png", "8.png"), ("all", "0.png", "0.png")])
+@pytest.mark.parametrize(
+    ("frames", "tac", "vis"), [("last", "4.png", "8.png"), ("all", "0.png", "0.png")]
+)
 def test_other_frames_of_the_press_can_be_asked_for(tree, frames, tac, vis):
     first = read_pairs(tree, frames=frames).pairs[0]
     assert (first.tac.name, first.vis.name) == (tac, vis)

@@ -16,11 +16,18 @@ def tree(tmp_path, item, monkeypatch):
     """Two items in each part; the first indoor range is frames 3 to 62 of GelSight."""
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
     root = tmp_path / "tacquad"
-    for part, names in (("indoor", ("galss_cup", "woodblock")), ("outdoor", ("steel_rail", "bench"))):
+    for part, names in (
+        ("indoor", ("galss_cup", "woodblock")),
+        ("outdoor", ("steel_rail", "bench")),
+    ):
         for name in names:
             item(root, part, name)
-    (root / "contact_indoor.csv").write_text("galss_cup,3,62,0,69,5,5\nwoodblock,0,69,0,69,0,69,a block of oak\n")
-    (root / "contact_outdoor.csv").write_text("steel_rail,0,69,0,69,0,69\nbench,0,59,0,69,0,69,A platic bench\n")
+    (root / "contact_indoor.csv").write_text(
+        "galss_cup,3,62,0,69,5,5\nwoodblock,0,69,0,69,0,69,a block of oak\n"
+    )
+    (root / "contact_outdoor.csv").write_text(
+        "steel_rail,0,69,0,69,0,69\nbench,0,59,0,69,0,69,A platic bench\n"
+    )
     return root
 
 
@@ -38,7 +45,9 @@ def test_ranges_include_their_first_and_last_frame(tree):
 def test_frame_t_goes_with_the_image_of_the_same_moment(tree):
     """72 images for 70 touches: int(t / 70 * 72), for numbers that sort as numbers."""
     found = read_pairs(tree, all_frames=True)
-    moments = {int(p.tac.stem): int(p.vis.stem) for p in of(found, "TQ-GelMini", "outdoor", "steel_rail")}
+    moments = {
+        int(p.tac.stem): int(p.vis.stem) for p in of(found, "TQ-GelMini", "outdoor", "steel_rail")
+    }
     assert moments == {t: int(t / 70 * 72) for t in range(70)}
     assert moments[69] == 70
 
@@ -67,7 +76,12 @@ def test_items_can_be_kept_whole(tree):
 def test_materials_come_from_names_captions_and_slips(tree):
     found = read_pairs(tree)
     materials = {p.object: p.material for p in found.pairs}
-    assert materials == {"galss_cup": "glass", "woodblock": "wood", "steel_rail": "steel", "bench": "plastic"}
+    assert materials == {
+        "galss_cup": "glass",
+        "woodblock": "wood",
+        "steel_rail": "steel",
+        "bench": "plastic",
+    }
 
 
 @pytest.mark.parametrize(
@@ -97,7 +111,9 @@ def test_the_table_of_materials_overrides_the_words(tree):
     (tree / "materials.csv").write_text("item,material\ngalss_cup,Plastic\nbench,\n")
     found = read_pairs(tree)
     assert {p.material for p in found.pairs if p.object == "galss_cup"} == {"plastic"}
-    assert {s.what: s.why for s in found.skipped}["outdoor/bench"] == ("left out by the table of materials")
+    assert {s.what: s.why for s in found.skipped}["outdoor/bench"] == (
+        "left out by the table of materials"
+    )
 
 
 def test_an_override_beyond_the_five_is_refused(tree):
@@ -135,7 +151,9 @@ def test_an_empty_tac3d_folder_gives_no_pairs_and_says_so(tree):
     (tree / "data_indoor/galss_cup/tac3d").mkdir()
     found = read_pairs(tree)
     assert "TQ-T3D" not in found.domains()
-    assert {s.what: s.why for s in found.skipped}["indoor/galss_cup, TQ-T3D"] == "no fields in tac3d"
+    assert {s.what: s.why for s in found.skipped}[
+        "indoor/galss_cup, TQ-T3D"
+    ] == "no fields in tac3d"
 
 
 def fields(tree: Path, put, count=12):
@@ -157,7 +175,9 @@ def test_tac3d_fields_become_images_beside_their_photos(tree, put):
     assert {p.part for p in pairs} == {"indoor"}
     assert Counter(p.split for p in pairs)["test"] == 4  # 682 of 1,878
     assert all(p.tac.is_file() for p in pairs)
-    assert {s.what: s.why for s in found.skipped}["indoor/woodblock/tac3d/99.npy"] == ("no 20 x 20 x 3 field")
+    assert {s.what: s.why for s in found.skipped}["indoor/woodblock/tac3d/99.npy"] == (
+        "no 20 x 20 x 3 field"
+    )
 
 
 def test_fields_are_drawn_once(tree, put, tmp_path):

@@ -64,7 +64,10 @@ def test_a_missing_half_is_counted_by_clip(tree):
     (root / "dataset/20220101_000000/gelsight_frame/0000000002.jpg").unlink()
     found = read_pairs(root)
     assert len(found.pairs) == 2
-    assert {s.why for s in found.skipped} == {"no image in video_frame", "no image in gelsight_frame"}
+    assert {s.why for s in found.skipped} == {
+        "no image in video_frame",
+        "no image in gelsight_frame",
+    }
 
 
 def test_frames_saved_in_another_format_are_found(tree):
@@ -142,7 +145,9 @@ def test_clips_without_any_list_ask_for_one(tmp_path, put):
         put(tmp_path / "grass" / "video_frame" / f"rgb_image_{number:03d}.png")
         put(tmp_path / "grass" / "gelsight_frame" / f"touch_image_{number:03d}.png")
     put(tmp_path / "grass" / "gelsight_frame" / "touch_image_007.png")
-    with pytest.raises(DataError, match=r"neither train.txt and test.txt nor label.txt .* keep_labels"):
+    with pytest.raises(
+        DataError, match=r"neither train.txt and test.txt nor label.txt .* keep_labels"
+    ):
         read_pairs(tmp_path)
     found = read_pairs(tmp_path, keep_labels=True)
     assert [(p.vis.name, p.tac.name) for p in found.pairs] == [
@@ -153,5 +158,7 @@ def test_clips_without_any_list_ask_for_one(tmp_path, put):
 
 
 def test_lists_without_a_single_frame_say_what_was_left_out(tree):
-    with pytest.raises(DataError, match=r"No pairs of Touch-and-Go .* none of the five materials \(1\)"):
+    with pytest.raises(
+        DataError, match=r"No pairs of Touch-and-Go .* none of the five materials \(1\)"
+    ):
         read_pairs(tree([(1, 0, GRASS)]))

@@ -48,7 +48,9 @@ def make_pairs(root: Path, count: int = 10, bad: Sequence[int] = ()) -> PairSet:
         vis, tac = folder / f"{i}_vis.png", folder / f"{i}_tac.png"
         vis.write_bytes(png(2 * i))
         tac.write_bytes(b"no image" if i in bad else png(2 * i + 1))
-        pairs.append(Pair(vis=vis, tac=tac, domain=domain, material=material, object=f"o{i}", split="train"))
+        pairs.append(
+            Pair(vis=vis, tac=tac, domain=domain, material=material, object=f"o{i}", split="train")
+        )
     return PairSet(pairs=tuple(pairs), origin="made by a test")
 
 

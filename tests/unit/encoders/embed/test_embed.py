@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 import torch
+from PIL import Image
 
 from omnivat.cli import main
+from omnivat.data.dots import FILLED, fill_dots
 from omnivat.data.images import read_image
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.rest import RESTED, minus_rest, with_rest
@@ -49,6 +51,38 @@ def test_the_crop_of_a_pair_is_cut_from_its_tactile_image_alone(tmp_path: Path) 
     loaded = load_embeddings(embed(PairSet(pairs=(cut,)), tmp_path / "set.safetensors").out)
     assert np.array_equal(loaded.vis[0], embed_image(MeanColour(), pair.vis))
     assert np.array_equal(loaded.tac[0], embed_image(MeanColour(), pair.tac, crop=8))
+
+
+def printed(seed: int) -> np.ndarray:
+    """A gel (128, 128, 3) with a grid of dots."""
+    y, x = np.mgrid[:128, :128]
+    gel = np.random.default_rng(seed).integers(100, 180, 3) + 0.2 * x[..., None]
+    gel[np.hypot(x % 18 - 9, y % 18 - 9) < 3] *= 0.3
+    return np.asarray(gel, np.uint8)
+
+
+def test_dots_are_filled_in_touch_alone_unless_they_are_kept(tmp_path: Path) -> None:
+    pairs = make_pairs(tmp_path / "set", 4)
+    for file in (pairs.pairs[1].vis, pairs.pairs[1].tac):
+        Image.fromarray(printed(1)).save(file)
+    kept = load_embeddings(embed(pairs, tmp_path / "kept.safetensors", dots="keep").out)
+    filled = load_embeddings(embed(pairs, tmp_path / "filled.safetensors").out)
+    assert filled.header.preprocessing == kept.header.preprocessing + FILLED
+    assert np.array_equal(filled.vis, kept.vis) and np.array_equal(filled.vis_flip, kept.vis_flip)
+    others = [0, 2, 3]
+    assert np.array_equal(filled.tac[others], kept.tac[others])
+    clean = Image.fromarray(fill_dots(printed(1))[0])
+    assert np.array_equal(filled.tac[1], embed_image(MeanColour(), clean))
+    assert (filled.tac[1] > kept.tac[1]).all() and (filled.tac_flip[1] > kept.tac_flip[1]).all()
+
+
+def test_dots_are_filled_before_a_rest_picture_is_subtracted(tmp_path: Path) -> None:
+    pairs = make_pairs(tmp_path / "set", 2)
+    for file in (pairs.pairs[1].tac, tmp_path / "set" / "OF Real" / "rest.png"):
+        Image.fromarray(printed(1)).save(file)
+    loaded = load_embeddings(embed(with_rest(pairs, "all"), tmp_path / "set.safetensors").out)
+    assert np.array_equal(loaded.tac[1], [128] * 6)
+    assert loaded.header.preprocessing == "none" + FILLED + RESTED
 
 
 def test_a_rest_picture_changes_touch_alone_and_is_named_in_the_header(tmp_path: Path) -> None:
@@ -102,7 +136,9 @@ def test_no_pairs_are_refused(tmp_path: Path) -> None:
         embed(PairSet(pairs=(), origin="here"), tmp_path / "set.safetensors")
 
 
-def test_a_photo_shared_by_many_touches_is_encoded_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_photo_shared_by_many_touches_is_encoded_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pairs = make_pairs(tmp_path, 6)
     for pair in pairs.pairs:
         pair.vis.write_bytes(png(0))
@@ -173,7 +209,11 @@ def test_settings_are_checked_before_any_work(
     ],
 )
 def test_a_device_that_is_not_there_is_refused(
-    device: str, sentence: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    device: str,
+    sentence: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
     make_pairs(tmp_path / "pairs", 2)

@@ -17,7 +17,8 @@ from omnivat.kit.errors import MissingPackageError
 
 HAS_RAY = importlib.util.find_spec("ray") is not None
 
-# A lost machine is noticed after a second or two instead of a quarter of a minute, and workers do not
+# A lost machine is noticed after a second or two instead of a quarter of a minute, and workers do
+# not
 # stand back for whatever else runs, as Ray has it: on a busy machine they would start for minutes.
 QUICK = {
     "RAY_worker_niceness": "0",
@@ -87,7 +88,9 @@ def test_with_one_of_two_workers_killed_nothing_is_lost_doubled_or_changed(tmp_p
     pairs = make_pairs(tmp_path, 40)
     local = embed_pairs(pairs, "efficientnet-lite0", tmp_path / "local.safetensors")
     command = [sys.executable, "-c", SCRIPT, str(tmp_path), "16"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env={**os.environ, **QUICK})
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, env={**os.environ, **QUICK}
+    )
     assert done.returncode == 0, done.stderr[-3000:]
     said = json.loads(done.stdout.strip().splitlines()[-1])
     assert said["lost"] == 1
@@ -96,7 +99,11 @@ def test_with_one_of_two_workers_killed_nothing_is_lost_doubled_or_changed(tmp_p
     assert (tmp_path / "ray.safetensors").read_bytes() == local.out.read_bytes()
 
 
-def test_without_ray_the_engine_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_ray_the_engine_says_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setitem(sys.modules, "ray", None)
     with pytest.raises(MissingPackageError, match=r"pip install 'ray\[data\]'"):
-        embed_pairs(make_pairs(tmp_path, 6), "efficientnet-lite0", tmp_path / "a.safetensors", engine="ray")
+        embed_pairs(
+            make_pairs(tmp_path, 6), "efficientnet-lite0", tmp_path / "a.safetensors", engine="ray"
+        )

@@ -21,7 +21,9 @@ pytestmark = pytest.mark.usefixtures("mean_encoder")
 @pytest.fixture
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
     original = job_module.chunks_of
-    monkeypatch.setattr("omnivat.encoders.embed.pairs.chunks_of", lambda *given: original(*given, size=4))
+    monkeypatch.setattr(
+        "omnivat.encoders.embed.pairs.chunks_of", lambda *given: original(*given, size=4)
+    )
 
 
 class StopError(Exception):
@@ -38,7 +40,9 @@ def stop_after(count: int) -> Callable[[Step], None]:
 
 @pytest.mark.usefixtures("small_chunks")
 @pytest.mark.parametrize("stopped_at", [1, 4, 7, 10])
-def test_an_interrupted_run_goes_on_and_ends_in_the_same_bytes(tmp_path: Path, stopped_at: int) -> None:
+def test_an_interrupted_run_goes_on_and_ends_in_the_same_bytes(
+    tmp_path: Path, stopped_at: int
+) -> None:
     pairs = make_pairs(tmp_path, bad=(2,))
     whole = embed(pairs, tmp_path / "whole.safetensors")
     out = tmp_path / "set.safetensors"

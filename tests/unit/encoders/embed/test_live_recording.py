@@ -54,7 +54,9 @@ def written(folder, name, pixels, noise, random):
     """Write a frame as the canvas holds it, with the noise of a camera; return its place."""
     small = np.asarray(Image.fromarray(pixels).resize(SIZE), float)
     noisy = np.clip(small + random.normal(0, noise, small.shape), 0, 255).astype(np.uint8)
-    (folder / name).write_bytes(np.dstack([noisy, np.full(noisy.shape[:2], 255, np.uint8)]).tobytes())
+    (folder / name).write_bytes(
+        np.dstack([noisy, np.full(noisy.shape[:2], 255, np.uint8)]).tobytes()
+    )
     return str(folder / name)
 
 

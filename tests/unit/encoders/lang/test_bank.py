@@ -86,7 +86,9 @@ def test_the_command_records_the_tower_of_the_checkpoint(
 
 
 def test_a_bank_without_a_class_says_how_to_make_one() -> None:
-    with pytest.raises(DataError, match="no text for rubber.*omnivat prompts --classes wood,rubber"):
+    with pytest.raises(
+        DataError, match="no text for rubber.*omnivat prompts --classes wood,rubber"
+    ):
         load_bank().for_classes(("wood", "rubber"))
 
 

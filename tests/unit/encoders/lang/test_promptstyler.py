@@ -6,7 +6,14 @@ import torch
 
 from omnivat.encoders.lang.bank import load_bank, save_bank
 from omnivat.encoders.lang.clip_prompts import ClipWords
-from omnivat.encoders.lang.promptstyler import STYLE, content_loss, learn_styles, style_loss, styled_bank, styled_texts
+from omnivat.encoders.lang.promptstyler import (
+    STYLE,
+    content_loss,
+    learn_styles,
+    style_loss,
+    styled_bank,
+    styled_texts,
+)
 from omnivat.kit.errors import DataError
 
 CLASSES = ("wood", "steel", "glass")
@@ -105,7 +112,9 @@ def test_learning_makes_styles_differ_and_keeps_classes_readable(tower):
             styles = torch.stack([tower.embed_with_word([STYLE], w)[0] for w in words])
             contents = tower.embed_with_word(list(CLASSES))
             likeness = style_loss(styles[-1], styles[:-1])
-            content = content_loss(tower.embed_with_word(styled_texts(CLASSES), words[-1]), contents)
+            content = content_loss(
+                tower.embed_with_word(styled_texts(CLASSES), words[-1]), contents
+            )
         return float(likeness), float(likeness + content)
 
     assert losses(learned)[0] < losses(start)[0] - 0.02
@@ -113,7 +122,9 @@ def test_learning_makes_styles_differ_and_keeps_classes_readable(tower):
 
 
 def test_same_seed_gives_the_same_styles_and_a_longer_list_starts_alike(tower):
-    short, long, other = (learn_styles(tower, CLASSES, styles=n, steps=2, seed=s) for n, s in ((2, 1), (3, 1), (2, 2)))
+    short, long, other = (
+        learn_styles(tower, CLASSES, styles=n, steps=2, seed=s) for n, s in ((2, 1), (3, 1), (2, 2))
+    )
     assert torch.equal(short, long[:2])
     assert not torch.equal(short, other)
 
@@ -132,7 +143,9 @@ def test_the_bank_holds_every_class_in_every_style_and_says_where_it_is_from(tow
     np.testing.assert_allclose(bank.embeddings[1, 1], wanted.detach().numpy(), rtol=1e-5)
     save_bank(tmp_path / "bank.safetensors", bank)
     read = load_bank(tmp_path / "bank.safetensors")
-    assert read.origin == "PromptStyler stage 1, 2 styles of 1 step, seed 0, through tiny random CLIP"
+    assert (
+        read.origin == "PromptStyler stage 1, 2 styles of 1 step, seed 0, through tiny random CLIP"
+    )
 
 
 def test_eighty_styles_a_class_are_learned_where_nothing_else_is_asked(tower):

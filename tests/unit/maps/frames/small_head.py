@@ -36,5 +36,7 @@ def pairs(count=24, width=12, classes=CLASSES):
 
 
 def head(width=12):
-    settings = HeadSettings(classes=CLASSES, input_width=12, width=width, lang_width=12, standardize=False)
+    settings = HeadSettings(
+        classes=CLASSES, input_width=12, width=width, lang_width=12, standardize=False
+    )
     return build_head(settings, seed=1).eval()

@@ -58,13 +58,17 @@ def test_the_raw_map_stands_for_every_stop_and_for_the_raw_transform(frames):
     assert raw.points is turned.points
     assert frames.curves["modality_gap/frft"] == frames.curves["modality_gap/raw"]
     wanted = pca.project(next(features("frft")))
-    np.testing.assert_allclose(np.abs(turned.places(0) - turned.places(0).mean(0)), wanted.abs(), atol=1e-4)
+    np.testing.assert_allclose(
+        np.abs(turned.places(0) - turned.places(0).mean(0)), wanted.abs(), atol=1e-4
+    )
 
 
 def test_predictions_and_curves_are_those_of_the_sweep(frames):
     found = sweep(head(), pairs(), ORDERS, stages=("relu", "f_hat"))
     np.testing.assert_array_equal(frames.prediction, found.probabilities.argmax(2))
-    np.testing.assert_allclose(frames.confidence / 255, found.probabilities.max(2), atol=0.5 / 255 + 1e-6)
+    np.testing.assert_allclose(
+        frames.confidence / 255, found.probabilities.max(2), atol=0.5 / 255 + 1e-6
+    )
     for name, curve in found.curves.items():
         np.testing.assert_allclose(frames.curves[name], curve, atol=1e-6)
     np.testing.assert_array_equal(frames.label, found.label)

@@ -53,7 +53,9 @@ def test_reading_loads_no_torch(written):
         "import sys; from omnivat.maps.frames import read_frames; "
         f"read_frames({str(written)!r}); print('torch' in sys.modules)"
     )
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, check=True
+    )
     assert done.stdout.strip() == "False"
 
 

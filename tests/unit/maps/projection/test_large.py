@@ -58,7 +58,9 @@ def test_umap_of_many_rows_lays_out_a_sample_and_places_the_rest_near_their_own(
 def test_only_the_rows_beyond_the_sample_are_placed(monkeypatch):
     points, chosen = noise(300, 3), torch.arange(0, 300, 3)
     asked = []
-    monkeypatch.setattr(torch_umap, "place", lambda some, known, flat: asked.append(len(some)) or flat[: len(some)])
+    monkeypatch.setattr(
+        torch_umap, "place", lambda some, known, flat: asked.append(len(some)) or flat[: len(some)]
+    )
     monkeypatch.setattr(torch_umap, "PLACED", 90)
     torch_umap._spread(points, chosen, noise(100, 2))
     assert asked == [90, 90, 20]
@@ -79,7 +81,8 @@ def test_rows_beyond_the_bound_are_placed_among_the_cells_next_to_their_own(monk
     monkeypatch.setattr(torch_umap, "CELLS_FROM", 300 - edge)
     monkeypatch.setattr(torch_umap, "CELLS", 10)
     monkeypatch.setattr(torch_umap, "RING", 10)
-    torch.testing.assert_close(torch_umap._spread(points, chosen, flat), whole)  # every cell is next to each
+    # every cell is next to each
+    torch.testing.assert_close(torch_umap._spread(points, chosen, flat), whole)
     monkeypatch.setattr(torch_umap, "RING", 3)
     near = torch_umap._spread(points, chosen, flat)
     same = (near - whole).norm(dim=1) < 1e-5
@@ -87,14 +90,18 @@ def test_rows_beyond_the_bound_are_placed_among_the_cells_next_to_their_own(monk
 
 
 def test_a_cell_looks_at_the_nearest_pivots_own_rows_first(monkeypatch):
-    """Seven groups far apart, pivots in each: with one cell, a row is placed within its own group."""
+    """Seven groups far apart, pivots in each: with one cell, a row is placed within its own
+    group.
+    """
     group = torch.arange(300) % 7
     points = 100 * noise(7, 4)[group] + noise(300, 4, seed=2)
     chosen = torch.arange(200)
     flat = torch.stack([group[:200].float(), torch.zeros(200)], 1)
     for name, value in (("CELLS_FROM", 100), ("CELLS", 20), ("RING", 1)):
         monkeypatch.setattr(torch_umap, name, value)
-    torch.testing.assert_close(torch_umap._spread(points, chosen, flat)[:, 0], group.float(), atol=1e-3, rtol=0)
+    torch.testing.assert_close(
+        torch_umap._spread(points, chosen, flat)[:, 0], group.float(), atol=1e-3, rtol=0
+    )
 
 
 def test_the_error_of_a_draw_is_1_96_standard_errors():

@@ -27,7 +27,9 @@ def trustworthiness(points, flat, k=15):
 def clusters(each=40, groups=5, width=16, seed=0):
     """Groups of rows, far apart; and the group of each row."""
     group = torch.arange(groups).repeat_interleave(each)
-    return 8 * noise(groups, width, seed=seed)[group] + noise(each * groups, width, seed=seed + 1), group
+    return 8 * noise(groups, width, seed=seed)[group] + noise(
+        each * groups, width, seed=seed + 1
+    ), group
 
 
 @pytest.mark.parametrize("name", list(PROJECTIONS))
@@ -289,7 +291,9 @@ def test_a_map_of_few_points_has_no_trustworthiness():
     assert 0 < trust(torch.cat([few, few[:1]]), torch.cat([flat, flat[:1]])) < 1
 
 
-@pytest.mark.parametrize(("rows", "dimensions", "k"), [(3, 2, None), (4, 2, 3), (4, 3, None), (5, 3, 4), (40, 2, 15)])
+@pytest.mark.parametrize(
+    ("rows", "dimensions", "k"), [(3, 2, None), (4, 2, 3), (4, 3, None), (5, 3, 4), (40, 2, 15)]
+)
 def test_umap_learn_maps_sets_from_two_rows_more_than_dimensions(monkeypatch, rows, dimensions, k):
     """A stand-in for umap-learn notes its settings: the real one compiles for ten seconds."""
     asked = []
@@ -308,7 +312,9 @@ def test_umap_learn_maps_sets_from_two_rows_more_than_dimensions(monkeypatch, ro
     if k is None:
         torch.testing.assert_close(flat, pca.project(points, dimensions=dimensions))
     assert asked == (
-        [] if k is None else [{"n_neighbors": k, "n_components": dimensions, "random_state": 7, "n_jobs": 1}]
+        []
+        if k is None
+        else [{"n_neighbors": k, "n_components": dimensions, "random_state": 7, "n_jobs": 1}]
     )
 
 
@@ -319,7 +325,9 @@ def test_umap_of_fewer_rows_than_dimensions_and_two_is_pca(rows, dimensions):
     torch.testing.assert_close(flat, pca.project(points, dimensions=dimensions))
     more = noise(rows + 1, 6)
     assert not torch.allclose(
-        torch_umap.project(more, dimensions=dimensions), pca.project(more, dimensions=dimensions), atol=1e-3
+        torch_umap.project(more, dimensions=dimensions),
+        pca.project(more, dimensions=dimensions),
+        atol=1e-3,
     )
 
 
@@ -366,18 +374,30 @@ def test_the_pull_of_an_edge_moves_both_ends_by_their_share_of_weight():
     """Two edges of one row: a step is rate · 2 weight / degree · attraction, at each end."""
     start = torch.tensor([[0.0, 0.0], [1.0, 0.0], [0.0, 2.0]], dtype=torch.float64)
     weight = torch.tensor([1.0, 0.5], dtype=torch.float64)
-    graph = torch_umap.Graph(tail=torch.tensor([0, 0]), head=torch.tensor([1, 2]), weight=weight, rows=3)
+    graph = torch_umap.Graph(
+        tail=torch.tensor([0, 0]), head=torch.tensor([1, 2]), weight=weight, rows=3
+    )
     alone = torch_umap.Graph(tail=graph.tail, head=graph.head, weight=0 * weight, rows=3)
-    by_edges, by_rows = (torch_umap.descend(g, start, steps=1, rate=0.1, seed=0) for g in (graph, alone))
+    by_edges, by_rows = (
+        torch_umap.descend(g, start, steps=1, rate=0.1, seed=0) for g in (graph, alone)
+    )
     pull = torch_umap.attraction((start[graph.tail] - start[graph.head]).T).T
     wanted = torch.stack([2 * (pull[0] / 1.5 + pull[1] * 0.5 / 1.5), -2 * pull[0], -2 * pull[1]])
     torch.testing.assert_close(by_edges - by_rows, 0.1 * wanted, atol=1e-3, rtol=1e-3)
 
 
 def test_the_steps_of_a_descent_shrink_to_nothing():
-    """Of four steps with one edge and no other row near, each is one quarter of the rate shorter."""
+    """Of four steps with one edge and no other row near, each is one quarter of the rate
+    shorter.
+    """
     start = torch.tensor([[0.0, 0.0], [1e6, 0.0]], dtype=torch.float64)
-    graph = torch_umap.Graph(torch.tensor([0]), torch.tensor([1]), torch.ones(1, dtype=torch.float64), 2)
-    moved, still = (torch_umap.descend(graph, start, steps=steps, rate=1.0, seed=0) for steps in (4, 0))
+    graph = torch_umap.Graph(
+        torch.tensor([0]), torch.tensor([1]), torch.ones(1, dtype=torch.float64), 2
+    )
+    moved, still = (
+        torch_umap.descend(graph, start, steps=steps, rate=1.0, seed=0) for steps in (4, 0)
+    )
     pull = -float(torch_umap.attraction(torch.tensor([[-1e6], [0.0]], dtype=torch.float64))[0, 0])
-    assert float((moved - still)[0, 0]) == pytest.approx(2 * abs(pull) * (1 + 0.75 + 0.5 + 0.25), rel=1e-2)
+    assert float((moved - still)[0, 0]) == pytest.approx(
+        2 * abs(pull) * (1 + 0.75 + 0.5 + 0.25), rel=1e-2
+    )

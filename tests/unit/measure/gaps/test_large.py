@@ -67,7 +67,9 @@ def test_the_stated_error_covers_the_draw_of_rows_too(measure, monkeypatch):
     assert inside >= 20
 
 
-def test_the_command_states_what_it_drew_and_agrees_with_all_pairs(head_folder, capsys, monkeypatch):
+def test_the_command_states_what_it_drew_and_agrees_with_all_pairs(
+    head_folder, capsys, monkeypatch
+):
     file = head_folder.parent / "set.safetensors"
     words = ["gaps", "--embeddings", str(file), "--stage", "raw", "--json", "--measure"]
 
@@ -79,7 +81,11 @@ def test_the_command_states_what_it_drew_and_agrees_with_all_pairs(head_folder, 
     monkeypatch.setattr(command, "LARGE", 5)
     monkeypatch.setattr(mmd, "MOST_ROWS", 5)
     found = {measure: said(measure) for measure in exact}
-    assert found["frechet"]["modality_gap"] == pytest.approx(exact["frechet"]["modality_gap"], rel=1e-3)
-    assert "drawn" not in found["frechet"] and found["mmd_rbf"]["drawn"] == found["mmd_rbf"]["pairs"]
+    assert found["frechet"]["modality_gap"] == pytest.approx(
+        exact["frechet"]["modality_gap"], rel=1e-3
+    )
+    assert (
+        "drawn" not in found["frechet"] and found["mmd_rbf"]["drawn"] == found["mmd_rbf"]["pairs"]
+    )
     gap, own = (one["mmd_rbf"]["modality_gap"]["all"] for one in (exact, found))
     assert abs(gap - own) < 4 * found["mmd_rbf"]["standard_error"]

@@ -4,7 +4,14 @@ import pytest
 import torch
 
 from omnivat.measure.gaps.centroid import modality_gap
-from omnivat.measure.gaps.sums import PAIR, Sums, cosine_margin, cross_domain_margin, cross_modal_margin, domain_gap
+from omnivat.measure.gaps.sums import (
+    PAIR,
+    Sums,
+    cosine_margin,
+    cross_domain_margin,
+    cross_modal_margin,
+    domain_gap,
+)
 from omnivat.measure.gaps.unit import unit
 
 
@@ -36,7 +43,10 @@ def test_what_is_added_in_parts_is_the_whole(features, size):
         "domains": (sums.domain_gap("tac"), domain_gap(tac, domains)),
         "margin": (sums.margin("vis"), cosine_margin(vis, labels)),
         "margin of pairs": (sums.margin(PAIR), cosine_margin(pair, labels)),
-        "across domains": (sums.cross_domain_margin(PAIR), cross_domain_margin(pair, labels, domains)),
+        "across domains": (
+            sums.cross_domain_margin(PAIR),
+            cross_domain_margin(pair, labels, domains),
+        ),
         "across modalities": (sums.cross_modal_margin(), cross_modal_margin(vis, tac, labels)),
     }
     for name, (got, wanted) in found.items():

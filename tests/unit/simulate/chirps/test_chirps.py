@@ -74,7 +74,8 @@ def test_more_classes_than_places_are_refused():
 
 
 @pytest.mark.parametrize(
-    ("kind", "side", "allowed"), [("PNG", 256, 0.005), ("JPEG", 256, 0.04), ("PNG", 224, 0.2), ("JPEG", 640, 0.05)]
+    ("kind", "side", "allowed"),
+    [("PNG", 256, 0.005), ("JPEG", 256, 0.04), ("PNG", 224, 0.2), ("JPEG", 640, 0.05)],
 )
 def test_a_picture_of_a_signal_gives_the_signal_back(kind, side, allowed):
     signal = chirp_embeddings(SMALL).tac[3]

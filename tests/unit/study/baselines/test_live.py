@@ -62,12 +62,18 @@ def source_of(clip: LiveClip, classes: tuple[str, ...] = ("wood", "steel")) -> S
 
 @pytest.mark.slow
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_a_live_clip_gives_the_models_own_embeddings(layout: str, clips: Any, tmp_path: Path) -> None:
+def test_a_live_clip_gives_the_models_own_embeddings(
+    layout: str, clips: Any, tmp_path: Path
+) -> None:
     clip = live_clip(clips, tmp_path, layout)
     images, texts = torch.randn(3, 3, clips.SIDE, clips.SIDE), ["a photo of wood", "steel"]
     model = clips.small_model()
-    torch.testing.assert_close(clip.embed(images), clips.image_embeddings(model, images), atol=1e-5, rtol=1e-5)
-    torch.testing.assert_close(clip.embed_texts(texts), clips.text_embeddings(model, texts), atol=1e-5, rtol=1e-5)
+    torch.testing.assert_close(
+        clip.embed(images), clips.image_embeddings(model, images), atol=1e-5, rtol=1e-5
+    )
+    torch.testing.assert_close(
+        clip.embed_texts(texts), clips.text_embeddings(model, texts), atol=1e-5, rtol=1e-5
+    )
 
 
 def test_gradients_pass_through_both_towers_and_change_neither(vit: LiveClip) -> None:
@@ -82,7 +88,9 @@ def test_gradients_pass_through_both_towers_and_change_neither(vit: LiveClip) ->
     assert all(torch.equal(before[name], now) for name, now in vit.image.state_dict().items())
 
 
-def test_in_the_text_tower_what_stands_before_the_shared_tokens_does_not_see_them(vit: LiveClip) -> None:
+def test_in_the_text_tower_what_stands_before_the_shared_tokens_does_not_see_them(
+    vit: LiveClip,
+) -> None:
     """Causal: the first token is as CLIP has it, the end of the text is not."""
     model = Representations(vit)
     tokens, ends = vit.text_tokens(["wood"])
@@ -110,11 +118,15 @@ def published(layers: int = 12) -> Any:
 
 
 def test_at_vit_b16_their_sizes_are_the_published_codes() -> None:
-    """MMRL 4,992,256; LDC's adapters and head 3,428,352 and its de-confusion 1,320,448 for five classes."""
+    """MMRL 4,992,256; LDC's adapters and head 3,428,352 and its de-confusion 1,320,448 for five
+    classes.
+    """
     clip = published()
     assert sum(p.numel() for p in Representations(clip).parameters()) == 4_992_256
     model = DeConfused(clip, torch.zeros(5, 512))
-    sizes = {name: sum(p.numel() for p in part.parameters()) for name, part in model.named_children()}
+    sizes = {
+        name: sum(p.numel() for p in part.parameters()) for name, part in model.named_children()
+    }
     assert sizes["levels"] + sizes["head"] == 3_428_352
     assert sum(sizes.values()) - 3_428_352 == 1_320_448
 
@@ -146,7 +158,9 @@ def wanted_levels(clip: LiveClip, levels: Any, images: Tensor) -> Tensor:
     kept: list[Tensor] = []
     stages = clip.image_layers if clip.is_vit else clip.image.stages
     hooks = [part.register_forward_hook(lambda *a: kept.append(a[2])) for part in stages]
-    end: Callable[[Tensor], Tensor] = clip.image.visual_projection if clip.is_vit else clip.image.pool
+    end: Callable[[Tensor], Tensor] = (
+        clip.image.visual_projection if clip.is_vit else clip.image.pool
+    )
     clip.embed(images)
     for hook in hooks:
         hook.remove()

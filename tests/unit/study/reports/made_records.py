@@ -1,11 +1,18 @@
 """Records of runs with scores that a person can average."""
 
-DATA = {"encoder": "efficientnet-lite0", "weights_hash": "0" * 16, "simulated": True, "origin": "made by a test"}
+DATA = {
+    "encoder": "efficientnet-lite0",
+    "weights_hash": "0" * 16,
+    "simulated": True,
+    "origin": "made by a test",
+}
 
 
 def record(method, source, seed, values, *, fold=None, **changes):
     """Return a record with one target for each value of ACC; Macro-F1 is 0.1 lower."""
-    scores = [{"accuracy": v, "macro_f1": v - 0.1, "macro_f1_union": v - 0.2, "ece": 0.05} for v in values]
+    scores = [
+        {"accuracy": v, "macro_f1": v - 0.1, "macro_f1_union": v - 0.2, "ece": 0.05} for v in values
+    ]
     return {
         "method": method,
         "label": {"omnivat": "OmniVaT"}.get(method, method),
@@ -57,4 +64,8 @@ MEASURES = ("ece", "nll", "aurc", "ece_raw", "nll_raw", "aurc_raw")
 
 
 def grid(method, share, **changes):
-    return [answered_record(method, source, seed, share, **changes) for source in ("A", "B", "C") for seed in (0, 1)]
+    return [
+        answered_record(method, source, seed, share, **changes)
+        for source in ("A", "B", "C")
+        for seed in (0, 1)
+    ]

@@ -15,7 +15,10 @@ def _layout(*names):
             "title": ABLATIONS[name].title,
             "axis": ABLATIONS[name].axis,
             "sources": ABLATIONS[name].sources,
-            "rows": {row: (method_name(row), one.label, one.value) for row, one in ABLATIONS[name].rows.items()},
+            "rows": {
+                row: (method_name(row), one.label, one.value)
+                for row, one in ABLATIONS[name].rows.items()
+            },
         }
         for name in names
     }

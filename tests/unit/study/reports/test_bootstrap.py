@@ -2,7 +2,14 @@
 
 import pytest
 
-from omnivat.study.reports.bootstrap import _objects, complete_rows, draws_for, percentile, resampled, simultaneous
+from omnivat.study.reports.bootstrap import (
+    _objects,
+    complete_rows,
+    draws_for,
+    percentile,
+    resampled,
+    simultaneous,
+)
 from omnivat.study.reports.protocol_report import protocol_report
 
 from .made_records import grid

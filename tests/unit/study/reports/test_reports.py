@@ -50,11 +50,15 @@ def test_real_results_of_the_papers_encoders_are_comparable(encoder):
     assert (not_comparable(data, ablations=True) == "") == (encoder == "clip-vit-b16")
     rows = paper_rows(["TAG"], data)
     assert all(MARK not in row[0] and BACKBONES[encoder] in row[0] for row in rows)
-    assert ["printed: OmniVaT, ViT-B/16", "56.2 / 53.7"] in [r[:2] for r in rows] or (encoder != "clip-vit-b16")
+    assert ["printed: OmniVaT, ViT-B/16", "56.2 / 53.7"] in [r[:2] for r in rows] or (
+        encoder != "clip-vit-b16"
+    )
 
 
 def test_printed_single_targets_average_to_the_main_table():
-    """All 48 rows of the eight tables: their mean is their average, and that is the main table's."""
+    """All 48 rows of the eight tables: their mean is their average, and that is the main
+    table's.
+    """
     main, tables = paper()["main"]["ViT-B/16"], paper()["targets"]["ViT-B/16"]
     assert len(tables) == 8
     for source, methods in tables.items():

@@ -21,7 +21,9 @@ ORDERS = (0.0, 0.5, 1.0)
 
 @pytest.fixture(scope="module")
 def plan(make_embeddings):
-    return plan_training(make_embeddings(), "TAG-sim", head={"width": 16}, training=TrainSettings(epochs=2))
+    return plan_training(
+        make_embeddings(), "TAG-sim", head={"width": 16}, training=TrainSettings(epochs=2)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +48,9 @@ def test_every_head_is_the_one_that_training_at_its_order_gives(plan, folder):
 
 def test_heads_that_are_there_are_not_trained_again(plan, folder):
     assert heads_at_stops(plan, ORDERS, folder, seeds=(0, 1)) == 0
-    longer = plan_training(plan.embeddings, "TAG-sim", head={"width": 16}, training=TrainSettings(epochs=1))
+    longer = plan_training(
+        plan.embeddings, "TAG-sim", head={"width": 16}, training=TrainSettings(epochs=1)
+    )
     assert heads_at_stops(longer, (0.0,), folder, seeds=(7,)) == 1  # other settings, other heads
 
 
@@ -69,7 +73,9 @@ def test_frames_agree_with_the_library_at_every_stop(plan, folder, frames):
 
 
 def test_curves_over_seeds_hold_mean_and_spread_of_held_out_pairs(folder, frames):
-    scores = [load_head(stop_folder(folder, 1.0, seed)).metrics["target_accuracy"] for seed in (0, 1)]
+    scores = [
+        load_head(stop_folder(folder, 1.0, seed)).metrics["target_accuracy"] for seed in (0, 1)
+    ]
     assert frames.curves["seeds:accuracy/unseen/mean"][2] == pytest.approx(np.mean(scores))
     assert frames.curves["seeds:accuracy/unseen/std"][2] == pytest.approx(np.std(scores, ddof=1))
     assert frames.curves["seeds:accuracy/unseen/low"][2] == pytest.approx(min(scores))

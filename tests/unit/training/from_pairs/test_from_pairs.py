@@ -27,7 +27,13 @@ def pairs(make_embeddings):
 def watched(pairs):
     reports = []
     head = head_from_pairs(
-        pairs, "TAG-sim", head=SMALL, training=SHORT, on_epoch=reports.append, measure_every=2, snapshot=True
+        pairs,
+        "TAG-sim",
+        head=SMALL,
+        training=SHORT,
+        on_epoch=reports.append,
+        measure_every=2,
+        snapshot=True,
     )
     return head, reports
 
@@ -61,7 +67,12 @@ def test_watching_does_not_change_the_weights(watched, pairs):
 def test_the_command_writes_the_head_that_the_function_returns(watched, pairs, tmp_path):
     save_embeddings(tmp_path / "set.safetensors", pairs)
     command = ["train", "--embeddings", str(tmp_path / "set.safetensors"), "--source", "TAG-sim"]
-    assert main([*command, "--out", str(tmp_path / "head"), *["--set", "width=16", "--set", "epochs=3"]]) == 0
+    assert (
+        main(
+            [*command, "--out", str(tmp_path / "head"), *["--set", "width=16", "--set", "epochs=3"]]
+        )
+        == 0
+    )
     head, written = watched[0], load_head(tmp_path / "head")
     first, second = head.model.state_dict(), written.model.state_dict()
     assert all(torch.equal(first[name], second[name]) for name in first)
@@ -96,7 +107,12 @@ def test_a_training_stops_when_it_is_cancelled(pairs):
     steps = []
     with pytest.raises(TrainingCancelled):
         head_from_pairs(
-            pairs, "TAG-sim", head=SMALL, training=SHORT, on_step=steps.append, cancelled=lambda: len(steps) == 2
+            pairs,
+            "TAG-sim",
+            head=SMALL,
+            training=SHORT,
+            on_step=steps.append,
+            cancelled=lambda: len(steps) == 2,
         )
     assert len(steps) == 2
 
@@ -109,7 +125,9 @@ def test_a_training_also_stops_while_its_calibration_is_fitted(pairs):
         return looked.count(len(steps)) > 2  # the head's own steps are over
 
     with pytest.raises(TrainingCancelled):
-        head_from_pairs(pairs, "TAG-sim", head=SMALL, training=SHORT, on_step=steps.append, cancelled=cancelled)
+        head_from_pairs(
+            pairs, "TAG-sim", head=SMALL, training=SHORT, on_step=steps.append, cancelled=cancelled
+        )
     assert steps[-1].done == steps[-1].total
 
 

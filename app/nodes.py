@@ -1,0 +1,82 @@
+"""The nodes that DTG grows from a pair, and their cosines."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from app.pair_input import embedded, refs_from, rounded
+from app.resources import Resources
+from app.state import order_from
+from app.training_plan import thinned
+from omnivat.kit.errors import DataError
+
+# pairs that count; a larger set is thinned evenly, with an error of about a point
+MOST_PAIRS = 5000
+
+
+def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tree of one pair at one order.
+
+    question  {"vis", "tac": references; "order": p or None; "head": name of a comparison head, the
+              first one if left out}
+    return    nodes with their parents (-1 for none), norms and class probabilities; `layers`: the
+              cosine matrix of each group of nodes, and its distance from the identity, which NOD
+              minimises
+
+    Raises DataError if nothing is chosen or the head has no nodes.
+    """
+    import torch
+
+    from omnivat.maps.nodes import tree_facts
+
+    order = order_from(question.get("order"))
+    head = resources.head_named(question.get("head"))
+    pair = embedded(resources, refs_from(question), question)
+    order = head.model.order if order is None else order
+    with torch.inference_mode():
+        nodes = head.model(pair["vis"], pair["tac"], order=order, nodes=True).nodes
+        if nodes is None:
+            raise DataError("This head generates no nodes: it was trained without DTG.")
+        facts = tree_facts(head.model, nodes, None)
+    norms = [round(length, 5) for length in facts.lengths.tolist()]
+    return {
+        "classes": list(head.settings.classes),
+        "order": order,
+        "learned": head.model.order,
+        "arrangement": head.settings.generation,
+        "in_use": head.settings.tree_at_inference,
+        "source": head.source,
+        "parents": facts.parents,
+        "nodes": [
+            {"norm": norm, "probabilities": row}
+            for norm, row in zip(norms, rounded(facts.probabilities.numpy()), strict=True)
+        ],
+        "layers": [
+            {
+                "nodes": list(level.nodes),
+                "cosines": rounded(level.cosines.numpy()),
+                "nod": round(level.nod, 5),
+            }
+            for level in facts.levels
+        ],
+    }
+
+
+def votes(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Return each node's most frequent class over the set, at the learned p.
+
+    return  {"votes": [{"class", "share"}, …], "pairs": number of pairs}
+    """
+    from omnivat.maps.nodes import node_votes
+
+    name = question.get("head") or ""
+    head, embeddings = resources.head_named(name), resources.embeddings()
+
+    def counted() -> dict[str, Any]:
+        few = len(embeddings) <= MOST_PAIRS
+        some = embeddings if few else embeddings.select(thinned(len(embeddings), MOST_PAIRS))
+        votes = [
+            {"class": one.label, "share": round(one.share, 4)} for one in node_votes(head, some)
+        ]
+        return {"votes": votes, "pairs": len(some)}
+
+    return resources.results.once(f"votes {name}", counted)

@@ -1,0 +1,104 @@
+"""What predicts the set: the loaded heads, and a method that is fitted on the source."""
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from app.resources import Resources
+from omnivat.kit.errors import DataError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from omnivat.data.store import Embeddings
+
+    Array = np.ndarray[Any, Any]
+
+METHODS = {"nearest_mean": "nearest class mean"}  # fast to fit
+
+
+def heads(resources: Resources) -> list[dict[str, Any]]:
+    """Return name, structure, source and first order of each head, from settings.json; nothing
+    heavy is loaded.
+    """
+    found = []
+    for name, folder in resources.folders.items():
+        try:
+            record = json.loads((folder / "settings.json").read_text(encoding="utf-8"))
+            settings, provenance = record["head"], record["provenance"]
+            facts = {
+                **{fact: settings[fact] for fact in ("generation", "mffa", "levels", "width")},
+                "start": settings["order"],
+                "source": str(provenance.get("source", "")),
+                "seed": provenance.get("seed"),
+            }
+        except (OSError, ValueError, KeyError, TypeError):
+            facts = {"problem": f"'{folder.name}' is not a head; load another one."}
+        found.append({"name": name, "folder": folder.name, **facts})
+    return found
+
+
+def predictions(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the predictions of a comparison method, fitted on the head's source, for every pair.
+
+    question  {"method": a name of METHODS}
+    return    label, prediction (N,) as indices into `classes`, confidence (N,) 0 to 255, and
+              `accuracy`, as `scores_of` has it
+
+    Raises DataError for another method, or a set without the head's source domain.
+    """
+    method = question.get("method")
+    if not isinstance(method, str) or method not in METHODS:
+        raise DataError(f"No method is called {method!r:.40}; there are {', '.join(METHODS)}.")
+    return resources.results.once(method, lambda: _fitted(resources, method))
+
+
+def _fitted(resources: Resources, method: str) -> dict[str, Any]:
+    import torch
+
+    from omnivat.data.arrays import copied
+    from omnivat.kit.tables import load
+    from omnivat.study.baselines import BASELINES
+    from omnivat.study.protocol.fitting import source_arrays
+    from omnivat.study.protocol.methods import methods_named
+    from omnivat.study.protocol.run import Run, task_of
+
+    embeddings, source = resources.embeddings(), resources.head().source
+    run = Run(method=methods_named([method], {}, {})[0], source=source, seed=0)
+    task = task_of(run, embeddings)
+    fitted = load(BASELINES, method, kind="baseline")(source_arrays(task, None, 0))
+    vis, tac = (torch.from_numpy(copied(a)) for a in (embeddings.vis, embeddings.tac))
+    with torch.inference_mode():
+        confidence, predicted = fitted.predict(vis, tac)["fused"].max(1)
+    return {
+        "label": METHODS[method],
+        "classes": list(task.classes),
+        "set_classes": list(embeddings.header.classes),
+        "prediction": predicted.tolist(),
+        "confidence": (255 * confidence).round().int().tolist(),
+        "accuracy": scores_of(embeddings, task.classes, source, predicted.numpy()),
+        "pairs": len(task.train),
+        "source": source,
+    }
+
+
+def scores_of(
+    embeddings: "Embeddings", classes: Sequence[str], source: str, predicted: "Array"
+) -> dict[str, float | None]:
+    """Return the accuracy of predictions (N,) in each domain, and "unseen", the mean over unseen
+    domains.
+
+    Pairs of other classes than `classes` are left out, and training pairs from "unseen". None if no
+    pair remains.
+    """
+    from omnivat.measure.evaluate import label_map
+    from omnivat.measure.unseen import counted, mean_over_domains
+
+    label = label_map(list(classes), embeddings.header.classes)[embeddings.label]
+    right, known = predicted == label, label >= 0
+    domains = embeddings.header.domains
+    within = {name: known & (embeddings.domain == index) for index, name in enumerate(domains)}
+    return {
+        "unseen": mean_over_domains(right, embeddings, source, known & counted(embeddings, source)),
+        **{name: float(right[own].mean()) if own.any() else None for name, own in within.items()},
+    }

@@ -1,0 +1,254 @@
+"""The methods of `benchmarks.table`: each learns the training pairs of one source domain."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor
+from torch.nn.functional import cross_entropy, normalize
+
+from omnivat.data.embeddings import Embeddings
+from omnivat.data.profile import STEP_SHIFTED, Channels, profile_of, standardised
+from omnivat.head.linear_maps import FittedMaps
+from omnivat.kit.seeding import derive_seed
+from omnivat.kit.stages import IMAGES
+from omnivat.kit.tables import load
+from omnivat.study.baselines import BASELINES
+from omnivat.study.baselines import linear_maps as maps_method
+from omnivat.study.baselines.contract import Source, seeded
+from omnivat.study.baselines.descent import size
+from omnivat.study.baselines.erm_mlp import Perceptron
+from omnivat.training import TrainSettings, train
+from omnivat.training.batches import batches, labels_of
+from omnivat.training.from_pairs import TrainingPlan, plan_training
+
+Array = NDArray[Any]
+Raw = Mapping[str, Tensor]  # embeddings (N, W) of "vis", "tac" or both
+RECIPE = {"noise": 4.0, "shift": 1.0, "epochs": 120}  # of every head that is trained in batches
+# as their own files train them
+PUBLISHED = ("vt_cmc_head", "ldc_icd", "sitr_supcon", "robust_vish")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Learned:
+    """A method that has learned one source.
+
+    readings  raw embeddings -> class probabilities (N, K): "fused", and of one image "vis", "tac"
+    features  raw embeddings of both -> (N, F), the last before classification
+    step      share of the way that a profile moves a target, as in a head of the recipe
+    alone     it reads one image alone
+    """
+
+    readings: Callable[[Raw], dict[str, Tensor]]
+    features: Callable[[Raw], Tensor]
+    parameters: int
+    step: float = 1.0
+    alone: bool = True
+
+
+def raw_of(embeddings: Embeddings, rows: Array) -> dict[str, Tensor]:
+    """Return embeddings of some pairs by modality."""
+    return {n: torch.from_numpy(np.array(getattr(embeddings, n)[rows], np.float32)) for n in IMAGES}
+
+
+def _plan(embeddings: Embeddings, source: str, seed: int, **head: Any) -> TrainingPlan:
+    training = TrainSettings(**RECIPE)  # type: ignore[arg-type]
+    return plan_training(
+        embeddings, source, head={"width": 64, **head}, training=training, seed=seed
+    )
+
+
+def omnivat(embeddings: Embeddings, source: str, seed: int, **head: Any) -> Learned:
+    """Train OmniVaT by the page's recipe: D = 64, noise and imitated sensors, texts in training."""
+    plan = _plan(embeddings, source, seed, **head)
+    model = train(plan.pairs, plan.settings, plan.training, bank=plan.bank, seed=seed).model
+    places = [embeddings.header.classes.index(name) for name in plan.settings.classes]
+
+    def wide(values: Tensor) -> Tensor:
+        return values.new_zeros(len(values), len(embeddings.header.classes)).index_copy(
+            1, torch.tensor(places), values
+        )
+
+    @torch.inference_mode()
+    def readings(raw: Raw) -> dict[str, Tensor]:
+        output = model(raw.get("vis"), raw.get("tac")).readings
+        return {name: wide(output[name]) for name in ("fused", *raw)}
+
+    @torch.inference_mode()
+    def features(raw: Raw) -> Tensor:
+        rows = model(raw["vis"], raw["tac"]).f_hat.values()
+        return torch.cat([normalize(x, dim=-1) for x in rows], 1)
+
+    return Learned(readings=readings, features=features, parameters=size(model), step=STEP_SHIFTED)
+
+
+def dtg(embeddings: Embeddings, source: str, seed: int) -> Learned:
+    """Train the tree alone, without MFFA, by the same recipe."""
+    return omnivat(embeddings, source, seed, mffa=False)
+
+
+def erm_mlp(embeddings: Embeddings, source: str, seed: int) -> Learned:
+    """Train ERM-MLP on both images by the same recipe: input, mirroring, noise, shift, batches."""
+    plan = _plan(embeddings, source, seed)
+    own = profile_of(plan.pairs).channels
+    labels, every = labels_of(plan.pairs, plan.settings), np.arange(len(plan.pairs))
+    with seeded(derive_seed(seed, "erm-mlp")):
+        model = Perceptron(plan.pairs.width, len(plan.settings.classes), IMAGES)
+        optimiser = torch.optim.AdamW(model.parameters(), lr=3e-4, weight_decay=1e-2, fused=True)
+        steps = plan.training.epochs * -(-len(every) // plan.training.batch)
+        rates = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, steps)
+        for epoch in range(plan.training.epochs):
+            stream = derive_seed(seed, "epoch", epoch)
+            for batch in batches(plan.pairs, labels, every, None, plan.training, stream):
+                logits = model(*(_standard(getattr(batch, n), own[n]) for n in IMAGES))
+                optimiser.zero_grad(set_to_none=True)
+                cross_entropy(logits, batch.labels).backward()
+                optimiser.step()
+                rates.step()
+    model.requires_grad_(False).eval()
+    places = torch.tensor([embeddings.header.classes.index(n) for n in plan.settings.classes])
+
+    def readings(raw: Raw) -> dict[str, Tensor]:
+        shares = model(*(_standard(raw[n], own[n]) for n in IMAGES)).softmax(-1)
+        wide = shares.new_zeros(len(shares), len(embeddings.header.classes))
+        return {"fused": wide.index_copy(1, places, shares)}
+
+    def features(raw: Raw) -> Tensor:
+        rows: Tensor = model.features(*(_standard(raw[n], own[n]) for n in IMAGES))
+        return rows
+
+    return Learned(
+        readings=readings, features=features, parameters=size(model), step=STEP_SHIFTED, alone=False
+    )
+
+
+def _standard(rows: Tensor, source: Channels) -> Tensor:
+    return torch.from_numpy(standardised(rows.numpy(), source)).float()
+
+
+@cache
+def _noise_of(digest: str) -> list[str]:
+    """Return what the first seed chose for a source; empty before."""
+    return []
+
+
+def _fitted_maps(embeddings: Embeddings, source: str, seed: int) -> FittedMaps:
+    pairs = _source(embeddings, source, seed)
+    chosen = _noise_of(source)
+    if not chosen:
+        chosen.append(maps_method._chosen(replace(pairs, seed=0)))
+    return _maps(embeddings.header.origin, source, seed, chosen[0], pairs)
+
+
+_KEPT: dict[tuple[str, str, int, int], FittedMaps] = {}
+
+
+def _maps(origin: str, source: str, seed: int, noise: str, pairs: Source) -> FittedMaps:
+    key = (origin, source, seed, len(pairs))
+    if key not in _KEPT:
+        _KEPT.clear()
+        _KEPT[key] = maps_method._fitted(pairs, noise)
+    return _KEPT[key]
+
+
+def linear_maps(embeddings: Embeddings, source: str, seed: int) -> Learned:
+    """Train linear maps of photo, touch and both; their noise is chosen on the source."""
+    fitted = _fitted_maps(embeddings, source, seed)
+    return Learned(readings=fitted, features=_both(fitted), parameters=size(fitted.maps))
+
+
+def logistic(embeddings: Embeddings, source: str, seed: int) -> Learned:
+    """Return the map of both alone: logistic regression with the same fresh noise."""
+    fitted = _fitted_maps(embeddings, source, seed)
+
+    def readings(raw: Raw) -> dict[str, Tensor]:
+        found = fitted(raw)
+        if len(raw) > 1:
+            found["fused"] = fitted.maps.logits(fitted.standard(raw))["both"].softmax(-1)
+        return found
+
+    return Learned(
+        readings=readings, features=_both(fitted), parameters=size(fitted.maps.maps["both"])
+    )
+
+
+def _both(fitted: FittedMaps) -> Callable[[Raw], Tensor]:
+    return lambda raw: torch.cat(list(fitted.standard(raw).values()), 1)
+
+
+def nearest_mean(embeddings: Embeddings, source: str, seed: int) -> Learned:
+    """Return softmax(10 cosine) to class means of standardised rows."""
+    pairs = _source(embeddings, source, seed)
+    own = profile_of(embeddings.in_domain(source, split="train")).channels
+    classes = len(pairs.classes)
+
+    def rows_of(raw: Raw) -> Tensor:
+        return torch.cat([normalize(_standard(x, own[n]), dim=-1) for n, x in raw.items()], 1)
+
+    def shares(raw: Raw) -> Tensor:
+        known = {n: x for n, x in pairs.images.items() if n in raw}
+        rows, labels = rows_of(known), pairs.labels
+        sums = rows.new_zeros(classes, rows.shape[1]).index_add(0, labels, rows)
+        cosines = normalize(rows_of(raw), dim=-1) @ normalize(sums, dim=-1).T
+        absent = torch.bincount(labels, minlength=classes) == 0
+        return (10 * cosines).masked_fill(absent, -torch.inf).softmax(-1)
+
+    def readings(raw: Raw) -> dict[str, Tensor]:
+        return {"fused": shares(raw), **{n: shares({n: x}) for n, x in raw.items()}}
+
+    return Learned(readings=readings, features=rows_of, parameters=2 * classes * pairs.width)
+
+
+def published(name: str, embeddings: Embeddings, source: str, seed: int) -> Learned:
+    """Train a method of the paper as its file does, on rows standardised by the source's
+    profile.
+    """
+    pairs = _source(embeddings, source, seed)
+    own = profile_of(embeddings.in_domain(source, split="train")).channels
+    standard = {n: _standard(x, own[n]) for n, x in pairs.images.items()}
+    fitted = load(BASELINES, name, kind="method")(
+        replace(pairs, vis=standard["vis"], tac=standard["tac"])
+    )
+
+    def readings(raw: Raw) -> dict[str, Tensor]:
+        rows = {n: _standard(x, own[n]) for n, x in raw.items()}
+        other = next(iter(rows.values()))
+        found = fitted.predict(rows.get("vis", other), rows.get("tac", other))
+        return (
+            found
+            if len(raw) > 1
+            else {n: found[n] for n in raw} | {"fused": found[next(iter(raw))]}
+        )
+
+    def features(raw: Raw) -> Tensor:
+        rows: Tensor = fitted.features(*(_standard(raw[n], own[n]) for n in IMAGES))["pair"]
+        return rows
+
+    return Learned(readings=readings, features=features, parameters=fitted.parameters)
+
+
+def _source(embeddings: Embeddings, source: str, seed: int) -> Source:
+    pairs = embeddings.in_domain(source, split="train")
+    raw = raw_of(pairs, np.arange(len(pairs)))
+    return Source(
+        vis=raw["vis"],
+        tac=raw["tac"],
+        labels=torch.from_numpy(pairs.label),
+        objects=tuple(pairs.rows["object"]),
+        classes=embeddings.header.classes,
+        seed=seed,
+    )
+
+
+METHODS: dict[str, Callable[[Embeddings, str, int], Learned]] = {
+    "omnivat": omnivat,
+    "dtg": dtg,
+    "erm_mlp": erm_mlp,
+    "linear_maps": linear_maps,
+    "logistic": logistic,
+    "nearest_mean": nearest_mean,
+}

@@ -1,0 +1,441 @@
+"""What the page draws of the twins: shares, predictions for some objects, their pictures, and a
+map.
+
+The head is logistic regression on standardised unit rows, learned from the training pairs of one
+domain.
+"""
+
+import base64
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from PIL import Image
+from sklearn.linear_model import LogisticRegression
+from sklearn.neighbors import NearestNeighbors
+
+from omnivat.data.embeddings import Embeddings
+from omnivat.data.profile import Channels, channels_of, shrunk
+from omnivat.kit.files import replacing, write_text
+from omnivat.maps.projection import pca
+from omnivat.maps.projection.torch_umap import following
+from omnivat.measure.twins import Twins
+from omnivat.simulate.domains import SimulatedDomain
+from omnivat.simulate.sensors import SENSORS, Sensor, TaximSensor
+
+Array = NDArray[Any]
+Fill = Callable[[Array], Array]
+READINGS = {"touch": ("tac",), "photo": ("vis",), "both": ("vis", "tac")}
+PICTURES = (5, 20, 50, 200)  # without labels
+# twins are tested in thirds, with pictures of the other two; draws of these pictures
+PARTS, DRAWS = 3, 5
+C = 0.003
+TILE, PRESS, QUALITY = 144, 56, 80  # pixels of a picture, of a small one; of WebP
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plain:
+    """A logistic regression on standardised rows, and the statistics that it learned them with."""
+
+    model: LogisticRegression
+    own: Channels
+
+    def probabilities(self, rows: Array, known: Channels | None = None) -> Array:
+        """Return probabilities (n, K) of rows (n, W), standardised by the source's statistics,
+        or `known` ones.
+        """
+        seen = known or self.own
+        found: Array = self.model.predict_proba(
+            (rows - seen.mean) / (np.sqrt(seen.variance) + 1e-6)
+        )
+        return found
+
+
+def learned(rows: Array, labels: Array) -> Plain:
+    """Fit the regression to unit rows (n, W)."""
+    own = channels_of(rows)
+    model = LogisticRegression(C=C, max_iter=1500)
+    return Plain(
+        model=model.fit((rows - own.mean) / (np.sqrt(own.variance) + 1e-6), labels), own=own
+    )
+
+
+def rows_of(vectors: Mapping[str, Array], reading: str) -> Array:
+    """Return unit rows (..., W) of a reading, side by side for both."""
+    parts = [vectors[name] for name in READINGS[reading]]
+    count = min(map(len, parts))  # of the twins, some have no photograph
+    return np.concatenate(
+        [p[:count] / np.linalg.norm(p[:count], axis=-1, keepdims=True) for p in parts], axis=-1
+    )
+
+
+def thirds(count: int, classes: int) -> list[Array]:
+    """Return PARTS sets of indices; objects come in rounds of the classes, so that each part has
+    as many of all.
+    """
+    return [np.flatnonzero(np.arange(count) // classes % PARTS == part) for part in range(PARTS)]
+
+
+def predicted(head: Plain, rows: Array, pictures: int, classes: int, *, seed: int) -> Array:
+    """Return probabilities (N, K) of rows (N, W), with `pictures` rows of the other thirds known
+    without labels.
+    """
+    if not pictures:
+        return head.probabilities(rows)
+    random = np.random.default_rng([seed, pictures])
+    found = np.zeros((len(rows), len(head.model.classes_)))
+    for part in thirds(len(rows), classes):
+        pool = random.permutation(np.setdiff1d(np.arange(len(rows)), part))[:pictures]
+        found[part] = head.probabilities(rows[part], shrunk(channels_of(rows[pool]), head.own))
+    return found
+
+
+def share(right: Array) -> list[float]:
+    """Return the mean of (N,) and its 95 % interval over objects."""
+    mean, half = right.mean(), 1.96 * right.std(ddof=1) / len(right) ** 0.5
+    return [round(float(v), 3) for v in (mean, max(mean - half, 0), min(mean + half, 1))]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Seen:
+    """Predictions of one head on all twins, by number of pictures (R) and target (T)."""
+
+    right: Array  # (R, T, N) share of draws that are right
+    said: Array  # (R, T, N) class of the first draw
+    sure: Array  # (R, T, N) its probability
+
+    @property
+    def count(self) -> int:
+        """N, how many twins were predicted."""
+        return int(self.right.shape[-1])
+
+
+def seen(head: Plain, rows: Array, label: Array, source: int, classes: int) -> Seen:
+    """Predict twins (N, S, W) with no picture, and with each of `PICTURES`, of the target."""
+    shape = (1 + len(PICTURES), rows.shape[1], len(label))
+    right, said, sure = np.zeros(shape), np.zeros(shape, int), np.zeros(shape)
+    for r, pictures in enumerate((0, *PICTURES)):
+        for target in range(rows.shape[1]):
+            known = 0 if target == source else pictures
+            for draw in range(DRAWS if known else 1):
+                shares = predicted(head, rows[:, target], known, classes, seed=draw)
+                answer = head.model.classes_[shares.argmax(1)]
+                right[r, target] += answer == label
+                if not draw:
+                    said[r, target], sure[r, target] = answer, shares.max(1)
+            right[r, target] /= DRAWS if known else 1
+    return Seen(right=right, said=said, sure=sure)
+
+
+def everything(made: Twins, learning: Sequence[Embeddings]) -> dict[tuple[str, int, int], Seen]:
+    """Return (reading, source, dots) -> predictions; dots 0: as printed, 1: filled, in training and
+    test.
+
+    learning  the set that the heads learn from, with the dots as printed and filled
+    """
+    found = {}
+    classes = len(made.header.classes)
+    for dots, pairs in enumerate(learning):
+        vectors = {"vis": made.vis, "tac": made.filled if dots else made.tac}
+        for reading in READINGS:
+            if dots and reading == "photo":
+                continue
+            tested = rows_of(vectors, reading)
+            for source, name in enumerate(made.header.domains):
+                own = pairs.in_domain(name, split="train")
+                head = learned(rows_of(own.vectors, reading), own.label)
+                found[reading, source, dots] = seen(
+                    head, tested, made.label[: len(tested)], source, classes
+                )
+    return found
+
+
+def shown(made: Twins, first: Seen, filled: Seen, each: int = 4) -> list[int]:
+    """Return `each` objects of every class, by what the first source's head reads by touch: those
+    that the fill
+    turns right on most sensors, and one that stays wrong on most of them."""
+    count = len(made.vis)  # only these have photographs
+    turned = (first.right[0, 0] * (filled.right[0] - first.right[0])[1:].sum(0))[:count]
+    stays = filled.right[-1, 1:, :count].sum(0)
+    chosen = []
+    for label in range(len(made.header.classes)):
+        own = np.flatnonzero(made.label[:count] == label)
+        best = own[np.argsort(-turned[own], kind="stable")]
+        wrong = own[np.argsort(stays[own], kind="stable")][0]
+        chosen += [*[int(n) for n in best if n != wrong][: each - 1], int(wrong)]
+    return chosen
+
+
+def page(
+    made: Twins, learning: Sequence[Embeddings], about: Sequence[Mapping[str, str]]
+) -> tuple[dict[str, Any], list[int]]:
+    """Return the contents of `examples/twins.json`, and the numbers of the objects that it shows.
+
+    The keys, in the order of the domains of the twins (S), of `pictures` after none (R), and of the
+    shown objects:
+
+    domains     name, sensor, scene and one sentence about the sensor
+    known       reading -> how many pictures each of `pictures` stands for: fewer where the twins
+                have no more
+    learned     by source: indices of the classes that its head knows
+    presses     reading -> by source: how many twins of these classes were tested
+    accuracy    reading -> [source][dots][R][target] -> [share, low, high] over these presses, 95 %
+                over objects; dots 0 as printed, 1 filled in training and test; photos have no dots
+    away        reading -> [source][dots][R] -> the same, for the mean of the other seven domains
+    verdicts    reading -> [source][dots][R] -> a digit for each shown object and target: the
+                predicted class
+    confidence  the same with two digits each: its probability in percent, 99 at most
+    shown       class, name, press (its number among the twins), looks_like, feels_like, sheet (its
+                pictures)
+    """
+    heads = everything(made, learning)
+    objects = shown(made, heads["touch", 0, 0], heads["touch", 0, 1])
+    classes, sources = made.header.classes, range(len(made.header.domains))
+    known = [
+        np.unique(learning[0].in_domain(name, split="train").label) for name in made.header.domains
+    ]
+    tested = [np.isin(made.label, some) for some in known]
+
+    def table(cell: Any) -> dict[str, Any]:
+        return {
+            reading: [
+                [
+                    [
+                        cell(heads[reading, source, dots], source, r)
+                        for r in range(1 + len(PICTURES))
+                    ]
+                    for dots in ((0,) if reading == "photo" else (0, 1))
+                ]
+                for source in sources
+            ]
+            for reading in READINGS
+        }
+
+    def away(one: Seen, source: int, r: int) -> list[float]:
+        others = [target for target in sources if target != source]
+        return share(one.right[r, others].mean(0)[tested[source][: one.count]])
+
+    return {
+        "simulated": True,
+        "made_by": "python -m benchmarks.twins --page",
+        "head": (
+            "logistic regression on EfficientNet-Lite0 features, learned from the training pairs of"
+            " {source}"
+        ),
+        "classes": list(classes),
+        "domains": list(about),
+        "objects": len(made.label),
+        "pictures": list(PICTURES),
+        "known": {
+            reading: [min(n, some.count * (PARTS - 1) // PARTS) for n in PICTURES]
+            for reading, some in ((r, heads[r, 0, 0]) for r in READINGS)
+        },
+        "learned": [some.tolist() for some in known],
+        "presses": {
+            reading: [int(tested[s][: heads[reading, s, 0].count].sum()) for s in sources]
+            for reading in READINGS
+        },
+        "accuracy": table(
+            lambda one, s, r: [share(one.right[r, t][tested[s][: one.count]]) for t in sources]
+        ),
+        "away": table(away),
+        "shown": [
+            {
+                "class": int(made.label[n]),
+                "name": made.objects[n].split("/")[-1].replace("-", " "),
+                "press": n,
+                "looks_like": made.looks_like[n],
+                "feels_like": made.feels_like[n],
+                "sheet": f"{k:02d}.webp",
+            }
+            for k, n in enumerate(objects)
+        ],
+        "verdicts": table(lambda one, s, r: "".join(map(str, one.said[r][:, objects].T.ravel()))),
+        "confidence": table(
+            lambda one, s, r: "".join(
+                f"{min(int(100 * v), 99):02d}" for v in one.sure[r][:, objects].T.ravel()
+            )
+        ),
+    }, objects
+
+
+def sheets(made: Twins, objects: Sequence[int], pictures: Path, fill: Fill, folder: Path) -> None:
+    """Write the pictures of the shown objects: a sheet for each, and a row of their first touches.
+
+    pictures  the folder that `omnivat simulate --set twins` wrote
+    fill      picture (H, W, 3) -> the same with the printed dots filled
+    A sheet has a column for each domain, and three rows: photograph, touch, touch with the dots
+    filled.
+    """
+    row = Image.new("RGB", (PRESS * len(objects), PRESS))
+    for k, n in enumerate(objects):
+        stem = made.objects[n].split("/")[-1]
+        sheet = Image.new("RGB", (TILE * len(made.header.domains), TILE * 3))
+        for column, domain in enumerate(made.header.domains):
+            place = pictures / domain / stem.split("-")[0]
+            touch = Image.open(place / f"{stem}_tac.png").convert("RGB")
+            clean = Image.fromarray(fill(np.asarray(touch)))
+            for line, image in enumerate(
+                (Image.open(place / f"{stem}_vis.png").convert("RGB"), touch, clean)
+            ):
+                sheet.paste(
+                    image.resize((TILE, TILE), Image.Resampling.LANCZOS),
+                    (TILE * column, TILE * line),
+                )
+            if not column:
+                row.paste(touch.resize((PRESS, PRESS), Image.Resampling.LANCZOS), (PRESS * k, 0))
+        write_image(folder / f"{k:02d}.webp", sheet)
+    write_image(folder / "presses.webp", row)
+
+
+def write_image(path: Path, image: Image.Image) -> None:
+    """Write a WebP file."""
+    with replacing(path) as temporary:
+        image.save(temporary, "WEBP", quality=QUALITY, method=6)
+
+
+def moved(rows: Array) -> tuple[Array, Array, Array]:
+    """Return rows (N, S, W) of S sensors three ways: as they come, with each sensor's mean moved
+    onto the common
+    mean, and with mean and spread moved. All are in units of the common spread."""
+    flat = rows.reshape(-1, rows.shape[-1])
+    as_they_come = (rows - flat.mean(0)) / (flat.std(0) + 1e-6)
+    centred = as_they_come - as_they_come.mean(0)
+    return as_they_come, centred, centred / (centred.std(0) + 1e-6)
+
+
+def own_twin(rows: Array) -> Array:
+    """Return (S, S): how many of N presses by one sensor have their own twin as nearest press by
+    another, a share.
+    """
+    sensors = rows.shape[1]
+    found = np.ones((sensors, sensors))
+    for other in range(sensors):
+        near = NearestNeighbors(n_neighbors=1).fit(rows[:, other])
+        for first in range(sensors):
+            if first != other:
+                nearest = near.kneighbors(rows[:, first], return_distance=False)[:, 0]
+                found[first, other] = (nearest == np.arange(len(rows))).mean()
+    return found
+
+
+def threads(made: Twins, learning: Embeddings) -> dict[str, Any]:
+    """Return the contents of `examples/twins.map.json`: maps of all touches (dots as printed) in
+    the three ways of `moved`.
+
+    label     a digit for each press: its class
+    pca, umap  by way: positions of press 0 by sensor 0 to S - 1, then of press 1, ...; little-
+               endian 16-bit pairs of
+              one box for the three ways, in base64. UMAP goes on from the map of the way before
+    own_twin  [sensor][way]: share of presses whose nearest press by another sensor is their own
+              twin, mean of the others
+    gap       by way: distance between the means of two sensors' unit rows, mean over pairs of
+              sensors
+    accuracy  by way: share right on another sensor, mean over sources and targets, of a head on
+              standardised rows that is given the mean, or mean and spread, of all presses
+    """
+    rows = rows_of({"tac": made.tac}, "touch")
+    ways = moved(rows)
+    points = [torch.from_numpy(way.reshape(-1, way.shape[-1])).float() for way in ways]
+    basis = pca.basis(torch.cat(points))
+    flat = [basis.place(some).numpy() for some in points]
+    chained: list[Array] = []
+    for some in points:
+        chained.append(following(some, torch.from_numpy(chained[-1]) if chained else None).numpy())
+    near = [own_twin(way) for way in ways]
+    away = ~np.eye(rows.shape[1], dtype=bool)
+    return {
+        "presses": len(rows),
+        "label": "".join(map(str, made.label)),
+        "pca": packed(flat),
+        "umap": packed(chained),
+        "own_twin": [
+            [round(float(w[s][away[s]].mean()), 3) for w in near] for s in range(rows.shape[1])
+        ],
+        "own_twin_mean": [round(float(w[away].mean()), 3) for w in near],
+        "gap": [round(gap(way), 3) for way in ways],
+        "accuracy": accuracies(made, rows, learning),
+    }
+
+
+def packed(maps: Sequence[Array]) -> list[str]:
+    """Return maps (N, 2) as 16-bit positions in their common box, in base64."""
+    every = np.concatenate(maps)
+    low, size = every.min(0), np.ptp(every, axis=0).max()
+    return [
+        base64.b64encode(((m - low) / size * 65_535).round().astype("<u2").tobytes()).decode()
+        for m in maps
+    ]
+
+
+def gap(rows: Array) -> float:
+    """Return the mean distance between the mean unit rows of two sensors."""
+    means = (rows / np.linalg.norm(rows, axis=-1, keepdims=True)).mean(0)
+    apart = np.linalg.norm(means[:, None] - means, axis=-1)
+    return float(apart[np.triu_indices(len(means), 1)].mean())
+
+
+def accuracies(made: Twins, rows: Array, learning: Embeddings) -> list[float]:
+    """Return the mean share right on another sensor, three ways."""
+    found = []
+    for source, name in enumerate(made.header.domains):
+        own = learning.in_domain(name, split="train")
+        head = learned(rows_of(own.vectors, "touch"), own.label)
+        tested = np.isin(made.label, head.model.classes_)
+        for target in range(rows.shape[1]):
+            if target != source:
+                seen = channels_of(rows[:, target])
+                for known in (None, replace(seen, variance=head.own.variance), seen):
+                    answer = head.model.classes_[
+                        head.probabilities(rows[:, target], known).argmax(1)
+                    ]
+                    found.append((answer == made.label)[tested].mean())
+    return [round(float(v), 3) for v in np.reshape(found, (-1, 3)).mean(0)]
+
+
+def about(name: str, domain: SimulatedDomain) -> dict[str, str]:
+    """Return a domain's name, sensor, scene, and a sentence about the sensor, from the model
+    that draws it.
+    """
+    sensor = next(key for key, value in SENSORS.items() if value is domain.sensor)
+    if isinstance(domain.sensor, Sensor):
+        gel = domain.sensor
+        dots = "no printed dots"
+        if gel.markers:
+            share = (
+                f" on {1 - gel.plain_gels:.0%} of its gels".replace("%", " %")
+                if gel.plain_gels
+                else ""
+            )
+            dots = f"dots printed {gel.markers.pitch:g} mm apart{share}"
+        words = f"A gel of {gel.field:g} mm, {len(gel.lamps)} coloured lamps, {dots}."
+    elif isinstance(domain.sensor, TaximSensor):
+        words = (
+            f"Drawn by Taxim from its calibration of a {sensor.removeprefix('Taxim ')}; no printed"
+            " dots."
+        )
+    else:
+        words = "No lamps and no picture of a gel: 400 measured displacements, drawn as colours."
+    return {"name": name, "sensor": sensor, "scene": PLACES[domain.name], "about": words}
+
+
+PLACES = {
+    "TAG": "by hand, indoors and outdoors",
+    "OF Real": "on a white turntable",
+    "OF 2.0 A": "on white ground",
+    "OF 2.0 B": "on black ground",
+    "TQ-DIGIT": "on an oak desk",
+    "TQ-GelMini": "on a laminate desk",
+    "TQ-DuraGel": "on a cloth",
+    "TQ-T3D": "on a workbench",
+}
+
+
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Write compact JSON."""
+    write_text(path, json.dumps(content, separators=(",", ":")) + "\n")

@@ -1,1 +1,0 @@
-"""Studies: what was measured once to answer a question, and can be measured again."""

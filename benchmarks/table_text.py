@@ -1,0 +1,386 @@
+"""The table of results from its record: docs/benchmarks/table.md and .svg, the README between its
+markers.
+
+    python -m benchmarks.table_text [--check]
+
+It also writes the table of gains in docs/new-sensor.md, the first finding of the README and the
+findings of the report. A cell is accuracy in percent: the mean over sources of the mean over
+targets, over seeds. Its 95 % interval draws sources, then the targets of each, then seeds, all with
+replacement (2,000 draws). A difference is paired: both methods have the same source, target and
+seed. Sets are not drawn: there is one.
+"""
+
+import argparse
+import re
+import sys
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.figures.scores import ladder
+from omnivat.figures.still import svg_of
+from omnivat.head.heads import LADDERS
+from omnivat.kit.files import write_text
+from omnivat.kit.lines import lines
+from omnivat.measure.ladder import FORMAT, KNOWN, letters, marks
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGE = ROOT / "docs" / "benchmarks" / "table.md"
+MARKS = ("<!-- table -->", "<!-- end of table -->")
+FINDINGS = ("<!-- findings -->", "<!-- end of findings -->")
+RUNGS = {"none": "as it comes", "n5": "5 pictures", "n20": "20 pictures", "k5": "5 labels a class"}
+READINGS = {"none": "both", "vis": "photo alone", "tac": "touch alone"}
+NAMES = {
+    "linear_maps": "Linear maps of photo, touch and both",
+    "logistic": "Logistic regression (the map of both alone)",
+    "omnivat": "OmniVaT, the page's recipe",
+    "dtg": "OmniVaT's tree alone (DTG)",
+    "erm_mlp": "ERM-MLP",
+    "nearest_mean": "Nearest class mean",
+    "vt_cmc_head": "VT CMC, head alone",
+    "ldc_icd": "LDC, logit de-confusion alone",
+    "sitr_supcon": "SITR's head, touch alone",
+    "robust_vish": "RobustVisH, two branches",
+}
+NEEDED = {  # methods of the paper that these sets and this encoder do not give
+    "SPG": "CLIP's image and text towers",
+    "MMRL": "CLIP's two towers and the pictures",
+    "LDC": "CLIP's image tower and the pictures",
+    "PromptStyler": "a text tower of the image encoder",
+    "CLIP zero-shot": "a text tower of the image encoder",
+    "VT CMC": "an encoder that is pre-trained on touch",
+    "SITR": "its own transformer and calibration presses",
+    "RobustVisH": "a kinaesthetic branch",
+}
+FEW = (10, 20)  # training pairs of each class
+DRAWS = 2000
+Array = NDArray[Any]
+# method -> accuracy in percent (sources, targets, seeds); NaN where absent
+Cells = dict[str, Array]
+
+
+class Record:
+    """The record's accuracies by method, rung, source, target and seed."""
+
+    def __init__(self, file: Path = LADDERS) -> None:
+        first, *runs = lines(file, FORMAT)
+        self.runs = runs
+        self.domains = first["domains"]
+        self.domain = np.array(first["domain"])
+        self.truth = letters(first["truth"])
+        self.alike = np.array([one == "1" for one in first["look_alike"]])
+
+    def cells(self, rung: str, *, alike: bool = False) -> Cells:
+        """Return accuracies of a rung; `alike`: of the pairs that look like another class only."""
+        found: dict[str, dict[tuple[int, int, int], float]] = defaultdict(dict)
+        for run in (one for one in self.runs if rung in one["answers"]):
+            source = self.domains.index(run["source"])
+            known = np.isin(self.truth, self.truth[self.domain == source])
+            counted = known & self.alike if alike else known
+            right = np.where(counted, marks(run["answers"][rung], self.truth), np.nan)
+            for target in range(len(self.domains)):
+                rows = right[(self.domain == target) & ~np.isnan(right)]
+                if (target == source) == (rung == "home") and len(rows):
+                    found[run["method"]][source, target, run["seed"]] = 100 * float(rows.mean())
+        shape = len(self.domains), len(self.domains)
+        tables = {}
+        for name, values in found.items():
+            seeds = sorted({seed for *_, seed in values})
+            tables[name] = np.full((*shape, len(seeds)), np.nan)
+            for (source, target, seed), value in values.items():
+                tables[name][source, target, seeds.index(seed)] = value
+        return tables
+
+
+def interval(cells: Array) -> tuple[float, float, float]:
+    """Return mean and 95 % interval of accuracies (sources, targets, seeds)."""
+    random = np.random.default_rng(0)
+    mean = float(np.nanmean(np.nanmean(cells, axis=(1, 2))))
+    there = np.asarray(~np.isnan(cells).all(axis=2))
+    targets = there.sum(1).min()  # the home cell of each source is empty
+    dense = np.stack([cells[s][there[s]][:targets] for s in range(len(cells))])
+    sources, _, seeds = dense.shape
+    some = random.integers(sources, size=(DRAWS, sources))
+    drawn = random.integers(targets, size=(DRAWS, sources, targets))
+    seed = random.integers(seeds, size=(DRAWS, sources, 1, seeds))
+    values = dense[some[..., None, None], drawn[..., None], seed]
+    low, high = np.quantile(np.nanmean(values, axis=(1, 2, 3)), [0.025, 0.975])
+    return mean, float(low), float(high)
+
+
+def facts(runs: Sequence[Mapping[str, Any]], name: str) -> tuple[str, str, int]:
+    """Return seconds of a training, number of parameters, and seeds, for the columns beside."""
+    own = [run for run in runs if run["method"] == name]
+    timed = [
+        run for run in runs if run["method"] == ("linear_maps" if name == "logistic" else name)
+    ]
+    seconds = np.median([run["seconds"] for run in timed])  # the two share one fit
+    parameters = np.median([run["parameters"] for run in own])
+    return f"{seconds:.0f}", f"{parameters:,.0f}", len({run["seed"] for run in own})
+
+
+def complete(record: Record) -> list[str]:
+    """Return the methods of which every source was measured, best first as they come."""
+    sources = {name: {r["source"] for r in record.runs if r["method"] == name} for name in NAMES}
+    cells = record.cells("none")
+    there = [name for name, found in sources.items() if len(found) == len(record.domains)]
+    return sorted(there, key=lambda name: -np.nanmean(np.nanmean(cells[name], axis=(1, 2))))
+
+
+def main_table(record: Record) -> list[str]:
+    """Return the table of results: methods by rungs, one head and the mean of several."""
+    text = [
+        (
+            f"| method | seeds | {' | '.join(RUNGS.values())} | heads averaged, as it comes |"
+            " seconds | numbers |"
+        ),
+        "| --- | ---: |" + " ---: |" * (len(RUNGS) + 3),
+    ]
+    tables = {rung: record.cells(rung) for rung in RUNGS}
+    for name in complete(record):
+        row = [NAMES[name]]
+        seconds, numbers, seeds = facts(record.runs, name)
+        row.append(str(seeds))
+        for cells in tables.values():
+            mean, low, high = interval(cells[name])
+            row.append(f"{mean:.1f} [{low:.1f}, {high:.1f}]")
+        several = tables["none"].get(f"{name}_mean")
+        heads = next((r["heads"] for r in record.runs if r["method"] == f"{name}_mean"), 0)
+        row.append(
+            "–"
+            if several is None
+            else f"{np.nanmean(np.nanmean(several, axis=(1, 2))):.1f} ({heads})"
+        )
+        text.append(f"| {' | '.join([*row, seconds, numbers])} |")
+    return text
+
+
+def not_measured() -> list[str]:
+    """Return the rows of the paper's methods that these sets and this encoder do not give."""
+    return [
+        f"| {name} | – | needs {what}, not measured |{' – |' * 6}" for name, what in NEEDED.items()
+    ]
+
+
+def leads(record: Record) -> list[str]:
+    """Return OmniVaT minus each method that was measured as often, by rung."""
+    text = [
+        f"| OmniVaT minus | {' | '.join(RUNGS.values())} | heads averaged |",
+        "| --- |" + " ---: |" * 5,
+    ]
+    tables = {rung: record.cells(rung) for rung in RUNGS}
+    for name in complete(record):
+        if name == "omnivat":
+            continue
+        row = [NAMES[name]]
+        for cells in tables.values():
+            row.append(less(cells["omnivat"], cells[name]))
+        several = tables["none"]
+        both = "omnivat_mean" in several and f"{name}_mean" in several
+        row.append(less(several["omnivat_mean"], several[f"{name}_mean"]) if both else "–")
+        text.append(f"| {' | '.join(row)} |")
+    return text
+
+
+def less(ours: Array, theirs: Array) -> str:
+    """Return the paired difference with its interval, over the seeds that both have."""
+    seeds = min(ours.shape[2], theirs.shape[2])
+    mean, low, high = interval(ours[:, :, :seeds] - theirs[:, :, :seeds])
+    return f"{mean:+.1f} [{low:.1f}, {high:.1f}]".replace("-", "−")
+
+
+def apart(record: Record) -> list[str]:
+    """Return readings of one image, and look-alikes, as they come."""
+    head = [*READINGS.values(), "look-alikes, both", "look-alikes, photo alone"]
+    text = [f"| method | {' | '.join(head)} |", "| --- |" + " ---: |" * len(head)]
+    tables = [record.cells(rung) for rung in READINGS]
+    tables += [record.cells(rung, alike=True) for rung in ("none", "vis")]
+    for name in complete(record):
+        if all(name in cells for cells in tables):
+            means = [np.nanmean(np.nanmean(cells[name][:, :, :1], axis=(1, 2))) for cells in tables]
+            text.append(f"| {NAMES[name]} | {' | '.join(f'{mean:.1f}' for mean in means)} |")
+    return text
+
+
+def with_few(record: Record) -> list[str]:
+    """Return accuracy as it comes after learning few pairs of each class; empty without runs."""
+    cells = record.cells("none")
+    names = [n for n in ("linear_maps", "omnivat") if all(f"{n}@{k}" in cells for k in FEW)]
+    if len(names) < 2:
+        return []
+    text = [
+        f"| method | {' | '.join(f'{k} pairs a class' for k in FEW)} |",
+        "| --- |" + " ---: |" * len(FEW),
+    ]
+    for name in names:
+        means = [interval(cells[f"{name}@{k}"]) for k in FEW]
+        row = [f"{mean:.1f} [{low:.1f}, {high:.1f}]" for mean, low, high in means]
+        text.append(f"| {NAMES[name]} | {' | '.join(row)} |")
+    row = [less(cells[f"omnivat@{k}"], cells[f"linear_maps@{k}"]) for k in FEW]
+    text.append(f"| OmniVaT minus the linear maps | {' | '.join(row)} |")
+    return ["Few training pairs of the source, as it comes, first seed:", "", *text, ""]
+
+
+def gains(record: Record) -> list[str]:
+    """Return what every step of knowledge brings over nothing, in points, for docs/new-
+    sensor.md.
+    """
+    names = [
+        name for name in ("omnivat", "linear_maps", "nearest_mean") if name in complete(record)
+    ]
+    text = [
+        f"| known of the target | {' | '.join(NAMES[n] for n in names)} |",
+        "| --- |" + " ---: |" * len(names),
+    ]
+    base = record.cells("none")
+    for rung, words in KNOWN.items():
+        cells = record.cells(rung)
+        row = []
+        for name in names:
+            if name not in cells:
+                row.append("–")
+            elif rung in ("home", "none"):
+                row.append(f"{np.nanmean(np.nanmean(cells[name], axis=(1, 2))):.1f} %")
+            else:
+                row.append(less(cells[name], base[name]))
+        if set(row) != {"–"}:
+            text.append(f"| {words} | {' | '.join(row)} |")
+    return text
+
+
+def picture(record: Record) -> str:
+    """Return the table as a figure: accuracy by what is known, for three methods."""
+    rows = []
+    for rung, words in RUNGS.items():
+        cells = record.cells(rung)
+        for name in ("linear_maps", "omnivat", "nearest_mean"):
+            mean, low, high = (value / 100 for value in interval(cells[name]))
+            told = {"accuracy": mean, "low": low, "high": high, "method": NAMES[name]}
+            rows.append({"known": words, **told})
+    return svg_of(ladder(rows))
+
+
+def page(record: Record) -> str:
+    """Return docs/benchmarks/table.md."""
+    from benchmarks import table
+
+    protocol = (table.__doc__ or "").split("\n\n")
+    return "\n".join(
+        [
+            "# One table of results",
+            "",
+            (
+                "`python -m benchmarks.table --pack` wrote the record"
+                " (`examples/records/ladder.jsonl.gz`),"
+            ),
+            "`python -m benchmarks.table_text` this page and the README's table, and",
+            "`python -m benchmarks.recompute` computes the figures again with code of its own.",
+            "",
+            protocol[2].replace(
+                "`RECIPE`", "noise 4, shift 1, 120 epochs, D = 64 where it applies"
+            ),
+            "",
+            *main_table(record),
+            *not_measured(),
+            "",
+            (
+                "Accuracy in percent on unseen domains, both images; 95 % intervals draw sources,"
+                " targets and seeds. Seconds are the"
+            ),
+            (
+                "median of a training with the choice of its noise, on two cores under a load of"
+                " twenty. Heads averaged: the mean of"
+            ),
+            "the probabilities of all seeds.",
+            "",
+            *leads(record),
+            "",
+            (
+                "Readings of one image alone, and the test pairs that look like another class;"
+                " first seed, as it comes:"
+            ),
+            "",
+            *apart(record),
+            "",
+            *with_few(record),
+        ]
+    )
+
+
+def findings(record: Record) -> list[str]:
+    """Return the report's sentences on the table."""
+    cells = {rung: record.cells(rung) for rung in ("home", *RUNGS)}
+
+    def told(rung: str, name: str) -> str:
+        mean, low, high = interval(cells[rung][name])
+        return f"{mean:.1f} % [{low:.1f}, {high:.1f}]"
+
+    def lead(rung: str) -> str:
+        return less(cells[rung]["omnivat"], cells[rung]["linear_maps"])
+
+    return [
+        (
+            "**The sensor.** Linear maps of photo, touch and both, averaged, are right for"
+            f" {told('home', 'linear_maps')} of the test pairs at home and"
+            f" {told('none', 'linear_maps')} on sensors that they have not met. OmniVaT has"
+            f" {told('home', 'omnivat')} and {told('none', 'omnivat')}; its lead over the linear"
+            f" maps away is {lead('none')} points."
+        ),
+        "",
+        (
+            "**Pictures and labels.** With 5 and 20 pictures of the target without labels the"
+            f" linear maps have {told('n5', 'linear_maps')} and {told('n20', 'linear_maps')}, with"
+            f" 5 labelled pairs of each class {told('k5', 'linear_maps')}. OmniVaT less these is"
+            f" {lead('n5')}, {lead('n20')} and {lead('k5')} points. All rows are in the README's"
+            " table, made by `python -m benchmarks.table`."
+        ),
+    ]
+
+
+def between(name: str, made: Sequence[str], marks: tuple[str, str] = MARKS) -> str:
+    """Return a document with lines between its markers."""
+    text = (ROOT / name).read_text(encoding="utf-8")
+    start, end = text.index(marks[0]) + len(marks[0]), text.index(marks[1])
+    return text[:start] + "\n" + "\n".join(made) + "\n" + text[end:]
+
+
+def readme(record: Record) -> str:
+    """Return the README with both tables between its markers, and its first finding."""
+    others = ", ".join(NEEDED)
+    note = (
+        "Not measured, for want of weights or pictures ([why](docs/benchmarks/table.md)):"
+        f" {others}."
+    )
+    text = between("README.md", [*main_table(record), "", note, "", *leads(record)])
+    home, none = (record.cells(rung)["omnivat"] for rung in ("home", "none"))
+    means = [np.nanmean(np.nanmean(cells, axis=(1, 2))) for cells in (home, none)]
+    gain = less(record.cells("n5")["omnivat"], none).replace(" [", " points [")
+    figure = f"{means[0]:.1f} % at home, {means[1]:.1f} away; 5 pictures: {gain}"
+    return re.sub(r"[\d.]+ % at home, [\d.]+ away; 5 pictures: [^|]*\]", figure, text)
+
+
+def main() -> None:
+    """Write both files, or check that they are those of the record."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--check", action="store_true", help="exit with 1 if a file differs")
+    options = parser.parse_args()
+    record = Record()
+    made = {
+        PAGE: page(record),
+        PAGE.with_suffix(".svg"): picture(record),
+        ROOT / "README.md": readme(record),
+        ROOT / "docs" / "new-sensor.md": between("docs/new-sensor.md", gains(record)),
+        ROOT / "paper" / "paper.md": between("paper/paper.md", findings(record), FINDINGS),
+    }
+    if options.check:
+        sys.exit(any(file.read_text(encoding="utf-8") != text for file, text in made.items()))
+    for file, text in made.items():
+        write_text(file, text)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,253 @@
+"""Real data sets of others, brought to this machine on request, as folders of pairs.
+
+`sets.json` lists them, with their terms. Nothing of them is part of this project.
+"""
+
+import json
+import shutil
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from omnivat.data.fetching.heights import drawn, load_heights
+from omnivat.data.fetching.layouts import LAYOUTS, Box, Item
+from omnivat.data.fetching.repository import Repository
+from omnivat.data.images import read_image
+from omnivat.data.recordings.tracks import Clip, Track, pictures
+from omnivat.data.recordings.writing import moments, plain
+from omnivat.kit.errors import DataError, SettingsError, WriteError, first_line
+from omnivat.kit.files import replacing_folder, write_csv, write_json, write_text, writing
+from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.tables import entry, need
+
+TABLE = Path(__file__).with_name("sets.json")
+RECORD, TERMS = "fetched.json", "TERMS.txt"  # beside the pairs
+COLUMNS = ("vis", "tac", "domain", "material", "object", "named", "vis_from", "tac_from")
+CLIPS, PICKLE = (".mov", ".mp4"), ".pkl"
+KEPT = ("name", "title", "sensor", "terms", "terms_from", "commit", "authors", "changes")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FetchedSet:
+    """A row of the table. `pairs` is 0 if unknown; `terms` are the authors' words, "" where they
+    gave none.
+    """
+
+    name: str
+    title: str
+    sensor: str
+    what: str
+    pairs: int
+    megabytes: int  # to download
+    terms: str
+    terms_from: str
+    source: str
+    commit: str
+    authors: str
+    files: tuple[str, ...]  # patterns of the files that are needed
+    changes: str
+
+    @property
+    def said(self) -> str:
+        """The terms in one line."""
+        return f"{self.terms or 'none stated'} ({self.terms_from})"
+
+
+@cache
+def fetched_sets() -> dict[str, FetchedSet]:
+    """Return name -> set, in the order of the table."""
+    rows = json.loads(TABLE.read_text(encoding="utf-8"))
+    return {row["name"]: FetchedSet(**{**row, "files": tuple(row["files"])}) for row in rows}
+
+
+def fetch(name: str, out: Path, *, source: str = "", on_step: OnStep = ignore) -> Path:
+    """Bring the set `name` and return `out`, a new folder of pairs with `pairs.csv` and its terms.
+
+    source  a URL or path of another copy of the repository; "": the authors'
+
+    A later call goes on where an earlier one stopped. Returns at once if `out` already holds the
+    set. Raises MissingNameError for an unknown name; DataError, WriteError or MissingPackageError,
+    in one sentence, if the set does not arrive whole. `out` appears when it is complete.
+    """
+    wanted = entry(fetched_sets(), name, kind="set")
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        if _holds(out) == (wanted.name, wanted.commit):
+            return out
+        raise WriteError(
+            f"'{out}' exists and is not {name} as it is now; name a new folder with --out."
+        )
+    part = out.absolute().with_name(f".{out.absolute().name}.part")
+    with writing(out):
+        part.mkdir(parents=True, exist_ok=True)
+    free = shutil.disk_usage(part).free // 1_000_000
+    if free < 2 * wanted.megabytes and not source:
+        need_mb = 2 * wanted.megabytes
+        raise WriteError(
+            f"{name} needs {need_mb:,} MB while it is fetched, and '{part.parent}' has {free:,} MB"
+            " free."
+        )
+    if wanted.name == "tacquad":
+        _from_hub(wanted, out, part, source)
+    else:
+        _from_git(wanted, out, part, source, on_step)
+    shutil.rmtree(part, ignore_errors=True)
+    return out
+
+
+def _holds(folder: Path) -> tuple[str, str]:
+    """Return name and commit of the set that a folder holds, or two empty texts."""
+    try:
+        record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
+        return str(record["name"]), str(record["commit"])
+    except (OSError, ValueError, LookupError, TypeError):
+        return "", ""
+
+
+def _from_git(wanted: FetchedSet, out: Path, part: Path, source: str, on_step: OnStep) -> None:
+    repository = Repository(source or wanted.source, wanted.commit, part / "repository")
+    hashes = repository.files(wanted.files)
+
+    def text(path: str) -> str:
+        repository.bring([hashes[path]])
+        return next(repository.contents({path: hashes[path]}))[1].decode(errors="replace")
+
+    items = _once(LAYOUTS[wanted.name](list(hashes), text), hashes)
+    if not items:
+        raise DataError(
+            f"'{source or wanted.source}' has no pairs of {wanted.name} at {wanted.commit[:7]}."
+        )
+    needed = {path: hashes[path] for item in items for path in (item.vis, item.tac) if path}
+    repository.bring(needed.values(), on_step)
+    with replacing_folder(out) as work:
+        write_csv(
+            work / "pairs.csv",
+            COLUMNS,
+            _written(items, repository.contents(needed), len(needed), work, on_step),
+        )
+        _write_terms(wanted, work, source, len(items))
+
+
+def _once(items: Iterable[Item], hashes: Mapping[str, str]) -> list[Item]:
+    """Return the items without those whose touch, by its hash, occurred before."""
+    seen = {hashes[item.tac]: item for item in reversed(list(items))}
+    return list(reversed(seen.values()))
+
+
+def _written(
+    items: Sequence[Item],
+    contents: Iterable[tuple[str, bytes]],
+    count: int,
+    work: Path,
+    on_step: OnStep,
+) -> list[list[str]]:
+    """Write the pictures of all items into `work`; return the rows of the table of pairs."""
+    uses: dict[str, list[tuple[str, Box | None]]] = {}
+    rows = []
+    for number, item in enumerate(items):
+        stem = "/".join(
+            (plain(item.domain), plain(item.material), f"{plain(item.object)}-{number:04d}")
+        )
+        names = {}
+        for k, half in enumerate(("vis", "tac")):
+            if path := getattr(item, half):
+                suffix = (
+                    ".png"
+                    if item.boxes or Path(path).suffix in (*CLIPS, PICKLE)
+                    else Path(path).suffix
+                )
+                names[half] = f"{stem}_{half}{suffix}"
+                uses.setdefault(path, []).append(
+                    (names[half], item.boxes[k] if item.boxes else None)
+                )
+        both = names.get("vis", names["tac"]), names["tac"]
+        rows.append(
+            [
+                *both,
+                item.domain,
+                item.material,
+                item.object,
+                item.named,
+                item.vis or item.tac,
+                item.tac,
+            ]
+        )
+    for done, (path, content) in enumerate(contents):
+        on_step(Step(done=done, total=count, text="pictures"))
+        for name, box in uses[path]:
+            target = work / name
+            target.parent.mkdir(parents=True, exist_ok=True)
+            _write_picture(path, content, box, target)
+    return rows
+
+
+def _write_picture(path: str, content: bytes, box: Box | None, target: Path) -> None:
+    """Write a file as a picture: itself, a part of it, the moment of contact of a clip, or a
+    drawn height map.
+    """
+    kind = Path(path).suffix
+    if kind == PICKLE:
+        drawn(load_heights(content, path)).save(target)
+    elif kind in CLIPS:
+        film = target.with_suffix(kind)
+        film.write_bytes(content)
+        try:
+            track = Track(file=film)
+            clip = Clip(
+                name=path, tracks={"tac": track}, length=None, domain="", material="", object=""
+            )
+            next(pictures(track, moments(clip, 1, "contact"))).save(target)
+        finally:
+            film.unlink()
+    elif box:
+        whole = read_image(content, path)
+        left, top, right, bottom = box
+        width, height = whole.size
+        corners = (
+            round(left * width),
+            round(top * height),
+            round(right * width),
+            round(bottom * height),
+        )
+        whole.crop(corners).save(target)
+    else:
+        target.write_bytes(content)
+
+
+def _from_hub(wanted: FetchedSet, out: Path, part: Path, source: str) -> None:
+    """Bring a set of the model hub, which resumes and checks by itself."""
+    if source:
+        raise SettingsError(
+            f"{wanted.name} comes from the model hub; --from is for the sets in repositories."
+        )
+    hub = need("huggingface_hub", purpose=f"fetching {wanted.name}")
+    try:
+        name = wanted.source.partition("/datasets/")[2]
+        hub.snapshot_download(
+            name, repo_type="dataset", revision=wanted.commit, local_dir=part / "files"
+        )
+    except Exception as error:  # the hub and its HTTP client have many kinds
+        why = first_line(error)
+        raise DataError(
+            f"'{wanted.source}' was not fetched ({why}); run the command again, it goes on."
+        ) from error
+    _write_terms(wanted, part / "files", "", 0)
+    with writing(out):
+        (part / "files").replace(out)
+
+
+def _write_terms(wanted: FetchedSet, folder: Path, source: str, pairs: int) -> None:
+    """Write the record of a set, and its terms for people, beside its pairs."""
+    record = {name: getattr(wanted, name) for name in KEPT}
+    write_json(folder / RECORD, record | {"source": source or wanted.source, "pairs": pairs})
+    lines = [
+        f"{wanted.title}, by {wanted.authors}",
+        f"{source or wanted.source} at {wanted.commit}",
+        f"Terms, in the authors' words: {wanted.said}.",
+        f"Changes made here: {wanted.changes}.",
+    ]
+    if not wanted.terms:
+        lines.append(
+            "Without stated terms the pictures may be looked at and measured; do not publish them."
+        )
+    write_text(folder / TERMS, "\n".join([*lines, ""]))

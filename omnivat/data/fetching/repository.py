@@ -1,0 +1,164 @@
+"""Bring single files of a Git repository at one commit, and nothing else of it.
+
+A partial clone without blobs lists the files; the wanted blobs then come in batches, and Git checks
+each by its hash. What arrived stays when the work stops, so a later call goes on from there.
+"""
+
+import os
+import shutil
+import subprocess
+from collections.abc import Iterable, Iterator, Mapping
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from omnivat.kit.errors import DataError, MissingPackageError, WriteError, printable
+from omnivat.kit.progress import OnStep, Step, ignore
+
+BATCH = 200  # blobs of one request
+OPTIONS = {  # nothing of the repository runs, and a silent server is given up
+    "core.hooksPath": os.devnull,
+    "gc.auto": "0",
+    "http.lowSpeedLimit": "1000",
+    "http.lowSpeedTime": "60",
+    "fetch.negotiationAlgorithm": "noop",
+}
+REASONS = {  # in what Git writes, in small letters -> what to do
+    "no space left": (
+        "the disk is full; free some space and run the command again, what arrived is kept"
+    ),
+    "could not resolve host": (
+        "there is no way to that host; check the network and run the command again"
+    ),
+    "could not resolve proxy": "the proxy is unknown; check the network and run the command again",
+    "failed to connect": "nothing replies there; check the network and run the command again",
+    "connection refused": "nothing replies there; check the network and run the command again",
+    "timed out": "nothing replies there; check the network and run the command again",
+    "repository not found": "no repository is there now; name another copy with --from",
+    "could not read username": "no public repository is there now; name another copy with --from",
+    "does not appear to be a git repository": (
+        "no repository is there; name another copy with --from"
+    ),
+    "does not exist": "no repository is there; name another copy with --from",
+    "not our ref": "it lacks the commit {commit}, or a file of it; name another copy with --from",
+}
+
+
+class Repository:
+    """A bare partial clone of `source`, a URL or a path, in `folder`, at `commit`.
+
+    Raises MissingPackageError without Git, DataError or WriteError (one sentence) if the commit
+    does not arrive.
+    """
+
+    def __init__(self, source: str, commit: str, folder: Path) -> None:
+        if shutil.which("git") is None:
+            raise MissingPackageError(
+                "Git is not installed, and it brings the files; install it (https://git-scm.com)."
+            )
+        self.source, self.commit, self.folder = source, commit, folder
+        place = Path(source).expanduser()
+        folder.mkdir(parents=True, exist_ok=True)
+        for stale in folder.glob("*.lock"):  # of a Git that was killed
+            stale.unlink()
+        self._git("init", "--quiet", "--bare")
+        remote = {
+            "url": place.absolute().as_uri() if place.exists() else source,
+            "promisor": "true",
+            "partialclonefilter": "blob:none",
+        }
+        for name, value in remote.items():
+            self._git("config", f"remote.origin.{name}", value)
+        self._fetch("--depth=1", commit)
+
+    def files(self, patterns: Iterable[str]) -> dict[str, str]:
+        """Return path -> hash of the files that match a pattern, such as "data/*.jpg"; * matches
+        / too.
+        """
+        wanted = tuple(patterns)
+        listed = self._git("ls-tree", "-r", "-z", self.commit).split("\0")
+        found = {}
+        for line in filter(None, listed):
+            about, _, path = line.partition("\t")
+            mode, _, name = about.split()
+            if mode.startswith("100") and any(fnmatchcase(path, one) for one in wanted):
+                found[path] = name
+        return found
+
+    def bring(self, hashes: Iterable[str], on_step: OnStep = ignore) -> None:
+        """Fetch the blobs that are not here yet; Git refuses one whose content has another hash."""
+        wanted = set(hashes)
+        missing = sorted(wanted - self._present())
+        for k in range(0, len(missing), BATCH):
+            on_step(Step(done=len(wanted) - len(missing) + k, total=len(wanted), text="files"))
+            self._fetch("--stdin", into="\n".join(missing[k : k + BATCH]) + "\n")
+
+    def contents(self, hashes: Mapping[str, str]) -> Iterator[tuple[str, bytes]]:
+        """Yield path and content of files that were brought, by path -> hash."""
+        command = self._command("cat-file", "--batch")
+        with subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=_environment()
+        ) as git:
+            assert git.stdin and git.stdout
+            for path, name in hashes.items():
+                git.stdin.write(f"{name}\n".encode())
+                git.stdin.flush()
+                head = git.stdout.readline().split()
+                content = git.stdout.read(int(head[2]) + 1)[:-1] if len(head) == 3 else b""
+                if len(head) != 3 or len(content) != int(head[2]):
+                    raise DataError(
+                        f"'{printable(path)}' is damaged in '{self.folder}'; remove that folder."
+                    )
+                yield path, content
+            git.stdin.close()
+
+    def _present(self) -> set[str]:
+        form = "--batch-check=%(objectname)"
+        return set(self._git("cat-file", "--batch-all-objects", "--unordered", form).split())
+
+    def _fetch(self, *arguments: str, into: str = "") -> None:
+        quiet = (
+            "--quiet",
+            "--no-tags",
+            "--no-write-fetch-head",
+            "--recurse-submodules=no",
+            "--filter=blob:none",
+        )
+        self._git("fetch", *quiet, "origin", *arguments, into=into)
+
+    def _command(self, *arguments: str) -> list[str]:
+        settings = [part for name, value in OPTIONS.items() for part in ("-c", f"{name}={value}")]
+        return ["git", f"--git-dir={self.folder}", *settings, *arguments]
+
+    def _git(self, *arguments: str, into: str = "") -> str:
+        done = subprocess.run(
+            self._command(*arguments), input=into, capture_output=True, text=True, env=_environment(),  # noqa: E501
+            errors="surrogateescape",
+        )  # fmt: skip
+        if done.returncode:
+            raise self._error(done.stderr)
+        return done.stdout
+
+    def _error(self, said: str) -> DataError | WriteError:
+        """Return the error of one sentence for what Git wrote."""
+        low = said.lower()
+        reason = next((text for sign, text in REASONS.items() if sign in low), "")
+        if "no space" in low or ("permission denied" in low and "publickey" not in low):
+            return WriteError(
+                f"'{self.folder.parent}' cannot be written: {reason or 'permission denied'}."
+            )
+        lines = [line for line in said.splitlines() if line.startswith(("fatal:", "error:"))]
+        last = printable((lines or said.splitlines() or ["no reason"])[0])[:160]
+        reason = reason or f"Git stopped ({last}); run the command again, what arrived is kept"
+        return DataError(
+            f"'{self.source}' was not fetched: {reason.format(commit=self.commit[:7])}."
+        )
+
+
+def _environment() -> dict[str, str]:
+    """Return the environment of Git: English, no questions, no repository of the caller."""
+    kept = {
+        name: value
+        for name, value in os.environ.items()
+        if not name.startswith("GIT_") or "SSL" in name
+    }
+    return kept | {"GIT_TERMINAL_PROMPT": "0", "LC_ALL": "C.UTF-8", "GIT_ASKPASS": "true"}

@@ -1,0 +1,191 @@
+"""A head for one's own pictures: it learns from all domains of a set, each standardised by its own
+profile.
+
+Pictures of a sensor that nobody has seen are read best by a head of many sensors. Every domain is
+moved onto the mean of all profiles, so that what is left differs by material and not by sensor; a
+visitor's pictures are moved there by a profile of their own. Linear maps of photo, touch and both
+decide (`omnivat.head.linear_maps`), at temperatures that domains give which the maps have not seen.
+An OmniVaT head of the same pairs gives the stages and the tree.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from omnivat.data.profile import Channels, Profile, drawn_profiles, profile_of, profiled
+from omnivat.data.store import Embeddings
+from omnivat.head.calibration import familiarity_of, fit_temperature
+from omnivat.head.checkpoint import Head
+from omnivat.head.head import OmniVaT
+from omnivat.head.linear_maps import FittedMaps, fit_maps
+from omnivat.kit.errors import DataError
+from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.stages import IMAGES
+from omnivat.training import TrainSettings
+from omnivat.training.from_pairs import head_from_pairs
+
+ALL = "all domains"  # the source of such a head
+PICTURES = (0, 5, 20)  # of a left-out domain, without labels
+DRAWS = 10  # of these pictures
+BODY = {"width": 64}
+TRAINING = TrainSettings(epochs=30, batch=64, lang=False)
+KEPT = 3  # every third pair is kept for familiarity and teaching, so that the folder stays small
+NOISE, STEPS = 1.0, 150  # of the maps; 0 and 2 are worse on left-out domains, by 1 to 3 points
+READINGS = ("fused", *IMAGES)
+Raw = dict[str, Tensor]
+
+
+def own_head(embeddings: Embeddings, *, seed: int = 0, on_step: OnStep = ignore) -> Head:
+    """Return a head that learned from the training pairs of all domains of a set.
+
+    `metrics["left_out"]` has what such a head reads right in domains left out of its training:
+    number of pictures without labels -> reading -> share, mean over domains and draws. Raises
+    DataError for a set of fewer than three domains: one is left out to calibrate the others.
+    """
+    domains = embeddings.header.domains
+    if len(domains) < 3:
+        raise DataError(
+            f"The set has {len(domains)} domain(s), and a head of all domains needs three or more: "
+            "one after the other is left out to calibrate it."
+        )
+    temperature, left_out = _left_out(embeddings, seed, on_step)
+    levelled, _ = level(embeddings, domains)
+    pooled = _pooled(levelled)
+    head = head_from_pairs(
+        pooled, ALL, head=BODY, training=TRAINING, seed=seed, calibrate=False, on_step=on_step
+    )
+    pairs = pooled.in_domain(ALL, split="train")
+    pairs = pairs.select(pairs.labelled)
+    fitted = _fitted(pairs, head.source_profile.channels, seed)
+    model = with_maps(head.model, fitted, temperature)
+    some = pairs.select(np.arange(0, len(pairs), KEPT))
+    raw, labels = _raw(some), torch.from_numpy(some.label)
+    known = familiarity_of(raw["vis"], raw["tac"], some.rows["object"], labels)
+    facts = {"maps": {"temperature": temperature}, "domains": list(domains)}
+    return replace(
+        head,
+        model=model,
+        familiarity=known,
+        settings=model.settings,
+        provenance={**head.provenance, **facts},
+        metrics={"left_out": left_out},
+    )
+
+
+def level(embeddings: Embeddings, domains: Sequence[str]) -> tuple[Embeddings, Profile]:
+    """Return embeddings with `domains` moved onto the mean of their profiles, and that mean."""
+    own = {
+        name: profile_of(embeddings, embeddings.rows_of(name, split="train"), domain=name)
+        for name in domains
+    }
+    channels = {
+        name: Channels(
+            mean=np.mean([one.channels[name].mean for one in own.values()], axis=0),
+            variance=np.mean([one.channels[name].variance for one in own.values()], axis=0),
+            count=sum(one.channels[name].count for one in own.values()),
+        )
+        for name in IMAGES
+    }
+    base = Profile(channels=channels, key=embeddings.header.key, domain=ALL)
+    return profiled(embeddings, own, base), base
+
+
+def with_maps(model: OmniVaT, fitted: FittedMaps, temperature: Mapping[str, float]) -> OmniVaT:
+    """Return the model with linear maps that decide; each map's logits are divided by its
+    temperature.
+    """
+    classes, width = len(model.settings.classes), model.settings.input_width
+    length = (2 * width) ** 0.5  # the maps learned rows of length √W, and `standing` has √½
+    maps = fitted.maps.state_dict()
+    weight = {n: maps[f"maps.{n}.weight"] * (length / t) for n, t in temperature.items()}
+    bias = {n: maps[f"maps.{n}.bias"] / t for n, t in temperature.items()}
+    state = {
+        **model.state_dict(),
+        "taught_rows": torch.stack(weight["both"].split(width, dim=1)),
+        "taught_bias": bias["both"],
+        "taught_class": torch.arange(classes),
+        "taught_alone_rows": torch.stack([weight[name] for name in IMAGES]),
+        "taught_alone_bias": torch.stack([bias[name] for name in IMAGES]),
+    }
+    with torch.device("meta"):
+        decided = OmniVaT(replace(model.settings, taught=classes, taught_alone=True))
+    decided.load_state_dict(state, assign=True)
+    return decided.eval().requires_grad_(False)
+
+
+def _fitted(pairs: Embeddings, profile: Mapping[str, Channels], seed: int) -> FittedMaps:
+    labels = torch.from_numpy(pairs.label)
+    classes = len(pairs.header.classes)
+    return fit_maps(
+        _raw(pairs), labels, classes, profile=profile, noise=NOISE, seed=seed, steps=STEPS
+    )
+
+
+def _raw(pairs: Embeddings) -> Raw:
+    return {name: torch.from_numpy(np.array(getattr(pairs, name), np.float32)) for name in IMAGES}
+
+
+def _pooled(embeddings: Embeddings) -> Embeddings:
+    """Return the pairs as one domain; objects keep their domain in their name."""
+    names = [embeddings.header.domains[index] for index in embeddings.domain]
+    objects = [
+        f"{domain}/{name or row}"
+        for row, (domain, name) in enumerate(zip(names, embeddings.rows["object"], strict=True))
+    ]
+    return replace(
+        embeddings,
+        header=replace(embeddings.header, domains=(ALL,)),
+        domain=np.zeros_like(embeddings.domain),
+        rows={**embeddings.rows, "object": objects},
+    )
+
+
+def _left_out(
+    embeddings: Embeddings, seed: int, on_step: OnStep
+) -> tuple[dict[str, float], dict[str, dict[str, float]]]:
+    """Leave out one domain after the other; return a temperature for each map, and accuracies."""
+    domains = embeddings.header.domains
+    logits: dict[str, list[Tensor]] = {}
+    labels: list[Tensor] = []
+    right: dict[int, list[dict[str, float]]] = {count: [] for count in PICTURES}
+    for done, name in enumerate(domains):
+        others = tuple(other for other in domains if other != name)
+        levelled, base = level(embeddings, others)
+        rows = np.concatenate([levelled.rows_of(other, split="train") for other in others])
+        pairs = levelled.select(rows)
+        fitted = _fitted(pairs.select(pairs.labelled), base.channels, seed)
+        test = embeddings.select(embeddings.rows_of(name, split="test"))
+        test = test.select(test.labelled)
+        truth = torch.from_numpy(test.label)
+        for count in PICTURES:
+            for draw in range(DRAWS if count else 1):
+                raw = _raw(_moved(embeddings, test, name, count, draw, base))
+                shares = fitted(raw)
+                right[count].append(
+                    {n: float((shares[n].argmax(-1) == truth).double().mean()) for n in READINGS}
+                )
+                if count == PICTURES[-1]:
+                    for each, values in fitted.maps.logits(fitted.standard(raw)).items():
+                        logits.setdefault(each, []).append(values)
+                    labels.append(truth)
+        on_step(Step(done=done + 1, total=len(domains), text=f"{name} left out"))
+    temperature = {n: fit_temperature(torch.cat(v), torch.cat(labels)) for n, v in logits.items()}
+    return temperature, {str(count): _mean(each) for count, each in right.items()}
+
+
+def _mean(each: list[dict[str, float]]) -> dict[str, float]:
+    """Return the mean of each reading; every domain has as many draws."""
+    return {name: round(float(np.mean([one[name] for one in each])), 4) for name in READINGS}
+
+
+def _moved(
+    embeddings: Embeddings, test: Embeddings, name: str, count: int, draw: int, base: Profile
+) -> Embeddings:
+    """Return test pairs of a domain, moved by a profile of `count` of its training pairs."""
+    if not count:
+        return test
+    profiles, _ = drawn_profiles(embeddings, "", count, seed=draw)
+    return profiled(test, {name: profiles[name]}, base)

@@ -1,0 +1,82 @@
+"""What predicts the set: heads, and a method fitted on the source."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app import predictors
+from app.resources import Resources
+from omnivat.kit.errors import DataError
+
+
+@pytest.fixture
+def two_heads(resources, small_places) -> Resources:
+    """Return resources with the same head twice: once as the first, once to compare."""
+    return Resources(replace(small_places, compare=(small_places.head,)))
+
+
+def test_a_compared_head_is_listed_by_the_name_of_its_folder(two_heads):
+    first, other = predictors.heads(two_heads)
+    assert (first["name"], other["name"]) == ("", two_heads.where.head.name)
+    assert other["generation"] == "tree"
+    assert other["source"] == "TAG-sim"
+
+
+def test_two_compared_heads_of_one_name_are_told_apart(small_places):
+    twice = replace(small_places, compare=(small_places.head, small_places.head))
+    assert len(Resources(twice).heads) == 3
+
+
+def test_a_folder_that_is_no_head_is_listed_with_the_reason(resources, small_places, tmp_path):
+    other = Resources(replace(small_places, compare=(tmp_path,)))
+    assert "is not a head" in predictors.heads(other)[1]["problem"]
+
+
+def test_a_head_that_is_not_loaded_is_refused_by_name(resources):
+    with pytest.raises(DataError, match="No head is called 'ghost'"):
+        resources.head_named("ghost")
+
+
+def test_a_pair_is_asked_of_the_head_that_is_named(two_heads):
+    from app.views import pair
+
+    question = {"vis": "row:1", "tac": "row:1"}
+    same = pair.predicted(two_heads, question | {"head": two_heads.where.head.name})
+    assert same["stops"] == pair.predicted(two_heads, question)["stops"]
+
+
+def test_a_method_is_fitted_on_the_source_and_answers_every_pair(resources):
+    got = predictors.predictions(resources, {"method": "nearest_mean"})
+    embeddings = resources.embeddings()
+    right = np.array(got["prediction"]) == embeddings.label
+    assert got["source"] == "TAG-sim"
+    assert right[embeddings.domain == 0].mean() > 0.9
+    assert got["pairs"] <= (embeddings.domain == 0).sum()
+
+
+def test_a_class_that_a_method_lacks_is_left_out_of_its_score(make_embeddings):
+    """As for a head; otherwise a class that both lack would count against one of them."""
+    embeddings = make_embeddings()
+    known = embeddings.header.classes[:3]
+    said = np.where(embeddings.label < 3, embeddings.label, 0)
+    found = predictors.scores_of(embeddings, known, "TAG-sim", said)
+    assert found == {"TAG-sim": 1.0, "OF Real-sim": 1.0, "unseen": 1.0}
+    everything = predictors.scores_of(embeddings, embeddings.header.classes, "TAG-sim", said)
+    assert everything["unseen"] == pytest.approx(3 / 5)
+
+
+def test_a_method_is_scored_on_pairs_that_it_was_not_fitted_on(resources):
+    got = predictors.predictions(resources, {"method": "nearest_mean"})["accuracy"]
+    assert set(got) == {"unseen", "TAG-sim", "OF Real-sim"}
+    assert got["unseen"] == got["OF Real-sim"]
+
+
+def test_a_method_that_is_no_name_is_refused(resources):
+    with pytest.raises(DataError, match="No method is called"):
+        predictors.predictions(resources, {"method": ["nearest_mean"]})
+
+
+def test_an_unknown_method_is_refused(resources):
+    with pytest.raises(DataError, match="No method is called 'magic'"):
+        predictors.predictions(resources, {"method": "magic"})

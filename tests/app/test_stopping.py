@@ -1,0 +1,131 @@
+"""Every route that computes ends when its visitor leaves, and at its time limit."""
+
+from functools import partial
+
+import pytest
+
+from app.api import WORK
+from app.jobs import Jobs
+from app.messages import BusyError, CancelledError
+from app.pictures import Sent, live, occlusion, taken
+from app.routes import DOWNLOADS, FACTS, QUESTIONS
+from omnivat.measure.evaluate import CHUNK
+
+PAIR = {"vis": "row:3", "tac": "row:3"}
+LESSONS = [
+    {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
+    for row, label in ((40, "cork"), (41, "cork"), (72, "glass"), (73, "glass"))
+]
+PLACE = {**PAIR, "stage": "raw", "map": "pca"}
+# route -> question, and the fewest checkpoints inside; none for what reads a file or two
+WORKING = {
+    "pair": (PAIR, 1),
+    "many": ({"pairs": [PAIR] * 7}, 7),
+    "attention": (PAIR, 1),
+    "tree": (PAIR, 1),
+    "votes": ({}, 1),
+    "neighbours": ({"stage": "f_hat", "point": 0}, 1),
+    "ladder": ({"source": ""}, 1),
+    "place": (PLACE, 1),
+    "predictions": ({"method": "nearest_mean"}, 1),
+    "familiar": (PAIR, 2),
+    "profile": ({"photos": ["row:3"]}, 0),
+    "teach": ({"lessons": LESSONS}, 2 * len(LESSONS)),
+    "taught": ({"lessons": LESSONS}, len(LESSONS)),
+    "save/set": ({"lessons": LESSONS}, len(LESSONS)),
+    "save/head": ({"lessons": LESSONS}, len(LESSONS)),
+    "save/sensor": ({}, 0),
+    "save/figure": ({}, 0),
+    "unseen": ({}, 2),
+    **dict.fromkeys(
+        (
+            "about",
+            "fit",
+            "glossary",
+            "heads",
+            "modes",
+            "first",
+            "pairs",
+            "toy",
+            "examples",
+            "twins",
+            "twins/map",
+        ),
+        ({}, 0),
+    ),
+}
+
+
+class Leaving(Jobs):
+    """Jobs that count checkpoints; at one of them the visitor leaves, or the time is over."""
+
+    def __init__(self, at=-1, *, late=False):
+        super().__init__()
+        self.at, self.late, self.checks = at, late, 0
+
+    def pause(self, job):
+        self.checks += 1
+        if self.checks == self.at and self.late:
+            job.left_s = -1.0
+        elif self.checks == self.at:
+            job.cancelled = True
+        super().pause(job)
+
+    def give(self, work):
+        """Run work as the server does; return its result or raise its error."""
+        return self.start(lambda _: work(), lane="quick", deadline_s=100).wait(60)
+
+
+@pytest.fixture(scope="module")
+def work(small_places):
+    """Return a function of a route's name: its work, for a new server."""
+    from app.resources import Resources
+
+    def of(name):
+        resources = Resources(small_places)
+        if name in FACTS:
+            return partial(FACTS[name], resources)
+        if name == "place":
+            resources.frames.wait()
+        return partial({**QUESTIONS, **DOWNLOADS}[name], resources, WORKING[name][0])
+
+    return of
+
+
+def test_the_table_has_every_route_that_computes():
+    assert set(WORKING) == {*QUESTIONS, *FACTS, *DOWNLOADS}
+
+
+@pytest.mark.parametrize("name", [name for name, (_, inside) in WORKING.items() if inside])
+def test_work_ends_at_the_checkpoint_after_its_visitor_left_or_its_time(work, name):
+    whole = Leaving()
+    whole.give(work(name))
+    assert whole.checks >= WORKING[name][1]
+    middle = (whole.checks + 1) // 2
+    for late, error in ((False, CancelledError), (True, BusyError)):
+        jobs = Leaving(middle, late=late)
+        with pytest.raises(error):
+            jobs.give(work(name))
+        assert jobs.checks == middle
+
+
+@pytest.mark.parametrize("reply", [taken, live, occlusion])
+def test_work_on_a_sent_picture_ends_so_too(resources, png, reply):
+    whole = Leaving()
+    first, second = (Sent(content=png(seed=seed), modality="vis") for seed in (1, 2))
+    whole.give(lambda: reply(resources, first))
+    jobs = Leaving(whole.checks)
+    with pytest.raises(CancelledError):
+        jobs.give(lambda: reply(resources, second))
+
+
+def test_the_tools_of_the_api_are_known():
+    # they call what is tested above, and `job.report`
+    assert set(WORK) == {"about", "predict", "gaps", "report"}
+
+
+def test_a_large_set_is_checked_for_each_block(work, resources):
+    """The pairs between two checkpoints are bounded, whatever the size of the set."""
+    jobs = Leaving()
+    jobs.give(partial(FACTS["unseen"], resources))
+    assert len(resources.embeddings()) / jobs.checks <= CHUNK

@@ -1,0 +1,270 @@
+"""The four chapters of Explore in a real Chromium, used as a person uses them."""
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from benchmarks.first_view import LOOK
+from omnivat.head.heads import EXAMPLES
+
+from .gestures import TOUCH, WHERE, grab, pixels, pull
+
+pytestmark = pytest.mark.browser
+SAID = ".explore .twin .said"
+WHOLE = """of => [...document.querySelectorAll(of)].filter((one) => {
+  const { top, bottom, left, right, height } = one.getBoundingClientRect();
+  return height && top >= 0 && bottom <= innerHeight && left >= 0 && right <= innerWidth;
+}).length"""
+
+
+FIRST = {  # what a chapter shows last
+    "touch": SAID,
+    "where": ".explore .together path",
+    "order": ".explore .wave path",
+    "fooled": ".explore .lookers .thumb",
+}
+
+
+@pytest.fixture(scope="module")
+def twins() -> dict[str, Any]:
+    """Return what the heads predict of the twins."""
+    return json.loads((EXAMPLES / "twins.json").read_text(encoding="utf-8"))
+
+
+def said(page: Any) -> list[str]:
+    """Return the verdict under each picture."""
+    return [one.replace("\xa0", " ") for one in page.locator(SAID).all_inner_texts()]
+
+
+def percents(page: Any) -> list[str]:
+    """Return the share at each bar of the first chapter, then the large one."""
+    shown = page.locator(".explore .twin output").all_inner_texts()
+    return [one.replace("\xa0", " ") for one in [*shown, page.inner_text(".explore .touch .large")]]
+
+
+def percent(share: float) -> str:
+    """Return a share as the page writes it."""
+    return f"{int(100 * share + 0.5)} %"
+
+
+def pressed(page: Any) -> int:
+    """Return the number of the chosen press among those shown."""
+    return int(page.locator(".explore .presses [aria-checked=true]").get_attribute("data-key"))
+
+
+@pytest.fixture
+def touch(open_page: Callable[..., Any]) -> Any:
+    """Return the page as it opens."""
+    page = open_page("")
+    page.wait_for_selector(SAID)
+    return page
+
+
+def test_the_page_opens_with_one_press_by_eight_sensors_and_a_verdict_under_each(
+    touch: Any, twins: dict[str, Any]
+) -> None:
+    assert touch.locator(".explore").get_attribute("data-chapter") == "touch"
+    press = pressed(touch)
+    said_now = twins["verdicts"]["touch"][0][0][0][8 * press : 8 * press + 8]
+    truth = twins["shown"][press]["class"]
+    wanted = [f"{'✓' if int(k) == truth else '✗'} {twins['classes'][int(k)]}" for k in said_now]
+    assert said(touch) == wanted
+    shares = [one[0] for one in twins["accuracy"]["touch"][0][0][0]]
+    assert percents(touch) == [
+        percent(share) for share in [*shares, twins["away"]["touch"][0][0][0][0]]
+    ]
+    assert "Simulated." in touch.inner_text(".explore .from-where")
+
+
+@pytest.mark.parametrize(
+    ("size", "pictures"),
+    [((1280, 720), 9), ((1024, 768), 9), ((2560, 1440), 9), ((400, 800), 4)],
+    ids=str,
+)
+def test_the_pictures_of_a_press_are_in_view_at_once_and_nothing_is_wider_than_the_window(
+    open_page: Callable[..., Any], size: tuple[int, int], pictures: int
+) -> None:
+    page = open_page(TOUCH, viewport=dict(zip(("width", "height"), size, strict=True)))
+    page.wait_for_selector(SAID)
+    assert page.evaluate(WHOLE, ".explore .twin-pictures .tile") >= pictures
+    assert page.evaluate(WHOLE, ".explore .dots button") == 2
+    assert page.evaluate("document.scrollingElement.scrollWidth <= innerWidth")
+
+
+@pytest.mark.parametrize("button", [".dots [data-key='1']", ".known [data-key='200']"])
+def test_filled_dots_or_200_pictures_turn_at_least_two_verdicts(touch: Any, button: str) -> None:
+    before = said(touch)
+    touch.click(f".explore {button}")
+    turned = [old for old, new in zip(before, said(touch), strict=True) if old != new]
+    assert len(turned) >= 2
+    touch.wait_for_function(
+        "location.search.includes('dots=1') || location.search.includes('known=200')"
+    )
+
+
+def test_dots_and_pictures_combine_and_every_sensor_can_be_the_one_that_was_learned(
+    touch: Any, twins: dict[str, Any]
+) -> None:
+    touch.click(".explore .dots [data-key='1']")
+    touch.click(".explore .known [data-key='20']")
+    rung = 1 + twins["pictures"].index(20)
+    for source, domain in enumerate(twins["domains"]):
+        touch.select_option(".explore .touch .from", str(source))
+        assert percents(touch)[-1] == percent(twins["away"]["touch"][source][1][rung][0])
+        home = touch.locator(".explore .twin.home")
+        assert home.count() == 1
+        assert domain["sensor"] in home.inner_text()
+    touch.click(".explore .given [data-key='vis']")
+    assert not touch.locator(".explore .dots").is_visible()  # a photo has none
+    assert percents(touch)[-1] == percent(twins["away"]["photo"][source][0][rung][0])
+    touch.click(".explore .given [data-key='fused']")
+    assert percents(touch)[-1] == percent(twins["away"]["both"][source][1][rung][0])
+
+
+def test_keys_choose_press_dots_and_pictures_and_a_focused_sensor_is_described(
+    touch: Any, twins: dict[str, Any]
+) -> None:
+    press = pressed(touch)
+    touch.focus(".explore .presses [aria-checked=true]")
+    touch.keyboard.press("ArrowRight")
+    assert pressed(touch) == press + 1
+    truth = twins["classes"][twins["shown"][press + 1]["class"]]
+    assert touch.inner_text(".explore .object figcaption").startswith(truth)
+    touch.focus(".explore .dots [aria-checked=true]")
+    touch.keyboard.press("ArrowRight")
+    touch.wait_for_selector(".explore .dots [data-key='1'][aria-checked=true]:focus")
+    touch.focus(".explore .twin[data-domain='4']")
+    assert touch.inner_text(".explore .twin-pictures .legend") == twins["domains"][4]["about"]
+
+
+def test_a_link_brings_back_press_sensor_dots_and_pictures(open_page: Callable[..., Any]) -> None:
+    page = open_page(f"{TOUCH}&press=3&from=2&dots=1&known=50&reading=fused")
+    page.wait_for_selector(SAID)
+    before = (said(page), percents(page))
+    other = open_page(page.evaluate("location.search"))
+    other.wait_for_selector(SAID)
+    assert (said(other), percents(other)) == before
+    page.click('.explore .chapters [data-chapter="analyse"]')
+    page.wait_for_selector('.explore.ready[data-chapter="analyse"]')
+    page.go_back(wait_until="commit")
+    page.wait_for_selector('.explore.ready[data-chapter="touch"]')
+    assert (said(page), percents(page)) == before
+
+
+def test_printed_or_in_a_lecture_the_first_chapter_keeps_its_pictures_and_says_that_it_is_simulated(
+    touch: Any,
+) -> None:
+    touch.keyboard.press("f")
+    touch.wait_for_selector("body.lecturing")
+    assert touch.locator(f"{SAID} >> visible=true").count() == 8
+    assert touch.locator(".explore .dots button >> visible=true").count() == 2
+    assert touch.evaluate("document.scrollingElement.scrollWidth <= innerWidth")
+    touch.keyboard.press("f")
+    touch.emulate_media(media="print")
+    assert touch.locator(f"{SAID} >> visible=true").count() == 8
+    assert touch.locator(".explore .from-where >> visible=true").count() == 1
+    assert not touch.locator(".explore .stage").is_visible()  # the map of another chapter
+
+
+@pytest.mark.parametrize("chapter", ["touch", "where", "order", "fooled"])
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_an_audit_finds_no_fault_in_a_chapter_and_its_first_view_has_few_words(
+    new_page: Callable[..., Any], address: str, chapter: str, theme: str
+) -> None:
+    from axe_playwright_python.base import AXE_SCRIPT
+
+    size = {"width": 1280, "height": 720}
+    page = new_page(viewport=size, color_scheme=theme)
+    page.add_init_script("localStorage['omnivat-panels'] = '{}'")  # as on a first visit
+    page.goto(f"{address}?chapter={chapter}", wait_until="commit")
+    page.wait_for_selector(FIRST[chapter])
+    page.evaluate(AXE_SCRIPT)
+    seen = page.evaluate(LOOK)
+    found = page.evaluate(
+        "axe.run('.ov.explore').then(({ violations }) => violations.map(({ id, nodes }) => [id,"
+        " nodes[0].html]))"
+    )
+    assert found == []
+    assert seen["words"] <= 120
+    assert seen["smallest"] >= 14
+    assert seen["map"] >= 0.4
+
+
+def test_every_press_is_threaded_and_points_glide_through_three_places(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page(WHERE)
+    page.wait_for_selector(".explore .places button")
+    drawn, figures = [], []
+    for key in ("0", "1", "2"):
+        page.click(f".explore .places [data-key='{key}']")
+        page.wait_for_timeout(900)
+        drawn.append(pixels(page, ".explore .threads"))
+        figures.append(page.inner_text(".explore .stage .figure"))
+    assert len(set(drawn)) == len(set(figures)) == 3
+    page.click(".explore .kinds [data-key='umap']")
+    page.wait_for_function("location.search.includes('map=umap')")
+    assert pixels(page, ".explore .threads") not in drawn
+    page.focus(".explore .threads canvas + canvas")
+    page.keyboard.press("n")
+    page.wait_for_function("location.search.includes('press=')")
+    page.click(".explore .sensors [data-domain='4']")
+    assert page.locator(".explore .sensors [aria-pressed=true]").count() == 1
+
+
+def test_p_moves_points_and_both_gaps_while_accuracy_stays_within_a_few_points(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page(WHERE)
+    page.wait_for_selector(".explore .together path")
+    shown = {name: set() for name in ("accuracy", "modality_gap", "domain_gap")}
+    pull(page, grab(page), 0.9)
+    page.mouse.up()
+    page.wait_for_selector(".explore[data-rung=p]")
+    drawn = set()
+    for _ in range(6):
+        page.keyboard.press("ArrowLeft")
+        drawn.add(pixels(page))
+        for name, values in shown.items():
+            text = page.inner_text(f".explore .together .{name} output")
+            values.add(float(text.replace("%", "")))
+    assert len(drawn) > 4
+    assert min(len(shown["modality_gap"]), len(shown["domain_gap"])) > 2
+    assert max(shown["accuracy"]) - min(shown["accuracy"]) < 6
+    page.click(".explore .places [data-key='0']")
+    page.wait_for_selector(".explore .threads:visible")
+
+
+def test_accuracy_is_drawn_as_far_as_p_was_dragged_and_the_sensors_only_at_the_end(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?chapter=order")
+    page.wait_for_selector(".explore .wave path")
+    line, wave = ".explore .over .own", ".explore .wave path"
+    length = "one => one.getTotalLength()"
+    first, turned = page.locator(line).evaluate(length), page.locator(wave).get_attribute("d")
+    pull(page, grab(page, 0.8), 0.5)
+    assert page.locator(line).evaluate(length) > first
+    assert page.locator(wave).get_attribute("d") != turned
+    assert page.locator(".explore .over .pale").count() == 0
+    box = page.locator(".explore .order").bounding_box()
+    pull(page, box, 0.0)
+    pull(page, box, 1.0)
+    page.mouse.up()
+    assert page.locator(".explore .over .pale").count() == 1
+
+
+def test_the_button_under_the_pointer_keeps_its_contrast_in_every_state(touch: Any) -> None:
+    for chosen in (
+        ".dots [aria-checked=true]",
+        ".dots [aria-checked=false]",
+        ".known [aria-checked=true]",
+    ):
+        touch.hover(f".explore {chosen}")
+        touch.wait_for_timeout(300)
+        ink, ground = touch.locator(f".explore {chosen}").evaluate(
+            "one => [getComputedStyle(one).color, getComputedStyle(one).backgroundColor]"
+        )
+        assert ink != ground

@@ -1,0 +1,97 @@
+"""The measures of the simulated set, on vectors whose result is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.simulated import (
+    READINGS,
+    UNTESTED,
+    by_source,
+    matrix,
+    predictions,
+    same_sensor,
+    table,
+)
+from omnivat.data.embeddings import Embeddings, Header
+
+CLASSES = ("wood", "steel", "ceramic")
+
+
+def made(*, ceramic_in_b: bool = True) -> Embeddings:
+    """Return domains A and B of ten pairs a class. In B, wood and steel have changed places by
+    touch.
+
+    One pair of three looks like another class: its photo is that of the class after its own.
+    """
+    random = np.random.default_rng(3)
+    kept = [
+        (d, c, n)
+        for d in range(2)
+        for c in range(3)
+        for n in range(10)
+        if c < 2 or d == 0 or ceramic_in_b
+    ]
+    domain, label, number = map(np.array, zip(*kept, strict=True))
+    alike = number % 3 == 0
+    seen, felt = (
+        np.where(alike, (label + 1) % 3, label),
+        np.where(domain == 1, np.array([1, 0, 2])[label], label),
+    )
+    vis, tac = (
+        (np.eye(5)[place] * 9 + random.normal(size=(len(kept), 5)) * 0.1).astype(np.float32)
+        for place in (seen, felt)
+    )
+    names = [str(row) for row in kept]
+    rows = {"vis": names, "tac": names, "object": names, "part": [""] * len(kept)}
+    rows["split"] = ["test" if n < 3 else "train" for n in number]
+    rows["looks_like"] = [CLASSES[c] if a else "" for c, a in zip(seen, alike, strict=True)]
+    header = Header(
+        encoder="made", weights_hash="0", preprocessing="none", domains=("A-sim", "B-sim"), classes=CLASSES, simulated=True
+    )  # fmt: skip
+    rows["feels_like"] = [""] * len(kept)
+    return Embeddings(header=header, vis=vis, tac=tac, domain=domain, label=label, rows=rows)
+
+
+def test_a_probe_is_right_within_a_domain_and_wrong_where_classes_changed_places():
+    pairs = made()
+    shares = matrix(predictions(pairs)["TAC"], pairs, np.ones(60, bool))
+    np.testing.assert_allclose(np.diag(shares), 1.0)
+    np.testing.assert_allclose(by_source(shares, home=False), 1 / 3)
+
+
+def test_ceramic_is_left_out_where_either_domain_has_none():
+    pairs = made(ceramic_in_b=False)
+    said = predictions(pairs)["VIS"]
+    tested = said != UNTESTED
+    assert tested[0][pairs.domain == 0].sum() == 9  # three test pairs of three classes
+    assert tested[0][pairs.domain == 1].sum() == 20  # every pair of the two shared classes
+    assert tested[1][pairs.domain == 0].sum() == 20 and 2 not in said[1]
+
+
+def test_no_training_pair_is_tested_in_its_own_domain():
+    pairs = made()
+    train = np.array(pairs.rows["split"]) == "train"
+    for said in predictions(pairs).values():
+        assert (said[0][train & (pairs.domain == 0)] == UNTESTED).all()
+
+
+def test_touch_tells_what_looks_alike_and_both_images_use_it():
+    pairs = made()
+    said, alike = predictions(pairs), np.array(pairs.rows["looks_like"]) != ""
+    vis, tac, both = (by_source(matrix(said[name], pairs, alike), home=True) for name in READINGS)
+    assert vis.max() == 0 and tac.min() == 1 and both.min() > 0.6
+
+
+def test_the_table_has_rows_for_look_alikes_and_none_for_groups_without_pairs():
+    pairs = made()
+    text = table(predictions(pairs), pairs)
+    assert "| look like another class, within a domain | 6 | 0.0 | 100.0 |" in text
+    assert "feel like" not in text and text.count("\n") == 7
+
+
+def test_a_sensor_is_told_by_its_nearest_training_touch():
+    pairs = made()
+    tac = pairs.tac + 20 * np.eye(5, dtype=np.float32)[4] * (pairs.domain == 1)[:, None]
+    assert same_sensor(replace(pairs, tac=tac)) == pytest.approx({"A-sim": 1.0, "B-sim": 1.0})

@@ -1,0 +1,95 @@
+"""The one table of results: what a run holds, how labels teach, and how records become figures."""
+
+import json
+
+import numpy as np
+import pytest
+import torch
+
+from benchmarks import table, table_text
+from omnivat.measure.ladder import FORMAT, letters
+
+
+@pytest.fixture(scope="module")
+def embeddings(make_embeddings):
+    return make_embeddings(
+        domains=("TAG-sim", "OF Real-sim", "TQ-DIGIT-sim"), per_class=24, split=True
+    )
+
+
+def test_a_run_says_a_class_of_every_test_pair_and_home_stands_apart(embeddings):
+    shares = table.Measured(embeddings, "nearest_mean", "OF Real-sim", 0).shares()
+    tested = np.array(embeddings.rows["split"]) == "test"
+    home = embeddings.domain[tested] == 1
+    assert {"home", "none", "vis", "tac", "n5", "n20", "all", "k5", "m2", "m2+"} <= set(shares)
+    for rung, values in shares.items():
+        said = letters(table.letters_of(values)) >= 0
+        assert (said == (home if rung == "home" else ~home)).all(), rung
+
+
+def test_few_pairs_are_of_each_class_and_of_the_source_alone(embeddings):
+    some = table.few(embeddings, "TAG-sim", 3, 0)
+    train = some.rows_of("TAG-sim", split="train")
+    assert np.bincount(some.label[train]).tolist() == [3] * 5
+    assert len(some.rows_of("TAG-sim", split="test")) == len(
+        embeddings.rows_of("TAG-sim", split="test")
+    )
+    assert len(some.rows_of("OF Real-sim")) == len(embeddings.rows_of("OF Real-sim"))
+
+
+def test_the_ridge_regression_weighs_pairs_as_if_they_stood_there_more_often():
+    random = torch.Generator().manual_seed(0)
+    rows, asked = (torch.randn(n, 6, generator=random) for n in (20, 5))
+    labels = torch.arange(20) % 3
+    weights = torch.ones(20)
+    weights[15:] = 3
+    often = torch.cat((torch.arange(15), torch.arange(15, 20).repeat(3)))
+    one = table.ridge(rows, labels, 4, weights, asked)
+    other = table.ridge(rows[often], labels[often], 4, torch.ones(len(often)), asked)
+    torch.testing.assert_close(one, other)
+    assert (one[:, 3] == 0).all()
+
+
+def test_lines_are_written_once_and_their_mean_is_that_of_the_probabilities(
+    embeddings, tmp_path, monkeypatch
+):
+    def fixed(self: table.Measured) -> dict[str, np.ndarray]:
+        first = {0: [0.9, 0.1], 1: [0.3, 0.7]}[self.seed]
+        return {"none": np.array([first, [0.2, 0.8]])}
+
+    monkeypatch.setattr(table.Measured, "shares", fixed)
+    out = tmp_path / "table.jsonl"
+    for seed in (0, 1):
+        table.write_run(embeddings, "nearest_mean", "TAG-sim", seed, out)
+    for _ in range(2):
+        table.average(out, ["nearest_mean"], ("TAG-sim",))
+    lines = [json.loads(line) for line in out.read_text().splitlines()]
+    answers = [(line["method"], line["heads"], line["answers"]["none"]) for line in lines]
+    assert answers == [
+        ("nearest_mean", 1, "ab"),
+        ("nearest_mean", 1, "bb"),
+        ("nearest_mean_mean", 2, "ab"),
+    ]
+
+
+def test_a_record_counts_pairs_of_learned_classes_and_each_target_once(tmp_path):
+    first = {
+        "domains": ["a", "b", "c"],
+        "domain": [0, 1, 1, 1, 2, 2],
+        "truth": "ababaa",
+        "look_alike": "000010",
+    }
+    run = {
+        "method": "omnivat",
+        "source": "a",
+        "seed": 0,
+        "answers": {"none": ".aaabb", "home": "a....."},
+    }
+    file = tmp_path / "x.jsonl"
+    file.write_text("".join(json.dumps({"format": FORMAT, **line}) + "\n" for line in (first, run)))
+    record = table_text.Record(file)
+    cells = record.cells("none")["omnivat"]
+    # b is not learned in a
+    assert cells[0, 1].tolist() == [100.0] and cells[0, 2].tolist() == [0.0]
+    assert record.cells("home")["omnivat"][0, 0].tolist() == [100.0]
+    assert np.isnan(record.cells("none", alike=True)["omnivat"][0, 1]).all()

@@ -1,0 +1,250 @@
+"""Fetching sets of others: whole, truncated, changed, interrupted, from local bare repositories."""
+
+import csv
+import json
+import os
+import shutil
+import subprocess
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from omnivat.cli import main
+from omnivat.data import fetching
+from omnivat.data.fetching import fetch, fetched_sets, repository
+from omnivat.data.fetching.repository import Repository
+from omnivat.data.readers import read_pairs
+from omnivat.kit.errors import (
+    DataError,
+    MissingNameError,
+    MissingPackageError,
+    SettingsError,
+    WriteError,
+)
+
+pytestmark = pytest.mark.skipif(shutil.which("git") is None, reason="needs Git")
+NAME, COUNT = "digit-parts", 6
+
+
+def git(folder, *arguments):
+    names = {
+        f"GIT_{who}_{what}": "a@b.c"
+        for who in ("AUTHOR", "COMMITTER")
+        for what in ("NAME", "EMAIL")
+    }
+    done = subprocess.run(
+        ["git", "-C", str(folder), *arguments],
+        check=True,
+        capture_output=True,
+        text=True,
+        env=os.environ | names,
+    )
+    return done.stdout.strip()
+
+
+@pytest.fixture
+def server(tmp_path, monkeypatch):
+    """A bare repository in the layout of the set, and the table with its commit."""
+    work, bare = tmp_path / "work", tmp_path / "server"
+    random = np.random.default_rng(0)
+    for k in range(COUNT):
+        file = work / "data" / f"part_{k % 2}" / f"interaction_{k:04d}.jpg"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        Image.fromarray(random.integers(0, 255, (32, 32, 3), dtype=np.uint8)).save(file)
+    (work / "large.bin").write_bytes(random.bytes(1000))
+    (work / "data" / "part_0" / "interaction_0099.jpg").symlink_to("/etc/passwd")
+    git(tmp_path, "init", "-q", str(work))
+    git(work, "add", ".")
+    git(work, "commit", "-qm", "files")
+    git(tmp_path, "clone", "-q", "--bare", str(work), str(bare))
+    for name in ("allowFilter", "allowAnySHA1InWant"):
+        git(bare, "config", f"uploadpack.{name}", "true")
+    pin(monkeypatch, git(work, "rev-parse", "HEAD"))
+    return bare
+
+
+def pin(monkeypatch, commit):
+    table = {name: replace(one, commit=commit) for name, one in fetched_sets().items()}
+    monkeypatch.setattr(fetching, "fetched_sets", lambda: table)
+
+
+def unpacked(server):
+    """Return the loose blobs of the pictures in the server, to damage them."""
+    for pack in list((server / "objects" / "pack").glob("*.pack")):
+        moved = pack.rename(server / pack.name)
+        with moved.open("rb") as content:
+            subprocess.run(
+                ["git", "-C", str(server), "unpack-objects", "-q"], check=True, stdin=content
+            )
+    names = [
+        line.split()[2]
+        for line in git(server, "ls-tree", "-r", "HEAD").splitlines()
+        if "jpg" in line
+    ]
+    return [server / "objects" / name[:2] / name[2:] for name in names]
+
+
+def left(folder):
+    return sorted(path.name for path in folder.parent.iterdir() if "out" in path.name)
+
+
+def test_a_set_arrives_as_a_folder_of_pairs_with_its_terms(server, tmp_path):
+    out = fetch(NAME, tmp_path / "out", source=str(server))
+    pairs = read_pairs(out)
+    assert len(pairs.pairs) == COUNT and pairs.materials() == ("part 0", "part 1")
+    assert {pair.vis for pair in pairs.pairs} == {pair.tac for pair in pairs.pairs}, "touch alone"
+    rows = list(csv.DictReader((out / "pairs.csv").read_text().splitlines()))
+    original = git(server, "cat-file", "-s", f"HEAD:{rows[0]['tac_from']}")
+    assert (out / rows[0]["tac"]).stat().st_size == int(original)
+    words = (out / "TERMS.txt").read_text()
+    assert fetched_sets()[NAME].terms_from in words and str(server) in words
+    assert json.loads((out / "fetched.json").read_text())["pairs"] == COUNT
+    assert left(out) == ["out"], "the clone goes when the folder is complete"
+
+
+def test_a_set_that_is_there_is_not_fetched_again(server, tmp_path):
+    out = fetch(NAME, tmp_path / "out", source=str(server))
+    shutil.rmtree(server)
+    assert fetch(NAME, out, source=str(server)) == out
+
+
+def test_another_folder_is_never_replaced(server, tmp_path):
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "mine.txt").write_text("mine")
+    with pytest.raises(WriteError, match="name a new folder"):
+        fetch(NAME, tmp_path / "out", source=str(server))
+    assert (tmp_path / "out" / "mine.txt").read_text() == "mine"
+
+
+def test_only_the_files_that_are_needed_arrive(server, tmp_path):
+    clone = Repository(str(server), git(server, "rev-parse", "HEAD"), tmp_path / "clone")
+    files = clone.files(["data/*.jpg"])
+    assert len(files) == COUNT, "no link, no other file"
+    clone.bring(files.values())
+    large = git(server, "rev-parse", "HEAD:large.bin")
+    assert set(files.values()) <= clone._present() and large not in clone._present()
+
+
+def test_an_interrupted_fetch_leaves_no_folder_and_goes_on_later(server, tmp_path, monkeypatch):
+    monkeypatch.setattr(repository, "BATCH", 2)
+    steps = []
+
+    def stop(step):
+        steps.append(step)
+        if step.done == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fetch(NAME, tmp_path / "out", source=str(server), on_step=stop)
+    assert left(tmp_path / "out") == [".out.part"]
+    for name in ("config.lock", "shallow.lock"):  # as a killed Git leaves them
+        (tmp_path / ".out.part" / "repository" / name).touch()
+    steps.clear()
+    fetch(NAME, tmp_path / "out", source=str(server), on_step=steps.append)
+    assert [step.done for step in steps if step.text == "files"] == [4], "four files had arrived"
+    assert len(read_pairs(tmp_path / "out").pairs) == COUNT
+
+
+def test_a_truncated_repository_is_one_sentence(server, tmp_path):
+    unpacked(server)[0].unlink()
+    with pytest.raises(DataError, match="lacks the commit .*, or a file of it; name another copy"):
+        fetch(NAME, tmp_path / "out", source=str(server))
+    assert left(tmp_path / "out") == [".out.part"]
+
+
+def test_a_changed_file_is_one_sentence(server, tmp_path):
+    first, second = unpacked(server)[:2]
+    first.chmod(0o644)
+    first.write_bytes(second.read_bytes())
+    with pytest.raises(DataError) as caught:
+        fetch(NAME, tmp_path / "out", source=str(server))
+    assert str(caught.value).count(". ") == 0 and not (tmp_path / "out").exists()
+
+
+def test_a_repository_with_another_history_is_one_sentence(server, tmp_path, monkeypatch):
+    pin(monkeypatch, "0" * 39 + "1")
+    with pytest.raises(DataError, match="lacks the commit 0000000"):
+        fetch(NAME, tmp_path / "out", source=str(server))
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        ("https://127.0.0.1:9/nobody", "check the network"),
+        ("https://nobody.invalid/nobody", "check the network"),
+        ("file:///nowhere/at/all", "no repository is there"),
+    ],
+)
+def test_a_source_that_does_not_reply_is_one_sentence(tmp_path, source, words, monkeypatch):
+    for name in ("https_proxy", "HTTPS_PROXY", "all_proxy", "ALL_PROXY"):
+        monkeypatch.delenv(name, raising=False)
+    with pytest.raises(DataError, match=words):
+        fetch(NAME, tmp_path / "out", source=source)
+    assert not (tmp_path / "out").exists()
+
+
+def test_without_git_the_error_names_it(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(MissingPackageError, match="Git is not installed"):
+        fetch(NAME, tmp_path / "out", source="https://127.0.0.1:9/nobody")
+
+
+def test_a_full_disk_is_told_before_and_while_files_arrive(tmp_path, monkeypatch, server):
+    clone = Repository(str(server), git(server, "rev-parse", "HEAD"), tmp_path / "clone")
+    error = clone._error("error: file write error: No space left on device")
+    assert isinstance(error, WriteError) and "free some space" in str(error)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=1_000_000))
+    with pytest.raises(WriteError, match="needs 10 MB while it is fetched, and .* has 1 MB free"):
+        fetch(NAME, tmp_path / "out")
+
+
+def test_an_unknown_set_names_the_known_ones(tmp_path):
+    with pytest.raises(MissingNameError, match="Did you mean 'vt60'"):
+        fetch("vt6", tmp_path / "out")
+
+
+def test_the_hub_resumes_by_itself_and_has_no_other_source(tmp_path, monkeypatch):
+    import huggingface_hub
+
+    with pytest.raises(SettingsError, match="model hub"):
+        fetch("tacquad", tmp_path / "out", source="elsewhere")
+
+    def refused(*arguments, **named):
+        raise OSError("no route")
+
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=10**15))
+    monkeypatch.setattr(huggingface_hub, "snapshot_download", refused)
+    with pytest.raises(DataError, match="no route"):
+        fetch("tacquad", tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_command_lists_every_set_with_its_terms(capsys):
+    assert main(["fetch"]) == 0
+    text = capsys.readouterr().out
+    for name, one in fetched_sets().items():
+        assert f"{name}  " in text and one.said in text and one.source in text
+
+
+def test_the_command_fetches_prints_the_terms_and_fails_in_one_sentence(server, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["fetch", NAME, "--out", str(out), "--from", str(server)]) == 0
+    assert "Terms, in the authors' words" in capsys.readouterr().out
+    assert main(["fetch", NAME, "--out", str(tmp_path / "b"), "--from", str(tmp_path / "no")]) == 1
+    assert capsys.readouterr().err.count("\n") <= 2
+    assert main(["fetch", "--out", str(out)]) == 1
+
+
+@pytest.mark.slow
+def test_trying_a_set_by_name_fetches_it_first(server, tmp_path, monkeypatch, capsys):
+    table = {NAME: replace(fetching.fetched_sets()[NAME], source=str(server))}
+    monkeypatch.setattr(fetching, "fetched_sets", lambda: table)
+    monkeypatch.chdir(tmp_path)
+    assert main(["try", NAME, "--no-page"]) == 0
+    assert f"{COUNT} pairs, 1 domain(s): DIGIT" in capsys.readouterr().out
+    assert (tmp_path / NAME / "TERMS.txt").is_file() and (
+        tmp_path / f"{NAME}-try" / "head"
+    ).is_dir()

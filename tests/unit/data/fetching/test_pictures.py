@@ -1,0 +1,100 @@
+"""Pictures made of other files: height maps in pickles, moments of clips, parts of stills."""
+
+import io
+import os
+import pickle
+import struct
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from omnivat.data.fetching import _write_picture
+from omnivat.data.fetching.heights import drawn, load_heights
+from omnivat.kit.errors import DataError
+
+
+@pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
+@pytest.mark.parametrize("kind", ["<f8", ">f4", "u2"])
+def test_an_array_of_numbers_is_read_from_every_protocol(protocol, kind):
+    values = np.arange(80).reshape(8, 10).astype(kind)
+    for one in (values, np.asfortranarray(values), values[..., None]):
+        np.testing.assert_array_equal(load_heights(pickle.dumps(one, protocol), "x.pkl"), values)
+
+
+class Runs:
+    def __reduce__(self):
+        return os.system, ("touch ran",)
+
+
+HOSTILE = {
+    "a call": pickle.dumps(Runs()),
+    "a call inside an array": pickle.dumps(np.array([Runs()], dtype=object)),
+    "a name without a call": pickle.dumps(os.system),
+    "an array of objects": pickle.dumps(np.full((9, 9), None)),
+    "a dictionary": pickle.dumps({"height": 1}),
+    "one axis": pickle.dumps(np.zeros(100)),
+    "a complex array": pickle.dumps(np.zeros((9, 9), complex)),
+    "too short": pickle.dumps(np.zeros((9, 9)))[:-40],
+    "a memo of 16 GB": b"\x80\x02Nr" + struct.pack("<I", 2**31) + b".",
+    "text": b"hello",
+    "nothing": b"",
+    "not finite": pickle.dumps(np.full((9, 9), np.nan)),
+}
+
+
+@pytest.mark.parametrize("content", HOSTILE.values(), ids=HOSTILE.keys())
+def test_any_other_pickle_is_refused_and_runs_nothing(content, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(DataError, match=r"'x\.pkl'"):
+        load_heights(content, "x.pkl")
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_test_of_hostile_pickles_can_fail(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    pickle.loads(HOSTILE["a call"])
+    assert [path.name for path in tmp_path.iterdir()] == ["ran"]
+
+
+def test_a_slope_is_bright_in_the_lamp_that_it_faces():
+    ramp = np.tile(np.arange(32, dtype=np.float32), (32, 1))  # rises to the right, so it faces left
+    pixels = np.asarray(drawn(ramp))[16, 16].astype(int)
+    assert abs(pixels[0] - 128) < 3, "red comes from below, along the slope"
+    assert pixels[1] < 128 < pixels[2], "green comes from the right, blue from the left"
+    flat = np.asarray(drawn(np.zeros((16, 16), np.float32)))
+    assert (flat == 128).all()
+
+
+def test_a_clip_becomes_its_moment_of_contact(tmp_path):
+    av = pytest.importorskip("av")
+    content = io.BytesIO()
+    with av.open(content, "w", format="mov") as container:
+        stream = container.add_stream("libx264", rate=10, options={"crf": "4"})
+        stream.width = stream.height = 48
+        stream.pix_fmt = "yuv420p"
+        for k in range(20):
+            pixels = np.full((48, 48, 3), 50, np.uint8)
+            pixels[10:20, 10:20] = 220 if k == 13 else 50 + k
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(pixels, format="rgb24")))
+        container.mux(stream.encode())
+    _write_picture("a.mov", content.getvalue(), None, tmp_path / "a.png")
+    assert abs(int(np.asarray(Image.open(tmp_path / "a.png"))[15, 15, 0]) - 220) < 12
+    assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
+
+
+def test_a_damaged_clip_is_one_sentence_and_leaves_nothing(tmp_path):
+    pytest.importorskip("av")
+    with pytest.raises(DataError, match="no video that can be read"):
+        _write_picture("a.mov", b"no video", None, tmp_path / "a.png")
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_part_of_a_still_is_cut_by_shares_of_its_sides(tmp_path):
+    still = np.zeros((20, 40, 3), np.uint8)
+    still[:, 20:] = 255
+    content = io.BytesIO()
+    Image.fromarray(still).save(content, "PNG")
+    _write_picture("s.png", content.getvalue(), (0.5, 0.0, 1.0, 0.5), tmp_path / "s.png")
+    part = np.asarray(Image.open(tmp_path / "s.png"))
+    assert part.shape == (10, 20, 3) and (part == 255).all()

@@ -1,0 +1,79 @@
+"""One measurement: what is known is drawn, left out of the test, and averaged."""
+
+import numpy as np
+import pytest
+
+from omnivat.kit.errors import DataError
+from omnivat.measure import known
+from omnivat.measure.evaluate import evaluate, target_mean, target_scores
+from omnivat.measure.known import NOTHING, drawn, labels, measured, pairs, record
+from omnivat.training import TrainSettings
+from omnivat.training.from_pairs import head_from_pairs
+
+
+@pytest.fixture(scope="module")
+def head(shifted):
+    training = TrainSettings(epochs=15, lang=False)
+    return head_from_pairs(
+        shifted, "TAG-sim", head={"width": 16}, training=training, calibrate=False
+    )
+
+
+def test_nothing_known_is_what_evaluate_says(head, shifted):
+    found = measured(head, shifted)
+    assert found["accuracy"] == pytest.approx(target_mean(target_scores(evaluate(head, shifted))))
+    assert (found["rung"], found["draws"]) == ("none", [found["accuracy"]])
+    assert found["low"] < found["accuracy"] < found["high"]
+
+
+def test_pictures_and_labels_bring_a_shifted_sensor_back(head, shifted):
+    steps = [
+        measured(head, shifted, what, draws=3) for what in (NOTHING, pairs(5), pairs(50), labels(3))
+    ]
+    nothing, few, many, labelled = (step["accuracy"] for step in steps)
+    assert nothing < few < many + 0.05 and labelled > nothing + 0.2
+    assert [len(step["draws"]) for step in steps] == [1, 3, 3, 3]
+    assert steps[1]["accuracy"] == pytest.approx(np.mean(steps[1]["draws"]))
+
+
+def test_a_known_pair_is_never_tested(head, make_embeddings):
+    whole = make_embeddings(per_class=8)  # without a split all pairs are test pairs
+    draw = drawn(head, whole, 5, seed=3)
+    assert draw.pictures == {"OF Real-sim": 5} and len(draw.rows) == len(whole) - 5
+    there = (whole.domain == 1).sum()
+    assert measured(head, whole, draws=1)["pairs"] == there
+    assert measured(head, whole, pairs(5), draws=1)["pairs"] == there - 5
+    assert measured(head, whole, labels(2), draws=1)["pairs"] == there - 10
+
+
+def test_the_source_is_measured_where_asked_and_alone(head, shifted):
+    found = measured(head, shifted, home=True)
+    assert set(found["domains"]) == {"TAG-sim"}
+    assert found["accuracy"] > measured(head, shifted)["accuracy"]
+
+
+def test_a_domain_counts_once_however_many_pairs_it_has():
+    right = np.array([[1.0] * 8 + [0.0] * 2])
+    found = record(right, np.array([0] * 8 + [1] * 2), ["a", "b"])
+    assert (found["accuracy"], found["domains"]) == (0.5, {"a": 1.0, "b": 0.0})
+
+
+def test_draws_that_tested_other_pairs_are_averaged_pair_by_pair():
+    right = np.array([[1.0, np.nan], [0.0, 1.0]])
+    found = record(right, np.array([0, 0]), ["a"])
+    assert found["domains"]["a"] == 0.75 and found["draws"] == [1.0, 0.5]
+
+
+def test_the_source_alone_leaves_nothing_to_measure(head, shifted):
+    with pytest.raises(DataError, match="needs another domain than the head's source"):
+        measured(head, shifted.in_domain("TAG-sim"))
+
+
+def test_seeds_draw_other_pairs(head, shifted):
+    first, again, other = (measured(head, shifted, pairs(2), draws=1, seed=k) for k in (0, 0, 1))
+    assert first == again
+    assert (
+        known.drawn(head, shifted, 2, seed=0).rows.tolist()
+        != known.drawn(head, shifted, 2, seed=1).rows.tolist()
+    )
+    assert first["rung"] == other["rung"] == "n2"

@@ -1,0 +1,127 @@
+"""Twins: all images of an object come from one press, and two of them differ in one thing only."""
+
+from collections import defaultdict
+from dataclasses import replace
+from hashlib import sha256
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from omnivat.data.readers import read_pairs
+from omnivat.kit.errors import DataError
+from omnivat.simulate.domains import NUMBERS, SIMULATED
+from omnivat.simulate.twins import Twin, pressed, simulate_twins, unmet_objects
+
+SMALL = {"seed": 0, "size": 48, "renderer": "plain"}
+FIRST, SECOND = SIMULATED["TAG"], SIMULATED["TQ-DIGIT"]
+
+
+def images(twin: Twin) -> dict[str, bytes]:
+    return {kind: twin.image(kind, **SMALL).tobytes() for kind in ("tac", "vis")}
+
+
+def test_the_plan_has_sixty_objects_of_each_class_and_stays_as_it_was_shipped() -> None:
+    plan = unmet_objects()
+    text = "\n".join(f"{p.object} {p.number} {p.looks_like} {p.feels_like} {p.split}" for p in plan)
+
+    assert [p.material for p in plan[:6]] == [
+        "wood",
+        "steel",
+        "plastic",
+        "ceramic",
+        "glass",
+        "wood",
+    ]
+    assert len({p.object for p in plan}) == len(plan) == 300
+    assert (
+        sha256(text.encode()).hexdigest()
+        == "3dc5e1b055d9e02e31cccd654843b1223c8c0ce2e92ee4274a13726a107f97ab"
+    )
+
+
+def test_no_domain_has_an_object_of_the_twins() -> None:
+    numbers = {p.number for p in unmet_objects()}
+    taken = {
+        number for d in SIMULATED.values() for number in range(d.seed_base, d.seed_base + NUMBERS)
+    }
+
+    assert not numbers & taken
+
+
+def test_an_object_is_one_solid_at_one_spot_for_all_of_its_twins() -> None:
+    unmet = unmet_objects(1)[0]
+    made, stream = zip(
+        *(pressed(Twin(unmet=unmet, domain=d).unmet, seed=0) for d in SIMULATED.values()),
+        strict=True,
+    )
+
+    assert len(set(stream)) == 1
+    for other in made[1:]:
+        np.testing.assert_array_equal(other.solid.vertices, made[0].solid.vertices)
+        np.testing.assert_array_equal(other.spot.point, made[0].spot.point)
+
+
+@pytest.mark.parametrize("number", [0, 4])
+def test_another_sensor_changes_the_touch_and_no_byte_of_the_photograph(number: int) -> None:
+    unmet = unmet_objects(1)[number]
+    before = images(Twin(unmet=unmet, domain=FIRST))
+    after = images(Twin(unmet=unmet, domain=replace(FIRST, sensor=SECOND.sensor)))
+
+    assert after["tac"] != before["tac"]
+    assert after["vis"] == before["vis"]
+
+
+@pytest.mark.parametrize("number", [0, 4])
+def test_another_scene_changes_the_photograph_and_no_byte_of_the_touch(number: int) -> None:
+    unmet = unmet_objects(1)[number]
+    before = images(Twin(unmet=unmet, domain=FIRST))
+    after = images(Twin(unmet=unmet, domain=replace(FIRST, scene=SECOND.scene)))
+
+    assert after["vis"] != before["vis"]
+    assert after["tac"] == before["tac"]
+
+
+def test_the_same_sensor_under_another_domain_s_name_gives_the_same_touch() -> None:
+    unmet = unmet_objects(1)[2]
+    first, second = (
+        Twin(unmet=unmet, domain=d) for d in (FIRST, replace(SECOND, sensor=FIRST.sensor))
+    )
+
+    assert images(first)["tac"] == images(second)["tac"]
+
+
+def test_tacquad_is_photographed_indoors_and_outdoors() -> None:
+    plan = unmet_objects()
+    parts = {Twin(unmet=unmet, domain=SECOND).pair().part for unmet in plan}
+
+    assert parts == {"indoor", "outdoor"}
+    assert {Twin(unmet=unmet, domain=FIRST).pair().part for unmet in plan} == {""}
+
+
+@pytest.mark.slow  # draws pairs
+def test_a_set_on_disk_says_whose_twin_a_pair_is_and_is_not_drawn_twice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    few = {name: SIMULATED[name] for name in ("TAG", "TQ-DIGIT", "TQ-T3D")}
+    monkeypatch.setattr("omnivat.simulate.twins.SIMULATED", few)
+    simulate_twins(tmp_path, each=1, size=48, renderer="plain", workers=1)
+    steps = []
+    made = simulate_twins(
+        tmp_path, each=1, size=48, renderer="plain", workers=1, on_step=steps.append
+    )
+
+    domains = defaultdict(set)
+    for pair in read_pairs(tmp_path).pairs:
+        assert pair.split == "test"
+        domains[pair.object].add(pair.domain)
+    assert len(domains) == 5
+    assert set(map(frozenset, domains.values())) == {frozenset(f"{name}-sim" for name in few)}
+    assert len(made.pairs) == 15
+    assert [(step.done, step.total) for step in steps] == [(30, 30)]
+
+
+def test_less_than_one_object_of_a_class_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="0 objects of a class were requested; choose 1 or more"):
+        simulate_twins(tmp_path, each=0)
+    assert not list(tmp_path.iterdir())

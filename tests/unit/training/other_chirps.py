@@ -1,0 +1,151 @@
+"""Chirps of a second program: shares no line with omnivat.simulate.chirps, nor its transform.
+
+It differs where a search could lean on the first: places of classes are random, interference may be
+as near as 0.1 to p*, at the ends of [0, 1] and of any number of spikes, and one modality may be
+without a signal.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.data.embeddings import Embeddings, Header
+
+NOISE = 0.05
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recipe:
+    """One draw: everything but the numbers of its signals."""
+
+    order: float  # p*
+    near: tuple[tuple[float, float], ...]  # interference orders of VIS and TAC, by domain
+    width: int = 64
+    spikes: int = 3
+    strength: float = 2.0
+    blind: str = ""  # modality without a signal: "vis", "tac" or neither
+    classes: int = 5
+    pairs: int = 100  # of each domain
+    seed: int = 0
+
+
+@cache
+def eigenvectors(width: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return V (D, D) and k (D,) of F_p = V exp(-iπpk/2) Vᵀ, by dense matrices of each parity."""
+    n = np.arange(width)
+    shift = np.roll(np.eye(width), 1, axis=0)
+    commuting = np.diag(2 * np.cos(2 * np.pi * n / width)) + shift + shift.T
+    mirror = np.eye(width)[-n % width]
+    found: list[tuple[int, NDArray[np.float64]]] = []
+    for sign, first in ((1, 0), (-1, 1)):
+        levels, sides = np.linalg.eigh((np.eye(width) + sign * mirror) / 2)
+        side = sides[:, levels > 0.5]
+        vectors = side @ np.linalg.eigh(side.T @ commuting @ side)[1][:, ::-1]
+        found += [(first + 2 * k, vectors[:, k]) for k in range(vectors.shape[1])]
+    return np.stack([v for _, v in found], 1), np.array([k for k, _ in found])
+
+
+def turned(rows: NDArray[Any], order: float) -> NDArray[np.complex128]:
+    """Return F_p of rows (N, D)."""
+    vectors, index = eigenvectors(rows.shape[-1])
+    turned: NDArray[np.complex128] = (rows @ vectors * np.exp(-0.5j * np.pi * order * index)) @ (
+        vectors.T
+    )
+    return turned
+
+
+def drawn(seed: int, **fixed: Any) -> Recipe:
+    """Draw a recipe: p* in [0, 1], interference 0.1 to 0.25 from it or at an end of [0, 1]."""
+    random = np.random.default_rng([2718, seed])
+    order = float(
+        fixed.pop("order", random.choice([random.uniform(0, 1), 0.0, 1.0], p=[0.9, 0.05, 0.05]))
+    )
+    near = tuple((_near(order, random), _near(order, random)) for _ in range(3))
+    values: dict[str, Any] = {
+        "order": order,
+        "near": near,
+        "width": int(random.choice([32, 64, 64, 64, 96])),
+        "spikes": int(random.integers(1, 7)),
+        "blind": str(random.choice(["", "", "", "vis", "tac"])),
+        "seed": seed,
+    }
+    return Recipe(**(values | fixed))
+
+
+def beside(seed: int, distance: float = 0.12) -> Recipe:
+    """Draw a recipe with interference at this distance from p*; every fourth p* is 0 or 1.
+
+    In one draw of three both modalities have it there; in the others one of them has it at an end
+    or anywhere 0.25 away.
+    """
+    random = np.random.default_rng([991, seed])
+    order = float(random.uniform(0, 1)) if seed % 4 else float(seed // 4 % 2)
+    inside = [q for q in (order - distance, order + distance) if 0 <= q <= 1]
+    far = [q for q in (0.0, 1.0, float(random.uniform(0, 1))) if abs(q - order) >= 0.25]
+    near = [float(random.choice(inside)), float(random.choice(far if seed % 3 else inside))]
+    first, second = random.permutation(near).tolist()
+    return Recipe(
+        order=order,
+        near=((first, second),) * 3,
+        width=int(random.choice([32, 64, 64, 96, 128])),
+        spikes=int(random.integers(1, 7)),
+        blind=str(random.choice(["", "", "", "vis", "tac"])),
+        seed=seed,
+    )
+
+
+def _near(order: float, random: np.random.Generator) -> float:
+    """Return an order of interference in [0, 1]: near p*, at an end, or anywhere 0.25 away."""
+    far = [q for q in (0.0, 1.0, float(random.uniform(0, 1))) if abs(q - order) >= 0.25]
+    close = [order + side * random.uniform(0.1, 0.25) for side in (-1, 1)]
+    inside = [q for q in close if 0 <= q <= 1]
+    return float(random.choice([float(random.choice(far)), *inside]))
+
+
+def embeddings_of(recipe: Recipe) -> Embeddings:
+    """Return the set: three domains, the first of which is the source."""
+    random = np.random.default_rng([3141, recipe.seed])
+    place = random.permutation(np.arange(1, recipe.width // 2))[: recipe.classes]
+    label = np.tile(np.arange(recipe.pairs) % recipe.classes, len(recipe.near))
+    halves = [
+        np.concatenate([_signals(recipe, place, q[m], name, random) for q in recipe.near])
+        for m, name in enumerate(("vis", "tac"))
+    ]
+    rows = {c: [""] * len(label) for c in ("vis", "tac", "split", "part")}
+    domains = tuple("abc"[: len(recipe.near)])
+    return Embeddings(
+        header=Header(
+            encoder="other chirps",
+            weights_hash="0",
+            preprocessing="",
+            domains=domains,
+            classes=tuple("ABCDEFGH"[: recipe.classes]),
+            simulated=True,
+        ),
+        vis=halves[0],
+        tac=halves[1],
+        domain=np.repeat(np.arange(len(domains)), recipe.pairs).astype(np.int64),
+        label=label.astype(np.int64),
+        rows=rows | {"object": [str(k) for k in range(len(label))]},
+    )
+
+
+def _signals(
+    recipe: Recipe, place: NDArray[Any], order: float, name: str, random: np.random.Generator
+) -> NDArray[np.float32]:
+    rows = np.arange(recipe.pairs)
+    spike, other = np.zeros((2, recipe.pairs, recipe.width), complex)
+    spike[rows, place[rows % recipe.classes]] = np.exp(2j * np.pi * random.random(len(rows)))
+    for _ in range(recipe.spikes):
+        phase = np.exp(2j * np.pi * random.random(len(rows)))
+        other[rows, random.integers(0, recipe.width, len(rows))] += phase
+    signal, noise = (turned(z, -p).real for z, p in ((spike, recipe.order), (other, order)))
+    signal, noise = (
+        z / np.linalg.norm(z, axis=1, keepdims=True).clip(1e-9) for z in (signal, noise)
+    )
+    white = NOISE * random.standard_normal(signal.shape)
+    mixed: NDArray[np.float64] = (name != recipe.blind) * signal + recipe.strength * noise + white
+    return mixed.astype(np.float32)

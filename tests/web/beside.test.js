@@ -1,0 +1,37 @@
+/** The second map: what it counts and says, without a browser. */
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import "./browser.js";
+import { figures } from "../../app/web/explore/beside.js";
+import { counted, sentence } from "../../app/web/explore/changes.js";
+
+const TRUTH = ["wood", "wood", "steel", "steel", "glass"];
+const LEFT = ["wood", "steel", "steel", "wood", "wood"];
+const RIGHT = ["wood", "wood", "wood", "glass", "wood"];
+
+test("only pairs that count are counted, and changes are corrected, broken or still wrong", () => {
+  const of = (names) => (pair) => names[pair];
+  assert.deepEqual(counted([0, 1, 2, 3, 4], of(LEFT), of(RIGHT), of(TRUTH)), {
+    all: 5,
+    corrected: 1,
+    broken: 1,
+    wrong: 1,
+  });
+  assert.deepEqual(counted([0, 1], of(LEFT), of(RIGHT), of(TRUTH)), { all: 2, corrected: 1, broken: 0, wrong: 0 });
+});
+
+test("the sentence says what changes from the left map to the right", () => {
+  const said = sentence({ all: 4000, corrected: 823, broken: 86, wrong: 310 });
+  assert.match(said, /<b>1,219<\/b> of 4,000 predictions change/);
+  assert.match(said, /823 corrected.*86 broken.*310 still wrong/);
+  assert.match(sentence({ all: 0, corrected: 0, broken: 0, wrong: 0 }), /There are no test pairs here/);
+});
+
+test("a map names both gaps, and an accuracy only where the head predicts", () => {
+  const curves = { "modality_gap/f_hat": [0.25], "domain_gap/f_hat": [0.5], "modality_gap/raw": [0.97] };
+  const shown = { kind: "moved", source: "A", meta: { curves: { ...curves, "accuracy/unseen": [0.589] }, head: {} } };
+  assert.match(figures(shown, "f_hat", 0), /modality gap <b>0.25.*domain gap <b>0.50.*58\.9/);
+  assert.match(figures(shown, "raw", 0), /modality gap <b>0.97/);
+  assert.ok(!figures(shown, "raw", 0).includes("58.9"));
+});

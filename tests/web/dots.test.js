@@ -1,0 +1,69 @@
+/** Filling the dots of a gel in the browser, against the library. */
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { test } from "node:test";
+import { withoutDots } from "../../app/web/site/dots.js";
+
+const SCRIPT = `
+import json, sys
+import numpy as np
+from omnivat.data.dots import fill_dots
+width, height = map(int, sys.argv[1:])
+filled, dots = fill_dots(np.frombuffer(sys.stdin.buffer.read(), np.uint8).reshape(height, width, 3))
+print(json.dumps([dots and dots.number, filled.ravel().tolist()]))
+`;
+
+function library({ pixels, width, height }) {
+  const options = { input: Buffer.from(pixels), encoding: "utf-8", maxBuffer: 1e9 };
+  return JSON.parse(execFileSync("python3", ["-c", SCRIPT, `${width}`, `${height}`], options));
+}
+
+/** A lit gel with grain; `ink` of (x, y) is the share of light that a dot takes there. */
+function gel(width, height, ink, [low, high] = [90, 200]) {
+  const pixels = new Uint8ClampedArray(3 * width * height);
+  let seed = 7;
+  for (let y = 0, at = 0; y < height; y++) {
+    for (let x = 0; x < width; x++) {
+      for (let c = 0; c < 3; c++, at++) {
+        seed = (Math.imul(seed, 1103515245) + 12345) & 0x7fffffff;
+        const slope = [x / width, y / height, 1 - x / width][c];
+        const share = ink(x, y);
+        const lit = low + (high - low) * slope + ((seed >> 16) % 9) - 4;
+        pixels[at] = lit * (1 - Math.max(share, 0)) + (235 - lit) * Math.max(-share, 0);
+      }
+    }
+  }
+  return { pixels, width, height };
+}
+const round =
+  (pitch, radius, ink, turn = 0) =>
+  (x, y) => {
+    const [u, v] = [x + turn * y, y - turn * x].map((w) => ((w % pitch) + pitch) % pitch);
+    return Math.hypot(u - pitch / 2, v - pitch / 2) <= radius ? ink : 0;
+  };
+
+const CASES = [
+  ["dark dots", gel(224, 224, round(27, 4, 0.8)), true],
+  ["dots of a turned print", gel(240, 320, round(22, 4, 0.5, 0.05)), true],
+  ["small dots", gel(224, 225, round(18, 2.2, 0.7)), true],
+  ["light dots", gel(224, 224, round(27, 4.5, -0.8), [30, 60]), true],
+  ["dots of a large picture", gel(640, 480, round(55, 9, 0.7)), true],
+  ["a gel without dots", gel(224, 224, () => 0), false],
+  ["stripes", gel(224, 224, (x) => (x % 20 < 6 ? 0.5 : 0)), false],
+  ["a picture that is too small", gel(40, 60, round(10, 2, 0.8)), false],
+];
+
+for (const [name, picture, dotted] of CASES) {
+  test(`${name}: the browser gives the bytes of the library`, () => {
+    const before = picture.pixels.slice();
+    const found = withoutDots(picture);
+    const [number, wanted] = library(picture);
+    assert.equal(number !== null, dotted);
+    assert.equal(found !== picture, dotted);
+    assert.deepEqual(picture.pixels, before);
+    const away = wanted.map((value, at) => Math.abs(value - found.pixels[at]));
+    assert.ok(away.every((value) => value <= 1)); // a tie of rounding
+    assert.ok(away.filter((value) => value).length <= 0.0005 * away.length);
+  });
+}
