@@ -63,9 +63,11 @@ class Decoder:
         began, lasts = monotonic(), False
         exchange.start()
         try:
-            while exchange.is_alive() and monotonic() - began < DECODE_WAIT_S:
+            while True:
                 exchange.join(LOOK_S)
-                checkpoint()
+                checkpoint()  # once at least, also after a reply that came at once
+                if not exchange.is_alive() or monotonic() - began >= DECODE_WAIT_S:
+                    break
             lasts = bool(reply) and not self._closed
         finally:
             with self._lock:

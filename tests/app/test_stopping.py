@@ -6,6 +6,7 @@ import pytest
 
 from app.api import WORK
 from app.jobs import Jobs
+from app.limits import DECODE_WAIT_S
 from app.messages import BusyError, CancelledError
 from app.pictures import Sent, live, occlusion, taken
 from app.routes import DOWNLOADS, FACTS, QUESTIONS
@@ -110,7 +111,9 @@ def test_work_ends_at_the_checkpoint_after_its_visitor_left_or_its_time(work, na
 
 
 @pytest.mark.parametrize("reply", [taken, live, occlusion])
-def test_work_on_a_sent_picture_ends_so_too(resources, png, reply):
+def test_work_on_a_sent_picture_ends_so_too(resources, png, reply, monkeypatch):
+    # one checkpoint for each picture decoded, whatever the time that it takes
+    monkeypatch.setattr("app.decoder.LOOK_S", DECODE_WAIT_S)
     whole = Leaving()
     first, second = (Sent(content=png(seed=seed), modality="vis") for seed in (1, 2))
     whole.give(lambda: reply(resources, first))
