@@ -75,6 +75,13 @@ def counts(page: Any) -> list[int]:
     page.wait_for_selector(".explore .changed:has-text('predictions change')")
     text = page.locator(".explore .changed").inner_text().replace(",", "")
     changed, everything = (int(n) for n in re.search(r"(\d+) of (\d+)", text).groups())
+    ends = page.evaluate(
+        """() => { const told = document.createRange();
+          told.selectNodeContents(document.querySelector('.explore .changed'));
+          return [told.getBoundingClientRect().bottom, ...[...document.querySelectorAll('.explore .corner > *')]
+            .filter((e) => e.textContent).map((e) => e.getBoundingClientRect().top)]; }"""
+    )
+    assert ends[0] <= min(ends[1:])  # it lies on nothing
     parts = [int(n) for n in re.findall(r"(\d+) (?:corrected|broken|still)", text)]
     assert changed == sum(parts) > 0
     assert everything > changed
@@ -133,12 +140,12 @@ def test_the_accuracy_of_analyse_names_its_head_its_source_its_pairs_and_what_wa
     open_page: Callable[..., Any],
 ) -> None:
     page = open_page("?chapter=analyse&mode=moved")
-    line = page.locator(".explore .provenance")
+    line = page.locator(".explore .score .provenance")
     line.wait_for()
     assert re.fullmatch(
-        r"By the loaded head.*, learned from TAG-sim alone\. Over \d+ pairs of 7 unseen domains, "
-        r"the mean of these domains\. Known of these: nothing\.",
-        line.inner_text(),
+        r"By the loaded head at its learned p = 0\.503, from TAG-sim; mean of 7 unseen domains, "
+        r"\d+ pairs; known: nothing\.",
+        line.inner_text().replace("\N{NO-BREAK SPACE}", " "),
     )
 
 

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./browser.js";
-import { figures } from "../../app/web/explore/beside.js";
+import { gaps, right } from "../../app/web/explore/beside.js";
 import { counted, sentence } from "../../app/web/explore/changes.js";
 
 const TRUTH = ["wood", "wood", "steel", "steel", "glass"];
@@ -30,8 +30,14 @@ test("the sentence says what changes from the left map to the right", () => {
 
 test("a map names both gaps, and an accuracy only where the head predicts", () => {
   const curves = { "modality_gap/f_hat": [0.25], "domain_gap/f_hat": [0.5], "modality_gap/raw": [0.97] };
-  const shown = { kind: "moved", source: "A", meta: { curves: { ...curves, "accuracy/unseen": [0.589] }, head: {} } };
-  assert.match(figures(shown, "f_hat", 0), /modality gap <b>0.25.*domain gap <b>0.50.*58\.9/);
-  assert.match(figures(shown, "raw", 0), /modality gap <b>0.97/);
-  assert.ok(!figures(shown, "raw", 0).includes("58.9"));
+  const meta = { curves: { ...curves, "accuracy/unseen": [0.589] }, head: {} };
+  const shown = { kind: "moved", source: "A", domains: ["A", "B"], orders: [0.5], learned: 0.5, meta };
+  const unseen = { domains: [{ name: "B", pairs: 7 }] };
+  assert.match(gaps(shown, "f_hat", 0), /modality gap <b>0.25.*domain gap <b>0.50/);
+  assert.match(gaps(shown, "raw", 0), /modality gap <b>0.97/);
+  assert.match(
+    right(shown, "f_hat", 0, unseen),
+    /58\.9.*By the loaded head.*, from A; mean of 1 unseen domain, 7 pairs/,
+  );
+  assert.equal(right(shown, "raw", 0, unseen), "");
 });

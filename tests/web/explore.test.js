@@ -9,6 +9,7 @@ const { addressOf } = await import("../../app/web/explore/panels.js");
 const { inView } = await import("../../app/web/explore/pictures.js");
 const { Scene } = await import("../../app/web/explore/scene.js");
 const { chapterNamed, headOf, startOf } = await import("../../app/web/explore/chapters.js");
+const { ofFrames } = await import("../../app/web/shared/provenance.js");
 const { packed, unpacked } = await import("../../app/web/explore/acts.js");
 const { loadTags, tagOf, tagPairs, tagsCsv } = await import("../../app/web/explore/tags.js");
 const { setOf } = await import("../../app/web/shared/sets.js");
@@ -106,21 +107,20 @@ test("pairs are found by name, class and domain, and look-alikes by what they im
 test("an accuracy names its head, and a learned p is not a round one", () => {
   const accuracy = { "accuracy/unseen": [0.3, 0.6, 0.4] };
   const learned = frames({ head: { learned_order: 0.5 }, curves: accuracy });
-  assert.match(headOf(learned, 1), /60\u00a0%.*one unseen domain: the loaded head at its learned p = 0\.50/);
+  assert.match(headOf(learned, 1), /60\u00a0%.*one unseen domain/);
+  const by = (of, stop) => ofFrames(of, stop, "2 pairs").replaceAll("\u00a0", " ");
+  assert.match(by(learned, 1), /By the loaded head at its learned p = 0\.50, from A; 2 pairs; known: nothing\./);
   const near = frames({ head: { learned_order: 0.5035 }, orders: [0, 0.5, 0.5035], curves: accuracy });
-  assert.match(headOf(near, 1), /the loaded head, moved to p = 0\.50/);
-  assert.match(headOf(near, 2), /its learned p = 0\.503/);
+  assert.match(by(near, 1), /the loaded head, moved to p = 0\.50,/);
+  assert.match(by(near, 2), /its learned p = 0\.503/);
   const many = { "seeds:accuracy/unseen/mean": [0.3, 0.6, 0.4] };
-  assert.match(
-    headOf(frames({ head: { kind: "retrained", seeds: [0, 1] }, curves: many }), 1),
-    /mean of two heads trained at/,
-  );
+  assert.match(by(frames({ head: { kind: "retrained", seeds: [0, 1] }, curves: many }), 1), /2 heads trained at p = /);
   assert.match(headOf(frames({ head: { source: "Z" } }), 1), /trained on Z, which is not in this set/);
 });
 
 test("the chapter of the order speaks of p only as far as the accuracy bears", () => {
   const at = (share, stop = 1) =>
-    chapterNamed("order").words({ frames: frames({ curves: { "accuracy/unseen": share } }), stop });
+    chapterNamed("order").words({ frames: frames({ curves: { "accuracy/unseen": share } }), stop, facts: {} });
   assert.match(at([0.3, 0.9, 0.4]).title, /^At one order, two kinds/);
   assert.match(at([0.3, 0.9, 0.4], 0).title, /^At which order/);
   assert.match(at([0.6, 0.62, 0.61]).title, /hardly matters/);

@@ -16,19 +16,25 @@ import { define } from "../shared/terms.js";
 import { escaped, options } from "../shared/text.js";
 import { making, tell, View } from "../shared/view.js";
 import { counted, sentence } from "./changes.js";
+import { whence } from "./chapters.js";
 
-/** The two gaps and the accuracy of frames at a stop, as HTML; accuracy only where the head predicts. */
-export function figures(frames, stage, stop) {
-  const shown = [
+const named = (name, words, value) =>
+  Number.isFinite(value) ? `<span class="gap">${words} <b>${asText(name, value, 2)}</b></span>` : "";
+
+/** The two gaps of frames at a stop, as HTML. */
+export const gaps = (frames, stage, stop) =>
+  [
     ["modality_gap", "modality gap"],
     ["domain_gap", "domain gap"],
-    ["accuracy", "right, unseen"],
-  ].map(([name, words]) => {
-    const value = name === "accuracy" && stage !== "f_hat" ? NaN : values(frames, name, stage)?.[stop];
-    return Number.isFinite(value) ? `<span class="gap">${words} <b>${asText(name, value, 2)}</b></span>` : "";
-  });
-  return shown.join(" ");
-}
+  ]
+    .map(([name, words]) => named(name, words, values(frames, name, stage)?.[stop]))
+    .join(" ");
+
+/** The accuracy of frames at a stop, and whose it is; only where the head predicts. */
+export const right = (frames, stage, stop, unseen) =>
+  stage === "f_hat"
+    ? named("accuracy", "right, unseen", values(frames, "accuracy", stage)?.[stop]) + whence(frames, stop, unseen)
+    : "";
 
 const MAP = '<div class="map" role="application" aria-label="Second map of the same features"></div>';
 
@@ -156,8 +162,11 @@ export class Beside extends View {
     this.cloud.layers = layersOf(frames, stop, scene.shown, scene.lit);
     this.cloud.show(frames.positions(kind, stage, stop));
     this.cloud.box.dataset.order = frames.orders[stop];
-    this.$(".pane-title").innerHTML = this.ready ? figures(frames, stage, stop) : "";
-    this.title.innerHTML = `<b>${escaped(stageNamed(state.stage).name)}</b> p = ${orderText(scene.frames.orders[scene.stop])} ${figures(scene.frames, state.stage, scene.stop)}`;
+    const same = frames === scene.frames && stop === scene.stop; // the accuracy stands beside the first map
+    this.$(".pane-title").innerHTML = this.ready
+      ? `${gaps(frames, stage, stop)} ${same ? "" : right(frames, stage, stop, scene.facts.unseen)}`
+      : "";
+    this.title.innerHTML = `<b>${escaped(stageNamed(state.stage).name)}</b> p = ${orderText(scene.frames.orders[scene.stop])} ${gaps(scene.frames, state.stage, scene.stop)}`;
     for (const told of [this.$(".pane-title"), this.title]) define(told);
     this.tell();
   }

@@ -6,14 +6,13 @@ import { orderText } from "../shared/frames.js";
 import { asText, values } from "../shared/measures.js";
 import { orderBar } from "../shared/order.js";
 import { colouring, isLecture } from "../shared/palette.js";
-import { ofFrames } from "../shared/provenance.js";
 import { explained, featuresOf, stageNamed, stepsOf } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
 import { define } from "../shared/terms.js";
 import { fill } from "../shared/text.js";
 import { press } from "../shared/view.js";
 import { Acts } from "./acts.js";
-import { chapterNamed, decided, featuresHtml, headOf } from "./chapters.js";
+import { chapterNamed, decided, featuresHtml, headOf, whence } from "./chapters.js";
 import { Curves } from "./curves.js";
 import { Finder } from "./finder.js";
 import { showGrid } from "./grid.js";
@@ -153,12 +152,14 @@ export class Board {
       const { frames, stop, facts } = scene;
       return set(
         ".score",
-        frames.headless ? featuresHtml(scene) : headOf(frames, stop) + ofFrames(frames, facts.unseen),
+        frames.headless ? featuresHtml(scene) : headOf(frames, stop) + whence(frames, stop, facts.unseen),
       );
     }
-    if (state.chapter === "where") return this.threads.tell(decided(scene.frames));
+    if (state.chapter === "where")
+      return this.threads.tell(decided(scene.frames), whence(scene.frames, scene.stop, scene.facts.unseen));
     const words = lesson.words(scene);
     for (const name of ["title", "figure", "remark"]) set(`.${name}`, words[name]);
+    set(".whence", words.whence ?? "");
     return undefined;
   }
 

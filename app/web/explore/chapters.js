@@ -1,8 +1,8 @@
 /** The words and figures of the chapters, made from what is on the screen. */
 
-import { orderText } from "../shared/frames.js";
 import { remedyHtml } from "../shared/headless.js";
 import { MEASURES, values } from "../shared/measures.js";
+import { ofFrames, strangers, unseenPairs } from "../shared/provenance.js";
 import { escaped, percent } from "../shared/text.js";
 import { whole } from "./curves.js";
 import { inWords } from "./strangers.js";
@@ -29,19 +29,11 @@ export function startOf(chapter, frames, own) {
   return frames.orders[frames.stop(wanted)];
 }
 
-/** The accuracy at one stop, and whose it is, as HTML; one sentence on a screen. */
+/** The accuracy at one stop, as HTML; one sentence on a screen. */
 export function headOf(frames, stop) {
   const right = values(frames, "accuracy", "f_hat")?.[stop];
-  const p = orderText(frames.orders[stop]);
-  const learned = Math.abs(frames.orders[stop] - frames.learned) < 5e-4;
-  const many = frames.meta.head.seeds?.length ?? 1;
-  const whose = {
-    retrained: `${many > 1 ? `mean of ${inWords(many)} heads` : "a head"} trained at p = ${p}`,
-    every: `one head for every p, at p = ${p}`,
-    moved: learned ? `the loaded head at its learned p = ${p}` : `the loaded head, moved to p = ${p}`,
-  }[frames.kind];
   if (!Number.isFinite(right)) return `<small>Unseen accuracy is unknown here: ${blind(frames)}</small>`;
-  return `<b class="large">${percent(right)}</b> <span>right in ${where(frames)}: ${whose}</span>`;
+  return `<b class="large">${percent(right)}</b> <span>right in ${where(frames)}</span>`;
 }
 
 const blind = ({ source, domains, labelled }) =>
@@ -53,11 +45,13 @@ const blind = ({ source, domains, labelled }) =>
         ? "there is no domain that the head has not seen."
         : `the head was trained on ${escaped(source)}, which is not in this set.`;
 
-const where = ({ domains, source, domain }) => {
-  const there = new Set(domain); // a set may name domains of which it has no pair
-  const others = domains.filter((name, i) => name !== source && (!domain || there.has(i))).length;
-  return `${plural(others, "unseen domain")}`;
-};
+const where = (frames) => `${plural(strangers(frames), "unseen domain")}`;
+
+/** Where the accuracy at one stop comes from; "" if it is not known. */
+export const whence = (frames, stop, unseen) =>
+  Number.isFinite(values(frames, "accuracy", "f_hat")?.[stop])
+    ? ofFrames(frames, stop, unseenPairs(frames, unseen))
+    : "";
 
 /** The three measures of features without a head, and what a head would need. */
 export function featuresHtml({ own, facts: { fit } }) {
@@ -72,7 +66,7 @@ const headlessHtml = (fit) =>
     ? `<details><summary>Why no head?</summary><p>${escaped(fit.problem)}</p></details>${remedyHtml(fit)}`
     : "";
 
-function order({ frames, stop }) {
+function order({ frames, stop, facts: { unseen } }) {
   const facts = decided(frames);
   const figure = headOf(frames, stop);
   if (!facts) return { title: "When does the order p decide?", figure, remark: "Drag p: the map follows." };
@@ -81,12 +75,14 @@ function order({ frames, stop }) {
     return {
       title: "On this set the order p hardly matters.",
       figure,
+      whence: whence(frames, stop, unseen),
       remark: `Drag p. Accuracy stays between ${percent(facts.low)} and ${percent(facts.high)}.`,
     };
   const there = Math.abs(frames.orders[stop] - facts.best) < 0.026;
   return {
     title: there ? `At one order, ${kinds} come apart.` : `At which order do ${kinds} come apart?`,
     figure,
+    whence: whence(frames, stop, unseen),
     remark: whole(frames)
       ? `Accuracy falls to ${percent(facts.low)} at worst. Grey: on touch sensors every order does about as well.`
       : "Drag <i>p</i> from end to end. Each stop is a head trained at that order.",
@@ -104,12 +100,13 @@ function fooled({ own, facts: { unseen, fit } }) {
       title: "Which domains fool the head?",
       figure: unseen.unseen["answers/fused"] ? "" : `Learned from ${escaped(own.source)}: ${blind(own)}`,
       remark: unseen.domains?.some((one) => one["answers/fused"])
-        ? "Each bar is a domain, with its 95 % interval. The thin line is guessing."
+        ? `Each bar has its 95 % interval. The thin line is guessing.${ofFrames(own, own.stop(own.learned), unseenPairs(own, unseen))}`
         : "",
     };
   const [photo, touch] = ["vis", "tac"].map((name) => alike[`answers/${name}`]);
   const [lower, higher] = photo.share < touch.share ? [photo, touch] : [touch, photo];
   const all = ["vis", "tac", "fused"].map((name) => percent(unseen.unseen[`answers/${name}`]?.share));
+  const line = ofFrames(own, own.stop(own.learned), `${alike.pairs} look-alikes`);
   return {
     title,
     figure: `${b(percent(alike.pairs / pairs))} of the unseen pairs look like another class.`,
@@ -117,7 +114,7 @@ function fooled({ own, facts: { unseen, fit } }) {
       lower.high < higher.low
         ? `Where a photo deceives, only ${higher === touch ? "touch" : "the photo"} can tell.`
         : "The intervals of photo and touch overlap, so neither is surely ahead."
-    } Of all unseen pairs: photo ${all[0]}, touch ${all[1]}, both ${all[2]}.`,
+    } Mean of ${plural(strangers(own), "unseen domain")}: photo ${all[0]}, touch ${all[1]}, both ${all[2]}.${line}`,
   };
 }
 

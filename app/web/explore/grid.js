@@ -2,6 +2,7 @@
 
 import { imitation, thumbnail, verdict } from "../shared/card.js";
 import { orderText } from "../shared/frames.js";
+import { ofFrames } from "../shared/provenance.js";
 import { state } from "../shared/store.js";
 import { escaped, percent } from "../shared/text.js";
 import { onClick } from "../shared/view.js";
@@ -39,13 +40,14 @@ function heading({ points, why, pairs }, scene) {
       .map(([name, own]) => `${escaped(name)} ${own.length}`)
       .join(" · ");
   if (why) return `<h4>${pairs.length} ${why}</h4>`;
-  const whose = frames.kind === "retrained" ? "by the head trained " : "";
-  const score =
-    frames.headless || !frames.labelled
-      ? "."
-      : `; ${percent(right / pairs.length)} predicted right ${whose}at p = ${orderText(frames.orders[stop])}.`;
+  const judged = !frames.headless && frames.labelled;
+  const score = judged
+    ? `; ${percent(right / pairs.length)} predicted right at p = ${orderText(frames.orders[stop])}`
+    : "";
+  const home = pairs.filter((pair) => frames.domains[frames.domain[pair]] === frames.source).length;
+  const whence = judged ? ofFrames(frames, stop, `these pairs, ${home} of them of its source`) : "";
   return `<h4>${points ? `${points} points selected` : `${pairs.length} pairs found`}</h4>
-    <p class="hint">${pairs.length} pairs${score}<br><b>Domains</b> ${tally("domain")}<br><b>Classes</b> ${tally("truth")}</p>`;
+    <p class="hint">${pairs.length} pairs${score}.<br><b>Domains</b> ${tally("domain")}<br><b>Classes</b> ${tally("truth")}</p>${whence}`;
 }
 
 function tile(pair, scene) {

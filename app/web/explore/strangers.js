@@ -1,6 +1,7 @@
 /** Unseen domains: look-alikes and each reading of them, every domain, confusion. */
 
 import { thumbnail } from "../shared/card.js";
+import { ofFrames, unseenPairs } from "../shared/provenance.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
 import { each, escaped, options, percent } from "../shared/text.js";
@@ -89,12 +90,12 @@ export class Strangers {
       const said = pairs.answers[reading][pair];
       const right = said === frames.label[pair];
       const tile = reading === "tac" ? frames.pairs + pair : pair;
-      return `<figure>${thumbnail(sprite, tile, side, label)}<figcaption class="${right ? "right" : "wrong"}">${right ? "✓" : "✗"} ${escaped(classes[said])}</figcaption></figure>`;
+      return `<figure>${thumbnail(sprite, tile, side, label)}<figcaption class="${right ? "right" : "wrong"}">${right ? "✓" : "✗"}\u00a0${escaped(classes[said])}</figcaption></figure>`;
     };
     box.innerHTML = each(
       lookAlikes(scene),
       (pair) =>
-        `<button type="button" data-pair="${pair}"><span class="thumbs">${read(pair, "vis", "photo")}${read(pair, "tac", "touch")}</span>${escaped(classes[frames.label[pair]])}, looks like ${escaped(facts.pairs.looks_like[pair])}</button>`,
+        `<button type="button" data-pair="${pair}"><span class="thumbs">${read(pair, "vis", "photo")}${read(pair, "tac", "touch")}</span>${escaped(classes[frames.label[pair]])}, like ${escaped(facts.pairs.looks_like[pair])}</button>`,
     );
     onClick(box, { "[data-pair]": ({ dataset }) => this.onPick(+dataset.pair) });
   }
@@ -106,7 +107,7 @@ export class Strangers {
       const own = of[`answers/${button.dataset.key}`];
       const label = READINGS.find(({ key }) => key === button.dataset.key)?.label;
       const figure = own
-        ? `<b>${percent(own.share)}</b> <small>${(100 * own.low).toFixed(0)} to ${(100 * own.high).toFixed(0)}</small>`
+        ? `<b>${percent(own.share)}</b> <small>${(100 * own.low).toFixed(0)}–${(100 * own.high).toFixed(0)}</small>`
         : "–";
       button.innerHTML = `<span>${label}</span><span class="scale" style="--chance:${facts.chance}">${whisker(own)}</span><output>${figure}</output>`;
     }
@@ -123,7 +124,7 @@ export class Strangers {
     );
     const retrieval =
       "How often the touch nearest to a photo in the same domain has its class; each image is seen alone, at F̂";
-    return `${domains.join("")}<hr>${row("unseen, mean", facts.unseen[key], "mean-row", "")}${row("retrieval", facts.unseen.retrieval, "", "", retrieval)}`;
+    return `${domains.join("")}<hr>${row("unseen, mean", facts.unseen[key], "mean-row", "")}${row("retrieval", facts.unseen.retrieval, "", "", retrieval)}${ofFrames(this.scene.own, this.scene.own.stop(this.scene.own.learned), `its test pairs, ${unseenPairs(this.scene.own, facts)}`)}`;
   }
 
   listDomains(facts) {

@@ -5,6 +5,7 @@ import { Cloud } from "../shared/cloud.js";
 import { twins, twinsMap } from "../shared/facts.js";
 import { domainColour, isDark, onTheme } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
+import { provenance } from "../shared/provenance.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
 import { bytesOf, each, escaped, fill, percent } from "../shared/text.js";
@@ -16,6 +17,7 @@ const PLACES = [
   { key: "1", label: "Mean moved", title: "Each sensor’s mean becomes the mean of all" },
   { key: "2", label: "Mean and spread", title: "Each feature’s spread becomes that of all, too" },
 ];
+const KNOWN = ["nothing", "each sensor’s mean", "each sensor’s mean and spread"];
 const GLIDE = 700; // milliseconds
 const TILE = 46; // CSS pixels of a picture on the map; less on a small one
 const TOUCH = 1; // row of a sheet of pictures
@@ -41,6 +43,7 @@ export class Threads {
   moving = 0;
   /** @type {any} */
   ends = null; // as in `tell`
+  ofCurves = "";
   shownAt = ""; // the place and method that the map shows
   markPlace = () => {};
 
@@ -208,9 +211,9 @@ export class Threads {
     context.drawImage(this.sheet, domain * side, TOUCH * side, side, side, left, top, tile, tile);
   }
 
-  /** Write title, figure and remark; `ends` of accuracy over p, for where the order is what moves. */
-  tell(ends = this.ends) {
-    this.ends = ends;
+  /** Write title, figure and remark; for where the order is what moves: `ends` of accuracy over p, and whence it is. */
+  tell(ends = this.ends, ofCurves = this.ofCurves) {
+    Object.assign(this, { ends, ofCurves });
     const at = this.place();
     const { own_twin_mean: nearest, gap, accuracy } = this.map;
     const b = (text) => `<b>${text}</b>`;
@@ -219,7 +222,7 @@ export class Threads {
         ? ends
           ? `Accuracy stays between ${b(percent(ends.low))} and ${b(percent(ends.high))}, at every p.`
           : ""
-        : `${b(percent(accuracy[at]))} right on another sensor (mean of eight heads). ${b(percent(nearest[at]))} lie nearest to their own twin; by sensor:`;
+        : `${b(percent(accuracy[at]))} right on another sensor. ${b(percent(nearest[at]))} lie nearest to their own twin; by sensor:`;
     const apart = (k) => gap[k].toFixed(2);
     const gain = (k) => `The heads gain ${Math.round(100 * (accuracy[k] - accuracy[0]))} points.`;
     const remark = {
@@ -228,7 +231,13 @@ export class Threads {
       2: `Sensors shift <i>and stretch</i> features; both are undone. ${gain(2)}`,
       p: "p moves the points and both gaps of 2,160 other pairs; each stop has heads trained at that p.",
     }[state.rung];
-    const words = { title: "Where do the touches go?", figure, remark };
+    const whence = provenance({
+      head: "eight logistic regressions",
+      source: "one sensor each",
+      pairs: "the seven others’ twins",
+      known: KNOWN[at],
+    });
+    const words = { title: "Where do the touches go?", figure, whence: state.rung === "p" ? ofCurves : whence, remark };
     for (const [name, html] of Object.entries(words)) fill(this.$(`.stage .${name}`), html);
   }
 }

@@ -118,11 +118,10 @@ export class OneTouch extends View {
   /** What a domain's sensor or scene is; without one, how to read the bars. */
   tell(domain) {
     const { about, scene } = this.twins.domains[domain] ?? {};
-    const { presses } = this.twins;
     const at = chosen(this.twins);
     const seen = `Photographed ${scene}.`;
     const words = { tac: about, vis: seen, fused: `${about} ${seen}` }[at.reading];
-    const bars = `${presses[at.table][at.from]} twins, 95\u00a0% intervals; line: guessing.`;
+    const bars = "95\u00a0% intervals; line: guessing.";
     fill(this.$(".legend"), domain < 0 ? bars : escaped(words));
   }
 
@@ -178,10 +177,10 @@ export class OneTouch extends View {
   }
 
   showFigures(at, { away: [share, low, high], shares, chance }) {
-    const { domains, head, pictures } = this.twins;
+    const { domains, head, known, presses } = this.twins;
     const { one, same, learned } = WORDS[at.reading];
     const source = domains[at.from];
-    const n = [0, ...pictures][at.rung];
+    const n = [0, ...known[at.table]][at.rung]; // of some there are no more
     fill(this.$(".same"), same);
     fill(
       this.$(".figure"),
@@ -191,6 +190,7 @@ export class OneTouch extends View {
     const few = `${n} pictures of the new ${one} give each feature’s mean and spread. No label is used.`;
     fill(this.$(".remark"), [at.dots && dots, n && few].filter(Boolean).join(" "));
     this.$(".from-where .head").title = head.replace("{source}", source.name);
-    this.$(".from-where .what").textContent = learned;
+    this.$(".from-where .what").textContent =
+      `${learned}; ${presses[at.table][at.from]} twins; known: ${n ? `${n} other pictures` : "nothing"}.`;
   }
 }

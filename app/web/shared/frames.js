@@ -25,6 +25,8 @@ export class Frames {
     this.prediction = this.array("prediction");
     this.confidence = this.array("confidence");
     this.coarse = false; // whether finer frames will follow
+    this.by = ""; // what predicts, in words, if it is not the loaded head
+    this.still = false; // whether it predicts the same at every p
     this.extents = new Map(); // array of a map -> the boxes around its VIS and its TAC points at all stops
   }
 

@@ -26,6 +26,7 @@ export function framesBy(name, own, onWait, onFiner = () => {}) {
 
 async function fetched(name, onWait, onFiner) {
   const { frames, coarse } = await fetchFrames(onWait, { head: name });
+  frames.by = `the head ${name}`;
   if (coarse) {
     whenFine(() => {}, { head: name }).then(
       (finer) => {
@@ -49,6 +50,7 @@ async function byMethod(name, own) {
     return all;
   };
   const predicted = found.prediction.map((k) => index[k]);
+  Object.assign(frames, { by: found.label, still: true });
   frames.prediction = repeat(predicted);
   frames.confidence = repeat(found.confidence);
   const curves = Object.fromEntries(

@@ -1,29 +1,45 @@
 /** Where an accuracy comes from, in one line: which head, learned from what, over which pairs, what was known. */
 
+import { orderText } from "./frames.js";
 import { escaped } from "./text.js";
 
 /** @param {{head: string, source: string, pairs: string, known?: string}} from */
 export const provenance = ({ head, source, pairs, known = "nothing" }) =>
-  `<p class="provenance">By ${escaped(head)}, learned from ${escaped(source)}. Over ${escaped(pairs)}. Known of these: ${escaped(known)}.</p>`;
+  `<p class="provenance">By ${escaped(head)}, from ${escaped(source)}; ${escaped(pairs)}; known: ${escaped(known)}.</p>`;
 
-/** The line below the accuracy of frames in unseen domains. `unseen`: its summary, once known. */
-export function ofFrames(frames, unseen) {
-  const { seeds = [], width } = frames.meta.head;
-  const size = width ? ` (D = ${width})` : "";
-  const head = {
-    retrained: `${seeds.length > 1 ? `${seeds.length} heads` : "a head"} trained at this p${size}`,
-    every: `one head for every p${size}`,
-    moved: `the loaded head${size}`,
-  }[frames.kind];
-  const others = unseen?.domains.filter((one) => !one.is_source) ?? [];
-  const count = others.reduce((sum, { pairs }) => sum + pairs, 0);
-  if (!head || !count || !frames.source) return "";
-  const pairs = `${count.toLocaleString("en-US")} pairs of ${others.length} unseen domains, the mean of these domains`;
-  return provenance({ head, source: `${frames.source} alone${asPrinted(frames)}`, pairs });
+/** Who predicts in frames at one stop, in words. */
+function predictor({ kind, by, still, orders, learned, meta: { head } }, stop) {
+  if (still) return by;
+  const { seeds = [], width } = head ?? {};
+  const p = `p\u00a0=\u00a0${orderText(orders[stop])}`;
+  const who = {
+    retrained: `${seeds.length > 1 ? `${seeds.length} heads` : "a head"} trained at ${p}`,
+    every: `one head for every p, at ${p}`,
+    moved: `${by || "the loaded head"}${Math.abs(orders[stop] - learned) < 5e-4 ? ` at its learned ${p}` : `, moved to ${p}`}`,
+  }[kind];
+  return width ? `${who} (D\u00a0=\u00a0${width})` : who;
 }
+
+/** How many domains of a set with pairs its head has not learned from. */
+export function strangers({ domains, source, domain }) {
+  const there = new Set(domain); // a set may name domains of which it has no pair
+  return domains.filter((name, i) => name !== source && (!domain || there.has(i))).length;
+}
+
+/** The pairs that an accuracy of frames is over, in words. `unseen`: the summary of the domains, once known. */
+export function unseenPairs(frames, unseen) {
+  const count = unseen?.domains.reduce((sum, one) => sum + (one.is_source ? 0 : one.pairs), 0);
+  const many = strangers(frames);
+  const mean = `mean of ${many} unseen domain${many === 1 ? "" : "s"}`;
+  return count ? `${mean}, ${count.toLocaleString("en-US")} pairs` : mean;
+}
+
+/** The line below an accuracy of frames at one stop; "" where nothing predicts. */
+export const ofFrames = (frames, stop, pairs) =>
+  frames.headless || !frames.source
+    ? ""
+    : provenance({ head: predictor(frames, stop), source: frames.source + asPrinted(frames), pairs });
 
 /** A remark on shipped heads of each p, which were trained before dots were filled: their frames name no preprocessing. */
 export const asPrinted = ({ kind, meta, signals }) =>
-  kind !== "moved" && !signals && !("preprocessing" in (meta.embeddings ?? {}))
-    ? ", touches with their printed dots"
-    : "";
+  kind !== "moved" && !signals && !("preprocessing" in (meta.embeddings ?? {})) ? ", dots as printed" : "";

@@ -15,6 +15,10 @@ import { RunMap } from "./run-map.js";
 const ALONE = "<b>Train a head on this domain.</b> The set has no other, so accuracy away from home stays unknown.";
 const LOOK = 400; // milliseconds between two requests for progress
 
+/** Where the accuracies of a run come from. */
+const whence = (head, { width, source }) =>
+  provenance({ head: `${head} (D\u00a0=\u00a0${width})`, source, pairs: "mean of the unseen domains, test pairs" });
+
 export async function start(root) {
   const problem = root.querySelector(".problem");
   const [unfit, { embeddings = {} }] = await Promise.all([fit(), loaded()].map((one) => one.catch(() => ({}))));
@@ -102,6 +106,7 @@ class TrainTab extends View {
       : `How ${this.unfit ? "a head for another set" : "the loaded head"} was trained; yours adds accuracy, gaps and a map`;
     this.$(".preview h3").textContent = title;
     this.$(".preview").hidden = false;
+    this.$(".from").innerHTML = earlier?.epochs ? whence("your last run’s head", earlier.question) : "";
     const box = this.$(".preview .charts");
     const columns = getComputedStyle(box).gridTemplateColumns.split(" ").length;
     box.innerHTML = charts(
@@ -170,11 +175,7 @@ class TrainTab extends View {
     const done = run.epochs.length;
     this.$(".preview").hidden = true;
     this.$(".status").textContent = standing(run.state, { epochs: done, total: run.total, leftOut: run.leftOut });
-    this.$(".from").innerHTML = provenance({
-      head: `this run’s head (D = ${run.question.width})`,
-      source: `${run.question.source} alone`,
-      pairs: "all pairs of the unseen domains, the mean of these domains",
-    });
+    this.$(".from").innerHTML = whence("this run’s head", run.question);
     this.$(".bar-of-epochs").hidden = !active;
     this.$(".bar-of-epochs i").style.width = `${(100 * done) / run.total}%`;
     this.showActions();
@@ -213,7 +214,7 @@ class TrainTab extends View {
     const head = ["Settings", "p", "accuracy, unseen", "modality gap", "domain gap"];
     this.$(".earlier").hidden = false;
     this.$(".earlier").innerHTML =
-      `<h3>Trained in this visit</h3>${table("Heads trained in this visit", head, rows)}<p class="difference"></p>`;
+      `<h3>Trained in this visit</h3>${table("Heads trained in this visit", head, rows)}<p class="hint">Each over the same pairs as above.</p><p class="difference"></p>`;
     if (this.earlier.length < 2) return;
     this.$(".difference").textContent = compared(this.earlier);
   }

@@ -1,0 +1,69 @@
+"""Under every accuracy stands one line: which head, from what, over which pairs, what was known."""
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from .gestures import settle
+
+pytestmark = pytest.mark.browser
+
+SHARES = """() => {
+  const shown = (e) => e.checkVisibility({ visibilityProperty: true });
+  const about = '.side, .beside .pane, .panels details, .press';
+  const texts = document.createTreeWalker(document.querySelector('.ov.explore'), NodeFilter.SHOW_TEXT);
+  const found = [], alone = [];
+  while (texts.nextNode()) {
+    const { parentElement: of, data } = texts.currentNode;
+    // probabilities of one pair, axes and counts of neighbours are no accuracies
+    if (!/\\d\\s%/.test(data) || !shown(of) || of.closest('svg, .sr, .card, .legend, .provenance, .changed')) continue;
+    found.push(data);
+    let box = of.closest(about);
+    if (box?.matches('.press')) box = box.parentElement;
+    while (box && ![...box.querySelectorAll('.provenance')].some(shown)) box = box.parentElement?.closest(about);
+    if (!box) alone.push(`${data} (${of.className || of.tagName})`);
+  }
+  return { found, alone };
+}"""
+VIEWS = [
+    "chapter=touch",
+    "chapter=touch&dots=1&known=50&reading=fused",
+    "chapter=where&rung=2",
+    "chapter=where&rung=p",
+    "chapter=order",
+    "chapter=fooled&reading=tac",
+    "chapter=analyse",
+    "chapter=analyse&mode=moved",
+    "chapter=analyse&mode=every",
+    "chapter=analyse&mode=moved&beside=1&stage2=f_hat&head2=method:nearest_mean",
+    "chapter=analyse&mode=moved&sel=0.z",
+]
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_every_accuracy_on_the_screen_has_a_line_that_tells_where_it_comes_from(
+    open_page: Callable[..., Any], view: str
+) -> None:
+    page = open_page(f"?{view}")
+    page.wait_for_selector(".explore .provenance >> visible=true")
+    settle(page)
+    seen = page.evaluate(SHARES)
+    assert seen["found"]
+    assert seen["alone"] == []
+    for line in page.locator(".explore .provenance >> visible=true").all_inner_texts():
+        assert re.search(r"By .*from .*; .*; known: .+\.$", line, re.DOTALL), line
+    page.evaluate("document.querySelectorAll('.provenance').forEach((one) => one.remove())")
+    assert page.evaluate(SHARES)["alone"]  # the search can see
+
+
+def test_one_head_has_one_accuracy_in_all_chapters(open_page: Callable[..., Any]) -> None:
+    page = open_page("?chapter=analyse&mode=moved")
+    page.wait_for_selector(".explore .score .provenance")
+    score = page.locator(".explore .score .large").inner_text()
+    page.click('.explore .chapters [data-chapter="fooled"]')
+    page.wait_for_selector(".explore .stage .remark .provenance")
+    assert f"both {score}." in page.locator(".explore .stage .remark").inner_text()
+    page.evaluate("document.querySelector('[data-panel=domains]').open = true")
+    assert page.locator(".explore .each-domain .mean-row output").inner_text() == score
