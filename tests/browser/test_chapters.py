@@ -148,6 +148,7 @@ def test_a_link_brings_back_press_sensor_dots_and_pictures(open_page: Callable[.
     assert (said(other), percents(other)) == before
     page.click('.explore .chapters [data-chapter="analyse"]')
     page.wait_for_selector('.explore.ready[data-chapter="analyse"]')
+    page.wait_for_function("document.querySelector('.explore .announcement').textContent")
     page.go_back(wait_until="commit")
     page.wait_for_selector('.explore.ready[data-chapter="touch"]')
     assert (said(page), percents(page)) == before

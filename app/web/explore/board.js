@@ -247,6 +247,6 @@ export class Board {
     if (Number.isFinite(gap)) parts.push(`modality gap ${asText("modality_gap", gap)}`);
     const right = values(frames, "accuracy", "f_hat")?.[stop];
     if (Number.isFinite(right)) parts.push(`accuracy on unseen domains ${asText("accuracy", right)}`);
-    this.$(".said").textContent = parts.join(", ");
+    this.$(".announcement").textContent = parts.join(", ");
   }
 }

@@ -100,7 +100,7 @@ export class Saving {
   /** Load the tags of a CSV and say how many there are. */
   async load(input) {
     const say = (sentence) => {
-      this.$(".said").textContent = this.$(".load-tags").title = sentence;
+      this.$(".announcement").textContent = this.$(".load-tags").title = sentence;
       this.$(".save").open = false;
     };
     await attempt(async () => {
@@ -128,7 +128,7 @@ export class Saving {
     if (kind === "tags") save("omnivat-tags.csv", tagsCsv(frames, this.scene.facts.pairs?.name));
     if (kind === "svg") save(`${name}.svg`, svg(cloud, this.caption(), legend, axisNames(state.map)));
     if (kind === "figure")
-      await this.figure(name).catch((error) => refused(error, (words) => (this.$(".said").textContent = words)));
+      await this.figure(name).catch((error) => refused(error, (words) => (this.$(".announcement").textContent = words)));
     this.$(".save").open = false;
   }
 }
