@@ -50,7 +50,7 @@ export class Board {
     this.bar = orderBar($(".ride"), data.own);
     const toOrder = (p) => change({ p: scene.frames.orders[scene.frames.stop(p)] });
     const tall = () =>
-      isLecture() ? 0.5 * innerHeight : Math.min(560, 0.3 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
+      isLecture() ? 0.4 * innerHeight : Math.min(560, 0.24 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
     const high = () => (innerWidth < 820 ? 110 : state.chapter === "order" ? tall() : 0.165 * innerHeight);
     this.ride = new Curves($(".over"), toOrder, { measures: ["accuracy"], high });
     this.wave = new Wave($(".wave"));

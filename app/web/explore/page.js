@@ -86,8 +86,10 @@ export class Page {
     root.dataset.chapter = chapter;
     for (const part of root.querySelectorAll("[data-for]"))
       part.hidden = !part.dataset.for.split(" ").includes(chapter);
-    for (const button of root.querySelectorAll(".chapters [data-chapter]"))
+    for (const button of root.querySelectorAll(".chapters [data-chapter]")) {
       button.setAttribute("aria-current", button.dataset.chapter === chapter ? "page" : "false");
+      if (button.dataset.chapter === chapter) button.parentElement.scrollLeft = button.offsetLeft - 40; // on a phone
+    }
     const lesson = chapterNamed(chapter);
     if (!lesson) return;
     this.$(".next").textContent = lesson.next;

@@ -128,7 +128,9 @@ export class Saving {
     if (kind === "tags") save("omnivat-tags.csv", tagsCsv(frames, this.scene.facts.pairs?.name));
     if (kind === "svg") save(`${name}.svg`, svg(cloud, this.caption(), legend, axisNames(state.map)));
     if (kind === "figure")
-      await this.figure(name).catch((error) => refused(error, (words) => (this.$(".announcement").textContent = words)));
+      await this.figure(name).catch((error) =>
+        refused(error, (words) => (this.$(".announcement").textContent = words)),
+      );
     this.$(".save").open = false;
   }
 }

@@ -16,7 +16,8 @@ export const UNSEEN = "unseen";
 const NUMBERS = "no one two three four five six seven eight nine ten eleven twelve".split(" ");
 export const inWords = (n) => NUMBERS[n] ?? String(n);
 const NO_CELL = "Choose a cell to see its pairs.";
-const SHOWN = 3; // look-alikes with both pictures
+const SHOWN = 3; // look-alikes with both pictures, at most
+const ROOM = 165; // CSS pixels for one of them
 const times = (counts) => counts.flat().reduce((a, b) => Math.max(a, b), 1);
 
 const whisker = (own) =>
@@ -85,7 +86,9 @@ export class Strangers {
     const box = this.box.querySelector(".lookers");
     box.hidden = !facts.unseen.look_alikes || !facts.pairs || !sprite;
     if (box.hidden) return;
-    const side = innerWidth < 820 ? 54 : 64;
+    const shown = Math.max(1, Math.min(SHOWN, Math.floor(this.box.clientWidth / ROOM)));
+    const side = Math.min(110, Math.floor(this.box.clientWidth / shown / 2) - 22);
+    box.style.gridTemplateColumns = `repeat(${shown}, minmax(0, 1fr))`;
     const read = (pair, reading, label) => {
       const said = pairs.answers[reading][pair];
       const right = said === frames.label[pair];
@@ -93,7 +96,7 @@ export class Strangers {
       return `<figure>${thumbnail(sprite, tile, side, label)}<figcaption class="${right ? "right" : "wrong"}">${right ? "✓" : "✗"}\u00a0${escaped(classes[said])}</figcaption></figure>`;
     };
     box.innerHTML = each(
-      lookAlikes(scene),
+      lookAlikes(scene, shown),
       (pair) =>
         `<button type="button" data-pair="${pair}"><span class="thumbs">${read(pair, "vis", "photo")}${read(pair, "tac", "touch")}</span>${escaped(classes[frames.label[pair]])}, like ${escaped(facts.pairs.looks_like[pair])}</button>`,
     );

@@ -1,6 +1,6 @@
 /** Controls of Explore, connected to the page and to the address. */
 
-import { change, openChapter, state, watch, watchIn } from "../shared/store.js";
+import { change, openChapter, state, watch, watchIn, writeAddress } from "../shared/store.js";
 import { openTab } from "../shared/tabs.js";
 import { onClick, press } from "../shared/view.js";
 import { share, showLink } from "./saving.js";
@@ -21,6 +21,8 @@ export function wire(page) {
     },
   });
   $(".share").onclick = async () => {
+    if ($(".play").ariaPressed === "true") $(".play").click(); // what is shared stays on the screen
+    writeAddress();
     $(".share").textContent = await share(page.board && mapped() ? page.board.saving : null);
     showLink($(".shared"));
     setTimeout(() => ($(".share").textContent = "Share"), 2500);

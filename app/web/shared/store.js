@@ -173,7 +173,8 @@ export function watchIn(view, names, action) {
   watch(["view"], () => late && now());
 }
 
-function writeAddress(how = "replaceState") {
+/** Write the state into the address now; a change waits a little, so that a drag writes once. */
+export function writeAddress(how = "replaceState") {
   clearTimeout(writing);
   const address = new URL(location.href);
   address.searchParams.delete("tab");

@@ -1,0 +1,142 @@
+"""States of the page that people come to by clicking, at four sizes, in light and dark, and on paper."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from .gestures import pixels, settle
+
+pytestmark = pytest.mark.browser
+
+SIZES = [(1280, 720), (1024, 768), (2560, 1440), (400, 800)]
+VIEWS = [
+    "chapter=touch",
+    "chapter=where",
+    "chapter=order",
+    "chapter=fooled",
+    "chapter=analyse&pin=3",
+    "chapter=analyse&mode=moved&beside=1&stage2=f_hat&head2=method:nearest_mean",
+]
+# texts that leave their box, and parts that lie on one another
+CUT = """() => {
+  const seen = (e) => e.checkVisibility({ visibilityProperty: true }) && e.getBoundingClientRect().width > 1;
+  const all = (of) => [...document.querySelectorAll(`.ov.explore :is(${of})`)].filter(seen);
+  const textOf = (e) => {
+    const range = document.createRange();
+    range.selectNodeContents(e);
+    return range.getBoundingClientRect();
+  };
+  const found = [];
+  for (const e of all('button, figcaption, output, .figure, .provenance, .remark, .who')) {
+    if (e.closest('.chapters, .presses, .sr') || !e.textContent.trim()) continue;
+    const text = textOf(e);
+    const holders = [e.matches('button') && e, e.closest('.twin, .object, .lookers button'), e.closest('.segments'),
+      e.closest('.side'), e.closest('.map-panel'), document.body];
+    const box = holders.find((one) => one && one.getBoundingClientRect().width > 1).getBoundingClientRect();
+    if (text.right > box.right + 1.5 || text.left < box.left - 1.5) found.push(`cut: ${e.textContent.trim().slice(0, 40)}`);
+  }
+  const parts = all('.tools > *, .pane, .changed, .kinds, .zooms, .tile, .lookers .thumb');
+  parts.forEach((a, i) => parts.slice(i + 1).forEach((b) => {
+    if (a.contains(b) || b.contains(a)) return;
+    const [p, q] = [a, b].map((e) => e.matches('.changed') ? textOf(e) : e.getBoundingClientRect());
+    const over = Math.min(p.right, q.right) - Math.max(p.left, q.left);
+    const deep = Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top);
+    if (over > 1.5 && deep > 1.5) found.push(`${a.className || a.tagName} lies on ${b.className || b.tagName}`);
+  }));
+  if (document.scrollingElement.scrollWidth > innerWidth) found.push('wider than the window');
+  return [...new Set(found)];
+}"""
+
+
+@pytest.mark.parametrize("size", SIZES, ids=str)
+def test_no_text_is_cut_and_no_part_lies_on_another(
+    open_page: Callable[..., Any], size: tuple[int, int]
+) -> None:
+    page = open_page("", viewport=dict(zip(("width", "height"), size, strict=True)))
+    home = page.url.split("?")[0]
+    for view in VIEWS:
+        page.goto(f"{home}?{view}", wait_until="commit")
+        page.wait_for_selector(".explore .provenance >> visible=true")
+        settle(page)
+        assert page.evaluate(CUT) == [], view
+    page.locator(".explore .zooms").evaluate(
+        "one => { one.style.transform = 'translateX(-60px)'; }"
+    )
+    assert page.evaluate(CUT)  # the check can see
+
+
+def test_each_button_of_the_first_chapter_alone_is_marked_in_its_group_and_all_figures_follow(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?chapter=touch")
+    page.wait_for_selector(".explore .twin .said")
+    seen = set()
+    for group in (".dots", ".known", ".given"):
+        for button in page.locator(f".explore .touch {group} [role=radio]").all():
+            if not button.is_visible():
+                continue
+            button.click()
+            marked = page.locator(f".explore .touch {group} [aria-checked=true]")
+            assert marked.count() == 1
+            assert marked.inner_text() == button.inner_text()
+            seen.add(page.inner_text(".explore .touch .side .figure"))
+    assert len(seen) > 6
+    for number in range(page.locator(".explore .touch .from option").count()):
+        page.select_option(".explore .touch .from", str(number))
+        name = page.locator(f".explore .touch .from option >> nth={number}").inner_text()
+        home = page.locator(".explore .twin.home")
+        assert name in home.inner_text()
+        assert home.locator("output").inner_text() in page.inner_text(
+            ".explore .touch .side .figure"
+        )
+        seen.add(page.inner_text(".explore .touch .side .figure"))
+    assert len(seen) > 13
+
+
+def test_each_reading_has_an_interval_and_changes_the_map_and_what_is_right_on_it(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?chapter=fooled")
+    page.wait_for_selector(".explore .stage .remark .provenance")
+    settle(page)
+    drawn = set()
+    for button in page.locator(".explore .readings [role=radio]").all():
+        button.click()
+        assert "–" in button.locator("small").inner_text()
+        assert page.locator(".explore .readings [aria-checked=true]").count() == 1
+        settle(page)
+        drawn.add(pixels(page))
+    assert len(drawn) == 3
+
+
+def test_what_is_shared_while_p_plays_is_what_stays_on_the_screen(
+    open_page: Callable[..., Any],
+) -> None:
+    page = open_page("?chapter=analyse&mode=moved")
+    page.wait_for_selector(".explore .score .provenance")
+    before = page.locator(".explore .order").input_value()
+    page.click(".explore .play")
+    page.wait_for_function(
+        "before => document.querySelector('.explore .order').value !== before", arg=before
+    )
+    page.click(".explore .share")
+    link = page.locator(".explore .shared:popover-open input").input_value()
+    assert page.locator(".explore .play").get_attribute("aria-pressed") == "false"
+    settle(page)
+    shown = float(page.locator(".explore .order").input_value())
+    assert abs(float(link.split("p=")[-1].split("&")[0]) - shown) < 1e-3
+
+
+@pytest.mark.parametrize("chapter", ["touch", "where", "order", "fooled", "analyse"])
+def test_paper_keeps_the_words_simulated_the_line_of_its_figure_and_the_names_of_its_colours(
+    open_page: Callable[..., Any], chapter: str
+) -> None:
+    page = open_page(f"?chapter={chapter}", viewport={"width": 718, "height": 1047})
+    page.wait_for_selector(".explore .provenance >> visible=true")
+    settle(page)
+    page.emulate_media(media="print")
+    assert page.locator(".top .badge").is_visible()
+    assert page.locator(".explore .provenance >> visible=true").count()
+    if chapter == "where":
+        assert page.locator(".explore .sensors button >> visible=true").count() == 8
