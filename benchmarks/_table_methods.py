@@ -55,16 +55,18 @@ def raw_of(embeddings: Embeddings, rows: Array) -> dict[str, Tensor]:
     return {n: torch.from_numpy(np.array(getattr(embeddings, n)[rows], np.float32)) for n in IMAGES}
 
 
-def _plan(embeddings: Embeddings, source: str, seed: int, **head: Any) -> TrainingPlan:
-    training = TrainSettings(**RECIPE)  # type: ignore[arg-type]
-    return plan_training(
-        embeddings, source, head={"width": 64, **head}, training=training, seed=seed
-    )
+def _plan(
+    embeddings: Embeddings, source: str, seed: int, recipe: Mapping[str, Any], **head: Any
+) -> TrainingPlan:
+    head, training = {"width": 64, **head}, TrainSettings(**recipe)
+    return plan_training(embeddings, source, head=head, training=training, seed=seed)
 
 
-def omnivat(embeddings: Embeddings, source: str, seed: int, **head: Any) -> Learned:
+def omnivat(
+    embeddings: Embeddings, source: str, seed: int, recipe: Mapping[str, Any] = RECIPE, **head: Any
+) -> Learned:
     """Train OmniVaT by the page's recipe: D = 64, noise and imitated sensors, texts in training."""
-    plan = _plan(embeddings, source, seed, **head)
+    plan = _plan(embeddings, source, seed, recipe, **head)
     model = train(plan.pairs, plan.settings, plan.training, bank=plan.bank, seed=seed).model
     places = [embeddings.header.classes.index(name) for name in plan.settings.classes]
 
@@ -91,9 +93,11 @@ def dtg(embeddings: Embeddings, source: str, seed: int) -> Learned:
     return omnivat(embeddings, source, seed, mffa=False)
 
 
-def erm_mlp(embeddings: Embeddings, source: str, seed: int) -> Learned:
+def erm_mlp(
+    embeddings: Embeddings, source: str, seed: int, recipe: Mapping[str, Any] = RECIPE
+) -> Learned:
     """Train ERM-MLP on both images by the same recipe: input, mirroring, noise, shift, batches."""
-    plan = _plan(embeddings, source, seed)
+    plan = _plan(embeddings, source, seed, recipe)
     own = profile_of(plan.pairs).channels
     labels, every = labels_of(plan.pairs, plan.settings), np.arange(len(plan.pairs))
     with seeded(derive_seed(seed, "erm-mlp")):
@@ -137,7 +141,7 @@ def _noise_of(digest: str) -> list[str]:
 
 
 def _fitted_maps(embeddings: Embeddings, source: str, seed: int) -> FittedMaps:
-    pairs = _source(embeddings, source, seed)
+    pairs = source_of(embeddings, source, seed)
     chosen = _noise_of(source)
     if not chosen:
         chosen.append(maps_method._chosen(replace(pairs, seed=0)))
@@ -157,7 +161,11 @@ def _maps(origin: str, source: str, seed: int, noise: str, pairs: Source) -> Fit
 
 def linear_maps(embeddings: Embeddings, source: str, seed: int) -> Learned:
     """Train linear maps of photo, touch and both; their noise is chosen on the source."""
-    fitted = _fitted_maps(embeddings, source, seed)
+    return of_maps(_fitted_maps(embeddings, source, seed))
+
+
+def of_maps(fitted: FittedMaps) -> Learned:
+    """Return fitted linear maps as a method."""
     return Learned(readings=fitted, features=_both(fitted), parameters=size(fitted.maps))
 
 
@@ -182,7 +190,7 @@ def _both(fitted: FittedMaps) -> Callable[[Raw], Tensor]:
 
 def nearest_mean(embeddings: Embeddings, source: str, seed: int) -> Learned:
     """Return softmax(10 cosine) to class means of standardised rows."""
-    pairs = _source(embeddings, source, seed)
+    pairs = source_of(embeddings, source, seed)
     own = profile_of(embeddings.in_domain(source, split="train")).channels
     classes = len(pairs.classes)
 
@@ -207,7 +215,7 @@ def published(name: str, embeddings: Embeddings, source: str, seed: int) -> Lear
     """Train a method of the paper as its file does, on rows standardised by the source's
     profile.
     """
-    pairs = _source(embeddings, source, seed)
+    pairs = source_of(embeddings, source, seed)
     own = profile_of(embeddings.in_domain(source, split="train")).channels
     standard = {n: _standard(x, own[n]) for n, x in pairs.images.items()}
     fitted = load(BASELINES, name, kind="method")(
@@ -231,7 +239,7 @@ def published(name: str, embeddings: Embeddings, source: str, seed: int) -> Lear
     return Learned(readings=readings, features=features, parameters=fitted.parameters)
 
 
-def _source(embeddings: Embeddings, source: str, seed: int) -> Source:
+def source_of(embeddings: Embeddings, source: str, seed: int) -> Source:
     pairs = embeddings.in_domain(source, split="train")
     raw = raw_of(pairs, np.arange(len(pairs)))
     return Source(

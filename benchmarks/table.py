@@ -20,7 +20,7 @@ probabilities. Finished lines are kept, so a stopped run goes on.
 import argparse
 import gzip
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -52,7 +52,14 @@ Profiles = dict[str, Channels]
 class Measured:
     """One method, one source, one seed."""
 
-    def __init__(self, embeddings: Embeddings, name: str, source: str, seed: int) -> None:
+    def __init__(
+        self,
+        embeddings: Embeddings,
+        name: str,
+        source: str,
+        seed: int,
+        methods: Mapping[str, Callable[[Embeddings, str, int], Learned]] = METHODS,
+    ) -> None:
         name, _, count = name.partition("@")
         if count:
             embeddings = few(embeddings, source, int(count), seed)
@@ -67,7 +74,7 @@ class Measured:
         if name in PUBLISHED:
             self.method: Learned = published(name, embeddings, source, seed)
         else:
-            self.method = METHODS[name](embeddings, source, seed)
+            self.method = methods[name](embeddings, source, seed)
         self.seconds = time.perf_counter() - started
         self.own_features = self.method.features(own)
 
