@@ -36,10 +36,4 @@ export function unseenPairs(frames, unseen) {
 
 /** The line below an accuracy of frames at one stop; "" where nothing predicts. */
 export const ofFrames = (frames, stop, pairs) =>
-  frames.headless || !frames.source
-    ? ""
-    : provenance({ head: predictor(frames, stop), source: frames.source + asPrinted(frames), pairs });
-
-/** A remark on shipped heads of each p, which were trained before dots were filled: their frames name no preprocessing. */
-export const asPrinted = ({ kind, meta, signals }) =>
-  kind !== "moved" && !signals && !("preprocessing" in (meta.embeddings ?? {})) ? ", dots as printed" : "";
+  frames.headless || !frames.source ? "" : provenance({ head: predictor(frames, stop), source: frames.source, pairs });

@@ -33,7 +33,7 @@ def said(number):
 
 def trained(folder):
     header = frames_header(folder / "trained.bin")
-    return np.array(header["orders"]), np.array(header["curves"]["accuracy/unseen"])
+    return np.array(header["orders"]), np.array(header["curves"]["seeds:accuracy/unseen/mean"])
 
 
 @pytest.fixture(scope="module")
