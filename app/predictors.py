@@ -60,12 +60,10 @@ def _fitted(resources: Resources, method: str) -> dict[str, Any]:
     from omnivat.kit.tables import load
     from omnivat.study.baselines import BASELINES
     from omnivat.study.protocol.fitting import source_arrays
-    from omnivat.study.protocol.methods import methods_named
-    from omnivat.study.protocol.run import Run, task_of
+    from omnivat.study.protocol.settings import task as task_of
 
     embeddings, source = resources.embeddings(), resources.head().source
-    run = Run(method=methods_named([method], {}, {})[0], source=source, seed=0)
-    task = task_of(run, embeddings)
+    task = task_of(embeddings, source)
     fitted = load(BASELINES, method, kind="baseline")(source_arrays(task, None, 0))
     vis, tac = (torch.from_numpy(copied(a)) for a in (embeddings.vis, embeddings.tac))
     with torch.inference_mode():

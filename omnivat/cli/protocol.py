@@ -15,9 +15,8 @@ from omnivat.cli.arguments import (
     progress_bar,
     shared,
     split_settings,
-    whole,
 )
-from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.errors import DataError
 from omnivat.kit.files import require_writable
 
 if TYPE_CHECKING:
@@ -34,8 +33,6 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--sources", default="", metavar="A,B", help="domains to train on; default: all in the set"
     )
-    text = "source-side evidence instead: this many folds of held-out objects, no target"
-    parser.add_argument("--folds", type=whole(0), default=0, help=text)
     shared(
         parser,
         set="a setting of the head or of its training, such as width=64 or selection=source-val",
@@ -45,15 +42,6 @@ def add(parser: argparse.ArgumentParser) -> None:
         " by `omnivat embed` on this machine"
     )
     parser.add_argument("--images", type=Path, metavar="PAIRS", help=text)
-    text = "also fit temperatures and a learned fusion to held-out objects; twice the time"
-    parser.add_argument("--calibrate", action="store_true", help=text)
-    text = (
-        "settings of the head to choose among, for each source on its held-out objects; give two or"
-        " more, '' for the settings as they are"
-    )
-    parser.add_argument(
-        "--candidate", action="append", default=[], metavar="key=value,...", help=text
-    )
 
 
 def add_running(parser: argparse.ArgumentParser) -> None:
@@ -75,7 +63,6 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.study.protocol.engine import planned
     from omnivat.study.protocol.methods import DEFAULT_METHODS, methods_named
     from omnivat.study.protocol.settings import available
-    from omnivat.study.reports.evidence_report import write_evidence
     from omnivat.study.reports.protocol_report import write_report
     from omnivat.training import TrainSettings
 
@@ -89,25 +76,17 @@ def run(options: argparse.Namespace) -> None:
                 images_key(set_of_pairs.header), start_of(options.images, set_of_pairs.rows["vis"])
             )
         head, training = split_settings(options.set, HeadSettings, TrainSettings)
-        if len(options.candidate) == 1:
-            raise SettingsError("One --candidate leaves nothing to choose; give two or more.")
-        candidates = {}
-        for text in options.candidate:
-            own = split_settings(list(listed(text)), HeadSettings, TrainSettings)
-            candidates[text or "as set"] = dict(zip(("head", "train"), own, strict=True))
         named = listed(options.methods) or DEFAULT_METHODS
-        methods = methods_named(named, head, training, candidates)
+        methods = methods_named(named, head, training)
         sources = listed(options.sources) or available(set_of_pairs)
         if not sources:
             raise DataError(
                 f"'{options.embeddings}' has no domain with pairs of two classes or more to learn"
                 " from."
             )
-        folds = tuple(range(options.folds)) or (None,)
-        runs = planned(methods, sources, numbers(options.seeds), folds, calibrate=options.calibrate)
+        runs = planned(methods, sources, numbers(options.seeds))
         work(runs, options, lang=training.get("lang", True))
-    found = records.read(options.out / RUNS)
-    print(write_evidence(found, options.out) if options.folds else write_report(found, options.out))
+    print(write_report(records.read(options.out / RUNS), options.out))
 
 
 def work(runs: "list[Run]", options: argparse.Namespace, *, lang: bool = True) -> None:

@@ -25,7 +25,6 @@ from omnivat.kit.stages import IMAGES
 
 LOWEST, HIGHEST = 0.05, 20.0  # temperatures
 STEPS = 32  # of the golden section; relative error 1e-6
-SHARES = 21  # evenly from 0 to 1
 GOLDEN = (5**0.5 - 1) / 2
 
 
@@ -60,27 +59,10 @@ def fit_temperature(logits: Tensor, labels: Tensor) -> float:
     return _exp((low + high) / 2)
 
 
-def fit_share(vis: Tensor, tac: Tensor, labels: Tensor) -> float:
-    """Return the weight of VIS, 0 to 1, with the best weighted log-probabilities.
-
-    vis, tac  (N, K) logits;  labels  (N,)
-
-    Every share is scored at its own best temperature, so that confidence does not affect the
-    choice. Ties go to the share nearest to 0.5.
-    """
-
-    def loss(share: float) -> tuple[float, float]:
-        mixed = fused_logs("learned", vis.double(), tac.double(), share)
-        return round(_nll(mixed / fit_temperature(mixed, labels), labels), 9), abs(share - 0.5)
-
-    shares: list[float] = torch.linspace(0, 1, SHARES, dtype=torch.float64).tolist()
-    return min(shares, key=loss)
-
-
 def fit_calibration(
     logits: Mapping[str, Tensor], labels: Tensor, *, fusion: str = "mean"
 ) -> Calibration:
-    """Return temperatures for "fused", "vis" and "tac", and the share of a learned fusion.
+    """Return temperatures for "fused", "vis" and "tac".
 
     logits  of held-out pairs: "vis" and "tac" with the other image absent; "vis_branch" and
             "tac_branch" inside the pair, "pair" of the summed features. A missing one keeps
@@ -91,17 +73,15 @@ def fit_calibration(
         name: fit_temperature(logits[name], labels) if name in logits else 1.0
         for name in ("vis", "tac")
     }
-    share = 0.5
     if "vis_branch" in logits and "tac_branch" in logits:
         branches = logits["vis_branch"], logits["tac_branch"]
-        share = fit_share(*branches, labels)
-        fused = logits["pair"] if fusion == "feature" else fused_logs(fusion, *branches, share)
+        fused = logits["pair"] if fusion == "feature" else fused_logs(fusion, *branches)
         temperature["fused"] = fit_temperature(fused, labels)
     elif "fused" in logits:
         temperature["fused"] = fit_temperature(logits["fused"], labels)
     else:
         temperature["fused"] = next(temperature[n] for n in ("vis", "tac") if n in logits)
-    return Calibration(temperature=temperature, share=share)
+    return Calibration(temperature=temperature)
 
 
 def _nll(logits: Tensor, labels: Tensor) -> float:

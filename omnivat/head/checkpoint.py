@@ -263,14 +263,12 @@ def _calibration(file: Path, stored: Any) -> Calibration:
         return Calibration()
     try:
         temperature = {n: float(stored["temperature"][n]) for n in ("fused", "vis", "tac")}
-        share = float(stored["share"])
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(f"'{file}' holds a calibration that cannot be read: {error!r}.") from error
-    if all(0 < t < 1e6 for t in temperature.values()) and 0 <= share <= 1:
-        return Calibration(temperature=temperature, share=share)
+    if all(0 < t < 1e6 for t in temperature.values()):
+        return Calibration(temperature=temperature)
     raise DataError(
-        f"'{file}' holds temperatures {temperature} and share {share}; temperatures are above 0 "
-        "and the share is 0 to 1. Copy the head folder again."
+        f"'{file}' holds temperatures {temperature}; they are above 0. Copy the head folder again."
     )
 
 

@@ -3,8 +3,6 @@
 mean        mean of the two softmaxes
 product     softmax of the mean of the two log-probabilities, a product of experts
 confidence  mean of the softmaxes, weighted by certainty: log K minus the entropy
-learned     softmax of a weighted sum of the two log-probabilities; the weight of VIS is fitted on
-            held-out source pairs
 feature     one classification of the sum of the two features
 """
 
@@ -24,17 +22,15 @@ TINY = 1e-12
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Calibration:
-    """Values fitted on held-out source pairs. Without a fit: temperatures 1, share 0.5.
+    """Values fitted on held-out source pairs; without a fit, temperatures of 1.
 
     temperature  of "fused", "vis" and "tac": log-probabilities are divided by it. It changes the
                  confidence, never the predicted class
-    share        weight of VIS, 0 to 1, in a learned fusion
     """
 
     temperature: Mapping[str, float] = field(
         default_factory=lambda: {"fused": 1.0, "vis": 1.0, "tac": 1.0}
     )
-    share: float = 0.5
 
 
 def tempered(logits: Float[Tensor, "*any K"], temperature: float) -> Float[Tensor, "*any K"]:
@@ -60,19 +56,19 @@ def fuse(
     if kind == "feature":
         assert pair is not None, "feature fusion needs the logits of the summed features"
         return tempered(pair, temperature)
-    mixed = fused_logs(kind, logits["vis"], logits["tac"], calibration.share)
+    mixed = fused_logs(kind, logits["vis"], logits["tac"])
     return mixed.exp() if temperature == 1 else tempered(mixed, temperature)
 
 
 def fused_logs(
-    kind: str, vis: Float[Tensor, "*any K"], tac: Float[Tensor, "*any K"], share: float = 0.5
+    kind: str, vis: Float[Tensor, "*any K"], tac: Float[Tensor, "*any K"]
 ) -> Float[Tensor, "*any K"]:
     """Return log-probabilities of two sets of logits under a late fusion.
 
     Raises MissingNameError with the nearest name for an unknown fusion.
     """
     logs = torch.stack((torch.log_softmax(vis, dim=-1), torch.log_softmax(tac, dim=-1)))
-    fused: Tensor = entry(LATE, kind, kind="late fusion")(logs, share)
+    fused: Tensor = entry(LATE, kind, kind="late fusion")(logs)
     return fused
 
 
@@ -82,14 +78,11 @@ def _confidence(logs: Float[Tensor, "2 *any K"]) -> Float[Tensor, "*any K"]:
     return torch.logsumexp(logs + weights.clamp_min(TINY).log(), dim=0)
 
 
-# by name: log-probabilities of VIS and TAC, weight of VIS
-LATE: dict[str, Callable[[Float[Tensor, "2 *any K"], float], Float[Tensor, "*any K"]]] = {
-    "mean": lambda logs, share: torch.logsumexp(logs, dim=0) - math.log(2),
-    "product": lambda logs, share: torch.log_softmax(logs.mean(0), dim=-1),
-    "confidence": lambda logs, share: _confidence(logs),
-    "learned": lambda logs, share: torch.log_softmax(
-        share * logs[0] + (1 - share) * logs[1], dim=-1
-    ),
+# by name: of the log-probabilities of VIS and TAC
+LATE: dict[str, Callable[[Float[Tensor, "2 *any K"]], Float[Tensor, "*any K"]]] = {
+    "mean": lambda logs: torch.logsumexp(logs, dim=0) - math.log(2),
+    "product": lambda logs: torch.log_softmax(logs.mean(0), dim=-1),
+    "confidence": _confidence,
 }
 FUSIONS = (*LATE, "feature")
 
@@ -101,5 +94,4 @@ def certainty(logs: Float[Tensor, "*any K"]) -> Float[Tensor, "*any 1"]:
 
 def plain(calibration: Calibration) -> dict[str, Any]:
     """Return the calibration as plain values for JSON; equal calibrations give equal text."""
-    temperature = {name: calibration.temperature[name] for name in ("fused", "vis", "tac")}
-    return {"temperature": temperature, "share": calibration.share}
+    return {"temperature": {n: calibration.temperature[n] for n in ("fused", "vis", "tac")}}

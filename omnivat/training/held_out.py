@@ -33,11 +33,10 @@ FOLD = 0
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HeldOut:
-    """Logits by reading, and labels, of held-out pairs; `plain` marks unshifted pairs."""
+    """Logits by reading, and labels, of held-out pairs."""
 
     logits: dict[str, Tensor]  # (N, K) each, before any temperature
     labels: Tensor  # (N,)
-    plain: Tensor  # (N,) bool
 
 
 def held_out_logits(
@@ -51,9 +50,6 @@ def held_out_logits(
     return HeldOut(
         logits={name: torch.cat([part[name] for part in parts]) for name in parts[0]},
         labels=torch.from_numpy(np.concatenate(labels)),
-        plain=torch.cat(
-            [torch.full((len(p),), name == "held out") for name, p in fold.held.items()]
-        ),
     )
 
 

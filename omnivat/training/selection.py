@@ -45,13 +45,6 @@ def evidence(source: Embeddings, fold: int, *, shifts: int = SHIFTS) -> Evidence
     held = hold_out(source.rows["object"], source.label, FRACTION, seed=seed)
     if not held.any():
         raise DataError("No object of the source can be held out: every class has one object only.")
-    return evidence_of(source, held, seed, shifts=shifts)
-
-
-def evidence_of(
-    source: Embeddings, held: NDArray[np.bool_], seed: int, *, shifts: int = SHIFTS
-) -> Evidence:
-    """Return the fold with held-out pairs `held` (N,); the seed draws the imitated sensors."""
     fit, rest = source.select(~held), source.select(held)
     shifted = {
         f"{kind} {number}": shift(rest, fit, STRENGTH, derive_seed(seed, kind, number), kind=kind)

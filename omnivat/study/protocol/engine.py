@@ -12,24 +12,16 @@ from omnivat.kit.tables import need
 from omnivat.kit.threads import in_processes, one_thread, pin_thread
 from omnivat.study.protocol import records
 from omnivat.study.protocol.methods import HEAD, Method
-from omnivat.study.protocol.run import Run, choice_of, execute, resolved
+from omnivat.study.protocol.run import Run, execute, resolved
 from omnivat.study.protocol.settings import task
 
 ENGINES = ("local", "ray")
 
 
-def planned(
-    methods: Sequence[Method],
-    sources: Sequence[str],
-    seeds: Sequence[int],
-    folds: Sequence[int | None] = (None,),
-    *,
-    calibrate: bool = False,
-) -> list[Run]:
+def planned(methods: Sequence[Method], sources: Sequence[str], seeds: Sequence[int]) -> list[Run]:
     """Return all combinations, methods innermost, so that first table rows appear early."""
     return [
-        Run(method=method, source=source, seed=seed, fold=fold, calibrate=calibrate)
-        for fold in folds
+        Run(method=method, source=source, seed=seed)
         for seed in seeds
         for source in sources
         for method in methods
@@ -59,12 +51,16 @@ def run_all(
     known = {r["key"]: r for r in records.read(out) if r["format"] == records.FORMAT}
     waiting = [run for run in runs if _key(run, pairs, texts, shared) not in known]
     first, done = min((run.seed for run in runs), default=0), 0
-    for part in stages(waiting, first):
-        for place, run in enumerate(part):
-            if run.seed != first and chooses(run):
-                prior = known.get(_key(replace(run, seed=first), pairs, texts, shared))
-                part[place] = replace(run, prior=choice_of(prior)) if prior else run
-        for record in _results(part, embeddings, bank, jobs, engine):
+    free = [run for run in waiting if run.seed == first or run.method.base == HEAD]
+    bound = [run for run in waiting if run.seed != first and run.method.base != HEAD]
+
+    def settled(run: Run) -> Run:  # the first seed of a baseline chooses for all
+        prior = known.get(_key(replace(run, seed=first), pairs, texts, shared), {})
+        chosen = prior.get("chosen", {}).values()
+        return replace(run, settled=tuple(name for name in chosen if isinstance(name, str)))
+
+    for part in (free, map(settled, bound)):
+        for record in _results(list(part), embeddings, bank, jobs, engine):
             done += 1
             line = {"key": records.key(shared | record), **shared, **record}
             known[line["key"]] = line
@@ -72,19 +68,6 @@ def run_all(
             text = f"{record['label']}, {record['source']}, seed {record['seed']}"
             on_step(Step(done=done, total=len(waiting), text=text))
     return done
-
-
-def stages(runs: Sequence[Run], first: int) -> list[list[Run]]:
-    """Return two stages if any run chooses or calibrates: the first seed decides for all."""
-    if not any(chooses(run) for run in runs):
-        return [list(runs)]
-    parts = [[run for run in runs if (run.seed == first) == early] for early in (True, False)]
-    return [part for part in parts if part]
-
-
-def chooses(run: Run) -> bool:
-    """True if a run uses held-out objects of its source before it trains."""
-    return run.calibrate or bool(run.method.candidates) or run.method.base != HEAD
 
 
 def _key(run: Run, pairs: Embeddings, bank: LangBank | None, shared: dict[str, Any]) -> str:
@@ -98,7 +81,6 @@ def _key(run: Run, pairs: Embeddings, bank: LangBank | None, shared: dict[str, A
             "source": pairs.header.domains[int(found.train.domain[0])],
             "part": found.setting.source.part,
             "seed": run.seed,
-            "fold": run.fold,
         }
     )
 

@@ -49,8 +49,7 @@ def _read(pairs: Embeddings, root: Path, name: str, row: int) -> Image.Image:
 def require_own_images(pairs: Embeddings) -> None:
     """Check that the images belong to the embeddings, on the first pair.
 
-    Raises DataError for missing or different images, and for shifted embeddings, such as those of
-    imitated sensors.
+    Raises DataError for missing or different images.
     """
     if not len(pairs):
         return
@@ -66,9 +65,8 @@ def require_own_images(pairs: Embeddings) -> None:
         if not away <= MOST:
             raise DataError(
                 f"The image '{pairs.rows[name][0]}' and its embedding do not belong together (made"
-                f" again, it lies {away:.0%} away): another image lies there now, or the embedding"
-                " was moved, as under an imitated sensor. Methods that learn inside CLIP predict"
-                " images as they were embedded."
+                f" again, it lies {away:.0%} away): another image is there now. Methods that learn"
+                " inside CLIP predict images as they were embedded."
             )
 
 

@@ -34,18 +34,13 @@ DEFAULT_METHODS = (HEAD, *VARIANTS, *(name for name in BASELINES if name not in 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Method:
-    """A row of a table.
-
-    candidates  settings to choose from on held-out objects of the source, by name: {"head": {...},
-                "train": {...}} override `head` and `train`; empty: no choice
-    """
+    """A row of a table."""
 
     name: str  # unique; a file's records are grouped by it
     base: str = HEAD  # or a name in BASELINES
     head: Mapping[str, Any] = field(default_factory=dict)  # settings that differ from the defaults
     train: Mapping[str, Any] = field(default_factory=dict)  # the same, of training
     modalities: tuple[str, ...] = ("vis", "tac")  # input in prediction
-    candidates: Mapping[str, Mapping[str, Mapping[str, Any]]] = field(default_factory=dict)
     label: str = ""
     note: str = ""
     ablated: bool = False  # the head with one part switched off; excluded from the lead
@@ -62,12 +57,9 @@ class Method:
 
 
 def methods_named(
-    names: Sequence[str],
-    head: Mapping[str, Any],
-    train: Mapping[str, Any],
-    candidates: Mapping[str, Mapping[str, Mapping[str, Any]]] | None = None,
+    names: Sequence[str], head: Mapping[str, Any], train: Mapping[str, Any]
 ) -> list[Method]:
-    """Return the methods; settings and candidates go to the head and its variants.
+    """Return the methods; settings go to the head and its variants.
 
     With noise, the baselines get it too, and methods of gradient steps as many epochs.
     Raises MissingNameError, with the nearest name, for an unknown method.
@@ -82,11 +74,7 @@ def methods_named(
             label, of_head, of_train = heads[name]
             settings: dict[str, Any] = {"head": {**head, **of_head}, "train": {**train, **of_train}}
             ablated = name in ABLATED
-            found.append(
-                Method(
-                    name=name, label=label, candidates=candidates or {}, ablated=ablated, **settings
-                )
-            )
+            found.append(Method(name=name, label=label, ablated=ablated, **settings))
         else:
             label, note, _ = LABELS.get(name, Label(name))
             found.append(Method(name=name, base=name, train=own, label=label, note=note))

@@ -56,9 +56,7 @@ def key(record: Mapping[str, Any]) -> str:
     """Return the key of a run: equal runs have equal keys. Versions and times are not part of
     it.
     """
-    parts = [
-        record[name] for name in ("method", "base", "settings", "source", "part", "seed", "fold")
-    ]
+    parts = [record[name] for name in ("method", "base", "settings", "source", "part", "seed")]
     parts += [record["data"]["fingerprint"], (record["lang"] or {}).get("hash", "")]
     text = json.dumps(parts, sort_keys=True)
     return blake2b(text.encode(), digest_size=8).hexdigest()

@@ -1,8 +1,8 @@
 """Score a fitted method on pairs, and keep every prediction so that tables can be recomputed.
 
-`answers` has the predicted class of every pair, one character each, for every reading and late
-fusion; `truth` and `objects` have the same order, and so has `odds`: the log-odds of both images,
-before any temperature (`omnivat.data.packing.odds`). A class is its index in the record's
+`answers` has the predicted class of every pair, one character each, for every reading; `truth` and
+`objects` have the same order, and so has `odds`: the log-odds of both images
+(`omnivat.data.packing.odds`). A class is its index in the record's
 `classes`, written 0 to 9, then a to z, then A to Z. Objects are numbered through the whole set.
 """
 
@@ -12,27 +12,22 @@ from typing import Any
 
 import numpy as np
 import torch
-from torch import Tensor
 
 from omnivat.data.packing import DIGITS, compact, digits, odds
 from omnivat.data.store import Embeddings
-from omnivat.head.fusion import tempered
 from omnivat.head.output import READINGS
 from omnivat.measure.evaluate import label_map, scores
 from omnivat.measure.gaps.calibration import aurc, ece, nll
 from omnivat.measure.gaps.sums import cosine_margin
-from omnivat.study.protocol.fitting import Outcome, fusions
+from omnivat.study.protocol.fitting import Outcome
 
 
 def score(
-    outcome: Outcome,
-    pairs: Embeddings,
-    classes: tuple[str, ...],
-    numbers: Mapping[str, int] | None = None,
+    outcome: Outcome, pairs: Embeddings, classes: tuple[str, ...], numbers: Mapping[str, int]
 ) -> dict[str, Any]:
-    """Return counts, scores by reading, late fusions, margins and every prediction.
+    """Return counts, scores by reading, margins and every prediction.
 
-    numbers  object -> its number (`object_numbers`); without it, single predictions are not kept
+    numbers  object -> its number (`object_numbers`)
     Pairs of classes that the method lacks are left out and counted.
     """
     labels = label_map(classes, pairs.header.classes)[pairs.label]
@@ -41,16 +36,11 @@ def score(
     if not len(known):
         return record | {"scores": {}}
     pairs, truth = pairs.select(known), torch.from_numpy(labels[known])
-    logits = outcome.logits(pairs)
-    calibration = outcome.choice.calibration
-    mixed = fusions(logits, outcome.separate, calibration.share) if outcome.separate else {}
-    readings = {name: logits[name] for name in READINGS if name in logits}
+    shares = outcome.probabilities(pairs)
+    readings = {name: shares[name] for name in READINGS if name in shares}
     record["scores"] = {name: scores(truth, values.argmax(-1)) for name, values in readings.items()}
-    record["scores"]["fused"] |= confidence(
-        logits["fused"], truth, calibration.temperature["fused"]
-    )
-    record["fusions"] = {
-        name: scores(truth, values.argmax(-1), union=False) for name, values in mixed.items()
+    record["scores"]["fused"] |= {
+        n: float(m(shares["fused"], truth)) for n, m in CONFIDENCE.items()
     }
     margins = {
         name: float(cosine_margin(rows, truth)) for name, rows in outcome.features(pairs).items()
@@ -58,21 +48,12 @@ def score(
     record["margins"] = {
         name: None if math.isnan(value) else value for name, value in margins.items()
     }
-    if numbers is not None and len(classes) <= len(DIGITS):
+    if len(classes) <= len(DIGITS):
         record["truth"] = digits(truth.tolist())
         record["objects"] = compact([numbers[name] for name in named_objects(pairs)])
-        predicted = {**readings, **{f"fusion:{name}": values for name, values in mixed.items()}}
-        record["answers"] = {name: digits(v.argmax(-1).tolist()) for name, v in predicted.items()}
-        record["odds"] = odds(logits["fused"].numpy())
+        record["answers"] = {name: digits(v.argmax(-1).tolist()) for name, v in readings.items()}
+        record["odds"] = odds(shares["fused"].clamp_min(1e-12).log().numpy())
     return record
-
-
-def confidence(logits: Tensor, truth: Tensor, temperature: float) -> dict[str, float]:
-    """Return ECE, NLL and AURC after the temperature, and before it (raw)."""
-    found, raw = tempered(logits, temperature), tempered(logits, 1.0)
-    return {name: float(m(found, truth)) for name, m in CONFIDENCE.items()} | {
-        f"{name}_raw": float(m(raw, truth)) for name, m in CONFIDENCE.items()
-    }
 
 
 CONFIDENCE = {"ece": ece, "nll": nll, "aurc": aurc}

@@ -9,8 +9,8 @@ from omnivat.data.domains import paper_name
 from omnivat.figures.curves import lines
 from omnivat.figures.still import svg_of
 from omnivat.kit.files import write_text
-from omnivat.study.reports.evidence_report import count_text, markdown, spread_text
 from omnivat.study.reports.intervals import Spread, spread, spread_lines
+from omnivat.study.reports.markdown import count_text, markdown, spread_text
 from omnivat.study.reports.paper import MARK, ablation_cell, not_comparable
 from omnivat.study.reports.reading import (
     METRICS,

@@ -4,20 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from omnivat.kit.files import write_text
-from omnivat.study.reports.evidence_report import (
-    count_text,
-    interval_text,
-    markdown,
-    method_table,
-    percent,
-    score_cells,
-)
-from omnivat.study.reports.intervals import (
-    bootstrap_interval,
-    paired_differences,
-    spread,
-    t_interval,
-)
+from omnivat.study.reports.intervals import spread
+from omnivat.study.reports.markdown import count_text, markdown, method_table, percent, score_cells
 from omnivat.study.reports.paper import MARK, not_comparable, paper_rows, target_rows
 from omnivat.study.reports.reading import (
     METRICS,
@@ -33,7 +21,6 @@ from omnivat.study.reports.readings_report import readings_parts
 from omnivat.study.reports.side_report import side_parts
 
 REPORT = "report.md"
-OURS = "omnivat"
 SCORES = ("accuracy", "macro_f1")
 
 
@@ -46,7 +33,7 @@ def write_report(records: Sequence[Record], folder: Path) -> str:
 
 def protocol_report(records: Sequence[Record]) -> str:
     """Return the whole report of a protocol's records."""
-    found = latest(record for record in records if record["fold"] is None)
+    found = latest(records)
     if not found:
         return "No runs yet.\n"
     parts = [
@@ -57,14 +44,6 @@ def protocol_report(records: Sequence[Record]) -> str:
         main_table(found),
         "Mean ± standard deviation (n − 1) over seeds; Macro-F1 over classes present in a target.",
         *side_parts(found),
-        "## Other intervals: both images by mean fusion, 95 %, paired by source and seed",
-        interval_table(found),
-        (
-            "Points; none of these treats test objects as random or corrects for several"
-            " comparisons. t: over sources × seeds (n printed), assumed independent. Grouped:"
-            " percentile bootstrap that draws whole sources, then seeds. t of sources: over one"
-            " mean for each source."
-        ),
         "## Macro-F1 with predicted classes counted too (union), source test, size, time",
         side_table(found),
         "## Every target",
@@ -102,28 +81,6 @@ def main_table(records: Sequence[Record]) -> str:
 
     header = [*(f"{s} → X" for s in sources), "average"]
     return method_table(records, header, cells, below=paper_rows(sources, records[0]["data"]))
-
-
-def interval_table(records: Sequence[Record]) -> str:
-    """Return intervals of OmniVaT's lead over every other method."""
-
-    def cells(own: list[Record]) -> list[str]:
-        cells: list[str] = []
-        for metric in SCORES if own[0]["method"] != OURS else ():
-            found = paired_differences(
-                by_run(records, OURS, metric), by_run(own, own[0]["method"], metric)
-            )
-            plain = t_interval([value for values in found.values() for value in values])
-            cells += [
-                f"{interval_text(plain)} n={plain.n}",
-                interval_text(bootstrap_interval(found)),
-                interval_text(t_interval([spread(values).mean for values in found.values()])),
-            ]
-        return cells
-
-    kinds = ("t", "grouped", "t of sources")
-    header = [f"{METRICS[m]}, {kind}" for m in SCORES for kind in kinds]
-    return method_table(records, header, cells, first="OmniVaT minus")
 
 
 def side_table(records: Sequence[Record]) -> str:

@@ -1,6 +1,5 @@
 """Look values up in records: by method, source and seed."""
 
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any
@@ -21,41 +20,7 @@ def latest(records: Iterable[Record]) -> list[Record]:
     found: dict[tuple[str, str, int], Record] = {}
     for record in records:
         found[record["method"], record["source"], record["seed"]] = record
-    return [settled(record) for record in found.values()]
-
-
-def settled(record: Record) -> Record:
-    """Return a record whose reading "fused" is the mean fusion, and "chosen" the chosen one.
-
-    In records of format 1, "fused" is the chosen fusion. Methods that fuse features have no
-    "chosen".
-    """
-    targets, kind = record.get("targets", {}), record.get("chosen", {}).get("fusion")
-    if not any(target.get("fusions") for target in targets.values()):
-        return record
-    old = record.get("format") == "omnivat-run-1"
-    found = {name: _settled(target, kind, old) for name, target in targets.items()}
-    test = record.get("source_test")
-    tests = {"source_test": _settled(test, kind, old)} if test else {}
-    return {**record, "targets": found, **tests}
-
-
-def _settled(target: Record, kind: str | None, old: bool) -> Record:
-    scores, answers = dict(target["scores"]), dict(target.get("answers", {}))
-    for name, fusion in (("chosen", kind), ("fused", "mean" if old else None)):
-        if fusion in target.get("fusions", {}):
-            scores[name] = target["fusions"][fusion]
-            if f"fusion:{fusion}" in answers:
-                answers[name] = answers[f"fusion:{fusion}"]
-                scores[name] = {**scores[name], "macro_f1_union": _union(target, answers[name])}
-    return {**target, "scores": scores} | ({"answers": answers} if answers else {})
-
-
-def _union(target: Record, predicted: str) -> float:
-    """Return Macro-F1 over all classes that are present or predicted."""
-    right = Counter(a for a, b in zip(target["truth"], predicted, strict=True) if a == b)
-    counts = Counter(target["truth"]) + Counter(predicted)
-    return sum(2 * right[name] / count for name, count in counts.items()) / len(counts)
+    return list(found.values())
 
 
 def methods(records: Sequence[Record]) -> dict[str, str]:

@@ -1,9 +1,8 @@
 """Three readings of every method, and OmniVaT against the best other row."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-from omnivat.head.fusion import FUSIONS
 from omnivat.study.reports import bootstrap
 from omnivat.study.reports.bootstrap import (
     METRICS,
@@ -13,25 +12,19 @@ from omnivat.study.reports.bootstrap import (
     draws_for,
     resampled,
 )
-from omnivat.study.reports.evidence_report import (
+from omnivat.study.reports.intervals import Interval
+from omnivat.study.reports.markdown import (
     interval_text,
     markdown,
     method_table,
     percent,
     score_cells,
 )
-from omnivat.study.reports.intervals import Interval
 from omnivat.study.reports.reading import METRICS as NAMES
-from omnivat.study.reports.reading import Record, by_run, by_seed, completed, methods
+from omnivat.study.reports.reading import Record, by_run, by_seed, methods
 
 OURS = ("omnivat", "fused")
-CHOSEN = ("omnivat", "chosen")
-READINGS = {
-    "vis": "photo only",
-    "tac": "touch only",
-    "fused": "both, mean fusion",
-    "chosen": "both, chosen fusion",
-}
+READINGS = {"vis": "photo only", "tac": "touch only", "fused": "both"}
 
 
 def readings_parts(records: Sequence[Record]) -> list[str]:
@@ -39,58 +32,34 @@ def readings_parts(records: Sequence[Record]) -> list[str]:
     parts = ["## Photo only, touch only, both: ACC / Macro-F1", readings_table(records)]
     parts.append(
         "Mean over unseen targets, then sources; ± standard deviation (n − 1) over seeds. Photo"
-        " only and touch only: the other image is absent. Both, mean fusion: the mean of two"
-        " predictions, or the one prediction of a method that joins features (“–” under chosen"
-        " fusion). Chosen fusion: the one with the lowest log loss on held-out objects of the"
-        " source."
+        " only and touch only: the other image is absent. Both: the mean of two predictions, or the"
+        " one prediction of a method that joins features."
     )
     found = compared(records)
     if found is None:
         return parts
     return [
         "## OmniVaT against the best other row",
-        "Both images, mean fusion:",
+        "Both images:",
         *map(found.headline, METRICS),
-        *_chosen_headline(records, found),
         (
             "Intervals: hierarchical bootstrap over sources, seeds and test objects (the objects of"
             " a test set are drawn once for all sources), simultaneous over all rows below by the"
             " max-t method; 2,000 draws."
         ),
         *parts,
-        "## OmniVaT, both images by mean fusion, minus every other row",
+        "## OmniVaT, both images, minus every other row",
         found.table(),
         *ablated_part(records),
     ]
 
 
-def _chosen_headline(records: Sequence[Record], found: "Compared") -> list[str]:
-    """Return the headline for the chosen fusion, if runs chose another than the mean."""
-    chosen = {r.get("chosen", {}).get("fusion", "mean") for r in completed(records, OURS[0])}
-    if chosen == {"mean"} or CHOSEN not in complete_rows(records, (CHOSEN[1],)):
-        return []
-    ours = resampled(records, CHOSEN, draws_for([r for r in records if "targets" in r]))
-    lines = map(replace(found, ours=ours).headline, METRICS)
-    return ["The same with the fusion chosen on the source:", *lines]
-
-
 def ablated_part(records: Sequence[Record]) -> list[str]:
-    """Return OmniVaT minus itself with one part switched off; empty without such runs.
-
-    Only sources where OmniVaT kept the settings of these rows count: it may choose, they may not.
-    """
-    own = [r for r in completed(records, OURS[0]) if r.get("settings", {}).get("candidates")]
-    left = {r["source"] for r in own if r["chosen"].get("settings") != "as set"}
-    found = compared([r for r in records if r["source"] not in left], only_ablated=True)
+    """Return OmniVaT minus itself with one part switched off; empty without such runs."""
+    found = compared(records, only_ablated=True)
     if found is None:
         return []
-    note = "Both images, mean fusion."
-    if left:
-        note += (
-            f" Without {', '.join(sorted(left))}: there OmniVaT chose other settings on held-out "
-            "objects, a choice that the rows below do not have."
-        )
-    return ["## OmniVaT minus itself with one part switched off", note, found.table()]
+    return ["## OmniVaT minus itself with one part switched off", "Both images.", found.table()]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,8 +76,7 @@ class Compared:
 
     def label(self, row: Row) -> str:
         """Return a row's name: the method's label and its reading."""
-        kind = READINGS.get(row[1]) or f"both, {row[1].partition(':')[2]} fusion"
-        return f"{self.labels[row[0]]}, {kind}"
+        return f"{self.labels[row[0]]}, {READINGS[row[1]]}"
 
     def headline(self, metric: str) -> str:
         """Return one sentence for a metric: ours, the best other row, and the interval."""
@@ -142,8 +110,7 @@ def compared(records: Sequence[Record], *, only_ablated: bool = False) -> Compar
 
     only_ablated  compare with OmniVaT's own ablations instead, both images only
     """
-    late = (f"fusion:{kind}" for kind in FUSIONS if kind != "mean")
-    rows = complete_rows(records, ("fused",) if only_ablated else (*READINGS, *late))
+    rows = complete_rows(records, ("fused",) if only_ablated else tuple(READINGS))
     if OURS not in rows:
         return None
     drawn = draws_for([r for r in records if "targets" in r])
@@ -159,15 +126,15 @@ def compared(records: Sequence[Record], *, only_ablated: bool = False) -> Compar
 
 
 def readings_table(records: Sequence[Record]) -> str:
-    """Return one line for each method: ACC / Macro-F1 of each reading, and the fusion of "both"."""
+    """Return one line for each method: ACC / Macro-F1 of each reading."""
     sources = list(dict.fromkeys(record["source"] for record in records))
 
     def cells(own: list[Record]) -> list[str]:
-        name, found = own[0]["method"], []
-        for reading in READINGS:
-            text = score_cells(*(by_seed(by_run(own, name, m, reading), sources) for m in METRICS))
-            found.append(text.replace("– / –", "–"))
-        fusions = sorted({record.get("chosen", {}).get("fusion", "") for record in own} - {""})
-        return [*found, ", ".join(fusions), str(len({record["seed"] for record in own}))]
+        name = own[0]["method"]
+        found = [
+            score_cells(*(by_seed(by_run(own, name, m, reading), sources) for m in METRICS))
+            for reading in READINGS
+        ]
+        return [*found, str(len({record["seed"] for record in own}))]
 
-    return method_table(records, [*READINGS.values(), "late fusion", "seeds"], cells)
+    return method_table(records, [*READINGS.values(), "seeds"], cells)

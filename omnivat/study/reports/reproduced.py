@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from omnivat.data.domains import paper_name
-from omnivat.study.reports.evidence_report import method_table
+from omnivat.study.reports.markdown import method_table
 from omnivat.study.reports.paper import MARK, not_comparable, paper
 from omnivat.study.reports.reading import Record, latest
 

@@ -1,11 +1,9 @@
-"""Further tables: late fusion, confidence, margins of each target, the LANG guard."""
+"""Further tables: confidence, margins of each target, the LANG guard."""
 
-import math
 from collections.abc import Sequence
 
-from omnivat.head.fusion import FUSIONS
-from omnivat.study.reports.evidence_report import method_table, percent
 from omnivat.study.reports.intervals import spread
+from omnivat.study.reports.markdown import method_table, percent
 from omnivat.study.reports.reading import Record
 
 CONFIDENCE = {"ece": "ECE", "nll": "NLL", "aurc": "AURC"}
@@ -15,8 +13,7 @@ def side_parts(records: Sequence[Record]) -> list[str]:
     """Return the tables for which these records have figures."""
     parts = []
     for title, table, note in (
-        ("Late fusion: ACC / Macro-F1 of both images", fusion_table, FUSION_NOTE),
-        ("Confidence, before → after temperature", confidence_table, CONFIDENCE_NOTE),
+        ("Confidence", confidence_table, CONFIDENCE_NOTE),
         ("Cosine margin × 100 of each target: [V;T] / V / T", margin_table, MARGIN_NOTE),
         ("LANG guard: ACC on the source's test with and without text", guard_table, GUARD_NOTE),
     ):
@@ -26,16 +23,9 @@ def side_parts(records: Sequence[Record]) -> list[str]:
     return parts
 
 
-FUSION_NOTE = (
-    "Every fusion mixes the same two predictions. The weight of a learned fusion, and which fusion"
-    " a source uses, come from its held-out objects, plain and under imitated sensors; “feature”"
-    " classifies the sum of the two features."
-)
 CONFIDENCE_NOTE = (
-    "On unseen targets, both images, mean fusion; rows whose records hold the probabilities. ECE in"
-    " percent, NLL in nats, AURC: area under the risk-coverage curve, × 100. Temperatures are"
-    " fitted to held-out objects of the source, plain and under imitated sensors; they change no"
-    " prediction."
+    "On unseen targets, both images; rows whose records hold the probabilities. ECE in percent, NLL"
+    " in nats, AURC: area under the risk-coverage curve, × 100. No temperature is fitted."
 )
 MARGIN_NOTE = (
     "Mean cosine of pairs of one class minus that of pairs of different classes, all pairs counted,"
@@ -48,52 +38,25 @@ GUARD_NOTE = (
 )
 
 
-def _mean(records: Sequence[Record], part: str, name: str, metric: str) -> float:
-    """Return the mean of a score over targets, then runs; NaN without values."""
+def _mean(records: Sequence[Record], metric: str) -> float:
+    """Return the mean of a score of both images over targets, then runs."""
     runs = []
     for record in records:
-        values = [
-            v
-            for t in record["targets"].values()
-            if (v := t[part].get(name, {}).get(metric)) is not None
-        ]
-        runs += [sum(values) / len(values)] if values else []
+        values = [target["scores"]["fused"][metric] for target in record["targets"].values()]
+        runs.append(sum(values) / len(values))
     return spread(runs).mean
 
 
-def fusion_table(records: Sequence[Record]) -> str:
-    """Return ACC / Macro-F1 of every late fusion, for methods with two predictions."""
-
-    def cells(own: list[Record]) -> list[str]:
-        own = [r for r in own if any(t.get("fusions") for t in r["targets"].values())]
-        if not own:
-            return []
-        found = []
-        for kind in FUSIONS:
-            values = [_mean(own, "fusions", kind, metric) for metric in ("accuracy", "macro_f1")]
-            found.append("–" if math.isnan(values[0]) else " / ".join(map(percent, values)))
-        chosen = [r.get("chosen", {}).get("fusion", "") for r in own]
-        counts = {kind: chosen.count(kind) for kind in dict.fromkeys(chosen) if kind}
-        return [*found, ", ".join(f"{k} {n}" for k, n in counts.items())]
-
-    return method_table(records, [*FUSIONS, "chosen on the source (runs)"], cells)
-
-
 def confidence_table(records: Sequence[Record]) -> str:
-    """Return ECE, NLL and AURC before and after the temperature, of calibrated methods."""
+    """Return ECE, NLL and AURC."""
 
     def cells(own: list[Record]) -> list[str]:
-        told = all("ece" in t["scores"]["fused"] for r in own for t in r["targets"].values())
-        if not (told and all(r.get("settings", {}).get("calibrate") for r in own)):
+        if not all("nll" in t["scores"]["fused"] for r in own for t in r["targets"].values()):
             return []
-        found = []
-        for metric in CONFIDENCE:
-            pair = [_mean(own, "scores", "fused", key) for key in (f"{metric}_raw", metric)]
-            scale, digits = (1, 2) if metric == "nll" else (100, 1)
-            found.append(" → ".join(f"{scale * v:.{digits}f}" for v in pair))
-        return [*found, f"{spread([r['temperature']['fused'] for r in own]).mean:.2f}"]
+        scales = {"ece": (100, 1), "nll": (1, 2), "aurc": (100, 1)}
+        return [f"{scales[m][0] * _mean(own, m):.{scales[m][1]}f}" for m in CONFIDENCE]
 
-    return method_table(records, [*CONFIDENCE.values(), "mean temperature"], cells)
+    return method_table(records, list(CONFIDENCE.values()), cells)
 
 
 def margin_table(records: Sequence[Record]) -> str:

@@ -45,7 +45,6 @@ def test_every_argument_has_a_help_text(command):
         (["predict", "a", "b", "--order", "nan"], "order is nan; give a number of quarter turns"),
         (["gaps", "--order", "7"], "from -4 to 4. The transform has period 4, so use 3."),
         (["simulate", "--out", "x", "--workers", "-1"], "-1; give a whole number, 1 or more"),
-        (["protocol", "--out", "x", "--folds", "-1"], "-1; give a whole number, 0 or more"),
         (["simulate", "--out", "x", "--examples-per-class", "0"], "0; give a whole number, 1 or"),
         (["protocol", "--out", "x", "--jobs", "two"], "'two'; give a whole number, 1 or more"),
     ],

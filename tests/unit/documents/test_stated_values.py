@@ -102,8 +102,6 @@ DEFAULTS = {
     "omnivat.fractional:dfrft": {"dim": -1},
     "omnivat.fractional:FractionalTransform": {"order": 0.5, "dim": -1},
     "omnivat.head.dtg:DTG": {"levels": 3},
-    "omnivat.head.fusion:fused_logs": {"share": 0.5},
-    "omnivat.head.fusion:Calibration": {"share": 0.5},
     "omnivat.head.head:build_head": {"seed": 0},
     "omnivat.head.mffa:FrATT": {"ffn_ratio": 4},
     "omnivat.head.mffa:MFFA.update_bank": {"momentum": 0.9},

@@ -1,11 +1,11 @@
-"""Temperatures, shares and scores of confidence, against figures worked out by hand."""
+"""Temperatures and scores of confidence, against figures worked out by hand."""
 
 import math
 
 import pytest
 import torch
 
-from omnivat.head.calibration import fit_calibration, fit_share, fit_temperature
+from omnivat.head.calibration import fit_calibration, fit_temperature
 from omnivat.kit.errors import DataError
 from omnivat.measure.gaps.calibration import aurc, ece, nll, risk_coverage
 
@@ -47,14 +47,6 @@ def test_logits_that_say_nothing_get_the_highest_temperature():
 def test_a_temperature_without_pairs_is_refused():
     with pytest.raises(DataError, match="held-out pairs; there are none"):
         fit_temperature(torch.zeros(0, 5), torch.zeros(0, dtype=torch.long))
-
-
-def test_the_share_goes_to_the_branch_that_is_right(honest):
-    logits, labels = (x[:1000] for x in honest)
-    noise = torch.randn(logits.shape, generator=torch.Generator().manual_seed(3)).double()
-    assert fit_share(logits, noise, labels) > 0.9
-    assert fit_share(noise, logits, labels) < 0.1
-    assert fit_share(logits, logits, labels) == 0.5
 
 
 def test_a_head_of_one_modality_is_calibrated_for_that_one(honest):

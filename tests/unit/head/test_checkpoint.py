@@ -157,9 +157,7 @@ def test_embeddings_that_the_head_was_not_trained_on_are_refused(folder, key, wi
 
 def test_a_calibration_and_training_images_come_back(folder, tmp_path):
     first = load_head(folder)
-    first.model.calibration = Calibration(
-        temperature={"vis": 2.0, "tac": 3.0, "fused": 1.5}, share=0.75
-    )
+    first.model.calibration = Calibration(temperature={"vis": 2.0, "tac": 3.0, "fused": 1.5})
     save_head(tmp_path / "again", first)
     second = load_head(tmp_path / "again")
     assert plain(second.model.calibration) == plain(first.model.calibration)

@@ -60,7 +60,7 @@ def plain(tmp_path_factory):
 @pytest.fixture(scope="module")
 def other(tmp_path_factory):
     """A head of complex attention, of embeddings as they come, and its file."""
-    changes = {"complex_to_real": "hermitian", "fusion": "learned", "generation": "series"}
+    changes = {"complex_to_real": "hermitian", "fusion": "product", "generation": "series"}
     head, file = head_of(standardize=False, **changes), tmp_path_factory.mktemp("other") / "o.onnx"
     write_head(file, head)
     return head, file

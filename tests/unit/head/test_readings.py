@@ -79,8 +79,6 @@ def test_each_fusion_is_its_formula():
     torch.testing.assert_close(fused_logs("mean", vis, tac).exp(), (p + q) / 2)
     product = (p * q).sqrt()
     torch.testing.assert_close(fused_logs("product", vis, tac).exp(), product / product.sum())
-    learned = p**0.8 * q**0.2
-    torch.testing.assert_close(fused_logs("learned", vis, tac, 0.8).exp(), learned / learned.sum())
     sure = [torch.log(torch.tensor(3.0).double()) + (x * x.log()).sum() for x in (p, q)]
     confident = (sure[0] * p + sure[1] * q) / (sure[0] + sure[1])
     torch.testing.assert_close(fused_logs("confidence", vis, tac).exp(), confident)
@@ -105,16 +103,13 @@ def test_an_unknown_fusion_of_two_branches_is_an_error_with_the_nearest_name():
 
 def test_a_fusion_of_one_line_is_a_fusion_of_the_library(monkeypatch):
     """docs/extend.md: one entry in LATE."""
-    monkeypatch.setitem(LATE, "photo", lambda logs, share: logs[0])
+    monkeypatch.setitem(LATE, "photo", lambda logs: logs[0])
     vis, tac = torch.randn(2, 4, 3)
     torch.testing.assert_close(fused_logs("photo", vis, tac).exp(), vis.softmax(-1))
 
 
 def test_a_calibration_is_plain_values():
-    assert plain(Calibration()) == {
-        "temperature": {"fused": 1.0, "vis": 1.0, "tac": 1.0},
-        "share": 0.5,
-    }
+    assert plain(Calibration()) == {"temperature": {"fused": 1.0, "vis": 1.0, "tac": 1.0}}
 
 
 def test_predicted_records_name_every_reading_and_familiarity(head_folder, make_embeddings):

@@ -57,7 +57,7 @@ def records(folder: Path, *more: str) -> dict[str, dict[str, Any]]:
 
 
 def test_they_run_beside_the_others_where_embed_ran(folder: Path) -> None:
-    found = records(folder, "--calibrate")
+    found = records(folder)
     for name in METHODS.split(","):
         target = found[name]["targets"]["field"]
         assert set(target["scores"]) >= {"fused", "vis", "tac"}
@@ -75,13 +75,6 @@ def test_moved_images_are_named_by_an_option_and_others_are_refused(
     given = ["--embeddings", str(folder / "set.safetensors"), "--out", str(folder / "x")]
     assert main(["protocol", *given, "--images", str(folder / "nowhere")]) == 1
     assert "Check --images" in capsys.readouterr().err
-
-
-def test_under_imitated_sensors_they_are_skipped_with_the_reason(folder: Path) -> None:
-    """Imitated sensors move embeddings; there are no images of them."""
-    found = records(folder, "--folds", "1")
-    assert "imitated sensor" in found["mmrl"]["skipped"]
-    assert "targets" in found["nearest_mean"]
 
 
 def test_the_central_square_that_was_embedded_is_read_again(folder: Path) -> None:

@@ -5,16 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from omnivat.study.reports.evidence_report import interval_text, markdown, percent, spread_text
-from omnivat.study.reports.intervals import (
-    Interval,
-    Spread,
-    bootstrap_interval,
-    paired_differences,
-    spread,
-    spread_lines,
-    t_interval,
-)
+from omnivat.study.reports.intervals import Interval, Spread, spread, spread_lines, t_interval
+from omnivat.study.reports.markdown import interval_text, markdown, percent, spread_text
 
 
 def test_a_spread_has_n_minus_one_in_its_deviation():
@@ -32,28 +24,6 @@ def test_the_t_interval_is_students_for_ten_known_values():
     assert (round(found.mean, 2), round(found.low, 2), round(found.high, 2)) == (1.58, 0.7, 2.46)
     wide = t_interval([-1.0, 1.0, 0.5])
     assert wide.low < 0 < wide.high
-
-
-def test_the_bootstrap_takes_sources_as_the_unit():
-    """Many seeds that agree do not make two sources that disagree certain."""
-    agreeing = {"A": [0.1] * 50, "B": [-0.05] * 50}
-    found = bootstrap_interval(agreeing)
-    assert found.mean == pytest.approx(0.025)
-    assert (found.low, found.high) == (pytest.approx(-0.05), pytest.approx(0.1))
-    assert t_interval([v for values in agreeing.values() for v in values]).low > 0
-
-
-def test_the_bootstrap_repeats_and_needs_two_sources():
-    values = {"A": [0.1, 0.2], "B": [0.3, 0.1]}
-    assert bootstrap_interval(values) == bootstrap_interval(values)
-    assert math.isnan(bootstrap_interval({"A": [0.1, 0.2]}).low)
-
-
-def test_only_runs_that_both_have_are_paired():
-    ours = {("A", 0): 0.5, ("A", 1): 0.7, ("B", 0): 0.9}
-    theirs = {("A", 0): 0.4, ("B", 0): 0.8, ("C", 0): 0.1}
-    found = paired_differences(ours, theirs)
-    assert found == {"A": [pytest.approx(0.1)], "B": [pytest.approx(0.1)]}
 
 
 def test_figures_are_written_with_one_digit_and_bars_escaped():

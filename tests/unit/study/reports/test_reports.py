@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from omnivat.encoders import ENCODERS
-from omnivat.study.reports.evidence_report import evidence_report
 from omnivat.study.reports.paper import BACKBONES, MARK, not_comparable, paper, paper_rows
-from omnivat.study.reports.protocol_report import interval_table, main_table, protocol_report
+from omnivat.study.reports.protocol_report import main_table, protocol_report
 from omnivat.study.reports.reading import by_run, by_seed, changed_settings
 
 from .made_records import record
@@ -70,22 +69,6 @@ def test_printed_single_targets_average_to_the_main_table():
                 assert printed["average"][metric] == pytest.approx(np.mean(values), abs=0.06)
 
 
-def test_the_lead_is_paired_and_its_n_printed(records):
-    assert "+5.5 [5.0, 6.0] n=6" in interval_table(records)
-
-
-def test_the_most_cautious_interval_counts_a_source_once():
-    """Leads of 8 and 3 in every seed: Student's t of two means is 5.5 ± 12.706 x 2.5."""
-    records = [
-        record(method, source, seed, [0.5 + (lead if method == "omnivat" else 0)])
-        for method in ("omnivat", "linear_probe")
-        for source, lead in (("TAG-sim", 0.08), ("OF Real-sim", 0.03))
-        for seed in (0, 1, 2)
-    ]
-    (row,) = (line for line in interval_table(records).splitlines() if "linear_probe" in line)
-    assert row.count("+5.5 [-26.3, 37.3]") == 2
-
-
 def test_a_record_run_again_replaces_the_older(records):
     newer = record("omnivat", "TAG-sim", 0, [1.0, 1.0])
     assert "| TAG-sim | 73.3 / 63.3 |" in protocol_report([*records, newer])  # (1 + .6 + .6) / 3
@@ -95,22 +78,6 @@ def test_what_did_not_run_is_told_with_its_reason(records):
     missing = {k: v for k, v in record("promptstyler", "TAG-sim", 0, []).items() if k != "targets"}
     text = protocol_report([*records, missing | {"skipped": "No text.", "parameters": 0}])
     assert "- promptstyler did not run: No text." in text
-
-
-def test_evidence_and_targets_never_mix(records):
-    folds = [
-        record("omnivat", "TAG-sim", 0, [], fold=0)
-        | {"targets": {"held out": target(0.9), "axes 0": target(0.5), "spread 0": target(0.7)}}
-    ]
-    assert "90.0" not in protocol_report([*records, *folds])
-    text = evidence_report([*records, *folds])
-    assert "| OmniVaT | 90.0 | 80.0 | 60.0 | 50.0 |" in text
-    assert evidence_report(records) == "No evidence yet.\n"
-
-
-def target(value):
-    scores = {"accuracy": value, "macro_f1": value - 0.1}
-    return {"part": "", "pairs": 4, "scores": {"fused": scores}}
 
 
 def test_no_records_give_a_sentence():

@@ -1,10 +1,8 @@
-"""Source-side evidence as a table: held-out objects, plain and under imitated sensors."""
+"""Markdown tables and the texts of their cells."""
 
 import math
 from collections.abc import Callable, Sequence
-from pathlib import Path
 
-from omnivat.kit.files import write_text
 from omnivat.study.reports.intervals import Interval, Spread, spread
 from omnivat.study.reports.reading import Record, completed, methods
 
@@ -62,52 +60,3 @@ def interval_text(found: Interval) -> str:
     mean = "–" if math.isnan(found.mean) else f"{100 * found.mean:+.1f}"
     ends = ", ".join("–" if math.isnan(v) else f"{100 * v:.1f}" for v in (found.low, found.high))
     return f"{mean} [{ends}]"
-
-
-REPORT = "evidence.md"
-COLUMNS = (
-    ("plain", "accuracy"),
-    ("plain", "macro_f1"),
-    ("shifted", "accuracy"),
-    ("shifted", "macro_f1"),
-)
-
-
-def write_evidence(records: Sequence[Record], folder: Path) -> str:
-    """Write `evidence.md` into the folder and return its text."""
-    text = evidence_report(records)
-    write_text(folder / REPORT, text)
-    return text
-
-
-def evidence_report(records: Sequence[Record]) -> str:
-    """Return the table of runs with a fold, sorted by the mean of both Macro-F1s."""
-    found = [r for r in records if r["fold"] is not None and "targets" in r]
-    if not found:
-        return "No evidence yet.\n"
-    rows = []
-    for name in dict.fromkeys(record["method"] for record in found):
-        own = [record for record in found if record["method"] == name]
-        spreads = [_spread(own, kind, metric) for kind, metric in COLUMNS]
-        rows.append(
-            (spreads[1].mean + spreads[3].mean, [own[0]["label"], *map(spread_text, spreads)])
-        )
-    rows.sort(key=lambda row: -row[0])
-    header = ["method", "held-out ACC", "held-out Macro-F1", "shifted ACC", "shifted Macro-F1"]
-    runs = len({(r["source"], r["seed"], r["fold"]) for r in found})
-    return (
-        "# Source-side evidence\n\nHeld-out objects of the source, as they are and under imitated "
-        f"sensors; no target was used. Mean ± standard deviation over {runs} runs "
-        "(sources × seeds × folds).\n\n" + markdown(header, [cells for _, cells in rows]) + "\n"
-    )
-
-
-def _spread(records: Sequence[Record], kind: str, metric: str) -> Spread:
-    """Return the spread over runs of a score on held-out pairs, plain or averaged over shifts."""
-    values = []
-    for record in records:
-        own = [
-            t for name, t in record["targets"].items() if (name == "held out") == (kind == "plain")
-        ]
-        values.append(sum(target["scores"]["fused"][metric] for target in own) / len(own))
-    return spread(values)
