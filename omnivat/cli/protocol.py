@@ -7,15 +7,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import (
-    choice,
-    listed,
-    numbers,
-    passed,
-    progress_bar,
-    shared,
-    split_settings,
-)
+from omnivat.cli.arguments import listed, numbers, passed, progress_bar, shared, split_settings
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import require_writable
 
@@ -49,7 +41,6 @@ def add_running(parser: argparse.ArgumentParser) -> None:
     shared(
         parser, "embeddings", "lang", "seeds", "jobs", "device", out="folder for records and tables"
     )
-    choice(parser, "--engine", ("local", "ray"), "this machine, or a Ray cluster")
     parser.add_argument("--tables-only", action="store_true", help="rebuild tables, run nothing")
 
 
@@ -96,7 +87,7 @@ def work(runs: "list[Run]", options: argparse.Namespace, *, lang: bool = True) -
 
     bank, how = (
         (options.lang or DEFAULT_BANK) if lang else None,
-        passed(options, "embeddings", "jobs", "engine"),
+        passed(options, "embeddings", "jobs"),
     )
     with progress_bar(f"{len(runs)} runs") as show:
         done = run_all(runs, options.out / RUNS, bank=bank, **how, on_step=show)

@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import (
-    choice,
     figure,
     head_and_set,
     numbers,
@@ -55,8 +54,6 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--measures", help="of docs/gaps.md, separated by commas, or 'all'; default: the fast ones"
     )
-    text = "this machine, or a Ray cluster (curves alone: --json or --csv)"
-    choice(parser, "--engine", ("local", "ray"), text)
     group = parser.add_argument_group("a head at each order")
     group.add_argument(
         "--retrain", type=whole(2, 1001), metavar="N", help="train a head at each of N orders"
@@ -83,10 +80,8 @@ def run(options: argparse.Namespace) -> None:
     for path in outputs:
         require_writable(path)
     _check_retrain(options)
-    if options.profile and (options.engine == "ray" or options.retrain is not None):
-        raise SettingsError("--profile goes with one head on this machine: no --retrain, no ray.")
-    if options.engine == "ray" and (options.out or options.retrain is not None):
-        raise SettingsError("--engine ray computes curves; give --json or --csv, without --out.")
+    if options.profile and options.retrain is not None:
+        raise SettingsError("--profile goes with one head; leave out --retrain.")
     stops = options.retrain if options.retrain is not None else options.stops
     orders = orders_of(options.orders, stops)
     from omnivat.head.checkpoint import head_hash
@@ -131,7 +126,7 @@ def run(options: argparse.Namespace) -> None:
             )
     if frames is not None:
         write_frames(options.out, frames)
-    curves: Values = frames.curves if frames else _curves(options, head, embeddings, orders, wanted)
+    curves: Values = frames.curves if frames else _curves(head, embeddings, orders, wanted)
     if options.json:
         write_curves_json(options.json, orders, curves, provenance)
     if options.csv:
@@ -215,20 +210,12 @@ def _of(maps: Mapping[str, int], wanted: Wanted) -> dict[str, int]:
 
 
 def _curves(
-    options: argparse.Namespace,
-    head: "Head",
-    embeddings: "Embeddings",
-    orders: Stops,
-    wanted: Wanted,
+    head: "Head", embeddings: "Embeddings", orders: Stops, wanted: Wanted
 ) -> dict[str, list[float | None]]:
     from omnivat.maps.sweep import sweep
-    from omnivat.maps.sweep.curves import curves_on_ray
 
     with progress_bar("sweep") as show:
-        if options.engine == "ray":
-            found = curves_on_ray(options.head, options.embeddings, orders, on_step=show, **wanted)
-        else:
-            found = sweep(head.model, embeddings, orders, on_step=show, **wanted).curves
+        found = sweep(head.model, embeddings, orders, on_step=show, **wanted).curves
     return {name: values.tolist() for name, values in found.items()}
 
 

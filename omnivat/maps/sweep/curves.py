@@ -1,7 +1,7 @@
 """Gaps and scores of a set as functions of p: one curve for each measure and stage."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,14 +11,11 @@ import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
-from omnivat.data.store import Embeddings, load_embeddings
-from omnivat.head.checkpoint import load_head
+from omnivat.data.store import Embeddings
 from omnivat.head.head import OmniVaT
 from omnivat.kit.files import write_csv, write_json
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.stages import STILL
-from omnivat.kit.tables import need
-from omnivat.kit.threads import one_thread
 from omnivat.maps.sweep.walk import CHUNK, AtOrder, coarse_first, require_known, walk
 from omnivat.measure.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES, SUM_MEASURES, Facts
 from omnivat.measure.gaps.unit import unit
@@ -161,56 +158,3 @@ def facts_of(
         domain_names=header.domains,
         scored=labels < len(known),
     )
-
-
-def curves_on_ray(
-    head: Path,
-    embeddings: Path,
-    orders: Sequence[float],
-    *,
-    stages: Sequence[str],
-    measures: Sequence[str],
-    on_step: OnStep = ignore,
-) -> dict[str, NDArray[np.float64]]:
-    """Return the curves (P,) that `omnivat.maps.sweep.sweep` gives, by name; each order is one
-    task.
-
-    head, embeddings  paths that every machine of the cluster can read
-    orders            P quarter turns
-
-    It uses the connected cluster, or the one of $RAY_ADDRESS, or starts Ray here.
-    """
-    ray = need("ray", purpose="a sweep on a cluster", install="ray")
-    ray.init(ignore_reinit_error=True)
-    remote: Callable[..., Any] = ray.remote(_at).remote
-    moving = tuple(stage for stage in stages if stage not in STILL)
-    files = str(Path(head).absolute()), str(Path(embeddings).absolute())
-    tasks = {
-        remote(*files, float(order), stages if index == 0 else moving, tuple(measures)): index
-        for index, order in enumerate(orders)
-    }
-    curves: dict[str, NDArray[np.float64]] = {}
-    waiting = list(tasks)
-    while waiting:
-        (done,), waiting = ray.wait(waiting, num_returns=1)
-        index = tasks[done]
-        for name, value in ray.get(done).items():
-            still = name.split("/")[1] in STILL  # it holds for every order
-            curve = curves.setdefault(name, np.full(len(orders), np.nan))
-            curve[slice(None) if still else index] = value
-        on_step(
-            Step(
-                done=len(tasks) - len(waiting), total=len(tasks), text=f"order {orders[index]:.2f}"
-            )
-        )
-    return curves
-
-
-def _at(
-    head: str, embeddings: str, order: float, stages: Sequence[str], measures: Sequence[str]
-) -> dict[str, float]:
-    """Return every curve's value at one order, in a worker of one core."""
-    with one_thread():
-        model = load_head(head).model
-        found = sweep(model, load_embeddings(embeddings), [order], stages=stages, measures=measures)
-    return {name: float(values[0]) for name, values in found.curves.items()}

@@ -1,6 +1,6 @@
-"""Run what is not finished yet: in sequence, in parallel processes, or on a ray cluster."""
+"""Run what is not finished yet: in sequence, or in parallel processes."""
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -8,14 +8,11 @@ from typing import Any
 from omnivat.data.store import Embeddings, load_embeddings
 from omnivat.encoders.lang.bank import LangBank, load_bank
 from omnivat.kit.progress import OnStep, Step, ignore
-from omnivat.kit.tables import need
 from omnivat.kit.threads import in_processes, one_thread, pin_thread
 from omnivat.study.protocol import records
 from omnivat.study.protocol.methods import HEAD, Method
 from omnivat.study.protocol.run import Run, execute, resolved
 from omnivat.study.protocol.settings import task
-
-ENGINES = ("local", "ray")
 
 
 def planned(methods: Sequence[Method], sources: Sequence[str], seeds: Sequence[int]) -> list[Run]:
@@ -35,14 +32,12 @@ def run_all(
     embeddings: Path,
     bank: Path | None,
     jobs: int = 1,
-    engine: str = "local",
     on_step: OnStep = ignore,
 ) -> int:
     """Run and append the records to `out`; finished runs are skipped.
 
     embeddings, bank  files; every worker opens them itself
     jobs              parallel processes, one thread each
-    engine            "local", or "ray" for a cluster that shares the files
     return            the number of new runs
     """
     pairs, texts = _opened(embeddings, bank)
@@ -60,7 +55,7 @@ def run_all(
         return replace(run, settled=tuple(name for name in chosen if isinstance(name, str)))
 
     for part in (free, map(settled, bound)):
-        for record in _results(list(part), embeddings, bank, jobs, engine):
+        for record in _results(list(part), embeddings, bank, jobs):
             done += 1
             line = {"key": records.key(shared | record), **shared, **record}
             known[line["key"]] = line
@@ -86,10 +81,8 @@ def _key(run: Run, pairs: Embeddings, bank: LangBank | None, shared: dict[str, A
 
 
 def _results(
-    runs: Sequence[Run], embeddings: Path, bank: Path | None, jobs: int, engine: str
+    runs: Sequence[Run], embeddings: Path, bank: Path | None, jobs: int
 ) -> Iterable[dict[str, Any]]:
-    if engine == "ray":
-        return _by_ray(runs, embeddings, bank)
     if jobs == 1 or len(runs) < 2:
         return _one_by_one(runs, embeddings, bank)
     return in_processes(_work, runs, jobs, _prepare, embeddings, bank)
@@ -114,18 +107,6 @@ def _prepare(embeddings: Path, bank: Path | None) -> None:
 
 def _work(run: Run) -> dict[str, Any]:
     return execute(run, *_OPEN[0])
-
-
-def _by_ray(runs: Sequence[Run], embeddings: Path, bank: Path | None) -> Iterator[dict[str, Any]]:
-    ray = need("ray", purpose="running on a cluster", install="ray")
-    ray.init(ignore_reinit_error=True)
-    remote: Callable[..., Any] = ray.remote(
-        lambda run, *files: next(iter(_one_by_one([run], *files)))
-    ).remote
-    waiting = [remote(run, embeddings, bank) for run in runs]
-    while waiting:
-        done, waiting = ray.wait(waiting, num_returns=1)
-        yield ray.get(done[0])
 
 
 def _opened(embeddings: Path, bank: Path | None) -> tuple[Embeddings, LangBank | None]:

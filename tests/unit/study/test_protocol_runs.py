@@ -2,8 +2,6 @@
 
 import gzip
 import json
-import sys
-import types
 
 import numpy as np
 import pytest
@@ -12,8 +10,8 @@ from omnivat.cli import main
 from omnivat.data.packing import unodds, unpacked
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.encoders.lang.bank import DEFAULT_BANK, load_bank
-from omnivat.kit.errors import DataError, MissingNameError, MissingPackageError, SettingsError
-from omnivat.study.protocol import engine, records
+from omnivat.kit.errors import DataError, MissingNameError, SettingsError
+from omnivat.study.protocol import records
 from omnivat.study.protocol.engine import planned, run_all
 from omnivat.study.protocol.methods import Method, methods_named
 from omnivat.study.protocol.run import Run, execute
@@ -202,34 +200,6 @@ def test_a_line_that_is_no_record_is_named(tmp_path):
     (tmp_path / "runs.jsonl").write_text('{"format": "omnivat-run-1"}\n{"a": 1}\n')
     with pytest.raises(DataError, match=r"Line 2 of .* is not a record"):
         records.read(tmp_path / "runs.jsonl")
-
-
-def test_ray_is_asked_for_with_its_purpose(file, runs, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "ray", None)
-    monkeypatch.setattr(
-        engine, "need", lambda name, **how: (_ for _ in ()).throw(MissingPackageError(str(how)))
-    )
-    with pytest.raises(MissingPackageError, match="cluster"):
-        done(file, runs[:1], tmp_path / "runs.jsonl", engine="ray")
-
-
-def test_the_ray_engine_gives_the_same_records(file, runs, tmp_path, monkeypatch):
-    """Through a stand-in that has ray's four calls and does each task at once."""
-
-    def remote(function):
-        return types.SimpleNamespace(remote=function)
-
-    def wait(tasks, num_returns):
-        return tasks[:num_returns], tasks[num_returns:]
-
-    stand_in = types.SimpleNamespace(
-        init=lambda **_: None, remote=remote, wait=wait, get=lambda value: value
-    )
-    monkeypatch.setattr(engine, "need", lambda name, **how: stand_in)
-    done(file, runs[:2], tmp_path / "ray.jsonl", engine="ray")
-    done(file, runs[:2], tmp_path / "local.jsonl")
-    ray, local = (records.read(tmp_path / f"{name}.jsonl") for name in ("ray", "local"))
-    assert without_times(ray) == without_times(local)
 
 
 def test_records_may_be_compressed(tmp_path):
