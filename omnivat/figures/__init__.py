@@ -9,8 +9,8 @@ from omnivat.kit.tables import late
 
 _ROOMS = {
     "maps": ("map_figure", "frames_map", "pictures"),
-    "curves": ("lines", "gap_curves", "staircase", "training_curves", "search_curve", "panels"),
-    "scores": ("dots", "strangers", "ladder", "confusion", "gap_tables", "tree"),
+    "curves": ("lines", "gap_curves", "staircase"),
+    "scores": ("dots", "strangers", "ladder", "gap_tables"),
     "page": ("html_page", "write"),
 }
 _PUBLIC = {n: f"omnivat.figures.{room}:{n}" for room, names in _ROOMS.items() for n in names}

@@ -1,4 +1,4 @@
-"""Curves: measures against p, the staircase of stages, a training, a search for p."""
+"""Curves: any lines, measures against p, the staircase of stages."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -8,7 +8,6 @@ import plotly.graph_objects as go
 
 from omnivat.figures.page import Figure, axis, figure, plain
 from omnivat.figures.theme import ACCENT, AREA, MARK, SERIES, SOFT
-from omnivat.kit.errors import DataError
 from omnivat.kit.stages import STAGE_TITLES
 from omnivat.maps.frames.records import FrameSet
 
@@ -19,7 +18,6 @@ MEASURES = {
     "margin": "Cosine margin",
 }
 BOXES = [(0.0, 0.64), (0.56, 0.64), (0.0, 0.0), (0.56, 0.0)]  # left and lower end of four charts
-ROW, GUTTER = 230, 0.07  # of panels: pixels of a row; share of the figure between two of them
 Values = Sequence[float | None]
 
 
@@ -226,87 +224,3 @@ def staircase(frames: FrameSet, *, order: float | None = None) -> Figure:
         yaxis=axis("gap or margin", range=[0, most]),
         hovermode="x unified",
     )
-
-
-def training_curves(epochs: Sequence[Mapping[str, float]], *, title: str = "Training") -> Figure:
-    """Return the losses of each epoch, from "epochs" of a head's metrics.json, on a log scale."""
-    left_out = {"epoch", "order", "clipped", "order_clipped"}
-    names = [name for name in (epochs[0] if epochs else {}) if name not in left_out]
-    places = [row.get("epoch", k) + 1 for k, row in enumerate(epochs)]
-    logs = {
-        name: [math.log10(v) if (v := row.get(name) or 0) > 0 else None for row in epochs]
-        for name in names
-    }
-    kept = {
-        name: (places, found) for name, found in logs.items() if any(v is not None for v in found)
-    }
-    found = lines(kept, title=title, across="epoch", up="loss")
-    low, high = found.layout.yaxis.range
-    tens = range(math.floor(low), math.ceil(high) + 1)
-    found.update_yaxes(tickvals=list(tens), ticktext=[f"{10.0**k:g}" for k in tens])
-    for trace in found.data:
-        shown = [f"{10**v:.4g}" if v is not None else "" for v in trace.y]
-        trace.update(mode="lines", text=shown, hovertemplate="%{text}")
-    return found
-
-
-def search_curve(record: Mapping[str, Any], *, title: str = "Search for p") -> Figure:
-    """Return the held-out loss of each short training, from "order_search" of metrics.json."""
-    found = sorted(zip(record["orders"], record["score"], record["round"], strict=True))
-    names = {"coarse": "even orders", "fine": "around the best"}
-    series = {
-        names.get(kind, kind): (
-            [p for p, _, k in found if k == kind],
-            [s for _, s, k in found if k == kind],
-        )
-        for kind in dict.fromkeys(record["round"])
-    }
-    caption = (
-        "Each dot is a short training on the source alone. The lowest loss is at p ="
-        f" {min(found, key=lambda f: f[1])[0]:.4g}."
-    )
-    return lines(series, title=title, across="order p", up="held-out log loss", caption=caption)
-
-
-def panels(rows: Sequence[Sequence[Mapping[str, Any]]], *, title: str, caption: str = "") -> Figure:
-    """Return a grid of panels, readable at the width of a phone if titles are short.
-
-    rows  {"x", "y": values of the dots, "across", and in the first of a row "up": titles of the
-          axes}
-
-    Raises DataError without any panel, or for a panel without dots.
-    """
-    cells = [(r, c, cell) for r, row in enumerate(rows) for c, cell in enumerate(row)]
-    if not cells or not all(len(cell["x"]) for *_, cell in cells):
-        raise DataError(f"There are no dots to draw for '{title}'.")
-    wide = (1 + GUTTER) / max(map(len, rows))
-    gap = 84 / (ROW * len(rows))  # titles and ticks between two rows
-    high = (1 + gap) / len(rows)
-    traces, layout = [], {}
-    for k, (r, c, cell) in enumerate(cells):
-        key = str(k + 1) if k else ""
-        traces.append(
-            go.Scatter(
-                x=list(cell["x"]), y=list(cell["y"]), mode="markers", showlegend=False,
-                marker={"color": SERIES[0], "size": 8, "opacity": 0.7}, xaxis=f"x{key}", yaxis=f"y{key}",  # noqa: E501
-            )
-        )  # fmt: skip
-        left, top = c * wide, 1 - r * high
-        layout[f"xaxis{key}"] = axis(
-            cell["across"], range=_ends(cell["x"]), domain=[left, left + wide - GUTTER],
-            anchor=f"y{key}", showgrid=False, nticks=3, tickangle=0, tickfont_size=11, title_font_size=11,  # noqa: E501
-        )  # fmt: skip
-        layout[f"yaxis{key}"] = axis(
-            cell.get("up", ""), range=_ends(cell["y"]), domain=[max(0.0, top - high + gap), top],
-            anchor=f"x{key}", nticks=5, title_font_size=11,
-        )  # fmt: skip
-    return figure(
-        traces, title=title, caption=caption, height=110 + ROW * len(rows),
-        showlegend=False, margin={"l": 56, "t": 64, "b": 56}, **layout,
-    )  # fmt: skip
-
-
-def _ends(values: Sequence[float]) -> list[float]:
-    low, high = float(min(values)), float(max(values))
-    room = 0.06 * (high - low or 1)
-    return [low - room, high + room]

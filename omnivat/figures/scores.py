@@ -1,4 +1,4 @@
-"""Scores with intervals, confusion and gaps between domains, and the tree of nodes."""
+"""Scores with intervals, and gaps between domains."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -7,7 +7,7 @@ from typing import Any
 import plotly.graph_objects as go
 
 from omnivat.figures.page import Figure, axis, figure, plain
-from omnivat.figures.theme import CLASSES, READINGS, SERIES, SOFT
+from omnivat.figures.theme import READINGS, SERIES, SOFT
 from omnivat.kit.errors import DataError
 from omnivat.measure.gaps import NAMES as GAP_NAMES
 
@@ -158,25 +158,6 @@ def ladder(records: Sequence[Record], *, chance: float | None = None) -> Figure:
     )
 
 
-def confusion(
-    counts: Sequence[Sequence[float]], classes: Sequence[str], *, title: str = "Confusion"
-) -> Figure:
-    """Return counts (K, K), true class by predicted class, as shares of each row."""
-    totals = [sum(row) for row in counts]
-    shares = [
-        [v / t if t else math.nan for v in row] for row, t in zip(counts, totals, strict=True)
-    ]
-    words = [[f"{100 * v:.0f}" if v == v else "" for v in row] for row in shares]
-    rows = [f"{name} ({int(total)})" for name, total in zip(classes, totals, strict=True)]
-    heat = _heat(shares, words, (0, 1), "true %{y}, predicted %{x}: %{text} %")
-    caption = (
-        "Rows: the true class and its pairs. Columns: the predicted class. Figures: % of the row."
-    )
-    return figure(
-        [heat], title=title, caption=caption, height=190 + 42 * len(classes), **_grid(rows, classes)
-    )
-
-
 def _heat(values: Any, words: Any, ends: tuple[float, float], hover: str, **more: Any) -> Any:
     bare = [[v if v is not None and v == v else None for v in row] for row in values]
     return go.Heatmap(z=bare, zmin=ends[0], zmax=ends[1], text=words, texttemplate="%{text}",
@@ -232,47 +213,3 @@ def gap_tables(record: Record) -> Figure:
     )
     caption += "" if gap is None else f" Between photos and touches: {gap:.{digits}f}."
     return figure(traces, title=title, caption=caption, height=200 + 38 * len(names), **layout)
-
-
-def tree(facts: Any, classes: Sequence[str], *, title: str = "Nodes of the tree") -> Figure:
-    """Return the nodes in layers: area by norm, colour by the most probable class.
-
-    facts  `omnivat.maps.nodes.TreeFacts`
-    """
-    depth: list[int] = []
-    for parent in facts.parents:
-        depth.append(0 if parent < 0 else depth[parent] + 1)
-    rows = {d: [i for i, own in enumerate(depth) if own == d] for d in set(depth)}
-    at = [((rows[d].index(i) + 0.5) / len(rows[d]), -d) for i, d in enumerate(depth)]
-    most = float(max(facts.lengths)) or 1.0
-    best = [int(row.argmax()) for row in facts.probabilities]
-    share = [float(row.max()) for row in facts.probabilities]
-    label = [f"{plain(classes[k])}<br>{100 * p:.0f} %" for k, p in zip(best, share, strict=True)]
-    hover = [
-        f"node {i + 1}, norm {float(n):.3f}"
-        + "".join(
-            f"<br>{plain(c)} {100 * float(p):.1f} %" for c, p in zip(classes, row, strict=True)
-        )
-        for i, (n, row) in enumerate(zip(facts.lengths, facts.probabilities, strict=True))
-    ]
-    edges = [(at[p], at[i]) for i, p in enumerate(facts.parents) if p >= 0]
-    sides = [[end for a, b in edges for end in (a[k], b[k], None)] for k in (0, 1)]
-    across, up = [x for x, _ in at], [y for _, y in at]
-    sizes = [10 + 30 * math.sqrt(float(n) / most) for n in facts.lengths]
-    dot = {"size": sizes, "color": [CLASSES[k % len(CLASSES)] for k in best]}
-    words = label if max(map(len, rows.values())) <= 8 else [""] * len(at)
-    below = {"mode": "text", "textposition": "bottom center", "hoverinfo": "skip"}
-    return figure(
-        [
-            go.Scatter(x=sides[0], y=sides[1], mode="lines", line={"color": SOFT, "width": 1}, hoverinfo="skip"),  # noqa: E501
-            go.Scatter(x=across, y=up, mode="markers", marker=dot, hovertext=hover, hoverinfo="text"),  # noqa: E501
-            go.Scatter(x=across, y=[y - 0.2 for y in up], text=words, **below),
-        ],
-        title=title,
-        caption="Area: norm of the node. Colour: its most probable class, with its probability.",
-        height=180 + 120 * len(rows),
-        showlegend=False,
-        xaxis={"range": [0, 1], "visible": False},
-        yaxis={"range": [0.5 - len(rows) - 0.2, 0.5], "visible": False},
-        margin={"l": 16, "r": 16},
-    )  # fmt: skip

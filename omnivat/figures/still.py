@@ -59,7 +59,7 @@ def picture(figure: Any, *, width: float = WIDTH) -> Picture:
     for index, trace in enumerate(figure.data):
         plane = planes[(trace.xaxis or "x")[1:]]
         shapes += _heat(trace, plane) if trace.type == "heatmap" else _scatter(trace, index, plane)
-    shapes += [s for note in figure.layout.annotations for s in _note(note, planes, width, height)]
+    shapes += [s for note in figure.layout.annotations for s in _note(note, planes)]
     title = unescape(figure.layout.title.text or "")
     shapes.append(text((12, 22), title, 15))
     below, bottom = _below(figure, width, height)
@@ -142,7 +142,7 @@ def _scatter(trace: Any, index: int, plane: Plane) -> Iterator[Shape]:
         for part in _unbroken(known, points):
             dashed = trace.line.dash is not None
             yield Shape(kind="line", points=tuple(part), stroke=stroke, size=size, dashed=dashed)
-    ink = trace.marker.color if isinstance(trace.marker.color, str) else None
+    ink = trace.marker.color or colour
     for axis, error in (("x", trace.error_x), ("y", trace.error_y)):
         if error.array is None:
             continue
@@ -152,28 +152,12 @@ def _scatter(trace: Any, index: int, plane: Plane) -> Iterator[Shape]:
             ends = ends or [(x, y - down[k]), (x, y + error.array[k])]
             if all(math.isfinite(v) for end in ends for v in end):
                 bar = tuple(plane.at(*end) for end in ends)
-                yield Shape(kind="line", points=bar, stroke=ink or colour, size=1.6)
+                yield Shape(kind="line", points=bar, stroke=ink, size=1.6)
     if "markers" in mode:
         kind = MARKS.get(str(trace.marker.symbol), "circle")
-        for (k, _, _), point in zip(known, points, strict=True):
-            size = trace.marker.size if trace.marker.size is not None else 8
-            size = float(size if isinstance(size, int | float) else size[k]) / 2
-            fill = trace.marker.color if trace.marker.color is not None else colour
-            fill = fill if isinstance(fill, str) else fill[k]
-            share = trace.marker.opacity or 1
-            yield Shape(kind=kind, points=(point,), fill=fill, size=size, opacity=share)
-    if "text" in mode:
-        yield from _labels(trace, known, points)
-
-
-def _labels(trace: Any, known: Any, points: Sequence[Point]) -> Iterator[Shape]:
-    place = trace.textposition or "middle center"
-    for (k, _, _), (x, y) in zip(known, points, strict=True):
-        words = trace.text if isinstance(trace.text, str) else trace.text[k]
-        lines = [unescape(line) for line in str(words).split("<br>")]
-        up = {"top": -7 - 13 * (len(lines) - 1), "bottom": 24}.get(place.split()[0], 4)
-        for row, line in enumerate(lines):
-            yield text((x, y + up + 13 * row), line, 11, "middle")
+        size, share = float(trace.marker.size or 8) / 2, trace.marker.opacity or 1
+        for point in points:
+            yield Shape(kind=kind, points=(point,), fill=ink, size=size, opacity=share)
 
 
 def _unbroken(known: Any, points: Sequence[Point]) -> Iterator[list[Point]]:
@@ -231,19 +215,13 @@ def _marked(mark: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
         )
 
 
-def _note(note: Any, planes: dict[str, Plane], width: float, height: float) -> Iterator[Shape]:
-    anchor = {"left": "start", "right": "end"}.get(note.xanchor, "middle")
-    if note.xref == "paper":
-        inner = width - MARGIN["l"] - MARGIN["r"], height - MARGIN["t"] - MARGIN["b"]
-        at = MARGIN["l"] + note.x * inner[0], MARGIN["t"] + (1 - note.y) * inner[1]
-    elif " domain" in (note.xref or ""):
-        left, right, low, high = planes[note.xref.split()[0][1:]].box
-        at = left + note.x * (right - left), low - note.y * (low - high) - 6
-    else:
-        at = planes[(note.xref or "x")[1:]].at(note.x, note.y)
+def _note(note: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
+    """Draw a text placed in shares of its axes, upwards from its last line."""
+    left, right, low, high = planes[note.xref.split()[0][1:]].box
+    x, y = left + note.x * (right - left), low - note.y * (low - high) - 6
     rows = [unescape(row) for row in note.text.split("<br>")]
     for k, row in enumerate(rows):
-        yield text((at[0], at[1] - 15 * (len(rows) - 1 - k)), row, 12, anchor)
+        yield text((x, y - 15 * (len(rows) - 1 - k)), row)
 
 
 def _below(figure: Any, width: float, height: float) -> tuple[list[Shape], float]:
@@ -255,7 +233,7 @@ def _below(figure: Any, width: float, height: float) -> tuple[list[Shape], float
         size = 34 + LETTER * len(name)
         if x + size > width and x > 14:
             x, y = 14.0, y + LINE
-        fill = colour if isinstance(colour, str) else SERIES[index % len(SERIES)]
+        fill = colour or SERIES[index % len(SERIES)]
         shapes.append(Shape(kind="rect", points=((x, y - 10), (x + 11, y + 1)), fill=fill))
         shapes.append(text((x + 16, y), name))
         x += size

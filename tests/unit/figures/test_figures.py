@@ -37,12 +37,8 @@ def table():
 EVERY = {
     "map": some_map,
     "lines": lambda: figures.lines({"a": ([0, 1], [1, math.nan], [0.1, math.nan])}, title="t"),
-    "training": lambda: figures.training_curves([{"epoch": 0.0, "loss": 2.0}, {"epoch": 1.0, "loss": 1.0}]),
-    "search": lambda: figures.search_curve({"orders": [0, 1], "score": [2, 1], "round": ["coarse", "fine"]}),
     "ladder": lambda: figures.ladder([{"known": "nothing", "n": 0, "accuracy": 0.5, "low": 0.4, "high": 0.6, "method": "m"}]),
-    "confusion": lambda: figures.confusion([[3, 1], [0, 0]], ["wood", "steel"]),
     "gaps": lambda: figures.gap_tables(table()),
-    "panels": lambda: figures.panels([[{"x": [0, 1], "y": [1, 2], "across": "a", "up": "b"}, {"x": [1], "y": [1], "across": "c"}]] * 2, title="t"),
 }  # fmt: skip
 
 
@@ -160,21 +156,3 @@ def test_strangers_have_a_row_for_each_domain_and_the_mean(head_folder):
         x - low >= 0 and x + high <= 1
         for x, low, high in zip(both.x, both.error_x.arrayminus, both.error_x.array, strict=True)
     )
-
-
-def test_a_tree_has_a_disc_for_each_node_with_all_probabilities_at_the_pointer():
-    import torch
-
-    from omnivat.maps.nodes import TreeFacts
-
-    facts = TreeFacts(
-        parents=[-1, 0, 0],
-        lengths=torch.tensor([1.0, 2.0, 4.0]),
-        probabilities=torch.tensor([[0.6, 0.4], [0.1, 0.9], [0.5, 0.5]]),
-        right=None,
-        levels=[],
-    )
-    edges, discs, words = figures.tree(facts, ["wood", "steel"]).data
-    assert len(discs.x) == 3 and len(edges.x) == 6
-    assert discs.marker.size[2] > discs.marker.size[1] > discs.marker.size[0]
-    assert "steel 90.0 %" in discs.hovertext[1] and words.text[1].startswith("steel")
