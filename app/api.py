@@ -52,12 +52,12 @@ def about(resources: Resources, _: Arguments, job: Job[Any]) -> dict[str, Any]:
     }
 
 
-def predict(resources: Resources, given: Arguments, job: Job[Any]) -> dict[str, Any]:
+def predict(resources: Resources, arguments: Arguments, job: Job[Any]) -> dict[str, Any]:
     """Return the record of `omnivat.head.predict` for one pair, and the names of its images."""
     from omnivat.head.predict import predict_embeddings
 
-    order, head = order_from(given.get("order")), resources.head_named(given.get("head"))
-    named = {name: _image(resources, given.get(name), name) for name in ("vis", "tac")}
+    order, head = order_from(arguments.get("order")), resources.head_named(arguments.get("head"))
+    named = {name: _image(resources, arguments.get(name), name) for name in ("vis", "tac")}
     pair = embedded(resources, refs_from(named))
     found = predict_embeddings(head, pair["vis"], pair["tac"], order=order)[0]
     found.pop("profile")
@@ -82,15 +82,15 @@ def _image(resources: Resources, value: Any, name: str) -> Any:
     return str(resources.take_image(content, name)[0])
 
 
-def gaps(resources: Resources, given: Arguments, job: Job[Any]) -> dict[str, Any]:
+def gaps(resources: Resources, arguments: Arguments, job: Job[Any]) -> dict[str, Any]:
     """Return the record of `omnivat gaps --json`."""
     import torch
 
     from omnivat.measure.gaps.domain import gap_record
     from omnivat.measure.gaps.large import parts_of
 
-    stage, measure = given.get("stage", "f_hat"), given.get("measure", "centroid")
-    order, data = order_from(given.get("order")), resources.embeddings()
+    stage, measure = arguments.get("stage", "f_hat"), arguments.get("measure", "centroid")
+    order, data = order_from(arguments.get("order")), resources.embeddings()
     order = resources.head().model.order if order is None else order
     points = torch.from_numpy(kept_features(resources, stage, order))
     sets, rows = parts_of(points, data.domain, data.header.domains)
@@ -127,12 +127,12 @@ def report(resources: Resources, _: Arguments, job: Job[Any]) -> dict[str, Any]:
 WORK: dict[str, Work] = {"about": about, "predict": predict, "gaps": gaps, "report": report}
 
 
-def checked(name: str, given: Arguments) -> Arguments:
+def checked(name: str, arguments: Arguments) -> Arguments:
     """Return the arguments of a tool without nulls; raises DataError for one that it does not
     take.
     """
     takes = TOOLS[name][1]["properties"]
-    for key, value in given.items():
+    for key, value in arguments.items():
         if key not in takes:
             raise DataError(f"{name} takes no '{key:.40}'; it takes {', '.join(takes)}.")
         kind, names = takes[key]["type"], takes[key].get("enum")
@@ -140,7 +140,7 @@ def checked(name: str, given: Arguments) -> Arguments:
             raise DataError(f"{key} has to be a {kind}; '{type(value).__name__}' came.")
         if value is not None and names and value not in names:
             raise DataError(f"{key} is '{value:.40}'; it can be {', '.join(names)}.")
-    return {key: value for key, value in given.items() if value is not None}
+    return {key: value for key, value in arguments.items() if value is not None}
 
 
 async def used(

@@ -152,9 +152,9 @@ def document() -> Schema:
 
     fell = {status: reply(error, what) for status, what in FAULTS.items()}
 
-    def posted(what: str, body: Schema, found: Schema, **more: Any) -> Schema:
+    def posted(what: str, body: Schema, schema: Schema, **more: Any) -> Schema:
         content = {"required": True, "content": body}
-        good = {"200": reply(found, "the result"), **fell}
+        good = {"200": reply(schema, "the result"), **fell}
         return {"post": {"summary": what, "requestBody": content, "responses": good, **more}}
 
     image = {"schema": {**TEXT, "format": "binary", "maxLength": MAX_IMAGE_BYTES}}

@@ -103,10 +103,11 @@ class Resources:
         self.features: Recent[np.ndarray[Any, Any]] = Recent(KEPT_FEATURES)  # by stage and order
         self.results: Recent[dict[str, Any]] = Recent(KEPT_FEATURES)  # by method or tree
         self.drawn_frames: Recent[FrameSet] = Recent(1)  # of the map, by file
-        self.taught: Recent[Head] = Recent(KEPT_TAUGHT, own=True)  # from visitors' labelled pairs
-        self.profiles: Recent[Profile] = Recent(KEPT_PROFILES, own=True)  # of visitors' sensors
+        # from visitors' labelled pairs, and of their sensors
+        self.taught: Recent[Head] = Recent(KEPT_TAUGHT, private=True)
+        self.profiles: Recent[Profile] = Recent(KEPT_PROFILES, private=True)
         self._row_of: Lazy[dict[str, int]] = Lazy(self._rows_by_file)
-        self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES, own=True)
+        self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES, private=True)
         self._shown: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES)  # of examples
 
     @property
@@ -173,7 +174,7 @@ class Resources:
         self._sent.once(key, lambda: self._embedded(found))
         return Ref("image", key), found
 
-    def _embedded(self, found: Picture) -> "np.ndarray[Any, Any]":
+    def _embedded(self, picture: Picture) -> "np.ndarray[Any, Any]":
         import numpy as np
 
         from omnivat.encoders.base import DotsFilled, for_modality
@@ -182,7 +183,7 @@ class Resources:
         # TAC.
         encoder = self.encoder()
         encoders = list(dict.fromkeys(for_modality(encoder, name) for name in ("vis", "tac")))
-        pixels = [one.preprocess(found.image) for one in encoders]
+        pixels = [one.preprocess(picture.image) for one in encoders]
         if isinstance(encoder, DotsFilled) and encoder.one_network and pixels[0].equal(pixels[1]):
             del encoders[1:]
         rows = [

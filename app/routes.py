@@ -229,10 +229,12 @@ def in_json(value: Any, resources: Resources) -> Response:
         )
 
 
-async def facts(sets: VisitorSets, found: Callable[[Resources], Any], request: Request) -> Response:
+async def facts(
+    sets: VisitorSets, compute: Callable[[Resources], Any], request: Request
+) -> Response:
     """Return facts about the loaded head and set."""
     resources = set_of(sets, request)
-    return in_json(await done(request, sets.shared.jobs, lambda _: found(resources)), resources)
+    return in_json(await done(request, sets.shared.jobs, lambda _: compute(resources)), resources)
 
 
 async def compute(sets: VisitorSets, computed: Computed, request: Request) -> Response:

@@ -52,16 +52,16 @@ def profile(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]
     return _kept(resources, Profile(channels=channels, key=source.key, domain=DOMAIN))
 
 
-def joined(one: "Channels", other: "Channels") -> "Channels":
+def joined(first: "Channels", other: "Channels") -> "Channels":
     """Return the statistics of two sets of pictures together, in double precision."""
     import numpy as np
 
     from omnivat.data.profile import Channels
 
-    counts = [one.count, other.count]
-    means = np.stack([one.mean, other.mean]).astype(np.float64)
+    counts = [first.count, other.count]
+    means = np.stack([first.mean, other.mean]).astype(np.float64)
     mean = np.average(means, axis=0, weights=counts)
-    spread = np.stack([one.variance, other.variance]) + (means - mean) ** 2
+    spread = np.stack([first.variance, other.variance]) + (means - mean) ** 2
     variance = np.average(spread, axis=0, weights=counts).astype(np.float32)
     return Channels(mean=mean.astype(np.float32), variance=variance, count=sum(counts))
 
@@ -96,8 +96,8 @@ def from_the_start(resources: Resources) -> dict[str, Any]:
     return load_sensor(resources, resources.where.profile) if resources.where.profile else {}
 
 
-def _kept(resources: Resources, found: "Profile") -> dict[str, Any]:
-    parts = [(one.mean.tobytes(), one.variance.tobytes()) for one in found.channels.values()]
-    name = content_name(repr([found.counts, *parts]).encode())
-    resources.profiles.keep(name, found)
-    return {"profile": name, "counts": found.counts}
+def _kept(resources: Resources, profile: "Profile") -> dict[str, Any]:
+    parts = [(one.mean.tobytes(), one.variance.tobytes()) for one in profile.channels.values()]
+    name = content_name(repr([profile.counts, *parts]).encode())
+    resources.profiles.keep(name, profile)
+    return {"profile": name, "counts": profile.counts}

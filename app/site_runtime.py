@@ -24,12 +24,18 @@ FILES = {  # SHA-256 of the pinned version
 FETCH_S = 300
 
 
-def write_runtime(folder: Path, given: Path | None = None) -> None:
-    """Copy the runtime into `folder`: of the folder `given`, or of the pinned version.
+def write_runtime(folder: Path, runtime: Path | None = None) -> None:
+    """Copy the runtime into `folder`: of the folder `runtime`, or of the pinned version.
 
-    Raises DataError if `given` lacks a file, or the package cannot be fetched whole.
+    Raises DataError if `runtime` lacks a file, or the package cannot be fetched whole.
     """
-    source = _fetched() if given is None else given / "dist" if (given / "dist").is_dir() else given
+    source = (
+        _fetched()
+        if runtime is None
+        else runtime / "dist"
+        if (runtime / "dist").is_dir()
+        else runtime
+    )
     folder.mkdir(parents=True, exist_ok=True)
     for name in FILES:
         if not (source / name).is_file():

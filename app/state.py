@@ -84,12 +84,12 @@ class Lazy(Generic[V]):
 class Recent(Generic[V]):
     """The most recently used values, at most `limit` of them; safe between threads.
 
-    own   a visitor finds only its own values
-    room  the most bytes of all values; the newest may be above
+    private  a visitor finds only its own values
+    room     the most bytes of all values; the newest may be above
     """
 
-    def __init__(self, limit: int, *, own: bool = False, room: int = 0) -> None:
-        self._limit, self._own, self._room = limit, own, room
+    def __init__(self, limit: int, *, private: bool = False, room: int = 0) -> None:
+        self._limit, self._private, self._room = limit, private, room
         self._values: OrderedDict[tuple[str, str], tuple[V, int]] = OrderedDict()  # value, bytes
         self._lock = Lock()
 
@@ -127,4 +127,4 @@ class Recent(Generic[V]):
         return sum(size for _, size in self._values.values())
 
     def _key(self, name: str) -> tuple[str, str]:
-        return VISITOR.get() if self._own else "", name
+        return VISITOR.get() if self._private else "", name

@@ -181,12 +181,12 @@ def _name(question: Mapping[str, Any]) -> str:
 
 
 def _lessons(
-    resources: Resources, given: Sequence[Mapping[str, Any]], question: Mapping[str, Any]
+    resources: Resources, labelled: Sequence[Mapping[str, Any]], question: Mapping[str, Any]
 ) -> "list[Lesson]":
     from omnivat.head.teach import Lesson
 
-    pairs = [embedded(resources, refs_from(one), question) for one in given]
-    labels = [one["label"].strip() for one in given]
+    pairs = [embedded(resources, refs_from(one), question) for one in labelled]
+    labels = [one["label"].strip() for one in labelled]
     return [
         Lesson(label=label, vis=pair["vis"], tac=pair["tac"])
         for label, pair in zip(labels, pairs, strict=True)

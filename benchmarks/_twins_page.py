@@ -216,9 +216,9 @@ def page(
             for reading in READINGS
         }
 
-    def away(one: Seen, source: int, r: int) -> list[float]:
+    def away(seen: Seen, source: int, r: int) -> list[float]:
         others = [target for target in sources if target != source]
-        return share(one.right[r, others].mean(0)[tested[source][: one.count]])
+        return share(seen.right[r, others].mean(0)[tested[source][: seen.count]])
 
     return {
         "simulated": True,
@@ -241,7 +241,7 @@ def page(
             for reading in READINGS
         },
         "accuracy": table(
-            lambda one, s, r: [share(one.right[r, t][tested[s][: one.count]]) for t in sources]
+            lambda seen, s, r: [share(seen.right[r, t][tested[s][: seen.count]]) for t in sources]
         ),
         "away": table(away),
         "shown": [
@@ -255,10 +255,10 @@ def page(
             }
             for k, n in enumerate(objects)
         ],
-        "verdicts": table(lambda one, s, r: "".join(map(str, one.said[r][:, objects].T.ravel()))),
+        "verdicts": table(lambda seen, s, r: "".join(map(str, seen.said[r][:, objects].T.ravel()))),
         "confidence": table(
-            lambda one, s, r: "".join(
-                f"{min(int(100 * v), 99):02d}" for v in one.sure[r][:, objects].T.ravel()
+            lambda seen, s, r: "".join(
+                f"{min(int(100 * v), 99):02d}" for v in seen.sure[r][:, objects].T.ravel()
             )
         ),
     }, objects

@@ -90,8 +90,8 @@ def of_domain(name: str, count: int) -> dict[str, Any]:
     """Return what is found and how near the filled pictures come to the truth."""
     encoder = load_encoder("efficientnet-lite0")
 
-    def nearness(one: Array, other: Array) -> float:
-        a, b = (embed_image(encoder, Image.fromarray(picture)) for picture in (one, other))
+    def nearness(first: Array, other: Array) -> float:
+        a, b = (embed_image(encoder, Image.fromarray(picture)) for picture in (first, other))
         return float(a @ b / np.linalg.norm(a) / np.linalg.norm(b))
 
     dotted_, found, plain, false = 0, 0, 0, 0

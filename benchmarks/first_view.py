@@ -67,12 +67,12 @@ def looked_at(browser: Any, address: str, shots: Path | None) -> list[dict[str, 
     return found
 
 
-def table(found: list[dict[str, Any]]) -> str:
+def table(figures: list[dict[str, Any]]) -> str:
     """Return the figures as a Markdown table."""
     rows = [
         f"| {one['size']} | {one['chapter']} | {one['words']} | {100 * one['map']:.0f} % | "
         f"{one['left']:.0f}, {one['right']:.0f} | {one['smallest']:.1f} |"
-        for one in found
+        for one in figures
     ]
     head = (
         "| window | chapter | words | map | margins, px | smallest letters, px |\n| --- | --- | ---"

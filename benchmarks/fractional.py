@@ -80,11 +80,11 @@ def backward_call(method: Method, x: Tensor, orders: Callable[[], float]) -> Cal
 
 
 def calls_for(
-    task: str, found: dict[str, Method], x: Tensor, orders: Callable[[], float]
+    task: str, methods: dict[str, Method], x: Tensor, orders: Callable[[], float]
 ) -> dict[str, Callable[[], object]]:
     """The calls for a task; methods without it are left out."""
     calls: dict[str, Callable[[], object]] = {}
-    for name, method in found.items():
+    for name, method in methods.items():
         mine = x.to(method.device, method.dtype)
         if task == "build" and method.build is not None:
             calls[name] = lambda build=method.build: build(x.shape[-1])  # type: ignore[misc]

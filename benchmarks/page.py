@@ -141,7 +141,7 @@ def kept(target: str, median: float) -> str:
     return "yes" if good else "**no**"
 
 
-def written(found: dict[str, Any]) -> str:
+def written(report: dict[str, Any]) -> str:
     """Return the report as a page."""
     lines = [
         "# The page: drag, start, memory",
@@ -149,16 +149,16 @@ def written(found: dict[str, Any]) -> str:
         "`python -m benchmarks.page`",
         "",
         (
-            f"{found['machine']}, shared, load {found['load']}, no GPU; Chromium"
-            f" {found['chromium']}, Python {found['python']}, gradio {found['gradio']}, torch"
-            f" {found['torch']}. Median of {found['rounds']} rounds (least to most)."
+            f"{report['machine']}, shared, load {report['load']}, no GPU; Chromium"
+            f" {report['chromium']}, Python {report['python']}, gradio {report['gradio']}, torch"
+            f" {report['torch']}. Median of {report['rounds']} rounds (least to most)."
         ),
         "",
         "| what | figure | target | met |",
         "| --- | --- | --- | --- |",
     ]
     for name, (what, target) in FIGURES.items():
-        one = found["figures"][name]
+        one = report["figures"][name]
         spread = f"{one['median']:.3g} ({one['least']:.3g} to {one['most']:.3g})"
         lines.append(f"| {what} | {spread} | {target} | {kept(target, one['median'])} |")
     return "\n".join([*lines, "", NOTES]) + "\n"

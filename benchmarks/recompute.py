@@ -48,17 +48,17 @@ class Count:
     def __init__(self) -> None:
         self.number, self.largest, self.wrong = 0, 0.0, list[str]()
 
-    def compare(self, what: str, printed: float, found: float, room: float = ROUNDING) -> None:
+    def compare(self, what: str, printed: float, measured: float, room: float = ROUNDING) -> None:
         """Note one figure; a printed one may be off by its rounding."""
         self.number += 1
-        self.largest = max(self.largest, abs(printed - found))
-        if not abs(printed - found) <= room:
-            self.wrong.append(f"{what}: printed {printed}, recomputed {found:.3f}")
+        self.largest = max(self.largest, abs(printed - measured))
+        if not abs(printed - measured) <= room:
+            self.wrong.append(f"{what}: printed {printed}, recomputed {measured:.3f}")
 
-    def text(self, what: str, printed: str, found: Sequence[float]) -> None:
+    def text(self, what: str, printed: str, measured: Sequence[float]) -> None:
         """Compare a mean, or "+3.9 [2.2, 6.1]" with a mean and its limits."""
         numbers = [float(n) for n in re.findall(NUMBER, printed)]
-        for n, (value, wanted) in enumerate(zip(numbers, found, strict=True)):
+        for n, (value, wanted) in enumerate(zip(numbers, measured, strict=True)):
             self.compare(what, value, wanted, LUCK if n else ROUNDING)
 
 

@@ -209,12 +209,12 @@ def embedded(resources: Resources, decoder: Decoder, content: bytes) -> torch.Te
 
 
 def compared(
-    found: Mapping[str, Any], classes: list[str], wanted: Mapping[str, Any]
+    computed: Mapping[str, Any], classes: list[str], wanted: Mapping[str, Any]
 ) -> tuple[float, int]:
     """Return the largest difference of a probability, and the number of changed classes."""
     gaps, changed = [], 0
     for name, shares in wanted.items():
-        ours, theirs = np.array(found[name]), np.array([shares[c] for c in classes])
+        ours, theirs = np.array(computed[name]), np.array([shares[c] for c in classes])
         gaps.append(float(np.abs(ours - theirs).max()))
         changed += int(ours.argmax() != theirs.argmax())
     return max(gaps), changed

@@ -50,9 +50,9 @@ class Cell:
     target: float
 
 
-def relative(found: Tensor, exact: Tensor) -> float:
-    """|found - exact| / |exact|, in float64."""
-    wide = found.to(torch.complex128)
+def relative(computed: Tensor, exact: Tensor) -> float:
+    """|computed - exact| / |exact|, in float64."""
+    wide = computed.to(torch.complex128)
     return float((wide - exact).norm() / exact.norm())
 
 

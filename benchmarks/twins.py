@@ -199,8 +199,8 @@ def answers(
     return {name: "".join(map(str, rows)) for name, rows in found.items()}
 
 
-def _named(found: Mapping[str, Array]) -> dict[str, Array]:
-    return {reading: found[name] for reading, name in READINGS.items()}
+def _named(shares: Mapping[str, Array]) -> dict[str, Array]:
+    return {reading: shares[name] for reading, name in READINGS.items()}
 
 
 def draws(label: Array, random: np.random.Generator) -> Array:
@@ -278,12 +278,14 @@ def accuracy(said: str, label: Array, weights: Array, shared: Array) -> Array:
     return 100 * share_of(np.array(list(said), int) == label, keep, weights)
 
 
-def split(found: Mapping[str, Mapping[str, str]], made: Twins, pairs: Embeddings) -> dict[str, Any]:
+def split(
+    answers: Mapping[str, Mapping[str, str]], made: Twins, pairs: Embeddings
+) -> dict[str, Any]:
     """Return the loss between two domains in parts, in points, by reading: means over sources and
     targets.
 
-    found   source -> `answers`
-    return  reading -> term -> [mean, low, high], and "by_source" -> source -> term -> mean. With
+    answers  source -> `answers`
+    return   reading -> term -> [mean, low, high], and "by_source" -> source -> term -> mean. With
             T(s, c) the accuracy on twins by sensor s in scene c, from the source's own s and c to
             s' and c': home         on test pairs of the source new_objects  home - T(s, c) sensor
             T(s, c) - T(s', c) scene        T(s, c) - T(s, c') interplay    T(s, c) - T(s', c') -
@@ -303,7 +305,7 @@ def split(found: Mapping[str, Mapping[str, str]], made: Twins, pairs: Embeddings
     results: dict[str, Any] = {}
     for reading in READINGS:
         by_source: dict[str, dict[str, Array]] = {}
-        for source, said in found.items():
+        for source, said in answers.items():
             every = [
                 ready.terms(said, reading, source, target) for target in tests if target != source
             ]

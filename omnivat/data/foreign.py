@@ -116,7 +116,7 @@ def _rows(columns: Columns, texts: Mapping[str, list[str]], place: Path) -> dict
     return rows
 
 
-def _renamed(found: Columns, columns: Mapping[str, str], place: Path) -> Columns:
+def _renamed(table: Columns, columns: Mapping[str, str], place: Path) -> Columns:
     """Return the columns under the names used here; numbered columns become vectors."""
     known = {*VECTORS, *TEXTS, "vis_file", "tac_file"}
     for ours, theirs in columns.items():
@@ -125,18 +125,18 @@ def _renamed(found: Columns, columns: Mapping[str, str], place: Path) -> Columns
                 f"There is no column '{ours}' to fill; there are {', '.join(sorted(known))}."
             )
         numbered = {
-            key: v for key, v in found.items() if re.fullmatch(f"{re.escape(theirs)}_\\d+", key)
+            key: v for key, v in table.items() if re.fullmatch(f"{re.escape(theirs)}_\\d+", key)
         }
-        if theirs not in found and not numbered:
-            raise DataError(f"'{place}' has no column '{theirs}'; it has {', '.join(found)}.")
-        if theirs in found:
-            found = {ours: found[theirs], **{k: v for k, v in found.items() if k != ours}}
+        if theirs not in table and not numbered:
+            raise DataError(f"'{place}' has no column '{theirs}'; it has {', '.join(table)}.")
+        if theirs in table:
+            table = {ours: table[theirs], **{k: v for k, v in table.items() if k != ours}}
         else:
-            found |= {ours + key.removeprefix(theirs): value for key, value in numbered.items()}
+            table |= {ours + key.removeprefix(theirs): value for key, value in numbered.items()}
     for other in ("class", "label"):
-        if other in found and "material" not in found:
-            found["material"] = found[other]
-    return _joined(found, place)
+        if other in table and "material" not in table:
+            table["material"] = table[other]
+    return _joined(table, place)
 
 
 def _joined(columns: Columns, place: Path) -> Columns:

@@ -81,7 +81,7 @@ def image_file(content: Content) -> ImageFile | None:
         raise OddFileError("is cut short or damaged") from error
 
 
-def _png(content: Content, found: ImageFile) -> ImageFile:
+def _png(content: Content, facts: ImageFile) -> ImageFile:
     width, height, depth, colour, _, _, laced = struct.unpack_from(">IIBBBBB", content, 16)
     texts, large = 0, False
     for name, size, _ in png_chunks(content):
@@ -92,7 +92,7 @@ def _png(content: Content, found: ImageFile) -> ImageFile:
     each = {0: 2 if depth == 16 else 1, 3: 1}.get(colour, 4)
     each *= 2 if laced else 1  # seven passes take twice the time
     simple = not (laced or large or texts > 2) and width * height <= SIMPLE_PIXELS
-    return replace(found, width=width, height=height, bytes_a_pixel=each, simple=simple)
+    return replace(facts, width=width, height=height, bytes_a_pixel=each, simple=simple)
 
 
 def png_chunks(content: Content) -> Iterator[tuple[bytes, int, int]]:
@@ -107,7 +107,7 @@ def png_chunks(content: Content) -> Iterator[tuple[bytes, int, int]]:
     raise OddFileError(f"is cut into more than {MOST_PIECES:,} pieces")
 
 
-def _jpeg(content: Content, found: ImageFile) -> ImageFile:
+def _jpeg(content: Content, facts: ImageFile) -> ImageFile:
     frame, at, process = b"", 2, 0
     for mark, start, at in jpeg_segments(content):
         if mark in (0xC0, 0xC1, 0xC2, 0xC9, 0xCA):
@@ -123,8 +123,8 @@ def _jpeg(content: Content, found: ImageFile) -> ImageFile:
         raise OddFileError(f"is a JPEG of {width} × {height} pixels drawn in {scans} passes")
     kept = 2 * samples if whole else 0.0
     simple = not whole and process in (0xC0, 0xC1) and width * height <= SIMPLE_PIXELS
-    found = replace(found, usual=process in (0xC0, 0xC1, 0xC2), simple=simple, kept=kept)
-    return replace(found, width=width, height=height, bytes_a_pixel=kept + (1 if count == 1 else 4))
+    facts = replace(facts, usual=process in (0xC0, 0xC1, 0xC2), simple=simple, kept=kept)
+    return replace(facts, width=width, height=height, bytes_a_pixel=kept + (1 if count == 1 else 4))
 
 
 def jpeg_segments(content: Content) -> Iterator[tuple[int, int, int]]:
@@ -144,7 +144,7 @@ def jpeg_segments(content: Content) -> Iterator[tuple[int, int, int]]:
     raise OddFileError(f"has more than {MOST_PIECES // 10:,} pieces before its picture")
 
 
-def _gif(content: Content, found: ImageFile) -> ImageFile:
+def _gif(content: Content, facts: ImageFile) -> ImageFile:
     width, height, flags = struct.unpack_from("<HHB", content, 6)
     at, pieces = 13 + (3 * 2 ** ((flags & 7) + 1) if flags & 0x80 else 0), 0
     while content[at] == 0x21:  # an extension: a label, then blocks up to an empty one
@@ -157,18 +157,18 @@ def _gif(content: Content, found: ImageFile) -> ImageFile:
         at += 1
     left, top, wide, high = struct.unpack_from("<xHHHH", content, at)
     width, height = max(width, left + wide), max(height, top + high)
-    return replace(found, width=width, height=height, bytes_a_pixel=3)
+    return replace(facts, width=width, height=height, bytes_a_pixel=3)
 
 
-def _bmp(content: Content, found: ImageFile) -> ImageFile:
+def _bmp(content: Content, facts: ImageFile) -> ImageFile:
     (size,) = struct.unpack_from("<I", content, 14)
     fields = struct.unpack_from("<HHHH" if size == 12 else "<iiHHI", content, 18)
     width, height, _, bits, packed = (*fields, 0)[:5]
     each, usual = 1 if bits <= 8 else 4, packed in (0, 3)  # run lengths are unpacked slowly
-    return replace(found, width=abs(width), height=abs(height), bytes_a_pixel=each, usual=usual)
+    return replace(facts, width=abs(width), height=abs(height), bytes_a_pixel=each, usual=usual)
 
 
-def _webp(content: Content, found: ImageFile) -> ImageFile:
+def _webp(content: Content, facts: ImageFile) -> ImageFile:
     first = content[12:16]
     if first == b"VP8X":
         width, height = (1 + int.from_bytes(content[k : k + 3], "little") for k in (24, 27))
@@ -177,10 +177,10 @@ def _webp(content: Content, found: ImageFile) -> ImageFile:
         width, height = 1 + (packed & 0x3FFF), 1 + ((packed >> 14) & 0x3FFF)
     else:
         width, height = (side & 0x3FFF for side in struct.unpack_from("<HH", content, 26))
-    return replace(found, width=width, height=height, bytes_a_pixel=16)  # measured
+    return replace(facts, width=width, height=height, bytes_a_pixel=16)  # measured
 
 
-def _tiff(content: Content, found: ImageFile) -> ImageFile:
+def _tiff(content: Content, facts: ImageFile) -> ImageFile:
     tags = dict(tiff_table(content).values(content))
     width, height = tags.get(256, 0), tags.get(257, 0)
     bits, samples = tags.get(258, 1), tags.get(277, 1)
@@ -189,7 +189,7 @@ def _tiff(content: Content, found: ImageFile) -> ImageFile:
     piece = tags.get(322, width) * tags.get(323, min(tags.get(278, height), height))
     unpacked = 0.0 if packed == 1 else piece * samples * bits / 8
     needed, usual = each + unpacked / max(1, width * height), packed in (1, 5, 8, 32773, 32946)
-    return replace(found, width=width, height=height, bytes_a_pixel=needed, usual=usual)
+    return replace(facts, width=width, height=height, bytes_a_pixel=needed, usual=usual)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -232,11 +232,11 @@ def tiff_table(content: Content) -> TiffTable:
     return TiffTable(order=order, count=count, entry=entry, word=word, entries=entries)
 
 
-def _ppm(content: Content, found: ImageFile) -> ImageFile:
+def _ppm(content: Content, facts: ImageFile) -> ImageFile:
     """Parse a header of three or four words; comments of any length may be between them."""
     if len(re.sub(rb"#[^\r\n]*[\r\n]", b" ", content[:HEADER]).split(None, 3)) < 3:
         raise OddFileError(f"has no header in its first {HEADER} bytes")
-    return replace(found, usual=False)
+    return replace(facts, usual=False)
 
 
 WALKS = {

@@ -150,13 +150,13 @@ def central_square(image: Image.Image, side: int) -> Image.Image:
     return image.crop((left, top, left + side, top + side))
 
 
-def _open(handle: BytesIO, found: ImageFile, name: str) -> Image.Image:
+def _open(handle: BytesIO, facts: ImageFile, name: str) -> Image.Image:
     """Read the header only.
 
     `Image.open` would warn about large images, and silencing a warning is not thread-safe. PIL's
     table of readers gives the size without the warning.
     """
-    kind = found.kind
+    kind = facts.kind
     try:
         import_module(f"PIL.{_MODULES.get(kind, kind.capitalize() + 'ImagePlugin')}")
         opener, _ = Image.OPEN[kind]
@@ -199,13 +199,13 @@ def _check_size(width: int, height: int, name: str) -> None:
         )
 
 
-def _check_cost(found: ImageFile, name: str, limits: Limits, *, reduced: bool) -> None:
-    width, height = found.width, found.height
-    large = found.kind != "JPEG" and found.pixels > limits.pixels
-    if large or found.cost(draft_scale(width, height) if reduced else 1) > limits.cost:
-        most = min(limits.pixels, limits.cost / found.bytes_a_pixel) / 1e6
+def _check_cost(facts: ImageFile, name: str, limits: Limits, *, reduced: bool) -> None:
+    width, height = facts.width, facts.height
+    large = facts.kind != "JPEG" and facts.pixels > limits.pixels
+    if large or facts.cost(draft_scale(width, height) if reduced else 1) > limits.cost:
+        most = min(limits.pixels, limits.cost / facts.bytes_a_pixel) / 1e6
         raise DataError(
-            f"'{name}' is {width} × {height} pixels; a {found.kind} file of its kind is read up to "
+            f"'{name}' is {width} × {height} pixels; a {facts.kind} file of its kind is read up to "
             f"{most:.0f} megapixels here. Scale it down, or save it as JPEG."
         )
 

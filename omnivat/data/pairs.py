@@ -83,26 +83,26 @@ class PairSet:
         return Counter((pair.domain, pair.split, pair.material) for pair in self.pairs)
 
 
-def summary_table(found: PairSet, *, examples: int = 3) -> str:
+def summary_table(pairs: PairSet, *, examples: int = 3) -> str:
     """Return the loaded pairs, and the skipped items with reasons, as text tables.
 
-    found     the result of a reader
+    pairs     the result of a reader
     examples  number of skipped items named for each reason
     return    lines of text, without a final line end
     """
-    classes = found.materials()
-    places = Counter((p.domain, p.part, p.split, p.material) for p in found.pairs)
+    classes = pairs.materials()
+    places = Counter((p.domain, p.part, p.split, p.material) for p in pairs.pairs)
     rows = [
         [domain, part or "-", split or "-", *map(str, numbers), str(sum(numbers))]
-        for domain, part, split in dict.fromkeys((p.domain, p.part, p.split) for p in found.pairs)
+        for domain, part, split in dict.fromkeys((p.domain, p.part, p.split) for p in pairs.pairs)
         for numbers in [[places[domain, part, split, name] for name in classes]]
     ]
-    simulated = " (simulated)" if found.simulated else ""
-    lines = [f"{len(found.pairs)} pairs from {printable(found.origin or 'no origin')}{simulated}"]
+    simulated = " (simulated)" if pairs.simulated else ""
+    lines = [f"{len(pairs.pairs)} pairs from {printable(pairs.origin or 'no origin')}{simulated}"]
     if rows:
         lines += _aligned(["domain", "part", "split", *classes, "pairs"], rows)
-    if found.skipped:
-        lines += ["", *_aligned(["skipped", "why", "for example"], _reasons(found, examples))]
+    if pairs.skipped:
+        lines += ["", *_aligned(["skipped", "why", "for example"], _reasons(pairs, examples))]
     return "\n".join(lines)
 
 

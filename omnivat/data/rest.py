@@ -31,7 +31,7 @@ def minus_rest(image: Image.Image, rest: Image.Image) -> Image.Image:
     return Image.fromarray(np.clip(changed, 0, 255).astype(np.uint8))
 
 
-def with_rest(found: PairSet, choice: str) -> PairSet:
+def with_rest(loaded: PairSet, choice: str) -> PairSet:
     """Return the pairs with the rest picture of each tactile image.
 
     choice  "none"; "auto": the nearest `rest.png` in the folders above an image, but not for
@@ -40,25 +40,25 @@ def with_rest(found: PairSet, choice: str) -> PairSet:
     Raises DataError if no pair has one, or the file cannot be read.
     """
     if choice == "none":
-        return found
+        return loaded
     if choice in CHOICES:
         seen: dict[Path, Path | None] = {}
         pairs = tuple(
             pair
             if choice == "auto" and has_markers(pair.domain)
             else replace(pair, tac_rest=_nearest(pair.tac.parent, LEVELS, seen))
-            for pair in found.pairs
+            for pair in loaded.pairs
         )
     else:
         read_bytes(Path(choice))
-        pairs = tuple(replace(pair, tac_rest=Path(choice)) for pair in found.pairs)
+        pairs = tuple(replace(pair, tac_rest=Path(choice)) for pair in loaded.pairs)
     if not any(pair.tac_rest for pair in pairs):
         beside = " for a sensor without markers ('all' takes every one)" if choice == "auto" else ""
         raise DataError(
             f"No '{REST}' lies in the folders of these tactile images{beside}; put one into the "
             "domain's folder, or name a file."
         )
-    return replace(found, pairs=pairs)
+    return replace(loaded, pairs=pairs)
 
 
 def has_markers(domain: str) -> bool:

@@ -99,7 +99,7 @@ def _write(
     file: Path,
     head: Head,
     portable: type[_Portable],
-    given: tuple[Tensor, ...],
+    example: tuple[Tensor, ...],
     inputs: Sequence[str],
     outputs: Sequence[str],
     shapes: tuple[Any, ...],
@@ -110,7 +110,7 @@ def _write(
     with replacing(file) as whole:
         translate(
             portable(model),
-            given,
+            example,
             whole,
             input_names=inputs,
             output_names=outputs,

@@ -56,14 +56,14 @@ def training_pass(
 def _output(
     model: Body,
     features: dict[str, Float[Tensor, "B D"]],
-    found: Float[Tensor, "M B D"],
+    bars: Float[Tensor, "M B D"],
     root: Float[Tensor, "B D"],
     tokens: dict[str, Float[Tensor, "B D"]],
 ) -> TrainingOutput:
     """Grow nodes from `root`, add their mean to the features, classify."""
     names = [name for name in features if name != "lang"]
-    grown = grow(model.dtg, model.settings, found, root)
-    f_hat = found if grown is None else found + grown.nodes.mean(1)
+    grown = grow(model.dtg, model.settings, bars, root)
+    f_hat = bars if grown is None else bars + grown.nodes.mean(1)
     return TrainingOutput(
         features=features,
         layers=[root[:, None]] if grown is None else grown.groups,

@@ -34,7 +34,7 @@ class Field:
     __array_ufunc__ = None  # an array on the left leaves the sum to the field
     __add__ = __radd__ = lifted(operator.add)
     __mul__ = __rmul__ = lifted(operator.mul)
-    __sub__, __rsub__ = lifted(operator.sub), lifted(lambda one, other: other - one)
+    __sub__, __rsub__ = lifted(operator.sub), lifted(lambda first, other: other - first)
 
     def __init__(self, at: Callable[[Array, Array], Array]) -> None:
         self._at = at

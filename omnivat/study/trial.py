@@ -48,7 +48,7 @@ class Trial:
 
 
 def try_pairs(
-    found: Features, *, source: str = "", seed: int = 0, on_step: OnStep = ignore
+    features: Features, *, source: str = "", seed: int = 0, on_step: OnStep = ignore
 ) -> Trial:
     """Train on one domain and measure at home, with whole objects left out, and in every other
     domain.
@@ -57,35 +57,35 @@ def try_pairs(
 
     Raises DataError for a source without two classes.
     """
-    data = found.embeddings
+    data = features.embeddings
     able = data.learnable
     if source and source not in able:
         raise DataError(
             f"'{printable(source)}' cannot train a head: it needs pairs of two classes. Choose "
             f"{' or '.join(able) or 'a set with labels'}."
         )
-    if not found.labelled or not able:
-        why = "no single domain has pairs of two classes." if found.labelled else NO_CLASSES
+    if not features.labelled or not able:
+        why = "no single domain has pairs of two classes." if features.labelled else NO_CLASSES
         return Trial(head=None, lines=[f"No head was trained: {why}"])
-    source = source or max(able, key=lambda name: len(found.members(name)))
-    own, objects = found.members(source), _objects(data)
+    source = source or max(able, key=lambda name: len(features.members(name)))
+    own, objects = features.members(source), _objects(data)
     own = own[data.labelled[own]]
     folds, alone = _folds(data.label[own], objects[own], seed)
-    plan = _plan(found, source, seed)
+    plan = _plan(features, source, seed)
     each = plan.training.epochs * steps_of(len(plan.pairs), plan.training)
     watch, whole = Watch(on_step=on_step), (len(folds) + 1) * each
-    names = [name for view in _views(found) for name in (view, probe_of(view))]
+    names = [name for view in _views(features) for name in (view, probe_of(view))]
     said = {name: np.full(len(own), -1) for name in names}
     for k, out in enumerate(folds):
         fit = own[~out]
-        part = _plan(found, source, seed, rows=fit)
+        part = _plan(features, source, seed, rows=fit)
         turn = watch.part(k * each, whole)
         model = train(
             part.pairs, part.settings, part.training, bank=part.bank, seed=seed, watch=turn
         ).model
-        for view, labels in _predicted(model, data, own[out], _views(found)).items():
+        for view, labels in _predicted(model, data, own[out], _views(features)).items():
             said[view][out] = labels
-        for name, labels in _probed(found, fit, own[out]).items():
+        for name, labels in _probed(features, fit, own[out]).items():
             said[name][out] = labels
     head = trained_head(plan, watch=watch.part(len(folds) * each, whole))
     tested = np.any(folds, axis=0) if folds else np.zeros(len(own), bool)
@@ -101,9 +101,9 @@ def try_pairs(
             f"At home there is no honest figure: every class of '{source}' has one object only, so "
             "none can be left out. Add a second object of each class."
         )
-    targets = [name for name in found.domains if name != source]
+    targets = [name for name in features.domains if name != source]
     for name in targets:
-        away, text = _in_target(found, head, own, found.members(name), name)
+        away, text = _in_target(features, head, own, features.members(name), name)
         records += [away] if away else []
         lines.append(text)
     if not targets:
@@ -127,18 +127,21 @@ def _objects(data: Embeddings) -> NDArray[np.int64]:
     return np.unique(keys, return_inverse=True)[1]
 
 
-def _views(found: Features) -> tuple[str, ...]:
+def _views(features: Features) -> tuple[str, ...]:
     """Return the readings of a set: one modality, or both and each alone."""
-    return tuple(VIEWS) if len(found.modalities) == 2 else found.modalities
+    return tuple(VIEWS) if len(features.modalities) == 2 else features.modalities
 
 
-def _plan(found: Features, source: str, seed: int, rows: Rows | None = None) -> TrainingPlan:
+def _plan(features: Features, source: str, seed: int, rows: Rows | None = None) -> TrainingPlan:
     """Return the plan of a head that suits the pairs: small, with noise and imitated sensors."""
-    data = found.embeddings if rows is None else found.embeddings.select(rows)
-    count = len(found.members(source))
+    data = features.embeddings if rows is None else features.embeddings.select(rows)
+    count = len(features.members(source))
     batch = 16 if count <= 500 else 64 if count <= 2000 else 256
     classes = {data.header.classes[k] for k in np.unique(data.label[data.labelled])}
-    lang, modalities = classes <= set(load_bank(DEFAULT_BANK).classes), "+".join(found.modalities)
+    lang, modalities = (
+        classes <= set(load_bank(DEFAULT_BANK).classes),
+        "+".join(features.modalities),
+    )
     training = TrainSettings(
         epochs=EPOCHS, batch=batch, noise=4.0, shift=1.0, lang=lang, modalities=modalities
     )
@@ -181,9 +184,11 @@ def probe_of(view: str) -> str:
     return f"{PROBE}, {view}"
 
 
-def _probed(found: Features, fit: Rows, rows: Rows) -> dict[str, Labels]:
+def _probed(features: Features, fit: Rows, rows: Rows) -> dict[str, Labels]:
     """Return the labels of `rows` by each reading of linear maps that learned `fit`."""
-    answers = fitted_probe(raw_of(found, fit), found.embeddings.label[fit])(raw_of(found, rows))
+    answers = fitted_probe(raw_of(features, fit), features.embeddings.label[fit])(
+        raw_of(features, rows)
+    )
     return {probe_of(view): labels for view, labels in answers.items()}
 
 
@@ -203,17 +208,17 @@ def _record(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels])
 
 
 def _in_target(
-    found: Features, head: Head, own: Rows, rows: Rows, name: str
+    features: Features, head: Head, home: Rows, rows: Rows, name: str
 ) -> tuple[dict[str, Any] | None, str]:
     """Return the record of a target domain, plain and with a profile of its pictures, and a
     sentence.
     """
-    data, views = found.embeddings, _views(found)
+    data, views = features.embeddings, _views(features)
     lead = f"In '{printable(name)}'"
-    known = rows[np.isin(data.label[rows], np.unique(data.label[own]))]
+    known = rows[np.isin(data.label[rows], np.unique(data.label[home]))]
     if not len(known):
         return None, f"{lead}: no pair is of a class that the head learned."
-    told = _predicted(head.model, data, known, views) | _probed(found, own, known)
+    told = _predicted(head.model, data, known, views) | _probed(features, home, known)
     record = _record(name, data.label[known], _objects(data)[known], told)
     text = f"{lead}, of which nothing was known: {_sentence(record)}"
     count = min(KNOWN, len(rows) // 2)
@@ -225,7 +230,7 @@ def _in_target(
             f" With a profile of {count} of its pairs without labels, which are not tested: "
             f"{_percent(step['accuracy'])} (mean of {len(step['draws'])} draws)."
         )
-    shared = {data.rows["object"][k] for k in own} & {data.rows["object"][k] for k in known} - {""}
+    shared = {data.rows["object"][k] for k in home} & {data.rows["object"][k] for k in known} - {""}
     if shared:
         text += (
             f" {len(shared)} of its objects have names of training objects: if they are the same"

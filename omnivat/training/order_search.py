@@ -89,10 +89,10 @@ def search_order(
     coarse = [scores.at(k * step, "coarse") for k in range(stops_of(head, settings))]
     valleys = lowest_valleys(coarse, APART / head.width)
     fine = [[scores.at(v.order + share * step, "fine") for share in FINE] for v in valleys]
-    bottom = min(fine, key=lambda found: min(one.score for one in found))
+    bottom = min(fine, key=lambda valley: min(one.score for one in valley))
     everything = (*coarse, *(one for found in fine for one in found))
     start = folded(lowest_point([(one.order, one.score) for one in bottom]))
-    best = min(bottom, key=lambda one: one.score)
+    best = min(bottom, key=lambda scored: scored.score)
     ties = tied(everything, best, APART / head.width)
     low, high = neighbours(everything, best)
     between = round(min(low, start), 4), round(max(high, start), 4)
@@ -114,7 +114,7 @@ def lowest_valleys(scored: Sequence[Scored], apart: float) -> list[Scored]:
     """Return VALLEYS orders: the lowest ones further apart than this, then the lowest others."""
     chosen: list[Scored] = []
     others: list[Scored] = []
-    for one in sorted(scored, key=lambda one: one.score):
+    for one in sorted(scored, key=lambda scored: scored.score):
         far = all(abs(one.order - other.order) > apart for other in chosen)
         (chosen if far else others).append(one)
     return [*chosen, *others][:VALLEYS]
@@ -127,7 +127,7 @@ def tied(scored: Sequence[Scored], best: Scored, apart: float) -> list[float]:
     the same pairs. Orders are further than `apart` from each other, the lowest first.
     """
     ties: list[float] = []
-    for one in sorted(scored, key=lambda one: one.score):
+    for one in sorted(scored, key=lambda scored: scored.score):
         near = (folded(other) for other in (best.order, *ties))
         if any(abs(folded(one.order) - other) <= apart for other in near):
             continue
@@ -143,8 +143,8 @@ def neighbours(scored: Sequence[Scored], best: Scored) -> tuple[float, float]:
     ends = []
     for side in (-1, 1):
         beyond = [one for one in scored if side * (one.order - best.order) > 0]
-        beyond.sort(key=lambda one: abs(one.order - best.order))
-        run = [one.order for one in takewhile(lambda one: _as_good(one, best), beyond)]
+        beyond.sort(key=lambda scored: abs(scored.order - best.order))
+        run = [one.order for one in takewhile(lambda scored: _as_good(scored, best), beyond)]
         ends.append(run[-1] if run else best.order)
     low, high = (min(max(end, 0.0), 1.0) for end in ends)
     return low, high

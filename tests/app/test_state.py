@@ -61,7 +61,7 @@ def test_the_least_recently_used_value_is_forgotten_first():
 
 
 def test_a_visitor_finds_only_its_own_values():
-    recent: Recent[int] = Recent(4, own=True)
+    recent: Recent[int] = Recent(4, private=True)
     VISITOR.set("a")
     recent.keep("x", 1)
     VISITOR.set("b")

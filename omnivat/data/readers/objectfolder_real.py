@@ -123,6 +123,6 @@ def _camera_frames(recording: Path, camera: str) -> list[Path]:
         one for one in folders_in(recording) if one.name != TOUCH and camera in ("", one.name)
     ]
     beside.sort(
-        key=lambda one: ([word not in one.name.lower() for word in PREFERRED], one.name.lower())
+        key=lambda file: ([word not in file.name.lower() for word in PREFERRED], file.name.lower())
     )
     return next((list(frames.values()) for frames in map(frames_in, beside) if frames), [])

@@ -41,13 +41,13 @@ class Live:
     load: "Callable[[], LiveClip]"
     rows: Tensor  # (N,) indices of these pairs among all pairs
 
-    def images(self, name: str, rows: Tensor, given: ImageInput) -> Tensor:
+    def images(self, name: str, rows: Tensor, image_input: ImageInput) -> Tensor:
         """Return the "vis" or "tac" images (B, 3, side, side) of the pairs `rows` (B,)."""
-        return torch.stack([given(self.read(name, int(row))) for row in self.rows[rows]])
+        return torch.stack([image_input(self.read(name, int(row))) for row in self.rows[rows]])
 
-    def drawn(self, rows: Tensor, given: ImageInput) -> Tensor:
+    def drawn(self, rows: Tensor, image_input: ImageInput) -> Tensor:
         """Return VIS, then TAC of the pairs (2 B, 3, side, side), each mirrored at random."""
-        found = torch.cat([self.images(name, rows, given) for name in ("vis", "tac")])
+        found = torch.cat([self.images(name, rows, image_input) for name in ("vis", "tac")])
         mirror = torch.rand(len(found), 1, 1, 1) < 0.5
         return torch.where(mirror, found.flip(-1), found)
 

@@ -89,8 +89,8 @@ def fit_sitr(source: Source) -> Fitted:
     """Train the projections with SupCon, then a probe; held-out objects choose its C."""
 
     def projection(which: int) -> nn.Module:
-        def loss(own: nn.Module, rows: Tensor) -> Tensor:
-            return supcon_loss(_unit(own, source.drawn(rows)[which]), source.labels[rows])
+        def loss(head: nn.Module, rows: Tensor) -> Tensor:
+            return supcon_loss(_unit(head, source.drawn(rows)[which]), source.labels[rows])
 
         return learned(
             source, lambda: nn.Linear(source.width, WIDTH), HOW, loss, "sitr", IMAGES[which]

@@ -32,17 +32,15 @@ from omnivat.training.held_out import lang_guard
 T = TypeVar("T")
 
 
-def source_arrays(found: Task, bank: LangBank | None, seed: int) -> Source:
+def source_arrays(task: Task, bank: LangBank | None, seed: int) -> Source:
     """Return the training pairs of a task as arrays for baselines.
 
     A LANG bank that lacks a class is left out; `why_no_lang` has the reason.
     """
-    pairs = found.train
-    labels = label_map(found.classes, pairs.header.classes)[pairs.label]
+    pairs = task.train
+    labels = label_map(task.classes, pairs.header.classes)[pairs.label]
     texts, why = (
-        _or_why(lambda: bank.for_classes(found.classes))
-        if bank
-        else (None, "No LANG bank is used.")
+        _or_why(lambda: bank.for_classes(task.classes)) if bank else (None, "No LANG bank is used.")
     )
     live, why_not_live = _or_why(lambda: live_of(pairs))
     of_text: dict[str, Any] = {"why_no_lang": why}
@@ -63,11 +61,11 @@ def source_arrays(found: Task, bank: LangBank | None, seed: int) -> Source:
         tac_flip=None if pairs.tac_flip is None else tensor(pairs.tac_flip),
         labels=torch.from_numpy(labels),
         objects=tuple(pairs.rows["object"]),
-        classes=found.classes,
+        classes=task.classes,
         **of_text,
         live=live,
         why_not_live=why_not_live,
-        seed=derive_seed(seed, "baselines", found.setting.source.domain),
+        seed=derive_seed(seed, "baselines", task.setting.source.domain),
     )
 
 
@@ -98,14 +96,14 @@ class Outcome:
 
 
 def fit_baseline(
-    method: Method, found: Task, bank: LangBank | None, seed: int, settled: tuple[str, ...]
+    method: Method, task: Task, bank: LangBank | None, seed: int, settled: tuple[str, ...]
 ) -> Outcome:
     """Fit a baseline, with settings chosen on held-out objects."""
     begin = load(BASELINES, method.base, kind="baseline")
-    arrays = source_arrays(found, bank, seed)
+    arrays = source_arrays(task, bank, seed)
     fitted: Fitted = begin(replace(arrays, **method.train, settled=settled))
     if fitted.images is not None:
-        for pairs in (found.train, found.source_test, *found.targets.values()):
+        for pairs in (task.train, task.source_test, *task.targets.values()):
             require_own_images(pairs)
     return Outcome(
         probabilities=partial(_joined, fitted.predict, fitted),
@@ -122,29 +120,29 @@ def _joined(read: Predict, fitted: Fitted, pairs: Embeddings) -> dict[str, Tenso
 
 
 def head_settings(
-    method: Method, found: Task, bank: LangBank | None
+    method: Method, task: Task, bank: LangBank | None
 ) -> tuple[HeadSettings, TrainSettings]:
     """Return a method's settings on a task."""
     training = settings_from(TrainSettings, method.train)
     width = bank.width if bank and training.lang else 1
-    given = {"classes": found.classes, "input_width": found.train.width, "lang_width": width}
+    given = {"classes": task.classes, "input_width": task.train.width, "lang_width": width}
     return settings_from(HeadSettings, {**given, **method.head}), training
 
 
 def fit_head(
-    method: Method, found: Task, bank: LangBank | None, seed: int, settled: tuple[str, ...]
+    method: Method, task: Task, bank: LangBank | None, seed: int, settled: tuple[str, ...]
 ) -> Outcome:
     """Train a head; its settings are stated, so `settled` is empty."""
-    head, training = head_settings(method, found, bank)
-    texts = bank.for_classes(found.classes) if bank and training.lang else None
-    model = train(found.train, head, training, bank=texts, seed=seed).model
-    guarded = texts is not None and len(method.modalities) > 1 and len(found.source_test) > 0
+    head, training = head_settings(method, task, bank)
+    texts = bank.for_classes(task.classes) if bank and training.lang else None
+    model = train(task.train, head, training, bank=texts, seed=seed).model
+    guarded = texts is not None and len(method.modalities) > 1 and len(task.source_test) > 0
     return Outcome(
         probabilities=partial(predicted_probabilities, model, modalities=method.modalities),
         features=partial(_head_features, model, method.modalities),
         chosen={"order": model.order},
         parameters=parameter_count(head),
-        guard=lang_guard(model, found.source_test, texts, seed=seed)
+        guard=lang_guard(model, task.source_test, texts, seed=seed)
         if guarded and texts is not None
         else None,
     )
@@ -164,7 +162,7 @@ def _head_features(
 
 
 def fit(
-    method: Method, found: Task, bank: LangBank | None, *, seed: int, settled: tuple[str, ...] = ()
+    method: Method, task: Task, bank: LangBank | None, *, seed: int, settled: tuple[str, ...] = ()
 ) -> Outcome:
     """Fit a method on the task's training pairs.
 
@@ -172,4 +170,4 @@ def fit(
     Raises a child of OmniVatError if the method cannot run on these pairs.
     """
     fitted = fit_head if method.base == HEAD else fit_baseline
-    return fitted(method, found, bank, seed, settled)
+    return fitted(method, task, bank, seed, settled)

@@ -72,11 +72,11 @@ def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> dict[str
     return record
 
 
-def resolved(run: Run, found: Task, bank: LangBank | None) -> dict[str, Any]:
+def resolved(run: Run, task: Task, bank: LangBank | None) -> dict[str, Any]:
     """Return the settings of a run: all of a head; a baseline chooses its own."""
     if run.method.base != HEAD:
         return {"train": dict(run.method.train)} if run.method.train else {}
-    head, training = head_settings(run.method, found, bank)
+    head, training = head_settings(run.method, task, bank)
     return {
         "head": settings_dict(head),
         "train": settings_dict(training),

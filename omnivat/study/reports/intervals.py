@@ -28,11 +28,15 @@ def spread(values: Sequence[float]) -> Spread:
     )
 
 
-def spread_lines(found: Sequence[Spread]) -> tuple[list[float], list[float], list[float]]:
+def spread_lines(spreads: Sequence[Spread]) -> tuple[list[float], list[float], list[float]]:
     """Return places 0, 1, 2, ..., means and standard deviations, as `omnivat.figures.lines`
     takes them.
     """
-    return [float(k) for k in range(len(found))], [s.mean for s in found], [s.std for s in found]
+    return (
+        [float(k) for k in range(len(spreads))],
+        [s.mean for s in spreads],
+        [s.std for s in spreads],
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

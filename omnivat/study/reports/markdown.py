@@ -42,11 +42,11 @@ def percent(value: float) -> str:
     return "–" if math.isnan(value) else f"{100 * value:.1f}"
 
 
-def spread_text(found: Spread) -> str:
+def spread_text(scores: Spread) -> str:
     """Return "57.3 ± 1.2" in percent; without ± for a single value."""
-    if math.isnan(found.std):
-        return percent(found.mean)
-    return f"{percent(found.mean)} ± {percent(found.std)}"
+    if math.isnan(scores.std):
+        return percent(scores.mean)
+    return f"{percent(scores.mean)} ± {percent(scores.std)}"
 
 
 def count_text(counts: Sequence[int]) -> str:
@@ -55,8 +55,10 @@ def count_text(counts: Sequence[int]) -> str:
     return " to ".join(f"{count:,}" for count in ends)
 
 
-def interval_text(found: Interval) -> str:
+def interval_text(interval: Interval) -> str:
     """Return "+2.1 [0.4, 3.8]" in percentage points."""
-    mean = "–" if math.isnan(found.mean) else f"{100 * found.mean:+.1f}"
-    ends = ", ".join("–" if math.isnan(v) else f"{100 * v:.1f}" for v in (found.low, found.high))
+    mean = "–" if math.isnan(interval.mean) else f"{100 * interval.mean:+.1f}"
+    ends = ", ".join(
+        "–" if math.isnan(v) else f"{100 * v:.1f}" for v in (interval.low, interval.high)
+    )
     return f"{mean} [{ends}]"

@@ -71,8 +71,8 @@ def main_table(records: Sequence[Record]) -> str:
     """Return the paper's main table from these records, with its printed rows below."""
     sources = _sources(records)
 
-    def cells(own: list[Record]) -> list[str]:
-        scores = [by_run(own, own[0]["method"], metric) for metric in SCORES]
+    def cells(runs: list[Record]) -> list[str]:
+        scores = [by_run(runs, runs[0]["method"], metric) for metric in SCORES]
         each = [
             score_cells(*([v for (s, _), v in one.items() if s == source] for one in scores))
             for source in sources
@@ -86,13 +86,13 @@ def main_table(records: Sequence[Record]) -> str:
 def side_table(records: Sequence[Record]) -> str:
     """Return further figures of each method, averaged over all runs."""
 
-    def cells(own: list[Record]) -> list[str]:
-        union = spread(list(by_run(own, own[0]["method"], "macro_f1_union").values())).mean
+    def cells(runs: list[Record]) -> list[str]:
+        union = spread(list(by_run(runs, runs[0]["method"], "macro_f1_union").values())).mean
         test = [
-            r["source_test"]["scores"]["fused"]["accuracy"] for r in own if r.get("source_test")
+            r["source_test"]["scores"]["fused"]["accuracy"] for r in runs if r.get("source_test")
         ]
-        seconds = sorted(r["seconds"] for r in own)[len(own) // 2]
-        size = count_text([r["parameters"] for r in own])
+        seconds = sorted(r["seconds"] for r in runs)[len(runs) // 2]
+        size = count_text([r["parameters"] for r in runs])
         return [percent(union), percent(spread(test).mean), size, f"{seconds:.1f}"]
 
     header = [METRICS["macro_f1_union"], "source-test ACC", "parameters", "fit, s (median)"]

@@ -129,12 +129,12 @@ def readings_table(records: Sequence[Record]) -> str:
     """Return one line for each method: ACC / Macro-F1 of each reading."""
     sources = list(dict.fromkeys(record["source"] for record in records))
 
-    def cells(own: list[Record]) -> list[str]:
-        name = own[0]["method"]
+    def cells(runs: list[Record]) -> list[str]:
+        name = runs[0]["method"]
         found = [
-            score_cells(*(by_seed(by_run(own, name, m, reading), sources) for m in METRICS))
+            score_cells(*(by_seed(by_run(runs, name, m, reading), sources) for m in METRICS))
             for reading in READINGS
         ]
-        return [*found, str(len({record["seed"] for record in own}))]
+        return [*found, str(len({record["seed"] for record in runs}))]
 
     return method_table(records, [*READINGS.values(), "seeds"], cells)

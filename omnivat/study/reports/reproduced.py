@@ -33,7 +33,7 @@ def margins_report(records: Sequence[Record]) -> str:
     table = method_table(
         found,
         [*targets, *joint],
-        lambda own: [_margin(own, t) for t in targets] + ["–"] * len(joint),
+        lambda runs: [_margin(runs, t) for t in targets] + ["–"] * len(joint),
         below=below,
     )
     return f"# Cosine margins from {SOURCE}\n\nMean over seeds, both images.\n\n{table}\n"
@@ -52,9 +52,9 @@ def cost_report(records: Sequence[Record], measured: Mapping[str, Any]) -> str:
     """
     columns = ["parameters, millions", "training, s", "inference, FPS", "GPU memory, MB"]
 
-    def cells(own: list[Record]) -> list[str]:
-        size = max(record["parameters"] for record in own) / 1e6
-        seconds = sum(record["seconds"] for record in own) / len(own)
+    def cells(runs: list[Record]) -> list[str]:
+        size = max(record["parameters"] for record in runs) / 1e6
+        seconds = sum(record["seconds"] for record in runs) / len(runs)
         rate, memory = 1 / measured["encoder, s a pair"], measured.get("memory, MB")
         return [f"{size:.2f}", f"{seconds:.1f}", f"{rate:.1f}", f"{memory:.0f}" if memory else "–"]
 

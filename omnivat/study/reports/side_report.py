@@ -50,11 +50,11 @@ def _mean(records: Sequence[Record], metric: str) -> float:
 def confidence_table(records: Sequence[Record]) -> str:
     """Return ECE, NLL and AURC."""
 
-    def cells(own: list[Record]) -> list[str]:
-        if not all("nll" in t["scores"]["fused"] for r in own for t in r["targets"].values()):
+    def cells(runs: list[Record]) -> list[str]:
+        if not all("nll" in t["scores"]["fused"] for r in runs for t in r["targets"].values()):
             return []
         scales = {"ece": (100, 1), "nll": (1, 2), "aurc": (100, 1)}
-        return [f"{scales[m][0] * _mean(own, m):.{scales[m][1]}f}" for m in CONFIDENCE]
+        return [f"{scales[m][0] * _mean(runs, m):.{scales[m][1]}f}" for m in CONFIDENCE]
 
     return method_table(records, list(CONFIDENCE.values()), cells)
 
@@ -64,11 +64,11 @@ def margin_table(records: Sequence[Record]) -> str:
     found = [r for r in records if any("margins" in t for t in r.get("targets", {}).values())]
     targets = list(dict.fromkeys(t for record in found for t in record["targets"]))
 
-    def cell(own: list[Record], target: str) -> str:
-        values = [r["targets"][target]["margins"] for r in own if target in r["targets"]]
+    def cell(runs: list[Record], target: str) -> str:
+        values = [r["targets"][target]["margins"] for r in runs if target in r["targets"]]
         return " / ".join(_margin([v.get(kind) for v in values]) for kind in ("pair", "vis", "tac"))
 
-    return method_table(found, targets, lambda own: [cell(own, target) for target in targets])
+    return method_table(found, targets, lambda runs: [cell(runs, target) for target in targets])
 
 
 def _margin(values: Sequence[float | None]) -> str:
@@ -79,8 +79,8 @@ def _margin(values: Sequence[float | None]) -> str:
 def guard_table(records: Sequence[Record]) -> str:
     """Return ACC on the source's test with the text of a pair's class, and without."""
 
-    def cells(own: list[Record]) -> list[str]:
-        guards = [r["lang_guard"] for r in own if "lang_guard" in r]
+    def cells(runs: list[Record]) -> list[str]:
+        guards = [r["lang_guard"] for r in runs if "lang_guard" in r]
         means = [spread([guard[kind] for guard in guards]).mean for kind in ("with", "without")]
         return [*map(percent, means), f"{100 * (means[0] - means[1]):+.1f}"] if guards else []
 
