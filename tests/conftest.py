@@ -1,7 +1,6 @@
 """What all tests share: Hypothesis profiles, and small sets and heads made on the spot."""
 
 import importlib.util
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,11 +9,11 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 
-settings.register_profile("ci", derandomize=True, deadline=None, max_examples=40)
-settings.register_profile(
-    "home", deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow]
-)
-settings.load_profile("ci" if os.environ.get("CI") else "home")
+# The same examples in every run, and no limit on time; `--hypothesis-profile=search` draws others.
+EVERY = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}
+settings.register_profile("same", derandomize=True, max_examples=40, **EVERY)
+settings.register_profile("search", max_examples=300, **EVERY)
+settings.load_profile("same")
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 

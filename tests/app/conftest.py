@@ -1,5 +1,6 @@
 """A small learnable set and head for the page's tests."""
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -31,6 +32,15 @@ def small_places(head_folder: Path, tmp_path_factory: pytest.TempPathFactory) ->
         sprite=None,
         pairs=pairs,
     )
+
+
+def until(condition: Callable[[], Any]) -> Any:
+    """Wait until a condition holds; return what it gives."""
+    for _ in range(6000):
+        if found := condition():
+            return found
+        time.sleep(0.02)
+    raise AssertionError("it did not happen within two minutes")
 
 
 class PixelMeans:

@@ -225,7 +225,7 @@ def address(resources):
         threading.Event().wait(0.01)
     yield f"127.0.0.1:{server.servers[0].sockets[0].getsockname()[1]}"
     server.should_exit = True
-    thread.join(10)
+    thread.join(120)
     resources.shared.close()
 
 

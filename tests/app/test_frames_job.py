@@ -143,7 +143,7 @@ def test_a_map_that_waits_says_its_place(source, jobs):
         go.wait(300)
 
     jobs.start(work, lane="long", priority=-1)
-    there.wait(5)
+    there.wait(300)
     job = FramesJob(**source, jobs=jobs)
     assert "number 1 in the queue" in job.state().step.text
     go.set()

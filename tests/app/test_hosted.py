@@ -140,7 +140,7 @@ class Demo:
     def stop(self) -> None:
         """Stop as a service does."""
         self.process.send_signal(signal.SIGTERM)
-        self.process.wait(timeout=60)
+        self.process.wait(timeout=240)
         self.log.close()
 
 
@@ -172,7 +172,7 @@ def test_a_hosted_demo_writes_to_its_temporary_folder_alone_and_stays_below_a_gi
     wanted = {"source": source, "width": 16, "epochs": 5, "lang": False, "visitor": "me"}
     run = json.loads(demo.ask("omnivat/train", wanted))["run"]
     state = {"state": "waiting"}
-    for _ in range(600):
+    for _ in range(3000):
         state = json.loads(demo.ask("omnivat/training", {"run": run, "since": 5}))
         if state["state"] in ("done", "failed", "cancelled"):
             break

@@ -78,7 +78,7 @@ def test_a_server_that_is_told_to_stop_leaves_no_folder(how, tmp_path, monkeypat
         send_file(port)
         assert [path.name for path in tmp_path.glob("omnivat-*")] != []
         process.send_signal(how)
-        _, said = process.communicate(timeout=30)
+        _, said = process.communicate(timeout=120)
     finally:
         process.kill()
         process.communicate()
@@ -87,10 +87,10 @@ def test_a_server_that_is_told_to_stop_leaves_no_folder(how, tmp_path, monkeypat
 
 
 def wait_for(port: int) -> None:
-    until = time.monotonic() + 60
+    until = time.monotonic() + 120
     while time.monotonic() < until:
         try:
-            with urlopen(f"http://127.0.0.1:{port}/omnivat/examples", timeout=5):
+            with urlopen(f"http://127.0.0.1:{port}/omnivat/examples", timeout=60):
                 return
         except OSError:
             time.sleep(0.2)
@@ -99,5 +99,5 @@ def wait_for(port: int) -> None:
 
 def send_file(port: int) -> None:
     address = f"http://127.0.0.1:{port}/omnivat/part?name=settings.json"
-    with urlopen(address, data=b"{}", timeout=10) as answer:
+    with urlopen(address, data=b"{}", timeout=60) as answer:
         assert answer.status == 200

@@ -2,7 +2,6 @@
 
 import base64
 import io
-import time
 import zipfile
 from dataclasses import replace
 
@@ -16,6 +15,8 @@ from app.visitor_sets import VisitorSets
 from omnivat.head.checkpoint import load_head
 from omnivat.kit.errors import DataError
 
+from .conftest import until
+
 SMALL = {"source": "TAG-sim", "width": 16, "epochs": 5, "visitor": "ann"}
 
 
@@ -26,14 +27,11 @@ def sets(resources):
     found.shared.close()
 
 
-def until_ended(trainings, run, seconds=60):
+def until_ended(trainings, run):
     """Return the last state of a training, with all its epochs."""
-    for _ in range(int(seconds / 0.05)):
-        state = trainings.state({"run": run, "since": 0})
-        if state["state"] in ("done", "failed", "cancelled"):
-            return state
-        time.sleep(0.05)
-    raise AssertionError(f"still {state['state']}")
+    ended = ("done", "failed", "cancelled")
+    until(lambda: trainings.state({"run": run})["state"] in ended)
+    return trainings.state({"run": run, "since": 0})
 
 
 def test_a_training_is_watched_to_its_end_and_its_head_is_loaded_and_saved(sets, tmp_path):
@@ -82,21 +80,6 @@ def test_only_new_epochs_are_sent(sets):
     run = trainings.start(sets.first, SMALL)["run"]
     until_ended(trainings, run)
     assert [one["epoch"] for one in trainings.state({"run": run, "since": 3})["epochs"]] == [4, 5]
-
-
-def test_one_training_runs_and_the_next_visitor_is_told_the_place(sets):
-    trainings = Trainings(sets)
-    first = trainings.start(sets.first, {**SMALL, "epochs": 150})["run"]
-    second = trainings.start(sets.first, {**SMALL, "visitor": "bob"})["run"]
-    state = trainings.state({"run": second})
-    assert (state["state"], state["place"]) == ("waiting", 1)
-    with pytest.raises(DataError, match="still runs or waits; cancel it first"):
-        trainings.start(sets.first, SMALL)
-    trainings.cancel({"run": first})
-    assert until_ended(trainings, first)["state"] == "cancelled"
-    assert until_ended(trainings, second)["state"] == "done"
-    again = trainings.start(sets.first, SMALL)["run"]
-    assert until_ended(trainings, again)["state"] == "done"
 
 
 def test_what_is_offered_can_be_trained(resources):

@@ -1,6 +1,6 @@
 """Train here: several visitors in one queue."""
 
-import time
+from time import sleep
 
 import pytest
 
@@ -11,18 +11,29 @@ from app.training import Trainings
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
 
-LONG = {"source": "TAG-sim", "width": 16, "epochs": 100}
+from .conftest import until
+
+SMALL = {"source": "TAG-sim", "width": 16, "epochs": 5}
+
+
+def stay(run, report):
+    """Stay in the first epoch until the training is cancelled."""
+    while True:
+        run.require_visitor()
+        run.job.check()
+        sleep(0.01)
 
 
 @pytest.fixture
-def queue(resources):
-    """Return the trainings, and a function that starts a long one for a visitor."""
+def queue(resources, monkeypatch):
+    """Return the trainings, and a function that starts one without an end for a visitor."""
+    monkeypatch.setattr(training.Run, "take", stay)
     sets = VisitorSets(resources)
     trainings = Trainings(sets)
 
     def start(name, address=""):
         VISITOR.set(address)
-        return trainings.start(sets.first, {**LONG, "visitor": name})["run"]
+        return trainings.start(sets.first, {**SMALL, "visitor": name})["run"]
 
     yield trainings, start
     VISITOR.set("")
@@ -33,15 +44,6 @@ def standing(trainings, runs):
     """Return the state and the place of each training."""
     found = [trainings.state({"run": run}) for run in runs]
     return [(one["state"], one["place"]) for one in found]
-
-
-def until(condition, seconds=30):
-    """Wait for a condition."""
-    for _ in range(int(seconds / 0.02)):
-        if condition():
-            return
-        time.sleep(0.02)
-    raise AssertionError("it did not happen")
 
 
 def test_four_visitors_wait_in_order_and_a_cancelled_place_is_free(queue):
@@ -72,9 +74,13 @@ def test_a_full_queue_refuses_in_a_sentence(queue, monkeypatch):
 
 
 def test_the_training_of_a_visitor_who_left_makes_way(queue, monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(training, "monotonic", lambda: now[0])
     trainings, start = queue
     left, next_one = start("ann"), start("bob")
     until(lambda: standing(trainings, [left]) == [("running", 0)])
-    monkeypatch.setattr(training, "ABANDONED_S", 0.5)
-    until(lambda: standing(trainings, [next_one])[0][0] == "running")
+    now[0] = 0.7 * training.ABANDONED_S
+    assert standing(trainings, [next_one]) == [("waiting", 1)]
+    now[0] = 1.4 * training.ABANDONED_S
+    until(lambda: standing(trainings, [next_one]) == [("running", 0)])
     assert standing(trainings, [left]) == [("cancelled", 0)]

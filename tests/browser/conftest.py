@@ -29,7 +29,19 @@ FLAGS = [
 ]
 PANELS = """localStorage['omnivat-panels'] ??= JSON.stringify(Object.fromEntries(
   ['card', 'grid', 'domains', 'confusion', 'filters', 'curves', 'raw', 'step', 'toy'].map((name) => [name, true])))"""
+PATIENCE_MS = 150_000  # a journey fails by what it reads, not by the time
 DESK = {"viewport": {"width": 1440, "height": 900}}
+
+
+def patient(make: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a maker of pages or profiles that wait as long as a busy machine takes."""
+
+    def made(**options: Any) -> Any:
+        target = make(**options)
+        target.set_default_timeout(PATIENCE_MS)
+        return target
+
+    return made
 
 
 def missing(what: str) -> None:
@@ -55,6 +67,8 @@ def chromium(sensor: FakeSensor) -> Iterator[Any]:
     with playwright.sync_playwright() as player:
         flags = [*FLAGS, f"--use-file-for-fake-video-capture={sensor.file}"]
         browser = player.chromium.launch(executable_path=binary, args=flags)
+        for name in ("new_page", "new_context"):
+            setattr(browser, name, patient(getattr(browser, name)))
         yield browser
         browser.close()
 
@@ -88,7 +102,7 @@ class Server:
                 stdout=log,
                 stderr=subprocess.STDOUT,
             )
-        deadline = time.monotonic() + 90
+        deadline = time.monotonic() + 180
         while True:
             try:
                 with urlopen(self.address, timeout=30):
@@ -134,7 +148,24 @@ def note(problems: list[str], said: Any) -> None:
 
 
 def watched(page: Any, address: str, problems: list[str]) -> Any:
-    """Return the page; `problems` then gets failed scripts and requests that leave the machine."""
+    """Return the page; `problems` then gets failed scripts and requests that leave the machine.
+
+    Whoever waits for an element also waits until nothing is on its way to the page, so that no
+    journey reads too early; except where the journey itself holds replies back by `page.route`.
+    """
+    find, route = page.wait_for_selector, page.route
+
+    def settled(selector: str, **options: Any) -> Any:
+        found = find(selector, **options)
+        if not page.held:
+            find("body[data-ready]")
+        return found
+
+    def hold(*arguments: Any, **options: Any) -> None:
+        page.held = True
+        route(*arguments, **options)
+
+    page.held, page.wait_for_selector, page.route = False, settled, hold
     page.on("pageerror", lambda error: problems.append(f"script failed: {error}"))
     page.on("console", lambda said: note(problems, said))
     page.on(
@@ -145,7 +176,6 @@ def watched(page: Any, address: str, problems: list[str]) -> Any:
             else problems.append(f"outside request: {request.url}")
         ),
     )
-    page.set_default_timeout(90_000)  # of a busy machine; a journey fails by what it reads
     page.add_init_script(PANELS)  # journeys look into every panel of the workbench
     return page
 

@@ -44,7 +44,7 @@ def opened(chromium, file):
             lambda r: r.url.startswith(("data:", "blob:", "file:")) or page.wrong.append(r.url),
         )
         page.goto(file.as_uri())
-        page.wait_for_selector("body[data-drawn]", timeout=120_000)
+        page.wait_for_selector("body[data-drawn]")
         return page
 
     yield open_page

@@ -132,7 +132,6 @@ def test_an_odd_image_is_answered_as_the_plain_picture_that_it_shows(
         """told => [...document.querySelectorAll('.pair .bars td[data-reading=tac] .share')]
              .map((cell) => cell.textContent).join() === told.join()""",
         arg=told,
-        timeout=10_000,
     )
     assert shares(pair_page) == told
     assert pair_page.locator(".pair .problem").is_hidden()

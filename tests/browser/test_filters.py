@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from .gestures import MAP, TOOLS, pixels
+from .gestures import MAP, TOOLS, pixels, settle
 
 pytestmark = pytest.mark.browser
 
@@ -32,9 +32,8 @@ def test_a_range_is_named_in_the_title_kept_in_the_address_and_put_aside_by_othe
     drag_over(page, "cosine")
     page.wait_for_selector(f"{TITLE}:has-text('photo–touch cosine')")
     pixels(page)  # the last move of the mouse is drawn
-    # and in the address, which waits 150 ms
-    page.evaluate("() => new Promise((done) => setTimeout(done, 300))")
-    page.wait_for_function("location.search.includes('range=')")
+    settle(page)
+    assert "range=" in page.url
     found = page.locator(".explore .finder .found").inner_text()
     page.reload()
     page.wait_for_selector(f".explore .finder .found:has-text('{found}')")

@@ -9,7 +9,7 @@ import pytest
 
 from omnivat.data.store import save_embeddings
 
-from .conftest import Server
+from .conftest import Server, watched
 from .gestures import MAP
 
 pytestmark = pytest.mark.browser
@@ -18,11 +18,16 @@ HEADLESS = "() => document.querySelector('.explore')?.dataset.kind === 'features
 
 
 @pytest.fixture
-def served(tmp_path: Path, make_embeddings: Callable[..., Any]) -> Iterator[Callable[..., str]]:
-    """Return a function that serves a set of another encoder; a server log without traceback."""
+def opened(
+    chromium: Any, tmp_path: Path, make_embeddings: Callable[..., Any]
+) -> Iterator[Callable[..., Any]]:
+    """Return a function that serves a set of another encoder and opens its page; afterwards
+    neither page nor server has failed.
+    """
     servers: list[Server] = []
+    problems: list[str] = []
 
-    def serve(**options: Any) -> str:
+    def serve(query: str = "", **options: Any) -> Any:
         made = make_embeddings(width=12, per_class=12, **options)
         made = replace(made, header=replace(made.header, encoder="other-encoder"))
         file = tmp_path / "mine.safetensors"
@@ -30,9 +35,12 @@ def served(tmp_path: Path, make_embeddings: Callable[..., Any]) -> Iterator[Call
         server = Server(tmp_path, more=("--embeddings", str(file)))
         servers.append(server)
         server.start()
-        return server.address
+        page = watched(chromium.new_page(), server.address, problems)
+        page.goto(server.address + query)
+        return page
 
     yield serve
+    assert problems == []
     for server in servers:
         server.stop()
         assert "Traceback" not in server.log(), server.log()
@@ -48,13 +56,9 @@ def empty_panels(page: Any) -> list[str]:
 
 
 def test_a_set_without_a_head_opens_with_maps_gaps_neighbours_and_the_command(
-    chromium: Any, served: Callable[..., str]
+    opened: Callable[..., Any],
 ) -> None:
-    address = served()
-    page = chromium.new_page()
-    problems: list[str] = []
-    page.on("pageerror", lambda error: problems.append(str(error)))
-    page.goto(address)
+    page = opened()
     page.wait_for_selector(MAP)
     page.wait_for_function(HEADLESS)
     page.wait_for_selector(".explore .score pre:has-text('omnivat try mine.safetensors')")
@@ -85,14 +89,12 @@ def test_a_set_without_a_head_opens_with_maps_gaps_neighbours_and_the_command(
     page.evaluate("document.getElementById('view-pair-button').click()")
     page.wait_for_selector(".ov.pair .headless pre")
     page.close()
-    assert problems == []
 
 
 def test_a_set_without_classes_and_with_one_domain_says_what_is_missing(
-    chromium: Any, served: Callable[..., str]
+    opened: Callable[..., Any],
 ) -> None:
-    page = chromium.new_page()
-    page.goto(served(domains=("my-sensor",), classes=("unlabelled",)))
+    page = opened(domains=("my-sensor",), classes=("unlabelled",))
     page.wait_for_selector(MAP)
     page.wait_for_selector(".explore .score pre:has-text('omnivat report')")
     assert page.locator(".explore .gaps dt").all_inner_texts() == ["Modality gap"]
@@ -107,15 +109,13 @@ def train(page: Any) -> None:
     page.select_option(".train [name=width]", "16")
     page.fill(".train [name=epochs]", "5")
     page.click(".train .go")
-    page.wait_for_selector(".train .actions .use", timeout=120_000)
+    page.wait_for_selector(".train .actions .use")
 
 
 def test_a_head_trained_on_a_set_of_one_domain_shows_what_is_known_of_it(
-    chromium: Any, served: Callable[..., str]
+    opened: Callable[..., Any],
 ) -> None:
-    page = chromium.new_page()
-    page.set_default_timeout(90_000)  # the server makes its maps meanwhile
-    page.goto(served(domains=("my-sensor",)) + "?view=train")
+    page = opened("?view=train", domains=("my-sensor",))
     page.wait_for_selector(".train .preview h3:has-text('a head for another set')")
     assert "The set has no other" in page.inner_text(".train .task")
     train(page)
@@ -133,11 +133,9 @@ def test_a_head_trained_on_a_set_of_one_domain_shows_what_is_known_of_it(
 
 
 def test_a_set_without_classes_says_what_to_do_instead_of_training(
-    chromium: Any, served: Callable[..., str]
+    opened: Callable[..., Any],
 ) -> None:
-    page = chromium.new_page()
-    page.set_default_timeout(90_000)  # the server makes its maps meanwhile
-    page.goto(served(classes=("unlabelled",)) + "?view=train")
+    page = opened("?view=train", classes=("unlabelled",))
     page.wait_for_selector(".train .problem:has-text('No domain has pairs of two classes')")
     assert "omnivat report" in page.inner_text(".train .headless pre")
     assert not page.locator(".train .bench, .train .explain").first.is_visible()

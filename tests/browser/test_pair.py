@@ -210,6 +210,7 @@ def live(open_page: Callable[..., Any], sensor: FakeSensor, presses: Any) -> Cal
             )
         page.goto(page.url)
         page.wait_for_selector(ANSWERED)
+        page.held = True  # Live always has a frame on its way
         page.click(".pair .cameras > summary")
         page.click(".pair .cameras .start")
         page.wait_for_selector(".pair .verdict .tag:has-text('live')")

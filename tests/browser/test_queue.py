@@ -22,7 +22,7 @@ def press_train(page: Any) -> None:
 
 def shows(page: Any, words: str) -> None:
     """Wait until the state of the training contains these words."""
-    page.wait_for_selector(f".train .status:has-text('{words}')", timeout=120_000)
+    page.wait_for_selector(f".train .status:has-text('{words}')")
 
 
 def test_four_visitors_see_their_places_and_cancelling_frees_one(

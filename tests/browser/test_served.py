@@ -66,7 +66,7 @@ def asked(
 ) -> tuple[int, bytes]:
     """Return status and body; the path is sent unchanged, with dots."""
     parts = urlsplit(address)
-    connection = HTTPConnection(str(parts.hostname), parts.port, timeout=30)
+    connection = HTTPConnection(str(parts.hostname), parts.port, timeout=150)
     try:
         connection.request(method, path, body, {"Content-Type": kind} if kind else {})
         answer = connection.getresponse()

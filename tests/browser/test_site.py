@@ -47,7 +47,6 @@ def visit(context: Any) -> tuple[Any, list[str]]:
     problems: list[str] = []
     page.on("pageerror", lambda error: problems.append(str(error)))
     page.on("console", lambda said: said.type == "error" and problems.append(said.text))
-    page.set_default_timeout(60_000)
     return page, problems
 
 

@@ -157,7 +157,7 @@ def test_a_head_is_trained_scrubbed_used_and_saved(open_page: Callable[..., Any]
     page.fill(".train [name=epochs]", "6")
     page.uncheck(".train [name=lang]")
     page.click(".train .go")
-    page.wait_for_selector(".train .status:has-text('Done: 6 epochs')", timeout=120_000)
+    page.wait_for_selector(".train .status:has-text('Done: 6 epochs')")
     assert page.locator(".train .both .charts figure").count() == 6
     assert page.evaluate(
         "Math.min(...[...document.querySelectorAll('.train .charts text')].map((t) => "
@@ -188,9 +188,9 @@ def test_a_training_can_be_cancelled(open_page: Callable[..., Any]) -> None:
     page.uncheck(".train [name=lang]")
     page.fill(".train [name=epochs]", "100")
     page.click(".train .go")
-    page.wait_for_selector(".train .status:has-text('Training: epoch')", timeout=60_000)
+    page.wait_for_selector(".train .status:has-text('Training: epoch')")
     page.click(".train .stop")
-    page.wait_for_selector(".train .status:has-text('Cancelled after')", timeout=60_000)
+    page.wait_for_selector(".train .status:has-text('Cancelled after')")
     assert page.locator(".train .go").is_enabled()
 
 

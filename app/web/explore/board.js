@@ -6,6 +6,7 @@ import { orderText } from "../shared/frames.js";
 import { asText, values } from "../shared/measures.js";
 import { orderBar } from "../shared/order.js";
 import { colouring, isLecture } from "../shared/palette.js";
+import { afterwards } from "../shared/ready.js";
 import { explained, featuresOf, stageNamed, stepsOf } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
 import { define } from "../shared/terms.js";
@@ -68,7 +69,7 @@ export class Board {
     this.toy = new Toy($(".toy"));
     this.finder = new Finder($(".finder"), scene);
     this.saving = new Saving($, scene, this.maps, () => this.showPictures());
-    this.announcing = 0;
+    this.announceSoon = afterwards(() => this.announce(), 400);
   }
 
   /** Facts about the set or its head have come. */
@@ -139,8 +140,7 @@ export class Board {
     this.maps.showNow();
     this.showCard();
     this.showLesson();
-    clearTimeout(this.announcing);
-    this.announcing = setTimeout(() => this.announce(), 400);
+    this.announceSoon();
   }
 
   /** The words and figures of a chapter; in the workbench, the accuracy and whose it is. */

@@ -7,6 +7,7 @@ import { domainColour, isDark, onTheme } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { provenance } from "../shared/provenance.js";
 import { radios } from "../shared/radios.js";
+import { awaited } from "../shared/ready.js";
 import { change, state } from "../shared/store.js";
 import { bytesOf, each, escaped, fill, percent } from "../shared/text.js";
 import { onClick, press } from "../shared/view.js";
@@ -41,6 +42,7 @@ export class Threads {
   hovered = -1; // a point: 8 × press + sensor
   alone = -1; // the only sensor that is shown in full colour
   moving = 0;
+  arrived = (_) => {}; // of a glide that has ended
   /** @type {any} */
   ends = null; // as in `tell`
   ofCurves = "";
@@ -168,7 +170,10 @@ export class Threads {
       const share = again ? Math.min(1, Math.max(0, (now - begun) / GLIDE)) : 1;
       this.draw(share < 1 ? between(from, to, eased(share)) : to);
       if (share < 1) this.moving = requestAnimationFrame(step);
+      else this.arrived(0);
     };
+    this.arrived(0);
+    awaited(new Promise((done) => (this.arrived = done)));
     step(begun);
   }
 

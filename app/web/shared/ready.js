@@ -18,3 +18,19 @@ export async function awaited(work) {
     setTimeout(arrived);
   }
 }
+
+/** A function that runs `act` a pause after its last call; the page is not ready before.
+ * @param {() => void} act @param {number} ms @returns {() => void} */
+export function afterwards(act, ms) {
+  let timer;
+  let over = (_) => {};
+  return () => {
+    clearTimeout(timer);
+    over(0); // the pause before; the page stays unready, as the new one has begun at once
+    awaited(new Promise((done) => (over = done)));
+    timer = setTimeout(() => {
+      act();
+      over(0);
+    }, ms);
+  };
+}

@@ -1,6 +1,7 @@
 /** The state, shared by all tabs and kept in the address, so that a link restores it. */
 
 import { COLOURINGS } from "./palette.js";
+import { afterwards } from "./ready.js";
 import { STAGES } from "./stages.js";
 
 /** The tabs from the server; a saved page has Explore only. */
@@ -78,7 +79,6 @@ export const links = new Map();
 const listeners = new Set();
 const left = new Map(); // chapter -> its values when it was left
 let otherP = null; // of the other tabs while the first chapter is open, and its own while they are
-let writing = 0;
 
 const usual = (chapter) => ({ ...DEFAULTS, ...CHAPTERS[chapter] });
 
@@ -121,9 +121,8 @@ export function change(patch) {
   if (step) writeAddress();
   Object.assign(state, patch);
   tell(changed);
-  clearTimeout(writing);
   if (step) writeAddress("pushState");
-  else writing = setTimeout(writeAddress, 150);
+  else writeSoon();
 }
 
 /** Open a chapter of Explore as it was left, or with its usual values. */
@@ -146,7 +145,6 @@ export function followHistory(open) {
   addEventListener("popstate", () => {
     const now = fromAddress();
     const changed = Object.keys(now).filter((name) => state[name] !== now[name]);
-    clearTimeout(writing);
     Object.assign(state, now);
     if (changed.includes("view")) open(state.view);
     tell(changed);
@@ -175,7 +173,6 @@ export function watchIn(view, names, action) {
 
 /** Write the state into the address now; a change waits a little, so that a drag writes once. */
 export function writeAddress(how = "replaceState") {
-  clearTimeout(writing);
   const address = new URL(location.href);
   address.searchParams.delete("tab");
   const from = new Map([...links].map(([link, ref]) => [ref, link]));
@@ -190,6 +187,8 @@ export function writeAddress(how = "replaceState") {
     /* a page opened from disk may not write its address in every browser */
   }
 }
+
+const writeSoon = afterwards(writeAddress, 150);
 
 const TILDE = { "%": "%25", "~": "%7E" }; // names are joined by ~ and may contain one
 const packed = (name) => name.replace(/[%~]/g, (sign) => TILDE[sign]);

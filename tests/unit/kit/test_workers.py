@@ -37,7 +37,7 @@ def test_the_workers_of_a_killed_process_end(tmp_path):
     worker = int(process.stdout.readline())
     process.kill()
     process.wait()
-    until = monotonic() + 20
+    until = monotonic() + 120
     while alive(worker) and monotonic() < until:
         sleep(0.05)
     lives = alive(worker)

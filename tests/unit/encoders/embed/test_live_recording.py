@@ -44,7 +44,7 @@ def page(**asked):
     script = SCRIPT.replace("${ROOT}", ROOT.as_uri())
     done = subprocess.run(
         ["node", "--input-type=module", "-e", script],
-        input=json.dumps(asked), capture_output=True, text=True, timeout=60,
+        input=json.dumps(asked), capture_output=True, text=True, timeout=240,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout or "null")
