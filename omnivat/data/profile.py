@@ -108,6 +108,13 @@ def profile_of(
     """Return the profile of some pairs (None: all). Their labels are not read.
 
     Raises DataError without pairs.
+
+    >>> from omnivat import default_embeddings, load_embeddings
+    >>> pairs = load_embeddings(default_embeddings())
+    >>> rows = pairs.rows_of("TQ-DIGIT-sim")[:20]  # twenty pictures of a sensor are enough
+    >>> profile = profile_of(pairs, rows, domain="TQ-DIGIT-sim")
+    >>> profile.counts, profile.channels["tac"].mean.shape
+    ({'vis': 20, 'tac': 20}, (1280,))
     """
     return Profile(
         channels={name: channels_of(getattr(embeddings, name), rows) for name in modalities},

@@ -54,6 +54,14 @@ def save_embeddings(
     manifest    "csv", or "parquet" (through pyarrow)
 
     Raises DataError when a value is not finite or too large for float16.
+
+    >>> from tempfile import TemporaryDirectory
+    >>> from omnivat import default_embeddings
+    >>> digit = load_embeddings(default_embeddings()).in_domain("TQ-DIGIT-sim")
+    >>> with TemporaryDirectory() as folder:
+    ...     save_embeddings(Path(folder) / "digit.safetensors", digit)
+    ...     len(load_embeddings(Path(folder) / "digit.safetensors")) == len(digit)
+    True
     """
     vectors = embeddings.vectors
     if set(vectors) != set(VECTORS):
@@ -172,6 +180,13 @@ def load_embeddings(path: str | Path, *, large: int | None = None) -> Embeddings
     Larger arrays are read-only; those in half precision become float32 block by block, in `walked`
     and `Embeddings.select`.
     Raises DataError with the file name if it is missing, truncated or of another kind.
+
+    >>> from omnivat import default_embeddings
+    >>> pairs = load_embeddings(default_embeddings())
+    >>> pairs.vis.shape == (len(pairs), pairs.width), pairs.header.encoder
+    (True, 'efficientnet-lite0')
+    >>> pairs.header.domains[0], pairs.header.classes[pairs.label[0]]
+    ('TAG-sim', 'wood')
     """
     file = Path(path)
     if not file.is_file():

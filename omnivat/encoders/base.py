@@ -165,6 +165,12 @@ def load_encoder(
     Raises MissingNameError for an unknown name, SettingsError for an unavailable precision or
     device, DataError if the encoder violates the contract or a checkpoint is missing; the message
     then has the command that fetches it.
+
+    >>> from PIL import Image
+    >>> encoder = load_encoder("strip")
+    >>> picture = encoder.preprocess(Image.new("RGB", (96, 96), "teal"))
+    >>> tuple(encoder.embed(picture[None]).shape), encoder.width
+    ((1, 64), 64)
     """
     settings = {"device": device, "precision": precision, "download": download}
     encoder: Encoder

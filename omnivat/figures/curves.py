@@ -35,6 +35,11 @@ def lines(
 
     across, up  titles of the axes
     ticks       labels of the places 0, 1, 2, ...; none: the places are numbers
+
+    >>> series = {"OmniVaT": ([0.0, 0.5, 1.0], [0.52, 0.55, 0.53])}
+    >>> figure = lines(series, title="Accuracy in unseen domains", across="p")
+    >>> figure.data[0].name, figure.data[0].y
+    ('OmniVaT', (0.52, 0.55, 0.53))
     """
     traces, ends, places = [], [], []
     for index, (name, (xs, ys, *errors)) in enumerate(series.items()):

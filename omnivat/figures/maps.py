@@ -43,6 +43,12 @@ def map_figure(
     pictures    from `pictures`: tile i is pair i's photo, tile N + i its touch
 
     Raises ShapeError if the lengths do not fit.
+
+    >>> random = np.random.default_rng(0)
+    >>> places, materials = random.normal(size=(8, 2)), ["wood", "steel"]
+    >>> figure = map_figure(places, [0, 1, 0, 1], materials, title="Four pairs")
+    >>> [trace.name for trace in figure.data][:2]
+    ['wood', 'steel']
     """
     places = np.asarray(places, dtype=np.float64)
     rows, count = len(places), len(places) // max(1, len(modalities))

@@ -92,6 +92,13 @@ def write(path: str | Path, figure: Any) -> Path:
     """Write a figure, completely or not at all; the ending of the name chooses the kind.
 
     Raises SettingsError for another ending, or for SVG and PNG of a figure in three dimensions.
+
+    >>> from tempfile import TemporaryDirectory
+    >>> from omnivat import figures
+    >>> figure = figures.lines({"loss": ([1, 2, 3], [1.6, 0.9, 0.7])}, title="Training")
+    >>> with TemporaryDirectory() as folder:
+    ...     write(Path(folder) / "loss.svg", figure).read_text(encoding="utf-8")[:4]
+    '<svg'
     """
     target = require_ending(Path(path))
     ending = target.suffix.lower()

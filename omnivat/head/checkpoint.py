@@ -212,6 +212,11 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
 
     The model is on the current device (`omnivat.kit.devices`).
     Raises DataError with the file name if something is missing, truncated or does not fit.
+
+    >>> from omnivat import default_head
+    >>> head = load_head(default_head())
+    >>> head.source, head.settings.classes
+    ('TAG-sim', ('wood', 'steel', 'plastic', 'ceramic', 'glass'))
     """
     path = Path(folder)
     if not path.is_dir():

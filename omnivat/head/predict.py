@@ -30,6 +30,15 @@ def predict_embeddings(
               and "tac", each with the other image absent) and, for a pair, "branches" (inside the
               pair), as class -> probability; "temperature" by reading; and "familiarity" by
               modality, if the head has its training embeddings
+
+    >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
+    >>> head, pairs = load_head(default_head()), load_embeddings(default_embeddings())
+    >>> vis, tac = (torch.tensor(rows[:2]) for rows in (pairs.vis, pairs.tac))
+    >>> first, second = predict_embeddings(head, vis, tac)
+    >>> first["prediction"] in head.settings.classes, round(sum(first["probabilities"].values()), 3)
+    (True, 1.0)
+    >>> list(predict_embeddings(head, None, tac)[0]["modalities"])  # touch alone
+    ['tac']
     """
     if profile is not None:
         vis, tac = (

@@ -88,6 +88,23 @@ def taught(head: Head, lessons: Sequence[Lesson]) -> Head:
     Features and stages do not change, and the order p has no influence on the prediction. A class
     that the head lacks is added. With too few objects to leave out, the share of the lessons alone
     is 0. Raises DataError without lessons, or with more than 2,000.
+
+    >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
+    >>> head, pairs = load_head(default_head()), load_embeddings(default_embeddings())
+    >>> rows = pairs.rows_of("TQ-DIGIT-sim", split="train")
+    >>> lessons = [
+    ...     Lesson(
+    ...         label="cork" if pairs.label[row] else "wood",
+    ...         vis=torch.tensor(pairs.vis[row])[None],
+    ...         tac=torch.tensor(pairs.tac[row])[None],
+    ...     )
+    ...     for row in rows[::20]
+    ... ]
+    >>> taught(head, lessons).settings.classes[-1]  # a class that the head lacks is added
+    'cork'
+    >>> report = judged(head, lessons)
+    >>> [0 <= right <= len(lessons) for right in (report.before, report.after)]
+    [True, True]
     """
     return _Work(head, lessons).head_taught()
 

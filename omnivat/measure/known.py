@@ -98,6 +98,15 @@ def measured(
     "domains" (share by domain) and "draws" (the accuracy of each draw). Pairs of a class that the
     head lacks are left out. Raises DataError for embeddings of another encoder, or without a test
     pair to predict.
+
+    >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
+    >>> head, embeddings = load_head(default_head()), load_embeddings(default_embeddings())
+    >>> for known in (NOTHING, pairs(20), labels(3)):
+    ...     found = measured(head, embeddings, known, draws=1)
+    ...     print(found["known"], found["low"] < found["accuracy"] < found["high"])
+    nothing: pictures as they come True
+    20 pairs without labels True
+    3 labelled pairs of each class True
     """
     head.require_embeddings(embeddings)
     once = not (known.pairs or known.labels)

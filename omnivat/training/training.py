@@ -49,6 +49,13 @@ def train(
     Raises DataError if there is nothing to learn, if `resume` belongs to another training, or if
     `bank` belongs to another checkpoint than the images; OmniVatError if the loss is not finite;
     TrainingCancelled if the watch stops it.
+
+    >>> from omnivat import HeadSettings, default_embeddings, load_embeddings
+    >>> source = load_embeddings(default_embeddings()).in_domain("TAG-sim", split="train")
+    >>> head = HeadSettings(input_width=source.width, classes=source.header.classes, width=16)
+    >>> trained = train(source, head, TrainSettings(epochs=2))
+    >>> [round(epoch["loss"], 1) > 0 for epoch in trained.epochs]
+    [True, True]
     """
     watch = watch or Watch(on_step=on_step)
     if settings.order_draw != "none":

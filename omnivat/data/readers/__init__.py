@@ -53,6 +53,12 @@ def read_pairs(
 
     Raises DataError if `source` is missing, has another layout, no pairs, or a domain called "all";
     SettingsError for an option that the reader lacks.
+
+    >>> from omnivat.head.heads import EXAMPLES
+    >>> found = read_pairs(EXAMPLES / "pairs")
+    >>> pair = found.pairs[0]
+    >>> pair.domain, pair.material, pair.vis.suffix, pair.tac.suffix
+    ('OF 2.0 A-sim', 'ceramic', '.jpg', '.jpg')
     """
     path = Path(source)
     if not os.path.exists(path):  # also for a name too long, or a looping link

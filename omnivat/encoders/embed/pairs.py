@@ -65,6 +65,15 @@ def embed_pairs(
     Finished parts are in `<out>.parts` until the end; the same call resumes from them.
     Raises DataError if there are no pairs or none can be read, WriteError if `out` cannot be
     written or its table would replace another; settings are checked first.
+
+    >>> from tempfile import TemporaryDirectory
+    >>> from omnivat import load_embeddings, read_pairs
+    >>> from omnivat.head.heads import EXAMPLES
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "set.safetensors"
+    ...     report = embed_pairs(read_pairs(EXAMPLES / "pairs"), "strip", file, workers=1)
+    ...     load_embeddings(file).vis.shape == (report.embedded, 64)
+    True
     """
     out = Path(out)
     _require_sound(pairs, out, workers, dtype, manifest)

@@ -28,6 +28,10 @@ class Basis:
 def project(points: Tensor, *, seed: int = 0, dimensions: int = 2) -> Tensor:
     """Return the PCA map of points (N, D) -> (N, dimensions). PCA is exact: `seed` has no
     effect.
+
+    >>> points = torch.tensor([[0.0, 0.0, 1.0], [3.0, 0.0, 1.0], [-3.0, 1.0, 1.0]])
+    >>> tuple(project(points).shape)
+    (3, 2)
     """
     return basis(points, dimensions).place(points)
 

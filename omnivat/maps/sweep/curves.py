@@ -82,6 +82,13 @@ def sweep(
     Measures of the raw embedding and the raw DFrFT are computed once, because they do not depend on
     the order. Without prediction measures and other stages, the head runs at one order at most.
     Raises SettingsError for an unknown stage or measure, or an invalid order.
+
+    >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
+    >>> head, pairs = load_head(default_head()), load_embeddings(default_embeddings())
+    >>> digit = pairs.in_domain("TQ-DIGIT-sim")
+    >>> found = sweep(head.model, digit, [0.0, 0.5], measures=["modality_gap"])
+    >>> found.curves["modality_gap/f_hat"].shape
+    (2,)
     """
     require_known(measures, (*STAGE_MEASURES, *PREDICTION_MEASURES), "measure")
     classes, facts = facts_of(embeddings, model.settings.classes, model.classifier.device)

@@ -17,6 +17,11 @@ def ece(
     return         in [0, 1]; NaN for no pairs
 
     Source: Guo et al., ICML 2017.
+
+    >>> import torch
+    >>> sure = torch.tensor([[0.9, 0.1]] * 10)
+    >>> round(float(ece(sure, torch.zeros(10, dtype=torch.long))), 2)  # always right, at 90 %
+    0.1
     """
     require_shapes(probabilities=(probabilities, "N K"), labels=(labels, "N"))
     if not len(labels):

@@ -12,6 +12,11 @@ def centroid_gap(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tens
 
     Rows are scaled to unit length first. A unitary map of both sets does not change the gap.
     Raises ShapeError for an empty set or differing widths.
+
+    >>> import torch
+    >>> photos, touches = torch.tensor([[1.0, 0.0], [2.0, 0.0]]), torch.tensor([[0.0, 3.0]])
+    >>> centroid_gap(photos, touches), centroid_gap(photos, photos)
+    (tensor(1.4142), tensor(0.))
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(1, a=a, b=b)

@@ -34,6 +34,11 @@ def macro_f1(
     return   in [0, 1]; NaN for no pairs
 
     Raises ShapeError for other shapes, SettingsError for another average.
+
+    >>> import torch
+    >>> labels, predicted = torch.tensor([0, 0, 0, 1]), torch.tensor([0, 0, 0, 0])
+    >>> accuracy(labels, predicted), macro_f1(labels, predicted)
+    (tensor(0.7500), tensor(0.4286))
     """
     require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
     if average not in AVERAGES:

@@ -32,6 +32,16 @@ def gap_record(
     sets     modality -> domain with pairs -> its rows
     measure  one of `GAPS`, or a gap of what `rows` and `sets` hold instead of rows
     return   "modality_gap": domain (or "all") -> value; "domain_gap": modality -> a -> b -> value
+
+    >>> import torch
+    >>> east, north = torch.tensor([[1.0, 0.0]]), torch.tensor([[0.0, 1.0]])
+    >>> rows = {"vis": torch.cat([east, north]), "tac": torch.cat([east, east])}
+    >>> sets = {"vis": {"A": east, "B": north}, "tac": {"A": east, "B": east}}
+    >>> found = gap_record(rows, sets, "centroid")
+    >>> {name: round(value, 3) for name, value in found["modality_gap"].items()}
+    {'all': 0.707, 'A': 0.0, 'B': 1.414}
+    >>> round(found["domain_gap"]["vis"]["A"]["B"], 3), found["domain_gap"]["tac"]["A"]["B"]
+    (1.414, 0.0)
     """
     measured = load(GAPS, measure, kind="gap") if isinstance(measure, str) else measure
 

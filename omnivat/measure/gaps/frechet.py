@@ -16,6 +16,11 @@ def frechet(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, "
     of the centred rows. No D×D root is needed, and sets smaller than D (singular covariances) are
     exact. Raises ShapeError for sets that are too small or of differing widths. Source: Dowson and
     Landau, J. Multivariate Anal. 12:450-455, 1982.
+
+    >>> import torch
+    >>> a, b = torch.tensor([[1.0, 0.0]] * 3), torch.tensor([[0.0, 1.0]] * 3)
+    >>> frechet(a, b)
+    tensor(2.)
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(2, a=a, b=b)

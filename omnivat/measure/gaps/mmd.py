@@ -38,6 +38,10 @@ def mmd_rbf(
     kernel at once. Beyond, it is estimated by `mmd_rbf_estimate`, at a cost that does not depend on
     N and M. Raises ShapeError for an empty set or differing widths. Source: Gretton et al., JMLR
     13:723-773, 2012.
+
+    >>> a, b = torch.tensor([[1.0, 0.0]] * 3), torch.tensor([[0.0, 1.0]] * 3)
+    >>> round(float(mmd_rbf(a, a)), 3), round(float(mmd_rbf(a, b)), 3)
+    (0.0, 1.729)
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(1, a=a, b=b)

@@ -31,6 +31,10 @@ def proxy_a(
     classifier below chance shows no distance. The distance is symmetric in a and b. Raises
     ShapeError for sets that are too small or of differing widths. Source: Ben-David et al., NeurIPS
     2007.
+
+    >>> a, b = torch.tensor([[1.0, 0.1]] * 9), torch.tensor([[0.1, 1.0]] * 9)
+    >>> float(proxy_a(a, b)), float(proxy_a(a, a))
+    (2.0, 0.0)
     """
     return proxy_a_estimate(a, b, folds=folds, ridge=ridge, seed=seed).value
 
