@@ -1,6 +1,5 @@
 """Dragging p: handled in the browser, exact at every stop, during any other activity."""
 
-import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +11,7 @@ import pytest
 from omnivat.head.heads import EXAMPLES, default_embeddings, default_head
 from omnivat.maps.frames import FrameSet, read_frames, write_frames
 
-from .gestures import MAP, grab, open_tab, p_shown, pixels, pull
+from .gestures import MAP, grab, open_tab, p_shown, pixels, pull, settle
 
 pytestmark = pytest.mark.browser
 
@@ -157,9 +156,13 @@ def test_finer_frames_take_the_place_of_coarse_ones_in_the_middle_of_a_drag(
     page.wait_for_selector(".explore .wait:has-text('40 of 101')")
     ready.append(True)
     page.wait_for_selector(".explore .wait", state="hidden")
+    settle(page)
+    pixels(page)  # the finer map is drawn
     pull(page, box, 0.66, steps=20)
+    page.wait_for_function(
+        "/^0\\.\\d[1-9]\\d?$/.test(document.querySelector('.explore .order-value').innerText)"
+    )
     page.mouse.up()
-    assert re.fullmatch(r"0\.\d[1-9]\d?", p_shown(page))
     assert page.locator(MAP).get_attribute("data-order") == str(float(p_shown(page)))
 
 
