@@ -13,6 +13,7 @@ from torch.nn.functional import cross_entropy, normalize
 
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.profile import STEP_SHIFTED, Channels, profile_of, standardised
+from omnivat.encoders.lang.bank import DEFAULT_BANK, load_bank
 from omnivat.head.linear_maps import FittedMaps
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
@@ -30,7 +31,7 @@ Array = NDArray[Any]
 Raw = Mapping[str, Tensor]  # embeddings (N, W) of "vis", "tac" or both
 RECIPE = {"noise": 4.0, "shift": 1.0, "epochs": 120}  # of every head that is trained in batches
 # as their own files train them
-PUBLISHED = ("vt_cmc_head", "ldc_icd", "sitr_supcon", "robust_vish")
+PUBLISHED = ("baseline", "vt_cmc_head", "ldc_icd", "sitr_supcon", "robust_vish")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -248,6 +249,9 @@ def source_of(embeddings: Embeddings, source: str, seed: int) -> Source:
         labels=torch.from_numpy(pairs.label),
         objects=tuple(pairs.rows["object"]),
         classes=embeddings.header.classes,
+        lang=torch.from_numpy(
+            load_bank(DEFAULT_BANK).for_classes(embeddings.header.classes).embeddings
+        ),
         seed=seed,
     )
 

@@ -51,12 +51,13 @@ def fit(source: Source) -> Fitted:
 
 def _fitted(source: Source, choice: tuple[float, float]) -> Fitted:
     lang, classes, (lr, text_weight) = source.lang, len(source.classes), choice
+    present = source.labels.unique()  # texts of other classes would teach what no picture shows
 
     def loss(model: Baseline, rows: Tensor) -> Tensor:
         images = torch.cat(source.drawn(rows))
         total = cross_entropy(model(images), source.labels[rows].repeat(2))
         if lang is not None:
-            truth = torch.randint(classes, (TEXTS,))
+            truth = present[torch.randint(len(present), (TEXTS,))]
             texts = lang[truth, torch.randint(lang.shape[1], (TEXTS,))]
             total = total + text_weight * cross_entropy(model(model.text(texts)), truth)
         return total
