@@ -123,6 +123,11 @@ TOOLS: dict[str, tuple[str, Schema, Schema]] = {
             simulated={"type": "boolean"},
             modality_gap=_by_name(MAYBE),
             domain_gap=TABLE,
+            floor={
+                **_by_name(MAYBE),
+                "description": "the same gap between two random halves of one domain, mean over"
+                " domains",
+            },
         ),
     ),
     "report": (

@@ -43,6 +43,9 @@ def run(options: argparse.Namespace) -> None:
             f"estimated from {record['drawn']:,} random pairs, because the set is large; standard"
             f" error of a gap at most ± {record['standard_error']:.2g}\n"
         )
+    levels = {name: value for name, value in record["floor"].items() if value is not None}
+    level = ", ".join(f"{name.upper()} {value:.4f}" for name, value in levels.items())
+    print(f"two random halves of one domain, mean over domains: {level or 'too few pairs'}\n")
     print("between VIS and TAC")
     for name, value in record["modality_gap"].items():
         print(f"  {name:<18} {value:.4f}")
@@ -66,6 +69,7 @@ def gaps_of(features: StageFeatures, measure: str) -> dict[str, Any]:
     more: dict[str, Any] = {}
     sets: dict[str, dict[str, Any]]
     every: Mapping[str, Any]
+    parts = None
     gap: Callable[[Any, Any], Any]
     if measure in ESTIMATES and 2 * len(data) > MOST_ROWS:
         rows, alike = drawn(data.domain)
@@ -80,14 +84,14 @@ def gaps_of(features: StageFeatures, measure: str) -> dict[str, Any]:
 
         gap = estimated
     elif measure in MOMENT_GAPS and len(data) > LARGE:
-        sets, every = moments_of(
+        sets, every, parts = moments_of(
             features.blocks(), data.domain, names, squares=measure == "frechet"
         )
         gap = MOMENT_GAPS[measure]
     else:
         sets, every = parts_of(features.points(), data.domain, names)
         gap = load(GAPS, measure, kind="gap")
-    return gap_record(every, sets, gap) | more
+    return gap_record(every, sets, gap, parts) | more
 
 
 def matrix(table: Mapping[str, Mapping[str, float]]) -> str:

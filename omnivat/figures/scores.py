@@ -212,4 +212,7 @@ def gap_tables(record: Record) -> Figure:
         f" pairs{', simulated data' if record.get('simulated') else ''}."
     )
     caption += "" if gap is None else f" Between photos and touches: {gap:.{digits}f}."
+    levels = ((words, record["floor"][m]) for m, words in sides)
+    level = ", ".join(f"{words} {v:.{digits}f}" for words, v in levels if v is not None)
+    caption += f" Halves of one domain: {level}." if level else ""
     return figure(traces, title=title, caption=caption, height=200 + 38 * len(names), **layout)

@@ -32,7 +32,9 @@ RIDGE = 1.0  # of the mean squared length of the centred tokens
 FINE = tuple(k / 8 for k in range(-8, 9))  # of the coarse grid's step
 VALLEYS = 3  # refined, the lowest ones
 APART = 4.0  # over D: orders nearer than this share a valley
-DOUBT = 2.0  # standard errors of a paired difference between orders that tie
+# Standard errors of a paired difference between orders that tie. Pairs left out share all others,
+# so their losses vary together and two are too few (docs/order.md).
+DOUBT = 3.0
 Array = NDArray[np.float64]
 
 
@@ -159,7 +161,7 @@ def _note(start: float, between: Sequence[float], ties: Sequence[float]) -> str:
     low, high = between
     if not ties:
         return (
-            f"p = {start:.3f}; orders outside {low:.3f} to {high:.3f} are worse by two standard"
+            f"p = {start:.3f}; orders outside {low:.3f} to {high:.3f} are worse by three standard"
             " errors."
         )
     others = ", ".join(f"{p:.3f}" for p in ties[:3]) + (" and others" if len(ties) > 3 else "")

@@ -14,8 +14,8 @@ GAPS = {
 }
 NAMES = {
     "centroid": "distance of centroids",
-    "mmd_linear": "MMD, linear kernel",
-    "mmd_rbf": "MMD, Gaussian kernel",
+    "mmd_linear": "MMD, linear kernel (biased)",
+    "mmd_rbf": "MMD, Gaussian kernel (biased)",
     "frechet": "Fréchet distance",
     "proxy_a": "Proxy-A distance",
 }

@@ -1,13 +1,17 @@
-"""A gap between all pairs of domains, and between modalities."""
+"""A gap between all pairs of domains, between modalities, and between halves of one domain."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import combinations
+from statistics import fmean
 from typing import Any
 
+import torch
 from jaxtyping import Float
 from torch import Tensor
 
+from omnivat.kit.errors import ShapeError
 from omnivat.kit.progress import checkpoint
+from omnivat.kit.seeding import derive_seed
 from omnivat.kit.tables import load
 from omnivat.measure.gaps import GAPS
 
@@ -21,17 +25,43 @@ def pairwise_gaps(
     return {(a, b): gap(sets[a], sets[b]) for a, b in combinations(sets, 2)}
 
 
+def halves(sets: Mapping[str, Float[Tensor, "_ D"]]) -> Iterator[tuple[Tensor, Tensor]]:
+    """Yield two random halves of each set; the same sets give the same halves."""
+    random = torch.Generator().manual_seed(derive_seed(0, "halves"))
+    for rows in sets.values():
+        mixed = torch.randperm(len(rows), generator=random).to(rows.device)
+        first, second = mixed.tensor_split(2)
+        yield rows[first], rows[second]
+
+
+def floor(parts: Iterable[tuple[Any, Any]], gap: Callable[[Any, Any], Tensor]) -> float | None:
+    """Return the mean gap between two halves of one domain; None if all are too small.
+
+    No gap starts at 0: samples differ by chance. A gap between domains counts above this level.
+    """
+    values = []
+    for first, second in parts:
+        try:
+            values.append(float(gap(first, second)))
+        except ShapeError:  # too few rows for this measure
+            continue
+    return fmean(values) if values else None
+
+
 def gap_record(
     rows: Mapping[str, Any],
     sets: Mapping[str, Mapping[str, Any]],
     measure: str | Callable[[Any, Any], Tensor],
+    parts: Mapping[str, Iterable[tuple[Any, Any]]] | None = None,
 ) -> dict[str, Any]:
-    """Return both gaps of a set by one measure, as plain values.
+    """Return both gaps of a set by one measure, as plain values, and the level of no gap.
 
     rows     "vis", "tac" -> (N, D) unit rows
     sets     modality -> domain with pairs -> its rows
     measure  one of `GAPS`, or a gap of what `rows` and `sets` hold instead of rows
-    return   "modality_gap": domain (or "all") -> value; "domain_gap": modality -> a -> b -> value
+    parts    modality -> two halves of each domain; None: halves of `sets`
+    return   "modality_gap": domain (or "all") -> value; "domain_gap": modality -> a -> b -> value;
+             "floor": modality -> `floor` of its domains
 
     >>> import torch
     >>> east, north = torch.tensor([[1.0, 0.0]]), torch.tensor([[0.0, 1.0]])
@@ -57,4 +87,6 @@ def gap_record(
         tables[modality] = {a: dict.fromkeys(some, 0.0) for a in some}
         for (a, b), value in pairwise_gaps(some, gap).items():
             tables[modality][a][b] = tables[modality][b][a] = float(value)
-    return {"modality_gap": between, "domain_gap": tables}
+    parts = parts or {modality: halves(some) for modality, some in sets.items()}
+    floors = {modality: floor(pairs, gap) for modality, pairs in parts.items()}
+    return {"modality_gap": between, "domain_gap": tables, "floor": floors}

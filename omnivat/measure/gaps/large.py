@@ -90,14 +90,19 @@ def moments_of(
     names: Sequence[str],
     *,
     squares: bool,
-) -> tuple[dict[str, dict[str, Moments]], dict[str, Moments]]:
-    """Return modality -> domain -> moments of unit rows, and modality -> those of all rows.
+) -> tuple[
+    dict[str, dict[str, Moments]], dict[str, Moments], dict[str, list[tuple[Moments, Moments]]]
+]:
+    """Return moments of unit rows: modality -> domain -> all, modality -> all rows, modality -> two
+    random halves of each domain.
 
     domain  index of each pair into `names`; blocks cover the pairs in order
     """
     found: dict[str, dict[int, Moments]] = {"vis": {}, "tac": {}}
+    random = np.random.default_rng(derive_seed(0, "halves"))
+    half = 2 * domain + random.integers(2, size=len(domain))
     for some, features in blocks:
-        own = domain[some]
+        own = half[some]
         for index in np.unique(own).tolist():
             members = torch.from_numpy(np.flatnonzero(own == index))
             for name, into in found.items():
@@ -106,8 +111,15 @@ def moments_of(
                     into[index].add(rows)
                 else:
                     into[index] = Moments(rows, squares=squares)
-    sets = {name: {names[k]: own[k] for k in sorted(own)} for name, own in found.items()}
-    return sets, {name: Moments.joined(list(own.values())) for name, own in sets.items()}
+    both = {
+        name: {k: [own[h] for h in (2 * k, 2 * k + 1) if h in own] for k in np.unique(domain)}
+        for name, own in found.items()
+    }
+    sets = {m: {names[k]: Moments.joined(own) for k, own in of.items()} for m, of in both.items()}
+    halves = {
+        m: [(own[0], own[-1]) for own in of.values() if len(own) > 1] for m, of in both.items()
+    }
+    return sets, {m: Moments.joined(list(own.values())) for m, own in sets.items()}, halves
 
 
 def drawn(

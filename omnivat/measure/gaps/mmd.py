@@ -1,4 +1,8 @@
-"""Maximum mean discrepancy (MMD) of two sets of features, linear and Gaussian kernel."""
+"""Maximum mean discrepancy (MMD) of two sets of features, linear and Gaussian kernel.
+
+Both are the biased estimate, which counts a row with itself: it is above 0 for two samples of one
+distribution. Compare it with `omnivat.measure.gaps.domain.floor`.
+"""
 
 from collections.abc import Iterator
 

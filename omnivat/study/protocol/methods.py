@@ -27,7 +27,11 @@ ABLATED: dict[str, Part] = {
     "omnivat_no_mma": ("OmniVaT without L_MMA", {}, {"mma_weight": 0.0}),
     "omnivat_no_nod": ("OmniVaT without L_NOD", {}, {"nod_weight": 0.0}),
     "omnivat_no_token": ("OmniVaT without class token", {"class_token": False}, {}),
-    "omnivat_p0": ("OmniVaT, p = 0 fixed", {"order": 0.0, "learn_order": False}, {}),
+    "omnivat_p0": (
+        "OmniVaT, p = 0 fixed",
+        {"order": 0.0, "learn_order": False},
+        {"order_search": False},
+    ),
 }
 DEFAULT_METHODS = (HEAD, *VARIANTS, *(name for name in BASELINES if name not in OPTIONAL))
 

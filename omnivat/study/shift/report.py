@@ -165,7 +165,14 @@ def _gap_record(
         "pairs": len(data),
         "simulated": data.header.simulated,
     }
-    return {**said, "modality_gap": {"all": gap}, "domain_gap": tables}
+    floors = _floors(records)
+    level = {m: floors.get((measure, m)) for m in tables}
+    return {**said, "modality_gap": {"all": gap}, "domain_gap": tables, "floor": level}
+
+
+def _floors(records: Sequence[Record]) -> dict[tuple[str, str], float]:
+    """Return measure and modality -> the level of no gap."""
+    return {(r["measure"], r["modality"]): r["value"] for r in records if r["part"] == "no gap"}
 
 
 def _page(features: Features, records: Sequence[Record], drawn: Drawn, words: str) -> list[Any]:
@@ -200,7 +207,7 @@ def _page(features: Features, records: Sequence[Record], drawn: Drawn, words: st
 
 def _gap_table(records: Sequence[Record]) -> str:
     means = [r for r in records if r["part"] in ("modality gap", "domain gap") and r["note"]]
-    floors = {(r["measure"], r["modality"]): r["value"] for r in records if r["part"] == "no gap"}
+    floors = _floors(records)
     cells = []
     for one in means:
         level = _number(floors.get((one["measure"], one["modality"])))

@@ -52,12 +52,12 @@ def methods(features: Features, seed: int) -> str:
     if between:
         parts.append(
             f"The gap between {' and between '.join(between)} was measured as the distance of"
-            " centroids, the squared maximum mean discrepancy (MMD; linear and Gaussian kernels;"
-            " Gretton et al., 2012), the squared Fréchet distance (Dowson and Landau, 1982) and"
-            " the Proxy-A distance of a ridge classifier in five folds (Ben-David et al., 2007)."
-            f" Their intervals are a jackknife over {BLOCKS} blocks of objects with Student's t; as"
-            " the level of no gap, each was also measured between two random halves of one domain,"
-            " since finite samples raise all but Proxy-A, which is cross-validated."
+            " centroids, the squared maximum mean discrepancy (MMD; linear and Gaussian kernels,"
+            " biased; Gretton et al., 2012), the squared Fréchet distance (Dowson and Landau, 1982)"
+            " and the Proxy-A distance of a ridge classifier in five folds (Ben-David et al.,"
+            f" 2007). Their intervals are a jackknife over {BLOCKS} blocks of objects with"
+            " Student's t; as the level of no gap, each was also measured between two random halves"
+            " of one domain, since finite samples raise all but Proxy-A, which is cross-validated."
         )
     if two and max(members) > 1:
         parts.append(

@@ -50,7 +50,7 @@ TRAIN = {
         ),
         "VALLEYS": 3,
         "APART": 4.0,
-        "DOUBT": 2.0,
+        "DOUBT": 3.0,
     },
     "training": {"TEACHER": TrainSettings(epochs=120), "AFTER": 0.1},
 }

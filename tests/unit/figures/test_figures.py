@@ -30,6 +30,7 @@ def table():
         "stage": "raw",
         "pairs": 8,
         "modality_gap": {"all": 0.5},
+        "floor": {"vis": 0.1, "tac": None},
         "domain_gap": {m: {"A": {"A": 0.0, "B": 0.2}, "B": {"A": 0.2, "B": 0.0}} for m in ("vis", "tac")},
     }  # fmt: skip
 

@@ -32,7 +32,7 @@ def test_gaps_from_moments_of_blocks_are_those_of_the_rows(measure):
     sets, every = parts_of(points, domain, NAMES)
     some = [slice(k, k + 100) for k in range(0, len(domain), 100)]
     blocks = ((one, {"vis": vis[one], "tac": tac[one]}) for one in some)
-    found, whole = moments_of(blocks, domain, NAMES, squares=measure == "frechet")
+    found, whole, halves = moments_of(blocks, domain, NAMES, squares=measure == "frechet")
     gap, by_moments = load(GAPS, measure, kind="gap"), MOMENT_GAPS[measure]
     assert list(found["vis"]) == list(sets["vis"]) == ["a", "b", "c"]
     for a, b in (("a", "b"), ("b", "c")):
@@ -40,6 +40,7 @@ def test_gaps_from_moments_of_blocks_are_those_of_the_rows(measure):
         assert float(by_moments(found["tac"][a], found["tac"][b])) == pytest.approx(exact, rel=1e-4)
     exact = float(gap(every["vis"].double(), every["tac"].double()))
     assert float(by_moments(whole["vis"], whole["tac"])) == pytest.approx(exact, rel=1e-4)
+    assert [a.count + b.count for a, b in halves["tac"]] == np.bincount(domain)[[0, 1, 3]].tolist()
 
 
 def test_a_draw_keeps_small_domains_whole_and_the_rest_in_proportion(monkeypatch):
