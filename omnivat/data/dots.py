@@ -83,13 +83,15 @@ def dotted(brightest: Array, grid: Grid) -> tuple[Array, int, float]:
     reach = int(0.45 * np.hypot(*grid.steps.T).min())
     near = np.arange(-reach, reach + 1)
     disk = near**2 + near[:, None] ** 2 <= reach**2
-    core = disk[near == 0][0] & (np.abs(near) <= max(1, reach // 4))
-    core = core & core[:, None]
-    padded = np.pad(darkness(brightest), reach)
+    middle = max(1, reach // 4)
+    core = (slice(None), *[slice(reach - middle, reach + middle + 1)] * 2)
+    dark = grid.dark if grid.dark.shape == brightest.shape else darkness(brightest)
+    padded = np.pad(dark, reach)
     columns, rows = grid.nodes.T
     windows = np.lib.stride_tricks.sliding_window_view(padded, disk.shape)[rows, columns]
-    depth = np.where(core, windows, 0).max((1, 2))
-    inky = (windows >= np.maximum(0.35 * depth, 64 * grid.darkness)[:, None, None]) & disk
+    depth = windows[core].max((1, 2))
+    least = np.ceil(np.maximum(0.35 * depth, 64 * grid.darkness)).astype(np.uint8)
+    inky = (windows >= least[:, None, None]) & disk
     canvas = np.zeros(padded.shape, bool)
     for x, y, ink in zip(columns, rows, inky, strict=True):
         canvas[y : y + len(disk), x : x + len(disk)] |= ink
@@ -99,7 +101,7 @@ def dotted(brightest: Array, grid: Grid) -> tuple[Array, int, float]:
     middles = np.lib.stride_tricks.sliding_window_view(np.pad(names, reach), disk.shape)[
         rows, columns
     ]
-    dots = np.unique(middles[:, core])
+    dots = np.unique(middles[core])
     dots = dots[dots > 0]
     areas = np.bincount(names.ravel())
     chosen = np.zeros(len(areas), bool)
@@ -151,8 +153,9 @@ def membrane(picture: Array, hole: Array, sweeps: int = 2) -> Array:
     first in
     the picture of half the size, then by `sweeps` of relaxation."""
     height, width = hole.shape
-    known = (~hole)[..., None].astype(picture.dtype)
-    values = picture * known
+    here = np.flatnonzero(hole)
+    known, values = (~hole)[..., None].astype(picture.dtype), picture.copy()
+    values.reshape(height * width, -1)[here] = 0
     if height % 2 or width % 2:
         rim = ((0, height % 2), (0, width % 2), (0, 0))
         known, values = np.pad(known, rim), np.pad(values, rim)
@@ -161,7 +164,6 @@ def membrane(picture: Array, hole: Array, sweeps: int = 2) -> Array:
     half = total / np.maximum(weight, 1)
     if empty.any() and not empty.all():
         half = membrane(half, empty)
-    here = np.flatnonzero(hole)
     rows, columns = np.divmod(here, width)
     flat = picture.astype(np.float32).reshape(height * width, -1)
     flat[here] = half.reshape(-1, half.shape[2]).take(rows // 2 * half.shape[1] + columns // 2, 0)

@@ -29,6 +29,7 @@ STRAY = 0.24  # steps between a node and its place
 class Grid:
     """A grid of dots in a picture."""
 
+    dark: Array  # (H, W) 0 to 255: darkness of the reduced picture that was searched
     nodes: Array  # (n, 2) int: x and y in pixels
     steps: Array  # (2, 2): x and y of the two steps in pixels
     darkness: float  # median share of the light that a dot takes, 0 to 1
@@ -47,6 +48,7 @@ def find_grid(brightest: Array) -> Grid | None:
         grid = grid_of(dark, points[kept], depths[kept])
         if grid is not None:
             return Grid(
+                dark=dark,
                 nodes=grid.nodes * scale + scale // 2,
                 steps=grid.steps * scale,
                 darkness=grid.darkness,
@@ -90,6 +92,7 @@ def grid_of(dark: Array, points: Array, depths: Array) -> Grid | None:
     # A dot at the rim or beside strong relief may lack neighbours; one of them is a node.
     beside = (linked & node[links]).any(0) & (depths >= 0.4 * typical)
     return Grid(
+        dark=dark,
         nodes=points[node | beside],
         steps=np.stack(exact),
         darkness=float(typical) / 255,

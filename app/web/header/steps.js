@@ -67,7 +67,7 @@ export const STEPS = [
     right: (at) => [mended(at) < 0.1 ? "little" : mended(at) < 0.5 ? "part" : "most"],
     after: () => ({ dots: "1" }),
     reveal: (at) =>
-      `${b(percent(away(at, 1)[0]))} in place of ${b(percent(away(at)[0]))}, and nothing was known of the new sensors.`,
+      `${b(percent(away(at, 1)[0]))} in place of ${b(percent(away(at)[0]))}: the head had learned the dots. Nothing was known of the new sensors.`,
   },
   {
     title: "Without one label",

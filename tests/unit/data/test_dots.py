@@ -6,51 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from PIL import Image
-from scipy.ndimage import gaussian_filter, zoom
+from scipy.ndimage import gaussian_filter
 
+from benchmarks._dots_odd import ODD, SIDE, gel, picture, printed
 from omnivat.data.dots import fill_dots
 from omnivat.simulate.domains import SIMULATED
 from omnivat.simulate.drawing import tactile
 from omnivat.simulate.plan import planned
 from omnivat.simulate.things import thing
-
-SIDE = 224
-
-
-def gel(side: int = SIDE, seed: int = 0, grain: float = 4.0) -> np.ndarray:
-    """A lit gel (side, side, 3), 0 to 255: slow changes of colour, and grain."""
-    random = np.random.default_rng(seed)
-    slow = zoom(random.uniform(90, 200, (4, 4, 3)), (side / 4, side / 4, 1), order=1)
-    return slow[:side, :side] + random.normal(0, grain, (side, side, 3))
-
-
-def picture(values: np.ndarray) -> np.ndarray:
-    return np.clip(np.rint(values), 0, 255).astype(np.uint8)
-
-
-def printed(  # (side, side): share of light that dots take
-    side: int = SIDE,
-    pitch: float = 26.0,
-    radius: float = 4.5,
-    *,
-    square: bool = False,
-    turn: float = 0.0,
-    missing: float = 0.0,
-    bulge: float = 0.0,
-    darkness: float = 0.8,
-    seed: int = 0,
-) -> np.ndarray:
-    random = np.random.default_rng(seed)
-    y, x = np.mgrid[:side, :side] - side / 2
-    pushed = 1 - bulge * np.exp(-(x**2 + y**2) / (2 * (side / 5) ** 2))
-    u = pushed * (x * np.cos(turn) + y * np.sin(turn)) + pitch / 3
-    v = pushed * (y * np.cos(turn) - x * np.sin(turn)) + pitch / 4
-    i, j = np.round(u / pitch).astype(int), np.round(v / pitch).astype(int)
-    du, dv = u - i * pitch, v - j * pitch
-    away = np.maximum(np.abs(du), np.abs(dv)) if square else np.hypot(du, dv)
-    there = random.random((99, 99)) >= missing
-    return darkness * np.clip(radius + 0.5 - away, 0, 1) * there[i + 49, j + 49]
 
 
 def with_dots(clean: np.ndarray, shade: np.ndarray) -> np.ndarray:
@@ -127,102 +90,10 @@ def test_the_second_fill_finds_nothing() -> None:
     assert none is None and again is once
 
 
-def specks(seed: int) -> np.ndarray:
-    random, shade = np.random.default_rng(seed), np.zeros((SIDE, SIDE))
-    y, x = np.mgrid[:SIDE, :SIDE]
-    for u, v, r in zip(*random.uniform(0, SIDE, (2, 90)), random.uniform(2, 6, 90), strict=True):
-        shade = np.maximum(shade, 0.8 * np.clip(r - np.hypot(x - u, y - v), 0, 1))
-    return shade
-
-
-def grain_of_a_grey_frame(seed: int) -> np.ndarray:
-    noise = gaussian_filter(np.random.default_rng(seed).normal(size=(SIDE, SIDE)), 2.5)
-    return np.repeat((150 + 300 * noise)[..., None], 3, 2)
-
-
-def letters(_: int) -> np.ndarray:
-    from PIL import ImageDraw
-
-    page = Image.new("L", (SIDE, SIDE), 190)
-    for line in range(14):
-        ImageDraw.Draw(page).text((6, 16 * line), "the quick brown fox jumps over the dog", fill=40)
-    return np.repeat(np.asarray(page, float)[..., None], 3, 2)
-
-
-def stripes(seed: int) -> np.ndarray:
-    y, x = np.mgrid[:SIDE, :SIDE]
-    return gel(seed=seed) * (1 - 0.5 * (np.sin((x + 0.2 * y) / 3) > 0.6))[..., None]
-
-
-def weave(seed: int) -> np.ndarray:
-    y, x = np.mgrid[:SIDE, :SIDE]
-    return gel(seed=seed) * (0.75 + 0.25 * np.sin(x / 2.2) * np.sin(y / 2.2))[..., None]
-
-
-def knurl(seed: int) -> np.ndarray:  # lit relief in a grid: each side has its own colour
-    y, x = np.mgrid[:SIDE, :SIDE]
-    slopes = [
-        np.cos(x / 3.5) * np.sin(y / 3.5),
-        np.sin(x / 3.5) * np.cos(y / 3.5),
-        -np.cos(x / 3.5) * np.sin(y / 3.5),
-    ]
-    return gel(seed=seed) + 70 * np.stack(slopes, -1)
-
-
-def shell(_: int) -> np.ndarray:
-    y, x = np.mgrid[:SIDE, :SIDE]
-    return np.repeat((140 + 50 * np.sin(np.hypot(x - 60, y - 240) / 3))[..., None], 3, 2)
-
-
-def one_row_of_holes(seed: int) -> np.ndarray:
-    shade = printed(seed=seed)
-    shade[:90] = shade[130:] = 0
-    return gel(seed=seed) * (1 - shade[..., None])
-
-
-def dots_in_one_corner(seed: int) -> np.ndarray:
-    shade = printed(pitch=20, radius=3)
-    shade[110:] = shade[:, 110:] = 0
-    return gel(seed=seed) * (1 - shade[..., None])
-
-
-def checkers(_: int) -> np.ndarray:
-    y, x = np.mgrid[:SIDE, :SIDE]
-    return np.repeat(np.where((x // 14 + y // 14) % 2, 60.0, 190.0)[..., None], 3, 2)
-
-
-def flat(_: int) -> np.ndarray:
-    return np.full((SIDE, SIDE, 3), 128.0)
-
-
-def snow(seed: int) -> np.ndarray:
-    return np.random.default_rng(seed).uniform(0, 255, (SIDE, SIDE, 3))
-
-
-OTHERS = (
-    specks_on_a_gel := lambda seed: gel(seed=seed) * (1 - specks(seed)[..., None]),
-    gel, grain_of_a_grey_frame, letters, stripes, weave, knurl, shell, one_row_of_holes,
-    dots_in_one_corner, checkers, flat, snow,
-)  # fmt: skip
-NAMES = (
-    "specks",
-    "gel",
-    "grain",
-    "letters",
-    "stripes",
-    "weave",
-    "knurl",
-    "shell",
-    "row",
-    "corner",
-    "checkers",
-)
-
-
-@pytest.mark.parametrize("make", OTHERS, ids=(*NAMES, "flat", "snow"))
+@pytest.mark.parametrize("name", ODD)
 @pytest.mark.parametrize("seed", range(3))
-def test_a_picture_without_a_printed_grid_comes_back_as_it_is(make, seed: int) -> None:
-    before = picture(make(seed=seed) if make is gel else make(seed))
+def test_a_picture_without_a_printed_grid_comes_back_as_it_is(name: str, seed: int) -> None:
+    before = picture(ODD[name](SIDE, seed))
     copy = before.copy()
     after, dots = fill_dots(before)
     assert dots is None and after is before and (after == copy).all()
