@@ -1,12 +1,15 @@
 """What the sensor alone costs, and what in it (docs/twins.md).
 
-    python -m benchmarks.twins --pack FOLDER               examples/twins.npz: twins, embedded with
-    the dots kept and filled python -m benchmarks.twins --page FOLDER
-    examples/twins.json, twins.map.json and twins/, for the page python -m benchmarks.twins --split
-    METHOD,...          home, sensor changed, scene changed, both, other objects python -m
-    benchmarks.twins --parts 50                  one group of a gel's parts changed at a time (draws
-    presses) python -m benchmarks.twins                             docs/benchmarks/twins.json and
-    twins.svg from what was measured
+    python -m benchmarks.twins --pack FOLDER      examples/twins.npz: twins, embedded with the dots
+                                                  kept and filled
+    python -m benchmarks.twins --page FOLDER      examples/twins.json, twins.map.json and twins/,
+                                                  for the page
+    python -m benchmarks.twins --split METHOD,... home, sensor changed, scene changed, both, other
+                                                  objects
+    python -m benchmarks.twins --parts 12         one group of a gel's parts changed at a time, on
+                                                  so many new presses of each class
+    python -m benchmarks.twins                    docs/benchmarks/twins.json and twins.svg from
+                                                  what was measured, and the split for the page
 
 FOLDER is what `omnivat simulate --set twins` drew; of an interrupted drawing, objects count as
 photographed that have all photographs. `--learn KEPT FILLED` are the embeddings that heads learn
@@ -83,7 +86,7 @@ GROUPS = {
     "softness": ("skin", "give", "dome"),
     "tint": ("base",),
 }
-HUB = "GelSight"  # parts are exchanged between this gel and each other one, both ways
+HUB = "GelSight"  # the sensor that the page's head learned from
 # VIS and TAC (n, W) -> reading -> (n,) predicted classes
 Reads = Callable[[Array, Array], dict[str, Array]]
 
@@ -285,12 +288,19 @@ def split(
     targets.
 
     answers  source -> `answers`
-    return   reading -> term -> [mean, low, high], and "by_source" -> source -> term -> mean. With
-            T(s, c) the accuracy on twins by sensor s in scene c, from the source's own s and c to
-            s' and c': home         on test pairs of the source new_objects  home - T(s, c) sensor
-            T(s, c) - T(s', c) scene        T(s, c) - T(s, c') interplay    T(s, c) - T(s', c') -
-            sensor - scene objects      new_objects + T(s', c') - away away         on test pairs of
-            the target
+    return   reading -> term -> [mean, low, high], and "by_source" -> source -> term -> mean
+
+    With T(s, c) the accuracy on twins by sensor s in scene c, from the source's own s and c to the
+    target's s' and c':
+
+    home         on test pairs of the source
+    new_objects  home - T(s, c)
+    sensor       T(s, c) - T(s', c)
+    scene        T(s, c) - T(s, c')
+    interplay    T(s, c) - T(s', c') - sensor - scene
+    objects      new_objects + T(s', c') - away
+    away         on test pairs of the target
+
     95 % intervals: bootstrap over sources, then objects within classes.
     """
     random = np.random.default_rng(0)
@@ -338,10 +348,9 @@ def part_rows(folder: Path, base: str, each: int) -> dict[str, Array]:
     if not file.is_file():
         encoder = load_encoder("efficientnet-lite0")
         found: dict[str, Array] = {}
-        donors = GELS if base == HUB else (HUB,)
         plan = [
             (donor, group)
-            for donor in donors
+            for donor in GELS
             for group in GROUPS
             if changed(base, donor, group) != GELS[base]
         ]
@@ -396,12 +405,13 @@ def parts(learning: Sequence[Embeddings], each: int) -> dict[str, Any]:
     """Return what a change of one group of parts costs a plain head that learned from a gel, by
     touch.
 
-    return  "from" (the head learned from GelSight, the part is of another gel) and "to" (the other
-            way round) -> group ("whole": all) -> way -> [mean, low, high] of home minus changed in
-            points, over the other gels with such a part; "pairs" -> "FROM|TO" -> group -> way ->
-            [share right with only this changed, with all but this changed]. Ways: `WAYS`; a profile
-            knows mean and spread of all presses, without labels. 95 % intervals: bootstrap over the
-            other gels, then objects within classes
+    return  "every" (from each gel, the part of each other), "from" (the head learned from GelSight)
+            and "to" (the part is GelSight's) -> group ("whole": all) -> way -> [mean, low, high] of
+            home minus changed in points, over the other gels with such a part; "pairs" ->
+            "FROM|TO" -> group -> way -> [share right with only this changed, with all but this
+            changed]. Ways: `WAYS`; a profile knows mean and spread of all presses, without labels.
+            95 % intervals: bootstrap over the gels that vary (in "every", those learned from), then
+            objects within classes
     """
     label = np.array(
         [learning[0].header.classes.index(unmet.material) for unmet in unmet_objects(each)]
@@ -414,7 +424,7 @@ def parts(learning: Sequence[Embeddings], each: int) -> dict[str, Any]:
         for key, one in SIMULATED.items()
         if one.sensor is GELS[name]
     }
-    losses: dict[str, dict[str, dict[str, list[Array]]]] = {"from": {}, "to": {}}
+    losses: dict[str, dict[str, dict[str, list[Array]]]] = {"every": {}, "from": {}, "to": {}}
     cells: dict[str, dict[str, dict[str, list[float]]]] = {}
     for start in GELS:
         for dots, pairs in zip(DOTS, learning, strict=True):
@@ -426,7 +436,8 @@ def parts(learning: Sequence[Embeddings], each: int) -> dict[str, Any]:
                 weights=weights,
             )
             home = reads(rows[start][f"||{dots}"], profiled=False)
-            for other in (name for name in GELS if name != start and HUB in (start, name)):
+            from_here: dict[str, dict[str, list[Array]]] = {}
+            for other in (name for name in GELS if name != start):
                 unlike = [group for group in GROUPS if f"{other}|{group}|kept" in rows[start]]
                 for group, profiled in product(("whole", *unlike), (False, True)):
                     changed_rows = (
@@ -441,10 +452,17 @@ def parts(learning: Sequence[Embeddings], each: int) -> dict[str, Any]:
                         else reads(rows[other][f"{start}|{group}|{dots}"], profiled=profiled)
                     )
                     way = WAYS[dots, profiled]
-                    direction = losses["from" if start == HUB else "to"]
-                    direction.setdefault(group, {}).setdefault(way, []).append(100 * (home - only))
+                    cells_of = [from_here]
+                    if HUB in (start, other):
+                        cells_of.append(losses["from" if start == HUB else "to"])
+                    for some in cells_of:
+                        some.setdefault(group, {}).setdefault(way, []).append(100 * (home - only))
                     cell = cells.setdefault(f"{start}|{other}", {}).setdefault(group, {})
                     cell[way] = [round(float(share[0]), 3) for share in (only, rest)]
+            for group, ways in from_here.items():
+                for way, lost in ways.items():
+                    every = losses["every"].setdefault(group, {}).setdefault(way, [])
+                    every.append(np.mean(lost, axis=0))
     return {
         "presses": len(label),
         "pairs": cells,
@@ -659,7 +677,25 @@ def _write_record(made: Twins, learning: Sequence[Embeddings]) -> None:
         "parts": json.loads((BUILD / "parts.json").read_bytes()),
     }
     write_json(OUT / "twins.json", record)
+    page_file = EXAMPLES / "twins.json"
+    write_json(page_file, json.loads(page_file.read_bytes()) | {"split": for_the_page(found)})
     write_text(OUT / "twins.svg", figure(record))
+
+
+def for_the_page(found: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the loss of linear maps: reading -> [dots kept, filled] -> term -> [mean, low,
+    high].
+    """
+    maps = found["linear_maps"]
+    terms = ("home", "sensor", "scene", "interplay", "objects", "away")
+    return {
+        "head": "three linear maps",
+        "sources": len(maps["sources"]),
+        "loss": {
+            key: [{term: maps[dots][reading][term] for term in terms} for dots in DOTS]
+            for reading, key in READINGS.items()
+        },
+    }
 
 
 def _file(method: str, source: str, dots: str) -> Path:

@@ -217,6 +217,28 @@ def test_every_press_is_threaded_and_points_glide_through_three_places(
     assert page.locator(".explore .sensors [aria-pressed=true]").count() == 1
 
 
+def test_what_is_lost_is_split_by_reading_with_or_without_dots(
+    open_page: Callable[..., Any], twins: dict[str, Any]
+) -> None:
+    from playwright.sync_api import expect
+
+    loss = twins["split"]["loss"]
+    for dots in (0, 1):
+        page = open_page(f"?chapter=where&dots={dots or ''}")
+        page.wait_for_selector('.explore.ready[data-chapter="where"]')
+        if not page.locator(".split").is_visible():  # the page remembers an open panel
+            page.click("[data-panel=split] summary")
+        for key, reading in (("tac", "touch"), ("vis", "photo"), ("fused", "both")):
+            page.click(f".split [data-key={key}]")
+            cell = loss[reading][dots if reading != "photo" else 0]
+            shown = page.locator(".split output")
+            expect(shown.first).to_have_text(percent(cell["home"][0] / 100))
+            expect(shown.last).to_have_text(percent(cell["away"][0] / 100))
+            rows = page.locator(".split dt").all_inner_texts()
+            assert ("another sensor" in rows) == (reading != "photo")
+            assert ("another scene" in rows) == (reading != "touch")
+
+
 def test_p_moves_points_and_both_gaps_while_accuracy_stays_within_a_few_points(
     open_page: Callable[..., Any],
 ) -> None:

@@ -21,6 +21,7 @@ const { Cloud } = await import("../../app/web/shared/cloud.js");
 const { Scale } = await import("../../app/web/shared/chart.js");
 const { chosen, pressOf, read } = await import("../../app/web/explore/touch.js");
 const { between } = await import("../../app/web/explore/threads.js");
+const { rowsOf } = await import("../../app/web/explore/split.js");
 const { sizes } = await import("../../app/web/explore/wave.js");
 const { lookAlikes } = await import("../../app/web/explore/strangers.js");
 const { change, openAt, openChapter, state } = await import("../../app/web/shared/store.js");
@@ -269,6 +270,28 @@ test("an address that names no press, sensor or number of pictures opens with th
   change({ from: "99", press: "-1", known: "7", dots: "", reading: "fused" });
   assert.deepEqual(chosen(twins), { reading: "fused", table: "both", press: 0, from: 0, dots: 0, rung: 0 });
   change({ from: "0", press: "", known: "0", reading: "tac" });
+});
+
+test("what is lost leads from home to away, and a term that does not apply has no row", () => {
+  const loss = {
+    home: [80, 70, 90],
+    sensor: [24, 14, 34],
+    scene: [0, 0, 0],
+    interplay: [0, 0, 0],
+    objects: [-4, -9, 1],
+    away: [60, 50, 70],
+  };
+  const rows = rowsOf(loss);
+  assert.deepEqual(
+    rows.map(({ name, text, ends }) => [name, text, ...ends.map((v) => v.toFixed(2))]),
+    [
+      ["at home", "80\u00a0%", "0.00", "0.80"],
+      ["another sensor", "−24", "0.56", "0.80"],
+      ["other objects", "+4", "0.56", "0.60"],
+      ["away", "60\u00a0%", "0.00", "0.60"],
+    ],
+  );
+  assert.equal(rows[1].title, "95 % interval -34 to -14 points");
 });
 
 test("points glide from one place to the next and end there", () => {

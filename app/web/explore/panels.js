@@ -13,11 +13,13 @@ export function panels(box, onOpen) {
   const all = [...box.querySelectorAll("details")];
   const named = (name) => all.find((one) => one.dataset.panel === name);
   for (const one of all) {
-    one.open = wanted[one.dataset.panel] ?? false;
+    one.open ||= wanted[one.dataset.panel] ?? false; // a visitor may have opened it already
     one.ontoggle = () => {
       wanted[one.dataset.panel] = one.open;
       keep(KEPT, JSON.stringify(wanted));
-      if (one.open) onOpen();
+      if (!one.open) return;
+      onOpen();
+      if (one.contains(document.activeElement)) one.scrollIntoView({ block: "nearest" });
     };
   }
   return {

@@ -11,7 +11,8 @@ import { awaited } from "../shared/ready.js";
 import { change, state } from "../shared/store.js";
 import { bytesOf, each, escaped, fill, percent } from "../shared/text.js";
 import { onClick, press } from "../shared/view.js";
-import { pressOf } from "./touch.js";
+import { splitHtml } from "./split.js";
+import { chosen, READINGS } from "./touch.js";
 
 const PLACES = [
   { key: "0", label: "As they come" },
@@ -48,6 +49,7 @@ export class Threads {
   ofCurves = "";
   shownAt = ""; // the place and method that the map shows
   markPlace = () => {};
+  markReading = () => {};
 
   constructor($) {
     this.$ = $;
@@ -83,6 +85,12 @@ export class Threads {
       () => state.rung,
       (rung) => change({ rung }),
     );
+    this.markReading = radios(
+      this.$(".split .segments"),
+      READINGS,
+      () => state.reading,
+      (reading) => change({ reading }),
+    );
     onClick(this.$(".sensors"), {
       button: ({ dataset }) => {
         this.alone = this.alone === +dataset.domain ? -1 : +dataset.domain;
@@ -93,7 +101,7 @@ export class Threads {
   }
 
   /** The number of the shown press, and its point by the sensor that the first chapter learned from. */
-  chosen = () => pressOf(this.twins);
+  chosen = () => chosen(this.twins).press;
   pointOf(shown) {
     const { length } = this.twins.shown;
     return this.twins.shown[(shown + length) % length].press * this.twins.domains.length;
@@ -119,7 +127,14 @@ export class Threads {
     this.glide();
     this.sheet.src = address(`twins/${this.twins.shown[this.chosen()].sheet}`);
     this.cloud.paintMarks();
+    this.showSplit();
     this.tell();
+  }
+
+  showSplit() {
+    const { table, dots } = chosen(this.twins);
+    this.markReading();
+    fill(this.$(".split .bars"), splitHtml(this.twins, table, dots));
   }
 
   /** The place that the figures are of; the order p moves the points of another map. */

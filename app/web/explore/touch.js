@@ -7,7 +7,7 @@ import { change, state } from "../shared/store.js";
 import { each, escaped, fill, options, percent } from "../shared/text.js";
 import { View } from "../shared/view.js";
 
-const READINGS = [
+export const READINGS = [
   { key: "tac", label: "Touch", table: "touch", title: "Only the sensor changes" },
   { key: "vis", label: "Photo", table: "photo", title: "Only the scene changes" },
   { key: "fused", label: "Both", table: "both", title: "Sensor and scene change" },

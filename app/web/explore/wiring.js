@@ -13,7 +13,7 @@ export function wire(page) {
   const { $ } = page;
   watch(["chapter"], () => page.enter());
   watch(["press", "from", "dots", "known", "reading"], () => page.chapter === "touch" && page.touch.show());
-  watch(["rung", "map", "press"], () => state.chapter === "where" && page.threads.show());
+  watch(["rung", "map", "press", "reading", "dots"], () => state.chapter === "where" && page.threads.show());
   onClick($(".explore"), {
     "button[data-chapter]": ({ dataset, classList }) => {
       openChapter(dataset.chapter);
