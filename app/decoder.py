@@ -158,7 +158,7 @@ def _end(process: Process) -> None:
 
 def serve() -> None:
     """Read pictures in this process: requests on standard input, pixels on standard output."""
-    from omnivat.data.images import VISITORS, examined, read_image
+    from omnivat.data.images import VISITORS, opened, upright
 
     limit(memory=True)
     for kind in ("Png", "Jpeg", "WebP", "Gif", "Bmp", "Tiff"):  # imported before a request arrives
@@ -176,14 +176,14 @@ def serve() -> None:
                 raise DataError(
                     f"'{question['name']}' is empty (0 bytes); copy or save the image again."
                 )
-            found = examined(content, question["name"], limits=VISITORS)
-            image = read_image(content, question["name"], limits=VISITORS)
+            held = opened(content, question["name"], limits=VISITORS)
+            of = held.size
+            image = upright(held, question["name"])
         except OmniVatError as error:
             output.write(json.dumps({"error": str(error)}).encode() + b"\n")
         else:
-            # it was rotated upright
-            turned = (found.width > found.height) != (image.width > image.height)
-            of = (found.height, found.width) if turned else (found.width, found.height)
+            if (of[0] > of[1]) != (image.width > image.height):  # it was rotated upright
+                of = of[::-1]
             output.write(json.dumps({"size": image.size, "of": of}).encode() + b"\n")
             output.write(image.tobytes())
         output.flush()

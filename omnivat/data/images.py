@@ -9,22 +9,28 @@ The same picture gives the same pixels from any file format:
 - a picture with a shorter side over 2,047 pixels, or over 6 megapixels, is reduced by an integer
   factor; encoders use 224 pixels.
 
-The header is read first. Too large files and unsupported kinds are refused then.
+Pillow reads the header first; too many pixels are refused then. A file made to cost memory or time
+gets both here: the page reads visitors' files in a process that has little of either
+(`app/decoder.py`).
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
 from importlib import import_module
 from io import BytesIO
 from pathlib import Path
 
 from PIL import Image
 
-from omnivat.data.bare_files import ORIENTATION, bare_file
-from omnivat.data.image_files import Content, ImageFile, OddFileError, image_file
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import read_whole
 
+warnings.filterwarnings("ignore", category=UserWarning, module="PIL")  # of damaged notes in a file
+
+ORIENTATION = 0x0112  # tag of EXIF
+MOST_EXIF = 200_000  # bytes of EXIF that are read; its tables may unpack to gigabytes
 MAX_PIXELS = 64_000_000  # checked in the header, before decoding
 MAX_FILE_BYTES = 300_000_000
 MIN_SIDE, MAX_SIDE = 8, 65_535  # pixels; JPEG and GIF have no longer side
@@ -49,16 +55,16 @@ _UPRIGHT = {  # EXIF orientation -> rotation to upright
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limits:
-    """Limits: accepted kinds, and the memory for decoding."""
+    """Accepted kinds, and most pixels of kinds that cannot be decoded at reduced size, as JPEG
+    can.
+    """
 
     kinds: tuple[str, ...] = FORMATS
-    cost: int = 260_000_000
-    pixels: int = MAX_PIXELS  # for kinds that cannot be decoded at reduced size, as JPEG can
-    variants: bool = True  # slow variants of a kind, such as run lengths in a BMP
+    pixels: int = MAX_PIXELS
 
 
 OWN = Limits()  # the user's own files, on the command line
-VISITORS = Limits(kinds=COMMON, cost=64_000_000, pixels=24_000_000, variants=False)  # uploads
+VISITORS = Limits(kinds=COMMON, pixels=24_000_000)  # uploads
 
 
 def read_image(
@@ -71,46 +77,53 @@ def read_image(
     """Return the image in `source`, a path, a file's bytes or an open image, as upright RGB.
 
     name     its name in errors; None: the path
-    limits   accepted kinds, and memory for decoding
+    limits   accepted kinds and sizes
     reduced  True reduces a large picture; False keeps every pixel
 
     Raises DataError, with the file and the remedy, if it is missing, empty, truncated, not an
     image, over the limits, under 8 pixels on a side, or has values without a known range.
     """
-    if isinstance(source, Image.Image):
-        return _rgb(source, name or "the image", reduced=reduced)
-    name = name or ("the image" if isinstance(source, bytes) else str(source))
-    content = read_bytes(source, name)
-    found = examined(content, name, limits=limits, reduced=reduced)
-    content, turn = bare_file(content, found.kind)
-    del source
-    with BytesIO(content) as handle:
-        image = _open(handle, found, name)
-        _check_cost(
-            replace(found, width=image.width, height=image.height), name, limits, reduced=reduced
-        )
-        return _rgb(image, name, reduced=reduced, turn=turn)
+    name = name or ("the image" if isinstance(source, bytes | Image.Image) else str(source))
+    if not isinstance(source, Image.Image):
+        source = opened(read_bytes(source, name), name, limits=limits)
+    return upright(source, name, reduced=reduced)
 
 
-def examined(
-    content: Content, name: str, *, limits: Limits = OWN, reduced: bool = True
-) -> ImageFile:
-    """Return facts from the header of an accepted file.
+def opened(content: bytes, name: str, *, limits: Limits = OWN) -> Image.Image:
+    """Return the image in a file's bytes, of which only the header is read.
 
-    Raises DataError as `read_image` does; no pixel is decoded.
+    `Image.open` would warn about large images, so Pillow's readers are tried in turn.
+    Raises DataError as `read_image` does.
     """
-    try:
-        found = image_file(content)
-    except OddFileError as error:
-        raise DataError(f"'{name}' {error}; {REMEDY}.") from error
-    if found is None:
+    for kind in limits.kinds:
+        import_module(f"PIL.{_MODULES.get(kind, kind.capitalize() + 'ImagePlugin')}")
+        opener, accepts = Image.OPEN[kind]
+        if accepts and accepts(content[:16]):
+            break
+    else:
         raise DataError(f"'{name}' is not an image of a known kind; {REMEDY}.")
-    if found.kind not in limits.kinds or not (found.usual or limits.variants):
-        raise DataError(f"'{name}' is a {found.kind} file of a kind not taken here; {REMEDY}.")
-    if found.pixels:
-        _check_size(found.width, found.height, name)
-        _check_cost(found, name, limits, reduced=reduced)
-    return found
+    with _explained(name, f"is a damaged {kind} file"):
+        image = opener(BytesIO(content), "")
+    _check_size(*image.size, name)
+    if kind != "JPEG" and image.width * image.height > limits.pixels:
+        raise DataError(
+            f"'{name}' is {image.width} × {image.height} pixels; a {kind} file is read up to "
+            f"{limits.pixels / 1e6:.0f} megapixels here. Scale it down, or save it as JPEG."
+        )
+    return image
+
+
+@contextmanager
+def _explained(name: str, what: str) -> Iterator[None]:
+    """Turn any error of a decoder into a DataError."""
+    try:
+        yield
+    except MemoryError as error:
+        raise DataError(
+            f"'{name}' takes more memory to read than there is; scale it down, or save it as JPEG."
+        ) from error
+    except Exception as error:  # a decoder may raise any error for bad bytes
+        raise DataError(f"'{name}' {what}; {REMEDY}.") from error
 
 
 def factor(width: int, height: int) -> int:
@@ -150,38 +163,22 @@ def central_square(image: Image.Image, side: int) -> Image.Image:
     return image.crop((left, top, left + side, top + side))
 
 
-def _open(handle: BytesIO, facts: ImageFile, name: str) -> Image.Image:
-    """Read the header only.
-
-    `Image.open` would warn about large images, and silencing a warning is not thread-safe. PIL's
-    table of readers gives the size without the warning.
-    """
-    kind = facts.kind
-    try:
-        import_module(f"PIL.{_MODULES.get(kind, kind.capitalize() + 'ImagePlugin')}")
-        opener, _ = Image.OPEN[kind]
-        return opener(handle, "")
-    except Exception as error:  # a reader may raise any error for bad bytes
-        raise DataError(f"'{name}' is a damaged {kind} file; {REMEDY}.") from error
-
-
-def _rgb(image: Image.Image, name: str, *, reduced: bool, turn: int | None = None) -> Image.Image:
+def upright(image: Image.Image, name: str, *, reduced: bool = True) -> Image.Image:
+    """Return an open image as upright RGB; arguments and errors as for `read_image`."""
     _check_size(*image.size, name)
-    try:
+    with _explained(name, "is cut short or damaged"):
         if reduced:
             scale = draft_scale(*image.size)
             image.draft(None, (image.width // scale, image.height // scale))  # only JPEG does
         image.load()
-        upright = _UPRIGHT.get(_turn(image) if turn is None else turn)
-    except Exception as error:  # a decoder may raise any error for bad bytes
-        raise DataError(f"'{name}' is cut short or damaged; {REMEDY}.") from error
+    turned = _UPRIGHT.get(_turn(image))
     try:
         seen = _eight_bit_rgb(image, name, factor(*image.size) if reduced else 1)
     except DataError:
         raise
     except ValueError as error:
         raise DataError(f"'{name}' has colours of kind {image.mode}; {REMEDY}.") from error
-    return seen if upright is None else seen.transpose(upright)
+    return seen if turned is None else seen.transpose(turned)
 
 
 def _check_size(width: int, height: int, name: str) -> None:
@@ -199,18 +196,9 @@ def _check_size(width: int, height: int, name: str) -> None:
         )
 
 
-def _check_cost(facts: ImageFile, name: str, limits: Limits, *, reduced: bool) -> None:
-    width, height = facts.width, facts.height
-    large = facts.kind != "JPEG" and facts.pixels > limits.pixels
-    if large or facts.cost(draft_scale(width, height) if reduced else 1) > limits.cost:
-        most = min(limits.pixels, limits.cost / facts.bytes_a_pixel) / 1e6
-        raise DataError(
-            f"'{name}' is {width} × {height} pixels; a {facts.kind} file of its kind is read up to "
-            f"{most:.0f} megapixels here. Scale it down, or save it as JPEG."
-        )
-
-
 def _turn(image: Image.Image) -> int:
+    if len(image.info.get("exif", b"")) > MOST_EXIF:
+        return 1
     try:
         return int(image.getexif().get(ORIENTATION, 1))
     except Exception:  # damaged EXIF does not mean damaged pixels

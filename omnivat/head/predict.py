@@ -9,8 +9,6 @@ from omnivat.data.profile import Profile
 from omnivat.head.checkpoint import Head
 from omnivat.kit.stages import IMAGES, optional_order
 
-PRECISION = torch.float64  # heads in this dtype give the same digits in any batch
-
 
 @torch.no_grad()
 def predict_embeddings(

@@ -1,7 +1,10 @@
 """Decoding uploads: the same pixels, within limits, killed if too slow."""
 
+import struct
 import subprocess
 import sys
+import tracemalloc
+import zlib
 from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
@@ -56,6 +59,56 @@ def test_a_large_photo_says_the_size_that_it_had_and_lies_upright(decoder):
 def test_what_cannot_be_read_is_refused_in_a_sentence_with_its_name(decoder, content):
     with pytest.raises(DataError, match=r"'touch' .*\."):
         decoder.read(content, "touch")
+
+
+def chunk(name, content):
+    check = struct.pack(">I", zlib.crc32(name + content))
+    return struct.pack(">I", len(content)) + name + content + check
+
+
+def png(side, *parts):
+    """Return a PNG of a header, other parts and few of its pixels."""
+    head = chunk(b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0))
+    body = chunk(b"IDAT", zlib.compress(b"\0" * 99)) + chunk(b"IEND", b"")
+    return b"\x89PNG\r\n\x1a\n" + head + b"".join(parts) + body
+
+
+def tiff(values):
+    """Return a TIFF of one table: tag -> value."""
+    rows = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in values.items())
+    return b"II*\0" + struct.pack("<IH", 8, len(values)) + rows + bytes(4)
+
+
+def exif_table(entries, size):
+    """Return an EXIF table whose entries all name the same bytes."""
+    rows = b"".join(struct.pack("<HHII", k + 1, 2, size, 8) for k in range(entries))
+    return b"II*\0\x08\0\0\0" + struct.pack("<H", entries) + rows + bytes(size)
+
+
+HOSTILE = {
+    "a PNG of 4 GB": png(36_000),
+    "a PNG of 48 megapixels": png(7000),
+    "a hundred megabytes of text in a PNG": png(64, chunk(b"zTXt", b"a\0\0" + zlib.compress(b"x" * 10**6)) * 100),
+    "a table of 20,000 notes in a PNG": png(64, chunk(b"eXIf", exif_table(20_000, 200_000))),
+    "a GIF of 64 megapixels": encoded(Image.new("P", (8000, 7990)), "GIF"),
+    "a TIFF of a huge tile": tiff({256: 64, 257: 64, 259: 5, 322: 65_536, 323: 65_536}),
+    "a TIFF of 60,000 entries": b"II*\0" + struct.pack("<IH", 8, 60_000) + b"\0" * 999,
+    "a JPEG of five thousand scans": encoded(Image.new("RGB", (64, 64)), "JPEG", progressive=True)
+    .replace(b"\xff\xd9", b"\xff\xda\x00\x08\x01\x01\x00\x00\x3f\x00\x00" * 5000),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", HOSTILE)
+def test_a_hostile_file_ends_in_one_sentence_and_takes_no_memory_of_the_page(decoder, what):
+    content = HOSTILE[what]
+    tracemalloc.start()
+    try:
+        with pytest.raises(DataError, match=r"'touch' .*\.$"):
+            decoder.read(content, "touch")
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 2 * len(content) + 5_000_000
 
 
 def standing_in(code):
