@@ -682,11 +682,11 @@ def _write_record(made: Twins, learning: Sequence[Embeddings]) -> None:
     write_text(OUT / "twins.svg", figure(record))
 
 
-def for_the_page(found: Mapping[str, Any]) -> dict[str, Any]:
+def for_the_page(record: Mapping[str, Any]) -> dict[str, Any]:
     """Return the loss of linear maps: reading -> [dots kept, filled] -> term -> [mean, low,
     high].
     """
-    maps = found["linear_maps"]
+    maps = record["linear_maps"]
     terms = ("home", "sensor", "scene", "interplay", "objects", "away")
     return {
         "head": "three linear maps",

@@ -67,7 +67,7 @@ def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypa
     monkeypatch.setattr("omnivat.encoders.base.for_modality", lambda encoder, name: encoder)
     image = Image.new("RGB", (70, 70), "black")
     image.paste("white", (50, 0, 60, 10))
-    decoder = SimpleNamespace(read=lambda *given: SimpleNamespace(image=image))
+    decoder = SimpleNamespace(read=lambda *arguments: SimpleNamespace(image=image))
     resources = SimpleNamespace(shared=SimpleNamespace(decoder=decoder), encoder=Encoder)
     found = occlusion(resources, Sent(content=b"", modality="vis"))
     drops = found["drops"]

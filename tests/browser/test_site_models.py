@@ -62,20 +62,20 @@ class Both:
         return str(ref), reply["ref"]
 
 
-def near(found, wanted, within=NEAR):
+def near(shown, wanted, within=NEAR):
     """Compare plain values; numbers may differ by `within`."""
     if isinstance(wanted, dict):
-        assert found.keys() == wanted.keys()
+        assert shown.keys() == wanted.keys()
         for key, value in wanted.items():
-            near(found[key], value, within)
+            near(shown[key], value, within)
     elif isinstance(wanted, list | tuple):
-        assert len(found) == len(wanted)
-        for ours, theirs in zip(found, wanted, strict=True):
+        assert len(shown) == len(wanted)
+        for ours, theirs in zip(shown, wanted, strict=True):
             near(ours, theirs, within)
     elif isinstance(wanted, float):
-        assert found == pytest.approx(wanted, abs=within)
+        assert shown == pytest.approx(wanted, abs=within)
     else:
-        assert found == wanted
+        assert shown == wanted
 
 
 @pytest.fixture(scope="module")

@@ -57,9 +57,9 @@ def test_unlabelled_pairs_are_counted_and_the_source_stays(capsys, two, head_fol
 def test_the_scores_of_unlabelled_pairs_are_means_over_draws(capsys, monkeypatch, two, head_folder):
     seeds: list[int] = []
 
-    def drawn(*given, seed):
+    def drawn(*arguments, seed):
         seeds.append(seed)
-        return drawn_profiles(*given, seed=seed)
+        return drawn_profiles(*arguments, seed=seed)
 
     monkeypatch.setattr("omnivat.measure.known.drawn_profiles", drawn)
     some = evaluated(capsys, two, head_folder, "--unlabelled", "3", "--draws", "2", "--seed", "4")

@@ -139,7 +139,7 @@ def test_bf16_stays_near_fp32_or_is_refused_where_the_cpu_lacks_it(
 
 
 @pytest.mark.parametrize(
-    ("found", "native"),
+    ("capabilities", "native"),
     [
         ({"architecture": "x86_64", "avx512_bw": True}, False),  # oneDNN would imitate it, slowly
         ({"architecture": "x86_64", "avx512_bf16": True}, True),
@@ -148,11 +148,11 @@ def test_bf16_stays_near_fp32_or_is_refused_where_the_cpu_lacks_it(
     ],
 )
 def test_bf16_counts_as_there_only_where_the_processor_has_instructions_for_it(
-    found: dict[str, object], native: bool, monkeypatch: pytest.MonkeyPatch
+    capabilities: dict[str, object], native: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(torch.backends.mkldnn, "is_available", lambda: True)
     monkeypatch.setattr(torch.ops.mkldnn, "_is_mkldnn_bf16_supported", lambda: True)
-    monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: found)
+    monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: capabilities)
     assert cpu_has_bf16() is native
 
 

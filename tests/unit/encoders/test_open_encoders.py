@@ -47,36 +47,36 @@ def nan():
 
 
 @pytest.fixture
-def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     (tmp_path / "own_encoder.py").write_text(OWN)
     monkeypatch.syspath_prepend(str(tmp_path))
     return "own_encoder"
 
 
-def test_a_function_of_a_module_or_of_a_file_loads(own: str, tmp_path: Path) -> None:
-    by_module = load_encoder(f"{own}:load")
-    by_file = load_encoder(f"{tmp_path / own}.py:load")
+def test_a_function_of_a_module_or_of_a_file_loads(module: str, tmp_path: Path) -> None:
+    by_module = load_encoder(f"{module}:load")
+    by_file = load_encoder(f"{tmp_path / module}.py:load")
     assert (by_module.name, by_module.width) == ("own_encoder:load", 5)
     assert by_module.preprocessing.endswith("std 0.229 0.224 0.225, a test")
     assert by_module.weights_hash == by_file.weights_hash
 
 
-def test_weights_are_passed_on_and_found_again_by_their_hash(own: str, tmp_path: Path) -> None:
+def test_weights_are_passed_on_and_found_again_by_their_hash(module: str, tmp_path: Path) -> None:
     torch.manual_seed(1)
     other = nn.Sequential(nn.AdaptiveAvgPool2d(2), nn.Flatten(), nn.Linear(12, 5))
     torch.save(other.state_dict(), tmp_path / "other.pt")
-    plain = load_encoder(f"{own}:load")
-    trained = load_encoder(f"{own}:load", weights=tmp_path / "other.pt")
+    plain = load_encoder(f"{module}:load")
+    trained = load_encoder(f"{module}:load", weights=tmp_path / "other.pt")
     assert trained.weights_hash != plain.weights_hash
     assert recall(trained.weights_hash) == tmp_path / "other.pt"
-    again = load_encoder(f"{own}:load", weights_hash=trained.weights_hash)
+    again = load_encoder(f"{module}:load", weights_hash=trained.weights_hash)
     assert again.weights_hash == trained.weights_hash
 
 
-def test_an_entry_point_is_an_encoder(own: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_entry_point_is_an_encoder(module: str, monkeypatch: pytest.MonkeyPatch) -> None:
     from importlib.metadata import EntryPoint
 
-    point = EntryPoint(name="theirs", value=f"{own}:load", group="omnivat.encoders")
+    point = EntryPoint(name="theirs", value=f"{module}:load", group="omnivat.encoders")
     monkeypatch.setattr(base, "entry_points", lambda group: [point])
     assert load_encoder("theirs").name == "theirs"
     with pytest.raises(MissingNameError, match="theirs, hf:NAME_OR_FOLDER and module:function"):
@@ -94,13 +94,13 @@ def test_an_entry_point_is_an_encoder(own: str, monkeypatch: pytest.MonkeyPatch)
         ("nowhere.py:load", "no file 'nowhere.py'"),
     ],
 )
-@pytest.mark.usefixtures("own")
+@pytest.mark.usefixtures("module")
 def test_code_that_gives_no_encoder_is_refused_in_one_sentence(name: str, match: str) -> None:
     with pytest.raises(DataError, match=match):
         load_encoder(name)
 
 
-@pytest.mark.usefixtures("own")
+@pytest.mark.usefixtures("module")
 def test_a_checkpoint_for_code_that_takes_none_is_refused(tmp_path: Path) -> None:
     with pytest.raises(SettingsError, match="takes no weights"):
         load_encoder("own_encoder:tiny", weights=tmp_path)
@@ -129,11 +129,11 @@ def test_tokens_without_a_pooling_are_refused() -> None:
 
 
 def test_photos_and_touches_have_their_own_encoders_of_one_width(
-    own: str, picture: Image.Image
+    module: str, picture: Image.Image
 ) -> None:
-    pair = load_encoder(f"efficientnet-lite0 | {own}:load")
+    pair = load_encoder(f"efficientnet-lite0 | {module}:load")
     assert isinstance(pair, PairEncoder)
-    vis, tac = load_encoder("efficientnet-lite0"), load_encoder(f"{own}:load")
+    vis, tac = load_encoder("efficientnet-lite0"), load_encoder(f"{module}:load")
     assert pair.width == 1280
     assert pair.weights_hash == f"{vis.weights_hash} | {tac.weights_hash}"
     assert "5 values and zeros up to 1280" in pair.preprocessing
@@ -147,11 +147,11 @@ def test_photos_and_touches_have_their_own_encoders_of_one_width(
         pair.preprocess(picture)
 
 
-def test_a_pair_is_loaded_again_by_its_name_and_hash(own: str, tmp_path: Path) -> None:
+def test_a_pair_is_loaded_again_by_its_name_and_hash(module: str, tmp_path: Path) -> None:
     torch.manual_seed(1)
     other = nn.Sequential(nn.AdaptiveAvgPool2d(2), nn.Flatten(), nn.Linear(12, 5))
     torch.save(other.state_dict(), tmp_path / "other.pt")
-    name = f"{own}:load | {own}:load"
+    name = f"{module}:load | {module}:load"
     first = load_encoder(name, tac_weights=tmp_path / "other.pt")
     again = load_encoder(name, weights_hash=first.weights_hash)
     assert again.weights_hash == first.weights_hash

@@ -19,14 +19,14 @@ def figures():
     yield map_figure(places, np.zeros(4, int), [EVIL], hover=[EVIL] * 4, title=EVIL, caption=EVIL)
 
 
-@pytest.mark.parametrize("found", [*figures()], ids=["curves", "map"])
-def test_a_name_is_text_in_every_export(found, tmp_path):
-    page = html_page(EVIL, [found])
+@pytest.mark.parametrize("figure", [*figures()], ids=["curves", "map"])
+def test_a_name_is_text_in_every_export(figure, tmp_path):
+    page = html_page(EVIL, [figure])
     assert "<img" not in page and page.count("</script>") == 1
     held = re.search(r"const figures = (\[.*?\]), templates = ", page, re.DOTALL)[1]
     for text in _texts(json.loads(held)[0], skipped=("meta",)):
         assert "<img" not in text and "<a" not in text, text
-    drawn = write(tmp_path / "a.svg", found).read_text(encoding="utf-8")
+    drawn = write(tmp_path / "a.svg", figure).read_text(encoding="utf-8")
     tags = {one.tag.rpartition("}")[2] for one in ET.fromstring(drawn).iter()}
     assert not tags & {"script", "img", "image", "a", "foreignObject"}
     assert "onerror=alert" in drawn  # as text

@@ -34,5 +34,5 @@ def test_it_exits_with_one_and_names_the_cell_when_a_target_is_missed(
 def test_an_error_that_is_no_number_misses_its_target(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(stability, "relative", lambda found, exact: torch.nan)
+    monkeypatch.setattr(stability, "relative", lambda computed, exact: torch.nan)
     assert stability.main(["--quick", "--out", str(tmp_path / "record.json")]) == 1

@@ -164,7 +164,7 @@ def test_a_result_can_be_written_into_a_buffer() -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "wanted"),
+    ("dtype", "wanted"),
     [
         (torch.float16, torch.complex64),
         (torch.bfloat16, torch.complex64),
@@ -176,8 +176,8 @@ def test_a_result_can_be_written_into_a_buffer() -> None:
         (torch.complex128, torch.complex128),
     ],
 )
-def test_precision_in_gives_precision_out(given: torch.dtype, wanted: torch.dtype) -> None:
-    x = torch.ones(2, 12).to(given)
+def test_precision_in_gives_precision_out(dtype: torch.dtype, wanted: torch.dtype) -> None:
+    x = torch.ones(2, 12).to(dtype)
     assert dfrft(x, 0.3).dtype == dfrft(x, 1).dtype == wanted
 
 

@@ -92,8 +92,8 @@ def test_the_comparison_can_fail(make_head, monkeypatch, name):
     """With one step of the reference wrong by a thousandth, the comparison fails."""
     exact = getattr(plain, name)
 
-    def wrong(*given):
-        found = exact(*given)
+    def wrong(*arguments):
+        found = exact(*arguments)
         return (1.001 * found[0], *found[1:]) if isinstance(found, tuple) else 1.001 * found
 
     model = make_head(feature_scale="literal").train()

@@ -64,8 +64,8 @@ def lessons(head_folder):
     ]
 
 
-def said(head, one, reading="fused"):
-    return head.settings.classes[int(head.model(one.vis, one.tac).readings[reading][0].argmax())]
+def said(head, pair, reading="fused"):
+    return head.settings.classes[int(head.model(pair.vis, pair.tac).readings[reading][0].argmax())]
 
 
 def test_a_taught_head_predicts_its_lessons(head, lessons):

@@ -43,7 +43,7 @@ def make_head():
 
 
 @pytest.fixture(scope="module")
-def found(make_embeddings, make_head):
+def case(make_embeddings, make_head):
     embeddings = make_embeddings(domains=(SOURCE, "OF Real-sim", "TQ-sim"), split=True)
     embeddings.rows["looks_like"][:] = [
         "steel" if i % 4 == 2 else "" for i in range(len(embeddings))
@@ -64,8 +64,8 @@ def test_of_a_source_without_a_split_no_pair_counts(make_embeddings):
     assert keep[plain.domain == 1].all()
 
 
-def test_shares_are_those_of_evaluate(found):
-    head, embeddings, summary = found
+def test_shares_are_those_of_evaluate(case):
+    head, embeddings, summary = case
     for record, own in zip(evaluate(head, embeddings), summary["domains"], strict=True):
         assert own["pairs"] == record["pairs"]
         for reading in ("fused", "vis", "tac"):
@@ -73,23 +73,23 @@ def test_shares_are_those_of_evaluate(found):
             assert_allclose(share, record["scores"][reading]["accuracy"], rtol=1e-6)
 
 
-def test_the_mean_leaves_the_source_out(found):
-    _, _, summary = found
+def test_the_mean_leaves_the_source_out(case):
+    _, _, summary = case
     others = [d["answers/fused"]["share"] for d in summary["domains"] if not d["is_source"]]
     assert summary["unseen"]["answers/fused"]["share"] == pytest.approx(np.mean(others))
     total = np.array(summary["confusion"]["fused"]["unseen"])
     assert total.sum() == sum(d["pairs"] for d in summary["domains"] if not d["is_source"])
 
 
-def test_look_alikes_are_counted_among_unseen_pairs_alone(found):
-    _, embeddings, summary = found
+def test_look_alikes_are_counted_among_unseen_pairs_alone(case):
+    _, embeddings, summary = case
     marked = [bool(name) for name in embeddings.rows["looks_like"]]
     expected = counted(embeddings, SOURCE) & (embeddings.domain > 0) & np.array(marked)
     assert summary["look_alikes"]["pairs"] == expected.sum() > 0
 
 
-def test_a_class_that_the_head_lacks_is_left_out(found):
-    head, embeddings, _ = found
+def test_a_class_that_the_head_lacks_is_left_out(case):
+    head, embeddings, _ = case
     names = (*embeddings.header.classes[:-1], "rubber")
     other = replace(embeddings, header=replace(embeddings.header, classes=names))
     summary = unseen_summary(head, other)
@@ -133,8 +133,8 @@ def test_of_large_domains_an_even_part_is_judged():
     assert judged(np.zeros(13, dtype=bool), domain).tolist() == []
 
 
-def test_the_curve_of_frames_is_the_mean_over_unseen_domains(found):
-    head, embeddings, summary = found
+def test_the_curve_of_frames_is_the_mean_over_unseen_domains(case):
+    head, embeddings, summary = case
 
     curve = UnseenAccuracy(embeddings, head.settings.classes, SOURCE)
     values = curve.at(predicted_probabilities(head.model, embeddings))

@@ -39,9 +39,9 @@ def done(file, runs, out, **changes):
     return run_all(runs, out, embeddings=file, bank=DEFAULT_BANK, **changes)
 
 
-def without_times(found):
+def without_times(lines):
     return sorted(
-        (json.dumps({k: v for k, v in r.items() if k != "seconds"}) for r in found), key=str
+        (json.dumps({k: v for k, v in r.items() if k != "seconds"}) for r in lines), key=str
     )
 
 

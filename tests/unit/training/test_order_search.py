@@ -44,15 +44,15 @@ def searched(chirps, *, epochs=40, stops=21, watch=None, **changes):
 
 
 @pytest.fixture(scope="module")
-def found(chirps):
+def trained(chirps):
     return searched(chirps, order=-1.3)
 
 
 @pytest.mark.slow
-def test_the_order_of_chirps_is_found_from_a_far_start(chirps, found):
+def test_the_order_of_chirps_is_found_from_a_far_start(chirps, trained):
     unseen = chirps.in_domain(CHIRPS.domain_names[1])
-    answers = predicted_probabilities(found.model, unseen)["fused"].argmax(1).numpy()
-    assert found.model.order == pytest.approx(CHIRPS.order, abs=0.01)
+    answers = predicted_probabilities(trained.model, unseen)["fused"].argmax(1).numpy()
+    assert trained.model.order == pytest.approx(CHIRPS.order, abs=0.01)
     assert (answers == unseen.label).mean() >= 0.97
 
 
@@ -63,8 +63,8 @@ def test_the_gradient_alone_stays_where_it_starts(chirps):
 
 
 @pytest.mark.slow
-def test_the_record_of_a_search_holds_its_curve_and_what_it_cost(found):
-    search = found.search
+def test_the_record_of_a_search_holds_its_curve_and_what_it_cost(trained):
+    search = trained.search
     coarse = [
         score
         for score, kind in zip(search["score"], search["round"], strict=True)
@@ -74,7 +74,7 @@ def test_the_record_of_a_search_holds_its_curve_and_what_it_cost(found):
     assert len(search["orders"]) == len(search["spread"]) == len(search["score"])
     assert search["orders"][int(np.argmin(coarse))] == pytest.approx(CHIRPS.order, abs=0.02)
     assert search["steps"] == search_steps(head(), TrainSettings(order_search=True))
-    assert search["found"] == found.model.order
+    assert search["found"] == trained.model.order
     assert search["ties"] == [] and "are worse by three standard errors" in search["note"]
     low, high = search["between"]
     assert low <= search["start"] <= high < low + 4 / 64

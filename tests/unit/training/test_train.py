@@ -215,7 +215,7 @@ def test_a_loss_that_is_not_finite_stops_with_a_sentence(source):
 
 def test_a_gradient_that_is_not_finite_stops_although_the_loss_is(source, monkeypatch):
     monkeypatch.setattr(
-        torch, "_foreach_norm", lambda found: [torch.tensor(torch.inf)] * len(found)
+        torch, "_foreach_norm", lambda tensors: [torch.tensor(torch.inf)] * len(tensors)
     )
     with pytest.raises(OmniVatError, match=r"Training stopped: the loss is \d.*Lower lr"):
         train(source, head(), TrainSettings(epochs=1), bank=load_bank())

@@ -113,9 +113,11 @@ def test_teachers_hold_evenly_spaced_orders_and_only_they_use_lang(source, monke
     made_at = []
     once = training.train_once
 
-    def noted(pairs, settings, own, **more):
-        made_at.append((settings.order, own.order_draw, more["bank"] is not None, own.lang))
-        return once(pairs, settings, own, **more)
+    def noted(pairs, settings, training, **more):
+        made_at.append(
+            (settings.order, training.order_draw, more["bank"] is not None, training.lang)
+        )
+        return once(pairs, settings, training, **more)
 
     monkeypatch.setattr(training, "train_once", noted)
     settings = replace(EVERY, lang=True, epochs=1, order_teachers=3)

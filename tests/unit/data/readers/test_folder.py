@@ -13,8 +13,8 @@ from omnivat.data.readers.folder import read
 from omnivat.kit.errors import DataError
 
 
-def reasons(found):
-    return {skipped.what: skipped.why for skipped in found.skipped}
+def reasons(pairs):
+    return {skipped.what: skipped.why for skipped in pairs.skipped}
 
 
 def test_domain_and_class_come_from_the_folders(tmp_path, pair):

@@ -24,8 +24,8 @@ def table(tmp_path, put):
     return write
 
 
-def reasons(found):
-    return {skipped.what: skipped.why for skipped in found.skipped}
+def reasons(pairs):
+    return {skipped.what: skipped.why for skipped in pairs.skipped}
 
 
 def test_a_row_gives_a_pair_with_all_that_is_known(table, tmp_path):

@@ -31,8 +31,8 @@ def tree(tmp_path, item, monkeypatch):
     return root
 
 
-def of(found, domain, part, name):
-    return [p for p in found.pairs if (p.domain, p.part, p.object) == (domain, part, name)]
+def of(pairs, domain, part, name):
+    return [p for p in pairs.pairs if (p.domain, p.part, p.object) == (domain, part, name)]
 
 
 def test_ranges_include_their_first_and_last_frame(tree):

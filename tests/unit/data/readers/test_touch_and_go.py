@@ -25,8 +25,8 @@ def tree(tmp_path, clip):
     return write
 
 
-def whys(found):
-    return {skipped.what: (skipped.why, skipped.count) for skipped in found.skipped}
+def whys(pairs):
+    return {skipped.what: (skipped.why, skipped.count) for skipped in pairs.skipped}
 
 
 def test_labels_become_the_five_materials_with_the_official_split(tree):
@@ -97,8 +97,8 @@ def test_split_by_folder_keeps_clips_whole(tree):
     official = read_pairs(root, balanced=False)
     apart = read_pairs(root, by_folder=True, balanced=False)
 
-    def shared(found):
-        sides = {s: {p.object for p in found.pairs if p.split == s} for s in ("train", "test")}
+    def shared(pairs):
+        sides = {s: {p.object for p in pairs.pairs if p.split == s} for s in ("train", "test")}
         return sides["train"] & sides["test"]
 
     assert shared(official)  # the leak that by_folder is for

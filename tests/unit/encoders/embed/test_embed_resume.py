@@ -22,7 +22,7 @@ pytestmark = pytest.mark.usefixtures("mean_encoder")
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
     original = job_module.chunks_of
     monkeypatch.setattr(
-        "omnivat.encoders.embed.pairs.chunks_of", lambda *given: original(*given, size=4)
+        "omnivat.encoders.embed.pairs.chunks_of", lambda *arguments: original(*arguments, size=4)
     )
 
 

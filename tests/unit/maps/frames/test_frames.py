@@ -26,9 +26,9 @@ def features(stage):
         yield torch.cat([unit(rows["vis"].flatten(1)), unit(rows["tac"].flatten(1))])
 
 
-def allowed(found: MapFrames) -> float:
+def allowed(maps: MapFrames) -> float:
     """Half a step of the grid, and the rounding of single precision."""
-    return (found.high[0] - found.low[0]) / LEVELS / 2 + 1e-5
+    return (maps.high[0] - maps.low[0]) / LEVELS / 2 + 1e-5
 
 
 @pytest.mark.parametrize("stage", ["relu", "f_hat"])

@@ -178,7 +178,10 @@ def test_spg_warms_up_and_ends_near_zero():
 def test_promptstyler_keeps_the_papers_rate(monkeypatch):
     """No warm-up, cosine, decay or clip, which the paper does not state."""
     seen = []
-    kept = lambda own: seen.append((own.param_groups[0]["lr"], float(head.weight.grad.norm())))  # noqa: E731
+
+    def kept(optimiser):
+        seen.append((optimiser.param_groups[0]["lr"], float(head.weight.grad.norm())))
+
     monkeypatch.setattr(torch.optim.SGD, "step", kept)
     head = torch.nn.Linear(4, 2, bias=False)
     descend(head, 300, PAPER, lambda rows: 1e3 * head.weight.sum())
