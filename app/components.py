@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from app.tables import tables_html
+
 WEB = Path(__file__).parent / "web"
 FONTS = ("system-ui", "-apple-system", "Segoe UI", "Roboto", "DejaVu Sans", "sans-serif")
 MONO = ("ui-monospace", "Menlo", "Consolas", "DejaVu Sans Mono", "monospace")
@@ -42,7 +44,8 @@ def component(name: str) -> None:
 
 
 def head(views: Sequence[str], web: str = "omnivat/web") -> str:
-    """Return the HTML head: styles, early scripts, and the names of the tabs.
+    """Return the HTML head: styles, early scripts, the names of the tabs, and the rows
+    of `app/tables.py`.
 
     web  where the scripts and styles are, relative to the page
     """
@@ -51,6 +54,7 @@ def head(views: Sequence[str], web: str = "omnivat/web") -> str:
             *(f'<link rel="stylesheet" href="{web}/{name}.css">' for name in STYLES),
             *(f'<link rel="modulepreload" href="{web}/{name}.js">' for name in EARLY),
             f'<meta name="omnivat-views" content="{" ".join(views)}">',
+            tables_html(),
         ]
     )
 

@@ -14,6 +14,7 @@ from app.modes import fitting_files, modes
 from app.places import Places, places
 from app.resources import Resources
 from app.routes import sheet
+from app.tables import tables_html
 from app.views import explore
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import write_text
@@ -98,7 +99,7 @@ def export_page(where: Places, frames: Path, out: Path) -> None:
     )
     styles = "\n".join((WEB / f"{name}.css").read_text(encoding="utf-8") for name in STYLES)
     page = document(
-        head=f"<title>OmniVaT: {title}</title>\n<style>{styles}</style>",
+        head=f"<title>OmniVaT: {title}</title>\n<style>{styles}</style>\n{tables_html()}",
         kind=' class="saved"',
         body=f'<div id="view-explore">{html_of("explore")}</div>',
         held={"files": held_files(where, frames), "home": "", "alone": ALONE},

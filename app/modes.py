@@ -1,8 +1,6 @@
-"""Modes of p for a head and a set, from the frames files next to the set, in the page's order.
+"""Modes of p for a head and a set: the rows of `app/tables.py` whose frames stand next to the set.
 
-trained  a separate head at each stop (`omnivat sweep --retrain`)
-moved    one head with fixed weights; its frames are computed if there is no file
-every    one head trained for every p
+A mode without a file of its own is the loaded head's; its frames are computed if there are none.
 """
 
 import logging
@@ -12,19 +10,20 @@ from typing import Any
 
 from app.places import Places
 from app.resources import Resources
+from app.tables import tables
 from omnivat.head.heads import EXAMPLES, shipped_sets
 from omnivat.kit.errors import DataError
 
 log = logging.getLogger(__name__)
-FILES = {"trained": "trained.bin", "every": "every.bin"}
-MOVED = "moved"
+CURVES = "retrained.bin"  # of heads of their own at each p
 SETS = {"sensors": "Touch sensors", "chirps": "Chirps"}
 
 
 def mode_files(where: Places) -> dict[str, Path]:
     """Return the frames files next to a set of embeddings, by mode."""
     folder = where.embeddings.parent
-    return {mode: folder / name for mode, name in FILES.items() if (folder / name).is_file()}
+    files = {row["id"]: folder / row["file"] for row in tables()["modes"] if "file" in row}
+    return {mode: file for mode, file in files.items() if file.is_file()}
 
 
 def fitting_files(resources: Resources) -> dict[str, Path]:
@@ -71,12 +70,14 @@ def modes(resources: Resources, among: Container[str] | None = None) -> dict[str
     listed = shipped_sets()
     for name in listed if among is None else [one for one in listed if one in among]:
         (folder, embeddings), title = listed[name], SETS.get(name, name)
-        curve = _curve(folder / FILES["trained"], title)
+        curve = _curve(folder / CURVES, title)
         sets.append(
             {"name": name, "title": title, "shown": embeddings.resolve() == shown, "curve": curve}
         )
     return {
-        "modes": [mode for mode in ("trained", MOVED, "every") if mode in {MOVED, *fitting}],
+        "modes": [
+            row["id"] for row in tables()["modes"] if "file" not in row or row["id"] in fitting
+        ],
         "sets": sets,
         "twins": bool(sets) and (EXAMPLES / "twins.json").is_file(),
     }

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from app.resources import Resources
+from app.tables import tables
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
 
     Array = np.ndarray[Any, Any]
 
-METHODS = {"nearest_mean": "nearest class mean"}  # fast to fit
+METHODS = {row["id"]: row["title"] for row in tables()["methods"]}  # fast to fit
 
 
 def heads(resources: Resources) -> list[dict[str, Any]]:

@@ -13,7 +13,7 @@ python -m omnivat train --embeddings examples/simulated.safetensors --source TAG
 python -m omnivat train --embeddings examples/simulated.safetensors --source all --out examples/own
 python -m omnivat sweep --out examples/frames.bin
 python -m omnivat evaluate --ladder
-python -m omnivat sweep --retrain 21 --seeds 0,1 --out examples/trained.bin
+python -m omnivat sweep --retrained 21 --seeds 0,1 --out examples/retrained.bin
 # One head for every order; what familiarity needs lies in the other head's folder.
 python -m omnivat train --embeddings examples/simulated.safetensors --source TAG-sim \
     --out examples/every --no-calibration --set width=64 --set epochs=750 --set batch=64 \

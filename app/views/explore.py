@@ -10,6 +10,7 @@ import orjson
 from app.map_place import kept_features
 from app.resources import Resources
 from app.state import order_from
+from app.tables import tables
 from omnivat.data.packing import packed
 from omnivat.head.heads import EXAMPLES, kept_ladder
 from omnivat.kit.errors import DataError
@@ -99,10 +100,13 @@ def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def pairs(resources: Resources) -> dict[str, list[str]]:
-    """Return the name of each pair and the classes it imitates, in the order of the set."""
+    """Return the name of each pair, the classes it imitates, and the columns that colour points,
+    in the order of the set.
+    """
     rows = resources.embeddings().rows
     names = [Path(file).stem.removesuffix("_vis") for file in rows["vis"]]
-    return {"name": names, "looks_like": rows["looks_like"], "feels_like": rows["feels_like"]}
+    columns = [row["column"] for row in tables()["colours"] if row.get("column") in rows]
+    return {"name": names} | {name: rows[name] for name in ("looks_like", "feels_like", *columns)}
 
 
 def twins(_: Resources) -> dict[str, Any]:

@@ -28,4 +28,4 @@ END
 )
 python -m omnivat sweep --head "$here/head" --embeddings "$set" --orders "$orders" --out "$here/frames.bin"
 python -m omnivat sweep --head "$here/every" --embeddings "$set" --stops 21 --out "$here/every.bin"
-python -m omnivat sweep --head "$here/head" --embeddings "$set" --retrain 21 --seeds 0 --out "$here/trained.bin"
+python -m omnivat sweep --head "$here/head" --embeddings "$set" --retrained 21 --seeds 0 --out "$here/retrained.bin"

@@ -2,11 +2,11 @@
 
     python -m omnivat sweep --head DIR --embeddings FILE --out FRAMES
     python -m omnivat sweep --csv CURVES --stages raw,f_hat --measures mmd_rbf,ece --orders 0,0.5,1
-    python -m omnivat sweep --retrain 21 --out FRAMES [--source DOMAIN] [--seeds 0,1,2] [--jobs 2]
+    python -m omnivat sweep --retrained 21 --out FRAMES [--source DOMAIN] [--seeds 0,1,2] [--jobs 2]
 
---out writes the frames file for the page; without it, no maps are computed. --retrain trains a head
-at each order, with the settings of --head, instead of moving the p of one head. Finished heads of
-an interrupted run are used again.
+--out writes the frames file for the page; without it, no maps are computed. --retrained trains a
+head at each order, with the settings of --head, instead of moving the p of one head. Finished heads
+of an interrupted run are used again.
 """
 
 import argparse
@@ -56,7 +56,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     group = parser.add_argument_group("a head at each order")
     group.add_argument(
-        "--retrain", type=whole(2, 1001), metavar="N", help="train a head at each of N orders"
+        "--retrained", type=whole(2, 1001), metavar="N", help="train a head at each of N orders"
     )
     group.add_argument("--source", help="domain to train on; default: that of --head")
     group.add_argument("--seeds", help="such as 0,1,2 (default); maps show the first one's heads")
@@ -79,10 +79,10 @@ def run(options: argparse.Namespace) -> None:
         )
     for path in outputs:
         require_writable(path)
-    _check_retrain(options)
-    if options.profile and options.retrain is not None:
-        raise SettingsError("--profile goes with one head; leave out --retrain.")
-    stops = options.retrain if options.retrain is not None else options.stops
+    _check_retrained(options)
+    if options.profile and options.retrained is not None:
+        raise SettingsError("--profile goes with one head; leave out --retrained.")
+    stops = options.retrained if options.retrained is not None else options.stops
     orders = orders_of(options.orders, stops)
     from omnivat.head.checkpoint import head_hash
     from omnivat.maps.frames import write_frames
@@ -109,7 +109,7 @@ def run(options: argparse.Namespace) -> None:
         "kind": kind_of(head),
     }
     frames: Any = None
-    if options.retrain is not None:
+    if options.retrained is not None:
         frames = _retrained(options, head, embeddings, orders, wanted)
     elif options.out:
         if options.orders is None and options.stops is None:
@@ -149,17 +149,17 @@ def _draw(file: Path, orders: Stops, curves: Values, frames: Any) -> None:
     write(file, gap_curves(frames) if frames is not None else lines(series, **titles))
 
 
-def _check_retrain(options: argparse.Namespace) -> None:
+def _check_retrained(options: argparse.Namespace) -> None:
     """Raise SettingsError for contradictory arguments."""
-    if options.retrain is None:
+    if options.retrained is None:
         for name in ("source", "seeds", "jobs", "keep", "lang", "set"):
             if getattr(options, name) is not None:
-                raise SettingsError(f"--{name} applies to --retrain N only; leave it out.")
+                raise SettingsError(f"--{name} applies to --retrained N only; leave it out.")
         return
     if options.out is None:
-        raise SettingsError("--retrain needs --out, the frames file to write.")
+        raise SettingsError("--retrained needs --out, the frames file to write.")
     if options.stops is not None or options.orders is not None:
-        raise SettingsError("--retrain N sets the orders; leave out --stops and --orders.")
+        raise SettingsError("--retrained N sets the orders; leave out --stops and --orders.")
 
 
 def _retrained(

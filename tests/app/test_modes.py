@@ -36,7 +36,7 @@ def trained(head_folder, tmp_path_factory) -> Path:
         maps={"pca/raw": 1, "pca/f_hat": 3},
         provenance={"kind": "retrained", "source": "TAG-sim"},
     )
-    write_frames(folder / "trained.bin", frames)
+    write_frames(folder / "retrained.bin", frames)
     return folder
 
 
@@ -51,8 +51,8 @@ def client(beside) -> TestClient:
 
 
 def test_frames_beside_the_set_are_a_mode_of_their_own(beside, client):
-    assert modes(beside)["modes"] == ["trained", "moved"]
-    answer = client.get("/omnivat/frames?mode=trained")
+    assert modes(beside)["modes"] == ["retrained", "moved"]
+    answer = client.get("/omnivat/frames?mode=retrained")
     assert answer.content.startswith(b"OVFRAMES")
     assert answer.headers["X-Holds"] == beside.holds
 
@@ -60,12 +60,12 @@ def test_frames_beside_the_set_are_a_mode_of_their_own(beside, client):
 def test_frames_of_another_set_are_left_out(beside, trained, tmp_path, caplog):
     other = tmp_path / "set.safetensors"
     other.write_bytes(beside.where.embeddings.read_bytes())
-    frames = read_frames(trained / "trained.bin")
+    frames = read_frames(trained / "retrained.bin")
     foreign = replace(frames, embeddings={**frames.embeddings, "weights_hash": "else"})
-    write_frames(tmp_path / "trained.bin", foreign)
+    write_frames(tmp_path / "retrained.bin", foreign)
     (tmp_path / "every.bin").write_bytes(b"OVFRAMES no")
     found = Resources(replace(beside.where, embeddings=other))
-    assert set(mode_files(found.where)) == {"trained", "every"}
+    assert set(mode_files(found.where)) == {"retrained", "every"}
     assert fitting_files(found) == {}
     assert "of another set" in caplog.text
     assert modes(found)["modes"] == ["moved"]
@@ -84,7 +84,7 @@ def test_without_embeddings_the_page_still_says_what_may_be_chosen(small_places,
 
 
 def test_the_header_of_frames_is_read_without_their_arrays(trained):
-    header = frames_header(trained / "trained.bin")
+    header = frames_header(trained / "retrained.bin")
     assert header["head"]["kind"] == "retrained"
     assert header["pairs"] == 80
 

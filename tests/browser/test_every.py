@@ -27,7 +27,7 @@ def test_one_head_for_every_order_is_the_third_mode_and_its_curves_follow_p(
         page.wait_for_selector(f'{MAP}[data-order="{order}"]')
         modes = page.locator(".explore .modes [data-key]")
         assert modes.evaluate_all("all => all.map((one) => one.dataset.key)") == [
-            "trained",
+            "retrained",
             "moved",
             "every",
         ]

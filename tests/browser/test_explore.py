@@ -38,7 +38,7 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
         curves=curves,
         head={**frames.head, "kind": "retrained", "learned_order": None, "seeds": [0, 1, 2]},
     )
-    file = tmp_path_factory.mktemp("trained") / "trained.bin"
+    file = tmp_path_factory.mktemp("trained") / "retrained.bin"
     write_frames(file, made)
     return file
 
@@ -47,9 +47,9 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def two_modes(new_page: Callable[..., Any], address: str, trained: Path) -> Any:
     """Return the page of a set with frames of heads trained at each stop."""
     page = new_page()
-    listed = {"modes": ["trained", "moved"], "sets": []}
+    listed = {"modes": ["retrained", "moved"], "sets": []}
     page.route("**/omnivat/modes*", lambda route: route.fulfill(json=listed))
-    page.route("**/omnivat/frames?mode=trained*", lambda route: route.fulfill(path=trained))
+    page.route("**/omnivat/frames?mode=retrained*", lambda route: route.fulfill(path=trained))
     page.goto(address, wait_until="commit")
     page.wait_for_selector(MAP)
     return page

@@ -1,7 +1,10 @@
 /** The few things of a browser that scripts touch when they are imported; each test file has its own. */
 
+import { readFileSync } from "node:fs";
+
+const rows = readFileSync(new URL("../../app/web/shared/tables.json", import.meta.url), "utf8");
 globalThis.document ??= {
-  querySelector: () => null,
+  querySelector: (what) => (what === "#omnivat-tables" ? { textContent: rows } : null),
   body: { classList: { contains: () => false }, dataset: {} },
   baseURI: "http://x/",
 };

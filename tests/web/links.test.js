@@ -9,7 +9,9 @@ globalThis.location = {
   origin: "http://x",
 };
 globalThis.history = { state: null, replaceState: (_, __, address) => (written = String(address)) };
-globalThis.document.querySelector = (what) => (what.startsWith("meta") ? { getAttribute: () => "explore pair" } : null);
+const { querySelector } = globalThis.document;
+globalThis.document.querySelector = (what) =>
+  what.startsWith("meta") ? { getAttribute: () => "explore pair" } : querySelector(what);
 const sent = [];
 globalThis.fetch = async (address, options) => {
   sent.push([String(address), options?.method ?? "GET"]);

@@ -4,6 +4,7 @@ import { ask, inSet, refused } from "../shared/api.js";
 import { thumbnail } from "../shared/card.js";
 import { featuresOf } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
+import { has } from "../shared/tables.js";
 import { each } from "../shared/text.js";
 import { onClick } from "../shared/view.js";
 
@@ -88,7 +89,7 @@ export class Acts {
 
   /** The stage whose neighbours are known: heads trained at each p are not kept. */
   get nearStage() {
-    return this.scene.frames.kind === "retrained" ? "raw" : featuresOf(state.stage);
+    return has(this.scene.frames, "heads") ? "raw" : featuresOf(state.stage);
   }
 
   key = () => `${this.scene.set} ${state.pin} ${this.nearStage} ${this.scene.p}`;

@@ -3,12 +3,13 @@
 import { card } from "../shared/card.js";
 import { showFilters } from "../shared/filters.js";
 import { orderText } from "../shared/frames.js";
-import { asText, values } from "../shared/measures.js";
+import { asText, gapsOf, values } from "../shared/measures.js";
 import { orderBar } from "../shared/order.js";
 import { colouring, isLecture } from "../shared/palette.js";
 import { afterwards } from "../shared/ready.js";
 import { explained, featuresOf, stageNamed, stepsOf } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
+import { modeOf } from "../shared/tables.js";
 import { define } from "../shared/terms.js";
 import { fill } from "../shared/text.js";
 import { press } from "../shared/view.js";
@@ -53,10 +54,10 @@ export class Board {
     const tall = () =>
       isLecture() ? 0.4 * innerHeight : Math.min(560, 0.24 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
     const high = () => (innerWidth < 820 ? 110 : state.chapter === "order" ? tall() : 0.165 * innerHeight);
-    this.ride = new Curves($(".over"), toOrder, { measures: ["accuracy"], high });
+    this.ride = new Curves($(".over"), toOrder, { measures: () => ["accuracy"], high });
     this.wave = new Wave($(".wave"));
     this.together = new Together($(".together"), toOrder);
-    this.curves = new Curves($(".all"), toOrder, { measures: ["modality_gap", "domain_gap", "margin"] });
+    this.curves = new Curves($(".all"), toOrder, { measures: (frames) => gapsOf(frames).map(({ name }) => name) });
     this.stairs = new Staircase(
       $(".staircase"),
       () => state.stage,
@@ -74,7 +75,9 @@ export class Board {
 
   /** Facts about the set or its head have come. */
   learned() {
-    const { facts } = this.scene;
+    const { facts, own, frames } = this.scene;
+    own.columns = frames.columns = facts.pairs ?? {};
+    this.maps.showColourings();
     if (facts.unseen) this.strangers.show();
     this.read();
     this.finder.show();
@@ -100,6 +103,7 @@ export class Board {
   replace(frames) {
     const { scene } = this;
     scene.frames = frames;
+    frames.columns = scene.facts.pairs ?? {};
     scene.read();
     scene.follow();
     this.bar.replace(frames);
@@ -111,7 +115,7 @@ export class Board {
     this.stairs.replace(frames);
     this.$(".mode-words").innerHTML = modeWords(frames);
     define(this.$(".mode-words"));
-    this.$(".explore").dataset.kind = frames.kind;
+    Object.assign(this.$(".explore").dataset, { kind: frames.kind, can: modeOf(frames).can.join(" ") });
     this.$(".ride").classList.toggle("blind", !values(frames, "accuracy", "f_hat")?.some(Number.isFinite));
     this.showColours();
     this.showStage();

@@ -2,6 +2,7 @@
 
 import { dragged, Scale } from "../shared/chart.js";
 import { asText, axis, MEASURES, spread, values } from "../shared/measures.js";
+import { has } from "../shared/tables.js";
 import { each, escaped } from "../shared/text.js";
 import { View } from "../shared/view.js";
 
@@ -16,7 +17,9 @@ export class Curves extends View {
     /** @type {any} */
     this.frames = null;
     this.onOrder = onOrder;
-    this.measures = MEASURES.filter(({ name }) => measures.includes(name));
+    this.wanted = measures; // (frames) => names
+    /** @type {any[]} */
+    this.measures = [];
     this.tall = high;
     this.pale = null; // {title, orders, share}: the accuracy curve of another set
     this.hides = false; // whether a curve is drawn only as far as p was dragged
@@ -49,7 +52,11 @@ export class Curves extends View {
   replace(frames) {
     this.frames = frames;
     const xs = [Math.min(ENDS[0], frames.orders[0]), Math.max(ENDS[1], frames.orders.at(-1))];
-    if (!this.$("figure")) this.box.innerHTML = each(this.measures, figure) + (this.measures.length > 1 ? DASHED : "");
+    const names = this.wanted(frames);
+    const known = this.measures.map(({ name }) => name).join() === names.join();
+    this.measures = MEASURES.filter(({ name }) => names.includes(name));
+    if (!known || !this.$("figure"))
+      this.box.innerHTML = each(this.measures, figure) + (this.measures.length > 1 ? DASHED : "");
     this.wide = this.width();
     this.scale = new Scale({ wide: this.wide, high: this.tall(), pad: PAD, xs });
     this.charts = [...this.box.querySelectorAll("figure")].map((root, i) => ({ root, ...this.measures[i] }));
@@ -57,7 +64,7 @@ export class Curves extends View {
       chart.ys = axis(frames, chart.name);
       chart.root.querySelector("svg").outerHTML = this.chart(chart);
     }
-    this.box.classList.toggle("what-if", frames.kind === "moved");
+    this.box.classList.toggle("what-if", has(frames, "what-if"));
   }
 
   chart({ name, title, help, ys }) {
@@ -121,7 +128,7 @@ export class Curves extends View {
       root.querySelector(".ghost").setAttribute("d", ghost ? this.path(ghost, ys) : "");
       root.querySelector(".spread").setAttribute("d", band && !this.hides ? this.area(band, ys) : "");
       root.querySelector(".dots").innerHTML =
-        own && frames.kind === "retrained"
+        own && has(frames, "heads")
           ? each(zip(frames.orders, this.known(own)), ([p, v]) =>
               Number.isFinite(v) ? `<circle cx="${this.scale.x(p)}" cy="${this.scale.y(v, ys)}" r="2"/>` : "",
             )

@@ -2,6 +2,7 @@
 
 import { once } from "../shared/api.js";
 import { choices, framesOf } from "../shared/facts.js";
+import { OWN_MODE } from "../shared/tables.js";
 import { theSet } from "../shared/theset.js";
 
 /** {set, own, sprite, coarse, modes, frames, facts}: what is shown of a set. */
@@ -9,7 +10,7 @@ export const dataOf = (set, onWait) =>
   once(`data ${set}`, async () => {
     const [{ frames: own, coarse, sprite }, { modes }] = await Promise.all([theSet(onWait, set), choices(set)]);
     own.coarse = coarse;
-    const frames = new Map([["moved", own]]);
+    const frames = new Map([[OWN_MODE, own]]);
     return { set, own, sprite, coarse, modes, frames, facts: { unseen: null, pairs: null, fit: null } };
   });
 

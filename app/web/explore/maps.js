@@ -11,6 +11,7 @@ import { listen } from "../shared/pointer.js";
 import { radios } from "../shared/radios.js";
 import { isStill, stageNamed } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
+import { modeOf } from "../shared/tables.js";
 import { escaped, options } from "../shared/text.js";
 import { Beside } from "./beside.js";
 import { pictures } from "./pictures.js";
@@ -150,8 +151,8 @@ export function notes(frames, frame, stop, kind) {
   if (state.chapter === "analyse") {
     if (isStill(state.stage, frames) && frame.stops === 1 && state.stage !== "raw")
       parts.push("One map for every p: the transform changes no distance.");
-    if (frames.kind === "retrained" && state.stage !== "raw") parts.push("Each stop is another head.");
-    if (frames.kind === "moved" && !isStill(state.stage, frames)) parts.push("Weights stay fixed while p moves.");
+    const { note } = modeOf(frames);
+    if (note && !isStill(state.stage, frames)) parts.push(note);
     if (kind === "umap") parts.push("Distances and scale have no meaning.");
   }
   return parts.join(" ");

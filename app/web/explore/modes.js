@@ -5,17 +5,12 @@ import { orderText } from "../shared/frames.js";
 import { values } from "../shared/measures.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
+import { has, modeOf, OWN_MODE, worded } from "../shared/tables.js";
 import { escaped, percent } from "../shared/text.js";
 import { modeFrames } from "./library.js";
 
-const LABELS = {
-  trained: ["Trained here", "Each stop is a head trained at that p"],
-  moved: ["Same weights", "One head; only p moves"],
-  every: ["Every p", "One head, trained for every p"],
-};
-
-/** A mode's name on the page; the loaded head may be a head for every p. */
-const label = (mode, own) => LABELS[mode === "moved" && own.kind === "every" ? "every" : mode][0];
+/** A mode's row on the page; the loaded head may be a head for every p. */
+const rowOf = (mode, own) => modeOf({ kind: mode === OWN_MODE ? own.kind : mode });
 
 const trainings = ({ seeds = [], width }) =>
   [seeds.length > 1 && `${seeds.length} trainings for each stop`, width && `width ${width}`].filter(Boolean).join(", ");
@@ -26,13 +21,15 @@ const SIGNALS = " Each pair is two recordings of one signal: “photo” stands 
 export const modeWords = (frames) => ofMode(frames) + (frames.signals ? SIGNALS : "");
 
 function ofMode(frames) {
-  if (frames.kind === "retrained") {
-    const more = trainings(frames.meta.head);
-    return `<b>A head for each stop</b>, trained at that p on ${escaped(frames.source)}${more && ` (${more})`}. Dots are stops${frames.meta.head.seeds?.length > 1 ? "; the pale band is from the lowest to the highest training" : ""}.`;
-  }
-  if (frames.kind === "every") return `<b>One head for every p</b>: p was drawn at random in each training step.`;
-  const learned = Number.isFinite(frames.learned) ? orderText(+frames.learned.toFixed(3)) : "its own p";
-  return `<b>What if only p moved?</b> The weights stay those learned at p = ${learned}. Shaded: the orders this head was trained for. ${elsewhere(frames)}A small gap there means little.`;
+  const { learned, meta, source } = frames;
+  const more = trainings(meta.head ?? {});
+  return worded(modeOf(frames).words ?? "", {
+    source: escaped(source),
+    trainings: more && ` (${more})`,
+    band: meta.head?.seeds?.length > 1 ? "; the pale band is from the lowest to the highest training" : "",
+    learned: Number.isFinite(learned) ? orderText(+learned.toFixed(3)) : "its own p",
+    elsewhere: has(frames, "what-if") ? elsewhere(frames) : "",
+  });
 }
 
 /** The accuracy at the orders that the head was not trained for, in words; "" if not measured. */
@@ -63,7 +60,10 @@ export class Modes {
   async open(data) {
     this.data = data;
     this.box.hidden = data.modes.length < 2;
-    const options = data.modes.map((key) => ({ key, label: label(key, data.own), title: LABELS[key][1] }));
+    const options = data.modes.map((key) => {
+      const { title, help } = rowOf(key, data.own);
+      return { key, label: title, title: help };
+    });
     this.showChosen = radios(
       this.box,
       options,
@@ -90,7 +90,7 @@ export class Modes {
       return frames;
     } catch (error) {
       refused(error, this.say);
-      return mode === "moved" ? null : this.fetched("moved");
+      return mode === OWN_MODE ? null : this.fetched(OWN_MODE);
     }
   }
 

@@ -5,6 +5,7 @@ import { fit, pairNames, unseen } from "../shared/facts.js";
 import { whenFine } from "../shared/frames.js";
 import { setOf } from "../shared/sets.js";
 import { openAt, openChapter, state } from "../shared/store.js";
+import { OWN_MODE } from "../shared/tables.js";
 import { Board } from "./board.js";
 import { chapterNamed, startOf } from "./chapters.js";
 import { dataOf } from "./library.js";
@@ -122,7 +123,7 @@ export class Page {
     this.telling(null);
     const shown = board.scene.own === board.scene.frames;
     data.own = own;
-    data.frames.set("moved", own);
+    data.frames.set(OWN_MODE, own);
     if (this.data !== data) return;
     board.scene.own = own;
     if (shown && this.chapter) board.replace(own);

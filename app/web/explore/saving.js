@@ -7,11 +7,10 @@ import { colouring } from "../shared/palette.js";
 import { made, save } from "../shared/save.js";
 import { stageNamed } from "../shared/stages.js";
 import { state } from "../shared/store.js";
+import { modeOf } from "../shared/tables.js";
 import { csv, png, svg } from "./exports.js";
 import { METHODS } from "./maps.js";
 import { loadTags, tagsCsv } from "./tags.js";
-
-const MODES = { moved: "weights fixed, p moved", retrained: "a head trained at this p", every: "one head for every p" };
 
 /** Copy the address together with the map's picture, if there is a map; return what was done, in words. */
 export async function share(saving) {
@@ -70,7 +69,7 @@ export class Saving {
       "OmniVaT",
       stageNamed(state.stage).name,
       !frames.headless && `p = ${orderText(p)}`,
-      MODES[frames.kind],
+      modeOf(frames).caption,
       frames.source && `trained on ${frames.source}`,
       METHODS[state.map],
       ...hides,
@@ -83,8 +82,7 @@ export class Saving {
 
   /** Save the open map, the curves and the staircase as one page that the server makes. */
   async figure(name) {
-    const { kind } = this.scene.frames;
-    const mode = kind === "retrained" ? "trained" : kind;
+    const { kind: mode } = this.scene.frames;
     const { stage, colour } = state;
     const map = this.maps.kind();
     const question = { stage, map, colour, mode, order: this.scene.p };

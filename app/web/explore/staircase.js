@@ -1,6 +1,6 @@
 /** The steps of the head as a flow, with stairs of a gap or the margin; each step opens its map. */
 
-import { asText, axis, MEASURES, values } from "../shared/measures.js";
+import { asText, axis, gapsOf, values } from "../shared/measures.js";
 import { ARROWS } from "../shared/radios.js";
 import { STAGES, stepsOf } from "../shared/stages.js";
 import { each, escaped } from "../shared/text.js";
@@ -8,7 +8,6 @@ import { onClick, View } from "../shared/view.js";
 
 const HIGH = 33; // CSS pixels of a row of stairs
 const WORDS = 16; // of these, above the highest step, for its figure
-const ROWS = MEASURES.filter(({ name }) => name !== "accuracy");
 const symbol = (short) => short.replace("_p", "<sub>p</sub>");
 
 export class Staircase extends View {
@@ -17,7 +16,7 @@ export class Staircase extends View {
     super(box);
     this.chosen = chosen;
     this.onChoose = onChoose;
-    this.row = ROWS[0].name; // the measure shown
+    this.row = ""; // the measure shown; the first one until another is chosen
     this.steps = STAGES;
     /** @type {any[]} */
     this.parts = [];
@@ -28,21 +27,23 @@ export class Staircase extends View {
   /** Lay out the steps of new frames. */
   replace(frames) {
     this.steps = stepsOf(frames);
+    const measures = gapsOf(frames);
+    if (!measures.some(({ name }) => name === this.row)) this.row = measures[0]?.name ?? "";
     this.box.style.setProperty("--steps", this.steps.length);
     const heads = this.steps.map(
       (s) =>
         `<button type="button" role="radio" data-stage="${s.key}" title="${escaped(s.explain)}"><b>${symbol(s.short)}</b><span class="long">${s.step}</span><span class="brief">${s.brief}</span></button>`,
     );
-    const rows = ROWS.map(
+    const rows = measures.map(
       ({ name, title, between, help }) =>
         `<div class="stair" data-name="${name}"><span class="stair-name" title="${help}">${title} <small>${frames.signals && name === "modality_gap" ? "VIS to TAC" : between}</small></span><div class="treads"><svg viewBox="0 0 ${this.steps.length} ${HIGH}" preserveAspectRatio="none" aria-hidden="true"><path class="under"/><path class="tread"/></svg>${each(this.steps, (s) => `<output data-step="${s.key}"></output>`)}</div></div>`,
     );
-    const options = ROWS.map(({ name, title }) => `<option value="${name}">${title}</option>`);
+    const options = measures.map(({ name, title }) => `<option value="${name}">${title}</option>`);
     this.box.innerHTML = `<div class="stair heads"><select class="of-steps" aria-label="What the stairs show">${options.join("")}</select><div class="treads" role="radiogroup" aria-label="Step of the head; opens its map">${heads.join("")}</div></div>${rows.join("")}`;
     const select = this.$("select");
     select.value = this.row;
     select.onchange = () => this.choose((this.row = select.value));
-    this.parts = ROWS.map(({ name }) => {
+    this.parts = measures.map(({ name }) => {
       const root = this.$(`[data-name="${name}"]`);
       return {
         name,

@@ -3,6 +3,7 @@
 import { choices, framesOf, twins, twinsMap, unseen } from "../shared/facts.js";
 import { setOf } from "../shared/sets.js";
 import { change, openChapter, state } from "../shared/store.js";
+import { OWN_MODE } from "../shared/tables.js";
 import { openTab } from "../shared/tabs.js";
 import { each } from "../shared/text.js";
 import { theSet } from "../shared/theset.js";
@@ -21,7 +22,7 @@ export async function startTour() {
     there ? twins().catch(none) : null,
     there ? twinsMap().catch(none) : null,
   ]);
-  const frames = modes[0] === "moved" ? own : await framesOf(modes[0], own, first);
+  const frames = modes[0] === OWN_MODE ? own : await framesOf(modes[0], own, first);
   const pale = sets.find(({ name }) => name === "sensors" && first !== second)?.curve?.share ?? null;
   openTab("explore");
   const figures = onScreen(frames, { unseen: strangers, pale, twins: made, places });

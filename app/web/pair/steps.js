@@ -1,5 +1,6 @@
 /** The line from dropped pictures to saved results: where the visitor is, and what one more step brings. */
 
+import { TABLES } from "../shared/tables.js";
 import { each, percent } from "../shared/text.js";
 import { missing } from "./tally.js";
 
@@ -17,17 +18,17 @@ export function stepOf({ dropped, pairs, report, used }) {
 
 /** What the next step is and what it brings, in a sentence. rungs: of the ladder, measured on simulated sensors. */
 export function nextStep(at, { pairs, report, counts }, rungs) {
-  const of = (name) => rungs.find(({ rung }) => rung === name)?.accuracy;
-  const gain = (name) => 100 * (of(name) - of("none"));
-  const points = (name, who) =>
-    Number.isFinite(gain(name)) ? ` On simulated sensors ${who} bring ${gain(name).toFixed(1)} points.` : "";
+  const of = (id) => rungs.find(({ rung }) => rung === id)?.accuracy;
+  const gains = TABLES.rungs
+    .filter(({ step, id }) => step === at && Number.isFinite(of(id) - of("none")))
+    .map(({ id, title }) => `${title} bring ${(100 * (of(id) - of("none"))).toFixed(1)} points`);
+  const points = gains.length ? ` On simulated sensors ${gains.join(", ")}.` : "";
   if (at === 0)
     return "Drop photos, touches, a folder or a CSV anywhere here. As they come, expect guesses: the head has not seen your sensor.";
   if (at === 2 && !pairs.length && !counts)
-    return `Label two pairs of each of two classes. Or make a profile of pictures without labels.${points("n20", "20 pairs without labels")}`;
+    return `Label two pairs of each of two classes. Or make a profile of pictures without labels.${points}`;
   if (at === 2) return missing(pairs) || "Label two pairs of each of two classes, and teach the head.";
-  if (at === 3)
-    return `Teach it your ${pairs.length} pairs.${points("k3", "three labels a class (logistic regression, from the records)")}`;
+  if (at === 3) return `Teach it your ${pairs.length} pairs.${points}`;
   const { right, judged } = report;
   return `${percent(right.after / judged.length)} of your pairs are right with each left out, ${percent(right.before / judged.length)} before. Drop the next pictures: the taught head reads them. Save it for the command line: omnivat predict --head taught-head --pairs FOLDER.`;
 }

@@ -1,5 +1,6 @@
 /** The card of one pair: thumbnails, class and prediction. */
 
+import { has } from "./tables.js";
 import { escaped } from "./text.js";
 
 /** A thumbnail from the sheet: VIS of pair i is tile i, TAC is tile N + i. */
@@ -27,7 +28,7 @@ export function verdict(frames, pair, stop) {
     truth: frames.classes[frames.label[pair]],
     said: frames.headless ? "" : frames.classes[said],
     right: !frames.headless && said === frames.label[pair],
-    confidence: frames.kind === "moved" && !frames.answered ? frames.confidence[at] / 255 : NaN, // other heads have no temperature
+    confidence: has(frames, "confidence") && !frames.answered ? frames.confidence[at] / 255 : NaN, // other heads have no temperature
   };
 }
 
@@ -61,7 +62,7 @@ export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = nu
     ${v.said && `<dt>Predicted</dt><dd class="${frames.labelled !== false ? (v.right ? "right" : "wrong") : ""}">${saidHtml(v, frames.labelled)}</dd>`}</dl>
     ${
       pinned
-        ? `<div class="near"><h4>Nearest by cosine${frames.kind === "retrained" ? ", raw embedding," : ""} to <span><button type="button" class="find" data-of="0">VIS</button> <button type="button" class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>
+        ? `<div class="near"><h4>Nearest by cosine${has(frames, "heads") ? ", raw embedding," : ""} to <span><button type="button" class="find" data-of="0">VIS</button> <button type="button" class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>
     <div class="row">${frames.headless ? "" : '<button type="button" class="open">Open in Pair ›</button>'}<button type="button" class="unpin">Unpin</button></div>`
         : ""
     }`;

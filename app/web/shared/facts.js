@@ -2,6 +2,7 @@
 
 import { ask, inSet, json, once, Refusal } from "./api.js";
 import { fetchFrames } from "./frames.js";
+import { OWN_MODE } from "./tables.js";
 import { bytesOf } from "./text.js";
 
 /** A fact about a set; "" is the page's own. */
@@ -50,7 +51,7 @@ export const ladder = (set = "", source = "") =>
   once(`ladder ${set} ${source}`, () => ask(inSet("ladder", set), { source }));
 /** Modes of p and sets; only the head if the server lists none. */
 export const choices = (set = "") =>
-  once(`modes ${set}`, () => json(inSet("modes", set)).catch(() => ({ modes: ["moved"], sets: [], twins: false })));
+  once(`modes ${set}`, () => json(inSet("modes", set)).catch(() => ({ modes: [OWN_MODE], sets: [], twins: false })));
 
 /** Frames of another mode than the head's; `own` are the head's frames, of the same pairs. */
 export const framesOf = (mode, own, set = "") =>

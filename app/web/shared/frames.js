@@ -3,6 +3,7 @@
 import { address, get, inSet, Refusal } from "./api.js";
 import { awaited } from "./ready.js";
 import { featuresOf } from "./stages.js";
+import { has, OWN_MODE } from "./tables.js";
 import { isSignals, NO_CLASS } from "./text.js";
 
 const MAGIC = "OVFRAMES";
@@ -27,13 +28,13 @@ export class Frames {
     this.coarse = false; // whether finer frames will follow
     this.by = ""; // what predicts, in words, if it is not the loaded head
     this.still = false; // whether it predicts the same at every p
+    this.columns = {}; // of the table of the pairs, once known
     this.extents = new Map(); // array of a map -> the boxes around its VIS and its TAC points at all stops
   }
 
-  /** "moved": one head whose p moves. "retrained": a head for each stop. "every": one head for every p.
-   * "features": no head. */
+  /** The mode of p, as `tables.js` has it; "features" without a head. */
   get kind() {
-    return this.meta.head?.kind ?? "moved";
+    return this.meta.head?.kind ?? OWN_MODE;
   }
 
   /** True if no head fits the set: there are features, and no predictions. */
@@ -53,7 +54,7 @@ export class Frames {
 
   /** [low, high]: the orders that a head of fixed weights was trained for; null if they are not known. */
   get fits() {
-    return this.kind === "moved" ? (this.meta.head?.fits ?? null) : null;
+    return has(this, "what-if") ? (this.meta.head?.fits ?? null) : null;
   }
 
   /** The head's source domain; "" if unknown. */

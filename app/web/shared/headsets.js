@@ -2,6 +2,7 @@
 
 import { ask, json, once } from "./api.js";
 import { fetchFrames, whenFine } from "./frames.js";
+import { TABLES } from "./tables.js";
 
 const METHOD = "method:";
 const finest = new Map(); // head -> its finer frames, once they are there
@@ -13,7 +14,9 @@ export const headLabel = (one) =>
   `${one.name || one.folder}${one.problem ? "" : ` · ${one.source} · ${one.mffa ? one.generation : "no MFFA"}`}`;
 /** The methods that can be fitted: on the pairs of the head's source, by their classes. */
 export const methodsFor = ({ source, domains, labelled }) =>
-  labelled !== false && domains.includes(source) ? [[`${METHOD}nearest_mean`, "nearest class mean"]] : [];
+  labelled !== false && domains.includes(source)
+    ? TABLES.methods.map(({ id, title }) => [`${METHOD}${id}`, title])
+    : [];
 export const isMethod = (name) => name.startsWith(METHOD);
 
 /** The frames of `name`; "" is the first head, whose frames are loaded.

@@ -1,36 +1,15 @@
 /** The measures in the frames: gaps, margin and accuracy of each stage at every stop. */
 
 import { featuresOf } from "./stages.js";
+import { has, TABLES } from "./tables.js";
 
-export const MEASURES = [
-  {
-    name: "modality_gap",
-    title: "Modality gap",
-    between: "photo to touch",
-    help: "distance between the mean directions of VIS and TAC; dashed: the raw embedding",
-    good: "lower",
-  },
-  {
-    name: "domain_gap",
-    title: "Domain gap",
-    between: "domain to domain",
-    help: "mean distance between the mean directions of two domains; dashed: the raw embedding",
-    good: "lower",
-  },
-  {
-    name: "accuracy",
-    title: "Accuracy",
-    help: "share of pairs that the whole head predicts correctly in unseen domains; dashed: chance",
-    good: "higher",
-  },
-  {
-    name: "margin",
-    title: "Cosine margin",
-    between: "class to class",
-    help: "mean cosine within classes minus between classes; dashed: the raw embedding",
-    good: "higher",
-  },
-];
+export const MEASURES = TABLES.measures.map(({ id, ...more }) => ({ name: id, ...more }));
+
+/** The gaps and margins that frames have of some step: all measures of features. */
+export const gapsOf = (frames) => {
+  const names = new Set(Object.keys(frames.meta.curves).map((key) => key.split("/")[0]));
+  return MEASURES.filter(({ name }) => name !== "accuracy" && names.has(name));
+};
 
 const series = (frames, name) => frames.meta.curves[name] ?? null;
 const isSource = (frames, domain) => domain === frames.meta.head?.source;
@@ -39,9 +18,9 @@ const isSource = (frames, domain) => domain === frames.meta.head?.source;
 const trainedAccuracy = (frames, domain) =>
   `seeds:accuracy/${!domain ? "unseen" : isSource(frames, domain) ? "source_test" : domain}`;
 
-/** Accuracy excludes training pairs; the source has one only if heads were retrained. */
+/** Accuracy excludes training pairs; the source has one only if each stop has a head. */
 function accuracy(frames, domain) {
-  if (frames.kind === "retrained") return series(frames, `${trainedAccuracy(frames, domain)}/mean`);
+  if (has(frames, "heads")) return series(frames, `${trainedAccuracy(frames, domain)}/mean`);
   if (!domain) return series(frames, "accuracy/unseen");
   return isSource(frames, domain) ? null : series(frames, `accuracy/${domain}`);
 }
@@ -54,7 +33,7 @@ export function values(frames, name, stage, domain = "") {
 
 /** Minimum and maximum over trainings: {low, high}, or null for a single training. */
 export function spread(frames, name, stage, domain = "") {
-  if (frames.kind !== "retrained") return null;
+  if (!has(frames, "heads")) return null;
   const stem = name === "accuracy" ? trainedAccuracy(frames, domain) : `seeds:${name}/${featuresOf(stage)}`;
   const [low, high] = ["low", "high"].map((end) => series(frames, `${stem}/${end}`));
   return low && high && !(name !== "accuracy" && domain) ? { low, high } : null;

@@ -1,6 +1,8 @@
 /** Colours and shapes. Domains use the hues of Okabe and Ito, classes those of Tol's bright
  * scheme. Both are safe for colour-blind readers, and they differ from each other. */
 
+import { has, TABLES } from "./tables.js";
+
 const OKABE_ITO = ["#e69f00", "#56b4e9", "#009e73", "#d55e00", "#0072b2", "#cc79a7", "#f0e442", "#8c8c8c"];
 const TOL_BRIGHT = ["#4477aa", "#ee6677", "#228833", "#ccbb44", "#aa3377", "#66ccee", "#bbbbbb", "#332288"];
 const CIVIDIS = ["#00224e", "#27406f", "#575d6d", "#7d7c78", "#a59c74", "#d2c060", "#fee838"];
@@ -18,20 +20,10 @@ export function onTheme(action) {
 export const domainColour = (index) => OKABE_ITO[index % OKABE_ITO.length];
 export const classColour = (index) => TOL_BRIGHT[index % TOL_BRIGHT.length];
 
-/** Colourings of points: each has names, colours, and the group of a point. */
-export const COLOURINGS = {
-  domain: {
-    label: "Domain",
-    groups: (f) => f.domains.map((name, i) => [name, domainColour(i)]),
-    of: (f) => (pair) => f.domain[pair],
-  },
-  class: {
-    label: "Class",
-    groups: (f) => f.classes.map((name, i) => [name, classColour(i)]),
-    of: (f) => (pair) => f.label[pair],
-  },
+const KNOWN = {
+  domain: { groups: (f) => f.domains.map((name, i) => [name, domainColour(i)]), of: (f) => (pair) => f.domain[pair] },
+  class: { groups: (f) => f.classes.map((name, i) => [name, classColour(i)]), of: (f) => (pair) => f.label[pair] },
   modality: {
-    label: "Modality",
     groups: () => [
       ["VIS", VIS_COLOUR],
       ["TAC", TAC_COLOUR],
@@ -39,7 +31,6 @@ export const COLOURINGS = {
     of: () => (_, tac) => (tac ? 1 : 0),
   },
   correctness: {
-    label: "Correctness",
     groups: () => [
       ["right", "#009e73"],
       ["wrong", "#d55e00"],
@@ -50,7 +41,6 @@ export const COLOURINGS = {
     },
   },
   confidence: {
-    label: "Confidence",
     groups: (f) => {
       const low = 1 / f.classes.length;
       const step = (1 - low) / CIVIDIS.length;
@@ -68,19 +58,39 @@ export const COLOURINGS = {
   },
 };
 
+/** A colour for each value of a column of the pairs, as the table of the set has it. */
+const byColumn = (column) => ({
+  groups: ({ columns }) => valuesOf(columns[column]).map((name, i) => [name || "none", classColour(i)]),
+  of: ({ columns }) => {
+    const names = valuesOf(columns[column]);
+    return (pair) => names.indexOf(columns[column][pair]);
+  },
+});
+const valuesOf = (all) => [...new Set(all)].sort();
+
+/** Colourings of points: each has a label, names, colours, and the group of a point. */
+export const COLOURINGS = Object.fromEntries(
+  TABLES.colours.map(({ id, title, ...row }) => [
+    id,
+    { label: title, ...row, ...(row.column ? byColumn(row.column) : KNOWN[id]) },
+  ]),
+);
+
 const differ = (all) => !all || all.some((one) => one !== all[0]);
 
-/** The colourings of frames. A confidence needs a temperature, which heads trained at each p do not have; domains
- * and classes need two of them, correctness a head and classes. */
-export function colouringsOf({ kind, domain, label, labelled = true }) {
-  const there = {
-    domain: differ(domain),
-    class: differ(label),
-    correctness: kind !== "features" && labelled,
-    confidence: kind === "moved",
-  };
-  return Object.entries(COLOURINGS).filter(([key]) => there[key] !== false);
-}
+/** Whether frames have what a colouring needs: values that differ, a head and classes, a calibrated confidence. */
+const fits = (frames, key, { needs = [], column }) =>
+  (!column || differ(frames.columns?.[column] ?? [])) &&
+  (!["domain", "label"].includes(KEYS[key]) || differ(frames[KEYS[key]])) &&
+  needs.every(
+    (one) =>
+      ({ head: !frames.headless && frames.kind !== "features", classes: frames.labelled !== false })[one] ??
+      has(frames, one),
+  );
+const KEYS = { domain: "domain", class: "label" };
+
+/** The colourings that frames have. */
+export const colouringsOf = (frames) => Object.entries(COLOURINGS).filter(([key, row]) => fits(frames, key, row));
 
 /** The colouring called `key`, or that of classes if the frames lack it, or the first. */
 export function colouring(frames, key) {

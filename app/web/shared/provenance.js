@@ -1,6 +1,7 @@
 /** Where an accuracy comes from, in one line: which head, learned from what, over which pairs, what was known. */
 
 import { orderText } from "./frames.js";
+import { has, modeOf, worded } from "./tables.js";
 import { escaped } from "./text.js";
 
 /** @param {{head: string, source: string, pairs: string, known?: string}} from */
@@ -8,16 +9,15 @@ export const provenance = ({ head, source, pairs, known = "nothing" }) =>
   `<p class="provenance">By ${escaped(head)}, from ${escaped(source)}; ${escaped(pairs)}; known: ${escaped(known)}.</p>`;
 
 /** Who predicts in frames at one stop, in words. */
-function predictor({ kind, by, still, orders, learned, meta: { head } }, stop) {
+function predictor(frames, stop) {
+  const { by, still, orders, learned, meta } = frames;
+  const { seeds = [], width } = meta.head ?? {};
   if (still) return by;
-  const { seeds = [], width } = head ?? {};
+  const { who, many = who, away = who } = modeOf(frames);
+  const row = seeds.length > 1 ? many : Math.abs(orders[stop] - learned) < 5e-4 ? who : away;
   const p = `p\u00a0=\u00a0${orderText(orders[stop])}`;
-  const who = {
-    retrained: `${seeds.length > 1 ? `${seeds.length} heads` : "a head"} trained at ${p}`,
-    every: `one head for every p, at ${p}`,
-    moved: `${by || "the loaded head"}${Math.abs(orders[stop] - learned) < 5e-4 ? ` at its learned ${p}` : `, moved to ${p}`}`,
-  }[kind];
-  return width ? `${who} (D\u00a0=\u00a0${width})` : who;
+  const words = worded(row, { p, n: seeds.length, head: by || "the loaded head" });
+  return width ? `${words} (D\u00a0=\u00a0${width})` : words;
 }
 
 /** How many domains of a set with pairs its head has not learned from. */

@@ -3,6 +3,7 @@
 import { COLOURINGS } from "./palette.js";
 import { afterwards } from "./ready.js";
 import { STAGES } from "./stages.js";
+import { OWN_MODE, TABLES } from "./tables.js";
 
 /** The tabs from the server; a saved page has Explore only. */
 const VIEWS = document.querySelector("meta[name=omnivat-views]")?.getAttribute("content")?.split(" ") ?? ["explore"];
@@ -50,7 +51,7 @@ export const CHAPTERS = {
   touch: { reading: "tac" },
   where: { map: "pca" },
   order: { map: "pca", colour: "class" },
-  fooled: { mode: "moved", colour: "correctness" },
+  fooled: { mode: OWN_MODE, colour: "correctness" },
   analyse: {},
 };
 const RENAMED = { failure: "where" }; // chapters of earlier links
@@ -63,7 +64,7 @@ const KEYS = STAGES.map((stage) => stage.key);
 const CHOICES = {
   // allowed values in the address; all others are ignored
   view: VIEWS,
-  mode: ["", "trained", "moved", "every"],
+  mode: ["", ...TABLES.modes.map(({ id }) => id)],
   reading: ["fused", "vis", "tac"],
   alike: ["", "1"],
   dots: ["", "1"],

@@ -5,6 +5,7 @@ import { fit, loaded } from "../shared/facts.js";
 import { remedyHtml } from "../shared/headless.js";
 import { provenance } from "../shared/provenance.js";
 import { made, save } from "../shared/save.js";
+import { OWN_MODE } from "../shared/tables.js";
 import { define } from "../shared/terms.js";
 import { escaped, row, table } from "../shared/text.js";
 import { onClick, tell, View } from "../shared/view.js";
@@ -223,7 +224,7 @@ class TrainTab extends View {
     const address = new URL(location.href);
     address.search = "";
     address.searchParams.set("set", this.run.state.set);
-    address.searchParams.set("mode", "moved"); // its own frames; the other modes are other heads
+    address.searchParams.set("mode", OWN_MODE); // its own frames; the other modes are other heads
     location.assign(address);
   }
 

@@ -32,7 +32,7 @@ def said(number):
 
 
 def trained(folder):
-    header = frames_header(folder / "trained.bin")
+    header = frames_header(folder / "retrained.bin")
     return np.array(header["orders"]), np.array(header["curves"]["seeds:accuracy/unseen/mean"])
 
 

@@ -107,16 +107,16 @@ def test_the_command_writes_frames_and_takes_the_heads_own_settings(plan, tmp_pa
     save_embeddings(tmp_path / "set.safetensors", plan.embeddings)
     save_head(tmp_path / "head", trained_head(plan, calibrate=False))
     files = ["--head", str(tmp_path / "head"), "--embeddings", str(tmp_path / "set.safetensors")]
-    command = ["sweep", *files, "--out", str(tmp_path / "trained.bin")]
-    more = ["--retrain", "2", "--seeds", "0", "--jobs", "1", "--set", "epochs=1"]
+    command = ["sweep", *files, "--out", str(tmp_path / "retrained.bin")]
+    more = ["--retrained", "2", "--seeds", "0", "--jobs", "1", "--set", "epochs=1"]
     assert main([*command, *more, "--keep", str(tmp_path / "heads")]) == 0
-    frames = read_frames(tmp_path / "trained.bin")
+    frames = read_frames(tmp_path / "retrained.bin")
     assert frames.orders == (0.0, 1.0) and frames.head["epochs"] == 1
     assert load_head(stop_folder(tmp_path / "heads", 1.0, 0)).settings.width == 16
     assert frames.curves["seeds:accuracy/unseen/std"] == [None, None]
     assert main([*command, *more]) == 0
-    assert not (tmp_path / "trained.bin.heads").exists()
+    assert not (tmp_path / "retrained.bin.heads").exists()
     assert main([*command, "--seeds", "0"]) == 1
-    assert "--seeds applies to --retrain N only" in capsys.readouterr().err
-    assert main([*command, "--retrain", "3", "--stops", "4"]) == 1
+    assert "--seeds applies to --retrained N only" in capsys.readouterr().err
+    assert main([*command, "--retrained", "3", "--stops", "4"]) == 1
     assert "leave out --stops and --orders" in capsys.readouterr().err

@@ -1,0 +1,34 @@
+"""What the page offers, as rows: modes of p, measures, steps, colours, methods, rungs.
+
+Each row has an id, a title and what it can do; scripts ask for the ability, never for a name.
+`app/web/shared/tables.json` has them; a gap of `omnivat.measure.gaps` is a measure, too.
+"""
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from omnivat.measure.gaps import GAPS, NAMES
+
+Row = dict[str, Any]
+FILE = Path(__file__).parent / "web" / "shared" / "tables.json"
+
+
+@cache
+def tables() -> dict[str, list[Row]]:
+    """Return the rows by kind: "modes", "measures", "stages", "colours", "methods", "rungs"."""
+    rows: dict[str, list[Row]] = json.loads(FILE.read_bytes())
+    return rows
+
+
+def tables_html() -> str:
+    """Return the rows as an element that the page's scripts read."""
+    gaps = [
+        {"id": name, "title": NAMES.get(name, name), "between": "domain to domain"}
+        | {"help": "mean over pairs of domains and both modalities; dashed: the raw embedding"}
+        for name in GAPS
+    ]
+    rows = tables() | {"measures": [*tables()["measures"], *gaps]}
+    text = json.dumps(rows, ensure_ascii=False).replace("<", "\\u003c")  # no tag ends the element
+    return f'<script type="application/json" id="omnivat-tables">{text}</script>'
