@@ -89,16 +89,23 @@ class Server:
             probe.bind((host, 0))
             self.port = probe.getsockname()[1]
         self.address = f"http://{host}:{self.port}/"
-        self.folder, self.more = folder, more
+        self.folder, self.more, self.script = folder, more, ROOT / "app.py"
         self.process: subprocess.Popen[bytes] | None = None
 
     def start(self) -> None:
         """Start and wait until the page answers."""
         with (self.folder / "log").open("a") as log:
             self.process = subprocess.Popen(
-                [sys.executable, "app.py", "--no-browser", "--port", str(self.port), *self.more],
+                [
+                    sys.executable,
+                    str(self.script),
+                    "--no-browser",
+                    "--port",
+                    str(self.port),
+                    *self.more,
+                ],
                 cwd=ROOT,
-                env=os.environ | {"XDG_CACHE_HOME": str(self.folder)},
+                env=os.environ | {"XDG_CACHE_HOME": str(self.folder), "PYTHONPATH": str(ROOT)},
                 stdout=log,
                 stderr=subprocess.STDOUT,
             )

@@ -1,7 +1,7 @@
 /** Where an accuracy comes from, in one line: which head, learned from what, over which pairs, what was known. */
 
 import { orderText } from "./frames.js";
-import { has, modeOf, worded } from "./tables.js";
+import { modeOf, worded } from "./tables.js";
 import { escaped } from "./text.js";
 
 /** @param {{head: string, source: string, pairs: string, known?: string}} from */

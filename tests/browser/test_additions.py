@@ -1,0 +1,107 @@
+"""Additions of docs/extend.md, made in a temporary plug-in, are found on the screen."""
+
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from omnivat.head.heads import EXAMPLES
+from omnivat.maps.frames import read_frames, write_frames
+
+from .conftest import ROOT, Server, watched
+from .gestures import pixels, settle, texture
+
+pytestmark = pytest.mark.browser
+PAGE = (ROOT / "docs" / "extend.md").read_text(encoding="utf-8")
+PLUG_IN = """
+import json, sys
+from pathlib import Path
+from app.server import main
+from app.tables import tables
+from omnivat.measure.gaps import GAPS, NAMES
+
+folder = Path(__file__).parent
+for kind, row in json.loads((folder / "rows.json").read_text()).items():
+    tables()[kind].append(row)
+GAPS["medians"], NAMES["medians"] = "medians:median_gap", "distance of medians"
+raise SystemExit(main())
+"""
+
+
+def row(kind: str) -> dict[str, Any]:
+    """Return the row that the page of additions shows for a kind of table."""
+    found = re.search(rf"row in `{kind}`.*?```json\n(.*?)```", PAGE, re.DOTALL)
+    assert found, f"docs/extend.md shows no row of {kind}"
+    return dict(json.loads(found[1]))
+
+
+@pytest.fixture(scope="module")
+def rows(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, dict[str, Any]]]:
+    """Return the folder of the plug-in, and its rows: a mode with its frames, a colour, a rung."""
+    folder = tmp_path_factory.mktemp("plug_in")
+    made = {kind: row(kind) for kind in ("modes", "colours", "rungs")}
+    frames = read_frames(EXAMPLES / "retrained.bin")
+    curves = {**frames.curves, "medians/f_hat": [0.25] * len(frames.orders)}
+    head = {**frames.head, "kind": made["modes"]["id"], "seeds": []}
+    made["modes"]["file"] = str(folder / made["modes"]["file"])
+    write_frames(made["modes"]["file"], replace(frames, head=head, curves=curves))
+    (folder / "rows.json").write_text(json.dumps(made), encoding="utf-8")
+    (folder / "plug_in.py").write_text(PLUG_IN, encoding="utf-8")
+    return folder, made
+
+
+@pytest.fixture(scope="module")
+def page(chromium: Any, rows: tuple[Path, dict[str, dict[str, Any]]]) -> Iterator[Any]:
+    """Return the page of a server with the plug-in."""
+    folder, _ = rows
+    problems: list[str] = []
+    server = Server(folder)
+    server.script = folder / "plug_in.py"
+    page = watched(chromium.new_page(), server.address, problems)
+    try:
+        server.start()
+        page.goto(server.address + "?chapter=analyse", wait_until="commit")
+        page.wait_for_selector(".explore .score .provenance")
+        settle(page)
+        yield page
+    finally:
+        page.close()
+        server.stop()
+    assert problems == []
+
+
+def test_a_mode_and_a_gap_of_its_frames_are_on_the_screen(
+    page: Any, rows: tuple[Path, dict[str, dict[str, Any]]]
+) -> None:
+    mode = rows[1]["modes"]
+    page.click(f".explore .modes button:has-text('{mode['title']}')")
+    page.wait_for_selector(f".explore[data-kind='{mode['id']}']")
+    line = page.locator(".explore .score .provenance").inner_text()
+    assert line.startswith("By " + mode["who"].partition("{")[0].strip())
+    page.select_option(".explore .of-steps", label="distance of medians")
+    stair = page.locator(".explore .stair[data-name=medians] output.open")
+    assert stair.inner_text() == "0.25"
+
+
+def test_a_colour_of_a_column_paints_the_map_and_names_its_values(
+    page: Any, rows: tuple[Path, dict[str, dict[str, Any]]]
+) -> None:
+    before = pixels(page)
+    page.select_option(".explore .colouring", label=rows[1]["colours"]["title"])
+    settle(page)
+    assert pixels(page) != before
+
+
+def test_a_rung_is_named_with_its_gain_in_the_line_of_own_pictures(
+    page: Any, rows: tuple[Path, dict[str, dict[str, Any]]]
+) -> None:
+    page.evaluate("document.getElementById('view-pair-button').click()")
+    page.wait_for_selector(".pair .slots input[type=file]", state="attached")
+    page.set_input_files(".pair .slots input[type=file] >> nth=0", texture(1))
+    gain = page.locator(f".pair .line:has-text('{rows[1]['rungs']['title']} bring')")
+    gain.wait_for()
+    assert re.search(r"bring -?\d+\.\d points", gain.inner_text())
