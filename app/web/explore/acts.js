@@ -5,7 +5,7 @@ import { thumbnail } from "../shared/card.js";
 import { featuresOf } from "../shared/stages.js";
 import { change, state } from "../shared/store.js";
 import { has } from "../shared/tables.js";
-import { each } from "../shared/text.js";
+import { each, escaped } from "../shared/text.js";
 import { onClick } from "../shared/view.js";
 
 export class Acts {
@@ -132,7 +132,8 @@ export function showNeighbours(box, found, { frames, sprite }, onPick) {
   box.innerHTML = each(found, ({ point, cosine }) => {
     const tac = point >= frames.pairs;
     const own = point % frames.pairs;
-    const name = `${tac ? "TAC" : "VIS"} of pair ${own}, ${frames.classes[frames.label[own]]}, ${frames.domains[frames.domain[own]]}, cosine ${cosine.toFixed(3)}`;
+    const of = escaped(`${frames.classes[frames.label[own]]}, ${frames.domains[frames.domain[own]]}`);
+    const name = `${tac ? "TAC" : "VIS"} of pair ${own}, ${of}, cosine ${cosine.toFixed(3)}`;
     return `<button type="button" data-point="${point}" title="${name}" aria-label="${name}">${thumbnail(sprite, point, 48, tac ? "TAC" : "VIS")}<small>${tac ? "TAC" : "VIS"} ${cosine.toFixed(2)}</small></button>`;
   });
   onClick(box, { "[data-point]": ({ dataset }) => onPick(+dataset.point) });

@@ -1,7 +1,7 @@
 /** The line from dropped pictures to saved results: where the visitor is, and what one more step brings. */
 
 import { TABLES } from "../shared/tables.js";
-import { each, percent } from "../shared/text.js";
+import { each, escaped, percent } from "../shared/text.js";
 import { missing } from "./tally.js";
 
 const STEPS = ["Drop", "See", "Label", "Teach", "Use", "Save"];
@@ -34,4 +34,4 @@ export function nextStep(at, { pairs, report, counts }, rungs) {
 }
 
 export const lineHtml = (at, words) =>
-  `<ol>${each(STEPS, (name, i) => `<li${i === at ? ' aria-current="step"' : ""}>${i < at ? "✓ " : ""}${name}</li>`)}</ol><p>${words}</p>`;
+  `<ol>${each(STEPS, (name, i) => `<li${i === at ? ' aria-current="step"' : ""}>${i < at ? "✓ " : ""}${name}</li>`)}</ol><p>${escaped(words)}</p>`;

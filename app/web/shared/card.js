@@ -4,7 +4,8 @@ import { has } from "./tables.js";
 import { escaped } from "./text.js";
 
 /** A thumbnail from the sheet: VIS of pair i is tile i, TAC is tile N + i. */
-export function thumbnail(sprite, tile, side, label) {
+export function thumbnail(sprite, tile, side, words) {
+  const label = escaped(words);
   if (!sprite) return `<span class="thumb none" role="img" aria-label="${label}">${label}</span>`;
   const scale = side / sprite.tile;
   const column = tile % sprite.columns;

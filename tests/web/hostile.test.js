@@ -1,0 +1,36 @@
+/** Names from files and from visitors never become tags. */
+
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { frames } from "./browser.js";
+
+const { card } = await import("../../app/web/shared/card.js");
+const { showNeighbours } = await import("../../app/web/explore/acts.js");
+const { familiarHtml } = await import("../../app/web/pair/verdict.js");
+const { lineHtml, nextStep } = await import("../../app/web/pair/steps.js");
+const { headOf, whence } = await import("../../app/web/explore/chapters.js");
+const { modeWords } = await import("../../app/web/explore/modes.js");
+
+const NAME = `"'><img src=x onerror=alert(1)>`;
+const set = {
+  ...frames({ head: { kind: "retrained", source: NAME }, curves: { "accuracy/unseen": [1, 1, 1] } }),
+  ...{ classes: [NAME, NAME], domains: [NAME, NAME], prediction: [0, 0], confidence: [9, 9] },
+};
+const sprite = { tile: 8, columns: 2, count: 4, url: "x.webp" };
+const clean = (html) => assert.ok(html && !/<img|"'>/.test(html), html);
+
+test("classes and domains of a set stay text in cards, neighbours, familiarity and words", () => {
+  const box = { innerHTML: "" };
+  showNeighbours(box, [{ point: 1, cosine: 0.5 }], { frames: set, sprite }, () => {});
+  clean(box.innerHTML);
+  clean(card(set, sprite, 0, 0, true, 0, { name: [NAME], looks_like: [NAME], feels_like: [NAME] }));
+  const image = { words: "familiar", quantile: 0.5, cosine: 0.5, nearest: [{ pair: 0, cosine: 0.5 }] };
+  clean(familiarHtml({ images: { vis: image }, of: NAME }, { frames: set, sprite }));
+  clean(`${headOf(set, 0)} ${whence(set, 0)}`);
+  clean(modeWords(set));
+});
+
+test("a visitor's label stays text in the line of the own pictures", () => {
+  const pairs = [{ vis: "image:1", label: NAME }];
+  clean(lineHtml(2, nextStep(2, { pairs, report: null, counts: null }, [])));
+});
