@@ -16,6 +16,7 @@ from safetensors.numpy import save_file
 
 from omnivat.data import store
 from omnivat.data.arrays import Column, column, read_arrays, write_arrays
+from omnivat.data.profile import load_profile, profile_of, save_profile
 from omnivat.data.store import Embeddings, load_embeddings, save_embeddings
 from omnivat.kit.errors import DataError, SettingsError
 
@@ -170,6 +171,24 @@ def test_arrays_that_do_not_fit_are_refused(
     rewritten(file, **changes)
     with pytest.raises(DataError, match=match):
         load_embeddings(file)
+
+
+@pytest.mark.parametrize("power", range(-45, 39, 3))
+def test_a_set_and_its_profile_are_refused_or_can_be_read_again_whatever_their_size(
+    embeddings: Embeddings, tmp_path: Path, power: int
+) -> None:
+    with np.errstate(over="ignore", under="ignore"):
+        vis = (embeddings.vis * np.float64(10.0) ** power).astype(np.float32)
+    scaled = replace(embeddings, vis=vis)
+    if not -6 <= power <= 6:
+        with pytest.raises(DataError, match="scale all rows|at most"):
+            save_embeddings(tmp_path / "set.safetensors", scaled)
+        assert not (tmp_path / "set.safetensors").exists()
+        return
+    save_embeddings(tmp_path / "set.safetensors", scaled)
+    found = load_embeddings(tmp_path / "set.safetensors")
+    save_profile(tmp_path / "profile.safetensors", profile_of(found))
+    assert load_profile(tmp_path / "profile.safetensors").counts["vis"] == len(found)
 
 
 def test_names_whose_table_of_counts_would_fill_the_memory_are_refused(
