@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.pair_input import embedded, refs_from
 from app.resources import Resources, state_of
-from app.state import Ref, order_from
+from app.state import order_from
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -20,8 +20,8 @@ def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
     question  {"vis", "tac": references, "order": p, "stage": …, "map": "pca" or "umap"}
     return    `points` by modality, each [x, y] in map units; `order` of the map's stop;
-              `exact`: true if the map is linear, so the position is not an estimate; `of_set`:
-              true if the pair belongs to the set and has its place on the map
+              `exact`: true if the position is not an estimate: the pair is on the map, or the map
+              is linear
 
     Raises DataError if there is no such map.
     """
@@ -32,23 +32,20 @@ def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
     stage, order, flat = _drawn(resources, question)
     refs = refs_from(question)
-    own = _features(resources, refs, stage, order, question)
-    queries = torch.cat(list(own.values()))
-    rows = torch.from_numpy(kept_features(resources, stage, order))
-    found = placed(unit(queries), rows, torch.from_numpy(flat))
-    points = dict(zip(own, found.places.tolist(), strict=True))
+    pair = embedded(resources, refs, question)
     half = len(flat) // 2
-    of_set = {
+    points = {
         name: flat[int(ref.name) + (half if name == "tac" else 0)].tolist()
         for name, ref in refs.items()
-        if ref is not None and ref.kind == "row" and name in points
+        if ref is not None and ref.kind == "row"
     }
-    return {
-        "points": {**points, **of_set},
-        "order": order,
-        "exact": found.exact,
-        "of_set": of_set.keys() == points.keys(),
-    }
+    if points.keys() == {name for name, rows in pair.items() if rows is not None}:
+        return {"points": points, "order": order, "exact": True}  # no features are needed
+    own = _features(resources, pair, stage, order)
+    rows = torch.from_numpy(kept_features(resources, stage, order))
+    found = placed(unit(torch.cat(list(own.values()))), rows, torch.from_numpy(flat))
+    points = dict(zip(own, found.places.tolist(), strict=True)) | points
+    return {"points": points, "order": order, "exact": found.exact}
 
 
 def _drawn(resources: Resources, question: Mapping[str, Any]) -> "tuple[str, float, Array]":
@@ -72,18 +69,13 @@ def _drawn(resources: Resources, question: Mapping[str, Any]) -> "tuple[str, flo
 
 
 def _features(
-    resources: Resources,
-    refs: Mapping[str, Ref | None],
-    stage: str,
-    order: float,
-    question: Mapping[str, Any],
+    resources: Resources, pair: "Mapping[str, Tensor | None]", stage: str, order: float
 ) -> "dict[str, Tensor]":
     """Return the pair's rows (1, W) at the map's stage by modality."""
     import torch
 
     from omnivat.maps.sweep.walk import stage_features
 
-    pair = embedded(resources, refs, question)
     with torch.inference_mode():
         out = resources.head().model(pair["vis"], pair["tac"], order=order)
         given = {name: rows for name, rows in pair.items() if rows is not None}

@@ -31,6 +31,14 @@ def test_a_pair_of_the_set_is_placed_where_the_map_has_it(with_frames):
     np.testing.assert_allclose(got["points"]["tac"], where[7 + frames.pairs], atol=1e-3)
 
 
+def test_a_picture_with_the_vector_of_a_pair_is_placed_where_the_pair_is(with_frames):
+    with_frames._sent.keep("sent", with_frames.embeddings().vis[7])
+    asked = {"tac": "row:7", "order": 0.5, "stage": "f_hat", "map": "pca"}
+    there, sent = (place(with_frames, {"vis": ref, **asked}) for ref in ("row:7", "image:sent"))
+    assert there["exact"] and sent["exact"]
+    np.testing.assert_allclose(sent["points"]["vis"], there["points"]["vis"], atol=1e-3)
+
+
 def test_a_map_that_is_not_there_is_refused(with_frames):
     with pytest.raises(DataError, match="There is no map 'tsne/f_hat'"):
         place(with_frames, {"vis": "row:1", "stage": "f_hat", "map": "tsne"})

@@ -45,7 +45,7 @@ export function pairMap(panel, frames) {
     asking = new AbortController();
     attempt(async () => {
       placed = await ask("place", { ...pair, order, stage: STAGE, map: kind() }, asking.signal);
-      note.textContent = `Pale: all pairs at p = ${orderText(placed.order)}. ${placed.exact ? "Places are exact." : placed.of_set ? "Its place is the pair’s." : "Places are estimated between the nearest neighbours."} Click a point to choose its pair.`;
+      note.textContent = `Pale: all pairs at p = ${orderText(placed.order)}. ${placed.exact ? "Places are exact." : "Places are estimated between the nearest neighbours."} Click a point to choose its pair.`;
       cloud.paintMarks();
     }, note);
   };

@@ -29,8 +29,8 @@ export async function placed(set, body, ask) {
       return [name, row ? at(+row + (name === "tac" ? frames.pairs : 0)) : between(around, at)];
     }),
   );
-  const of_set = Object.keys(points).every((name) => question[name].startsWith("row:"));
-  return { status, value: { points, order, exact: false, of_set } };
+  const exact = Object.keys(points).every((name) => question[name].startsWith("row:"));
+  return { status, value: { points, order, exact } };
 }
 
 /** The mean of places, weighted by exp(-(d - nearest) / mean excess); a point of the map has its own. */
