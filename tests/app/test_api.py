@@ -239,7 +239,7 @@ def test_the_document_s_clients_run(address, kind, number):
     line = ["bash", "-ec"] if kind == "bash" else [sys.executable, "-c"]
     done = subprocess.run(
         [*line, source.replace("127.0.0.1:7860", address)],
-        cwd=ROOT, env={**os.environ, "PYTHONWARNINGS": "ignore"}, capture_output=True, text=True, timeout=120,
+        cwd=ROOT, env={**os.environ, "PYTHONWARNINGS": "ignore"}, capture_output=True, text=True, timeout=600,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert any(name in done.stdout for name in ("wood", "steel", "plastic", "ceramic", "glass"))

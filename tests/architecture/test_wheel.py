@@ -30,7 +30,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
         else:
             shutil.copy(ROOT / part, source / part)
     build = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "-q"]
-    subprocess.run([*build, "-w", str(folder), str(source)], check=True, timeout=300)
+    subprocess.run([*build, "-w", str(folder), str(source)], check=True, timeout=900)
     with zipfile.ZipFile(next(folder.glob("*.whl"))) as wheel:
         wheel.extractall(folder / "site")
     shutil.rmtree(source)
@@ -42,7 +42,7 @@ def run(site: Path, *arguments: str) -> str:
     environment = os.environ | {"PYTHONPATH": str(site), "OMNIVAT_CACHE": str(site / "cache")}
     done = subprocess.run(
         [sys.executable, *arguments],
-        capture_output=True, text=True, timeout=300, cwd=site.parent, env=environment,
+        capture_output=True, text=True, timeout=900, cwd=site.parent, env=environment,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     return done.stdout

@@ -28,7 +28,7 @@ def test_a_notebook_runs_from_top_to_bottom(name, tmp_path, monkeypatch):
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
     book = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
     nbclient.NotebookClient(
-        book, timeout=500, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}
+        book, timeout=1500, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}
     ).execute()
     shown = [
         output.data["text/html"]

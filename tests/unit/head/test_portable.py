@@ -31,7 +31,7 @@ def head_of(**changes):
     if settings.mffa:
         model.mffa.bank.normal_()
         model.mffa.bank_seen.fill_(True)
-    model.calibration = Calibration(temperature={"fused": 1.3, "vis": 2.9, "tac": 0.7}, share=0.4)
+    model.calibration = Calibration(temperature={"fused": 1.3, "vis": 2.9, "tac": 0.7})
     return Head(model=model, settings=settings, encoder={}, provenance={})
 
 
