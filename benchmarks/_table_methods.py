@@ -31,7 +31,7 @@ Array = NDArray[Any]
 Raw = Mapping[str, Tensor]  # embeddings (N, W) of "vis", "tac" or both
 RECIPE = {"noise": 4.0, "shift": 1.0, "epochs": 120}  # of every head that is trained in batches
 # as their own files train them
-PUBLISHED = ("baseline", "vt_cmc_head", "ldc_icd", "sitr_supcon", "robust_vish")
+PUBLISHED = ("baseline", "vt_cmc_head", "ldc_icd", "sitr_supcon")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -35,8 +35,8 @@ METHODS = {  # row of the README -> method of the records
     "Nearest class mean": "nearest_mean",
     "VT CMC, head alone": "vt_cmc_head",
     "LDC, logit de-confusion alone": "ldc_icd",
+    "The paper's Baseline and PromptStyler row": "baseline",
     "SITR's head, touch alone": "sitr_supcon",
-    "RobustVisH, two branches": "robust_vish",
 }
 RUNGS = ("none", "n5", "n20", "k5")
 Cells = dict[str, dict[str, list[float]]]  # source -> target -> accuracy (%) of each seed

@@ -219,7 +219,7 @@ def main() -> None:
     """Add the missing lines to the records, and pack them where asked to."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--embeddings", type=Path, default=default_embeddings(), help="a set")
-    parser.add_argument("--methods", default=",".join(METHODS), help="of the table")
+    parser.add_argument("--methods", default=",".join((*METHODS, *PUBLISHED)), help="by name")
     parser.add_argument("--seeds", default="0,1,2,3,4", help="of training and drawing")
     parser.add_argument("--out", type=Path, default=Path("build/table.jsonl"), help="the records")
     parser.add_argument("--pack", action="store_true", help=f"write them to {LADDERS.name}, too")

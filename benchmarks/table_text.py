@@ -7,10 +7,18 @@ It also writes the table of gains in docs/new-sensor.md, the first finding of th
 findings of the report. A cell is accuracy in percent: the mean over sources of the mean over
 targets, over seeds. Its 95 % interval draws sources, then the targets of each, then seeds, all with
 replacement (2,000 draws). A difference is paired: both methods have the same source, target and
-seed. Sets are not drawn: there is one.
+seed. The mean of several heads has no seed to draw, and there is one set, so sets are not drawn.
+
+docs/benchmarks/chirps.jsonl.gz is `runs.jsonl` of
+
+    python -m omnivat protocol --embeddings examples/chirps/chirps.safetensors --out DIR \\
+        --methods omnivat,omnivat_p0,linear_maps,erm_mlp,nearest_mean --seeds 0,1,2 \\
+        --set width=64 --set theta_init=signed --set lang=false --set epochs=40 \\
+        --set order_search=true
 """
 
 import argparse
+import json
 import re
 import sys
 from collections import defaultdict
@@ -27,9 +35,12 @@ from omnivat.head.heads import LADDERS
 from omnivat.kit.files import write_text
 from omnivat.kit.lines import lines
 from omnivat.measure.ladder import FORMAT, KNOWN, letters, marks
+from omnivat.study.protocol.records import FORMAT as RUN
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs" / "benchmarks" / "table.md"
+RECORDS = ROOT / "docs" / "benchmarks"
+PAGE = RECORDS / "table.md"
+CHIRPS = RECORDS / "chirps.jsonl.gz"
 MARKS = ("<!-- table -->", "<!-- end of table -->")
 FINDINGS = ("<!-- findings -->", "<!-- end of findings -->")
 RUNGS = {"none": "as it comes", "n5": "5 pictures", "n20": "20 pictures", "k5": "5 labels a class"}
@@ -43,18 +54,18 @@ NAMES = {
     "nearest_mean": "Nearest class mean",
     "vt_cmc_head": "VT CMC, head alone",
     "ldc_icd": "LDC, logit de-confusion alone",
+    "baseline": "The paper's Baseline and PromptStyler row",
     "sitr_supcon": "SITR's head, touch alone",
-    "robust_vish": "RobustVisH, two branches",
 }
 NEEDED = {  # methods of the paper that these sets and this encoder do not give
     "SPG": "CLIP's image and text towers",
     "MMRL": "CLIP's two towers and the pictures",
-    "LDC": "CLIP's image tower and the pictures",
-    "PromptStyler": "a text tower of the image encoder",
+    "LDC whole": "CLIP's image tower and the pictures",
+    "PromptStyler, source-free": "a text tower of the image encoder",
     "CLIP zero-shot": "a text tower of the image encoder",
-    "VT CMC": "an encoder that is pre-trained on touch",
-    "SITR": "its own transformer and calibration presses",
-    "RobustVisH": "a kinaesthetic branch",
+    "VT CMC whole": "an encoder that is pre-trained on touch",
+    "SITR whole": "its own transformer and calibration presses",
+    "RobustVisH": "a kinaesthetic branch, and hours of training a source",
 }
 FEW = (10, 20)  # training pairs of each class
 DRAWS = 2000
@@ -97,7 +108,10 @@ class Record:
 
 
 def interval(cells: Array) -> tuple[float, float, float]:
-    """Return mean and 95 % interval of accuracies (sources, targets, seeds)."""
+    """Return mean and 95 % interval of accuracies (sources, targets, seeds).
+
+    A level of one value, such as the seed of a mean of several heads, is not drawn.
+    """
     random = np.random.default_rng(0)
     mean = float(np.nanmean(np.nanmean(cells, axis=(1, 2))))
     there = np.asarray(~np.isnan(cells).all(axis=2))
@@ -135,7 +149,7 @@ def main_table(record: Record) -> list[str]:
     """Return the table of results: methods by rungs, one head and the mean of several."""
     text = [
         (
-            f"| method | seeds | {' | '.join(RUNGS.values())} | heads averaged, as it comes |"
+            f"| method | seeds | {' | '.join(RUNGS.values())} | all seeds averaged, as it comes |"
             " seconds | numbers |"
         ),
         "| --- | ---: |" + " ---: |" * (len(RUNGS) + 3),
@@ -145,18 +159,107 @@ def main_table(record: Record) -> list[str]:
         row = [NAMES[name]]
         seconds, numbers, seeds = facts(record.runs, name)
         row.append(str(seeds))
-        for cells in tables.values():
-            mean, low, high = interval(cells[name])
-            row.append(f"{mean:.1f} [{low:.1f}, {high:.1f}]")
+        row += [told(cells[name]) for cells in tables.values()]
         several = tables["none"].get(f"{name}_mean")
-        heads = next((r["heads"] for r in record.runs if r["method"] == f"{name}_mean"), 0)
-        row.append(
-            "–"
-            if several is None
-            else f"{np.nanmean(np.nanmean(several, axis=(1, 2))):.1f} ({heads})"
-        )
+        row.append("–" if several is None else told(several))
         text.append(f"| {' | '.join([*row, seconds, numbers])} |")
     return text
+
+
+def told(cells: Array) -> str:
+    """Return accuracy with its interval."""
+    mean, low, high = interval(cells)
+    return f"{mean:.1f} [{low:.1f}, {high:.1f}]"
+
+
+def averaged(record: Record) -> list[str]:
+    """Return the mean of all heads of a method by rung, and what it adds to one head."""
+    text = [
+        f"| mean of all heads | heads | {' | '.join(RUNGS.values())} | less one head, as it comes |",
+        "| --- | ---: |" + " ---: |" * (len(RUNGS) + 1),
+    ]
+    tables = {rung: record.cells(rung) for rung in RUNGS}
+    heads = {r["method"]: r["heads"] for r in record.runs}
+    for name in complete(record):
+        if (several := f"{name}_mean") in heads:
+            one = np.nanmean(tables["none"][name], axis=2, keepdims=True)
+            row = [told(cells[several]) for cells in tables.values()]
+            row.append(less(tables["none"][several], one))
+            text.append(f"| {NAMES[name]} | {heads[several]} | {' | '.join(row)} |")
+    return text
+
+
+def chirps() -> dict[str, Array]:
+    """Return method -> accuracies (sources, targets, seeds) on the shipped chirps."""
+    runs = list(lines(CHIRPS, RUN))
+    names = sorted({run["source"] for run in runs})
+    seeds = sorted({run["seed"] for run in runs})
+    found = {run["method"]: np.full((len(names), len(names), len(seeds)), np.nan) for run in runs}
+    for run in runs:
+        table = found[run["method"]][names.index(run["source"])]
+        for target, scores in run["targets"].items():
+            right = 100 * scores["scores"]["fused"]["accuracy"]
+            table[names.index(target), seeds.index(run["seed"])] = right
+    return found
+
+
+def twins() -> dict[str, Array]:
+    """Return method -> accuracies (sources, 1, 1) on twins: only the sensor changed, touch alone.
+
+    Dots are filled; sources are those that both methods learned.
+    """
+    split = json.loads((RECORDS / "twins.json").read_text(encoding="utf-8"))["split"]
+    by_source = {m: split[m]["filled"]["touch"]["by_source"] for m in ("omnivat", "linear_maps")}
+    shared = [source for source in by_source["omnivat"] if source in by_source["linear_maps"]]
+    return {
+        m: np.array(
+            [of[s]["home"] - of[s]["new_objects"] - of[s]["sensor"] for s in shared], float
+        ).reshape(-1, 1, 1)
+        for m, of in by_source.items()
+    }
+
+
+def real() -> dict[str, Any]:
+    """Return what -> record of the real pairs of VT60."""
+    records = json.loads((RECORDS / "real.json").read_text(encoding="utf-8"))["records"]
+    return {one["what"]: one for one in records if one["part"] == "vt60"}
+
+
+def good_for(record: Record) -> list[str]:
+    """Return where OmniVaT was compared with the linear maps, a row each."""
+    cells = {rung: record.cells(rung) for rung in ("none", "vis", "tac")}
+    none, alike = cells["none"], record.cells("none", alike=True)
+    ours, theirs = "omnivat", "linear_maps"
+    compared = {"chirps, p searched": (chirps()[ours], chirps()[theirs])}
+    compared["chirps, p = 0"] = (chirps()["omnivat_p0"], chirps()[theirs])
+    of_twins = twins()
+    sources = len(of_twins[ours])
+    what = f"twins: only the sensor changed, touch alone, {sources} source{'s' * (sources > 1)}"
+    compared[what] = (of_twins[ours], of_twins[theirs])
+    for count in FEW:
+        compared[f"{count} pairs of each class"] = (
+            none[f"{ours}@{count}"],
+            none[f"{theirs}@{count}"],
+        )
+    compared["all pairs, 36 of each class"] = (none[ours], none[theirs])
+    compared["touch missing"] = (cells["vis"][ours], cells["vis"][theirs])
+    compared["photo missing"] = (cells["tac"][ours], cells["tac"][theirs])
+    compared["look-alikes"] = (alike[ours], alike[theirs])
+    if f"{ours}_mean" in none:
+        compared["all seeds averaged"] = (none[f"{ours}_mean"], none[f"{theirs}_mean"])
+    text = [
+        "| where | OmniVaT | linear maps | OmniVaT minus linear maps |",
+        "| --- | ---: | ---: | ---: |",
+    ]
+    for where, (a, b) in compared.items():
+        means = [f"{interval(x)[0]:.1f}" for x in (a, b)]
+        text.append(f"| {where} | {' | '.join(means)} | {less(a, b)} |")
+    told_real = real()
+    one = told_real["OmniVaT less linear maps"]
+    means = [f"{100 * told_real[name]['value']:.1f}" for name in ("OmniVaT", "linear maps")]
+    ends = [100 * one[key] for key in ("value", "low", "high")]
+    lead = f"{ends[0]:+.1f} [{ends[1]:.1f}, {ends[2]:.1f}]".replace("-", "−")
+    return [*text, f"| real pairs, VT60, objects held out | {' | '.join(means)} | {lead} |"]
 
 
 def not_measured() -> list[str]:
@@ -169,7 +272,7 @@ def not_measured() -> list[str]:
 def leads(record: Record) -> list[str]:
     """Return OmniVaT minus each method that was measured as often, by rung."""
     text = [
-        f"| OmniVaT minus | {' | '.join(RUNGS.values())} | heads averaged |",
+        f"| OmniVaT minus | {' | '.join(RUNGS.values())} | all seeds averaged |",
         "| --- |" + " ---: |" * 5,
     ]
     tables = {rung: record.cells(rung) for rung in RUNGS}
@@ -194,35 +297,16 @@ def less(ours: Array, theirs: Array) -> str:
 
 
 def apart(record: Record) -> list[str]:
-    """Return readings of one image, and look-alikes, as they come."""
+    """Return readings of one image, and look-alikes, as they come, over all seeds."""
     head = [*READINGS.values(), "look-alikes, both", "look-alikes, photo alone"]
     text = [f"| method | {' | '.join(head)} |", "| --- |" + " ---: |" * len(head)]
     tables = [record.cells(rung) for rung in READINGS]
     tables += [record.cells(rung, alike=True) for rung in ("none", "vis")]
     for name in complete(record):
         if all(name in cells for cells in tables):
-            means = [np.nanmean(np.nanmean(cells[name][:, :, :1], axis=(1, 2))) for cells in tables]
+            means = [np.nanmean(np.nanmean(cells[name], axis=(1, 2))) for cells in tables]
             text.append(f"| {NAMES[name]} | {' | '.join(f'{mean:.1f}' for mean in means)} |")
     return text
-
-
-def with_few(record: Record) -> list[str]:
-    """Return accuracy as it comes after learning few pairs of each class; empty without runs."""
-    cells = record.cells("none")
-    names = [n for n in ("linear_maps", "omnivat") if all(f"{n}@{k}" in cells for k in FEW)]
-    if len(names) < 2:
-        return []
-    text = [
-        f"| method | {' | '.join(f'{k} pairs a class' for k in FEW)} |",
-        "| --- |" + " ---: |" * len(FEW),
-    ]
-    for name in names:
-        means = [interval(cells[f"{name}@{k}"]) for k in FEW]
-        row = [f"{mean:.1f} [{low:.1f}, {high:.1f}]" for mean, low, high in means]
-        text.append(f"| {NAMES[name]} | {' | '.join(row)} |")
-    row = [less(cells[f"omnivat@{k}"], cells[f"linear_maps@{k}"]) for k in FEW]
-    text.append(f"| OmniVaT minus the linear maps | {' | '.join(row)} |")
-    return ["Few training pairs of the source, as it comes, first seed:", "", *text, ""]
 
 
 def gains(record: Record) -> list[str]:
@@ -292,21 +376,36 @@ def page(record: Record) -> str:
                 " targets and seeds. Seconds are the"
             ),
             (
-                "median of a training with the choice of its noise, on two cores under a load of"
-                " twenty. Heads averaged: the mean of"
+                "median of a training with the choice of its settings, on cores that were shared by"
+                " twenty processes. All seeds averaged:"
             ),
-            "the probabilities of all seeds.",
+            "the mean of the probabilities of all seeds; it has no seed to draw.",
             "",
             *leads(record),
             "",
+            "## What averaging brings",
+            "",
+            *averaged(record),
+            "",
+            "## What OmniVaT is good for",
+            "",
             (
-                "Readings of one image alone, and the test pairs that look like another class;"
-                " first seed, as it comes:"
+                "As it comes, in percent. Chirps: four sources, three seeds (`omnivat protocol`,"
+                " [record](chirps.jsonl.gz)). Twins: [record](twins.json),"
+            ),
+            "its interval draws sources. Real pairs: [record](real.json), by objects, one seed.",
+            "",
+            *good_for(record),
+            "",
+            "## One image, and look-alikes",
+            "",
+            (
+                "Readings of one image alone, and the test pairs that look like another class, as"
+                " they come:"
             ),
             "",
             *apart(record),
             "",
-            *with_few(record),
         ]
     )
 

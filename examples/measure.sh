@@ -7,7 +7,7 @@ out=${1:-build/measured}
 export OMP_NUM_THREADS=1
 table=(python -m benchmarks.table --out "$out/table.jsonl")
 "${table[@]}" --seeds 0,1,2,3,4
-"${table[@]}" --seeds 0 --methods vt_cmc_head,ldc_icd,sitr_supcon,robust_vish
+"${table[@]}" --seeds 0 --methods linear_maps@10,omnivat@10,linear_maps@20,omnivat@20
 "${table[@]}" --pack
 python -m benchmarks.table_text
 python -m benchmarks.recompute

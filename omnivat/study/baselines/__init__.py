@@ -10,16 +10,11 @@ from typing import NamedTuple
 
 BASELINES = {
     "nearest_mean": "omnivat.study.baselines.nearest_mean:fit",
-    "linear_probe": "omnivat.study.baselines.linear_probe:fit",
-    "linear_probe_concat": "omnivat.study.baselines.linear_probe:fit_concatenated",
-    "linear_probe_sum": "omnivat.study.baselines.linear_probe:fit_sum",
     "linear_maps": "omnivat.study.baselines.linear_maps:fit",
     "erm_mlp": "omnivat.study.baselines.erm_mlp:fit",
     "baseline": "omnivat.study.baselines.baseline:fit",
     "promptstyler": "omnivat.study.baselines.text:fit_promptstyler",
-    "promptstyler_ce": "omnivat.study.baselines.text:fit_promptstyler_ce",
     "zero_shot": "omnivat.study.baselines.text:fit_zero_shot",
-    "zero_shot_styles": "omnivat.study.baselines.text:fit_zero_shot_styles",
     "spg": "omnivat.study.baselines.spg:fit",
     "mmrl": "omnivat.study.baselines.mmrl:fit",
     "sitr_supcon": "omnivat.study.baselines.contrastive:fit_sitr",
@@ -40,9 +35,6 @@ class Label(NamedTuple):
 
 LABELS = {
     "nearest_mean": Label("Nearest class mean"),
-    "linear_probe": Label("Linear probe, late fusion"),
-    "linear_probe_concat": Label("Linear probe, early fusion (concatenation)"),
-    "linear_probe_sum": Label("Linear probe, sum of features"),
     "linear_maps": Label(
         "Linear maps of photo, touch and both",
         "standardised by the source's profile, averaged; training noise chosen on the source",
@@ -58,17 +50,8 @@ LABELS = {
         "exact: stage 2 with ArcFace at the paper's rate of 0.005, which stays; the LANG bank is"
         " stage 1",
     ),
-    "promptstyler_ce": Label(
-        "PromptStyler, cross-entropy",
-        "exact but for the loss, rate (0.05, cosine) and decay, those of a public"
-        " re-implementation",
-        optional=True,
-    ),
     "zero_shot": Label(
         "CLIP zero-shot", 'exact: "a photo of a CLASS.", the model\'s own logit scale'
-    ),
-    "zero_shot_styles": Label(
-        "CLIP zero-shot, mean of styles", "ours: the LANG bank's styles", optional=True
     ),
     "spg": Label(
         "SPG",

@@ -3,14 +3,10 @@
 Zero-shot compares images with texts by cosine (Radford et al., CLIP, 2021).
 
 PromptStyler, source-free: a linear head trained on style texts classifies images. Stage 1, the
-styles, is the LANG bank. Stage 2 is trained here: with ArcFace, at the paper's rate, which stays,
-for the paper states no schedule, decay or clip; or with plain cross-entropy, at the rate and with
-the schedule of a public re-implementation (Dassl's warm-up, cosine and decay). Source: Cho et al.,
-PromptStyler, ICCV 2023; ArcFace: Deng et al., CVPR 2019.
+styles, is the LANG bank. Stage 2 is trained here with ArcFace at the paper's rate, which stays, for
+the paper states no schedule, decay or clip. Source: Cho et al., PromptStyler, ICCV 2023; ArcFace:
+Deng et al., CVPR 2019.
 """
-
-from collections.abc import Callable
-from functools import partial
 
 import torch
 from torch import Tensor, nn
@@ -23,10 +19,7 @@ from omnivat.study.baselines.descent import Descent, descend
 
 LOGIT_SCALE = 100.0  # the limit in CLIP's training, which published models reach
 PAPER = Descent(lr=0.005, epochs=50, batch=128, weight_decay=0.0, cosine=False, clip=0.0)
-PUBLIC = Descent(lr=0.05, epochs=50, batch=128, warmup=0.02, clip=0.0)
 SCALE, MARGIN = 5.0, 0.5  # of ArcFace, as published; the margin in radians
-Logits = Callable[[Tensor, Tensor], Tensor]
-Loss = Callable[[Tensor, Tensor, Tensor], Tensor]
 
 
 def fit_zero_shot(source: Source) -> Fitted:
@@ -38,18 +31,9 @@ def fit_zero_shot(source: Source) -> Fitted:
     if source.plain is None:
         raise DataError(
             "Zero-shot prediction needs the plain prompts, which this LANG bank lacks; make it"
-            " again with `python -m omnivat prompts`, or use zero_shot_styles."
+            " again with `python -m omnivat prompts`."
         )
     return _compared(source.plain, source.logit_scale or LOGIT_SCALE)
-
-
-def fit_zero_shot_styles(source: Source) -> Fitted:
-    """Compare with the mean of each class's texts in all styles; nothing is learned.
-
-    Raises DataError where the texts are not of the image encoder's own text tower.
-    """
-    lang = texts_of_the_image_encoder(source, "Zero-shot prediction")
-    return _compared(normalize(lang, dim=-1).mean(1), source.logit_scale or LOGIT_SCALE)
 
 
 def _compared(texts: Tensor, scale: float) -> Fitted:
@@ -89,8 +73,8 @@ def scaled_cosines(rows: Tensor, weight: Tensor) -> Tensor:
     return SCALE * linear(normalize(rows, dim=-1), normalize(weight, dim=-1))
 
 
-def _fit_head(source: Source, *, logits: Logits, loss: Loss, how: Descent) -> Fitted:
-    """Train a bias-free linear head on the texts; no image of the source is used.
+def fit_promptstyler(source: Source) -> Fitted:
+    """Train a bias-free linear head on the texts with ArcFace; no image of the source is used.
 
     Raises DataError where the texts are not of the image encoder's own text tower.
     """
@@ -99,16 +83,9 @@ def _fit_head(source: Source, *, logits: Logits, loss: Loss, how: Descent) -> Fi
     rows, labels = lang.flatten(0, 1), torch.arange(classes).repeat_interleave(styles)
     with seeded(derive_seed(source.seed, "promptstyler")):
         head = nn.Linear(width, classes, bias=False)
-        descend(head, len(rows), how, lambda some: loss(rows[some], head.weight, labels[some]))
+        descend(head, len(rows), PAPER, lambda some: arcface(rows[some], head.weight, labels[some]))
     weight = head.weight.detach()
-    predict = late(lambda _, images: logits(normalize(images, dim=-1), weight).softmax(-1))
-    return Fitted(predict=predict, parameters=weight.numel())
-
-
-fit_promptstyler = partial(_fit_head, logits=scaled_cosines, loss=arcface, how=PAPER)
-fit_promptstyler_ce = partial(
-    _fit_head,
-    logits=linear,
-    loss=lambda rows, w, labels: cross_entropy(rows @ w.T, labels),
-    how=PUBLIC,
-)
+    return Fitted(
+        predict=late(lambda _, images: scaled_cosines(images, weight).softmax(-1)),
+        parameters=weight.numel(),
+    )

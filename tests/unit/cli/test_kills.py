@@ -48,7 +48,7 @@ COMMANDS = {
     ),
     "embed": ("{pairs} --encoder strip --out {out}/e.safetensors", "e.safetensors", 2),
     "protocol": (
-        "--embeddings {set} --methods linear_probe --seeds 0 --out {out}/records",
+        "--embeddings {set} --methods linear_maps --seeds 0 --out {out}/records",
         "records",
         0,
     ),

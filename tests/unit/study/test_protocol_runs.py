@@ -83,7 +83,7 @@ def test_figures_can_be_recomputed_from_the_predictions_in_the_record(file):
             assert set(target["margins"]) == {"vis", "tac", "pair"}
 
 
-@pytest.mark.parametrize("name", ["omnivat", "dtg_alone", "cosine_head", "linear_probe_sum"])
+@pytest.mark.parametrize("name", ["omnivat", "dtg_alone", "cosine_head", "linear_maps"])
 def test_photo_only_in_a_record_is_the_method_given_the_photo_alone(file, name):
     """Other touches do not change "vis" but change "fused": no branch is used as "alone"."""
     pairs = load_embeddings(file)
@@ -104,7 +104,7 @@ def test_the_first_seed_of_a_baseline_chooses_for_all_seeds_of_a_source(file, tm
     assert first["chosen"] == second["chosen"] and first["targets"] != second["targets"]
 
 
-@pytest.mark.parametrize("name", ["linear_probe", "omnivat", "erm_mlp"])
+@pytest.mark.parametrize("name", ["linear_maps", "omnivat", "erm_mlp"])
 def test_confidence_can_be_recomputed_from_the_odds_in_the_record(file, name):
     (method,) = methods_named([name], QUICK["head"] if name == "omnivat" else {}, {})
     run = Run(method=method, source="TAG", seed=0)
@@ -122,11 +122,11 @@ def test_methods_that_need_no_text_run_where_the_bank_lacks_the_classes(make_emb
     runs_ = [
         Run(method=m, source="A", seed=0)
         for m in methods_named(
-            ["nearest_mean", "linear_probe", "zero_shot", "omnivat"], QUICK["head"], QUICK["train"]
+            ["nearest_mean", "linear_maps", "zero_shot", "omnivat"], QUICK["head"], QUICK["train"]
         )
     ]
     found = {r.method.name: execute(r, pairs, load_bank()) for r in runs_}
-    assert "targets" in found["nearest_mean"] and "targets" in found["linear_probe"]
+    assert "targets" in found["nearest_mean"] and "targets" in found["linear_maps"]
     assert "no text for felt, cork" in found["zero_shot"]["skipped"]
     assert "no text for felt, cork" in found["omnivat"]["skipped"]
     (method,) = methods_named(["omnivat"], QUICK["head"], {"epochs": 1, "lang": False})
@@ -187,8 +187,8 @@ def test_a_method_that_cannot_run_leaves_its_reason(file, tmp_path):
 
 
 def test_an_unknown_method_is_refused_with_the_nearest():
-    with pytest.raises(MissingNameError, match="Did you mean 'linear_probe'"):
-        methods_named(["linear_prob"], {}, {})
+    with pytest.raises(MissingNameError, match="Did you mean 'linear_maps'"):
+        methods_named(["linear_map"], {}, {})
 
 
 def test_a_baseline_takes_no_settings():

@@ -16,9 +16,9 @@ from .made_records import grid
 
 
 def test_the_headline_names_the_best_other_row_whichever_modality_it_uses():
-    found = grid("omnivat", 0.8) + grid("linear_probe", 0.6, reading_shares={"vis": 0.9})
+    found = grid("omnivat", 0.8) + grid("linear_maps", 0.6, reading_shares={"vis": 0.9})
     text = protocol_report(found)
-    assert "OmniVaT 80.0; best of 3 other rows: linear_probe, photo only, 90.0" in text
+    assert "OmniVaT 80.0; best of 3 other rows: linear_maps, photo only, 90.0" in text
     assert "Difference -10.0" in text
 
 

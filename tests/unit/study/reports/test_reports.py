@@ -17,7 +17,7 @@ def records():
     for source, base in (("TAG-sim", 0.5), ("OF Real-sim", 0.6)):
         for seed in (0, 1, 2):
             found.append(record("omnivat", source, seed, [base + 0.1, base + 0.01 * seed]))
-            found.append(record("linear_probe", source, seed, [base, base]))
+            found.append(record("linear_maps", source, seed, [base, base]))
     return found
 
 
