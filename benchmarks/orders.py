@@ -41,9 +41,9 @@ def searched(source: Embeddings, doubt: float, **head: Any) -> dict[str, Any]:
     """Return the record of a search whose ties may be this many standard errors worse."""
     order_search.DOUBT = doubt
     width = source.width
-    classes = tuple(source.header.classes)
-    values = {"classes": classes, "input_width": width, "lang_width": 1, "width": width}
-    settings = HeadSettings(**(values | head))
+    settings = HeadSettings(
+        classes=tuple(source.header.classes), input_width=width, lang_width=1, width=width, **head
+    )
     return order_search.search_order(source, settings, TrainSettings(), seed=0, watch=Watch())
 
 

@@ -24,7 +24,7 @@ RECORDS = ROOT / "examples" / "records"
 TIMES = ROOT / "docs" / "benchmarks"
 ROUNDING = 0.0501  # points
 LUCK = 0.6  # points that other draws of a bootstrap may move a limit
-DRAWS = 3000
+DRAWS = 10_000
 NUMBER = r"[+-]?\d+\.\d"
 METHODS = {  # row of the README -> method of the records
     "Linear maps of photo, touch and both": "linear_maps",
@@ -83,18 +83,26 @@ def table(text: str, head: str) -> dict[str, list[str]]:
 # the table
 
 
-def cells_of(wanted: str) -> dict[str, Cells]:
-    """Return method -> source -> target -> accuracy of each seed on a rung."""
+def cells_of(wanted: str, *, alike: bool = False) -> dict[str, Cells]:
+    """Return method -> source -> target -> accuracy of each seed on a rung; `alike`: of the pairs
+    that look like another class.
+    """
     first, *runs = lines(RECORDS / "ladder.jsonl.gz")
     found: Any = defaultdict(lambda: defaultdict(lambda: defaultdict(list)))
     for run in sorted(runs, key=lambda run: run["seed"]):
         home = first["domains"].index(run["source"])
         known = {c for c, d in zip(first["truth"], first["domain"], strict=True) if d == home}
         right = defaultdict(list)
-        for said, truth, place in zip(
-            run["answers"].get(wanted, ""), first["truth"], first["domain"], strict=False
-        ):
-            if said != "." and truth in known and (place == home) == (wanted == "home"):
+        pairs = zip(
+            run["answers"].get(wanted, ""),
+            first["truth"],
+            first["domain"],
+            first["look_alike"],
+            strict=False,
+        )
+        for said, truth, place, looks in pairs:
+            counted = said != "." and truth in known and (looks == "1" or not alike)
+            if counted and (place == home) == (wanted == "home"):
                 right[place].append(said == truth)
         for place, hits in right.items():
             found[run["method"]][run["source"]][place].append(100 * fmean(hits))
@@ -147,7 +155,7 @@ def check_table(count: Count) -> None:
         count.compare(f"README, {name}, seeds", float(seeds), len(next(iter(own.values()))), 0)
         if several != "–":
             joint = by_rung["none"][f"{method}_mean"]
-            count.compare(f"README, {name}, averaged", float(several.split()[0]), mean_of(joint))
+            count.text(f"README, {name}, averaged", several, drawn(joint))
     for name, cells in table(text, "| OmniVaT minus").items():
         for rung, cell in zip(RUNGS, cells, strict=False):
             less = minus(by_rung[rung]["omnivat"], by_rung[rung][METHODS[name]])
@@ -159,6 +167,82 @@ def check_table(count: Count) -> None:
     for printed, rung in zip(said.groups(), RUNGS, strict=False):
         maps = by_rung[rung]["linear_maps"]
         count.compare(f"README, linear maps, {rung}", float(printed), mean_of(maps))
+
+
+def triples(count: Count, what: str, text: str, wanted: Sequence[Cells]) -> None:
+    """Compare the means with limits in a text, in their order."""
+    found = re.findall(rf"({NUMBER})(?: %)? \[({NUMBER}), ({NUMBER})\]", text)
+    for n, (printed, cells) in enumerate(zip(found, wanted, strict=True)):
+        count.text(f"{what}, figure {n + 1}", " ".join(printed), drawn(cells))
+
+
+def check_report(count: Count) -> None:
+    """Compare the report's paragraphs on the sensor and on pictures, and what averaging brings."""
+    by_rung = {rung: cells_of(rung) for rung in ("home", *RUNGS)}
+    ours, maps = ({r: by_rung[r][m] for r in by_rung} for m in ("omnivat", "linear_maps"))
+    leads = {rung: minus(ours[rung], maps[rung]) for rung in ours}
+    several = [by_rung["none"][f"{m}_mean"] for m in ("omnivat", "linear_maps")]
+    text = document("paper/paper.md")
+    part = text.partition("The sensor. ")[2].partition("Pictures and labels. ")
+    wanted = [maps["home"], maps["none"], ours["home"], ours["none"], leads["none"]]
+    triples(count, "report, sensor", part[0], [*wanted, minus(*several)])
+    wanted = [maps[rung] for rung in ("n5", "n20", "k5")]
+    wanted += [leads[rung] for rung in ("n5", "n20", "k5")]
+    triples(count, "report, pictures", part[2].partition("Orders. ")[0], wanted)
+    as_it_comes = by_rung["none"]
+    for name, row in table(document("docs/benchmarks/table.md"), "| method | heads").items():
+        mean, own = as_it_comes[f"{METHODS[name]}_mean"], as_it_comes[METHODS[name]]
+        one = {
+            source: {place: [fmean(seeds)] for place, seeds in targets.items()}
+            for source, targets in own.items()
+        }
+        for cell, wanted in zip(row[1:], (own, mean, minus(mean, one)), strict=True):
+            count.text(f"averaged, {name}", cell, drawn(wanted))
+
+
+def chirps() -> dict[str, Cells]:
+    """Return method -> source -> target -> accuracy of each seed, from stored predictions."""
+    found: Any = defaultdict(lambda: defaultdict(lambda: defaultdict(list)))
+    for run in lines(TIMES / "chirps.jsonl.gz"):
+        for name, target in run["targets"].items():
+            said, truth = target["answers"]["fused"], target["truth"]
+            right = fmean(a == b for a, b in zip(said, truth, strict=True))
+            found[run["method"]][run["source"]][name].append(100 * right)
+    return dict(found)
+
+
+def check_good_for(count: Count) -> None:
+    """Compare the table of what OmniVaT is good for, and the chirps of README and report."""
+    none, vis, tac = (cells_of(rung) for rung in ("none", "vis", "tac"))
+    alike, played = cells_of("none", alike=True), chirps()
+    both = {
+        "chirps, p searched": (played["omnivat"], played["linear_maps"]),
+        "chirps, p = 0": (played["omnivat_p0"], played["linear_maps"]),
+        "touch missing": (vis["omnivat"], vis["linear_maps"]),
+        "photo missing": (tac["omnivat"], tac["linear_maps"]),
+        "look-alikes": (alike["omnivat"], alike["linear_maps"]),
+        "all seeds averaged": (none["omnivat_mean"], none["linear_maps_mean"]),
+        "all pairs, 40 of each class": (none["omnivat"], none["linear_maps"]),
+    }
+    for few in (10, 20):
+        both[f"{few} pairs of each class"] = (none[f"omnivat@{few}"], none[f"linear_maps@{few}"])
+    rows = table(document("docs/protocol.md"), "| where")
+    for where, (ours, theirs) in both.items():
+        *means, lead = rows[where]
+        for printed, cells in zip(means, (ours, theirs), strict=True):
+            count.compare(f"good for, {where}", float(printed), mean_of(cells))
+        count.text(f"good for, {where}", lead, drawn(minus(ours, theirs)))
+    said = {
+        "README.md": rf"({NUMBER}) % with a search for p, ({NUMBER}) at p = 0, linear maps ({NUMBER})",
+        "paper/paper.md": rf"({NUMBER}) % where p = 0 has ({NUMBER}) % and linear maps ({NUMBER})",
+    }
+    for name, pattern in said.items():
+        sentence = re.search(pattern, document(name))
+        assert sentence, f"{name} has no finding on chirps"
+        for value, method in zip(
+            sentence.groups(), ("omnivat", "omnivat_p0", "linear_maps"), strict=True
+        ):
+            count.compare(f"{name}, chirps, {method}", float(value), mean_of(played[method]))
 
 
 def check_twins(count: Count) -> None:
@@ -207,6 +291,8 @@ def main() -> None:
     """Compare everything and print the counts."""
     checks: Mapping[str, Callable[[Count], None]] = {
         "the table of results": check_table,
+        "the report, and what averaging brings": check_report,
+        "what OmniVaT is good for": check_good_for,
         "the twins": check_twins,
         "the transform": check_transform,
     }

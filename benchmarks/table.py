@@ -14,7 +14,7 @@ known pairs.
 One line is written for each method, source and seed: the class predicted for every test pair, as a
 letter, on every rung, seconds of training and the number of parameters. `NAME@10` is a method that
 learned ten pairs of each class. When all seeds are there, one line more has the mean of their
-probabilities. Finished lines are kept, so a stopped run goes on.
+probabilities, as it comes: each seed knows other pairs of the target. Finished lines are kept, so a stopped run goes on.
 """
 
 import argparse
@@ -44,6 +44,11 @@ from omnivat.study.protocol.records import append, fingerprint, mend
 PICTURES = (1, 5, 20, 50)  # pairs of the target without labels
 LABELLED = (1, 3, 5)  # labelled pairs of each class
 SOURCES = (2, 4, 7)  # source domains, for the method that needs no training
+UNKNOWN = (
+    "home",
+    "none",
+    *IMAGES,
+)  # rungs that know no pair of the target; others draw some by seed
 # of the ridge regression; labelled pairs of a class count as WEIGHT pairs
 PENALTY, WEIGHT = 1.0, 20
 Profiles = dict[str, Channels]
@@ -284,7 +289,7 @@ def average(out: Path, names: Sequence[str], sources: Sequence[str]) -> None:
             if (f"{name}_mean", source, number) in there:
                 continue
             files = [np.load(kept(out, name, source, seed)) for seed in seeds[source][:number]]
-            rungs = [r for r in files[0].files if all(r in one.files for one in files)]
+            rungs = [r for r in UNKNOWN if all(r in one.files for one in files)]
             answers = {
                 r: letters_of(np.mean([one[r].astype(np.float32) for one in files], axis=0))
                 for r in rungs

@@ -2,6 +2,7 @@
 
 import importlib.util
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -38,14 +39,28 @@ def test_its_two_figures_are_committed():
     assert len(figures) == 2 and all((PAPER / name).resolve().is_file() for name in figures)
 
 
-def test_it_becomes_one_page_with_its_references_and_pictures(tmp_path, monkeypatch):
+@pytest.fixture
+def build():
+    """Return the module paper/build.py."""
     pytest.importorskip("pypandoc")
     spec = importlib.util.spec_from_file_location("build", PAPER / "build.py")
     assert spec and spec.loader
-    build = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(build)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_it_becomes_one_page_with_its_references_and_pictures(build, tmp_path, monkeypatch):
     monkeypatch.setattr(build, "BROWSERS", ())  # the PDF is the browser's print of this page
     (page,) = build.build(tmp_path)
     html = page.read_text(encoding="utf-8")
     assert "Revisiting Batch Normalization" in html and "[@" not in html
     assert html.count("<figure") == 2 and "../docs" not in html
+
+
+@pytest.mark.browser
+def test_its_page_prints_to_a_pdf(build, tmp_path):
+    if not any(map(shutil.which, build.BROWSERS)):
+        pytest.skip("no browser to print with")
+    _, sheet = build.build(tmp_path)
+    assert sheet.read_bytes().startswith(b"%PDF")
