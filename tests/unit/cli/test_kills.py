@@ -12,15 +12,16 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from omnivat.cli import main
+from omnivat.head import checkpoint
+from omnivat.kit import files
+
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[3]
 # A killed process is one that dies just before a file that it has written takes its place.
 SCRIPT = """
 import os, signal, sys
-from omnivat.head import checkpoint
-from omnivat.kit import files
-files.UNFINISHED_S = checkpoint.UNFINISHED_S = -1  # what the dead left need not grow old to be swept
 left = int(sys.argv[1])
 
 def dies(real):
@@ -58,11 +59,15 @@ COMMANDS = {
 }
 
 
-def run(command, after, names):
-    """Run a command until it has placed `after` files, or to its end where that is -1."""
-    arguments = [part.format(**names) for part in COMMANDS[command][0].split()]
+def arguments(command, names):
+    """Return a command line with the names filled in."""
+    return [command, *(part.format(**names) for part in COMMANDS[command][0].split())]
+
+
+def killed(command, after, names):
+    """Run a command in a process that is killed once it has placed `after` files."""
     return subprocess.run(
-        [sys.executable, "-c", SCRIPT, str(after), command, *arguments],
+        [sys.executable, "-c", SCRIPT, str(after), *arguments(command, names)],
         cwd=ROOT,
         capture_output=True,
         text=True,
@@ -75,8 +80,6 @@ def run(command, after, names):
 @pytest.fixture(scope="module")
 def names(tmp_path_factory, head_folder):
     """Return what the arguments name: a small head and set, frames, and a folder of pairs."""
-    from omnivat.cli import main
-
     folder = tmp_path_factory.mktemp("kills")
     random = np.random.default_rng(0)
     for k in range(6):
@@ -96,14 +99,17 @@ def names(tmp_path_factory, head_folder):
 
 
 @pytest.mark.parametrize("command", COMMANDS)
-def test_a_killed_command_leaves_nothing_half_written_and_runs_again(command, names, tmp_path):
+def test_a_killed_command_leaves_nothing_half_written_and_runs_again(
+    command, names, tmp_path, monkeypatch
+):
     _, made, after = COMMANDS[command]
     names = {**names, "out": tmp_path}
-    killed = run(command, after, names)
-    assert killed.returncode == -signal.SIGKILL, killed.stderr
+    process = killed(command, after, names)
+    assert process.returncode == -signal.SIGKILL, process.stderr
     standing = {p: p.read_bytes() for p in shown(tmp_path)}
-    again = run(command, -1, names)
-    assert again.returncode == 0, again.stderr
+    for module in (files, checkpoint):  # what the dead left need not grow old to be swept
+        monkeypatch.setattr(module, "UNFINISHED_S", -1)
+    assert main(arguments(command, names)) == 0
     assert (tmp_path / made).exists()
     whole = {p: p.read_bytes() for p in shown(tmp_path)}
     for file, content in standing.items():  # what stood after the kill was whole
