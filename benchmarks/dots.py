@@ -8,7 +8,7 @@ Each press of new objects is drawn twice, with the sensor's dots and without. Pi
 are these presses, odd pictures (`_dots_odd`) and folders of real ones (`--without`), of which only
 the counts are recorded. OpenCV's inpainting stands beside the fill where opencv-python-headless is
 installed. Brackets: 95 % intervals, over presses or of a share (Wilson). Times are of one core's
-work, the quickest of five runs, median of the pictures.
+work, the quickest of twenty runs, median of the pictures.
 """
 
 import argparse
@@ -18,6 +18,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -52,21 +53,21 @@ SIDES = (224, 480, 1080)
 Array = np.ndarray[Any, np.dtype[Any]]
 
 
-def presses(name: str, count: int, side: int) -> Iterator[tuple[Array, Array]]:
-    """Yield each press of a domain as drawn, and without dots."""
+def presses(
+    name: str, count: int, side: int, *, bare: bool = False
+) -> Iterator[tuple[Array, Array]]:
+    """Yield each press of a domain as drawn, and without dots; `bare`: without dots twice."""
     domain = replace(SIMULATED[name], seed_base=NEW)
+    sensors = [domain.sensor]
+    if isinstance(domain.sensor, Sensor) and domain.sensor.markers:
+        sensors.append(replace(domain.sensor, markers=None))
     for material in classes(domain):
         for pair in list(planned(domain, material, pairs=60))[:count]:
-            made, stream = (
-                thing(pair, seed=0),
-                derive_seed(0, "pair", pair.domain, pair.material, pair.object),
-            )
-            sensors = [domain.sensor]
-            if isinstance(domain.sensor, Sensor) and domain.sensor.markers:
-                sensors.append(replace(domain.sensor, markers=None))
+            made = thing(pair, seed=0)
+            stream = derive_seed(0, "pair", pair.domain, pair.material, pair.object)
             drawn = [
-                (255 * tactile(made, s, stream, size=side)).round().astype(np.uint8)
-                for s in sensors
+                (255 * tactile(made, sensor, stream, size=side)).round().astype(np.uint8)
+                for sensor in (sensors[-1:] if bare else sensors)
             ]
             yield drawn[0], drawn[-1]
 
@@ -166,10 +167,10 @@ def changed(pictures: Iterable[Array]) -> list[float]:
 def times(side: int) -> dict[str, float]:
     """Return the milliseconds of a picture with dots and of one without, of `side` pixels."""
     taken: dict[str, list[float]] = {"with dots": [], "without dots": []}
-    for marked, bare in presses("TAG", 2, side):
+    for marked, bare in islice(presses("TAG", 1, side), 3):
         for kind, picture in zip(taken, (marked, bare), strict=True):
             runs = []
-            for _ in range(5):
+            for _ in range(20):
                 began = time.thread_time()
                 fill_dots(picture)
                 runs.append(1000 * (time.thread_time() - began))
@@ -181,15 +182,11 @@ def false_fills(without: Sequence[Path], count: int) -> dict[str, Any]:
     """Return what is changed in pictures without dots, of every size."""
     found: dict[str, Any] = {}
     for side in SIDES:
-        bare = (bare for name in SIMULATED for _, bare in presses(name, count, side))
+        some = 1 if side == max(SIDES) else count
+        bare = (bare for name in SIMULATED for _, bare in presses(name, some, side, bare=True))
         found[f"simulated gels, {side} pixels"] = changed(bare)
-        odd = (
-            as_picture(make(side, seed))
-            for make in ODD.values()
-            for seed in range(20 if side < 1000 else 8)
-        )
+        odd = (as_picture(make(side, seed)) for make in ODD.values() for seed in range(10 * some))
         found[f"odd pictures, {side} pixels"] = changed(odd)
-        print(list(found.items())[-2:], flush=True)
     for folder in without:
         real = (np.asarray(read_image(file)) for file in images_of(folder))
         found[f"real: {folder.name}"] = changed(real)

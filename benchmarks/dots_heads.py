@@ -1,7 +1,7 @@
 """What heads make of printed dots that are kept, filled, or on half of a source's touches.
 
     git show c37643a:examples/simulated.safetensors > build/kept.safetensors
-    python -m benchmarks.dots_heads --kept build/kept.safetensors [--sources NAME,...]
+    python -m benchmarks.dots_heads --kept build/kept.safetensors [--sources NAME,...] [--methods NAME;...]
     python -m benchmarks.dots_heads --table
 
 KEPT has the pairs of the shipped set, embedded by `embed --dots keep`. Protocol and classes as in
@@ -42,7 +42,6 @@ READINGS = {"photo": ("vis",), "touch": ("tac",), "both": ("vis", "tac")}
 PARTED = ("TAG-sim", "TQ-DIGIT-sim")
 PLAIN = RECIPE | {"noise": 0.0, "shift": 0.0}
 RUNGS = {"home": "home", "none": "as it comes", "n5": "5", "n20": "20", "k5": "5 labels"}
-NAMES = {"linear maps": "Linear maps", "ERM-MLP": "ERM-MLP", "OmniVaT": "OmniVaT"}
 
 
 def maps(embeddings: Embeddings, source: str, seed: int, noise: str) -> Learned:
@@ -113,7 +112,10 @@ def note(found: dict[str, Any], rung: str, reading: str, shares: Any, label: Arr
 
 
 def trained(
-    sets: Mapping[str, Embeddings], sources: Sequence[str], done: set[tuple[str, ...]]
+    sets: Mapping[str, Embeddings],
+    sources: Sequence[str],
+    methods: Sequence[str],
+    done: set[tuple[str, ...]],
 ) -> Iterator[dict[str, Any]]:
     """Yield the lines that are missing."""
     domain = sets["filled"].domain
@@ -121,6 +123,8 @@ def trained(
     for part, source in product((WHOLE, PARTS), sources):
         has = sets["filled"].header.domains.index(source) in printed
         for name in part if part is WHOLE or source in PARTED else ():
+            if any(methods) and name not in methods:
+                continue
             for learned in (LEARNED[: 3 if part is WHOLE else 2]) if has else ("filled",):
                 if (name, source, learned) in done:
                     continue
@@ -153,8 +157,8 @@ def cells(
         if (line["method"], line["tested"]) == (method, tested)
         and line["learned"] in ((learned,) if line["printed"] else ("filled",))
     }
-    if set(sources) - set(own) or None in own.values():
-        return np.full((len(sources), 1, 1), np.nan)
+    if not sources or set(sources) - set(own) or None in own.values():
+        return np.full((1, 1, 1), np.nan)
     return np.array([own[source] for source in sources])[..., None]
 
 
@@ -162,57 +166,46 @@ def table(lines: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Yield the tables of docs/dots.md."""
     every = sorted({line["source"] for line in lines if line["method"] == "OmniVaT"})
     marked = sorted({line["source"] for line in lines if line["printed"]})
+    parted = sorted({line["source"] for line in lines if line["method"] in PARTS})
+    of = partial(cells, lines)
 
-    def of(method: str, learned: str, tested: str, rung: str, reading: str, own: Any) -> str:
-        found = cells(lines, method, learned, tested, (rung, reading), own)
-        if np.isnan(found).any():
-            return "–"
-        mean, low, high = interval(found)
-        return f"{mean:.1f} [{low:.1f}, {high:.1f}]"
+    def change(name: str, place: tuple[str, str]) -> str:
+        means = (of(name, state, state, place, every).mean() for state in ("kept", "filled"))
+        return " → ".join(f"{mean:.1f}" for mean in means)
 
-    def row(name: str, method: str, learned: str, tested: str, reading: str, own: Any) -> str:
-        values = (of(method, learned, tested, rung, reading, own) for rung in RUNGS)
-        return f"| {name} | {learned} | {tested} | {reading} | " + " | ".join(values) + " |"
-
-    head = f"| head | learned | tested | reading | {' | '.join(RUNGS.values())} |"
-    rule = "| --- | --- | --- | --- |" + " ---: |" * len(RUNGS)
-    yield from (f"{len(every)} sources:", "", head, rule)
-    for name in WHOLE:
-        for reading, state in product(READINGS, ("kept", "filled")):
-            line = row(name, name, state, state, reading, every)
-            if not line.endswith("– | – | – | – | – |"):
-                yield line
-    yield from ("", f"{len(marked)} sources with dots ({', '.join(marked)}):", "", head, rule)
-    for name, learned, tested in product(WHOLE, LEARNED, TESTED):
-        yield row(name, name, learned, tested, "both", marked)
-    yield from ("", "Filled less kept, in training and test:", "")
-    yield "| head | reading | as it comes | 20 |"
-    yield "| --- | --- | ---: | ---: |"
+    yield f"| head | reading | {' | '.join(RUNGS.values())} | filled less kept, as it comes |"
+    yield "| --- | --- |" + " ---: |" * (len(RUNGS) + 1)
     for name, reading in product(WHOLE, READINGS):
-        values = []
-        for rung in ("none", "n20"):
-            one, other = (
-                cells(lines, name, state, state, (rung, reading), every) for state in TESTED
+        gain = _difference(
+            *(of(name, state, state, ("none", reading), every) for state in ("filled", "kept"))
+        )
+        if gain != "–":
+            values = [change(name, (rung, reading)) for rung in RUNGS]
+            row = " | ".join(values).replace("nan → nan", "–")
+            yield f"| {name} | {reading} | {row} | {gain} |"
+    states = list(product(LEARNED, TESTED))
+    yield f"\n{', '.join(marked)}:\n"
+    yield "| head | " + " | ".join(f"{one}, {other}" for one, other in states) + " |"
+    yield "| --- |" + " ---: |" * len(states)
+    for name in WHOLE:
+        values = [
+            " / ".join(
+                f"{of(name, *state, (rung, 'both'), marked).mean():.1f}"
+                for rung in ("home", "none")
             )
-            values.append(_difference(one, other))
-        if set(values) != {"–"}:
-            yield f"| {name} | {reading} | " + " | ".join(values) + " |"
-    yield from ("", "OmniVaT less another head, both images:", "")
-    yield f"| OmniVaT less | sources | dots | {' | '.join(list(RUNGS.values())[:4])} |"
-    yield "| --- | ---: | --- |" + " ---: |" * 4
-    parts = {line["source"] for line in lines if line["method"] in PARTS}
+            for state in states
+        ]
+        yield f"| {name} | {' | '.join(values)} |"
+    yield "\n| OmniVaT less | sources | kept, as it comes | filled | kept, 20 pictures | filled |"
+    yield "| --- | ---: |" + " ---: |" * 4
     for name in (*list(WHOLE)[:4], *PARTS):
-        for state in TESTED:
-            own = sorted(parts) if name in PARTS else every
-            base = "OmniVaT, no noise" if name.endswith("no noise") else "OmniVaT"
-            values = [
-                _difference(
-                    cells(lines, base, state, state, (rung, "both"), own),
-                    cells(lines, name, state, state, (rung, "both"), own),
-                )
-                for rung in list(RUNGS)[:4]
-            ]
-            yield f"| {name} | {len(own)} | {state} | " + " | ".join(values) + " |"
+        own = parted if name in PARTS else every
+        base = "OmniVaT, no noise" if name.endswith("no noise") else "OmniVaT"
+        values = [
+            _difference(*(of(one, state, state, (rung, "both"), own) for one in (base, name)))
+            for rung, state in product(("none", "n20"), ("kept", "filled"))
+        ]
+        yield f"| {name} | {len(own)} | {' | '.join(values)} |"
 
 
 def _difference(one: Array, other: Array) -> str:
@@ -229,6 +222,7 @@ def main() -> None:
     )
     parser.add_argument("--kept", type=Path, help="the shipped set's pairs, dots kept")
     parser.add_argument("--sources", default="", help="domains to learn from; all by default")
+    parser.add_argument("--methods", default="", help="heads, as a line names them, by ';'")
     parser.add_argument("--out", type=Path, default=OUT)
     parser.add_argument("--table", action="store_true", help="print the tables of the record")
     options = parser.parse_args()
@@ -243,7 +237,7 @@ def main() -> None:
     sources = listed(options.sources) or sets["filled"].header.domains
     done = {(line["method"], line["source"], line["learned"]) for line in lines}
     with options.out.open("a") as file:
-        for line in trained(sets, sources, done):
+        for line in trained(sets, sources, options.methods.split(";"), done):
             file.write(json.dumps(line) + "\n")
             file.flush()
             print(*list(line.values())[:4], line.get("none"), flush=True)
