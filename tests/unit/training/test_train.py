@@ -8,23 +8,12 @@ import pytest
 import torch
 
 from omnivat.encoders.lang.bank import load_bank
-from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError, OmniVatError
 from omnivat.measure.evaluate import predicted_probabilities
 from omnivat.training import TrainSettings, train
 from omnivat.training.batches import batches, labels_of
 
-CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
-
-
-@pytest.fixture(scope="module")
-def source(make_embeddings):
-    return make_embeddings(domains=("TAG-sim",), per_class=16)
-
-
-def head(**changes):
-    values = {"classes": CLASSES, "input_width": 24, "width": 32, "lang_width": 384}
-    return HeadSettings(**(values | changes))
+from .conftest import head
 
 
 def accuracy(model, pairs):

@@ -4,20 +4,11 @@ import pytest
 import torch
 
 from omnivat.encoders.lang.bank import load_bank
-from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError
 from omnivat.training import TrainSettings, train
 from omnivat.training import state as state_module
 
-
-@pytest.fixture(scope="module")
-def source(make_embeddings):
-    return make_embeddings(domains=("TAG-sim",), per_class=16)
-
-
-def head():
-    classes = ("wood", "steel", "plastic", "ceramic", "glass")
-    return HeadSettings(classes=classes, input_width=24, width=32, lang_width=384)
+from .conftest import head
 
 
 def equal_weights(first, second) -> bool:

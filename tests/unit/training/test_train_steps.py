@@ -10,7 +10,6 @@ import torch
 
 from omnivat.encoders.lang.bank import load_bank
 from omnivat.head.head import build_head
-from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.training import Trained, TrainingCancelled, TrainSettings, Watch, train
 from omnivat.training.batches import Batch, batches, held_out, labels_of
@@ -18,17 +17,7 @@ from omnivat.training.loop import steps_of
 from omnivat.training.state import Progress
 from omnivat.training.steps import learn, make_optimiser, pairs_of, set_rate
 
-CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
-
-
-@pytest.fixture(scope="module")
-def source(make_embeddings):
-    return make_embeddings(domains=("TAG-sim",), per_class=16)
-
-
-def head(**changes):
-    values = {"classes": CLASSES, "input_width": 24, "width": 8, "lang_width": 384}
-    return HeadSettings(**(values | changes))
+from .conftest import CLASSES, head
 
 
 def batch_of(lang_on, text=True):

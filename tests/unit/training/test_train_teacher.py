@@ -6,24 +6,14 @@ import pytest
 import torch
 
 from omnivat.head.losses import joint_loss
-from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import SettingsError
 from omnivat.measure.evaluate import predicted_probabilities
 from omnivat.training import TrainSettings, train
 from omnivat.training.training import Watch
 
-CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
+from .conftest import head
+
 EVERY = TrainSettings(epochs=8, lang=False, order_draw="row", order_teachers=2)
-
-
-@pytest.fixture(scope="module")
-def source(make_embeddings):
-    return make_embeddings(domains=("TAG-sim",), per_class=16)
-
-
-def head(**changes):
-    values = {"classes": CLASSES, "input_width": 24, "width": 32, "lang_width": 384}
-    return HeadSettings(**(values | changes))
 
 
 def made(source, settings, **more):
