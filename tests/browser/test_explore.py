@@ -50,6 +50,7 @@ def two_modes(new_page: Callable[..., Any], address: str, trained: Path) -> Any:
     listed = {"modes": ["retrained", "moved"], "sets": []}
     page.route("**/omnivat/modes*", lambda route: route.fulfill(json=listed))
     page.route("**/omnivat/frames?mode=retrained*", lambda route: route.fulfill(path=trained))
+    page.held = False  # every reply comes
     page.goto(address, wait_until="commit")
     page.wait_for_selector(MAP)
     return page

@@ -423,6 +423,7 @@ def test_a_label_waits_until_the_picture_on_its_way_has_settled(
     page.wait_for_selector(f"{label}:disabled")
     page.evaluate("label => document.querySelector(label).click()", label)
     held[0].continue_()
+    page.held = False
     page.wait_for_selector(f"{SLOT.format('vis')} .what:has-text('50.png')")
     page.wait_for_selector(f"{label}:enabled")
     assert page.locator(".pair .chips li").count() == 0

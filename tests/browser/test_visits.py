@@ -174,6 +174,7 @@ def test_no_tab_needs_anything_from_outside_this_machine(
     asked: list[str] = []
     page.on("request", lambda request: asked.append(request.url))
     page.route(lambda url: not url.startswith(address), lambda route: route.abort())
+    page.held = False  # every reply comes
     page.goto(address, wait_until="commit")
     page.wait_for_selector(READY["explore"])
     for view in VIEWS:
@@ -243,5 +244,6 @@ def test_a_server_started_again_with_another_head_is_told_of_and_not_mixed_in(
         route.fulfill(response=answer, headers={**answer.headers, "x-holds": "another"})
 
     page.route("**/omnivat/pair*", as_another)
+    page.held = False  # every reply comes
     page.click('.pair .slot[data-modality="vis"] .clear')
     page.wait_for_selector(".pair .problem:has-text('another head or set. Reload the page')")
