@@ -196,8 +196,8 @@ def check_report(count: Count) -> None:
             source: {place: [fmean(seeds)] for place, seeds in targets.items()}
             for source, targets in own.items()
         }
-        for cell, wanted in zip(row[1:], (own, mean, minus(mean, one)), strict=True):
-            count.text(f"averaged, {name}", cell, drawn(wanted))
+        for cell, cells in zip(row[1:], (own, mean, minus(mean, one)), strict=True):
+            count.text(f"averaged, {name}", cell, drawn(cells))
 
 
 def chirps() -> dict[str, Cells]:
