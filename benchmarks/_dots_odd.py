@@ -5,20 +5,21 @@ Lengths are drawn for 224 pixels and grow with the side.
 """
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 from scipy.ndimage import gaussian_filter, zoom
 
 SIDE = 224
-Array = np.ndarray
+Array = np.ndarray[Any, np.dtype[Any]]
 
 
 def gel(side: int = SIDE, seed: int = 0, grain: float = 4.0) -> Array:
     """A lit gel: slow changes of colour, and grain."""
     random = np.random.default_rng(seed)
     slow = zoom(random.uniform(90, 200, (4, 4, 3)), (side / 4, side / 4, 1), order=1)
-    return slow[:side, :side] + random.normal(0, grain, (side, side, 3))
+    return np.asarray(slow[:side, :side] + random.normal(0, grain, (side, side, 3)))
 
 
 def places(side: int) -> tuple[Array, Array]:
@@ -51,7 +52,7 @@ def printed(
     du, dv = u - i * pitch, v - j * pitch
     away = np.maximum(np.abs(du), np.abs(dv)) if square else np.hypot(du, dv)
     there = random.random((99, 99)) >= missing
-    return darkness * np.clip(radius + 0.5 - away, 0, 1) * there[i + 49, j + 49]
+    return np.asarray(darkness * np.clip(radius + 0.5 - away, 0, 1) * there[i + 49, j + 49])
 
 
 def flat(side: int, seed: int) -> Array:
@@ -92,7 +93,7 @@ def letters(side: int, seed: int) -> Array:
 
 def stripes(side: int, seed: int) -> Array:
     y, x = places(side)
-    return gel(side, seed) * (1 - 0.5 * (np.sin((x + 0.2 * y) / 3) > 0.6))[..., None]
+    return np.asarray(gel(side, seed) * (1 - 0.5 * (np.sin((x + 0.2 * y) / 3) > 0.6))[..., None])
 
 
 def weave(side: int, seed: int) -> Array:
@@ -108,7 +109,7 @@ def knurl(side: int, seed: int) -> Array:
         np.sin(x / 3.5) * np.cos(y / 3.5),
         -np.cos(x / 3.5) * np.sin(y / 3.5),
     ]
-    return gel(side, seed) + 70 * np.stack(slopes, -1)
+    return np.asarray(gel(side, seed) + 70 * np.stack(slopes, -1))
 
 
 def shell(side: int, seed: int) -> Array:
@@ -120,14 +121,14 @@ def shell(side: int, seed: int) -> Array:
 def row_of_holes(side: int, seed: int) -> Array:
     shade, scale = printed(side, 26 * side / SIDE, 4.5 * side / SIDE, seed=seed), side / SIDE
     shade[: round(90 * scale)] = shade[round(130 * scale) :] = 0
-    return gel(side, seed) * (1 - shade[..., None])
+    return np.asarray(gel(side, seed) * (1 - shade[..., None]))
 
 
 def corner(side: int, seed: int) -> Array:
     """Dots in one corner only."""
     shade, end = printed(side, 20 * side / SIDE, 3 * side / SIDE), 110 * side // SIDE
     shade[end:] = shade[:, end:] = 0
-    return gel(side, seed) * (1 - shade[..., None])
+    return np.asarray(gel(side, seed) * (1 - shade[..., None]))
 
 
 def checkers(side: int, seed: int) -> Array:

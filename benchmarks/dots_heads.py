@@ -70,11 +70,10 @@ def halved(kept: Embeddings, filled: Embeddings) -> Embeddings:
     """Return the filled set in which half of the touches with dots keep them."""
     printed = np.flatnonzero((kept.tac != filled.tac).any(1))
     some = np.random.default_rng(0).permutation(printed)[: len(printed) // 2]
-    changed = {}
+    changed: dict[str, Any] = {}
     for name in ("tac", "tac_flip"):
-        rows = np.array(getattr(filled, name))
-        rows[some] = getattr(kept, name)[some]
-        changed[name] = rows
+        changed[name] = np.array(getattr(filled, name))
+        changed[name][some] = getattr(kept, name)[some]
     return replace(filled, **changed)
 
 
@@ -115,7 +114,7 @@ def trained(
     sets: Mapping[str, Embeddings],
     sources: Sequence[str],
     methods: Sequence[str],
-    done: set[tuple[str, ...]],
+    done: set[tuple[str, str, str]],
 ) -> Iterator[dict[str, Any]]:
     """Yield the lines that are missing."""
     domain = sets["filled"].domain

@@ -60,7 +60,7 @@ def turned(picture: Array, name: str) -> Array:
     if name == "Tac3D":
         return picture
     found, slow = slopes(picture, name)
-    return slow + found @ colours_of(HOME).T
+    return np.asarray(slow + found @ colours_of(HOME).T)
 
 
 def as_slopes(picture: Array, name: str) -> Array:
@@ -76,7 +76,7 @@ def grey(picture: Array, name: str) -> Array:
 
 def levelled(picture: Array, name: str) -> Array:
     """Return each channel with one mean and spread."""
-    return 128 + 40 * (picture - picture.mean((0, 1))) / (picture.std((0, 1)) + 1)
+    return np.asarray(128 + 40 * (picture - picture.mean((0, 1))) / (picture.std((0, 1)) + 1))
 
 
 WAYS: dict[str, Callable[[Array, str], Array]] = {
@@ -92,7 +92,7 @@ def mixed(picture: Array, random: np.random.Generator) -> Array:
     """Return a picture whose colour differences are turned at random."""
     turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
     middle = picture.mean((0, 1))
-    return middle + (picture - middle) @ turn.T
+    return np.asarray(middle + (picture - middle) @ turn.T)
 
 
 def drawn(pairs: list[Any], name: str) -> list[Array]:
