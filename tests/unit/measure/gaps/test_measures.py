@@ -12,6 +12,7 @@ from omnivat.measure.gaps import GAPS
 from omnivat.measure.gaps.calibration import ece, nll
 from omnivat.measure.gaps.centroid import centroid_gap, modality_gap
 from omnivat.measure.gaps.confusion import accuracy, confusion, macro_f1
+from omnivat.measure.gaps.domain import floor, halves
 from omnivat.measure.gaps.frechet import frechet
 from omnivat.measure.gaps.measures import STAGE_MEASURES
 from omnivat.measure.gaps.mmd import mmd_linear, mmd_rbf
@@ -49,6 +50,16 @@ def test_an_empty_set_is_refused_by_name(name):
 def test_linear_mmd_is_the_squared_centroid_gap():
     a, b = cloud(0), cloud(1, count=40, shift=1.0)
     torch.testing.assert_close(mmd_linear(a, b), centroid_gap(a, b).square())
+
+
+def test_the_floor_of_a_gap_is_that_of_two_halves_of_one_domain():
+    every = cloud(0, count=400)
+    level = floor(halves({"a": every[:200], "b": every[200:]}), mmd_rbf)
+    assert (
+        0 < mmd_rbf(every[:200], every[200:]) < level
+    )  # halves are smaller, so chance moves them more
+    assert mmd_rbf(every[:200], cloud(1, shift=1.0)) > 5 * level
+    assert floor(halves({"a": cloud(0, count=2)}), proxy_a) is None
 
 
 def test_rbf_mmd_sees_a_spread_that_the_mean_does_not():
