@@ -211,6 +211,13 @@ def chirps() -> dict[str, Cells]:
     return dict(found)
 
 
+def twins_of(method: str) -> Cells:
+    """Return source -> accuracy by touch where the sensor alone changed, dots filled."""
+    split = json.loads((TIMES / "twins.json").read_text(encoding="utf-8"))["split"]
+    parts = split[method]["filled"]["touch"]["by_source"]
+    return {s: {"others": [p["home"] - p["new_objects"] - p["sensor"]]} for s, p in parts.items()}
+
+
 def check_good_for(count: Count) -> None:
     """Compare the table of what OmniVaT is good for, and the chirps of README and report."""
     none, vis, tac = (cells_of(rung) for rung in ("none", "vis", "tac"))
@@ -226,6 +233,8 @@ def check_good_for(count: Count) -> None:
     }
     for few in (10, 20):
         both[f"{few} pairs of each class"] = (none[f"omnivat@{few}"], none[f"linear_maps@{few}"])
+    what = "twins: the sensor alone changed, by touch"
+    both[what] = twins_of("omnivat"), twins_of("linear_maps")
     rows = table(document("docs/protocol.md"), "| where")
     for where, (ours, theirs) in both.items():
         *means, lead = rows[where]

@@ -203,6 +203,22 @@ def chirps() -> dict[str, Array]:
     return found
 
 
+def twins() -> dict[str, Array]:
+    """Return method -> accuracies (sources, 1, 1) on twins: the sensor alone changed, touch alone.
+
+    Dots are filled; sources are those that both methods learned.
+    """
+    split = json.loads((RECORDS / "twins.json").read_text(encoding="utf-8"))["split"]
+    by_source = {m: split[m]["filled"]["touch"]["by_source"] for m in ("omnivat", "linear_maps")}
+    shared = [source for source in by_source["omnivat"] if source in by_source["linear_maps"]]
+    return {
+        m: np.array([of[s]["home"] - of[s]["new_objects"] - of[s]["sensor"] for s in shared])[
+            :, None, None
+        ]
+        for m, of in by_source.items()
+    }
+
+
 def real() -> dict[str, Any]:
     """Return what -> record of the real pairs of VT60."""
     records = json.loads((RECORDS / "real.json").read_text(encoding="utf-8"))["records"]
@@ -216,6 +232,8 @@ def good_for(record: Record) -> list[str]:
     ours, theirs = "omnivat", "linear_maps"
     compared = {"chirps, p searched": (chirps()[ours], chirps()[theirs])}
     compared["chirps, p = 0"] = (chirps()["omnivat_p0"], chirps()[theirs])
+    of_twins = twins()
+    compared["twins: the sensor alone changed, by touch"] = of_twins[ours], of_twins[theirs]
     for count in FEW:
         compared[f"{count} pairs of each class"] = (
             none[f"{ours}@{count}"],
