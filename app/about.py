@@ -13,6 +13,7 @@ from app.messages import without_places
 from app.resources import Resources
 from app.sensor import from_the_start
 from omnivat.kit.errors import DataError
+from omnivat.kit.schema import read_object
 
 FITS = dict.fromkeys(("problem", "remedy", "command"), "")
 REMEDY = (
@@ -63,6 +64,15 @@ def head_facts(resources: Resources) -> dict[str, Any]:
         "provenance": without_nan(head.provenance),
         "metrics": without_nan(head.metrics),
     }
+
+
+def own(resources: Resources) -> dict[str, Any]:
+    """Return what the head for one's own pictures reads right in sensors that it has not seen; {}
+    without such a head. The head is not loaded.
+    """
+    folder = resources.where.own
+    found: dict[str, Any] = without_nan(read_object(folder / "metrics.json")) if folder else {}
+    return found
 
 
 def embedding_facts(resources: Resources) -> dict[str, Any]:

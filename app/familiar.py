@@ -36,11 +36,11 @@ def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
     """
     import torch
 
-    head, embeddings = resources.head(), resources.embeddings()
+    head, embeddings = resources.head_named(question.get("head")), resources.embeddings()
     head.require_embeddings(embeddings)
     refs = refs_from(question)
-    pair = embedded(resources, refs, question)
-    index, of = training_pairs(resources)
+    pair = embedded(resources, refs)
+    index, of = training_pairs(resources, head)
     looked = looked_at(known_to(resources, head, question), pair["vis"], pair["tac"])
     images: dict[str, dict[str, Any]] = {}
     for name, ref in refs.items():
@@ -87,13 +87,18 @@ def predict_one(
     pair: "Mapping[str, torch.Tensor | None]",
     order: float | None = None,
     known: "Familiarity | None" = None,
+    *,
+    before: "Mapping[str, torch.Tensor | None]",
 ) -> dict[str, Any]:
-    """Return `readings`, the class probabilities, and `images`, the familiarity, of one pair."""
+    """Return `readings`, the class probabilities, and `images`, the familiarity, of one pair.
+
+    before  the pair before any profile
+    """
     out = head.model(pair["vis"], pair["tac"], order=order)
     readings = {name: rounded(values.numpy())[0] for name, values in out.readings.items()}
     return {
         "readings": readings,
-        "images": looked_at(known or head.familiarity, pair["vis"], pair["tac"]),
+        "images": looked_at(known or head.familiarity, before["vis"], before["tac"]),
     }
 
 
@@ -127,16 +132,17 @@ def first(resources: Resources) -> dict[str, Any]:
     return {"ref": refs[int(rows[best])] if least[best] >= UNLIKE else None}
 
 
-def training_pairs(resources: Resources) -> "tuple[Index, str]":
-    """Return the training rows of the set, or all if it lacks the head's source, and their
-    description.
+def training_pairs(resources: Resources, head: "Head") -> "tuple[Index, str]":
+    """Return the rows of the set that a head learned from, or all if the set lacks one of its
+    domains, and their description.
     """
     import numpy as np
 
-    embeddings, source = resources.embeddings(), resources.head().source
-    if source not in embeddings.header.domains:
+    embeddings, source = resources.embeddings(), head.source
+    domains, learned = embeddings.header.domains, head.provenance.get("domains", [source])
+    if not set(learned) <= set(domains):
         return np.arange(len(embeddings)), "the loaded set"
-    own = embeddings.domain == embeddings.header.domains.index(source)
+    own = np.isin(embeddings.domain, [domains.index(name) for name in learned])
     split = np.array(embeddings.rows["split"], dtype=object)
     keep = own & (split != "test")
     return np.flatnonzero(keep if keep.any() else own), f"the training pairs of {source}"
@@ -158,7 +164,7 @@ def _nearest(
     def training() -> "Index":
         return unit(torch.from_numpy(copied(getattr(resources.embeddings(), name)[index]))).numpy()
 
-    rows = resources.features.once(f"training {name}", training)
+    rows = resources.features.once(f"training {name} {len(index)} {index[:1]}", training)
     query = unit(raw.float())
     found = nearest(torch.from_numpy(rows), min(NEAREST + 1, len(rows)), queries=query)
     near = [

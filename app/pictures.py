@@ -4,7 +4,7 @@ occlusion.
 
 import base64
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
 from time import perf_counter
@@ -42,6 +42,7 @@ class Sent:
     name: str = "the image"
     # name of a taught head, from `app.teaching.taught_name`; "": the head as trained
     taught: str = ""
+    head: str = ""  # name of a head; "": the first one
     profile: str = ""  # name of a profile, from `app.sensor`; "": images as they come
 
     def pair(
@@ -50,7 +51,7 @@ class Sent:
         """Return the embeddings of both modalities: `rows` (B, W) of the pictures sent, and the
         other image.
         """
-        asked = {"profile": self.profile}
+        asked = {"profile": self.profile, "head": self.head}
         pair: dict[str, Tensor | None] = {"vis": None, "tac": None}
         for own, some in rows.items():
             pair[own] = moved(resources, asked, own, some)
@@ -93,7 +94,8 @@ def live(resources: Resources, sent: Sent) -> dict[str, Any]:
     from omnivat.encoders.base import for_modality
 
     began = perf_counter()
-    head, read = head_taught(resources, sent.taught), resources.shared.decoder.read
+    head = head_taught(resources, sent.taught, sent.head)
+    read = resources.shared.decoder.read
     with torch.inference_mode():
         pixels = {
             one: for_modality(resources.encoder(), one).preprocess(read(part, sent.name).image)
@@ -105,7 +107,8 @@ def live(resources: Resources, sent: Sent) -> dict[str, Any]:
             for one, some in pixels.items()
         }
         embedded = perf_counter()
-        found = predict_one(head, sent.pair(resources, rows), sent.order)
+        before = replace(sent, profile="").pair(resources, rows)
+        found = predict_one(head, sent.pair(resources, rows), sent.order, before=before)
     ms = {"read": decoded - began, "encoder": embedded - decoded, "head": perf_counter() - embedded}
     ms = {part: round(1000 * seconds, 1) for part, seconds in ms.items()}
     return {"classes": list(head.settings.classes), **found, "ms": ms}
@@ -144,7 +147,7 @@ def occlusion(resources: Resources, sent: Sent) -> dict[str, Any]:
     image = resources.shared.decoder.read(sent.content, sent.name).image
     image.thumbnail((SIDE, SIDE))
     encoder = for_modality(resources.encoder(), sent.modality)
-    head = head_taught(resources, sent.taught)
+    head = head_taught(resources, sent.taught, sent.head)
     with torch.inference_mode():
         pixels = [encoder.preprocess(one) for one in (image, *hidden(image))]
         parts = []

@@ -5,7 +5,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from app.limits import DRAWN_PAIRS
-from omnivat.head.heads import EXAMPLES, default_embeddings, default_head, shipped_sets
+from omnivat.head.heads import (
+    EXAMPLES,
+    OWN,
+    default_embeddings,
+    default_head,
+    own_head,
+    shipped_sets,
+)
 
 ENDINGS = (".png", ".webp", ".jpg", ".jpeg")
 
@@ -20,6 +27,7 @@ class Places:
     sprite: Path | None  # NAME.thumbnails.webp next to the embeddings, and its .json
     pairs: Path | None  # example images; None: the gallery shows pairs of the set
     compare: tuple[Path, ...] = ()  # folders of comparison heads
+    own: Path | None = None  # the head for a visitor's own pictures, beside the project's head
     computed: Path | None = None  # folder of computed frames; None: the cache
     profile: Path | None = None  # of the visitor's sensor, in use from the start
     drawn: int = DRAWN_PAIRS  # of a larger set so many pairs are drawn at random
@@ -32,7 +40,7 @@ def places(
     found = _places(EXAMPLES, head or default_head(), embeddings or default_embeddings())
     if head or embeddings:
         found = replace(found, frames=None, pairs=None if embeddings else found.pairs)
-    return replace(found, compare=tuple(compare))
+    return replace(found, compare=tuple(compare), own=None if head else found.own)
 
 
 def shipped_places(name: str) -> Places:
@@ -51,6 +59,7 @@ def _places(folder: Path, head: Path, embeddings: Path) -> Places:
         frames=frames if frames.is_file() else None,
         sprite=sheet if sheet.is_file() else None,
         pairs=folder / "pairs",
+        own=own_head() if head == default_head() else None,
     )
 
 
@@ -59,7 +68,7 @@ def head_names(where: Places) -> dict[str, Path]:
     names = {"": where.head}
     for folder in where.compare:
         name = folder.name or "head"
-        while name in names:
+        while name in names or name == OWN:
             name += "'"
         names[name] = folder
     return names

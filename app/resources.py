@@ -17,6 +17,7 @@ from app.limits import MAPPED_BYTES
 from app.places import Places, find_examples, head_names
 from app.scratch import Scratch
 from app.state import ForgottenError, Lazy, Recent, Ref, content_name
+from omnivat.head.heads import OWN
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -76,6 +77,8 @@ class Resources:
         self.heads: dict[str, Lazy[Head]] = {
             name: Lazy(partial(_load_head, folder)) for name, folder in self.folders.items()
         }
+        if where.own:
+            self.heads[OWN] = Lazy(partial(_load_head, where.own))
         self.head = self.heads[""]
         self.embeddings: Lazy[Embeddings] = Lazy(partial(_load_embeddings, where))
         self.drawn: Lazy[bool] = Lazy(lambda: _pairs_in(where.embeddings) > where.drawn)

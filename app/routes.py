@@ -56,6 +56,7 @@ DOWNLOADS: dict[str, Callable[[Resources, Mapping[str, Any]], bytes]] = {
 FACTS: dict[str, Callable[[Resources], Any]] = {
     "about": about.about,
     "fit": about.fit,
+    "own": about.own,
     "glossary": about.glossary,
     "heads": predictors.heads,
     "modes": modes,

@@ -3,7 +3,7 @@
 models.json              classes, orders and files of each head; rows of the examples
 NAME.onnx                a head (`omnivat/head/portable.py`); "first" is the page's own
 NAME-stages.onnx         its stages and trees for many pairs at one order
-familiarity, profile, …   of the first head, as its folder has them
+familiarity, profile, …   of the first head, as its folder has them; own-…: of that for own pictures
 set-N.safetensors        embeddings of PART pairs each, in half precision
 ../encoder-HASH.onnx     one file for all sets of that encoder
 
@@ -21,6 +21,7 @@ from app.resources import Resources
 from app.site_runtime import write_runtime
 from app.state import content_name
 from app.views.pair import token_names, trained_span
+from omnivat.head.heads import OWN
 from omnivat.kit.files import replacing, write_json
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.stages import IMAGES
@@ -28,6 +29,7 @@ from omnivat.kit.stages import IMAGES
 if TYPE_CHECKING:
     from omnivat.head.checkpoint import Head
 
+PARTED = ("", OWN)  # heads that are taught, and whose familiarity is told
 PART = 256  # pairs of one file of the set, 1.3 MB of the default encoder
 COPIED = (  # for familiarity, profiles, and saving a taught head
     "familiarity.safetensors",
@@ -82,8 +84,7 @@ def write_set(resources: Resources, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     first, embeddings = resources.head(), resources.embeddings()
     first.require_embeddings(embeddings)
-    files = {name: name or "first" for name in resources.folders}
-    index, of = training_pairs(resources)
+    files = {name: name or "first" for name in resources.heads}
     for start in range(0, len(embeddings), PART):
         rows = {
             n: np.asarray(getattr(embeddings, n)[start : start + PART]).astype(np.float16)
@@ -91,14 +92,15 @@ def write_set(resources: Resources, folder: Path) -> None:
         }
         with replacing(folder / f"set-{start // PART}.safetensors") as file:
             save_file(rows, file)
-    for name in COPIED:
-        if first.path and (first.path / name).is_file():
-            shutil.copyfile(first.path / name, folder / name)
+    heads = {name: _write_head(resources.head_named(name), folder, files[name]) for name in files}
+    for name, own in heads.items():
+        if name in PARTED:
+            head = resources.head_named(name)
+            index, of = training_pairs(resources, head)
+            own["parts"] = _copied(head, folder, name)
+            own["training"] = {"index": index.tolist(), "of": of}
     record = {
-        "heads": {
-            name: _write_head(resources.head_named(name), folder, file)
-            for name, file in files.items()
-        },
+        "heads": heads,
         "encoder": write_encoder(resources, folder.parent),
         "key": dict(first.encoder),
         "width": embeddings.width,
@@ -111,10 +113,18 @@ def write_set(resources: Resources, folder: Path) -> None:
             "domain": embeddings.domain.tolist(),
             "label": embeddings.label.tolist(),
         },
-        "training": {"index": index.tolist(), "of": of},
-        "has": [name.split(".")[0] for name in COPIED if (folder / name).is_file()],
     }
     write_json(folder / "models.json", record)
+
+
+def _copied(head: "Head", folder: Path, name: str) -> dict[str, str]:
+    """Copy the parts of a head's folder; return part -> file."""
+    found = {}
+    for file in COPIED:
+        if head.path and (head.path / file).is_file():
+            found[file.split(".")[0]] = copy = f"{name}-{file}" if name else file
+            shutil.copyfile(head.path / file, folder / copy)
+    return found
 
 
 def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
@@ -161,8 +171,10 @@ def _write_head(head: "Head", folder: Path, name: str) -> dict[str, Any]:
         "learned": model.order,
         "orders": {n: model.orders[n] for n in IMAGES},
         "span": trained_span(head),
+        "linear": bool(own.taught),
         "tokens": {n: token_names(model, n, count) for n, count in tokens.items()},
         "directions": model.directions().tolist(),
         "scale": own.logit_scale,
         "source": head.source,
+        "parts": {},
     }

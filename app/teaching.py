@@ -68,20 +68,20 @@ def taught_name(resources: Resources, question: Mapping[str, Any]) -> dict[str, 
     return {"taught": _name(question)}
 
 
-def head_taught(resources: Resources, name: str) -> "Head":
-    """Return the head of a name from `taught_name`; the first head for "". Raises ForgottenError
-    if it is not kept.
+def head_taught(resources: Resources, name: str, head: str = "") -> "Head":
+    """Return the head of a name from `taught_name`; the head named `head` for "". Raises
+    ForgottenError if it is not kept.
     """
-    head = resources.taught.get(name) if name else resources.head()
-    if head is None:
+    found = resources.taught.get(name) if name else resources.head_named(head)
+    if found is None:
         raise ForgottenError("The server no longer has the taught head; press Teach again.")
-    return head
+    return found
 
 
 def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Predict the visitor's labelled pairs before and after teaching.
 
-    question  {"lessons": […]}
+    question  {"lessons": […], "head": the head to teach, the first one if left out}
     return    `judged`: label, before, after of each pair, where "after" comes from a head taught
               from all other pairs; `right`: correct predictions before and after; `share` of the
               lessons alone in the taught head (omnivat/head/teach.py), and `parts`: right
@@ -91,7 +91,8 @@ def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """
     from omnivat.head.teach import judged
 
-    found = judged(resources.head(), _lessons(resources, lessons_in(question), question))
+    head = resources.head_named(question.get("head"))
+    found = judged(head, _lessons(resources, lessons_in(question), question))
     return {
         "judged": [{"label": j.label, "before": j.before, "after": j.after} for j in found.judged],
         "right": {"before": found.before, "after": found.after},
@@ -105,13 +106,14 @@ def familiar_lessons(resources: Resources, question: Mapping[str, Any]) -> "Fami
     """Return the pictures of a request's lessons as what others are compared with; None for fewer
     than two of a kind.
 
-    Their quantiles are the nearest cosines of each picture among the others.
+    They are taken before any profile; their quantiles are the nearest cosines of each among the
+    others.
     """
     import torch
 
-    from omnivat.head.calibration import Familiarity, nearest_cosine
+    from omnivat.head.calibration import Familiarity, nearest_cosines
 
-    lessons = _lessons(resources, lessons_in(question), question)
+    lessons = _lessons(resources, lessons_in(question), {})
     pictures = {
         name: [one for lesson in lessons if (one := getattr(lesson, name)) is not None]
         for name in IMAGES
@@ -119,7 +121,8 @@ def familiar_lessons(resources: Resources, question: Mapping[str, Any]) -> "Fami
     rows = {name: torch.cat(some) for name, some in pictures.items() if len(some) > 1}
     owners = {name: torch.arange(len(own)) for name, own in rows.items()}
     near = {
-        n: nearest_cosine(own, own, owners[n], owners[n]).sort().values for n, own in rows.items()
+        n: nearest_cosines(own, own, owners[n], owners[n]).mean(1).sort().values
+        for n, own in rows.items()
     }
     return Familiarity(rows=rows, quantiles=near) if rows else None
 

@@ -51,6 +51,7 @@ async def of_image(
         order=order_from(number_from(query.get("order"))),
         name=query.get("name", "")[:120] or "the image",
         taught=query.get("taught", ""),
+        head=query.get("head", ""),
         profile=query.get("profile", ""),
     )
     async with received(request, sets.shared.scratch, MAX_IMAGE_BYTES, "The image") as file:

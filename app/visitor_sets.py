@@ -100,7 +100,9 @@ class VisitorSets:
 
         def placed(folder: Path) -> Places:
             saved = save_head(folder / "head", head)
-            return self._alone(replace(base, head=saved, computed=folder, frames=None), folder)
+            return self._alone(
+                replace(base, head=saved, own=None, computed=folder, frames=None), folder
+            )
 
         return self._made(os.urandom(12).hex(), placed)
 
@@ -149,7 +151,7 @@ class VisitorSets:
             where = (
                 replace(where, compare=(*where.compare, head))
                 if compare
-                else replace(where, head=head)
+                else replace(where, head=head, own=None)
             )
         if SET in parts:
             sheet = folder / SHEET[0] if all(name in parts for name in SHEET) else None

@@ -43,6 +43,7 @@ def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
               "head": name of a comparison head, the first one if left out,
               "lessons": the visitor's labelled pairs, to predict by a head taught from them}
     return    classes, the learned order and the `span` of orders the head was trained for;
+              `linear`: whether linear maps decide, in which p has no part;
               `exact`: class probabilities of each reading at that order; `orders` and `stops`:
               the same at 101 orders, without branches; spectra
     """
@@ -63,6 +64,7 @@ def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
         "orders": list(STOPS),
         "learned": head.model.order,
         "span": trained_span(head),
+        "linear": bool(head.settings.taught),
         "stops": {name: rounded(readings[name][:-1]) for name in READINGS if name in readings},
         "exact": {
             "order": exact,
@@ -92,7 +94,12 @@ def many(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     with torch.inference_mode():
         known = known_to(resources, head, question)
         found = [
-            predict_one(head, embedded(resources, refs_from(one), question), known=known)
+            predict_one(
+                head,
+                embedded(resources, refs_from(one), question),
+                known=known,
+                before=embedded(resources, refs_from(one)),
+            )
             for one in given
         ]
     return {"classes": list(head.settings.classes), "pairs": found}

@@ -3,8 +3,9 @@
     python -m omnivat predict VIS TAC [VIS TAC ...] [--head DIR] [--order P] [--tac-rest FILE]
         [--profile FILE] [--json]
 
-Write "-" for a missing VIS or TAC. Of --pairs, pairs with an unreadable image are named on stderr
-and left out.
+Without --head, the head for one's own pictures predicts; with --order, in which that head has no
+part, the head of one domain. Write "-" for a missing VIS or TAC. Of --pairs, pairs with an
+unreadable image are named on stderr and left out.
 """
 
 import argparse
@@ -13,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.cli.arguments import as_json, download, passed, progress_bar, shared
+from omnivat.head.heads import default_head, own_head
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.progress import Step
 
@@ -25,6 +27,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("images", nargs="*", metavar="VIS TAC", help=text)
     parser.add_argument("--pairs", help="a folder or CSV of pairs, instead of single images")
     shared(parser, "head", "order", "tac_rest", "weights", "device", "json")
+    parser.set_defaults(head=None)
     parser.add_argument(
         "--profile", type=Path, metavar="FILE", help="profile of the sensor (`omnivat profile`)"
     )
@@ -56,7 +59,8 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.head.predict import predict_embeddings
     from omnivat.kit.devices import current, precise
 
-    head = load_head(options.head, dtype=precise(current()))
+    folder = options.head or (own_head() if options.order is None else default_head())
+    head = load_head(folder, dtype=precise(current()))
     profile = load_profile(options.profile) if options.profile else None
     rested = head.encoder["preprocessing"].endswith(RESTED)
     pairs = _pairs(options, _rest(options, rested))
@@ -85,7 +89,7 @@ def run(options: argparse.Namespace) -> None:
             predictions.append({"vis": vis and str(vis), "tac": tac and str(tac), **predicted})
     if not predictions:
         raise DataError(f"None of the {len(pairs)} pairs in '{options.pairs}' could be read.")
-    context = {"head": str(options.head), "source": head.source, "encoder": encoder.name}
+    context = {"head": str(folder), "source": head.source, "encoder": encoder.name}
     records = [predicted | context for predicted in predictions]
     if options.json:
         print(as_json(records[0] if len(records) == 1 and not options.pairs else records))

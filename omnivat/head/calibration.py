@@ -1,10 +1,11 @@
 """Calibration of a head's confidence, from held-out source pairs, and how familiar an image is.
 
 Familiarity is the distance of an image to the training images, relative to their own distances: the
-cosine in E, the encoder's space, to the nearest training image of the modality. A cosine alone
-means little, so it is compared with the training set: the cosine of each training image to the
-nearest image of another object. A quantile of 0.02 means that 98 % of the training images have a
-closer neighbour.
+mean cosine in E, the encoder's space, to the ten nearest training images of the modality. A cosine
+alone means little, so it is compared with the training set: the same of each training image, among
+images of other objects. A quantile of 0.02 means that 98 % of the training images have closer
+neighbours. An image is taken as it comes, before any profile: a profile of odd pictures would move
+them among the training images.
 """
 
 from collections.abc import Mapping, Sequence
@@ -94,6 +95,7 @@ def _exp(value: float) -> float:
 
 MOST_ROWS = 2000  # training images for each modality; bounds the file and the search
 QUANTILES = 101
+NEIGHBOURS = 10  # nearest images of a hundred or more; one of fewer than twenty
 CHUNK = 512
 UNLIKE = 0.05  # below this quantile a prediction is a guess; above it lies any ordinary rank
 WORDS = ((UNLIKE, "unlike the training images"), (2.0, "familiar"))
@@ -110,16 +112,17 @@ class Familiarity:
     labels: Tensor | None = None  # (N,) class indices of the head; None for an older head
 
     def look(self, vis: Tensor | None, tac: Tensor | None) -> list[dict[str, dict[str, Any]]]:
-        """Return one record for each pair: modality -> cosine, quantile in [0, 1] and words.
+        """Return one record for each pair: modality -> cosine to the nearest image, quantile in
+        [0, 1] and words.
 
-        vis, tac  (B, D) raw embeddings of the head's encoder; one may be None
+        vis, tac  (B, D) raw embeddings of the head's encoder, before any profile; one may be None
         """
         given = {n: x for n, x in (("vis", vis), ("tac", tac)) if x is not None and n in self.rows}
         found: list[dict[str, dict[str, Any]]] = [{} for _ in next(iter(given.values()), ())]
         for name, rows in given.items():
-            cosines = nearest_cosine(rows, self.rows[name])
-            places = quantile_of(cosines, self.quantiles[name])
-            for one, c, q in zip(found, cosines.tolist(), places.tolist(), strict=True):
+            cosines = nearest_cosines(rows, self.rows[name])
+            places = quantile_of(cosines.mean(1), self.quantiles[name])
+            for one, c, q in zip(found, cosines[:, 0].tolist(), places.tolist(), strict=True):
                 one[name] = {"cosine": round(c, 4), "quantile": round(q, 3), "words": words(q)}
         return found
 
@@ -151,7 +154,7 @@ def familiarity_of(
     return Familiarity(
         rows=rows,
         quantiles={
-            name: torch.quantile(nearest_cosine(x, x, owner, owner), levels)
+            name: torch.quantile(nearest_cosines(x, x, owner, owner).mean(1), levels)
             for name, x in rows.items()
         },
         lengths={name: x[::step].float().norm(dim=-1) for name, x in given.items()},
@@ -159,24 +162,26 @@ def familiarity_of(
     )
 
 
-def nearest_cosine(
+def nearest_cosines(
     rows: Tensor,
     reference: Tensor,
     owner: Tensor | None = None,
     reference_owner: Tensor | None = None,
 ) -> Tensor:
-    """Return (B,): the largest cosine of each row (B, D) with reference rows (N, D).
+    """Return (B, n): the largest cosines of each row (B, D) with reference rows (N, D), descending;
+    n is N / 10, at least 1 and at most NEIGHBOURS.
 
     owner, reference_owner  (B,), (N,) objects; rows of the same object are skipped
     """
     units = normalize(rows.float(), dim=-1)
     others = normalize(reference.float(), dim=-1)
-    found = units.new_zeros(len(units))
+    count = min(NEIGHBOURS, max(1, len(others) // 10))
+    found = units.new_zeros(len(units), count)
     for part in torch.arange(len(units)).split(CHUNK):
         cosines = units[part] @ others.T
         if owner is not None and reference_owner is not None:
             cosines = cosines.masked_fill(owner[part, None] == reference_owner[None], -1.0)
-        found[part] = cosines.amax(1)
+        found[part] = cosines.topk(count, dim=1).values
     return found
 
 

@@ -21,6 +21,8 @@ EXAMPLES = _examples()
 
 LADDERS = EXAMPLES / "records" / "ladder.jsonl.gz"  # of `python -m benchmarks.ladder`
 
+OWN = "own"  # the name of the head for one's own pictures
+
 # Sets of the project: name -> folder of their frames and head, and embeddings file
 SHIPPED = {
     "sensors": (EXAMPLES, EXAMPLES / "simulated.safetensors"),
@@ -46,13 +48,16 @@ def own_head() -> Path:
     """Return the folder of the head for one's own pictures: it learned from all simulated
     domains.
     """
-    return EXAMPLES / "own"
+    return EXAMPLES / OWN
 
 
 def head_named(text: str) -> Path:
-    """Return the folder of a head; "own" is the project's head for one's own pictures."""
+    """Return the folder of a head; "own" is the project's head for one's own pictures, "head"
+    that of one domain.
+    """
     folder = Path(text)
-    return own_head() if text == "own" and not folder.is_dir() else folder
+    shipped = {OWN: own_head(), "head": default_head()}
+    return folder if folder.is_dir() else shipped.get(text, folder)
 
 
 def default_embeddings() -> Path:

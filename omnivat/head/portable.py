@@ -31,6 +31,9 @@ OUTPUTS = (
 )
 
 
+DECIDED = ("fused", *IMAGES, *IMAGES)  # readings of a taught head: a branch is what one image adds
+
+
 class _Portable(nn.Module):
     def __init__(self, model: nn.Module) -> None:
         super().__init__()
@@ -71,6 +74,8 @@ class PortableHead(_Portable):
             for name, one in zip(IMAGES, alone, strict=True)
         ]
         readings += [tempered(one, scale["fused"]) for one in branches.values()]
+        if taught := head.taught_logits(raw):  # linear maps decide, at every order alike
+            readings = [taught[name].softmax(-1).expand(orders.shape[1], -1) for name in DECIDED]
         rest = []
         for name, hat, one in zip(IMAGES, hats, alone, strict=True):
             parts, weights = found[name].parts, found[name].weights

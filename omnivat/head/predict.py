@@ -38,6 +38,7 @@ def predict_embeddings(
     >>> list(predict_embeddings(head, None, tac)[0]["modalities"])  # touch alone
     ['tac']
     """
+    looked = head.familiarity.look(vis, tac) if head.familiarity else None
     if profile is not None:
         vis, tac = (
             x if x is None else head.moved(name, x, profile)
@@ -47,7 +48,6 @@ def predict_embeddings(
     readings = head.model(*given, order=optional_order(order)).readings
     found = {name: values.cpu() for name, values in readings.items()}
     classes, fused = head.settings.classes, found["fused"]
-    looked = head.familiarity.look(vis, tac) if head.familiarity else None
 
     def named(row: int, ending: str = "") -> dict[str, dict[str, float]]:
         own = {

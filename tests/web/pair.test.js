@@ -9,10 +9,12 @@ import { recorded } from "../../app/web/pair/live.js";
 import { csv } from "../../app/web/pair/many.js";
 import { named, paired } from "../../app/web/pair/pairing.js";
 import { about } from "../../app/web/pair/rasters.js";
+import { atChance, readerHtml } from "../../app/web/pair/reader.js";
 import { isOwn, keyOf, lessonsFor, missing, mixed, tally, withoutPair, withPair } from "../../app/web/pair/tally.js";
 import { cards, classTable, judged, madeOf, sentence, swapHtml } from "../../app/web/pair/verdict.js";
 import { aboutP, band } from "../../app/web/pair/what-if.js";
 import { changed, told } from "../../app/web/pair/where.js";
+import { readerOf, visit } from "../../app/web/shared/api.js";
 import { cells } from "../../app/web/shared/csv.js";
 
 const CLASSES = ["wood", "steel"];
@@ -214,8 +216,9 @@ test("the band is what the head was trained for", () => {
   assert.deepEqual(band([0.01, 0.01], [-0.02, 0.04]), [0, 0.04]);
   assert.equal(band([0.5, 0.5], null), null);
   assert.deepEqual(band([0, 1], null), [0, 1]);
-  assert.match(aboutP(0.5, [0.5, 0.5], CLASSES), /guessing \(50/);
-  assert.match(aboutP(0.5, [0, 1], CLASSES), /trained for every p/);
+  assert.match(aboutP({ learned: 0.5, span: [0.5, 0.5], classes: CLASSES }), /guessing \(50/);
+  assert.match(aboutP({ learned: 0.5, span: [0, 1], classes: CLASSES }), /trained for every p/);
+  assert.match(aboutP({ learned: 0.5, span: [0.5, 0.5], classes: CLASSES, linear: true }), /no part/);
 });
 
 test("a frame unlike the rest picture by more than its noise is a contact", () => {
@@ -247,4 +250,34 @@ test("a recording is a folder of pairs and a table", async () => {
     files.map(([name]) => name),
     ["recording/My sensor/a_b/0_vis.jpg", "recording/My sensor/a_b/0_tac.jpg", "recording/pairs.csv"],
   );
+});
+
+const SHARES = { fused: 0.7, vis: 0.5, tac: 0.6 };
+const FACTS = {
+  left_out: { 0: SHARES, 20: { ...SHARES, fused: 0.75 } },
+  real: {
+    pairs: 30,
+    always: 10,
+    "as they come": { fused: 9, vis: 9, tac: 3 },
+    profile: { fused: 13, vis: 15, tac: 5 },
+  },
+};
+
+test("own pictures are read by the head for them, and nothing else is", () => {
+  visit.head = "own";
+  assert.equal(readerOf({ vis: "image:a", tac: "image:b" }), "own");
+  assert.equal(readerOf({ pairs: [{ vis: "image:a", tac: null }] }), "own");
+  assert.equal(readerOf({ vis: "image:a", tac: "row:3" }), "");
+  assert.equal(readerOf({ vis: "row:3", tac: "row:3" }), "");
+  assert.equal(readerOf({ vis: "row:3", lessons: [{ vis: "image:a", tac: "image:b" }] }), "own"); // it is what was taught
+  visit.head = "";
+  assert.equal(readerOf({ vis: "image:a" }), "");
+});
+
+test("the page says what pictures without labels bring, and where touch is at chance", () => {
+  assert.deepEqual(atChance(FACTS), ["tac"]);
+  const html = readerHtml(FACTS, true, "A");
+  assert.match(html, /bring 5\.0 points/);
+  assert.match(html, /touch is at chance/);
+  assert.match(readerHtml(FACTS, false, "A"), /learned from A alone/);
 });

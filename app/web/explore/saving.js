@@ -1,10 +1,10 @@
 /** The Save menu: the map as a picture, points as a table, a link to the view. */
 
-import { attempt, inSet, refused } from "../shared/api.js";
+import { attempt, inSet, made, refused } from "../shared/api.js";
 import { orderText } from "../shared/frames.js";
 import { axisNames } from "../shared/marks.js";
 import { colouring } from "../shared/palette.js";
-import { made, save } from "../shared/save.js";
+import { save } from "../shared/save.js";
 import { stageNamed } from "../shared/stages.js";
 import { state } from "../shared/store.js";
 import { modeOf } from "../shared/tables.js";

@@ -1,6 +1,6 @@
 /** Live: photo and touch together; the newest frames are sent as soon as the server has replied. */
 
-import { askOfImage, refused } from "../shared/api.js";
+import { askOfImage, refused, visit } from "../shared/api.js";
 import { csv } from "../shared/csv.js";
 import { IMAGES, imagesOf } from "../shared/images.js";
 import { save } from "../shared/save.js";
@@ -135,6 +135,7 @@ export class Live extends View {
         modality: there.length > 1 ? "both" : there[0].modality,
         split: there.length > 1 ? blobs[0].size : 0,
         taught: await this.on.taught(number <= AT_ONCE),
+        head: visit.head,
       };
       const answer = await askOfImage("live", new Blob(blobs), question);
       if (this.run !== mine || number < mine.shown) continue;

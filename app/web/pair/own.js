@@ -1,10 +1,10 @@
 /** The visitor's own pairs: labels, a running count, and teaching the head. */
 
-import { ask, attempt, bytesOf, visit } from "../shared/api.js";
+import { ask, attempt, bytesOf, made, visit } from "../shared/api.js";
 import { loaded } from "../shared/facts.js";
 import { IMAGES } from "../shared/images.js";
 import { provenance } from "../shared/provenance.js";
-import { made, save } from "../shared/save.js";
+import { save } from "../shared/save.js";
 import { escaped, row, table } from "../shared/text.js";
 import { onClick, View } from "../shared/view.js";
 import { isOwn, keyOf, lessonsFor, missing, tally, withoutPair, withPair } from "./tally.js";
@@ -19,9 +19,9 @@ export class OwnPairs extends View {
     this.onAgain = onAgain;
     this.onLabel = onLabel;
     this.pairs = [];
-    this.source = "its own training pairs";
+    this.learned = "its own training pairs";
     loaded().then(
-      ({ head }) => (this.source = head.provenance?.source ?? this.source),
+      ({ head }) => (this.learned = head.provenance?.source ?? this.learned),
       () => {}, // the page itself reports a lost set
     );
     this.report = null; // result of teaching
@@ -53,6 +53,11 @@ export class OwnPairs extends View {
   lessons(now) {
     const lessons = this.inUse ? lessonsFor(this.pairs, now) : [];
     return lessons.length ? { lessons } : {};
+  }
+
+  /** What the head that reads own pictures learned from. */
+  get source() {
+    return visit.head ? "all simulated sensors" : this.learned;
   }
 
   labelOf(pair) {

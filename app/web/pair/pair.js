@@ -1,6 +1,6 @@
 /** Try a pair: choose two images, see the prediction and its reliability. */
 
-import { ask, attempt, isCancelled, json, refused } from "../shared/api.js";
+import { ask, attempt, isCancelled, json, readerOf, refused, visit } from "../shared/api.js";
 import { ladder, loaded } from "../shared/facts.js";
 import { needsHead } from "../shared/headless.js";
 import { headLabel, heads } from "../shared/headsets.js";
@@ -18,6 +18,7 @@ import { Many } from "./many.js";
 import { pairMap } from "./on-map.js";
 import { OwnPairs } from "./own.js";
 import { chosenFiles, droppedFiles, Known, takeLinked } from "./own-pictures.js";
+import { readerHtml } from "./reader.js";
 import { madeOf as profileOf, Sensor } from "./sensor.js";
 import { Gallery, slots } from "./slots.js";
 import { lineHtml, nextStep, stepOf } from "./steps.js";
@@ -35,6 +36,8 @@ import {
 } from "./verdict.js";
 import { WhatIf } from "./what-if.js";
 
+const OWN = "own"; // the server's name of the head for own pictures
+
 export async function start(root) {
   if (await needsHead(root)) return;
   let problem = "";
@@ -42,18 +45,21 @@ export async function start(root) {
     refused(error, (sentence) => (problem = sentence));
     return [];
   };
-  const [examples, set, found, unlinked] = await Promise.all([
+  const [examples, set, found, unlinked, facts] = await Promise.all([
     json("examples").catch(() => []),
     theSetSoon(),
     heads().catch(told),
     takeLinked(),
+    json("own").catch(told),
   ]);
+  if (facts.left_out) visit.head = OWN;
   const tab = new PairTab(
     root,
     examples,
     set,
     found.filter((one) => one.name && !one.problem),
     unlinked,
+    facts,
   );
   set.later?.then((late) => tab.adopt(late));
   if (!problem) return;
@@ -62,8 +68,9 @@ export async function start(root) {
 }
 
 class PairTab extends View {
-  constructor(root, examples, set, rivals, unlinked) {
+  constructor(root, examples, set, rivals, unlinked, facts) {
     super(root);
+    this.facts = facts; // of the head for own pictures; {} without one
     this.unlinked = unlinked; // what the address named and could not be had, until another pair is chosen
     this.examples = examples;
     this.set = set;
@@ -151,6 +158,7 @@ class PairTab extends View {
       "[data-pair]": ({ dataset: { pair } }) => change({ pin: +pair, vis: `row:${pair}`, tac: `row:${pair}` }),
       ".swap": () => change({ vis: state.tac, tac: state.vis }),
     });
+    onClick(this.$(".reader"), { ".reader-switch": () => this.switchReader() });
     onClick(this.$(".started"), { button: () => change(this.before) });
     onClick(this.$(".profile-now"), { button: () => this.sensor.use("", null) });
     this.box.ondragover = (event) => event.preventDefault();
@@ -197,7 +205,29 @@ class PairTab extends View {
     if (!this.many) return; // not all parts are there yet
     const { pairs, report, inUse: used } = this.own;
     const at = stepOf({ dropped: this.many.rows.length > 0 || isOwn(this.pair), pairs, report, used });
-    fill(this.$(".line"), lineHtml(at, nextStep(at, { pairs, report, counts: this.sensor?.counts }, this.rungs)));
+    fill(
+      this.$(".line"),
+      lineHtml(
+        at,
+        nextStep(at, { pairs, report, counts: this.sensor?.counts, reader: visit.head && this.facts }, this.rungs),
+      ),
+    );
+  }
+
+  /** Own pictures are read by the head for them, or by that of the chapters; what was taught to one is not the other's. */
+  switchReader() {
+    visit.head = visit.head ? "" : OWN;
+    this.own.changed(this.own.pairs);
+    this.ask();
+    this.many.again();
+  }
+
+  /** Which head has read an own pair. */
+  showReader() {
+    this.$(".reader").hidden = !this.facts.left_out || !isOwn(this.pair) || this.own.inUse;
+    if (this.$(".reader").hidden) return;
+    const used = Boolean(readerOf(this.pair));
+    this.$(".reader").innerHTML = readerHtml(this.facts, used, this.own.learned);
   }
 
   /** A profile that acts on every prediction of own pictures is named beside them, and can be taken away. */
@@ -260,7 +290,7 @@ class PairTab extends View {
   /** Results after the first prediction: familiarity, other heads, the place on the map. */
   async askMore(signal) {
     const { pair } = this;
-    this.onMap?.(pair, this.answer.learned);
+    this.onMap?.(pair, this.orderShown());
     const quietly = (asked) =>
       asked.catch((error) => {
         if (isCancelled(error)) throw error;
@@ -287,8 +317,14 @@ class PairTab extends View {
     this.$(".rivals").innerHTML = found.length ? rivalsHtml(this.answer, labelled, this.familiar?.images) : "";
   }
 
+  /** The order of the map: that of the head which it shows, if linear maps have decided. */
+  orderShown() {
+    return this.answer.linear ? null : this.answer.learned;
+  }
+
   showAnswer(question) {
     this.showVerdict();
+    this.showReader();
     this.sensor.compare();
     this.own.show(this.pair, this.answer.classes, (pair) => this.known.name(pair));
     this.whatIf.show(this.answer, question);
@@ -304,7 +340,7 @@ class PairTab extends View {
       ? '<p class="made-of">Two pictures of different pairs: not counted, not taught.</p>'
       : "";
     this.$(".verdict").innerHTML = `${taught}${madeOf(truths) || mix}${cards(this.answer, this.familiar, truths)}
-      <details class="all-classes"><summary>Every class</summary><div class="bars">${classTable(this.answer.classes, this.answer.exact.readings, this.familiar?.images)}</div><p class="hint">At the learned p = ${this.answer.learned.toFixed(4)}.</p></details>`;
+      <details class="all-classes"><summary>Every class</summary><div class="bars">${classTable(this.answer.classes, this.answer.exact.readings, this.familiar?.images)}</div><p class="hint">${this.answer.linear ? "By linear maps, in which p has no part." : `At the learned p = ${this.answer.learned.toFixed(4)}.`}</p></details>`;
     this.$(".all-classes").open = this.allClasses ?? false;
     this.$(".all-classes").ontoggle = (event) => (this.allClasses = event.target.open);
   }
@@ -334,7 +370,7 @@ class PairTab extends View {
   empty() {
     this.answer = null;
     this.say("Choose a pair to see the prediction. One image is enough.");
-    for (const name of [".familiar", ".rivals"]) this.$(name).hidden = true;
+    for (const name of [".familiar", ".rivals", ".reader"]) this.$(name).hidden = true;
     this.own.show(this.pair);
     this.whatIf.show(null);
   }
@@ -349,7 +385,7 @@ class PairTab extends View {
     if (this.answer) {
       this.showFamiliar();
       this.showVerdict();
-      this.onMap?.(this.pair, this.answer.learned);
+      this.onMap?.(this.pair, this.orderShown());
     }
     if (!this.unlinked) somePair(this.examples, late.frames);
   }

@@ -1,10 +1,10 @@
 /** My sensor: a profile of unlabelled pictures; predictions, familiarity and the map then follow it. */
 
-import { ask, attempt, get, refused, visit } from "../shared/api.js";
+import { ask, attempt, get, made, refused, visit } from "../shared/api.js";
 import { loaded } from "../shared/facts.js";
 import { OTHER } from "../shared/images.js";
 import { keep, kept } from "../shared/memory.js";
-import { made, save } from "../shared/save.js";
+import { save } from "../shared/save.js";
 import { base64, bytesOf, escaped, row, table } from "../shared/text.js";
 import { onClick, View } from "../shared/view.js";
 import { chosenFiles, upload } from "./own-pictures.js";
@@ -67,7 +67,7 @@ export class Sensor extends View {
     const { counts, box } = this;
     const rest = box.querySelector("select")?.value ?? "tac";
     const option = (name) => `<option value="${name}"${rest === name ? " selected" : ""}>${TERMS[name].many}</option>`;
-    box.innerHTML = `<h3>My sensor</h3><p class="hint">${counts ? `In use: profile of ${madeOf(counts)}. Check it with labelled pairs: it also turns guesses into figures.` : "5 to 50 pictures, no labels."}</p>
+    box.innerHTML = `<h3>My sensor</h3><p class="hint">${counts ? `In use: profile of ${madeOf(counts)}. Check it with labelled pairs.` : "5 to 50 pictures, no labels."}</p>
       <div class="row"><label class="choose">Pictures<input type="file" multiple></label><label class="choose">Folder<input type="file" webkitdirectory multiple></label>${counts ? '<button type="button" class="save">Save</button><button type="button" class="off">Stop using it</button>' : '<label class="choose">Load<input type="file" class="load" accept=".safetensors"></label>'}</div>
       <details><summary>Names</summary><label>Pictures not named vis or tac are <select>${option("tac")}${option("vis")}</select></label></details>
       <p class="hint" role="status">${escaped(this.note)}</p><div class="compared"></div>`;

@@ -2,6 +2,7 @@
 
 import { TABLES } from "../shared/tables.js";
 import { each, escaped, percent } from "../shared/text.js";
+import { gainOf } from "./reader.js";
 import { missing } from "./tally.js";
 
 const STEPS = ["Drop", "See", "Label", "Teach", "Use", "Save"];
@@ -16,8 +17,9 @@ export function stepOf({ dropped, pairs, report, used }) {
   return 0;
 }
 
-/** What the next step is and what it brings, in a sentence. rungs: of the ladder, measured on simulated sensors. */
-export function nextStep(at, { pairs, report, counts }, rungs) {
+/** What the next step is and what it brings, in a sentence. reader: facts of the head for own pictures, if it reads;
+ * rungs: of the ladder, measured on simulated sensors. */
+export function nextStep(at, { pairs, report, counts, reader = null }, rungs) {
   const of = (id) => rungs.find(({ rung }) => rung === id)?.accuracy;
   const gains = TABLES.rungs
     .filter(({ step, id }) => step === at && Number.isFinite(of(id) - of("none")))
@@ -26,7 +28,7 @@ export function nextStep(at, { pairs, report, counts }, rungs) {
   if (at === 0)
     return "Drop photos, touches, a folder or a CSV anywhere here. As they come, expect guesses: the head has not seen your sensor.";
   if (at === 2 && !pairs.length && !counts)
-    return `Label two pairs of each of two classes. Or make a profile of pictures without labels.${points}`;
+    return `Label two pairs of each of two classes. Or make a profile of pictures without labels.${reader ? ` ${gainOf(reader)}` : points}`;
   if (at === 2) return missing(pairs) || "Label two pairs of each of two classes, and teach the head.";
   if (at === 3) return `Teach it your ${pairs.length} pairs.${points}`;
   const { right, judged } = report;

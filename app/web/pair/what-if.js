@@ -52,7 +52,7 @@ export class WhatIf extends View {
     if (state.p === null) state.p = answer.learned;
     this.bar.replace(scale(answer));
     this.bar.learned(answer.learned);
-    this.$(".about-p").textContent = aboutP(answer.learned, answer.span, answer.classes);
+    this.$(".about-p").textContent = aboutP(answer);
     this.paint();
   }
 
@@ -134,7 +134,8 @@ export function band(span, fits) {
 }
 
 /** The meaning of moving p for this head. */
-export function aboutP(learned, span, classes) {
+export function aboutP({ learned, span, classes, linear }) {
+  if (linear) return "Linear maps of the embeddings decide here, and p has no part in them: every curve is flat.";
   const chance = percent(1 / classes.length);
   if (span[1] > span[0]) {
     return `This head was trained for every p from ${span[0].toFixed(2)} to ${span[1].toFixed(2)} (shaded).`;

@@ -1,6 +1,6 @@
 /** Tint the parts of an image that the prediction depends on. */
 
-import { askOfImage, bytesOf, Refusal, refused } from "../shared/api.js";
+import { askOfImage, bytesOf, Refusal, readerOf, refused } from "../shared/api.js";
 import { paintCells } from "../shared/canvas.js";
 import { OTHER } from "../shared/images.js";
 import { state } from "../shared/store.js";
@@ -23,7 +23,7 @@ export async function where(slot, own, onProblem) {
     if (!blob) throw new Refusal("The server keeps no images. Choose this file again.");
     const other = state[OTHER[modality]];
     const taught = await taughtBy(own);
-    const found = await askOfImage("occlusion", blob, { modality, other, order: null, taught });
+    const found = await askOfImage("occlusion", blob, { modality, other, order: null, taught, head: readerOf(state) });
     picture.querySelector("canvas")?.remove();
     const changes = changed(found.drops);
     picture.classList.toggle("seen", changes.any);

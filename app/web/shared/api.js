@@ -93,8 +93,25 @@ export const isForgotten = (error) => error instanceof Refusal && error.status =
 /** Whether a request was cancelled. */
 export const isCancelled = (error) => error instanceof Error && error.name === "AbortError";
 
-/** The profile of this visitor's sensor, which predictions follow; `renew` sends it to a server that has lost it. */
-export const visit = { profile: "", renew: async () => false };
+/** The profile of this visitor's sensor, which predictions follow; `renew` sends it to a server that has lost it;
+ * `head` reads the visitor's own pictures, "" is the first one. */
+export const visit = { profile: "", head: "", renew: async () => false };
+const READ = new Set(["pair", "many", "attention", "familiar", "teach", "taught", "save/head"]); // by that head
+
+/** The head that reads the pictures of a question, or learns from its lessons: another one only if all are own.
+ * @param {any} question */
+export function readerOf({ lessons = [], pairs = [], vis, tac }) {
+  const refs = (lessons.length ? lessons : [{ vis, tac }, ...pairs]).flatMap((one) =>
+    [one.vis ?? [], one.tac ?? []].flat(),
+  );
+  return refs.length && refs.every((ref) => ref.startsWith("image:")) ? visit.head : "";
+}
+
+/** A question with the visitor's profile, and with the head that reads it. */
+function whole(path, question) {
+  const head = READ.has(path) ? readerOf(question) : "";
+  return { ...(visit.profile && { profile: visit.profile }), ...(head && { head }), ...question };
+}
 
 /** Send a request; if the server has lost an uploaded image or the profile, send that again first. */
 export const ask = (path, question, signal) => awaited(answered(path, question, signal));
@@ -102,7 +119,7 @@ export const ask = (path, question, signal) => awaited(answered(path, question, 
 async function answered(path, question, signal) {
   const headers = { "Content-Type": "application/json" };
   const send = async () => {
-    const body = JSON.stringify(visit.profile ? { profile: visit.profile, ...question } : question);
+    const body = JSON.stringify(whole(path, question));
     return inJson(get(path, { method: "POST", body, headers, signal }));
   };
   try {
@@ -133,14 +150,26 @@ export async function bytesOf(ref, modality) {
 }
 
 /** Send an image with a request: "occlusion" or "live"; `taught` names a taught head. */
-export async function askOfImage(what, blob, { modality, other = null, order = null, taught = "", split = 0 }) {
+export async function askOfImage(
+  what,
+  blob,
+  { modality, other = null, order = null, taught = "", split = 0, head = "" },
+) {
   const query = new URLSearchParams({ modality });
   if (Number.isFinite(order)) query.set("order", String(order));
   if (other) query.set("other", other);
   if (split) query.set("split", String(split));
   if (taught) query.set("taught", taught);
+  if (head) query.set("head", head);
   if (visit.profile) query.set("profile", visit.profile);
   return awaited(inJson(get(`${what}?${query}`, { method: "POST", body: blob })));
+}
+
+/** A file that the server makes of a question. Throws a Refusal. */
+export function made(path, question) {
+  const headers = { "Content-Type": "application/json" };
+  const reply = get(path, { method: "POST", body: JSON.stringify(whole(path, question)), headers });
+  return awaited(reply.then((response) => response.blob()));
 }
 
 /** Upload one file of a head or set; returns its name for `loadParts`. */

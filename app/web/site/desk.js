@@ -9,6 +9,7 @@ import { dot, rounded, rowOf, unit } from "./tensors.js";
 const READINGS = ["fused", "vis", "tac", "vis_branch", "tac_branch"];
 const UNLIKE = 0.05; // below this quantile a prediction is a guess
 const KEPT = 512;
+const NEIGHBOURS = 10; // nearest images of a hundred or more
 
 /** What this visitor has given to one set: pictures, profiles, lessons. Nothing leaves the browser. */
 export class Desk {
@@ -64,7 +65,7 @@ export async function embedding(desk, ref, modality, question) {
 export async function movedBy(desk, question, modality, row) {
   const profile = profileIn(desk, question);
   if (!profile?.channels[modality]) return row;
-  const { channels, step } = await sourceProfile(desk);
+  const { channels, step } = await sourceProfile(desk, question.head);
   return moved(row, profile.channels[modality], channels[modality], step);
 }
 
@@ -75,11 +76,10 @@ export function profileIn(desk, { profile }) {
   return found;
 }
 
-export async function sourceProfile(desk) {
-  const { has } = await desk.models.about();
-  if (!has.includes("profile"))
-    throw new Refused("This head has no profile of its source, so no sensor's profile can be matched to it.");
-  return profileFrom(await desk.models.file("profile.safetensors"));
+export async function sourceProfile(desk, head = "") {
+  const file = await desk.models.part(head, "profile");
+  if (!file) throw new Refused("This head has no profile of its source, so no sensor's profile can be matched to it.");
+  return profileFrom(file);
 }
 
 /** Both embeddings of a question's pair; null for a missing image. */
@@ -110,11 +110,10 @@ export async function classroom(desk, head, question) {
   const lessons = await Promise.all(
     lessonsIn(question).map(async (one) => ({
       label: one.label.trim(),
-      pair: await pairOf(desk, { ...one, profile: question.profile }),
+      pair: await pairOf(desk, { ...question, ...one }),
     })),
   );
-  const { has } = await desk.models.about();
-  const known = has.includes("familiarity") ? await desk.models.file("familiarity.safetensors") : null;
+  const known = await desk.models.part(question.head, "familiarity");
   const run = (pair, other = head) => desk.models.run(other, pair, [learned(head)]);
   return { head, lessons, known, run };
 }
@@ -133,24 +132,32 @@ export function readingsOf(head, out, stop, pair) {
 export const roundedAll = (readings) =>
   Object.fromEntries(Object.entries(readings).map(([name, row]) => [name, rounded(row)]));
 
-/** Readings at the learned order, and the familiarity of each image. */
-export async function predictOne(desk, head, rows, /** @type {number | null} */ order = null, question = {}) {
+/** Readings at the learned order, and the familiarity of each image. before: the pair before any profile. */
+export async function predictOne(
+  desk,
+  head,
+  rows,
+  /** @type {{before?: any, order?: number | null, question?: any}} */ {
+    before = rows,
+    order = null,
+    question = {},
+  } = {},
+) {
   const orders = order === null ? learned(head) : [order, order];
   const out = await desk.models.run(head, rows, [orders]);
-  return { readings: roundedAll(readingsOf(head, out, 0, rows)), images: await lookedAt(desk, rows, question) };
+  return { readings: roundedAll(readingsOf(head, out, 0, rows)), images: await lookedAt(desk, before, question) };
 }
 
 /** What images are compared with, by modality: {rows, quantiles}, of the lessons of a question or the training. */
 async function knownTo(desk, question) {
   const lessons = lessonsIn(question);
-  const pairs = await Promise.all(lessons.map((one) => pairOf(desk, { ...one, profile: question.profile })));
+  const pairs = await Promise.all(lessons.map((one) => pairOf(desk, one))); // before any profile
   const own = IMAGES.map((name) => [name, pairs.flatMap((pair) => (pair[name] ? [unit(pair[name])] : []))]);
   const several = own.filter(([, rows]) => rows.length > 1);
   if (several.length)
     return Object.fromEntries(several.map(([name, rows]) => [name, { rows, quantiles: nearestOf(rows) }]));
-  const { has } = await desk.models.about();
-  if (!has.includes("familiarity")) return {};
-  const known = await desk.models.file("familiarity.safetensors");
+  const known = await desk.models.part(question.head, "familiarity");
+  if (!known) return {};
   const there = IMAGES.filter((name) => known[name]);
   const rowsOf = (all) => Array.from({ length: all.shape[0] }, (_, i) => unit(rowOf(all, i)));
   return Object.fromEntries(
@@ -158,9 +165,19 @@ async function knownTo(desk, question) {
   );
 }
 
-/** The nearest cosine of each row among the others, ascending. */
+/** The largest cosines, ascending: N / 10 of N, at least 1 and at most NEIGHBOURS. */
+function nearestCosines(cosines) {
+  const count = Math.min(NEIGHBOURS, Math.max(1, Math.floor(cosines.length / 10)));
+  return Float64Array.from(cosines).sort().subarray(-count);
+}
+
+const mean = (values) => values.reduce((total, one) => total + one, 0) / values.length;
+
+/** The same of each row among the others, ascending. */
 const nearestOf = (rows) =>
-  rows.map((row, i) => Math.max(...rows.map((other, j) => (i === j ? -1 : dot(row, other))))).sort((a, b) => a - b);
+  rows
+    .map((row, i) => mean(nearestCosines(rows.map((other, j) => (i === j ? -1 : dot(row, other))))))
+    .sort((a, b) => a - b);
 
 /** Cosine to the nearest known image of each modality, its place among the known images, and words. */
 export async function lookedAt(desk, rows, question = {}) {
@@ -168,8 +185,9 @@ export async function lookedAt(desk, rows, question = {}) {
   const found = {};
   for (const name of IMAGES.filter((one) => rows[one] && known[one])) {
     const query = unit(rows[name]);
-    const cosine = known[name].rows.reduce((most, row) => Math.max(most, dot(query, row)), -1);
-    const quantile = quantileOf(cosine, known[name].quantiles);
+    const near = nearestCosines(known[name].rows.map((row) => dot(query, row)));
+    const cosine = near[near.length - 1];
+    const quantile = quantileOf(mean(near), known[name].quantiles);
     const guess = quantile < UNLIKE;
     const words = guess ? "unlike the training images" : "familiar";
     found[name] = { cosine: rounded([cosine], 4)[0], quantile: rounded([quantile], 3)[0], words, guess };

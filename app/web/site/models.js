@@ -79,6 +79,12 @@ export class Models {
     return { ...found, name: name ?? "", url: new URL(found.file, this.folder) };
   }
 
+  /** The tensors of a part of a head's folder, "familiarity" or "profile"; null without it. */
+  async part(name, part) {
+    const { parts } = await this.head(name);
+    return parts[part] ? this.file(parts[part]) : null;
+  }
+
   /** Run a head on one pair of embeddings, a missing one null, at several orders of VIS and of TAC. */
   async run(head, { vis, tac }, orders) {
     const { Tensor } = await this.runtime();

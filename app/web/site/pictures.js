@@ -70,17 +70,19 @@ async function asked(desk, query) {
   if (!["vis", "tac", "both"].includes(modality))
     throw new Refused(`modality is '${modality.slice(0, 20)}'; it is vis, tac or both.`);
   const name = query.get("taught") ?? "";
-  const head = name ? desk.taught.get(name) : await desk.models.head();
+  const reader = query.get("head") ?? "";
+  const head = name ? desk.taught.get(name) : await desk.models.head(reader);
   if (!head) throw new Refused("The page no longer has the taught head; press Teach again.", 410);
   const profile = query.get("profile") ?? "";
   const rest = OTHER[modality];
-  const other = rest && query.get("other") ? await embedding(desk, query.get("other"), rest, { profile }) : null;
-  return { modality, head, order: orderIn(query.get("order")), profile, rest, other };
+  const other =
+    rest && query.get("other") ? await embedding(desk, query.get("other"), rest, { profile, head: reader }) : null;
+  return { modality, head, order: orderIn(query.get("order")), asked: { profile, head: reader }, rest, other };
 }
 
 async function live(desk, { body, query }) {
   const began = performance.now();
-  const { modality, head, order, profile, rest, other } = await asked(desk, query);
+  const { modality, head, order, asked: question, rest, other } = await asked(desk, query);
   const split = Number(query.get("split"));
   if (modality === "both" && !(split > 0 && split < body.length))
     throw new Refused(`split is ${split}; give the bytes of the photo, before those of the touch.`);
@@ -91,11 +93,18 @@ async function live(desk, { body, query }) {
   const read = performance.now();
   /** @type {Record<string, any>} */
   const rows = { vis: null, tac: null };
-  for (const [name, one] of Object.entries(pictures))
-    rows[name] = await movedBy(desk, { profile }, name, await desk.models.encoded(one));
+  /** @type {Record<string, any>} */
+  const before = { vis: null, tac: null };
+  for (const [name, one] of Object.entries(pictures)) {
+    before[name] = await desk.models.encoded(one);
+    rows[name] = await movedBy(desk, question, name, before[name]);
+  }
   const embedded = performance.now();
-  if (other) rows[rest] = other;
-  const found = await predictOne(desk, head, rows, order);
+  if (other) {
+    rows[rest] = other;
+    before[rest] = await embedding(desk, query.get("other"), rest, {});
+  }
+  const found = await predictOne(desk, head, rows, { before, order, question });
   const ms = { read: read - began, encoder: embedded - read, head: performance.now() - embedded };
   return {
     classes: head.classes,
@@ -106,7 +115,7 @@ async function live(desk, { body, query }) {
 
 /** Hide each part of a picture in turn, and predict again. */
 async function occlusion(desk, { body, query, stopped }) {
-  const { modality, head, order, profile, rest, other } = await asked(desk, query);
+  const { modality, head, order, asked: question, rest, other } = await asked(desk, query);
   const began = performance.now();
   const picture = thumbnail(await decoded(body), 448);
   const { pixels, width, height } = picture;
@@ -116,7 +125,7 @@ async function occlusion(desk, { body, query, stopped }) {
     if (stopped()) throw new Refused("The request was withdrawn.", 499);
     const own = await movedBy(
       desk,
-      { profile },
+      question,
       modality,
       await desk.models.encoded(await desk.models.seen(one, modality)),
     );

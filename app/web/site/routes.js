@@ -43,6 +43,7 @@ async function pair(desk, question) {
     orders: STOPS,
     learned: head.learned,
     span: head.span,
+    linear: head.linear || Boolean(head.rows),
     stops: Object.fromEntries(names.map((name) => [name, each.slice(0, -1).map((one) => rounded(one[name]))])),
     exact: { order: exact, readings: roundedAll(each.at(-1)) },
     spectra: Object.fromEntries(imagesOf(rows).map((name) => [name, spectrum(out[`${name}_size`], STOPS.length)])),
@@ -97,40 +98,51 @@ async function many(desk, question) {
   const head = await headFor(desk, question);
   const found = [];
   for (const one of pairs)
-    found.push(await predictOne(desk, head, await pairOf(desk, { ...one, profile: question.profile }), null, question));
+    found.push(
+      await predictOne(desk, head, await pairOf(desk, { ...question, ...one }), {
+        before: await pairOf(desk, one),
+        question,
+      }),
+    );
   return { classes: head.classes, pairs: found };
 }
 
 /** The training pairs of the set: {pair, row}, of length 1. */
-const trained = (desk, name) =>
-  desk.models.once(`training ${name}`, async () => {
-    const { training } = await desk.models.about();
+const trained = (desk, name, reader) =>
+  desk.models.once(`training ${name} ${reader}`, async () => {
+    const { training } = await desk.models.head(reader);
     const rows = training.index.map(async (pair) => ({ pair, row: unit(await desk.models.row(pair, name)) }));
     return Promise.all(rows);
   });
 
 /** The nearest training pairs of the set by cosine, except the pair itself. */
-async function nearest(desk, name, row, own) {
+async function nearest(desk, name, row, own, reader) {
   const query = unit(row);
-  const found = (await trained(desk, name)).map((one) => ({ pair: one.pair, cosine: dot(query, one.row) }));
+  const found = (await trained(desk, name, reader)).map((one) => ({ pair: one.pair, cosine: dot(query, one.row) }));
   const sorted = found.filter((one) => one.pair !== own).sort((a, b) => b.cosine - a.cosine);
   return sorted.slice(0, NEAREST).map((one) => ({ ...one, cosine: rounded([one.cosine], 4)[0] }));
 }
 
 async function familiar(desk, question) {
-  const rows = await pairOf(desk, question);
+  const rows = await pairOf(desk, { ...question, profile: "" });
   const looked = await lookedAt(desk, rows, question);
   const images = {};
   for (const name of imagesOf(rows)) {
     const ref = question[name];
-    const near = await nearest(desk, name, rows[name], ref.startsWith("row:") ? Number(ref.slice(4)) : -1);
+    const near = await nearest(
+      desk,
+      name,
+      rows[name],
+      ref.startsWith("row:") ? Number(ref.slice(4)) : -1,
+      question.head,
+    );
     images[name] = { nearest: near, ...looked[name] };
     if (ref.startsWith("image:") && !question.profile) {
-      const [there] = await nearest(desk, OTHER[name], rows[name], -1);
+      const [there] = await nearest(desk, OTHER[name], rows[name], -1, question.head);
       images[name].strays = there.cosine > near[0].cosine;
     }
   }
-  return { images, of: (await desk.models.about()).training.of };
+  return { images, of: (await desk.models.head(question.head)).training.of };
 }
 
 /** A profile of a visitor's pictures without labels, or more pictures for one. */

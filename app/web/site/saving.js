@@ -73,13 +73,14 @@ async function saveSet(desk, question) {
 
 /** The weights of a head with the classes and deciding rows of the taught one. */
 function taughtWeights(entries, head) {
-  const { classifier, "mffa.bank": bank, "mffa.bank_seen": seen } = entries;
+  const { taught_alone_rows: _rows, taught_alone_bias: _bias, ...kept } = entries; // of linear maps of one image
+  const { classifier, "mffa.bank": bank, "mffa.bank_seen": seen } = kept;
   const [classes, wide] = classifier.shape;
   const old = new Float32Array(classifier.bytes.slice().buffer);
   const row = (k) => old.subarray(k * wide, (k + 1) * wide);
   const mean = head.classes.reduce((total, _, k) => total + (k < classes ? norm(row(k)) / classes : 0), 0);
   const rows = head.directions.map((one, k) => (k < classes ? [...row(k)] : Array.from(unit(one), (x) => mean * x)));
-  const found = { ...entries, classifier: floats(Float32Array.from(rows.flat()), [rows.length, wide]) };
+  const found = { ...kept, classifier: floats(Float32Array.from(rows.flat()), [rows.length, wide]) };
   if (bank && rows.length > classes) {
     const [many, , width] = bank.shape; // new classes have no token of their own
     const before = new Float32Array(bank.bytes.slice().buffer);
@@ -110,13 +111,13 @@ async function saveHead(desk, question) {
   if (!lessons.length) throw new Refused("No pair is labelled yet, so there is no taught head to save.");
   const head = await headFor(desk, question);
   const bytes = async (name) => new Uint8Array(await desk.models.fetch(new URL(name, desk.models.folder)));
-  const { has } = await desk.models.about();
-  const settings = JSON.parse(new TextDecoder().decode(await bytes("settings.json")));
+  const { parts } = await desk.models.head(question.head);
+  const settings = JSON.parse(new TextDecoder().decode(await bytes(parts.settings)));
   const counts = {};
   for (const { label } of lessons) counts[label.trim()] = (counts[label.trim()] ?? 0) + 1;
-  settings.head = { ...settings.head, classes: head.classes, taught: head.rows.length };
+  settings.head = { ...settings.head, classes: head.classes, taught: head.rows.length, taught_alone: false };
   settings.provenance = { ...settings.provenance, taught: counts, lessons_share: head.share };
-  const entries = taughtWeights(raw((await bytes("weights.safetensors")).buffer), head);
+  const entries = taughtWeights(raw((await bytes(parts.weights)).buffer), head);
   const name = "taught-head";
   const files = {
     "weights.safetensors": file(entries, { format: "omnivat-head-1" }),
@@ -124,8 +125,7 @@ async function saveHead(desk, question) {
     "metrics.json": text("{}\n"),
     "README.txt": text(HEAD_NOTE(name)),
   };
-  for (const one of ["familiarity", "profile"])
-    if (has.includes(one)) files[`${one}.safetensors`] = await bytes(`${one}.safetensors`);
+  for (const one of ["familiarity", "profile"]) if (parts[one]) files[`${one}.safetensors`] = await bytes(parts[one]);
   return archive(name, files);
 }
 

@@ -1,10 +1,10 @@
 /** Train here: choose settings, train, follow the epochs, use the head. */
 
-import { ask, attempt, isForgotten, refused } from "../shared/api.js";
+import { ask, attempt, isForgotten, made, refused } from "../shared/api.js";
 import { fit, loaded } from "../shared/facts.js";
 import { remedyHtml } from "../shared/headless.js";
 import { provenance } from "../shared/provenance.js";
-import { made, save } from "../shared/save.js";
+import { save } from "../shared/save.js";
 import { OWN_MODE } from "../shared/tables.js";
 import { define } from "../shared/terms.js";
 import { escaped, row, table } from "../shared/text.js";

@@ -79,7 +79,7 @@ def test_a_head_of_rest_pictures_uses_the_one_given_and_tells_when_it_needs_one(
         return (found[0] if isinstance(found, list) else found)["modalities"]["tac"]
 
     own = ["--head", str(head)]
-    plain = touch(*pair)
+    plain = touch(*pair, "--head", "head")
     assert touch(*pair, *own, "--tac-rest", "none") == plain
     rested = touch(*pair, *own, "--tac-rest", str(rest))
     assert rested != plain

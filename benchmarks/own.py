@@ -1,0 +1,186 @@
+"""What the head for one's own pictures makes of real pairs that no choice has seen: `python -m
+benchmarks.own EMBEDDINGS`.
+
+EMBEDDINGS are those of ObjectFolder Real (`omnivat fetch objectfolder-real`, `omnivat embed`). The
+profile is of all its pairs, without labels. Right readings and familiar pictures go into the record,
+and the former beside the head, where the page reads them. Odd pictures are drawn here: twelve kinds,
+as they come and each kind moved by a profile of its own.
+"""
+
+import argparse
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from PIL import Image, ImageDraw
+
+from benchmarks.measure import machine
+from omnivat.data.profile import channels_of, moved, profile_of
+from omnivat.data.store import Embeddings, load_embeddings
+from omnivat.encoders import load_encoder
+from omnivat.encoders.base import for_modality
+from omnivat.head.calibration import UNLIKE
+from omnivat.head.checkpoint import Head, load_head
+from omnivat.head.heads import own_head
+from omnivat.head.teach import Lesson, judged
+from omnivat.kit.files import write_json
+from omnivat.kit.schema import read_object
+from omnivat.kit.stages import IMAGES
+from omnivat.measure.evaluate import label_map, predicted_probabilities
+
+OUT = Path("docs/benchmarks/own.json")
+SIDE, EACH = 224, 10  # pixels, and pictures of a kind
+READINGS = ("fused", *IMAGES)
+AS_THEY_COME, PROFILED = "as they come", "profile"
+Draw = Callable[[np.random.Generator, ImageDraw.ImageDraw], object]
+
+
+def main() -> None:
+    """Read the real pairs and the odd pictures; write both records."""
+    parser = argparse.ArgumentParser(prog="benchmarks.own", description=__doc__)
+    parser.add_argument("embeddings", type=Path)
+    head, data = load_head(own_head()), load_embeddings(parser.parse_args().embeddings)
+    real = read(head, data)
+    record = {"real": real, "taught": taught(head, data), "familiar": familiar(head, data)}
+    write_json(OUT, {"machine": machine(), **record, "odd": odd(head)})
+    metrics = own_head() / "metrics.json"
+    write_json(metrics, read_object(metrics) | {"real": real})
+
+
+def read(head: Head, data: Embeddings) -> dict[str, Any]:
+    """Return the pairs that each reading has right, as they come and with the profile of all."""
+    truth = label_map(head.settings.classes, data.header.classes)[data.label]
+    near = head.profiled(data, [profile_of(data, domain=data.header.domains[0])])
+    record: dict[str, Any] = {"pairs": len(data), "always": int(np.bincount(truth).max())}
+    for how, some in ((AS_THEY_COME, data), (PROFILED, near)):
+        shares = predicted_probabilities(head.model, some)
+        record[how] = {n: int((shares[n].argmax(-1).numpy() == truth).sum()) for n in READINGS}
+    return record
+
+
+def taught(head: Head, data: Embeddings) -> int:
+    """Return the pairs that are right by a head taught from the other objects."""
+    near = head.profiled(data, [profile_of(data, domain=data.header.domains[0])])
+    vis, tac = (torch.from_numpy(np.array(getattr(near, name), np.float32)) for name in IMAGES)
+    lessons = [
+        Lesson(
+            label=data.header.classes[label],
+            vis=vis[row : row + 1],
+            tac=tac[row : row + 1],
+            object=data.rows["object"][row],
+        )
+        for row, label in enumerate(data.label)
+    ]
+    return judged(head, lessons).after
+
+
+def familiar(head: Head, data: Embeddings) -> dict[str, int]:
+    """Return the pictures of each modality that are called familiar; a profile plays no part."""
+    assert head.familiarity
+    vis, tac = (torch.from_numpy(np.array(getattr(data, name), np.float32)) for name in IMAGES)
+    looks = head.familiarity.look(vis, tac)
+    return {name: sum(one[name]["quantile"] >= UNLIKE for one in looks) for name in IMAGES}
+
+
+def odd(head: Head) -> dict[str, dict[str, dict[str, int]]]:
+    """Return modality -> kind -> odd pictures of EACH that are told as unlike, as they come, and
+    if a profile of their kind were applied first.
+    """
+    assert head.familiarity
+    encoder = load_encoder(head.encoder["name"], dots="fill")
+    found: dict[str, dict[str, dict[str, int]]] = {}
+    for name in IMAGES:
+        own, found[name] = for_modality(encoder, name), {}
+        source = head.source_profile.channels[name]
+        for kind, pictures in kinds().items():
+            rows = own.embed(torch.stack([own.preprocess(one) for one in pictures])).numpy()
+            shifted = moved(rows, channels_of(rows), source)
+            found[name][kind] = {
+                how: sum(
+                    one[name]["quantile"] < UNLIKE
+                    for one in head.familiarity.look(**{"vis": None, "tac": None, name: some})
+                )
+                for how, some in (
+                    (AS_THEY_COME, torch.from_numpy(rows)),
+                    (PROFILED, torch.from_numpy(shifted.astype(np.float32))),
+                )
+            }
+    return found
+
+
+def kinds() -> dict[str, list[Image.Image]]:
+    """Return the odd pictures, by kind."""
+    return {name: [make(np.random.default_rng(k)) for k in range(EACH)] for name, make in _makers()}
+
+
+def _makers() -> Iterator[tuple[str, Callable[[np.random.Generator], Image.Image]]]:
+    y, x = np.mgrid[:SIDE, :SIDE] / SIDE
+
+    def colour(random: np.random.Generator) -> Any:
+        return tuple(random.integers(0, 255, 3).tolist())
+
+    def grey(levels: Any) -> Image.Image:
+        return Image.fromarray(np.uint8(levels)).convert("RGB")
+
+    def field(size: int, top: float) -> Callable[[np.random.Generator], Image.Image]:
+        return lambda random: Image.fromarray(
+            np.uint8(random.random((size, size, 3)) * top)
+        ).resize((SIDE, SIDE), Image.Resampling.BICUBIC)
+
+    def drawn(draw: Draw, ground: str = "white") -> Callable[[np.random.Generator], Image.Image]:
+        def make(random: np.random.Generator) -> Image.Image:
+            picture = Image.new("RGB", (SIDE, SIDE), ground)
+            draw(random, ImageDraw.Draw(picture))
+            return picture
+
+        return make
+
+    def letters(random: np.random.Generator, pen: ImageDraw.ImageDraw) -> None:
+        for line in range(int(random.integers(6, 18))):
+            words = "".join(random.choice(list("abcdefghij klmno"), 34))
+            pen.text((5, 4 + 12 * line), words, fill="black")
+
+    def discs(random: np.random.Generator, pen: ImageDraw.ImageDraw) -> None:
+        for a, b, size in random.integers(10, 180, (12, 3)).tolist():
+            pen.ellipse([a, b, a + size, b + size], fill=colour(random))
+
+    def chart(random: np.random.Generator, pen: ImageDraw.ImageDraw) -> None:
+        heights = random.integers(20, 200, 10).tolist()
+        pen.line([(10 + 20 * k, height) for k, height in enumerate(heights)], "blue", 2)
+        pen.line([(10, 10), (10, 210), (215, 210)], "black")
+
+    def face(random: np.random.Generator, pen: ImageDraw.ImageDraw) -> None:
+        a, b = random.integers(80, 140, 2).tolist()
+        pen.ellipse([a - 60, b - 75, a + 60, b + 75], fill="bisque")
+        for eye in (-30, 15):
+            pen.ellipse([a + eye, b - 20, a + eye + 15, b - 8], fill="black")
+        pen.arc([a - 25, b + 10, a + 25, b + 45], 0, 180, fill="red", width=4)
+
+    def screen(random: np.random.Generator, pen: ImageDraw.ImageDraw) -> None:
+        for top in range(10, 210, 40):
+            pen.rectangle([10, top, int(random.integers(60, 210)), top + 28], fill=colour(random))
+            pen.text((14, top + 8), "Button", fill="white")
+
+    yield "noise", field(SIDE, 255)
+    yield "dark", field(SIDE // 2, 60)
+    yield "clouds", field(8, 255)
+    yield "plain", lambda random: Image.new("RGB", (SIDE, SIDE), colour(random))
+    yield "gradient", lambda random: grey(30 + random.integers(50, 200) * (x + y) / 2)
+    yield (
+        "checkers",
+        lambda random: grey(
+            20 + 200 * (np.add(*np.intp(random.integers(3, 20) * np.array([x, y]))) % 2)
+        ),
+    )
+    yield "stripes", lambda random: grey(128 + 100 * np.sin(random.integers(30, 250) * x))
+    yield "text", drawn(letters)
+    yield "discs", drawn(discs, "grey")
+    yield "chart", drawn(chart)
+    yield "face", drawn(face, "tan")
+    yield "screen", drawn(screen)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,71 @@
+"""The head for a visitor's own pictures, beside the project's head."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from app.about import own
+from app.familiar import familiar
+from app.places import places, shipped_places
+from app.predictors import heads
+from app.resources import Resources
+from app.sensor import profile
+from app.teaching import teach
+from app.views.pair import many, predicted
+from omnivat.head.heads import default_head, own_head
+
+
+@pytest.fixture
+def with_own(resources):
+    """Return resources whose head for own pictures is a second copy of the small head."""
+    found = Resources(replace(resources.where, own=resources.where.head))
+    found.encoder = resources.encoder
+    return found
+
+
+def test_own_pictures_are_read_by_the_head_that_a_request_names(with_own, png):
+    ref = str(with_own.take_image(png(), "a.png")[0])
+    assert "own" in with_own.heads
+    assert with_own.head_named("own") is not with_own.head()
+    assert [one["name"] for one in heads(with_own)] == [""]  # it is no head to compare or to draw
+    for asked in ({"vis": ref}, {"vis": ref, "head": "own"}):
+        assert predicted(with_own, asked)["linear"] is False
+    assert set(familiar(with_own, {"vis": ref, "head": "own"})["images"]) == {"vis"}
+
+
+def test_a_profile_changes_predictions_and_never_what_is_familiar(with_own, png):
+    refs = [str(with_own.take_image(png(seed=seed), "a.png")[0]) for seed in range(6)]
+    made = profile(with_own, {"touches": refs})["profile"]
+    plain, moved = (
+        many(with_own, {"pairs": [{"tac": refs[0]}], "head": "own", **more})["pairs"][0]
+        for more in ({}, {"profile": made})
+    )
+    assert plain["readings"] != moved["readings"]
+    assert plain["images"] == moved["images"]
+
+
+def test_the_head_for_own_pictures_can_be_taught(with_own):
+    lessons = [
+        {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
+        for row, label in ((40, "cork"), (41, "cork"), (72, "glass"), (73, "glass"))
+    ]
+    assert len(teach(with_own, {"lessons": lessons, "head": "own"})["judged"]) == 4
+
+
+def test_only_the_projects_head_has_one_beside_it(head_folder):
+    assert shipped_places("sensors").own == places().own == own_head()
+    assert shipped_places("chirps").own is None
+    assert places(head=head_folder).own is None
+    assert own_head() != default_head()
+
+
+def test_what_it_reads_right_is_told_from_its_record(resources):
+    assert own(resources) == {}
+    found = own(Resources(places()))
+    assert found["left_out"]["20"]["fused"] > found["left_out"]["0"]["fused"]
+    record = json.loads(Path("docs/benchmarks/own.json").read_text())
+    assert found["real"] == record["real"]
+    told = [of["as they come"] for kinds in record["odd"].values() for of in kinds.values()]
+    assert len(told) == 24 and sum(told) >= 0.95 * 240
