@@ -42,6 +42,7 @@ WORKING = {
         (
             "about",
             "fit",
+            "own",
             "glossary",
             "heads",
             "modes",

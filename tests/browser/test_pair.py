@@ -513,7 +513,7 @@ def test_a_folder_goes_from_a_drop_to_predictions_of_the_next_pictures_by_the_ta
     page.set_input_files(FOLDER, tmp_path / "first")
     page.wait_for_selector(".pair .many table")
     settle(page)
-    assert "20 pairs without labels bring" in line.inner_text()
+    assert "20 pictures without labels bring" in line.inner_text()
     before = page.locator(".pair .many tbody").inner_text()
     names = page.locator(".pair .many .link").all_inner_texts()
     for row, name in enumerate(names):
