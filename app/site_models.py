@@ -155,7 +155,8 @@ def _write_head(head: "Head", folder: Path, name: str) -> dict[str, Any]:
     from omnivat.head.portable import write_head, write_stages
 
     write_head(folder / f"{name}.onnx", head)
-    write_stages(folder / f"{name}-stages.onnx", head)
+    if name != OWN:  # maps and trees are of the other heads
+        write_stages(folder / f"{name}-stages.onnx", head)
     model, own = head.model, head.settings
     count = 0 if own.generation == "none" else 2**own.levels - 1
     parts = 2 if own.complex_to_real == "tokens" else 1
