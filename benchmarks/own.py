@@ -122,11 +122,11 @@ def _makers() -> Iterator[tuple[str, Callable[[np.random.Generator], Image.Image
         return tuple(random.integers(0, 255, 3).tolist())
 
     def grey(levels: Any) -> Image.Image:
-        return Image.fromarray(np.uint8(levels)).convert("RGB")
+        return Image.fromarray(np.asarray(levels).astype(np.uint8)).convert("RGB")
 
     def field(size: int, top: float) -> Callable[[np.random.Generator], Image.Image]:
         return lambda random: Image.fromarray(
-            np.uint8(random.random((size, size, 3)) * top)
+            (random.random((size, size, 3)) * top).astype(np.uint8)
         ).resize((SIDE, SIDE), Image.Resampling.BICUBIC)
 
     def drawn(draw: Draw, ground: str = "white") -> Callable[[np.random.Generator], Image.Image]:
@@ -163,17 +163,16 @@ def _makers() -> Iterator[tuple[str, Callable[[np.random.Generator], Image.Image
             pen.rectangle([10, top, int(random.integers(60, 210)), top + 28], fill=colour(random))
             pen.text((14, top + 8), "Button", fill="white")
 
+    def checkers(random: np.random.Generator) -> Image.Image:
+        count = random.integers(3, 20)
+        return grey(20 + 200 * ((np.floor(count * x) + np.floor(count * y)) % 2))
+
     yield "noise", field(SIDE, 255)
     yield "dark", field(SIDE // 2, 60)
     yield "clouds", field(8, 255)
     yield "plain", lambda random: Image.new("RGB", (SIDE, SIDE), colour(random))
     yield "gradient", lambda random: grey(30 + random.integers(50, 200) * (x + y) / 2)
-    yield (
-        "checkers",
-        lambda random: grey(
-            20 + 200 * (np.add(*np.intp(random.integers(3, 20) * np.array([x, y]))) % 2)
-        ),
-    )
+    yield "checkers", checkers
     yield "stripes", lambda random: grey(128 + 100 * np.sin(random.integers(30, 250) * x))
     yield "text", drawn(letters)
     yield "discs", drawn(discs, "grey")
