@@ -65,7 +65,7 @@ NEEDED = {  # methods of the paper that these sets and this encoder do not give
     "CLIP zero-shot": "a text tower of the image encoder",
     "VT CMC whole": "an encoder that is pre-trained on touch",
     "SITR whole": "its own transformer and calibration presses",
-    "RobustVisH": "a kinaesthetic branch, and hours of training a source",
+    "RobustVisH": "a kinaesthetic branch, and half an hour of training a source",
 }
 HOME = "OmniVaT without training noise"  # the better of both on real pairs
 FEW = (10, 20)  # training pairs of each class
@@ -452,13 +452,13 @@ def between(name: str, made: Sequence[str], marks: tuple[str, str] = MARKS) -> s
 
 
 def readme(record: Record) -> str:
-    """Return the README with both tables between its markers, and its first finding."""
+    """Return the README with the table between its markers, and its findings."""
     others = ", ".join(NEEDED)
     note = (
         "Not measured, for want of weights or pictures ([why](docs/benchmarks/table.md)):"
         f" {others}."
     )
-    text = between("README.md", [*main_table(record), "", note, "", *leads(record)])
+    text = between("README.md", [*main_table(record), "", note])
     mean = {rung: interval(record.cells(rung)["linear_maps"])[0] for rung in ("none", "n5", "n20")}
     of_chirps = {name: interval(cells)[0] for name, cells in chirps().items()}
     said = {
