@@ -22,6 +22,7 @@ def changed(monkeypatch, tmp_path):
         other = change(text)
         assert other != text
         (tmp_path / "README.md").write_text(other)
+        (tmp_path / "docs").symlink_to(ROOT / "docs")
         monkeypatch.setattr(recompute, "ROOT", tmp_path)
         count = recompute.Count()
         check(count)
