@@ -27,7 +27,7 @@ def shot(page: Any, to: Path) -> None:
 
 def chapter(page: Any, name: str, ready: str, to: Path) -> None:
     """Write a chapter of Explore once `ready` is there."""
-    page.click(f'.explore [data-chapter="{name}"]')
+    page.click(f'.explore .chapters [data-chapter="{name}"]')
     page.wait_for_selector(ready, timeout=120_000)
     page.wait_for_timeout(2500)
     shot(page, to)
@@ -59,7 +59,7 @@ def main() -> None:
     try:
         with sync_playwright() as driver:
             browser = driver.chromium.launch(executable_path=binary, args=FLAGS)
-            page = opened(browser, address, "?chapter=touch")
+            page = opened(browser, address, "?chapter=analyse")
             page.set_viewport_size(LARGE)
             chapter(page, "touch", ".explore .twin .said", chosen.out / "page.png")
             chapter(page, "where", ".explore .together path", chosen.out / "where.png")

@@ -692,8 +692,8 @@ def for_the_page(record: Mapping[str, Any]) -> dict[str, Any]:
         "head": "three linear maps",
         "sources": len(maps["sources"]),
         "loss": {
-            key: [{term: maps[dots][reading][term] for term in terms} for dots in DOTS]
-            for reading, key in READINGS.items()
+            reading: [{term: maps[dots][reading][term] for term in terms} for dots in DOTS]
+            for reading in READINGS
         },
     }
 
