@@ -126,7 +126,7 @@ def test_an_odd_image_is_answered_as_the_plain_picture_that_it_shows(
     pair_page.wait_for_selector(f"{TAC} .what:has-text('{name} · {width} × {height}')")
     pair_page.wait_for_selector(ANSWERED)
     ref = posted(address, "image", saved(plain))["ref"]
-    wanted = posted(address, "pair", json.dumps({"vis": "row:0", "tac": ref}).encode())
+    wanted = posted(address, "pair", json.dumps({"tac": ref, "head": "own"}).encode())
     told = [f"{100 * p:.1f}\u00a0%" for p in wanted["exact"]["readings"]["tac"]]
     pair_page.wait_for_function(
         """told => [...document.querySelectorAll('.pair .bars td[data-reading=tac] .share')]
