@@ -208,10 +208,6 @@ def test_an_odd_id_is_no_fault_of_the_server(client, number):
     assert client.post("/omnivat/mcp", content=body).status_code == 200
 
 
-def test_an_oversized_message_is_refused(client):
-    sentence(client.post("/omnivat/mcp", content=bytes(MAX_API_BYTES + 1)), 413)
-
-
 @pytest.fixture
 def address(resources):
     """Return the address of a server of the small set."""

@@ -7,10 +7,8 @@ import pytest
 from starlette.applications import Starlette
 from starlette.testclient import TestClient
 
-from app.limits import DRAWN_PAIRS
 from app.resources import Resources
 from app.routes import routes
-from app.server import parser
 
 
 @pytest.fixture
@@ -37,8 +35,3 @@ def test_what_is_known_of_each_pair_takes_few_bytes(client):
     found = client.get("/omnivat/unseen").json()["pairs"]
     packed = [found["counts"], *found["answers"].values(), found["confidence"], found["cosine"]]
     assert sum(len(b64decode(one["data"])) for one in packed) == 12 * (1 + 3 + 2 + 2)
-
-
-def test_the_command_line_says_how_many_pairs_are_drawn():
-    assert parser({}).parse_args(["--sample", "500"]).sample == 500
-    assert parser({}).parse_args([]).sample == DRAWN_PAIRS

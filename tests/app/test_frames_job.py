@@ -96,13 +96,15 @@ def test_a_damaged_file_is_made_again(source, jobs):
     assert file.read_bytes() == good
 
 
-def test_the_name_changes_with_the_version_of_the_file_and_the_recipe(source, monkeypatch):
-    names = {cache_name(source["head"], source["embeddings"])}
+def test_the_name_changes_with_the_part_of_the_set_the_version_of_the_file_and_the_recipe(
+    source, monkeypatch
+):
+    names = {cache_name(source["head"], source["embeddings"], part) for part in (0, 20_000)}
     monkeypatch.setattr("omnivat.maps.frames.file.VERSION", 99)
     names.add(cache_name(source["head"], source["embeddings"]))
     monkeypatch.setattr(frames_job, "RECIPE", 99)
     names.add(cache_name(source["head"], source["embeddings"]))
-    assert len(names) == 3
+    assert len(names) == 4
 
 
 @pytest.mark.parametrize(
@@ -187,9 +189,3 @@ def test_a_large_set_is_first_shown_by_its_principal_components_alone(source, jo
     assert seen[0] == (2, {"pca"})
     assert len(seen) == 3
     assert seen[1][1] == seen[2][1] == {"pca", "umap"}
-
-
-def test_frames_of_a_part_of_a_set_have_a_name_of_their_own(source):
-    assert cache_name(source["head"], source["embeddings"]) != cache_name(
-        source["head"], source["embeddings"], 20_000
-    )

@@ -7,7 +7,7 @@ from starlette.testclient import TestClient
 
 from app.guard import Guard, rules
 from app.routes import routes
-from benchmarks.attack import Counts, attack, judged
+from benchmarks.attack import attack
 
 
 @pytest.mark.slow
@@ -21,28 +21,6 @@ def test_a_small_attack_is_held_with_a_sentence_for_every_refusal(resources, see
     fell = [line for counts in found.values() for line in counts.fell if " s" not in line[-3:]]
     assert fell == []
     assert all(counts.held >= 16 for counts in found.values())
-
-
-class Answer:
-    """A server's reply, for the check."""
-
-    def __init__(self, status_code, said="It is refused."):
-        self.status_code, self.text, self._said = status_code, str(said), said
-
-    def json(self):
-        return {"error": self._said}
-
-
-def test_the_judge_can_say_that_something_fell():
-    assert judged(Answer(400), 0.1) == ""
-    assert judged(Answer(200), 0.1) == ""
-    assert judged(Answer(500), 0.1) == "status 500"
-    assert "no sentence" in judged(Answer(400, "no dot"), 0.1)
-    assert "folder" in judged(Answer(400, "'/tmp/x/y' is missing."), 0.1)
-    assert judged(Answer(200), 60.0) == "60.0 s"
-    counts = Counts()
-    counts.take(Answer(500), 0.1, "x")
-    assert counts.fell == ["x: status 500"]
 
 
 @pytest.mark.slow

@@ -37,12 +37,6 @@ def held(jobs, **more):
     return job, go, there
 
 
-def test_a_job_gives_what_its_work_returns(jobs):
-    job = jobs.start(lambda job: 3, lane="quick")
-    assert job.wait(60) == 3
-    assert job.status().state == "done"
-
-
 def test_waiting_jobs_have_places_and_the_better_priority_goes_first(jobs):
     first, go, there = held(jobs)
     there.wait(60)
@@ -294,11 +288,3 @@ def test_a_thread_runs_one_job_after_another(jobs):
         jobs.start(lambda job: seen.add(get_ident()), lane="quick").wait(60)
         until(lambda: jobs._threads._idle)
     assert len(seen) == 1
-
-
-def test_a_job_that_ends_a_pause_wakes_only_the_paused_one(jobs, monkeypatch):
-    woken = []
-    monkeypatch.setattr(jobs._changed, "notify_all", lambda: woken.append(1))
-    for _ in range(5):
-        jobs.start(lambda job: 1, lane="quick").wait(60)
-    assert not woken

@@ -71,20 +71,6 @@ def test_a_head_is_trained_for_its_learned_order_or_for_the_range_that_was_drawn
     assert trained_span(replace(head, provenance={"train": drawn})) == [0.2, 0.8]
 
 
-def test_one_image_alone_is_answered(resources):
-    got = predicted(resources, {"vis": "row:1", "tac": None})
-    assert set(got["stops"]) == {"vis", "fused"}
-    assert got["stops"]["vis"] == got["stops"]["fused"]
-    assert set(got["spectra"]) == {"vis"}
-
-
-def test_vis_of_one_pair_goes_with_tac_of_another(resources):
-    mixed = predicted(resources, {"vis": "row:0", "tac": "row:30"})
-    own = predicted(resources, {"vis": "row:0", "tac": "row:0"})
-    assert mixed["stops"]["tac"] != own["stops"]["tac"]
-    np.testing.assert_allclose(np.sum(mixed["stops"]["fused"], axis=1), 1, atol=1e-5)
-
-
 def test_nothing_chosen_is_refused_in_a_sentence(resources):
     with pytest.raises(DataError, match="Choose a pair first"):
         predicted(resources, {})

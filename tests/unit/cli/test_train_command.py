@@ -57,16 +57,6 @@ def test_without_resume_a_stopped_training_starts_again(file, tmp_path, monkeypa
     assert main(command(file, tmp_path / "head")) == 0
 
 
-def test_resuming_with_other_settings_is_refused_with_a_sentence(
-    file, tmp_path, monkeypatch, capsys
-):
-    with monkeypatch.context() as patch:
-        stopped_in_the_second_epoch(patch)
-        assert main(command(file, tmp_path / "head")) == 130
-    assert main(command(file, tmp_path / "head", "--resume", "--set", "lr=0.01")) == 1
-    assert "state of another training" in capsys.readouterr().err
-
-
 def test_the_checkpoint_says_where_its_lang_came_from(file, tmp_path):
     assert main(command(file, tmp_path / "head")) == 0
     record = json.loads((tmp_path / "head" / "settings.json").read_text(encoding="utf-8"))
@@ -105,14 +95,6 @@ def test_a_folder_that_holds_something_else_is_refused_before_the_first_step(
     assert main(command(file, tmp_path / "head")) == 1
     assert "holds 'thesis.txt', which is not part of a head" in capsys.readouterr().err
     assert (tmp_path / "head" / "thesis.txt").read_text() == "years of work"
-
-
-def test_training_again_does_not_delete_a_file_beside_the_head(file, tmp_path, capsys):
-    assert main(command(file, tmp_path / "head", "--no-calibration")) == 0
-    (tmp_path / "head" / "notes.md").write_text("mine")
-    assert main(command(file, tmp_path / "head", "--no-calibration")) == 1
-    assert "notes.md" in capsys.readouterr().err
-    assert (tmp_path / "head" / "notes.md").read_text() == "mine"
 
 
 def test_the_search_for_an_order_is_kept_in_the_head_folder(file, tmp_path):

@@ -75,24 +75,6 @@ def png(size: tuple[int, int], mode: int, depth: int, body: bytes) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + blocks
 
 
-def unfiltered(rows: np.ndarray) -> bytes:
-    return b"".join(b"\0" + row.tobytes() for row in rows)
-
-
-def test_sixteen_bit_colour_equals_sixteen_bit_grey_of_the_same_values() -> None:
-    wide = RANDOM.integers(0, 65536, GREY.shape).astype(">u2")
-    colour = np.repeat(wide[..., None], 3, axis=2).reshape(len(wide), -1)
-    size = GREY.shape[::-1]
-    read = [values(png(size, m, 16, unfiltered(rows))) for m, rows in ((2, colour), (0, wide))]
-    assert np.array_equal(*read)
-
-
-def test_a_sixteen_bit_pgm_is_read_like_the_png() -> None:
-    wide = RANDOM.integers(0, 65536, GREY.shape).astype(np.uint16)
-    pgm = b"P5 %d %d 65535\n" % GREY.shape[::-1] + wide.astype(">u2").tobytes()
-    assert np.array_equal(values(pgm), values(encoded(Image.fromarray(wide))))
-
-
 def test_values_of_32_bits_are_refused_with_their_range() -> None:
     huge = Image.fromarray(np.full((16, 16), 1_000_000, np.int32))
     assert "1000000" in refusal(encoded(huge, "TIFF"))
@@ -139,14 +121,6 @@ def test_a_transparent_entry_of_a_palette_is_laid_on_white() -> None:
     assert (read[:, 8:] == (200, 100, 50)).all()
 
 
-def test_a_transparent_grey_of_a_grey_png_is_laid_on_white() -> None:
-    image = Image.new("L", (16, 16), 40)
-    image.paste(90, (8, 0, 16, 16))
-    read = values(encoded(image, transparency=40))
-    assert (read[:, :8] == 255).all()
-    assert (read[:, 8:] == 90).all()
-
-
 @pytest.mark.parametrize("orientation", range(1, 9))
 def test_the_exif_rotation_is_applied(orientation: int) -> None:
     turns = {
@@ -176,10 +150,6 @@ def test_the_first_frame_of_an_animation_is_taken(kind: str) -> None:
     options = {"lossless": True} if kind == "WEBP" else {}
     content = encoded(frames[0], kind, save_all=True, append_images=frames[1:], **options)
     assert (values(content) == (255, 0, 0)).all()
-
-
-def test_a_very_long_image_is_read_whole() -> None:
-    assert read_image(encoded(Image.new("RGB", (20_000, 10), "green"))).size == (20_000, 10)
 
 
 def test_a_single_pixel_is_refused() -> None:

@@ -62,10 +62,6 @@ def test_strict_leaves_out_what_is_merged():
     assert why_left_out(None, "rubber", strict=False) == "rubber: none of the five materials"
 
 
-def test_tacquad_has_no_ceramic():
-    assert "ceramic" not in {rule.material for rule in rules("tacquad").values()}
-
-
 def found(text, glued=False):
     return {rule.material for rule in rules_in_text(text, "tacquad", glued=glued)}
 

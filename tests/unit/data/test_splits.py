@@ -150,7 +150,3 @@ def test_balance_keeps_domains_apart():
         ("A", "glass"): 1,
         ("B", "wood"): 5,
     }
-
-
-def test_balance_of_nothing_is_nothing():
-    assert balance([], seed=0) == ((), ())

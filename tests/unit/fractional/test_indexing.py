@@ -52,11 +52,6 @@ def test_several_tables_in_one_index_are_refused_where_axes_follow():
         kept[[0, 1], [1, 2]]
 
 
-@pytest.mark.parametrize("order", [0, 1, 2, 3, -1, 0.5])
-def test_a_batch_of_no_vectors_gives_no_vectors(order):
-    assert dfrft(torch.zeros(0, 8), order).shape == (0, 8)
-
-
 @pytest.mark.parametrize("order", [0, 1, 2, 3, -1])
 def test_results_at_whole_orders_turn_into_numpy_arrays(order):
     assert dfrft(torch.ones(2, 8), order).numpy().dtype == np.complex64

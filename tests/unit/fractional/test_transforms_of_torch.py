@@ -157,11 +157,3 @@ def test_a_compiled_layer_learns_its_order(x):
     (slope,) = torch.autograd.grad(found.pow(4).sum(), layer.turn.order)
     (wanted,) = torch.autograd.grad(layer(x).pow(4).sum(), layer.turn.order)
     torch.testing.assert_close(slope, wanted)
-
-
-@pytest.mark.slow
-def test_compiled_code_breaks_the_graph_and_stays_right(x):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # dynamo reports each break
-        found = torch.compile(_Real(), backend="eager")(x)
-    torch.testing.assert_close(found, dfrft(x, 0.3).real)

@@ -62,9 +62,3 @@ def test_axes_in_a_wrong_order_are_refused(checked):
         checked.with_class_token(parts[:1, :, None], embedding.T)
     with pytest.raises(TypeCheckError, match="guide"):
         checked.queries_of(parts[:1, :, None], embedding.T, ON)
-
-
-def test_a_number_of_another_kind_is_refused(checked):
-    model = head()
-    with pytest.raises(TypeCheckError, match="order"):
-        checked.predict(model, {"vis": VIS}, torch.tensor(0.3))  # p is float64

@@ -4,7 +4,6 @@ import pytest
 import torch
 
 from omnivat.head import plain
-from omnivat.head.folded import versions
 from omnivat.head.output import HeadOutput
 
 
@@ -151,15 +150,6 @@ def test_folding_happens_once_while_nothing_changes(make_head, make_pairs, monke
         for order in (0.1, 0.2, 0.3):
             model(*given, order=order)
     assert len(calls) == 1
-
-
-def test_versions_see_a_change_and_only_a_change(make_head):
-    model = make_head()
-    before = versions(model)
-    assert versions(model) == before
-    with torch.no_grad():
-        model.classifier.add_(0)
-    assert versions(model) != before
 
 
 def test_gradients_reach_p_and_the_embeddings_where_they_are_asked_for(make_head, make_pairs):

@@ -9,11 +9,9 @@ import torch
 from omnivat.encoders.lang.bank import load_bank
 from omnivat.head.losses import joint_loss, mma_loss
 from omnivat.head.settings import HeadSettings
-from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.errors import DataError
 from omnivat.training import TrainSettings, train
-from omnivat.training.batches import Batch
 from omnivat.training.held_out import guided_probabilities, lang_guard
-from omnivat.training.steps import pairs_of
 
 
 def trained(source, lang=True, epochs=2, training=None, **head):
@@ -75,34 +73,6 @@ def test_a_guide_changes_guided_pairs_and_no_others(make_head, change):
     for name in ("vis", "tac"):
         same = torch.isclose(usual.features[name], other.features[name]).all(-1)
         assert same.tolist() == [False, True] * 3
-
-
-def test_an_unknown_guide_or_kind_of_pairs_is_refused():
-    with pytest.raises(SettingsError, match="guide is 'x'; choose one of both, added, query"):
-        HeadSettings(classes=("a", "b"), input_width=4, guide="x")
-    with pytest.raises(SettingsError, match="bank_from is 'x'"):
-        TrainSettings(bank_from="x")
-
-
-def batch(lang_on, lang=True):
-    on = torch.tensor(lang_on)
-    return Batch(
-        vis=None,
-        tac=None,
-        lang=torch.zeros(len(on), 2) if lang else None,
-        labels=torch.zeros(len(on), dtype=torch.long),
-        lang_on=on,
-        token_on=on,
-    )
-
-
-def test_pairs_of_a_kind_are_those_and_all_where_there_are_none():
-    mixed = batch([True, False, False])
-    assert pairs_of("guided", mixed).tolist() == [True, False, False]
-    assert pairs_of("unguided", mixed).tolist() == [False, True, True]
-    assert pairs_of("all", mixed) is None
-    assert pairs_of("unguided", batch([True, True])) is None
-    assert pairs_of("guided", batch([True, False], lang=False)) is None
 
 
 def test_mma_acts_on_the_chosen_pairs_alone():

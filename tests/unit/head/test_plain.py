@@ -87,21 +87,6 @@ def test_a_step_at_orders_of_the_batch_equals_that_of_the_reference(make_head, o
     assert_same_step(model, order=torch.tensor(order, dtype=torch.float64))
 
 
-@pytest.mark.parametrize("name", ["tokens_of", "attention", "tree", "transform"])
-def test_the_comparison_can_fail(make_head, monkeypatch, name):
-    """With one step of the reference wrong by a thousandth, the comparison fails."""
-    exact = getattr(plain, name)
-
-    def wrong(*arguments):
-        found = exact(*arguments)
-        return (1.001 * found[0], *found[1:]) if isinstance(found, tuple) else 1.001 * found
-
-    model = make_head(feature_scale="literal").train()
-    wanted = step(model, by_reference=True)[0]
-    monkeypatch.setattr(plain, name, wrong)
-    assert not torch.allclose(step(model, by_reference=True)[0], wanted, rtol=1e-9, atol=0)
-
-
 def test_the_transform_is_the_printed_sum_over_eigenvectors():
     """Against numpy's FFT at order 1, and by its law p + q."""
     x, one = draw(3, 16), torch.ones((), dtype=torch.float64)
@@ -113,54 +98,9 @@ def test_the_transform_is_the_printed_sum_over_eigenvectors():
     torch.testing.assert_close(again[0] + 1j * again[1], wanted)
 
 
-def test_the_prediction_exports_with_the_order_as_an_input(make_head, make_pairs):
-    model, (vis, tac) = make_head(), make_pairs(4)
-
-    class Plain(torch.nn.Module):
-        def __init__(self):
-            super().__init__()
-            self.head = model
-
-        def forward(self, vis, tac, p):
-            return plain.predict(self.head, {"vis": vis, "tac": tac}, p).probabilities
-
-    plain.eigenbasis(16, torch.float64, torch.device("cpu"))
-    p = torch.tensor(0.5, dtype=torch.float64)
-    program = torch.export.export(Plain(), (vis, tac, p))
-    for order in (0.0, 0.31, 1.0):
-        with torch.no_grad():
-            wanted = model(vis, tac, order=order).probabilities
-            found = program.module()(vis, tac, torch.tensor(order, dtype=torch.float64))
-        torch.testing.assert_close(found, wanted, rtol=0, atol=1e-12)
-
-
 def test_unit_rows_agree_with_finite_differences_and_zero_stays_zero():
     assert torch.autograd.gradcheck(unit, [draw(3, 5).requires_grad_()])
     zero = torch.zeros(2, 4, requires_grad=True)
     unit(zero).sum().backward()
     assert not unit(zero).any()
     assert zero.grad.isfinite().all()
-
-
-@pytest.mark.parametrize("kind", ["tokens", "real", "magnitude", "hermitian"])
-def test_the_mean_tokens_of_a_prediction_have_a_real_and_an_imaginary_part(
-    make_head, make_pairs, kind
-):
-    model = make_head(complex_to_real=kind, theta="signed")
-    vis, tac = make_pairs(3)
-    with torch.no_grad():
-        relu = model(vis, tac).relu
-        wanted = plain.predict(model, {"vis": vis, "tac": tac}).features
-    for name in ("vis", "tac"):
-        own = wanted[name].relu
-        assert relu[name].shape == (2, 3, 16)
-        torch.testing.assert_close(relu[name][: len(own)], own)
-        assert not relu[name][len(own) :].any()
-
-
-@pytest.mark.parametrize("order", [1.0, 5.0, 9.0, -3.0])
-def test_the_transform_of_the_reference_has_period_four(order):
-    rows, wanted = draw(3, 16), torch.tensor(1.0, dtype=torch.float64)
-    turned = plain.transform(rows, torch.tensor(order, dtype=torch.float64))
-    torch.testing.assert_close(turned, plain.transform(rows, wanted))
-    torch.testing.assert_close(turned[0], torch.fft.fft(rows, norm="ortho").real)

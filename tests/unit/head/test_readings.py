@@ -6,9 +6,8 @@ import pytest
 import torch
 
 from omnivat.head.checkpoint import load_head
-from omnivat.head.fusion import FUSIONS, LATE, Calibration, fused_logs, plain
+from omnivat.head.fusion import FUSIONS, LATE, Calibration, fused_logs
 from omnivat.head.predict import predict_embeddings
-from omnivat.kit.errors import MissingNameError, SettingsError
 
 GENERATIONS = ("tree", "series", "parallel", "interpolation", "none")
 
@@ -89,27 +88,11 @@ def test_confidence_fusion_of_two_uniform_branches_is_uniform():
     torch.testing.assert_close(fused_logs("confidence", even, even).exp(), even + 0.25)
 
 
-def test_an_unknown_fusion_is_refused(make_head):
-    with pytest.raises(SettingsError, match="fusion is 'vote'; choose one of mean, product"):
-        make_head(fusion="vote")
-
-
-def test_an_unknown_fusion_of_two_branches_is_an_error_with_the_nearest_name():
-    with pytest.raises(
-        MissingNameError, match="'prodct'; there are mean, .*Did you mean 'product'"
-    ):
-        fused_logs("prodct", torch.zeros(1, 3), torch.zeros(1, 3))
-
-
 def test_a_fusion_of_one_line_is_a_fusion_of_the_library(monkeypatch):
     """docs/extend.md: one entry in LATE."""
     monkeypatch.setitem(LATE, "photo", lambda logs: logs[0])
     vis, tac = torch.randn(2, 4, 3)
     torch.testing.assert_close(fused_logs("photo", vis, tac).exp(), vis.softmax(-1))
-
-
-def test_a_calibration_is_plain_values():
-    assert plain(Calibration()) == {"temperature": {"fused": 1.0, "vis": 1.0, "tac": 1.0}}
 
 
 def test_predicted_records_name_every_reading_and_familiarity(head_folder, make_embeddings):

@@ -9,8 +9,6 @@ from omnivat.head.head import parameter_count
 from omnivat.head.losses import nod_loss
 from omnivat.head.mffa import FrATT
 from omnivat.head.settings import HeadSettings, literal
-from omnivat.kit.config import settings_dict, settings_from
-from omnivat.kit.errors import SettingsError
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 CORE = {"classes": CLASSES, "input_width": 512, "lang_width": 512, "width": 512}
@@ -59,29 +57,6 @@ def test_a_setting_changes_the_count_by_its_own_matrices_alone(change, fewer):
 
 
 # ---- generation ----------------------------------------------------------------------------------
-
-
-def test_in_series_every_node_grows_from_the_one_before():
-    torch.manual_seed(0)
-    chain, root = DTG(8, arrangement="series").double(), torch.randn(3, 8, dtype=torch.float64)
-    torch.nn.init.normal_(chain.bias)
-    node, wanted = root, [root]
-    for weight, bias in zip(chain.weight, chain.bias, strict=True):
-        node = node @ weight.T + bias
-        wanted.append(node)
-    grown = chain.grow(root)
-    torch.testing.assert_close(grown.nodes, torch.stack(wanted, 1))
-    assert [group.shape[1] for group in grown.groups] == [1, 7]
-
-
-def test_in_parallel_every_node_is_a_child_of_the_root():
-    torch.manual_seed(0)
-    fan, root = DTG(8, arrangement="parallel").double(), torch.randn(3, 8, dtype=torch.float64)
-    torch.nn.init.normal_(fan.bias)
-    grown = fan.grow(root)
-    for index, (weight, bias) in enumerate(zip(fan.weight, fan.bias, strict=True), start=1):
-        torch.testing.assert_close(grown.nodes[:, index], root @ weight.T + bias)
-    assert [group.shape[1] for group in grown.groups] == [1, 6]
 
 
 @pytest.mark.parametrize("arrangement", ["tree", "series", "parallel"])
@@ -201,25 +176,6 @@ def test_an_order_a_modality_turns_each_by_its_own(make_head, make_pairs):
 
 
 # ---- settings ------------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        ({"generation": "forest"}, "choose one of tree, series, parallel, interpolation, none"),
-        ({"complex_to_real": "x"}, "choose one of tokens, hermitian, magnitude, real"),
-    ],
-)
-def test_unknown_choices_are_refused(change, sentence):
-    with pytest.raises(SettingsError, match=sentence):
-        HeadSettings(**CORE, **change)
-
-
-def test_settings_saved_before_these_existed_mean_the_defaults():
-    values = settings_dict(HeadSettings(**CORE))
-    for name in ("generation", "mffa", "complex_to_real", "order_per_modality"):
-        del values[name]
-    assert settings_from(HeadSettings, values) == HeadSettings(**CORE)
 
 
 # ---- starts of θ_e and of the tree ---------------------------------------------------------------

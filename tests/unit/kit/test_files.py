@@ -172,20 +172,6 @@ def test_what_a_killed_writer_left_is_swept_by_the_next_and_a_living_one_is_let_
     assert sorted(p.name for p in tmp_path.iterdir()) == [young.name, other.name, "a[1].txt"]
 
 
-def test_a_full_disk_while_a_head_is_saved_is_a_sentence(tmp_path, head_folder, monkeypatch):
-    from omnivat.head.checkpoint import load_head, save_head
-
-    head = load_head(head_folder)
-
-    def full(*_):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Path, "write_bytes", full)
-    with pytest.raises(WriteError, match="head' was not written .No space left"):
-        save_head(tmp_path / "head", head)
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_two_embeds_to_one_file_do_not_take_one_anothers_parts(tmp_path):
     from omnivat.encoders.embed.job import Parts
 

@@ -133,15 +133,6 @@ def test_coefficients_are_made_once_and_each_pair_passes_once_an_order(monkeypat
     assert count.pairs == len(data) * len(ORDERS)
 
 
-def test_what_stays_still_is_measured_at_one_order_alone(monkeypatch):
-    model, data = head(), pairs()
-    count = Counting(model, monkeypatch)
-    found = sweep(model, data, ORDERS, stages=("raw", "frft"), measures=("modality_gap",))
-    assert count.calls == [ORDERS[0]]
-    assert len(set(found.curves["modality_gap/frft"])) == 1
-    assert found.probabilities.shape == (4, 0, 3)
-
-
 def test_what_stays_still_comes_with_the_first_order_visited_and_never_again():
     first, *later = walk(head(), pairs(), ORDERS, stages=("raw", "frft", "f_hat"))
     assert set(first.features) == {"raw", "frft", "f_hat"}

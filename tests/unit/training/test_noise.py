@@ -1,10 +1,8 @@
 """Noise on embeddings in training."""
 
 import numpy as np
-import pytest
 import torch
 
-from omnivat.kit.errors import SettingsError
 from omnivat.training import TrainSettings
 from omnivat.training.batches import batches
 
@@ -28,11 +26,6 @@ def test_noise_leaves_what_else_is_drawn_as_it_was(make_embeddings):
     plain, noisy = (drawn(make_embeddings(), noise=noise) for noise in (0.0, 1.0))
     for name in ("labels", "lang_on", "token_on"):
         assert torch.equal(getattr(plain, name), getattr(noisy, name))
-
-
-def test_noise_below_zero_is_refused():
-    with pytest.raises(SettingsError, match="noise is -1"):
-        TrainSettings(noise=-1.0)
 
 
 def test_a_shift_moves_all_pairs_of_a_batch_by_one_offset_for_each_modality(make_embeddings):

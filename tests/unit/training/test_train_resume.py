@@ -6,7 +6,6 @@ import torch
 from omnivat.encoders.lang.bank import load_bank
 from omnivat.kit.errors import DataError
 from omnivat.training import TrainSettings, train
-from omnivat.training import state as state_module
 
 from .conftest import head
 
@@ -56,21 +55,6 @@ def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_p
     assert whole.epochs == resumed.epochs
     assert whole.chosen_epoch == resumed.chosen_epoch
     assert not state.exists()
-
-
-def test_the_resume_check_can_fail(source, tmp_path, monkeypatch):
-    """Without the optimiser's momentum the weights differ."""
-    kept = state_module._under
-    monkeypatch.setattr(
-        state_module, "_under", lambda name, t: {} if name == "momentum." else kept(name, t)
-    )
-    settings, state = TrainSettings(epochs=2), tmp_path / "training.safetensors"
-    whole = train(source, head(), settings, bank=load_bank())
-
-    with pytest.raises(Stop):
-        train(source, head(), settings, bank=load_bank(), resume=state, on_step=stopped_after(0.5))
-    resumed = train(source, head(), settings, bank=load_bank(), resume=state)
-    assert not equal_weights(whole.model, resumed.model)
 
 
 def test_the_state_of_another_training_is_refused(source, tmp_path):

@@ -10,8 +10,8 @@ import torch
 
 from omnivat.encoders.lang.bank import load_bank
 from omnivat.head.head import build_head
-from omnivat.kit.errors import DataError, SettingsError
-from omnivat.training import Trained, TrainingCancelled, TrainSettings, Watch, train
+from omnivat.kit.errors import DataError
+from omnivat.training import Trained, TrainSettings, Watch, train
 from omnivat.training.batches import Batch, batches, held_out, labels_of
 from omnivat.training.loop import steps_of
 from omnivat.training.state import Progress
@@ -137,18 +137,6 @@ def test_a_report_of_a_step_names_the_epoch_the_loss_and_its_place_in_the_work(s
     assert (seen[-1].done, seen[-1].total) == (10, 100)
 
 
-def test_a_cancelled_training_stops_before_the_next_report(source):
-    seen = []
-    with pytest.raises(TrainingCancelled):
-        train(
-            source,
-            head(),
-            TrainSettings(),
-            watch=Watch(on_step=seen.append, cancelled=lambda: len(seen) >= 3),
-        )
-    assert len(seen) == 3
-
-
 def test_the_last_batch_of_an_epoch_may_be_smaller():
     assert [steps_of(pairs, TrainSettings(batch=16)) for pairs in (1, 16, 17, 32)] == [1, 1, 2, 2]
 
@@ -193,25 +181,6 @@ def test_each_pair_is_mirrored_half_the_time_and_has_a_style_of_its_class(source
     assert np.mean(mirrored) == pytest.approx(0.5, abs=0.05)
     assert np.mean(dropped, axis=0) == pytest.approx([0.5, 0.5], abs=0.05)
     assert styles == set(range(bank.embeddings.shape[1]))
-
-
-@pytest.mark.parametrize("share", [0.0, 1.0])
-def test_a_share_of_nothing_or_all_is_exact(source, share):
-    settings = TrainSettings(lang_drop=share, class_token_drop=share, batch=len(source))
-    (batch,) = batches(source, source.label, np.arange(len(source)), load_bank(), settings, 0)
-    assert bool(batch.lang_on.any()) is bool(batch.token_on.any()) is (share == 0)
-
-
-def test_orders_may_be_drawn_from_a_range_of_no_width_but_not_from_a_reversed_one():
-    assert TrainSettings(order_draw="row", order_low=0.5, order_high=0.5)
-    with pytest.raises(SettingsError, match="give the smaller one first"):
-        TrainSettings(order_draw="row", order_low=0.6, order_high=0.5)
-
-
-def test_a_search_and_drawn_orders_exclude_each_other():
-    assert TrainSettings(order_search=True) and TrainSettings(order_draw="row")
-    with pytest.raises(SettingsError, match="exclude each other"):
-        TrainSettings(order_search=True, order_draw="row")
 
 
 def test_a_search_lowers_the_rate_of_the_order_to_a_tenth(source, monkeypatch):

@@ -6,7 +6,7 @@ import torch
 
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.maps.frames import build_frames, builder, read_frames, write_frames
-from omnivat.maps.frames.builder import DEFAULT_MAPS, spread, stacked
+from omnivat.maps.frames.builder import DEFAULT_MAPS, spread
 from omnivat.maps.frames.records import LEVELS, MapFrames, quantised
 from omnivat.maps.projection import pca, torch_umap
 from omnivat.maps.projection.torch_umap import aligned, chain
@@ -96,11 +96,6 @@ def test_maps_that_are_not_asked_for_are_not_made(monkeypatch):
 def test_a_projecting_head_has_its_own_map_of_the_transform():
     found = build_frames(head(width=8), pairs(), orders=ORDERS, maps={"pca/raw": 1, "pca/frft": 1})
     assert found.maps["pca/raw"].points is not found.maps["pca/frft"].points
-
-
-def test_vis_rows_come_before_tac_rows():
-    rows = {"vis": torch.eye(3), "tac": 2 * torch.eye(3)[[2, 1, 0]]}
-    assert torch.equal(stacked(rows), torch.cat([torch.eye(3), torch.eye(3)[[2, 1, 0]]]))
 
 
 def test_quantising_is_exact_to_half_a_step_and_says_so():

@@ -32,11 +32,6 @@ def clusters(each=40, groups=5, width=16, seed=0):
     ), group
 
 
-@pytest.mark.parametrize("name", list(PROJECTIONS))
-def test_every_projection_loads(name):
-    assert callable(load(PROJECTIONS, name, kind="projection"))
-
-
 @pytest.mark.parametrize("shape", [(40, 7), (6, 30)])
 def test_neighbours_are_those_of_the_full_distance_matrix(shape):
     points = noise(*shape, dtype=torch.float64) + 100
@@ -89,14 +84,6 @@ def test_fuzzy_weights_of_a_row_add_up_to_log2_of_its_neighbours():
     beyond = found.distance - found.distance[:, :1]
     weights = (-beyond / torch_umap._widths(beyond, 3.9)).exp().sum(1)
     torch.testing.assert_close(weights, torch.full_like(weights, 3.9), atol=1e-6, rtol=0)
-
-
-def test_widths_grow_past_the_mean_distance_and_shrink_below_it():
-    beyond = torch.tensor([[0.0, 1.0, 1.0], [0.0, 3.0, 3.0]], dtype=torch.float64)
-    wide = torch_umap._widths(beyond, 2.5)[:, 0]  # 1 + 2 exp(-1 / s) = 2.5
-    torch.testing.assert_close(wide, beyond[:, 1] / -torch.log(torch.tensor(0.75)).double())
-    narrow = torch_umap._widths(beyond, 1.2)[:, 0]
-    torch.testing.assert_close(narrow, beyond[:, 1] / -torch.log(torch.tensor(0.1)).double())
 
 
 def test_forces_are_the_gradients_of_the_layouts_likelihood():
@@ -195,32 +182,19 @@ def test_a_chain_of_maps_moves_less_than_maps_made_apart_and_shows_as_much():
         assert trustworthiness(points, flat) > trustworthiness(points, alone) - 0.01
 
 
-def test_quality_agrees_with_scikit_learn_and_is_perfect_for_the_points_themselves():
+@pytest.mark.parametrize("rows", [80, 1100])  # more rows are not held at once
+def test_quality_agrees_with_scikit_learn_and_is_perfect_for_the_points_themselves(rows):
     from sklearn.manifold import trustworthiness as reference
 
-    points, flat = noise(80, 6), noise(80, 2, seed=1)
+    points, flat = noise(rows, 6), noise(rows, 2, seed=1)
     wanted = reference(points.numpy(), flat.numpy(), n_neighbors=7)
     assert trustworthiness(points, flat, k=7) == pytest.approx(wanted)
     assert trustworthiness(flat, flat, k=7) == quality(flat, flat, k=7).recall == 1
 
 
-def test_drift_is_counted_in_radii():
-    flat = noise(50, 2)
-    radius = float((flat - flat.mean(0)).norm() / 50**0.5)
-    assert drift(flat, flat + torch.tensor([radius, 0.0])) == pytest.approx(1)
-
-
 def test_the_radius_of_the_first_map_is_the_unit_of_drift():
-    flat = torch.tensor([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+    flat = 5 * torch.tensor([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
     assert drift(flat, 3 * flat) == pytest.approx(2)
-
-
-def test_quality_is_the_same_rule_for_more_rows_than_are_held_at_once():
-    from sklearn.manifold import trustworthiness as reference
-
-    points, flat = noise(1100, 4), noise(1100, 2, seed=1)
-    wanted = reference(points.numpy(), flat.numpy(), n_neighbors=7)
-    assert trustworthiness(points, flat, k=7) == pytest.approx(wanted)
 
 
 def test_a_nearer_neighbour_draws_a_new_row_more():
@@ -237,16 +211,6 @@ def test_a_known_row_is_placed_on_its_own_point():
     points, _ = clusters(each=10)
     flat = noise(len(points), 2)
     torch.testing.assert_close(place(points, points, flat), flat)
-
-
-def test_a_new_row_is_placed_among_its_neighbours():
-    points, group = clusters(each=20)
-    flat = torch_umap.project(points)
-    fresh, _ = clusters(each=20)
-    fresh = fresh + 0.1 * noise(*fresh.shape, seed=4)
-    placed = place(fresh, points, flat)
-    near = nearest(flat, 1, queries=placed).index[:, 0]
-    assert (group[near] == group).float().mean() > 0.98
 
 
 def test_a_turned_linear_map_places_rows_that_it_never_saw():
@@ -268,8 +232,9 @@ def test_a_map_that_is_not_linear_is_not_taken_for_one():
 
 
 def test_too_few_points_cannot_show_that_a_map_is_linear():
-    points = torch.randn(9, 8, generator=torch.Generator().manual_seed(0))
-    assert affine(points, points[:, :2]) is None
+    points = noise(10, 8, dtype=torch.float64)
+    assert affine(points[:9], points[:9, :2]) is None
+    assert affine(points, points[:, :2]) is not None
 
 
 def test_a_row_is_repelled_five_times_as_strongly_as_by_one_row_of_the_map():
@@ -337,11 +302,6 @@ def test_a_map_whose_points_are_all_one_is_linear():
     assert found.exact and float(found.places.abs().max()) == 0
 
 
-def test_one_row_more_than_unknowns_can_show_that_a_map_is_linear():
-    points = noise(10, 8, dtype=torch.float64)
-    assert affine(points, points[:, :2]) is not None
-
-
 def test_a_map_with_errors_below_a_thousandth_of_its_radius_is_linear():
     points = noise(60, 8, dtype=torch.float64)
     flat, off = points[:, :2] + 5, noise(60, 2, seed=1, dtype=torch.float64)
@@ -350,18 +310,6 @@ def test_a_map_with_errors_below_a_thousandth_of_its_radius_is_linear():
     off = off / off.abs().max() * (points[:, :2] - points[:, :2].mean(0)).abs().max()
     assert affine(points, flat + 0.9e-3 * off) is not None
     assert affine(points, flat + 1.1e-3 * off) is None
-
-
-def test_one_neighbour_can_be_asked_for_and_none_is_refused():
-    assert nearest(noise(5, 3), 1).index.shape == (5, 1)
-    with pytest.raises(SettingsError, match="0 neighbours"):
-        nearest(noise(5, 3), 0)
-
-
-def test_pca_takes_one_row_and_as_many_columns_as_dimensions():
-    assert pca.project(torch.ones(1, 2)).tolist() == [[0, 0]]
-    with pytest.raises(ShapeError, match=r"\(0, 3\); a map needs 1 row"):
-        pca.project(torch.ones(0, 3))
 
 
 def test_a_large_spectral_start_is_as_wide_as_stated_for_a_graph_without_a_middle():

@@ -13,15 +13,6 @@ def rows(count, shift, seed):
     return torch.randn(count, 16, generator=generator) + shift
 
 
-def test_the_estimate_lies_within_its_error_of_the_exact_value():
-    a, b = rows(400, 0.0, 1), rows(300, 0.6, 2)
-    exact, inside = float(mmd_rbf(a, b)), 0
-    for seed in range(40):
-        found = mmd_rbf_estimate(a, b, seed=seed)
-        inside += abs(float(found.value) - exact) <= 2.2 * float(found.error)
-    assert inside >= 35
-
-
 def test_the_square_of_a_mean_over_all_rows_has_no_bias_from_a_sample():
     every = rows(5, 0.0, 3).double()
     waves = torch.randn(16, 7, dtype=torch.float64, generator=torch.Generator().manual_seed(0))

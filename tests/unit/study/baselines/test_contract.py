@@ -1,5 +1,6 @@
 """The contract of the methods from outside the project, run for each over one small source."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -16,7 +17,7 @@ from omnivat.encoders.lang.clip_prompts import ClipPrompts
 from omnivat.encoders.running import CLIP_MEAN, CLIP_STD
 from omnivat.kit.errors import DataError
 from omnivat.kit.tables import load
-from omnivat.study.baselines import BASELINES, LABELS
+from omnivat.study.baselines import BASELINES, LABELS, ldc, mmrl, spg
 from omnivat.study.baselines.contract import Fitted, ImageInput, Live, Source
 from omnivat.study.baselines.contrastive import supcon_loss
 from omnivat.study.baselines.mmrl import PROMPT
@@ -111,6 +112,17 @@ def inputs(fitted: Fitted, source: Source) -> tuple[Tensor, Tensor]:
 def fit(name: str, source: Source) -> Fitted:
     fitted: Fitted = load(BASELINES, name, kind="baseline")(source)
     return fitted
+
+
+@pytest.fixture(scope="module", autouse=True)
+def short() -> Iterator[None]:
+    """Fewer steps than published: enough for thirty pairs."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mmrl, "HOW", replace(mmrl.HOW, epochs=12))
+        patch.setattr(ldc, "LEAST", 130)
+        for name in ("PROMPT_EPOCHS", "GAN_EPOCHS"):
+            patch.setattr(spg, name, 8)
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -1,13 +1,12 @@
 """Choices are made on held-out objects of the source."""
 
-import math
 from dataclasses import replace
 
 import pytest
 import torch
 
 from omnivat.study.baselines.contract import COPIES, Fitted, Source
-from omnivat.study.baselines.evidence import Score, best, folds, log_loss
+from omnivat.study.baselines.evidence import Score, best, folds
 
 
 @pytest.fixture
@@ -56,12 +55,6 @@ def test_one_candidate_is_taken_without_fitting(source):
 def test_where_nothing_can_be_held_out_the_first_candidate_is_taken(source):
     one_object_each = source.select(torch.tensor([0, 1, 2]))
     assert best(one_object_each, {"a": 1, "b": 2}, lambda part, c: None) == "a"
-
-
-def test_log_loss_is_the_mean_of_minus_log_probabilities():
-    probabilities = torch.tensor([[0.5, 0.5], [0.25, 0.75]])
-    wanted = -(math.log(0.5) + math.log(0.75)) / 2
-    assert log_loss(probabilities, torch.tensor([0, 1])) == pytest.approx(wanted)
 
 
 def test_the_flipped_copies_of_held_out_objects_are_not_fitted(source):

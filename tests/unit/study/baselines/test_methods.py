@@ -72,13 +72,6 @@ def test_a_reading_of_one_modality_does_not_see_the_other_image(name, modality, 
     assert not depends_on_the_other_image(fitted[name].predict, source, modality)
 
 
-def test_the_check_on_single_readings_finds_one_that_uses_both(source, fitted):
-    def passed_off(vis, tac):
-        return {"vis": fitted["erm_mlp"].predict(vis, tac)["fused"]}
-
-    assert depends_on_the_other_image(passed_off, source, "vis")
-
-
 @pytest.mark.parametrize("name", QUICK)
 def test_features_have_a_row_a_pair_for_each_modality_and_the_pair(name, source, fitted):
     found = fitted[name].features(source.vis, source.tac)
@@ -112,12 +105,6 @@ def test_every_baseline_loads_and_has_a_label():
     assert set(LABELS) == set(BASELINES)
     for name in BASELINES:
         assert callable(load(BASELINES, name, kind="baseline"))
-
-
-def test_surrogates_say_what_is_missing():
-    for name in ("vt_cmc_head", "ldc_icd", "robust_vish"):
-        assert "-" in LABELS[name].name
-        assert LABELS[name].note
 
 
 def test_robustvish_fits_a_few_steps(source):
