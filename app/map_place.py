@@ -91,6 +91,7 @@ def kept_features(resources: Resources, stage: str, order: float | None) -> "Arr
     import torch
 
     from omnivat.maps.sweep import STILL, walk
+    from omnivat.maps.sweep.walk import KEPT_PAIRS
     from omnivat.measure.gaps.unit import unit
 
     embeddings, model = resources.embeddings(), None
@@ -103,7 +104,10 @@ def kept_features(resources: Resources, stage: str, order: float | None) -> "Arr
 
     def staged() -> "Array":
         with torch.inference_mode():
-            found = next(walk(model, embeddings, [order or 0.0], stages=[stage], predictions=False))
+            few = model is not None and len(embeddings) <= KEPT_PAIRS
+            kept = resources.coefficients() if few else None
+            at = [order or 0.0]
+            found = next(walk(model, embeddings, at, stages=[stage], predictions=False, kept=kept))
             rows = found.features[stage]
             features: Array = torch.cat([unit(rows["vis"]), unit(rows["tac"])]).numpy()
         return features

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from omnivat.data.store import Embeddings
     from omnivat.encoders.base import Encoder
     from omnivat.head.checkpoint import Head
+    from omnivat.head.head import PairCoefficients
     from omnivat.maps.frames import FrameSet
 
 log = logging.getLogger(__name__)
@@ -109,6 +110,7 @@ class Resources:
         # from visitors' labelled pairs, and of their sensors
         self.taught: Recent[Head] = Recent(KEPT_TAUGHT, private=True)
         self.profiles: Recent[Profile] = Recent(KEPT_PROFILES, private=True)
+        self.coefficients: Lazy[PairCoefficients] = Lazy(self._coefficients)
         self._row_of: Lazy[dict[str, int]] = Lazy(self._rows_by_file)
         self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES, private=True)
         self._shown: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES)  # of examples
@@ -230,6 +232,11 @@ class Resources:
                 stem = Path(file).stem.removesuffix(f"_{modality}")
                 found["/".join([*parts[:-1], stem, modality])] = row
         return found
+
+    def _coefficients(self) -> "PairCoefficients":
+        from omnivat.maps.sweep.walk import coefficients_of
+
+        return coefficients_of(self.head().model, self.embeddings())
 
     def _load_encoder(self) -> "Encoder":
         wanted = self.head().encoder

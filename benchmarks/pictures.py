@@ -7,14 +7,12 @@ Needs Chromium.
 
 import argparse
 import io
-import shutil
 from pathlib import Path
 from typing import Any
 
 from PIL import Image
 
-from benchmarks._page_browser import FLAGS, opened
-from benchmarks.page import CHROMIUM, ROOT, started
+from benchmarks._browser import ROOT, chromium, opened, started
 
 LARGE = {"width": 1440, "height": 900}
 
@@ -47,24 +45,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=ROOT / "docs")
     chosen = parser.parse_args()
-    from playwright.sync_api import sync_playwright
-
-    binary = next((path for name in CHROMIUM if (path := shutil.which(name))), None)
-    if binary is None:
-        raise SystemExit("Chromium is needed; install it with `apt-get install chromium`.")
     examples = ROOT / "examples" / "pairs"
     photo = sorted(examples.rglob("*_vis.*"))[-1]
     touch = photo.with_name(photo.name.replace("_vis", "_tac"))
     process, address, _ = started()
     try:
-        with sync_playwright() as driver:
-            browser = driver.chromium.launch(executable_path=binary, args=FLAGS)
+        with chromium() as browser:
             page = opened(browser, address, "?chapter=analyse")
             page.set_viewport_size(LARGE)
             chapter(page, "touch", ".explore .twin .said", chosen.out / "page.png")
             chapter(page, "where", ".explore .together path", chosen.out / "where.png")
             own_picture(page, photo, touch, chosen.out / "own.png")
-            browser.close()
     finally:
         process.terminate()
         process.wait()

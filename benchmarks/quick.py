@@ -3,8 +3,9 @@
 
 Each round starts a server. Figures are medians over rounds (and over requests): the first page and
 its memory, an own pair from the drop to three readings, the profile of a sensor from 20 pictures,
-and visitors who drag p, upload and train at the same time. Seconds are wall time, so they hold on a
-quiet machine alone; the load is in the record.
+and visitors at once, who drag p and upload while every fifth trains. `--mixed` has the others
+make a profile, teach a head, or place a picture on the map. Seconds are wall time, so they hold on
+a quiet machine alone; the load is in the record.
 """
 
 import argparse
@@ -25,9 +26,8 @@ from urllib.request import urlopen
 import numpy as np
 from PIL import Image
 
-from benchmarks._page_browser import resident_mb
+from benchmarks._browser import resident_mb, started
 from benchmarks.measure import machine
-from benchmarks.page import started
 from omnivat.kit.files import write_json
 
 OUT = Path("docs/benchmarks/quick.json")
@@ -40,6 +40,7 @@ FIGURES = {
     "profile_s": ("profile from 20 pictures, s", 1.0),
     "drag_p95_s": ("visitors at once: a drag, 95th percentile, s", 0.3),
     "upload_p95_s": ("visitors at once: an upload, 95th percentile, s", 3.0),
+    "slowest_s": ("visitors at once: the longest wait of anyone, s", 10.0),
     "failed": ("visitors at once: requests that failed", 0),
 }
 
@@ -58,12 +59,10 @@ class Visitor:
     as in a browser.
     """
 
-    def __init__(self, address: str, number: int, *, connect: bool = False) -> None:
+    def __init__(self, address: str, number: int) -> None:
         self.connection, self.number = HTTPConnection(urlsplit(address).netloc), number
         self.headers = {"X-Forwarded-For": f"10.1.{number // 250}.{number % 250 + 1}"}
         self.upload = picture(1000 * number + 999)
-        if connect:  # anew for each request
-            self.headers["Connection"] = "close"
 
     def send(self, path: str, body: bytes | dict[str, Any]) -> Any:
         """Return the JSON reply of a POST."""
@@ -94,8 +93,23 @@ class Visitor:
         self.send("profile", {"touches": refs})
         return time.perf_counter() - began
 
-    def visit(self, source: str) -> Iterator[tuple[str, float]]:
-        """Drag p, upload a picture, drag again; some train meanwhile. Yield names and seconds."""
+    def more(self, source: str) -> tuple[str, dict[str, Any]]:
+        """Return path and body of the further request of this visitor, by its number."""
+        if self.number % EVERY == 0:
+            return "train", {"source": source, "width": 16, "epochs": 5}
+        rows = [f"row:{row}" for row in range(self.number, 600, 60)]
+        if self.number % EVERY == 1:
+            return "profile", {"touches": rows}
+        if self.number % EVERY == 2:
+            lessons = [{"vis": row, "tac": row, "label": str(k % 2)} for k, row in enumerate(rows)]
+            return "teach", {"lessons": lessons}
+        return "place", {"vis": self.image(0), "order": 0.3, "stage": "f_hat", "map": "umap"}
+
+    def visit(self, source: str, *, mixed: bool) -> Iterator[tuple[str, float]]:
+        """Drag p, upload a picture, drag again; some train, or do another thing meanwhile.
+
+        Yield names and seconds.
+        """
 
         def timed(what: str, path: str, body: bytes | dict[str, Any]) -> tuple[str, float]:
             began = time.perf_counter()
@@ -106,9 +120,9 @@ class Visitor:
                 return "failed", 0.0
             return what, time.perf_counter() - began
 
-        if self.number % EVERY == 0:
-            training = {"source": source, "width": 16, "epochs": 5, "visitor": str(self.number)}
-            yield timed("train", "train", training)
+        if mixed or self.number % EVERY == 0:
+            path, body = self.more(source)
+            yield timed(path, path, body | {"visitor": str(self.number)})
         for k in range(DRAGS):
             row = f"row:{self.number * DRAGS + k}"
             yield timed("drag", "pair", {"vis": row, "tac": row, "order": k / DRAGS})
@@ -116,7 +130,7 @@ class Visitor:
                 yield timed("upload", "image?name=x", self.upload)
 
 
-def measured(visitors: int, *, connect: bool = False) -> dict[str, float]:
+def measured(visitors: int, *, mixed: bool) -> dict[str, float]:
     """Start a server and measure one round."""
     process, address, first = started()
     try:
@@ -130,15 +144,16 @@ def measured(visitors: int, *, connect: bool = False) -> dict[str, float]:
         found["own_pair_s"] = statistics.median(one.own_pair(k) for k in range(1, PAIRS + 1))
         found["profile_s"] = statistics.median(one.profile(100 * k) for k in (1, 2, 3))
         source = one.send("trainings", {})["first"]["source"]
-        everybody = [Visitor(address, k, connect=connect) for k in range(visitors)]
+        everybody = [Visitor(address, k) for k in range(visitors)]
         with ThreadPoolExecutor(visitors) as crowd:
-            visits = crowd.map(lambda visitor: list(visitor.visit(source)), everybody)
+            visits = crowd.map(lambda visitor: list(visitor.visit(source, mixed=mixed)), everybody)
             every = [one for visit in visits for one in visit]
         kinds = Counter(what for what, _ in every)
         for what in ("drag", "upload"):
             seconds = [s for kind, s in every if kind == what] or [float("inf")]
             found[f"{what}_p95_s"] = float(np.quantile(seconds, 0.95))
-        return found | {"failed": kinds["failed"]}
+        slowest = max(seconds for _, seconds in every)
+        return found | {"slowest_s": slowest, "failed": kinds["failed"]}
     finally:
         process.terminate()
         process.wait()
@@ -149,14 +164,10 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--repeat", type=int, default=5, help="rounds")
     parser.add_argument("--visitors", type=int, default=50)
-    parser.add_argument(
-        "--connect",
-        action="store_true",
-        help="a new connection for each request; browsers keep theirs",
-    )
+    parser.add_argument("--mixed", action="store_true", help="visitors do other things, too")
     parser.add_argument("--out", type=Path, default=OUT)
     chosen = parser.parse_args()
-    rounds = [measured(chosen.visitors, connect=chosen.connect) for _ in range(chosen.repeat)]
+    rounds = [measured(chosen.visitors, mixed=chosen.mixed) for _ in range(chosen.repeat)]
     figures = {
         name: {
             "median": round(statistics.median(one[name] for one in rounds), 3),

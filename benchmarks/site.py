@@ -32,7 +32,7 @@ from app.decoder import Decoder
 from app.places import places
 from app.resources import Resources
 from app.site_models import write_models
-from benchmarks._page_browser import FLAGS
+from benchmarks._browser import chromium
 from omnivat.head.predict import predict_embeddings
 from omnivat.kit.errors import OmniVatError
 from omnivat.kit.files import write_json, write_text
@@ -46,7 +46,6 @@ ASK = """async ([path, query, body]) => {
     body: body.file === undefined ? JSON.stringify(body) : new Blob([bytes(body.file)]) });
   return [response.status, await response.json(), performance.now() - began];
 }"""
-CHROMIUM = ("chromium", "chromium-browser", "google-chrome")
 WANTED = 0.005
 MBIT, DELAY_S = 20, 0.02  # of the slow line
 WAITS = (
@@ -146,18 +145,6 @@ def make(resources: Resources, folder: Path, runtime: Path | None) -> None:
     models = write_models({"sensors": resources}, folder, runtime)
     shutil.copytree(WEB, folder / "web")
     write_text(folder / "index.html", f"{PAGE}<script>const models = '{models}/';</script>")
-
-
-@contextmanager
-def chromium() -> Iterator[Any]:
-    """Yield a Chromium."""
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as player:
-        binary = next((path for name in CHROMIUM if (path := shutil.which(name))), None)
-        browser = player.chromium.launch(executable_path=binary, args=FLAGS)
-        yield browser
-        browser.close()
 
 
 @contextmanager

@@ -1,27 +1,20 @@
-"""What the sensor alone costs, and what in it (docs/twins.md).
+"""One press by every sensor, as the page draws it: `python -m benchmarks.twins`.
 
-    python -m benchmarks.twins --pack FOLDER      examples/twins.npz: twins, embedded with the dots
-                                                  kept and filled
-    python -m benchmarks.twins --page FOLDER      examples/twins.json, twins.map.json and twins/,
-                                                  for the page
-    python -m benchmarks.twins --split METHOD,... home, sensor changed, scene changed, both, other
-                                                  objects
-    python -m benchmarks.twins --parts 12         one group of a gel's parts changed at a time, on
-                                                  so many new presses of each class
-    python -m benchmarks.twins                    docs/benchmarks/twins.json and twins.svg from
-                                                  what was measured, and the split for the page
+    --pack FOLDER   examples/twins.npz: the twins, embedded with the dots kept and filled
+    --page FOLDER   examples/twins.json, twins.map.json and twins/, for the page
 
 FOLDER is what `omnivat simulate --set twins` drew; of an interrupted drawing, objects count as
 photographed that have all photographs. `--learn KEPT FILLED` are the embeddings that heads learn
-from: the simulated domains, with the dots kept and filled. Results wait in build/twins.
+from: the simulated domains, with the dots kept and filled. The head is logistic regression on
+standardised unit rows, learned from the training pairs of one domain. The split of a loss into
+its parts is that of docs/benchmarks/twins.json.
 """
 
 import argparse
+import base64
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
-from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -30,65 +23,438 @@ import torch
 from numpy.typing import NDArray
 from PIL import Image
 from sklearn.linear_model import LogisticRegression
+from sklearn.neighbors import NearestNeighbors
 
-from benchmarks._twins_page import (
-    Plain,
-    about,
-    learned,
-    moved,
-    own_twin,
-    page,
-    rows_of,
-    sheets,
-    threads,
-    write_json,
-)
 from omnivat.data.domains import paper_name
 from omnivat.data.dots import fill_dots
 from omnivat.data.embeddings import Embeddings
-from omnivat.data.profile import channels_of
+from omnivat.data.profile import Channels, channels_of, shrunk
 from omnivat.data.store import load_embeddings
 from omnivat.encoders import load_encoder
-from omnivat.figures.scores import dots as dot_figure
-from omnivat.figures.still import svg_of
 from omnivat.head.heads import EXAMPLES
-from omnivat.kit.files import write_text
-from omnivat.kit.seeding import derive_seed
-from omnivat.kit.tables import load
+from omnivat.kit.files import replacing, write_text
 from omnivat.kit.threads import one_thread
+from omnivat.maps.projection import pca
+from omnivat.maps.projection.torch_umap import following
 from omnivat.measure.twins import Twins, twins, write_twins
 from omnivat.simulate.build import image_path
-from omnivat.simulate.contact import pressed_height
-from omnivat.simulate.domains import SIMULATED
-from omnivat.simulate.drawing import pressing
+from omnivat.simulate.domains import SIMULATED, SimulatedDomain
 from omnivat.simulate.plan import Planned
-from omnivat.simulate.sensors import GELS, Sensor
-from omnivat.simulate.tactile import imaged
-from omnivat.simulate.twins import Twin, pressed, unmet_objects
-from omnivat.study.baselines import BASELINES
-from omnivat.study.baselines.contract import Source
-from omnivat.training import TrainSettings, Watch
-from omnivat.training.from_pairs import plan_training
-from omnivat.training.loop import train_once
+from omnivat.simulate.sensors import SENSORS, Sensor, TaximSensor
+from omnivat.simulate.twins import Twin, unmet_objects
 
 Array = NDArray[Any]
-BUILD, OUT = Path("build/twins"), Path("docs/benchmarks")
-RECIPE = {"noise": 4.0, "shift": 1.0, "epochs": 120}  # of OmniVaT, as in examples/make.sh
-READINGS = {"touch": "tac", "photo": "vis", "both": "fused"}
-DRAWS = 1000
-DOTS = ("kept", "filled")
-METHODS = ("linear_maps", "erm_mlp", "omnivat")
-GROUPS = {
-    "markers": ("markers", "plain_gels"),
-    "lamps": ("lamps", "gain"),
-    "camera": ("vignette", "noise", "blur"),
-    "field, depth": ("field", "depth"),
-    "softness": ("skin", "give", "dome"),
-    "tint": ("base",),
+RECORD = Path("docs/benchmarks/twins.json")
+Fill = Callable[[Array], Array]
+READINGS = {"touch": ("tac",), "photo": ("vis",), "both": ("vis", "tac")}
+PICTURES = (5, 20, 50, 200)  # without labels
+# twins are tested in thirds, with pictures of the other two; draws of these pictures
+PARTS, DRAWS = 3, 5
+C = 0.003
+TILE, PRESS, QUALITY = 144, 56, 80  # pixels of a picture, of a small one; of WebP
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Plain:
+    """A logistic regression on standardised rows, and the statistics that it learned them with."""
+
+    model: LogisticRegression
+    own: Channels
+
+    def probabilities(self, rows: Array, known: Channels | None = None) -> Array:
+        """Return probabilities (n, K) of rows (n, W), standardised by the source's statistics,
+        or `known` ones.
+        """
+        seen = known or self.own
+        found: Array = self.model.predict_proba(
+            (rows - seen.mean) / (np.sqrt(seen.variance) + 1e-6)
+        )
+        return found
+
+
+def learned(rows: Array, labels: Array) -> Plain:
+    """Fit the regression to unit rows (n, W)."""
+    own = channels_of(rows)
+    model = LogisticRegression(C=C, max_iter=1500)
+    return Plain(
+        model=model.fit((rows - own.mean) / (np.sqrt(own.variance) + 1e-6), labels), own=own
+    )
+
+
+def rows_of(vectors: Mapping[str, Array], reading: str) -> Array:
+    """Return unit rows (..., W) of a reading, side by side for both."""
+    parts = [vectors[name] for name in READINGS[reading]]
+    count = min(map(len, parts))  # of the twins, some have no photograph
+    return np.concatenate(
+        [p[:count] / np.linalg.norm(p[:count], axis=-1, keepdims=True) for p in parts], axis=-1
+    )
+
+
+def thirds(count: int, classes: int) -> list[Array]:
+    """Return PARTS sets of indices; objects come in rounds of the classes, so that each part has
+    as many of all.
+    """
+    return [np.flatnonzero(np.arange(count) // classes % PARTS == part) for part in range(PARTS)]
+
+
+def predicted(head: Plain, rows: Array, pictures: int, classes: int, *, seed: int) -> Array:
+    """Return probabilities (N, K) of rows (N, W), with `pictures` rows of the other thirds known
+    without labels.
+    """
+    if not pictures:
+        return head.probabilities(rows)
+    random = np.random.default_rng([seed, pictures])
+    found = np.zeros((len(rows), len(head.model.classes_)))
+    for part in thirds(len(rows), classes):
+        pool = random.permutation(np.setdiff1d(np.arange(len(rows)), part))[:pictures]
+        found[part] = head.probabilities(rows[part], shrunk(channels_of(rows[pool]), head.own))
+    return found
+
+
+def share(right: Array) -> list[float]:
+    """Return the mean of (N,) and its 95 % interval over objects."""
+    mean, half = right.mean(), 1.96 * right.std(ddof=1) / len(right) ** 0.5
+    return [round(float(v), 3) for v in (mean, max(mean - half, 0), min(mean + half, 1))]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Seen:
+    """Predictions of one head on all twins, by number of pictures (R) and target (T)."""
+
+    right: Array  # (R, T, N) share of draws that are right
+    said: Array  # (R, T, N) class of the first draw
+    sure: Array  # (R, T, N) its probability
+
+    @property
+    def count(self) -> int:
+        """N, how many twins were predicted."""
+        return int(self.right.shape[-1])
+
+
+def seen(head: Plain, rows: Array, label: Array, source: int, classes: int) -> Seen:
+    """Predict twins (N, S, W) with no picture, and with each of `PICTURES`, of the target."""
+    shape = (1 + len(PICTURES), rows.shape[1], len(label))
+    right, said, sure = np.zeros(shape), np.zeros(shape, int), np.zeros(shape)
+    for r, pictures in enumerate((0, *PICTURES)):
+        for target in range(rows.shape[1]):
+            known = 0 if target == source else pictures
+            for draw in range(DRAWS if known else 1):
+                shares = predicted(head, rows[:, target], known, classes, seed=draw)
+                answer = head.model.classes_[shares.argmax(1)]
+                right[r, target] += answer == label
+                if not draw:
+                    said[r, target], sure[r, target] = answer, shares.max(1)
+            right[r, target] /= DRAWS if known else 1
+    return Seen(right=right, said=said, sure=sure)
+
+
+def everything(made: Twins, learning: Sequence[Embeddings]) -> dict[tuple[str, int, int], Seen]:
+    """Return (reading, source, dots) -> predictions; dots 0: as printed, 1: filled, in training and
+    test.
+
+    learning  the set that the heads learn from, with the dots as printed and filled
+    """
+    found = {}
+    classes = len(made.header.classes)
+    for dots, pairs in enumerate(learning):
+        vectors = {"vis": made.vis, "tac": made.filled if dots else made.tac}
+        for reading in READINGS:
+            if dots and reading == "photo":
+                continue
+            tested = rows_of(vectors, reading)
+            for source, name in enumerate(made.header.domains):
+                own = pairs.in_domain(name, split="train")
+                head = learned(rows_of(own.vectors, reading), own.label)
+                found[reading, source, dots] = seen(
+                    head, tested, made.label[: len(tested)], source, classes
+                )
+    return found
+
+
+def shown(made: Twins, first: Seen, filled: Seen, each: int = 4) -> list[int]:
+    """Return `each` objects of every class, by what the first source's head reads by touch: those
+    that the fill
+    turns right on most sensors, and one that stays wrong on most of them."""
+    count = len(made.vis)  # only these have photographs
+    turned = (first.right[0, 0] * (filled.right[0] - first.right[0])[1:].sum(0))[:count]
+    stays = filled.right[-1, 1:, :count].sum(0)
+    chosen = []
+    for label in range(len(made.header.classes)):
+        own = np.flatnonzero(made.label[:count] == label)
+        best = own[np.argsort(-turned[own], kind="stable")]
+        wrong = own[np.argsort(stays[own], kind="stable")][0]
+        chosen += [*[int(n) for n in best if n != wrong][: each - 1], int(wrong)]
+    return chosen
+
+
+def page(
+    made: Twins, learning: Sequence[Embeddings], about: Sequence[Mapping[str, str]]
+) -> tuple[dict[str, Any], list[int]]:
+    """Return the contents of `examples/twins.json`, and the numbers of the objects that it shows.
+
+    The keys, in the order of the domains of the twins (S), of `pictures` after none (R), and of the
+    shown objects:
+
+    domains     name, sensor, scene and one sentence about the sensor
+    known       reading -> how many pictures each of `pictures` stands for: fewer where the twins
+                have no more
+    learned     by source: indices of the classes that its head knows
+    presses     reading -> by source: how many twins of these classes were tested
+    accuracy    reading -> [source][dots][R][target] -> [share, low, high] over these presses, 95 %
+                over objects; dots 0 as printed, 1 filled in training and test; photos have no dots
+    away        reading -> [source][dots][R] -> the same, for the mean of the other seven domains
+    verdicts    reading -> [source][dots][R] -> a digit for each shown object and target: the
+                predicted class
+    confidence  the same with two digits each: its probability in percent, 99 at most
+    shown       class, name, press (its number among the twins), looks_like, feels_like, sheet (its
+                pictures)
+    """
+    heads = everything(made, learning)
+    objects = shown(made, heads["touch", 0, 0], heads["touch", 0, 1])
+    classes, sources = made.header.classes, range(len(made.header.domains))
+    known = [
+        np.unique(learning[0].in_domain(name, split="train").label) for name in made.header.domains
+    ]
+    tested = [np.isin(made.label, some) for some in known]
+
+    def table(cell: Any) -> dict[str, Any]:
+        return {
+            reading: [
+                [
+                    [
+                        cell(heads[reading, source, dots], source, r)
+                        for r in range(1 + len(PICTURES))
+                    ]
+                    for dots in ((0,) if reading == "photo" else (0, 1))
+                ]
+                for source in sources
+            ]
+            for reading in READINGS
+        }
+
+    def away(seen: Seen, source: int, r: int) -> list[float]:
+        others = [target for target in sources if target != source]
+        return share(seen.right[r, others].mean(0)[tested[source][: seen.count]])
+
+    return {
+        "simulated": True,
+        "made_by": "python -m benchmarks.twins --page",
+        "head": (
+            "logistic regression on EfficientNet-Lite0 features, learned from the training pairs of"
+            " {source}"
+        ),
+        "classes": list(classes),
+        "domains": list(about),
+        "objects": len(made.label),
+        "pictures": list(PICTURES),
+        "known": {
+            reading: [min(n, some.count * (PARTS - 1) // PARTS) for n in PICTURES]
+            for reading, some in ((r, heads[r, 0, 0]) for r in READINGS)
+        },
+        "learned": [some.tolist() for some in known],
+        "presses": {
+            reading: [int(tested[s][: heads[reading, s, 0].count].sum()) for s in sources]
+            for reading in READINGS
+        },
+        "accuracy": table(
+            lambda seen, s, r: [share(seen.right[r, t][tested[s][: seen.count]]) for t in sources]
+        ),
+        "away": table(away),
+        "shown": [
+            {
+                "class": int(made.label[n]),
+                "name": made.objects[n].split("/")[-1].replace("-", " "),
+                "press": n,
+                "looks_like": made.looks_like[n],
+                "feels_like": made.feels_like[n],
+                "sheet": f"{k:02d}.webp",
+            }
+            for k, n in enumerate(objects)
+        ],
+        "verdicts": table(lambda seen, s, r: "".join(map(str, seen.said[r][:, objects].T.ravel()))),
+        "confidence": table(
+            lambda seen, s, r: "".join(
+                f"{min(int(100 * v), 99):02d}" for v in seen.sure[r][:, objects].T.ravel()
+            )
+        ),
+    }, objects
+
+
+def sheets(made: Twins, objects: Sequence[int], pictures: Path, fill: Fill, folder: Path) -> None:
+    """Write the pictures of the shown objects: a sheet for each, and a row of their first touches.
+
+    pictures  the folder that `omnivat simulate --set twins` wrote
+    fill      picture (H, W, 3) -> the same with the printed dots filled
+    A sheet has a column for each domain, and three rows: photograph, touch, touch with the dots
+    filled.
+    """
+    row = Image.new("RGB", (PRESS * len(objects), PRESS))
+    for k, n in enumerate(objects):
+        stem = made.objects[n].split("/")[-1]
+        sheet = Image.new("RGB", (TILE * len(made.header.domains), TILE * 3))
+        for column, domain in enumerate(made.header.domains):
+            place = pictures / domain / stem.split("-")[0]
+            touch = Image.open(place / f"{stem}_tac.png").convert("RGB")
+            clean = Image.fromarray(fill(np.asarray(touch)))
+            for line, image in enumerate(
+                (Image.open(place / f"{stem}_vis.png").convert("RGB"), touch, clean)
+            ):
+                sheet.paste(
+                    image.resize((TILE, TILE), Image.Resampling.LANCZOS),
+                    (TILE * column, TILE * line),
+                )
+            if not column:
+                row.paste(touch.resize((PRESS, PRESS), Image.Resampling.LANCZOS), (PRESS * k, 0))
+        write_image(folder / f"{k:02d}.webp", sheet)
+    write_image(folder / "presses.webp", row)
+
+
+def write_image(path: Path, image: Image.Image) -> None:
+    """Write a WebP file."""
+    with replacing(path) as temporary:
+        image.save(temporary, "WEBP", quality=QUALITY, method=6)
+
+
+def moved(rows: Array) -> tuple[Array, Array, Array]:
+    """Return rows (N, S, W) of S sensors three ways: as they come, with each sensor's mean moved
+    onto the common
+    mean, and with mean and spread moved. All are in units of the common spread."""
+    flat = rows.reshape(-1, rows.shape[-1])
+    as_they_come = (rows - flat.mean(0)) / (flat.std(0) + 1e-6)
+    centred = as_they_come - as_they_come.mean(0)
+    return as_they_come, centred, centred / (centred.std(0) + 1e-6)
+
+
+def own_twin(rows: Array) -> Array:
+    """Return (S, S): how many of N presses by one sensor have their own twin as nearest press by
+    another, a share.
+    """
+    sensors = rows.shape[1]
+    found = np.ones((sensors, sensors))
+    for other in range(sensors):
+        near = NearestNeighbors(n_neighbors=1).fit(rows[:, other])
+        for first in range(sensors):
+            if first != other:
+                nearest = near.kneighbors(rows[:, first], return_distance=False)[:, 0]
+                found[first, other] = (nearest == np.arange(len(rows))).mean()
+    return found
+
+
+def threads(made: Twins, learning: Embeddings) -> dict[str, Any]:
+    """Return the contents of `examples/twins.map.json`: maps of all touches (dots as printed) in
+    the three ways of `moved`.
+
+    label     a digit for each press: its class
+    pca, umap  by way: positions of press 0 by sensor 0 to S - 1, then of press 1, ...; little-
+               endian 16-bit pairs of
+              one box for the three ways, in base64. UMAP goes on from the map of the way before
+    own_twin  [sensor][way]: share of presses whose nearest press by another sensor is their own
+              twin, mean of the others
+    gap       by way: distance between the means of two sensors' unit rows, mean over pairs of
+              sensors
+    accuracy  by way: share right on another sensor, mean over sources and targets, of a head on
+              standardised rows that is given the mean, or mean and spread, of all presses
+    """
+    rows = rows_of({"tac": made.tac}, "touch")
+    ways = moved(rows)
+    points = [torch.from_numpy(way.reshape(-1, way.shape[-1])).float() for way in ways]
+    basis = pca.basis(torch.cat(points))
+    flat = [basis.place(some).numpy() for some in points]
+    chained: list[Array] = []
+    for some in points:
+        chained.append(following(some, torch.from_numpy(chained[-1]) if chained else None).numpy())
+    near = [own_twin(way) for way in ways]
+    away = ~np.eye(rows.shape[1], dtype=bool)
+    return {
+        "presses": len(rows),
+        "label": "".join(map(str, made.label)),
+        "pca": packed(flat),
+        "umap": packed(chained),
+        "own_twin": [
+            [round(float(w[s][away[s]].mean()), 3) for w in near] for s in range(rows.shape[1])
+        ],
+        "own_twin_mean": [round(float(w[away].mean()), 3) for w in near],
+        "gap": [round(gap(way), 3) for way in ways],
+        "accuracy": accuracies(made, rows, learning),
+    }
+
+
+def packed(maps: Sequence[Array]) -> list[str]:
+    """Return maps (N, 2) as 16-bit positions in their common box, in base64."""
+    every = np.concatenate(maps)
+    low, size = every.min(0), np.ptp(every, axis=0).max()
+    return [
+        base64.b64encode(((m - low) / size * 65_535).round().astype("<u2").tobytes()).decode()
+        for m in maps
+    ]
+
+
+def gap(rows: Array) -> float:
+    """Return the mean distance between the mean unit rows of two sensors."""
+    means = (rows / np.linalg.norm(rows, axis=-1, keepdims=True)).mean(0)
+    apart = np.linalg.norm(means[:, None] - means, axis=-1)
+    return float(apart[np.triu_indices(len(means), 1)].mean())
+
+
+def accuracies(made: Twins, rows: Array, learning: Embeddings) -> list[float]:
+    """Return the mean share right on another sensor, three ways."""
+    found = []
+    for source, name in enumerate(made.header.domains):
+        own = learning.in_domain(name, split="train")
+        head = learned(rows_of(own.vectors, "touch"), own.label)
+        tested = np.isin(made.label, head.model.classes_)
+        for target in range(rows.shape[1]):
+            if target != source:
+                seen = channels_of(rows[:, target])
+                for known in (None, replace(seen, variance=head.own.variance), seen):
+                    answer = head.model.classes_[
+                        head.probabilities(rows[:, target], known).argmax(1)
+                    ]
+                    found.append((answer == made.label)[tested].mean())
+    return [round(float(v), 3) for v in np.reshape(found, (-1, 3)).mean(0)]
+
+
+def about(name: str, domain: SimulatedDomain) -> dict[str, str]:
+    """Return a domain's name, sensor, scene, and a sentence about the sensor, from the model
+    that draws it.
+    """
+    sensor = next(key for key, value in SENSORS.items() if value is domain.sensor)
+    if isinstance(domain.sensor, Sensor):
+        gel = domain.sensor
+        dots = "no printed dots"
+        if gel.markers:
+            share = (
+                f" on {1 - gel.plain_gels:.0%} of its gels".replace("%", " %")
+                if gel.plain_gels
+                else ""
+            )
+            dots = f"dots printed {gel.markers.pitch:g} mm apart{share}"
+        words = f"A gel of {gel.field:g} mm, {len(gel.lamps)} coloured lamps, {dots}."
+    elif isinstance(domain.sensor, TaximSensor):
+        words = (
+            f"Drawn by Taxim from its calibration of a {sensor.removeprefix('Taxim ')}; no printed"
+            " dots."
+        )
+    else:
+        words = "No lamps and no picture of a gel: 400 measured displacements, drawn as colours."
+    return {"name": name, "sensor": sensor, "scene": PLACES[domain.name], "about": words}
+
+
+PLACES = {
+    "TAG": "by hand, indoors and outdoors",
+    "OF Real": "on a white turntable",
+    "OF 2.0 A": "on white ground",
+    "OF 2.0 B": "on black ground",
+    "TQ-DIGIT": "on an oak desk",
+    "TQ-GelMini": "on a laminate desk",
+    "TQ-DuraGel": "on a cloth",
+    "TQ-T3D": "on a workbench",
 }
-HUB = "GelSight"  # the sensor that the page's head learned from
-# VIS and TAC (n, W) -> reading -> (n,) predicted classes
-Reads = Callable[[Array, Array], dict[str, Array]]
+
+
+def write_json(path: Path, content: Mapping[str, Any]) -> None:
+    """Write compact JSON."""
+    write_text(path, json.dumps(content, separators=(",", ":")) + "\n")
 
 
 def gathered(folder: Path, learning: Sequence[Embeddings]) -> Twins:
@@ -135,258 +501,6 @@ def gathered(folder: Path, learning: Sequence[Embeddings]) -> Twins:
     )
 
 
-def fitted(method: str, pairs: Embeddings, source: str, seed: int = 0) -> Reads:
-    """Train a method on the training pairs of one domain: "omnivat" by the page's recipe, or a
-    baseline.
-    """
-    own = pairs.in_domain(source, split="train")
-    names = tuple(name for k, name in enumerate(pairs.header.classes) if k in own.label)
-    known = np.array([pairs.header.classes.index(name) for name in names])
-    if method == "omnivat":
-        training = TrainSettings(**RECIPE)  # type: ignore[arg-type]
-        plan = plan_training(pairs, source, head={"width": 64}, training=training, seed=seed)
-        given: dict[str, Any] = {"bank": plan.bank, "seed": seed, "resume": None, "watch": Watch()}
-        model = train_once(plan.pairs, plan.settings, plan.training, **given).model.eval()
-
-        def predict(*rows: torch.Tensor) -> Mapping[str, torch.Tensor]:
-            found: Mapping[str, torch.Tensor] = model(*rows).readings
-            return found
-
-    else:
-        arrays: dict[str, Any] = {
-            name: torch.from_numpy(np.asarray(rows, np.float32))
-            for name, rows in own.vectors.items()
-        }
-        labels = torch.from_numpy(np.searchsorted(known, own.label))
-        objects = tuple(own.rows["object"])
-        source_pairs = Source(**arrays, labels=labels, objects=objects, classes=names, seed=seed)
-        predict = load(BASELINES, method, kind="method")(source_pairs).predict
-
-    @torch.inference_mode()
-    def read(*images: Array) -> dict[str, Array]:
-        found = predict(
-            *(torch.from_numpy(np.ascontiguousarray(rows, np.float32)) for rows in images)
-        )
-        return {name: known[found[name].argmax(-1).numpy()] for name in READINGS.values()}
-
-    return read
-
-
-def answers(
-    read: Reads, made: Twins, pairs: Embeddings, source: str, *, filled: bool
-) -> dict[str, str]:
-    """Return the predicted classes of one head as digits.
-
-    "touch S", "photo S"  of the twins by the sensor, and in the scene, of domain S
-    "both S|T"            of the twins by the sensor of S in the scene of T
-    "touch test S", ...   of the test pairs of S
-    """
-    touch, domains, home = (
-        made.filled if filled else made.tac,
-        made.header.domains,
-        made.place(source),
-    )
-    found = {}
-    for there, name in enumerate(domains):
-        # One image alone is read whatever the other is.
-        found[f"touch {name}"] = read(touch[:, there], touch[:, there])["tac"]
-        found[f"photo {name}"] = read(made.vis[:, there], made.vis[:, there])["vis"]
-        for sensor, scene in ((there, home), (home, there), (there, there)):
-            both = read(made.vis[:, scene], touch[: len(made.vis), sensor])["fused"]
-            found[f"both {domains[sensor]}|{domains[scene]}"] = both
-        test = pairs.in_domain(name, split="test")
-        found |= {
-            f"{reading} test {name}": rows
-            for reading, rows in _named(read(test.vis, test.tac)).items()
-        }
-    return {name: "".join(map(str, rows)) for name, rows in found.items()}
-
-
-def _named(shares: Mapping[str, Array]) -> dict[str, Array]:
-    return {reading: shares[name] for reading, name in READINGS.items()}
-
-
-def draws(label: Array, random: np.random.Generator) -> Array:
-    """Return weights (1 + DRAWS, n) of objects: ones, then draws with replacement within each
-    class.
-    """
-    weights = np.ones((1 + DRAWS, len(label)))
-    for one in np.unique(label):
-        own = np.flatnonzero(label == one)
-        weights[1:, own] = random.multinomial(len(own), np.full(len(own), 1 / len(own)), DRAWS)
-    return weights
-
-
-@dataclass(frozen=True, slots=True)
-class Split:
-    """Twins and test pairs, and weights of their objects: ones, then draws."""
-
-    made: Twins
-    tests: Mapping[str, Array]  # domain -> labels of its test pairs
-    of_tests: Mapping[str, Array]
-    of_touches: Array
-    of_pairs: Array  # of the photographed twins
-
-    def twin(
-        self, said: Mapping[str, str], reading: str, sensor: str, scene: str, shared: Array
-    ) -> Array:
-        """Return the accuracy (1 + DRAWS,) in percent on twins by a sensor in a scene, of some
-        classes.
-        """
-        names = {
-            "touch": f"touch {sensor}",
-            "photo": f"photo {scene}",
-            "both": f"both {sensor}|{scene}",
-        }
-        weights = self.of_touches if reading == "touch" else self.of_pairs
-        return accuracy(said[names[reading]], self.made.label[: weights.shape[1]], weights, shared)
-
-    def test(self, said: Mapping[str, str], reading: str, domain: str, shared: Array) -> Array:
-        """Return the accuracy on the test pairs of a domain."""
-        return accuracy(
-            said[f"{reading} test {domain}"], self.tests[domain], self.of_tests[domain], shared
-        )
-
-    def terms(
-        self, said: Mapping[str, str], reading: str, source: str, target: str
-    ) -> dict[str, Array]:
-        """Return the terms of `split` between two domains; only classes of both count."""
-        shared = np.intersect1d(self.tests[source], self.tests[target])
-        home, away = (self.test(said, reading, name, shared) for name in (source, target))
-        start, by_sensor, by_scene, by_both = (
-            self.twin(said, reading, sensor, scene, shared)
-            for sensor, scene in (
-                (source, source),
-                (target, source),
-                (source, target),
-                (target, target),
-            )
-        )
-        return {
-            "home": home,
-            "new_objects": home - start,
-            "sensor": start - by_sensor,
-            "scene": start - by_scene,
-            "interplay": by_sensor + by_scene - start - by_both,
-            "objects": home - start + by_both - away,
-            "away": away,
-        }
-
-
-def accuracy(said: str, label: Array, weights: Array, shared: Array) -> Array:
-    """Return the percentage right (B,) of predictions (n digits) of some classes; weights (B,
-    n).
-    """
-    keep = np.isin(label, shared)
-    return 100 * share_of(np.array(list(said), int) == label, keep, weights)
-
-
-def split(
-    answers: Mapping[str, Mapping[str, str]], made: Twins, pairs: Embeddings
-) -> dict[str, Any]:
-    """Return the loss between two domains in parts, in points, by reading: means over sources and
-    targets.
-
-    answers  source -> `answers`
-    return   reading -> term -> [mean, low, high], and "by_source" -> source -> term -> mean
-
-    With T(s, c) the accuracy on twins by sensor s in scene c, from the source's own s and c to the
-    target's s' and c':
-
-    home         on test pairs of the source
-    new_objects  home - T(s, c)
-    sensor       T(s, c) - T(s', c)
-    scene        T(s, c) - T(s, c')
-    interplay    T(s, c) - T(s', c') - sensor - scene
-    objects      new_objects + T(s', c') - away
-    away         on test pairs of the target
-
-    95 % intervals: bootstrap over sources, then objects within classes.
-    """
-    random = np.random.default_rng(0)
-    tests = {name: pairs.in_domain(name, split="test").label for name in made.header.domains}
-    ready = Split(
-        made=made,
-        tests=tests,
-        of_tests={name: draws(label, random) for name, label in tests.items()},
-        of_touches=draws(made.label, random),
-        of_pairs=draws(made.label[: len(made.vis)], random),
-    )
-    results: dict[str, Any] = {}
-    for reading in READINGS:
-        by_source: dict[str, dict[str, Array]] = {}
-        for source, said in answers.items():
-            every = [
-                ready.terms(said, reading, source, target) for target in tests if target != source
-            ]
-            by_source[source] = {
-                term: np.mean([one[term] for one in every], axis=0) for term in every[0]
-            }
-        terms = next(iter(by_source.values()))
-        results[reading] = {
-            term: over([own[term] for own in by_source.values()], random) for term in terms
-        }
-        results[reading]["by_source"] = {
-            source: {term: round(float(values[0]), 1) for term, values in own.items()}
-            for source, own in by_source.items()
-        }
-    return results
-
-
-def changed(base: str, donor: str, group: str) -> Sensor:
-    """Return a gel with one group of its parts from another."""
-    return replace(GELS[base], **{name: getattr(GELS[donor], name) for name in GROUPS[group]})
-
-
-def part_rows(folder: Path, base: str, each: int) -> dict[str, Array]:
-    """Return unit embeddings "DONOR|GROUP|DOTS" (n, W) of presses by a gel with one group changed;
-    "|" is the gel itself.
-
-    They wait in `folder`.
-    """
-    file = folder / f"parts-{base}-{each}.npz"
-    if not file.is_file():
-        encoder = load_encoder("efficientnet-lite0")
-        found: dict[str, Array] = {}
-        plan = [
-            (donor, group)
-            for donor in GELS
-            for group in GROUPS
-            if changed(base, donor, group) != GELS[base]
-        ]
-        things = [pressed(unmet, seed=0) for unmet in unmet_objects(each)]
-        heights: dict[tuple[int, float], Array] = {}
-        for donor, group in [("", ""), *plan]:
-            sensor = changed(base, donor, group) if donor else GELS[base]
-            images = []
-            for n, (made, stream) in enumerate(things):
-                press = pressing(np.random.default_rng(derive_seed(stream, "press")))
-                if (n, sensor.field) not in heights:
-                    heights[n, sensor.field] = pressed_height(
-                        made, press, field=sensor.field, size=224
-                    )
-                image = imaged(
-                    heights[n, sensor.field], press, sensor, seed=derive_seed(stream, "sensor")
-                )
-                images.append(np.round(image * 255).astype(np.uint8))
-            kept = embedded(encoder, images)
-            clean, dots = zip(*map(fill_dots, images), strict=True)
-            there = np.array([one is not None for one in dots])
-            filled = kept.copy()
-            if there.any():
-                filled[there] = embedded(
-                    encoder, [image for image, dot in zip(clean, there, strict=True) if dot]
-                )
-            for name, rows in (("kept", kept), ("filled", filled)):
-                found[f"{donor}|{group}|{name}"] = rows / np.linalg.norm(
-                    rows, axis=1, keepdims=True
-                )
-        folder.mkdir(parents=True, exist_ok=True)
-        np.savez(file, **found)  # type: ignore[arg-type]
-    with np.load(file) as arrays:
-        return dict(arrays)
-
-
 def embedded(encoder: Any, images: Sequence[Array]) -> Array:
     """Return embeddings (n, W) of images (H, W, 3), 25 at a time."""
     parts = [
@@ -401,313 +515,45 @@ def embedded(encoder: Any, images: Sequence[Array]) -> Array:
     return rows
 
 
-def parts(learning: Sequence[Embeddings], each: int) -> dict[str, Any]:
-    """Return what a change of one group of parts costs a plain head that learned from a gel, by
-    touch.
-
-    return  "every" (from each gel, the part of each other), "from" (the head learned from GelSight)
-            and "to" (the part is GelSight's) -> group ("whole": all) -> way -> [mean, low, high] of
-            home minus changed in points, over the other gels with such a part; "pairs" ->
-            "FROM|TO" -> group -> way -> [share right with only this changed, with all but this
-            changed]. Ways: `WAYS`; a profile knows mean and spread of all presses, without labels.
-            95 % intervals: bootstrap over the gels that vary (in "every", those learned from), then
-            objects within classes
+def split() -> dict[str, Any]:
+    """Return the loss of linear maps from the record: reading -> [dots kept, filled] -> term ->
+    [mean, low, high] in points.
     """
-    label = np.array(
-        [learning[0].header.classes.index(unmet.material) for unmet in unmet_objects(each)]
-    )
-    random = np.random.default_rng(0)
-    weights, rows = draws(label, random), {name: part_rows(BUILD, name, each) for name in GELS}
-    domain = {
-        name: f"{key}-sim"
-        for name in GELS
-        for key, one in SIMULATED.items()
-        if one.sensor is GELS[name]
-    }
-    losses: dict[str, dict[str, dict[str, list[Array]]]] = {"every": {}, "from": {}, "to": {}}
-    cells: dict[str, dict[str, dict[str, list[float]]]] = {}
-    for start in GELS:
-        for dots, pairs in zip(DOTS, learning, strict=True):
-            own = pairs.in_domain(domain[start], split="train")
-            reads = partial(
-                part_share,
-                learned(rows_of(own.vectors, "touch"), own.label),
-                label=label,
-                weights=weights,
-            )
-            home = reads(rows[start][f"||{dots}"], profiled=False)
-            from_here: dict[str, dict[str, list[Array]]] = {}
-            for other in (name for name in GELS if name != start):
-                unlike = [group for group in GROUPS if f"{other}|{group}|kept" in rows[start]]
-                for group, profiled in product(("whole", *unlike), (False, True)):
-                    changed_rows = (
-                        rows[other]["||" + dots]
-                        if group == "whole"
-                        else rows[start][f"{other}|{group}|{dots}"]
-                    )
-                    only = reads(changed_rows, profiled=profiled)
-                    rest = (
-                        home
-                        if group == "whole"
-                        else reads(rows[other][f"{start}|{group}|{dots}"], profiled=profiled)
-                    )
-                    way = WAYS[dots, profiled]
-                    cells_of = [from_here]
-                    if HUB in (start, other):
-                        cells_of.append(losses["from" if start == HUB else "to"])
-                    for some in cells_of:
-                        some.setdefault(group, {}).setdefault(way, []).append(100 * (home - only))
-                    cell = cells.setdefault(f"{start}|{other}", {}).setdefault(group, {})
-                    cell[way] = [round(float(share[0]), 3) for share in (only, rest)]
-            for group, ways in from_here.items():
-                for way, lost in ways.items():
-                    every = losses["every"].setdefault(group, {}).setdefault(way, [])
-                    every.append(np.mean(lost, axis=0))
-    return {
-        "presses": len(label),
-        "pairs": cells,
-        **{
-            direction: {
-                group: {way: over(gels, random) for way, gels in ways.items()}
-                for group, ways in groups.items()
-            }
-            for direction, groups in losses.items()
-        },
-    }
-
-
-def part_share(head: Plain, seen: Array, *, label: Array, weights: Array, profiled: bool) -> Array:
-    """Return the share right (1 + DRAWS,) of unit rows (n, W); `profiled`: their own mean and
-    spread are known.
-    """
-    answer = head.model.classes_[
-        head.probabilities(seen, channels_of(seen) if profiled else None).argmax(1)
-    ]
-    return share_of(answer == label, np.isin(label, head.model.classes_), weights)
-
-
-def share_of(right: Array, keep: Array, weights: Array) -> Array:
-    """Return the weighted share (B,) of right predictions (n,) among those to keep (n,); weights
-    (B, n).
-    """
-    share: Array = weights[:, keep] @ right[keep] / weights[:, keep].sum(1)
-    return share
-
-
-def over(values: Sequence[Array], random: np.random.Generator) -> list[float]:
-    """Return the mean over things with values (1 + DRAWS,) each, and its 95 % interval: things
-    are drawn, too.
-    """
-    every, drawn = np.stack(values), random.integers(len(values), size=(DRAWS, len(values)))
-    found = every[drawn, 1 + np.arange(DRAWS)[:, None]].mean(1)
-    return [round(float(v), 1) for v in (every[:, 0].mean(), *np.quantile(found, [0.025, 0.975]))]
-
-
-WAYS = {
-    ("kept", False): "as it comes",
-    ("kept", True): "profile",
-    ("filled", False): "dots filled",
-    ("filled", True): "dots filled, profile",
-}
-
-
-def moves(made: Twins, learning: Sequence[Embeddings]) -> dict[str, Any]:
-    """Return, by the sensor learned from, what moving the mean, and mean and spread, of all presses
-    brings another sensor: touch.
-
-    return  source -> {"unit": [as it comes, mean, mean and spread], "standardised": the same,
-            "offset": the share of the squared move of a press that is one vector for all presses}
-            for the dots as printed; means over the other sensors. "mean": of all
-    """
-    touch, found = rows_of({"tac": made.tac}, "touch"), {}
-    for home, name in enumerate(made.header.domains):
-        own = learning[0].in_domain(name, split="train")
-        rows, others = (
-            rows_of(own.vectors, "touch"),
-            [k for k in range(touch.shape[1]) if k != home],
-        )
-        heads = {
-            "unit": logistic(rows, own.label),
-            "standardised": logistic(rows, own.label, standardised=True),
-        }
-        keep = np.isin(made.label, own.label)
-        mean, deviation = rows.mean(0), rows.std(0) + 1e-6
-        cells: dict[str, list[list[float]]] = {way: [] for way in heads}
-        offset = []
-        for other in others:
-            x = touch[:, other]
-            there, wide = x.mean(0), x.std(0) + 1e-6
-            ways = (x, x - there + mean, (x - there) / wide * deviation + mean)
-            for way, read in heads.items():
-                cells[way].append([float((read(some) == made.label)[keep].mean()) for some in ways])
-            move = x - touch[:, home]
-            offset.append(float((move.mean(0) ** 2).sum() / (move**2).sum(1).mean()))
-        found[name] = {way: np.mean(rows, axis=0).round(3).tolist() for way, rows in cells.items()}
-        found[name]["offset"] = [
-            round(float(v), 2) for v in (np.mean(offset), min(offset), max(offset))
-        ]
-    found["mean"] = {
-        way: np.mean([one[way] for one in found.values()], axis=0).round(3).tolist()
-        for way in (*heads, "offset")
-    }
-    return found
-
-
-def logistic(rows: Array, labels: Array, *, standardised: bool = False) -> Callable[[Array], Array]:
-    """Return a function from unit rows to classes: a regression on unit rows as they are, or
-    standardised.
-    """
-    if not standardised:
-        predict: Callable[[Array], Array] = (
-            LogisticRegression(C=10, max_iter=3000).fit(rows, labels).predict
-        )
-        return predict
-    head = learned(rows, labels)
-    return lambda some: head.model.classes_[head.probabilities(some).argmax(1)]
-
-
-def figure(record: Mapping[str, Any]) -> str:
-    """Return the SVG of what each group of a gel's parts costs a head that learned from
-    GelSight.
-    """
-    found = record["parts"]["from"]
-    rows = [
-        {
-            "row": NAMES.get(group, group),
-            "series": way,
-            "value": cell[0],
-            "low": cell[1],
-            "high": cell[2],
-        }
-        for group in ("whole", *GROUPS)
-        for way, cell in found[group].items()
-    ]
-    words = (
-        f"Simulated: {record['parts']['presses']} presses, means over four other gels, 95 %"
-        " intervals. "
-    )
-    drawn = dot_figure(
-        rows,
-        title="What one group of a gel's parts costs a head that learned from GelSight",
-        across="points lost, touch alone, logistic regression",
-        caption=words + "A profile knows mean and spread of all presses, without labels.",
-    )
-    return svg_of(drawn)
-
-
-NAMES = {"whole": "the whole sensor"}
-
-
-def main() -> None:
-    """Do one step, or write the record."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--pack", type=Path, metavar="FOLDER")
-    parser.add_argument("--page", type=Path, metavar="FOLDER")
-    parser.add_argument("--split", default="", metavar="METHOD,...")
-    parser.add_argument("--parts", type=int, metavar="N")
-    parser.add_argument("--learn", nargs=2, type=Path, metavar=("KEPT", "FILLED"), required=True)
-    options = parser.parse_args()
-    learning = [load_embeddings(file) for file in options.learn]
-    if options.pack:
-        write_twins(EXAMPLES / "twins.npz", gathered(options.pack, learning))
-    made = twins()
-    with one_thread():
-        if options.page:
-            _write_page(made, learning, options.page)
-        for method in filter(None, options.split.split(",")):
-            _measure(method, made, learning)
-        if options.parts:
-            write_json(BUILD / "parts.json", parts(learning, options.parts))
-        if not (options.pack or options.page or options.split or options.parts):
-            _write_record(made, learning)
-
-
-def _write_page(made: Twins, learning: Sequence[Embeddings], folder: Path) -> None:
-    domains = [about(name, SIMULATED[paper_name(name)]) for name in made.header.domains]
-    content, objects = page(made, learning, domains)
-    write_json(EXAMPLES / "twins.json", content)
-    write_json(EXAMPLES / "twins.map.json", threads(made, learning[0]))
-    sheets(made, objects, folder, lambda picture: fill_dots(picture)[0], EXAMPLES / "twins")
-
-
-def _measure(method: str, made: Twins, learning: Sequence[Embeddings]) -> None:
-    for dots, pairs in zip(DOTS, learning, strict=True):
-        for source in made.header.domains:
-            if not (file := _file(method, source, dots)).is_file():
-                write_json(
-                    file,
-                    answers(
-                        fitted(method, pairs, source), made, pairs, source, filled=dots == "filled"
-                    ),
-                )
-                print(file, flush=True)
-
-
-def _write_record(made: Twins, learning: Sequence[Embeddings]) -> None:
-    found = {}
-    for method in METHODS:
-        measured = [
-            name
-            for name in made.header.domains
-            if all(_file(method, name, dots).is_file() for dots in DOTS)
-        ]
-        found[method] = {"sources": measured} | {
-            dots: split(
-                {name: json.loads(_file(method, name, dots).read_bytes()) for name in measured},
-                made,
-                pairs,
-            )
-            for dots, pairs in zip(DOTS, learning, strict=True)
-        }
-    near = {
-        dots: moved(rows_of({"tac": rows}, "touch"))
-        for dots, rows in zip(DOTS, (made.tac, made.filled), strict=True)
-    }
-    record = {
-        "command": "python -m benchmarks.twins",
-        "touches": len(made.label),
-        "photographed": len(made.vis),
-        "split": found,
-        "moves": moves(made, learning),
-        "own_twin": {
-            dots: [round(mean_own_twin(rows), 3) for rows in ways] for dots, ways in near.items()
-        },
-        "parts": json.loads((BUILD / "parts.json").read_bytes()),
-    }
-    write_json(OUT / "twins.json", record)
-    page_file = EXAMPLES / "twins.json"
-    write_json(page_file, json.loads(page_file.read_bytes()) | {"split": for_the_page(found)})
-    write_text(OUT / "twins.svg", figure(record))
-
-
-def for_the_page(record: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the loss of linear maps: reading -> [dots kept, filled] -> term -> [mean, low,
-    high].
-    """
-    maps = record["linear_maps"]
+    maps = json.loads(RECORD.read_bytes())["split"]["linear_maps"]
     terms = ("home", "sensor", "scene", "interplay", "objects", "away")
     return {
         "head": "three linear maps",
         "sources": len(maps["sources"]),
         "loss": {
-            reading: [{term: maps[dots][reading][term] for term in terms} for dots in DOTS]
+            reading: [
+                {term: maps[dots][reading][term] for term in terms} for dots in ("kept", "filled")
+            ]
             for reading in READINGS
         },
     }
 
 
-def _file(method: str, source: str, dots: str) -> Path:
-    return BUILD / f"{method}-{source}-{dots}.json"
-
-
-def mean_own_twin(rows: Array) -> float:
-    """Return the share of presses (N, S, W) whose nearest press by another sensor is their own
-    twin, over pairs of sensors.
-    """
-    near = own_twin(rows)
-    return float(near[~np.eye(len(near), dtype=bool)].mean())
+def main() -> None:
+    """Pack the twins, or write what the page draws of them."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    step = parser.add_mutually_exclusive_group(required=True)
+    step.add_argument("--pack", type=Path, metavar="FOLDER")
+    step.add_argument("--page", type=Path, metavar="FOLDER")
+    parser.add_argument("--learn", nargs=2, type=Path, metavar=("KEPT", "FILLED"), required=True)
+    options = parser.parse_args()
+    learning = [load_embeddings(file) for file in options.learn]
+    with one_thread():
+        if options.pack:
+            write_twins(EXAMPLES / "twins.npz", gathered(options.pack, learning))
+            return
+        made = twins()
+        domains = [about(name, SIMULATED[paper_name(name)]) for name in made.header.domains]
+        content, objects = page(made, learning, domains)
+        write_json(EXAMPLES / "twins.json", content | {"split": split()})
+        write_json(EXAMPLES / "twins.map.json", threads(made, learning[0]))
+        sheets(made, objects, options.page, lambda p: fill_dots(p)[0], EXAMPLES / "twins")
 
 
 if __name__ == "__main__":

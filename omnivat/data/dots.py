@@ -1,9 +1,8 @@
 """Fill the dots that are printed on a gel, and leave every other picture as it is.
 
 A dot gets the membrane that its rim spans (Laplace's equation), and the grain of the gel half a
-cell away: without grain, an encoder sees smooth discs. `python -m benchmarks.dots` compares this
-with OpenCV's inpainting, which is slower and, to an encoder, farther from the same press drawn
-without dots.
+cell away: without grain, an encoder sees smooth discs. OpenCV's inpainting is slower and, to an
+encoder, farther from the same press drawn without dots (docs/dots.md).
 
 Programs that compute depth from GelSight pictures interpolate under the markers first:
 github.com/siyuandong16/gelsight_heightmap_reconstruction and github.com/gelsightinc/gsrobotics.

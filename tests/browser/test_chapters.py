@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from benchmarks.first_view import LOOK
 from omnivat.head.heads import EXAMPLES
 
+from .first_view import LOOK
 from .gestures import TOUCH, WHERE, grab, pixels, pull, settle
 
 pytestmark = pytest.mark.browser

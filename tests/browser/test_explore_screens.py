@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from benchmarks.first_view import LOOK
 from omnivat.head.heads import EXAMPLES
 
+from .first_view import LOOK
 from .gestures import MAP, MOVED, READY, TOUCH
 
 pytestmark = pytest.mark.browser

@@ -63,12 +63,14 @@ def walk(
     visits: Sequence[int] | None = None,
     chunk: int = CHUNK,
     sums_for: Facts | None = None,
+    kept: PairCoefficients | None = None,
 ) -> Iterator[AtOrder]:
     """Yield the results at each order, in the order of `visits`.
 
     model     None for the raw stage without predictions
     sums_for  yield sums of the features by these labels and domains instead of features; memory is
               then that of the predictions
+    kept      `coefficients_of` the pairs, if they were computed before
 
     If no requested result depends on the order, only the first order is visited. Raises
     SettingsError for an unknown stage or an order that is not finite, DataError if there are no
@@ -85,7 +87,6 @@ def walk(
     moving = [stage for stage in stages if stage not in STILL]
     if not moving and not predictions:
         visits = visits[:1]
-    kept: PairCoefficients | None = None
     for place, index in enumerate(visits):
         order = float(orders[index])
         wanted = [stage for stage in stages if stage != "raw"] if place == 0 else moving

@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import gaussian_filter
 
-from benchmarks._dots_odd import ODD, SIDE, gel, picture, printed
 from omnivat.data.dots import fill_dots
 from omnivat.simulate.domains import SIMULATED
 from omnivat.simulate.drawing import tactile
 from omnivat.simulate.plan import planned
 from omnivat.simulate.things import thing
+from tests.unit.data.odd_pictures import ODD, SIDE, gel, picture, printed
 
 
 def with_dots(clean: np.ndarray, shade: np.ndarray) -> np.ndarray:

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import torch
 
-from benchmarks._other_chirps import Recipe, drawn, embeddings_of
 from omnivat.head.settings import HeadSettings
 from omnivat.measure.evaluate import predicted_probabilities
 from omnivat.simulate.chirps import ChirpSettings, chirp_embeddings
@@ -20,6 +19,7 @@ from omnivat.training.order_search import (
     search_steps,
     tied,
 )
+from tests.unit.training.other_chirps import Recipe, drawn, embeddings_of
 
 CHIRPS = ChirpSettings(order=0.62, seed=3, domains=2)
 

@@ -1,0 +1,85 @@
+"""A page that was started, and a real Chromium to open it in: shared by the benchmarks."""
+
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+from urllib.request import urlopen
+
+ROOT = Path(__file__).resolve().parent.parent
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--no-first-run",
+    "--enable-precise-memory-info",
+    "--js-flags=--expose-gc",
+    "--use-fake-device-for-media-stream",
+    "--use-fake-ui-for-media-stream",
+]
+MAP = ".explore .map[data-order]"
+
+
+@contextmanager
+def chromium() -> Iterator[Any]:
+    """Yield a Chromium."""
+    from playwright.sync_api import sync_playwright
+
+    binary = next((path for name in NAMES if (path := shutil.which(name))), None)
+    if binary is None:
+        raise SystemExit("Chromium is needed; install it with `apt-get install chromium`.")
+    with sync_playwright() as player:
+        browser = player.chromium.launch(executable_path=binary, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+def opened(browser: Any, address: str, query: str = "", frames: Path | None = None) -> Any:
+    """Return a page with a new profile, after its map is drawn."""
+    page = browser.new_page(viewport={"width": 1440, "height": 900}, permissions=["camera"])
+    page.set_default_timeout(120_000)
+    if frames:
+        page.route(
+            "**/omnivat/frames",
+            lambda route: route.fulfill(path=frames, headers={"X-Frames": "fine"}),
+        )
+    page.goto(address + query, wait_until="commit")
+    page.wait_for_selector(MAP)
+    return page
+
+
+def started() -> tuple[subprocess.Popen[bytes], str, float]:
+    """Start the page; return the process, its address, and the seconds until its first reply."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = int(probe.getsockname()[1])
+    began = time.perf_counter()
+    process = subprocess.Popen(
+        [sys.executable, "app.py", "--no-browser", "--port", str(port)],
+        cwd=ROOT,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    address = f"http://127.0.0.1:{port}/"
+    while True:
+        if process.poll() is not None:
+            raise SystemExit("The page did not start; run `python app.py` to see why.")
+        try:
+            with urlopen(address, timeout=60):
+                return process, address, time.perf_counter() - began
+        except OSError:
+            time.sleep(0.02)
+
+
+def resident_mb(pid: int) -> float:
+    """Return the resident memory of a process, in MB."""
+    status = Path(f"/proc/{pid}/status").read_text(encoding="ascii")
+    line = next(line for line in status.splitlines() if line.startswith("VmRSS"))
+    return int(line.split()[1]) / 1024
