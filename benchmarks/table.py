@@ -133,8 +133,8 @@ class Measured:
             yield f"k{k}", self.taught(test, some, WEIGHT / k)
         if self.name == "nearest_mean" and self.seed == 0:
             for count in SOURCES:
-                yield f"m{count}", self.of_several(test, target, count, own=False)
-                yield f"m{count}+", self.of_several(test, target, count, own=True)
+                yield f"m{count}", self.of_several(test, target, count, profiled=False)
+                yield f"m{count}+", self.of_several(test, target, count, profiled=True)
 
     def taught(self, test: Array, some: Array, weight: float) -> Tensor:
         """Return the probabilities of a ridge regression on features, with labelled pairs
@@ -148,20 +148,20 @@ class Measured:
         asked = self.method.features(self.seen(test, some))
         return ridge(features, torch.from_numpy(labels), classes, weights, asked)
 
-    def of_several(self, test: Array, target: int, count: int, *, own: bool) -> Tensor:
-        """Return nearest class means of several sources; `own`: each domain by its own profile."""
+    def of_several(self, test: Array, target: int, count: int, *, profiled: bool) -> Tensor:
+        """Return nearest class means of several sources; `profiled`: each domain by its own profile."""
         others = [d for d in range(len(self.set.header.domains)) if d not in (self.source, target)]
         random = np.random.default_rng([self.seed, target, 1])
         chosen = random.permutation(others)[: count - 1]
         rows = [self.rows(d, "train") for d in chosen]
         none = np.zeros(0, np.int64)
         parts = [raw_of(self.set, self.train)]
-        parts += [self.seen(each, each if own else none) for each in rows]
+        parts += [self.seen(each, each if profiled else none) for each in rows]
         features = torch.cat([self.method.features(part) for part in parts])
         labels = np.concatenate(
             [self.set.label[self.train], *(self.set.label[each] for each in rows)]
         )
-        asked = self.seen(test, self.rows(target, "train") if own else none)
+        asked = self.seen(test, self.rows(target, "train") if profiled else none)
         sums = features.new_zeros(len(self.set.header.classes), features.shape[1])
         sums.index_add_(0, torch.from_numpy(labels), features)
         means = normalize(sums, dim=-1)

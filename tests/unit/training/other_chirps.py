@@ -75,28 +75,6 @@ def drawn(seed: int, **fixed: Any) -> Recipe:
     return Recipe(**(values | fixed))
 
 
-def beside(seed: int, distance: float = 0.12) -> Recipe:
-    """Draw a recipe with interference at this distance from p*; every fourth p* is 0 or 1.
-
-    In one draw of three both modalities have it there; in the others one of them has it at an end
-    or anywhere 0.25 away.
-    """
-    random = np.random.default_rng([991, seed])
-    order = float(random.uniform(0, 1)) if seed % 4 else float(seed // 4 % 2)
-    inside = [q for q in (order - distance, order + distance) if 0 <= q <= 1]
-    far = [q for q in (0.0, 1.0, float(random.uniform(0, 1))) if abs(q - order) >= 0.25]
-    near = [float(random.choice(inside)), float(random.choice(far if seed % 3 else inside))]
-    first, second = random.permutation(near).tolist()
-    return Recipe(
-        order=order,
-        near=((first, second),) * 3,
-        width=int(random.choice([32, 64, 64, 96, 128])),
-        spikes=int(random.integers(1, 7)),
-        blind=str(random.choice(["", "", "", "vis", "tac"])),
-        seed=seed,
-    )
-
-
 def _near(order: float, random: np.random.Generator) -> float:
     """Return an order of interference in [0, 1]: near p*, at an end, or anywhere 0.25 away."""
     far = [q for q in (0.0, 1.0, float(random.uniform(0, 1))) if abs(q - order) >= 0.25]
