@@ -5,7 +5,7 @@ NAME.onnx                a head (`omnivat/head/portable.py`); "first" is the pag
 NAME-stages.onnx         its stages and trees for many pairs at one order
 familiarity, profile, …   of the first head, as its folder has them; own-…: of that for own pictures
 set-N.safetensors        embeddings of PART pairs each, in half precision
-../encoder-HASH.onnx     one file for all sets of that encoder
+../encoder-HASH.onnx     one file for all sets of that encoder, and ../resize.onnx before it
 
 Each but the script of the runtime is packed as NAME.gz; the browser unpacks it.
 """
@@ -30,13 +30,8 @@ if TYPE_CHECKING:
     from omnivat.head.checkpoint import Head
 
 PARTED = ("", OWN)  # heads that are taught, and whose familiarity is told
-PART = 256  # pairs of one file of the set, 1.3 MB of the default encoder
-COPIED = (  # for familiarity, profiles, and saving a taught head
-    "familiarity.safetensors",
-    "profile.safetensors",
-    "weights.safetensors",
-    "settings.json",
-)
+PART = 64  # pairs of one file of the set, 0.2 MB of the default encoder, packed
+COPIED = ("familiarity.safetensors", "profile.safetensors")
 
 
 def write_models(
@@ -134,7 +129,8 @@ def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
     from omnivat.data.dots import dots_of
     from omnivat.data.strips import ENCODER as STRIP
     from omnivat.encoders.base import for_modality
-    from omnivat.encoders.efficientnet import MEAN, NAME, STD, EfficientNetLite0
+    from omnivat.encoders.efficientnet import NAME, EfficientNetLite0
+    from omnivat.encoders.onnx_runtime import write_resize
 
     wanted = resources.head().encoder
     if wanted["name"] == STRIP:
@@ -145,8 +141,9 @@ def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
     encoder = for_modality(resources.encoder(), "vis")
     if not file.is_file() and isinstance(encoder, EfficientNetLite0):
         encoder.write_onnx(file)
+        write_resize(folder / "resize.onnx")
     dots = dots_of(wanted["preprocessing"])
-    return {"kind": "onnx", "file": file.name, "mean": MEAN, "std": STD, "dots": dots}
+    return {"kind": "onnx", "file": file.name, "dots": dots}
 
 
 def _write_head(head: "Head", folder: Path, name: str) -> dict[str, Any]:

@@ -33,6 +33,7 @@ from app.places import places
 from app.resources import Resources
 from app.site_models import write_models
 from benchmarks._browser import chromium
+from omnivat.encoders.base import for_modality
 from omnivat.head.predict import predict_embeddings
 from omnivat.kit.errors import OmniVatError
 from omnivat.kit.files import write_json, write_text
@@ -189,9 +190,9 @@ def expected(resources: Resources, pair: Mapping[str, torch.Tensor]) -> dict[str
     return {"fused": found["probabilities"], **found["modalities"]}
 
 
-def embedded(resources: Resources, decoder: Decoder, content: bytes) -> torch.Tensor:
-    """Return the embedding (1, width) of a file, as the server makes it."""
-    encoder = resources.encoder()
+def embedded(resources: Resources, decoder: Decoder, content: bytes, modality: str) -> torch.Tensor:
+    """Return the embedding (1, width) of a file as VIS or TAC, as the server makes it."""
+    encoder = for_modality(resources.encoder(), modality)
     return encoder.embed(encoder.preprocess(decoder.read(content, "a").image)[None])
 
 
@@ -214,7 +215,9 @@ def pairs_compared(site: Site, resources: Resources, count: int) -> dict[str, An
     gaps: dict[str, list[float]] = {"pictures": [], "pairs of the set": []}
     changed, ms = 0, []
     for files in own_pairs(resources, count // 2):
-        pair = {name: embedded(resources, decoder, content) for name, content in files.items()}
+        pair = {
+            name: embedded(resources, decoder, content, name) for name, content in files.items()
+        }
         refs = {name: site.sent(content) for name, content in files.items()}
         _, reply, _ = site.ask("many", {"pairs": [refs]})
         gap, more = compared(reply["pairs"][0]["readings"], classes, expected(resources, pair))
@@ -287,7 +290,7 @@ def odd_compared(site: Site, resources: Resources) -> dict[str, Any]:
     for name, content in odd_pictures(resources).items():
         status, reply, _ = site.ask("image", content)
         try:
-            row = embedded(resources, decoder, content)
+            row = embedded(resources, decoder, content, "vis")
         except OmniVatError as error:
             found[name] = {"server": str(error), "browser": reply.get("error", "taken")}
             continue

@@ -22,6 +22,7 @@ MOST = 256  # spots
 FAINTEST = 26  # of 255: darkness of the faintest spot
 NODES = 16  # fewest of a grid
 FAINT = (0.35, 0.7)  # of a dark spot: what counts beside it; the second if relief repeats, too
+SUPPORT = 0.22  # of the pairs that a full grid has: fewest that share its best step
 STRAY = 0.24  # steps between a node and its place
 
 
@@ -188,7 +189,7 @@ def common_steps(points: Array, shape: tuple[int, ...]) -> Array | None:
     score = votes / (9 * possible)
     score[near[:, None] ** 2 + near**2 < SHORTEST**2] = 0
     best = score.max()
-    if best < 0.22:
+    if best < SUPPORT:
         return None
     down, right = np.nonzero((score >= 0.5 * best) & (score == running(score, 9, np.maximum)))
     order = np.argsort(near[right] ** 2 + near[down] ** 2, kind="stable")

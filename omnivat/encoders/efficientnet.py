@@ -101,6 +101,14 @@ class Conv(FoldedConv):
         return wide[..., inner, inner]
 
 
+class _OfBytes(Lite0):
+    """The same of a resized picture: (1, 224, 224, 3) uint8 -> (1, 1280)."""
+
+    def forward(self, x: Tensor) -> Tensor:
+        mean, std = torch.tensor(MEAN), torch.tensor(STD)
+        return super().forward(((x.float() / 255 - mean) / std).permute(0, 3, 1, 2))
+
+
 class EfficientNetLite0:
     """EfficientNet-Lite0 as an `Encoder`."""
 
@@ -122,13 +130,15 @@ class EfficientNetLite0:
         return pixels(image, MEAN, STD)
 
     def write_onnx(self, file: Path) -> None:
-        """Write the network as ONNX, for one image, with weights in 16 bits.
+        """Write the network as ONNX, with weights in 16 bits: one resized picture (1, 224, 224, 3)
+        uint8 -> (1, 1280).
 
         Raises MissingPackageError if a package of ONNX is not installed.
         """
-        network = Lite0(_read_state(self._file)).eval()
+        network = _OfBytes(_read_state(self._file)).eval()
+        example = torch.zeros(1, SIDE, SIDE, 3, dtype=torch.uint8)
         with replacing(file) as whole:
-            translate(network, torch.zeros(1, 3, SIDE, SIDE), whole)
+            translate(network, example, whole, input_names=["picture"])
             in_half(whole)
 
     def embed(self, images: Tensor) -> Tensor:

@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { test } from "node:test";
-import { withoutDots } from "../../app/web/site/dots.js";
+import { RULES, withoutDots } from "../../app/web/site/dots.js";
 
 const SCRIPT = `
 import json, sys
@@ -13,6 +13,13 @@ width, height = map(int, sys.argv[1:])
 filled, dots = fill_dots(np.frombuffer(sys.stdin.buffer.read(), np.uint8).reshape(height, width, 3))
 print(json.dumps([dots and dots.number, filled.ravel().tolist()]))
 `;
+
+test("the numbers of the rules are those of the library", () => {
+  const read =
+    "import json; from omnivat.data import dots, grid; print(json.dumps(vars(grid) | vars(dots), default=lambda _: None))";
+  const library = JSON.parse(execFileSync("python3", ["-c", read], { encoding: "utf-8" }));
+  assert.deepEqual(RULES, Object.fromEntries(Object.keys(RULES).map((name) => [name, library[name]])));
+});
 
 function library({ pixels, width, height }) {
   const options = { input: Buffer.from(pixels), encoding: "utf-8", maxBuffer: 1e9 };
@@ -34,7 +41,7 @@ function gel(width, height, ink, [low, high] = [90, 200]) {
       }
     }
   }
-  return { pixels, width, height };
+  return { pixels: new Uint8Array(pixels.buffer), width, height };
 }
 const round =
   (pitch, radius, ink, turn = 0) =>

@@ -31,7 +31,7 @@ function keyOf({ set, path, query }, body) {
 /** The address of a file for a path; undefined if there is none. */
 export const fileOf = (path, body = "") => held.files[keyOf(parts(path), body)];
 
-/** `models`: settled once the models are there that an own pair needs, if they are on their way; maps wait for it. */
+/** `models`: settled once the models are there that an own pair needs, if they are on their way; maps and familiarity wait for it. */
 /** @type {{models: Promise<void> | null}} */
 export const line = { models: null };
 
@@ -42,10 +42,8 @@ const failure = (sentence, status) => new Response(JSON.stringify({ error: sente
 export async function respond(path, { body, signal } = {}) {
   const asked = parts(path);
   const key = body instanceof Blob ? "" : keyOf(asked, body);
-  if (held.files[key]) {
-    if (asked.path === "frames") await line.models;
-    return fetch(held.files[key], { signal });
-  }
+  if (["frames", "familiar"].includes(asked.path)) await line.models;
+  if (held.files[key]) return fetch(held.files[key], { signal });
   if (held.refused?.[key]) return failure(held.refused[key], 400);
   if (held.sets && !held.sets.includes(asked.set))
     return failure("These pages do not hold the set of this address.", 410);

@@ -3,8 +3,8 @@
 import { IMAGES, imagesOf } from "../shared/images.js";
 import { moved, profileFrom } from "./profiles.js";
 import { Refused } from "./refusal.js";
-import { lessonsIn, scoresOf, taught } from "./teaching.js";
-import { dot, rounded, rowOf, unit } from "./tensors.js";
+import { lessonsIn, scoresOf, teach } from "./teaching.js";
+import { dot, mean, rounded, rowOf, unit } from "./tensors.js";
 
 const READINGS = ["fused", "vis", "tac", "vis_branch", "tac_branch"];
 const UNLIKE = 0.05; // below this quantile a prediction is a guess
@@ -37,26 +37,14 @@ export function nameOf(bytes) {
   return [a, b, bytes.length].map((part) => (part >>> 0).toString(16).padStart(8, "0")).join("");
 }
 
-export function orderIn(value) {
-  if (value === null || value === undefined || value === "") return null;
-  const p = Number(value);
-  if (!Number.isFinite(p) || Math.abs(p) > 4)
-    throw new Refused(`p is ${String(value).slice(0, 40)}; choose a number between -4 and 4 quarter turns.`);
-  return p;
-}
+/** p of a question; null for the learned one. */
+export const orderIn = (value) => (value === null || value === undefined || value === "" ? null : Number(value));
 
 /** The embedding of one reference, moved by the question's profile if it is a visitor's picture. */
 export async function embedding(desk, ref, modality, question) {
-  if (typeof ref !== "string")
-    throw new Refused("An image is named by a short text such as 'row:12'; choose one again.");
-  const [kind, ...rest] = ref.split(":");
-  const name = rest.join(":");
+  const [, kind, name] = /^(\w+):(.*)$/.exec(ref) ?? [];
   if (kind === "row") return desk.models.row(Number(name), modality);
-  if (kind === "example") {
-    const row = (await desk.models.about()).rows[name];
-    if (row === undefined) throw new Refused(`No example is called '${name.slice(0, 60)}' here.`);
-    return desk.models.row(row, modality);
-  }
+  if (kind === "example") return desk.models.row((await desk.models.about()).rows[name], modality);
   const row = desk.sent.get(ref)?.[modality];
   if (!row) throw new Refused("The page no longer has this image; send it again.", 410);
   return movedBy(desk, question, modality, row);
@@ -82,9 +70,8 @@ export async function sourceProfile(desk, head = "") {
   return profileFrom(file);
 }
 
-/** Both embeddings of a question's pair; null for a missing image. */
+/** Both embeddings of a question's pair; null for a missing image. The page sends no question without any. */
 export async function pairOf(desk, question) {
-  if (!question.vis && !question.tac) throw new Refused("Choose a pair first: a VIS image, a TAC image or both.");
   const rows = await Promise.all(
     IMAGES.map((name) => (question[name] ? embedding(desk, question[name], name, question) : null)),
   );
@@ -99,7 +86,8 @@ export async function headFor(desk, question) {
   const key = taughtName(question);
   const found = desk.taught.get(key);
   if (found) return found;
-  return desk.keep(desk.taught, key, await taught(await classroom(desk, head, question)));
+  const { made } = await teach(await classroom(desk, head, question));
+  return desk.keep(desk.taught, key, made);
 }
 
 export const taughtName = ({ head = "", profile = "", lessons }) =>
@@ -108,10 +96,7 @@ export const taughtName = ({ head = "", profile = "", lessons }) =>
 /** What teaching needs: lessons as pairs of embeddings, the training pairs, and a way to run the head. */
 export async function classroom(desk, head, question) {
   const lessons = await Promise.all(
-    lessonsIn(question).map(async (one) => ({
-      label: one.label.trim(),
-      pair: await pairOf(desk, { ...question, ...one }),
-    })),
+    lessonsIn(question).map(async (one) => ({ label: one.label, pair: await pairOf(desk, { ...question, ...one }) })),
   );
   const known = await desk.models.part(question.head, "familiarity");
   const run = (pair, other = head) => desk.models.run(other, pair, [learned(head)]);
@@ -132,19 +117,11 @@ export function readingsOf(head, out, stop, pair) {
 export const roundedAll = (readings) =>
   Object.fromEntries(Object.entries(readings).map(([name, row]) => [name, rounded(row)]));
 
-/** Readings at the learned order, and the familiarity of each image. before: the pair before any profile. */
-export async function predictOne(
-  desk,
-  head,
-  rows,
-  /** @type {{before?: any, order?: number | null, question?: any}} */ {
-    before = rows,
-    order = null,
-    question = {},
-  } = {},
-) {
-  const orders = order === null ? learned(head) : [order, order];
-  const out = await desk.models.run(head, rows, [orders]);
+/** Readings at the learned order, and the familiarity of each image. before: the pair before any profile.
+ * @param {{before?: any, order?: number | null, question?: any}} more */
+export async function predictOne(desk, head, rows, more = {}) {
+  const { before = rows, order = null, question = {} } = more;
+  const out = await desk.models.run(head, rows, [order === null ? learned(head) : [order, order]]);
   return { readings: roundedAll(readingsOf(head, out, 0, rows)), images: await lookedAt(desk, before, question) };
 }
 
@@ -170,8 +147,6 @@ function nearestCosines(cosines) {
   const count = Math.min(NEIGHBOURS, Math.max(1, Math.floor(cosines.length / 10)));
   return Float64Array.from(cosines).sort().subarray(-count);
 }
-
-const mean = (values) => values.reduce((total, one) => total + one, 0) / values.length;
 
 /** The same of each row among the others, ascending. */
 const nearestOf = (rows) =>
@@ -205,6 +180,7 @@ export function quantileOf(value, quantiles) {
   return (upper - 1 + inside) / last;
 }
 
+/** Keep a profile; its name, and the pictures of each image. */
 export function keptProfile(desk, found) {
   const counts = Object.fromEntries(Object.entries(found.channels).map(([name, one]) => [name, one.count]));
   const bytes = Object.values(found.channels).flatMap((one) => [one.mean, one.variance]);

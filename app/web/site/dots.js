@@ -1,7 +1,11 @@
 /** Fill the dots that are printed on a gel: `omnivat/data/grid.py` and `dots.py`, with equal results. No DOM here. */
 
-const [SMALLEST, SIDE, WIDEST, LONGEST, SHORTEST] = [64, 224, 0.085, 0.28, 11];
-const [MOST, FAINTEST, NODES, STRAY, FAINT] = [256, 26, 16, 0.24, [0.35, 0.7]];
+/** The numbers of the library; tests/web/dots.test.js compares them. */
+export const RULES = {
+  ...{ SMALLEST: 64, SIDE: 224, WIDEST: 0.085, LONGEST: 0.28, SHORTEST: 11, MOST: 256 },
+  ...{ FAINTEST: 26, NODES: 16, SUPPORT: 0.22, STRAY: 0.24, FAINT: [0.35, 0.7] },
+};
+const { SMALLEST, SIDE, WIDEST, LONGEST, SHORTEST, MOST, FAINTEST, NODES, SUPPORT, STRAY, FAINT } = RULES;
 
 const median = (values) => {
   const sorted = Float64Array.from(values).sort();
@@ -60,23 +64,21 @@ function darkness(brightest) {
   );
 }
 
-/** Connected groups of pixels that are true: the name of each pixel's group, 0 for none, and how many there are. */
-function groups({ width, height }, is, diagonal = false) {
-  const names = new Int32Array(width * height);
+/** Groups of pixels that are true and share edges: the name of each pixel's group, 0 for none, and how many there
+ * are. */
+function groups({ width }, is) {
+  const names = new Int32Array(is.length);
   let number = 0;
   for (let from = 0; from < names.length; from++) {
     if (names[from] || !is[from]) continue;
     names[from] = ++number;
     for (const stack = [from]; stack.length; ) {
       const at = /** @type {number} */ (stack.pop());
-      const [x, y] = [at % width, Math.floor(at / width)];
-      for (let j = Math.max(0, y - 1); j <= Math.min(height - 1, y + 1); j++) {
-        for (let i = Math.max(0, x - 1); i <= Math.min(width - 1, x + 1); i++) {
-          const to = j * width + i;
-          if ((!diagonal && i !== x && j !== y) || names[to] || !is[to]) continue;
-          names[to] = number;
-          stack.push(to);
-        }
+      const x = at % width;
+      for (const to of [at - width, at + width, x ? at - 1 : -1, x < width - 1 ? at + 1 : -1]) {
+        if (names[to] || !is[to]) continue; // outside, both are undefined
+        names[to] = number;
+        stack.push(to);
       }
     }
   }
@@ -129,7 +131,7 @@ function commonSteps(points, { width, height }) {
     }
   }
   const best = score.values.reduce(largest, 0);
-  if (best < 0.3) return null;
+  if (best < SUPPORT) return null;
   const highest = square(score, 9, largest).values;
   const steps = [];
   score.values.forEach((value, at) => {
@@ -328,7 +330,7 @@ function filled({ pixels, width, height }, hole, [a, b]) {
   const shifts = [a.map((s, i) => (s + b[i]) / 2), a.map((s, i) => (s - b[i]) / 2)].flatMap(([x, y]) =>
     [1, -1].map((sign) => [sign * even(x), sign * even(y)]),
   );
-  const out = pixels.slice();
+  const out = Uint8ClampedArray.from(pixels);
   hole.values.forEach((is, at) => {
     if (!is) return;
     const [x, y] = [at % width, Math.floor(at / width)];
@@ -343,10 +345,10 @@ function filled({ pixels, width, height }, hole, [a, b]) {
         for (let j = -1; j < 2; j++) for (let i = -1; i < 2; i++) around += pixels[place + 3 * (j * width + i)];
         grain = Math.fround(pixels[place] - Math.fround(around / 9));
       }
-      out[3 * at + c] = even(Math.fround(smooth[3 * at + c] + grain)); // a clamped array
+      out[3 * at + c] = even(Math.fround(smooth[3 * at + c] + grain));
     }
   });
-  return { pixels: out, width, height };
+  return { pixels: new Uint8Array(out.buffer), width, height };
 }
 
 /** The picture {pixels, width, height} without its printed dots; without any, the same object. */

@@ -11,17 +11,6 @@ const NEAREST = 6;
 const AROUND = 8; // points of the map between which a new one is placed
 const KEPT = 2; // stages of the whole set
 
-/** Run the head on pairs of the set by number, from place `at` of them on; `take(out, count, start)` gets the outputs
- * of each run. */
-async function walk(desk, head, numbers, order, wanted, take, at = 0) {
-  for (let start = at; start < numbers.length; start += STEP) {
-    const some = numbers.slice(start, start + STEP);
-    const rows = await Promise.all(IMAGES.map((name) => Promise.all(some.map((one) => desk.models.row(one, name)))));
-    take(await desk.models.stages(head, { vis: rows[0], tac: rows[1] }, order, wanted), some.length, start);
-    await quiet();
-  }
-}
-
 /** The outputs of one pair; of one image alone, those without the other. */
 async function single(desk, head, pair, order, stages = []) {
   const there = imagesOf(pair);
@@ -71,35 +60,30 @@ async function tree(desk, question) {
   };
 }
 
-/** Unit rows (2N, W) of the whole set at a stage, VIS first. */
+/** Unit rows (2N, W) of the whole set at a stage, VIS first. What a withdrawn question has begun, the next one ends. */
 async function featuresOf(desk, head, stage, order, stopped) {
   const key = stage === "raw" ? stage : `${stage} ${order.toFixed(6)}`;
-  desk.features ??= new Map();
-  if (desk.features.has(key)) return desk.features.get(key);
   const { pairs } = await desk.models.about();
-  if (desk.begun?.key !== key) desk.begun = { key, all: new Array(2 * pairs), at: 0 };
-  const { begun } = desk; // of a question that was withdrawn, the next one has the part that is done
-  const { all } = begun;
-  const put = (modality, pair, row) => {
-    all[modality * pairs + pair] = Float32Array.from(unit(row));
-  };
-  const numbers = Array.from({ length: pairs }, (_, pair) => pair);
-  if (stage === "raw") {
-    for (const pair of numbers)
-      for (const modality of [0, 1]) put(modality, pair, await desk.models.row(pair, IMAGES[modality]));
-  } else {
-    const wanted = IMAGES.map((name) => `${stage}_${name}`);
-    const take = (out, count, start) => {
-      if (stopped()) throw new Refused("Another question came first.", 499);
-      for (let i = 0; i < count; i++) wanted.forEach((name, modality) => put(modality, start + i, rowOf(out[name], i)));
-      begun.at = Math.max(begun.at, start + count);
-    };
-    await walk(desk, head, numbers, order, wanted, take, begun.at);
+  desk.features ??= new Map(); // key -> {all, done: pairs of it}
+  if (!desk.features.has(key)) {
+    if (desk.features.size >= KEPT) desk.features.delete(desk.features.keys().next().value);
+    desk.features.set(key, { all: new Array(2 * pairs), done: 0 });
   }
-  desk.begun = null;
-  if (desk.features.size >= KEPT) desk.features.delete(desk.features.keys().next().value);
-  desk.features.set(key, all);
-  return all;
+  const walk = desk.features.get(key);
+  const wanted = IMAGES.map((name) => `${stage}_${name}`);
+  while (walk.done < pairs) {
+    if (stopped()) throw new Refused("Another question came first.", 499);
+    const start = walk.done;
+    const some = Array.from({ length: Math.min(STEP, pairs - start) }, (_, i) => start + i);
+    const rows = await Promise.all(IMAGES.map((name) => Promise.all(some.map((pair) => desk.models.row(pair, name)))));
+    const out = stage === "raw" ? null : await desk.models.stages(head, { vis: rows[0], tac: rows[1] }, order, wanted);
+    for (const [at, name] of wanted.entries())
+      for (const [i, pair] of some.entries())
+        walk.all[at * pairs + pair] = Float32Array.from(unit(out ? rowOf(out[name], i) : rows[at][i]));
+    walk.done = Math.max(walk.done, start + some.length);
+    await quiet();
+  }
+  return walk.all;
 }
 
 function nearest(all, query, count, own = -1) {
@@ -129,9 +113,6 @@ async function near(desk, question, stopped) {
 
 async function neighbours(desk, { point, stage, order }, stopped) {
   const head = await desk.models.head();
-  const { pairs } = await desk.models.about();
-  if (!(Number.isInteger(point) && point >= 0 && point < 2 * pairs))
-    throw new Refused(`No point has the number ${String(point).slice(0, 20)}; choose one on the map.`);
   const all = await featuresOf(desk, head, stage, orderIn(order) ?? head.learned, stopped);
   const found = nearest(all, all[point], NEAREST, point);
   return { neighbours: found.map((one) => ({ ...one, cosine: rounded([one.cosine], 4)[0] })) };

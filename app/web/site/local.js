@@ -6,7 +6,7 @@ import { placed } from "./places.js";
 /** The routes that the browser computes; what else needs a server. */
 export const ROUTES = new Set([
   ...["pair", "many", "attention", "familiar", "profile", "teach", "taught"],
-  ...["image", "live", "occlusion", "sensor", "save/sensor", "save/set", "save/head"],
+  ...["image", "live", "occlusion", "sensor", "save/sensor"],
   ...["tree", "place", "neighbours"],
 ]);
 const DEAD = "The models cannot be started in this browser; reload the page, or open it in another one.";

@@ -2,7 +2,6 @@
 
 import { withoutDots } from "./dots.js";
 import { Refused } from "./refusal.js";
-import { FILTERS, resized } from "./resize.js";
 import { inTurn, LOST, runtime } from "./runtime.js";
 import { rowOf, tensors } from "./tensors.js";
 
@@ -85,43 +84,42 @@ export class Models {
     return parts[part] ? this.file(parts[part]) : null;
   }
 
-  /** Run a head on one pair of embeddings, a missing one null, at several orders of VIS and of TAC. */
-  async run(head, { vis, tac }, orders) {
+  /** Run a graph of the set on {name: [type, values, shape]}; name -> {shape, values} of `wanted`, or of all. */
+  async ran(url, title, feeds, wanted) {
     const { Tensor } = await this.runtime();
-    const session = await this.session(head.url, "the head");
+    const session = await this.session(url, title);
+    const taken = Object.fromEntries(session.inputNames.map((name) => [name, new Tensor(...feeds[name])]));
+    const out = await inTurn(() => session.run(taken, wanted ?? session.outputNames));
+    return Object.fromEntries(
+      Object.entries(out).map(([name, { dims, data }]) => [name, { shape: dims, values: data }]),
+    );
+  }
+
+  /** Run a head on one pair of embeddings, a missing one null, at several orders of VIS and of TAC. */
+  async run({ url, directions }, { vis, tac }, orders) {
     const { width } = await this.about();
-    const row = (one) => new Tensor("float32", Float32Array.from(one ?? new Float32Array(width)), [1, width]);
+    const row = (one) => ["float32", Float32Array.from(one ?? new Float32Array(width)), [1, width]];
     const stops = orders.length === 1 ? [...orders, ...orders] : orders; // the graph takes two or more
     const both = Float64Array.from([...stops.map(([p]) => p), ...stops.map(([, p]) => p)]);
-    const { directions } = head;
-    const flat = Float32Array.from(directions.flat());
-    const feeds = {
+    return this.ran(url, "the head", {
       vis: row(vis),
       tac: row(tac),
-      orders: new Tensor("float64", both, [2, stops.length]),
-      directions: new Tensor("float32", flat, [directions.length, directions[0].length]),
-    };
-    const given = Object.entries(feeds).filter(([name]) => session.inputNames.includes(name));
-    const found = await inTurn(() => session.run(Object.fromEntries(given)));
-    return Object.fromEntries(
-      Object.entries(found).map(([name, { dims, data }]) => [name, { shape: dims, values: data }]),
-    );
+      orders: ["float64", both, [2, stops.length]],
+      directions: ["float32", Float32Array.from(directions.flat()), [directions.length, directions[0].length]],
+    });
   }
 
   /** The outputs `wanted` of a head's stages, for many pairs of embeddings at one order. */
   async stages(head, { vis, tac }, order, wanted) {
-    const { Tensor } = await this.runtime();
-    const session = await this.session(new URL(head.stages, this.folder), "the tree");
     const { width } = await this.about();
     const count = Math.max(2, vis.length); // the graph takes two or more
     const flat = (rows) => {
       const all = new Float32Array(count * width);
       rows.forEach((row, i) => all.set(row, i * width));
-      return new Tensor("float32", all, [count, width]);
+      return ["float32", all, [count, width]];
     };
-    const orders = new Tensor("float64", new Float64Array(count).fill(order), [count]);
-    const found = await inTurn(() => session.run({ vis: flat(vis), tac: flat(tac), orders }, wanted));
-    return Object.fromEntries(wanted.map((name) => [name, { shape: found[name].dims, values: found[name].data }]));
+    const orders = ["float64", new Float64Array(count).fill(order), [count]];
+    return this.ran(new URL(head.stages, this.folder), "the tree", { vis: flat(vis), tac: flat(tac), orders }, wanted);
   }
 
   /** The picture as the encoder gets it as "vis" or "tac": the dots of a gel are filled if they were in training. */
@@ -137,50 +135,51 @@ export class Models {
     return { vis, tac: touch === picture ? vis : await this.encoded(touch) };
   }
 
-  /** The embedding of a picture {pixels, width, height}, as `seen` gives it. */
+  /** A picture {pixels, width, height} of another size, as Pillow resizes. */
+  async resized({ pixels, width, height }, wide, high) {
+    const { resized } = await this.ran(new URL("resize.onnx", this.base), "", {
+      picture: ["uint8", pixels, [1, height, width, 3]],
+      shape: ["int64", BigInt64Array.of(1n, BigInt(high), BigInt(wide), 3n), [4]],
+    });
+    return { pixels: resized.values, width: wide, height: high };
+  }
+
+  /** The picture within `most` × `most` pixels. */
+  within(picture, most) {
+    const scale = Math.min(1, most / Math.max(picture.width, picture.height));
+    const side = (length) => Math.max(1, Math.round(scale * length));
+    return scale === 1 ? picture : this.resized(picture, side(picture.width), side(picture.height));
+  }
+
+  /** The embedding of a picture, as `seen` gives it. */
   async encoded(picture) {
     const { encoder } = await this.about();
     if (!encoder) throw new Refused(NOT_HERE, 501);
     if (encoder.kind === "strip") return signalOf(picture);
-    const { Tensor } = await this.runtime();
-    const session = await this.session(new URL(encoder.file, this.base), "the encoder");
-    const { pixels } = resized(picture, SIDE, SIDE);
-    const plane = SIDE * SIDE;
-    const input = new Float32Array(3 * plane);
-    for (let channel = 0; channel < 3; channel++) {
-      const [mean, scale] = [encoder.mean[channel], encoder.std[channel]];
-      for (let i = 0; i < plane; i++) input[channel * plane + i] = (pixels[3 * i + channel] / 255 - mean) / scale;
-    }
-    const images = new Tensor("float32", input, [1, 3, SIDE, SIDE]);
-    const found = await inTurn(() => session.run({ images }));
-    return Float32Array.from(/** @type {any} */ (Object.values(found)[0]).data);
+    const { pixels } = await this.resized(picture, SIDE, SIDE);
+    const feeds = { picture: ["uint8", pixels, [1, SIDE, SIDE, 3]] };
+    const [{ values }] = Object.values(await this.ran(new URL(encoder.file, this.base), "the encoder", feeds));
+    return values;
   }
 
   /** The embedding of one image of a pair of the set. */
   async row(number, modality) {
-    const { pairs, part } = await this.about();
-    if (!(number >= 0 && number < pairs))
-      throw new Refused(`No pair has the number '${number}'; there are 0 to ${pairs - 1}.`);
+    const { part } = await this.about();
     const some = await this.file(`set-${Math.floor(number / part)}.safetensors`);
     return Float32Array.from(rowOf(some[modality], number % part));
   }
 }
 
-/** The signal of a picture of 64 upright stripes, -1 to 1. */
+/** The signal of a picture of 64 upright stripes, -1 to 1: the mean grey of the pixels with a centre in each. */
 export function signalOf({ pixels, width, height }) {
   const grey = new Float64Array(width); // means of the columns
-  for (let y = 0, at = 0; y < height; y++)
-    for (let x = 0; x < width; x++, at += 3)
-      grey[x] += (19595 * pixels[at] + 38470 * pixels[at + 1] + 7471 * pixels[at + 2] + 0x8000) >> 16;
-  const scale = width / 64;
-  const stretch = Math.max(1, scale);
+  for (let x = 0; x < width; x++)
+    for (let y = 0, at = 3 * x; y < height; y++, at += 3 * width)
+      grey[x] += ((19595 * pixels[at] + 38470 * pixels[at + 1] + 7471 * pixels[at + 2] + 0x8000) >> 16) / height;
+  const reach = Math.max(1, width / 64) / 2;
   return Float32Array.from({ length: 64 }, (_, at) => {
-    const centre = (at + 0.5) * scale;
-    const first = Math.max(0, Math.trunc(centre - 0.5 * stretch + 0.5));
-    const end = Math.min(width, Math.trunc(centre + 0.5 * stretch + 0.5));
-    const shares = Array.from({ length: end - first }, (_, i) => FILTERS.box[0]((i + first - centre + 0.5) / stretch));
-    const sum = shares.reduce((a, b) => a + b, 0);
-    const band = shares.reduce((total, share, i) => total + (share / sum) * (grey[first + i] / height), 0);
-    return (band - 127.5) / 120;
+    const centre = ((at + 0.5) * width) / 64;
+    const band = grey.filter((_, x) => x + 0.5 - centre > -reach && x + 0.5 - centre <= reach);
+    return (band.reduce((a, b) => a + b, 0) / band.length - 127.5) / 120;
   });
 }

@@ -2,7 +2,6 @@
 
 import { drawingOn } from "../shared/canvas.js";
 import { OTHER } from "../shared/images.js";
-import { base64 } from "../shared/text.js";
 import { decoded } from "./decode.js";
 import {
   embedding,
@@ -17,11 +16,11 @@ import {
 } from "./desk.js";
 import { profileFrom } from "./profiles.js";
 import { Refused } from "./refusal.js";
-import { resized, thumbnail } from "./resize.js";
-import { best, rounded } from "./tensors.js";
+import { best, rounded, sum } from "./tensors.js";
 
 const CELLS = 7; // of a side, in Where?
-const PATCH = 2;
+const PATCH = 2; // cells of a hidden part's side
+const STEPS = CELLS - PATCH + 1;
 const WARM = 3; // runs after which the browser has compiled the encoder
 
 /** Embed a visitor's picture; its reference, its size and a small copy. */
@@ -31,20 +30,18 @@ async function image(desk, { body, query }) {
   const picture = await decoded(body, name);
   if (!desk.sent.has(ref)) desk.keep(desk.sent, ref, await desk.models.asEither(picture));
   const [width, height] = picture.full;
-  return { ref, width, height, preview: await preview(picture) };
+  return { ref, width, height, preview: await preview(desk, picture) };
 }
 
-async function preview(picture) {
-  const { pixels, width, height } = thumbnail(picture, 320);
-  const canvas = new OffscreenCanvas(width, height);
+async function preview(desk, picture) {
+  const { pixels, width, height } = await desk.models.within(picture, 320);
   const data = new ImageData(width, height);
-  for (let i = 0; i < width * height; i++) {
-    data.data.set(pixels.subarray(3 * i, 3 * i + 3), 4 * i);
-    data.data[4 * i + 3] = 255;
-  }
+  data.data.fill(255);
+  pixels.forEach((value, at) => (data.data[at + Math.floor(at / 3)] = value));
+  const canvas = new OffscreenCanvas(width, height);
   drawingOn(canvas).putImageData(data, 0, 0);
   const blob = await canvas.convertToBlob({ type: "image/jpeg", quality: 0.85 });
-  return `data:image/jpeg;base64,${base64(new Uint8Array(await blob.arrayBuffer()))}`;
+  return new /** @type {any} */ (self).FileReaderSync().readAsDataURL(blob);
 }
 
 /** Fetch the encoder, and run once what a first pair needs: later ones wait for no file and no compiler. */
@@ -66,80 +63,63 @@ export async function warm(desk) {
 
 /** What the address of a picture's request names: the head, the other image, p. */
 async function asked(desk, query) {
-  const modality = query.get("modality") ?? "";
-  if (!["vis", "tac", "both"].includes(modality))
-    throw new Refused(`modality is '${modality.slice(0, 20)}'; it is vis, tac or both.`);
-  const name = query.get("taught") ?? "";
-  const reader = query.get("head") ?? "";
+  const [modality, name, reader, profile, ref] = ["modality", "taught", "head", "profile", "other"].map(
+    (key) => query.get(key) ?? "",
+  );
   const head = name ? desk.taught.get(name) : await desk.models.head(reader);
   if (!head) throw new Refused("The page no longer has the taught head; press Teach again.", 410);
-  const profile = query.get("profile") ?? "";
-  const rest = OTHER[modality];
-  const other =
-    rest && query.get("other") ? await embedding(desk, query.get("other"), rest, { profile, head: reader }) : null;
-  return { modality, head, order: orderIn(query.get("order")), asked: { profile, head: reader }, rest, other };
+  const question = { profile, head: reader };
+  const rest = ref && OTHER[modality];
+  const other = async (by) => (rest ? { [rest]: await embedding(desk, ref, rest, by) } : {});
+  return { modality, head, order: orderIn(query.get("order")), question, other };
 }
 
 async function live(desk, { body, query }) {
   const began = performance.now();
-  const { modality, head, order, asked: question, rest, other } = await asked(desk, query);
+  const { modality, head, order, question, other } = await asked(desk, query);
   const split = Number(query.get("split"));
-  if (modality === "both" && !(split > 0 && split < body.length))
-    throw new Refused(`split is ${split}; give the bytes of the photo, before those of the touch.`);
   const parts =
     modality === "both" ? { vis: body.subarray(0, split), tac: body.subarray(split) } : { [modality]: body };
   const pictures = {};
   for (const [name, part] of Object.entries(parts)) pictures[name] = await desk.models.seen(await decoded(part), name);
   const read = performance.now();
-  /** @type {Record<string, any>} */
-  const rows = { vis: null, tac: null };
-  /** @type {Record<string, any>} */
-  const before = { vis: null, tac: null };
-  for (const [name, one] of Object.entries(pictures)) {
-    before[name] = await desk.models.encoded(one);
+  const [rows, before] = [{}, {}];
+  for (const [name, picture] of Object.entries(pictures)) {
+    before[name] = await desk.models.encoded(picture);
     rows[name] = await movedBy(desk, question, name, before[name]);
   }
   const embedded = performance.now();
-  if (other) {
-    rows[rest] = other;
-    before[rest] = await embedding(desk, query.get("other"), rest, {});
-  }
+  Object.assign(rows, await other(question));
+  Object.assign(before, await other({}));
   const found = await predictOne(desk, head, rows, { before, order, question });
-  const ms = { read: read - began, encoder: embedded - read, head: performance.now() - embedded };
-  return {
-    classes: head.classes,
-    ...found,
-    ms: Object.fromEntries(Object.entries(ms).map(([name, value]) => [name, rounded([value], 1)[0]])),
-  };
+  const ms = [read - began, embedded - read, performance.now() - embedded];
+  const [decoding, encoder, last] = rounded(ms, 1);
+  return { classes: head.classes, ...found, ms: { read: decoding, encoder, head: last } };
 }
 
 /** Hide each part of a picture in turn, and predict again. */
 async function occlusion(desk, { body, query, stopped }) {
-  const { modality, head, order, asked: question, rest, other } = await asked(desk, query);
+  const { modality, head, order, question, other } = await asked(desk, query);
   const began = performance.now();
-  const picture = thumbnail(await decoded(body), 448);
+  const { models } = desk;
+  const picture = await models.within(await decoded(body), 448);
   const { pixels, width, height } = picture;
-  const mean = resized(picture, 1, 1).pixels;
-  const steps = CELLS - PATCH + 1;
-  const predicted = async (one) => {
+  const { pixels: mean } = await models.resized(picture, 1, 1);
+  const rest = await other(question);
+  const predicted = async (shown) => {
     if (stopped()) throw new Refused("The request was withdrawn.", 499);
-    const own = await movedBy(
-      desk,
-      question,
-      modality,
-      await desk.models.encoded(await desk.models.seen(one, modality)),
-    );
-    const rows = { vis: null, tac: null, [modality]: own, ...(other && { [rest]: other }) };
-    const out = await desk.models.run(head, rows, [order === null ? learned(head) : [order, order]]);
+    const row = await models.encoded(await models.seen(shown, modality));
+    const rows = { ...rest, [modality]: await movedBy(desk, question, modality, row) };
+    const out = await models.run(head, rows, [order === null ? learned(head) : [order, order]]);
     return readingsOf(head, out, 0, rows).fused;
   };
   const first = await predicted(picture);
   const top = best(first);
   const falls = [];
-  for (let at = 0; at < steps * steps; at++) {
-    const [row, column] = [Math.floor(at / steps), at % steps];
+  const edge = (cell, side) => Math.floor((cell * side) / CELLS);
+  for (let at = 0; at < STEPS * STEPS; at++) {
+    const [row, column] = [Math.floor(at / STEPS), at % STEPS];
     const copy = pixels.slice();
-    const edge = (cell, side) => Math.floor((cell * side) / CELLS);
     for (let y = edge(row, height); y < edge(row + PATCH, height); y++)
       for (let x = edge(column, width); x < edge(column + PATCH, width); x++) copy.set(mean, 3 * (y * width + x));
     falls.push(first[top] - (await predicted({ pixels: copy, width, height }))[top]);
@@ -148,19 +128,19 @@ async function occlusion(desk, { body, query, stopped }) {
     class: head.classes[top],
     probability: rounded([first[top]])[0],
     cells: CELLS,
-    drops: overCells(falls, steps),
+    drops: overCells(falls),
     seconds: rounded([(performance.now() - began) / 1000], 2)[0],
   };
 }
 
 /** The mean decrease for each cell, over the parts that cover it. */
-export function overCells(falls, steps) {
+function overCells(falls) {
   const cells = Array.from({ length: CELLS }, (_, i) => i);
   const covers = (part, cell) => part <= cell && cell < part + PATCH;
   return cells.map((row) =>
     cells.map((column) => {
-      const own = falls.filter((_, at) => covers(Math.floor(at / steps), row) && covers(at % steps, column));
-      return rounded([own.reduce((a, b) => a + b, 0) / own.length])[0];
+      const over = falls.filter((_, at) => covers(Math.floor(at / STEPS), row) && covers(at % STEPS, column));
+      return rounded([sum(over) / over.length])[0];
     }),
   );
 }

@@ -2,21 +2,20 @@
 
 import { IMAGES } from "../shared/images.js";
 import { Refused } from "./refusal.js";
-import { tensors, written } from "./tensors.js";
+import { mean as meanOf, tensors, written } from "./tensors.js";
 
 const FORMAT = "omnivat-profile-1";
 const MEAN_PRIOR = 4; // pictures that the source's mean weighs
 const VARIANCE_PRIOR = 10;
-const means = (values) => values.reduce((a, b) => a + b, 0) / values.length;
 
 /** {mean, variance, count} of rows. */
 export function channelsOf(rows) {
   const [mean, variance] = [new Float32Array(rows[0].length), new Float32Array(rows[0].length)];
   for (let i = 0; i < mean.length; i++) {
     const own = rows.map((row) => row[i]);
-    const middle = means(own);
+    const middle = meanOf(own);
     mean[i] = middle;
-    variance[i] = means(own.map((value) => (value - middle) ** 2));
+    variance[i] = meanOf(own.map((value) => (value - middle) ** 2));
   }
   return { mean, variance, count: rows.length };
 }
@@ -34,7 +33,7 @@ export function joined(one, other) {
 /** A row of a new sensor with the source's mean and deviation, or `step` of the way; few pictures count less. */
 export function moved(row, target, source, step = 1) {
   const [share, spread] = [MEAN_PRIOR, VARIANCE_PRIOR].map((prior) => (step * target.count) / (target.count + prior));
-  const floor = means(source.variance.map(Math.sqrt)) || 1;
+  const floor = meanOf(source.variance.map(Math.sqrt)) || 1;
   return Float32Array.from(row, (value, i) => {
     const mean = source.mean[i] + share * (target.mean[i] - source.mean[i]);
     const variance = source.variance[i] + spread * (target.variance[i] - source.variance[i]);

@@ -19,14 +19,12 @@ import {
 } from "./desk.js";
 import { channelsOf, joined, saved } from "./profiles.js";
 import { Refused } from "./refusal.js";
-import { headOf, lessonsIn } from "./teaching.js";
+import { missing, teach as taughtBy } from "./teaching.js";
 import { dot, rounded, unit } from "./tensors.js";
 
 const STOPS = Array.from({ length: 101 }, (_, k) => k / 100);
 const COLUMNS = 256; // of the spectrum
 const NEAREST = 3;
-const MOST_PAIRS = 25;
-const MOST_PICTURES = 100;
 
 /** A prediction now and at every stop, with the spectra. */
 async function pair(desk, question) {
@@ -91,20 +89,12 @@ async function attention(desk, question) {
 }
 
 async function many(desk, question) {
-  const { pairs } = question;
-  if (!Array.isArray(pairs)) throw new Refused("pairs has to be a list of pairs with a photo, a touch or both.");
-  if (!pairs.length || pairs.length > MOST_PAIRS)
-    throw new Refused(`${pairs.length} pairs were sent; send 1 to ${MOST_PAIRS} at a time.`);
   const head = await headFor(desk, question);
-  const found = [];
-  for (const one of pairs)
-    found.push(
-      await predictOne(desk, head, await pairOf(desk, { ...question, ...one }), {
-        before: await pairOf(desk, one),
-        question,
-      }),
-    );
-  return { classes: head.classes, pairs: found };
+  const predicted = async (pair) => {
+    const rows = await pairOf(desk, { ...question, ...pair });
+    return predictOne(desk, head, rows, { before: await pairOf(desk, pair), question });
+  };
+  return { classes: head.classes, pairs: await Promise.all(question.pairs.map(predicted)) };
 }
 
 /** The training pairs of the set: {pair, row}, of length 1. */
@@ -129,13 +119,8 @@ async function familiar(desk, question) {
   const images = {};
   for (const name of imagesOf(rows)) {
     const ref = question[name];
-    const near = await nearest(
-      desk,
-      name,
-      rows[name],
-      ref.startsWith("row:") ? Number(ref.slice(4)) : -1,
-      question.head,
-    );
+    const itself = ref.startsWith("row:") ? Number(ref.slice(4)) : -1;
+    const near = await nearest(desk, name, rows[name], itself, question.head);
     images[name] = { nearest: near, ...looked[name] };
     if (ref.startsWith("image:") && !question.profile) {
       const [there] = await nearest(desk, OTHER[name], rows[name], -1, question.head);
@@ -149,9 +134,6 @@ async function familiar(desk, question) {
 async function profile(desk, question) {
   await sourceProfile(desk);
   const { photos = [], touches = [] } = question;
-  const count = photos.length + touches.length;
-  if (!(count > 0 && count <= MOST_PICTURES))
-    throw new Refused(`Send 1 to ${MOST_PICTURES} pictures of your sensor at a time.`);
   const channels = { ...profileIn(desk, question)?.channels };
   for (const [name, refs] of [
     ["vis", photos],
@@ -166,23 +148,21 @@ async function profile(desk, question) {
 }
 
 async function saveSensor(desk, question) {
-  const found = profileIn(desk, question);
-  if (!found) throw new Refused("There is no profile of your sensor yet; give it pictures first.");
-  return saved(found, (await desk.models.about()).key);
+  return saved(profileIn(desk, question), (await desk.models.about()).key);
 }
 
 /** What the head says of each lesson before and after teaching. */
 async function teach(desk, question) {
   const head = await desk.models.head(question.head);
   const room = await classroom(desk, head, question);
-  const { report, made } = await headOf(room);
+  const lacking = missing(room.lessons);
+  if (lacking) throw new Refused(lacking);
+  const { report, made } = await taughtBy(room);
   desk.keep(desk.taught, taughtName(question), made);
   return { ...report, classes: made.classes };
 }
 
 async function taughtRoute(desk, question) {
-  if (!lessonsIn(question).length)
-    throw new Refused("No pair is labelled yet, so no head can be taught. Label two or more.");
   await headFor(desk, question);
   return { taught: taughtName(question) };
 }

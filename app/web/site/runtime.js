@@ -5,16 +5,15 @@ import { Refused } from "./refusal.js";
 // a module whose function has one SIMD instruction
 const SIMD = Uint8Array.from(atob("AGFzbQEAAAABBQFgAAF7AwIBAAoKAQgAQQD9D/1iCw=="), (one) => one.charCodeAt(0));
 const MOST_THREADS = 4;
-const ABSENT = "This browser has no WebAssembly, or it is switched off; open the page in another browser.";
-const OLD = "This browser's WebAssembly has no SIMD, which the models need; use a browser from 2023 or later.";
+const OLD =
+  "This browser has no WebAssembly with SIMD, which the models need, or it is switched off; use one from 2023 or later.";
 export const LOST = "A file of this page did not arrive; check the connection and try again.";
 
 /** @type {Promise<any> | null} */
 let ort = null;
 
 async function started(base, bytes) {
-  if (typeof WebAssembly !== "object") throw new Refused(ABSENT);
-  if (!WebAssembly.validate(SIMD)) throw new Refused(OLD);
+  if (!globalThis.WebAssembly?.validate(SIMD)) throw new Refused(OLD);
   const [found, program] = await Promise.all([
     import(new URL("runtime/ort.wasm.bundle.min.mjs", base).href).catch(() => {
       throw new Refused(LOST);

@@ -7,7 +7,6 @@ import { FILES, warm } from "./pictures.js";
 import { Refused } from "./refusal.js";
 import { QUESTIONS } from "./routes.js";
 import { promptly } from "./runtime.js";
-import { SAVING } from "./saving.js";
 
 const FAILED = "Something went wrong in this browser; the console has the details. Try again, or choose another pair.";
 const desks = new Map();
@@ -22,7 +21,7 @@ function deskOf(base, set) {
 async function reply({ id, base, set, path, query, body }) {
   const desk = deskOf(base, set);
   const stopped = () => withdrawn.has(id);
-  const question = QUESTIONS[path] ?? SAVING[path];
+  const question = QUESTIONS[path];
   const patient = path === "warm" ? warm : FOREST[path];
   if (patient) return patient(desk, JSON.parse(body), stopped);
   if (question) return promptly(() => question(desk, JSON.parse(body), stopped));
