@@ -194,3 +194,22 @@ def test_onnx_runtime_is_refused_where_it_is_not_there(monkeypatch: pytest.Monke
         load_encoder("efficientnet-lite0", precision="fp32-onnx")
     with pytest.raises(SettingsError, match="which is for efficientnet-lite0 on a CPU"):
         precision_type("fp32-onnx", torch.device("cpu"))
+
+
+@pytest.mark.parametrize("size", [(93, 61), (301, 257), (1400, 9), (40, 1000), (224, 300)])
+def test_the_exported_resize_differs_from_pillow_by_one_of_255_at_most(tmp_path, size):
+    for package in ("onnx", "onnxruntime"):
+        pytest.importorskip(package, reason="the extra [onnx] is not installed")
+    import onnxruntime
+
+    from omnivat.encoders.onnx_runtime import write_resize
+
+    write_resize(tmp_path / "resize.onnx")
+    session = onnxruntime.InferenceSession(tmp_path / "resize.onnx")
+    picture = np.random.default_rng(0).integers(0, 256, (*size[::-1], 3), np.uint8)
+    picture[: len(picture) // 2] //= 128
+    picture[: len(picture) // 2] *= 255
+    wanted = np.asarray(Image.fromarray(picture).resize((224, 224), Image.Resampling.BICUBIC))
+    inputs = {"picture": picture[None], "shape": np.array([1, 224, 224, 3])}
+    away = np.abs(session.run(None, inputs)[0][0].astype(int) - wanted)
+    assert away.max() <= 1 and (away > 0).mean() < 0.001
