@@ -8,7 +8,6 @@ import { dot, mean, rounded, rowOf, unit } from "./tensors.js";
 
 const READINGS = ["fused", "vis", "tac", "vis_branch", "tac_branch"];
 const UNLIKE = 0.05; // below this quantile a prediction is a guess
-const KEPT = 512;
 const NEIGHBOURS = 10; // nearest images of a hundred or more
 
 /** What this visitor has given to one set: pictures, profiles, lessons. Nothing leaves the browser. */
@@ -18,12 +17,6 @@ export class Desk {
     this.sent = new Map(); // reference -> its embeddings as {vis, tac}
     this.profiles = new Map();
     this.taught = new Map();
-  }
-
-  keep(kept, key, value) {
-    kept.set(key, value);
-    if (kept.size > KEPT) kept.delete(kept.keys().next().value);
-    return value;
   }
 }
 
@@ -84,10 +77,8 @@ export async function headFor(desk, question) {
   const lessons = lessonsIn(question);
   if (!lessons.length) return head;
   const key = taughtName(question);
-  const found = desk.taught.get(key);
-  if (found) return found;
-  const { made } = await teach(await classroom(desk, head, question));
-  return desk.keep(desk.taught, key, made);
+  if (!desk.taught.has(key)) desk.taught.set(key, (await teach(await classroom(desk, head, question))).made);
+  return desk.taught.get(key);
 }
 
 export const taughtName = ({ head = "", profile = "", lessons }) =>
@@ -185,6 +176,6 @@ export function keptProfile(desk, found) {
   const counts = Object.fromEntries(Object.entries(found.channels).map(([name, one]) => [name, one.count]));
   const bytes = Object.values(found.channels).flatMap((one) => [one.mean, one.variance]);
   const name = nameOf(bytes.flatMap((values) => [...new Uint8Array(values.buffer)]));
-  desk.keep(desk.profiles, name, found);
+  desk.profiles.set(name, found);
   return { profile: name, counts };
 }

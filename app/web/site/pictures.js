@@ -28,7 +28,7 @@ async function image(desk, { body, query }) {
   const name = (query.get("name") ?? "").slice(0, 120) || "the image";
   const ref = `image:${nameOf(body)}`;
   const picture = await decoded(body, name);
-  if (!desk.sent.has(ref)) desk.keep(desk.sent, ref, await desk.models.asEither(picture));
+  if (!desk.sent.has(ref)) desk.sent.set(ref, await desk.models.asEither(picture));
   const [width, height] = picture.full;
   return { ref, width, height, preview: await preview(desk, picture) };
 }

@@ -73,12 +73,14 @@ async function attention(desk, question) {
     rows,
     STOPS.map((p) => [p, p]),
   );
-  const count = (name) => out[`${name}_attention`].shape.at(-1);
-  const off = (name) => Array.from(out[`${name}_attention`].values, (value) => value - 1 / count(name));
-  const found = Object.fromEntries(names.map((name) => [name, off(name)]));
-  const scale = Math.max(...names.map((name) => found[name].reduce((a, b) => Math.max(a, Math.abs(b)), 0))) || 1;
-  const coded = (values) => base64(new Uint8Array(Int8Array.from(values, (v) => Math.round((v / scale) * 127)).buffer));
   const by = (make) => Object.fromEntries(names.map((name) => [name, make(name)]));
+  const count = (name) => out[`${name}_attention`].shape.at(-1);
+  const found = by((name) => Array.from(out[`${name}_attention`].values, (value) => value - 1 / count(name)));
+  const scale =
+    Object.values(found)
+      .flat()
+      .reduce((top, value) => Math.max(top, Math.abs(value)), 0) || 1;
+  const coded = (values) => base64(new Uint8Array(Int8Array.from(values, (v) => Math.round((v / scale) * 127)).buffer));
   return {
     tokens: by((n) => head.tokens[n]),
     count: by(count),
@@ -158,7 +160,7 @@ async function teach(desk, question) {
   const lacking = missing(room.lessons);
   if (lacking) throw new Refused(lacking);
   const { report, made } = await taughtBy(room);
-  desk.keep(desk.taught, taughtName(question), made);
+  desk.taught.set(taughtName(question), made);
   return { ...report, classes: made.classes };
 }
 
