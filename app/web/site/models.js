@@ -156,9 +156,10 @@ export class Models {
     const { encoder } = await this.about();
     if (!encoder) throw new Refused(NOT_HERE, 501);
     if (encoder.kind === "strip") return signalOf(picture);
-    const { pixels } = await this.resized(picture, SIDE, SIDE);
+    const url = new URL(encoder.file, this.base);
+    const [{ pixels }] = await Promise.all([this.resized(picture, SIDE, SIDE), this.session(url, "the encoder")]);
     const feeds = { picture: ["uint8", pixels, [1, SIDE, SIDE, 3]] };
-    const [{ values }] = Object.values(await this.ran(new URL(encoder.file, this.base), "the encoder", feeds));
+    const [{ values }] = Object.values(await this.ran(url, "the encoder", feeds));
     return values;
   }
 
