@@ -255,7 +255,7 @@ test("the first chapter reads the cell of the tables that the buttons choose", (
   assert.equal(figures().away, "photo 1 0 2"); // a photo has no dots
 });
 
-test("the page opens with the press of which filled dots turn most verdicts, and that looks like what it is", () => {
+test("the page opens with the press that is read best once its dots are filled, and that looks like what it is", () => {
   const made = {
     domains: twins.domains,
     shown: [{ class: 0 }, { class: 0 }, { class: 0, looks_like: "steel" }],

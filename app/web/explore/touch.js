@@ -25,13 +25,15 @@ const WORDS = {
 
 const within = (text, count) => (Number(text) >= 0 && Number(text) < count ? Math.floor(Number(text)) : 0);
 
-/** The press that is shown: the one in the address, or that of which filled dots turn most verdicts. */
+/** The press that is shown: the one in the address, or that which is read best once its dots are filled. */
 export function pressOf({ shown, domains, verdicts }) {
   if (state.press !== "") return within(state.press, shown.length);
-  const wrong = (i, dots) =>
-    domains.filter((_, k) => +verdicts.touch[0][dots][0][i * domains.length + k] !== shown[i].class).length;
-  const turned = shown.map((one, i) => (one.looks_like || one.feels_like ? -1 : wrong(i, 0) - wrong(i, 1)));
-  return turned.indexOf(Math.max(...turned));
+  const right = shown.map((one, i) =>
+    one.looks_like || one.feels_like
+      ? -1
+      : domains.filter((_, k) => +verdicts.touch[0][1][0][i * domains.length + k] === one.class).length,
+  );
+  return right.indexOf(Math.max(...right));
 }
 
 /** What the address chooses: indices into the tables of the twins. */
