@@ -15,6 +15,7 @@ from app.frames_job import FramesJob
 from app.jobs import Jobs
 from app.limits import MAPPED_BYTES
 from app.places import Places, find_examples, head_names
+from app.real import RealPairs
 from app.scratch import Scratch
 from app.state import ForgottenError, Lazy, Recent, Ref, content_name
 from omnivat.head.heads import OWN
@@ -44,6 +45,7 @@ class Shared:
 
     def __init__(self) -> None:
         self.jobs, self.decoder, self.scratch = Jobs(), Decoder(), Scratch()
+        self.real = RealPairs(Path())
         self._encoders: dict[str, Lazy[Encoder]] = {}
         self._lock = Lock()
 

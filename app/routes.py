@@ -19,11 +19,12 @@ from app import about, nodes, predictors, sensor, teaching
 from app.api import api_routes
 from app.components import WEB
 from app.familiar import familiar, first
+from app.guard import is_loopback
 from app.map_place import place
 from app.mcp import mcp
 from app.messages import Handler, in_sentences, refusal
 from app.modes import mode_files, modes
-from app.requests import done, question_of, set_of
+from app.requests import done, question_of, set_of, visitor_of
 from app.resources import Resources, require_name
 from app.saving import save_figure
 from app.training import Trainings
@@ -86,6 +87,8 @@ def routes(first: Resources, *, api: bool = False) -> list[Route]:
         "/omnivat/thumbnails.{kind}": partial(thumbnails, sets),
         "/omnivat/example/{name:path}": partial(example_image, sets),
         "/omnivat/twins/{name}.webp": twin_picture,
+        "/omnivat/real": partial(real, sets),
+        "/omnivat/real/{name:path}": partial(real_picture, sets),
         **{f"/omnivat/{name}": partial(facts, sets, found) for name, found in FACTS.items()},
     }
     questions = {**QUESTIONS, "trainings": trainings.offers, "train": trainings.start}
@@ -210,6 +213,20 @@ async def example_image(sets: VisitorSets, request: Request) -> Response:
     if not file.is_file():
         return refusal("This example's image is no longer there; reload the page.", 404)
     return file_response(request, file)
+
+
+async def real(sets: VisitorSets, request: Request) -> Response:
+    """Return the fetched sets of real pairs with their terms."""
+    listing = partial(sets.shared.real.listing, local=is_loopback(visitor_of(request)))
+    return JSONResponse(await done(request, sets.shared.jobs, lambda _: listing()))
+
+
+async def real_picture(sets: VisitorSets, request: Request) -> Response:
+    """Serve a picture of a fetched set."""
+    local = is_loopback(visitor_of(request))
+    return file_response(
+        request, sets.shared.real.picture(request.path_params["name"], local=local)
+    )
 
 
 def in_json(value: Any, resources: Resources) -> Response:

@@ -164,3 +164,26 @@ def head_folder(
     )
     assert code == 0
     return folder / "head"
+
+
+@pytest.fixture
+def fetched(tmp_path: Path) -> Path:
+    """Return a folder with the set touch-and-go as it is fetched: two pairs of pictures made here."""
+    from PIL import Image
+
+    from omnivat.data.fetching import fetched_sets
+
+    folder, random = tmp_path / "here" / "touch-and-go", np.random.default_rng(0)
+    rows = ["vis,tac,domain,material,object"]
+    for name in ("brick", "tree"):
+        files = [f"{name}_{half}.png" for half in ("vis", "tac")]
+        rows.append(",".join([*files, "Touch and Go", name, name]))
+        for file in files:
+            folder.mkdir(parents=True, exist_ok=True)
+            Image.fromarray(random.integers(0, 255, (40, 60, 3), dtype=np.uint8)).save(
+                folder / file
+            )
+    (folder / "pairs.csv").write_text("\n".join(rows))
+    commit = fetched_sets()["touch-and-go"].commit
+    (folder / "fetched.json").write_text(f'{{"name": "touch-and-go", "commit": "{commit}"}}')
+    return folder

@@ -84,12 +84,15 @@ def desktop(chromium: Any) -> Iterator[Any]:
 class Server:
     """`python app.py` on the project's own data; it can be stopped and started again."""
 
-    def __init__(self, folder: Path, host: str = "127.0.0.1", more: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self, folder: Path, host: str = "127.0.0.1", more: tuple[str, ...] = (), where: Path = ROOT
+    ) -> None:
         with socket.socket() as probe:
             probe.bind((host, 0))
             self.port = probe.getsockname()[1]
         self.address = f"http://{host}:{self.port}/"
         self.folder, self.more, self.script = folder, more, ROOT / "app.py"
+        self.where = where
         self.process: subprocess.Popen[bytes] | None = None
 
     def start(self) -> None:
@@ -104,7 +107,7 @@ class Server:
                     str(self.port),
                     *self.more,
                 ],
-                cwd=ROOT,
+                cwd=self.where,
                 env=os.environ | {"XDG_CACHE_HOME": str(self.folder), "PYTHONPATH": str(ROOT)},
                 stdout=log,
                 stderr=subprocess.STDOUT,

@@ -148,7 +148,8 @@ export class Known {
     }
     if (kind === "row") return { text: `pair ${name}` };
     const image = sent.get(ref);
-    return { text: image ? `${image.name} · ${image.width} × ${image.height}` : ref };
+    const credit = image?.credit ? ` · ${image.credit}` : "";
+    return { text: image ? `${image.name} · ${image.width} × ${image.height}${credit}` : ref };
   }
 
   /** A short name for a pair of the visitor's. */

@@ -19,6 +19,7 @@ import { pairMap } from "./on-map.js";
 import { OwnPairs } from "./own.js";
 import { chosenFiles, droppedFiles, Known, takeLinked } from "./own-pictures.js";
 import { readerHtml } from "./reader.js";
+import { RealPairs } from "./real.js";
 import { madeOf as profileOf, Sensor } from "./sensor.js";
 import { Gallery, slots } from "./slots.js";
 import { lineHtml, nextStep, stepOf } from "./steps.js";
@@ -117,13 +118,11 @@ class PairTab extends View {
     /** @type {any[]} */
     this.rungs = []; // what is known of a new sensor, and the accuracy that it brings
     this.gallery = new Gallery(this.$(".gallery"), this.$(".take"));
+    this.real = new RealPairs(this.$(".real"), this.$(".take"), { onBusy: this.busy, onProblem: this.problem });
     this.showSlots = slots(this.$(".slots"), {
       onRef: (modality, ref) => change({ [modality]: ref }),
       onUpload: (modality, ref) => this.uploaded(modality, ref),
-      onBusy: (by) => {
-        this.sending += by;
-        this.settle();
-      },
+      onBusy: this.busy,
       onMany: (files) => this.many.take(files),
       onProblem: this.problem,
       lessons: () => this.own.lessons(this.pair),
@@ -185,6 +184,11 @@ class PairTab extends View {
     this.$(".started").hidden = !goes;
     this.$(".started span").textContent = `A new pair: the ${TERMS[rest].one} before it was taken away.`;
   }
+
+  busy = (by) => {
+    this.sending += by;
+    this.settle();
+  };
 
   /** A label waits until uploads and predictions are there. */
   settle() {
@@ -253,7 +257,7 @@ class PairTab extends View {
 
   showInputs() {
     this.showSlots(state, this.set.sprite, this.set.frames?.pairs ?? 0, (ref) => this.known.of(ref).text);
-    this.gallery.mark([state.vis, state.tac]);
+    for (const one of [this.gallery, this.real]) one.mark([state.vis, state.tac]);
     this.showLine();
   }
 

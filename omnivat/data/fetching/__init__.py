@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from omnivat.data.fetching.heights import drawn, load_heights
 from omnivat.data.fetching.layouts import LAYOUTS, Box, Item
@@ -17,15 +18,23 @@ from omnivat.data.images import read_image
 from omnivat.data.recordings.tracks import Clip, Track, pictures
 from omnivat.data.recordings.writing import moments, plain
 from omnivat.kit.errors import DataError, SettingsError, WriteError, first_line
-from omnivat.kit.files import replacing_folder, write_csv, write_json, write_text, writing
+from omnivat.kit.files import (
+    read_whole,
+    replacing_folder,
+    write_csv,
+    write_json,
+    write_text,
+    writing,
+)
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.tables import entry, need
 
 TABLE = Path(__file__).with_name("sets.json")
+RECORD_BYTES = 4_000_000
 RECORD, TERMS = "fetched.json", "TERMS.txt"  # beside the pairs
 COLUMNS = ("vis", "tac", "domain", "material", "object", "named", "vis_from", "tac_from")
 CLIPS, PICKLE = (".mov", ".mp4"), ".pkl"
-KEPT = ("name", "title", "sensor", "terms", "terms_from", "commit", "authors", "changes")
+KEPT = ("name", "title", "sensor", "terms", "terms_from", "commit", "authors", "changes", "licence")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -47,6 +56,7 @@ class FetchedSet:
     authors: str
     files: tuple[str, ...]  # patterns of the files that are needed
     changes: str
+    licence: str = ""  # "NAME, URL" of one that lets the pictures be passed on
 
     @property
     def said(self) -> str:
@@ -67,12 +77,13 @@ def fetch(name: str, out: Path, *, source: str = "", on_step: OnStep = ignore) -
     source  a URL or path of another copy of the repository; "": the authors'
 
     A later call goes on where an earlier one stopped. Returns at once if `out` already holds the
-    set. Raises MissingNameError for an unknown name; DataError, WriteError or MissingPackageError,
-    in one sentence, if the set does not arrive whole. `out` appears when it is complete.
+    set. Pairs whose files a copy on this machine lacks are left out; the record names the files.
+    Raises MissingNameError for an unknown name; DataError, WriteError or MissingPackageError, in
+    one sentence, if the set does not arrive. `out` appears when it is complete.
     """
     wanted = entry(fetched_sets(), name, kind="set")
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        if _holds(out) == (wanted.name, wanted.commit):
+        if set_in(out) == wanted:
             return out
         raise WriteError(
             f"'{out}' exists and is not {name} as it is now; name a new folder with --out."
@@ -95,37 +106,43 @@ def fetch(name: str, out: Path, *, source: str = "", on_step: OnStep = ignore) -
     return out
 
 
-def _holds(folder: Path) -> tuple[str, str]:
-    """Return name and commit of the set that a folder holds, or two empty texts."""
+def set_in(folder: Path) -> FetchedSet | None:
+    """Return the set that a folder holds at the commit of the table; None for anything else."""
     try:
-        record = json.loads((folder / RECORD).read_text(encoding="utf-8"))
-        return str(record["name"]), str(record["commit"])
-    except (OSError, ValueError, LookupError, TypeError):
-        return "", ""
+        record = json.loads(read_whole(folder / RECORD, RECORD_BYTES))
+        known = fetched_sets()[str(record["name"])]
+        return known if record["commit"] == known.commit else None
+    except (DataError, ValueError, LookupError, TypeError, RecursionError):
+        return None
 
 
 def _from_git(wanted: FetchedSet, out: Path, part: Path, source: str, on_step: OnStep) -> None:
     repository = Repository(source or wanted.source, wanted.commit, part / "repository")
     hashes = repository.files(wanted.files)
 
+    def bring(paths: Iterable[str]) -> list[str]:
+        lacking = repository.bring({hashes[path] for path in paths}, on_step)
+        return [path for path in paths if hashes[path] in lacking]
+
     def text(path: str) -> str:
-        repository.bring([hashes[path]])
+        if bring([path]):
+            raise DataError(f"'{source}' lacks the file {path}; name another copy with --from.")
         return next(repository.contents({path: hashes[path]}))[1].decode(errors="replace")
 
-    items = _once(LAYOUTS[wanted.name](list(hashes), text), hashes)
+    listed = _once(LAYOUTS[wanted.name](list(hashes), text), hashes)
+    lacking = bring(sorted({path for item in listed for path in (item.vis, item.tac) if path}))
+    items = [item for item in listed if item.vis not in lacking and item.tac not in lacking]
     if not items:
-        raise DataError(
-            f"'{source or wanted.source}' has no pairs of {wanted.name} at {wanted.commit[:7]}."
-        )
+        place = f"{wanted.commit[:7]}: it lacks {len(lacking)} files"
+        raise DataError(f"'{source or wanted.source}' has no pairs of {wanted.name} at {place}.")
     needed = {path: hashes[path] for item in items for path in (item.vis, item.tac) if path}
-    repository.bring(needed.values(), on_step)
     with replacing_folder(out) as work:
         write_csv(
             work / "pairs.csv",
             COLUMNS,
             _written(items, repository.contents(needed), len(needed), work, on_step),
         )
-        _write_terms(wanted, work, source, len(items))
+        _write_terms(wanted, work, source, len(items), len(listed), lacking)
 
 
 def _once(items: Iterable[Item], hashes: Mapping[str, str]) -> list[Item]:
@@ -231,23 +248,32 @@ def _from_hub(wanted: FetchedSet, out: Path, part: Path, source: str) -> None:
         raise DataError(
             f"'{wanted.source}' was not fetched ({why}); run the command again, it goes on."
         ) from error
-    _write_terms(wanted, part / "files", "", 0)
+    _write_terms(wanted, part / "files", "", 0, 0, [])
     with writing(out):
         (part / "files").replace(out)
 
 
-def _write_terms(wanted: FetchedSet, folder: Path, source: str, pairs: int) -> None:
+def _write_terms(
+    wanted: FetchedSet, folder: Path, source: str, pairs: int, listed: int, lacking: Sequence[str]
+) -> None:
     """Write the record of a set, and its terms for people, beside its pairs."""
-    record = {name: getattr(wanted, name) for name in KEPT}
-    write_json(folder / RECORD, record | {"source": source or wanted.source, "pairs": pairs})
+    record: dict[str, Any] = {name: getattr(wanted, name) for name in KEPT}
+    record |= {"source": source or wanted.source, "pairs": pairs, "lacking": list(lacking)}
+    write_json(folder / RECORD, record)
     lines = [
         f"{wanted.title}, by {wanted.authors}",
         f"{source or wanted.source} at {wanted.commit}",
         f"Terms, in the authors' words: {wanted.said}.",
         f"Changes made here: {wanted.changes}.",
     ]
+    if wanted.licence:
+        lines.append(f"Licence: {wanted.licence}")
     if not wanted.terms:
         lines.append(
             "Without stated terms the pictures may be looked at and measured; do not publish them."
+        )
+    if lacking:
+        lines.append(
+            f"{pairs} of {listed} pairs: that copy lacks {len(lacking)} files; {RECORD} names them."
         )
     write_text(folder / TERMS, "\n".join([*lines, ""]))

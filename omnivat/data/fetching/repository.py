@@ -7,7 +7,7 @@ each by its hash. What arrived stays when the work stops, so a later call goes o
 import os
 import shutil
 import subprocess
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
 
@@ -15,6 +15,8 @@ from omnivat.kit.errors import DataError, MissingPackageError, WriteError, print
 from omnivat.kit.progress import OnStep, Step, ignore
 
 BATCH = 200  # blobs of one request
+# of a repository on this machine, which may not be set up to serve single files
+SERVING = "git -c uploadpack.allowFilter=true -c uploadpack.allowAnySHA1InWant=true upload-pack"
 OPTIONS = {  # nothing of the repository runs, and a silent server is given up
     "core.hooksPath": os.devnull,
     "gc.auto": "0",
@@ -57,14 +59,16 @@ class Repository:
             )
         self.source, self.commit, self.folder = source, commit, folder
         place = Path(source).expanduser()
+        self.local = place.absolute() if place.exists() else None
         folder.mkdir(parents=True, exist_ok=True)
         for stale in folder.glob("*.lock"):  # of a Git that was killed
             stale.unlink()
         self._git("init", "--quiet", "--bare")
         remote = {
-            "url": place.absolute().as_uri() if place.exists() else source,
+            "url": self.local.as_uri() if self.local else source,
             "promisor": "true",
             "partialclonefilter": "blob:none",
+            **({"uploadpack": SERVING} if self.local else {}),
         }
         for name, value in remote.items():
             self._git("config", f"remote.origin.{name}", value)
@@ -84,13 +88,19 @@ class Repository:
                 found[path] = name
         return found
 
-    def bring(self, hashes: Iterable[str], on_step: OnStep = ignore) -> None:
-        """Fetch the blobs that are not here yet; Git refuses one whose content has another hash."""
+    def bring(self, hashes: Iterable[str], on_step: OnStep = ignore) -> set[str]:
+        """Fetch the blobs that are not here yet; return those that a source on this machine lacks.
+
+        Git refuses a blob whose content has another hash.
+        """
         wanted = set(hashes)
-        missing = sorted(wanted - self._present())
+        missing = wanted - self._present()
+        lacking = self._lacking(missing)
+        missing = sorted(missing - lacking)
         for k in range(0, len(missing), BATCH):
             on_step(Step(done=len(wanted) - len(missing) + k, total=len(wanted), text="files"))
             self._fetch("--stdin", into="\n".join(missing[k : k + BATCH]) + "\n")
+        return lacking
 
     def contents(self, hashes: Mapping[str, str]) -> Iterator[tuple[str, bytes]]:
         """Yield path and content of files that were brought, by path -> hash."""
@@ -115,6 +125,15 @@ class Repository:
         form = "--batch-check=%(objectname)"
         return set(self._git("cat-file", "--batch-all-objects", "--unordered", form).split())
 
+    def _lacking(self, hashes: set[str]) -> set[str]:
+        """Return the blobs that a source on this machine lacks, as a partial copy does."""
+        if self.local is None or not hashes:
+            return set()
+        said = self._run(
+            ["git", "-C", str(self.local), "cat-file", "--batch-check"], "\n".join(hashes) + "\n"
+        )
+        return {line.split()[0] for line in said.splitlines() if line.endswith(" missing")}
+
     def _fetch(self, *arguments: str, into: str = "") -> None:
         quiet = (
             "--quiet",
@@ -130,8 +149,11 @@ class Repository:
         return ["git", f"--git-dir={self.folder}", *settings, *arguments]
 
     def _git(self, *arguments: str, into: str = "") -> str:
+        return self._run(self._command(*arguments), into)
+
+    def _run(self, command: Sequence[str], into: str) -> str:
         done = subprocess.run(
-            self._command(*arguments), input=into, capture_output=True, text=True, env=_environment(),  # noqa: E501
+            command, input=into, capture_output=True, text=True, env=_environment(),
             errors="surrogateescape",
         )  # fmt: skip
         if done.returncode:
@@ -155,10 +177,13 @@ class Repository:
 
 
 def _environment() -> dict[str, str]:
-    """Return the environment of Git: English, no questions, no repository of the caller."""
+    """Return the environment of Git: English, no questions, no repository of the caller, and no
+    file that was not asked for.
+    """
     kept = {
         name: value
         for name, value in os.environ.items()
         if not name.startswith("GIT_") or "SSL" in name
     }
-    return kept | {"GIT_TERMINAL_PROMPT": "0", "LC_ALL": "C.UTF-8", "GIT_ASKPASS": "true"}
+    own = {"GIT_TERMINAL_PROMPT": "0", "GIT_ASKPASS": "true", "GIT_NO_LAZY_FETCH": "1"}
+    return kept | own | {"LC_ALL": "C.UTF-8"}

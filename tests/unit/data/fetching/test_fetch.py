@@ -151,8 +151,28 @@ def test_an_interrupted_fetch_leaves_no_folder_and_goes_on_later(server, tmp_pat
 def test_a_truncated_repository_is_one_sentence(server, tmp_path):
     unpacked(server)[0].unlink()
     with pytest.raises(DataError, match="lacks the commit .*, or a file of it; name another copy"):
-        fetch(NAME, tmp_path / "out", source=str(server))
+        fetch(NAME, tmp_path / "out", source=server.as_uri())
     assert left(tmp_path / "out") == [".out.part"]
+
+
+def test_a_copy_here_without_some_files_gives_the_other_pairs_and_names_what_it_lacks(
+    server, tmp_path
+):
+    git(server, "config", "uploadpack.allowFilter", "false")
+    blobs = unpacked(server)
+    blobs[0].unlink()
+    out = fetch(NAME, tmp_path / "out", source=str(server))
+    record = json.loads((out / "fetched.json").read_text())
+    assert len(read_pairs(out).pairs) == record["pairs"] == COUNT - 1
+    assert [path.startswith("data/part_") for path in record["lacking"]] == [True]
+    assert (
+        f"{COUNT - 1} of {COUNT} pairs: that copy lacks 1 files" in (out / "TERMS.txt").read_text()
+    )
+    for blob in blobs[1:]:
+        blob.unlink()
+    with pytest.raises(DataError, match=f"no pairs of {NAME} at .*: it lacks {COUNT} files"):
+        fetch(NAME, tmp_path / "none", source=str(server))
+    assert not (tmp_path / "none").exists()
 
 
 def test_a_changed_file_is_one_sentence(server, tmp_path):

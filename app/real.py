@@ -1,0 +1,94 @@
+"""Real pairs on the shelf of Try a pair: the sets that `python -m omnivat fetch` brought to the
+folder where the server runs.
+
+Nothing is fetched here. A picture is served by its name in the last listing, never by a path of a
+request. Other machines see only the sets whose licence lets them be passed on.
+"""
+
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from app.limits import MAX_IMAGE_BYTES
+from app.messages import readable
+from app.places import ENDINGS
+from omnivat.kit.errors import DataError
+
+SHOWN = 12  # pairs of a set, evenly spaced in its table
+TABLE_BYTES = 4_000_000  # of the 2,000 pairs that a set has at most
+TOLD = ("name", "title", "authors", "terms", "terms_from", "licence", "source", "changes")
+
+
+class RealPairs:
+    """The fetched sets in `folder`."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._files: dict[
+            str, tuple[Path, bool]
+        ] = {}  # name -> picture, and whether all may see it
+
+    def listing(self, *, local: bool) -> dict[str, Any]:
+        """Return the sets with their terms and pairs, and a sentence for each set left out.
+
+        local  whether the visitor sits at this machine
+        """
+        files: dict[str, tuple[Path, bool]] = {}
+        sets: dict[str, dict[str, Any]] = {}
+        left_out = []
+        for record in sorted(self._folder.glob("[!.]*/fetched.json")):
+            try:
+                found, pictures = _read(record.parent)
+            except DataError as error:
+                left_out.append(readable(f"'{record.parent.name:.40}' is left out: {error}"))
+                continue
+            sets.setdefault(found["name"], found)
+            files |= {name: (file, bool(found["licence"])) for name, file in pictures.items()}
+        self._files = files
+        seen = [one for one in sets.values() if local or one["licence"]]
+        return {"local": local, "sets": seen, "left_out": left_out if local else []}
+
+    def picture(self, name: str, *, local: bool) -> Path:
+        """Return a picture of the last listing. Raises DataError for any other name."""
+        file, passed_on = self._files.get(name, (None, False))
+        if file is None or not (local or passed_on) or not file.is_file():
+            raise DataError("There is no such real picture; reload the page.")
+        return file
+
+
+def _read(folder: Path) -> tuple[dict[str, Any], dict[str, Path]]:
+    """Return a fetched set as the page shows it, and its pictures by name.
+
+    Raises DataError if its files are not those that were fetched.
+    """
+    from omnivat.data.fetching import set_in
+    from omnivat.data.readers import read_pairs
+    from omnivat.kit.files import read_whole
+
+    held = set_in(folder)
+    if held is None:
+        raise DataError("it is no set as `python -m omnivat fetch` brings it now.")
+    read_whole(folder / "pairs.csv", TABLE_BYTES, "pairs.csv")
+    pairs = read_pairs(folder, reader="csv").pairs
+    shown = dict.fromkeys(pairs[k * len(pairs) // SHOWN] for k in range(SHOWN))
+    pictures: dict[str, Path] = {}
+    rows = []
+    for number, pair in enumerate(shown):
+        halves = {"vis": pair.vis, "tac": pair.tac}
+        if pair.vis == pair.tac:  # a set of touches alone
+            del halves["vis"]
+        for file in halves.values():
+            _check(file, folder)
+        names = {half: f"{held.name}/{number}/{half}{halves[half].suffix}" for half in halves}
+        pictures |= {names[half]: file for half, file in halves.items()}
+        rows.append({"class": pair.material, "pictures": names})
+    told = {name: value for name, value in asdict(held).items() if name in TOLD}
+    return told | {"count": len(pairs), "pairs": rows}, pictures
+
+
+def _check(file: Path, folder: Path) -> None:
+    """Raise DataError for a file that is no picture of this folder, or is too large to be read."""
+    if not file.resolve().is_relative_to(folder.resolve()) or file.suffix.lower() not in ENDINGS:
+        raise DataError(f"'{file.name:.80}' is no picture inside of it.")
+    if file.stat().st_size > MAX_IMAGE_BYTES:
+        raise DataError(f"'{file.name:.80}' has more than {MAX_IMAGE_BYTES // 1_000_000} MB.")
