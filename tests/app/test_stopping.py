@@ -65,6 +65,8 @@ FILES = {
     "thumbnails.{kind}",
     "example/{name:path}",
     "twins/{name}.webp",
+    "real",
+    "real/{name:path}",
     "api/schema",
 }
 SENT = {"image", "live", "occlusion", "part", "load", "sensor"}
