@@ -94,9 +94,9 @@ class Repository:
         Git refuses a blob whose content has another hash.
         """
         wanted = set(hashes)
-        missing = wanted - self._present()
-        lacking = self._lacking(missing)
-        missing = sorted(missing - lacking)
+        absent = wanted - self._present()
+        lacking = self._lacking(absent)
+        missing = sorted(absent - lacking)
         for k in range(0, len(missing), BATCH):
             on_step(Step(done=len(wanted) - len(missing) + k, total=len(wanted), text="files"))
             self._fetch("--stdin", into="\n".join(missing[k : k + BATCH]) + "\n")
