@@ -46,6 +46,7 @@ QUESTIONS: dict[str, Computed] = {
     "familiar": familiar,
     "profile": sensor.profile,
     "teach": teaching.teach,
+    "curve": teaching.curve,
     "taught": teaching.taught_name,
 }
 DOWNLOADS: dict[str, Callable[[Resources, Mapping[str, Any]], bytes]] = {

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from app.pair_input import embedded, mixed, refs_from
@@ -100,6 +101,16 @@ def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
         "parts": dict(found.right),
         "classes": list(head_for(resources, question).settings.classes),
     }
+
+
+def curve(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what labels bring: `points` (objects of a class, share of right pairs, least and most
+    over draws), and `words`. The question is that of `teach`.
+    """
+    from omnivat.head import teach as rule
+
+    head = resources.head_named(question.get("head"))
+    return asdict(rule.curve(head, _lessons(resources, lessons_in(question), question)))
 
 
 def familiar_lessons(resources: Resources, question: Mapping[str, Any]) -> "Familiarity | None":

@@ -5,6 +5,7 @@ python -m omnivat teach --embeddings LABELLED --out H2 [--head H] [--domain NAME
 """
 
 import argparse
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +26,7 @@ def run(options: argparse.Namespace) -> None:
     import torch
 
     from omnivat.head.checkpoint import require_head_folder, save_head
-    from omnivat.head.teach import MOST, Lesson, judged, taught
+    from omnivat.head.teach import MOST, Lesson, curve, judged, taught
 
     require_head_folder(options.out)
     head, embeddings = head_and_set(options)
@@ -46,9 +47,9 @@ def run(options: argparse.Namespace) -> None:
     ]
     try:
         with progress_bar("teach") as show:
-            report, why = judged(head, lessons, show), ""
+            report, labels, why = judged(head, lessons, show), curve(head, lessons, show), ""
     except DataError as error:
-        report, why = None, str(error)
+        report, labels, why = None, None, str(error)
         if not lessons:
             raise
     found = taught(head, lessons)
@@ -61,6 +62,7 @@ def run(options: argparse.Namespace) -> None:
         "share": round(found.provenance["lessons_share"], 4),
         "right": dict(report.right) if report else {},
         "held_out": [{name: getattr(one, name) for name in told} for one in tested],
+        "curve": asdict(labels) if labels else None,
         "classes": list(found.settings.classes),
         "out": str(options.out),
     }
@@ -73,4 +75,6 @@ def run(options: argparse.Namespace) -> None:
     print(
         f"right before {record['before']}, after {record['after']} of {pairs}, each object left out"
     )
-    print(f"  parts: {parts}; share of the second {record['share']:.2f}\n{out}")
+    print(f"  parts: {parts}; share of the second {record['share']:.2f}")
+    shares = ", ".join(f"{one.objects}: {100 * one.right:.0f} %" for one in labels.points)
+    print(f"right by labelled objects of a class: {shares}\n  {labels.words}\n{out}")

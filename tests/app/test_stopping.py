@@ -17,6 +17,10 @@ LESSONS = [
     {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
     for row, label in ((40, "cork"), (41, "cork"), (72, "glass"), (73, "glass"))
 ]
+MORE = [
+    {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
+    for row, label in ((42, "cork"), (74, "glass"))
+]
 PLACE = {**PAIR, "stage": "raw", "map": "pca"}
 # route -> question, and the fewest checkpoints inside; none for what reads a file or two
 WORKING = {
@@ -32,6 +36,7 @@ WORKING = {
     "familiar": (PAIR, 2),
     "profile": ({"photos": ["row:3"]}, 0),
     "teach": ({"lessons": LESSONS}, 2 * len(LESSONS)),
+    "curve": ({"lessons": [*LESSONS, *MORE]}, 3 * len(LESSONS)),
     "taught": ({"lessons": LESSONS}, len(LESSONS)),
     "save/set": ({"lessons": LESSONS}, len(LESSONS)),
     "save/head": ({"lessons": LESSONS}, len(LESSONS)),

@@ -10,6 +10,7 @@ from app.pictures import Sent, live, occlusion
 from app.state import ForgottenError, Ref
 from app.teaching import (
     MOST_LESSONS,
+    curve,
     head_for,
     head_taught,
     own_set,
@@ -34,6 +35,14 @@ def test_teaching_reports_every_pair_before_and_after(resources):
     assert [one["label"] for one in got["judged"]] == ["cork", "cork", "glass", "glass"]
     assert got["right"]["before"] <= 2  # the head lacks cork
     assert got["classes"][-1] == "cork"
+
+
+def test_the_curve_of_labels_ends_with_what_teaching_brings(resources):
+    question = {"lessons": LESSONS}
+    found = curve(resources, question)
+    after = teach(resources, question)["right"]["after"]
+    assert [(one["objects"], one["right"]) for one in found["points"]] == [(1, after / 4)]
+    assert found["words"].startswith("Label a third object")
 
 
 def test_a_pair_can_be_predicted_by_the_taught_head(resources):

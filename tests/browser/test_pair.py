@@ -525,6 +525,8 @@ def test_a_folder_goes_from_a_drop_to_predictions_of_the_next_pictures_by_the_ta
     settle(page)
     assert "of your pairs are right with each left out" in line.inner_text()
     assert page.locator(".pair .many tbody").inner_text() != before
+    assert "objects a class" in page.locator(".pair .labels-bring p").first.inner_text()
+    assert page.locator(".pair .labels-bring .mean").count() == 1
     assert page.locator(".pair .many small:has-text('taught with it')").count() == len(labels)
     with page.expect_request(lambda request: request.url.endswith("/omnivat/many")) as sent:
         page.set_input_files(FOLDER, tmp_path / "next")

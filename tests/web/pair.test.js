@@ -7,9 +7,10 @@ import { apart, blocksOf, CROPS, restOf } from "../../app/web/pair/feed.js";
 import { spread } from "../../app/web/pair/lines.js";
 import { recorded } from "../../app/web/pair/live.js";
 import { csv } from "../../app/web/pair/many.js";
+import { curveHtml } from "../../app/web/pair/own.js";
 import { named, paired } from "../../app/web/pair/pairing.js";
 import { about } from "../../app/web/pair/rasters.js";
-import { atChance, readerHtml } from "../../app/web/pair/reader.js";
+import { atChance, gainOf, readerHtml } from "../../app/web/pair/reader.js";
 import { isOwn, keyOf, lessonsFor, missing, mixed, tally, withoutPair, withPair } from "../../app/web/pair/tally.js";
 import { cards, classTable, judged, madeOf, sentence, swapHtml } from "../../app/web/pair/verdict.js";
 import { aboutP, band } from "../../app/web/pair/what-if.js";
@@ -263,6 +264,15 @@ const FACTS = {
   },
 };
 
+test("the curve of labels draws every count, and one count only says what is missing", () => {
+  const points = [1, 2, 5].map((objects) => ({ objects, right: 0.1 * objects, low: 0, high: 0.6 }));
+  const html = curveHtml({ points, words: "F<1>" });
+  assert.match(html, /1: 10\s%, 2: 20\s%, 5: 50\s%/);
+  assert.match(html, /5 objects a class/);
+  assert.match(html, /F&lt;1&gt;/);
+  assert.doesNotMatch(curveHtml({ points: points.slice(0, 1), words: "Label" }), /svg/);
+});
+
 test("own pictures are read by the head for them, and nothing else is", () => {
   visit.head = "own";
   assert.equal(readerOf({ vis: "image:a", tac: "image:b" }), "own");
@@ -276,8 +286,8 @@ test("own pictures are read by the head for them, and nothing else is", () => {
 
 test("the page says what pictures without labels bring, and where touch is at chance", () => {
   assert.deepEqual(atChance(FACTS), ["tac"]);
+  assert.match(gainOf(FACTS), /bring 5\.0 points/);
   const html = readerHtml(FACTS, true, "A");
-  assert.match(html, /bring 5\.0 points/);
   assert.match(html, /touch is at chance/);
   assert.match(readerHtml(FACTS, false, "A"), /learned from A alone/);
 });

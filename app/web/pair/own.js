@@ -1,11 +1,12 @@
 /** The visitor's own pairs: labels, a running count, and teaching the head. */
 
 import { ask, attempt, bytesOf, made, visit } from "../shared/api.js";
+import { Scale } from "../shared/chart.js";
 import { loaded } from "../shared/facts.js";
 import { IMAGES } from "../shared/images.js";
 import { provenance } from "../shared/provenance.js";
 import { save } from "../shared/save.js";
-import { escaped, row, table } from "../shared/text.js";
+import { escaped, percent, row, table } from "../shared/text.js";
 import { onClick, View } from "../shared/view.js";
 import { isOwn, keyOf, lessonsFor, missing, tally, withoutPair, withPair } from "./tally.js";
 import { READINGS, said } from "./verdict.js";
@@ -25,6 +26,8 @@ export class OwnPairs extends View {
       () => {}, // the page itself reports a lost set
     );
     this.report = null; // result of teaching
+    this.labels = null; // what fewer labels of each class teach, once it is there
+    this.counting = new AbortController(); // of these
     this.inUse = false;
     this.note = "";
     this.held = false; // while a picture is on its way, a label would go to the pair before it
@@ -127,7 +130,7 @@ export class OwnPairs extends View {
       this.report
         ? `<button type="button" class="use" aria-pressed="${this.inUse}">${use}</button><button type="button" class="save-head">Save the taught head</button>`
         : ""
-    }<button type="button" class="save-set" title="Their embeddings, as a file for this page and the commands">Save my pairs as a set</button><button type="button" class="save-pictures" title="The pictures in folders by class, for omnivat embed">Save the pictures</button></div>${lacking ? `<p class="hint">${escaped(lacking)}</p>` : ""}${this.report ? reportHtml(this.report, this.source) : ""}`;
+    }<button type="button" class="save-set" title="Their embeddings, as a file for this page and the commands">Save my pairs as a set</button><button type="button" class="save-pictures" title="The pictures in folders by class, for omnivat embed">Save the pictures</button></div>${lacking ? `<p class="hint">${escaped(lacking)}</p>` : ""}${this.report ? reportHtml(this.report, this.labels, this.source) : ""}`;
   }
 
   /** Count the pair on the screen by what the head as trained predicts for exactly this pair. */
@@ -145,6 +148,8 @@ export class OwnPairs extends View {
   changed(pairs) {
     this.pairs = pairs;
     this.report = null;
+    this.labels = null;
+    this.counting.abort();
     this.note = "";
     const used = this.inUse;
     this.inUse = false;
@@ -161,7 +166,21 @@ export class OwnPairs extends View {
       this.inUse = true;
       this.show(this.now);
       this.onAgain();
+      this.curve();
     }, this.say);
+  }
+
+  /** What fewer labels would have taught; a page without a server has no such curve. */
+  async curve() {
+    this.counting.abort();
+    const { signal } = (this.counting = new AbortController());
+    await attempt(
+      async () => {
+        this.labels = await ask("curve", { lessons: lessonsFor(this.pairs, {}) }, signal);
+        this.$(".taught").insertAdjacentHTML("beforeend", curveHtml(this.labels)); // what is being typed stays
+      },
+      () => {},
+    );
   }
 
   async keep(path, name) {
@@ -195,8 +214,19 @@ export class OwnPairs extends View {
 const ending = ({ type }) =>
   ({ "image/png": "png", "image/webp": "webp", "image/tiff": "tif", "image/bmp": "bmp" })[type] ?? "jpg";
 
+/** What labels bring: the mean share of right pairs over objects of each class, in the band of all draws. */
+export function curveHtml({ points, words }) {
+  const last = points.at(-1).objects;
+  const scale = new Scale({ wide: 340, high: 150, pad: { left: 46, right: 12, top: 10, bottom: 22 }, xs: [1, last] });
+  const line = (of) => scale.line(points.map((one) => [one.objects, one[of]]));
+  const band = points.toReversed().map((one) => `L${scale.x(one.objects)} ${scale.y(one.low)}`);
+  const ticks = [1, last].map((count) => [count, `${count} object${count > 1 ? "s" : ""} a class`]);
+  const drawn = `<svg viewBox="0 0 340 150" role="img" aria-label="Right pairs by labelled objects of a class: ${points.map((one) => `${one.objects}: ${percent(one.right)}`).join(", ")}">${scale.grid([0, 0.5, 1], percent)}${scale.ticks(ticks)}<path class="band" d="${line("high")}${band.join("")}Z"/><path class="mean" d="${line("right")}"/></svg>`;
+  return `<div class="chart labels-bring"><h4>How many more labels?</h4><p>${escaped(words)}</p>${points.length > 1 ? `${drawn}<p class="hint">Each pair is predicted by a head taught without it. Line: mean of ten draws of the objects that teach; band: from the least to the most.</p>` : ""}</div>`;
+}
+
 /** Before and after, pair by pair. */
-function reportHtml({ judged, right, share }, source) {
+function reportHtml({ judged, right, share }, labels, source) {
   const cell = (label, said) =>
     `<td class="${said === label ? "right" : "wrong"}">${said === label ? "✓" : "✗"} ${escaped(said)}</td>`;
   const rows = judged.map((one) =>
@@ -209,5 +239,5 @@ function reportHtml({ judged, right, share }, source) {
   return `<div class="taught"><p><b>Right before: ${right.before} of ${judged.length}. After: ${right.after} of ${judged.length}.</b></p>
     ${provenance({ head: "a head taught on all your other pairs", source: `${source} and those`, pairs: `your ${judged.length} labelled pairs`, known: "the labels of the others" })}
     <p class="hint">Your pairs alone have ${Math.round(100 * share)} % of the say, the training pairs with yours the rest. Features do not change, and p plays no part. One pair is ${step} points here.</p>
-    ${table("Your pairs before and after teaching", ["It is", "before", "after"], rows)}</div>`;
+    ${table("Your pairs before and after teaching", ["It is", "before", "after"], rows)}${labels ? curveHtml(labels) : ""}</div>`;
 }

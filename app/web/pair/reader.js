@@ -32,5 +32,5 @@ export function readerHtml(facts, on, source) {
   const note = chance.length
     ? `<p class="hint"><b>On real pairs its reading of the ${chance.join(" and the ")} is at chance</b>: always naming the most frequent class is right for ${real.always} of ${real.pairs}. Do not trust it.</p>`
     : "";
-  return `<p class="hint">Read by the head for own pictures, which learned from all simulated sensors. ${gainOf(facts)}</p>${note}<details><summary>Photo and touch apart</summary>${table("What the head for own pictures reads right", heads, rows)}</details><button type="button" class="reader-switch">Use the head of the chapters</button>`;
+  return `<p class="hint">Read by the head for own pictures, which learned from all simulated sensors.</p>${note}<details><summary>Photo and touch apart</summary>${table("What the head for own pictures reads right", heads, rows)}</details><button type="button" class="reader-switch">Use the head of the chapters</button>`;
 }

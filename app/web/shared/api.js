@@ -96,7 +96,7 @@ export const isCancelled = (error) => error instanceof Error && error.name === "
 /** The profile of this visitor's sensor, which predictions follow; `renew` sends it to a server that has lost it;
  * `head` reads the visitor's own pictures, "" is the first one. */
 export const visit = { profile: "", head: "", renew: async () => false };
-const READ = new Set(["pair", "many", "attention", "familiar", "teach", "taught", "save/head"]); // by that head
+const READ = new Set(["pair", "many", "attention", "familiar", "teach", "curve", "taught", "save/head"]); // by that head
 
 /** The head that reads the pictures of a question, or learns from its lessons: another one only if all are own.
  * @param {any} question */

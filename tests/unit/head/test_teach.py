@@ -1,6 +1,7 @@
 """Teaching a head from a few labelled pairs."""
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,10 +17,14 @@ from omnivat.head.teach import (
     PARTS,
     SHARPNESS,
     Lesson,
+    _Work,
+    curve,
+    curve_in_words,
     judged,
     ridge,
     share_of_lessons,
     sharpness,
+    splits,
     taught,
 )
 from omnivat.kit.errors import DataError
@@ -186,18 +191,83 @@ def test_no_pair_is_judged_by_a_head_that_learned_from_its_object(head, lessons)
     assert report.after == sum(one.after == one.label for one in report.judged)
 
 
-def test_one_lesson_more_moves_the_share_little(head, head_folder):
-    """The choice has no threshold: without one of 24 objects, no share is far from that of all."""
+def many_lessons(head_folder, count):
+    """Pairs of all classes, of a domain that the head has not seen."""
     pairs = load_embeddings(head_folder.parent / "set.safetensors").in_domain("OF Real-sim")
-    rows = np.arange(0, len(pairs), len(pairs) // 24)[:24]
-    many = [
+    return [
         Lesson(
             label=pairs.header.classes[pairs.label[row]],
             vis=torch.from_numpy(pairs.vis[row : row + 1].copy()),
             tac=torch.from_numpy(pairs.tac[row : row + 1].copy()),
         )
-        for row in rows
+        for row in np.arange(0, len(pairs), len(pairs) // count)[:count]
     ]
+
+
+@pytest.mark.parametrize("count", [1, 2, 5, 12])
+def test_every_lesson_is_tested_once_by_objects_of_others(count):
+    random = np.random.default_rng(count)
+    labels = np.repeat([0, 1, 2], (13, 4, 1))
+    objects = [np.array([0, 1]), *(np.array([k]) for k in range(2, 18))]
+    tested = []
+    for test, teach in splits(objects, labels, count, random):
+        tested += test.tolist()
+        assert not set(test) & set(np.concatenate(teach))
+        classes = [labels[group[0]] for group in teach]
+        most = np.bincount(classes, minlength=3)
+        assert (most <= count).all() and most[0] == min(count, most[0])
+        if count < 3:  # the class of four, too, has as many beside those that are tested
+            assert most[0] == most[1] == count
+    assert sorted(tested) == list(range(18))
+
+
+def test_a_draw_of_the_curve_is_the_taught_rule_without_the_tested(head, head_folder):
+    """The shared system of training pairs, beside teaching anew."""
+    many = many_lessons(head_folder, 12)
+    work = _Work(head, many)
+    right = work.drawn(2, np.random.default_rng(5))
+    for test, teach in splits(work.objects, work.labels, 2, np.random.default_rng(5)):
+        after = taught(head, [many[k] for k in np.concatenate(teach)])
+        assert [said(after, many[k]) == many[k].label for k in test] == right[test].tolist()
+
+
+def test_the_curve_ends_with_what_teaching_brings(head, head_folder):
+    many = many_lessons(head_folder, 24)
+    found, report = curve(head, many), judged(head, many)
+    assert [one.objects for one in found.points] == sorted({one.objects for one in found.points})
+    assert found.points[-1].right == report.after / 24
+    assert all(0 <= one.low <= one.right <= one.high <= 1 for one in found.points)
+    assert curve(head, many) == found
+    with pytest.raises(DataError, match="two or more classes"):
+        curve(head, many[:1])
+
+
+@pytest.mark.parametrize(
+    ("right", "words"),
+    [
+        ([0.5], "Label a third object"),
+        ([0.5, 0.5], "More labels bring little here: from 1 to 2 objects a class"),
+        (
+            [0.2, 0.6, 0.9],
+            "to 3 objects a class: \\+\\d+ points, give or take .*: more labels may bring",
+        ),
+        (
+            [0.2, 0.9, 0.9],
+            "to 3 objects a class: .\\d+ points, give or take .*: no gain that can be told",
+        ),
+    ],
+)
+def test_what_labels_bring_is_told_only_where_it_can_be(right, words):
+    random = np.random.default_rng(0)
+    assert curve_in_words([1, 2], [np.zeros(9), np.zeros(9)]).startswith("Too few labels to tell")
+    each = [np.clip(share + 0.05 * random.normal(size=60), 0, 1) for share in right]
+    told = curve_in_words(range(1, len(right) + 1), each)
+    assert re.search(words, told)
+
+
+def test_one_lesson_more_moves_the_share_little(head, head_folder):
+    """The choice has no threshold: without one of 24 objects, no share is far from that of all."""
+    many = many_lessons(head_folder, 24)
     share = judged(head, many).share
     assert all(abs(judged(head, many[:k] + many[k + 1 :]).share - share) < 0.25 for k in range(24))
 
@@ -258,7 +328,10 @@ def test_the_command_says_what_teaching_brings_and_writes_a_head(
     assert found["pairs"] == len(found["held_out"]) == len(pairs) // 2
     assert found["after"] == sum(one["after"] == one["label"] for one in found["held_out"])
     assert found["after"] >= found["before"]
+    assert found["curve"]["points"][-1]["right"] == found["after"] / found["pairs"]
     assert 0 <= found["share"] <= 1 and set(found["right"]) == set(PARTS)
     assert load_head(tmp_path / "new").settings.taught
     assert main([*command, "--out", str(tmp_path / "new")]) == 0
-    assert f"right before {found['before']}, after {found['after']} of" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert f"right before {found['before']}, after {found['after']} of" in told
+    assert found["curve"]["words"] in told
