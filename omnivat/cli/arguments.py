@@ -30,7 +30,7 @@ DEVICE = (
 EMBEDDINGS = "embeddings file; default: the project's simulated domains"
 HEAD = (
     "folder of a trained head; own: the project's head of all simulated domains, head: that of one;"
-    " default: head, of `predict` own"
+    " default: head, of `predict` and `teach` own"
 )
 ORDER = "fractional order p, -4 to 4 quarter turns; default: the learned one"
 PROFILE = "profile of a sensor (`omnivat profile`); once or for several domains"

@@ -122,10 +122,20 @@ def _pairs(
     """Return VIS, TAC, the side of the square crop of TAC, and its rest picture, for each pair."""
     if options.pairs:
         from omnivat.data.readers import read_pairs
+        from omnivat.data.readers.files import modalities_of
         from omnivat.data.rest import with_rest
 
         found = with_rest(read_pairs(options.pairs), rest).pairs
-        return [(pair.vis, pair.tac, pair.tac_crop, pair.tac_rest) for pair in found]
+        there = modalities_of([p.vis for p in found], [p.tac for p in found])
+        return [
+            (
+                p.vis if "vis" in there else None,
+                p.tac if "tac" in there else None,
+                p.tac_crop,
+                p.tac_rest,
+            )
+            for p in found
+        ]
     paths = [None if name == MISSING else Path(name) for name in options.images]
     calm = None if rest == "none" else Path(rest)
     return [(vis, tac, 0, calm) for vis, tac in zip(paths[::2], paths[1::2], strict=True)]

@@ -20,7 +20,7 @@ EMBEDDINGS = ".safetensors"
 
 def add(parser: argparse.ArgumentParser) -> None:
     text = (
-        "an embeddings file, or a folder of pictures: pairs in any layout of `embed`, or files"
+        "an embeddings file, a CSV, or a folder of pictures: pairs as for `embed`, or files"
         " named *_vis.* and *_tac.*, or folders named vis and tac"
     )
     parser.add_argument("pictures", nargs="?", type=Path, help=text)

@@ -10,7 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.cli.arguments import as_json, head_and_set, progress_bar, shared
+from omnivat.head.heads import own_head
 from omnivat.kit.errors import DataError
+from omnivat.kit.stages import IMAGES
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -19,12 +21,15 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--domain", help="only the pairs of this domain")
     shared(parser, "head", "profile", "json", out="folder for the taught head")
+    parser.set_defaults(head=own_head())
 
 
 def run(options: argparse.Namespace) -> None:
     """Teach, test with each object left out, save, print."""
     import torch
 
+    from omnivat.data.materials import NO_CLASS
+    from omnivat.data.readers.files import modalities_of
     from omnivat.head.checkpoint import require_head_folder, save_head
     from omnivat.head.teach import MOST, Lesson, curve, judged, taught
 
@@ -37,21 +42,30 @@ def run(options: argparse.Namespace) -> None:
             f"The set has {len(embeddings):,} pairs and at most {MOST:,} teach; train a head with "
             "`python -m omnivat train` instead."
         )
-    vis, tac = (torch.from_numpy(rows.copy()).float() for rows in (embeddings.vis, embeddings.tac))
+    there = modalities_of(embeddings.rows["vis"], embeddings.rows["tac"])
+    images = {n: torch.from_numpy(getattr(embeddings, n).copy()).float() for n in there}
     names, objects = embeddings.header.classes, embeddings.rows["object"]
     lessons = [
         Lesson(
-            label=names[label], vis=vis[row : row + 1], tac=tac[row : row + 1], object=objects[row]
+            label=names[label],
+            object=objects[row],
+            **{n: images[n][row : row + 1] if n in images else None for n in IMAGES},
         )
         for row, label in enumerate(embeddings.label)
+        if names[label] != NO_CLASS
     ]
+    if not lessons:
+        raise DataError(
+            f"The {len(embeddings)} pairs have no classes, and teaching needs labels: embed them"
+            " from folders <domain>/<class>, or from a CSV with a column material."
+        )
+    report = labels = None
+    why = ""
     try:
         with progress_bar("teach") as show:
-            report, labels, why = judged(head, lessons, show), curve(head, lessons, show), ""
+            report, labels = judged(head, lessons, show), curve(head, lessons, show)
     except DataError as error:
-        report, labels, why = None, None, str(error)
-        if not lessons:
-            raise
+        why = str(error)
     found = taught(head, lessons)
     save_head(options.out, found)
     told, tested = ("object", "label", "before", "after"), report.judged if report else ()
@@ -69,7 +83,7 @@ def run(options: argparse.Namespace) -> None:
     if options.json:
         return print(as_json(record))
     pairs, out = record["pairs"], f"head written to {options.out}"
-    if why:
+    if labels is None:
         return print(f"{pairs} pairs; not tested. {why}\n{out}")
     parts = ", ".join(f"{name} {right}" for name, right in record["right"].items())
     print(

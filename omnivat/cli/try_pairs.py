@@ -151,16 +151,7 @@ def _embed(options: argparse.Namespace, out: Path) -> list[str]:
     from omnivat.encoders.embed import embed_pairs
     from omnivat.maps.thumbnails import sheet_of, write_thumbnails
 
-    try:
-        found = read_pairs(options.pairs)
-    except DataError as error:  # no known layout: names of files alone may make pairs
-        if not options.pairs.is_dir():
-            raise
-        try:
-            found = read_pairs(options.pairs, reader="loose")
-        except DataError:
-            raise error from None
-    pairs = with_rest(found, options.tac_rest or "none")
+    pairs = with_rest(read_pairs(options.pairs), options.tac_rest or "none")
     print(summary_table(pairs), flush=True)
     with progress_bar(f"embed with {options.encoder}") as show:
         report = embed_pairs(

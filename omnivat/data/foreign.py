@@ -166,8 +166,9 @@ def _joined(columns: Columns, place: Path) -> Columns:
 def _vectors(array: NDArray[Any], name: str, count: int, place: Path) -> Array:
     if array.ndim != 2 or len(array) != count or not count or not array.shape[1]:
         raise DataError(
-            f"'{place}' has {name} of shape {array.shape}, expected ({count}, D): a row for each"
-            " pair."
+            f"'{place}' has {name} of shape {array.shape}, expected ({count}, D): a row of numbers"
+            f" for each pair. Of pictures, make them with `python -m omnivat embed {place} --out"
+            " SET.safetensors`."
         )
     if array.dtype.kind not in "fiu":
         raise DataError(f"'{place}' has {name} of type {array.dtype}; expected numbers.")

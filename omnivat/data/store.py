@@ -35,6 +35,10 @@ from omnivat.kit.tables import need
 FORMAT = "omnivat-embeddings-1"
 ROW_NAMES = ("vis", "tac", "object", "split", "part", "looks_like", "feels_like")
 _LATER = ("looks_like", "feels_like")  # older files lack these columns
+_WANTED = (
+    "and embeddings are wanted; of pictures, make them with `python -m omnivat embed {} --out"
+    " SET.safetensors`."
+)
 MANIFESTS = ("csv", "parquet")
 _EARLIER = ("domain", "material", "vis", "tac", "object", "split", "part")
 COLUMNS = (*_EARLIER, "looks_like", "feels_like")
@@ -190,10 +194,14 @@ def load_embeddings(path: str | Path, *, large: int | None = None) -> Embeddings
     """
     file = Path(path)
     if not file.is_file():
+        if file.is_dir():
+            raise DataError(f"'{file}' is a folder, {_WANTED.format(file)}")
         raise DataError(
             f"No embeddings file at '{file}'. Make one with `python -m omnivat embed PAIRS --out"
             f" {file}`."
         )
+    if file.suffix.lower() == ".csv":
+        raise DataError(f"'{file}' is a table, {_WANTED.format(file)}")
     try:
         arrays, metadata = read_arrays(file, large=large)
         if metadata.get("format") != FORMAT:

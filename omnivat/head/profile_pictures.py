@@ -9,8 +9,15 @@ import numpy as np
 
 from omnivat.data.pairs import Skipped
 from omnivat.data.profile import Profile, channels_of
-from omnivat.data.readers import read_pairs
-from omnivat.data.readers.files import folders_in, is_image_name, show, visible
+from omnivat.data.readers import read_pairs, recognised
+from omnivat.data.readers.files import (
+    folders_in,
+    is_image_name,
+    modalities_of,
+    modality_of,
+    show,
+    visible,
+)
 from omnivat.data.rest import RESTED, with_rest
 from omnivat.encoders.base import Encoder, for_modality
 from omnivat.encoders.cache import EmbeddingCache, Source, embed_image
@@ -69,31 +76,30 @@ def _picture(modality: str, path: Path) -> Picture:
 
 
 def _of_pairs(folder: Path, rest: str | None) -> list[Picture]:
-    """Return the pictures of a folder of pairs in a known layout; [] for another folder."""
+    """Return the pictures of a table or a folder of pairs in a known layout; [] for another
+    folder.
+    """
     try:
-        pairs = with_rest(read_pairs(folder), rest or "none").pairs
+        pairs = with_rest(read_pairs(folder, reader=recognised(folder)), rest or "none").pairs
     except OmniVatError:
+        if not folder.is_dir():
+            raise
         return []
+    there = modalities_of([p.vis for p in pairs], [p.tac for p in pairs])
     photos = [_picture("vis", path) for path in dict.fromkeys(pair.vis for pair in pairs)]
-    return photos + [
-        replace(_picture("tac", p.tac), crop=p.tac_crop, rest=p.tac_rest) for p in pairs
-    ]
-
-
-def modality_of(path: Path) -> str:
-    """Return "vis" or "tac" by the end of a file's stem or its folder's name; "" for neither."""
-    stem, folder = path.stem.lower(), path.parent.name.lower()
-    return next((n for n in IMAGES if stem == n or stem.endswith(f"_{n}") or folder == n), "")
+    touches = [replace(_picture("tac", p.tac), crop=p.tac_crop, rest=p.tac_rest) for p in pairs]
+    return photos * ("vis" in there) + touches * ("tac" in there)
 
 
 def _images(folder: Path) -> list[Path]:
-    """Return the image files of a folder and its folders, one level deep."""
-    return [
+    """Return the image files of a folder, at any depth."""
+    found = [
         place / entry.name
-        for place in (folder, *folders_in(folder))
+        for place in (folder,)
         for entry in visible(place)
         if is_image_name(entry.name) and isfile(place / entry.name)
     ]
+    return found + [path for place in folders_in(folder) for path in _images(place)]
 
 
 def profile_of_pictures(

@@ -383,7 +383,8 @@ class _Work:
         classes = [self.labels[group[0]] for group in self.objects]
         most = int(np.bincount(classes).max()) - 1
         counts = [*(count for count in COUNTS if count < most), most]
-        random, right = np.random.default_rng(0), []
+        random = np.random.default_rng(0)
+        right: list[Rows] = []
         for count in counts[:-1]:
             on_step(Step(done=len(right), total=len(counts)))
             right.append(np.stack([self.drawn(count, random) for _ in range(DRAWS)]))
@@ -416,7 +417,9 @@ class _Work:
                 scores.append(by_source[tested] + products[np.ix_(tested, teach)] @ shares)
                 errors.append(apart)
             share = 0.0 if _missing([self.lessons[k] for k in teach]) else share_of_lessons(*errors)
-            right[tested] = self._best(self.blended(*scores, share)) == self.labels[tested]
+            right[tested] = (
+                self._best(self.blended(scores[0], scores[1], share)) == self.labels[tested]
+            )
         return right
 
     def beyond(self, kept: NDArray[np.bool_]) -> tuple[Rows, Rows]:

@@ -12,6 +12,7 @@ from typing import Any
 
 from omnivat.kit.errors import DataError, printable
 from omnivat.kit.files import read_whole
+from omnivat.kit.stages import IMAGES
 from omnivat.kit.tables import suggestion
 
 MOST_TEXT = 1_000_000_000  # bytes of a table or list; a million pairs take 200 MB
@@ -83,6 +84,21 @@ def filled(template: object, names: Mapping[str, object], what: str) -> str:
 def is_image_name(name: str) -> bool:
     """True if a file's suffix, in any case, is that of an image."""
     return os.path.splitext(name)[1].lower() in IMAGE_SUFFIXES
+
+
+def modality_of(path: Path) -> str:
+    """Return "vis" or "tac" by the end of a file's stem or its folder's name; "" for neither."""
+    stem, folder = path.stem.lower(), path.parent.name.lower()
+    return next((n for n in IMAGES if stem == n or stem.endswith(f"_{n}") or folder == n), "")
+
+
+def modalities_of(vis: Sequence[Path | str], tac: Sequence[Path | str]) -> tuple[str, ...]:
+    """Return the modalities of pairs by the names of their pictures: one if the same picture stands
+    for both.
+    """
+    if list(vis) != list(tac) or not any(map(str, vis)):
+        return IMAGES
+    return ("tac",) if all(modality_of(Path(name)) == "tac" for name in vis) else ("vis",)
 
 
 def visible(folder: Path) -> Iterator[os.DirEntry[str]]:

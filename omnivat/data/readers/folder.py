@@ -15,11 +15,13 @@ from omnivat.data.readers.files import (
     is_image_name,
     is_text,
     leads_upwards,
+    modality_of,
     show,
     visible,
 )
 from omnivat.data.rest import REST
 from omnivat.kit.errors import DataError
+from omnivat.kit.stages import IMAGES
 
 HALF = re.compile(r"(?P<name>.*)_(?P<half>vis|tac)", re.IGNORECASE | re.DOTALL)
 LAYOUT = "<domain>/<class>/<name>_vis.png beside <name>_tac.png"
@@ -192,21 +194,25 @@ def _is_half(name: str) -> bool:
 def read_loose(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     """Return the pairs of a folder; if it holds photos or touches alone, each stands for both.
 
-    The first folder below `source` names the domain, the second the class, the third the object;
-    missing ones give the name of `source`, "unlabelled" and no object.
-    Raises DataError without pictures named *_vis or *_tac, or with halves that never meet.
+    A picture is called NAME_vis or NAME_tac, or lies in a folder vis or tac. Of the other folders
+    below `source`, the first names the domain, the second the class, the third the object; missing
+    ones give the name of `source`, "unlabelled" and no object.
+    Raises DataError without such pictures, or with halves that never meet.
     """
-    halves: dict[tuple[Path, str], dict[str, Path]] = defaultdict(dict)
+    halves: dict[tuple[str, ...], dict[str, Path]] = defaultdict(dict)
     for path in sorted(source.rglob("*")):
-        match = HALF.fullmatch(path.stem)
-        if match and is_image_name(path.name) and is_text(str(path)):
-            halves[path.parent, match["name"]].setdefault(match["half"].lower(), path)
+        half = modality_of(path)
+        if half and is_image_name(path.name) and is_text(str(path)):
+            parts = [
+                part for part in path.parent.relative_to(source).parts if part.lower() not in IMAGES
+            ]
+            match = HALF.fullmatch(path.stem)
+            halves[(*parts, match["name"] if match else path.stem)].setdefault(half, path)
     alone = len({half for found in halves.values() for half in found}) == 1
     pairs, skipped = [], []
-    for (folder, _), found in halves.items():
+    for (*parts, _), found in halves.items():
         some = list(found.values())
         if len(some) == 2 or alone:
-            parts = folder.relative_to(source).parts
             material = class_key(parts[1]) if len(parts) > 1 else NO_CLASS
             pairs.append(
                 Pair(
@@ -222,7 +228,7 @@ def read_loose(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     if not pairs:
         raise DataError(
             f"No pairs in '{show(source)}': name pictures NAME_vis.png and NAME_tac.png, in one"
-            " folder."
+            " folder, or put them into folders vis and tac."
         )
     return PairSet(
         pairs=tuple(pairs),

@@ -1,4 +1,6 @@
-"""A CSV of pairs: one row for each pair, columns vis, tac, domain, material and optional ones."""
+"""A CSV of pairs: one row for each pair, columns vis and tac (one of the two is enough), and
+optional ones.
+"""
 
 import csv
 import os
@@ -7,15 +9,17 @@ from io import StringIO
 from pathlib import Path
 
 from omnivat.data.domains import is_simulated
-from omnivat.data.materials import MATERIALS, class_key
+from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
 from omnivat.data.pairs import Pair, PairSet, Skipped
-from omnivat.data.readers.files import MOST_TEXT, is_file, is_text, show
+from omnivat.data.readers.files import MOST_TEXT, is_file, is_text, modality_of, show
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import read_whole
 from omnivat.kit.tables import suggestion
 
-NEEDED = ("vis", "tac", "domain", "material")
+NEEDED = ("vis", "tac", "domain", "material")  # in each row, but a table may lack some of them
 OPTIONAL = ("object", "split", "part", "looks_like", "feels_like")
+OTHER = {"vis": "tac", "tac": "vis"}  # one that is absent: the same picture stands for both
+SAME = {"class": "material", "label": "material"}  # other names of a column
 SPLITS = ("train", "val", "test")
 Row = dict[str, str]
 
@@ -32,8 +36,10 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     strict  keep the five materials only
     seed    not used: every pair is kept
 
-    A row without an image or a name, or a repeated row, is skipped and listed. Raises DataError for
-    another kind of file, an unknown split, the same images under two names, or no pairs.
+    Without the column domain, the table's folder names it; without material (or class, or label)
+    there are no classes; of vis or tac alone, each picture stands for both. A row without an image
+    or a name, or a repeated row, is skipped and listed. Raises DataError for another kind of file,
+    an unknown split, the same images under two names, or no pairs.
     """
     file = source / "pairs.csv" if source.is_dir() else source
     pairs: list[Pair] = []
@@ -77,10 +83,17 @@ def _rows(file: Path) -> Iterator[tuple[int, Row]]:
         text = read_whole(file, MOST_TEXT, show(file)).decode("utf-8-sig")
         reader = csv.reader(StringIO(text, newline=""), strict=True)
         header = [name.strip().lower() for name in next(reader, [])]
+        if "material" not in header:
+            header = [SAME.get(name, name) for name in header]
         _check_header(file, header)
+        absent = set(NEEDED).difference(header)
+        names = {"domain": file.resolve().parent.name or "pictures", "material": NO_CLASS}
         for number, cells in enumerate(reader, start=2):
             if any(cell.strip() for cell in cells):
                 row = dict(zip(header, map(str.strip, cells), strict=False))
+                row |= {name: names[name] for name in absent & names.keys()}
+                row |= {name: row.get(OTHER[name], "") for name in absent & OTHER.keys()}
+                row["alone"] = next((OTHER[name] for name in absent & OTHER.keys()), "")
                 row["more"] = "yes" if len(cells) > len(header) else ""
                 yield number, row
     except csv.Error as error:
@@ -101,14 +114,15 @@ def _check_header(file: Path, header: list[str]) -> None:
     twice = [name for name in (*NEEDED, *OPTIONAL) if header.count(name) > 1]
     if twice:
         raise DataError(f"'{show(file)}' has the column '{twice[0]}' twice. Remove one.")
-    missing = [name for name in NEEDED if name not in header]
-    if missing:
-        there = show(", ".join(filter(None, header)) or "no names")
-        raise DataError(
-            f"'{show(file)}' has no column '{missing[0]}'; its first row has {there}, expected "
-            f"{', '.join(NEEDED)} and perhaps {', '.join(OPTIONAL)}."
-            + suggestion(missing[0], [name for name in header if name not in NEEDED])
-        )
+    others = [name for name in header if name not in (*NEEDED, *OPTIONAL)]
+    for name in NEEDED:
+        meant = suggestion(name, others)
+        if name not in header and (meant or not OTHER.keys() & header):
+            there = show(", ".join(filter(None, header)) or "no names")
+            raise DataError(
+                f"'{show(file)}' has no column '{name}'; its first row has {there}, expected vis"
+                f" and tac, and perhaps domain, material, {', '.join(OPTIONAL)}.{meant}"
+            )
 
 
 def _why_not(file: Path, number: int, row: Row, strict: bool) -> str:
@@ -123,6 +137,9 @@ def _why_not(file: Path, number: int, row: Row, strict: bool) -> str:
     for name in ("vis", "tac"):
         if not is_file(_path(file.parent, row[name])):
             return f"the {name} image is not there"
+    touch = modality_of(_path(file.parent, row["tac"])) == "tac"
+    if row["alone"] and touch != (row["alone"] == "tac"):
+        return "a picture alone, whose name tells a touch: NAME_tac.png, or in a folder tac"
     if not is_text(str(_path(file.parent, row["vis"])) + str(_path(file.parent, row["tac"]))):
         return "the folder's name is not UTF-8; rename it"
     split = row.get("split", "").lower()

@@ -13,6 +13,7 @@ from torch import Tensor
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.foreign import import_embeddings, read_columns
 from omnivat.data.materials import NO_CLASS
+from omnivat.data.readers.files import modalities_of
 from omnivat.data.store import load_embeddings
 from omnivat.kit.errors import DataError
 from omnivat.measure.gaps.unit import unit
@@ -71,7 +72,7 @@ def read_features(
              as may `material` and `domain`
     Raises DataError, one sentence with the file and the fault.
     """
-    own = file.suffix.lower() == ".safetensors"
+    own = file.suffix.lower() == ".safetensors" or file.is_dir()
     read = (
         (load_embeddings(file),)
         if own
@@ -89,21 +90,16 @@ def features_of(
     """Return the features of a set that is loaded; see `read_features`. modalities  (): by its
     pictures
     """
-    known, kinds = labelled and len(np.unique(data.label)) > 1, modalities or _pictured(data)
+    known, kinds = (
+        labelled and len(np.unique(data.label)) > 1,
+        modalities or modalities_of(data.rows["vis"], data.rows["tac"]),
+    )
     return Features(
         embeddings=data.sampled(MOST, seed=seed),
         modalities=kinds,
         labelled=known,
         drawn_of=len(data),
     )
-
-
-def _pictured(data: Embeddings) -> tuple[str, ...]:
-    """Return the modalities of a set: one if the same pictures stand for both, by their names."""
-    names = data.rows["vis"]
-    if names != data.rows["tac"] or not any(names):
-        return "vis", "tac"
-    return ("tac",) if all(Path(name).stem.lower().endswith("_tac") for name in names) else ("vis",)
 
 
 def _foreign(

@@ -180,7 +180,7 @@ def test_one_modality_and_labels_of_episodes_are_enough_for_the_command(tmp_path
         f"tac,material\n{root}/videos/{TAC}/chunk-000/file-000.mp4,felt\n"
     )
     assert main(["import", str(tmp_path / "videos.csv"), "--out", str(tmp_path / "alone")]) == 0
-    assert len(read_pairs(tmp_path / "alone", reader="loose").pairs) == 5
+    assert len(read_pairs(tmp_path / "alone").pairs) == 5
 
 
 def test_damaged_and_missing_videos_are_left_out_with_reasons(tmp_path):

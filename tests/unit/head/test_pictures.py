@@ -7,10 +7,11 @@ import pytest
 import torch
 from PIL import Image
 
+from omnivat.data.readers.files import modality_of
 from omnivat.data.rest import RESTED
 from omnivat.encoders.base import Encoder
 from omnivat.encoders.wrapping import TorchEncoder
-from omnivat.head.profile_pictures import Picture, modality_of, pictures_in, profile_of_pictures
+from omnivat.head.profile_pictures import Picture, pictures_in, profile_of_pictures
 
 
 def picture(path: Path, value: int) -> Path:

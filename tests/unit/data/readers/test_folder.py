@@ -214,7 +214,7 @@ def test_any_tree_is_read_or_refused_in_one_sentence(tmp_path_factory, tree):
         said = str(error)
         assert said.isprintable()
         return
-    files = [file for p in found.pairs for file in (p.vis, p.tac)]
+    files = [file for p in found.pairs for file in {p.vis, p.tac}]  # of one modality, one
     assert len(set(files)) == len(files)
     assert all(file.is_file() for file in files)
     assert all(line.isprintable() for line in summary_table(found).split("\n"))

@@ -85,7 +85,7 @@ def test_a_rest_picture_is_refused_if_the_sensor_was_touched_meanwhile(tmp_path,
 
 @pytest.mark.parametrize("halves", [("vis", "tac"), ("tac",)])
 def test_a_recording_of_live_is_embedded(tmp_path, presses, halves):
-    """With photo and touch by `embed`, of touches alone by its reader for names alone."""
+    """With photo and touch, and of touches alone."""
     _, pressed = presses("gelsight_mini")
     pictures = []
     for k, one in enumerate(pressed[:6]):
@@ -98,7 +98,7 @@ def test_a_recording_of_live_is_embedded(tmp_path, presses, halves):
     with zipfile.ZipFile(io.BytesIO((tmp_path / "recording.zip").read_bytes())) as packed:
         packed.extractall(tmp_path)
     line = ["embed", str(tmp_path / "recording"), "--out", str(tmp_path / "set.safetensors")]
-    assert main([*line, *(["--reader", "loose"] if len(halves) == 1 else [])]) == 0
+    assert main(line) == 0
     found = load_embeddings(tmp_path / "set.safetensors")
     assert (len(found), found.header.domains) == (6, ("My sensor",))
     assert len(found.header.classes) == 3

@@ -1,0 +1,118 @@
+"""The commands take the same things: pairs, one modality, tables, other classes, none."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from omnivat.cli import main
+from omnivat.study import trial
+
+FOLDERS = {  # kind -> names of pictures
+    "pairs": ["lab/{c}/{k}_vis.png", "lab/{c}/{k}_tac.png"],
+    "photos only": ["lab/{c}/{k}_vis.png"],
+    "touches only": ["lab/{c}/{k}_tac.png"],
+    "folders vis and tac": ["vis/{c}{k}.png", "tac/{c}{k}.png"],
+    "other classes": ["lab/{c}/{k}_vis.png", "lab/{c}/{k}_tac.png"],
+    "no classes": ["{c}{k}_vis.png", "{c}{k}_tac.png"],
+}
+TABLES = {  # kind -> its columns
+    "a table": ["vis", "tac", "domain", "material"],
+    "a table without domains": ["vis", "tac", "label"],
+    "a table of touches": ["tac", "class"],
+}
+BARE = ("folders vis and tac", "no classes")
+
+
+def pictures(root, names, classes=("wood", "steel")):
+    random = np.random.default_rng(0)
+    for at, c in enumerate(classes):
+        for k in range(3):
+            for name in names:
+                file = root / name.format(c=c, k=k)
+                file.parent.mkdir(parents=True, exist_ok=True)
+                pixels = random.integers(0, 100, (32, 32, 3), dtype=np.uint8) + 100 * at
+                Image.fromarray(pixels.astype(np.uint8)).save(file)
+    return root
+
+
+@pytest.fixture(scope="module")
+def places(tmp_path_factory):
+    """Return kind -> (pictures, their embeddings by `embed`)."""
+    found = {}
+    for kind in (*FOLDERS, *TABLES):
+        root = tmp_path_factory.mktemp("set")
+        classes = ("cork", "felt") if kind == "other classes" else ("wood", "steel")
+        place = pictures(root / "mine", FOLDERS.get(kind, FOLDERS["pairs"]), classes)
+        if kind in TABLES:
+            lines = [",".join(TABLES[kind])]
+            for c in classes:
+                for k in range(3):
+                    cells = {n: f"lab/{c}/{k}_{n}.png" for n in ("vis", "tac")} | {"domain": "lab"}
+                    lines.append(",".join(cells.get(name, c) for name in TABLES[kind]))
+            place = place / "list.csv"
+            place.write_text("\n".join(lines) + "\n")
+        assert main(["embed", str(place), "--out", str(root / "set.safetensors")]) == 0
+        found[kind] = place, root / "set.safetensors"
+    return found
+
+
+@pytest.mark.parametrize("kind", [*FOLDERS, *TABLES])
+@pytest.mark.parametrize("command", ["try", "profile", "predict", "teach", "report"])
+def test_every_command_takes_every_kind_or_says_what_it_wants(
+    command, kind, places, tmp_path, capsys, monkeypatch
+):
+    monkeypatch.setattr(trial, "EPOCHS", 1)
+    place, file = map(str, places[kind])
+    out = str(tmp_path / "out")
+    line = {
+        "try": ["try", place, "--no-page", "--encoder", "strip", "--out", out],
+        "profile": ["profile", place, "--encoder", "strip", "--out", f"{out}.safetensors"],
+        "predict": ["predict", "--pairs", place, "--no-cache"],
+        "teach": ["teach", "--embeddings", file, "--out", out],
+        "report": ["report", file, "--out", out],
+    }[command]
+    code, said = main(line), capsys.readouterr()
+    assert "Traceback" not in said.err
+    if command == "teach" and kind in BARE:
+        assert code == 1 and said.err.count("\n") == 1
+        assert "have no classes, and teaching needs labels: embed them from" in said.err
+        return
+    assert code == 0, said.err
+    alone = {"photos only": "vis", "touches only": "tac", "a table of touches": "tac"}.get(kind)
+    if alone and command == "predict":
+        assert {"vis": "no TAC", "tac": "no VIS"}[alone] in said.out
+    if alone and command == "profile":
+        one, other = {"vis": ("6 photos", "tactile"), "tac": ("6 tactile images", "photo")}[alone]
+        assert one in said.out and other not in said.out
+    if command == "try":
+        last = said.out.strip().splitlines()[-2]
+        assert last.startswith("No head was trained" if kind in BARE else "In short: ")
+
+
+@pytest.mark.parametrize("kind", ["pairs", "a table"])
+@pytest.mark.parametrize("command", ["teach", "report"])
+def test_pictures_in_place_of_embeddings_end_in_the_command_that_makes_them(
+    command, kind, places, tmp_path, capsys
+):
+    place = str(places[kind][0])
+    given = ["--embeddings", place] if command == "teach" else [place]
+    assert main([command, *given, "--out", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr().err
+    assert f"python -m omnivat embed {place} --out" in said and said.count("\n") == 1
+
+
+@pytest.mark.parametrize("command", ["embed", "try", "profile", "predict"])
+def test_pictures_whose_names_tell_nothing_end_in_the_names_that_would(command, tmp_path, capsys):
+    place = str(pictures(tmp_path / "mine", ["IMG_{c}{k}.png"]))
+    line = ["--pairs", place] if command == "predict" else [place]
+    more = ["--out", str(tmp_path / "out.safetensors")] if command in ("embed", "profile") else []
+    assert main([command, *line, *more]) == 1
+    said = capsys.readouterr().err
+    assert "_vis.png" in said and "_tac.png" in said and said.count("\n") == 1
+
+
+def test_touches_in_a_table_have_to_be_named_as_such(tmp_path, capsys):
+    place = pictures(tmp_path / "mine", ["{c}{k}.png"]) / "list.csv"
+    place.write_text("tac\nwood0.png\n")
+    assert main(["embed", str(place), "--out", str(tmp_path / "out.safetensors")]) == 1
+    assert "NAME_tac.png, or in a folder tac" in capsys.readouterr().err
