@@ -107,10 +107,10 @@ def curve(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     """Return what labels bring: `points` (objects of a class, share of right pairs, least and most
     over draws), and `words`. The question is that of `teach`.
     """
-    from omnivat.head import teach as rule
+    from omnivat.head import curve as labels
 
     head = resources.head_named(question.get("head"))
-    return asdict(rule.curve(head, _lessons(resources, lessons_in(question), question)))
+    return asdict(labels.curve(head, _lessons(resources, lessons_in(question), question)))
 
 
 def familiar_lessons(resources: Resources, question: Mapping[str, Any]) -> "Familiarity | None":

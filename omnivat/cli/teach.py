@@ -31,7 +31,8 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.data.materials import NO_CLASS
     from omnivat.data.readers.files import modalities_of
     from omnivat.head.checkpoint import require_head_folder, save_head
-    from omnivat.head.teach import MOST, Lesson, curve, judged, taught
+    from omnivat.head.curve import curve
+    from omnivat.head.teach import MOST, Lesson, judged, taught
 
     require_head_folder(options.out)
     head, embeddings = head_and_set(options)

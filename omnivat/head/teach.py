@@ -11,14 +11,11 @@ The taught head's scores are (1 - t) both + t lessons. The share t has the least
 the lessons, each predicted without its object. It has a closed form and no threshold, so a lesson
 more or less moves it little. Predictions of left-out objects follow from the same linear system.
 
-The curve of labels repeats this with fewer objects of each class, drawn several times. The map of
-the training pairs alone is solved once, and every draw adds its lessons to it (Schur complement).
-
 Source: stacked regression (Breiman, Machine Learning 24, 1996); leaving out in closed form as in
 Rifkin and Lippert, "Notes on regularized least squares" (MIT-CSAIL-TR-2007-025), for whole objects.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -30,6 +27,7 @@ from torch.nn.functional import normalize
 
 from omnivat.head.checkpoint import Head
 from omnivat.head.head import OmniVaT
+from omnivat.head.ridge import Labels, Ridge, Rows, ridge, share_of_lessons, sharpness, weight_of
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import OnStep, Step, checkpoint, ignore
@@ -38,15 +36,6 @@ from omnivat.kit.stages import IMAGES
 FEWEST = 2  # objects of a class, and classes
 MOST = 2000  # lessons
 PARTS = ("training pairs and lessons", "lessons alone")
-PENALTY = 1.0  # of squared weights; a row has length 1, and a constant 1 beside it
-WEIGHT = 10  # of a class's lessons together, in training pairs
-SHARPNESS = (0.5, 50.0)  # least and most, of scores
-DRAWS = 10  # of the objects that teach, at each count of the curve
-COUNTS = (1, 2, 3, 4, 5, 7, 10, 15, 20, 30, 50)  # objects of a class, on the curve
-LITTLE = 5  # points within which a gain is told to be small
-FOLDS = 10  # of the objects of a class, at most; those of a fold are tested by one head
-Rows = NDArray[np.float64]
-Labels = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,26 +79,6 @@ class Report:
         return sum(one.after == one.label for one in self.judged)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Point:
-    """Lessons predicted rightly when `objects` objects of each class teach, or what is left of a
-    class without the tested fold: the mean share over draws, and the least and the most of a draw.
-    """
-
-    objects: int
-    right: float
-    low: float
-    high: float
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Curve:
-    """What labels bring, from one object of each class to all that there are, and in a sentence."""
-
-    points: tuple[Point, ...]
-    words: str
-
-
 def taught(head: Head, lessons: Sequence[Lesson]) -> Head:
     """Return a head that predicts as the lessons teach; `head` is not modified.
 
@@ -134,7 +103,7 @@ def taught(head: Head, lessons: Sequence[Lesson]) -> Head:
     >>> [0 <= right <= len(lessons) for right in (report.before, report.after)]
     [True, True]
     """
-    return _Work(head, lessons).head_taught()
+    return Work(head, lessons).head_taught()
 
 
 def judged(head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> Report:
@@ -142,23 +111,12 @@ def judged(head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> R
 
     Raises DataError if fewer than two classes have two objects or more.
     """
-    if missing := _missing(lessons):
-        raise DataError(missing)
-    return _Work(head, lessons).report(on_step)
+    if lacking := missing(lessons):
+        raise DataError(lacking)
+    return Work(head, lessons).report(on_step)
 
 
-def curve(head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> Curve:
-    """Predict every lesson by heads that fewer objects of each class taught, its own object left
-    out. The last point is `judged`.
-
-    Raises DataError if fewer than two classes have two objects or more.
-    """
-    if missing := _missing(lessons):
-        raise DataError(missing)
-    return _Work(head, lessons).curve(on_step)
-
-
-def _missing(lessons: Sequence[Lesson]) -> str:
+def missing(lessons: Sequence[Lesson]) -> str:
     """Return what is missing before lessons can be judged, or ""."""
     objects: dict[str, set[str]] = {}
     for lesson, name in zip(lessons, _objects(lessons), strict=True):
@@ -176,120 +134,7 @@ def _objects(lessons: Sequence[Lesson]) -> list[str]:
     return [lesson.object or f"\0{index}" for index, lesson in enumerate(lessons)]
 
 
-@dataclass(frozen=True, slots=True)
-class Ridge:
-    """A ridge regression of one-hot classes, and its predictions for rows that it did not see."""
-
-    weights: Rows  # (2 W, K)
-    bias: Rows  # (K,)
-    apart: Rows  # (L, K) scores of each lesson by the regression without its object
-
-
-def ridge(
-    rows: Rows, labels: Labels, counts: Rows, classes: int, groups: Sequence[Labels]
-) -> Ridge:
-    """Solve the regression of one-hot labels (N,) on rows (N, 2 W) of which each counts `counts`
-    (N,) times.
-
-    groups  the places of each object's lessons, which are left out together; lessons are the first
-            rows
-
-    """
-    targets = np.eye(classes)[labels]
-    shares, errors = solved(rows @ rows.T + 1 + PENALTY * np.diag(1 / counts), targets, groups)
-    return Ridge(rows.T @ shares, shares.sum(0), targets[: len(errors)] - errors)
-
-
-def solved(matrix: Rows, targets: Rows, groups: Sequence[Labels]) -> tuple[Rows, Rows]:
-    """Return a = matrix⁻¹ targets (N, K), and the errors (L, K) of each group's rows without it:
-    (matrix⁻¹ of the group)⁻¹ (a of the group). The L rows of all groups are the first ones.
-    """
-    inverse = np.linalg.inv(matrix)
-    shares = inverse @ targets
-    errors = np.empty((sum(map(len, groups)), targets.shape[1]))
-    for group in groups:
-        errors[group] = np.linalg.solve(inverse[np.ix_(group, group)], shares[group])
-    return shares, errors
-
-
-def weight_of(labels: Labels) -> float:
-    """Return how many training pairs each lesson counts as."""
-    return max(1.0, WEIGHT * len(np.unique(labels)) / len(labels))
-
-
-def share_of_lessons(both: Rows, lessons: Rows) -> float:
-    """Return t, 0 to 1, with the least squared error of (1 - t) both + t lessons: errors (L, K)
-    of each map.
-    """
-    apart = both - lessons
-    return float(np.clip((both * apart).sum() / max((apart**2).sum(), 1e-12), 0, 1))
-
-
-def sharpness(scores: Rows, labels: Labels) -> float:
-    """Return the factor of scores (L, K) whose softmax has the least log loss, within SHARPNESS.
-
-    One more lesson, of every class alike, keeps it finite.
-    """
-    own, count = scores[np.arange(len(labels)), labels], len(labels)
-    low, high = SHARPNESS
-    for _ in range(40):  # the slope of the loss rises with the factor
-        factor = (low + high) / 2
-        shares = np.exp(factor * (scores - scores.max(1, keepdims=True)))
-        mean = (shares / shares.sum(1, keepdims=True) * scores).sum(1)
-        slope = (mean - own).sum() + (mean - scores.mean(1)).sum() / count
-        low, high = (factor, high) if slope < 0 else (low, factor)
-    return high
-
-
-def splits(
-    objects: Sequence[Labels], labels: Labels, count: int, random: np.random.Generator
-) -> Iterator[tuple[Labels, list[Labels]]]:
-    """Yield the lessons that are tested, and the objects that teach: at most `count` of each class,
-    drawn from those that are not tested. Each lesson is tested once.
-
-    objects  places of each object's lessons;  labels  (L,) of the lessons
-    """
-    classes: dict[int, list[int]] = {}
-    for number in random.permutation(len(objects)).tolist():
-        classes.setdefault(int(labels[objects[number][0]]), []).append(number)
-    folds = min(FOLDS, max(-(-len(own) // max(1, len(own) - count)) for own in classes.values()))
-    for fold in range(folds):
-        tested, teach = [], []
-        for own in classes.values():
-            out = [number for at, number in enumerate(own) if at * folds // len(own) == fold]
-            tested += out
-            teach += [number for number in own if number not in out][:count]
-        yield np.concatenate([objects[k] for k in tested]), [objects[k] for k in teach]
-
-
-def curve_in_words(counts: Sequence[int], right: Sequence[Rows]) -> str:
-    """Return what labels bring, in words; a difference counts beyond two standard errors over
-    lessons, and beyond two lessons.
-
-    counts  objects of a class;  right  at each count, (L,) share of draws that have a lesson right
-    """
-    if len(counts) < 2:
-        return "Label a third object of a class to see what more labels bring."
-
-    def step(first: int, last: int) -> tuple[float, float, str]:
-        change = 100 * (right[last] - right[first])
-        gain, lesson = change.mean(), 100 / len(change)
-        twice = 2 * max(change.std(ddof=1) / len(change) ** 0.5, lesson)
-        words = f"from {counts[first]} to {counts[last]} objects a class: {round(gain):+d} points"
-        return gain, twice, f"{words}, give or take {twice:.0f}"
-
-    gain, twice, whole = step(0, len(counts) - 1)
-    if abs(gain) <= twice:
-        told = "More labels bring little here" if twice <= LITTLE else "Too few labels to tell"
-        return f"{told}: {whole}."
-    if len(counts) < 3:
-        return f"F{whole[1:]}."
-    gain, twice, last = step(len(counts) - 2, len(counts) - 1)
-    told = "more labels may bring more" if gain > twice else "no gain that can be told from chance"
-    return f"F{whole[1:]}. The last step, {last}: {told}."
-
-
-class _Work:
+class Work:
     """Lessons and training pairs as rows of length 1, both modalities side by side, and the two
     maps.
     """
@@ -314,7 +159,6 @@ class _Work:
             np.flatnonzero([name == other for other in names]) for name in dict.fromkeys(names)
         ]
         self.present = np.unique(np.concatenate((self.known, self.labels)))
-        self.spans: dict[bytes, tuple[Rows, Rows]] = {}  # by training pairs
 
     @cached_property
     def maps(self) -> list[Ridge]:
@@ -338,7 +182,7 @@ class _Work:
 
     @cached_property
     def share(self) -> float:
-        return 0.0 if _missing(self.lessons) else share_of_lessons(*self.errors)
+        return 0.0 if missing(self.lessons) else share_of_lessons(*self.errors)
 
     def kept(self, labels: Labels) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """Return the training pairs of each map, if lessons of `labels` teach."""
@@ -363,7 +207,7 @@ class _Work:
             ),
             share=self.share,
             right={
-                name: int((self._best(one.apart) == self.labels).sum())
+                name: int((self.best(one.apart) == self.labels).sum())
                 for name, one in zip(PARTS, self.maps, strict=True)
             },
         )
@@ -375,70 +219,10 @@ class _Work:
         for group in self.objects:
             others = np.setdiff1d(np.arange(len(after)), group)
             share = share_of_lessons(*(errors[others] for errors in self.errors))
-            after[group] = self._best(self.blended(both[group], alone[group], share))
+            after[group] = self.best(self.blended(both[group], alone[group], share))
         return after
 
-    def curve(self, on_step: OnStep) -> Curve:
-        """Teach with COUNTS objects of each class, DRAWS times, and with all."""
-        classes = [self.labels[group[0]] for group in self.objects]
-        most = int(np.bincount(classes).max()) - 1
-        counts = [*(count for count in COUNTS if count < most), most]
-        random = np.random.default_rng(0)
-        right: list[Rows] = []
-        for count in counts[:-1]:
-            on_step(Step(done=len(right), total=len(counts)))
-            right.append(np.stack([self.drawn(count, random) for _ in range(DRAWS)]))
-        on_step(Step(done=len(right), total=len(counts)))
-        right.append((self.after() == self.labels)[None].astype(float))
-        means = [each.mean(1) for each in right]
-        points = tuple(
-            Point(objects=count, right=float(m.mean()), low=float(m.min()), high=float(m.max()))
-            for count, m in zip(counts, means, strict=True)
-        )
-        return Curve(points=points, words=curve_in_words(counts, [each.mean(0) for each in right]))
-
-    def drawn(self, count: int, random: np.random.Generator) -> Rows:
-        """Return (L,) 1 for a lesson that `count` objects of each class, drawn, have right."""
-        right = np.zeros(len(self.lessons))
-        for tested, objects in splits(self.objects, self.labels, count, random):
-            checkpoint()
-            teach = np.concatenate(objects)
-            ends = np.cumsum([len(group) for group in objects])
-            groups = [
-                np.arange(end - len(group), end) for end, group in zip(ends, objects, strict=True)
-            ]
-            labels, weight = self.labels[teach], weight_of(self.labels[teach])
-            scores, errors = [], []
-            for kept in self.kept(labels):
-                products, by_source = self.beyond(kept)
-                targets = np.eye(len(self.classes))[labels] - by_source[teach]
-                matrix = products[np.ix_(teach, teach)] + PENALTY / weight * np.eye(len(teach))
-                shares, apart = solved(matrix, targets, groups)
-                scores.append(by_source[tested] + products[np.ix_(tested, teach)] @ shares)
-                errors.append(apart)
-            share = 0.0 if _missing([self.lessons[k] for k in teach]) else share_of_lessons(*errors)
-            right[tested] = (
-                self._best(self.blended(scores[0], scores[1], share)) == self.labels[tested]
-            )
-        return right
-
-    def beyond(self, kept: NDArray[np.bool_]) -> tuple[Rows, Rows]:
-        """Return the products (L, L) of the lessons beyond what the training pairs `kept` span, and
-        their scores (L, K) by the map of these pairs.
-        """
-        key = kept.tobytes()
-        if key not in self.spans:
-            source, lessons = self.source[kept], len(self.rows)
-            across = source @ self.rows.T + 1
-            found = np.linalg.solve(
-                source @ source.T + 1 + PENALTY * np.eye(len(source)),
-                np.concatenate((across, np.eye(len(self.classes))[self.known[kept]]), axis=1),
-            )
-            products = self.rows @ self.rows.T + 1 - across.T @ found[:, :lessons]
-            self.spans[key] = products, across.T @ found[:, lessons:]
-        return self.spans[key]
-
-    def _best(self, scores: Rows) -> Labels:
+    def best(self, scores: Rows) -> Labels:
         chosen: Labels = self.present[scores[:, self.present].argmax(1)]
         return chosen
 

@@ -36,7 +36,7 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     strict  keep the five materials only
     seed    not used: every pair is kept
 
-    Without the column domain, the table's folder names it; without material (or class, or label)
+    Without domains, the table's folder names it; without material (or class, or label)
     there are no classes; of vis or tac alone, each picture stands for both. A row without an image
     or a name, or a repeated row, is skipped and listed. Raises DataError for another kind of file,
     an unknown split, the same images under two names, or no pairs.
@@ -86,11 +86,15 @@ def _rows(file: Path) -> Iterator[tuple[int, Row]]:
         if "material" not in header:
             header = [SAME.get(name, name) for name in header]
         _check_header(file, header)
-        absent = set(NEEDED).difference(header)
+        rows = [(number, [*map(str.strip, cells)]) for number, cells in enumerate(reader, start=2)]
+        filled = {
+            name for _, cells in rows for name, cell in zip(header, cells, strict=False) if cell
+        }
+        absent = set(NEEDED) - filled
         names = {"domain": file.resolve().parent.name or "pictures", "material": NO_CLASS}
-        for number, cells in enumerate(reader, start=2):
-            if any(cell.strip() for cell in cells):
-                row = dict(zip(header, map(str.strip, cells), strict=False))
+        for number, cells in rows:
+            if any(cells):
+                row = dict(zip(header, cells, strict=False))
                 row |= {name: names[name] for name in absent & names.keys()}
                 row |= {name: row.get(OTHER[name], "") for name in absent & OTHER.keys()}
                 row["alone"] = next((OTHER[name] for name in absent & OTHER.keys()), "")

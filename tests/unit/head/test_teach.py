@@ -13,20 +13,9 @@ from omnivat.cli import main
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.head.calibration import familiarity_of
 from omnivat.head.checkpoint import load_head, save_head
-from omnivat.head.teach import (
-    PARTS,
-    SHARPNESS,
-    Lesson,
-    _Work,
-    curve,
-    curve_in_words,
-    judged,
-    ridge,
-    share_of_lessons,
-    sharpness,
-    splits,
-    taught,
-)
+from omnivat.head.curve import Draws, curve, curve_in_words, splits
+from omnivat.head.ridge import SHARPNESS, ridge, share_of_lessons, sharpness
+from omnivat.head.teach import PARTS, Lesson, judged, taught
 from omnivat.kit.errors import DataError
 
 ROOT = Path(__file__).parents[3]
@@ -224,8 +213,8 @@ def test_every_lesson_is_tested_once_by_objects_of_others(count):
 def test_a_draw_of_the_curve_is_the_taught_rule_without_the_tested(head, head_folder):
     """The shared system of training pairs, beside teaching anew."""
     many = many_lessons(head_folder, 12)
-    work = _Work(head, many)
-    right = work.drawn(2, np.random.default_rng(5))
+    work = Draws(head, many)
+    right = work.right(2, np.random.default_rng(5))
     for test, teach in splits(work.objects, work.labels, 2, np.random.default_rng(5)):
         after = taught(head, [many[k] for k in np.concatenate(teach)])
         assert [said(after, many[k]) == many[k].label for k in test] == right[test].tolist()

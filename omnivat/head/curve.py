@@ -1,0 +1,166 @@
+"""How many more labels? What fewer lessons would have taught, by the rule of `teach`.
+
+With 1, 2, 3, ... objects of each class, drawn several times, every lesson is predicted by a head
+that its object did not teach. The map of the training pairs alone is solved once, and every draw
+adds its lessons to it (Schur complement).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.head.checkpoint import Head
+from omnivat.head.ridge import PENALTY, Labels, Rows, share_of_lessons, solved, weight_of
+from omnivat.head.teach import Lesson, Work, missing
+from omnivat.kit.errors import DataError
+from omnivat.kit.progress import OnStep, Step, checkpoint, ignore
+
+DRAWS = 10  # of the objects that teach, at each count of the curve
+COUNTS = (1, 2, 3, 4, 5, 7, 10, 15, 20, 30, 50)  # objects of a class, on the curve
+LITTLE = 5  # points within which a gain is told to be small
+FOLDS = 10  # of the objects of a class, at most; those of a fold are tested by one head
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Point:
+    """Lessons predicted rightly when `objects` objects of each class teach, or what is left of a
+    class without the tested fold: the mean share over draws, and the least and the most of a draw.
+    """
+
+    objects: int
+    right: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Curve:
+    """What labels bring, from one object of each class to all that there are, and in a sentence."""
+
+    points: tuple[Point, ...]
+    words: str
+
+
+def curve(head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> Curve:
+    """Predict every lesson by heads that fewer objects of each class taught, its own object left
+    out. The last point is `judged`.
+
+    Raises DataError if fewer than two classes have two objects or more.
+    """
+    if lacking := missing(lessons):
+        raise DataError(lacking)
+    draws = Draws(head, lessons)
+    most = int(np.bincount([draws.labels[group[0]] for group in draws.objects]).max()) - 1
+    counts = [*(count for count in COUNTS if count < most), most]
+    random = np.random.default_rng(0)
+    right: list[Rows] = []
+    for count in counts[:-1]:
+        on_step(Step(done=len(right), total=len(counts)))
+        right.append(np.stack([draws.right(count, random) for _ in range(DRAWS)]))
+    on_step(Step(done=len(right), total=len(counts)))
+    right.append((draws.after() == draws.labels)[None].astype(float))
+    means = [each.mean(1) for each in right]
+    points = tuple(
+        Point(objects=count, right=float(m.mean()), low=float(m.min()), high=float(m.max()))
+        for count, m in zip(counts, means, strict=True)
+    )
+    return Curve(points=points, words=curve_in_words(counts, [each.mean(0) for each in right]))
+
+
+def splits(
+    objects: Sequence[Labels], labels: Labels, count: int, random: np.random.Generator
+) -> Iterator[tuple[Labels, list[Labels]]]:
+    """Yield the lessons that are tested, and the objects that teach: at most `count` of each class,
+    drawn from those that are not tested. Each lesson is tested once.
+
+    objects  places of each object's lessons;  labels  (L,) of the lessons
+    """
+    classes: dict[int, list[int]] = {}
+    for number in random.permutation(len(objects)).tolist():
+        classes.setdefault(int(labels[objects[number][0]]), []).append(number)
+    folds = min(FOLDS, max(-(-len(own) // max(1, len(own) - count)) for own in classes.values()))
+    for fold in range(folds):
+        tested, teach = [], []
+        for own in classes.values():
+            out = [number for at, number in enumerate(own) if at * folds // len(own) == fold]
+            tested += out
+            teach += [number for number in own if number not in out][:count]
+        yield np.concatenate([objects[k] for k in tested]), [objects[k] for k in teach]
+
+
+def curve_in_words(counts: Sequence[int], right: Sequence[Rows]) -> str:
+    """Return what labels bring, in words; a difference counts beyond two standard errors over
+    lessons, and beyond two lessons.
+
+    counts  objects of a class;  right  at each count, (L,) share of draws that have a lesson right
+    """
+    if len(counts) < 2:
+        return "Label a third object of a class to see what more labels bring."
+
+    def step(first: int, last: int) -> tuple[float, float, str]:
+        change = 100 * (right[last] - right[first])
+        gain, lesson = change.mean(), 100 / len(change)
+        twice = 2 * max(change.std(ddof=1) / len(change) ** 0.5, lesson)
+        words = f"from {counts[first]} to {counts[last]} objects a class: {round(gain):+d} points"
+        return gain, twice, f"{words}, give or take {twice:.0f}"
+
+    gain, twice, whole = step(0, len(counts) - 1)
+    if abs(gain) <= twice:
+        told = "More labels bring little here" if twice <= LITTLE else "Too few labels to tell"
+        return f"{told}: {whole}."
+    if len(counts) < 3:
+        return f"F{whole[1:]}."
+    gain, twice, last = step(len(counts) - 2, len(counts) - 1)
+    told = "more labels may bring more" if gain > twice else "no gain that can be told from chance"
+    return f"F{whole[1:]}. The last step, {last}: {told}."
+
+
+class Draws(Work):
+    """Lessons, and maps of some of them."""
+
+    def __init__(self, head: Head, lessons: Sequence[Lesson]) -> None:
+        super().__init__(head, lessons)
+        self.spans: dict[bytes, tuple[Rows, Rows]] = {}  # by training pairs
+
+    def right(self, count: int, random: np.random.Generator) -> Rows:
+        """Return (L,) 1 for a lesson that `count` objects of each class, drawn, have right."""
+        right = np.zeros(len(self.lessons))
+        for tested, objects in splits(self.objects, self.labels, count, random):
+            checkpoint()
+            teach = np.concatenate(objects)
+            ends = np.cumsum([len(group) for group in objects])
+            groups = [
+                np.arange(end - len(group), end) for end, group in zip(ends, objects, strict=True)
+            ]
+            labels, weight = self.labels[teach], weight_of(self.labels[teach])
+            scores, errors = [], []
+            for kept in self.kept(labels):
+                products, by_source = self.beyond(kept)
+                targets = np.eye(len(self.classes))[labels] - by_source[teach]
+                matrix = products[np.ix_(teach, teach)] + PENALTY / weight * np.eye(len(teach))
+                shares, apart = solved(matrix, targets, groups)
+                scores.append(by_source[tested] + products[np.ix_(tested, teach)] @ shares)
+                errors.append(apart)
+            share = 0.0 if missing([self.lessons[k] for k in teach]) else share_of_lessons(*errors)
+            right[tested] = (
+                self.best(self.blended(scores[0], scores[1], share)) == self.labels[tested]
+            )
+        return right
+
+    def beyond(self, kept: NDArray[np.bool_]) -> tuple[Rows, Rows]:
+        """Return the products (L, L) of the lessons beyond what the training pairs `kept` span, and
+        their scores (L, K) by the map of these pairs.
+        """
+        key = kept.tobytes()
+        if key not in self.spans:
+            source, lessons = self.source[kept], len(self.rows)
+            across = source @ self.rows.T + 1
+            found = np.linalg.solve(
+                source @ source.T + 1 + PENALTY * np.eye(len(source)),
+                np.concatenate((across, np.eye(len(self.classes))[self.known[kept]]), axis=1),
+            )
+            products = self.rows @ self.rows.T + 1 - across.T @ found[:, :lessons]
+            self.spans[key] = products, across.T @ found[:, lessons:]
+        return self.spans[key]
