@@ -88,7 +88,7 @@ function inverted(matrix) {
 }
 
 /** The ridge regression of one-hot labels on counted rows: `weights` (K, W), `bias` (K), and for each of the first
- * `lessons` rows `errors` (L, K) of the regression without it. See `ridge` in omnivat/head/teach.py. */
+ * `lessons` rows `errors` (L, K) of the regression without it. See omnivat/head/ridge.py. */
 export function ridge(rows, labels, counts, classes, lessons) {
   const matrix = rows.map(() => new Float64Array(rows.length));
   rows.forEach((row, i) => {
