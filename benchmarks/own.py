@@ -1,10 +1,16 @@
 """What the head for one's own pictures makes of real pairs that no choice has seen: `python -m
-benchmarks.own EMBEDDINGS`.
+benchmarks.own EMBEDDINGS`. Without EMBEDDINGS, the rules of familiarity are compared.
 
 EMBEDDINGS are those of ObjectFolder Real (`omnivat fetch objectfolder-real`, `omnivat embed`). The
 profile is of all its pairs, without labels. Right readings and familiar pictures go into the record,
 and the former beside the head, where the page reads them. Odd pictures are drawn here: twelve kinds,
 as they come and each kind moved by a profile of its own.
+
+A rule of familiarity is the number of nearest training images whose mean cosine counts, before or
+after a profile. Prediction: after a profile odd pictures lie among the training images, whatever the
+number; before it, ten neighbours tell more of them than one. Choice: of the rules that tell 95 % of
+the odd pictures of each modality, the one that calls most pictures of left-out simulated sensors
+familiar. No real picture takes part.
 """
 
 import argparse
@@ -14,25 +20,29 @@ from typing import Any
 
 import numpy as np
 import torch
+from numpy.typing import NDArray
 from PIL import Image, ImageDraw
 
 from benchmarks.measure import machine
-from omnivat.data.profile import channels_of, moved, profile_of
+from omnivat.data.profile import channels_of, drawn_profiles, moved, profile_of, profiled
 from omnivat.data.store import Embeddings, load_embeddings
 from omnivat.encoders import load_encoder
 from omnivat.encoders.base import for_modality
-from omnivat.head.calibration import UNLIKE
+from omnivat.head.calibration import NEIGHBOURS, UNLIKE, nearest_cosines
 from omnivat.head.checkpoint import Head, load_head
-from omnivat.head.heads import own_head
+from omnivat.head.heads import default_embeddings, own_head
 from omnivat.head.teach import Lesson, judged
 from omnivat.kit.files import write_json
 from omnivat.kit.schema import read_object
 from omnivat.kit.stages import IMAGES
 from omnivat.measure.evaluate import label_map, predicted_probabilities
+from omnivat.training.own import KEPT, level
 
 OUT = Path("docs/benchmarks/own.json")
 SIDE, EACH = 224, 10  # pixels, and pictures of a kind
 READINGS = ("fused", *IMAGES)
+PICTURES = 20  # without labels, of a left-out sensor
+Rows = NDArray[Any]
 AS_THEY_COME, PROFILED = "as they come", "profile"
 Draw = Callable[[np.random.Generator, ImageDraw.ImageDraw], object]
 
@@ -40,11 +50,15 @@ Draw = Callable[[np.random.Generator, ImageDraw.ImageDraw], object]
 def main() -> None:
     """Read the real pairs and the odd pictures; write both records."""
     parser = argparse.ArgumentParser(prog="benchmarks.own", description=__doc__)
-    parser.add_argument("embeddings", type=Path)
-    head, data = load_head(own_head()), load_embeddings(parser.parse_args().embeddings)
+    parser.add_argument("embeddings", type=Path, nargs="?")
+    head, place = load_head(own_head()), parser.parse_args().embeddings
+    before = read_object(OUT)
+    if place is None:
+        return write_json(OUT, before | {"rules": rules(load_embeddings(default_embeddings()))})
+    data = load_embeddings(place)
     real = read(head, data)
     record = {"real": real, "taught": taught(head, data), "familiar": familiar(head, data)}
-    write_json(OUT, {"machine": machine(), **record, "odd": odd(head)})
+    write_json(OUT, before | {"machine": machine(), **record, "odd": odd(head)})
     metrics = own_head() / "metrics.json"
     write_json(metrics, read_object(metrics) | {"real": real})
 
@@ -89,13 +103,11 @@ def odd(head: Head) -> dict[str, dict[str, dict[str, int]]]:
     if a profile of their kind were applied first.
     """
     assert head.familiarity
-    encoder = load_encoder(head.encoder["name"], dots="fill")
     found: dict[str, dict[str, dict[str, int]]] = {}
-    for name in IMAGES:
-        own, found[name] = for_modality(encoder, name), {}
+    for name, strange in odd_rows(head.encoder["name"]).items():
+        found[name] = {}
         source = head.source_profile.channels[name]
-        for kind, pictures in kinds().items():
-            rows = own.embed(torch.stack([own.preprocess(one) for one in pictures])).numpy()
+        for kind, rows in strange.items():
             shifted = moved(rows, channels_of(rows), source)
             found[name][kind] = {
                 how: sum(
@@ -107,6 +119,62 @@ def odd(head: Head) -> dict[str, dict[str, dict[str, int]]]:
                     (PROFILED, torch.from_numpy(shifted.astype(np.float32))),
                 )
             }
+    return found
+
+
+def odd_rows(encoder_name: str) -> dict[str, dict[str, Rows]]:
+    """Return modality -> kind -> embeddings (EACH, W) of odd pictures, as they come."""
+    encoder = load_encoder(encoder_name, dots="fill")
+    found: dict[str, dict[str, Rows]] = {}
+    for name in IMAGES:
+        own = for_modality(encoder, name)
+        found[name] = {
+            kind: own.embed(torch.stack([own.preprocess(one) for one in pictures])).numpy()
+            for kind, pictures in kinds().items()
+        }
+    return found
+
+
+def rules(data: Embeddings) -> dict[str, dict[str, dict[str, float]]]:
+    """Return rule -> modality -> "familiar", the share of pictures of a left-out simulated sensor
+    that are called familiar, and "told", the share of odd pictures that are told as unlike: means
+    over the sensors.
+    """
+    strange = odd_rows(data.header.encoder)
+    shares: dict[tuple[str, str], list[tuple[float, float]]] = {}
+    for name in data.header.domains:
+        others = [other for other in data.header.domains if other != name]
+        levelled, base = level(data, others)
+        rows = np.concatenate([levelled.rows_of(other, split="train") for other in others])[::KEPT]
+        objects = np.array(data.rows["object"])[rows]
+        owner = torch.from_numpy(np.unique(objects, return_inverse=True)[1])
+        test = data.select(data.rows_of(name, split="test"))
+        profiles, _ = drawn_profiles(data, "", PICTURES, seed=0)
+        near = profiled(test, {name: profiles[name]}, base)
+        for image in IMAGES:
+            known = torch.from_numpy(np.array(getattr(levelled, image)[rows], np.float32))
+            own = nearest_cosines(known, known, owner, owner)
+            odd_ones = list(strange[image].values())
+            shifted = [moved(one, channels_of(one), base.channels[image]) for one in odd_ones]
+            for how, seen, unseen in ((AS_THEY_COME, test, odd_ones), (PROFILED, near, shifted)):
+                for count in (1, NEIGHBOURS):
+                    least = own[:, :count].mean(1).quantile(UNLIKE)
+
+                    def familiar_share(some: Rows, known=known, count=count, least=least) -> float:
+                        cosines = nearest_cosines(
+                            torch.from_numpy(np.array(some, np.float32)), known
+                        )
+                        return float((cosines[:, :count].mean(1) >= least).double().mean())
+
+                    told = 1 - familiar_share(np.concatenate(unseen))
+                    rule = f"{count} nearest, {how}"
+                    shares.setdefault((rule, image), []).append(
+                        (familiar_share(getattr(seen, image)), told)
+                    )
+    found: dict[str, dict[str, dict[str, float]]] = {}
+    for (rule, image), each in shares.items():
+        mean = np.mean(each, axis=0).round(3).tolist()
+        found.setdefault(rule, {})[image] = dict(zip(("familiar", "told"), mean, strict=True))
     return found
 
 

@@ -7,6 +7,10 @@ the ladder, `try` and Python users call it:
     measured(head, embeddings)                      # nothing is known
     measured(head, embeddings, pairs(5), draws=10)  # five pairs without labels: a profile
     measured(head, embeddings, labels(3))           # three labelled pairs of each class: taught
+
+Two things that one may know are no `Known`. The number of source sensors is a fact of the head:
+train heads of other sources and measure each. A picture of the sensor at rest changes pictures
+before they are embedded: embed them with and without it, and measure both sets.
 """
 
 from collections.abc import Iterator, Sequence
