@@ -157,23 +157,20 @@ def rules(data: Embeddings) -> dict[str, dict[str, dict[str, float]]]:
             odd_ones = list(strange[image].values())
             shifted = [moved(one, channels_of(one), base.channels[image]) for one in odd_ones]
             for how, seen, unseen in ((AS_THEY_COME, test, odd_ones), (PROFILED, near, shifted)):
+                pictures = getattr(seen, image), np.concatenate(unseen)
+                each = [
+                    nearest_cosines(torch.from_numpy(np.float32(some)), known) for some in pictures
+                ]
                 for count in (1, NEIGHBOURS):
                     least = own[:, :count].mean(1).quantile(UNLIKE)
-
-                    def familiar_share(some: Rows, known=known, count=count, least=least) -> float:
-                        cosines = nearest_cosines(
-                            torch.from_numpy(np.array(some, np.float32)), known
-                        )
-                        return float((cosines[:, :count].mean(1) >= least).double().mean())
-
-                    told = 1 - familiar_share(np.concatenate(unseen))
-                    rule = f"{count} nearest, {how}"
-                    shares.setdefault((rule, image), []).append(
-                        (familiar_share(getattr(seen, image)), told)
+                    like, odd_like = (
+                        float((one[:, :count].mean(1) >= least).double().mean()) for one in each
                     )
+                    rule = f"{count} nearest, {how}"
+                    shares.setdefault((rule, image), []).append((like, 1 - odd_like))
     found: dict[str, dict[str, dict[str, float]]] = {}
-    for (rule, image), each in shares.items():
-        mean = np.mean(each, axis=0).round(3).tolist()
+    for (rule, image), some in shares.items():
+        mean = np.mean(some, axis=0).round(3).tolist()
         found.setdefault(rule, {})[image] = dict(zip(("familiar", "told"), mean, strict=True))
     return found
 
