@@ -41,6 +41,7 @@ QUESTIONS: dict[str, Computed] = {
     "votes": nodes.votes,
     "neighbours": explore.neighbours,
     "ladder": explore.ladder,
+    "known": explore.known,
     "place": place,
     "predictions": predictors.predictions,
     "familiar": familiar,

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 TITLE = "Explore"
 NEIGHBOURS = 6
+MOST_PICTURES, EACH_CLASS, DRAWS = 20, 3, 3  # in `known`
 STEPS = 10_000  # of a share or a cosine: four digits
 
 
@@ -97,6 +98,40 @@ def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
         )
 
     return resources.results.once(f"ladder {source}", climbed)
+
+
+def known(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what the head reads right at home, or in other domains by what is known of them.
+
+    question  {"known": "home", "nothing", "pictures" or "labels"}
+    return    the record of `omnivat.measure.known.measured`, and the head's "source"
+
+    Pictures are 20 of each domain, or half of the smallest one; labels are three of each class.
+    Raises DataError with the reason if that cannot be measured on this set.
+    """
+    from omnivat.measure.known import NOTHING, labels, measured
+    from omnivat.measure.known import pairs as pictures
+
+    what = question.get("known")
+    head, embeddings = resources.head(), resources.embeddings()
+    names = embeddings.header.domains
+    sizes = [len(embeddings.rows_of(name)) for name in names if name != head.source]
+    count = max(1, min([MOST_PICTURES, *(size // 2 for size in sizes if size)]))
+    steps = {
+        "home": NOTHING,
+        "nothing": NOTHING,
+        "pictures": pictures(count),
+        "labels": labels(EACH_CLASS),
+    }
+    if what not in steps:
+        raise DataError(f"known is {what!r:.40}; it is one of {', '.join(steps)}.")
+
+    def made() -> dict[str, Any]:
+        home = what == "home"
+        found = measured(head, embeddings, steps[what], draws=DRAWS, home=home)
+        return {**found, "source": head.source}
+
+    return resources.results.once(f"known {what}", made)
 
 
 def pairs(resources: Resources) -> dict[str, list[str]]:

@@ -120,13 +120,29 @@ def measured(
     source = np.array([name == head.source for name in embeddings.header.domains])
     right[:, source[embeddings.domain] != home] = np.nan
     if np.isnan(right).all():
-        raise DataError(
-            "No test pair of the head's classes is left to predict; the set needs another domain "
-            "than the head's source."
-        )
+        raise DataError(_nothing_left(head, embeddings, home))
     return {"rung": known.name, "known": known.words} | record(
         right, embeddings.domain, embeddings.header.domains
     )
+
+
+def _nothing_left(head: Head, embeddings: Embeddings, home: bool) -> str:
+    """Return why no pair is left to predict, in one sentence."""
+    header, classes = embeddings.header, head.settings.classes
+    there = {header.domains[index] for index in np.unique(embeddings.domain)} - {head.source}
+    away = np.array([name != head.source for name in header.domains])[embeddings.domain]
+    found = {header.classes[index] for index in np.unique(embeddings.label[away]) if index >= 0}
+    if home:
+        return (
+            f"'{head.source}' has no test pairs here, as the head may have learned from all of it;"
+            " give the set a split."
+        )
+    if not there:
+        return f"The set needs another domain than the head's source, '{head.source}'."
+    if not found & set(classes):
+        learned = f"{', '.join(classes[:5])}{' …' if len(classes) > 5 else ''}"
+        return f"No pair of another domain is of a class that the head learned: {learned}."
+    return "No test pair of the head's classes is left to predict in another domain."
 
 
 def record(right: Array, domain: NDArray[np.int64], names: Sequence[str]) -> dict[str, Any]:

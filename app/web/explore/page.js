@@ -30,7 +30,7 @@ export class Page {
     /** @type {Board | null} */
     this.board = null; // made with the first set
     this.touch = new OneTouch($(".touch"));
-    this.threads = new Threads($);
+    this.threads = new Threads($, !sets.some(({ shown }) => shown));
     showSets($(".sets"), sets);
     for (const name of ["touch", "where"]) $(`.chapters [data-chapter=${name}]`).hidden = !twins; // as in a saved page
     wire(this);

@@ -1,8 +1,9 @@
 /** Chapter 2: the touches of all twins on one map, a thread from a press to its twins, and what moves them. */
 
-import { address } from "../shared/api.js";
+import { address, ask, attempt } from "../shared/api.js";
 import { Cloud } from "../shared/cloud.js";
 import { twins, twinsMap } from "../shared/facts.js";
+import { held } from "../shared/held.js";
 import { domainColour, isDark, onTheme } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { provenance } from "../shared/provenance.js";
@@ -11,7 +12,7 @@ import { awaited } from "../shared/ready.js";
 import { change, state } from "../shared/store.js";
 import { bytesOf, each, escaped, fill, percent } from "../shared/text.js";
 import { onClick, press } from "../shared/view.js";
-import { splitHtml } from "./split.js";
+import { OWN_ROWS, ownHtml, splitHtml } from "./split.js";
 import { chosen, READINGS } from "./touch.js";
 
 const PLACES = [
@@ -51,15 +52,21 @@ export class Threads {
   markPlace = () => {};
   markReading = () => {};
 
-  constructor($) {
+  /** own: whether the page shows another set than the project's, whose bars then stand above those of the twins. */
+  constructor($, own) {
     this.$ = $;
+    this.own = own && !held;
+    if (!this.own) $(".split.own").remove();
     this.sheet = new Image();
     this.sheet.onload = () => this.cloud.paintMarks();
   }
 
   async open() {
     [this.twins, this.map] = await Promise.all([twins(), twinsMap()]);
-    if (!this.cloud) this.build();
+    if (!this.cloud) {
+      this.build();
+      if (this.own) this.measure();
+    }
     this.show();
   }
 
@@ -86,7 +93,7 @@ export class Threads {
       (rung) => change({ rung }),
     );
     this.markReading = radios(
-      this.$(".split .segments"),
+      this.$(".split.twins .segments"),
       READINGS,
       () => state.reading,
       (reading) => change({ reading }),
@@ -131,10 +138,24 @@ export class Threads {
     this.tell();
   }
 
+  /** Bars of the page's own set: at home, away, and away with pictures or labels. */
+  async measure() {
+    const found = {};
+    const show = () => fill(this.$(".split.own .bars"), ownHtml(found));
+    show();
+    for (const known of Object.keys(OWN_ROWS)) {
+      await attempt(
+        async () => (found[known] = await ask("known", { known })),
+        (problem) => (found[known] = { problem }),
+      );
+      show();
+    }
+  }
+
   showSplit() {
     const { table, dots } = chosen(this.twins);
     this.markReading();
-    fill(this.$(".split .bars"), splitHtml(this.twins, table, dots));
+    fill(this.$(".split.twins .bars"), splitHtml(this.twins, table, dots));
   }
 
   /** The place that the figures are of; the order p moves the points of another map. */
@@ -249,7 +270,9 @@ export class Threads {
       0: `One press is threaded. Sensors lie ${apart(0)} apart.`,
       1: `The offset is gone: sensors lie ${apart(1)} apart, not ${apart(0)}. ${gain(1)}`,
       2: `Sensors shift <i>and stretch</i> features; both are undone. ${gain(2)}`,
-      p: "p moves the points and both gaps of 2,160 other pairs; each stop has heads trained at that p.",
+      p: this.own
+        ? "p moves the points and both gaps of this set, with the weights of the loaded head."
+        : "p moves the points and both gaps of 2,160 other pairs; each stop has heads trained at that p.",
     }[state.rung];
     const whence = provenance({
       head: "eight logistic regressions",
@@ -257,7 +280,8 @@ export class Threads {
       pairs: "the seven others’ twins",
       known: KNOWN[at],
     });
-    const words = { title: "Where do the touches go?", figure, whence: state.rung === "p" ? ofCurves : whence, remark };
+    const whose = this.own ? "the project’s simulated touches" : "the touches";
+    const words = { title: `Where do ${whose} go?`, figure, whence: state.rung === "p" ? ofCurves : whence, remark };
     for (const [name, html] of Object.entries(words)) fill(this.$(`.stage .${name}`), html);
   }
 }

@@ -69,6 +69,14 @@ def test_the_source_alone_leaves_nothing_to_measure(head, shifted):
         measured(head, shifted.in_domain("TAG-sim"))
 
 
+def test_what_cannot_be_measured_has_its_reason(head, make_embeddings):
+    other = make_embeddings(per_class=4, classes=("cork", "felt"))
+    with pytest.raises(DataError, match="is of a class that the head learned: wood, steel"):
+        measured(head, other)
+    with pytest.raises(DataError, match="'TAG-sim' has no test pairs here"):
+        measured(head, make_embeddings(per_class=4), home=True)
+
+
 def test_seeds_draw_other_pairs(head, shifted):
     first, again, other = (measured(head, shifted, pairs(2), draws=1, seed=k) for k in (0, 0, 1))
     assert first == again
