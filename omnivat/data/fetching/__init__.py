@@ -11,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from omnivat.data.fetching.archive import unpacked
 from omnivat.data.fetching.heights import drawn, load_heights
 from omnivat.data.fetching.layouts import LAYOUTS, Box, Item
 from omnivat.data.fetching.repository import Repository
@@ -99,7 +100,7 @@ def fetch(name: str, out: Path, *, source: str = "", on_step: OnStep = ignore) -
             " free."
         )
     if wanted.name == "tacquad":
-        _from_hub(wanted, out, part, source)
+        _from_hub(wanted, out, part, source, on_step)
     else:
         _from_git(wanted, out, part, source, on_step)
     shutil.rmtree(part, ignore_errors=True)
@@ -231,26 +232,35 @@ def _write_picture(path: str, content: bytes, box: Box | None, target: Path) -> 
         target.write_bytes(content)
 
 
-def _from_hub(wanted: FetchedSet, out: Path, part: Path, source: str) -> None:
-    """Bring a set of the model hub, which resumes and checks by itself."""
+def _from_hub(wanted: FetchedSet, out: Path, part: Path, source: str, on_step: OnStep) -> None:
+    """Bring a set of the model hub, which resumes and checks by itself, and unpack it."""
     if source:
         raise SettingsError(
             f"{wanted.name} comes from the model hub; --from is for the sets in repositories."
         )
     hub = need("huggingface_hub", purpose=f"fetching {wanted.name}")
+    files = part / "files"
     try:
-        name = wanted.source.partition("/datasets/")[2]
         hub.snapshot_download(
-            name, repo_type="dataset", revision=wanted.commit, local_dir=part / "files"
+            wanted.source.partition("/datasets/")[2],
+            repo_type="dataset",
+            revision=wanted.commit,
+            local_dir=files,
+            allow_patterns=list(wanted.files),
         )
     except Exception as error:  # the hub and its HTTP client have many kinds
         why = first_line(error)
         raise DataError(
             f"'{wanted.source}' was not fetched ({why}); run the command again, it goes on."
         ) from error
-    _write_terms(wanted, part / "files", "", 0, 0, [])
+    made = unpacked(sorted(files.glob("*.zip.*")), part / "unpacked", on_step)
+    lists = [file for file in made if file.name.startswith("contact_")]
+    if not lists:
+        raise DataError(f"The archive of '{wanted.source}' has no contact lists, as it had.")
+    folder = lists[0].parent
+    _write_terms(wanted, folder, "", 0, 0, [])
     with writing(out):
-        (part / "files").replace(out)
+        folder.replace(out)
 
 
 def _write_terms(

@@ -6,7 +6,9 @@ import os
 import shutil
 import subprocess
 from dataclasses import replace
+from io import BytesIO
 from types import SimpleNamespace
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
@@ -240,6 +242,61 @@ def test_the_hub_resumes_by_itself_and_has_no_other_source(tmp_path, monkeypatch
     with pytest.raises(DataError, match="no route"):
         fetch("tacquad", tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+@pytest.fixture
+def hub(monkeypatch):
+    """A hub that has an archive, cut into parts of 700 bytes as it arrives."""
+    import huggingface_hub
+
+    def serve(members, cut=lambda content: content):
+        def download(name, *, local_dir, allow_patterns, **_):
+            assert name == "xxuan01/TacQuad" and "tacquad.zip.*" in allow_patterns
+            with BytesIO() as packed:
+                with ZipFile(packed, "w") as archive:
+                    for place, content in members.items():
+                        archive.writestr(place, content)
+                content = cut(packed.getvalue())
+            local_dir.mkdir(parents=True, exist_ok=True)
+            for k in range(0, len(content), 700):
+                part = local_dir / f"tacquad.zip.{k // 700 + 1:03d}"
+                part.write_bytes(content[k : k + 700])
+
+        monkeypatch.setattr(huggingface_hub, "snapshot_download", download)
+        monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=10**15))
+
+    return serve
+
+
+def picture(seed):
+    with BytesIO() as handle:
+        colours = np.random.default_rng(seed).integers(0, 255, (24, 24, 3), dtype=np.uint8)
+        Image.fromarray(colours).save(handle, "PNG")
+        return handle.getvalue()
+
+
+def test_an_archive_in_parts_becomes_a_folder_that_is_read_as_tacquad(hub, tmp_path):
+    halves = [f"tacquad/data_indoor/wood_cup/{half}/{k}.png" for half in ("digit", "img_digit")
+              for k in range(3)]  # fmt: skip
+    files = {place: picture(k) for k, place in enumerate(halves)}
+    hub(files | {"tacquad/contact_indoor.csv": "wood_cup,0,0,0,2,0,0,a cup of wood\n"})
+    out = fetch("tacquad", tmp_path / "out")
+    assert {(pair.domain, pair.material) for pair in read_pairs(out).pairs} == {
+        ("TQ-DIGIT", "wood")
+    }
+    assert (out / "data_indoor/wood_cup/digit/1.png").read_bytes() == files[halves[1]]
+    assert "license: mit" in (out / "TERMS.txt").read_text() and left(out) == ["out"]
+    assert fetch("tacquad", out) == out, "it is there"
+
+
+def test_a_damaged_or_hostile_archive_is_one_sentence_and_writes_nothing_outside(hub, tmp_path):
+    hub({"tacquad/contact_indoor.csv": "a" * 2000}, cut=lambda content: content[:-300])
+    with pytest.raises(DataError, match="no whole archive"):
+        fetch("tacquad", tmp_path / "out")
+    hub({"tacquad/readme.txt": "b", "../../escaped.txt": "c"})
+    with pytest.raises(DataError, match="has no contact lists"):
+        fetch("tacquad", tmp_path / "deep" / "out")
+    assert not list(tmp_path.glob("escaped.txt")) and not (tmp_path / "deep" / "out").exists()
 
 
 def test_the_command_lists_every_set_with_its_terms(capsys):

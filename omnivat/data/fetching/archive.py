@@ -1,0 +1,82 @@
+"""An archive that its authors have cut into parts, unpacked without a joined copy on the disk."""
+
+import shutil
+from bisect import bisect_right
+from collections.abc import Sequence
+from io import SEEK_CUR, SEEK_END, BufferedReader, RawIOBase
+from itertools import accumulate
+from pathlib import Path
+from typing import Any
+from zipfile import ZipFile
+
+from omnivat.kit.errors import DataError, WriteError, first_line
+from omnivat.kit.files import writing
+from omnivat.kit.progress import OnStep, Step, ignore
+
+
+class Joined(RawIOBase):
+    """The bytes of several files, one after the other, for reading."""
+
+    def __init__(self, files: Sequence[Path]) -> None:
+        self._files = list(files)
+        self._starts = [0, *accumulate(file.stat().st_size for file in files)]
+        self._at = 0
+
+    def readable(self) -> bool:
+        return True
+
+    def seekable(self) -> bool:
+        return True
+
+    def tell(self) -> int:
+        return self._at
+
+    def seek(self, offset: int, whence: int = 0) -> int:
+        """Move to a byte; `whence` as in `io.IOBase.seek`."""
+        self._at = offset + {SEEK_CUR: self._at, SEEK_END: self._starts[-1]}.get(whence, 0)
+        return self._at
+
+    def readinto(self, buffer: Any) -> int:
+        """Fill `buffer` from the file at the present byte; return how many bytes came."""
+        if self._at >= self._starts[-1]:
+            return 0
+        part = bisect_right(self._starts, self._at) - 1
+        with self._files[part].open("rb") as file:
+            file.seek(self._at - self._starts[part])
+            count = file.readinto(buffer)
+        self._at += count
+        return count
+
+
+def unpacked(parts: Sequence[Path], folder: Path, on_step: OnStep = ignore) -> list[Path]:
+    """Unpack a zip archive in parts into `folder`; return its files.
+
+    No file lands outside of `folder`. Raises DataError for a damaged archive, WriteError if the
+    disk has no room.
+    """
+    found = []
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        with BufferedReader(Joined(parts), 1 << 20) as stream, ZipFile(stream) as archive:
+            members = archive.infolist()
+            size, free = (
+                sum(one.file_size for one in members),
+                shutil.disk_usage(folder.parent).free,
+            )
+            if size > free:
+                have, need = (f"{count // 1_000_000:,} MB" for count in (free, size))
+                raise WriteError(
+                    f"'{folder.parent}' has {have} free, and the archive unpacks to {need}."
+                )
+            for done, member in enumerate(members):
+                on_step(Step(done=done, total=len(members), text="files of the archive"))
+                with writing(folder):
+                    found.append(Path(archive.extract(member, folder)))
+    except (DataError, WriteError):
+        raise
+    except Exception as error:  # a damaged archive finds an error of every kind
+        raise DataError(
+            f"The parts in '{folder.parent}' are no whole archive ({first_line(error)}); remove"
+            " that folder and run the command again."
+        ) from error
+    return [file for file in found if file.is_file()]
