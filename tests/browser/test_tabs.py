@@ -140,12 +140,11 @@ def test_the_accuracy_of_analyse_names_its_head_its_source_its_pairs_and_what_wa
     open_page: Callable[..., Any],
 ) -> None:
     page = open_page("?chapter=analyse&mode=moved")
-    line = page.locator(".explore .score .provenance")
-    line.wait_for()
+    page.wait_for_selector(".explore .score .provenance")
     assert re.fullmatch(
         r"By the loaded head at its learned p = 0\.503, from TAG-sim; mean of 7 unseen domains, "
         r"\d+ pairs; known: nothing\.",
-        line.inner_text().replace("\N{NO-BREAK SPACE}", " "),
+        page.inner_text(".explore .score .provenance").replace("\N{NO-BREAK SPACE}", " "),
     )
 
 
