@@ -94,7 +94,7 @@ def live(resources: Resources, sent: Sent) -> dict[str, Any]:
     from omnivat.encoders.base import for_modality
 
     began = perf_counter()
-    head = head_taught(resources, sent.taught, sent.head)
+    head, known = head_taught(resources, sent.taught, sent.head)
     read = resources.shared.decoder.read
     with torch.inference_mode():
         pixels = {
@@ -108,7 +108,7 @@ def live(resources: Resources, sent: Sent) -> dict[str, Any]:
         }
         embedded = perf_counter()
         before = replace(sent, profile="").pair(resources, rows)
-        found = predict_one(head, sent.pair(resources, rows), sent.order, before=before)
+        found = predict_one(head, sent.pair(resources, rows), sent.order, known, before=before)
     ms = {"read": decoded - began, "encoder": embedded - decoded, "head": perf_counter() - embedded}
     ms = {part: round(1000 * seconds, 1) for part, seconds in ms.items()}
     return {"classes": list(head.settings.classes), **found, "ms": ms}
@@ -147,7 +147,7 @@ def occlusion(resources: Resources, sent: Sent) -> dict[str, Any]:
     image = resources.shared.decoder.read(sent.content, sent.name).image
     image.thumbnail((SIDE, SIDE))
     encoder = for_modality(resources.encoder(), sent.modality)
-    head = head_taught(resources, sent.taught, sent.head)
+    head, _ = head_taught(resources, sent.taught, sent.head)
     with torch.inference_mode():
         pixels = [encoder.preprocess(one) for one in (image, *hidden(image))]
         parts = []

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from omnivat.data.profile import Profile
     from omnivat.data.store import Embeddings
     from omnivat.encoders.base import Encoder
+    from omnivat.head.calibration import Familiarity
     from omnivat.head.checkpoint import Head
     from omnivat.head.head import PairCoefficients
     from omnivat.maps.frames import FrameSet
@@ -110,7 +111,7 @@ class Resources:
         self.results: Recent[dict[str, Any]] = Recent(KEPT_FEATURES)  # by method or tree
         self.drawn_frames: Recent[FrameSet] = Recent(1)  # of the map, by file
         # from visitors' labelled pairs, and of their sensors
-        self.taught: Recent[Head] = Recent(KEPT_TAUGHT, private=True)
+        self.taught: Recent[tuple[Head, Familiarity | None]] = Recent(KEPT_TAUGHT, private=True)
         self.profiles: Recent[Profile] = Recent(KEPT_PROFILES, private=True)
         self.coefficients: Lazy[PairCoefficients] = Lazy(self._coefficients)
         self._row_of: Lazy[dict[str, int]] = Lazy(self._rows_by_file)

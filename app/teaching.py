@@ -57,8 +57,12 @@ def head_for(resources: Resources, question: Mapping[str, Any]) -> "Head":
     from omnivat.head.teach import taught
 
     return resources.taught.once(
-        _name(question), lambda: taught(head, _lessons(resources, given, question))
-    )
+        _name(question),
+        lambda: (
+            taught(head, _lessons(resources, given, question)),
+            familiar_lessons(resources, question),
+        ),
+    )[0]
 
 
 def taught_name(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -69,11 +73,16 @@ def taught_name(resources: Resources, question: Mapping[str, Any]) -> dict[str, 
     return {"taught": _name(question)}
 
 
-def head_taught(resources: Resources, name: str, head: str = "") -> "Head":
-    """Return the head of a name from `taught_name`; the head named `head` for "". Raises
-    ForgottenError if it is not kept.
+def head_taught(
+    resources: Resources, name: str, head: str = ""
+) -> "tuple[Head, Familiarity | None]":
+    """Return the head of a name from `taught_name`, and what its pictures are compared with; the
+    head named `head` and its training images for "". Raises ForgottenError if it is not kept.
     """
-    found = resources.taught.get(name) if name else resources.head_named(head)
+    if not name:
+        plain = resources.head_named(head)
+        return plain, plain.familiarity
+    found = resources.taught.get(name)
     if found is None:
         raise ForgottenError("The server no longer has the taught head; press Teach again.")
     return found

@@ -109,7 +109,7 @@ def curve_in_words(counts: Sequence[int], right: Sequence[Rows]) -> str:
     gain, twice, whole = step(0, len(counts) - 1)
     if abs(gain) <= twice:
         told = "More labels bring little here" if twice <= LITTLE else "Too few labels to tell"
-        return f"{told}: {whole}."
+        return f"{told}; {whole}."
     if len(counts) < 3:
         return f"F{whole[1:]}."
     gain, twice, last = step(len(counts) - 2, len(counts) - 1)

@@ -105,10 +105,21 @@ def test_requests_with_an_image_use_the_taught_head_as_the_headline_does(resourc
     assert said[1] == "cork"
 
 
+def test_live_compares_a_picture_with_the_labelled_ones_once_they_are_taught(resources, png):
+    sent = Sent(content=png(), modality="vis")
+    refs = [str(resources.take_image(png(seed=k), f"{k}.png")[0]) for k in range(4)]
+    lessons = [{"vis": ref, "label": name} for ref, name in zip(refs, "aabb", strict=True)]
+    name = taught_name(resources, {"lessons": lessons})["taught"]
+    plain, own = (
+        live(resources, one)["images"]["vis"] for one in (sent, replace(sent, taught=name))
+    )
+    assert own["cosine"] == 1 != plain["cosine"]  # it is the first of them
+
+
 def test_without_lessons_no_head_is_taught_and_a_forgotten_one_gives_a_sentence(resources):
     with pytest.raises(DataError, match="No pair is labelled"):
         taught_name(resources, {"lessons": []})
-    assert head_taught(resources, "") is resources.head()
+    assert head_taught(resources, "")[0] is resources.head()
     with pytest.raises(ForgottenError, match="no longer has the taught head"):
         head_taught(resources, "0" * 32)
 

@@ -143,7 +143,7 @@ export class Live extends View {
       this.keepPair(there, blobs);
       const now = performance.now();
       this.report(toldOf(answer, rate(mine.times, now), now - began, this.recording?.pairs.length));
-      this.on.answer(answer);
+      this.on.answer({ ...answer, yours: Boolean(question.taught) });
     }
   }
 
@@ -216,12 +216,12 @@ const toldOf = ({ ms }, fps, trip, kept) =>
   `${Number.isFinite(fps) ? fps.toFixed(0) : "…"} predictions/s; ${Math.round(trip)} ms from camera to prediction (encoder ${ms.encoder} ms, head ${ms.head} ms). ${kept === undefined ? "No picture is kept." : `${kept} pairs recorded.`}`;
 
 /** The prediction of the newest frames. */
-export function liveHtml({ classes, readings, images, idle }) {
+export function liveHtml({ classes, readings, images, yours, idle }) {
   if (idle) return '<p><b class="tag">live</b></p><p class="hint">No contact: press the sensor on something.</p>';
   const given = imagesOf(readings);
   const parts = READINGS.filter(([reading]) => readings[reading]).map(([reading, title, sign]) => {
     const strange = unlike(reading, given, images);
-    return `<article class="reading" data-reading="${sign}"><h3><span class="sign ${sign}"></span>${title}</h3>${called(classes, readings[reading], strange, { images })}</article>`;
+    return `<article class="reading" data-reading="${sign}"><h3><span class="sign ${sign}"></span>${title}</h3>${called(classes, readings[reading], strange, { images, yours })}</article>`;
   });
   return `<p><b class="tag">live</b></p><div class="readings">${parts.join("")}</div><p class="hint">Everything below belongs to the pair chosen before.</p>`;
 }

@@ -15,7 +15,7 @@ const AT_ONCE = 12; // pairs of one request
 const plural = (n, what) => `${n.toLocaleString("en-US")} ${what}${n === 1 ? "" : "s"}`;
 
 export class Many extends View {
-  /** on: open(pair), labels(pairs) to count, teach(), profile(photos, touches), classes() of the head, lessons(), changed(). */
+  /** on: open(pair), labels(pairs) to count, teach(), profile(photos, touches), classes() of the head, lessons(), changed(first pair). */
   constructor(box, on) {
     super(box);
     this.on = on;
@@ -98,7 +98,8 @@ export class Many extends View {
         this.rows.push(...some);
       }
       this.show(left);
-      this.on.changed();
+      this.on.changed(this.rows.find(({ readings: read }) => read));
+      this.box.scrollIntoView({ block: "nearest" }); // on a phone it lies below the slots
     } catch (error) {
       if (mine.signal.aborted && this.stopped === mine)
         this.show(` Cancelled after ${this.rows.length} of ${plural(pairs.length, "pair")}.${left}`);

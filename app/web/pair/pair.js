@@ -98,7 +98,7 @@ class PairTab extends View {
       teach: () => this.own.teach(),
       lessons: () => this.own.lessons({}),
       profile: (photos, touches) => this.sensor.make(photos, touches),
-      changed: () => this.showLine(),
+      changed: (first) => this.dropped(first),
       classes: async () => (await loaded()).head.classes ?? [],
     });
     this.cameras = new Live(this.$(".cameras"), {
@@ -202,6 +202,12 @@ class PairTab extends View {
     this.$(".on-map").hidden = !this.set.frames;
     this.$(".of-signals").hidden = !this.set.frames?.signals;
     this.onMap = this.set.frames ? pairMap(this.$(".on-map"), this.set.frames) : null;
+  }
+
+  /** Many pairs are read: the first one takes the place of an example. */
+  dropped(first) {
+    if (first && !isOwn(this.pair)) change({ vis: first.vis, tac: first.tac });
+    this.showLine();
   }
 
   /** The step in hand, and what the next one brings. */
@@ -338,7 +344,7 @@ class PairTab extends View {
     if (!this.answer || this.live) return;
     const truths = this.truths();
     const taught = this.own.inUse
-      ? '<p class="taught-now"><b class="tag">taught</b> by your pairs; this pair was left out.</p>'
+      ? `<p class="taught-now"><b class="tag">taught</b> by your ${this.own.labelOf(this.pair) ? "other pairs; this one was left out" : "pairs"}.</p>`
       : "";
     const mix = mixed(this.pair)
       ? '<p class="made-of">Two pictures of different pairs: not counted, not taught.</p>'

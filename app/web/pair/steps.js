@@ -32,7 +32,7 @@ export function nextStep(at, { pairs, report, counts, reader = null }, rungs) {
   if (at === 2) return missing(pairs) || "Label two pairs of each of two classes, and teach the head.";
   if (at === 3) return `Teach it your ${pairs.length} pairs.${points}`;
   const { right, judged } = report;
-  return `${percent(right.after / judged.length)} of your pairs are right with each left out, ${percent(right.before / judged.length)} before. Drop the next pictures: the taught head reads them. Save it for the command line: omnivat predict --head taught-head --pairs FOLDER.`;
+  return `${percent(right.after / judged.length)} of your pairs are right with each left out, ${percent(right.before / judged.length)} before. Drop the next pictures: the taught head reads them. Save it and unpack it for the command line: omnivat predict --head taught-head --pairs FOLDER${counts ? " --profile my-sensor.safetensors" : ""}.`;
 }
 
 export const lineHtml = (at, words) =>

@@ -77,9 +77,13 @@ export async function headFor(desk, question) {
   const lessons = lessonsIn(question);
   if (!lessons.length) return head;
   const key = taughtName(question);
-  if (!desk.taught.has(key)) desk.taught.set(key, (await teach(await classroom(desk, head, question))).made);
+  if (!desk.taught.has(key)) keepTaught(desk, question, (await teach(await classroom(desk, head, question))).made);
   return desk.taught.get(key);
 }
+
+/** A taught head is kept with its lessons: what its pictures are compared with. */
+export const keepTaught = (desk, question, made) =>
+  desk.taught.set(taughtName(question), { ...made, lessons: question.lessons });
 
 export const taughtName = ({ head = "", profile = "", lessons }) =>
   nameOf(new TextEncoder().encode(JSON.stringify([head, profile, lessons])));

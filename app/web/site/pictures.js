@@ -68,7 +68,7 @@ async function asked(desk, query) {
   );
   const head = name ? desk.taught.get(name) : await desk.models.head(reader);
   if (!head) throw new Refused("The page no longer has the taught head; press Teach again.", 410);
-  const question = { profile, head: reader };
+  const question = { profile, head: reader, lessons: head.lessons };
   const rest = ref && OTHER[modality];
   const other = async (by) => (rest ? { [rest]: await embedding(desk, ref, rest, by) } : {});
   return { modality, head, order: orderIn(query.get("order")), question, other };

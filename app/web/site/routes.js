@@ -6,6 +6,7 @@ import {
   classroom,
   embedding,
   headFor,
+  keepTaught,
   keptProfile,
   lookedAt,
   orderIn,
@@ -160,7 +161,7 @@ async function teach(desk, question) {
   const lacking = missing(room.lessons);
   if (lacking) throw new Refused(lacking);
   const { report, made } = await taughtBy(room);
-  desk.taught.set(taughtName(question), made);
+  keepTaught(desk, question, made);
   return { ...report, classes: made.classes };
 }
 

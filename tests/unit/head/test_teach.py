@@ -235,7 +235,7 @@ def test_the_curve_ends_with_what_teaching_brings(head, head_folder):
     ("right", "words"),
     [
         ([0.5], "Label a third object"),
-        ([0.5, 0.5], "More labels bring little here: from 1 to 2 objects a class"),
+        ([0.5, 0.5], "More labels bring little here; from 1 to 2 objects a class"),
         (
             [0.2, 0.6, 0.9],
             "to 3 objects a class: \\+\\d+ points, give or take .*: more labels may bring",
