@@ -63,7 +63,7 @@ def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypa
 
     settings = SimpleNamespace(classes=("bright", "dark"))
     head = SimpleNamespace(model=model, settings=settings)
-    monkeypatch.setattr("app.pictures.head_taught", lambda *arguments: head)
+    monkeypatch.setattr("app.pictures.head_taught", lambda *arguments: (head, None))
     monkeypatch.setattr("omnivat.encoders.base.for_modality", lambda encoder, name: encoder)
     image = Image.new("RGB", (70, 70), "black")
     image.paste("white", (50, 0, 60, 10))
