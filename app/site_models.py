@@ -5,7 +5,8 @@ NAME.onnx                a head (`omnivat/head/portable.py`); "first" is the pag
 NAME-stages.onnx         its stages and trees for many pairs at one order
 familiarity, profile, …   of the first head, as its folder has them; own-…: of that for own pictures
 set-N.safetensors        embeddings of PART pairs each, in half precision
-../encoder-HASH.onnx     one file for all sets of that encoder, and ../resize.onnx before it
+../encoder-HASH.onnx     one file for all sets of that encoder
+../resize.onnx           a picture to another size
 
 Each but the script of the runtime is packed as NAME.gz; the browser unpacks it.
 """
@@ -45,8 +46,11 @@ def write_models(
     The name changes with the content, so a browser may keep every file. Raises MissingPackageError
     if a package of ONNX is not installed, DataError for a head or set that cannot be read.
     """
+    from omnivat.encoders.onnx_runtime import write_resize
+
     made = folder / "models"
     write_runtime(made / "runtime", runtime)
+    write_resize(made / "resize.onnx")
     for done, (name, resources) in enumerate(desks.items()):
         on_step(Step(done=done, total=len(desks), text=f"models of {name}"))
         write_set(resources, made / name)
@@ -130,7 +134,6 @@ def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
     from omnivat.data.strips import ENCODER as STRIP
     from omnivat.encoders.base import for_modality
     from omnivat.encoders.efficientnet import NAME, EfficientNetLite0
-    from omnivat.encoders.onnx_runtime import write_resize
 
     wanted = resources.head().encoder
     if wanted["name"] == STRIP:
@@ -141,7 +144,6 @@ def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
     encoder = for_modality(resources.encoder(), "vis")
     if not file.is_file() and isinstance(encoder, EfficientNetLite0):
         encoder.write_onnx(file)
-        write_resize(folder / "resize.onnx")
     dots = dots_of(wanted["preprocessing"])
     return {"kind": "onnx", "file": file.name, "dots": dots}
 

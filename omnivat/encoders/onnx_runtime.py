@@ -92,9 +92,9 @@ def write_resize(file: Path) -> None:
     most.
 
     Inputs are a picture (1, H, W, 3) and the wanted shape (4,) int64; `resized` is (1, h, w, 3);
-    pictures are uint8.
+    pictures are uint8. Raises MissingPackageError if a package of ONNX is not installed.
     """
-    onnx = import_module("onnx")
+    onnx = need("onnx", purpose="ONNX", install=" ".join(PACKAGES))
     make, kinds = onnx.helper, onnx.TensorProto
     inputs = [
         make.make_tensor_value_info("picture", kinds.UINT8, [1, None, None, 3]),

@@ -117,7 +117,7 @@ export class Acts {
 }
 
 /** Request the neighbours of a point; `box` shows the progress, or why there are none. */
-export async function findNeighbours(box, { set, point, stage, p }) {
+async function findNeighbours(box, { set, point, stage, p }) {
   if (box) box.textContent = "Computing this stage for the whole set…";
   try {
     return (await ask(inSet("neighbours", set), { point, stage, order: p })).neighbours;

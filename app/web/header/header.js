@@ -28,7 +28,7 @@ export function start(root) {
 
 const KEPT = "omnivat-theme";
 
-export function followTheme(button) {
+function followTheme(button) {
   const chosen = kept(KEPT);
   if (chosen) document.body.classList.toggle("dark", chosen === "dark");
   let dark = false;

@@ -34,7 +34,7 @@ export function verdict(frames, pair, stop) {
 }
 
 /** A verdict in words: its class, and its probability if that has a temperature; no mark without a true class. */
-export const saidHtml = ({ right, said, confidence }, labelled = true) =>
+const saidHtml = ({ right, said, confidence }, labelled = true) =>
   `${labelled ? (right ? "✓ " : "✗ ") : ""}${escaped(said)}${Number.isFinite(confidence) ? `, ${Math.round(100 * confidence)} %` : ""}`;
 
 /** The class that a pair imitates, in words; "" if none. */

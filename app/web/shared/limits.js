@@ -11,7 +11,7 @@ const REAL = "<b>Real pairs</b>, according to the file’s header.";
 /** Whether the pairs are simulated, in one sentence. */
 const kind = ({ meta, domains }) => (meta.embeddings.simulated || domains.some(isSimulated) ? SIMULATED : REAL);
 
-export function limitsHtml(frames) {
+function limitsHtml(frames) {
   const { encoder, origin } = frames.meta.embeddings;
   const error = Math.max(...Object.keys(frames.meta.maps).map((name) => frames.positions(...name.split("/"), 0).error));
   const facts = [

@@ -91,6 +91,8 @@ function pixelsOf(bitmap, by) {
 
 /** {pixels RGB, width, height} of a file's bytes, upright, and `full`, its size before; a Refused otherwise. */
 export async function decoded(bytes, name = "the image") {
+  if (text(bytes, 8, 8) === "WEBPVP8X" && bytes[20] & 8)
+    throw new Refused(`'${name}' is a WebP with EXIF, which browsers turn differently; save it as PNG or JPEG.`);
   const options = /** @type {ImageBitmapOptions} */ ({ colorSpaceConversion: "none", imageOrientation: "from-image" });
   const bitmap = whole(bytes) && (await createImageBitmap(new Blob([bytes]), options).catch(() => null));
   if (!bitmap) throw new Refused(`'${name}' ${UNREAD}`);

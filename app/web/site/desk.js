@@ -166,7 +166,7 @@ export async function lookedAt(desk, rows, question = {}) {
 }
 
 /** The place of a value among ascending quantiles, 0 to 1. */
-export function quantileOf(value, quantiles) {
+function quantileOf(value, quantiles) {
   const last = quantiles.length - 1;
   const above = quantiles.findIndex((one) => one > value);
   const upper = Math.min(last, Math.max(1, above < 0 ? last : above));
