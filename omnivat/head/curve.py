@@ -16,6 +16,7 @@ from omnivat.head.ridge import PENALTY, Labels, Rows, share_of_lessons, solved, 
 from omnivat.head.teach import Lesson, Work, missing
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import OnStep, Step, checkpoint, ignore
+from omnivat.kit.threads import one_blas_thread, one_thread
 
 DRAWS = 10  # of the objects that teach, at each count of the curve
 COUNTS = (1, 2, 3, 4, 5, 7, 10, 15, 20, 30, 50)  # objects of a class, on the curve
@@ -43,6 +44,8 @@ class Curve:
     words: str
 
 
+@one_thread()
+@one_blas_thread()
 def curve(head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> Curve:
     """Predict every lesson by heads that fewer objects of each class taught, its own object left
     out. The last point is `judged`.

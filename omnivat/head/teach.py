@@ -32,6 +32,7 @@ from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import OnStep, Step, checkpoint, ignore
 from omnivat.kit.stages import IMAGES
+from omnivat.kit.threads import one_blas_thread, one_thread
 
 FEWEST = 2  # objects of a class, and classes
 MOST = 2000  # lessons
@@ -79,6 +80,8 @@ class Report:
         return sum(one.after == one.label for one in self.judged)
 
 
+@one_thread()
+@one_blas_thread()
 def taught(head: Head, lessons: Sequence[Lesson]) -> Head:
     """Return a head that predicts as the lessons teach; `head` is not modified.
 
@@ -106,6 +109,8 @@ def taught(head: Head, lessons: Sequence[Lesson]) -> Head:
     return Work(head, lessons).head_taught()
 
 
+@one_thread()
+@one_blas_thread()
 def judged(head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> Report:
     """Predict every lesson before and after teaching, its object left out.
 
