@@ -1,5 +1,7 @@
 /** Fill the dots that are printed on a gel: `omnivat/data/grid.py` and `dots.py`, with equal results. No DOM here. */
 
+import { mean } from "./tensors.js";
+
 /** The numbers of the library; tests/web/dots.test.js compares them. */
 export const RULES = {
   ...{ SMALLEST: 64, SIDE: 224, WIDEST: 0.085, LONGEST: 0.28, SHORTEST: 11, MOST: 256 },
@@ -44,7 +46,6 @@ const added = (a, b) => a + b;
 const reduction = ({ width, height }) => Math.max(1, even(Math.min(width, height) / SIDE));
 
 function reduced({ width, height, values }, scale) {
-  if (scale === 1) return plane(width, height, values);
   const out = plane(Math.floor(width / scale), Math.floor(height / scale));
   for (let y = 0; y < out.height * scale; y++)
     for (let x = 0; x < out.width * scale; x++)
@@ -56,12 +57,9 @@ function reduced({ width, height, values }, scale) {
 function darkness(brightest) {
   const { width, height, values } = brightest;
   const widest = Math.floor((WIDEST * Math.min(width, height)) / 2) * 2 + 1;
-  const closed = square(square(brightest, widest, largest), widest, smallest).values;
-  return plane(
-    width,
-    height,
-    closed.map((c, i) => Math.floor(((c - values[i]) * 255) / Math.max(c, 24))),
-  );
+  const closed = square(square(brightest, widest, largest), widest, smallest);
+  closed.values = closed.values.map((c, i) => Math.floor(((c - values[i]) * 255) / Math.max(c, 24)));
+  return closed;
 }
 
 /** Groups of pixels that are true and share edges: the name of each pixel's group, 0 for none, and how many there
@@ -177,7 +175,7 @@ function neighbours(points, steps, { width, height }) {
   return { links, places };
 }
 
-/** The grid that spots form: {nodes, steps, darkness, share}, or null. */
+/** The grid that spots form: {nodes, steps, darkness}, or null. */
 function gridOf(dark, points) {
   const { width, height } = dark;
   const steps = commonSteps(points, dark);
@@ -188,31 +186,25 @@ function gridOf(dark, points) {
     (_, i) => (free(0, i) || free(1, i)) && (free(2, i) || free(3, i)) && links.some((of) => of[i] >= 0),
   );
   let names = good.map((is, i) => (is ? i : -1));
-  for (let before = [-2]; String(before) !== String(names); ) {
-    before = names;
-    const last = before;
-    names = last.map((name, i) =>
-      good[i] ? Math.max(name, ...links.map((of) => (of[i] >= 0 ? last[of[i]] : -1))) : -1,
-    );
-  }
+  const widened = (all) =>
+    all.map((name, i) => (good[i] ? Math.max(name, ...links.map((of) => (of[i] >= 0 ? all[of[i]] : -1))) : -1));
+  for (let before = ""; before !== String(names); names = widened(names)) before = String(names);
   const sizes = new Map();
   for (const name of names) if (name >= 0) sizes.set(name, (sizes.get(name) ?? 0) + 1);
   const [group] = [...sizes].sort(([a, m], [b, n]) => n - m || a - b)[0] ?? [-2];
   const node = names.map((name) => name === group);
   const own = points.filter((_, i) => node[i]);
   if (own.length < NODES) return null;
-  const typical = median(own.map(({ depth }) => depth));
+  const depths = own.map(({ depth }) => depth);
+  const typical = median(depths);
   const there = links.reduce((sum, _, k) => sum + points.filter((__, i) => node[i] && free(k, i)).length, 0);
   const share = there / (4 * own.length);
-  const mean = own.reduce((sum, { depth }) => sum + depth, 0) / own.length;
-  const spread = Math.sqrt(own.reduce((sum, { depth }) => sum + (depth - mean) ** 2, 0) / own.length);
+  const middle = mean(depths);
+  const spread = Math.sqrt(mean(depths.map((depth) => (depth - middle) ** 2)));
   const others = points.filter(({ depth }, i) => depth >= 0.6 * typical && !node[i]).length;
-  const reach = (of, side) => (Math.max(...own.map(of)) - Math.min(...own.map(of))) / side;
-  const filling = Math.min(
-    reach(({ x }) => x, width),
-    reach(({ y }) => y, height),
-  );
-  if (share < 0.8 || spread > 0.45 * typical || others > own.length || filling < 0.65) return null;
+  const reach = (axis) => Math.max(...own.map((p) => p[axis])) - Math.min(...own.map((p) => p[axis]));
+  if (share < 0.8 || spread > 0.45 * typical || others > own.length) return null;
+  if (Math.min(reach("x") / width, reach("y") / height) < 0.65) return null;
   if (between(dark, own, /** @type {[any, any]} */ (steps)) > 0.42 * typical) return null;
   const exact = [0, 2].map((k) => {
     const linked = points.map((p, i) => [p, points[links[k][i]], node[i]]).filter(([, q, is]) => q && is);
@@ -220,7 +212,7 @@ function gridOf(dark, points) {
   });
   const beside = (i) => links.some((of) => of[i] >= 0 && node[of[i]]) && points[i].depth >= 0.4 * typical;
   const nodes = points.filter((_, i) => node[i] || beside(i));
-  return { nodes, steps: exact, darkness: typical / 255, share };
+  return { nodes, steps: exact, darkness: typical / 255 };
 }
 
 /** The median darkness halfway between nodes. */
@@ -256,7 +248,7 @@ function findGrid(brightest) {
   return null;
 }
 
-/** Which pixels are dots of the grid, and how many dots there are. */
+/** Which pixels are dots of the grid. */
 function dotted(brightest, grid) {
   const { width, height } = brightest;
   const dark = darkness(brightest).values;
@@ -277,12 +269,8 @@ function dotted(brightest, grid) {
   const { names } = groups(brightest, inky);
   const dots = new Set();
   for (const node of grid.nodes) near(node, middle, (at) => names[at] && dots.add(names[at]));
-  const hole = plane(
-    width,
-    height,
-    Float64Array.from(names, (name) => +dots.has(name)),
-  );
-  return { hole: square(hole, 2 * reduction(brightest) + 1, largest), number: dots.size };
+  const inside = Float64Array.from(names, (name) => +dots.has(name));
+  return square(plane(width, height, inside), 2 * reduction(brightest) + 1, largest);
 }
 
 /** Laplace's equation in the holes of a picture: at half the size, then a few sweeps. */
@@ -362,7 +350,7 @@ export function withoutDots(picture) {
       brightest.values[at] = light ? 255 - Math.min(r, g, b) : Math.max(r, g, b);
     }
     const grid = findGrid(brightest);
-    if (grid) return filled(picture, dotted(brightest, grid).hole, /** @type {[any, any]} */ (grid.steps));
+    if (grid) return filled(picture, dotted(brightest, grid), /** @type {[any, any]} */ (grid.steps));
   }
   return picture;
 }
