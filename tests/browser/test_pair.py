@@ -228,6 +228,9 @@ def take_rest(page: Any) -> None:
 
 STATE = ".pair .feed[data-modality=tac] .state:has-text('{}')"
 TOUCHED = ".pair .verdict .reading[data-reading=tac]"
+SIDE_BY_SIDE = """() => ['.feed', '.verdict']
+  .map((name) => document.querySelector(`.pair ${name}`).getBoundingClientRect())
+  .every(({ top, bottom }) => top < innerHeight - 100 && bottom > 100)"""
 IDLE = ".pair .verdict:has-text('No contact')"
 
 
@@ -237,6 +240,7 @@ def test_live_gives_a_class_to_a_real_press_and_none_to_a_sensor_at_rest(
 ) -> None:
     calm, pressed = presses(name)
     page = live(name)
+    assert page.evaluate(SIDE_BY_SIDE)
     names = page.locator(".pair .feed .device option:checked").all_inner_texts()
     assert names == ["Webcam", "Sensor"]
     page.wait_for_selector(".pair .cameras .rate:has-text('ms from camera')")
@@ -514,6 +518,7 @@ def test_a_folder_goes_from_a_drop_to_predictions_of_the_next_pictures_by_the_ta
     page.wait_for_selector(".pair .many table")
     settle(page)
     assert "20 pictures without labels bring" in line.inner_text()
+    assert page.locator(".pair .own:has-text('What is it really?')").count() == 1  # the first opens
     before = page.locator(".pair .many tbody").inner_text()
     names = page.locator(".pair .many .link").all_inner_texts()
     for row, name in enumerate(names):

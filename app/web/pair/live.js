@@ -60,7 +60,9 @@ export class Live extends View {
   press(on) {
     press(this.$(".start"), on);
     this.$(".start").textContent = on ? "Stop" : "Start";
-    this.box.closest(".desk").classList.toggle("live", on); // cameras and prediction side by side
+    const desk = this.box.closest(".desk");
+    desk.classList.toggle("live", on); // cameras and prediction side by side
+    if (on) desk.scrollIntoView();
     for (const feed of this.feeds) feed.active = on;
     for (const name of ["rest", "calibrate", "record"]) this.$(`.${name}`).disabled = !on;
   }
