@@ -1,9 +1,7 @@
 """What all tests share: Hypothesis profiles, and small sets and heads made on the spot."""
 
 import importlib.util
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,7 +16,7 @@ settings.load_profile("same")
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 
 
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(config, items):
     """Mark browser tests as slow; run tests that start an event loop first: the browser keeps one.
 
     Tests marked as long run with `-m long` alone.
@@ -34,7 +32,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 
 @pytest.fixture(scope="session")
-def clips() -> Any:
+def clips():
     """Return the maker of small CLIPs in each layout; skips where transformers is not installed."""
     pytest.importorskip("transformers")
     file = Path(__file__).parent / "unit" / "encoders" / "clips.py"
@@ -46,7 +44,7 @@ def clips() -> Any:
 
 
 @pytest.fixture(scope="session")
-def presses() -> Callable[[str], tuple[Any, Any]]:
+def presses():
     """Return a reader of real frames: "gelsight" or "gelsight_mini" -> the rest picture, presses of
     a ball.
 
@@ -57,7 +55,7 @@ def presses() -> Callable[[str], tuple[Any, Any]]:
         pytest.skip("taxim is not installed")
     folder = Path(found.submodule_search_locations[0]) / "calib"
 
-    def read(name: str) -> tuple[Any, Any]:
+    def read(name):
         with np.load(folder / name / "dataPack.npz") as data:
             return data["f0"], list(data["imgs"])
 
@@ -65,19 +63,19 @@ def presses() -> Callable[[str], tuple[Any, Any]]:
 
 
 @pytest.fixture(scope="session")
-def make_embeddings() -> Callable[..., object]:
+def make_embeddings():
     """Return a maker of small, learnable embeddings: classes are directions, domains are shifts."""
     from omnivat.data.store import Embeddings, Header
 
     def make(
         *,
-        domains: tuple[str, ...] = ("TAG-sim", "OF Real-sim"),
-        per_class: int = 8,
-        width: int = 24,
-        seed: int = 0,
-        classes: tuple[str, ...] = CLASSES,
-        split: bool = False,
-    ) -> Embeddings:
+        domains=("TAG-sim", "OF Real-sim"),
+        per_class=8,
+        width=24,
+        seed=0,
+        classes=CLASSES,
+        split=False,
+    ):
         random = np.random.default_rng(seed)
         directions = 3 * random.normal(size=(len(classes), width))
         shifts = random.normal(size=(len(domains), 2, width))
@@ -125,11 +123,11 @@ def make_embeddings() -> Callable[..., object]:
 
 
 @pytest.fixture(scope="session")
-def without_classes() -> Callable[..., object]:
+def without_classes():
     """Return a function of embeddings and a count that takes the last classes from their pairs."""
     from dataclasses import replace
 
-    def without(embeddings: Any, count: int) -> object:
+    def without(embeddings, count):
         known = embeddings.header.classes[: len(embeddings.header.classes) - count]
         header = replace(embeddings.header, classes=(*known, "unlabelled"))
         return replace(embeddings, header=header, label=np.minimum(embeddings.label, len(known)))
@@ -138,15 +136,13 @@ def without_classes() -> Callable[..., object]:
 
 
 @pytest.fixture(scope="session")
-def head_folder(
-    make_embeddings: Callable[..., object], tmp_path_factory: pytest.TempPathFactory
-) -> Path:
+def head_folder(make_embeddings, tmp_path_factory):
     """Return the folder of a small head, trained for two epochs on made-up embeddings."""
     from omnivat.cli import main
     from omnivat.data.store import save_embeddings
 
     folder = tmp_path_factory.mktemp("head")
-    save_embeddings(folder / "set.safetensors", make_embeddings())  # type: ignore[arg-type]
+    save_embeddings(folder / "set.safetensors", make_embeddings())
     code = main(
         [
             "train",

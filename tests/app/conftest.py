@@ -1,9 +1,6 @@
 """A small learnable set and head for the page's tests."""
 
 import time
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +11,7 @@ from app.resources import Resources
 
 
 @pytest.fixture(scope="session")
-def small_places(head_folder: Path, tmp_path_factory: pytest.TempPathFactory) -> Places:
+def small_places(head_folder, tmp_path_factory):
     """Return the locations of a small head, its set and two example pairs; there are no frames
     yet.
     """
@@ -34,7 +31,7 @@ def small_places(head_folder: Path, tmp_path_factory: pytest.TempPathFactory) ->
     )
 
 
-def until(condition: Callable[[], Any]) -> Any:
+def until(condition):
     """Wait until a condition holds; return what it gives."""
     for _ in range(6000):
         if found := condition():
@@ -50,35 +47,33 @@ class PixelMeans:
     width = 24
     calls = 0
 
-    def preprocess(self, image: Image.Image) -> Any:
+    def preprocess(self, image):
         import torch
 
         return torch.from_numpy(np.array(image.resize((4, 2)), dtype=np.float32)).permute(2, 0, 1)
 
-    def embed(self, images: Any) -> Any:
+    def embed(self, images):
         self.calls += 1
         return images.flatten(1) / 255
 
 
 @pytest.fixture
-def encoder() -> PixelMeans:
+def encoder():
     return PixelMeans()
 
 
 @pytest.fixture
-def resources(
-    small_places: Places, encoder: PixelMeans, monkeypatch: pytest.MonkeyPatch
-) -> Resources:
+def resources(small_places, encoder, monkeypatch):
     """Return new resources for the small set, with an encoder without weights."""
     monkeypatch.setattr("omnivat.encoders.base.load_encoder", lambda name, **_: encoder)
     return Resources(small_places)
 
 
 @pytest.fixture
-def png() -> Callable[..., bytes]:
+def png():
     """Return a maker of PNG bytes."""
 
-    def make(side: int = 32, seed: int = 0) -> bytes:
+    def make(side=32, seed=0):
         from io import BytesIO
 
         random = np.random.default_rng(seed)

@@ -3,7 +3,6 @@
 import json
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from PIL import Image
@@ -20,7 +19,7 @@ from omnivat.maps.frames import read_frames
 
 
 @pytest.fixture(scope="module")
-def frames(small_places, tmp_path_factory) -> Path:
+def frames(small_places, tmp_path_factory):
     """Return the frames of the small head, computed once."""
     return frames_file(replace(small_places, computed=tmp_path_factory.mktemp("frames")))
 

@@ -20,7 +20,7 @@ def foreign(resources, make_embeddings, tmp_path, monkeypatch):
     """Return a maker of resources whose set is of another encoder than their head."""
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
 
-    def make(**options) -> Resources:
+    def make(**options):
         made = make_embeddings(width=12, **options)
         other = replace(made, header=replace(made.header, encoder="other-encoder"))
         save_embeddings(tmp_path / "my set.safetensors", other)
@@ -29,7 +29,7 @@ def foreign(resources, make_embeddings, tmp_path, monkeypatch):
     return make
 
 
-def asked(resources: Resources) -> TestClient:
+def asked(resources):
     return TestClient(Starlette(routes=routes(resources)))
 
 

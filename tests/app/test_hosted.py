@@ -77,7 +77,7 @@ def test_a_port_that_is_none_is_refused(capsys):
 class Demo:
     """`python app.py` started by a service, with its writes recorded."""
 
-    def __init__(self, place: Path) -> None:
+    def __init__(self, place):
         self.tmp, self.told = place / "tmp", place / "writes"
         self.tmp.mkdir()
         (place / "watch").mkdir()
@@ -101,18 +101,18 @@ class Demo:
             [sys.executable, "app.py"], cwd=ROOT, env=environ, stdout=self.log, stderr=self.log
         )
 
-    def ask(self, path: str, question: object = None) -> bytes:
+    def ask(self, path, question=None):
         """Return the reply to a request with the service's host name."""
         return self.send(path, None if question is None else json.dumps(question).encode())
 
-    def send(self, path: str, content: bytes | None) -> bytes:
+    def send(self, path, content):
         """Return the reply to raw bytes."""
         headers = {"Host": "me-demo.example", "Content-Type": "application/octet-stream"}
         request = Request(f"http://127.0.0.1:{self.port}/{path}", data=content, headers=headers)
         with urlopen(request, timeout=120) as answer:
             return bytes(answer.read())
 
-    def until_up(self) -> bytes:
+    def until_up(self):
         """Return the page once the server is ready."""
         until = time.monotonic() + 300
         while time.monotonic() < until:
@@ -127,17 +127,17 @@ class Demo:
         self.log.seek(0)
         raise AssertionError(self.log.read())
 
-    def peak_bytes(self) -> int:
+    def peak_bytes(self):
         """Return the peak memory of the process."""
         status = Path(f"/proc/{self.process.pid}/status").read_text(encoding="utf-8")
         return int(status.split("VmHWM:")[1].split()[0]) * 1024
 
-    def outside(self) -> list[str]:
+    def outside(self):
         """Return the files written elsewhere; Gradio may write one seed where it is installed."""
         told = self.told.read_text(encoding="utf-8").splitlines()
         return [line for line in told if not line.endswith("/gradio/hash_seed.txt")]
 
-    def stop(self) -> None:
+    def stop(self):
         """Stop as a service does."""
         self.process.send_signal(signal.SIGTERM)
         self.process.wait(timeout=240)

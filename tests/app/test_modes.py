@@ -3,7 +3,6 @@
 import json
 from base64 import b64decode
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,7 +19,7 @@ from omnivat.maps.frames.file import frames_header
 
 
 @pytest.fixture(scope="module")
-def trained(head_folder, tmp_path_factory) -> Path:
+def trained(head_folder, tmp_path_factory):
     """Return a folder with the small set and frames that imitate retrained ones."""
     from omnivat.data.store import load_embeddings
     from omnivat.head.checkpoint import load_head
@@ -41,12 +40,12 @@ def trained(head_folder, tmp_path_factory) -> Path:
 
 
 @pytest.fixture
-def beside(small_places, trained) -> Resources:
+def beside(small_places, trained):
     return Resources(replace(small_places, embeddings=trained / "set.safetensors"))
 
 
 @pytest.fixture
-def client(beside) -> TestClient:
+def client(beside):
     return TestClient(Starlette(routes=routes(beside)))
 
 

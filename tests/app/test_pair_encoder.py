@@ -1,21 +1,15 @@
 """A head with separate encoders for photos and touches: an uploaded image has a vector for each."""
 
-from collections.abc import Callable
-from typing import Any
-
 import numpy as np
-import pytest
-
-from app.resources import Resources
 
 
 def test_a_sent_image_is_read_by_the_encoder_of_the_modality_it_is_used_for(
-    resources: Resources, encoder: Any, png: Callable[..., bytes], monkeypatch: pytest.MonkeyPatch
-) -> None:
+    resources, encoder, png, monkeypatch
+):
     from omnivat.encoders.base import PairEncoder
 
-    class Doubled(type(encoder)):  # type: ignore[misc]
-        def embed(self, images: Any) -> Any:
+    class Doubled(type(encoder)):
+        def embed(self, images):
             return 2 * super().embed(images)
 
     pair = PairEncoder(encoder, Doubled())

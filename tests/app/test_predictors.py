@@ -11,7 +11,7 @@ from omnivat.kit.errors import DataError
 
 
 @pytest.fixture
-def two_heads(resources, small_places) -> Resources:
+def two_heads(resources, small_places):
     """Return resources with the same head twice: once as the first, once to compare."""
     return Resources(replace(small_places, compare=(small_places.head,)))
 

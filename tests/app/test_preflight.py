@@ -86,7 +86,7 @@ def test_a_server_that_is_told_to_stop_leaves_no_folder(how, tmp_path, monkeypat
     assert "Traceback" not in said
 
 
-def wait_for(port: int) -> None:
+def wait_for(port):
     until = time.monotonic() + 120
     while time.monotonic() < until:
         try:
@@ -97,7 +97,7 @@ def wait_for(port: int) -> None:
     raise AssertionError("the server did not start")
 
 
-def send_file(port: int) -> None:
+def send_file(port):
     address = f"http://127.0.0.1:{port}/omnivat/part?name=settings.json"
     with urlopen(address, data=b"{}", timeout=60) as answer:
         assert answer.status == 200

@@ -27,7 +27,7 @@ def elsewhere(tmp_path, monkeypatch):
     return tmp_path
 
 
-def process(then: str) -> "subprocess.Popen[str]":
+def process(then):
     return subprocess.Popen(
         [sys.executable, "-c", MAKES.format(then=then)], cwd=ROOT, stdout=subprocess.PIPE, text=True
     )

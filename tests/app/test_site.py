@@ -3,7 +3,6 @@
 import json
 import re
 from dataclasses import replace
-from pathlib import Path
 from urllib.parse import urlsplit
 
 import pytest
@@ -25,14 +24,14 @@ def where(small_places, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def written(where, tmp_path_factory) -> Path:
+def written(where, tmp_path_factory):
     """Return the site of the small set alone."""
     out = tmp_path_factory.mktemp("sites") / "of 2% é"
     export_site(where, out, sets=(), models=False)
     return out
 
 
-def held(out: Path) -> dict:
+def held(out):
     text = (out / "index.html").read_text(encoding="utf-8")
     return json.loads(re.search(r'id="omnivat-held">(.*?)</script>', text)[1])
 

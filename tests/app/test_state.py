@@ -52,7 +52,7 @@ def test_equal_bytes_have_equal_names():
 
 
 def test_the_least_recently_used_value_is_forgotten_first():
-    recent: Recent[int] = Recent(2)
+    recent = Recent(2)
     recent.keep("a", 1)
     recent.keep("b", 2)
     recent.get("a")
@@ -61,7 +61,7 @@ def test_the_least_recently_used_value_is_forgotten_first():
 
 
 def test_a_visitor_finds_only_its_own_values():
-    recent: Recent[int] = Recent(4, private=True)
+    recent = Recent(4, private=True)
     VISITOR.set("a")
     recent.keep("x", 1)
     VISITOR.set("b")
@@ -73,7 +73,7 @@ def test_a_visitor_finds_only_its_own_values():
 
 
 def test_values_are_bounded_by_their_bytes_and_the_newest_stays():
-    recent: Recent[str] = Recent(9, room=10)
+    recent = Recent(9, room=10)
     assert recent.keep("a", "a", 6) == []
     assert recent.keep("b", "b", 6) == ["a"]
     assert recent.keep("c", "c", 99) == ["b"]

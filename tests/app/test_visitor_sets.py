@@ -1,8 +1,6 @@
 """Heads and sets loaded through the page: checked, and visible to their visitor only."""
 
 import asyncio
-from collections.abc import AsyncIterator
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,11 +18,11 @@ from omnivat.kit.errors import DataError
 
 
 @pytest.fixture
-def client(resources) -> TestClient:
+def client(resources):
     return TestClient(Starlette(routes=routes(resources)))
 
 
-def send(client: TestClient, files: dict[str, Path]) -> dict[str, str]:
+def send(client, files):
     """Upload files; return their names."""
     return {
         name: client.post(f"/omnivat/part?name={name}", content=file.read_bytes()).json()["part"]
@@ -32,7 +30,7 @@ def send(client: TestClient, files: dict[str, Path]) -> dict[str, str]:
     }
 
 
-def head_files(folder: Path) -> dict[str, Path]:
+def head_files(folder):
     return {
         name: folder / name for name in ("weights.safetensors", "settings.json", "metrics.json")
     }
@@ -103,7 +101,7 @@ def test_a_name_that_the_server_does_not_have_is_told_so(client):
     assert "Load it again" in got.json()["error"]
 
 
-async def blocks(content: bytes, times: int) -> AsyncIterator[bytes]:
+async def blocks(content, times):
     for _ in range(times):
         yield content
 

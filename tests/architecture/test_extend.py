@@ -13,7 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "extend.md").read_text(encoding="utf-8")
 
 
-def block(place: str) -> str:
+def block(place):
     """Return the code that the page shows for the file at `place`."""
     found = re.search(
         rf"```\w+\n(?:# |// |<!-- ){re.escape(place)}(?: -->)?\n(.*?)```", PAGE, re.DOTALL
@@ -22,7 +22,7 @@ def block(place: str) -> str:
     return found[1]
 
 
-def entry(table: str) -> tuple[str, str]:
+def entry(table):
     """Return name and target of the line that the page adds to a table."""
     found = re.search(rf'`"(\w+)": "([\w.:]+)"`[^\n]*`{table}`', PAGE)
     assert found, f"docs/extend.md adds no line to {table}"
@@ -33,7 +33,7 @@ def entry(table: str) -> tuple[str, str]:
 def added(tmp_path, monkeypatch):
     """A function that puts a file of the page where its module is imported from."""
 
-    def add(place: str) -> str:
+    def add(place):
         module = place.removesuffix(".py").replace("/", ".")
         package, _, name = module.rpartition(".")
         folder = tmp_path / package
@@ -144,7 +144,7 @@ def test_a_reader_of_one_file_and_one_line_recognises_its_layout(added, monkeypa
 def test_a_simulated_sensor_of_one_row_is_drawn(tmp_path):
     from omnivat.simulate.build import simulate
 
-    names: dict[str, object] = {}
+    names = {}
     exec(block("omnivat/simulate/my_domain.py"), names)
     made = simulate(
         tmp_path, domains=[names["BRIGHT"]], pairs_per_class=1, size=32, renderer="plain", workers=1
@@ -155,7 +155,7 @@ def test_a_simulated_sensor_of_one_row_is_drawn(tmp_path):
 
 
 def test_a_tab_of_the_page_is_a_module_with_a_title_and_a_folder_of_scripts(tmp_path):
-    names: dict[str, object] = {}
+    names = {}
     exec(block("app/views/hello.py"), names)
     assert names["TITLE"] == "Hello"
     assert "export async function start(element)" in block("app/web/hello/hello.js")

@@ -12,7 +12,7 @@ import omnivat
 HEAVY = {"torch", "numpy", "umap", "plotly", "gradio", "sklearn", "scipy", "transformers", "PIL"}
 
 
-def loaded_by(statement: str) -> set[str]:
+def loaded_by(statement):
     """Return which heavy packages a fresh interpreter has loaded after `statement`."""
     code = f"import sys; {statement}; print(*{{m.split('.')[0] for m in sys.modules}})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -40,7 +40,7 @@ def test_every_module_imports_and_says_what_it_is_for(name):
     assert (importlib.import_module(name).__doc__ or "").strip()
 
 
-def tables() -> list[tuple[str, str, str]]:
+def tables():
     """Return every entry of every table of "module:attribute" texts."""
     found = []
     for name in MODULES:

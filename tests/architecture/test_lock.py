@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 OF_GRADIO = {"starlette", "uvicorn", "huggingface_hub"}
 
 
-def requirements() -> list[Requirement]:
+def requirements():
     lines = (ROOT / "requirements.txt").read_text(encoding="utf-8").splitlines()
     kept = [line.split("#")[0].strip() for line in lines]
     return [Requirement(line) for line in kept if line and not line.startswith("-")]
@@ -59,7 +59,7 @@ def test_every_package_that_is_imported_is_declared():
     assert undeclared == set()
 
 
-def imported() -> set[str]:
+def imported():
     """Names of the packages that the program imports, at the top of a file or in a function."""
     names = set()
     for file in [*(ROOT / "app").rglob("*.py"), *(ROOT / "omnivat").rglob("*.py")]:

@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 TEXT = {".py", ".md", ".toml", ".txt", ".js", ".css", ".json", ".jsonl", ".csv", ".html", ".sh", ""}
 
 
-def tracked() -> list[Path]:
+def tracked():
     done = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True)
     if done.returncode:
         pytest.skip("not a git checkout")
@@ -104,7 +104,7 @@ def test_every_stage_has_a_title_on_the_page():
     assert tuple(STAGE_TITLES) == STAGES == tuple(k for k in titled if k in STAGES)
 
 
-def broken_links(path: Path) -> list[str]:
+def broken_links(path):
     """Return the links of a document whose file, or whose heading in it, is not there."""
     broken = []
     for target in re.findall(r"\]\(([^)\s]+)\)", path.read_text(encoding="utf-8")):

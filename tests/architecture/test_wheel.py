@@ -17,7 +17,7 @@ pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def site(tmp_path_factory):
     """A folder with what the wheel installs, and nothing of the checkout beside it."""
     folder = tmp_path_factory.mktemp("wheel")
     source = folder / "source"
@@ -37,7 +37,7 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder / "site"
 
 
-def run(site: Path, *arguments: str) -> str:
+def run(site, *arguments):
     """Return what `python ...` prints with the wheel's content alone on the path."""
     environment = os.environ | {"PYTHONPATH": str(site), "OMNIVAT_CACHE": str(site / "cache")}
     done = subprocess.run(
@@ -48,24 +48,24 @@ def run(site: Path, *arguments: str) -> str:
     return done.stdout
 
 
-def test_the_installed_library_is_the_one_that_runs(site: Path) -> None:
+def test_the_installed_library_is_the_one_that_runs(site):
     printed = run(site, "-c", "import omnivat, app; print(omnivat.__file__, app.__file__)")
     assert printed.count(str(site)) == 2
 
 
-def test_an_installed_command_finds_the_shipped_head_and_set(site: Path) -> None:
+def test_an_installed_command_finds_the_shipped_head_and_set(site):
     record = json.loads(run(site, "-m", "omnivat", "gaps", "--stage", "f_hat", "--json"))
     assert record["pairs"] > 1000
 
 
-def test_an_installed_command_predicts_a_shipped_pair(site: Path) -> None:
+def test_an_installed_command_predicts_a_shipped_pair(site):
     photo = next((site / "omnivat_examples" / "pairs").rglob("*_vis.*"))
     touch = next(photo.parent.glob(photo.name.replace("_vis", "_tac")))
     answer = json.loads(run(site, "-m", "omnivat", "predict", str(photo), str(touch), "--json"))
     assert answer["prediction"] in answer["probabilities"]
 
 
-def test_the_page_finds_its_scripts_and_sets(site: Path) -> None:
+def test_the_page_finds_its_scripts_and_sets(site):
     code = (
         "from app.resources import Resources; from omnivat.head.heads import EXAMPLES,"
         " shipped_sets;print(EXAMPLES, *shipped_sets())"
@@ -74,6 +74,6 @@ def test_the_page_finds_its_scripts_and_sets(site: Path) -> None:
     assert "omnivat_examples" in printed and "sensors" in printed
 
 
-def test_explore_opens_in_a_notebook_of_any_folder(site: Path) -> None:
+def test_explore_opens_in_a_notebook_of_any_folder(site):
     code = "from omnivat.notebook import explore; print(len(explore().page))"
     assert int(run(site, "-c", code)) > 1_000_000

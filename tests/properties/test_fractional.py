@@ -5,7 +5,6 @@ import math
 import torch
 from hypothesis import given
 from hypothesis import strategies as st
-from torch import Tensor
 
 from omnivat.fractional import basis, coefficients, dfrft, synthesise
 
@@ -16,18 +15,18 @@ KINDS = st.sampled_from([torch.float32, torch.float64, torch.complex64, torch.co
 SEEDS = st.integers(0, 2**16)
 
 
-def draw(seed: int, size: int, kind: torch.dtype, rows: int = 3) -> Tensor:
+def draw(seed, size, kind, rows=3):
     generator = torch.Generator().manual_seed(seed)
     return torch.randn(rows, size, dtype=kind, generator=generator)
 
 
-def close(a: Tensor, b: Tensor, kind: torch.dtype, scale: Tensor) -> bool:
+def close(a, b, kind, scale):
     bound = 1.6e-14 if kind in (torch.float64, torch.complex128) else 3e-6
     return bool((a - b).norm() <= bound * scale.norm())
 
 
 @given(SEEDS, SIZES, ORDERS, KINDS)
-def test_length_is_kept(seed: int, size: int, order: float, kind: torch.dtype) -> None:
+def test_length_is_kept(seed, size, order, kind):
     x = draw(seed, size, kind)
     y = dfrft(x, order)
     assert close(y.norm(dim=-1), x.norm(dim=-1), kind, x)
@@ -35,31 +34,31 @@ def test_length_is_kept(seed: int, size: int, order: float, kind: torch.dtype) -
 
 
 @given(SEEDS, SIZES, ORDERS, ORDERS, KINDS)
-def test_orders_add(seed: int, size: int, a: float, b: float, kind: torch.dtype) -> None:
+def test_orders_add(seed, size, a, b, kind):
     x = draw(seed, size, kind)
     assert close(dfrft(dfrft(x, a), b), dfrft(x, a + b), kind, x)
 
 
 @given(SEEDS, SIZES, ORDERS, st.integers(-1000, 1000), KINDS)
-def test_the_period_is_four(seed: int, size: int, p: float, n: int, kind: torch.dtype) -> None:
+def test_the_period_is_four(seed, size, p, n, kind):
     x = draw(seed, size, kind)
     assert close(dfrft(x, p + 4 * n), dfrft(x, p), kind, x)
 
 
 @given(SEEDS, SIZES, KINDS)
-def test_order_one_is_the_dft(seed: int, size: int, kind: torch.dtype) -> None:
+def test_order_one_is_the_dft(seed, size, kind):
     x = draw(seed, size, kind)
     assert close(synthesise(coefficients(x), 1.0), torch.fft.fft(x, norm="ortho"), kind, x)
 
 
 @given(SEEDS, SIZES, ORDERS, KINDS)
-def test_sums_go_to_sums(seed: int, size: int, order: float, kind: torch.dtype) -> None:
+def test_sums_go_to_sums(seed, size, order, kind):
     x, y = draw(seed, size, kind), draw(seed + 1, size, kind)
     assert close(dfrft(2 * x - y, order), 2 * dfrft(x, order) - dfrft(y, order), kind, x)
 
 
 @given(SIZES, ORDERS)
-def test_the_trace_is_the_sum_of_the_phases(size: int, order: float) -> None:
+def test_the_trace_is_the_sum_of_the_phases(size, order):
     f = dfrft(torch.eye(size, dtype=torch.float64), order)
     k = [*range(size - 1), size if size % 2 == 0 else size - 1]
     turns = [math.fmod(c * math.fmod(order, 4), 4) for c in k]
@@ -68,7 +67,7 @@ def test_the_trace_is_the_sum_of_the_phases(size: int, order: float) -> None:
 
 
 @given(st.integers(6, 64), ORDERS)
-def test_eigenvectors_turn_by_their_own_index(size: int, order: float) -> None:
+def test_eigenvectors_turn_by_their_own_index(size, order):
     vectors, k = basis(size)
     turns = torch.fmod(k * math.fmod(order, 4), 4) * (-math.pi / 2)
     phases = torch.complex(turns.cos(), turns.sin())
@@ -77,25 +76,25 @@ def test_eigenvectors_turn_by_their_own_index(size: int, order: float) -> None:
 
 
 @given(SEEDS, SIZES, ORDERS)
-def test_real_input_at_minus_p_is_the_conjugate(seed: int, size: int, order: float) -> None:
+def test_real_input_at_minus_p_is_the_conjugate(seed, size, order):
     x = draw(seed, size, torch.float64)
     assert close(dfrft(x, -order), dfrft(x, order).conj(), torch.float64, x)
 
 
 @given(SEEDS, SIZES, ORDERS)
-def test_reversal_commutes(seed: int, size: int, order: float) -> None:
+def test_reversal_commutes(seed, size, order):
     x = draw(seed, size, torch.float64)
     assert close(dfrft(dfrft(x, 2), order), dfrft(dfrft(x, order), 2), torch.float64, x)
 
 
 @given(SEEDS, SIZES, ORDERS, st.floats(1e-30, 1e30))
-def test_scale_is_kept_from_tiny_to_huge(seed: int, size: int, order: float, by: float) -> None:
+def test_scale_is_kept_from_tiny_to_huge(seed, size, order, by):
     x = draw(seed, size, torch.float64)
     assert close(dfrft(by * x, order) / by, dfrft(x, order), torch.float64, x)
 
 
 @given(SEEDS, SIZES, ORDERS)
-def test_rows_do_not_know_of_each_other(seed: int, size: int, order: float) -> None:
+def test_rows_do_not_know_of_each_other(seed, size, order):
     x = draw(seed, size, torch.float64, rows=5)
     order_of_rows = torch.tensor([4, 2, 0, 1, 3])
     assert close(dfrft(x[order_of_rows], order), dfrft(x, order)[order_of_rows], torch.float64, x)

@@ -14,7 +14,7 @@ from omnivat.head.heads import default_head
 
 
 @pytest.fixture
-def folder(tmp_path: Path) -> Path:
+def folder(tmp_path):
     """A folder of three pairs in a path with a space and a letter beyond ASCII."""
     random = np.random.default_rng(0)
     place = tmp_path / "mine ü" / "lab" / "wood"
@@ -26,7 +26,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path / "mine ü"
 
 
-def spoil(folder: Path, *names: str) -> None:
+def spoil(folder, *names):
     for name in names:
         file = folder / "lab" / "wood" / name
         file.write_bytes(file.read_bytes()[:60])
@@ -73,7 +73,7 @@ def test_a_head_of_rest_pictures_uses_the_one_given_and_tells_when_it_needs_one(
     base = ["predict", "--json", "--no-cache"]
     pair = [str(place / "a_vis.png"), str(place / "a_tac.png")]
 
-    def touch(*arguments: str) -> dict[str, float]:
+    def touch(*arguments):
         assert main([*base, *arguments]) == 0
         found = json.loads(capsys.readouterr().out)
         return (found[0] if isinstance(found, list) else found)["modalities"]["tac"]

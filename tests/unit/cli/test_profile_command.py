@@ -55,7 +55,7 @@ def test_unlabelled_pairs_are_counted_and_the_source_stays(capsys, two, head_fol
 
 
 def test_the_scores_of_unlabelled_pairs_are_means_over_draws(capsys, monkeypatch, two, head_folder):
-    seeds: list[int] = []
+    seeds = []
 
     def drawn(*arguments, seed):
         seeds.append(seed)

@@ -16,7 +16,7 @@ from omnivat.simulate.things import thing
 from tests.unit.data.odd_pictures import ODD, SIDE, gel, picture, printed
 
 
-def with_dots(clean: np.ndarray, shade: np.ndarray) -> np.ndarray:
+def with_dots(clean, shade):
     return picture(clean * (1 - shade[..., None]))
 
 
@@ -30,8 +30,8 @@ def with_dots(clean: np.ndarray, shade: np.ndarray) -> np.ndarray:
     seed=st.integers(0, 99),
 )
 def test_a_printed_grid_is_found_and_filled_near_the_gel_below(
-    pitch: float, share: float, turn: float, darkness: float, square: bool, seed: int
-) -> None:
+    pitch, share, turn, darkness, square, seed
+):
     clean = gel(seed=seed)
     shade = printed(pitch=pitch, radius=share * pitch, turn=turn, darkness=darkness, square=square)
     filled, dots = fill_dots(with_dots(clean, shade))
@@ -43,7 +43,7 @@ def test_a_printed_grid_is_found_and_filled_near_the_gel_below(
 
 
 @pytest.mark.parametrize("side", [224, 337, 480, 1080])
-def test_dots_are_filled_at_every_size_of_a_picture(side: int) -> None:
+def test_dots_are_filled_at_every_size_of_a_picture(side):
     clean = gel(side)
     shade = printed(side, pitch=side / 9, radius=side / 60)
     filled, dots = fill_dots(with_dots(clean, shade))
@@ -51,14 +51,14 @@ def test_dots_are_filled_at_every_size_of_a_picture(side: int) -> None:
     assert np.abs(filled.astype(float) - clean)[shade > 0.1].mean() < 9
 
 
-def test_a_wide_picture_is_filled_too() -> None:
+def test_a_wide_picture_is_filled_too():
     wide = np.concatenate([gel(), gel(seed=1)[:, :80]], 1)
     y, x = np.mgrid[:224, :304]
     shade = 0.8 * (np.hypot(x % 26 - 13, y % 26 - 13) < 4.5)
     assert (dots := fill_dots(with_dots(wide, shade))[1]) and dots.number >= 80
 
 
-def test_missing_dots_and_a_press_leave_the_rest_of_the_grid_filled() -> None:
+def test_missing_dots_and_a_press_leave_the_rest_of_the_grid_filled():
     clean = gel()
     shade = printed(missing=0.1, bulge=0.12)
     filled, dots = fill_dots(with_dots(clean, shade))
@@ -67,7 +67,7 @@ def test_missing_dots_and_a_press_leave_the_rest_of_the_grid_filled() -> None:
     assert covered[shade > 0.4].mean() > 0.97
 
 
-def test_light_dots_on_a_dark_gel_are_filled() -> None:
+def test_light_dots_on_a_dark_gel_are_filled():
     clean = gel() / 3
     shade = printed()
     filled, dots = fill_dots(picture(clean + (235 - clean) * shade[..., None]))
@@ -75,7 +75,7 @@ def test_light_dots_on_a_dark_gel_are_filled() -> None:
     assert np.abs(filled.astype(float) - clean)[shade > 0.1].mean() < 9
 
 
-def test_what_is_not_a_dot_keeps_its_bytes() -> None:
+def test_what_is_not_a_dot_keeps_its_bytes():
     marked = with_dots(gel(), shade := printed())
     filled, _ = fill_dots(marked)
     far = gaussian_filter((shade > 0).astype(float), 3) < 0.01
@@ -83,7 +83,7 @@ def test_what_is_not_a_dot_keeps_its_bytes() -> None:
     assert filled is not marked and marked.flags.writeable  # the picture given stays
 
 
-def test_the_second_fill_finds_nothing() -> None:
+def test_the_second_fill_finds_nothing():
     once, dots = fill_dots(with_dots(gel(), printed()))
     assert dots is not None
     again, none = fill_dots(once)
@@ -92,20 +92,20 @@ def test_the_second_fill_finds_nothing() -> None:
 
 @pytest.mark.parametrize("name", ODD)
 @pytest.mark.parametrize("seed", range(3))
-def test_a_picture_without_a_printed_grid_comes_back_as_it_is(name: str, seed: int) -> None:
+def test_a_picture_without_a_printed_grid_comes_back_as_it_is(name, seed):
     before = picture(ODD[name](SIDE, seed))
     copy = before.copy()
     after, dots = fill_dots(before)
     assert dots is None and after is before and (after == copy).all()
 
 
-def test_a_picture_too_small_for_a_grid_comes_back_as_it_is() -> None:
+def test_a_picture_too_small_for_a_grid_comes_back_as_it_is():
     small = picture(gel(40))
     assert fill_dots(small) == (small, None)
 
 
 @pytest.mark.parametrize("name", ["TAG", "OF Real", "TQ-DuraGel"])
-def test_a_simulated_press_loses_its_dots_and_the_press_drawn_without_dots_stays(name: str) -> None:
+def test_a_simulated_press_loses_its_dots_and_the_press_drawn_without_dots_stays(name):
     domain = SIMULATED[name]
     made = thing(next(iter(planned(domain, "wood", pairs=8))), seed=0)
     sensor = replace(domain.sensor, plain_gels=0.0)

@@ -1,8 +1,6 @@
 """`omnivat import`: embeddings made elsewhere, from each kind of file, checked and named."""
 
 import csv
-from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,7 +17,7 @@ Table = dict[str, Any]
 
 
 @pytest.fixture
-def table() -> Table:
+def table():
     random = np.random.default_rng(0)
     return {
         "vis": random.normal(size=(COUNT, 4)).astype(np.float32),
@@ -31,11 +29,11 @@ def table() -> Table:
     }
 
 
-def write_npz(table: Table, file: Path) -> None:
+def write_npz(table, file):
     np.savez(file, **table)
 
 
-def write_parquet(table: Table, file: Path) -> None:
+def write_parquet(table, file):
     pyarrow = pytest.importorskip("pyarrow")
     import pyarrow.parquet as parquet
 
@@ -43,15 +41,15 @@ def write_parquet(table: Table, file: Path) -> None:
     parquet.write_table(pyarrow.table(columns), file)
 
 
-def write_hdf5(table: Table, file: Path) -> None:
+def write_hdf5(table, file):
     h5py = pytest.importorskip("h5py")
     with h5py.File(file, "w") as handle:
         for name, array in table.items():
             handle[name] = array.tolist() if array.dtype.kind == "U" else array
 
 
-def write_csv(table: Table, file: Path) -> None:
-    columns: Table = {}
+def write_csv(table, file):
+    columns = {}
     for name, array in table.items():
         if array.ndim == 2:
             columns |= {f"{name}_{i}": array[:, i] for i in range(array.shape[1])}
@@ -63,7 +61,7 @@ def write_csv(table: Table, file: Path) -> None:
         writer.writerows(zip(*columns.values(), strict=True))
 
 
-WRITERS: dict[str, Callable[[Table, Path], None]] = {
+WRITERS = {
     "set.npz": write_npz,
     "set.parquet": write_parquet,
     "set.h5": write_hdf5,
@@ -72,7 +70,7 @@ WRITERS: dict[str, Callable[[Table, Path], None]] = {
 
 
 @pytest.mark.parametrize("name", WRITERS)
-def test_each_kind_of_file_becomes_the_same_set(table: Table, tmp_path: Path, name: str) -> None:
+def test_each_kind_of_file_becomes_the_same_set(table, tmp_path, name):
     WRITERS[name](table, tmp_path / name)
     out = tmp_path / "out.safetensors"
     assert main(["import", str(tmp_path / name), "--encoder", "Sparsh", "--out", str(out)]) == 0
@@ -90,8 +88,8 @@ def test_each_kind_of_file_becomes_the_same_set(table: Table, tmp_path: Path, na
 
 
 def test_a_set_from_elsewhere_is_trained_on_and_no_image_can_be_encoded(
-    tmp_path: Path, make_embeddings: Any, capsys: pytest.CaptureFixture[str]
-) -> None:
+    tmp_path, make_embeddings, capsys
+):
     pairs = make_embeddings()
     domains = [pairs.header.domains[i] for i in pairs.domain]
     arrays = {"vis": pairs.vis, "tac": pairs.tac, "object": pairs.rows["object"]}
@@ -107,7 +105,7 @@ def test_a_set_from_elsewhere_is_trained_on_and_no_image_can_be_encoded(
     assert "made elsewhere and imported" in capsys.readouterr().err
 
 
-def test_files_imported_under_one_name_are_of_one_encoder(table: Table, tmp_path: Path) -> None:
+def test_files_imported_under_one_name_are_of_one_encoder(table, tmp_path):
     write_npz(table, tmp_path / "a.npz")
     table["vis"] = table["vis"] + 1
     write_npz(table, tmp_path / "b.npz")
@@ -118,9 +116,7 @@ def test_files_imported_under_one_name_are_of_one_encoder(table: Table, tmp_path
     assert first == second != other
 
 
-def test_the_narrower_vectors_end_in_zeros_and_the_header_says_so(
-    table: Table, tmp_path: Path
-) -> None:
+def test_the_narrower_vectors_end_in_zeros_and_the_header_says_so(table, tmp_path):
     table["tac"] = table["tac"][:, :3]
     write_npz(table, tmp_path / "a.npz")
     found = import_embeddings(tmp_path / "a.npz", encoder="x")
@@ -128,7 +124,7 @@ def test_the_narrower_vectors_end_in_zeros_and_the_header_says_so(
     assert "vis 4, tac 3 values, then zeros" in found.header.preprocessing
 
 
-def test_columns_of_other_names_are_found(table: Table, tmp_path: Path) -> None:
+def test_columns_of_other_names_are_found(table, tmp_path):
     renamed = {"photo": table.pop("vis"), "kind": table.pop("material"), **table}
     for name in ("set.npz", "set.csv"):
         WRITERS[name](renamed, tmp_path / name)
@@ -136,9 +132,6 @@ def test_columns_of_other_names_are_found(table: Table, tmp_path: Path) -> None:
         found = import_embeddings(tmp_path / name, encoder="x", columns=names)
         np.testing.assert_allclose(found.vis, renamed["photo"], rtol=1e-6)
         assert found.header.classes == ("wood", "steel", "cork")
-
-
-Change = Callable[[Table], object]
 
 
 @pytest.mark.parametrize(
@@ -163,9 +156,7 @@ Change = Callable[[Table], object]
         (lambda t: t.update(object=np.array([{}] * 6)), "pickled objects"),
     ],
 )
-def test_what_does_not_fit_is_refused_by_name(
-    table: Table, tmp_path: Path, change: Change, match: str
-) -> None:
+def test_what_does_not_fit_is_refused_by_name(table, tmp_path, change, match):
     change(table)
     write_npz(table, tmp_path / "a.npz")
     with pytest.raises(DataError, match=match) as caught:
@@ -174,12 +165,12 @@ def test_what_does_not_fit_is_refused_by_name(
 
 
 @pytest.mark.parametrize("name", [*WRITERS, "set.txt", "set.hdf5"])
-def test_a_file_that_is_not_what_its_ending_says_is_refused(tmp_path: Path, name: str) -> None:
+def test_a_file_that_is_not_what_its_ending_says_is_refused(tmp_path, name):
     (tmp_path / name).write_bytes(b"\x00\x01nothing")
     with pytest.raises(DataError, match=name):
         import_embeddings(tmp_path / name, encoder="x")
 
 
-def test_an_encoder_that_is_not_here_says_what_to_do() -> None:
+def test_an_encoder_that_is_not_here_says_what_to_do():
     with pytest.raises(DataError, match="Wrap that encoder"):
         load_encoder("imported:Sparsh")

@@ -1,7 +1,6 @@
 """Large pictures: reduced by a whole factor, in strips, within a visitor's limits."""
 
 from io import BytesIO
-from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ from omnivat.data.images import VISITORS, draft_scale, factor, read_image
 from omnivat.kit.errors import DataError
 
 
-def encoded(image: Image.Image, kind: str, **options: Any) -> bytes:
+def encoded(image, kind, **options):
     buffer = BytesIO()
     image.save(buffer, kind, **options)
     return buffer.getvalue()
@@ -26,7 +25,7 @@ def test_rare_kinds_are_for_a_person_and_not_for_visitors():
 
 
 @pytest.mark.parametrize("size", [(8, 70_000), (70_000, 8)])
-def test_a_thread_of_pixels_is_refused_with_its_size(size: tuple[int, int]) -> None:
+def test_a_thread_of_pixels_is_refused_with_its_size(size):
     with pytest.raises(DataError, match=f"{size[0]} × {size[1]} pixels.*65,535"):
         read_image(encoded(Image.new("1", size), "PNG"), "touch")
 

@@ -60,7 +60,7 @@ def test_odd_names_are_written_as_escapes():
 
 
 @pytest.mark.parametrize("kind", [DataError, MissingNameError])
-def test_an_error_can_be_printed_whatever_it_quotes(kind) -> None:
+def test_an_error_can_be_printed_whatever_it_quotes(kind):
     said = str(kind("No class is called 'a\x00\nb\u202e\udcff'."))
     assert said == "No class is called 'a\\x00\\nb\\u202e\\udcff'."
     assert said.isprintable()

@@ -14,18 +14,18 @@ from omnivat.data.rest import has_markers, minus_rest, rests_of, with_rest
 from omnivat.kit.errors import DataError
 
 
-def grey(value: int, side: int = 8) -> Image.Image:
+def grey(value, side=8):
     return Image.new("RGB", (side, side), (value, value, value))
 
 
 @given(st.integers(0, 255), st.integers(0, 255))
-def test_the_difference_lies_around_mid_grey_and_is_clipped(touched: int, calm: int) -> None:
+def test_the_difference_lies_around_mid_grey_and_is_clipped(touched, calm):
     wanted = np.clip((touched - calm) / 255 + 0.5, 0, 1) * 255
     found = np.asarray(minus_rest(grey(touched), grey(calm, side=16)), float)
     assert np.abs(found - wanted).max() <= 0.5 + 1e-9
 
 
-def a_set(root: Path) -> None:
+def a_set(root):
     for name in ("TAG/wood/a", "TQ-DIGIT/wood/unit 2/b", "TQ-DIGIT/steel/c"):
         for half in ("vis", "tac"):
             file = root / f"{name}_{half}.png"
@@ -33,9 +33,7 @@ def a_set(root: Path) -> None:
             grey(hash(name) % 256).save(file)
 
 
-def test_the_nearest_rest_picture_above_an_image_is_its_own_and_none_is_a_pair(
-    tmp_path: Path,
-) -> None:
+def test_the_nearest_rest_picture_above_an_image_is_its_own_and_none_is_a_pair(tmp_path):
     a_set(tmp_path)
     places = [tmp_path / name / "rest.png" for name in ("TAG", "TQ-DIGIT", "TQ-DIGIT/wood/unit 2")]
     for place in places:
@@ -52,7 +50,7 @@ def test_the_nearest_rest_picture_above_an_image_is_its_own_and_none_is_a_pair(
     assert with_rest(found, "none") == found
 
 
-def test_a_rest_picture_outside_the_set_is_not_taken(tmp_path: Path) -> None:
+def test_a_rest_picture_outside_the_set_is_not_taken(tmp_path):
     folder = tmp_path / "set"
     a_set(folder)
     grey(100).save(tmp_path / "rest.png")
@@ -61,18 +59,18 @@ def test_a_rest_picture_outside_the_set_is_not_taken(tmp_path: Path) -> None:
         with_rest(PairSet(pairs=(pair,)), "all")
 
 
-def test_a_rest_picture_that_is_not_there_is_refused(tmp_path: Path) -> None:
+def test_a_rest_picture_that_is_not_there_is_refused(tmp_path):
     a_set(tmp_path)
     with pytest.raises(DataError, match="nothing.png"):
         with_rest(read_pairs(tmp_path), str(tmp_path / "nothing.png"))
 
 
-def test_the_sensors_with_printed_markers_are_known_in_simulated_domains_too() -> None:
+def test_the_sensors_with_printed_markers_are_known_in_simulated_domains_too():
     names = ("TAG", "TAG-sim", "TQ-T3D-sim", "TQ-DIGIT-sim", "OF 2.0 A", "lab")
     assert [has_markers(name) for name in names] == [True, True, True, False, False, False]
 
 
-def test_two_units_with_equal_rest_pictures_are_one_in_the_header(tmp_path: Path) -> None:
+def test_two_units_with_equal_rest_pictures_are_one_in_the_header(tmp_path):
     for unit in "ab":
         (tmp_path / unit).mkdir()
         grey(100).save(tmp_path / unit / "rest.png")

@@ -4,10 +4,7 @@ import csv
 import json
 import subprocess
 import sys
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,19 +14,19 @@ from safetensors.numpy import save_file
 from omnivat.data import store
 from omnivat.data.arrays import Column, column, read_arrays, write_arrays
 from omnivat.data.profile import load_profile, profile_of, save_profile
-from omnivat.data.store import Embeddings, load_embeddings, save_embeddings
+from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.kit.errors import DataError, SettingsError
 
 VECTORS = ("vis", "tac", "vis_flip", "tac_flip")
 
 
 @pytest.fixture
-def embeddings(make_embeddings: Callable[..., Any]) -> Embeddings:
-    made: Embeddings = make_embeddings(per_class=3, split=True)
+def embeddings(make_embeddings):
+    made = make_embeddings(per_class=3, split=True)
     return made
 
 
-def test_what_is_saved_is_what_is_loaded(embeddings: Embeddings, tmp_path: Path) -> None:
+def test_what_is_saved_is_what_is_loaded(embeddings, tmp_path):
     save_embeddings(tmp_path / "set.safetensors", embeddings)
     loaded = load_embeddings(tmp_path / "set.safetensors")
     assert loaded.header == embeddings.header
@@ -38,7 +35,7 @@ def test_what_is_saved_is_what_is_loaded(embeddings: Embeddings, tmp_path: Path)
         assert np.array_equal(getattr(loaded, name), getattr(embeddings, name)), name
 
 
-def test_the_safetensors_package_reads_the_same(embeddings: Embeddings, tmp_path: Path) -> None:
+def test_the_safetensors_package_reads_the_same(embeddings, tmp_path):
     """The writer is ours, so that sets need not fit in memory; the format is not."""
     save_embeddings(tmp_path / "set.safetensors", embeddings)
     with safe_open(tmp_path / "set.safetensors", framework="numpy") as handle:
@@ -46,9 +43,7 @@ def test_the_safetensors_package_reads_the_same(embeddings: Embeddings, tmp_path
             assert np.array_equal(handle.get_tensor(name), getattr(embeddings, name)), name
 
 
-def test_vectors_are_mapped_and_writing_to_them_leaves_the_file(
-    embeddings: Embeddings, tmp_path: Path
-) -> None:
+def test_vectors_are_mapped_and_writing_to_them_leaves_the_file(embeddings, tmp_path):
     file = tmp_path / "set.safetensors"
     save_embeddings(file, embeddings)
     before = file.read_bytes()
@@ -58,9 +53,7 @@ def test_vectors_are_mapped_and_writing_to_them_leaves_the_file(
     assert file.read_bytes() == before
 
 
-def test_half_precision_takes_half_the_room_and_keeps_three_digits(
-    embeddings: Embeddings, tmp_path: Path
-) -> None:
+def test_half_precision_takes_half_the_room_and_keeps_three_digits(embeddings, tmp_path):
     save_embeddings(tmp_path / "half.safetensors", embeddings, dtype="float16")
     loaded = load_embeddings(tmp_path / "half.safetensors")
     assert loaded.vis.dtype == np.float32
@@ -69,7 +62,7 @@ def test_half_precision_takes_half_the_room_and_keeps_three_digits(
         assert handle.get_tensor("vis").dtype == np.float16
 
 
-def test_a_set_without_mirrored_copies_has_none(embeddings: Embeddings, tmp_path: Path) -> None:
+def test_a_set_without_mirrored_copies_has_none(embeddings, tmp_path):
     plain = replace(embeddings, vis_flip=None, tac_flip=None)
     save_embeddings(tmp_path / "set.safetensors", plain)
     loaded = load_embeddings(tmp_path / "set.safetensors")
@@ -78,9 +71,7 @@ def test_a_set_without_mirrored_copies_has_none(embeddings: Embeddings, tmp_path
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-def test_values_that_are_not_finite_are_not_written(
-    embeddings: Embeddings, tmp_path: Path, bad: float
-) -> None:
+def test_values_that_are_not_finite_are_not_written(embeddings, tmp_path, bad):
     file = tmp_path / "set.safetensors"
     save_embeddings(file, embeddings)
     before = file.read_bytes()
@@ -94,8 +85,8 @@ def test_values_that_are_not_finite_are_not_written(
 
 
 def test_a_domain_with_the_name_of_the_total_is_neither_written_nor_read(
-    embeddings: Embeddings, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    embeddings, tmp_path, monkeypatch
+):
     path, header = tmp_path / "set.safetensors", embeddings.header
     named = replace(embeddings, header=replace(header, domains=("all", *header.domains[1:])))
     with pytest.raises(DataError, match="A domain is called 'all'.*rename the domain"):
@@ -108,9 +99,7 @@ def test_a_domain_with_the_name_of_the_total_is_neither_written_nor_read(
         load_embeddings(path)
 
 
-def test_a_value_too_large_for_half_precision_is_not_written(
-    embeddings: Embeddings, tmp_path: Path
-) -> None:
+def test_a_value_too_large_for_half_precision_is_not_written(embeddings, tmp_path):
     embeddings.vis[0, 0] = 70_000
     save_embeddings(tmp_path / "single.safetensors", embeddings)
     with pytest.raises(DataError, match="float16"):
@@ -118,9 +107,7 @@ def test_a_value_too_large_for_half_precision_is_not_written(
 
 
 @pytest.mark.parametrize("share", [0.0, 0.001, 0.2, 0.9, 0.999])
-def test_a_file_cut_short_is_refused_by_name(
-    embeddings: Embeddings, tmp_path: Path, share: float
-) -> None:
+def test_a_file_cut_short_is_refused_by_name(embeddings, tmp_path, share):
     file = tmp_path / "set.safetensors"
     save_embeddings(file, embeddings)
     content = file.read_bytes()
@@ -129,18 +116,18 @@ def test_a_file_cut_short_is_refused_by_name(
         load_embeddings(file)
 
 
-def test_a_missing_file_is_refused_with_the_command_that_makes_it(tmp_path: Path) -> None:
+def test_a_missing_file_is_refused_with_the_command_that_makes_it(tmp_path):
     with pytest.raises(DataError, match="python -m omnivat embed"):
         load_embeddings(tmp_path / "none.safetensors")
 
 
-def test_another_safetensors_file_is_refused(tmp_path: Path) -> None:
+def test_another_safetensors_file_is_refused(tmp_path):
     save_file({"a": np.zeros(3, np.float32)}, tmp_path / "other.safetensors")
     with pytest.raises(DataError, match="not a set of embeddings"):
         load_embeddings(tmp_path / "other.safetensors")
 
 
-def rewritten(file: Path, **changes: Any) -> None:
+def rewritten(file, **changes):
     """Write the file again with some arrays in place of its own."""
     arrays, metadata = read_arrays(file)
     arrays = {name: np.array(array) for name, array in arrays.items()} | changes
@@ -161,9 +148,7 @@ def rewritten(file: Path, **changes: Any) -> None:
         ({"rows": np.frombuffer(b"{}", np.uint8)}, "differing lengths"),
     ],
 )
-def test_arrays_that_do_not_fit_are_refused(
-    embeddings: Embeddings, tmp_path: Path, changes: dict[str, Any], match: str
-) -> None:
+def test_arrays_that_do_not_fit_are_refused(embeddings, tmp_path, changes, match):
     file = tmp_path / "set.safetensors"
     save_embeddings(file, embeddings)
     rewritten(file)
@@ -175,8 +160,8 @@ def test_arrays_that_do_not_fit_are_refused(
 
 @pytest.mark.parametrize("power", range(-45, 39, 3))
 def test_a_set_and_its_profile_are_refused_or_can_be_read_again_whatever_their_size(
-    embeddings: Embeddings, tmp_path: Path, power: int
-) -> None:
+    embeddings, tmp_path, power
+):
     with np.errstate(over="ignore", under="ignore"):
         vis = (embeddings.vis * np.float64(10.0) ** power).astype(np.float32)
     scaled = replace(embeddings, vis=vis)
@@ -191,9 +176,7 @@ def test_a_set_and_its_profile_are_refused_or_can_be_read_again_whatever_their_s
     assert load_profile(tmp_path / "profile.safetensors").counts["vis"] == len(found)
 
 
-def test_names_whose_table_of_counts_would_fill_the_memory_are_refused(
-    embeddings: Embeddings, tmp_path: Path
-) -> None:
+def test_names_whose_table_of_counts_would_fill_the_memory_are_refused(embeddings, tmp_path):
     names = {key: tuple(f"{key} {k}" for k in range(1_100)) for key in ("domains", "classes")}
     file = tmp_path / "set.safetensors"
     save_embeddings(file, replace(embeddings, header=replace(embeddings.header, **names)))
@@ -201,7 +184,7 @@ def test_names_whose_table_of_counts_would_fill_the_memory_are_refused(
         load_embeddings(file)
 
 
-def test_the_manifest_names_every_pair(embeddings: Embeddings, tmp_path: Path) -> None:
+def test_the_manifest_names_every_pair(embeddings, tmp_path):
     save_embeddings(tmp_path / "set.safetensors", embeddings)
     with (tmp_path / "set.csv").open(newline="", encoding="utf-8") as handle:
         rows = list(csv.DictReader(handle))
@@ -211,7 +194,7 @@ def test_the_manifest_names_every_pair(embeddings: Embeddings, tmp_path: Path) -
     ]
 
 
-def test_the_classes_that_pairs_imitate_are_kept(embeddings: Embeddings, tmp_path: Path) -> None:
+def test_the_classes_that_pairs_imitate_are_kept(embeddings, tmp_path):
     looks = ["wood", *embeddings.rows["looks_like"][1:]]
     imitating = replace(embeddings, rows=embeddings.rows | {"looks_like": looks})
     save_embeddings(tmp_path / "set.safetensors", imitating)
@@ -222,9 +205,7 @@ def test_the_classes_that_pairs_imitate_are_kept(embeddings: Embeddings, tmp_pat
         assert next(csv.DictReader(handle))["looks_like"] == "wood"
 
 
-def test_a_file_without_those_columns_is_read_with_empty_ones(
-    embeddings: Embeddings, tmp_path: Path
-) -> None:
+def test_a_file_without_those_columns_is_read_with_empty_ones(embeddings, tmp_path):
     file = tmp_path / "older.safetensors"
     save_embeddings(file, embeddings)
     arrays, metadata = read_arrays(file)
@@ -236,9 +217,7 @@ def test_a_file_without_those_columns_is_read_with_empty_ones(
     assert loaded.rows["looks_like"] == loaded.rows["feels_like"] == [""] * len(loaded)
 
 
-def test_the_parquet_manifest_says_the_same_as_the_csv(
-    embeddings: Embeddings, tmp_path: Path
-) -> None:
+def test_the_parquet_manifest_says_the_same_as_the_csv(embeddings, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     save_embeddings(tmp_path / "set.safetensors", embeddings)
     save_embeddings(tmp_path / "set.safetensors", embeddings, manifest="parquet")
@@ -248,15 +227,13 @@ def test_the_parquet_manifest_says_the_same_as_the_csv(
 
 
 @pytest.mark.parametrize("setting", [{"dtype": "float64"}, {"manifest": "xls"}])
-def test_unknown_settings_are_refused_and_nothing_is_written(
-    embeddings: Embeddings, tmp_path: Path, setting: dict[str, str]
-) -> None:
+def test_unknown_settings_are_refused_and_nothing_is_written(embeddings, tmp_path, setting):
     with pytest.raises(SettingsError, match=next(iter(setting.values()))):
         save_embeddings(tmp_path / "set.safetensors", embeddings, **setting)
     assert not any(tmp_path.iterdir())
 
 
-def test_a_domain_its_split_and_an_unknown_one(embeddings: Embeddings) -> None:
+def test_a_domain_its_split_and_an_unknown_one(embeddings):
     train = embeddings.in_domain("OF Real-sim", split="train")
     test = embeddings.in_domain("OF Real-sim", split="test")
     assert len(train) + len(test) == len(embeddings) // 2
@@ -266,19 +243,19 @@ def test_a_domain_its_split_and_an_unknown_one(embeddings: Embeddings) -> None:
         embeddings.in_domain("Of Real-sim")
 
 
-def test_loading_needs_no_torch() -> None:
+def test_loading_needs_no_torch():
     code = "import sys, omnivat.data.store; sys.exit('torch' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 
-def test_blocks_that_do_not_add_up_are_refused(tmp_path: Path) -> None:
+def test_blocks_that_do_not_add_up_are_refused(tmp_path):
     short = Column(dtype="F32", shape=(4, 2), blocks=[np.zeros((3, 2), np.float32)])
     with pytest.raises(ValueError, match="24 bytes"):
         write_arrays(tmp_path / "a.safetensors", {"a": short}, {})
 
 
-def test_arrays_of_every_type_and_of_no_length_return(tmp_path: Path) -> None:
-    arrays: dict[str, np.ndarray] = {
+def test_arrays_of_every_type_and_of_no_length_return(tmp_path):
+    arrays = {
         "bytes": np.arange(5, dtype=np.uint8),
         "whole": np.arange(3, dtype=np.int64),
         "half": np.arange(3, dtype=np.float16),
@@ -292,7 +269,7 @@ def test_arrays_of_every_type_and_of_no_length_return(tmp_path: Path) -> None:
         assert np.array_equal(read[name], array)
 
 
-def test_every_array_starts_where_its_type_wants_it(tmp_path: Path) -> None:
+def test_every_array_starts_where_its_type_wants_it(tmp_path):
     arrays = {"a": np.arange(5, dtype=np.uint8), "b": np.arange(3), "c": np.zeros(3, np.float16)}
     write_arrays(tmp_path / "a.safetensors", {n: column(a) for n, a in arrays.items()}, {})
     content = (tmp_path / "a.safetensors").read_bytes()

@@ -7,15 +7,12 @@ test, which goes the other way.
 import json
 import re
 import warnings
-from pathlib import Path
-from typing import Any
 
 import torch
 import transformers
 from safetensors.torch import save_file
-from torch import Tensor, nn
+from torch import nn
 
-State = dict[str, Tensor]
 WIDTH, EMBED, PATCH, SIDE, VOCABULARY, LONGEST = 64, 24, 32, 96, 600, 16
 TEXTS = ["a wood", "steel!", "x" * 99]
 
@@ -37,7 +34,7 @@ RENAMED = (
 )
 
 
-def small_model(*, activation: str = "quick_gelu", seed: int = 0, **vision: Any) -> Any:
+def small_model(*, activation="quick_gelu", seed=0, **vision):
     """Return a `CLIPModel` of transformers: D = 24, patch 32, one attention head."""
     sizes = {
         "hidden_size": WIDTH,
@@ -67,9 +64,9 @@ def small_model(*, activation: str = "quick_gelu", seed: int = 0, **vision: Any)
     return model
 
 
-def openai_names(state: State) -> State:
+def openai_names(state):
     """Return weights of transformers under the names and in the shapes that OpenAI published."""
-    found: State = {}
+    found = {}
     for key, value in state.items():
         if "position_ids" in key or re.search(r"self_attn\.[kv]_proj", key):
             continue
@@ -85,7 +82,7 @@ def openai_names(state: State) -> State:
     return found
 
 
-def tokenizer() -> Any:
+def tokenizer():
     """Return a tokenizer that spells words by letters."""
     letters = [chr(code) for code in range(33, 127)]
     words = [*letters, *(letter + "</w>" for letter in letters)]
@@ -98,48 +95,48 @@ def tokenizer() -> Any:
 class Archive(nn.Module):
     """What gives a TorchScript archive with the given names in it."""
 
-    def __init__(self, state: State) -> None:
+    def __init__(self, state):
         super().__init__()
         for key, value in state.items():
             *path, leaf = key.split(".")
-            owner: nn.Module = self
+            owner = self
             for name in path:
                 if name not in owner._modules:
                     owner.add_module(name, nn.Module())
-                owner = owner._modules[name]  # type: ignore[assignment]
+                owner = owner._modules[name]
             owner.register_buffer(leaf, value)
 
-    def forward(self, x: Tensor) -> Tensor:
+    def forward(self, x):
         return x
 
 
-def save_script(state: State, file: Path) -> None:
+def save_script(state, file):
     """Write a TorchScript archive, as OpenAI does."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)
         torch.jit.save(torch.jit.script(Archive(state)), file)
 
 
-def hf_folder(folder: Path, model: Any) -> Path:
+def hf_folder(folder, model):
     """Write a folder as `transformers` saves it."""
     model.save_pretrained(folder)
     return folder
 
 
-def hf_bare(folder: Path, model: Any) -> Path:
+def hf_bare(folder, model):
     """Write a `.safetensors` with the names of transformers and nothing beside it."""
     state = {key: value.contiguous() for key, value in model.state_dict().items()}
     save_file(state, folder / "weights.safetensors")
     return folder / "weights.safetensors"
 
 
-def openai_state(folder: Path, model: Any) -> Path:
+def openai_state(folder, model):
     """Write OpenAI's state dict as a PyTorch file."""
     torch.save(openai_names(model.state_dict()), folder / "ViT.pt")
     return folder / "ViT.pt"
 
 
-def openai_script(folder: Path, model: Any) -> Path:
+def openai_script(folder, model):
     """Write OpenAI's TorchScript archive, with the three numbers it also holds."""
     sizes = {"input_resolution": SIDE, "context_length": LONGEST, "vocab_size": VOCABULARY}
     state = openai_names(model.state_dict())
@@ -147,7 +144,7 @@ def openai_script(folder: Path, model: Any) -> Path:
     return folder / "ViT.pt"
 
 
-def open_clip_folder(folder: Path, model: Any) -> Path:
+def open_clip_folder(folder, model):
     """Write a folder as open_clip pushes it to the hub."""
     save_file(openai_names(model.state_dict()), folder / "open_clip_model.safetensors")
     quick = model.config.vision_config.hidden_act == "quick_gelu"
@@ -158,7 +155,7 @@ def open_clip_folder(folder: Path, model: Any) -> Path:
     return folder
 
 
-def open_clip_training(folder: Path, model: Any) -> Path:
+def open_clip_training(folder, model):
     """Write a training checkpoint of open_clip, made on several GPUs."""
     quick = model.config.vision_config.hidden_act == "quick_gelu"
     state = {f"module.{k}": v for k, v in openai_names(model.state_dict()).items()}
@@ -182,37 +179,37 @@ LAYOUTS = {
 }
 
 
-def write(layout: str, folder: Path, model: Any) -> Path:
+def write(layout, folder, model):
     """Write `model` in a layout, with a tokenizer in the folder; return what --weights takes."""
     folder.mkdir(parents=True, exist_ok=True)
     tokenizer().save_pretrained(folder)
     return LAYOUTS[layout](folder, model)
 
 
-def image_embeddings(model: Any, images: Tensor) -> Tensor:
+def image_embeddings(model, images):
     """Return what transformers makes of preprocessed images."""
     with torch.inference_mode():
         pooled = model.vision_model(pixel_values=images).pooler_output
-        embedded: Tensor = model.visual_projection(pooled)
+        embedded = model.visual_projection(pooled)
     return embedded
 
 
-def text_embeddings(model: Any, texts: list[str]) -> Tensor:
+def text_embeddings(model, texts):
     """Return what transformers makes of texts, padded in one batch."""
     tokens = tokenizer()(
         texts, padding=True, truncation=True, max_length=LONGEST, return_tensors="pt"
     )
     with torch.inference_mode():
-        embedded: Tensor = model.text_projection(model.text_model(**tokens).pooler_output)
+        embedded = model.text_projection(model.text_model(**tokens).pooler_output)
     return embedded
 
 
-def rn50_state(width: int = 8, blocks: tuple[int, ...] = (2, 1, 1, 1)) -> State:
+def rn50_state(width=8, blocks=(2, 1, 1, 1)):
     """Random weights under the published names. The published tower: width 64, (3, 4, 6, 3)."""
     torch.manual_seed(1)
-    state: State = {}
+    state = {}
 
-    def conv(name: str, norm: str, out: int, into: int, kernel: int) -> None:
+    def conv(name, norm, out, into, kernel):
         state[f"{name}.weight"] = torch.randn(out, into, kernel, kernel) / (into * kernel**2) ** 0.5
         state[f"{norm}.weight"] = torch.rand(out) + 0.5
         state[f"{norm}.bias"] = torch.randn(out) / 10
@@ -243,7 +240,7 @@ def rn50_state(width: int = 8, blocks: tuple[int, ...] = (2, 1, 1, 1)) -> State:
     return state
 
 
-def published_resnet(state: State) -> State:
+def published_resnet(state):
     """Return an image tower beside the text tower of `small_model`, as OpenAI publishes RN50."""
     whole = {f"visual.{key}": value for key, value in state.items()}
     rest = openai_names(small_model().state_dict())

@@ -1,7 +1,5 @@
 """What tests of encoders share."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from PIL import Image
@@ -10,7 +8,7 @@ from omnivat.encoders.clip_settings import PUBLISHED
 
 
 @pytest.fixture
-def nothing_outside(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def nothing_outside(monkeypatch, tmp_path):
     """No hub, no checkpoints of the person who runs the tests."""
     monkeypatch.setattr("omnivat.encoders.hub.fetch", lambda *_, **__: "There is no hub here.")
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
@@ -19,6 +17,6 @@ def nothing_outside(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 
 
 @pytest.fixture
-def picture() -> Image.Image:
+def picture():
     pixels = np.random.default_rng(0).integers(0, 256, (70, 90, 3), dtype=np.uint8)
     return Image.fromarray(pixels)

@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from collections.abc import Callable
 from io import BytesIO
 from pathlib import Path
 from threading import Thread
@@ -22,32 +21,32 @@ class Counting:
 
     name, width, preprocessing, precision = "counting", 6, "none", "fp32"
 
-    def __init__(self, weights_hash: str = "a") -> None:
+    def __init__(self, weights_hash="a"):
         self.weights_hash = weights_hash
         self.calls = 0
 
-    def preprocess(self, image: Image.Image) -> torch.Tensor:
+    def preprocess(self, image):
         return torch.from_numpy(np.array(image)).permute(2, 0, 1).float()
 
-    def embed(self, images: torch.Tensor) -> torch.Tensor:
+    def embed(self, images):
         self.calls += 1
         half = images.shape[-1] // 2
         halves = (images[..., :half], images[..., half:])
         return torch.cat([part.mean(dim=(2, 3)) for part in halves], dim=1)
 
 
-def png(seed: int = 0, size: tuple[int, int] = (20, 16)) -> bytes:
+def png(seed=0, size=(20, 16)):
     pixels = np.random.default_rng(seed).integers(0, 256, (*size[::-1], 3), dtype=np.uint8)
     buffer = BytesIO()
     Image.fromarray(pixels).save(buffer, "PNG")
     return buffer.getvalue()
 
 
-def entries(folder: Path) -> list[Path]:
+def entries(folder):
     return sorted(folder.glob("??/*"))
 
 
-def test_the_same_bytes_are_encoded_once_in_memory_and_once_on_disk(tmp_path: Path) -> None:
+def test_the_same_bytes_are_encoded_once_in_memory_and_once_on_disk(tmp_path):
     encoder = Counting()
     first = EmbeddingCache(tmp_path)
     one = embed_image(encoder, png(), first)
@@ -58,7 +57,7 @@ def test_the_same_bytes_are_encoded_once_in_memory_and_once_on_disk(tmp_path: Pa
     assert np.array_equal(one, three)
 
 
-def test_whatever_changes_the_embedding_changes_the_key(tmp_path: Path) -> None:
+def test_whatever_changes_the_embedding_changes_the_key(tmp_path):
     cache = EmbeddingCache(tmp_path)
     encoder, other = Counting(), Counting("b")
     embed_image(encoder, png(), cache)
@@ -75,13 +74,13 @@ def test_whatever_changes_the_embedding_changes_the_key(tmp_path: Path) -> None:
     assert len(entries(tmp_path)) == 8
 
 
-def test_a_mirrored_image_has_the_embedding_of_the_mirrored_pixels() -> None:
+def test_a_mirrored_image_has_the_embedding_of_the_mirrored_pixels():
     mirrored = embed_image(Counting(), png(), flip=True)
     plain = embed_image(Counting(), png())
     np.testing.assert_allclose(mirrored, np.roll(plain, 3))
 
 
-def test_both_views_decode_the_image_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_both_views_decode_the_image_once(monkeypatch):
     from omnivat.encoders import cache as module
 
     decoded = []
@@ -102,9 +101,7 @@ def test_both_views_decode_the_image_once(monkeypatch: pytest.MonkeyPatch) -> No
     [lambda _: b"", lambda _: b"\0" * 40, lambda good: good[:-1] + bytes([good[-1] ^ 1])],
     ids=["empty", "zeros", "one bit"],
 )
-def test_a_damaged_entry_is_computed_again_and_mended(
-    tmp_path: Path, damaged: Callable[[bytes], bytes]
-) -> None:
+def test_a_damaged_entry_is_computed_again_and_mended(tmp_path, damaged):
     encoder = Counting()
     wanted = embed_image(encoder, png(), EmbeddingCache(tmp_path))
     (entry,) = entries(tmp_path)
@@ -115,7 +112,7 @@ def test_a_damaged_entry_is_computed_again_and_mended(
     assert entry.read_bytes() == good
 
 
-def test_memory_and_disk_are_bounded(tmp_path: Path) -> None:
+def test_memory_and_disk_are_bounded(tmp_path):
     encoder, cache = Counting(), EmbeddingCache(tmp_path, in_memory=3)
     for seed in range(8):
         embed_image(encoder, png(seed), cache)
@@ -124,7 +121,7 @@ def test_memory_and_disk_are_bounded(tmp_path: Path) -> None:
     assert len(entries(tmp_path)) == 5
 
 
-def test_a_folder_that_cannot_be_written_costs_nothing_but_time(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_costs_nothing_but_time(tmp_path):
     (tmp_path / "file").write_text("in the way")
     encoder = Counting()
     embed_image(encoder, png(), EmbeddingCache(tmp_path / "file" / "below"))
@@ -148,19 +145,19 @@ for _ in range(20):
 
 
 @pytest.mark.slow
-def test_two_processes_that_write_the_same_entries_never_read_half_of_one(tmp_path: Path) -> None:
+def test_two_processes_that_write_the_same_entries_never_read_half_of_one(tmp_path):
     command = [sys.executable, "-c", FILL, str(tmp_path)]
     processes = [subprocess.Popen(command) for _ in range(2)]
     assert [process.wait() for process in processes] == [0, 0]
     assert len(entries(tmp_path)) == 12
 
 
-def test_threads_share_a_cache(tmp_path: Path) -> None:
+def test_threads_share_a_cache(tmp_path):
     cache = EmbeddingCache(tmp_path, in_memory=2)
     wanted = [embed_image(Counting(), png(seed)) for seed in range(6)]
-    wrong: list[int] = []
+    wrong = []
 
-    def work() -> None:
+    def work():
         for seed in range(6):
             if not np.array_equal(embed_image(Counting(), png(seed), cache), wanted[seed]):
                 wrong.append(seed)
@@ -173,25 +170,25 @@ def test_threads_share_a_cache(tmp_path: Path) -> None:
     assert wrong == []
 
 
-def test_a_pair_may_lack_one_of_its_two() -> None:
+def test_a_pair_may_lack_one_of_its_two():
     vis, tac = embed_pair(Counting(), png(), None)
     assert tac is None
     assert vis is not None
     assert embed_pair(Counting(), None, None) == (None, None)
 
 
-def test_only_the_tactile_image_is_cut() -> None:
+def test_only_the_tactile_image_is_cut():
     vis, tac = embed_pair(Counting(), png(), png(), tac_crop=6)
     assert np.array_equal(vis, embed_image(Counting(), png()))
     assert np.array_equal(tac, embed_image(Counting(), png(), crop=6))
 
 
-def test_an_unreadable_upload_is_named_by_its_modality() -> None:
+def test_an_unreadable_upload_is_named_by_its_modality():
     with pytest.raises(DataError, match="the TAC image"):
         embed_pair(Counting(), png(), b"no image")
 
 
-def test_the_folder_follows_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_folder_follows_the_environment(monkeypatch):
     monkeypatch.setenv("OMNIVAT_CACHE", "/some/where")
     assert cache_folder() == Path("/some/where")
     monkeypatch.delenv("OMNIVAT_CACHE")

@@ -1,12 +1,9 @@
 """CLIP in every layout: the same embeddings, and its name checked."""
 
 import json
-from pathlib import Path
-from typing import Any
 
 import pytest
 import torch
-from torch import Tensor
 
 from omnivat.encoders import load_encoder, text_encoder
 from omnivat.encoders.clip_settings import PUBLISHED, ImageShape, require_name
@@ -28,15 +25,15 @@ LAYOUTS = (
 
 
 @pytest.fixture
-def images() -> Tensor:
+def images():
     return torch.randn(3, 3, 96, 96, generator=torch.Generator().manual_seed(5))
 
 
 @pytest.mark.parametrize("activation", ["quick_gelu", "gelu"])
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_both_towers_agree_with_transformers_in_every_layout(
-    clips: Any, tmp_path: Path, images: Tensor, layout: str, activation: str
-) -> None:
+    clips, tmp_path, images, layout, activation
+):
     if activation == "gelu" and layout in LAYOUTS[1:4]:
         pytest.skip("a file of bare weights states no activation; QuickGELU is assumed")
     model = clips.small_model(activation=activation)
@@ -51,9 +48,7 @@ def test_both_towers_agree_with_transformers_in_every_layout(
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_half_precision_weights_are_widened(
-    clips: Any, tmp_path: Path, images: Tensor, layout: str
-) -> None:
+def test_half_precision_weights_are_widened(clips, tmp_path, images, layout):
     model = clips.small_model().half()
     place = clips.write(layout, tmp_path / "clip", model)
     encoder = load_encoder("clip", weights=place)
@@ -61,12 +56,10 @@ def test_half_precision_weights_are_widened(
     torch.testing.assert_close(encoder.embed(images), wanted, rtol=0, atol=1e-5)
 
 
-def test_the_layout_does_not_change_a_hash_and_the_weights_and_the_activation_do(
-    clips: Any, tmp_path: Path
-) -> None:
-    def hashes(layout: str, folder: str, **settings: Any) -> tuple[str, str]:
+def test_the_layout_does_not_change_a_hash_and_the_weights_and_the_activation_do(clips, tmp_path):
+    def hashes(layout, folder, **settings):
         place = clips.write(layout, tmp_path / folder, clips.small_model(**settings))
-        encoder: Any = load_encoder("clip", weights=place)
+        encoder = load_encoder("clip", weights=place)
         assert load_text_encoder("clip", weights=place).weights_hash == encoder.text_hash
         return encoder.weights_hash, encoder.text_hash
 
@@ -76,9 +69,7 @@ def test_the_layout_does_not_change_a_hash_and_the_weights_and_the_activation_do
     assert len({image for image, _ in found}) == len({text for _, text in found}) == 3
 
 
-def test_an_embedding_is_the_same_alone_and_in_any_batch(
-    clips: Any, tmp_path: Path, images: Tensor
-) -> None:
+def test_an_embedding_is_the_same_alone_and_in_any_batch(clips, tmp_path, images):
     encoder = load_encoder("clip", weights=clips.write(LAYOUTS[0], tmp_path, clips.small_model()))
     alone = torch.cat([encoder.embed(image[None]) for image in images])
     assert torch.equal(encoder.embed(images), alone)
@@ -93,26 +84,24 @@ def test_an_embedding_is_the_same_alone_and_in_any_batch(
         (ImageShape("ViT", 32, 256, (12,), 512, 224), "clip, which takes any size"),
     ],
 )
-def test_weights_of_another_size_than_their_name_says_are_refused(
-    change: ImageShape, right: str
-) -> None:
+def test_weights_of_another_size_than_their_name_says_are_refused(change, right):
     with pytest.raises(DataError, match=f"patch 16.*use --encoder {right}"):
         require_name("clip-vit-b16", change, "some file")
 
 
-def test_a_published_shape_has_its_name_even_when_any_clip_is_loaded() -> None:
+def test_a_published_shape_has_its_name_even_when_any_clip_is_loaded():
     assert require_name("clip", PUBLISHED["clip-vit-l14"], "some file") == "clip-vit-l14"
     assert require_name("clip-rn101", PUBLISHED["clip-rn101"], "some file") == "clip-rn101"
 
 
 @pytest.mark.parametrize("name", ["clip-vit-b16", "clip-vit-l14", "clip-rn50"])
-def test_a_small_model_is_no_published_one(clips: Any, tmp_path: Path, name: str) -> None:
+def test_a_small_model_is_no_published_one(clips, tmp_path, name):
     place = clips.write("OpenAI TorchScript", tmp_path, clips.small_model())
     with pytest.raises(DataError, match="use --encoder clip, which takes any size"):
         load_encoder(name, weights=place)
 
 
-def test_pixel_statistics_beside_the_weights_are_used(clips: Any, tmp_path: Path) -> None:
+def test_pixel_statistics_beside_the_weights_are_used(clips, tmp_path):
     place = clips.write("open_clip folder", tmp_path, clips.small_model())
     file = tmp_path / "open_clip_config.json"
     config = json.loads(file.read_text()) | {"preprocess_cfg": {"mean": [0.5] * 3, "std": [1] * 3}}
@@ -122,9 +111,7 @@ def test_pixel_statistics_beside_the_weights_are_used(clips: Any, tmp_path: Path
 
 @pytest.mark.parametrize("prefix", ["clip.", "clip_model.", "net.image_encoder.", "model."])
 @pytest.mark.parametrize("names", ["transformers", "OpenAI"])
-def test_a_clip_inside_another_model_is_found_by_its_names(
-    prefix: str, names: str, clips: Any, tmp_path: Path
-) -> None:
+def test_a_clip_inside_another_model_is_found_by_its_names(prefix, names, clips, tmp_path):
     plain = clips.small_model().state_dict()
     state = plain if names == "transformers" else clips.openai_names(plain)
     wrapped = {f"{prefix}{key}": value for key, value in state.items()}

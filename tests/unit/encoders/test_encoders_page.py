@@ -6,13 +6,12 @@ import re
 import sys
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 import pytest
 import torch
 from PIL import Image
-from torch import Tensor, nn
+from torch import nn
 
 from omnivat.cli import main
 from omnivat.data.store import load_embeddings
@@ -27,28 +26,28 @@ class Tokens(nn.Module):
     one.
     """
 
-    def __init__(self, channels: int) -> None:
+    def __init__(self, channels):
         super().__init__()
         self.patch = nn.Conv2d(channels, 6, 32, 32)
         self.sensors = nn.Embedding(2, 6)
 
-    def forward(self, images: Tensor, sensor: int | None = None) -> Tensor:
+    def forward(self, images, sensor=None):
         tokens = self.patch(images).flatten(2).mT
         return tokens if sensor is None else tokens + self.sensors.weight[sensor]
 
 
 class Pooled(Tokens):
-    def forward(self, images: Tensor, sensor: int | None = None) -> Tensor:
+    def forward(self, images, sensor=None):
         return super().forward(images, sensor).mean(1)
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """A folder with the page's files, a stand-in for the authors' code, weights and a rest
     frame.
     """
     stand_in = ModuleType("touch_model")
-    makers: dict[str, Any] = {
+    makers = {
         "build_touch_model": lambda: Tokens(3),
         "build_two_frame_model": lambda: Pooled(6),
         "build_sensor_model": lambda: Pooled(3),
@@ -72,18 +71,14 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     ("name", "function", "channels"),
     [("my_touch", "load", 3), ("my_background", "load", 6), ("my_sensor", "digit", 3)],
 )
-def test_each_wrapper_of_the_page_is_an_encoder(
-    folder: Path, name: str, function: str, channels: int
-) -> None:
+def test_each_wrapper_of_the_page_is_an_encoder(folder, name, function, channels):
     encoder = load_encoder(f"{name}.py:{function}", weights=folder / f"{name}.pt")
     pixels = encoder.preprocess(Image.new("RGB", (50, 60), "grey"))
     assert encoder.width == 6 and pixels.shape == (channels, 224, 224)
     assert encoder.embed(pixels[None]).shape == (1, 6)
 
 
-def test_a_wrapped_touch_goes_from_the_command_line_to_a_prediction(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_wrapped_touch_goes_from_the_command_line_to_a_prediction(folder, capsys):
     """Photos by the default encoder, touch by the page's first wrapper; the head finds both
     again.
     """

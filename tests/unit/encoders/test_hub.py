@@ -6,9 +6,7 @@ Each case runs in a process of its own, for the hub's client reads its settings 
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -34,7 +32,7 @@ sys.exit(code)
 
 
 @pytest.fixture(scope="module")
-def served(tmp_path_factory: pytest.TempPathFactory, clips: Any) -> Iterator[tuple[str, Path]]:
+def served(tmp_path_factory, clips):
     """Give the address of a hub with one model, and the file of its requests."""
     root = tmp_path_factory.mktemp("hub")
     clips.write("transformers folder", root / "files" / REPOSITORY, clips.small_model())
@@ -54,7 +52,7 @@ def served(tmp_path_factory: pytest.TempPathFactory, clips: Any) -> Iterator[tup
 
 
 @pytest.fixture
-def pairs(tmp_path: Path) -> Path:
+def pairs(tmp_path):
     for name in ("vis", "tac"):
         place = tmp_path / "pairs" / "TAG" / "wood"
         place.mkdir(parents=True, exist_ok=True)
@@ -63,13 +61,13 @@ def pairs(tmp_path: Path) -> Path:
     return tmp_path / "pairs"
 
 
-def environment(folder: Path, address: str) -> dict[str, str]:
+def environment(folder, address):
     kept = {k: v for k, v in os.environ.items() if "proxy" not in k.lower() and k[:3] != "HF_"}
     places = {"HF_HOME": str(folder / "hf"), "OMNIVAT_CACHE": str(folder / "cache")}
     return {**kept, **places, "HF_ENDPOINT": address}
 
 
-def embed(pairs: Path, address: str, *more: str) -> "subprocess.CompletedProcess[str]":
+def embed(pairs, address, *more):
     """Embed `pairs` once for each of `more`, in one new process whose hub is at `address`."""
     out = str(pairs.parent / "set.safetensors")
     command = ["embed", str(pairs), "--encoder", "clip-vit-b16", "--out", out]
@@ -85,9 +83,7 @@ def embed(pairs: Path, address: str, *more: str) -> "subprocess.CompletedProcess
 
 @pytest.mark.long
 @pytest.mark.slow
-def test_a_model_is_downloaded_once_and_then_found_in_the_cache_without_a_network(
-    served: tuple[str, Path], pairs: Path
-) -> None:
+def test_a_model_is_downloaded_once_and_then_found_in_the_cache_without_a_network(served, pairs):
     address, _ = served
     done = embed(pairs, address, "", "--download")
     assert done.returncode == 0, done.stderr
@@ -125,13 +121,8 @@ print(hub.fetch(sys.argv[1], megabytes=599, download=sys.argv[2]))
     ],
 )
 def test_what_hinders_a_download_is_one_sentence(
-    served: tuple[str, Path],
-    tmp_path: Path,
-    repository: str,
-    download: str,
-    variables: dict[str, str],
-    sentence: str,
-) -> None:
+    served, tmp_path, repository, download, variables, sentence
+):
     done = subprocess.run(
         [sys.executable, "-c", FETCH, repository, download],
         env=environment(tmp_path, served[0]) | variables,
@@ -144,13 +135,11 @@ def test_what_hinders_a_download_is_one_sentence(
     assert sentence in done.stdout and done.stdout.count("\n") == 1
 
 
-def test_nothing_is_downloaded_without_consent(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    asked: list[str] = []
+def test_nothing_is_downloaded_without_consent(monkeypatch, tmp_path):
+    asked = []
 
     class Terminal:
-        def isatty(self) -> bool:
+        def isatty(self):
             return True
 
     for stream in ("stdin", "stderr"):

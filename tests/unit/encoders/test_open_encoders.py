@@ -1,13 +1,11 @@
 """Encoders that the project does not list: one's own code, and one for each modality."""
 
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
-from PIL import Image
-from torch import Tensor, nn
+from torch import nn
 
 from omnivat.encoders import PairEncoder, TorchEncoder, base, load_encoder
 from omnivat.encoders.base import for_modality
@@ -47,13 +45,13 @@ def nan():
 
 
 @pytest.fixture
-def module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+def module(tmp_path, monkeypatch):
     (tmp_path / "own_encoder.py").write_text(OWN)
     monkeypatch.syspath_prepend(str(tmp_path))
     return "own_encoder"
 
 
-def test_a_function_of_a_module_or_of_a_file_loads(module: str, tmp_path: Path) -> None:
+def test_a_function_of_a_module_or_of_a_file_loads(module, tmp_path):
     by_module = load_encoder(f"{module}:load")
     by_file = load_encoder(f"{tmp_path / module}.py:load")
     assert (by_module.name, by_module.width) == ("own_encoder:load", 5)
@@ -61,7 +59,7 @@ def test_a_function_of_a_module_or_of_a_file_loads(module: str, tmp_path: Path) 
     assert by_module.weights_hash == by_file.weights_hash
 
 
-def test_weights_are_passed_on_and_found_again_by_their_hash(module: str, tmp_path: Path) -> None:
+def test_weights_are_passed_on_and_found_again_by_their_hash(module, tmp_path):
     torch.manual_seed(1)
     other = nn.Sequential(nn.AdaptiveAvgPool2d(2), nn.Flatten(), nn.Linear(12, 5))
     torch.save(other.state_dict(), tmp_path / "other.pt")
@@ -73,7 +71,7 @@ def test_weights_are_passed_on_and_found_again_by_their_hash(module: str, tmp_pa
     assert again.weights_hash == trained.weights_hash
 
 
-def test_an_entry_point_is_an_encoder(module: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_entry_point_is_an_encoder(module, monkeypatch):
     from importlib.metadata import EntryPoint
 
     point = EntryPoint(name="theirs", value=f"{module}:load", group="omnivat.encoders")
@@ -95,29 +93,29 @@ def test_an_entry_point_is_an_encoder(module: str, monkeypatch: pytest.MonkeyPat
     ],
 )
 @pytest.mark.usefixtures("module")
-def test_code_that_gives_no_encoder_is_refused_in_one_sentence(name: str, match: str) -> None:
+def test_code_that_gives_no_encoder_is_refused_in_one_sentence(name, match):
     with pytest.raises(DataError, match=match):
         load_encoder(name)
 
 
 @pytest.mark.usefixtures("module")
-def test_a_checkpoint_for_code_that_takes_none_is_refused(tmp_path: Path) -> None:
+def test_a_checkpoint_for_code_that_takes_none_is_refused(tmp_path):
     with pytest.raises(SettingsError, match="takes no weights"):
         load_encoder("own_encoder:tiny", weights=tmp_path)
 
 
-def test_a_network_that_draws_at_random_is_refused() -> None:
+def test_a_network_that_draws_at_random_is_refused():
     class Noisy(nn.Module):
-        def forward(self, x: Tensor) -> Tensor:
+        def forward(self, x):
             return x.mean(dim=(2, 3)) + torch.rand(1, 3)
 
     with pytest.raises(DataError, match="another embedding each time"):
         TorchEncoder(Noisy())
 
 
-def test_tokens_without_a_pooling_are_refused() -> None:
+def test_tokens_without_a_pooling_are_refused():
     class Tokens(nn.Module):
-        def forward(self, x: Tensor) -> Tensor:
+        def forward(self, x):
             return x.flatten(2).mT
 
     with pytest.raises(DataError, match="pass pool= to TorchEncoder"):
@@ -128,9 +126,7 @@ def test_tokens_without_a_pooling_are_refused() -> None:
 # One encoder for each modality
 
 
-def test_photos_and_touches_have_their_own_encoders_of_one_width(
-    module: str, picture: Image.Image
-) -> None:
+def test_photos_and_touches_have_their_own_encoders_of_one_width(module, picture):
     pair = load_encoder(f"efficientnet-lite0 | {module}:load")
     assert isinstance(pair, PairEncoder)
     vis, tac = load_encoder("efficientnet-lite0"), load_encoder(f"{module}:load")
@@ -147,7 +143,7 @@ def test_photos_and_touches_have_their_own_encoders_of_one_width(
         pair.preprocess(picture)
 
 
-def test_a_pair_is_loaded_again_by_its_name_and_hash(module: str, tmp_path: Path) -> None:
+def test_a_pair_is_loaded_again_by_its_name_and_hash(module, tmp_path):
     torch.manual_seed(1)
     other = nn.Sequential(nn.AdaptiveAvgPool2d(2), nn.Flatten(), nn.Linear(12, 5))
     torch.save(other.state_dict(), tmp_path / "other.pt")
@@ -159,8 +155,8 @@ def test_a_pair_is_loaded_again_by_its_name_and_hash(module: str, tmp_path: Path
 
 
 def test_code_in_this_folder_and_beside_a_file_is_found_by_the_installed_command(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    tmp_path, monkeypatch
+):
     """`omnivat` does not look in the folder it runs in, as `python -m omnivat` does."""
     (tmp_path / "deeper").mkdir()
     code = (

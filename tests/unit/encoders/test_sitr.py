@@ -2,13 +2,11 @@
 file was at hand.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 import torch
 from PIL import Image
-from torch import Tensor, nn
+from torch import nn
 
 from omnivat.encoders import load_encoder
 from omnivat.encoders.sitr import MEAN, STD, Sitr
@@ -16,14 +14,11 @@ from omnivat.kit.errors import DataError
 
 WIDTH, DEPTH, SIDE, PATCH = 128, 2, 32, 16
 PLACES = (SIDE // PATCH) ** 2
-State = dict[str, Tensor]
 
 
-def shapes(
-    width: int, depth: int, places: int, presses: int, patch: int = 16
-) -> dict[str, tuple[int, ...]]:
+def shapes(width, depth, places, presses, patch=16):
     """Names and shapes of the authors' module, read off its definition (hgupt3/gsrl)."""
-    found: dict[str, tuple[int, ...]] = {
+    found = {
         "cls_token": (1, 1, width),
         "pos_embed": (1, places + 1, width),
         "patch_embed.proj.weight": (width, 3, patch, patch),
@@ -56,18 +51,18 @@ def shapes(
     return found
 
 
-def made(presses: int) -> State:
+def made(presses):
     random = torch.Generator().manual_seed(0)
     sizes = shapes(WIDTH, DEPTH, PLACES, presses)
     return {n: torch.randn(s, generator=random) / s[-1] ** 0.5 for n, s in sizes.items()}
 
 
-def picture(seed: int) -> Image.Image:
+def picture(seed):
     random = np.random.default_rng(seed)
     return Image.fromarray(random.integers(0, 256, (SIDE, SIDE, 3), dtype=np.uint8))
 
 
-def written(folder: Path, state: State, pictures: int = 19) -> Path:
+def written(folder, state, pictures=19):
     (folder / "calibration").mkdir(parents=True, exist_ok=True)
     for index in range(pictures):
         picture(index).save(folder / "calibration" / f"{index:04d}.png")
@@ -75,13 +70,13 @@ def written(folder: Path, state: State, pictures: int = 19) -> Path:
     return folder / "SITR.pth"
 
 
-def difference(seed: int) -> Tensor:
+def difference(seed):
     """A picture less the one at rest, in the statistics of the authors' code."""
     raw = np.asarray(picture(seed), np.float32) - np.asarray(picture(0), np.float32)
     return torch.from_numpy((raw - np.array(MEAN)) / np.array(STD)).permute(2, 0, 1).float()
 
 
-def oracle(state: State, seed: int, presses: list[int]) -> Tensor:
+def oracle(state, seed, presses):
     """The class token by torch's own layers, one image at a time."""
     conv = nn.functional.conv2d
     weight, bias = state["patch_embed.proj.weight"], state["patch_embed.proj.bias"]
@@ -122,8 +117,8 @@ def oracle(state: State, seed: int, presses: list[int]) -> Tensor:
     [(0, []), (4, [1, 3, 7, 9]), (8, [1, 3, 7, 9, 10, 12, 16, 18]), (18, list(range(1, 19)))],
 )
 def test_its_embedding_is_the_class_token_of_the_press_beside_the_calibration(
-    number: int, presses: list[int], tmp_path: Path
-) -> None:
+    number, presses, tmp_path
+):
     state = made(number)
     encoder = load_encoder("sitr", weights=written(tmp_path, state))
     assert encoder.width == WIDTH and f"{number} presses" in encoder.preprocessing
@@ -132,7 +127,7 @@ def test_its_embedding_is_the_class_token_of_the_press_beside_the_calibration(
         torch.testing.assert_close(found, oracle(state, 50, presses), atol=1e-4, rtol=1e-4)
 
 
-def test_the_published_base_size_has_these_names_and_shapes() -> None:
+def test_the_published_base_size_has_these_names_and_shapes():
     with torch.device("meta"):
         network = Sitr(
             width=768,
@@ -148,7 +143,7 @@ def test_the_published_base_size_has_these_names_and_shapes() -> None:
     assert {n: tuple(p.shape) for n, p in network.named_parameters()} == wanted
 
 
-def test_a_classifier_over_it_and_a_training_checkpoint_load_alike(tmp_path: Path) -> None:
+def test_a_classifier_over_it_and_a_training_checkpoint_load_alike(tmp_path):
     state = made(4)
     classifier = {f"base_model.{name}": value for name, value in state.items()}
     classifier |= {
@@ -167,14 +162,14 @@ def test_a_classifier_over_it_and_a_training_checkpoint_load_alike(tmp_path: Pat
     assert len(hashes) == 1
 
 
-def test_another_sensor_at_rest_is_another_encoder(tmp_path: Path) -> None:
+def test_another_sensor_at_rest_is_another_encoder(tmp_path):
     first = load_encoder("sitr", weights=written(tmp_path / "a", made(0)))
     file = written(tmp_path / "b", made(0))
     picture(77).save(file.parent / "calibration" / "0000.png")
     assert load_encoder("sitr", weights=file).weights_hash != first.weights_hash
 
 
-def test_what_does_not_fit_is_refused_in_a_sentence(tmp_path: Path) -> None:
+def test_what_does_not_fit_is_refused_in_a_sentence(tmp_path):
     with pytest.raises(DataError, match="published weights; download.*--tac-weights FILE"):
         load_encoder("sitr")
     with pytest.raises(DataError, match="needs 5 pictures.*0003.png is missing"):
@@ -194,7 +189,7 @@ def test_what_does_not_fit_is_refused_in_a_sentence(tmp_path: Path) -> None:
         load_encoder("sitr", weights=written(tmp_path / "seven", seven))
 
 
-def test_a_pickled_object_is_not_loaded(tmp_path: Path) -> None:
+def test_a_pickled_object_is_not_loaded(tmp_path):
     file = written(tmp_path, made(0))
     torch.save({"model": Sitr}, file)
     with pytest.raises(DataError, match="cannot be read as weights of sitr"):

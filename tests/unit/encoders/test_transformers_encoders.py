@@ -1,13 +1,7 @@
 """A model of transformers as an encoder that the project does not list."""
 
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
-
 import pytest
 import torch
-from PIL import Image
-from torch import Tensor, nn
 
 from omnivat.encoders import load_encoder
 from omnivat.kit.errors import DataError
@@ -36,9 +30,9 @@ NAFLEX = {key: value for key, value in SIZES.items() if key != "image_size"} | {
 # Models of transformers
 
 
-def vision_model(kind: str) -> nn.Module:
+def vision_model(kind):
     transformers = pytest.importorskip("transformers")
-    configs: dict[str, Callable[[], Any]] = {
+    configs = {
         "dinov2": lambda: transformers.Dinov2Config(**DINO),
         "dinov3": lambda: transformers.DINOv3ViTConfig(**SIZES),
         "vit": lambda: transformers.ViTConfig(**SIZES),
@@ -55,14 +49,14 @@ def vision_model(kind: str) -> nn.Module:
         ),
     }
     torch.manual_seed(3)
-    model: nn.Module = transformers.AutoModel.from_config(configs[kind]())
+    model = transformers.AutoModel.from_config(configs[kind]())
     with torch.no_grad():
         for weight in model.parameters():
             weight.copy_(torch.randn_like(weight) / max(1, weight.shape[-1]) ** 0.5)
     return model.eval()
 
 
-def reference(kind: str, model: Any, pixels: Tensor) -> Tensor:
+def reference(kind, model, pixels):
     """Return what each model is pooled to, written out for each kind."""
     with torch.inference_mode():
         if kind == "siglip":
@@ -95,11 +89,9 @@ POOLING = {
 
 
 @pytest.mark.parametrize("kind", POOLING)
-def test_a_folder_of_transformers_loads_and_states_its_pooling(
-    tmp_path: Path, picture: Image.Image, kind: str
-) -> None:
+def test_a_folder_of_transformers_loads_and_states_its_pooling(tmp_path, picture, kind):
     model = vision_model(kind)
-    model.save_pretrained(tmp_path / "model")  # type: ignore[operator]
+    model.save_pretrained(tmp_path / "model")
     encoder = load_encoder(f"hf:{tmp_path / 'model'}")
     assert encoder.name == f"hf:{tmp_path / 'model'}" and encoder.width == 32
     assert encoder.preprocessing.startswith("resize 64x64 bicubic, RGB, mean 0.485")
@@ -110,9 +102,9 @@ def test_a_folder_of_transformers_loads_and_states_its_pooling(
     )
 
 
-def test_the_pixels_are_those_of_the_models_own_settings(tmp_path: Path) -> None:
+def test_the_pixels_are_those_of_the_models_own_settings(tmp_path):
     folder = tmp_path / "model"
-    vision_model("dinov2").save_pretrained(folder)  # type: ignore[operator]
+    vision_model("dinov2").save_pretrained(folder)
     (folder / "preprocessor_config.json").write_text(
         '{"crop_size": {"height": 48, "width": 48}, "size": {"shortest_edge": 56}, '
         '"image_mean": [0.5, 0.5, 0.5], "image_std": [0.25, 0.25, 0.25]}'
@@ -121,11 +113,11 @@ def test_the_pixels_are_those_of_the_models_own_settings(tmp_path: Path) -> None
     assert said.startswith("resize 48x48 bicubic, RGB, mean 0.5 0.5 0.5, std 0.25 0.25 0.25")
 
 
-def test_a_model_whose_weights_are_not_all_there_is_refused(tmp_path: Path) -> None:
+def test_a_model_whose_weights_are_not_all_there_is_refused(tmp_path):
     from safetensors.torch import load_file, save_file
 
     folder = tmp_path / "model"
-    vision_model("dinov2").save_pretrained(folder)  # type: ignore[operator]
+    vision_model("dinov2").save_pretrained(folder)
     state = load_file(folder / "model.safetensors")
     state.pop("layernorm.weight")
     save_file(state, folder / "model.safetensors", metadata={"format": "pt"})
@@ -142,12 +134,12 @@ def test_a_model_whose_weights_are_not_all_there_is_refused(tmp_path: Path) -> N
         ("hf:owner/name", "no model 'owner/name' on this machine. There is no hub here."),
     ],
 )
-def test_a_model_that_is_not_there_is_named(name: str, match: str) -> None:
+def test_a_model_that_is_not_there_is_named(name, match):
     with pytest.raises(DataError, match=match):
         load_encoder(name)
 
 
-def test_a_folder_of_something_else_is_refused_in_one_line(tmp_path: Path) -> None:
+def test_a_folder_of_something_else_is_refused_in_one_line(tmp_path):
     (tmp_path / "config.json").write_text("{}")
     with pytest.raises(DataError, match="cannot be loaded as a model of transformers") as caught:
         load_encoder(f"hf:{tmp_path}")

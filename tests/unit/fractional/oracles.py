@@ -3,7 +3,7 @@
 import numpy as np
 
 
-def dense_transform(size: int, order: float) -> np.ndarray:
+def dense_transform(size, order):
     """F_p from the dense S and a parity split, in plain numpy."""
     n = np.arange(size)
     s = np.diag(2 * np.cos(2 * np.pi * n / size))
@@ -28,6 +28,6 @@ def dense_transform(size: int, order: float) -> np.ndarray:
     return result
 
 
-def dft(size: int) -> np.ndarray:
+def dft(size):
     """The unitary DFT."""
     return np.fft.fft(np.eye(size), norm="ortho")

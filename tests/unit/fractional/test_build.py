@@ -31,12 +31,12 @@ CPU = torch.device("cpu")
         (14, HalfSplit),
     ],
 )
-def test_the_split_is_the_cheapest_for_the_length(size: int, kind: type) -> None:
+def test_the_split_is_the_cheapest_for_the_length(size, kind):
     assert type(build_split(size, torch.empty(0))) is kind
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 4, 7, 8, 12, 20, 30, 100])
-def test_both_maps_of_a_split_are_one_orthogonal_matrix(size: int) -> None:
+def test_both_maps_of_a_split_are_one_orthogonal_matrix(size):
     split = build_split(size, torch.empty(0, dtype=torch.float64))
     for rows in (size, size + 40):  # few rows and many
         identity = torch.eye(rows, size, dtype=torch.float64)
@@ -48,16 +48,16 @@ def test_both_maps_of_a_split_are_one_orthogonal_matrix(size: int) -> None:
         assert (v.T @ v - torch.eye(size, dtype=torch.float64)).abs().max() < 1e-15
 
 
-def test_a_split_is_built_once_however_many_threads_ask() -> None:
+def test_a_split_is_built_once_however_many_threads_ask():
     built = []
 
-    def build(size: int, like: torch.Tensor) -> PlainSplit:
+    def build(size, like):
         built.append(size)
         return PlainSplit(like.new_ones(1, 1), torch.zeros(1))
 
     cache, start = BoundedCache(build), threading.Barrier(8)
 
-    def ask() -> None:
+    def ask():
         start.wait()
         cache.get(5, torch.float32, CPU)
 
@@ -69,10 +69,10 @@ def test_a_split_is_built_once_however_many_threads_ask() -> None:
     assert built == [5]
 
 
-def test_the_cache_forgets_what_was_used_longest_ago() -> None:
+def test_the_cache_forgets_what_was_used_longest_ago():
     built = []
 
-    def build(size: int, like: torch.Tensor) -> PlainSplit:
+    def build(size, like):
         built.append(size)
         return PlainSplit(like.new_ones(1, 1), torch.zeros(1))
 
@@ -87,7 +87,7 @@ def test_the_cache_forgets_what_was_used_longest_ago() -> None:
     assert len(cache) == 0
 
 
-def test_a_split_built_without_a_graph_can_be_used_with_one() -> None:
+def test_a_split_built_without_a_graph_can_be_used_with_one():
     from omnivat.fractional import dfrft
     from omnivat.fractional.build import splits
 
@@ -99,14 +99,14 @@ def test_a_split_built_without_a_graph_can_be_used_with_one() -> None:
     slope.sum().backward()
 
 
-def test_cosines_are_known_beyond_float64() -> None:
+def test_cosines_are_known_beyond_float64():
     cosines = doubled_cosines(101)
     exact = 2 * np.cos(4 * np.arcsin(np.longdouble(1)) * np.arange(51).astype(np.longdouble) / 101)
     found = cosines.high.astype(np.longdouble) + cosines.low
     assert np.abs(found - exact).max() < 1e-18
 
 
-def test_a_large_block_is_used_again_once_its_last_view_is_gone() -> None:
+def test_a_large_block_is_used_again_once_its_last_view_is_gone():
     pool.clear()
     shape = (9, 2**20)
     tensor = empty(shape, torch.float32, CPU)
@@ -121,7 +121,7 @@ def test_a_large_block_is_used_again_once_its_last_view_is_gone() -> None:
     pool.clear()
 
 
-def test_idle_blocks_stay_below_their_bound() -> None:
+def test_idle_blocks_stay_below_their_bound():
     small = BlockPool(idle_limit=3 * 2**20)
     blocks = [small.take(2 * 2**20) for _ in range(3)]
     for block in blocks:

@@ -19,7 +19,7 @@ ORDERS = {
 @pytest.mark.parametrize("size", [1, 2, 3, 5, 8])
 @pytest.mark.parametrize("kind", [torch.float64, torch.complex128])
 @pytest.mark.parametrize("order", ORDERS)
-def test_gradients_pass_finite_differences_twice(size: int, kind: torch.dtype, order: str) -> None:
+def test_gradients_pass_finite_differences_twice(size, kind, order):
     x = torch.randn(2, size, dtype=kind, requires_grad=True)
     p = ORDERS[order].clone().requires_grad_()
     planar = size % 2 == 0
@@ -29,7 +29,7 @@ def test_gradients_pass_finite_differences_twice(size: int, kind: torch.dtype, o
 
 @pytest.mark.parametrize("size", [64, 511, 512])
 @pytest.mark.parametrize("order", [0.3, 1.0, 1e6 + 0.37])
-def test_both_gradients_are_exact_to_fifteen_digits(size: int, order: float) -> None:
+def test_both_gradients_are_exact_to_fifteen_digits(size, order):
     vectors, k = basis(size)
     x = torch.randn(40, size, dtype=torch.float64, requires_grad=True)
     p = torch.tensor(order, dtype=torch.float64, requires_grad=True)
@@ -44,7 +44,7 @@ def test_both_gradients_are_exact_to_fifteen_digits(size: int, order: float) -> 
     assert (to_p - exact_p).abs() / scale < 4e-15
 
 
-def test_real_input_gives_a_modulus_no_slope_at_zero_but_a_shift_gives_one() -> None:
+def test_real_input_gives_a_modulus_no_slope_at_zero_but_a_shift_gives_one():
     x = torch.randn(3, 16, dtype=torch.float64)
     for order, flat in ((0.0, True), (0.5, False)):
         p = torch.tensor(order, dtype=torch.float64, requires_grad=True)
@@ -52,7 +52,7 @@ def test_real_input_gives_a_modulus_no_slope_at_zero_but_a_shift_gives_one() -> 
         assert (abs(float(slope)) < 1e-9) == flat
 
 
-def test_a_layer_keeps_its_order_in_float64_and_learns() -> None:
+def test_a_layer_keeps_its_order_in_float64_and_learns():
     layer = FractionalTransform(0.3, centered=True)
     assert layer.half().order.dtype == torch.float64
     assert float(layer.order.detach()) == 0.3
@@ -69,7 +69,7 @@ def test_a_layer_keeps_its_order_in_float64_and_learns() -> None:
     assert "order=0.4" in repr(layer)
 
 
-def test_a_fixed_layer_has_no_parameters_and_keeps_its_order_in_its_state() -> None:
+def test_a_fixed_layer_has_no_parameters_and_keeps_its_order_in_its_state():
     layer = FractionalTransform(1.25, learnable=False, planar=True)
     assert list(layer.parameters()) == []
     other = FractionalTransform(0.0, learnable=False, planar=True)
@@ -78,11 +78,11 @@ def test_a_fixed_layer_has_no_parameters_and_keeps_its_order_in_its_state() -> N
     assert torch.equal(other(x), dfrft(x, 1.25, planar=True))
 
 
-def test_functional_gradients_work() -> None:
+def test_functional_gradients_work():
     x = torch.randn(4, 12, dtype=torch.float64)
     p = torch.tensor(0.3, dtype=torch.float64)
 
-    def loss(p: torch.Tensor) -> torch.Tensor:
+    def loss(p):
         return dfrft(x, p).real.pow(2).sum()
 
     by_hand = p.clone().requires_grad_()
@@ -90,7 +90,7 @@ def test_functional_gradients_work() -> None:
     assert torch.allclose(torch.func.grad(loss)(p), by_hand.grad, rtol=1e-12)
 
 
-def test_planes_have_the_gradients_of_the_complex_result() -> None:
+def test_planes_have_the_gradients_of_the_complex_result():
     """For several rows, each with its own order."""
     generator = torch.Generator().manual_seed(0)
     x = torch.randn(3, 12, dtype=torch.float64, generator=generator, requires_grad=True)

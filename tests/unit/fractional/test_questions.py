@@ -11,6 +11,6 @@ def test_every_block_of_the_questions_runs_and_holds():
     questions = text[text.index("## Questions") :]
     blocks = re.findall(r"```python\n(.*?)```", questions, re.DOTALL)
     assert len(blocks) == questions.count("?**") == 5
-    names: dict[str, object] = {}
+    names = {}
     for block in blocks:
         exec(compile(block, str(DOCUMENT), "exec"), names)

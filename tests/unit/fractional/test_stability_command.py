@@ -1,7 +1,5 @@
 """The exit code of `python -m benchmarks.stability` shows whether every target is met."""
 
-from pathlib import Path
-
 import pytest
 import torch
 
@@ -9,21 +7,19 @@ from benchmarks import stability
 
 
 @pytest.fixture(autouse=True)
-def _small(monkeypatch: pytest.MonkeyPatch) -> None:
+def _small(monkeypatch):
     monkeypatch.setattr(stability, "QUICK", (4, 12))
     monkeypatch.setattr(stability, "STEPS", 20)
 
 
-def test_it_exits_with_zero_when_all_targets_are_met(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_it_exits_with_zero_when_all_targets_are_met(tmp_path, capsys):
     assert stability.main(["--quick", "--out", str(tmp_path / "record.json")]) == 0
     assert "**no**" not in capsys.readouterr().out and (tmp_path / "record.json").is_file()
 
 
 def test_it_exits_with_one_and_names_the_cell_when_a_target_is_missed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+    tmp_path, monkeypatch, capsys
+):
     monkeypatch.setitem(stability.REFERENCE, torch.float64, 1e-20)
     assert stability.main(["--quick", "--out", str(tmp_path / "record.json")]) == 1
     printed = capsys.readouterr()
@@ -31,8 +27,6 @@ def test_it_exits_with_one_and_names_the_cell_when_a_target_is_missed(
     assert "missed: Cell(check='p between', size=12, dtype='float64'" in printed.err
 
 
-def test_an_error_that_is_no_number_misses_its_target(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_error_that_is_no_number_misses_its_target(tmp_path, monkeypatch):
     monkeypatch.setattr(stability, "relative", lambda computed, exact: torch.nan)
     assert stability.main(["--quick", "--out", str(tmp_path / "record.json")]) == 1

@@ -17,11 +17,11 @@ GOLDEN = Path(__file__).parents[2] / "golden"
 GOLDEN_ORDERS = (0.3, 1.0, 1.7, -0.5, 1000.3, 1e6 + 0.37)
 
 
-def matrix(size: int, order: float) -> np.ndarray:
+def matrix(size, order):
     return dfrft(torch.eye(size, dtype=torch.float64), order).numpy().T
 
 
-def golden_vector(size: int) -> torch.Tensor:
+def golden_vector(size):
     state, samples = 12345, []
     for _ in range(size):
         state = (1103515245 * state + 12345) % 2**31
@@ -31,12 +31,12 @@ def golden_vector(size: int) -> torch.Tensor:
 
 @pytest.mark.parametrize("size", range(1, 21))
 @pytest.mark.parametrize("order", [0.3, 1.0, 2.7, -1.5])
-def test_it_agrees_with_the_dense_definition(size: int, order: float) -> None:
+def test_it_agrees_with_the_dense_definition(size, order):
     assert np.abs(matrix(size, order) - oracles.dense_transform(size, order)).max() < 2e-14
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 4, 5, 8, 12])
-def test_it_agrees_with_forty_digits(size: int) -> None:
+def test_it_agrees_with_forty_digits(size):
     mpmath = pytest.importorskip("mpmath")
     x = golden_vector(size)
     with mpmath.workdps(40):
@@ -64,7 +64,7 @@ def test_it_agrees_with_forty_digits(size: int) -> None:
 
 @pytest.mark.parametrize("size", [63, 64, 65, 511, 512, 513, 768, 1024, 2048])
 @pytest.mark.parametrize(("dtype", "bound"), [(torch.float64, 4e-15), (torch.float32, 1.5e-6)])
-def test_it_agrees_with_eighty_bits(size: int, dtype: torch.dtype, bound: float) -> None:
+def test_it_agrees_with_eighty_bits(size, dtype, bound):
     x = golden_vector(size)
     with np.load(GOLDEN / "fractional.npz") as arrays:
         wanted = torch.from_numpy(arrays[str(size)])
@@ -74,7 +74,7 @@ def test_it_agrees_with_eighty_bits(size: int, dtype: torch.dtype, bound: float)
             assert (found - exact).norm() / exact.norm() < bound, order
 
 
-def test_a_displaced_gaussian_moves_on_a_circle() -> None:
+def test_a_displaced_gaussian_moves_on_a_circle():
     size, shift, order = 256, 3.0, 0.5
     grid = (np.arange(size) - size // 2) * np.sqrt(2 * np.pi / size)
     x = torch.from_numpy(np.exp(-((grid - shift) ** 2) / 2))
@@ -87,7 +87,7 @@ def test_a_displaced_gaussian_moves_on_a_circle() -> None:
 @pytest.mark.parametrize("size", [7, 8, 12])
 @pytest.mark.parametrize("centered", [False, True])
 @pytest.mark.parametrize("order", [0, 1, 2.0, 3, -1, 401])
-def test_whole_orders_are_the_same_on_both_paths(size: int, centered: bool, order: float) -> None:
+def test_whole_orders_are_the_same_on_both_paths(size, centered, order):
     x = torch.randn(3, size, dtype=torch.complex128)
     short = dfrft(x, order, centered=centered)
     assert (short - synthesise(coefficients(x, centered=centered), order)).abs().max() < 4e-15
@@ -95,7 +95,7 @@ def test_whole_orders_are_the_same_on_both_paths(size: int, centered: bool, orde
         assert torch.equal(short, x)
 
 
-def test_whole_orders_build_no_basis(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_whole_orders_build_no_basis(monkeypatch):
     from omnivat.fractional import build
 
     monkeypatch.setattr(build.splits, "get", None)
@@ -106,7 +106,7 @@ def test_whole_orders_build_no_basis(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("size", [6, 8])
 @pytest.mark.parametrize("kind", [torch.float64, torch.complex128])
-def test_any_axis_gives_what_the_last_axis_gives(size: int, kind: torch.dtype) -> None:
+def test_any_axis_gives_what_the_last_axis_gives(size, kind):
     x = torch.randn(2, size, 3, dtype=kind)
     moved = dfrft(x.movedim(1, -1), 0.3).movedim(-1, 1)
     assert torch.allclose(dfrft(x, 0.3, dim=1), moved, rtol=0, atol=1e-15)
@@ -115,7 +115,7 @@ def test_any_axis_gives_what_the_last_axis_gives(size: int, kind: torch.dtype) -
 
 @pytest.mark.parametrize("size", [9, 12, 64])
 @pytest.mark.parametrize("count", [2, 20])
-def test_orders_broadcast_against_the_leading_axes(size: int, count: int) -> None:
+def test_orders_broadcast_against_the_leading_axes(size, count):
     x = torch.randn(count, size, dtype=torch.float64)
     kept = coefficients(x)
     orders = torch.linspace(-3, 5, 4, dtype=torch.float64)
@@ -128,14 +128,14 @@ def test_orders_broadcast_against_the_leading_axes(size: int, count: int) -> Non
 
 
 @pytest.mark.parametrize("kind", [torch.float32, torch.complex64])
-def test_planar_is_complex_in_two_planes(kind: torch.dtype) -> None:
+def test_planar_is_complex_in_two_planes(kind):
     x = torch.randn(5, 16, dtype=kind)
     for order in (1, 0.4, torch.rand(5)):
         planar, whole = dfrft(x, order, planar=True), dfrft(x, order)
         assert torch.equal(planar, torch.stack([whole.real, whole.imag]))
 
 
-def test_a_result_can_be_written_into_a_buffer() -> None:
+def test_a_result_can_be_written_into_a_buffer():
     x = torch.randn(5, 16)
     kept, out = coefficients(x), torch.full((2, 5, 16), torch.nan)
     assert synthesise(kept, 0.3, planar=True, out=out) is out
@@ -157,19 +157,19 @@ def test_a_result_can_be_written_into_a_buffer() -> None:
         (torch.complex128, torch.complex128),
     ],
 )
-def test_precision_in_gives_precision_out(dtype: torch.dtype, wanted: torch.dtype) -> None:
+def test_precision_in_gives_precision_out(dtype, wanted):
     x = torch.ones(2, 12).to(dtype)
     assert dfrft(x, 0.3).dtype == dfrft(x, 1).dtype == wanted
 
 
 @pytest.mark.filterwarnings("ignore:ComplexHalf support is experimental")
 @pytest.mark.parametrize("order", [0.3, 1, 2.0])
-def test_complex_halves_are_computed_in_single_precision(order: float) -> None:
+def test_complex_halves_are_computed_in_single_precision(order):
     x = torch.randn(3, 12, dtype=torch.complex64).to(torch.complex32)
     assert torch.equal(dfrft(x, order), dfrft(x.to(torch.complex64), order))
 
 
-def test_autocast_changes_nothing() -> None:
+def test_autocast_changes_nothing():
     x = torch.randn(40, 64)
     plain = dfrft(x, 0.3)
     with torch.autocast("cpu", dtype=torch.bfloat16):
@@ -177,14 +177,14 @@ def test_autocast_changes_nothing() -> None:
 
 
 @pytest.mark.parametrize("shape", [(0, 12), (3, 0, 12), (0, 7)])
-def test_an_empty_batch_stays_empty(shape: tuple[int, ...]) -> None:
+def test_an_empty_batch_stays_empty(shape):
     assert dfrft(torch.zeros(shape), 0.3).shape == shape
 
 
 @pytest.mark.parametrize("rows", [4, 50])
 @pytest.mark.parametrize("size", [9, 64])
 @pytest.mark.parametrize("bad", [torch.nan, torch.inf])
-def test_a_bad_number_stays_in_its_row(rows: int, size: int, bad: float) -> None:
+def test_a_bad_number_stays_in_its_row(rows, size, bad):
     x = torch.randn(rows, size)
     clean = dfrft(x, 0.3)
     x[1, 2] = bad
@@ -194,7 +194,7 @@ def test_a_bad_number_stays_in_its_row(rows: int, size: int, bad: float) -> None
     assert not torch.isfinite(found[1]).all()
 
 
-def test_strided_input_gives_what_a_copy_gives_and_is_left_alone() -> None:
+def test_strided_input_gives_what_a_copy_gives_and_is_left_alone():
     base = torch.randn(24, 40, dtype=torch.float64)
     x = base[::2, ::2].T[:, 1:]
     before = x.clone()
@@ -203,7 +203,7 @@ def test_strided_input_gives_what_a_copy_gives_and_is_left_alone() -> None:
     assert torch.equal(x, before)
 
 
-def test_coefficients_can_be_chosen_and_moved() -> None:
+def test_coefficients_can_be_chosen_and_moved():
     kept = coefficients(torch.randn(6, 12))
     torch.testing.assert_close(synthesise(kept[3], 0.3), synthesise(kept, 0.3)[3])
     assert kept[torch.tensor([0, 5])].shape == (2,)
@@ -212,7 +212,7 @@ def test_coefficients_can_be_chosen_and_moved() -> None:
 
 
 @pytest.mark.parametrize("size", [1, 2, 7, 12])
-def test_the_basis_diagonalises_the_dft(size: int) -> None:
+def test_the_basis_diagonalises_the_dft(size):
     vectors, indices = basis(size)
     found = (vectors * torch.exp(-0.5j * torch.pi * indices)) @ vectors.T.to(torch.complex128)
     assert np.abs(found.numpy() - oracles.dft(size)).max() < 2e-15
@@ -221,7 +221,7 @@ def test_the_basis_diagonalises_the_dft(size: int) -> None:
 
 
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="needs a CUDA device")
-def test_an_accelerator_gives_what_the_cpu_gives() -> None:
+def test_an_accelerator_gives_what_the_cpu_gives():
     x = torch.randn(64, 512, dtype=torch.float64)
     order = torch.tensor(0.3, dtype=torch.float64)
     found = dfrft(x.cuda(), order.cuda()).cpu()
@@ -230,7 +230,7 @@ def test_an_accelerator_gives_what_the_cpu_gives() -> None:
 
 @pytest.mark.parametrize("size", [221, 510, 511, 513])
 @pytest.mark.parametrize("order", [1, 3])
-def test_lengths_that_an_fft_library_handles_badly_are_still_exact(size: int, order: int) -> None:
+def test_lengths_that_an_fft_library_handles_badly_are_still_exact(size, order):
     x = torch.randn(20, size, dtype=torch.complex128)
     wanted = np.fft.fft(x.numpy(), norm="ortho") if order == 1 else np.fft.ifft(x, norm="ortho")
     assert (dfrft(x, order) - torch.from_numpy(wanted)).norm() / x.norm() < 4e-15

@@ -4,7 +4,6 @@ import os
 import sys
 import threading
 import warnings
-from collections.abc import Iterator
 
 import pytest
 import threadpoolctl
@@ -17,18 +16,18 @@ from omnivat.kit.threads import one_blas_thread
 
 
 @pytest.fixture(autouse=True)
-def _threads() -> Iterator[None]:
+def _threads():
     before = torch.get_num_threads()
     torch.set_num_threads(2)
     yield
     torch.set_num_threads(before)
 
 
-def both_ways(call: object) -> list[tuple[torch.Tensor, ...]]:
+def both_ways(call):
     found = []
     for count in (1, 2):
         torch.set_num_threads(count)
-        result = call()  # type: ignore[operator]
+        result = call()
         found.append(result if isinstance(result, tuple) else (result,))
     return found
 
@@ -43,11 +42,11 @@ ORDERS = {
 @pytest.mark.parametrize("size", [256, 258])
 @pytest.mark.parametrize("kind", [torch.float32, torch.complex64])
 @pytest.mark.parametrize("order", ORDERS)
-def test_two_threads_give_the_bits_of_one(size: int, kind: torch.dtype, order: str) -> None:
+def test_two_threads_give_the_bits_of_one(size, kind, order):
     x = torch.randn(1500, size, dtype=kind, requires_grad=True)
     p = ORDERS[order].double().requires_grad_()
 
-    def call() -> tuple[torch.Tensor, ...]:
+    def call():
         y = dfrft(x, p)
         weight = torch.linspace(0, 1, y.numel(), dtype=torch.complex64).view(y.shape)
         return (y.detach(), *torch.autograd.grad(y, (x, p), weight))
@@ -57,8 +56,8 @@ def test_two_threads_give_the_bits_of_one(size: int, kind: torch.dtype, order: s
 
 
 @pytest.mark.parametrize("size", [512, 514])
-def test_a_basis_built_by_two_threads_has_the_bits_of_one(size: int) -> None:
-    def call() -> torch.Tensor:
+def test_a_basis_built_by_two_threads_has_the_bits_of_one(size):
+    def call():
         out = torch.empty(size, size, dtype=torch.float64)
         split = build_split(size, torch.empty(0, dtype=torch.float64))
         torch.set_num_threads(1)  # compare the builds, not the products that follow
@@ -69,11 +68,11 @@ def test_a_basis_built_by_two_threads_has_the_bits_of_one(size: int) -> None:
     assert torch.equal(one, two)
 
 
-def test_workers_are_used_and_have_one_thread_of_torch_each() -> None:
-    seen: set[tuple[str, int]] = set()
+def test_workers_are_used_and_have_one_thread_of_torch_each():
+    seen = set()
     meet = threading.Barrier(2)
 
-    def work(_: int) -> None:
+    def work(_):
         meet.wait(120)  # both parts at once, or never
         seen.add((threading.current_thread().name, torch.get_num_threads()))
 
@@ -83,14 +82,14 @@ def test_workers_are_used_and_have_one_thread_of_torch_each() -> None:
     assert torch.get_num_threads() == 2
 
 
-def test_one_thread_of_torch_means_no_workers() -> None:
+def test_one_thread_of_torch_means_no_workers():
     torch.set_num_threads(1)
     names = side_by_side([lambda: threading.current_thread().name] * 2)
     assert set(names) == {threading.current_thread().name}
 
 
-def test_a_failing_part_is_heard_of() -> None:
-    def work(part: int) -> None:
+def test_a_failing_part_is_heard_of():
+    def work(part):
         if part == 3:
             raise ArithmeticError("part three")
 
@@ -98,17 +97,17 @@ def test_a_failing_part_is_heard_of() -> None:
         for_each(work, range(9), spread=True)
 
 
-def test_large_batches_work_in_inference_mode() -> None:
+def test_large_batches_work_in_inference_mode():
     x = torch.randn(1500, 256)
     with torch.inference_mode():
         inside = synthesise(coefficients(x), 0.3)
     assert torch.equal(inside, synthesise(coefficients(x), 0.3))
 
 
-def test_functional_gradients_of_large_batches_are_those_of_backward() -> None:
+def test_functional_gradients_of_large_batches_are_those_of_backward():
     x, p = torch.randn(1500, 256, dtype=torch.float64), torch.tensor(0.3, dtype=torch.float64)
 
-    def loss(x: torch.Tensor, p: torch.Tensor) -> torch.Tensor:
+    def loss(x, p):
         return dfrft(x, p).real.pow(2).sum()
 
     given = x.clone().requires_grad_(), p.clone().requires_grad_()
@@ -120,7 +119,7 @@ def test_functional_gradients_of_large_batches_are_those_of_backward() -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="forks")
-def test_a_forked_child_has_workers_of_its_own() -> None:
+def test_a_forked_child_has_workers_of_its_own():
     wanted = side_by_side([lambda: 1, lambda: 2])
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # forking with threads, from 3.12 on
@@ -130,8 +129,8 @@ def test_a_forked_child_has_workers_of_its_own() -> None:
     assert os.waitpid(child, 0)[1] == 0
 
 
-def test_builds_at_once_leave_the_limit_of_blas_as_it_was() -> None:
-    def counts() -> list[int]:
+def test_builds_at_once_leave_the_limit_of_blas_as_it_was():
+    def counts():
         return [
             i["num_threads"] for i in threadpoolctl.threadpool_info() if i["user_api"] == "blas"
         ]
@@ -140,7 +139,7 @@ def test_builds_at_once_leave_the_limit_of_blas_as_it_was() -> None:
         assert set(counts()) == {1}
     before, meet = counts(), threading.Barrier(4)
 
-    def build() -> None:
+    def build():
         meet.wait(120)
         build_split(64, torch.empty(0))
 

@@ -1,21 +1,19 @@
 """Heads in which every part matters, and pairs for them."""
 
-from collections.abc import Callable
-
 import pytest
 import torch
 
-from omnivat.head.head import OmniVaT, build_head
+from omnivat.head.head import build_head
 from omnivat.head.settings import HeadSettings
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 
 
 @pytest.fixture(scope="session")
-def make_head() -> Callable[..., OmniVaT]:
+def make_head():
     """Return a maker of heads with random class tokens, biases and, optionally, signed θ_e."""
 
-    def make(*, theta: str = "ones", dtype: torch.dtype = torch.float64, **changes) -> OmniVaT:
+    def make(*, theta="ones", dtype=torch.float64, **changes):
         values = {"classes": CLASSES, "input_width": 24, "width": 16, "lang_width": 8} | changes
         model = build_head(HeadSettings(**values, theta_init=theta)).to(dtype).eval()
         random = torch.Generator().manual_seed(1)
@@ -31,7 +29,7 @@ def make_head() -> Callable[..., OmniVaT]:
 
 
 @pytest.fixture(scope="session")
-def make_pairs() -> Callable[..., tuple[torch.Tensor, torch.Tensor]]:
+def make_pairs():
     """Return a maker of VIS and TAC embeddings (count, width)."""
 
     def make(count, width=24, dtype=torch.float64, seed=0):

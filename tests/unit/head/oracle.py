@@ -1,11 +1,6 @@
 """A training step of the head with every setting, plain and slow: the oracle of the fast one."""
 
-from collections.abc import Mapping
-from typing import Any
-
 import torch
-from jaxtyping import Bool, Float, Float64, Int
-from torch import Tensor
 from torch.nn.functional import cross_entropy, normalize
 
 from omnivat.head import plain
@@ -13,27 +8,16 @@ from omnivat.head.dtg import groups
 from omnivat.head.output import TrainingOutput
 
 
-def training_pass(
-    head: Any,
-    images: Mapping[str, Float[Tensor, "B W"]],
-    lang: Float[Tensor, "B L"] | None,
-    labels: Int[Tensor, " B"],
-    *,
-    lang_on: Bool[Tensor, " B"],
-    token_on: Bool[Tensor, " B"],
-    order: Float64[Tensor, "*any"] | None = None,
-) -> TrainingOutput:
+def training_pass(head, images, lang, labels, *, lang_on, token_on, order=None):
     """Run a batch in training: LANG guides VIS and TAC, Eq. 5 and 6; see
     `OmniVaT.training_pass`.
     """
     settings, own = head.settings, head.mffa
     same = (labels[:, None] == labels[None]).to(head.dtype)  # (B, B)
-    means: dict[str, Tensor] = {}
+    means = {}
 
-    def run(
-        name: str, embedding: Float[Tensor, "B D"], guide: Float[Tensor, "B D"] | None = None
-    ) -> Float[Tensor, "B D"]:
-        def token(mean: Tensor) -> Tensor:
+    def run(name, embedding, guide=None):
+        def token(mean):
             means[name] = mean
             of_class = same / same.sum(1, keepdim=True) @ mean  # (B, D)
             return torch.where(token_on[:, None], of_class, own.class_agnostic_tokens([name]))
@@ -64,9 +48,7 @@ def training_pass(
     return TrainingOutput(features={**named, **found}, layers=levels, logits=logits, tokens=means)
 
 
-def joint_loss(
-    output: TrainingOutput, labels: Int[Tensor, " B"], *, mma: float = 10.0
-) -> Float[Tensor, ""]:
+def joint_loss(output, labels, *, mma=10.0):
     """Return λ MMA + NOD + cross-entropy of a batch. Eq. 9 to 12."""
     total = torch.stack([cross_entropy(x, labels) for x in output.logits.values()]).mean()
     logs = {name: torch.log_softmax(x, dim=-1) for name, x in output.features.items()}  # (B, D)

@@ -2,15 +2,13 @@
 
 import importlib
 import sys
-from collections.abc import Iterator
-from types import ModuleType
 
 import pytest
 import torch
 from jaxtyping import TypeCheckError, install_import_hook
 
 import omnivat.head
-from omnivat.head.head import OmniVaT, build_head
+from omnivat.head.head import build_head
 from omnivat.head.settings import HeadSettings
 
 PLAIN = "omnivat.head.plain"
@@ -19,7 +17,7 @@ ON = torch.tensor([True, False, True, True, False])
 
 
 @pytest.fixture(scope="module")
-def checked() -> Iterator[ModuleType]:
+def checked():
     """The reference head, imported a second time with every call checked."""
     plain = sys.modules.pop(PLAIN)
     with install_import_hook(PLAIN, "beartype.beartype"):
@@ -28,7 +26,7 @@ def checked() -> Iterator[ModuleType]:
     return found
 
 
-def head(**change: object) -> OmniVaT:
+def head(**change):
     return build_head(
         HeadSettings(classes=("a", "b", "c"), input_width=12, lang_width=10, width=8, **change)
     )

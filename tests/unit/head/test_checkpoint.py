@@ -9,7 +9,7 @@ import torch
 
 from omnivat.data.dots import FILLED
 from omnivat.data.rest import RESTED
-from omnivat.head.checkpoint import Head, head_hash, load_head, save_head
+from omnivat.head.checkpoint import head_hash, load_head, save_head
 from omnivat.head.fusion import Calibration, plain
 from omnivat.kit.errors import DataError
 
@@ -147,7 +147,7 @@ def test_embeddings_with_other_dots_are_refused_in_words_of_their_own(folder):
     ],
 )
 def test_embeddings_that_the_head_was_not_trained_on_are_refused(folder, key, width):
-    head: Head = load_head(folder)
+    head = load_head(folder)
     head.require(("test-encoder", "0" * 16, "none"), 24, what="The embeddings")
     with pytest.raises(
         DataError, match="The embeddings come from .* and this head was trained with"

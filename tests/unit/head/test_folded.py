@@ -4,7 +4,6 @@ import pytest
 import torch
 
 from omnivat.head import plain
-from omnivat.head.output import HeadOutput
 
 
 @torch.no_grad()
@@ -13,7 +12,7 @@ def by_reference(model, vis, tac, order=None):
     return plain.predict(model, {"vis": vis, "tac": tac}, order)
 
 
-def largest_difference(first: plain.Predicted, second: HeadOutput) -> float:
+def largest_difference(first, second):
     """Return the largest difference of F, F-bar, F-hat, logits and probabilities."""
     differences = [(first.probabilities - second.probabilities).abs().max()]
     for name, one in first.features.items():

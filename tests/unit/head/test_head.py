@@ -3,25 +3,20 @@
 import pytest
 import torch
 
-from omnivat.head.head import CHUNK, OmniVaT, build_head, parameter_count
+from omnivat.head.head import CHUNK, build_head, parameter_count
 from omnivat.head.settings import HeadSettings, literal
 from omnivat.kit.errors import DataError, SettingsError, ShapeError
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 
 
-def settings(**changes: object) -> HeadSettings:
-    values: dict[str, object] = {
-        "classes": CLASSES,
-        "input_width": 24,
-        "width": 16,
-        "lang_width": 8,
-    }
+def settings(**changes):
+    values = {"classes": CLASSES, "input_width": 24, "width": 16, "lang_width": 8}
     return HeadSettings(**(values | changes))
 
 
 @pytest.fixture
-def head() -> OmniVaT:
+def head():
     """A head with weights that make every part matter, in double precision."""
     model = build_head(settings()).double().eval()
     with torch.no_grad():
@@ -34,7 +29,7 @@ def head() -> OmniVaT:
     return model
 
 
-def pairs(count: int, seed: int = 0) -> tuple[torch.Tensor, torch.Tensor]:
+def pairs(count, seed=0):
     random = torch.Generator().manual_seed(seed)
     return tuple(torch.randn(count, 24, generator=random, dtype=torch.float64) for _ in "vt")
 

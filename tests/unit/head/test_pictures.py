@@ -9,12 +9,11 @@ from PIL import Image
 
 from omnivat.data.readers.files import modality_of
 from omnivat.data.rest import RESTED
-from omnivat.encoders.base import Encoder
 from omnivat.encoders.wrapping import TorchEncoder
 from omnivat.head.profile_pictures import Picture, pictures_in, profile_of_pictures
 
 
-def picture(path: Path, value: int) -> Path:
+def picture(path, value):
     path.parent.mkdir(parents=True, exist_ok=True)
     pixels = np.random.default_rng(value).integers(0, 255, (40, 40, 3), np.uint8)
     Image.fromarray(pixels).save(path)
@@ -22,7 +21,7 @@ def picture(path: Path, value: int) -> Path:
 
 
 @pytest.fixture
-def by_name(tmp_path: Path) -> Path:
+def by_name(tmp_path):
     for k in range(3):
         picture(tmp_path / "new" / f"press{k}_tac.png", k)
     picture(tmp_path / "new" / "vis" / "a.png", 9)
@@ -33,7 +32,7 @@ def by_name(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def pairs(tmp_path: Path) -> Path:
+def pairs(tmp_path):
     """Two touches of one photo, in a table."""
     photo = picture(tmp_path / "set" / "photo.png", 1)
     touches = [picture(tmp_path / "set" / f"touch{k}.png", 2 + k) for k in range(2)]
@@ -47,11 +46,11 @@ def pairs(tmp_path: Path) -> Path:
     ("name", "modality"),
     [("a/x_vis.png", "vis"), ("a/tac.png", "tac"), ("tac/7.png", "tac"), ("a/b.png", "")],
 )
-def test_the_name_or_the_folder_gives_the_modality(name: str, modality: str) -> None:
+def test_the_name_or_the_folder_gives_the_modality(name, modality):
     assert modality_of(Path(name)) == modality
 
 
-def test_a_folder_without_pairs_is_read_by_name(by_name: Path) -> None:
+def test_a_folder_without_pairs_is_read_by_name(by_name):
     found = pictures_in(by_name)
 
     assert sorted((p.modality, Path(str(p.source)).name) for p in found) == [
@@ -61,18 +60,18 @@ def test_a_folder_without_pairs_is_read_by_name(by_name: Path) -> None:
     assert all(p.crop == 0 and p.rest is None for p in found)
 
 
-def test_a_photo_of_several_pairs_counts_once_and_touches_follow_photos(pairs: Path) -> None:
+def test_a_photo_of_several_pairs_counts_once_and_touches_follow_photos(pairs):
     assert [p.modality for p in pictures_in(pairs)] == ["vis", "tac", "tac"]
 
 
-def test_a_rest_picture_is_of_touches_alone(by_name: Path, tmp_path: Path) -> None:
+def test_a_rest_picture_is_of_touches_alone(by_name, tmp_path):
     rest = picture(tmp_path / "rest.png", 20)
     found = pictures_in(by_name, rest=str(rest))
 
     assert {(p.modality, p.rest) for p in found} == {("vis", None), ("tac", rest)}
 
 
-def test_pairs_take_the_nearest_rest_picture_if_asked(pairs: Path) -> None:
+def test_pairs_take_the_nearest_rest_picture_if_asked(pairs):
     rest = picture(pairs / "rest.png", 20)
 
     assert {p.rest for p in pictures_in(pairs, rest="all") if p.modality == "tac"} == {rest}
@@ -80,17 +79,15 @@ def test_pairs_take_the_nearest_rest_picture_if_asked(pairs: Path) -> None:
 
 
 class FirstPixels(torch.nn.Module):
-    def forward(self, images: torch.Tensor) -> torch.Tensor:
+    def forward(self, images):
         return images.flatten(1)[:, :6]
 
 
-def encoder() -> Encoder:
+def encoder():
     return TorchEncoder(FirstPixels(), side=40)
 
 
-def test_a_profile_is_the_mean_of_whole_pictures_and_names_a_subtracted_rest(
-    by_name: Path, tmp_path: Path
-) -> None:
+def test_a_profile_is_the_mean_of_whole_pictures_and_names_a_subtracted_rest(by_name, tmp_path):
     own = encoder()
     found = pictures_in(by_name)
     profile, skipped = profile_of_pictures(own, found, domain="new")
@@ -108,7 +105,7 @@ def test_a_profile_is_the_mean_of_whole_pictures_and_names_a_subtracted_rest(
     assert rested.key[2] == own.preprocessing + RESTED
 
 
-def test_a_broken_picture_is_skipped_and_named(by_name: Path) -> None:
+def test_a_broken_picture_is_skipped_and_named(by_name):
     (by_name / "broken_tac.png").write_bytes(b"no picture")
     profile, skipped = profile_of_pictures(encoder(), pictures_in(by_name))
 
@@ -116,12 +113,12 @@ def test_a_broken_picture_is_skipped_and_named(by_name: Path) -> None:
     assert [one.what.endswith("broken_tac.png") for one in skipped] == [True]
 
 
-def test_a_cancelled_profile_counts_the_pictures_so_far() -> None:
+def test_a_cancelled_profile_counts_the_pictures_so_far():
     image = Image.fromarray(np.zeros((40, 40, 3), np.uint8))
     every = [Picture(modality="tac", source=image, name=str(k)) for k in range(4)]
-    checked: list[int] = []
+    checked = []
 
-    def cancelled() -> bool:
+    def cancelled():
         checked.append(1)
         return len(checked) > 2
 

@@ -5,8 +5,6 @@ device.
 import os
 import subprocess
 import sys
-from pathlib import Path
-from typing import Any
 
 import pytest
 import torch
@@ -36,15 +34,13 @@ META = torch.device("meta")
 
 
 @pytest.mark.parametrize("command", sorted(COMPUTING))
-def test_every_command_that_computes_takes_a_device(command: str) -> None:
+def test_every_command_that_computes_takes_a_device(command):
     assert command in COMMANDS
-    choices = parser()._subparsers._group_actions[0].choices  # type: ignore[union-attr]
-    assert "--device" in choices[command]._option_string_actions  # type: ignore[index]
+    choices = parser()._subparsers._group_actions[0].choices
+    assert "--device" in choices[command]._option_string_actions
 
 
-def test_a_device_holds_inside_its_block_and_in_processes_started_there(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_device_holds_inside_its_block_and_in_processes_started_there(monkeypatch):
     monkeypatch.delenv(VARIABLE, raising=False)
     assert named() == "cpu"
     with computing_on("meta"):
@@ -62,24 +58,24 @@ def test_a_device_holds_inside_its_block_and_in_processes_started_there(
         ("cuda:99", "none is usable here|counted from cuda:0"),
     ],
 )
-def test_a_device_that_is_not_there_is_refused(name: str, match: str) -> None:
+def test_a_device_that_is_not_there_is_refused(name, match):
     with pytest.raises(SettingsError, match=match):
         device_from(name)
 
 
-def test_a_command_refuses_it_in_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_command_refuses_it_in_one_sentence(capsys):
     from omnivat.cli import main
 
     assert main(["gaps", "--device", "gpu"]) == 1
     assert "No device is called 'gpu'" in capsys.readouterr().err
 
 
-def test_single_precision_stands_in_where_double_does_not_exist() -> None:
+def test_single_precision_stands_in_where_double_does_not_exist():
     assert precise(torch.device("mps")) == torch.float32
     assert precise(torch.device("cuda")) == precise(torch.device("cpu")) == torch.float64
 
 
-def test_a_loaded_head_and_the_transform_lie_on_the_device() -> None:
+def test_a_loaded_head_and_the_transform_lie_on_the_device():
     with computing_on("meta"):
         model = load_head(default_head()).model
     assert {tensor.device for tensor in (*model.parameters(), *model.buffers())} == {META}
@@ -87,7 +83,7 @@ def test_a_loaded_head_and_the_transform_lie_on_the_device() -> None:
     assert turned.device == META and turned.shape == (3, 16)
 
 
-def test_a_batch_moves_whole_and_stays_where_it_lies() -> None:
+def test_a_batch_moves_whole_and_stays_where_it_lies():
     rows = torch.zeros(2, 4)
     on = torch.ones(2, dtype=torch.bool)
     batch = Batch(
@@ -101,7 +97,7 @@ def test_a_batch_moves_whole_and_stays_where_it_lies() -> None:
 
 
 @pytest.mark.parametrize("kind", ["transformers folder", "resnet"])
-def test_clip_computes_on_the_device(clips: Any, tmp_path: Path, kind: str) -> None:
+def test_clip_computes_on_the_device(clips, tmp_path, kind):
     if kind == "resnet":
         torch.save(clips.published_resnet(clips.rn50_state()), tmp_path / "a.pt")
         place, side = tmp_path / "a.pt", 224
@@ -112,6 +108,6 @@ def test_clip_computes_on_the_device(clips: Any, tmp_path: Path, kind: str) -> N
     assert found.device == META and found.shape == (2, 24)
 
 
-def test_the_default_encoder_computes_on_the_device() -> None:
+def test_the_default_encoder_computes_on_the_device():
     found = load_encoder("efficientnet-lite0", device="meta").embed(torch.zeros(1, 3, 224, 224))
     assert found.device == META and found.shape == (1, 1280)

@@ -69,13 +69,13 @@ def test_columns_that_are_no_texts_are_refused(content):
         columns_in(content, "rows", 2)
 
 
-def tensors(file: Path, table: object, length: int | None = None) -> Path:
+def tensors(file, table, length=None):
     text = table if isinstance(table, bytes) else json.dumps(table).encode()
     file.write_bytes(struct.pack("<Q", len(text) if length is None else length) + text)
     return file
 
 
-def entry(**changes: object) -> dict[str, object]:
+def entry(**changes):
     return {"dtype": "F32", "shape": [0], "data_offsets": [0, 0]} | changes
 
 

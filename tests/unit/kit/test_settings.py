@@ -1,6 +1,6 @@
 """Settings: every field declares its range, and other values give one sentence."""
 
-from typing import Any, get_type_hints
+from typing import get_type_hints
 
 import pytest
 
@@ -10,7 +10,7 @@ from omnivat.kit.errors import SettingsError
 from omnivat.simulate.chirps import ChirpSettings
 from omnivat.training import TrainSettings
 
-WANTED: dict[type[Any], dict[str, Any]] = {
+WANTED = {
     HeadSettings: {"classes": ("wood", "steel"), "input_width": 24},
     TrainSettings: {},
     ChirpSettings: {},
@@ -19,7 +19,7 @@ LIMITS = {int: Within, float: Within, str: OneOf}
 
 
 @pytest.mark.parametrize("kind", WANTED)
-def test_every_number_declares_a_range_and_every_text_its_choices(kind: type[Any]) -> None:
+def test_every_number_declares_a_range_and_every_text_its_choices(kind):
     """Reads the fields themselves, so a new one without a range fails here."""
     hints = {name: LIMITS[hint] for name, hint in get_type_hints(kind).items() if hint in LIMITS}
     found = {name: type(limit) for name, limit in declared(kind).items()}
@@ -30,11 +30,9 @@ FIELDS = [(kind, name) for kind in WANTED for name in declared(kind)]
 
 
 @pytest.mark.parametrize(("kind", "name"), FIELDS)
-def test_what_a_field_does_not_take_is_refused_with_what_it_takes(
-    kind: type[Any], name: str
-) -> None:
+def test_what_a_field_does_not_take_is_refused_with_what_it_takes(kind, name):
     limit = declared(kind)[name]
-    values: list[Any] = ["nonsense"]
+    values = ["nonsense"]
     if isinstance(limit, Within):
         values = [float("nan"), float("inf"), limit.low - 1, limit.high + 1, -limit.high - 1]
     for value in values:
@@ -43,18 +41,18 @@ def test_what_a_field_does_not_take_is_refused_with_what_it_takes(
 
 
 @pytest.mark.parametrize("kind", WANTED)
-def test_the_ends_of_a_range_are_in_it(kind: type[Any]) -> None:
+def test_the_ends_of_a_range_are_in_it(kind):
     for name, limit in declared(kind).items():
         if isinstance(limit, Within):
             assert limit.allows(limit.low) and limit.allows(limit.high), name
 
 
-def test_a_file_of_settings_is_held_to_the_same_ranges() -> None:
+def test_a_file_of_settings_is_held_to_the_same_ranges():
     with pytest.raises(SettingsError, match="logit_scale is -1.0; choose 0.001 to 10000"):
         settings_from(HeadSettings, {**WANTED[HeadSettings], "logit_scale": -1})
 
 
-def test_a_search_and_a_random_order_exclude_each_other() -> None:
+def test_a_search_and_a_random_order_exclude_each_other():
     with pytest.raises(SettingsError, match="order_search and order_draw exclude each other"):
         TrainSettings(order_search=True, order_draw="batch")
     with pytest.raises(SettingsError, match="give the smaller one first"):

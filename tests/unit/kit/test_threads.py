@@ -18,9 +18,9 @@ def two_threads():
     torch.set_num_threads(before)
 
 
-def seen_by_a_new_thread() -> int:
+def seen_by_a_new_thread():
     """Return how many threads of torch a thread that is born now gets."""
-    seen: list[int] = []
+    seen = []
     born = threading.Thread(target=lambda: seen.append(torch.get_num_threads()))
     born.start()
     born.join()
@@ -64,7 +64,7 @@ def test_a_thread_born_inside_anothers_block_gets_all_threads():
 
 
 def test_a_pinned_thread_stays_at_one_and_others_do_not():
-    seen: list[int] = []
+    seen = []
 
     def work():
         pin_thread()

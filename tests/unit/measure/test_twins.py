@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,7 +19,7 @@ HEADER = Header(
 )
 
 
-def made() -> Twins:
+def made():
     """Four objects in two domains: object n by sensor s has n and s in its rows; the gel of A
     has dots.
     """
@@ -40,7 +39,7 @@ def made() -> Twins:
     )
 
 
-def test_pairs_take_the_touch_of_one_domain_and_the_photograph_of_another() -> None:
+def test_pairs_take_the_touch_of_one_domain_and_the_photograph_of_another():
     found = made().pairs("A-sim", "B-sim")
 
     np.testing.assert_array_equal(found.tac, made().tac[:3, 0])
@@ -50,7 +49,7 @@ def test_pairs_take_the_touch_of_one_domain_and_the_photograph_of_another() -> N
     assert made().pairs("A-sim", filled=True).header.preprocessing == "filled"
 
 
-def test_the_set_that_heads_learn_from_gets_its_dots_back() -> None:
+def test_the_set_that_heads_learn_from_gets_its_dots_back():
     learning = made().pairs("A-sim", filled=True)
     found = made().as_printed(learning)
 
@@ -60,7 +59,7 @@ def test_the_set_that_heads_learn_from_gets_its_dots_back() -> None:
         made().as_printed(found)
 
 
-def test_a_file_keeps_every_row_to_the_size_of_a_byte(tmp_path: Path) -> None:
+def test_a_file_keeps_every_row_to_the_size_of_a_byte(tmp_path):
     wide = np.random.default_rng(0).random((3, 2, 400)).astype(np.float32)
     filled = np.where([[[True], [False]]], wide, 2 * wide)
     before = replace(
@@ -80,13 +79,13 @@ def test_a_file_keeps_every_row_to_the_size_of_a_byte(tmp_path: Path) -> None:
     )
 
 
-def test_rows_that_a_byte_cannot_hold_are_refused_and_no_file_is_written(tmp_path: Path) -> None:
+def test_rows_that_a_byte_cannot_hold_are_refused_and_no_file_is_written(tmp_path):
     with pytest.raises(DataError, match="vis has values outside of 0 to 0.498"):
         write_twins(tmp_path / "t.npz", made())
     assert not list(tmp_path.iterdir())
 
 
-def test_a_missing_domain_and_another_file_are_named(tmp_path: Path) -> None:
+def test_a_missing_domain_and_another_file_are_named(tmp_path):
     with pytest.raises(DataError, match="no domain 'C-sim'; choose one of A-sim, B-sim"):
         made().pairs("C-sim")
     (tmp_path / "t.npz").write_bytes(b"no twins")
@@ -94,7 +93,7 @@ def test_a_missing_domain_and_another_file_are_named(tmp_path: Path) -> None:
         twins(tmp_path / "t.npz")
 
 
-def test_a_plain_head_of_the_shipped_sets_reads_the_twins_as_the_page_says() -> None:
+def test_a_plain_head_of_the_shipped_sets_reads_the_twins_as_the_page_says():
     """Computed apart from the benchmark: standardised unit rows, scikit-learn, touch alone, from
     TAG-sim.
     """
@@ -105,7 +104,7 @@ def test_a_plain_head_of_the_shipped_sets_reads_the_twins_as_the_page_says() -> 
         (presses.filled, learning)
     ] * filled
 
-    def unit(rows: np.ndarray) -> np.ndarray:
+    def unit(rows):
         return rows / np.linalg.norm(rows, axis=-1, keepdims=True)
 
     for dots, (touches, pairs) in enumerate(ways):

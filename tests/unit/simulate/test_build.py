@@ -3,14 +3,12 @@
 import csv
 from dataclasses import replace
 from hashlib import sha256
-from pathlib import Path
 
 import pytest
 
 from omnivat.data.readers import read_pairs
 from omnivat.data.rest import with_rest
 from omnivat.kit.errors import DataError, MissingNameError
-from omnivat.kit.progress import Step
 from omnivat.simulate.build import simulate
 from omnivat.simulate.domains import SimulatedDomain
 from omnivat.simulate.plan import COLUMNS
@@ -22,19 +20,19 @@ pytestmark = pytest.mark.slow  # draws pairs
 SMALL = {"domains": ["TAG", "TQ-T3D"], "pairs_per_class": 2, "size": 48, "renderer": "plain"}
 
 
-def hashes(folder: Path) -> dict[str, str]:
+def hashes(folder):
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     return {str(f.relative_to(folder)): sha256(f.read_bytes()).hexdigest() for f in files}
 
 
 @pytest.fixture(scope="module")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def built(tmp_path_factory):
     folder = tmp_path_factory.mktemp("set")
     simulate(folder, **SMALL, workers=1)
     return folder
 
 
-def test_the_set_lists_what_lies_on_disk(built: Path) -> None:
+def test_the_set_lists_what_lies_on_disk(built):
     with (built / "pairs.csv").open() as file:
         rows = list(csv.DictReader(file))
 
@@ -44,9 +42,7 @@ def test_the_set_lists_what_lies_on_disk(built: Path) -> None:
     assert {row["domain"] for row in rows} == {"TAG-sim", "TQ-T3D-sim"}
 
 
-def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(
-    built: Path, tmp_path: Path
-) -> None:
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(built, tmp_path):
     simulate(tmp_path / "again", **SMALL, workers=1)
     simulate(tmp_path / "other", **SMALL, seed=1, workers=1)
 
@@ -56,9 +52,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(
     assert len(drawn) == 36 and all(other[name] != first[name] for name in drawn)
 
 
-def test_the_folder_of_every_domain_has_the_rest_picture_that_its_images_are_found_to_have(
-    built: Path,
-) -> None:
+def test_the_folder_of_every_domain_has_the_rest_picture_that_its_images_are_found_to_have(built):
     found = with_rest(read_pairs(built), "all")
 
     assert {pair.tac_rest for pair in found.pairs} == {
@@ -67,9 +61,9 @@ def test_the_folder_of_every_domain_has_the_rest_picture_that_its_images_are_fou
     }
 
 
-def test_a_stopped_build_draws_only_what_is_missing_or_broken(tmp_path: Path) -> None:
+def test_a_stopped_build_draws_only_what_is_missing_or_broken(tmp_path):
     one = SMALL | {"domains": ["TAG"]}
-    steps: list[Step] = []
+    steps = []
     simulate(tmp_path, **one, workers=1)
     before = hashes(tmp_path)
     images = sorted(tmp_path.rglob("*.png"))
@@ -81,14 +75,14 @@ def test_a_stopped_build_draws_only_what_is_missing_or_broken(tmp_path: Path) ->
     assert [step.done for step in steps] == [8, 9, 10]
 
 
-def test_two_workers_give_what_one_gives(built: Path, tmp_path: Path) -> None:
+def test_two_workers_give_what_one_gives(built, tmp_path):
     simulate(tmp_path, **(SMALL | {"domains": ["TQ-T3D-sim"]}), workers=2)
 
     first = hashes(built)
     assert all(hashes(tmp_path)[n] == first[n] for n in hashes(tmp_path) if n != "pairs.csv")
 
 
-def test_a_domain_of_ones_own_renumbers_no_other(built: Path, tmp_path: Path) -> None:
+def test_a_domain_of_ones_own_renumbers_no_other(built, tmp_path):
     mine = SimulatedDomain(
         name="Mine",
         sensor=replace(GELS["DIGIT"], gain=2.5),
@@ -103,7 +97,7 @@ def test_a_domain_of_ones_own_renumbers_no_other(built: Path, tmp_path: Path) ->
     assert sum(pair.domain == "Mine-sim" for pair in pairs.pairs) == 10
 
 
-def test_pairs_say_that_they_are_simulated(built: Path) -> None:
+def test_pairs_say_that_they_are_simulated(built):
     pairs = simulate(built, **SMALL, workers=1)
 
     assert pairs.simulated
@@ -119,6 +113,6 @@ def test_pairs_say_that_they_are_simulated(built: Path) -> None:
         ({"renderer": "cycles"}, MissingNameError, "No renderer is called 'cycles'"),
     ],
 )
-def test_what_makes_no_pair_is_refused(change, error, sentence, tmp_path: Path) -> None:
+def test_what_makes_no_pair_is_refused(change, error, sentence, tmp_path):
     with pytest.raises(error, match=sentence):
         simulate(tmp_path, **(SMALL | change), workers=1)

@@ -5,12 +5,12 @@ import numpy as np
 from omnivat.simulate.contact import draped, indentation, plane
 
 
-def ball(field: float, size: int, radius: float) -> np.ndarray:
+def ball(field, size, radius):
     x, y = plane(field, size)
     return np.sqrt(np.maximum(radius**2 - x**2 - y**2, 0.0)) - radius
 
 
-def test_a_ball_touches_in_a_disc_of_the_radius_that_geometry_gives() -> None:
+def test_a_ball_touches_in_a_disc_of_the_radius_that_geometry_gives():
     field, size, radius, depth = 16.0, 160, 6.0, 0.5
     indent = indentation(ball(field, size, radius), field=field, depth=depth, dome=0.0)
     area = (indent > 0).sum() * (field / size) ** 2
@@ -18,7 +18,7 @@ def test_a_ball_touches_in_a_disc_of_the_radius_that_geometry_gives() -> None:
     np.testing.assert_allclose(area, np.pi * (2 * radius * depth - depth**2), rtol=0.07)
 
 
-def test_the_gel_never_goes_through_the_object_nor_lifts_where_nothing_presses() -> None:
+def test_the_gel_never_goes_through_the_object_nor_lifts_where_nothing_presses():
     indent = indentation(ball(16.0, 96, 4.0), field=16.0, depth=0.6, dome=0.0)
     sheet = draped(indent, field=16.0, give=0.8, skin=1e-3)
 
@@ -26,14 +26,14 @@ def test_the_gel_never_goes_through_the_object_nor_lifts_where_nothing_presses()
     assert sheet[0, 0] < 1e-3 * sheet.max()
 
 
-def test_a_softer_give_draws_more_of_the_gel_down() -> None:
+def test_a_softer_give_draws_more_of_the_gel_down():
     indent = indentation(ball(16.0, 96, 4.0), field=16.0, depth=0.6, dome=0.0)
     stiff, soft = (draped(indent, field=16.0, give=give, skin=0.05).sum() for give in (0.3, 1.5))
 
     assert soft > 1.1 * stiff
 
 
-def test_x_grows_to_the_right_and_y_upwards_in_mm() -> None:
+def test_x_grows_to_the_right_and_y_upwards_in_mm():
     x, y = plane(10.0, 5)
 
     np.testing.assert_allclose(x[2], [-4, -2, 0, 2, 4])

@@ -8,7 +8,7 @@ from PIL import Image
 
 from app.places import find_examples
 from omnivat.data.domains import DOMAINS, simulated
-from omnivat.data.pairs import Pair, PairSet
+from omnivat.data.pairs import Pair
 from omnivat.data.readers import read_pairs
 from omnivat.data.store import load_embeddings
 from omnivat.kit.errors import DataError
@@ -22,7 +22,7 @@ SMALL = {"domains": ["TQ-T3D"], "size": 48, "renderer": "plain", "workers": 1}
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> PairSet:
+def made(tmp_path_factory):
     return simulate(tmp_path_factory.mktemp("set"), **SMALL, pairs_per_class=7)
 
 
@@ -55,7 +55,7 @@ def test_examples_are_taken_evenly_and_no_more_than_there_are():
     assert spread(list("ab"), 5) == ["a", "b"]
 
 
-def pair_like(name: str, looks_like: str) -> Pair:
+def pair_like(name, looks_like):
     file = Path(name)
     return Pair(vis=file, tac=file, domain="TAG-sim", material="wood", looks_like=looks_like)
 

@@ -11,7 +11,7 @@ from omnivat.simulate.shapes.spots import BELOW, contact_height
 RADIUS = 30.0
 
 
-def cylinder_spot() -> Spot:
+def cylinder_spot():
     return Spot(
         point=np.array([RADIUS, 0.0, 30.0]), normal=np.array([1.0, 0.0, 0.0]),
         tangent=np.array([0.0, 1.0, 0.0]), uv=np.zeros(2),
@@ -22,7 +22,7 @@ def cylinder():
     return turned([(0, 0, 0), (RADIUS, 0, 0.5), (RADIUS, 60, 0.5), (0, 60, 0)])
 
 
-def test_a_cylinder_has_no_facets() -> None:
+def test_a_cylinder_has_no_facets():
     """Its triangles alone are 7 micrometres off, in flat strips that a gel would show."""
     x, _ = plane(16.0, 96)
     height = contact_height(cylinder(), cylinder_spot(), field=16.0, size=96)
@@ -30,14 +30,14 @@ def test_a_cylinder_has_no_facets() -> None:
     np.testing.assert_allclose(height, np.sqrt(RADIUS**2 - x**2) - RADIUS, atol=1e-3)
 
 
-def test_turning_the_sensor_by_a_quarter_turns_the_map() -> None:
+def test_turning_the_sensor_by_a_quarter_turns_the_map():
     flat = contact_height(cylinder(), cylinder_spot(), field=12.0, size=60)
     turned_map = contact_height(cylinder(), cylinder_spot(), field=12.0, size=60, turn=np.pi / 2)
 
     np.testing.assert_allclose(turned_map, flat.T, atol=1e-3)
 
 
-def test_an_edge_stays_sharp_and_nothing_lies_beyond_it() -> None:
+def test_an_edge_stays_sharp_and_nothing_lies_beyond_it():
     box = block((60.0, 60.0, 20.0), bevel=0.5)
     edge = Spot(
         point=np.array([27.0, 0.0, 10.0]), normal=np.array([0.0, 0.0, 1.0]),
@@ -50,7 +50,7 @@ def test_an_edge_stays_sharp_and_nothing_lies_beyond_it() -> None:
     assert (height[x > 3.1] == BELOW).all()
 
 
-def test_a_larger_map_is_the_smaller_one_seen_closer() -> None:
+def test_a_larger_map_is_the_smaller_one_seen_closer():
     small, large = (
         contact_height(cylinder(), cylinder_spot(), field=16.0, size=size) for size in (56, 224)
     )
@@ -59,7 +59,7 @@ def test_a_larger_map_is_the_smaller_one_seen_closer() -> None:
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_every_solid_has_its_touched_spot_at_height_zero(name: str) -> None:
+def test_every_solid_has_its_touched_spot_at_height_zero(name):
     rng = np.random.default_rng(4)
     solid = KINDS[name](rng, made_of("plastic", rng))
     height = contact_height(solid, spot(solid, rng), field=4.0, size=33)

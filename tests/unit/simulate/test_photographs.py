@@ -10,24 +10,24 @@ from omnivat.simulate import drawing, vision
 from omnivat.simulate.contact import Press
 from omnivat.simulate.domains import SIMULATED
 from omnivat.simulate.grounds import beyond, ground
-from omnivat.simulate.photograph import Framing, exposed, framed, plain
+from omnivat.simulate.photograph import exposed, framed, plain
 from omnivat.simulate.plan import planned
 from omnivat.simulate.scenes import OUTDOORS, SCENES
 from omnivat.simulate.staging import textured, unresolved_slopes
 from omnivat.simulate.surfaces import Surface
-from omnivat.simulate.things import Thing, thing
+from omnivat.simulate.things import thing
 from omnivat.simulate.vision import denoised, panorama
 
 
-def thing_of(domain: str, material: str = "wood", index: int = 1) -> Thing:
+def thing_of(domain, material="wood", index=1):
     return thing(planned(SIMULATED[domain], material, pairs=60)[index], seed=0)
 
 
-def framing_of(domain: str, made: Thing, seed: int = 3) -> Framing:
+def framing_of(domain, made, seed=3):
     return framed(SCENES[domain], made, outdoors=False, seed=seed)
 
 
-def flat(**changes) -> Surface:
+def flat(**changes):
     even = {
         "recipe": "even",
         "relief": lambda x, y: np.zeros_like(x),
@@ -39,7 +39,7 @@ def flat(**changes) -> Surface:
 
 
 @pytest.mark.parametrize("domain", SCENES)
-def test_the_contact_lies_in_the_picture_and_faces_the_camera(domain: str) -> None:
+def test_the_contact_lies_in_the_picture_and_faces_the_camera(domain):
     for index in range(4):
         made = thing_of(domain, "steel", index)
         framing = framing_of(domain, made, seed=index)
@@ -52,7 +52,7 @@ def test_the_contact_lies_in_the_picture_and_faces_the_camera(domain: str) -> No
         assert framing.eye[2] > 0
 
 
-def test_whole_objects_fit_into_the_picture_where_a_domain_shows_them_whole() -> None:
+def test_whole_objects_fit_into_the_picture_where_a_domain_shows_them_whole():
     made = thing_of("OF Real", "ceramic")
     framing = framing_of("OF Real", made)
     extent = np.linalg.norm(np.ptp(made.solid.vertices, axis=0))
@@ -60,7 +60,7 @@ def test_whole_objects_fit_into_the_picture_where_a_domain_shows_them_whole() ->
     assert framing.view > extent
 
 
-def test_fine_grooves_widen_the_highlight_across_them_only() -> None:
+def test_fine_grooves_widen_the_highlight_across_them_only():
     grooved = flat(relief=lambda x, y: 0.01 * np.sin(2 * np.pi * y / 0.35))
     along, across = unresolved_slopes(grooved, np.zeros(2), spacing=0.6)
 
@@ -68,7 +68,7 @@ def test_fine_grooves_widen_the_highlight_across_them_only() -> None:
     assert along < 0.01
 
 
-def test_a_texture_covers_the_solid_and_its_colours_are_the_surface_s() -> None:
+def test_a_texture_covers_the_solid_and_its_colours_are_the_surface_s():
     made = replace(thing_of("OF Real"), sight=flat())
     texture = textured(made, framing_of("OF Real", made))
 
@@ -78,7 +78,7 @@ def test_a_texture_covers_the_solid_and_its_colours_are_the_surface_s() -> None:
     assert not texture.bumps.any()
 
 
-def test_the_key_light_gives_the_same_power_small_or_large() -> None:
+def test_the_key_light_gives_the_same_power_small_or_large():
     framing = framing_of("OF 2.0 A", thing_of("OF 2.0 A"))
     weight = np.sin((np.arange(64) + 0.5) / 64 * np.pi)[:, None, None]
     small, large = (
@@ -88,7 +88,7 @@ def test_the_key_light_gives_the_same_power_small_or_large() -> None:
     assert small == pytest.approx(large, rel=0.02)
 
 
-def test_without_a_renderer_a_picture_shows_the_seen_surface_around_the_contact() -> None:
+def test_without_a_renderer_a_picture_shows_the_seen_surface_around_the_contact():
     made = thing_of("OF 2.0 B")
     framing = framing_of("OF 2.0 B", made)
     image, middle = plain(made, framing, size=65), made.spot.uv
@@ -98,7 +98,7 @@ def test_without_a_renderer_a_picture_shows_the_seen_surface_around_the_contact(
     np.testing.assert_allclose(image[32, 32], made.sight.colour(*middle[:, None])[0] * light)
 
 
-def test_every_place_that_a_scene_names_can_be_drawn() -> None:
+def test_every_place_that_a_scene_names_can_be_drawn():
     x, y = np.meshgrid(np.linspace(-300, 300, 20), np.linspace(0, 600, 20))
     names = {name for scene in SCENES.values() for name in scene.ground} | set(OUTDOORS[0])
     walls = {name for scene in SCENES.values() for name in scene.behind} | set(OUTDOORS[1])
@@ -109,14 +109,14 @@ def test_every_place_that_a_scene_names_can_be_drawn() -> None:
     assert all(0.0 <= colour.min() <= colour.max() <= 1.0 for colour in colours)
 
 
-def test_the_camera_opens_up_for_dark_scenes_but_not_all_the_way() -> None:
+def test_the_camera_opens_up_for_dark_scenes_but_not_all_the_way():
     scene = SCENES["OF 2.0 A"]
     dark, bright = (exposed(np.full((16, 16, 3), v), scene, seed=0).mean() for v in (0.02, 0.8))
 
     assert 0.1 < dark < bright < 0.98
 
 
-def test_grain_is_taken_out_and_edges_of_colour_stay() -> None:
+def test_grain_is_taken_out_and_edges_of_colour_stay():
     rng = np.random.default_rng(0)
     colour = np.where(np.arange(48)[None, :, None] < 24, 0.2, 0.8) * np.ones((48, 48, 3))
     normal = np.broadcast_to([0.0, 0.0, 1.0], (48, 48, 3))
@@ -127,11 +127,11 @@ def test_grain_is_taken_out_and_edges_of_colour_stay() -> None:
     assert clean[:, 25].mean() - clean[:, 22].mean() > 0.5
 
 
-def gone(name: str, **said: str) -> None:
+def gone(name, **said):
     raise MissingPackageError(f"{name} is needed for {said['purpose']}.")
 
 
-def test_without_mitsuba_a_render_says_what_is_missing(monkeypatch) -> None:
+def test_without_mitsuba_a_render_says_what_is_missing(monkeypatch):
     vision._mitsuba.cache_clear()
     monkeypatch.setattr(vision, "need", gone)
     made = thing_of("TAG")
@@ -139,7 +139,7 @@ def test_without_mitsuba_a_render_says_what_is_missing(monkeypatch) -> None:
         vision.rendered(made, framing_of("TAG", made), size=32)
 
 
-def test_without_taxim_a_calibrated_touch_says_what_is_missing(monkeypatch) -> None:
+def test_without_taxim_a_calibrated_touch_says_what_is_missing(monkeypatch):
     press = Press(turn=0.0, lean=(0.0, 0.0), depth=0.5, shear=(0.0, 0.0))
     drawing._simulator.cache_clear()
     monkeypatch.setattr(drawing, "need", gone)

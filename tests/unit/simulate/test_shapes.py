@@ -10,15 +10,15 @@ from omnivat.simulate.shapes import KINDS, OBJECTS, PARTS, blocked, made_of, spo
 from omnivat.simulate.shapes.solid import block, outline, turned
 
 
-def made(kind: str, *, material: str = "ceramic", seed: int = 1):
+def made(kind, *, material="ceramic", seed=1):
     rng = np.random.default_rng(seed)
     return KINDS[kind](rng, made_of(material, rng))
 
 
-def borders(solid) -> Counter:
+def borders(solid):
     """Count the edges of faces that are open, or passed twice the same way."""
     _, same = np.unique(np.round(solid.vertices, 2), axis=0, return_inverse=True)
-    edges: Counter = Counter()
+    edges = Counter()
     for a, b, c in same.ravel()[solid.faces]:
         if len({a, b, c}) == 3:
             edges.update([(a, b), (b, c), (c, a)])
@@ -26,12 +26,12 @@ def borders(solid) -> Counter:
 
 
 @pytest.mark.parametrize("kind", ["bowl", "vase", "plate", "tumbler", "tray", "tile", "board"])
-def test_a_solid_is_closed(kind: str) -> None:
+def test_a_solid_is_closed(kind):
     assert not borders(made(kind))
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_kind_stands_on_the_ground_and_faces_outwards(kind: str) -> None:
+def test_every_kind_stands_on_the_ground_and_faces_outwards(kind):
     solid = made(kind)
     corner = solid.vertices[solid.faces]
     volume = np.einsum("fd,fd->f", corner[:, 0], np.cross(corner[:, 1], corner[:, 2])).sum() / 6
@@ -43,19 +43,19 @@ def test_every_kind_stands_on_the_ground_and_faces_outwards(kind: str) -> None:
     assert solid.faces.max() < len(solid.vertices) == len(solid.uv)
 
 
-def test_the_same_stream_makes_the_same_solid() -> None:
+def test_the_same_stream_makes_the_same_solid():
     np.testing.assert_array_equal(made("vase").vertices, made("vase").vertices)
     assert not np.array_equal(made("vase").vertices, made("vase", seed=2).vertices)
 
 
-def test_a_wall_is_as_thick_as_its_material_makes_it() -> None:
+def test_a_wall_is_as_thick_as_its_material_makes_it():
     steel, wood = (made_of(name, np.random.default_rng(0)) for name in ("steel", "wood"))
 
     assert steel.wall < 2.0 < 5.0 < wood.wall
     assert steel.bevel < wood.bevel
 
 
-def test_the_corners_of_a_block_are_rounded_by_its_bevel() -> None:
+def test_the_corners_of_a_block_are_rounded_by_its_bevel():
     solid = block((40.0, 30.0, 20.0), bevel=4.0)
     corner = np.array([20.0, 15.0, 10.0])
     nearest = np.linalg.norm(solid.vertices - corner, axis=1).min()
@@ -63,13 +63,13 @@ def test_the_corners_of_a_block_are_rounded_by_its_bevel() -> None:
     assert nearest == pytest.approx(4.0 * (np.sqrt(3) - 1), rel=0.05)
 
 
-def test_the_pattern_of_a_turned_solid_keeps_millimetres_up_its_wall() -> None:
+def test_the_pattern_of_a_turned_solid_keeps_millimetres_up_its_wall():
     solid = turned([(0, 0, 0), (30, 0, 0), (30, 100, 0), (0, 100, 0)])
 
     assert np.ptp(solid.uv[:, 1]) == pytest.approx(30 + 100 + 30)
 
 
-def test_an_outline_keeps_its_ends_and_cuts_its_corners() -> None:
+def test_an_outline_keeps_its_ends_and_cuts_its_corners():
     line = outline([(0, 0, 0), (10, 0, 2), (10, 10, 0)])
 
     assert line[0].tolist() == [0, 0]
@@ -77,7 +77,7 @@ def test_an_outline_keeps_its_ends_and_cuts_its_corners() -> None:
     assert np.linalg.norm(line - [10, 0], axis=1).min() > 0.5
 
 
-def test_a_touched_place_lies_on_the_solid_and_has_room_for_a_sensor() -> None:
+def test_a_touched_place_lies_on_the_solid_and_has_room_for_a_sensor():
     for seed in range(6):
         cup = made("cup", seed=seed)
         place = spot(cup, np.random.default_rng(seed))
@@ -90,14 +90,14 @@ def test_a_touched_place_lies_on_the_solid_and_has_room_for_a_sensor() -> None:
         assert not blocked(cup, start, start + 60 * place.normal)
 
 
-def test_what_lies_behind_a_wall_is_blocked() -> None:
+def test_what_lies_behind_a_wall_is_blocked():
     wall = block((2.0, 50.0, 50.0), bevel=0.5)
 
     assert blocked(wall, np.array([-10.0, 1.0, 2.0]), np.array([10.0, 1.0, 2.0]))
     assert not blocked(wall, np.array([-10.0, 1.0, 2.0]), np.array([-5.0, 1.0, 2.0]))
 
 
-def test_shapes_of_classes_overlap() -> None:
+def test_shapes_of_classes_overlap():
     for tables in (OBJECTS, PARTS):
         assert tuple(tables) == MATERIALS
         for material, weights in tables.items():

@@ -10,24 +10,24 @@ from omnivat.simulate.surfaces import RECIPES, SKINS, SMOOTH, skinned
 X, Y = plane(16.0, 160)
 
 
-def roughness(material: str) -> float:
+def roughness(material):
     """Return the mean spread in mm of a material's skin."""
     return float(
         np.mean([SKINS[material](np.random.default_rng(s), 0.3)(X, Y).std() for s in range(4)])
     )
 
 
-def test_every_material_has_a_skin_and_names_its_smooth_recipes() -> None:
+def test_every_material_has_a_skin_and_names_its_smooth_recipes():
     assert set(SKINS) == set(SMOOTH) == set(MATERIALS)
     assert all(maker in RECIPES[material] for material, maker in SMOOTH.items())
 
 
 @pytest.mark.parametrize("material", ["wood", "steel", "plastic", "ceramic"])
-def test_glass_is_smoother_than_every_other_material(material: str) -> None:
+def test_glass_is_smoother_than_every_other_material(material):
     assert roughness("glass") < 0.6 * roughness(material)
 
 
-def test_wood_is_rough_across_its_grain_and_smooth_along_it() -> None:
+def test_wood_is_rough_across_its_grain_and_smooth_along_it():
     relief = SKINS["wood"](np.random.default_rng(1), 0.0)(X, Y)
     down, right = np.gradient(relief)
 
@@ -35,7 +35,7 @@ def test_wood_is_rough_across_its_grain_and_smooth_along_it() -> None:
 
 
 @pytest.mark.parametrize("material", MATERIALS)
-def test_a_smooth_recipe_keeps_less_of_the_skin_than_a_rough_one(material: str) -> None:
+def test_a_smooth_recipe_keeps_less_of_the_skin_than_a_rough_one(material):
     added = {}
     for smooth in (True, False):
         maker = next(m for m in RECIPES[material] if (m is SMOOTH[material]) == smooth)

@@ -14,12 +14,12 @@ EVERY_RECIPE = [
 ]
 
 
-def test_there_are_recipes_for_exactly_the_five_materials() -> None:
+def test_there_are_recipes_for_exactly_the_five_materials():
     assert tuple(RECIPES) == MATERIALS
 
 
 @pytest.mark.parametrize("recipe", EVERY_RECIPE)
-def test_every_recipe_gives_finite_relief_of_a_tangible_size_and_colours_in_range(recipe) -> None:
+def test_every_recipe_gives_finite_relief_of_a_tangible_size_and_colours_in_range(recipe):
     x, y = plane(16.0, 48)
     thing = recipe(np.random.default_rng(5))
     relief, colour = thing.relief(x, y), thing.colour(x, y)
@@ -32,7 +32,7 @@ def test_every_recipe_gives_finite_relief_of_a_tangible_size_and_colours_in_rang
     assert colour.max() <= 1.0
 
 
-def test_the_same_number_is_the_same_object_and_another_number_another() -> None:
+def test_the_same_number_is_the_same_object_and_another_number_another():
     x, y = plane(10.0, 24)
     once, again = (surface("steel", 7, seed=0).relief(x, y) for _ in range(2))
     other = surface("steel", 8, seed=0).relief(x, y)
@@ -43,7 +43,7 @@ def test_the_same_number_is_the_same_object_and_another_number_another() -> None
     assert not np.array_equal(once, reseeded)
 
 
-def test_a_surface_has_one_height_at_one_place_whoever_looks() -> None:
+def test_a_surface_has_one_height_at_one_place_whoever_looks():
     thing = surface("wood", 3, seed=0)
     x, y = plane(20.0, 40)
     part = (slice(5, 12), slice(20, 31))
@@ -51,7 +51,7 @@ def test_a_surface_has_one_height_at_one_place_whoever_looks() -> None:
     np.testing.assert_allclose(thing.relief(x[part], y[part]), thing.relief(x, y)[part], atol=1e-12)
 
 
-def test_neighbouring_numbers_hold_a_mixture_of_recipes() -> None:
+def test_neighbouring_numbers_hold_a_mixture_of_recipes():
     for material, recipes in RECIPES.items():
         seen = {surface(material, number, seed=0).recipe for number in range(40)}
         assert len(seen) >= len(recipes) - 2, material

@@ -20,7 +20,7 @@ RED_FROM_THE_RIGHT = replace(
 )
 
 
-def slab(material: str, number: int) -> Thing:
+def slab(material, number):
     """Return a flat thing of this surface, touched in the middle of its top."""
     own = surface(material, number, seed=0)
     spot = Spot(
@@ -41,7 +41,7 @@ def slab(material: str, number: int) -> Thing:
     ],
     ids=["right", "top", "left", "bottom"],
 )
-def test_a_lamp_lights_the_flank_of_a_bump_that_faces_it(azimuth, near, far) -> None:
+def test_a_lamp_lights_the_flank_of_a_bump_that_faces_it(azimuth, near, far):
     sensor = replace(RED_FROM_THE_RIGHT, lamps=(Lamp(azimuth=azimuth, colour=(1.0, 0.0, 0.0)),))
     x, y = plane(sensor.field, 64)
     change = lit(np.exp(-(x**2 + y**2) / 8), sensor)
@@ -50,12 +50,12 @@ def test_a_lamp_lights_the_flank_of_a_bump_that_faces_it(azimuth, near, far) -> 
     assert change[near][1:] == pytest.approx(0.0)
 
 
-def test_a_flat_gel_is_unchanged_by_its_lamps() -> None:
+def test_a_flat_gel_is_unchanged_by_its_lamps():
     np.testing.assert_allclose(lit(np.full((32, 32), 0.3), GELS["GelSight"]), 0.0, atol=1e-12)
 
 
 @pytest.mark.parametrize("name", GELS)
-def test_every_sensor_gives_an_image_that_its_press_has_changed(name: str) -> None:
+def test_every_sensor_gives_an_image_that_its_press_has_changed(name):
     sensor = GELS[name]
     image = touch(slab("plastic", 2), PRESS, sensor, size=64, seed=1)
 
@@ -67,8 +67,8 @@ def test_every_sensor_gives_an_image_that_its_press_has_changed(name: str) -> No
 
 @pytest.mark.parametrize("name", GELS)
 def test_a_press_that_touches_nothing_is_the_rest_picture_of_its_gel_but_for_noise(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    name, monkeypatch
+):
     monkeypatch.setattr("omnivat.simulate.tactile.indentation", lambda h, **_: np.zeros_like(h))
     still = replace(PRESS, shear=(0.0, 0.0))
     image = touch(slab("plastic", 2), still, GELS[name], size=64, seed=1)
@@ -81,7 +81,7 @@ def test_a_press_that_touches_nothing_is_the_rest_picture_of_its_gel_but_for_noi
     assert np.abs(rest - at_rest(GELS[name], size=64)).mean() > 0.008  # other gels differ
 
 
-def test_gels_of_one_sensor_differ_and_some_have_no_markers() -> None:
+def test_gels_of_one_sensor_differ_and_some_have_no_markers():
     gels = [used(GELS["DuraGel"], np.random.default_rng(seed)) for seed in range(40)]
     plain = sum(gel.markers is None for gel in gels)
 
@@ -91,7 +91,7 @@ def test_gels_of_one_sensor_differ_and_some_have_no_markers() -> None:
     assert all(used(GELS["GelSight"], np.random.default_rng(s)).markers for s in range(9))
 
 
-def test_the_same_seed_gives_the_same_noise_and_another_seed_another() -> None:
+def test_the_same_seed_gives_the_same_noise_and_another_seed_another():
     thing, sensor = slab("glass", 1), GELS["DIGIT"]
     once, again, other = (touch(thing, PRESS, sensor, size=48, seed=s) for s in (4, 4, 5))
 
@@ -99,7 +99,7 @@ def test_the_same_seed_gives_the_same_noise_and_another_seed_another() -> None:
     assert not np.array_equal(once, other)
 
 
-def test_sensors_differ_more_than_presses_of_one_sensor() -> None:
+def test_sensors_differ_more_than_presses_of_one_sensor():
     thing = slab("steel", 4)
     tints = {n: touch(thing, PRESS, s, size=48, seed=0).mean((0, 1)) for n, s in GELS.items()}
     deeper = replace(PRESS, depth=1.0)
@@ -110,7 +110,7 @@ def test_sensors_differ_more_than_presses_of_one_sensor() -> None:
         assert own < min(others), name
 
 
-def test_markers_lie_on_their_lattice_until_shear_drags_them() -> None:
+def test_markers_lie_on_their_lattice_until_shear_drags_them():
     even = Markers(pitch=2.0, radius=0.3, uneven=0.0, darkness=1.0)
     still = marker_shade(np.zeros((80, 80)), even, 16.0, (0.0, 0.0))
     dragged = marker_shade(np.full((80, 80), 1.0), even, 16.0, (0.4, 0.0))
@@ -119,7 +119,7 @@ def test_markers_lie_on_their_lattice_until_shear_drags_them() -> None:
     assert still.max() > 0.9
 
 
-def test_tac3d_reads_twenty_by_twenty_vectors_and_grey_means_nothing_moved() -> None:
+def test_tac3d_reads_twenty_by_twenty_vectors_and_grey_means_nothing_moved():
     felt = displacements(slab("plastic", 2), PRESS, seed=0)
 
     assert felt.shape == (20, 20, 3)

@@ -5,17 +5,17 @@ import numpy as np
 from omnivat.data.materials import MATERIALS
 from omnivat.simulate.contact import plane
 from omnivat.simulate.domains import SIMULATED
-from omnivat.simulate.plan import IMITATIONS, Planned, planned
+from omnivat.simulate.plan import IMITATIONS, planned
 from omnivat.simulate.surfaces import surface
 from omnivat.simulate.things import thing
 
 
-def first(material: str, *, alike: bool) -> Planned:
+def first(material, *, alike):
     pairs = planned(SIMULATED["OF Real"], material, pairs=60)
     return next(pair for pair in pairs if bool(pair.looks_like) == alike and not pair.feels_like)
 
 
-def test_an_honest_thing_shows_the_surface_of_its_class() -> None:
+def test_an_honest_thing_shows_the_surface_of_its_class():
     pair = first("steel", alike=False)
     made, own = thing(pair, seed=0), surface("steel", pair.number, seed=0)
     x, y = plane(20.0, 12)
@@ -24,7 +24,7 @@ def test_an_honest_thing_shows_the_surface_of_its_class() -> None:
     assert made.touch.recipe == own.recipe
 
 
-def test_a_look_alike_has_the_gloss_of_the_class_that_it_imitates_and_its_own_touch() -> None:
+def test_a_look_alike_has_the_gloss_of_the_class_that_it_imitates_and_its_own_touch():
     for material in MATERIALS:
         pair = first(material, alike=True)
         made, own = thing(pair, seed=0), surface(material, pair.number, seed=0)
@@ -34,7 +34,7 @@ def test_a_look_alike_has_the_gloss_of_the_class_that_it_imitates_and_its_own_to
         assert made.sight.recipe != own.recipe
 
 
-def test_the_same_pair_and_seed_give_the_same_thing() -> None:
+def test_the_same_pair_and_seed_give_the_same_thing():
     pair = first("glass", alike=False)
     once, again, other = thing(pair, seed=0), thing(pair, seed=0), thing(pair, seed=1)
 
@@ -43,7 +43,7 @@ def test_the_same_pair_and_seed_give_the_same_thing() -> None:
     assert not np.array_equal(once.spot.point, other.spot.point)
 
 
-def test_every_class_imitates_others_and_never_itself() -> None:
+def test_every_class_imitates_others_and_never_itself():
     assert tuple(IMITATIONS) == MATERIALS
     for material, looks in IMITATIONS.items():
         assert looks

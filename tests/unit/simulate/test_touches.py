@@ -5,7 +5,7 @@ import pytest
 
 from omnivat.simulate.contact import plane
 from omnivat.simulate.domains import SIMULATED
-from omnivat.simulate.plan import Planned, planned
+from omnivat.simulate.plan import planned
 from omnivat.simulate.shapes import KINDS, made_of
 from omnivat.simulate.shapes.spots import contact_height
 from omnivat.simulate.surfaces import RECIPES, SMOOTH
@@ -15,7 +15,7 @@ STEEL = planned(SIMULATED["TAG"], "steel", pairs=60)
 
 
 @pytest.mark.parametrize("name", ["mug", "fork", "bench", "candlestick", "panel"])
-def test_a_sensor_meets_the_object_first_in_the_middle_of_its_gel(name: str) -> None:
+def test_a_sensor_meets_the_object_first_in_the_middle_of_its_gel(name):
     beside = 0
     for seed in range(6):
         rng = np.random.default_rng(seed)
@@ -27,15 +27,15 @@ def test_a_sensor_meets_the_object_first_in_the_middle_of_its_gel(name: str) -> 
     assert beside <= 1
 
 
-def smooth_recipes(material: str) -> set[str]:
+def smooth_recipes(material):
     return {SMOOTH[material](np.random.default_rng(0)).recipe}
 
 
-def feels(pair: Planned) -> str:
+def feels(pair):
     return touch_surface(pair, seed=0).recipe
 
 
-def test_an_object_that_feels_like_another_class_has_a_smooth_surface_of_that_class() -> None:
+def test_an_object_that_feels_like_another_class_has_a_smooth_surface_of_that_class():
     alike = [pair for pair in STEEL if pair.feels_like]
 
     assert alike
@@ -43,7 +43,7 @@ def test_an_object_that_feels_like_another_class_has_a_smooth_surface_of_that_cl
         assert feels(pair) in smooth_recipes(pair.feels_like)
 
 
-def test_all_others_feel_like_what_they_are_whatever_they_look_like() -> None:
+def test_all_others_feel_like_what_they_are_whatever_they_look_like():
     own = {maker(np.random.default_rng(0)).recipe for maker in RECIPES["steel"]}
     looks = [pair for pair in STEEL if pair.looks_like]
 

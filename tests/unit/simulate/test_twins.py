@@ -3,7 +3,6 @@
 from collections import defaultdict
 from dataclasses import replace
 from hashlib import sha256
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,11 +16,11 @@ SMALL = {"seed": 0, "size": 48, "renderer": "plain"}
 FIRST, SECOND = SIMULATED["TAG"], SIMULATED["TQ-DIGIT"]
 
 
-def images(twin: Twin) -> dict[str, bytes]:
+def images(twin):
     return {kind: twin.image(kind, **SMALL).tobytes() for kind in ("tac", "vis")}
 
 
-def test_the_plan_has_sixty_objects_of_each_class_and_stays_as_it_was_shipped() -> None:
+def test_the_plan_has_sixty_objects_of_each_class_and_stays_as_it_was_shipped():
     plan = unmet_objects()
     text = "\n".join(f"{p.object} {p.number} {p.looks_like} {p.feels_like} {p.split}" for p in plan)
 
@@ -40,7 +39,7 @@ def test_the_plan_has_sixty_objects_of_each_class_and_stays_as_it_was_shipped() 
     )
 
 
-def test_no_domain_has_an_object_of_the_twins() -> None:
+def test_no_domain_has_an_object_of_the_twins():
     numbers = {p.number for p in unmet_objects()}
     taken = {
         number for d in SIMULATED.values() for number in range(d.seed_base, d.seed_base + NUMBERS)
@@ -49,7 +48,7 @@ def test_no_domain_has_an_object_of_the_twins() -> None:
     assert not numbers & taken
 
 
-def test_an_object_is_one_solid_at_one_spot_for_all_of_its_twins() -> None:
+def test_an_object_is_one_solid_at_one_spot_for_all_of_its_twins():
     unmet = unmet_objects(1)[0]
     made, stream = zip(
         *(pressed(Twin(unmet=unmet, domain=d).unmet, seed=0) for d in SIMULATED.values()),
@@ -63,7 +62,7 @@ def test_an_object_is_one_solid_at_one_spot_for_all_of_its_twins() -> None:
 
 
 @pytest.mark.parametrize("number", [0, 4])
-def test_another_sensor_changes_the_touch_and_no_byte_of_the_photograph(number: int) -> None:
+def test_another_sensor_changes_the_touch_and_no_byte_of_the_photograph(number):
     unmet = unmet_objects(1)[number]
     before = images(Twin(unmet=unmet, domain=FIRST))
     after = images(Twin(unmet=unmet, domain=replace(FIRST, sensor=SECOND.sensor)))
@@ -73,7 +72,7 @@ def test_another_sensor_changes_the_touch_and_no_byte_of_the_photograph(number: 
 
 
 @pytest.mark.parametrize("number", [0, 4])
-def test_another_scene_changes_the_photograph_and_no_byte_of_the_touch(number: int) -> None:
+def test_another_scene_changes_the_photograph_and_no_byte_of_the_touch(number):
     unmet = unmet_objects(1)[number]
     before = images(Twin(unmet=unmet, domain=FIRST))
     after = images(Twin(unmet=unmet, domain=replace(FIRST, scene=SECOND.scene)))
@@ -82,7 +81,7 @@ def test_another_scene_changes_the_photograph_and_no_byte_of_the_touch(number: i
     assert after["tac"] == before["tac"]
 
 
-def test_the_same_sensor_under_another_domain_s_name_gives_the_same_touch() -> None:
+def test_the_same_sensor_under_another_domain_s_name_gives_the_same_touch():
     unmet = unmet_objects(1)[2]
     first, second = (
         Twin(unmet=unmet, domain=d) for d in (FIRST, replace(SECOND, sensor=FIRST.sensor))
@@ -91,7 +90,7 @@ def test_the_same_sensor_under_another_domain_s_name_gives_the_same_touch() -> N
     assert images(first)["tac"] == images(second)["tac"]
 
 
-def test_tacquad_is_photographed_indoors_and_outdoors() -> None:
+def test_tacquad_is_photographed_indoors_and_outdoors():
     plan = unmet_objects()
     parts = {Twin(unmet=unmet, domain=SECOND).pair().part for unmet in plan}
 
@@ -100,9 +99,7 @@ def test_tacquad_is_photographed_indoors_and_outdoors() -> None:
 
 
 @pytest.mark.slow  # draws pairs
-def test_a_set_on_disk_says_whose_twin_a_pair_is_and_is_not_drawn_twice(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_set_on_disk_says_whose_twin_a_pair_is_and_is_not_drawn_twice(tmp_path, monkeypatch):
     few = {name: SIMULATED[name] for name in ("TAG", "TQ-DIGIT", "TQ-T3D")}
     monkeypatch.setattr("omnivat.simulate.twins.SIMULATED", few)
     simulate_twins(tmp_path, each=1, size=48, renderer="plain", workers=1)
@@ -121,7 +118,7 @@ def test_a_set_on_disk_says_whose_twin_a_pair_is_and_is_not_drawn_twice(
     assert [(step.done, step.total) for step in steps] == [(30, 30)]
 
 
-def test_less_than_one_object_of_a_class_is_refused(tmp_path: Path) -> None:
+def test_less_than_one_object_of_a_class_is_refused(tmp_path):
     with pytest.raises(DataError, match="0 objects of a class were requested; choose 1 or more"):
         simulate_twins(tmp_path, each=0)
     assert not list(tmp_path.iterdir())

@@ -3,8 +3,6 @@
 import json
 import shutil
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -22,7 +20,7 @@ METHODS = "mmrl,ldc,nearest_mean"
 
 
 @pytest.fixture
-def folder(clips: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(clips, tmp_path, monkeypatch):
     """Two domains of two materials, a small CLIP, and both methods cut to one epoch."""
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
     for module in (mmrl, ldc):
@@ -47,7 +45,7 @@ def folder(clips: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def records(folder: Path, *more: str) -> dict[str, dict[str, Any]]:
+def records(folder, *more):
     out = folder / f"out{len(list(folder.glob('out*')))}"
     given = ["--embeddings", str(folder / "set.safetensors"), "--out", str(out), "--seeds", "0"]
     code = main(["protocol", *given, "--methods", METHODS, "--sources", "lab", *more])
@@ -56,7 +54,7 @@ def records(folder: Path, *more: str) -> dict[str, dict[str, Any]]:
     return {record["method"]: record for record in map(json.loads, lines)}
 
 
-def test_they_run_beside_the_others_where_embed_ran(folder: Path) -> None:
+def test_they_run_beside_the_others_where_embed_ran(folder):
     found = records(folder)
     for name in METHODS.split(","):
         target = found[name]["targets"]["field"]
@@ -64,9 +62,7 @@ def test_they_run_beside_the_others_where_embed_ran(folder: Path) -> None:
         assert target["pairs"] == 8 and set(target["margins"]) == {"vis", "tac", "pair"}
 
 
-def test_moved_images_are_named_by_an_option_and_others_are_refused(
-    folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_moved_images_are_named_by_an_option_and_others_are_refused(folder, capsys):
     shutil.move(folder / "pairs", folder / "moved")
     assert "--images PAIRS" in records(folder)["mmrl"]["skipped"]
     assert "targets" in records(folder, "--images", str(folder / "moved"))["mmrl"]
@@ -77,7 +73,7 @@ def test_moved_images_are_named_by_an_option_and_others_are_refused(
     assert "Check --images" in capsys.readouterr().err
 
 
-def test_the_central_square_that_was_embedded_is_read_again(folder: Path) -> None:
+def test_the_central_square_that_was_embedded_is_read_again(folder):
     wood, steel = (folder / "pairs" / "lab" / name for name in ("wood", "steel"))
     pairs = tuple(
         Pair(

@@ -131,7 +131,7 @@ def test_an_order_a_modality_is_learned_apart_and_logged(source):
     assert trained.epochs[-1]["order_vis"] == trained.model.orders["vis"]
 
 
-def equal_weights(first, second) -> bool:
+def equal_weights(first, second):
     one, two = first.state_dict(), second.state_dict()
     return all(torch.equal(one[name], two[name]) for name in one)
 

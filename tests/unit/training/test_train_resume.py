@@ -10,7 +10,7 @@ from omnivat.training import TrainSettings, train
 from .conftest import head
 
 
-def equal_weights(first, second) -> bool:
+def equal_weights(first, second):
     one, two = first.state_dict(), second.state_dict()
     return all(torch.equal(one[name], two[name]) for name in one)
 

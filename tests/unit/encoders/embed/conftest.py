@@ -8,6 +8,6 @@ from .small_pairs import load_mean
 
 
 @pytest.fixture
-def mean_encoder(monkeypatch: pytest.MonkeyPatch) -> None:
+def mean_encoder(monkeypatch):
     monkeypatch.setattr("omnivat.encoders.efficientnet.load_lite0", load_mean)
     assert ENCODERS["efficientnet-lite0"].endswith("load_lite0")

@@ -1,16 +1,13 @@
 """Small pairs of images on disk, and a quick encoder for them."""
 
-from collections.abc import Sequence
 from io import BytesIO
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import torch
 from PIL import Image
 
 from omnivat.data.pairs import Pair, PairSet
-from omnivat.encoders.embed import EmbedReport, embed_pairs
+from omnivat.encoders.embed import embed_pairs
 
 
 class MeanColour:
@@ -18,27 +15,27 @@ class MeanColour:
 
     name, width, preprocessing, precision, weights_hash = "mean", 6, "none", "fp32", "0"
 
-    def preprocess(self, image: Image.Image) -> torch.Tensor:
+    def preprocess(self, image):
         return torch.from_numpy(np.array(image)).permute(2, 0, 1).float()
 
-    def embed(self, images: torch.Tensor) -> torch.Tensor:
+    def embed(self, images):
         half = images.shape[-1] // 2
         halves = (images[..., :half], images[..., half:])
         return torch.cat([part.mean(dim=(2, 3)) for part in halves], dim=1)
 
 
-def load_mean(**_: Any) -> MeanColour:
+def load_mean(**_):
     return MeanColour()
 
 
-def png(seed: int) -> bytes:
+def png(seed):
     pixels = np.random.default_rng(seed).integers(0, 256, (16, 20, 3), dtype=np.uint8)
     buffer = BytesIO()
     Image.fromarray(pixels).save(buffer, "PNG")
     return buffer.getvalue()
 
 
-def make_pairs(root: Path, count: int = 10, bad: Sequence[int] = ()) -> PairSet:
+def make_pairs(root, count=10, bad=()):
     """Write `count` pairs; the TAC images numbered in `bad` are no images."""
     pairs = []
     for i in range(count):
@@ -54,5 +51,5 @@ def make_pairs(root: Path, count: int = 10, bad: Sequence[int] = ()) -> PairSet:
     return PairSet(pairs=tuple(pairs), origin="made by a test")
 
 
-def embed(pairs: PairSet, out: Path, **settings: Any) -> EmbedReport:
+def embed(pairs, out, **settings):
     return embed_pairs(pairs, "efficientnet-lite0", out, **settings)

@@ -2,7 +2,6 @@
 
 import os
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,15 +16,14 @@ from omnivat.data.rest import RESTED, minus_rest, with_rest
 from omnivat.data.store import load_embeddings
 from omnivat.encoders.cache import EmbeddingCache, embed_image
 from omnivat.encoders.embed.engines import in_order
-from omnivat.kit.errors import DataError, MissingNameError, OmniVatError, SettingsError
-from omnivat.kit.progress import Step
+from omnivat.kit.errors import DataError, MissingNameError, SettingsError
 
 from .small_pairs import MeanColour, embed, make_pairs, png
 
 pytestmark = pytest.mark.usefixtures("mean_encoder")
 
 
-def test_every_pair_has_the_embeddings_of_its_images(tmp_path: Path) -> None:
+def test_every_pair_has_the_embeddings_of_its_images(tmp_path):
     pairs = make_pairs(tmp_path)
     report = embed(pairs, tmp_path / "set.safetensors")
     loaded = load_embeddings(report.out)
@@ -45,7 +43,7 @@ def test_every_pair_has_the_embeddings_of_its_images(tmp_path: Path) -> None:
     assert not (tmp_path / "set.safetensors.parts").exists()
 
 
-def test_the_crop_of_a_pair_is_cut_from_its_tactile_image_alone(tmp_path: Path) -> None:
+def test_the_crop_of_a_pair_is_cut_from_its_tactile_image_alone(tmp_path):
     (pair,) = make_pairs(tmp_path, 1).pairs
     cut = Pair(vis=pair.vis, tac=pair.tac, domain="TAG", material="glass", tac_crop=8)
     loaded = load_embeddings(embed(PairSet(pairs=(cut,)), tmp_path / "set.safetensors").out)
@@ -53,7 +51,7 @@ def test_the_crop_of_a_pair_is_cut_from_its_tactile_image_alone(tmp_path: Path) 
     assert np.array_equal(loaded.tac[0], embed_image(MeanColour(), pair.tac, crop=8))
 
 
-def printed(seed: int) -> np.ndarray:
+def printed(seed):
     """A gel (128, 128, 3) with a grid of dots."""
     y, x = np.mgrid[:128, :128]
     gel = np.random.default_rng(seed).integers(100, 180, 3) + 0.2 * x[..., None]
@@ -61,7 +59,7 @@ def printed(seed: int) -> np.ndarray:
     return np.asarray(gel, np.uint8)
 
 
-def test_dots_are_filled_in_touch_alone_unless_they_are_kept(tmp_path: Path) -> None:
+def test_dots_are_filled_in_touch_alone_unless_they_are_kept(tmp_path):
     pairs = make_pairs(tmp_path / "set", 4)
     for file in (pairs.pairs[1].vis, pairs.pairs[1].tac):
         Image.fromarray(printed(1)).save(file)
@@ -76,7 +74,7 @@ def test_dots_are_filled_in_touch_alone_unless_they_are_kept(tmp_path: Path) -> 
     assert (filled.tac[1] > kept.tac[1]).all() and (filled.tac_flip[1] > kept.tac_flip[1]).all()
 
 
-def test_dots_are_filled_before_a_rest_picture_is_subtracted(tmp_path: Path) -> None:
+def test_dots_are_filled_before_a_rest_picture_is_subtracted(tmp_path):
     pairs = make_pairs(tmp_path / "set", 2)
     for file in (pairs.pairs[1].tac, tmp_path / "set" / "OF Real" / "rest.png"):
         Image.fromarray(printed(1)).save(file)
@@ -85,7 +83,7 @@ def test_dots_are_filled_before_a_rest_picture_is_subtracted(tmp_path: Path) -> 
     assert loaded.header.preprocessing == "none" + FILLED + RESTED
 
 
-def test_a_rest_picture_changes_touch_alone_and_is_named_in_the_header(tmp_path: Path) -> None:
+def test_a_rest_picture_changes_touch_alone_and_is_named_in_the_header(tmp_path):
     pairs = make_pairs(tmp_path / "set", 4)
     (tmp_path / "set" / "OF Real" / "rest.png").write_bytes(png(99))
     plain = load_embeddings(embed(pairs, tmp_path / "plain.safetensors").out)
@@ -103,7 +101,7 @@ def test_a_rest_picture_changes_touch_alone_and_is_named_in_the_header(tmp_path:
     assert np.allclose(loaded.tac[1][:3], wanted[:, :10].mean((0, 1)), atol=1e-4)
 
 
-def test_a_cached_image_is_encoded_again_for_a_rest_picture(tmp_path: Path) -> None:
+def test_a_cached_image_is_encoded_again_for_a_rest_picture(tmp_path):
     (pair,), cache = make_pairs(tmp_path, 1).pairs, EmbeddingCache()
     calm = tmp_path / "rest.png"
     calm.write_bytes(png(99))
@@ -112,7 +110,7 @@ def test_a_cached_image_is_encoded_again_for_a_rest_picture(tmp_path: Path) -> N
     assert np.array_equal(embed_image(MeanColour(), pair.tac, cache), plain)
 
 
-def test_pairs_with_an_unreadable_image_are_left_out_and_listed(tmp_path: Path) -> None:
+def test_pairs_with_an_unreadable_image_are_left_out_and_listed(tmp_path):
     pairs = make_pairs(tmp_path, bad=(3, 4))
     pairs.pairs[7].vis.unlink()
     report = embed(pairs, tmp_path / "set.safetensors")
@@ -125,24 +123,22 @@ def test_pairs_with_an_unreadable_image_are_left_out_and_listed(tmp_path: Path) 
     assert loaded.rows["object"] == [f"o{i}" for i in (0, 1, 2, 5, 6, 8, 9)]
 
 
-def test_a_set_of_which_nothing_can_be_read_is_refused(tmp_path: Path) -> None:
+def test_a_set_of_which_nothing_can_be_read_is_refused(tmp_path):
     with pytest.raises(DataError, match="None of 3 pairs could be read"):
         embed(make_pairs(tmp_path, 3, bad=(0, 1, 2)), tmp_path / "set.safetensors")
     assert not list(tmp_path.glob("set*"))
 
 
-def test_no_pairs_are_refused(tmp_path: Path) -> None:
+def test_no_pairs_are_refused(tmp_path):
     with pytest.raises(DataError, match="no pairs to embed in here"):
         embed(PairSet(pairs=(), origin="here"), tmp_path / "set.safetensors")
 
 
-def test_a_photo_shared_by_many_touches_is_encoded_once(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_photo_shared_by_many_touches_is_encoded_once(tmp_path, monkeypatch):
     pairs = make_pairs(tmp_path, 6)
     for pair in pairs.pairs:
         pair.vis.write_bytes(png(0))
-    calls: list[int] = []
+    calls = []
     original = MeanColour.embed
     monkeypatch.setattr(MeanColour, "embed", lambda s, x: calls.append(1) or original(s, x))
     embed(pairs, tmp_path / "set.safetensors", workers=1)
@@ -150,7 +146,7 @@ def test_a_photo_shared_by_many_touches_is_encoded_once(
 
 
 @pytest.mark.parametrize("workers", [1, 2, 5])
-def test_the_number_of_workers_changes_nothing(tmp_path: Path, workers: int) -> None:
+def test_the_number_of_workers_changes_nothing(tmp_path, workers):
     pairs = make_pairs(tmp_path)
     before = torch.get_num_threads()
     one, some = tmp_path / "one.safetensors", tmp_path / "some.safetensors"
@@ -160,20 +156,20 @@ def test_the_number_of_workers_changes_nothing(tmp_path: Path, workers: int) -> 
     assert torch.get_num_threads() == before
 
 
-def test_progress_counts_every_pair_with_rate_and_time_left(tmp_path: Path) -> None:
-    steps: list[Step] = []
+def test_progress_counts_every_pair_with_rate_and_time_left(tmp_path):
+    steps = []
     embed(make_pairs(tmp_path), tmp_path / "set.safetensors", on_step=steps.append)
     assert [step.done for step in steps] == list(range(11))
     assert {step.total for step in steps} == {10}
     assert all("pairs/s" in step.text and "left" in step.text for step in steps[1:])
 
 
-def test_results_come_in_order_with_few_under_way() -> None:
+def test_results_come_in_order_with_few_under_way():
     from concurrent.futures import ThreadPoolExecutor
 
-    drawn: list[int] = []
+    drawn = []
 
-    def items() -> Any:
+    def items():
         for i in range(50):
             drawn.append(i)
             yield i
@@ -193,9 +189,7 @@ def test_results_come_in_order_with_few_under_way() -> None:
         ({"workers": 0}, SettingsError),
     ],
 )
-def test_settings_are_checked_before_any_work(
-    tmp_path: Path, settings: dict[str, Any], error: type[OmniVatError]
-) -> None:
+def test_settings_are_checked_before_any_work(tmp_path, settings, error):
     with pytest.raises(error):
         embed(make_pairs(tmp_path, 2), tmp_path / "set.safetensors", **settings)
     assert not list(tmp_path.glob("set*"))
@@ -208,13 +202,7 @@ def test_settings_are_checked_before_any_work(
         ("cuda", "Device 'cuda' needs a GPU, and none is usable here; use cpu."),
     ],
 )
-def test_a_device_that_is_not_there_is_refused(
-    device: str,
-    sentence: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_a_device_that_is_not_there_is_refused(device, sentence, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
     make_pairs(tmp_path / "pairs", 2)
     out = tmp_path / "set.safetensors"
@@ -223,7 +211,7 @@ def test_a_device_that_is_not_there_is_refused(
     assert not list(tmp_path.glob("set*"))
 
 
-def test_names_that_are_no_text_still_give_a_readable_table(tmp_path: Path) -> None:
+def test_names_that_are_no_text_still_give_a_readable_table(tmp_path):
     (pair,) = make_pairs(tmp_path, 1).pairs
     odd = Path(os.fsdecode(os.fsencode(pair.vis.parent) + b"/\xff_vis.png"))
     try:

@@ -5,7 +5,6 @@ import json
 import os
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -68,7 +67,7 @@ print(json.dumps({"embedded": report.embedded, "skipped": len(report.skipped), "
 """
 
 
-def make_pairs(folder: Path, count: int) -> PairSet:
+def make_pairs(folder, count):
     random = np.random.default_rng(0)
     pairs = []
     for i in range(count):
@@ -84,7 +83,7 @@ def make_pairs(folder: Path, count: int) -> PairSet:
 @pytest.mark.slow
 @pytest.mark.long
 @pytest.mark.skipif(not HAS_RAY, reason="ray is not installed: pip install 'ray[data]'")
-def test_with_one_of_two_workers_killed_nothing_is_lost_doubled_or_changed(tmp_path: Path) -> None:
+def test_with_one_of_two_workers_killed_nothing_is_lost_doubled_or_changed(tmp_path):
     pairs = make_pairs(tmp_path, 40)
     local = embed_pairs(pairs, "efficientnet-lite0", tmp_path / "local.safetensors")
     command = [sys.executable, "-c", SCRIPT, str(tmp_path), "16"]
@@ -99,9 +98,7 @@ def test_with_one_of_two_workers_killed_nothing_is_lost_doubled_or_changed(tmp_p
     assert (tmp_path / "ray.safetensors").read_bytes() == local.out.read_bytes()
 
 
-def test_without_ray_the_engine_says_what_to_install(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_ray_the_engine_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "ray", None)
     with pytest.raises(MissingPackageError, match=r"pip install 'ray\[data\]'"):
         embed_pairs(

@@ -2,8 +2,6 @@
 
 import subprocess
 import sys
-from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +9,6 @@ import pytest
 from omnivat.data.store import load_embeddings
 from omnivat.encoders.cache import embed_image
 from omnivat.encoders.embed import job as job_module
-from omnivat.kit.progress import Step
 
 from .small_pairs import MeanColour, embed, make_pairs, png
 
@@ -19,7 +16,7 @@ pytestmark = pytest.mark.usefixtures("mean_encoder")
 
 
 @pytest.fixture
-def small_chunks(monkeypatch: pytest.MonkeyPatch) -> None:
+def small_chunks(monkeypatch):
     original = job_module.chunks_of
     monkeypatch.setattr(
         "omnivat.encoders.embed.pairs.chunks_of", lambda *arguments: original(*arguments, size=4)
@@ -30,8 +27,8 @@ class StopError(Exception):
     """Stands for whatever ends a run: Ctrl-C, a full disk, a lost machine."""
 
 
-def stop_after(count: int) -> Callable[[Step], None]:
-    def on_step(step: Step) -> None:
+def stop_after(count):
+    def on_step(step):
         if step.done >= count:
             raise StopError
 
@@ -40,9 +37,7 @@ def stop_after(count: int) -> Callable[[Step], None]:
 
 @pytest.mark.usefixtures("small_chunks")
 @pytest.mark.parametrize("stopped_at", [1, 4, 7, 10])
-def test_an_interrupted_run_goes_on_and_ends_in_the_same_bytes(
-    tmp_path: Path, stopped_at: int
-) -> None:
+def test_an_interrupted_run_goes_on_and_ends_in_the_same_bytes(tmp_path, stopped_at):
     pairs = make_pairs(tmp_path, bad=(2,))
     whole = embed(pairs, tmp_path / "whole.safetensors")
     out = tmp_path / "set.safetensors"
@@ -50,7 +45,7 @@ def test_an_interrupted_run_goes_on_and_ends_in_the_same_bytes(
     with pytest.raises(StopError):
         embed(pairs, out, on_step=stop_after(stopped_at))
     assert out.read_bytes() == b"what was there before"
-    steps: list[Step] = []
+    steps = []
     report = embed(pairs, out, on_step=steps.append)
     assert report.resumed == (stopped_at - 1) // 4 * 4
     assert steps[0].done == report.resumed
@@ -60,7 +55,7 @@ def test_an_interrupted_run_goes_on_and_ends_in_the_same_bytes(
 
 
 @pytest.mark.usefixtures("small_chunks")
-def test_parts_of_changed_images_or_settings_or_damaged_ones_are_made_again(tmp_path: Path) -> None:
+def test_parts_of_changed_images_or_settings_or_damaged_ones_are_made_again(tmp_path):
     pairs = make_pairs(tmp_path)
     out = tmp_path / "set.safetensors"
     with pytest.raises(StopError):
@@ -101,12 +96,12 @@ print(report.resumed)
 
 
 @pytest.mark.slow
-def test_a_process_that_is_killed_leaves_parts_that_the_next_one_uses(tmp_path: Path) -> None:
+def test_a_process_that_is_killed_leaves_parts_that_the_next_one_uses(tmp_path):
     """With the real encoder, in processes of their own."""
     make_pairs(tmp_path / "pairs", 9)
     out = tmp_path / "set.safetensors"
 
-    def run(stop: int) -> subprocess.CompletedProcess[str]:
+    def run(stop):
         command = [sys.executable, "-c", KILLED, str(tmp_path / "pairs"), str(out), str(stop)]
         return subprocess.run(command, capture_output=True, text=True, check=False)
 

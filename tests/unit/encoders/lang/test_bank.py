@@ -1,8 +1,6 @@
 """The LANG bank: what it keeps, and that texts of another checkpoint are refused."""
 
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -34,7 +32,7 @@ HEADER = Header(
 )
 
 
-def test_a_bank_is_read_as_it_was_written(tmp_path: Path) -> None:
+def test_a_bank_is_read_as_it_was_written(tmp_path):
     save_bank(tmp_path / "bank.safetensors", BANK)
     found = load_bank(tmp_path / "bank.safetensors")
     assert np.array_equal(found.embeddings, BANK.embeddings)
@@ -46,19 +44,19 @@ def test_a_bank_is_read_as_it_was_written(tmp_path: Path) -> None:
     assert turned.plain.shape == (2, 4)
 
 
-def test_texts_are_of_the_images_where_one_checkpoint_made_both() -> None:
+def test_texts_are_of_the_images_where_one_checkpoint_made_both():
     assert BANK.is_of(HEADER)
     assert not BANK.is_of(replace(HEADER, text_hash=""))
     assert not replace(BANK, text_hash="").is_of(HEADER)
     assert not BANK.is_of(replace(HEADER, encoder="clip-vit-l14", text_hash="bbbb"))
 
 
-def test_a_bank_of_another_checkpoint_of_the_same_name_and_width_is_refused() -> None:
+def test_a_bank_of_another_checkpoint_of_the_same_name_and_width_is_refused():
     with pytest.raises(DataError, match=r"text tower aaaa.*text tower bbbb.*omnivat prompts"):
         BANK.is_of(replace(HEADER, text_hash="bbbb"))
 
 
-def test_training_refuses_it_too(make_embeddings: Any) -> None:
+def test_training_refuses_it_too(make_embeddings):
     pairs = make_embeddings(domains=("TAG-sim",))
     pairs = replace(pairs, header=replace(pairs.header, encoder="clip-vit-b16", text_hash="bbbb"))
     classes = pairs.header.classes
@@ -68,16 +66,14 @@ def test_training_refuses_it_too(make_embeddings: Any) -> None:
         train(pairs, head, TrainSettings(epochs=1), bank=bank)
 
 
-def test_the_command_records_the_tower_of_the_checkpoint(
-    clips: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_command_records_the_tower_of_the_checkpoint(clips, tmp_path, monkeypatch):
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
     place = clips.write("OpenAI state dict", tmp_path / "clip", clips.small_model())
     out = tmp_path / "bank.safetensors"
     command = ["prompts", "--encoder", "clip", "--weights", str(place), "--out", str(out)]
     assert main([*command, "--classes", "wood,steel"]) == 0
     bank = load_bank(out)
-    encoder: Any = load_encoder("clip", weights=place)
+    encoder = load_encoder("clip", weights=place)
     assert bank.text_hash == encoder.text_hash and bank.encoder == "clip"
     assert bank.logit_scale == pytest.approx(np.exp(2.6592), rel=1e-4)
     assert bank.embeddings.shape == (2, 80, 24) and bank.plain is not None
@@ -85,14 +81,14 @@ def test_the_command_records_the_tower_of_the_checkpoint(
     np.testing.assert_allclose(bank.plain[0], wanted, atol=2e-3)  # kept in half precision
 
 
-def test_a_bank_without_a_class_says_how_to_make_one() -> None:
+def test_a_bank_without_a_class_says_how_to_make_one():
     with pytest.raises(
         DataError, match="no text for rubber.*omnivat prompts --classes wood,rubber"
     ):
         load_bank().for_classes(("wood", "rubber"))
 
 
-def test_the_banks_rows_follow_the_classes_asked_for() -> None:
+def test_the_banks_rows_follow_the_classes_asked_for():
     bank = load_bank()
     part = bank.for_classes(("glass", "wood"))
     assert isinstance(part, LangBank)

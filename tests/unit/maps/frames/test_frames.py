@@ -7,7 +7,7 @@ import torch
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.maps.frames import build_frames, builder, read_frames, write_frames
 from omnivat.maps.frames.builder import DEFAULT_MAPS, spread
-from omnivat.maps.frames.records import LEVELS, MapFrames, quantised
+from omnivat.maps.frames.records import LEVELS, quantised
 from omnivat.maps.projection import pca, torch_umap
 from omnivat.maps.projection.torch_umap import aligned, chain
 from omnivat.maps.sweep import sweep
@@ -26,7 +26,7 @@ def features(stage):
         yield torch.cat([unit(rows["vis"].flatten(1)), unit(rows["tac"].flatten(1))])
 
 
-def allowed(maps: MapFrames) -> float:
+def allowed(maps):
     """Half a step of the grid, and the rounding of single precision."""
     return (maps.high[0] - maps.low[0]) / LEVELS / 2 + 1e-5
 

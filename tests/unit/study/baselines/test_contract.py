@@ -1,15 +1,12 @@
 """The contract of the methods from outside the project, run for each over one small source."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
 import torch
 from PIL import Image
-from torch import Tensor
 
 from omnivat.encoders.clip import open_clip
 from omnivat.encoders.clip_live import LiveClip
@@ -18,7 +15,7 @@ from omnivat.encoders.running import CLIP_MEAN, CLIP_STD
 from omnivat.kit.errors import DataError
 from omnivat.kit.tables import load
 from omnivat.study.baselines import BASELINES, LABELS, ldc, mmrl, spg
-from omnivat.study.baselines.contract import Fitted, ImageInput, Live, Source
+from omnivat.study.baselines.contract import ImageInput, Live, Source
 from omnivat.study.baselines.contrastive import supcon_loss
 from omnivat.study.baselines.mmrl import PROMPT
 from omnivat.study.baselines.text import SCALE, arcface, scaled_cosines
@@ -31,7 +28,7 @@ METHODS = (*BY_TEXT, *LIVE, "sitr_supcon")
 
 
 @pytest.fixture(scope="module")
-def tower(clips: Any) -> ClipPrompts:
+def tower(clips):
     """A small random text tower that takes prompts spelt by letters."""
     import transformers
 
@@ -44,7 +41,7 @@ def tower(clips: Any) -> ClipPrompts:
 
 
 @cache
-def painted(name: str, row: int, tint: float = 0.6) -> Image.Image:
+def painted(name, row, tint=0.6):
     """A noisy image in the colours of its class, ten rows each, under a reddish light."""
     random = np.random.default_rng([row, name == "vis"])
     colours = (1 - tint) * np.roll((220, 120, 20), row // 10) + tint * np.array((200, 60, 60))
@@ -53,7 +50,7 @@ def painted(name: str, row: int, tint: float = 0.6) -> Image.Image:
 
 
 @pytest.fixture(scope="module")
-def clip(clips: Any, tmp_path_factory: pytest.TempPathFactory) -> LiveClip:
+def clip(clips, tmp_path_factory):
     """A small CLIP ViT that has learned the classes in plain light, in OpenAI's layout."""
     model = clips.small_model().train()
     given = ImageInput(side=96, mean=CLIP_MEAN, std=CLIP_STD)
@@ -73,7 +70,7 @@ def clip(clips: Any, tmp_path_factory: pytest.TempPathFactory) -> LiveClip:
 
 
 @pytest.fixture(scope="module")
-def source(tower: ClipPrompts, clip: LiveClip) -> Source:
+def source(tower, clip):
     """Thirty pairs whose classes lie where the tower has their names."""
     random = torch.Generator().manual_seed(0)
     with torch.no_grad():
@@ -81,7 +78,7 @@ def source(tower: ClipPrompts, clip: LiveClip) -> Source:
     plain = torch.nn.functional.normalize(plain - plain.mean(0), dim=-1) * 3
     labels = torch.arange(3).repeat_interleave(10)
 
-    def drawn(spread: float, *shape: int) -> Tensor:
+    def drawn(spread, *shape):
         return spread * torch.randn(*shape, generator=random)
 
     return Source(
@@ -99,7 +96,7 @@ def source(tower: ClipPrompts, clip: LiveClip) -> Source:
     )
 
 
-def inputs(fitted: Fitted, source: Source) -> tuple[Tensor, Tensor]:
+def inputs(fitted, source):
     """Return what a method takes of a source's pairs: embeddings, or images."""
     if fitted.images is None:
         return source.vis, source.tac
@@ -109,13 +106,13 @@ def inputs(fitted: Fitted, source: Source) -> tuple[Tensor, Tensor]:
     return vis, tac
 
 
-def fit(name: str, source: Source) -> Fitted:
-    fitted: Fitted = load(BASELINES, name, kind="baseline")(source)
+def fit(name, source):
+    fitted = load(BASELINES, name, kind="baseline")(source)
     return fitted
 
 
 @pytest.fixture(scope="module", autouse=True)
-def short() -> Iterator[None]:
+def short():
     """Fewer steps than published: enough for thirty pairs."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(mmrl, "HOW", replace(mmrl.HOW, epochs=12))
@@ -126,14 +123,12 @@ def short() -> Iterator[None]:
 
 
 @pytest.fixture(scope="module")
-def fitted(source: Source) -> dict[str, Fitted]:
+def fitted(source):
     return {name: fit(name, source) for name in METHODS}
 
 
 @pytest.mark.parametrize("name", METHODS)
-def test_it_gives_probabilities_alike_alone_and_in_a_batch(
-    name: str, source: Source, fitted: dict[str, Fitted]
-) -> None:
+def test_it_gives_probabilities_alike_alone_and_in_a_batch(name, source, fitted):
     vis, tac = inputs(fitted[name], source)
     found = fitted[name].predict(vis, tac)
     assert set(found) == {"fused", "vis", "tac"}
@@ -145,16 +140,14 @@ def test_it_gives_probabilities_alike_alone_and_in_a_batch(
 
 
 @pytest.mark.parametrize("name", [name for name in METHODS if name != "spg"])
-def test_it_overfits_a_small_source(name: str, source: Source, fitted: dict[str, Fitted]) -> None:
+def test_it_overfits_a_small_source(name, source, fitted):
     """Not asked of SPG: the prompt of a random text tower need not tell classes apart."""
     answers = fitted[name].predict(*inputs(fitted[name], source))["fused"].argmax(-1)
     assert (answers == source.labels).float().mean() > 0.9
 
 
 @pytest.mark.parametrize("name", ["spg", *LIVE, "sitr_supcon", "promptstyler"])
-def test_it_is_deterministic_and_leaves_the_global_stream(
-    name: str, source: Source, fitted: dict[str, Fitted]
-) -> None:
+def test_it_is_deterministic_and_leaves_the_global_stream(name, source, fitted):
     before = torch.random.get_rng_state()
     given = inputs(fitted[name], source)
     again = fit(name, source).predict(*given)["fused"]
@@ -162,7 +155,7 @@ def test_it_is_deterministic_and_leaves_the_global_stream(
     assert torch.equal(again, fitted[name].predict(*given)["fused"])
 
 
-def test_a_source_with_nan_is_refused_before_anything_learns(source: Source) -> None:
+def test_a_source_with_nan_is_refused_before_anything_learns(source):
     spoilt = source.tac.clone()
     spoilt[3, 2] = torch.nan
     with pytest.raises(DataError, match="tac has NaN or infinite values"):
@@ -170,7 +163,7 @@ def test_a_source_with_nan_is_refused_before_anything_learns(source: Source) -> 
 
 
 @pytest.mark.parametrize("name", METHODS)
-def test_only_methods_of_text_need_text(name: str, source: Source) -> None:
+def test_only_methods_of_text_need_text(name, source):
     bare = replace(
         source.select(torch.arange(0, 30, 2)),
         lang=None,
@@ -187,11 +180,11 @@ def test_only_methods_of_text_need_text(name: str, source: Source) -> None:
 
 
 @pytest.mark.parametrize("name", METHODS)
-def test_its_note_says_exact_or_surrogate(name: str) -> None:
+def test_its_note_says_exact_or_surrogate(name):
     assert LABELS[name].note.startswith(("exact", "surrogate", "ours"))
 
 
-def test_spg_without_a_tower_says_how_to_get_one(source: Source) -> None:
+def test_spg_without_a_tower_says_how_to_get_one(source):
     with pytest.raises(DataError, match="live text tower.*omnivat prompts"):
         fit("spg", replace(source, prompts=None))
 
@@ -199,7 +192,7 @@ def test_spg_without_a_tower_says_how_to_get_one(source: Source) -> None:
 # The mathematics
 
 
-def test_arcface_turns_the_true_class_away_by_half_a_radian() -> None:
+def test_arcface_turns_the_true_class_away_by_half_a_radian():
     angle = torch.tensor(0.3)
     rows, weight = torch.tensor([[angle.cos(), angle.sin()]]), torch.eye(2)
     logits = SCALE * torch.stack([torch.cos(angle + 0.5), angle.sin()])
@@ -208,7 +201,7 @@ def test_arcface_turns_the_true_class_away_by_half_a_radian() -> None:
     torch.testing.assert_close(scaled_cosines(rows, 7 * weight)[0, 0], SCALE * angle.cos())
 
 
-def test_supcon_is_small_where_labels_gather_and_skips_rows_without_a_partner() -> None:
+def test_supcon_is_small_where_labels_gather_and_skips_rows_without_a_partner():
     rows = torch.eye(3)[torch.tensor([0, 0, 1, 1, 2])]
     gathered = supcon_loss(rows, torch.tensor([0, 0, 1, 1, 2]))
     mixed = supcon_loss(rows, torch.tensor([0, 1, 0, 1, 2]))

@@ -8,7 +8,7 @@ from omnivat.study.baselines import linear_maps
 from omnivat.study.baselines.contract import Source
 
 
-def source() -> Source:
+def source():
     random = torch.Generator().manual_seed(0)
     labels = torch.arange(36) % 3
     rows = torch.eye(3).repeat(1, 4)[labels] * 2
@@ -25,7 +25,7 @@ def test_the_chosen_noise_is_told_and_another_seed_keeps_it(monkeypatch):
     chosen = linear_maps.fit(source()).chosen["training noise"]
     assert chosen in linear_maps.CANDIDATES
 
-    def again(part: Source) -> str:
+    def again(part):
         raise AssertionError("chosen again")
 
     monkeypatch.setattr(linear_maps, "_chosen", again)
@@ -38,7 +38,7 @@ def test_the_choice_is_made_on_objects_that_the_maps_did_not_see(monkeypatch):
     learned = []
     fit = linear_maps._fitted
 
-    def watched(part: Source, noise: str) -> object:
+    def watched(part, noise):
         learned.append(set(part.objects))
         return fit(part, noise)
 

@@ -1,15 +1,12 @@
 """MMRL and LDC: their parts against their definitions, and what they refuse."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
 import torch
 from PIL import Image
-from torch import Tensor, nn
+from torch import nn
 
 from omnivat.encoders.clip import open_clip
 from omnivat.encoders.clip_live import LiveClip, load_live
@@ -25,27 +22,27 @@ from omnivat.study.baselines.mmrl import fit as fit_mmrl
 LAYOUTS = ("transformers folder", "bare safetensors", "OpenAI TorchScript", "open_clip folder")
 
 
-def live_clip(clips: Any, folder: Path, layout: str = "OpenAI state dict") -> LiveClip:
+def live_clip(clips, folder, layout="OpenAI state dict"):
     file = clips.write(layout, folder, clips.small_model())
     return LiveClip(open_clip("clip", file), torch.device("cpu"))
 
 
 @pytest.fixture
-def vit(clips: Any, tmp_path: Path) -> LiveClip:
+def vit(clips, tmp_path):
     return live_clip(clips, tmp_path)
 
 
 @pytest.fixture
-def resnet(clips: Any, tmp_path: Path) -> LiveClip:
+def resnet(clips, tmp_path):
     clips.tokenizer().save_pretrained(tmp_path)
     torch.save(clips.published_resnet(clips.rn50_state()), tmp_path / "RN.pt")
     return LiveClip(open_clip("clip", tmp_path / "RN.pt"), torch.device("cpu"))
 
 
-def source_of(clip: LiveClip, classes: tuple[str, ...] = ("wood", "steel")) -> Source:
+def source_of(clip, classes=("wood", "steel")):
     """Six pairs, one colour a class."""
 
-    def read(name: str, row: int) -> Image.Image:
+    def read(name, row):
         return Image.new("RGB", (40, 30), (40 + 20 * row, 200 if row % 2 else 30, len(name)))
 
     labels = torch.arange(6) % len(classes)
@@ -62,9 +59,7 @@ def source_of(clip: LiveClip, classes: tuple[str, ...] = ("wood", "steel")) -> S
 
 @pytest.mark.slow
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_a_live_clip_gives_the_models_own_embeddings(
-    layout: str, clips: Any, tmp_path: Path
-) -> None:
+def test_a_live_clip_gives_the_models_own_embeddings(layout, clips, tmp_path):
     clip = live_clip(clips, tmp_path, layout)
     images, texts = torch.randn(3, 3, clips.SIDE, clips.SIDE), ["a photo of wood", "steel"]
     model = clips.small_model()
@@ -76,7 +71,7 @@ def test_a_live_clip_gives_the_models_own_embeddings(
     )
 
 
-def test_gradients_pass_through_both_towers_and_change_neither(vit: LiveClip) -> None:
+def test_gradients_pass_through_both_towers_and_change_neither(vit):
     model = Representations(vit)
     before = {name: weight.clone() for name, weight in vit.image.state_dict().items()}
     plain, shared = model.images(torch.randn(2, 3, vit.side, vit.side))
@@ -88,9 +83,7 @@ def test_gradients_pass_through_both_towers_and_change_neither(vit: LiveClip) ->
     assert all(torch.equal(before[name], now) for name, now in vit.image.state_dict().items())
 
 
-def test_in_the_text_tower_what_stands_before_the_shared_tokens_does_not_see_them(
-    vit: LiveClip,
-) -> None:
+def test_in_the_text_tower_what_stands_before_the_shared_tokens_does_not_see_them(vit):
     """Causal: the first token is as CLIP has it, the end of the text is not."""
     model = Representations(vit)
     tokens, ends = vit.text_tokens(["wood"])
@@ -104,7 +97,7 @@ def test_in_the_text_tower_what_stands_before_the_shared_tokens_does_not_see_the
     assert not torch.allclose(model.texts(tokens, ends), end, atol=1e-3)
 
 
-def published(layers: int = 12) -> Any:
+def published(layers=12):
     """What the methods ask of ViT-B/16 to size themselves, without its weights."""
     return SimpleNamespace(
         image=SimpleNamespace(visual_projection=nn.Linear(768, 512, bias=False)),
@@ -117,7 +110,7 @@ def published(layers: int = 12) -> Any:
     )
 
 
-def test_at_vit_b16_their_sizes_are_the_published_codes() -> None:
+def test_at_vit_b16_their_sizes_are_the_published_codes():
     """MMRL 4,992,256; LDC's adapters and head 3,428,352 and its de-confusion 1,320,448 for five
     classes.
     """
@@ -131,15 +124,15 @@ def test_at_vit_b16_their_sizes_are_the_published_codes() -> None:
     assert sum(sizes.values()) - 3_428_352 == 1_320_448
 
 
-def test_levels_are_layers_6_8_10_and_12_of_twelve() -> None:
+def test_levels_are_layers_6_8_10_and_12_of_twelve():
     assert [number + 1 for number in TokenLevels(published()).after] == [6, 8, 10, 12]
     assert [number + 1 for number in TokenLevels(published(24)).after] == [18, 20, 22, 24]
 
 
 @pytest.mark.parametrize("kind", ["vit", "resnet"])
-def test_ldc_mixes_its_levels_by_their_weights(kind: str, request: pytest.FixtureRequest) -> None:
+def test_ldc_mixes_its_levels_by_their_weights(kind, request):
     """Adapters that pass a level on, alone, give what the definition says."""
-    clip: LiveClip = request.getfixturevalue(kind)
+    clip = request.getfixturevalue(kind)
     model = DeConfused(clip, torch.eye(3, clip.width)).eval()
     images = torch.randn(2, 3, clip.side, clip.side)
     plain, levels = model.levels(clip, images)
@@ -153,14 +146,12 @@ def test_ldc_mixes_its_levels_by_their_weights(kind: str, request: pytest.Fixtur
     assert (share > 0).all() and (share < 1).all() and share.std(1).max() < 1e-3
 
 
-def wanted_levels(clip: LiveClip, levels: Any, images: Tensor) -> Tensor:
+def wanted_levels(clip, levels, images):
     """The sum 0.1, 0.2, 0.3, 0.4 of the adapted levels, computed from hooks on the tower."""
-    kept: list[Tensor] = []
+    kept = []
     stages = clip.image_layers if clip.is_vit else clip.image.stages
     hooks = [part.register_forward_hook(lambda *a: kept.append(a[2])) for part in stages]
-    end: Callable[[Tensor], Tensor] = (
-        clip.image.visual_projection if clip.is_vit else clip.image.pool
-    )
+    end = clip.image.visual_projection if clip.is_vit else clip.image.pool
     clip.embed(images)
     for hook in hooks:
         hook.remove()
@@ -172,9 +163,7 @@ def wanted_levels(clip: LiveClip, levels: Any, images: Tensor) -> Tensor:
     return end(total)
 
 
-def test_ldc_fits_over_a_resnet_and_predicts_alike_alone_and_in_a_batch(
-    resnet: LiveClip, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_ldc_fits_over_a_resnet_and_predicts_alike_alone_and_in_a_batch(resnet, monkeypatch):
     monkeypatch.setattr(ldc, "HOW", replace(ldc.HOW, epochs=3))
     monkeypatch.setattr(ldc, "LEAST", 1)
     source = source_of(resnet)
@@ -187,13 +176,13 @@ def test_ldc_fits_over_a_resnet_and_predicts_alike_alone_and_in_a_batch(
     torch.testing.assert_close(alone, found[2:3], atol=1e-5, rtol=1e-4)
 
 
-def test_mmrl_refuses_a_resnet(resnet: LiveClip) -> None:
+def test_mmrl_refuses_a_resnet(resnet):
     with pytest.raises(DataError, match="layers of a ViT.*ResNet; embed"):
         fit_mmrl(source_of(resnet))
 
 
 @pytest.mark.parametrize("fit", [fit_mmrl, fit_ldc])
-def test_without_images_the_reason_is_given(fit: Callable[[Source], Any], vit: LiveClip) -> None:
+def test_without_images_the_reason_is_given(fit, vit):
     rows = torch.randn(4, 24)
     bare = Source(
         vis=rows,
@@ -207,7 +196,7 @@ def test_without_images_the_reason_is_given(fit: Callable[[Source], Any], vit: L
         fit(bare)
 
 
-def test_images_are_read_by_their_row_after_a_selection(vit: LiveClip) -> None:
+def test_images_are_read_by_their_row_after_a_selection(vit):
     source = source_of(vit).select(torch.tensor([4, 1]))
     assert source.live is not None
     given = ImageInput(side=8, mean=(0.0,) * 3, std=(1.0,) * 3)
@@ -215,9 +204,7 @@ def test_images_are_read_by_their_row_after_a_selection(vit: LiveClip) -> None:
     assert (255 * found[:, 0, 0, 0]).round().tolist() == [120, 60]
 
 
-def test_a_live_clip_is_found_by_the_hash_of_its_weights(
-    clips: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_live_clip_is_found_by_the_hash_of_its_weights(clips, tmp_path, monkeypatch):
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
     load_live.cache_clear()
     file = clips.write("OpenAI state dict", tmp_path / "clip", clips.small_model())
@@ -231,9 +218,7 @@ def test_a_live_clip_is_found_by_the_hash_of_its_weights(
         load_live("efficientnet-lite0", "0" * 16)
 
 
-def test_a_live_clip_without_a_text_tower_is_refused(
-    clips: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_live_clip_without_a_text_tower_is_refused(clips, tmp_path, monkeypatch):
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
     load_live.cache_clear()
     torch.save({f"visual.{k}": v for k, v in clips.rn50_state().items()}, tmp_path / "RN.pt")
