@@ -36,7 +36,7 @@ def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
         nodes = head.model(pair["vis"], pair["tac"], order=order, nodes=True).nodes
         if nodes is None:
             raise DataError("This head generates no nodes: it was trained without DTG.")
-        facts = tree_facts(head.model, nodes, None)
+        facts = tree_facts(head.model, nodes)
     norms = [round(length, 5) for length in facts.lengths.tolist()]
     return {
         "classes": list(head.settings.classes),

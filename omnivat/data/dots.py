@@ -16,6 +16,7 @@ import numpy as np
 from omnivat.data.grid import Grid, darkness, find_grid, reduction, running
 
 Array = np.ndarray[Any, np.dtype[Any]]
+SWEEPS = 2
 SMALLEST = 64  # pixels: a smaller picture is not searched
 FILLED = "; dots of TAC filled"  # in a set's preprocessing, before what follows
 
@@ -147,10 +148,10 @@ def grain(picture: Array) -> Array:
     return result
 
 
-def membrane(picture: Array, hole: Array, sweeps: int = 2) -> Array:
+def membrane(picture: Array, hole: Array) -> Array:
     """Return the picture (H, W, C) float32 with Laplace's equation solved in its holes (H, W):
     first in
-    the picture of half the size, then by `sweeps` of relaxation."""
+    the picture of half the size, then by SWEEPS of relaxation."""
     height, width = hole.shape
     here = np.flatnonzero(hole)
     known, values = (~hole)[..., None].astype(picture.dtype), picture.copy()
@@ -168,7 +169,7 @@ def membrane(picture: Array, hole: Array, sweeps: int = 2) -> Array:
     flat[here] = half.reshape(-1, half.shape[2]).take(rows // 2 * half.shape[1] + columns // 2, 0)
     up, down = here - width * (rows > 0), here + width * (rows < height - 1)
     left, right = here - (columns > 0), here + (columns < width - 1)
-    for _ in range(sweeps):
+    for _ in range(SWEEPS):
         around = flat.take(up, 0) + flat.take(down, 0) + flat.take(left, 0) + flat.take(right, 0)
         flat[here] = around * np.float32(0.25)
     return flat.reshape(picture.shape)

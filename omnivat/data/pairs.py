@@ -7,6 +7,8 @@ from pathlib import Path
 from omnivat.data.materials import in_order
 from omnivat.kit.errors import printable
 
+NAMED = 3  # reasons in an error; skipped items named for a reason
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Pair:
@@ -52,12 +54,12 @@ class Tally:
             Skipped(what=what, why=why, count=count) for (what, why), count in self._counts.items()
         )
 
-    def reasons(self, limit: int = 3) -> str:
+    def reasons(self) -> str:
         """Return the most frequent reasons in a few words, for an error."""
         reasons: Counter[str] = Counter()
         for (_, why), count in self._counts.items():
             reasons[why] += count
-        named = [f"{why} ({count})" for why, count in reasons.most_common(limit)]
+        named = [f"{why} ({count})" for why, count in reasons.most_common(NAMED)]
         return f" Left out: {'; '.join(named)}." if named else ""
 
 
@@ -83,13 +85,8 @@ class PairSet:
         return Counter((pair.domain, pair.split, pair.material) for pair in self.pairs)
 
 
-def summary_table(pairs: PairSet, *, examples: int = 3) -> str:
-    """Return the loaded pairs, and the skipped items with reasons, as text tables.
-
-    pairs     the result of a reader
-    examples  number of skipped items named for each reason
-    return    lines of text, without a final line end
-    """
+def summary_table(pairs: PairSet) -> str:
+    """Return the loaded pairs, and the skipped items with reasons, as lines of text."""
     classes = pairs.materials()
     places = Counter((p.domain, p.part, p.split, p.material) for p in pairs.pairs)
     rows = [
@@ -102,18 +99,18 @@ def summary_table(pairs: PairSet, *, examples: int = 3) -> str:
     if rows:
         lines += _aligned(["domain", "part", "split", *classes, "pairs"], rows)
     if pairs.skipped:
-        lines += ["", *_aligned(["skipped", "why", "for example"], _reasons(pairs, examples))]
+        lines += ["", *_aligned(["skipped", "why", "for example"], _reasons(pairs))]
     return "\n".join(lines)
 
 
-def _reasons(pairs: PairSet, examples: int) -> list[list[str]]:
+def _reasons(pairs: PairSet) -> list[list[str]]:
     by_reason: dict[str, list[Skipped]] = {}
     for skipped in pairs.skipped:
         by_reason.setdefault(skipped.why, []).append(skipped)
     rows = []
     for why, group in by_reason.items():
-        more = [f"and {len(group) - examples} more"] if len(group) > examples else []
-        named = "; ".join([*(one.what for one in group[:examples]), *more])
+        more = [f"and {len(group) - NAMED} more"] if len(group) > NAMED else []
+        named = "; ".join([*(one.what for one in group[:NAMED]), *more])
         rows.append([str(sum(one.count for one in group)), why, named])
     return rows
 

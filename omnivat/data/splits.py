@@ -89,31 +89,20 @@ def _choose(
     return held
 
 
-def split_by_object(
-    pairs: Sequence[Pair], *, seed: int, test: float = 0.3, val: float = 0.0
-) -> tuple[Pair, ...]:
-    """Return the pairs with split train, val or test, without dividing objects.
+def split_by_object(pairs: Sequence[Pair], *, seed: int, test: float = 0.3) -> tuple[Pair, ...]:
+    """Return the pairs with split train or test, without dividing objects.
 
-    test, val  fractions of the pairs of each class in each domain; the rest is train
-    seed       of the draw; a domain's draw does not depend on the other domains
-
-    Raises DataError if the two fractions leave nothing for training.
+    test  fraction of the pairs of each class in each domain
+    seed  of the draw; a domain's draw does not depend on the other domains
     """
-    if not (test >= 0 and val >= 0 and test + val < 1):
-        raise DataError(
-            f"test {test} and val {val} leave no pairs to train on; their sum must be below 1."
-        )
-    split = ["train"] * len(pairs)
+    made = list(pairs)
     for domain in dict.fromkeys(pair.domain for pair in pairs):
-        rest = [i for i, pair in enumerate(pairs) if pair.domain == domain]
-        for name, fraction in (("test", test), ("val", val / (1 - test))):
-            objects, materials = [pairs[i].object for i in rest], [pairs[i].material for i in rest]
-            chosen = hold_out(objects, materials, fraction, seed=derive_seed(seed, name, domain))
-            for index, held in zip(rest, chosen, strict=True):
-                if held:
-                    split[index] = name
-            rest = [i for i, held in zip(rest, chosen, strict=True) if not held]
-    return tuple(replace(pair, split=name) for pair, name in zip(pairs, split, strict=True))
+        rows = [i for i, pair in enumerate(pairs) if pair.domain == domain]
+        objects, materials = [pairs[i].object for i in rows], [pairs[i].material for i in rows]
+        held = hold_out(objects, materials, test, seed=derive_seed(seed, "test", domain))
+        for index, tests in zip(rows, held, strict=True):
+            made[index] = replace(pairs[index], split="test" if tests else "train")
+    return tuple(made)
 
 
 def balance(pairs: Sequence[Pair], *, seed: int) -> tuple[tuple[Pair, ...], tuple[Skipped, ...]]:

@@ -34,28 +34,24 @@ from omnivat.kit.tables import need
 
 FORMAT = "omnivat-embeddings-1"
 ROW_NAMES = ("vis", "tac", "object", "split", "part", "looks_like", "feels_like")
-_LATER = ("looks_like", "feels_like")  # older files lack these columns
 _WANTED = (
     "and embeddings are wanted; of pictures, make them with `python -m omnivat embed {} --out"
     " SET.safetensors`."
 )
 MANIFESTS = ("csv", "parquet")
-_EARLIER = ("domain", "material", "vis", "tac", "object", "split", "part")
-COLUMNS = (*_EARLIER, "looks_like", "feels_like")
+COLUMNS = ("domain", "material", *ROW_NAMES)
 DTYPES = {"float32": "F32", "float16": "F16"}
+BLOCK = 4096  # rows written at once
 MOST_NAMES = 65_536  # domains or classes
 MOST_CELLS = 1_000_000  # domains times classes: entries of the table of counts
 
 __all__ = ["FORMAT", "ROW_NAMES", "Embeddings", "Header", "load_embeddings", "save_embeddings"]
 
 
-def save_embeddings(
-    path: str | Path, embeddings: Embeddings, *, dtype: str = "float32", manifest: str = "csv"
-) -> None:
+def save_embeddings(path: str | Path, embeddings: Embeddings, *, dtype: str = "float32") -> None:
     """Write the embeddings, completely or not at all, and a manifest.
 
-    dtype       "float32", or "float16" for half the size and 3 digits
-    manifest    "csv", or "parquet" (through pyarrow)
+    dtype   "float32", or "float16" for half the size and 3 digits
 
     Raises DataError when a value is not finite or too large for float16.
 
@@ -74,9 +70,9 @@ def save_embeddings(
         name: Column(dtype=vector_type(dtype), shape=array.shape, blocks=_blocks(array))
         for name, array in vectors.items()
     }
-    of_pairs = {"domain": embeddings.domain, "label": embeddings.label}
+    domain, label = embeddings.domain, embeddings.label
     write_columns(
-        path, embeddings.header, columns, **of_pairs, rows=embeddings.rows, manifest=manifest
+        path, embeddings.header, columns, domain=domain, label=label, rows=embeddings.rows
     )
 
 
@@ -96,7 +92,6 @@ def write_columns(
     "all".
     """
     require_domain_names(header.domains)
-    rows = _completed(rows, len(label))
     columns = {
         name: replace(vector, blocks=_checked(path, name, vector))
         for name, vector in vectors.items()
@@ -114,14 +109,6 @@ def write_columns(
     with replacing(path) as temporary:
         write_arrays(temporary, columns, _metadata(header, *vectors["vis"].shape))
         write_manifest(Path(path), names, manifest)
-
-
-def _completed(rows: Mapping[str, Sequence[str]], count: int) -> dict[str, list[str]]:
-    """Return the columns; those missing in older files have empty texts."""
-    complete = {name: list(column) for name, column in rows.items()}
-    for name in _LATER:
-        complete.setdefault(name, [""] * count)
-    return complete
 
 
 def _written(path: str | Path, rows: Mapping[str, Sequence[str]]) -> bytes:
@@ -142,9 +129,9 @@ def vector_type(dtype: str) -> str:
     return DTYPES[dtype]
 
 
-def _blocks(array: NDArray[Any], size: int = 4096) -> Iterator[NDArray[Any]]:
-    for start in range(0, len(array), size):
-        yield array[start : start + size]
+def _blocks(array: NDArray[Any]) -> Iterator[NDArray[Any]]:
+    for start in range(0, len(array), BLOCK):
+        yield array[start : start + BLOCK]
 
 
 def _checked(path: str | Path, name: str, vector: Column) -> Iterator[NDArray[Any]]:
@@ -214,7 +201,7 @@ def load_embeddings(path: str | Path, *, large: int | None = None) -> Embeddings
         rows = columns_in(arrays["rows"].tobytes(), f"{file} (rows)", MOST_COLUMNS)
         embeddings = Embeddings(
             header=_header(metadata),
-            rows=_completed(rows, len(arrays["label"])),
+            rows=rows,
             domain=arrays["domain"],
             label=arrays["label"],
             **{name: _single(arrays[name]) for name in VECTORS if name in arrays},
@@ -319,7 +306,7 @@ def require_own(place: Path) -> None:
         return
     with place.open("rb") as handle:
         first = handle.readline(4096).decode("utf-8", "replace").strip()
-    if first not in (",".join(COLUMNS), ",".join(_EARLIER)):
+    if first != ",".join(COLUMNS):
         raise WriteError(
             f"'{place}' is another table and would be replaced by that of the embeddings; "
             "choose another name for the embeddings, or move the table."

@@ -137,7 +137,7 @@ def strangers(summary: Record) -> Figure:
     return dots(records, title="Accuracy in each domain", **look, **SHARES)
 
 
-def ladder(records: Sequence[Record], *, chance: float | None = None) -> Figure:
+def ladder(records: Sequence[Record]) -> Figure:
     """Return accuracy against what is known of the target, with intervals, one colour a method.
 
     records  {"known": words, "n": number of target pairs, "accuracy", "low", "high", "method"}
@@ -150,11 +150,7 @@ def ladder(records: Sequence[Record], *, chance: float | None = None) -> Figure:
         " intervals."
     )
     return dots(
-        rungs,
-        title="Accuracy against what is known of the target",
-        level=chance,
-        caption=caption,
-        **SHARES,
+        rungs, title="Accuracy against what is known of the target", caption=caption, **SHARES
     )
 
 

@@ -39,7 +39,7 @@ class Plane:
         )
 
 
-def picture(figure: Any, *, width: float = WIDTH) -> Picture:
+def picture(figure: Any) -> Picture:
     """Return a figure as shapes in the light theme.
 
     Raises SettingsError for a trace that has no flat picture, such as a map in three dimensions.
@@ -50,7 +50,7 @@ def picture(figure: Any, *, width: float = WIDTH) -> Picture:
                 f"A figure of the kind '{trace.type}' has no SVG or PNG; name a file that ends in"
                 " .html."
             )
-    height = float(figure.layout.height or 420)
+    width, height = WIDTH, float(figure.layout.height or 420)
     # "", "2", ...
     keys = [name[5:] for name in figure.layout.to_plotly_json() if name.startswith("xaxis")]
     planes = {key: _plane(figure, key, width, height) for key in keys}

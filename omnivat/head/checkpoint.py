@@ -1,16 +1,12 @@
 """A head on disk: a folder of `weights.safetensors`, `settings.json` and `metrics.json`.
 
-`settings.json` has the calibration; `familiarity.safetensors` has the training embeddings;
-`profile.safetensors` has their channel statistics. Heads without them also load, with temperature 1
-and None.
+`settings.json` has the calibration; `familiarity.safetensors` has the training embeddings, and
+`profile.safetensors` their channel statistics. A head may lack either file.
 """
 
-import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from glob import escape
 from pathlib import Path
-from time import time
 from typing import Any
 
 import torch
@@ -37,7 +33,7 @@ from omnivat.head.settings import HeadSettings
 from omnivat.kit.config import settings_dict, settings_from
 from omnivat.kit.devices import current
 from omnivat.kit.errors import DataError, SettingsError
-from omnivat.kit.files import UNFINISHED_S, hash_of, replacing_folder, require_writable, write_json
+from omnivat.kit.files import hash_of, replacing_folder, require_writable, write_json
 from omnivat.kit.schema import read_object, tensor_table, texts
 from omnivat.kit.stages import IMAGES, LIMIT
 
@@ -149,7 +145,6 @@ def save_head(folder: str | Path, head: Head) -> Path:
     """
     target = Path(folder)
     require_head_folder(target)
-    _sweep(target)
     record = {
         "format": FORMAT,
         "head": settings_dict(head.settings),
@@ -191,18 +186,6 @@ def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None
             "name a new folder, or move that file away."
         )
     require_writable(target / SETTINGS)
-
-
-def _sweep(target: Path) -> None:
-    """Remove the folders that killed writers of `target` left; an older head among them returns."""
-    for left in target.parent.glob(f".{escape(target.name)}.*"):
-        if not left.is_dir() or time() - left.stat().st_mtime < UNFINISHED_S:
-            continue
-        # of earlier versions, and of this one
-        aside = left if left.name.endswith(".old") else left / "old"
-        if aside.is_dir() and not target.exists():
-            aside.rename(target)
-        shutil.rmtree(left, ignore_errors=True)
 
 
 def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
@@ -263,9 +246,7 @@ def head_hash(folder: str | Path) -> str:
 
 
 def _calibration(file: Path, stored: Any) -> Calibration:
-    """Return the calibration in a head's settings; temperature 1 for an older head."""
-    if stored is None:
-        return Calibration()
+    """Return the calibration in a head's settings."""
     try:
         temperature = {n: float(stored["temperature"][n]) for n in ("fused", "vis", "tac")}
     except (KeyError, TypeError, ValueError) as error:

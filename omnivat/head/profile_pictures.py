@@ -1,6 +1,6 @@
 """A profile of pictures on disk or in memory: embed each, keep mean and variance."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from os.path import isfile
 from pathlib import Path
@@ -20,9 +20,9 @@ from omnivat.data.readers.files import (
 )
 from omnivat.data.rest import RESTED, with_rest
 from omnivat.encoders.base import Encoder, for_modality
-from omnivat.encoders.cache import EmbeddingCache, Source, embed_image
+from omnivat.encoders.cache import Source, embed_image
 from omnivat.kit.errors import DataError, OmniVatError
-from omnivat.kit.progress import OnStep, Step, ignore, never
+from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.stages import IMAGES
 
 
@@ -103,30 +103,20 @@ def _images(folder: Path) -> list[Path]:
 
 
 def profile_of_pictures(
-    encoder: Encoder,
-    pictures: Sequence[Picture],
-    *,
-    domain: str = "",
-    cache: EmbeddingCache | None = None,
-    on_step: OnStep = ignore,
-    cancelled: Callable[[], bool] = never,
+    encoder: Encoder, pictures: Sequence[Picture], *, domain: str = "", on_step: OnStep = ignore
 ) -> tuple[Profile, tuple[Skipped, ...]]:
     """Embed pictures and return their profile, and those that could not be read.
 
-    cancelled  stops before the next picture when it returns True; the pictures so far count
     Raises DataError if no picture can be read.
     """
     rows: dict[str, list[np.ndarray]] = {name: [] for name in IMAGES}
     skipped = []
     for done, picture in enumerate(pictures):
-        if cancelled():
-            break
         on_step(Step(done=done, total=len(pictures), text=picture.name))
         try:
             embedded = embed_image(
                 for_modality(encoder, picture.modality),
                 picture.source,
-                cache,
                 crop=picture.crop,
                 rest=picture.rest,
                 name=picture.name,

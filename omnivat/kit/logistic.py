@@ -60,9 +60,7 @@ class Problem:
         """Return zero parameters (K, R + 1), flat."""
         return np.zeros(self.classes * (self.inside.shape[1] + 1))
 
-    def solved(
-        self, strength: float, start: NDArray[np.float64], tolerance: float = 1e-8
-    ) -> NDArray[np.float64]:
+    def solved(self, strength: float, start: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the parameters that minimise the objective, starting from given ones."""
         from scipy.optimize import minimize
 
@@ -72,7 +70,7 @@ class Problem:
             args=(strength,),
             jac=True,
             method="L-BFGS-B",
-            options={"maxiter": 500, "maxcor": 20, "gtol": tolerance, "ftol": tolerance**2 * 10},
+            options={"maxiter": 500, "maxcor": 20, "gtol": 1e-8, "ftol": 1e-8**2 * 10},
         )
         parameters: NDArray[np.float64] = found.x
         return parameters

@@ -11,7 +11,7 @@ import functools
 import os
 import threading
 from collections.abc import Callable, Iterable, Iterator
-from concurrent.futures import FIRST_COMPLETED, ProcessPoolExecutor, wait
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import contextmanager
 from importlib import import_module
 from multiprocessing import get_context, parent_process
@@ -119,12 +119,10 @@ def in_processes(
     count: int,
     prepare: Callable[..., None] | None = None,
     *arguments: Any,
-    check: Callable[[], None] = lambda: None,
 ) -> Iterator[B]:
     """Yield `work(item)` of each item when it is done, from `count` fresh processes.
 
     prepare  called once in each process, with `arguments`
-    check    called twice a second; its error cancels what has not started
 
     Processes end with their parent. Otherwise, those of a killed process would wait for ever and
     keep their memory.
@@ -133,11 +131,8 @@ def in_processes(
         count, mp_context=get_context("spawn"), initializer=_begin, initargs=(prepare, arguments)
     )
     try:
-        waiting = {pool.submit(work, item) for item in items}
-        while waiting:
-            ready, waiting = wait(waiting, timeout=0.5, return_when=FIRST_COMPLETED)
-            yield from (done.result() for done in ready)
-            check()
+        for done in as_completed([pool.submit(work, item) for item in items]):
+            yield done.result()
     finally:
         pool.shutdown(cancel_futures=True)
 

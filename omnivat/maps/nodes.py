@@ -34,7 +34,6 @@ class TreeFacts:
     parents: list[int]  # -1 for none
     lengths: Tensor  # (N,)
     probabilities: Tensor  # (N, K)
-    right: Tensor | None  # (N,) accuracy of each node, if labels are known
     levels: list[Level]
 
 
@@ -47,18 +46,9 @@ class NodeVote:
 
 
 @torch.no_grad()
-def tree_facts(model: OmniVaT, nodes: Tensor, labels: Tensor | None = None) -> TreeFacts:
-    """Return facts about the nodes of B pairs.
-
-    nodes   (B, N, D) of `model(…, nodes=True)`
-    labels  (B,) class indices, -1 for a class that the head lacks; None if unknown
-    """
+def tree_facts(model: OmniVaT, nodes: Tensor) -> TreeFacts:
+    """Return facts about the nodes of B pairs, (B, N, D) of `model(…, nodes=True)`."""
     kind = model.settings.generation
-    probabilities = model.classify(nodes).softmax(-1)
-    right = None
-    if labels is not None:
-        known = labels >= 0
-        right = (probabilities.argmax(-1)[known] == labels[known, None]).double().mean(0)
     levels = []
     for group in groups(kind, nodes.shape[1]):
         own = nodes[:, group.start : group.stop]
@@ -73,8 +63,7 @@ def tree_facts(model: OmniVaT, nodes: Tensor, labels: Tensor | None = None) -> T
     return TreeFacts(
         parents=parents(kind, nodes.shape[1]),
         lengths=nodes.norm(dim=-1).mean(0),
-        probabilities=probabilities.mean(0),
-        right=right,
+        probabilities=model.classify(nodes).softmax(-1).mean(0),
         levels=levels,
     )
 

@@ -105,17 +105,11 @@ def inputs_of(head: Head) -> tuple[str, ...]:
 
 
 def evaluate(
-    head: Head,
-    embeddings: Embeddings,
-    *,
-    order: float | None = None,
-    modalities: Sequence[str] | None = None,
-    on_step: OnStep = ignore,
+    head: Head, embeddings: Embeddings, *, order: float | None = None, on_step: OnStep = ignore
 ) -> list[dict[str, Any]]:
     """Return one record for each domain: counts, ACC and macro-F1 of every reading.
 
-    order       quarter turns; None: the learned one
-    modalities  input of the head: "vis", "tac" or both; None: as in training
+    order  quarter turns; None: the learned one
 
     If the data have a split, only the test part counts. "trained_on" is true when evaluated on
     training pairs. Pairs of classes that the head lacks are left out and counted. F1 averages the
@@ -123,17 +117,16 @@ def evaluate(
     predicted. Raises DataError if the embeddings are from another encoder.
     """
     head.require_embeddings(embeddings)
-    given = modalities or inputs_of(head)
     records, done = [], 0
     for index, name in enumerate(embeddings.header.domains):
-        records.append(_evaluate_domain(head, embeddings, name, order, given))
+        records.append(_evaluate_domain(head, embeddings, name, order))
         done += int((embeddings.domain == index).sum())
         on_step(Step(done=done, total=len(embeddings), text=name))
     return records
 
 
 def _evaluate_domain(
-    head: Head, embeddings: Embeddings, domain: str, order: float | None, modalities: Sequence[str]
+    head: Head, embeddings: Embeddings, domain: str, order: float | None
 ) -> dict[str, Any]:
     classes = head.settings.classes
     rows = embeddings.rows_of(domain, split="test")
@@ -152,7 +145,7 @@ def _evaluate_domain(
         return record | {"scores": {}}
     truth = torch.from_numpy(labels[known])
     probabilities = predicted_probabilities(
-        head.model, embeddings, order=order, modalities=modalities, rows=rows[known]
+        head.model, embeddings, order=order, modalities=inputs_of(head), rows=rows[known]
     )
     predicted = {name: values.argmax(-1) for name, values in probabilities.items()}
     record["scores"] = {name: scores(truth, labels) for name, labels in predicted.items()}
@@ -161,17 +154,15 @@ def _evaluate_domain(
     return record
 
 
-def scores(truth: Tensor, predicted: Tensor, *, union: bool = True) -> dict[str, float]:
+def scores(truth: Tensor, predicted: Tensor) -> dict[str, float]:
     """Return ACC and macro-F1 of predicted classes (N,), and F1 over the union with the
     predicted ones.
     """
-    found = {
+    return {
         "accuracy": float(accuracy(truth, predicted)),
         "macro_f1": float(macro_f1(truth, predicted)),
+        "macro_f1_union": float(macro_f1(truth, predicted, average="union")),
     }
-    return found | (
-        {"macro_f1_union": float(macro_f1(truth, predicted, average="union"))} if union else {}
-    )
 
 
 def target_scores(records: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:

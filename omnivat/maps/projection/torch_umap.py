@@ -151,9 +151,7 @@ def project(
     return descend(graph, start, steps=steps, rate=rate, seed=seed)
 
 
-def following(
-    points: Tensor, before: Tensor | None, *, seed: int = 0, neighbours: int = 15
-) -> Tensor:
+def following(points: Tensor, before: Tensor | None, *, seed: int = 0) -> Tensor:
     """Return the map (N, 2) of points (N, D), started from the map `before` if given.
 
     The start is almost right, so a later map takes only WARM_STEPS steps. The low rate WARM_RATE
@@ -161,19 +159,17 @@ def following(
     and move far less (`python -m benchmarks.projection`).
     """
     if before is None:
-        return project(points, seed=seed, neighbours=neighbours)
-    return project(
-        points, seed=seed, neighbours=neighbours, steps=WARM_STEPS, rate=WARM_RATE, start=before
-    )
+        return project(points, seed=seed)
+    return project(points, seed=seed, steps=WARM_STEPS, rate=WARM_RATE, start=before)
 
 
-def chain(features: Iterable[Tensor], *, seed: int = 0, neighbours: int = 15) -> Iterator[Tensor]:
+def chain(features: Iterable[Tensor]) -> Iterator[Tensor]:
     """Yield a map (N, 2) for each (N, D), each started from the one before: the same rows at
     orders in order.
     """
     before: Tensor | None = None
     for points in features:
-        before = following(points, before, seed=seed, neighbours=neighbours)
+        before = following(points, before)
         yield before
 
 

@@ -18,7 +18,6 @@ def method_table(
     header: Sequence[str],
     cells: Callable[[list[Record]], list[str]],
     *,
-    first: str = "method",
     below: Sequence[Sequence[str]] = (),
 ) -> str:
     """Return a table with a row for each method: its label, and `cells` of its completed records;
@@ -29,7 +28,7 @@ def method_table(
     """
     named = [(label, completed(records, name)) for name, label in methods(records).items()]
     rows = [[label, *found] for label, own in named if own and (found := cells(own))]
-    return markdown([first, *header], [*rows, *below]) if rows or below else ""
+    return markdown(["method", *header], [*rows, *below]) if rows or below else ""
 
 
 def score_cells(*values: Sequence[float]) -> str:

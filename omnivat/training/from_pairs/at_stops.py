@@ -5,16 +5,15 @@ and accuracies of `EpochReport`. A finished head is not trained again.
 """
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from omnivat.head.checkpoint import SETTINGS, save_head
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
-from omnivat.kit.progress import OnStep, Step, ignore, never
+from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.threads import in_processes, pin_thread
-from omnivat.training import TrainingCancelled, Watch
 from omnivat.training.from_pairs.finish import trained_head
 from omnivat.training.from_pairs.plan import TrainingPlan
 from omnivat.training.from_pairs.report import Meter
@@ -30,16 +29,14 @@ def heads_at_stops(
     seeds: Sequence[int] = (0,),
     jobs: int = 1,
     on_step: OnStep = ignore,
-    cancelled: Callable[[], bool] = never,
 ) -> int:
     """Train a head for every order and seed; write each to its own folder.
 
-    plan       all settings but order and seed; p is fixed
-    jobs       parallel processes, one thread each; 1 trains in this process
-    cancelled  stops the work when it returns True; finished heads stay for the next call
-    return     number of newly trained heads
+    plan    all settings but order and seed; p is fixed
+    jobs    parallel processes, one thread each; 1 trains in this process
+    return  number of newly trained heads; if the work stops, finished heads stay for the next call
 
-    Raises SettingsError for no order or no seed, TrainingCancelled if it was stopped.
+    Raises SettingsError for no order or no seed.
     """
     if not orders or not seeds or jobs < 1:
         raise SettingsError("Heads at stops need one order, one seed and one process or more.")
@@ -48,7 +45,7 @@ def heads_at_stops(
     waiting = [stop for stop in stops if not _is_done(plan, stop, folder)]
     done = len(stops) - len(waiting)
     on_step(Step(done=done, total=len(stops), text="heads that are there already"))
-    for order, seed in _carried_out(plan, waiting, folder, jobs, cancelled):
+    for order, seed in _carried_out(plan, waiting, folder, jobs):
         done += 1
         on_step(Step(done=done, total=len(stops), text=f"head at p = {order:g}, seed {seed}"))
     return len(waiting)
@@ -69,24 +66,15 @@ def _is_done(plan: TrainingPlan, stop: Stop, folder: Path) -> bool:
 
 
 def _carried_out(
-    plan: TrainingPlan,
-    stops: Sequence[Stop],
-    folder: Path,
-    jobs: int,
-    cancelled: Callable[[], bool],
+    plan: TrainingPlan, stops: Sequence[Stop], folder: Path, jobs: int
 ) -> Iterator[Stop]:
     """Yield each stop when its head is written."""
-    if jobs == 1 or len(stops) < 2:
-        for stop in stops:
-            _write_head(plan, stop, folder, Watch(cancelled=cancelled))
-            yield stop
+    if jobs > 1 and len(stops) > 1:
+        yield from in_processes(_work, stops, jobs, _prepare, plan, folder)
         return
-
-    def check() -> None:
-        if cancelled():
-            raise TrainingCancelled("Training was cancelled; finished heads are kept.")
-
-    yield from in_processes(_work, stops, jobs, _prepare, plan, folder, check=check)
+    for stop in stops:
+        _write_head(plan, stop, folder)
+        yield stop
 
 
 _HELD: dict[str, tuple[TrainingPlan, Path]] = {}  # of a worker process
@@ -99,13 +87,13 @@ def _prepare(plan: TrainingPlan, folder: Path) -> None:
 
 def _work(stop: Stop) -> Stop:
     plan, folder = _HELD["work"]
-    _write_head(plan, stop, folder, Watch())
+    _write_head(plan, stop, folder)
     return stop
 
 
-def _write_head(plan: TrainingPlan, stop: Stop, folder: Path, watch: Watch) -> None:
+def _write_head(plan: TrainingPlan, stop: Stop, folder: Path) -> None:
     own = plan.at(*stop)
-    head = trained_head(own, calibrate=False, watch=watch)
+    head = trained_head(own, calibrate=False)
     meter = Meter(own.embeddings, own.settings.classes, own.source)
     head.metrics["measures"] = meter.measures(meter.at(head.model, stop[0]))
     head.provenance["run"] = own.name

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from omnivat.data.profile import STEP_SHIFTED, profile_of
 from omnivat.data.store import Embeddings
-from omnivat.encoders.lang.bank import LangBank
 from omnivat.head.calibration import Familiarity, familiarity_of
 from omnivat.head.checkpoint import Head
 from omnivat.head.fusion import Calibration
@@ -33,12 +32,9 @@ def head_from_pairs(
     embeddings: Embeddings,
     source: str,
     *,
-    part: str = "",
     head: Mapping[str, Any] | None = None,
     training: TrainSettings | None = None,
-    bank: LangBank | Path | None = None,
     seed: int = 0,
-    repeat: Sequence[int] = (),
     calibrate: bool = True,
     on_step: OnStep = ignore,
     on_epoch: OnReport | None = None,
@@ -48,8 +44,7 @@ def head_from_pairs(
 ) -> Head:
     """Train a head on one domain of a set and evaluate it on all; nothing is written to disk.
 
-    embeddings, source, part, head, training, bank, seed  as for `plan_training`
-    repeat         train again with these seeds; their scores go into metrics["seeds"]
+    embeddings, source, head, training, seed  as for `plan_training`
     calibrate      also fit temperatures to held-out source pairs (half as much time again)
     on_step        called at every optimiser step of the first training
     on_epoch       called with a report after every epoch of it
@@ -59,13 +54,11 @@ def head_from_pairs(
 
     Raises the errors of `plan_training`, and TrainingCancelled.
     """
-    plan = plan_training(
-        embeddings, source, part=part, head=head, training=training, bank=bank, seed=seed
-    )
+    plan = plan_training(embeddings, source, head=head, training=training, seed=seed)
     watch = Watch(on_step=on_step, cancelled=cancelled)
     if on_epoch is not None:
         watch = replace(watch, on_epoch=_reporter(plan, on_epoch, measure_every, snapshot))
-    return trained_head(plan, repeat=repeat, calibrate=calibrate, watch=watch)
+    return trained_head(plan, calibrate=calibrate, watch=watch)
 
 
 def trained_head(
@@ -78,6 +71,7 @@ def trained_head(
 ) -> Head:
     """Carry out a plan; arguments as in `head_from_pairs`.
 
+    repeat  train again with these seeds; their scores go into metrics["seeds"]
     resume  file for the state after each epoch, from which a stopped training resumes
     """
     watch = watch or Watch()

@@ -21,8 +21,8 @@ FOUND = PairSet(
     ),
     skipped=(
         Skipped(what="a", why="no half", count=1200),
-        Skipped(what="b", why="no half"),
-        Skipped(what="c", why="label -1"),
+        *(Skipped(what=name, why="no half") for name in "bcd"),
+        Skipped(what="e", why="label -1"),
     ),
     origin="a test",
 )
@@ -35,7 +35,7 @@ def test_domains_keep_their_order_and_materials_the_usual_one():
 
 
 def test_the_summary_names_every_column_and_counts_every_pair():
-    assert summary_table(FOUND, examples=1).split("\n") == [
+    assert summary_table(FOUND).split("\n") == [
         "4 pairs from a test",
         "domain    part    split  wood  glass  felt  pairs",
         "TAG       -       train  1     0      1     2",
@@ -43,8 +43,8 @@ def test_the_summary_names_every_column_and_counts_every_pair():
         "TQ-DIGIT  indoor  -      0     1      0     1",
         "",
         "skipped  why       for example",
-        "1201     no half   a; and 1 more",
-        "1        label -1  c",
+        "1203     no half   a; b; c; and 1 more",
+        "1        label -1  e",
     ]
 
 

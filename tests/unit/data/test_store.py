@@ -14,8 +14,8 @@ from safetensors.numpy import save_file
 from omnivat.data import store
 from omnivat.data.arrays import Column, column, read_arrays, write_arrays
 from omnivat.data.profile import load_profile, profile_of, save_profile
-from omnivat.data.store import load_embeddings, save_embeddings
-from omnivat.kit.errors import DataError, SettingsError
+from omnivat.data.store import load_embeddings, save_embeddings, write_manifest
+from omnivat.kit.errors import DataError
 
 VECTORS = ("vis", "tac", "vis_flip", "tac_flip")
 
@@ -205,32 +205,15 @@ def test_the_classes_that_pairs_imitate_are_kept(embeddings, tmp_path):
         assert next(csv.DictReader(handle))["looks_like"] == "wood"
 
 
-def test_a_file_without_those_columns_is_read_with_empty_ones(embeddings, tmp_path):
-    file = tmp_path / "older.safetensors"
-    save_embeddings(file, embeddings)
-    arrays, metadata = read_arrays(file)
-    rows = json.loads(arrays["rows"].tobytes())
-    del rows["looks_like"], rows["feels_like"]
-    text = np.frombuffer(json.dumps(rows).encode(), dtype=np.uint8)
-    save_file({**arrays, "rows": text}, file, metadata=metadata)
-    loaded = load_embeddings(file)
-    assert loaded.rows["looks_like"] == loaded.rows["feels_like"] == [""] * len(loaded)
-
-
 def test_the_parquet_manifest_says_the_same_as_the_csv(embeddings, tmp_path):
     parquet = pytest.importorskip("pyarrow.parquet")
     save_embeddings(tmp_path / "set.safetensors", embeddings)
-    save_embeddings(tmp_path / "set.safetensors", embeddings, manifest="parquet")
     with (tmp_path / "set.csv").open(newline="", encoding="utf-8") as handle:
         rows = list(csv.DictReader(handle))
-    assert parquet.read_table(tmp_path / "set.parquet").to_pylist() == rows
-
-
-@pytest.mark.parametrize("setting", [{"dtype": "float64"}, {"manifest": "xls"}])
-def test_unknown_settings_are_refused_and_nothing_is_written(embeddings, tmp_path, setting):
-    with pytest.raises(SettingsError, match=next(iter(setting.values()))):
-        save_embeddings(tmp_path / "set.safetensors", embeddings, **setting)
-    assert not any(tmp_path.iterdir())
+    columns = {name: [row[name] for row in rows] for name in rows[0]}
+    assert (
+        parquet.read_table(write_manifest(tmp_path / "set", columns, "parquet")).to_pylist() == rows
+    )
 
 
 def test_a_domain_its_split_and_an_unknown_one(embeddings):

@@ -165,17 +165,6 @@ def test_a_calibration_and_training_images_come_back(folder, tmp_path):
     assert first.familiarity.look(rows, None) == second.familiarity.look(rows, None)
 
 
-def test_an_older_head_without_a_calibration_loads_with_temperatures_of_one(folder, tmp_path):
-    save_head(tmp_path / "old", load_head(folder))
-    settings = json.loads((tmp_path / "old" / "settings.json").read_text())
-    del settings["calibration"]
-    (tmp_path / "old" / "settings.json").write_text(json.dumps(settings))
-    (tmp_path / "old" / "familiarity.safetensors").unlink()
-    found = load_head(tmp_path / "old")
-    assert found.model.calibration == Calibration()
-    assert found.familiarity is None
-
-
 @pytest.mark.parametrize("value", [0, -1, "warm", None])
 def test_a_temperature_that_cannot_be_is_refused(folder, tmp_path, value):
     save_head(tmp_path / "bad", load_head(folder))
@@ -192,19 +181,3 @@ def test_training_images_of_another_width_are_refused(folder, tmp_path):
     save_head(tmp_path / "bad", replace(found, familiarity=replace(found.familiarity, rows=narrow)))
     with pytest.raises(DataError, match="does not fit this head"):
         load_head(tmp_path / "bad")
-
-
-def test_what_killed_writers_of_a_head_left_goes_and_the_head_they_put_aside_returns(tmp_path):
-    import os
-
-    from omnivat.head.checkpoint import _sweep
-
-    half, aside, young = (tmp_path / f".head.{name}" for name in ("a", "b", "c"))
-    for folder, part in ((half, "new"), (aside, "old"), (young, "new")):
-        (folder / part).mkdir(parents=True)
-        (folder / part / "settings.json").write_text(folder.name)
-    for folder in (half, aside):
-        os.utime(folder, (1, 1))
-    _sweep(tmp_path / "head")
-    assert sorted(p.name for p in tmp_path.iterdir()) == [".head.c", "head"]
-    assert (tmp_path / "head" / "settings.json").read_text() == ".head.b"

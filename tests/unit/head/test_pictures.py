@@ -10,7 +10,7 @@ from PIL import Image
 from omnivat.data.readers.files import modality_of
 from omnivat.data.rest import RESTED
 from omnivat.encoders.wrapping import TorchEncoder
-from omnivat.head.profile_pictures import Picture, pictures_in, profile_of_pictures
+from omnivat.head.profile_pictures import pictures_in, profile_of_pictures
 
 
 def picture(path, value):
@@ -111,16 +111,3 @@ def test_a_broken_picture_is_skipped_and_named(by_name):
 
     assert profile.counts["tac"] == 3
     assert [one.what.endswith("broken_tac.png") for one in skipped] == [True]
-
-
-def test_a_cancelled_profile_counts_the_pictures_so_far():
-    image = Image.fromarray(np.zeros((40, 40, 3), np.uint8))
-    every = [Picture(modality="tac", source=image, name=str(k)) for k in range(4)]
-    checked = []
-
-    def cancelled():
-        checked.append(1)
-        return len(checked) > 2
-
-    profile, _ = profile_of_pictures(encoder(), every, cancelled=cancelled)
-    assert profile.counts == {"tac": 2}

@@ -23,12 +23,6 @@ def test_nodes_at_right_angles_have_no_nod_loss_and_equal_ones_have():
     assert tree_facts(Stub(), alike).levels[0].nod == pytest.approx(2**0.5, abs=1e-4)
 
 
-def test_pairs_of_a_class_that_the_head_lacks_count_neither_as_right_nor_as_wrong():
-    nodes = torch.tensor([[[1.0, 0.0]], [[1.0, 0.0]], [[0.0, 1.0]]])
-    facts = tree_facts(Stub(), nodes, torch.tensor([0, 1, -1]))
-    assert facts.right.tolist() == [0.5]
-
-
 @pytest.mark.parametrize("arrangement", ["tree", "series", "parallel", "interpolation", "none"])
 def test_every_node_of_every_arrangement_stands_in_one_group(arrangement):
     count = 1 if arrangement == "none" else 7

@@ -11,7 +11,7 @@ from omnivat.kit.errors import SettingsError
 from omnivat.maps.frames import read_frames
 from omnivat.maps.sweep import sweep
 from omnivat.measure.evaluate import predicted_probabilities
-from omnivat.training import TrainingCancelled, TrainSettings
+from omnivat.training import TrainSettings
 from omnivat.training.from_pairs import plan_training, trained_head
 from omnivat.training.from_pairs.at_stops import heads_at_stops, stop_folder
 from omnivat.training.retrained import retrained_frames
@@ -90,10 +90,13 @@ def test_every_moving_stage_has_a_map_for_each_head(frames):
         assert frames.maps[name].orders == (0, 1, 2)
 
 
-def test_cancelled_work_keeps_its_finished_heads(plan, tmp_path):
-    done = []
-    with pytest.raises(TrainingCancelled):
-        heads_at_stops(plan, ORDERS, tmp_path, on_step=done.append, cancelled=lambda: len(done) > 1)
+def test_stopped_work_keeps_its_finished_heads(plan, tmp_path):
+    def stop(step):
+        if step.done:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        heads_at_stops(plan, ORDERS, tmp_path, on_step=stop)
     assert stop_folder(tmp_path, 0.0, 0).is_dir()
     assert heads_at_stops(plan, ORDERS, tmp_path) == 2
 
