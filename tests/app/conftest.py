@@ -1,6 +1,7 @@
 """A small learnable set and head for the page's tests."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -29,6 +30,15 @@ def small_places(head_folder, tmp_path_factory):
         sprite=None,
         pairs=pairs,
     )
+
+
+@pytest.fixture(scope="session")
+def framed(small_places, tmp_path_factory):
+    """Return the small places with their frames, computed once."""
+    from app.export import frames_file
+
+    found = replace(small_places, computed=tmp_path_factory.mktemp("frames"))
+    return replace(found, frames=frames_file(found))
 
 
 def until(condition):

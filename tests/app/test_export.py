@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from app.components import WEB
-from app.export import export_page, export_picture, frames_file, scripts
+from app.export import export_page, export_picture, scripts
 from omnivat.cli import main
 from omnivat.figures import maps, theme
 from omnivat.figures.curves import gap_curves
@@ -18,10 +18,9 @@ from omnivat.kit.errors import SettingsError
 from omnivat.maps.frames import read_frames
 
 
-@pytest.fixture(scope="module")
-def frames(small_places, tmp_path_factory):
-    """Return the frames of the small head, computed once."""
-    return frames_file(replace(small_places, computed=tmp_path_factory.mktemp("frames")))
+@pytest.fixture
+def frames(framed):
+    return framed.frames
 
 
 def test_colours_are_those_of_the_page():

@@ -1,7 +1,5 @@
 """Placing a pair on a map: exact where the map is linear."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -11,10 +9,8 @@ from omnivat.kit.errors import DataError
 
 
 @pytest.fixture
-def with_frames(small_places, tmp_path):
-    resources = Resources(replace(small_places, computed=tmp_path))
-    assert resources.frames.wait().file, resources.frames.wait().problem
-    return resources
+def with_frames(framed):
+    return Resources(framed)
 
 
 def test_a_pair_of_the_set_is_placed_where_the_map_has_it(with_frames):

@@ -1,7 +1,6 @@
 """Save, Interactive figure: the open view as one page."""
 
 import json
-from dataclasses import replace
 
 import pytest
 from starlette.applications import Starlette
@@ -12,9 +11,8 @@ from app.routes import routes
 
 
 @pytest.fixture(scope="module")
-def client(small_places, tmp_path_factory):
-    resources = Resources(replace(small_places, computed=tmp_path_factory.mktemp("frames")))
-    resources.frames.wait()
+def client(framed):
+    resources = Resources(framed)
     yield TestClient(Starlette(routes=routes(resources)))
     resources.shared.close()
 

@@ -2,13 +2,11 @@
 
 import json
 import re
-from dataclasses import replace
 from urllib.parse import urlsplit
 
 import pytest
 
 from app import site
-from app.export import frames_file
 from app.site import MARK, OWN, Files, export_site
 from app.site_models import files_in
 from omnivat.cli import main
@@ -16,18 +14,10 @@ from omnivat.kit.errors import DataError, SettingsError, WriteError
 
 
 @pytest.fixture(scope="module")
-def where(small_places, tmp_path_factory):
-    """Return the places of the small head and set, with their frames."""
-    folder = tmp_path_factory.mktemp("frames")
-    found = replace(small_places, computed=folder)
-    return replace(found, frames=frames_file(found))
-
-
-@pytest.fixture(scope="module")
-def written(where, tmp_path_factory):
+def written(framed, tmp_path_factory):
     """Return the site of the small set alone."""
     out = tmp_path_factory.mktemp("sites") / "of 2% é"
-    export_site(where, out, sets=(), models=False)
+    export_site(framed, out, sets=(), models=False)
     return out
 
 
@@ -60,20 +50,20 @@ def test_no_file_of_the_page_names_another_host(written):
     assert "default-src 'none'" in (written / "index.html").read_text()
 
 
-def test_names_suit_any_file_system_and_follow_the_content(written, where, tmp_path):
+def test_names_suit_any_file_system_and_follow_the_content(written, framed, tmp_path):
     names = [file.relative_to(written).as_posix() for file in files_in(written)]
     assert all(re.fullmatch(r"[\w./-]+", name, re.ASCII) for name in names)
-    export_site(where, tmp_path / "again", sets=(), models=False)
+    export_site(framed, tmp_path / "again", sets=(), models=False)
     assert names == [
         p.relative_to(tmp_path / "again").as_posix() for p in files_in(tmp_path / "again")
     ]
 
 
-def test_replies_are_those_of_the_server(written, where):
+def test_replies_are_those_of_the_server(written, framed):
     from app.resources import Resources
     from app.routes import FACTS, QUESTIONS
 
-    index, resources = held(written), Resources(where)
+    index, resources = held(written), Resources(framed)
     assert index["home"] == OWN and index["sets"] == [OWN]
     for name in ("about", "unseen", "pairs", "examples", "first"):
         file = index["files"][f"{OWN}/{name}"]
@@ -88,29 +78,29 @@ def test_replies_are_those_of_the_server(written, where):
     ].read_bytes()
 
 
-def test_a_reply_that_is_a_refusal_is_held_as_its_sentence(where, tmp_path, monkeypatch):
+def test_a_reply_that_is_a_refusal_is_held_as_its_sentence(framed, tmp_path, monkeypatch):
     def broken(_):
         raise DataError("The set has no map.")
 
     monkeypatch.setitem(site.FACTS, "toy", broken)
-    export_site(where, tmp_path / "site", sets=(), models=False)
+    export_site(framed, tmp_path / "site", sets=(), models=False)
     assert held(tmp_path / "site")["refused"] == {f"{OWN}/toy": "The set has no map."}
 
 
-def test_a_new_export_replaces_the_old_files_and_leaves_what_was_added(where, tmp_path):
+def test_a_new_export_replaces_the_old_files_and_leaves_what_was_added(framed, tmp_path):
     out = tmp_path / "site"
-    export_site(where, out, sets=(), models=False)
+    export_site(framed, out, sets=(), models=False)
     (out / "data" / "stale.json").write_text("{}")
     mark = json.loads((out / MARK).read_text())
     (out / MARK).write_text(json.dumps({"files": [*mark["files"], "data/stale.json"]}))
     (out / "README.md").write_text("sdk: static")
-    export_site(where, out, sets=(), models=False)
+    export_site(framed, out, sets=(), models=False)
     assert (out / "README.md").read_text() == "sdk: static"
     assert not (out / "data" / "stale.json").exists()
 
 
 @pytest.mark.parametrize("kind", ["folder", "file"])
-def test_nothing_foreign_is_overwritten(where, tmp_path, kind):
+def test_nothing_foreign_is_overwritten(framed, tmp_path, kind):
     out = tmp_path / "thesis"
     if kind == "folder":
         out.mkdir()
@@ -119,11 +109,11 @@ def test_nothing_foreign_is_overwritten(where, tmp_path, kind):
         out.write_text("years")
     before = {file: file.read_text() for file in files_in(tmp_path)}
     with pytest.raises(WriteError, match="name a"):
-        export_site(where, out)
+        export_site(framed, out)
     assert {file: file.read_text() for file in files_in(tmp_path)} == before
 
 
-def test_a_site_appears_completely_or_not_at_all(where, tmp_path, monkeypatch):
+def test_a_site_appears_completely_or_not_at_all(framed, tmp_path, monkeypatch):
     out = tmp_path / "site"
 
     def full(*_):
@@ -131,13 +121,13 @@ def test_a_site_appears_completely_or_not_at_all(where, tmp_path, monkeypatch):
 
     monkeypatch.setattr(Files, "add", full)
     with pytest.raises(WriteError, match="No space left"):
-        export_site(where, out, sets=(), models=False)
+        export_site(framed, out, sets=(), models=False)
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_set_that_the_project_lacks_is_refused(where, tmp_path):
+def test_a_set_that_the_project_lacks_is_refused(framed, tmp_path):
     with pytest.raises(SettingsError, match="No set is called 'chirp'; there are sensors, chirps"):
-        export_site(where, tmp_path / "site", sets=["chirp"])
+        export_site(framed, tmp_path / "site", sets=["chirp"])
 
 
 def test_the_command_takes_a_file_or_a_folder(tmp_path, capsys):

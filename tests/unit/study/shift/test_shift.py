@@ -127,7 +127,7 @@ def test_an_interval_covers_the_mean_and_widens_when_pairs_share_objects():
 @pytest.mark.parametrize("scale", [1e7, 1e-5])
 def test_the_figures_of_a_scaled_set_are_those_of_the_unscaled_one(made, scale):
     """Within the range that a set may have, nothing depends on the unit of the embeddings."""
-    found = read_features(made())
+    found = read_features(made(pairs=40))
     rows = {name: (getattr(found.embeddings, name) * np.float32(scale)) for name in ("vis", "tac")}
     scaled = replace(found, embeddings=replace(found.embeddings, **rows))
     for one, other in zip(numbers(found), numbers(scaled), strict=True):
