@@ -6,11 +6,11 @@ from typing import TypeVar
 
 import torch
 from torch import Tensor
-from torch.nn.functional import nll_loss
 
 from omnivat.data.splits import hold_out
 from omnivat.kit.progress import checkpoint
 from omnivat.kit.seeding import derive_seed
+from omnivat.measure.gaps.calibration import nll
 from omnivat.study.baselines.contract import Fitted, Source
 
 C = TypeVar("C")
@@ -43,21 +43,16 @@ class Score:
     def add(self, probabilities: Tensor, labels: Tensor) -> None:
         """Add one fold's predictions: probabilities (B, K), labels (B,)."""
         self.right += int((probabilities.argmax(-1) == labels).sum())
-        self.loss += log_loss(probabilities, labels)
+        self.loss += float(nll(probabilities, labels))
 
     @property
     def rank(self) -> tuple[float, int]:
-        """The quantity to maximise: minus the log loss, then accuracy.
+        """The quantity to maximise: minus the log loss, which is finer near 100 %, then accuracy.
 
         Few objects are held out, so accuracy ties or depends on one object. It would choose any of
         seven powers of ten for a regression's C.
         """
         return -self.loss, self.right
-
-
-def log_loss(probabilities: Tensor, labels: Tensor) -> float:
-    """Mean negative log probability of the true class, nats; finer than accuracy near 100 %."""
-    return float(nll_loss(probabilities.clamp_min(1e-12).log(), labels))
 
 
 def best(

@@ -1,6 +1,7 @@
 """One small source and head for the tests of training."""
 
 import pytest
+import torch
 
 from omnivat.head.settings import HeadSettings
 
@@ -10,6 +11,11 @@ CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 @pytest.fixture(scope="module")
 def source(make_embeddings):
     return make_embeddings(domains=("TAG-sim",), per_class=16)
+
+
+def equal_weights(first, second):
+    one, two = first.state_dict(), second.state_dict()
+    return all(torch.equal(one[name], two[name]) for name in one)
 
 
 def head(**changes):

@@ -14,7 +14,7 @@ from omnivat.training import TrainSettings, train
 from omnivat.training.batches import batches
 from omnivat.training.held_out import lang_guard
 
-from .conftest import head
+from .conftest import equal_weights, head
 
 
 def accuracy(model, pairs):
@@ -39,9 +39,7 @@ def test_same_seed_gives_the_same_weights_to_the_bit(source):
         train(source, head(), TrainSettings(epochs=1), bank=load_bank(), seed=s).model
         for s in (5, 5, 6)
     ]
-    first, second, other = (run.state_dict() for run in runs)
-    assert all(torch.equal(first[name], second[name]) for name in first)
-    assert not torch.equal(first["classifier"], other["classifier"])
+    assert equal_weights(*runs[:2]) and not equal_weights(*runs[1:])
 
 
 def test_lang_leaks_less_than_five_points_into_training(source, trained):
@@ -129,11 +127,6 @@ def test_an_order_a_modality_is_learned_apart_and_logged(source):
     )
     assert len(set(trained.model.orders.values())) == 3
     assert trained.epochs[-1]["order_vis"] == trained.model.orders["vis"]
-
-
-def equal_weights(first, second):
-    one, two = first.state_dict(), second.state_dict()
-    return all(torch.equal(one[name], two[name]) for name in one)
 
 
 def test_one_class_alone_is_refused(source):

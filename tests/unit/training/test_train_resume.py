@@ -1,18 +1,12 @@
 """A stopped training resumes to the weights that it would have given."""
 
 import pytest
-import torch
 
 from omnivat.encoders.lang.bank import load_bank
 from omnivat.kit.errors import DataError
 from omnivat.training import TrainSettings, train
 
-from .conftest import head
-
-
-def equal_weights(first, second):
-    one, two = first.state_dict(), second.state_dict()
-    return all(torch.equal(one[name], two[name]) for name in one)
+from .conftest import equal_weights, head
 
 
 class Stop(Exception):

@@ -15,21 +15,21 @@ ORDERS = (0.0, 0.25, 0.5, 0.75, 1.0)
 MAPS = {"pca/raw": 5, "pca/frft": 5, "pca/relu": 5, "pca/f_hat": 5, "umap/f_hat": 3}
 
 
-def pairs(count=24, width=12, classes=CLASSES):
+def pairs(count=24, width=12, classes=CLASSES, domains=2):
     rng = np.random.default_rng(0)
     return Embeddings(
         header=Header(
             encoder="noise",
             weights_hash="none",
             preprocessing="none",
-            domains=("D0", "D1"),
+            domains=tuple(f"D{d}" for d in range(domains)),
             classes=classes,
             simulated=True,
             origin="random numbers",
         ),
         vis=rng.normal(size=(count, width)).astype(np.float32),
         tac=rng.normal(0.5, size=(count, width)).astype(np.float32),
-        domain=np.arange(count) % 2,
+        domain=np.arange(count) % domains,
         label=rng.integers(0, len(classes), count),
         rows={name: [""] * count for name in ("vis", "tac", "object", "split", "part")},
     )

@@ -16,6 +16,8 @@ from omnivat.training.from_pairs import plan_training, trained_head
 from omnivat.training.from_pairs.at_stops import heads_at_stops, stop_folder
 from omnivat.training.retrained import retrained_frames
 
+from ..conftest import equal_weights
+
 ORDERS = (0.0, 0.5, 1.0)
 
 
@@ -41,8 +43,7 @@ def frames(plan, folder):
 def test_every_head_is_the_one_that_training_at_its_order_gives(plan, folder):
     head = load_head(stop_folder(folder, 0.5, 1))
     alone = trained_head(plan.at(0.5, 1), calibrate=False)
-    first, second = head.model.state_dict(), alone.model.state_dict()
-    assert all(torch.equal(first[name], second[name]) for name in first)
+    assert equal_weights(head.model, alone.model)
     assert head.model.order == 0.5
 
 

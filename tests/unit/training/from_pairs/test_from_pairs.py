@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import torch
 
 from omnivat.cli import main
 from omnivat.data.store import load_embeddings, save_embeddings
@@ -13,6 +12,8 @@ from omnivat.kit.errors import DataError, SettingsError
 from omnivat.maps.sweep import sweep
 from omnivat.training import TrainingCancelled, TrainSettings
 from omnivat.training.from_pairs import head_from_pairs, plan_like, plan_training, trained_head
+
+from ..conftest import equal_weights
 
 SHORT = TrainSettings(epochs=3)
 SMALL = {"width": 16}
@@ -67,8 +68,7 @@ def test_the_command_writes_the_head_that_the_function_returns(watched, pairs, t
         == 0
     )
     head, written = watched[0], load_head(tmp_path / "head")
-    first, second = head.model.state_dict(), written.model.state_dict()
-    assert all(torch.equal(first[name], second[name]) for name in first)
+    assert equal_weights(head.model, written.model)
     assert written.metrics["target_accuracy"] == head.metrics["target_accuracy"]
     assert written.model.calibration == head.model.calibration
 
