@@ -13,7 +13,6 @@ import pytest
 from PIL import Image
 
 from omnivat.cli import main
-from omnivat.head import checkpoint
 from omnivat.kit import files
 
 pytestmark = pytest.mark.slow
@@ -107,8 +106,7 @@ def test_a_killed_command_leaves_nothing_half_written_and_runs_again(
     process = killed(command, after, names)
     assert process.returncode == -signal.SIGKILL, process.stderr
     standing = {p: p.read_bytes() for p in shown(tmp_path)}
-    for module in (files, checkpoint):  # what the dead left need not grow old to be swept
-        monkeypatch.setattr(module, "UNFINISHED_S", -1)
+    monkeypatch.setattr(files, "UNFINISHED_S", -1)  # what the dead left need not grow old
     assert main(arguments(command, names)) == 0
     assert (tmp_path / made).exists()
     whole = {p: p.read_bytes() for p in shown(tmp_path)}
