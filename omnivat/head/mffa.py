@@ -12,8 +12,6 @@ from omnivat.head import factored, plain
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.stages import MODALITIES
 
-MOMENTUM = 0.9  # of the bank
-
 
 class FrATT(nn.Module):
     """The weights of fractional Fourier attention (FrATT); `plain.attention` computes it.
@@ -118,7 +116,11 @@ class MFFA(nn.Module):
 
     @torch.no_grad()
     def update_bank(
-        self, tokens: Mapping[str, Float[Tensor, "B D"]], labels: Int[Tensor, " B"]
+        self,
+        tokens: Mapping[str, Float[Tensor, "B D"]],
+        labels: Int[Tensor, " B"],
+        *,
+        momentum: float = 0.9,
     ) -> None:
         """Move the bank towards the class means of `tokens`, by modality."""
         if not tokens:
@@ -129,7 +131,7 @@ class MFFA(nn.Module):
         members = (labels == classes[:, None]).to(values.dtype)  # (K, B)
         count = members.sum(1, keepdim=True)
         means = (members @ values) / count.clamp_min(1)
-        share = torch.where(self.bank_seen[:, None], 1 - MOMENTUM, 1.0) * (count > 0)
+        share = torch.where(self.bank_seen[:, None], 1 - momentum, 1.0) * (count > 0)
         moved = torch.lerp(self.bank[rows], means.to(self.bank.dtype), share.to(self.bank.dtype))
         self.bank[rows] = moved
         self.bank_seen |= count[:, 0] > 0
