@@ -61,6 +61,7 @@ export class RealPairs extends View {
       if (this.opened !== button) return;
       button.dataset.ref = refs.tac ?? refs.vis;
       change(refs);
+      this.box.closest(".pair").querySelector(".slots").scrollIntoView({ block: "nearest" }); // the result is above
     }, this.onProblem);
     button.removeAttribute("aria-busy");
     this.onBusy(-1);
