@@ -96,6 +96,14 @@ def test_both_views_decode_the_image_once(monkeypatch):
     assert len(decoded) == 2
 
 
+def test_a_path_its_bytes_and_the_open_image_agree(tmp_path):
+    (tmp_path / "a.png").write_bytes(png())
+    sources = (tmp_path / "a.png", png(), Image.open(tmp_path / "a.png"))
+    path, content, image = (embed_image(Counting(), s, EmbeddingCache()) for s in sources)
+    assert np.array_equal(path, content)
+    assert np.array_equal(path, image)
+
+
 @pytest.mark.parametrize(
     "damaged",
     [lambda _: b"", lambda _: b"\0" * 40, lambda good: good[:-1] + bytes([good[-1] ^ 1])],
