@@ -189,13 +189,17 @@ class Resources:
 
         # One vector, or VIS and TAC if each modality has its own encoder, or dots were filled in
         # TAC.
-        encoder = self.encoder()
+        encoder, image = self.encoder(), picture.image
         encoders = list(dict.fromkeys(for_modality(encoder, name) for name in ("vis", "tac")))
-        pixels = [one.preprocess(picture.image) for one in encoders]
-        if isinstance(encoder, DotsFilled) and encoder.one_network and pixels[0].equal(pixels[1]):
-            del encoders[1:]
+        if isinstance(encoder, DotsFilled) and encoder.one_network:
+            clean = encoder.tac.cleaned(image)
+            images = [image] if clean is image else [image, clean]
+            encoders = [encoder.vis] * len(images)
+        else:
+            images = [image] * len(encoders)
         rows = [
-            one.embed(some[None])[0].numpy() for one, some in zip(encoders, pixels, strict=False)
+            one.embed(one.preprocess(some)[None])[0].numpy()
+            for one, some in zip(encoders, images, strict=True)
         ]
         return rows[0] if len(rows) == 1 else np.stack(rows)
 

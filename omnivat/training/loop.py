@@ -22,7 +22,7 @@ from omnivat.measure.gaps.confusion import macro_f1
 from omnivat.training.batches import Batch, batches, held_out, labels_of
 from omnivat.training.settings import TrainSettings
 from omnivat.training.state import Progress, load_state, run_name, save_state
-from omnivat.training.steps import learn, make_optimiser, set_rate
+from omnivat.training.steps import Momentum, learn, make_optimiser, set_rate
 
 OnEpoch = Callable[[dict[str, float], OmniVaT], None]
 
@@ -133,7 +133,7 @@ def steps_of(pairs: int, settings: TrainSettings) -> int:
 
 def _epoch(
     model: OmniVaT,
-    optimiser: torch.optim.SGD,
+    optimiser: Momentum,
     drawn: Iterable[Batch],
     settings: TrainSettings,
     epoch: int,

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
 
-import torch
 from safetensors import SafetensorError, safe_open
 from safetensors.torch import save
 from torch import Tensor
@@ -19,7 +18,7 @@ from omnivat.kit.config import settings_dict
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import replacing
 from omnivat.training.settings import TrainSettings
-from omnivat.training.steps import parameters_of
+from omnivat.training.steps import Momentum, parameters_of
 
 STATE = "training.safetensors"  # file name in the folder of an unfinished head
 FORMAT = "omnivat-training-1"
@@ -58,14 +57,14 @@ def run_name(
 
 
 def save_state(
-    path: Path, run: str, model: OmniVaT, optimiser: torch.optim.SGD, progress: Progress
+    path: Path, run: str, model: OmniVaT, optimiser: Momentum, progress: Progress
 ) -> None:
     """Write the state after an epoch, completely or not at all."""
     tensors = {f"model.{name}": t for name, t in model.state_dict().items()}
     tensors |= {f"best.{name}": t for name, t in progress.best.items()}
     for index, parameter in enumerate(parameters_of(optimiser)):
         if parameter in optimiser.state:
-            tensors[f"momentum.{index}"] = optimiser.state[parameter]["momentum_buffer"]
+            tensors[f"momentum.{index}"] = optimiser.state[parameter]
     metadata = {
         "format": FORMAT,
         "run": run,
@@ -77,7 +76,7 @@ def save_state(
         temporary.write_bytes(save(plain, metadata=metadata))
 
 
-def load_state(path: Path, run: str, model: OmniVaT, optimiser: torch.optim.SGD) -> Progress:
+def load_state(path: Path, run: str, model: OmniVaT, optimiser: Momentum) -> Progress:
     """Load a stopped training's state into model and optimiser; return its progress.
 
     A missing file means that training has not begun.
@@ -100,7 +99,7 @@ def load_state(path: Path, run: str, model: OmniVaT, optimiser: torch.optim.SGD)
     momenta = _under("momentum.", tensors)
     for index, parameter in enumerate(parameters_of(optimiser)):
         if str(index) in momenta:
-            optimiser.state[parameter]["momentum_buffer"] = momenta[str(index)]
+            optimiser.state[parameter] = momenta[str(index)]
     score, epoch = json.loads(metadata["best"])
     return Progress(
         epochs=json.loads(metadata["epochs"]),

@@ -6,6 +6,7 @@ from typing import Any
 
 import torch
 from torch import Tensor
+from torch.optim.sgd import sgd
 
 from omnivat.head.head import OmniVaT
 from omnivat.head.losses import joint_loss
@@ -14,7 +15,40 @@ from omnivat.training.batches import Batch
 from omnivat.training.settings import TrainSettings
 
 
-def make_optimiser(model: OmniVaT, settings: TrainSettings) -> torch.optim.SGD:
+class Momentum:
+    """SGD with momentum, by torch's function.
+
+    `torch.optim.SGD` imports torch's compiler when it is made: 1.5 s of CPU, in which a page that
+    trains replies to nobody.
+    """
+
+    def __init__(self, groups: list[dict[str, Any]], momentum: float) -> None:
+        self.param_groups, self.momentum = groups, momentum
+        self.state: dict[Tensor, Tensor] = {}  # parameter -> its momentum
+
+    @torch.no_grad()
+    def step(self) -> None:
+        """Move every parameter that has a gradient."""
+        for group in self.param_groups:
+            moved = [one for one in group["params"] if one.grad is not None]
+            momenta = [self.state.get(one) for one in moved]
+            sgd(
+                moved,
+                [one.grad for one in moved],
+                momenta,
+                fused=True,
+                weight_decay=group["weight_decay"],
+                momentum=self.momentum,
+                lr=group["lr"],
+                dampening=0.0,
+                nesterov=False,
+                maximize=False,
+            )
+            kept = zip(moved, momenta, strict=True)
+            self.state |= {one: momentum for one, momentum in kept if momentum is not None}
+
+
+def make_optimiser(model: OmniVaT, settings: TrainSettings) -> Momentum:
     """SGD in three groups: p (slow, clamped), θ_e (no decay) and everything else."""
     order, theta = [model.mffa.order], list(model.mffa.theta.values())
     apart = {id(parameter) for parameter in (*order, *theta)}
@@ -26,17 +60,15 @@ def make_optimiser(model: OmniVaT, settings: TrainSettings) -> torch.optim.SGD:
         groups.append({"params": theta, "weight_decay": 0.0, "scale": 1.0})
     if model.mffa.order.requires_grad:
         groups.append({"params": order, "weight_decay": 0.0, "scale": settings.order_lr_scale})
-    return torch.optim.SGD(groups, lr=settings.lr, momentum=settings.momentum, fused=True)
+    return Momentum([group | {"lr": settings.lr} for group in groups], settings.momentum)
 
 
-def parameters_of(optimiser: torch.optim.SGD) -> list[Tensor]:
+def parameters_of(optimiser: Momentum) -> list[Tensor]:
     """Return all parameters, group by group."""
     return [parameter for group in optimiser.param_groups for parameter in group["params"]]
 
 
-def set_rate(
-    optimiser: torch.optim.SGD, settings: TrainSettings, epoch: float, step: float
-) -> None:
+def set_rate(optimiser: Momentum, settings: TrainSettings, epoch: float, step: float) -> None:
     """Linear warm-up by step, then cosine to zero. epoch and step count in epochs."""
     warm = min(settings.warmup_epochs, settings.epochs)
     if epoch < warm:
@@ -70,7 +102,7 @@ def taught_logits(teachers: Sequence[OmniVaT], batch: Batch) -> dict[str, Tensor
 
 def learn(
     model: OmniVaT,
-    optimiser: torch.optim.SGD,
+    optimiser: Momentum,
     batch: Batch,
     settings: TrainSettings,
     teachers: Sequence[OmniVaT] = (),

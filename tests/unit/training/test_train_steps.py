@@ -2,6 +2,8 @@
 records.
 """
 
+import subprocess
+import sys
 from dataclasses import replace
 
 import numpy as np
@@ -47,6 +49,28 @@ def test_the_rate_warms_up_by_step_and_then_follows_a_cosine_to_zero(epoch, shar
     assert [group["lr"] for group in optimiser.param_groups] == pytest.approx(wanted, abs=1e-6)
 
 
+def test_steps_are_those_of_torchs_optimiser_without_its_compiler():
+    code = """
+import sys, torch
+from omnivat.training.steps import Momentum
+torch.manual_seed(0)
+ours, theirs = [torch.nn.Parameter(torch.arange(5.0)) for _ in range(2)]
+groups = [{"params": [ours], "lr": 0.1, "weight_decay": 0.03}]
+optimiser, seen = Momentum(groups, 0.9), []
+for _ in range(3):
+    ours.grad = torch.cos(ours.detach())
+    optimiser.step()
+    seen.append(ours.detach().clone())
+assert "torch._dynamo" not in sys.modules
+other = torch.optim.SGD([theirs], lr=0.1, momentum=0.9, weight_decay=0.03, fused=True)
+for wanted in seen:
+    theirs.grad = torch.cos(theirs.detach())
+    other.step()
+    assert torch.equal(theirs.detach(), wanted)
+"""
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
 def test_a_warm_up_is_no_longer_than_the_training():
     model, settings = build_head(head()), TrainSettings(epochs=1, warmup_epochs=5.0, lr=1.0)
     optimiser = make_optimiser(model, settings)
@@ -61,7 +85,7 @@ def test_weights_decay_but_theta_and_the_order_do_not():
     assert [group["weight_decay"] for group in (rest, theta, order)] == [0.03, 0.0, 0.0]
     assert [len(group["params"]) for group in (theta, order)] == [3, 1]
     assert [group["scale"] for group in (rest, theta, order)] == [1.0, 1.0, 0.01]
-    assert optimiser.defaults["momentum"] == 0.9
+    assert optimiser.momentum == 0.9
 
 
 @pytest.mark.parametrize(
