@@ -171,10 +171,8 @@ def _write_head(head: "Head", folder: Path, name: str) -> dict[str, Any]:
         "learned": model.order,
         "orders": {n: model.orders[n] for n in IMAGES},
         "span": trained_span(head),
-        "linear": bool(own.taught),
+        "linear": own.maps,
         "tokens": {n: token_names(model, n, count) for n, count in tokens.items()},
-        "directions": model.directions().tolist(),
-        "scale": own.logit_scale,
         "source": head.source,
         "parts": {},
     }

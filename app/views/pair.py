@@ -64,7 +64,7 @@ def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
         "orders": list(STOPS),
         "learned": head.model.order,
         "span": trained_span(head),
-        "linear": bool(head.settings.taught),
+        "linear": head.settings.maps,
         "stops": {name: rounded(readings[name][:-1]) for name in READINGS if name in readings},
         "exact": {
             "order": exact,

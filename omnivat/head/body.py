@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn.functional import linear, normalize
 
@@ -12,6 +12,7 @@ from omnivat.data.profile import Profile, floor_of, scale_of
 from omnivat.head.dtg import DTG
 from omnivat.head.fusion import Calibration
 from omnivat.head.mffa import MFFA
+from omnivat.head.output import Lessons
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError, ShapeError
 from omnivat.kit.shapes import unit
@@ -23,11 +24,13 @@ class Body(nn.Module):
 
     input_mean: Float[Tensor, "2 W"]  # of VIS and TAC, if the head standardizes
     input_scale: Float[Tensor, "2 W"]
-    taught_rows: Float[Tensor, "2 T W"]
-    taught_bias: Float[Tensor, " T"]
-    taught_class: Int[Tensor, " T"]
-    taught_alone_rows: Float[Tensor, "2 T W"]
-    taught_alone_bias: Float[Tensor, "2 T"]
+    map_rows: Float[Tensor, "2 K W"]
+    map_bias: Float[Tensor, " K"]
+    map_alone_rows: Float[Tensor, "2 K W"]
+    map_alone_bias: Float[Tensor, "2 K"]
+    taught_rows: Float[Tensor, "N 2 K W"]
+    taught_bias: Float[Tensor, "N K"]
+    taught_share: Float[Tensor, " N"]
 
     def __init__(self, settings: HeadSettings) -> None:
         super().__init__()
@@ -37,15 +40,18 @@ class Body(nn.Module):
             shape = len(IMAGES), settings.input_width
             self.register_buffer("input_mean", torch.zeros(shape))
             self.register_buffer("input_scale", torch.ones(shape))
-        if settings.taught:  # rows, biases and classes of `taught_logits`
-            self.register_buffer(
-                "taught_rows", torch.zeros(2, settings.taught, settings.input_width)
-            )
-            self.register_buffer("taught_bias", torch.zeros(settings.taught))
-            self.register_buffer("taught_class", torch.zeros(settings.taught, dtype=torch.int64))
-        if settings.taught_alone:
-            self.register_buffer("taught_alone_rows", torch.zeros_like(self.taught_rows))
-            self.register_buffer("taught_alone_bias", torch.zeros(2, settings.taught))
+        if settings.maps:
+            each = 2, settings.known, settings.input_width
+            self.register_buffer("map_rows", torch.zeros(each))
+            self.register_buffer("map_bias", torch.zeros(settings.known))
+            self.register_buffer("map_alone_rows", torch.zeros(each))
+            self.register_buffer("map_alone_bias", torch.zeros(2, settings.known))
+        if settings.taught:
+            times, classes = len(settings.taught), len(settings.classes)
+            rows = torch.zeros(times, 2, classes, settings.input_width)
+            self.register_buffer("taught_rows", rows)
+            self.register_buffer("taught_bias", torch.zeros(times, classes))
+            self.register_buffer("taught_share", torch.zeros(times))
         if settings.projects:
             self.project_image: nn.Module = nn.Linear(settings.input_width, width)
         else:
@@ -160,34 +166,41 @@ class Body(nn.Module):
         """
         return math.sqrt(0.5) * unit(self.standardised(name, raw.to(self.dtype)))
 
-    def taught_logits(
+    def map_logits(
         self, images: Mapping[str, Float[Tensor, "B W"]]
     ) -> dict[str, Float[Tensor, "B K"]]:
-        """Return logits of a taught head: "fused", and "vis", "tac" of one image alone.
+        """Return logits of the linear maps: "fused", and "vis", "tac" of one image alone.
 
-        A class has the largest score of its rows. One image alone counts twice, or has rows of its
-        own; a pair then has the mean of the probabilities of three maps. {} if not taught.
+        A pair has the mean of the probabilities of three maps. {} for a head without maps.
         """
-        if not self.settings.taught:
+        if not self.settings.maps:
             return {}
         rows = {name: self.standing(name, raw) for name, raw in images.items()}
-        parts = {name: x @ self.taught_rows[IMAGES.index(name)].T for name, x in rows.items()}
-        if self.settings.taught_alone:
-            places = {name: IMAGES.index(name) for name in rows}
-            scores = {
-                name: x @ self.taught_alone_rows[places[name]].T
-                + self.taught_alone_bias[places[name]]
-                for name, x in rows.items()
-            }
-        else:
-            scores = {name: 2 * part + self.taught_bias for name, part in parts.items()}
+        places = {name: IMAGES.index(name) for name in rows}
+        scores = {
+            name: linear(x, self.map_alone_rows[places[name]], self.map_alone_bias[places[name]])
+            for name, x in rows.items()
+        }
+        if len(rows) == 1:
+            return {**scores, "fused": next(iter(scores.values()))}
+        parts = [linear(x, self.map_rows[places[name]]) for name, x in rows.items()]
+        each = [*scores.values(), torch.stack(parts).sum(0) + self.map_bias]
+        scores["fused"] = torch.stack([x.softmax(-1) for x in each]).mean(0).log()
+        return scores
+
+    def lessons(self, images: Mapping[str, Float[Tensor, "B W"]]) -> Lessons | None:
+        """Return what teaching adds to the predictions; None if the head was not taught.
+
+        One image alone counts twice.
+        """
+        if not self.settings.taught:
+            return None
+        rows = {name: self.standing(name, raw) for name, raw in images.items()}
+        parts = {
+            name: torch.einsum("bw,nkw->bnk", x, self.taught_rows[:, IMAGES.index(name)])
+            for name, x in rows.items()
+        }
+        scores = {name: 2 * part + self.taught_bias for name, part in parts.items()}
         together = torch.stack(list(parts.values())).sum(0) + self.taught_bias
         scores["fused"] = together if len(parts) > 1 else next(iter(scores.values()))
-        found = {}
-        for name, each in scores.items():
-            empty = each.new_full((len(each), len(self.settings.classes)), -torch.inf)
-            place = self.taught_class.expand(len(each), -1)
-            found[name] = empty.scatter_reduce(1, place, each, "amax")
-        if self.settings.taught_alone and len(parts) > 1:
-            found["fused"] = torch.stack([x.softmax(-1) for x in found.values()]).mean(0).log()
-        return found
+        return Lessons(known=self.settings.taught, shares=self.taught_share, scores=scores)

@@ -9,7 +9,7 @@ them among the training images.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ from torch.nn.functional import nll_loss, normalize
 
 from omnivat.head.fusion import Calibration, fused_logs
 from omnivat.kit.errors import DataError
-from omnivat.kit.schema import FLOATS, tensor_table
+from omnivat.kit.schema import tensor_table
 from omnivat.kit.stages import IMAGES
 
 LOWEST, HIGHEST = 0.05, 20.0  # temperatures
@@ -107,9 +107,6 @@ class Familiarity:
 
     rows: dict[str, Tensor]  # (N, D) of unit length
     quantiles: dict[str, Tensor]  # (101,) ascending cosines, from quantile 0 to 1
-    # (N,) of the rows before; empty for an older head
-    lengths: dict[str, Tensor] = field(default_factory=dict)
-    labels: Tensor | None = None  # (N,) class indices of the head; None for an older head
 
     def look(self, vis: Tensor | None, tac: Tensor | None) -> list[dict[str, dict[str, Any]]]:
         """Return one record for each pair: modality -> cosine to the nearest image, quantile in
@@ -132,14 +129,11 @@ def words(quantile: float) -> str:
     return next(text for limit, text in WORDS if quantile < limit)
 
 
-def familiarity_of(
-    vis: Tensor | None, tac: Tensor | None, objects: Sequence[str], labels: Tensor | None = None
-) -> Familiarity:
+def familiarity_of(vis: Tensor | None, tac: Tensor | None, objects: Sequence[str]) -> Familiarity:
     """Return the familiarity of a training set.
 
     vis, tac  (N, D) raw embeddings; at most 2,000 evenly spread rows are kept of each
     objects   N names; an image's neighbours of the same object do not count
-    labels    (N,) class indices, kept for teaching
     Raises DataError if all images are of one object.
     """
     given = {n: x for n, x in (("vis", vis), ("tac", tac)) if x is not None}
@@ -157,8 +151,6 @@ def familiarity_of(
             name: torch.quantile(nearest_cosines(x, x, owner, owner).mean(1), levels)
             for name, x in rows.items()
         },
-        lengths={name: x[::step].float().norm(dim=-1) for name, x in given.items()},
-        labels=None if labels is None else labels[::step].long(),
     )
 
 
@@ -199,11 +191,6 @@ def save_familiarity(file: Path, familiarity: Familiarity) -> None:
     """Write the rows in half precision, and the quantiles."""
     tensors = {name: rows.half().contiguous() for name, rows in familiarity.rows.items()}
     tensors |= {f"{name}_quantiles": q.contiguous() for name, q in familiarity.quantiles.items()}
-    tensors |= {
-        f"{name}_lengths": x.float().contiguous() for name, x in familiarity.lengths.items()
-    }
-    if familiarity.labels is not None:
-        tensors["labels"] = familiarity.labels.to(torch.int64).contiguous()
     file.write_bytes(save(tensors, metadata={"format": "omnivat-familiarity-1"}))
     file.chmod(0o644)
 
@@ -216,25 +203,19 @@ def load_familiarity(file: Path, width: int) -> Familiarity | None:
     if not file.is_file():
         return None
     try:
-        tensor_table(file, types=(*FLOATS, "I64"))
+        tensor_table(file)
         tensors = load_file(file)
     except (SafetensorError, OSError) as error:
         raise DataError(
             f"'{file}' cannot be read ({error}); copy the head folder again."
         ) from error
     names = [name for name in IMAGES if name in tensors]
-    count = len(tensors[names[0]]) if names else 0
     fits = names and all(
         tensors[n].shape[1:] == (width,) and f"{n}_quantiles" in tensors for n in names
     )
-    others = [
-        tensors[key] for key in ("labels", *(f"{n}_lengths" for n in names)) if key in tensors
-    ]
-    if not fits or any(one.shape != (count,) for one in others):
+    if not fits:
         raise DataError(f"'{file}' does not fit this head; copy the head folder again.")
     return Familiarity(
         rows={name: tensors[name].float() for name in names},
         quantiles={name: tensors[f"{name}_quantiles"].float() for name in names},
-        lengths={n: tensors[f"{n}_lengths"].float() for n in names if f"{n}_lengths" in tensors},
-        labels=tensors.get("labels"),
     )

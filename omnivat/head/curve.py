@@ -1,18 +1,16 @@
 """How many more labels? What fewer lessons would have taught, by the rule of `teach`.
 
 With 1, 2, 3, ... objects of each class, drawn several times, every lesson is predicted by a head
-that its object did not teach. The map of the training pairs alone is solved once, and every draw
-adds its lessons to it (Schur complement).
+that its object did not teach.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from omnivat.head.checkpoint import Head
-from omnivat.head.ridge import PENALTY, Labels, Rows, share_of_lessons, solved, weight_of
+from omnivat.head.ridge import Labels, Rows
 from omnivat.head.teach import Lesson, Work, missing
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import OnStep, Step, checkpoint, ignore
@@ -63,7 +61,8 @@ def curve(head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> Cu
         on_step(Step(done=len(right), total=len(counts)))
         right.append(np.stack([draws.right(count, random) for _ in range(DRAWS)]))
     on_step(Step(done=len(right), total=len(counts)))
-    right.append((draws.after() == draws.labels)[None].astype(float))
+    after = draws.after(draws.ridge(slice(None), draws.objects))
+    right.append((after == draws.labels)[None].astype(float))
     means = [each.mean(1) for each in right]
     points = tuple(
         Point(objects=count, right=float(m.mean()), low=float(m.min()), high=float(m.max()))
@@ -121,11 +120,7 @@ def curve_in_words(counts: Sequence[int], right: Sequence[Rows]) -> str:
 
 
 class Draws(Work):
-    """Lessons, and maps of some of them."""
-
-    def __init__(self, head: Head, lessons: Sequence[Lesson]) -> None:
-        super().__init__(head, lessons)
-        self.spans: dict[bytes, tuple[Rows, Rows]] = {}  # by training pairs
+    """Lessons, and heads that some of them teach."""
 
     def right(self, count: int, random: np.random.Generator) -> Rows:
         """Return (L,) 1 for a lesson that `count` objects of each class, drawn, have right."""
@@ -137,33 +132,9 @@ class Draws(Work):
             groups = [
                 np.arange(end - len(group), end) for end, group in zip(ends, objects, strict=True)
             ]
-            labels, weight = self.labels[teach], weight_of(self.labels[teach])
-            scores, errors = [], []
-            for kept in self.kept(labels):
-                products, by_source = self.beyond(kept)
-                targets = np.eye(len(self.classes))[labels] - by_source[teach]
-                matrix = products[np.ix_(teach, teach)] + PENALTY / weight * np.eye(len(teach))
-                shares, apart = solved(matrix, targets, groups)
-                scores.append(by_source[tested] + products[np.ix_(tested, teach)] @ shares)
-                errors.append(apart)
-            share = 0.0 if missing([self.lessons[k] for k in teach]) else share_of_lessons(*errors)
-            right[tested] = (
-                self.best(self.blended(scores[0], scores[1], share)) == self.labels[tested]
-            )
+            solved = self.ridge(teach, groups)
+            share = solved.share(groups)
+            products = self.rows[tested] @ self.rows[teach].T + 1
+            scores = share * self.before[tested] + products @ solved.weights(share)
+            right[tested] = scores.argmax(1) == self.labels[tested]
         return right
-
-    def beyond(self, kept: NDArray[np.bool_]) -> tuple[Rows, Rows]:
-        """Return the products (L, L) of the lessons beyond what the training pairs `kept` span, and
-        their scores (L, K) by the map of these pairs.
-        """
-        key = kept.tobytes()
-        if key not in self.spans:
-            source, lessons = self.source[kept], len(self.rows)
-            across = source @ self.rows.T + 1
-            found = np.linalg.solve(
-                source @ source.T + 1 + PENALTY * np.eye(len(source)),
-                np.concatenate((across, np.eye(len(self.classes))[self.known[kept]]), axis=1),
-            )
-            products = self.rows @ self.rows.T + 1 - across.T @ found[:, :lessons]
-            self.spans[key] = products, across.T @ found[:, lessons:]
-        return self.spans[key]

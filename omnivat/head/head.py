@@ -13,7 +13,7 @@ from omnivat.head import factored
 from omnivat.head.body import Body
 from omnivat.head.dtg import grow
 from omnivat.head.folded import FoldedMFFA, Folds, fold_mffa, fold_tree
-from omnivat.head.output import HeadOutput, TrainingOutput, joined
+from omnivat.head.output import HeadOutput, Lessons, TrainingOutput, joined
 from omnivat.head.settings import HeadSettings
 from omnivat.head.training import training_pass
 from omnivat.kit.threads import FEW_PAIRS, one_thread
@@ -27,13 +27,14 @@ class PairCoefficients:
 
     names: tuple[str, ...]  # of the M modalities
     stacked: Coefficients  # values "M B D"
-    # see `Body.taught_logits`
-    taught: dict[str, Float[Tensor, "B K"]] = field(default_factory=dict)
+    maps: dict[str, Float[Tensor, "B K"]] = field(default_factory=dict)  # see `Body.map_logits`
+    lessons: Lessons | None = None
 
     def __getitem__(self, pairs: Any) -> "PairCoefficients":
         """Return the coefficients of some pairs: a slice, a mask or indices."""
-        taught = {name: rows[pairs] for name, rows in self.taught.items()}
-        return PairCoefficients(self.names, self.stacked[:, pairs], taught)
+        maps = {name: rows[pairs] for name, rows in self.maps.items()}
+        lessons = self.lessons[pairs] if self.lessons else None
+        return PairCoefficients(self.names, self.stacked[:, pairs], maps, lessons)
 
     def __len__(self) -> int:
         return self.stacked.shape[1]
@@ -75,7 +76,7 @@ class OmniVaT(Body):
         """
         given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
         kept = coefficients(self.embedded(given))
-        return PairCoefficients(tuple(given), kept, self.taught_logits(given))
+        return PairCoefficients(tuple(given), kept, self.map_logits(given), self.lessons(given))
 
     def from_coefficients(
         self,
@@ -102,7 +103,7 @@ class OmniVaT(Body):
         )
         if grad or attention or self.settings.complex_to_real == "hermitian":
             found = self._output(names, stacked, order, nodes=nodes, attention=attention)
-            return replace(found, taught=kept.taught)
+            return replace(found, maps=kept.maps, lessons=kept.lessons)
         self._folds.refresh(self)
         with one_thread(len(kept) <= FEW_PAIRS):
             if len(kept) <= CHUNK:
@@ -111,7 +112,7 @@ class OmniVaT(Body):
                 chunks = [slice(start, start + CHUNK) for start in range(0, len(kept), CHUNK)]
                 each = [(names, stacked[:, rows], _rows(order, rows)) for rows in chunks]
                 found = joined([self._output(*one, nodes=nodes, fold=True) for one in each])
-        return replace(found, taught=kept.taught)
+        return replace(found, maps=kept.maps, lessons=kept.lessons)
 
     def _output(
         self,

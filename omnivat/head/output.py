@@ -9,15 +9,38 @@ vis_branch, tac_branch  one branch inside a pair. DTG grows from T = F-bar of VI
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import torch
 from jaxtyping import Float
 from torch import Tensor
+from torch.nn.functional import pad
 
 from omnivat.head.fusion import Calibration, fuse, tempered
 
 READINGS = ("fused", "vis", "tac", "vis_branch", "tac_branch")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lessons:
+    """What labelled pairs add to a head's predictions (omnivat/head/teach.py), by teaching N."""
+
+    known: tuple[int, ...]  # classes before each teaching
+    shares: Float[Tensor, " N"]  # of the prediction before
+    scores: dict[str, Float[Tensor, "B N K"]]  # linear in the embeddings, by reading
+
+    def __getitem__(self, pairs: Any) -> "Lessons":
+        """Return what is added to some pairs: a slice, a mask or indices."""
+        return replace(self, scores={name: rows[pairs] for name, rows in self.scores.items()})
+
+    def added(self, reading: str, before: Float[Tensor, "B _"]) -> Float[Tensor, "B K"]:
+        """Return class probabilities with the lessons, from those before any."""
+        scores = self.scores[reading.removesuffix("_branch")]
+        for time, count in enumerate((*self.known[1:], scores.shape[-1])):
+            wider = pad(before, (0, count - before.shape[-1]))
+            before = torch.softmax(self.shares[time] * wider + scores[:, time, :count], dim=-1)
+        return before
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,36 +61,36 @@ class HeadOutput:
     attention: dict[str, Float[Tensor, "B T T"]] = field(default_factory=dict)  # if requested
     # of the tree in heap order, if requested and present
     nodes: Float[Tensor, "B N D"] | None = None
-    # replace the classifier's, by reading
-    taught: dict[str, Float[Tensor, "B K"]] = field(default_factory=dict)
-
+    # of linear maps, which decide in place of the classifier, by reading
+    maps: dict[str, Float[Tensor, "B K"]] = field(default_factory=dict)
+    lessons: Lessons | None = None
     fusion: str = "mean"  # of the branches
     calibration: Calibration = field(default_factory=Calibration)  # on held-out source pairs
 
-    @property
-    def branch_probabilities(self) -> dict[str, Float[Tensor, "B K"]]:
-        """Class probabilities of each branch; inside a pair they depend on both images."""
-        temperature = self.calibration.temperature["fused"]
-        if self.taught:  # its rows add up, so a branch is what one image adds
-            return {name: self.taught[name].softmax(-1) for name in self.logits}
-        return {name: tempered(values, temperature) for name, values in self.logits.items()}
+    def reading(self, name: str) -> Float[Tensor, "B K"]:
+        """Return the class probabilities of one of READINGS."""
+        before = self._before(name)
+        return self.lessons.added(name, before) if self.lessons else before
 
-    @property
-    def alone_probabilities(self) -> dict[str, Float[Tensor, "B K"]]:
-        """Class probabilities of each image with the other one absent."""
-        own = self.calibration.temperature
-        if self.taught:
-            return {name: self.taught[name].softmax(-1) for name in self.alone}
-        return {name: tempered(values, own[name]) for name, values in self.alone.items()}
+    def _before(self, name: str) -> Float[Tensor, "B K"]:
+        """Return the class probabilities before any lesson."""
+        image = name.removesuffix("_branch")
+        if self.maps:  # each map has one image or both: a branch is the image alone
+            return self.maps[image].softmax(-1)
+        own = slice(self.lessons.known[0] if self.lessons else None)  # classes
+        if name == "fused" and len(self.logits) > 1:
+            logits = {one: values[:, own] for one, values in self.logits.items()}
+            return fuse(self.fusion, logits, self.pair[:, own], self.calibration)
+        if name == "fused":
+            name = image = next(iter(self.alone))
+        values = self.alone[image] if name == image else self.logits[image]
+        kind = name if name == image else "fused"
+        return tempered(values[:, own], self.calibration.temperature[kind])
 
     @property
     def probabilities(self) -> Float[Tensor, "B K"]:
         """Class probabilities from all given images."""
-        if self.taught:
-            return self.taught["fused"].softmax(-1)
-        if len(self.logits) == 1:
-            return next(iter(self.alone_probabilities.values()))
-        return fuse(self.fusion, self.logits, self.pair, self.calibration)
+        return self.reading("fused")
 
     @property
     def reading_logits(self) -> dict[str, Float[Tensor, "B K"]]:
@@ -81,11 +104,11 @@ class HeadOutput:
 
     @property
     def readings(self) -> dict[str, Float[Tensor, "B K"]]:
-        """Class probabilities by reading; branches only if both images are given."""
-        found = {"fused": self.probabilities, **self.alone_probabilities}
-        if len(self.logits) > 1:
-            found |= {f"{name}_branch": p for name, p in self.branch_probabilities.items()}
-        return found
+        """Class probabilities by reading: of each image with the other one absent and, if both
+        are given, of each branch, which depends on both.
+        """
+        branches = [f"{name}_branch" for name in self.logits] if len(self.logits) > 1 else []
+        return {name: self.reading(name) for name in ("fused", *self.alone, *branches)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -15,23 +15,15 @@ from torch import Tensor, nn
 from omnivat.encoders.onnx_runtime import translate
 from omnivat.head import plain
 from omnivat.head.checkpoint import Head
-from omnivat.head.fusion import fuse, tempered
-from omnivat.head.output import READINGS
+from omnivat.head.output import READINGS, HeadOutput
 from omnivat.kit.files import replacing
 from omnivat.kit.stages import IMAGES, STAGES
 
-INPUTS = (*IMAGES, "orders", "directions")
+INPUTS = (*IMAGES, "orders")
 OUTPUTS = (
     *(f"p_{name}" for name in READINGS),
-    *(
-        f"{name}_{what}"
-        for name in IMAGES
-        for what in ("size", "alone", "f_hat", "standing", "attention")
-    ),
+    *(f"{name}_{what}" for name in IMAGES for what in ("size", "standing", "attention")),
 )
-
-
-DECIDED = ("fused", *IMAGES, *IMAGES)  # readings of a taught head: a branch is what one image adds
 
 
 class _Portable(nn.Module):
@@ -43,17 +35,13 @@ class _Portable(nn.Module):
 class PortableHead(_Portable):
     """A head's prediction of one pair at P orders, as a graph of tensors alone.
 
-    vis, tac    (1, input_width) raw embeddings
-    orders      (2, P) float64: the order of VIS and of TAC, quarter turns
-    directions  (K, D) class directions, of the head or as a visitor's pairs teach them
-    return      OUTPUTS: class probabilities (P, K) of each reading; of each modality the moduli of
-                the transform (P, D), F-hat with the other image absent and inside the pair (P, D),
-                the row for teaching (1, input_width) and attention (P, Q, T)
+    vis, tac  (1, input_width) raw embeddings
+    orders    (2, P) float64: the order of VIS and of TAC, quarter turns
+    return    OUTPUTS: class probabilities (P, K) of each reading; of each modality the moduli of
+              the transform (P, D), the row for teaching (1, input_width) and attention (P, Q, T)
     """
 
-    def forward(
-        self, vis: Tensor, tac: Tensor, orders: Tensor, directions: Tensor
-    ) -> tuple[Tensor, ...]:
+    def forward(self, vis: Tensor, tac: Tensor, orders: Tensor) -> tuple[Tensor, ...]:
         head = self.model
         raw = {"vis": vis, "tac": tac}
         found = {
@@ -63,26 +51,27 @@ class PortableHead(_Portable):
         bars = [one.f_bar.expand(orders.shape[1], -1) for one in found.values()]  # (P, D) each
         hats = [bar + self._mean(bars) for bar in bars]
         alone = [bar + self._mean([bar]) for bar in bars]
-        branches = {
-            name: head.classify(hat, directions) for name, hat in zip(IMAGES, hats, strict=True)
+        maps = {
+            name: rows.expand(orders.shape[1], -1) for name, rows in head.map_logits(raw).items()
         }
-        own, scale = head.calibration, head.calibration.temperature
-        pair = head.classify(torch.stack(hats).sum(0), directions)
-        readings = [fuse(head.settings.fusion, branches, pair, own)]
-        readings += [
-            tempered(head.classify(one, directions), scale[name])
-            for name, one in zip(IMAGES, alone, strict=True)
-        ]
-        readings += [tempered(one, scale["fused"]) for one in branches.values()]
-        if taught := head.taught_logits(raw):  # linear maps decide, at every order alike
-            readings = [taught[name].softmax(-1).expand(orders.shape[1], -1) for name in DECIDED]
+        out = HeadOutput(
+            logits=dict(zip(IMAGES, map(head.classify, hats), strict=True)),
+            alone=dict(zip(IMAGES, map(head.classify, alone), strict=True)),
+            pair=head.classify(torch.stack(hats).sum(0)),
+            frft={},
+            relu={},
+            f_bar={},
+            f_hat={},
+            maps=maps,
+            lessons=head.lessons(raw),
+            fusion=head.settings.fusion,
+            calibration=head.calibration,
+        )
         rest = []
-        for name, hat, one in zip(IMAGES, hats, alone, strict=True):
-            parts, weights = found[name].parts, found[name].weights
-            rest += [torch.linalg.vector_norm(parts, dim=0), one, hat]
-            rest += [head.standing(name, raw[name])]
-            rest += [torch.zeros(1) if weights is None else weights]
-        return (*readings, *rest)
+        for name, one in found.items():
+            rest += [torch.linalg.vector_norm(one.parts, dim=0), head.standing(name, raw[name])]
+            rest += [torch.zeros(1) if one.weights is None else one.weights]
+        return (*(out.reading(name) for name in READINGS), *rest)
 
     def _mean(self, bars: list[Tensor]) -> Tensor | float:
         nodes = plain.tree(self.model, bars, torch.stack(bars).sum(0))
@@ -95,9 +84,9 @@ def write_head(file: Path, head: Head) -> None:
     Raises MissingPackageError if a package of ONNX is not installed.
     """
     row, orders = torch.ones(1, head.settings.input_width), torch.rand(2, 3, dtype=torch.float64)
-    many, classes = (torch.export.Dim(name, min=2, max=4096) for name in ("stops", "classes"))
-    given = row, row.clone(), orders, head.model.directions().detach().float()
-    _write(file, head, PortableHead, given, INPUTS, OUTPUTS, (None, None, {1: many}, {0: classes}))
+    many = torch.export.Dim("stops", min=2, max=4096)
+    given = row, row.clone(), orders
+    _write(file, head, PortableHead, given, INPUTS, OUTPUTS, (None, None, {1: many}))
 
 
 def _write(

@@ -1,7 +1,13 @@
-"""Ridge regressions of labels, with every object left out in closed form, and their blend.
+"""A ridge regression of what a head's probabilities leave over of the labels.
+
+Scores of a row x are t P(x) + Wᵀx + b: P is the head's own prediction, and W and b are a ridge
+regression of the labels minus t P. The share t has the least squared error over the lessons, each
+predicted without its object, where the head counts as right on one object more. All of it follows
+from one linear system in closed form; a lesson more or less moves it little.
 
 Source: leaving out as in Rifkin and Lippert, "Notes on regularized least squares"
-(MIT-CSAIL-TR-2007-025), for whole objects.
+(MIT-CSAIL-TR-2007-025), for whole objects; the share as in Breiman, "Stacked regressions" (Machine
+Learning 24, 1996).
 """
 
 from collections.abc import Sequence
@@ -10,60 +16,49 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-PENALTY = 1.0  # of squared weights; a row has length 1, and a constant 1 beside it
-WEIGHT = 10  # of a class's lessons together, in training pairs
+PENALTY = 0.3  # of squared weights; a row has length 1, and a constant 1 beside it
 SHARPNESS = (0.5, 50.0)  # least and most, of scores
 Rows = NDArray[np.float64]
 Labels = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Ridge:
-    """A ridge regression of one-hot classes, and its predictions for rows that it did not see."""
+    """The regressions of L lessons: first of their labels, then of the head's prediction."""
 
-    weights: Rows  # (2 W, K)
-    bias: Rows  # (K,)
-    apart: Rows  # (L, K) scores of each lesson by the regression without its object
+    targets: Rows  # (L, K) one-hot labels
+    solved: Rows  # (2, L, K) weight of each lesson
+    errors: Rows  # (2, L, K) at each lesson, without its object
+
+    def share(self, groups: Sequence[Labels]) -> float:
+        """Return t, 0 to 1, as the lessons of `groups` choose it."""
+        labels, head = self.errors[:, np.concatenate(groups)]
+        size, one = (head**2).sum(), (head**2).sum() / len(groups)
+        return float(np.clip(((labels * head).sum() + one) / (size + one), 0, 1))
+
+    def weights(self, share: float) -> Rows:
+        """Return (L, K): W is the sum of the rows so weighted, b that of the weights."""
+        weights: Rows = self.solved[0] - share * self.solved[1]
+        return weights
+
+    def apart(self, share: float) -> Rows:
+        """Return the scores (L, K) of each lesson without its object."""
+        scores: Rows = self.targets - self.errors[0] + share * self.errors[1]
+        return scores
 
 
-def ridge(
-    rows: Rows, labels: Labels, counts: Rows, classes: int, groups: Sequence[Labels]
-) -> Ridge:
-    """Solve the regression of one-hot labels (N,) on rows (N, 2 W) of which each counts `counts`
-    (N,) times.
+def ridge(rows: Rows, targets: Rows, before: Rows, groups: Sequence[Labels]) -> Ridge:
+    """Solve the regressions.
 
-    groups  the places of each object's lessons, which are left out together; lessons are the first
-            rows
-
+    rows    (L, 2 W);  targets  (L, K) one-hot labels;  before  (L, K) the head's prediction
+    groups  the places of each object's lessons, which are left out together
     """
-    targets = np.eye(classes)[labels]
-    shares, errors = solved(rows @ rows.T + 1 + PENALTY * np.diag(1 / counts), targets, groups)
-    return Ridge(rows.T @ shares, shares.sum(0), targets[: len(errors)] - errors)
-
-
-def solved(matrix: Rows, targets: Rows, groups: Sequence[Labels]) -> tuple[Rows, Rows]:
-    """Return a = matrix⁻¹ targets (N, K), and the errors (L, K) of each group's rows without it:
-    (matrix⁻¹ of the group)⁻¹ (a of the group). The L rows of all groups are the first ones.
-    """
-    inverse = np.linalg.inv(matrix)
-    shares = inverse @ targets
-    errors = np.empty((sum(map(len, groups)), targets.shape[1]))
+    inverse = np.linalg.inv(rows @ rows.T + 1 + PENALTY * np.eye(len(rows)))
+    solved: Rows = inverse @ np.stack((targets, before))
+    errors = np.empty_like(solved)
     for group in groups:
-        errors[group] = np.linalg.solve(inverse[np.ix_(group, group)], shares[group])
-    return shares, errors
-
-
-def weight_of(labels: Labels) -> float:
-    """Return how many training pairs each lesson counts as."""
-    return max(1.0, WEIGHT * len(np.unique(labels)) / len(labels))
-
-
-def share_of_lessons(both: Rows, lessons: Rows) -> float:
-    """Return t, 0 to 1, with the least squared error of (1 - t) both + t lessons: errors (L, K)
-    of each map.
-    """
-    apart = both - lessons
-    return float(np.clip((both * apart).sum() / max((apart**2).sum(), 1e-12), 0, 1))
+        errors[:, group] = np.linalg.solve(inverse[np.ix_(group, group)], solved[:, group])
+    return Ridge(targets=targets, solved=solved, errors=errors)
 
 
 def sharpness(scores: Rows, labels: Labels) -> float:

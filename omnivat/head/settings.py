@@ -29,10 +29,9 @@ class HeadSettings:
     width: Annotated[int, Within(2, 8192)] = 512  # D
     project: bool = False  # learn input projections even if widths agree
     shared_projection: bool = False  # one map for VIS and TAC (docs/decisions/0004)
-    # rows that decide instead (omnivat/head/teach.py)
-    taught: Annotated[int, Within(0, 100_000)] = 0
-    # besides, rows of each image alone; a pair has the mean of three maps
-    taught_alone: bool = False
+    maps: bool = False  # linear maps of photo, touch and both decide (omnivat/training/own.py)
+    # classes before each teaching, by which later ones are added (omnivat/head/teach.py)
+    taught: tuple[int, ...] = ()
     standardize: bool = True  # each channel by the source's profile (omnivat/data/profile.py)
     expansion: Annotated[int, Within(1, 64)] = 4  # E, tokens for each channel
     levels: Annotated[int, Within(1, 6)] = 3  # R, tree levels, root included
@@ -59,6 +58,17 @@ class HeadSettings:
         require_declared(self)
         if len(self.classes) < 2 or len(set(self.classes)) < len(self.classes):
             raise SettingsError(f"classes are {self.classes}; give two or more different names.")
+        counts = (2, *self.taught, len(self.classes))
+        if self.taught and list(counts) != sorted(counts):
+            raise SettingsError(
+                f"taught is {self.taught}; give the numbers of classes before each teaching, from"
+                f" 2 to {len(self.classes)}, in rising order."
+            )
+
+    @property
+    def known(self) -> int:
+        """The number of classes that the head has not learned by teaching."""
+        return self.taught[0] if self.taught else len(self.classes)
 
     @property
     def edges(self) -> int:

@@ -32,7 +32,7 @@ PICTURES = (0, 5, 20)  # of a left-out domain, without labels
 DRAWS = 10  # of these pictures
 BODY = {"width": 64}
 TRAINING = TrainSettings(epochs=30, batch=64, lang=False)
-KEPT = 3  # every third pair is kept for familiarity and teaching, so that the folder stays small
+KEPT = 3  # every third pair is kept for familiarity, so that the folder stays small
 NOISE, STEPS = 1.0, 150  # of the maps; 0 and 2 are worse on left-out domains, by 1 to 3 points
 READINGS = ("fused", *IMAGES)
 Raw = dict[str, Tensor]
@@ -62,8 +62,8 @@ def own_head(embeddings: Embeddings, *, seed: int = 0, on_step: OnStep = ignore)
     fitted = _fitted(pairs, head.source_profile.channels, seed)
     model = with_maps(head.model, fitted, temperature)
     some = pairs.select(np.arange(0, len(pairs), KEPT))
-    raw, labels = _raw(some), torch.from_numpy(some.label)
-    known = familiarity_of(raw["vis"], raw["tac"], some.rows["object"], labels)
+    raw = _raw(some)
+    known = familiarity_of(raw["vis"], raw["tac"], some.rows["object"])
     facts = {"maps": {"temperature": temperature}, "domains": list(domains)}
     return replace(
         head,
@@ -97,21 +97,20 @@ def with_maps(model: OmniVaT, fitted: FittedMaps, temperature: Mapping[str, floa
     """Return the model with linear maps that decide; each map's logits are divided by its
     temperature.
     """
-    classes, width = len(model.settings.classes), model.settings.input_width
+    width = model.settings.input_width
     length = (2 * width) ** 0.5  # the maps learned rows of length √W, and `standing` has √½
     maps = fitted.maps.state_dict()
     weight = {n: maps[f"maps.{n}.weight"] * (length / t) for n, t in temperature.items()}
     bias = {n: maps[f"maps.{n}.bias"] / t for n, t in temperature.items()}
     state = {
         **model.state_dict(),
-        "taught_rows": torch.stack(weight["both"].split(width, dim=1)),
-        "taught_bias": bias["both"],
-        "taught_class": torch.arange(classes),
-        "taught_alone_rows": torch.stack([weight[name] for name in IMAGES]),
-        "taught_alone_bias": torch.stack([bias[name] for name in IMAGES]),
+        "map_rows": torch.stack(weight["both"].split(width, dim=1)),
+        "map_bias": bias["both"],
+        "map_alone_rows": torch.stack([weight[name] for name in IMAGES]),
+        "map_alone_bias": torch.stack([bias[name] for name in IMAGES]),
     }
     with torch.device("meta"):
-        decided = OmniVaT(replace(model.settings, taught=classes, taught_alone=True))
+        decided = OmniVaT(replace(model.settings, maps=True))
     decided.load_state_dict(state, assign=True)
     return decided.eval().requires_grad_(False)
 

@@ -6,9 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import torch
-from numpy.typing import NDArray
 
 from omnivat.data.profile import STEP_SHIFTED, profile_of
 from omnivat.data.store import Embeddings
@@ -20,7 +18,6 @@ from omnivat.kit.errors import DataError
 from omnivat.kit.progress import OnStep, ignore, never
 from omnivat.measure.evaluate import evaluate, target_mean, target_scores
 from omnivat.training import Trained, TrainSettings, Watch, train
-from omnivat.training.batches import labels_of
 from omnivat.training.from_pairs.plan import TrainingPlan, plan_training
 from omnivat.training.from_pairs.report import LOSSES, EpochReport, Meter
 from omnivat.training.held_out import calibration_of
@@ -88,7 +85,7 @@ def trained_head(
         settings=trained.model.settings,
         encoder=plan.encoder,
         provenance=provenance,
-        familiarity=_familiarity(plan.pairs, labels_of(plan.pairs, plan.settings)),
+        familiarity=_familiarity(plan.pairs),
         profile=replace(
             profile_of(plan.pairs, domain=plan.source),
             step=STEP_SHIFTED if plan.training.shift else 1.0,
@@ -146,11 +143,11 @@ def _calibration(plan: TrainingPlan, order: float, watch: Watch) -> tuple[Calibr
     return found, "a quarter of the source's objects, as they are and under imitated sensors"
 
 
-def _familiarity(source: Embeddings, labels: NDArray[np.int64]) -> Familiarity | None:
+def _familiarity(source: Embeddings) -> Familiarity | None:
     """Return the head's familiarity; None if all training images are of one object."""
-    vis, tac, classes = map(torch.from_numpy, (source.vis, source.tac, labels))
+    vis, tac = map(torch.from_numpy, (source.vis, source.tac))
     try:
-        return familiarity_of(vis, tac, source.rows["object"], classes)
+        return familiarity_of(vis, tac, source.rows["object"])
     except DataError:
         return None
 
