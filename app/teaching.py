@@ -94,8 +94,8 @@ def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     question  {"lessons": […], "head": the head to teach, the first one if left out}
     return    `judged`: label, before, after of each pair, where "after" comes from a head taught
               from all other pairs; `right`: correct predictions before and after; `share` of the
-              lessons alone in the taught head (omnivat/head/teach.py), and `parts`: right
-              predictions of each map; `classes` of the taught head
+              head's own prediction in the taught head (omnivat/head/teach.py), and `parts`: right
+              predictions with the whole of it and without; `classes` of the taught head
 
     Raises DataError for too few pairs or classes.
     """

@@ -74,7 +74,7 @@ def run(options: argparse.Namespace) -> None:
         "pairs": len(lessons),
         "before": report.before if report else None,
         "after": report.after if report else None,
-        "share": round(found.provenance["lessons_share"], 4),
+        "share": round(found.provenance["head_share"], 4),
         "right": dict(report.right) if report else {},
         "held_out": [{name: getattr(one, name) for name in told} for one in tested],
         "curve": asdict(labels) if labels else None,
@@ -90,6 +90,6 @@ def run(options: argparse.Namespace) -> None:
     print(
         f"right before {record['before']}, after {record['after']} of {pairs}, each object left out"
     )
-    print(f"  parts: {parts}; share of the second {record['share']:.2f}")
+    print(f"  parts: {parts}; weight of the head {record['share']:.2f}")
     shares = ", ".join(f"{one.objects}: {100 * one.right:.0f} %" for one in labels.points)
     print(f"right by labelled objects of a class: {shares}\n  {labels.words}\n{out}")

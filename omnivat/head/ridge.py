@@ -53,7 +53,8 @@ def ridge(rows: Rows, targets: Rows, before: Rows, groups: Sequence[Labels]) -> 
     rows    (L, 2 W);  targets  (L, K) one-hot labels;  before  (L, K) the head's prediction
     groups  the places of each object's lessons, which are left out together
     """
-    inverse = np.linalg.inv(rows @ rows.T + 1 + PENALTY * np.eye(len(rows)))
+    system = rows @ rows.T + 1 + PENALTY * np.eye(len(rows))
+    inverse = np.asarray(np.linalg.inv(system), np.float64)
     solved: Rows = inverse @ np.stack((targets, before))
     errors = np.empty_like(solved)
     for group in groups:

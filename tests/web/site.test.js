@@ -72,20 +72,16 @@ test("teaching solves what the library solves: one table of cases holds both", (
   const table = JSON.parse(readFileSync(new URL("teaching.json", import.meta.url), "utf8"));
   const near = (found, wanted) =>
     wanted.flat().forEach((value, i) => assert.ok(Math.abs(value - found.flatMap((row) => [...row])[i]) < 1e-8));
+  const { labels, before, share } = table;
   const rows = table.rows.map((row) => Float64Array.from(row));
-  const { labels, counts, classes, lessons } = table;
-  const both = ridge(rows, labels, counts, classes, lessons);
-  const alone = ridge(rows.slice(0, lessons), labels.slice(0, lessons), counts.slice(0, lessons), classes, lessons);
-  near(both.weights, table.weights);
-  near([both.bias], [table.bias]);
-  const apart = (errors) => errors.map((row, i) => row.map((error, k) => Number(labels[i] === k) - error));
-  near(apart(both.errors), table.apart);
-  near(apart(alone.errors), table.alone);
-  const share = shareOf(both.errors, alone.errors);
-  const blend = apart(
-    both.errors.map((row, i) => row.map((error, k) => (1 - share) * error + share * alone.errors[i][k])),
+  const targets = labels.map((label) => before[0].map((_, k) => Number(k === label)));
+  const both = [targets, before].map((values) => ridge(rows, values));
+  near(both.map(({ solved }) => solved).flat(), table.solved.flat());
+  near(both.map(({ errors }) => errors).flat(), table.errors.flat());
+  const apart = targets.map((row, i) =>
+    row.map((target, k) => target - both[0].errors[i][k] + share * both[1].errors[i][k]),
   );
-  near([[share, sharpness(blend, labels.slice(0, lessons))]], [[table.share, table.sharpness]]);
+  near([[shareOf(both[0].errors, both[1].errors), sharpness(apart, labels)]], [[share, table.sharpness]]);
 });
 
 test("lessons without a label are refused", () => {

@@ -3,7 +3,7 @@
 import { IMAGES, imagesOf } from "../shared/images.js";
 import { moved, profileFrom } from "./profiles.js";
 import { Refused } from "./refusal.js";
-import { lessonsIn, scoresOf, teach } from "./teaching.js";
+import { lessonsIn, teach, withLessons } from "./teaching.js";
 import { dot, mean, rounded, rowOf, unit } from "./tensors.js";
 
 const READINGS = ["fused", "vis", "tac", "vis_branch", "tac_branch"];
@@ -88,14 +88,12 @@ export const keepTaught = (desk, question, made) =>
 export const taughtName = ({ head = "", profile = "", lessons }) =>
   nameOf(new TextEncoder().encode(JSON.stringify([head, profile, lessons])));
 
-/** What teaching needs: lessons as pairs of embeddings, the training pairs, and a way to run the head. */
+/** What teaching needs: lessons as pairs of embeddings, and a way to run the head. */
 export async function classroom(desk, head, question) {
   const lessons = await Promise.all(
     lessonsIn(question).map(async (one) => ({ label: one.label, pair: await pairOf(desk, { ...question, ...one }) })),
   );
-  const known = await desk.models.part(question.head, "familiarity");
-  const run = (pair, other = head) => desk.models.run(other, pair, [learned(head)]);
-  return { head, lessons, known, run };
+  return { head, lessons, run: (pair) => desk.models.run(head, pair, [learned(head)]) };
 }
 
 export const learned = ({ orders }) => [orders.vis, orders.tac];
@@ -103,10 +101,11 @@ export const learned = ({ orders }) => [orders.vis, orders.tac];
 /** The readings of a head's outputs at one stop; one image alone has its own reading as both. */
 export function readingsOf(head, out, stop, pair) {
   const there = imagesOf(pair);
-  if (head.rows) return scoresOf(head, out, there);
   const of = (name) => Array.from(rowOf(out[`p_${name}`], stop));
-  if (there.length === 1) return { fused: of(there[0]), [there[0]]: of(there[0]) };
-  return Object.fromEntries(READINGS.map((name) => [name, of(name)]));
+  const names = there.length > 1 ? READINGS : ["fused", ...there];
+  const graph = (name) => of(there.length === 1 ? there[0] : name);
+  const before = Object.fromEntries(names.map((name) => [name, graph(name)]));
+  return head.map ? withLessons(head.map, before, out) : before;
 }
 
 export const roundedAll = (readings) =>

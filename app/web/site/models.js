@@ -96,17 +96,12 @@ export class Models {
   }
 
   /** Run a head on one pair of embeddings, a missing one null, at several orders of VIS and of TAC. */
-  async run({ url, directions }, { vis, tac }, orders) {
+  async run({ url }, { vis, tac }, orders) {
     const { width } = await this.about();
     const row = (one) => ["float32", Float32Array.from(one ?? new Float32Array(width)), [1, width]];
     const stops = orders.length === 1 ? [...orders, ...orders] : orders; // the graph takes two or more
     const both = Float64Array.from([...stops.map(([p]) => p), ...stops.map(([, p]) => p)]);
-    return this.ran(url, "the head", {
-      vis: row(vis),
-      tac: row(tac),
-      orders: ["float64", both, [2, stops.length]],
-      directions: ["float32", Float32Array.from(directions.flat()), [directions.length, directions[0].length]],
-    });
+    return this.ran(url, "the head", { vis: row(vis), tac: row(tac), orders: ["float64", both, [2, stops.length]] });
   }
 
   /** The outputs `wanted` of a head's stages, for many pairs of embeddings at one order. */

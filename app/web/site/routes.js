@@ -42,7 +42,7 @@ async function pair(desk, question) {
     orders: STOPS,
     learned: head.learned,
     span: head.span,
-    linear: head.linear || Boolean(head.rows),
+    linear: head.linear,
     stops: Object.fromEntries(names.map((name) => [name, each.slice(0, -1).map((one) => rounded(one[name]))])),
     exact: { order: exact, readings: roundedAll(each.at(-1)) },
     spectra: Object.fromEntries(imagesOf(rows).map((name) => [name, spectrum(out[`${name}_size`], STOPS.length)])),

@@ -1,7 +1,5 @@
 """Familiarity: the nearest training image, read against the training set's own distances."""
 
-from dataclasses import replace
-
 import pytest
 import torch
 from torch.nn.functional import normalize
@@ -95,16 +93,8 @@ def test_one_object_is_refused():
         familiarity_of(torch.randn(3, 4), None, ["same"] * 3)
 
 
-def test_the_training_rows_come_back_with_lengths_and_classes(images, tmp_path):
-    labels = torch.arange(200) % 5
-    found = familiarity_of(*images, own_objects(200), labels)
-    save_familiarity(tmp_path / "file.safetensors", found)
+def test_the_training_rows_come_back(images, tmp_path):
+    save_familiarity(tmp_path / "file.safetensors", familiarity_of(*images, own_objects(200)))
     again = load_familiarity(tmp_path / "file.safetensors", 32)
-    assert torch.equal(again.labels, labels)
     for name, rows in zip(("vis", "tac"), images, strict=True):
-        again_rows = again.rows[name] * again.lengths[name][:, None]
-        torch.testing.assert_close(again_rows, rows, atol=0.01, rtol=0.01)  # half precision
-    broken = replace(found, labels=labels[:3])
-    save_familiarity(tmp_path / "file.safetensors", broken)
-    with pytest.raises(DataError, match="does not fit"):
-        load_familiarity(tmp_path / "file.safetensors", 32)
+        torch.testing.assert_close(again.rows[name], normalize(rows, dim=-1), atol=1e-3, rtol=1e-3)

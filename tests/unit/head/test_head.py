@@ -76,7 +76,7 @@ def test_one_modality_alone_is_enough(head, missing):
         output = head(given["vis"], given["tac"])
     present = "tac" if missing == "vis" else "vis"
     assert list(output.logits) == [present]
-    torch.testing.assert_close(output.probabilities, output.branch_probabilities[present])
+    torch.testing.assert_close(output.probabilities, output.readings[present])
     torch.testing.assert_close(output.probabilities.sum(-1), torch.ones(4, dtype=torch.float64))
 
 

@@ -31,15 +31,14 @@ def test_literal_attention_divides_after_the_softmax():
 
 
 def test_one_image_counts_twice_in_a_taught_head(make_head, make_pairs):
-    """With one row for each class, the logits of both images are the mean of those of one alone."""
-    model, (vis, tac) = make_head(taught=5), make_pairs(4)
+    """Scores of both images are the mean of those of one alone."""
+    model, (vis, tac) = make_head(taught=(5,)), make_pairs(4)
     random = torch.Generator().manual_seed(3)
     model.taught_rows.copy_(torch.randn(model.taught_rows.shape, generator=random))
-    model.taught_bias.copy_(torch.randn(5, generator=random))
-    model.taught_class.copy_(torch.tensor([2, 0, 1, 4, 3]))
-    found = model.taught_logits({"vis": vis, "tac": tac})
-    torch.testing.assert_close(found["vis"] + found["tac"], 2 * found["fused"])
-    own = model.standing("vis", vis) @ model.taught_rows[0].T
-    torch.testing.assert_close(found["vis"][:, 2], 2 * own[:, 0] + model.taught_bias[0])
-    alone = model.taught_logits({"vis": vis})
-    torch.testing.assert_close(alone["fused"], found["vis"])
+    model.taught_bias.copy_(torch.randn(model.taught_bias.shape, generator=random))
+    scores = model.lessons({"vis": vis, "tac": tac}).scores
+    torch.testing.assert_close(scores["vis"] + scores["tac"], 2 * scores["fused"])
+    wanted = 2 * model.standing("vis", vis) @ model.taught_rows[0, 0].T + model.taught_bias[0]
+    torch.testing.assert_close(scores["vis"][:, 0], wanted)
+    alone = model.lessons({"vis": vis}).scores
+    torch.testing.assert_close(alone["fused"], scores["vis"])

@@ -10,6 +10,7 @@ from omnivat.head.checkpoint import Head
 from omnivat.head.fusion import Calibration
 from omnivat.head.head import build_head
 from omnivat.head.settings import HeadSettings
+from omnivat.head.teach import Lesson, taught
 
 pytest.importorskip("onnx", reason="the extra [onnx] is not installed")
 runtime = pytest.importorskip("onnxruntime", reason="the extra [onnx] is not installed")
@@ -35,17 +36,11 @@ def head_of(**changes):
     return Head(model=model, settings=settings, encoder={}, provenance={})
 
 
-def run(file, vis, tac, orders, directions):
+def run(file, vis, tac, orders):
     session = runtime.InferenceSession(file, providers=["CPUExecutionProvider"])
-    given = {
-        "vis": vis,
-        "tac": tac,
-        "orders": torch.tensor([orders, orders], dtype=torch.float64),
-        "directions": directions,
-    }
-    names = {one.name for one in session.get_inputs()}
-    feeds = {name: value.numpy() for name, value in given.items() if name in names}
-    found = session.run(None, feeds)
+    both = torch.tensor([orders, orders], dtype=torch.float64)
+    given = {"vis": vis, "tac": tac, "orders": both}
+    found = session.run(None, {name: value.numpy() for name, value in given.items()})
     return {n: torch.from_numpy(np.asarray(v)) for n, v in zip(OUTPUTS, found, strict=True)}
 
 
@@ -66,12 +61,27 @@ def other(tmp_path_factory):
     return head, file
 
 
-@pytest.mark.parametrize("which", ["plain", "other"])
+@pytest.fixture(scope="module")
+def taught_twice(tmp_path_factory):
+    """A head taught two classes that it lacks, one after the other, and its file."""
+    head, file = head_of(), tmp_path_factory.mktemp("taught") / "head.onnx"
+    for new in ("d", "e"):
+        rows = torch.randn(2, 4, 1, 24)
+        lessons = [
+            Lesson(label=label, vis=vis, tac=tac)
+            for label, vis, tac in zip(("a", "a", new, new), *rows, strict=True)
+        ]
+        head = taught(head, lessons)
+    write_head(file, head)
+    return head, file
+
+
+@pytest.mark.parametrize("which", ["plain", "other", "taught_twice"])
 def test_a_portable_head_gives_every_reading_of_the_fast_head_at_any_order(which, request):
     head, file = request.getfixturevalue(which)
     vis, tac = torch.randn(2, 1, 24, generator=torch.Generator().manual_seed(1))
     orders = torch.tensor(ORDERS, dtype=torch.float64)
-    found = run(file, vis, tac, ORDERS, head.model.directions())
+    found = run(file, vis, tac, ORDERS)
     many = torch.zeros(len(ORDERS), dtype=torch.long)
     for given in ({"vis": vis, "tac": tac}, {"vis": vis, "tac": None}, {"vis": None, "tac": tac}):
         out = head.model.from_coefficients(head.model.coefficients(**given)[many], orders)
@@ -83,15 +93,6 @@ def test_a_portable_head_gives_every_reading_of_the_fast_head_at_any_order(which
         for name, wanted in out.frft.items():
             assert torch.allclose(found[f"{name}_size"], wanted.norm(dim=0), atol=1e-5)
     assert torch.allclose(found["vis_standing"], head.model.standing("vis", vis), atol=1e-6)
-
-
-def test_a_portable_head_takes_directions_of_more_classes(plain):
-    head, file = plain
-    more = torch.cat((head.model.directions(), torch.ones(1, 10)))
-    vis, tac = torch.ones(2, 1, 24)
-    found = run(file, vis, tac, (0.5, 0.6), more)
-    assert found["p_fused"].shape == (2, 4)
-    assert torch.allclose(found["p_fused"].sum(1), torch.ones(2))
 
 
 def test_a_profile_moves_embeddings_before_a_portable_head_as_before_the_head(plain):
@@ -115,7 +116,7 @@ def test_a_profile_moves_embeddings_before_a_portable_head_as_before_the_head(pl
     head, own = replace(head, profile=replace(profile(200), step=0.75)), profile(9)
     vis, tac = torch.randn(2, 1, 24)
     near = [head.moved(name, rows, own) for name, rows in (("vis", vis), ("tac", tac))]
-    found = run(file, *near, (0.31, 0.5), head.model.directions())
+    found = run(file, *near, (0.31, 0.5))
     wanted = predict_embeddings(head, vis, tac, order=0.31, profile=own)[0]
     assert found["p_fused"][0].tolist() == pytest.approx(
         list(wanted["probabilities"].values()), abs=2e-6
