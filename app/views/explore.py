@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 TITLE = "Explore"
 NEIGHBOURS = 6
-MOST_PICTURES, EACH_CLASS, DRAWS = 20, 3, 3  # in `known`
+MOST_PICTURES, EACH_CLASS = 20, 3  # in `known`
 STEPS = 10_000  # of a share or a cosine: four digits
 
 
@@ -128,7 +128,7 @@ def known(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
     def made() -> dict[str, Any]:
         home = what == "home"
-        found = measured(head, embeddings, steps[what], draws=DRAWS, home=home)
+        found = measured(head, embeddings, steps[what], home=home)
         return {**found, "source": head.source}
 
     return resources.results.once(f"known {what}", made)

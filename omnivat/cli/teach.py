@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> None:
     why = ""
     try:
         with progress_bar("teach") as show:
-            report, labels = judged(head, lessons, show), curve(head, lessons, show)
+            report, labels = judged(head, lessons), curve(head, lessons, show)
     except DataError as error:
         why = str(error)
     found = taught(head, lessons)

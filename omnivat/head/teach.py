@@ -7,7 +7,7 @@ the head is right, P remains; where it is wrong, or lacks the classes, t falls. 
 alone. A taught head can be taught again: P is then the prediction of the taught one.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,9 +17,10 @@ from torch.nn.functional import normalize, pad
 
 from omnivat.head.checkpoint import Head
 from omnivat.head.head import OmniVaT
-from omnivat.head.ridge import Labels, Ridge, Rows, ridge, sharpness
+from omnivat.head.ridge import Labels, Ridge, ridge, sharpness
 from omnivat.kit.errors import DataError
-from omnivat.kit.progress import OnStep, Step, checkpoint, ignore
+from omnivat.kit.progress import checkpoint
+from omnivat.kit.stages import IMAGES
 from omnivat.kit.threads import one_blas_thread, one_thread
 
 FEWEST = 2  # objects of a class, and classes
@@ -98,14 +99,14 @@ def taught(head: Head, lessons: Sequence[Lesson]) -> Head:
 
 @one_thread()
 @one_blas_thread()
-def judged(head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> Report:
+def judged(head: Head, lessons: Sequence[Lesson]) -> Report:
     """Predict every lesson before and after teaching, its object left out.
 
     Raises DataError if fewer than two classes have two objects or more.
     """
     if lacking := missing(lessons):
         raise DataError(lacking)
-    return Work(head, lessons, on_step).report()
+    return Work(head, lessons).report()
 
 
 def missing(lessons: Sequence[Lesson]) -> str:
@@ -129,7 +130,7 @@ def _objects(lessons: Sequence[Lesson]) -> list[str]:
 class Work:
     """Lessons as rows of length 1, both modalities side by side, and what the head predicts."""
 
-    def __init__(self, head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> None:
+    def __init__(self, head: Head, lessons: Sequence[Lesson]) -> None:
         if not lessons:
             raise DataError("There is nothing to learn from; label at least one pair.")
         if len(lessons) > MOST:
@@ -142,16 +143,21 @@ class Work:
             dict.fromkeys([*head.settings.classes, *(one.label for one in lessons)])
         )
         self.labels = np.array([self.classes.index(one.label) for one in lessons])
-        self.rows = np.concatenate([_row(head.model, one) for one in lessons])
         names = _objects(lessons)
         self.objects = [
             np.flatnonzero([name == other for other in names]) for name in dict.fromkeys(names)
         ]
+        width, known = head.settings.input_width, len(head.settings.classes)
+        self.rows = np.zeros((len(lessons), 2, width))  # the part of a missing image stays zero
         self.before = np.zeros((len(lessons), len(self.classes)))  # the head's own prediction
-        for done, lesson in enumerate(lessons):
+        for places, images in _batches(lessons):
             checkpoint()
-            on_step(Step(done=done, total=len(lessons)))
-            self.before[done, : len(head.settings.classes)] = _predicted(head, lesson)
+            with torch.no_grad():
+                out = head.model(images.get("vis"), images.get("tac"))
+                self.before[places, :known] = out.probabilities
+                for name, raw in images.items():
+                    self.rows[places, IMAGES.index(name)] = head.model.standing(name, raw)
+        self.rows = self.rows.reshape(len(lessons), -1)
 
     def ridge(self, some: Labels | slice, groups: Sequence[Labels]) -> Ridge:
         """Return the regressions of some lessons; `groups` are places among them."""
@@ -220,23 +226,12 @@ class Work:
         )
 
 
-@torch.no_grad()
-def _row(model: OmniVaT, lesson: Lesson) -> Rows:
-    """Return the row (1, 2 W) of a pair; the part of a missing image is zero."""
-    width = model.settings.input_width
-    images = {"vis": lesson.vis, "tac": lesson.tac}
-    parts = [
-        torch.zeros(1, width) if raw is None else model.standing(name, raw)
-        for name, raw in images.items()
-    ]
-    row: Rows = torch.cat(parts, dim=1).double().numpy()
-    return row
-
-
-@torch.no_grad()
-def _predicted(head: Head, lesson: Lesson) -> Rows:
-    shares: Rows = head.model(lesson.vis, lesson.tac).probabilities[0].double().numpy()
-    return shares
+def _batches(lessons: Sequence[Lesson]) -> Iterator[tuple[list[int], dict[str, Tensor]]]:
+    """Yield the places of the lessons that have the same images, and those images (B, W)."""
+    there = [tuple(n for n in IMAGES if getattr(one, n) is not None) for one in lessons]
+    for names in dict.fromkeys(there):
+        places = [place for place, other in enumerate(there) if other == names]
+        yield places, {n: torch.cat([getattr(lessons[k], n) for k in places]) for n in names}
 
 
 @torch.no_grad()

@@ -20,20 +20,20 @@ from omnivat.head.heads import LADDERS, ladder_file, ladder_key
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import write_json
 from omnivat.kit.lines import lines
-from omnivat.measure.known import NOTHING, measured, pairs, record
+from omnivat.measure.known import NOTHING, labels, measured, pairs, record
 
 FORMAT = "omnivat-ladder-1"
 METHOD = "omnivat"  # in the records: the light head, trained as the default one
 OTHERS = {"logistic": "logistic regression", "nearest_mean": "nearest class mean"}  # for the rest
 COUNTS = (1, 2, 5, 10, 20, 50)  # pairs without labels
+LABELLED = (1, 3, 5)  # of each class
 ALL = 1_000_000
-DRAWS = 3  # of pairs, in the rungs of a loaded head
 KNOWN = {
     "home": "its own sensor",
     "none": "nothing: pictures as they come",
     **{f"n{n}": f"{n} pair{'s' * (n > 1)} without labels" for n in COUNTS},
     "all": "all pairs without labels",
-    **{f"k{k}": f"{k} labelled pair{'s' * (k > 1)} of each class" for k in (1, 3, 5)},
+    **{f"k{k}": f"{k} labelled pair{'s' * (k > 1)} of each class" for k in LABELLED},
     **{f"m{m}": f"{m} source domains" for m in (2, 4, 7)},
     **{f"m{m}+": f"{m} source domains and all pairs without labels" for m in (2, 4, 7)},
 }
@@ -80,12 +80,11 @@ def _of_head(head: Head, embeddings: Embeddings) -> Iterator[Rung]:
     """Yield the rungs that need no training; without a profile, home and away only."""
     steps = [NOTHING]
     if head.profile is not None:
-        steps += [*map(pairs, COUNTS), pairs(ALL, every=True)]
+        steps += [*map(pairs, COUNTS), pairs(ALL, every=True), *map(labels, LABELLED)]
     for known in steps:
         for home in (True, False) if known == NOTHING else (False,):
             try:
-                draws = 1 if known.name == "all" else DRAWS
-                step = measured(head, embeddings, known, draws=draws, home=home)
+                step = measured(head, embeddings, known, home=home)
             except DataError:  # no test pair of the source, or no other domain
                 continue
             yield _rung("home" if home else known.name, step, head.source, "this head")

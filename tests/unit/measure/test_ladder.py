@@ -41,7 +41,8 @@ def head(shifted):
 
 def test_an_offset_is_mended_rung_by_rung(head, shifted):
     found = {one["rung"]: one for one in rungs(head, shifted)}
-    assert list(found) == ["home", "none", "n1", "n2", "n5", "n10", "n20", "n50", "all"]
+    few, labelled = ["n1", "n2", "n5", "n10", "n20", "n50"], ["k1", "k3", "k5"]
+    assert list(found) == ["home", "none", *few, "all", *labelled]
     assert found["none"]["accuracy"] < 0.9 * found["home"]["accuracy"]
     assert found["none"]["accuracy"] < found["n5"]["accuracy"] <= found["all"]["accuracy"] + 0.05
     assert found["all"]["accuracy"] > 0.8 * found["home"]["accuracy"]
@@ -74,7 +75,7 @@ def test_another_source_and_other_rungs_come_from_the_records(head, shifted, tmp
     first = {"domains": names, "classes": ["a", "b"], "domain": [0, 0, 1, 1], "truth": "abab"}
     answers = {"home": "..ab", "none": "aa..", "m2": "ab.."}
     one = {"method": METHOD, "source": names[1], "seed": 0, "answers": answers}
-    lines = [first, one, {**one, "source": names[0], "answers": {"k1": "..aa", "none": "..bb"}}]
+    lines = [first, one, {**one, "source": names[0], "answers": {"m2": "..aa", "none": "..bb"}}]
     file.write_text("".join(json.dumps({"format": FORMAT, **line}) + "\n" for line in lines))
     monkeypatch.setattr(ladder, "LADDERS", file)
     ladder._records.cache_clear()
@@ -82,7 +83,7 @@ def test_another_source_and_other_rungs_come_from_the_records(head, shifted, tmp
     other = {r["rung"]: (r["accuracy"], r["from"]) for r in rungs(head, shifted, source=names[1])}
     assert other == {"home": (1.0, "records"), "none": (0.5, "records"), "m2": (1.0, "records")}
     own = {r["rung"]: r["from"] for r in rungs(head, shifted)}
-    assert own["k1"] == "records" and own["none"] == "this head"
+    assert own["m2"] == "records" and own["none"] == own["k1"] == "this head"
     assert recorded("nowhere", names) == []
 
 
