@@ -148,7 +148,7 @@ class Work:
             np.flatnonzero([name == other for other in names]) for name in dict.fromkeys(names)
         ]
         width, known = head.settings.input_width, len(head.settings.classes)
-        self.rows = np.zeros((len(lessons), 2, width))  # the part of a missing image stays zero
+        rows = np.zeros((len(lessons), 2, width))  # the part of a missing image stays zero
         self.before = np.zeros((len(lessons), len(self.classes)))  # the head's own prediction
         for places, images in _batches(lessons):
             checkpoint()
@@ -156,8 +156,8 @@ class Work:
                 out = head.model(images.get("vis"), images.get("tac"))
                 self.before[places, :known] = out.probabilities
                 for name, raw in images.items():
-                    self.rows[places, IMAGES.index(name)] = head.model.standing(name, raw)
-        self.rows = self.rows.reshape(len(lessons), -1)
+                    rows[places, IMAGES.index(name)] = head.model.standing(name, raw)
+        self.rows = rows.reshape(len(lessons), -1)
 
     def ridge(self, some: Labels | slice, groups: Sequence[Labels]) -> Ridge:
         """Return the regressions of some lessons; `groups` are places among them."""
