@@ -41,7 +41,6 @@ BOUNDS = {  # field: default, lowest, highest
         "input_width": (inspect.Parameter.empty, 1, 65_536),
         "lang_width": (384, 1, 65_536),
         "width": (512, 2, 8192),
-        "taught": (0, 0, 100_000),
         "expansion": (4, 1, 64),
         "levels": (3, 1, 6),
         "order": (0.5, -4, 4),
