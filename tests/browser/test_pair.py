@@ -312,6 +312,23 @@ def test_a_slow_server_gets_the_newest_frame_and_none_in_between(
     page.click(".pair .cameras .start")
 
 
+def test_live_pictures_join_the_labelled_pairs_and_teach(
+    live: Callable[..., Any], sensor: FakeSensor, presses: Any
+) -> None:
+    pressed = presses("gelsight_mini")[1]
+    page = live("gelsight_mini")
+    page.click(".pair .cameras .keep")
+    page.wait_for_selector(".pair .cameras .rate:has-text('Type what it is')")
+    for k, label in enumerate(("cork", "cork", "felt", "felt")):
+        sensor.see(pressed[6 * k], page=page)
+        page.fill(".pair .cameras .label", label)
+        page.click(".pair .cameras .keep")
+        page.wait_for_selector(f".pair .own .chips li:nth-child({k + 1})")
+    page.click(".pair .own .teach")
+    page.wait_for_selector(".pair .verdict:has-text('felt')")
+    page.click(".pair .cameras .start")
+
+
 def test_live_calibrates_and_records_pairs_that_embed_reads(
     live: Callable[..., Any], sensor: FakeSensor, presses: Any, tmp_path: Path
 ) -> None:

@@ -1,13 +1,13 @@
 /** Live: photo and touch together; the newest frames are sent as soon as the server has replied. */
 
-import { askOfImage, refused, visit } from "../shared/api.js";
+import { askOfImage, attempt, refused, visit } from "../shared/api.js";
 import { csv } from "../shared/csv.js";
 import { IMAGES, imagesOf } from "../shared/images.js";
 import { save } from "../shared/save.js";
 import { each } from "../shared/text.js";
 import { onClick, press, View } from "../shared/view.js";
 import { Feed, FRAMES, feedHtml } from "./feed.js";
-import { camera } from "./own-pictures.js";
+import { camera, upload } from "./own-pictures.js";
 import { called, READINGS, unlike } from "./verdict.js";
 import { zipped } from "./zip.js";
 
@@ -20,7 +20,7 @@ const APART = 300; // milliseconds between two recorded pairs, and between frame
 const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 export class Live extends View {
-  /** on: answer(found or null), problem(sentence), taught(fresh) -> name, calibrate(files). */
+  /** on: answer(found or null), problem(sentence), taught(fresh) -> name, calibrate(files), label(pair, label). */
   constructor(box, on) {
     super(box);
     this.on = on;
@@ -33,6 +33,7 @@ export class Live extends View {
       ".start": () => (this.run ? this.off() : this.start()),
       ".rest": () => this.guide(() => this.takeRest()),
       ".calibrate": () => this.guide(() => this.calibrate()),
+      ".keep": () => this.guide(() => this.label()),
       ".record": () => this.record(),
     });
   }
@@ -64,7 +65,7 @@ export class Live extends View {
     desk.classList.toggle("live", on); // cameras and prediction side by side
     if (on) desk.scrollIntoView();
     for (const feed of this.feeds) feed.active = on;
-    for (const name of ["rest", "calibrate", "record"]) this.$(`.${name}`).disabled = !on;
+    for (const name of ["rest", "calibrate", "keep", "record"]) this.$(`.${name}`).disabled = !on;
   }
 
   async start() {
@@ -167,6 +168,22 @@ export class Live extends View {
       taken++;
     }
     if (this.run) this.on.calibrate(files);
+  }
+
+  /** The newest frames join the visitor's labelled pairs. */
+  async label() {
+    const label = this.$(".label").value.trim();
+    const there = this.feeds.filter(({ on }) => on);
+    if (!label) return this.tell("Type what it is as the label first.");
+    if (there.map((feed) => feed.draw()).includes(false)) return this.tell("No contact, so no pair. Press the sensor.");
+    await attempt(async () => {
+      const pair = {};
+      const drawn = there.map((feed) => [feed.modality, feed.blob("image/png")]);
+      for (const [modality, blob] of drawn)
+        pair[modality] = await upload(new File([await blob], `live_${modality}.png`));
+      await this.on.label(pair, label);
+      this.tell(`Added as ${label}.`);
+    }, this.on.problem);
   }
 
   keepPair(there, blobs) {

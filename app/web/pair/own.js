@@ -137,11 +137,13 @@ export class OwnPairs extends View {
   async label(label) {
     const { now } = this;
     if (!label || this.held || !isOwn(now)) return;
-    const name = this.describe(now);
-    await attempt(async () => {
-      const { classes, pairs } = await ask("many", { pairs: [now] });
-      this.changed(withPair(this.pairs, { ...now, label, said: said(classes, pairs[0].readings), name }));
-    }, this.say);
+    await attempt(() => this.count(now, label, this.describe(now)), this.say);
+  }
+
+  /** Count a labelled pair by what the head as trained predicts for it. */
+  async count(pair, label, name) {
+    const { classes, pairs } = await ask("many", { pairs: [pair] });
+    this.changed(withPair(this.pairs, { ...pair, label, said: said(classes, pairs[0].readings), name }));
   }
 
   /** Labels changed: discard what was taught from the old ones. */

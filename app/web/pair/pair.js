@@ -106,6 +106,7 @@ class PairTab extends View {
       problem: this.problem,
       taught: async (fresh) => taughtBy(this.own.lessons({}), fresh),
       calibrate: (files) => this.sensor.take(files, "tac"),
+      label: (pair, label) => this.own.count(pair, label, `live ${new Date().toLocaleTimeString()}`),
     });
     this.sensor = new Sensor(this.$(".sensor"), {
       pair: () => this.pair,
