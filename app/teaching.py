@@ -93,9 +93,8 @@ def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
     question  {"lessons": […], "head": the head to teach, the first one if left out}
     return    `judged`: label, before, after of each pair, where "after" comes from a head taught
-              from all other pairs; `right`: correct predictions before and after; `share` of the
-              head's own prediction in the taught head (omnivat/head/teach.py), and `parts`: right
-              predictions with the whole of it and without; `classes` of the taught head
+              without it; `right`: correct predictions before and after; `share` of the head's own
+              prediction in the taught head (omnivat/head/teach.py); `classes` of the taught head
 
     Raises DataError for too few pairs or classes.
     """
@@ -107,7 +106,6 @@ def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
         "judged": [{"label": j.label, "before": j.before, "after": j.after} for j in found.judged],
         "right": {"before": found.before, "after": found.after},
         "share": round(found.share, 4),
-        "parts": dict(found.right),
         "classes": list(head_for(resources, question).settings.classes),
     }
 

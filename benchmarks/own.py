@@ -28,10 +28,11 @@ from omnivat.data.profile import channels_of, drawn_profiles, moved, profile_of,
 from omnivat.data.store import Embeddings, load_embeddings
 from omnivat.encoders import load_encoder
 from omnivat.encoders.base import for_modality
+from omnivat.head import teach
 from omnivat.head.calibration import NEIGHBOURS, UNLIKE, nearest_cosines
 from omnivat.head.checkpoint import Head, load_head
 from omnivat.head.heads import default_embeddings, own_head
-from omnivat.head.teach import Lesson, judged
+from omnivat.head.teach import Lesson
 from omnivat.kit.files import write_json
 from omnivat.kit.schema import read_object
 from omnivat.kit.stages import IMAGES
@@ -74,8 +75,10 @@ def read(head: Head, data: Embeddings) -> dict[str, Any]:
     return record
 
 
-def taught(head: Head, data: Embeddings) -> int:
-    """Return the pairs that are right by a head taught from the other objects."""
+def taught(head: Head, data: Embeddings) -> dict[str, int]:
+    """Return the pairs that are right by heads taught without their fold, and without their object
+    alone.
+    """
     near = head.profiled(data, [profile_of(data, domain=data.header.domains[0])])
     vis, tac = (torch.from_numpy(np.array(getattr(near, name), np.float32)) for name in IMAGES)
     lessons = [
@@ -87,7 +90,12 @@ def taught(head: Head, data: Embeddings) -> int:
         )
         for row, label in enumerate(data.label)
     ]
-    return judged(head, lessons).after
+    alone = 0
+    for k, one in enumerate(lessons):
+        other = teach.taught(head, [*lessons[:k], *lessons[k + 1 :]])
+        best = int(other.model(one.vis, one.tac).probabilities.argmax())
+        alone += other.settings.classes[best] == one.label
+    return {"folds": teach.judged(head, lessons).after, "objects": alone}
 
 
 def familiar(head: Head, data: Embeddings) -> dict[str, int]:

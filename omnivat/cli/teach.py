@@ -75,7 +75,6 @@ def run(options: argparse.Namespace) -> None:
         "before": report.before if report else None,
         "after": report.after if report else None,
         "share": round(found.provenance["head_share"], 4),
-        "right": dict(report.right) if report else {},
         "held_out": [{name: getattr(one, name) for name in told} for one in tested],
         "curve": asdict(labels) if labels else None,
         "classes": list(found.settings.classes),
@@ -86,10 +85,7 @@ def run(options: argparse.Namespace) -> None:
     pairs, out = record["pairs"], f"head written to {options.out}"
     if labels is None:
         return print(f"{pairs} pairs; not tested. {why}\n{out}")
-    parts = ", ".join(f"{name} {right}" for name, right in record["right"].items())
-    print(
-        f"right before {record['before']}, after {record['after']} of {pairs}, each object left out"
-    )
-    print(f"  parts: {parts}; weight of the head {record['share']:.2f}")
+    print(f"right before {record['before']}, after {record['after']} of {pairs}, each left out")
+    print(f"  weight of the head's own prediction: {record['share']:.2f}")
     shares = ", ".join(f"{one.objects}: {100 * one.right:.0f} %" for one in labels.points)
     print(f"right by labelled objects of a class: {shares}\n  {labels.words}\n{out}")

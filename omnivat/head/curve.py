@@ -4,22 +4,21 @@ With 1, 2, 3, ... objects of each class, drawn several times, every lesson is pr
 that its object did not teach.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from omnivat.head.checkpoint import Head
-from omnivat.head.ridge import Labels, Rows
+from omnivat.head.ridge import Rows
 from omnivat.head.teach import Lesson, Work, missing
 from omnivat.kit.errors import DataError
-from omnivat.kit.progress import OnStep, Step, checkpoint, ignore
+from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.threads import one_blas_thread, one_thread
 
 DRAWS = 10  # of the objects that teach, at each count of the curve
 COUNTS = (1, 2, 3, 4, 5, 7, 10, 15, 20, 30, 50)  # objects of a class, on the curve
 LITTLE = 5  # points within which a gain is told to be small
-FOLDS = 10  # of the objects of a class, at most; those of a fold are tested by one head
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,44 +51,22 @@ def curve(head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> Cu
     """
     if lacking := missing(lessons):
         raise DataError(lacking)
-    draws = Draws(head, lessons)
-    most = int(np.bincount([draws.labels[group[0]] for group in draws.objects]).max()) - 1
+    work = Work(head, lessons)
+    most = int(np.bincount([work.labels[group[0]] for group in work.objects]).max()) - 1
     counts = [*(count for count in COUNTS if count < most), most]
     random = np.random.default_rng(0)
     right: list[Rows] = []
-    for count in counts[:-1]:
+    for count in counts:
         on_step(Step(done=len(right), total=len(counts)))
-        right.append(np.stack([draws.right(count, random) for _ in range(DRAWS)]))
-    on_step(Step(done=len(right), total=len(counts)))
-    after = draws.after(draws.ridge(slice(None), draws.objects))
-    right.append((after == draws.labels)[None].astype(float))
+        orders = [random.permutation(len(work.objects)) for _ in range(DRAWS)]
+        draws = [work.after(count, order) for order in orders] if count < most else [work.after()]
+        right.append((np.stack(draws) == work.labels).astype(float))
     means = [each.mean(1) for each in right]
     points = tuple(
         Point(objects=count, right=float(m.mean()), low=float(m.min()), high=float(m.max()))
         for count, m in zip(counts, means, strict=True)
     )
     return Curve(points=points, words=curve_in_words(counts, [each.mean(0) for each in right]))
-
-
-def splits(
-    objects: Sequence[Labels], labels: Labels, count: int, random: np.random.Generator
-) -> Iterator[tuple[Labels, list[Labels]]]:
-    """Yield the lessons that are tested, and the objects that teach: at most `count` of each class,
-    drawn from those that are not tested. Each lesson is tested once.
-
-    objects  places of each object's lessons;  labels  (L,) of the lessons
-    """
-    classes: dict[int, list[int]] = {}
-    for number in random.permutation(len(objects)).tolist():
-        classes.setdefault(int(labels[objects[number][0]]), []).append(number)
-    folds = min(FOLDS, max(-(-len(own) // max(1, len(own) - count)) for own in classes.values()))
-    for fold in range(folds):
-        tested, teach = [], []
-        for own in classes.values():
-            out = [number for at, number in enumerate(own) if at * folds // len(own) == fold]
-            tested += out
-            teach += [number for number in own if number not in out][:count]
-        yield np.concatenate([objects[k] for k in tested]), [objects[k] for k in teach]
 
 
 def curve_in_words(counts: Sequence[int], right: Sequence[Rows]) -> str:
@@ -117,24 +94,3 @@ def curve_in_words(counts: Sequence[int], right: Sequence[Rows]) -> str:
     gain, twice, last = step(len(counts) - 2, len(counts) - 1)
     told = "more labels may bring more" if gain > twice else "no gain that can be told from chance"
     return f"F{whole[1:]}. The last step, {last}: {told}."
-
-
-class Draws(Work):
-    """Lessons, and heads that some of them teach."""
-
-    def right(self, count: int, random: np.random.Generator) -> Rows:
-        """Return (L,) 1 for a lesson that `count` objects of each class, drawn, have right."""
-        right = np.zeros(len(self.lessons))
-        for tested, objects in splits(self.objects, self.labels, count, random):
-            checkpoint()
-            teach = np.concatenate(objects)
-            ends = np.cumsum([len(group) for group in objects])
-            groups = [
-                np.arange(end - len(group), end) for end, group in zip(ends, objects, strict=True)
-            ]
-            solved = self.ridge(teach, groups)
-            share = solved.share(groups)
-            products = self.rows[tested] @ self.rows[teach].T + 1
-            scores = share * self.before[tested] + products @ solved.weights(share)
-            right[tested] = scores.argmax(1) == self.labels[tested]
-        return right

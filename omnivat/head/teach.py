@@ -7,7 +7,7 @@ the head is right, P remains; where it is wrong, or lacks the classes, t falls. 
 alone. A taught head can be taught again: P is then the prediction of the taught one.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,7 +25,7 @@ from omnivat.kit.threads import one_blas_thread, one_thread
 
 FEWEST = 2  # objects of a class, and classes
 MOST = 2000  # lessons
-PARTS = {"the head with the lessons": 1.0, "lessons alone": 0.0}  # the head's share
+FOLDS = 10  # of the objects of a class, at most; those of a fold are tested by one head
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,7 +41,7 @@ class Lesson:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Judged:
-    """Predictions for one pair before and after teaching; "after" is taught without its object."""
+    """Predictions for one pair before and after teaching; "after" is taught without its fold."""
 
     label: str
     before: str
@@ -53,10 +53,8 @@ class Judged:
 class Report:
     """What teaching brings."""
 
-    # each lesson; the head's share is chosen without its object, too
-    judged: tuple[Judged, ...]
+    judged: tuple[Judged, ...]  # each lesson
     share: float  # of the head's own prediction, 0 to 1
-    right: Mapping[str, int]  # of PARTS -> lessons predicted rightly, each object left out
 
     @property
     def before(self) -> int:
@@ -100,7 +98,10 @@ def taught(head: Head, lessons: Sequence[Lesson]) -> Head:
 @one_thread()
 @one_blas_thread()
 def judged(head: Head, lessons: Sequence[Lesson]) -> Report:
-    """Predict every lesson before and after teaching, its object left out.
+    """Predict every lesson before and after teaching.
+
+    Folds of objects, with one of each class or a tenth of it, are left out in turn: a head without
+    one object alone would be taught less of its class than of the others, and err against it.
 
     Raises DataError if fewer than two classes have two objects or more.
     """
@@ -165,28 +166,34 @@ class Work:
         return ridge(self.rows[some], targets, self.before[some], groups)
 
     def report(self) -> Report:
-        """Predict each lesson before, and by what all others teach."""
-        solved = self.ridge(slice(None), self.objects)
+        """Predict each lesson before, and by what the other folds teach."""
         named = [self.classes[label] for label in self.before.argmax(1)]
-        after = [self.classes[label] for label in self.after(solved)]
+        after = [self.classes[label] for label in self.after()]
         return Report(
             judged=tuple(
                 Judged(label=one.label, before=was, after=now, object=one.object)
                 for one, was, now in zip(self.lessons, named, after, strict=True)
             ),
-            share=solved.share(self.objects),
-            right={
-                name: int((solved.apart(share).argmax(1) == self.labels).sum())
-                for name, share in PARTS.items()
-            },
+            share=self.ridge(slice(None), self.objects).share(self.objects),
         )
 
-    def after(self, solved: Ridge) -> Labels:
-        """Return the class (L,) of each lesson; its object has no part in weights and share."""
+    def after(self, count: int = MOST, order: Labels | None = None) -> Labels:
+        """Return the class (L,) of each lesson by heads that the objects of other folds taught, at
+        most `count` of a class, in this order.
+        """
         after = np.empty(len(self.lessons), np.int64)
-        for place, group in enumerate(self.objects):
-            others = [*self.objects[:place], *self.objects[place + 1 :]]
-            after[group] = solved.apart(solved.share(others))[group].argmax(1)
+        for tested, objects in splits(self.objects, self.labels, count, order):
+            checkpoint()
+            teach = np.concatenate(objects)
+            ends = np.cumsum([len(group) for group in objects])
+            groups = [
+                np.arange(end - len(group), end) for end, group in zip(ends, objects, strict=True)
+            ]
+            solved = self.ridge(teach, groups)
+            share = solved.share(groups)
+            products = self.rows[tested] @ self.rows[teach].T + 1
+            scores = share * self.before[tested] + products @ solved.weights(share)
+            after[tested] = scores.argmax(1)
         return after
 
     def head_taught(self) -> Head:
@@ -224,6 +231,28 @@ class Work:
             metrics={},
             path=None,
         )
+
+
+def splits(
+    objects: Sequence[Labels], labels: Labels, count: int, order: Labels | None = None
+) -> Iterator[tuple[Labels, list[Labels]]]:
+    """Yield the lessons that are tested, and the objects that teach: at most `count` of each class,
+    the first of those that are not tested. Each lesson is tested once.
+
+    objects  places of each object's lessons;  labels  (L,) of the lessons
+    order    of the objects; None: as they stand
+    """
+    classes: dict[int, list[int]] = {}
+    for number in range(len(objects)) if order is None else order.tolist():
+        classes.setdefault(int(labels[objects[number][0]]), []).append(number)
+    folds = min(FOLDS, max(-(-len(own) // max(1, len(own) - count)) for own in classes.values()))
+    for fold in range(folds):
+        tested, teach = [], []
+        for own in classes.values():
+            out = [number for at, number in enumerate(own) if at * folds // len(own) == fold]
+            tested += out
+            teach += [number for number in own if number not in out][:count]
+        yield np.concatenate([objects[k] for k in tested]), [objects[k] for k in teach]
 
 
 def _batches(lessons: Sequence[Lesson]) -> Iterator[tuple[list[int], dict[str, Tensor]]]:

@@ -5,7 +5,7 @@ import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { factors, whole } from "../../app/web/site/decode.js";
 import { inTurn, runtime } from "../../app/web/site/runtime.js";
-import { lessonsIn, ridge, shareOf, sharpness } from "../../app/web/site/teaching.js";
+import { afterOf, lessonsIn, ridge, sharpness, solved } from "../../app/web/site/teaching.js";
 import { tensors, written } from "../../app/web/site/tensors.js";
 
 globalThis.self ??= /** @type {any} */ ({});
@@ -72,16 +72,21 @@ test("teaching solves what the library solves: one table of cases holds both", (
   const table = JSON.parse(readFileSync(new URL("teaching.json", import.meta.url), "utf8"));
   const near = (found, wanted) =>
     wanted.flat().forEach((value, i) => assert.ok(Math.abs(value - found.flatMap((row) => [...row])[i]) < 1e-8));
-  const { labels, before, share } = table;
+  const { labels, before } = table;
   const rows = table.rows.map((row) => Float64Array.from(row));
   const targets = labels.map((label) => before[0].map((_, k) => Number(k === label)));
   const both = [targets, before].map((values) => ridge(rows, values));
-  near(both.map(({ solved }) => solved).flat(), table.solved.flat());
-  near(both.map(({ errors }) => errors).flat(), table.errors.flat());
-  const apart = targets.map((row, i) =>
-    row.map((target, k) => target - both[0].errors[i][k] + share * both[1].errors[i][k]),
+  near(
+    both.flatMap((one) => one.solved),
+    table.solved.flat(),
   );
-  near([[shareOf(both[0].errors, both[1].errors), sharpness(apart, labels)]], [[share, table.sharpness]]);
+  near(
+    both.flatMap((one) => one.errors),
+    table.errors.flat(),
+  );
+  const { share, apart } = solved({ rows, targets, before });
+  near([[share, sharpness(apart, labels)]], [[table.share, table.sharpness]]);
+  assert.deepEqual(afterOf({ rows, targets, before }, labels), table.after);
 });
 
 test("lessons without a label are refused", () => {

@@ -239,7 +239,7 @@ function reportHtml({ judged, right, share }, labels, source) {
   );
   const step = Math.round(100 / judged.length);
   return `<div class="taught"><p><b>Right before: ${right.before} of ${judged.length}. After: ${right.after} of ${judged.length}.</b></p>
-    ${provenance({ head: "a head taught on all your other pairs", source: `${source} and those`, pairs: `your ${judged.length} labelled pairs`, known: "the labels of the others" })}
-    <p class="hint">The head's own probabilities enter with weight ${share.toFixed(2)}, and a linear map learned from your pairs is added. Features do not change. One pair is ${step} points here.</p>
+    ${provenance({ head: "heads taught without the pair", source: `${source} and your other pairs`, pairs: `your ${judged.length} labelled pairs`, known: "the labels of the others" })}
+    <p class="hint">The head's own probabilities enter with weight ${share.toFixed(2)}, and a linear map learned from your pairs is added. Features do not change. One pair of each class, or a tenth of them, is left out at a time. One pair is ${step} points here.</p>
     ${table("Your pairs before and after teaching", ["It is", "before", "after"], rows)}${labels ? curveHtml(labels) : ""}</div>`;
 }

@@ -1,6 +1,6 @@
 /** Teaching from a visitor's labelled pairs, as `omnivat/head/teach.py` does it. No DOM here. */
 
-import { IMAGES, imagesOf } from "../shared/images.js";
+import { imagesOf } from "../shared/images.js";
 import { Refused } from "./refusal.js";
 import { best, dot, rowOf, softmax, sum } from "./tensors.js";
 
@@ -8,7 +8,7 @@ const MOST_LESSONS = 60;
 const LONGEST_LABEL = 40;
 const PENALTY = 0.3; // of squared weights
 const SHARPNESS = [0.5, 50]; // least and most, of scores
-const PARTS = { "the head with the lessons": 1, "lessons alone": 0 }; // the head's share
+const FOLDS = 10; // of the lessons of a class, at most
 
 /** The labelled pairs of a question. */
 export function lessonsIn({ lessons }) {
@@ -108,7 +108,38 @@ export function sharpness(scores, labels) {
 
 /** a - share * b, of matrices. */
 const less = (a, share, b) => a.map((row, i) => row.map((value, k) => value - share * b[i][k]));
-const without = (values, i) => values.filter((_, at) => at !== i);
+
+/** What lessons teach: the head's share, the weight of each lesson, and the scores of each without it. */
+export function solved({ rows, targets, before }) {
+  const [wanted, shown] = [ridge(rows, targets), ridge(rows, before)];
+  const share = shareOf(wanted.errors, shown.errors);
+  const apart = less(targets, 1, less(wanted.errors, share, shown.errors));
+  return { share, weights: less(wanted.solved, share, shown.solved), apart };
+}
+
+/** The fold of each lesson: folds have one lesson of each class, or a tenth of it. */
+function foldsOf(labels) {
+  const of = (label) => labels.filter((other) => other === label).length;
+  const folds = Math.min(FOLDS, Math.max(...labels.map(of)));
+  const at = (label, i) => labels.slice(0, i).filter((other) => other === label).length;
+  return labels.map((label, i) => Math.floor((at(label, i) * folds) / of(label)));
+}
+
+/** The class of each lesson by what the other folds teach. */
+export function afterOf(room, labels) {
+  const folds = foldsOf(labels);
+  const taught = (fold) => {
+    const rest = labels.flatMap((_, i) => (folds[i] === fold ? [] : [i]));
+    const [rows, targets, before] = [room.rows, room.targets, room.before].map((all) => rest.map((i) => all[i]));
+    return { rows, ...solved({ rows, targets, before }) };
+  };
+  const heads = [...new Set(folds)].sort((a, b) => a - b).map(taught);
+  return labels.map((_, i) => {
+    const { rows, share, weights } = heads[folds[i]];
+    const near = rows.map((row) => dot(row, room.rows[i]) + 1);
+    return best(room.before[i].map((value, k) => share * value + sum(near.map((one, j) => one * weights[j][k]))));
+  });
+}
 
 /** Teach the lessons of a room {head, lessons: [{label, pair}], run(pair)}: the taught head, and the report, what is
  * said of each lesson before and after teaching by the others. */
@@ -121,24 +152,19 @@ export async function teach({ head, lessons, run }) {
   const rows = outs.map(standing);
   const targets = labels.map((label) => classes.map((_, k) => Number(k === label)));
   const before = outs.map((one) => classes.map((_, k) => predicted(one)[k] ?? 0));
-  const [wanted, shown] = [ridge(rows, targets), ridge(rows, before)];
-  const apart = (share) => less(targets, 1, less(wanted.errors, share, shown.errors)); // without each lesson
-  const share = shareOf(wanted.errors, shown.errors);
-  const sharp = sharpness(apart(share), labels);
-  const weights = less(wanted.solved, share, shown.solved).map((row) => row.map((value) => sharp * value));
-  const after = (i) => best(apart(shareOf(without(wanted.errors, i), without(shown.errors, i)))[i]);
-  const judged = names.map((label, i) => ({ label, before: classes[best(before[i])], after: classes[after(i)] }));
+  const { share, weights, apart } = solved({ rows, targets, before });
+  const sharp = sharpness(apart, labels);
+  const after = missing(lessons) ? [] : afterOf({ rows, targets, before }, labels);
+  const judged = names.map((label, i) => ({ label, before: classes[best(before[i])], after: classes[after[i]] }));
   const right = (when) => judged.filter((one) => one[when] === one.label).length;
-  const parts = ([name, part]) => [name, apart(part).filter((row, i) => best(row) === labels[i]).length];
   const report = {
     judged,
     right: { before: right("before"), after: right("after") },
     share: Math.round(1e4 * share) / 1e4,
-    parts: Object.fromEntries(Object.entries(PARTS).map(parts)),
   };
   const map = {
-    rows: classes.map((_, k) => rows[0].map((_, at) => sum(rows.map((row, i) => weights[i][k] * row[at])))),
-    bias: classes.map((_, k) => sum(weights.map((row) => row[k]))),
+    rows: classes.map((_, k) => rows[0].map((_, at) => sharp * sum(rows.map((row, i) => weights[i][k] * row[at])))),
+    bias: classes.map((_, k) => sharp * sum(weights.map((row) => row[k]))),
     share: sharp * share,
   };
   return { made: { ...head, classes, map }, report };
