@@ -142,6 +142,13 @@ def save_head(folder: str | Path, head: Head) -> Path:
     """Write a head folder, completely or not at all; it replaces an older head.
 
     Raises DataError if the folder contains anything else.
+
+    >>> from tempfile import TemporaryDirectory
+    >>> from omnivat import default_head
+    >>> with TemporaryDirectory() as folder:
+    ...     place = save_head(Path(folder) / "copy", load_head(default_head()))
+    ...     load_head(place).settings.classes
+    ('wood', 'steel', 'plastic', 'ceramic', 'glass')
     """
     target = Path(folder)
     require_head_folder(target)

@@ -34,7 +34,13 @@ class Calibration:
 
 
 def tempered(logits: Float[Tensor, "*any K"], temperature: float) -> Float[Tensor, "*any K"]:
-    """Return softmax(logits / T)."""
+    """Return softmax(logits / T).
+
+    >>> import torch
+    >>> logits = torch.tensor([2.0, 0.0])
+    >>> tempered(logits, 1.0), tempered(logits, 4.0)
+    (tensor([0.8808, 0.1192]), tensor([0.6225, 0.3775]))
+    """
     return torch.softmax(logits / temperature, dim=-1)
 
 

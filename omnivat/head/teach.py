@@ -104,6 +104,16 @@ def judged(head: Head, lessons: Sequence[Lesson]) -> Report:
     one object alone would be taught less of its class than of the others, and err against it.
 
     Raises DataError if fewer than two classes have two objects or more.
+
+    >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
+    >>> head, pairs = load_head(default_head()), load_embeddings(default_embeddings())
+    >>> rows = pairs.rows_of("TQ-T3D-sim", split="train")[::4]
+    >>> vis, tac = (torch.tensor(getattr(pairs, name)[rows]).split(1) for name in IMAGES)
+    >>> labels = [pairs.header.classes[k] for k in pairs.label[rows]]
+    >>> lessons = [Lesson(label=k, vis=v, tac=t) for k, v, t in zip(labels, vis, tac, strict=True)]
+    >>> report = judged(head, lessons)
+    >>> report.after > report.before, 0 <= report.share <= 1
+    (True, True)
     """
     if lacking := missing(lessons):
         raise DataError(lacking)

@@ -115,6 +115,14 @@ def evaluate(
     training pairs. Pairs of classes that the head lacks are left out and counted. F1 averages the
     classes present in the domain; the "union" variant also averages classes that were only
     predicted. Raises DataError if the embeddings are from another encoder.
+
+    >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
+    >>> head, pairs = load_head(default_head()), load_embeddings(default_embeddings())
+    >>> home, away = evaluate(head, pairs)[:2]
+    >>> home["domain"], home["is_source"], away["domain"]
+    ('TAG-sim', True, 'OF Real-sim')
+    >>> home["scores"]["fused"]["accuracy"] > away["scores"]["fused"]["accuracy"]
+    True
     """
     head.require_embeddings(embeddings)
     records, done = [], 0

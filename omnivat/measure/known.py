@@ -73,6 +73,11 @@ def drawn(head: Head, embeddings: Embeddings, count: int, *, seed: int = 0) -> D
     """Draw `count` pairs of each target without labels; return the rest, moved by their profiles.
 
     Raises DataError for a negative count, or a head without its source's profile.
+
+    >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
+    >>> head, pairs = load_head(default_head()), load_embeddings(default_embeddings())
+    >>> drawn(head, pairs, 5).pictures["OF Real-sim"]
+    5
     """
     profiles, known = drawn_profiles(embeddings, head.source, count, seed=seed)
     rest = np.setdiff1d(np.arange(len(embeddings)), known)

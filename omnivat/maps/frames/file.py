@@ -75,6 +75,10 @@ def read_frames(path: str | Path) -> FrameSet:
     """Read a frames file.
 
     Raises DataError with the file name if the file is missing, truncated or of another kind.
+
+    >>> frames = read_frames("examples/frames.bin")
+    >>> frames.domains[0], frames.classes[:2], len(frames.orders)
+    ('TAG-sim', ('wood', 'steel'), 102)
     """
     file = Path(path)
     record, start = _header(file)

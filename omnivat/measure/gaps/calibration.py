@@ -34,7 +34,12 @@ def ece(
 
 
 def nll(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float[Tensor, ""]:
-    """Mean negative log probability of the true class, in nats; NaN for no pairs."""
+    """Mean negative log probability of the true class, in nats; NaN for no pairs.
+
+    >>> import torch
+    >>> nll(torch.tensor([[0.5, 0.5]]), torch.tensor([0]))
+    tensor(0.6931)
+    """
     require_shapes(probabilities=(probabilities, "N K"), labels=(labels, "N"))
     own = probabilities.gather(1, labels[:, None])[:, 0]
     return -own.clamp_min(1e-12).log().mean()
@@ -58,5 +63,11 @@ def risk_coverage(
 
 
 def aurc(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float[Tensor, ""]:
-    """Area under the risk-coverage curve: its mean over coverage, in [0, 1]; NaN for no pairs."""
+    """Area under the risk-coverage curve: its mean over coverage, in [0, 1]; NaN for no pairs.
+
+    >>> import torch
+    >>> shares = torch.tensor([[0.9, 0.1], [0.6, 0.4]])  # the second one is wrong, and less sure
+    >>> aurc(shares, torch.tensor([0, 1])), aurc(shares, torch.tensor([1, 0]))
+    (tensor(0.2500), tensor(0.7500))
+    """
     return risk_coverage(probabilities, labels).mean()

@@ -29,6 +29,11 @@ def modality_gap(vis: Float[Tensor, "B D"], tac: Float[Tensor, "B D"]) -> Float[
 
     Raises ShapeError if the two differ in shape.
     Source: Liang et al., "Mind the gap", NeurIPS 2022 (the distance of centroids).
+
+    >>> import torch
+    >>> touches = torch.tensor([[0.0, 1.0], [0.0, 5.0]])
+    >>> modality_gap(-touches, touches)
+    tensor(2.)
     """
     require_shapes(vis=(vis, "B D"), tac=(tac, "B D"))
     return centroid_gap(vis, tac)

@@ -25,6 +25,11 @@ def mmd_linear(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor
 
     Raises ShapeError for sets that are too small or of differing widths.
     Source: Gretton et al., JMLR 13:723-773, 2012.
+
+    >>> import torch
+    >>> a, b = torch.eye(2)[[0, 0, 0]], torch.eye(2)[[1, 1]]
+    >>> mmd_linear(a, b), mmd_linear(a, a)
+    (tensor(2.), tensor(0.))
     """
     return centroid_gap(a, b).square()
 

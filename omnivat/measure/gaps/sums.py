@@ -148,6 +148,11 @@ def cosine_margin(features: Float[Tensor, "N D"], labels: Int[Tensor, " N"]) -> 
 
     NaN if there is no pair of one kind. The paper's margin table samples pairs; here all are
     counted.
+
+    >>> import torch
+    >>> rows = torch.tensor([[1.0, 0.0], [2.0, 0.0], [0.0, 1.0], [0.0, 3.0]])
+    >>> float(cosine_margin(rows, torch.tensor([0, 0, 1, 1])))
+    1.0
     """
     return _sums(labels, torch.zeros_like(labels), vis=features).margin("vis")
 
