@@ -1,4 +1,4 @@
-"""Faithfulness of a map, and its drift from one order to the next."""
+"""Faithfulness of a map."""
 
 from dataclasses import dataclass
 
@@ -97,12 +97,3 @@ def distances(points: Tensor, rows: Tensor, middle: Tensor, squares: Tensor) -> 
     rows = rows - middle
     # (x - m)·(y - m) = x·(y - m) - m·(y - m): the points themselves are not copied
     return squares - 2 * (rows @ points.T - (rows @ middle)[:, None])
-
-
-def drift(before: Tensor, after: Tensor) -> float:
-    """Mean distance between the points of two maps (N, 2), in radii of the first: root mean
-    square from its middle.
-    """
-    require_shapes(before=(before, "N C"), after=(after, "N C"))
-    radius = (before - before.mean(0)).square().sum(1).mean().sqrt()
-    return float((after - before).norm(dim=1).mean() / radius)

@@ -7,7 +7,6 @@ the equilibria and prevents hubs from overshooting. The start is spectral (`spec
 map."""
 
 import math
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -156,21 +155,11 @@ def following(points: Tensor, before: Tensor | None, *, seed: int = 0) -> Tensor
 
     The start is almost right, so a later map takes only WARM_STEPS steps. The low rate WARM_RATE
     keeps rows in their places: maps of neighbouring orders are as trustworthy as independent ones
-    and move far less (`python -m benchmarks.projection`).
+    and move far less (`benchmarks.projection` at 527730d).
     """
     if before is None:
         return project(points, seed=seed)
     return project(points, seed=seed, steps=WARM_STEPS, rate=WARM_RATE, start=before)
-
-
-def chain(features: Iterable[Tensor]) -> Iterator[Tensor]:
-    """Yield a map (N, 2) for each (N, D), each started from the one before: the same rows at
-    orders in order.
-    """
-    before: Tensor | None = None
-    for points in features:
-        before = following(points, before)
-        yield before
 
 
 def aligned(flat: Tensor, to: Tensor) -> Tensor:

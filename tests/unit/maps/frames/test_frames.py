@@ -9,7 +9,7 @@ from omnivat.maps.frames import build_frames, builder, read_frames, write_frames
 from omnivat.maps.frames.builder import DEFAULT_MAPS, spread
 from omnivat.maps.frames.records import LEVELS, quantised
 from omnivat.maps.projection import pca, torch_umap
-from omnivat.maps.projection.torch_umap import aligned, chain
+from omnivat.maps.projection.torch_umap import aligned, following
 from omnivat.maps.sweep import sweep
 from omnivat.measure.gaps.unit import unit
 
@@ -43,11 +43,13 @@ def test_every_pca_frame_is_that_order_s_own_pca_within_the_u16_error(frames, st
         before = flat
 
 
-def test_every_umap_frame_is_the_chain_s_own_map_within_the_u16_error(frames):
+def test_every_umap_frame_is_the_map_that_follows_the_one_before_within_the_u16_error(frames):
     found = frames.maps["umap/f_hat"]
     assert found.orders == (0, 2, 4)
     chosen = [points for stop, points in enumerate(features("f_hat")) if stop in found.orders]
-    for place, flat in enumerate(chain(chosen)):
+    flat = None
+    for place, points in enumerate(chosen):
+        flat = following(points, flat)
         span = found.high[0] - found.low[0]
         assert np.abs(found.places(place) - flat.numpy()).max() <= span / LEVELS / 2 + 1e-3
 
