@@ -90,25 +90,6 @@ class Twins:
             },
         )
 
-    def as_printed(self, learning: Embeddings) -> Embeddings:
-        """Return the shipped set with its dots as printed: a head that learns from it reads `tac`.
-
-        learning  the shipped set, dots filled. Mirrored copies are left out, which have no dots
-
-        Raises DataError for another set.
-        """
-        if learning.header.preprocessing != self.as_filled or len(learning) <= self.rows.max(
-            initial=0
-        ):
-            raise DataError(
-                "These embeddings are not the shipped set with filled dots, whose printed dots"
-                " twins know."
-            )
-        tac = np.array(learning.tac, np.float32)
-        tac[self.rows] = self.printed
-        header = replace(learning.header, preprocessing=self.header.preprocessing)
-        return replace(learning, tac=tac, vis_flip=None, tac_flip=None, header=header)
-
     def place(self, domain: str) -> int:
         """Return the index of a sensor and scene. Raises DataError for a domain that the twins
         lack.

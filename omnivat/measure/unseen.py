@@ -111,15 +111,12 @@ def nearest_touch(
     found = np.zeros(len(rows), dtype=np.int64)
     for name in np.unique(domain[rows]):
         among = np.flatnonzero(domain == name)
-        touches = _unit(tac[among])
+        touches = unit(torch.from_numpy(tac[among]))
         places = np.flatnonzero(domain[rows] == name)
         for part in np.split(places, range(BLOCK, len(places), BLOCK)):
-            found[part] = among[np.argmax(_unit(vis[part]) @ touches.T, axis=1)]
+            cosines = unit(torch.from_numpy(vis[part])) @ touches.T
+            found[part] = among[cosines.argmax(1).numpy()]
     return found
-
-
-def _unit(rows: Array) -> Array:
-    return np.asarray(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -68,7 +68,7 @@ def try_pairs(
         why = "no single domain has pairs of two classes." if features.labelled else NO_CLASSES
         return Trial(head=None, lines=[f"No head was trained: {why}"])
     source = source or max(able, key=lambda name: len(features.members(name)))
-    own, objects = features.members(source), _objects(data)
+    own, objects = features.members(source), features.objects
     own = own[data.labelled[own]]
     folds, alone = _folds(data.label[own], objects[own], seed)
     plan = _plan(features, source, seed)
@@ -115,16 +115,6 @@ def try_pairs(
         )
     lines.append(conclusion(records, source))
     return Trial(head=head, lines=lines, records=records)
-
-
-def _objects(data: Embeddings) -> NDArray[np.int64]:
-    """Return an index (N,) of objects by domain and name; a pair without a name is its own."""
-    names = data.rows["object"]
-    keys = [
-        f"{d}/{name or f'{chr(0)}{k}'}"
-        for k, (d, name) in enumerate(zip(data.domain, names, strict=True))
-    ]
-    return np.unique(keys, return_inverse=True)[1]
 
 
 def _views(features: Features) -> tuple[str, ...]:
@@ -219,7 +209,7 @@ def _in_target(
     if not len(known):
         return None, f"{lead}: no pair is of a class that the head learned."
     told = _predicted(head.model, data, known, views) | _probed(features, home, known)
-    record = _record(name, data.label[known], _objects(data)[known], told)
+    record = _record(name, data.label[known], features.objects[known], told)
     text = f"{lead}, of which nothing was known: {_sentence(record)}"
     count = min(KNOWN, len(rows) // 2)
     if count:

@@ -38,10 +38,14 @@ class Features:
 
     @property
     def objects(self) -> NDArray[np.int64]:
-        """(N,) index of each pair's object: pairs of one object are not independent."""
-        header, names = self.embeddings.header, self.embeddings.rows["object"]
+        """(N,) index of each pair's object by domain and name; a pair without a name is its own.
+
+        Pairs of one object are not independent.
+        """
+        domains, names = self.embeddings.header.domains, self.embeddings.rows["object"]
         keys = [
-            f"{header.domains[d]}/{n}" for d, n in zip(self.embeddings.domain, names, strict=True)
+            f"{domains[d]}/{name or f'{chr(0)}{k}'}"
+            for k, (d, name) in enumerate(zip(self.embeddings.domain, names, strict=True))
         ]
         return np.unique(keys, return_inverse=True)[1]
 
