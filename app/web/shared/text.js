@@ -2,6 +2,37 @@
 
 const CODES = { "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;" };
 export const escaped = (text) => String(text).replace(/[&<>"']/g, (c) => CODES[c]);
+/** Markup that may be written into the page: `html` alone makes it. */
+export class Html {
+  /** @param {string} text */
+  constructor(text) {
+    this.text = text;
+  }
+  toString() {
+    return this.text;
+  }
+}
+/** @param {unknown} value @returns {string} */
+const markup = (value) =>
+  value instanceof Html
+    ? value.text
+    : Array.isArray(value)
+      ? value.map(markup).join("")
+      : value === null || value === undefined || value === false
+        ? ""
+        : escaped(value);
+/** Markup from a template. Every value in it is escaped, but for markup and lists of markup; null and false are left out.
+ * @param {TemplateStringsArray} parts @param {...unknown} values */
+export const html = (parts, ...values) =>
+  new Html(parts.map((part, at) => (at ? markup(values[at - 1]) : "") + part).join(""));
+/** Write markup into an element: the one place of the page that does.
+ * @param {Element} box @param {Html} content */
+export const put = (box, content) => {
+  if (!(content instanceof Html))
+    throw new TypeError("put takes markup made by html`…`, so that every value is escaped.");
+  box.innerHTML = content.text;
+};
+
 /** The HTML of each one, in a row. */
 export const each = (all, html) => [...all].map(html).join("");
 export const percent = (share, digits = 0) => `${(100 * share).toFixed(digits)}\u00a0%`;
