@@ -1,4 +1,4 @@
-"""The lines that docs/page.md gives for a hosted Space fit the repository."""
+"""The lines that docs/publish.md gives for a hosted Space fit the repository."""
 
 import re
 import tomllib
@@ -11,7 +11,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_the_front_matter_names_this_app_and_versions_that_the_project_supports():
-    text = (ROOT / "docs/page.md").read_text(encoding="utf-8")
+    text = (ROOT / "docs/publish.md").read_text(encoding="utf-8")
     block = re.search(r"```yaml\n---\n(.*?)---\n```", text, re.DOTALL)
     assert block is not None
     lines = (line.split(": ") for line in block[1].splitlines())
