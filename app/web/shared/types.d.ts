@@ -1,0 +1,545 @@
+/** The records of the page's scripts, for `tsc` alone: no browser loads this file. Every script sees these names. */
+
+type Modality = "vis" | "tac";
+/** What a head reads: both images, or one alone. */
+type Reading = "fused" | Modality;
+/** A reference to an image: "example:…", "row:…" of the set or "image:…" of the visitor. */
+type Ref = string;
+/** The images of a pair; a missing one is null or left out. */
+type Pair = { vis?: Ref | null; tac?: Ref | null };
+/** A labelled pair. */
+type Lesson = Pair & { label: string };
+type Point = [x: number, y: number];
+type Box = [left: number, bottom: number, right: number, top: number];
+type Rgb = [red: number, green: number, blue: number];
+type Painter = (context: CanvasRenderingContext2D, cloud: import("./cloud.js").Cloud) => void;
+
+// ---- markup ----
+
+type Html = import("./text.js").Html;
+/** Markup; a string while scripts change to `html`. */
+type Markup = Html | string;
+/** An element found by its class, as the page's own HTML has it. */
+type Found = any;
+
+// ---- what the page offers: tables.json ----
+
+interface Mode {
+  id: string;
+  can: string[];
+  title?: string;
+  help?: string;
+  file?: string;
+  who?: string;
+  many?: string;
+  away?: string;
+  caption?: string;
+  note?: string;
+  words?: string;
+}
+interface Measure {
+  name: string;
+  title: string;
+  help: string;
+  good: "lower" | "higher";
+  between?: string;
+}
+interface Stage {
+  key: string;
+  name: string;
+  explain: string;
+  brief: string;
+  short: string;
+  step: string;
+}
+interface ColourRow {
+  id: string;
+  title: string;
+  needs?: string[];
+  column?: string;
+}
+interface Tables {
+  modes: Mode[];
+  measures: ({ id: string } & Omit<Measure, "name">)[];
+  stages: { id: string; title: string; help: string; brief: string; short: string; step: string }[];
+  colours: ColourRow[];
+  methods: { id: string; title: string }[];
+  rungs: { id: string; step: number; title: string }[];
+}
+
+// ---- frames ----
+
+type Frames = import("./frames.js").Frames;
+/** What a file of frames says of itself. */
+interface FramesMeta {
+  orders: number[];
+  pairs: number;
+  domains: string[];
+  classes: string[];
+  arrays: Record<string, { dtype: "u8" | "u16"; shape: number[]; offset: number }>;
+  maps: Record<
+    string,
+    { array: string; orders: number[]; bounds: [Point, Point]; max_error: number; trust?: number[] }
+  >;
+  curves: Record<string, number[]>;
+  embeddings: { encoder: string; origin?: string; simulated?: boolean };
+  head?: {
+    kind?: string;
+    learned_order?: number;
+    fits?: [number, number];
+    source?: string;
+    seeds?: number[];
+    width?: number;
+  };
+}
+/** The positions of one map at one stop. */
+interface Positions {
+  points: Uint16Array | Uint8Array;
+  bounds: [Point, Point];
+  extents?: Box[];
+  drawn?: number;
+  stops?: number;
+  trust?: number;
+  error?: number;
+}
+/** Points of one colour and shape. */
+interface Layer {
+  style: Style;
+  at: Int32Array;
+  count: number;
+}
+interface Style {
+  shape: "circle" | "triangle";
+  colour: string;
+  radius: number;
+  alpha: number;
+}
+/** What colours and filters read of frames; a run of Train here has it too. */
+interface Colourable {
+  pairs: number;
+  domains: string[];
+  classes: string[];
+  domain: ArrayLike<number>;
+  label: ArrayLike<number>;
+  kind: string;
+  source: string;
+  prediction?: ArrayLike<number>;
+  confidence?: ArrayLike<number>;
+  answered?: ArrayLike<number> | null;
+  headless?: boolean;
+  labelled?: boolean;
+  columns?: Record<string, string[]>;
+}
+/** A colouring of points: the groups [name, colour], and the group of a pair. */
+interface Colouring {
+  label: string;
+  needs?: string[];
+  column?: string;
+  groups: (frames: Colourable) => [name: string, colour: string][];
+  of: (frames: Colourable, stop: number) => (pair: number, tac?: boolean | number) => number;
+}
+/** The sheet of thumbnails: VIS of pair i is tile i, TAC is tile N + i. */
+interface Sprite {
+  url: string;
+  tile: number;
+  columns: number;
+  count: number;
+}
+/** How far long work of the server is. */
+interface Step {
+  done: number;
+  total: number;
+  text: string;
+}
+
+// ---- the state of the page, as the address has it: store.js ----
+
+interface State {
+  view: string;
+  chapter: string;
+  mode: string;
+  reading: Reading;
+  press: string;
+  from: string;
+  dots: string;
+  known: string;
+  alike: string;
+  find: string;
+  range: string;
+  cell: string;
+  sel: string;
+  rung: string;
+  p: number;
+  stage: string;
+  map: string;
+  colour: string;
+  domain: string;
+  class: string;
+  modality: string;
+  pin: number | null;
+  vis: Ref | null;
+  tac: Ref | null;
+  p2: number | null;
+  stage2: string;
+  head2: string;
+  beside: string;
+  panel: string;
+  means: string;
+  /** the order at which the chapter opened */
+  opened?: number;
+}
+/** A filter of points. */
+type Filter = "domain" | "class" | "modality";
+
+// ---- replies of the server, by route ----
+
+/** A share and its interval. */
+interface Share {
+  share: number;
+  low: number;
+  high: number;
+}
+/** [share, low, high] */
+type Interval = [share: number, low: number, high: number];
+interface Packed {
+  kind: "u1" | "u2" | "i2";
+  steps: number;
+  data: string;
+}
+type Answers = Record<`answers/${Reading}` | "retrieval", Share> & { pairs: number };
+interface UnseenOf<Values> {
+  source: string;
+  order: number;
+  classes: string[];
+  chance: number;
+  domains: ({ name: string; is_source: boolean } & Answers)[];
+  unseen: Answers;
+  look_alikes?: Answers;
+  confusion: Record<Reading, Record<string, number[][]>>;
+  pairs: { counts: Values; answers: Record<Reading, Values>; confidence: Values; cosine: Values };
+}
+/** What the head predicts in unseen domains, with the values of each pair. */
+type Unseen = UnseenOf<ArrayLike<number>>;
+interface Familiarity {
+  cosine: number;
+  quantile: number;
+  words: string;
+  guess: boolean;
+}
+type Familiar = Partial<
+  Record<Modality, Partial<Familiarity> & { nearest: { pair: number; cosine: number }[]; strays?: boolean }>
+>;
+type Probabilities = Record<Reading, number[]> & Record<string, number[]>;
+interface Prediction {
+  readings: Probabilities;
+  images: Partial<Record<Modality, Familiarity>>;
+}
+/** What the head says of a pair at every p. */
+interface Predicted {
+  classes: string[];
+  orders: number[];
+  learned: number;
+  span: [number, number];
+  linear: boolean;
+  stops: Record<Reading, number[][]>;
+  exact: { order: number; readings: Probabilities };
+  spectra: Record<Modality, Spectrum>;
+}
+interface Spectrum {
+  rows: number;
+  columns: number;
+  width: number;
+  top: number;
+  pixels: string;
+}
+interface Attention {
+  tokens: Record<Modality, string[]>;
+  count: Record<Modality, number>;
+  off: Record<Modality, string>;
+  scale: number;
+  learned: number;
+}
+/** A visitor's sensor: the name of its profile, and the pictures in it. */
+interface Profile {
+  profile: string;
+  counts: Partial<Record<Modality, number>>;
+}
+/** What teaching changed. */
+interface Taught {
+  judged: { label: string; before: string; after: string }[];
+  right: { before: number; after: number };
+  share: number;
+  classes: string[];
+}
+interface Labels {
+  points: { objects: number; right: number; low: number; high: number }[];
+  words: string;
+}
+interface HeadRow {
+  name: string;
+  folder: string;
+  problem?: string;
+  generation: string;
+  mffa: boolean;
+  levels: number;
+  width: number;
+  start: number;
+  source: string;
+  seed: number;
+}
+interface Tree {
+  classes: string[];
+  order: number;
+  learned: number;
+  arrangement: string;
+  in_use: boolean;
+  source: string;
+  parents: number[];
+  nodes: { norm: number; probabilities: number[] }[];
+  layers: { nodes: number[]; cosines: number[][]; nod: number }[];
+}
+/** What is known of a new sensor, and what then is right. */
+interface Rung {
+  rung: string;
+  known: string;
+  accuracy: number;
+  low: number;
+  high: number;
+  source: string;
+  from: string;
+}
+interface Known extends Omit<Rung, "from"> {
+  pairs: number;
+  domains: Record<string, number>;
+  draws: number[];
+}
+/** What is loaded; a part with a `problem` has nothing else. */
+interface Facts {
+  head: {
+    problem?: string;
+    name: string;
+    classes: string[];
+    width: number;
+    input_width: number;
+    expansion: number;
+    levels: number;
+    order: number;
+    parameters: number;
+    encoder: Record<string, string>;
+    provenance: { source: string; [name: string]: unknown };
+    metrics: { epochs?: Omit<Epoch, "measures" | "map">[]; [name: string]: unknown };
+  };
+  embeddings: {
+    problem?: string;
+    name: string;
+    pairs: number;
+    width: number;
+    domains: string[];
+    classes: string[];
+    counts: number[][];
+    encoder: string;
+    weights_hash: string;
+    preprocessing: string;
+    simulated: boolean;
+    origin: string;
+  };
+  sensor: Partial<Profile> & { problem?: string };
+  examples: number;
+  limits: { image_bytes: number; image_pixels: number };
+}
+/** Why the head does not fit the set, and what to do; "" if it fits. */
+interface Fit {
+  problem: string;
+  remedy: string;
+  command: string;
+}
+/** What the head for own pictures reads right: shares on simulated sensors by pictures without labels, pairs on real ones. */
+interface OwnReader {
+  left_out: Record<string, Record<Reading, number>>;
+  real?: { pairs: number; always: number; "as they come": Record<Reading, number>; profile: Record<Reading, number> };
+}
+interface Choices {
+  modes: string[];
+  sets: SetRow[];
+  twins: boolean;
+}
+interface SetRow {
+  name: string;
+  title: string;
+  shown: boolean;
+  curve: { title: string; orders: number[]; share: number[] } | null;
+}
+/** Names of the pairs, the classes that they imitate, and the columns that colour points. */
+type PairNames = { name: string[]; looks_like: string[]; feels_like: string[] } & Record<string, string[]>;
+interface Complex {
+  re: number[][];
+  im: number[][];
+}
+interface Toy {
+  orders: number[];
+  spike: number;
+  signals: Record<Modality, Complex>;
+  clouds: Record<Modality, Point[][]>;
+  distances: Record<"signals" | "clouds", { turned: number[]; clipped: number[] }>;
+}
+type Input = "touch" | "photo" | "both";
+/** What heads predict of the twins. Lists are by source, dots, pictures, sensor; `away` is over the other sensors. */
+interface Twins {
+  simulated: boolean;
+  made_by: string;
+  head: string;
+  classes: string[];
+  domains: { name: string; sensor: string; scene: string; about: string }[];
+  objects: number;
+  pictures: number[];
+  known: Record<Input, number[]>;
+  learned: number[][];
+  presses: Record<Input, number[][]>;
+  accuracy: Record<Input, Interval[][][][]>;
+  away: Record<Input, Interval[][][]>;
+  shown: { class: number; name: string; press: number; looks_like: string; feels_like: string; sheet: string }[];
+  verdicts: Record<Input, string[][][]>;
+  confidence: Record<Input, string[][][]>;
+  split: { head: string; sources: number; loss: Record<Input, Record<string, Interval>[]> };
+}
+/** Where the twins' touches are: as they come, mean moved, mean and spread moved. */
+interface TwinsMap {
+  presses: number;
+  label: string;
+  pca: string[];
+  umap: string[];
+  own_twin: number[][];
+  own_twin_mean: number[];
+  gap: number[];
+  accuracy: number[];
+}
+interface Example {
+  name: string;
+  domain: string;
+  class: string;
+  simulated: boolean;
+}
+/** A fetched set of real pairs. */
+interface RealSet {
+  name: string;
+  title: string;
+  authors: string;
+  terms: string;
+  terms_from: string;
+  licence: string;
+  source: string;
+  changes: string;
+  count: number;
+  pairs: { class: string; pictures: Partial<Record<Modality, string>> }[];
+}
+
+// ---- Train here ----
+
+/** The settings of a training; the form's fields. */
+interface Settings {
+  source: string;
+  width: number;
+  order: string;
+  lang: boolean;
+  p: number;
+  mma: number;
+  levels: number;
+  expansion: number;
+  noise: number;
+  shift: number;
+  epochs: number;
+  seed: number;
+}
+interface Offers {
+  sources: string[];
+  widths: number[];
+  orders: string[];
+  ranges: Record<string, [number, number]>;
+  first: Settings;
+}
+/** A training that began: its name, and the pairs on its maps. */
+interface Started {
+  run: string;
+  total: number;
+  source: string;
+  left_out: number;
+  reach: number;
+  domains: string[];
+  classes: string[];
+  domain: number[];
+  label: number[];
+}
+interface Epoch {
+  epoch: number;
+  loss: number;
+  cross_entropy: number;
+  order: number;
+  measures: Record<string, number>;
+  map: string | null;
+}
+interface Standing {
+  state: "waiting" | "running" | "done" | "failed" | "cancelled";
+  place: number;
+  text: string;
+  left: string;
+  problem: string;
+  set: string;
+}
+
+interface Replies {
+  about: Facts;
+  fit: Fit;
+  own: Partial<OwnReader>;
+  glossary: Record<string, string>;
+  heads: HeadRow[];
+  modes: Choices;
+  first: { ref: Ref | null };
+  pairs: PairNames;
+  toy: Toy;
+  unseen: UnseenOf<Packed>;
+  twins: Twins;
+  "twins/map": TwinsMap;
+  examples: Example[];
+  real: { local: boolean; sets: RealSet[]; left_out: string[] };
+  "thumbnails.json": Omit<Sprite, "url">;
+  pair: Predicted;
+  many: { classes: string[]; pairs: Prediction[] };
+  attention: Attention;
+  tree: Tree;
+  votes: { votes: { class: string; share: number }[]; pairs: number };
+  neighbours: { neighbours: { point: number; cosine: number }[] };
+  ladder: { rungs: Rung[]; sources: string[]; kept?: boolean };
+  known: Known;
+  place: { points: Partial<Record<Modality, Point>>; order: number; exact: boolean };
+  predictions: {
+    label: string;
+    classes: string[];
+    prediction: number[];
+    confidence: number[];
+    accuracy: Record<string, number>;
+  };
+  familiar: { images: Familiar; of: string };
+  profile: Profile;
+  sensor: Profile;
+  teach: Taught;
+  curve: Labels;
+  taught: { taught: string };
+  image: { ref: Ref; width: number; height: number; preview: string };
+  live: { classes: string[]; ms: { read: number; encoder: number; head: number } } & Prediction;
+  occlusion: { class: string; probability: number; cells: number; drops: number[][]; seconds: number };
+  part: { part: string };
+  load: { set: string };
+  trainings: Offers;
+  train: Started;
+  training: Standing & { epochs: Epoch[] };
+  "training/cancel": Standing & { epochs: Epoch[] };
+}
+/** The reply to a path: by the route before its question mark. */
+type ReplyTo<Path extends string> = Path extends keyof Replies
+  ? Replies[Path]
+  : Path extends `${infer Route}?${string}`
+    ? ReplyTo<Route>
+    : unknown;
+/** What is sent to a route: a pair or pairs, lessons, and what else it takes. */
+type Pictured = Pair & { lessons?: Lesson[]; pairs?: Pair[] };
+type Question = Pictured & { [name: string]: unknown };
