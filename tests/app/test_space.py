@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 def test_the_front_matter_names_this_app_and_versions_that_the_project_supports():
     text = (ROOT / "docs/publish.md").read_text(encoding="utf-8")
-    block = re.search(r"```yaml\n---\n(.*?)---\n```", text, re.DOTALL)
+    block = re.search(r"```yaml\n---\n([^`]*?sdk: gradio.*?)---\n```", text, re.DOTALL)
     assert block is not None
     lines = (line.split(": ") for line in block[1].splitlines())
     given = {name: value.strip('"') for name, value in lines}
