@@ -18,7 +18,7 @@ from app.jobs import Job
 from app.limits import MAX_API_BYTES, REPORT_S
 from app.map_place import kept_features
 from app.messages import Handler, in_sentences, refusal
-from app.pair_input import embedded, refs_from
+from app.pair_input import pair_of
 from app.requests import done, question_from, received
 from app.resources import Resources
 from app.state import order_from
@@ -58,7 +58,7 @@ def predict(resources: Resources, arguments: Arguments, job: Job[Any]) -> dict[s
 
     order, head = order_from(arguments.get("order")), resources.head_named(arguments.get("head"))
     named = {name: _image(resources, arguments.get(name), name) for name in ("vis", "tac")}
-    pair = embedded(resources, refs_from(named))
+    _, _, pair = pair_of(resources, named)
     found = predict_embeddings(head, pair["vis"], pair["tac"], order=order)[0]
     found.pop("profile")
     return {

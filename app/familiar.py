@@ -3,23 +3,20 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from app.pair_input import embedded, refs_from, rounded
+from app.pair_input import OTHER, Asked, asked, rounded
 from app.resources import Resources
-from app.teaching import familiar_lessons
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np
     import torch
 
-    from omnivat.head.calibration import Familiarity
     from omnivat.head.checkpoint import Head
 
     Index = np.ndarray[Any, Any]
 
 NEAREST = 3
 MOST_LOOKED_AT = 2000  # pairs of the set among which the first one is chosen
-OTHER = {"vis": "tac", "tac": "vis"}
 
 
 def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
@@ -36,15 +33,13 @@ def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
     """
     import torch
 
-    head, embeddings = resources.head_named(question.get("head")), resources.embeddings()
-    head.require_embeddings(embeddings)
-    refs = refs_from(question)
-    pair = embedded(resources, refs)
-    index, of = training_pairs(resources, head)
-    looked = looked_at(known_to(resources, head, question), pair["vis"], pair["tac"])
+    resources.head_named(question.get("head")).require_embeddings(resources.embeddings())
+    named = asked(resources, {**question, "profile": ""})
+    index, of = training_pairs(resources, named.head)
+    looked = looked_at(named)
     images: dict[str, dict[str, Any]] = {}
-    for name, ref in refs.items():
-        raw = pair[name]
+    for name, ref in named.refs.items():
+        raw = named.before[name]
         if ref is None or raw is None:
             continue
         near = _nearest(resources, name, raw, index, int(ref.name) if ref.kind == "row" else -1)
@@ -57,49 +52,28 @@ def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
     return {"images": images, "of": of}
 
 
-def known_to(
-    resources: Resources, head: "Head", question: Mapping[str, Any]
-) -> "Familiarity | None":
-    """Return what images are compared with: the pictures of a request's lessons, else the head's
-    training images.
-    """
-    return familiar_lessons(resources, question) or head.familiarity
-
-
-def looked_at(
-    known: "Familiarity | None", vis: "torch.Tensor | None", tac: "torch.Tensor | None"
-) -> dict[str, dict[str, Any]]:
-    """Return modality -> cosine, quantile, words and guess of one pair's raw embeddings (1, D).
+def looked_at(named: Asked) -> dict[str, dict[str, Any]]:
+    """Return modality -> cosine, quantile, words and guess of a request's images before any
+    profile.
 
     The quantile is the share of the known images with a less similar nearest neighbour. Empty if
     none is known.
     """
     from omnivat.head.calibration import UNLIKE
 
-    if known is None:
+    if named.known is None:
         return {}
-    found = known.look(vis, tac)[0]
-    return {name: {**one, "guess": one["quantile"] < UNLIKE} for name, one in found.items()}
+    looks = named.known.look(named.before["vis"], named.before["tac"])[0]
+    return {name: {**one, "guess": one["quantile"] < UNLIKE} for name, one in looks.items()}
 
 
-def predict_one(
-    head: "Head",
-    pair: "Mapping[str, torch.Tensor | None]",
-    order: float | None = None,
-    known: "Familiarity | None" = None,
-    *,
-    before: "Mapping[str, torch.Tensor | None]",
-) -> dict[str, Any]:
-    """Return `readings`, the class probabilities, and `images`, the familiarity, of one pair.
-
-    before  the pair before any profile
+def predict_one(named: Asked) -> dict[str, Any]:
+    """Return `readings`, the class probabilities, and `images`, the familiarity, of a request's
+    pair.
     """
-    out = head.model(pair["vis"], pair["tac"], order=order)
+    out = named.head.model(named.pair["vis"], named.pair["tac"], order=named.order)
     readings = {name: rounded(values.numpy())[0] for name, values in out.readings.items()}
-    return {
-        "readings": readings,
-        "images": looked_at(known or head.familiarity, before["vis"], before["tac"]),
-    }
+    return {"readings": readings, "images": looked_at(named)}
 
 
 def first(resources: Resources) -> dict[str, Any]:

@@ -7,15 +7,14 @@ priority.
 
 import logging
 from collections.abc import Callable, Mapping
-from concurrent.futures import Future
+from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import wait as ended
 from dataclasses import dataclass, field, replace
-from functools import partial
 from itertools import count
 from threading import Condition
 from time import monotonic, sleep
 from typing import Any, Generic, Literal, TypeVar
 
-from app.job_threads import JobThreads
 from app.limits import AGE_S, GIVE_WAY_S, SLOTS, WAITING_JOBS
 from app.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
 from app.state import VISITOR
@@ -25,6 +24,7 @@ from omnivat.kit.progress import CHECK, Pace, Step
 log = logging.getLogger(__name__)
 T = TypeVar("T")
 LOOK_S = 0.005
+MOST_THREADS = 1000  # of running and paused jobs; idle ones wait for the next job
 State = Literal["waiting", "running", "done", "failed", "cancelled"]
 
 
@@ -167,7 +167,7 @@ class Jobs:
     def __init__(self, slots: Mapping[str, int] = SLOTS) -> None:
         self._lanes = {name: _Lane(number, AGE_S[name]) for name, number in slots.items()}
         self._changed = Condition()  # a paused job was woken or stopped
-        self._threads = JobThreads()
+        self._threads = ThreadPoolExecutor(MOST_THREADS, "job")
         self._numbers = count()
         self._closed = False
 
@@ -260,7 +260,8 @@ class Jobs:
             everything = self._all()
         for job in everything:
             self.cancel(job)
-        self._threads.close(monotonic() + wait_s)
+        ended([job.future for job in everything], wait_s)
+        self._threads.shutdown(wait=False)
 
     def place(self, job: Job[Any]) -> int:
         """Return the job's position in its queue, from 1; 0 if it is not waiting."""
@@ -277,20 +278,18 @@ class Jobs:
             job.since = monotonic()
             if job.begun:
                 self._changed.notify_all()
-            else:
-                self._begin(line, job)
-
-    def _begin(self, line: _Lane, job: Job[Any]) -> None:
-        try:
-            self._threads.run(partial(self._run, job))
+                continue
             job.begun = True
-        except RuntimeError:  # the system has no more threads
-            line.running.discard(job)
-            job.end("failed", BusyError("The server has no thread left; try again in a minute."))
+            try:
+                self._threads.submit(self._run, job)
+            except RuntimeError:  # the system has no more threads
+                line.running.discard(job)
+                job.end("failed", BusyError("The server has no thread left; try again later."))
 
     def _run(self, job: Job[Any]) -> None:
         try:
-            job.run()
+            if not job.future.done():
+                job.run()
         finally:
             line = self._lanes[job.lane]
             with self._changed:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from app.pair_input import embedded, refs_from
+from app.pair_input import pair_of
 from app.resources import Resources, state_of
 from app.state import order_from
 from omnivat.kit.errors import DataError
@@ -31,8 +31,7 @@ def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     from omnivat.measure.gaps.unit import unit
 
     stage, order, flat = _drawn(resources, question)
-    refs = refs_from(question)
-    pair = embedded(resources, refs, question)
+    refs, _, pair = pair_of(resources, question)
     half = len(flat) // 2
     points = {
         name: flat[int(ref.name) + (half if name == "tac" else 0)].tolist()

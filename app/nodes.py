@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from app.pair_input import embedded, refs_from, rounded
+from app.pair_input import pair_of, rounded
 from app.resources import Resources
 from app.state import order_from
 from app.training_plan import thinned
@@ -30,7 +30,7 @@ def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
     order = order_from(question.get("order"))
     head = resources.head_named(question.get("head"))
-    pair = embedded(resources, refs_from(question), question)
+    _, _, pair = pair_of(resources, question)
     order = head.model.order if order is None else order
     with torch.inference_mode():
         nodes = head.model(pair["vis"], pair["tac"], order=order, nodes=True).nodes

@@ -1,94 +1,200 @@
-"""Shared by all requests about a pair: its two images, as embeddings."""
+"""What a request about pictures names, looked up once: its pair, profile, lessons and head."""
 
-from collections.abc import Mapping
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from app.resources import Resources
-from app.state import ForgottenError, Ref, ref_from
+from app.state import ForgottenError, Ref, content_name, order_from, ref_from
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
+from omnivat.kit.stages import IMAGES
 
 if TYPE_CHECKING:
     import numpy as np
-    import torch
+    from torch import Tensor
 
     from omnivat.data.profile import Profile
+    from omnivat.head.calibration import Familiarity
+    from omnivat.head.checkpoint import Head
+    from omnivat.head.teach import Lesson
+
+Question = Mapping[str, Any]
+Pair = dict[str, "Tensor | None"]
+OTHER = {"vis": "tac", "tac": "vis"}
+MOST_LESSONS = 60
+LONGEST_LABEL = 40  # letters
 
 
-def refs_from(question: Mapping[str, Any]) -> dict[str, Ref | None]:
-    """Return the references of a request's VIS and TAC images."""
-    return {modality: ref_from(question.get(modality)) for modality in ("vis", "tac")}
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Asked:
+    """A request's pair, and what reads it."""
+
+    refs: dict[str, Ref | None]
+    before: Pair  # (B, input_width) by modality as they come; None for a missing image
+    pair: Pair  # the same, a visitor's images moved by the request's profile
+    order: float | None  # p; None: the learned one
+    head: "Head"  # taught by the request's lessons, if there are any
+    known: "Familiarity | None"  # what its pictures are compared with
 
 
-def mixed(refs: Mapping[str, Ref | None]) -> bool:
-    """True if the two images come from different pairs: two of the set, or one and a visitor's."""
-    vis, tac = refs["vis"], refs["tac"]
-    if vis is None or tac is None or vis == tac:
-        return False
-    return {vis.kind, tac.kind} != {"image"}  # two of a visitor's own may be a pair
+def asked(
+    resources: Resources, question: Question, rows: "Mapping[str, Tensor]" = MappingProxyType({})
+) -> Asked:
+    """Return what a request names.
 
+    question  {"vis", "tac": references; "order": p; "profile", "head": names; "lessons", or
+              "taught": the name of a head taught before}
+    rows      embeddings (B, input_width) of pictures that came with the request
 
-def embedded(
-    resources: Resources,
-    refs: Mapping[str, Ref | None],
-    question: Mapping[str, Any] = MappingProxyType({}),
-) -> "dict[str, torch.Tensor | None]":
-    """Return the embeddings (1, input_width) of the named images; None for a missing one.
-
-    question  its `profile`, if any, moves uploaded images to the source of its `head`
-
-    Raises DataError if both are missing or one is not available.
+    Raises DataError without any image, ForgottenError for what is no longer kept.
     """
-    checkpoint()
-    if not any(refs.values()):
-        raise DataError("Choose a pair first: a VIS image, a TAC image or both.")
-    return {
-        modality: of_ref(resources, ref, modality, question) if ref else None
-        for modality, ref in refs.items()
-    }
+    order = order_from(question.get("order"))
+    refs, before, pair = pair_of(resources, question, rows)
+    head, known = reader_of(resources, question)
+    return Asked(refs=refs, before=before, pair=pair, order=order, head=head, known=known)
 
 
-def of_ref(
-    resources: Resources, ref: Ref, modality: str, question: Mapping[str, Any]
-) -> "torch.Tensor":
-    """Return the embedding (1, input_width) of one image, as `embedded` does."""
+def within(question: Question, pair: Question) -> Question:
+    """Return a request about one of the pairs that a request names."""
+    return {**question, **dict.fromkeys(IMAGES), **pair}
+
+
+def pair_of(
+    resources: Resources, question: Question, rows: "Mapping[str, Tensor]" = MappingProxyType({})
+) -> tuple[dict[str, Ref | None], Pair, Pair]:
+    """Return a request's references, and its pair before and after its profile."""
     import torch
 
-    rows = torch.from_numpy(resources.embedding(ref, modality).copy())[None]
-    return moved(resources, question, modality, rows) if ref.kind == "image" else rows
-
-
-def moved(
-    resources: Resources, question: Mapping[str, Any], modality: str, rows: "torch.Tensor"
-) -> "torch.Tensor":
-    """Return rows (B, input_width) of a visitor's images, moved by the profile of a request, if
-    any.
-
-    Raises DataError if it does not fit the head, or the head has no profile of its source.
-    """
+    checkpoint()
+    refs = {name: None if name in rows else ref_from(question.get(name)) for name in IMAGES}
+    if not rows and not any(refs.values()):
+        raise DataError("Choose a pair first: a VIS image, a TAC image or both.")
+    before: Pair = {name: rows.get(name) for name in IMAGES}
+    count = max(map(len, rows.values()), default=1)
+    for name, ref in refs.items():
+        if ref:
+            row = torch.from_numpy(resources.embedding(ref, name).copy())[None]
+            before[name] = row.expand(count, -1)
     profile = profile_in(resources, question)
-    return (
-        rows
-        if profile is None
-        else resources.head_named(question.get("head")).moved(modality, rows, profile)
-    )
+    if profile is None:
+        return refs, before, before
+    reader = resources.head_named(question.get("head"))
+    own = {name for name, ref in refs.items() if name in rows or (ref and ref.kind == "image")}
+    pair = {
+        name: reader.moved(name, some, profile) if name in own and some is not None else some
+        for name, some in before.items()
+    }
+    return refs, before, pair
 
 
-def profile_in(resources: Resources, question: Mapping[str, Any]) -> "Profile | None":
+def profile_in(resources: Resources, question: Question) -> "Profile | None":
     """Return the profile named in a request; None without a name. Raises ForgottenError if it is
     not kept.
     """
     name = question.get("profile")
-    found = resources.profiles.get(str(name)[:64]) if name else None
-    if name and found is None:
+    kept = resources.profiles.get(str(name)[:64]) if name else None
+    if name and kept is None:
         raise ForgottenError("The server no longer has the profile of your sensor; load it again.")
-    return found
+    return kept
+
+
+def reader_of(resources: Resources, question: Question) -> "tuple[Head, Familiarity | None]":
+    """Return the head of a request, and what pictures are compared with: its lessons, or its
+    training images.
+    """
+    if name := question.get("taught"):
+        kept = resources.taught.get(str(name)[:64])
+        if kept is None:
+            raise ForgottenError("The server no longer has the taught head; press Teach again.")
+        return kept
+    head = resources.head_named(question.get("head"))
+    if not lessons_in(question):
+        return head, head.familiarity
+
+    def made() -> "tuple[Head, Familiarity | None]":
+        from omnivat.head.teach import taught
+
+        return taught(head, lessons_of(resources, question)), _known(resources, question, head)
+
+    return resources.taught.once(taught_name(question), made)
+
+
+def taught_name(question: Question) -> str:
+    """Return the name of the head that a request's lessons teach."""
+    text = json.dumps(
+        [question.get(name) for name in ("head", "profile", "lessons")], sort_keys=True
+    )
+    return content_name(text.encode("utf-8", "replace"))
+
+
+def lessons_in(question: Question) -> Sequence[Question]:
+    """Return the labelled pairs in a request: [{"vis", "tac", "label"}, …]; raises DataError for
+    anything else.
+    """
+    labelled = question.get("lessons") or []
+    if not isinstance(labelled, list) or not all(isinstance(one, dict) for one in labelled):
+        raise DataError("lessons has to be a list of pairs with a label each.")
+    if len(labelled) > MOST_LESSONS:
+        raise DataError(
+            f"{len(labelled)} labelled pairs were sent and at most {MOST_LESSONS} are taken here; "
+            "train with `python -m omnivat train` instead."
+        )
+    for lesson in labelled:
+        label = lesson.get("label")
+        if not isinstance(label, str) or not 0 < len(label.strip()) <= LONGEST_LABEL:
+            raise DataError(
+                f"A label is {label!r:.60}; give a name of 1 to {LONGEST_LABEL} letters."
+            )
+        vis, tac = (ref_from(lesson.get(name)) for name in IMAGES)
+        # two of a visitor's own may be a pair
+        if vis and tac and vis != tac and {vis.kind, tac.kind} != {"image"}:
+            raise DataError(
+                f"The photo and the touch labelled '{label}' come from different pairs; label pairs"
+                " of two pictures of one object."
+            )
+    return labelled
+
+
+def lessons_of(resources: Resources, question: Question, *, moved: bool = True) -> "list[Lesson]":
+    """Return the labelled pairs of a request as embeddings, before or after its profile."""
+    from omnivat.head.teach import Lesson
+
+    lessons = []
+    for one in lessons_in(question):
+        _, before, after = pair_of(resources, within(question, one) if moved else one)
+        pair = after if moved else before
+        lessons.append(Lesson(label=one["label"].strip(), vis=pair["vis"], tac=pair["tac"]))
+    return lessons
+
+
+def _known(resources: Resources, question: Question, head: "Head") -> "Familiarity | None":
+    """Return the pictures of a request's lessons as what others are compared with; the head's
+    training images for fewer than two of a kind.
+
+    They are taken before any profile; their quantiles are the nearest cosines of each among the
+    others.
+    """
+    import torch
+
+    from omnivat.head.calibration import Familiarity, nearest_cosines
+
+    lessons = lessons_of(resources, question, moved=False)
+    rows, quantiles = {}, {}
+    for name in IMAGES:
+        pictures = [one for lesson in lessons if (one := getattr(lesson, name)) is not None]
+        if len(pictures) > 1:
+            rows[name] = own = torch.cat(pictures)
+            owner = torch.arange(len(own))
+            quantiles[name] = nearest_cosines(own, own, owner, owner).mean(1).sort().values
+    return Familiarity(rows=rows, quantiles=quantiles) if rows else head.familiarity
 
 
 def rounded(values: "np.ndarray[Any, Any]") -> list[list[float]]:
     """Round numbers to six digits, enough for the page."""
     import numpy as np
 
-    found: list[list[float]] = np.round(values.astype(np.float64), 6).tolist()
-    return found
+    digits: list[list[float]] = np.round(values.astype(np.float64), 6).tolist()
+    return digits

@@ -4,24 +4,22 @@ occlusion.
 
 import base64
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
 from io import BytesIO
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from app.familiar import OTHER, predict_one
-from app.pair_input import moved, of_ref
+from app.familiar import predict_one
+from app.pair_input import OTHER, asked
 from app.resources import Resources
-from app.state import Ref
-from app.teaching import head_taught
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
 
 if TYPE_CHECKING:
     from PIL import Image
-    from torch import Tensor
 
+Content = bytes | Path  # a picture, or its file
+Question = Mapping[str, Any]
 BOTH = "both"
 PREVIEW_SIDE = 320  # pixels of the preview
 CELLS = 7  # of occlusion, for each side of the picture shown
@@ -30,46 +28,20 @@ AT_ONCE = 8  # images embedded between two checks for a cancelled request
 SIDE = 448  # pixels; the image is first scaled down to this, encoders use 224
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Sent:
-    """A picture and the parameters of its request."""
-
-    content: bytes | Path  # its bytes, or their file; with BOTH: of the photo, then of the touch
-    modality: str = ""  # "vis", "tac" or BOTH
-    split: int = 0  # the bytes of the photo, with BOTH
-    other: Ref | None = None  # the other image of the pair; None to predict without it
-    order: float | None = None  # p in quarter turns; None: the learned one
-    name: str = "the image"
-    # name of a taught head, from `app.teaching.taught_name`; "": the head as trained
-    taught: str = ""
-    head: str = ""  # name of a head; "": the first one
-    profile: str = ""  # name of a profile, from `app.sensor`; "": images as they come
-
-    def pair(
-        self, resources: Resources, rows: "Mapping[str, Tensor]"
-    ) -> "dict[str, Tensor | None]":
-        """Return the embeddings of both modalities: `rows` (B, W) of the pictures sent, and the
-        other image.
-        """
-        asked = {"profile": self.profile, "head": self.head}
-        pair: dict[str, Tensor | None] = {"vis": None, "tac": None}
-        for own, some in rows.items():
-            pair[own] = moved(resources, asked, own, some)
-            if self.other is not None and self.modality != BOTH:
-                rest = OTHER[own]
-                pair[rest] = of_ref(resources, self.other, rest, asked).expand(len(some), -1)
-        return pair
-
-
-def taken(resources: Resources, sent: Sent) -> dict[str, Any]:
+def taken(resources: Resources, content: Content, question: Question) -> dict[str, Any]:
     """Embed an image; return its name and a small preview. The picture itself is not kept."""
-    ref, found = resources.take_image(sent.content, sent.name)
+    ref, found = resources.take_image(content, name_in(question))
     return {
         "ref": str(ref),
         "width": found.width,
         "height": found.height,
         "preview": preview(found.image),
     }
+
+
+def name_in(question: Question) -> str:
+    """Return the name of a request's picture."""
+    return str(question.get("name", ""))[:120] or "the image"
 
 
 def preview(image: "Image.Image") -> str:
@@ -81,11 +53,13 @@ def preview(image: "Image.Image") -> str:
         return "data:image/jpeg;base64," + base64.b64encode(handle.getvalue()).decode()
 
 
-def live(resources: Resources, sent: Sent) -> dict[str, Any]:
+def live(resources: Resources, content: Content, question: Question) -> dict[str, Any]:
     """Predict one picture with the other image of the pair if given, or a photo and a touch.
 
-    return  classes, probabilities of each reading, `images`: modality -> whether the prediction
-            is a `guess`, and milliseconds of each part
+    question  {"modality": "vis", "tac" or "both"; "other": reference of the other image; "split":
+              bytes of the photo before those of the touch, for both}; and see `asked`
+    return    classes, probabilities of each reading, `images`: modality -> whether the prediction
+              is a `guess`, and milliseconds of each part
 
     Raises DataError if the picture cannot be read or its modality is unknown.
     """
@@ -93,75 +67,79 @@ def live(resources: Resources, sent: Sent) -> dict[str, Any]:
 
     from omnivat.encoders.base import for_modality
 
-    began = perf_counter()
-    head, known = head_taught(resources, sent.taught, sent.head)
-    read = resources.shared.decoder.read
+    began, read = perf_counter(), resources.shared.decoder.read
+    encoders = {one: for_modality(resources.encoder(), one) for one in OTHER}
     with torch.inference_mode():
         pixels = {
-            one: for_modality(resources.encoder(), one).preprocess(read(part, sent.name).image)
-            for one, part in _parts(sent).items()
+            one: encoders[one].preprocess(read(part, name_in(question)).image)
+            for one, part in _parts(content, question).items()
         }
         decoded = perf_counter()
-        rows = {
-            one: for_modality(resources.encoder(), one).embed(some[None])
-            for one, some in pixels.items()
-        }
+        rows = {one: encoders[one].embed(some[None]) for one, some in pixels.items()}
         embedded = perf_counter()
-        before = replace(sent, profile="").pair(resources, rows)
-        found = predict_one(head, sent.pair(resources, rows), sent.order, known, before=before)
+    named = asked(resources, _beside(question), rows)
+    with torch.inference_mode():
+        found = predict_one(named)
     ms = {"read": decoded - began, "encoder": embedded - decoded, "head": perf_counter() - embedded}
     ms = {part: round(1000 * seconds, 1) for part, seconds in ms.items()}
-    return {"classes": list(head.settings.classes), **found, "ms": ms}
+    return {"classes": list(named.head.settings.classes), **found, "ms": ms}
 
 
-def _parts(sent: Sent) -> dict[str, bytes | Path]:
+def _beside(question: Question) -> Question:
+    """Return a request with the reference of the other image, if it names one."""
+    rest = OTHER.get(question["modality"])
+    return {**question, rest: question.get("other")} if rest else question
+
+
+def _parts(content: Content, question: Question) -> dict[str, Content]:
     """Return modality -> content of each picture in a request."""
-    content = sent.content
-    if sent.modality in OTHER:
-        return {sent.modality: content}
-    if sent.modality != BOTH:
-        raise DataError(f"modality is '{sent.modality:.20}'; it is vis, tac or both.")
+    modality, split = str(question.get("modality", "")), str(question.get("split", ""))[:9]
+    if modality in OTHER:
+        return {modality: content}
+    if modality != BOTH:
+        raise DataError(f"modality is '{modality:.20}'; it is vis, tac or both.")
     whole = content.read_bytes() if isinstance(content, Path) else content
-    if not 0 < sent.split < len(whole):
-        raise DataError(
-            f"split is {sent.split}; give the bytes of the photo, before those of the touch."
-        )
-    return {"vis": whole[: sent.split], "tac": whole[sent.split :]}
+    end = int(split) if split.isdecimal() else 0
+    if not 0 < end < len(whole):
+        raise DataError(f"split is {end}; give the bytes of the photo, before those of the touch.")
+    return {"vis": whole[:end], "tac": whole[end:]}
 
 
-def occlusion(resources: Resources, sent: Sent) -> dict[str, Any]:
+def occlusion(resources: Resources, content: Content, question: Question) -> dict[str, Any]:
     """Hide each part of an image in turn, predict again, and measure the change of the probability.
 
-    return  the predicted class, its probability, and `drops` (CELLS, CELLS): the decrease of the
-            probability when a part is hidden; negative for an increase
+    question  as for `live`, with the modality "vis" or "tac"
+    return    the predicted class, its probability, and `drops` (CELLS, CELLS): the decrease of the
+              probability when a part is hidden; negative for an increase
 
     Raises DataError if the image cannot be read or its modality is not "vis" or "tac".
     """
-    if sent.modality not in OTHER:
-        raise DataError(f"modality is '{sent.modality:.20}'; it is vis or tac.")
     import torch
 
     from omnivat.encoders.base import for_modality
 
+    modality = question.get("modality", "")
+    if modality not in OTHER:
+        raise DataError(f"modality is '{modality:.20}'; it is vis or tac.")
     began = perf_counter()
-    image = resources.shared.decoder.read(sent.content, sent.name).image
+    image = resources.shared.decoder.read(content, name_in(question)).image
     image.thumbnail((SIDE, SIDE))
-    encoder = for_modality(resources.encoder(), sent.modality)
-    head, _ = head_taught(resources, sent.taught, sent.head)
+    encoder = for_modality(resources.encoder(), modality)
     with torch.inference_mode():
         pixels = [encoder.preprocess(one) for one in (image, *hidden(image))]
         parts = []
         for few in torch.stack(pixels).split(AT_ONCE):
             checkpoint()
             parts.append(encoder.embed(few))
-        pair = sent.pair(resources, {sent.modality: torch.cat(parts)})
-        probabilities = head.model(pair["vis"], pair["tac"], order=sent.order).probabilities
-        predicted = int(probabilities[0].argmax())
-        falls = probabilities[0, predicted] - probabilities[1:, predicted]
+    named = asked(resources, _beside(question), {modality: torch.cat(parts)})
+    with torch.inference_mode():
+        out = named.head.model(named.pair["vis"], named.pair["tac"], order=named.order)
+        predicted = int(out.probabilities[0].argmax())
+        falls = out.probabilities[0, predicted] - out.probabilities[1:, predicted]
     steps = CELLS - PATCH + 1
     return {
-        "class": head.settings.classes[predicted],
-        "probability": round(float(probabilities[0, predicted]), 6),
+        "class": named.head.settings.classes[predicted],
+        "probability": round(float(out.probabilities[0, predicted]), 6),
         "cells": CELLS,
         "drops": over_cells(falls.reshape(steps, steps).tolist()),
         "seconds": round(perf_counter() - began, 2),

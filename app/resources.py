@@ -216,9 +216,10 @@ class Resources:
         """Return the image of an example, "vis" or "tac". Raises DataError if there is no such
         example.
         """
-        if name not in self.examples():
+        file = self.examples().get(name, {}).get(modality)
+        if file is None:
             raise DataError(f"No example is called '{name:.80}'; pick one of the gallery.")
-        return self.examples()[name][modality]
+        return file
 
     def example_rows(self) -> dict[str, int]:
         """Return example -> row of the set, for the examples that are in it; nothing is encoded."""

@@ -15,25 +15,27 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
-from app import about, nodes, predictors, sensor, teaching
+from app import about, nodes, pictures, predictors, sensor, teaching
 from app.api import api_routes
 from app.components import WEB
 from app.familiar import familiar, first
 from app.guard import is_loopback
+from app.jobs import Job
+from app.limits import MAX_IMAGE_BYTES, PARTS
 from app.map_place import place
 from app.mcp import mcp
 from app.messages import Handler, in_sentences, refusal
 from app.modes import mode_files, modes
-from app.requests import done, question_of, set_of, visitor_of
+from app.requests import done, number_from, question_of, received, set_of, visitor_of
 from app.resources import Resources, require_name
 from app.saving import save_figure
 from app.training import Trainings
-from app.uploads import upload_routes
 from app.views import explore, pair
 from app.visitor_sets import VisitorSets
 
-Computed = Callable[[Resources, Mapping[str, Any]], dict[str, Any]]
-QUESTIONS: dict[str, Computed] = {
+Find = Callable[..., Path | None]  # of the resources and the parts of an address
+Work = Callable[..., Any]  # of the resources and a question; a JSON value, or the bytes of a file
+QUESTIONS: dict[str, Work] = {
     "pair": pair.predicted,
     "many": pair.many,
     "attention": pair.attention,
@@ -48,15 +50,13 @@ QUESTIONS: dict[str, Computed] = {
     "profile": sensor.profile,
     "teach": teaching.teach,
     "curve": teaching.curve,
-    "taught": teaching.taught_name,
-}
-DOWNLOADS: dict[str, Callable[[Resources, Mapping[str, Any]], bytes]] = {
+    "taught": teaching.taught,
     "save/set": teaching.save_set,
     "save/head": teaching.save_taught,
     "save/sensor": sensor.save_sensor,
     "save/figure": save_figure,
 }
-FACTS: dict[str, Callable[[Resources], Any]] = {
+FACTS: dict[str, Work] = {  # questions without anything in them
     "about": about.about,
     "fit": about.fit,
     "own": about.own,
@@ -71,6 +71,13 @@ FACTS: dict[str, Callable[[Resources], Any]] = {
     "twins/map": explore.twins_map,
     "examples": pair.gallery,
 }
+# what comes as a file in the body: its work, priority and largest size
+SENT: dict[str, tuple[Work, int, int]] = {
+    "live": (pictures.live, 0, MAX_IMAGE_BYTES),
+    "image": (pictures.taken, 1, MAX_IMAGE_BYTES),
+    "occlusion": (pictures.occlusion, 2, MAX_IMAGE_BYTES),
+    "sensor": (sensor.load_sensor, 0, PARTS["profile.safetensors"]),
+}
 TYPES = {".js": "text/javascript", ".css": "text/css"}
 HOLDS = "X-Holds"  # a page that was opened on another head or set shows a notice
 FRESH = {"Cache-Control": "no-cache"}  # revalidate each time
@@ -83,41 +90,104 @@ def routes(first: Resources, *, api: bool = False) -> list[Route]:
     """
     sets = VisitorSets(first)
     trainings = Trainings(sets)
+    files: dict[str, tuple[Find, str]] = {  # and what is said of a missing one
+        "web/{name:path}": (lambda _, name: web_files().get(name), "The page has no such file."),
+        "thumbnails.{kind}": (
+            thumbnails,
+            "This set has no thumbnails; the page shows names instead.",
+        ),
+        "example/{name:path}/{modality}": (Resources.example, "There is no such image."),
+        "twins/{name}": (lambda _, name: explore.twin_pictures().get(name), "No such sheet."),
+    }
     gets: dict[str, Handler] = {
-        "/omnivat/web/{name:path}": web_file,
-        "/omnivat/frames": partial(frames, sets),
-        "/omnivat/thumbnails.{kind}": partial(thumbnails, sets),
-        "/omnivat/example/{name:path}": partial(example_image, sets),
-        "/omnivat/twins/{name}.webp": twin_picture,
-        "/omnivat/real": partial(real, sets),
-        "/omnivat/real/{name:path}": partial(real_picture, sets),
-        **{f"/omnivat/{name}": partial(facts, sets, found) for name, found in FACTS.items()},
+        **{name: partial(file, sets, *row) for name, row in files.items()},
+        "frames": partial(frames, sets),
+        "real": partial(real, sets),
+        "real/{name:path}": partial(real_picture, sets),
+        **{name: partial(compute, sets, work) for name, work in FACTS.items()},
     }
     questions = {**QUESTIONS, "trainings": trainings.offers, "train": trainings.start}
+    about_training = {
+        "training": trainings.state,
+        "training/cancel": trainings.cancel,
+        "save/trained": trainings.saved,
+    }
+    sent = {**SENT, "part": (sets.take_part, 1, max(PARTS.values()))}
     posts: dict[str, Handler] = {
-        **{
-            f"/omnivat/{name}": partial(compute, sets, computed)
-            for name, computed in questions.items()
-        },
-        **{f"/omnivat/{name}": partial(download, sets, made) for name, made in DOWNLOADS.items()},
-        "/omnivat/training": partial(look, trainings.state),
-        "/omnivat/training/cancel": partial(look, trainings.cancel),
-        "/omnivat/save/trained": partial(saved, sets, trainings),
-        **upload_routes(sets),
+        **{name: partial(compute, sets, work) for name, work in questions.items()},
+        "load": partial(compute, sets, sets.load, priority=1),
+        **{name: partial(of_training, sets, work) for name, work in about_training.items()},
+        **{name: partial(of_file, sets, *row) for name, row in sent.items()},
     }
     return [
-        *(Route(path, in_sentences(handler)) for path, handler in gets.items()),
-        *(Route(path, in_sentences(handler), methods=["POST"]) for path, handler in posts.items()),
-        *api_routes(sets, partial(mcp, sets), opened=api),
-    ]
+        Route(f"/omnivat/{name}", in_sentences(handler), methods=[method])
+        for method, handlers in (("GET", gets), ("POST", posts))
+        for name, handler in handlers.items()
+    ] + api_routes(sets, partial(mcp, sets), opened=api)
 
 
-async def web_file(request: Request) -> Response:
-    """Serve one of the page's scripts or styles, and no other file of the folder."""
-    path = web_files().get(request.path_params["name"])
-    if path is None:
-        return refusal("The page has no such file.", 404)
-    return file_response(request, path, media_type=TYPES[path.suffix])
+async def compute(
+    sets: VisitorSets, work: Work, request: Request, *, priority: int = 0
+) -> Response:
+    """Run one request as a job: with the question in its body, or a fact without one."""
+    resources = set_of(sets, request)
+    question = [await question_of(request)] if request.method == "POST" else []
+    reply = await done(
+        request, sets.shared.jobs, lambda _: work(resources, *question), priority=priority
+    )
+    return as_sent(reply, {HOLDS: resources.holds})
+
+
+async def of_training(sets: VisitorSets, work: Work, request: Request) -> Response:
+    """Reply to a question about a training, even if the set of the address is gone."""
+    question = await question_of(request)
+    return as_sent(await done(request, sets.shared.jobs, lambda _: work(question)))
+
+
+async def of_file(
+    sets: VisitorSets, work: Work, priority: int, largest: int, request: Request
+) -> Response:
+    """Run one request on the file in its body, with the parameters of its address; the file is not
+    kept.
+    """
+    resources, query = set_of(sets, request), request.query_params
+    question = {**query, "order": number_from(query.get("order"))}
+    async with received(request, sets.shared.scratch, largest, "The file") as file:
+
+        def computed(_: Job[Any]) -> Any:
+            return work(resources, file, question)
+
+        return as_sent(await done(request, sets.shared.jobs, computed, priority=priority))
+
+
+def as_sent(value: Any, headers: Mapping[str, str] = FRESH) -> Response:
+    """Return a response of a file's bytes or of a JSON value; non-finite numbers, from a damaged
+    head, are an error.
+    """
+    if isinstance(value, bytes):
+        page = value.startswith(b"<!")
+        return Response(value, media_type="text/html" if page else "application/octet-stream")
+    try:
+        content = orjson.dumps(value)
+    except TypeError:  # half of a surrogate pair, an integer beyond 64 bits
+        content = b"null"
+    try:
+        if b"null" in content:  # orjson writes NaN like None; json tells them apart
+            return JSONResponse(value, headers=headers)
+        return Response(content, media_type="application/json", headers=headers)
+    except ValueError:
+        return refusal(
+            "The head gives values that are not finite numbers; its weights are damaged. Train it"
+            " again."
+        )
+
+
+async def file(sets: VisitorSets, find: Find, missing: str, request: Request) -> Response:
+    """Serve one of the page's files, and no other file of its folder."""
+    path = find(set_of(sets, request), **request.path_params)
+    if path is None or not path.is_file():
+        return refusal(missing, 404)
+    return file_response(request, path, media_type=TYPES.get(path.suffix))
 
 
 @cache
@@ -181,15 +251,10 @@ def frames_response(
     return file_response(request, file, headers, media_type="application/octet-stream", **options)
 
 
-async def thumbnails(sets: VisitorSets, request: Request) -> Response:
-    """Serve the thumbnail sheet or its description; sets without one show names only."""
-    sprite = sheet(set_of(sets, request))
-    file = {"webp": sprite, "json": sprite.with_suffix(".json") if sprite else None}.get(
-        request.path_params["kind"]
-    )
-    if file is None:
-        return refusal("This set has no thumbnails; the page shows names instead.", 404)
-    return file_response(request, file)
+def thumbnails(resources: Resources, kind: str) -> Path | None:
+    """Return the thumbnail sheet or its description; sets without one show names only."""
+    sprite = sheet(resources)
+    return sprite.with_suffix(f".{kind}") if sprite and kind in ("webp", "json") else None
 
 
 def sheet(resources: Resources) -> Path | None:
@@ -198,29 +263,11 @@ def sheet(resources: Resources) -> Path | None:
     return sprite if sprite and sprite.is_file() and sprite.with_suffix(".json").is_file() else None
 
 
-async def twin_picture(request: Request) -> Response:
-    """Serve a sheet of the twins' pictures."""
-    file = explore.twin_pictures().get(f"{request.path_params['name']}.webp")
-    if file is None:
-        return refusal("There is no such sheet of pictures.", 404)
-    return file_response(request, file)
-
-
-async def example_image(sets: VisitorSets, request: Request) -> Response:
-    """Serve one image of an example: `<name>/vis` or `<name>/tac`."""
-    name, _, modality = request.path_params["name"].rpartition("/")
-    if modality not in ("vis", "tac"):
-        return refusal("An example's image is its name and then /vis or /tac.", 404)
-    file = set_of(sets, request).example(name, modality)
-    if not file.is_file():
-        return refusal("This example's image is no longer there; reload the page.", 404)
-    return file_response(request, file)
-
-
 async def real(sets: VisitorSets, request: Request) -> Response:
     """Return the fetched sets of real pairs with their terms."""
-    listing = partial(sets.shared.real.listing, local=is_loopback(visitor_of(request)))
-    return JSONResponse(await done(request, sets.shared.jobs, lambda _: listing()))
+    local = is_loopback(visitor_of(request))
+    listing = sets.shared.real.listing
+    return as_sent(await done(request, sets.shared.jobs, lambda _: listing(local=local)))
 
 
 async def real_picture(sets: VisitorSets, request: Request) -> Response:
@@ -229,58 +276,3 @@ async def real_picture(sets: VisitorSets, request: Request) -> Response:
     return file_response(
         request, sets.shared.real.picture(request.path_params["name"], local=local)
     )
-
-
-def in_json(value: Any, resources: Resources) -> Response:
-    """Return a JSON response; non-finite values, from a damaged head, are an error."""
-    headers = {HOLDS: resources.holds}
-    try:
-        content = orjson.dumps(value)
-    except TypeError:  # half of a surrogate pair, an integer beyond 64 bits
-        content = b"null"
-    try:
-        if b"null" in content:  # orjson writes NaN like None; json tells them apart
-            return JSONResponse(value, headers=headers)
-        return Response(content, media_type="application/json", headers=headers)
-    except ValueError:
-        return refusal(
-            "The head gives values that are not finite numbers; its weights are damaged. Train it"
-            " again."
-        )
-
-
-async def facts(
-    sets: VisitorSets, compute: Callable[[Resources], Any], request: Request
-) -> Response:
-    """Return facts about the loaded head and set."""
-    resources = set_of(sets, request)
-    return in_json(await done(request, sets.shared.jobs, lambda _: compute(resources)), resources)
-
-
-async def compute(sets: VisitorSets, computed: Computed, request: Request) -> Response:
-    """Run one JSON request as a job."""
-    resources, question = set_of(sets, request), await question_of(request)
-    return in_json(
-        await done(request, sets.shared.jobs, lambda _: computed(resources, question)), resources
-    )
-
-
-async def download(
-    sets: VisitorSets, made: Callable[[Resources, Mapping[str, Any]], bytes], request: Request
-) -> Response:
-    """Return a file for one JSON request: a zip, or a page of figures."""
-    resources, question = set_of(sets, request), await question_of(request)
-    content = await done(request, sets.shared.jobs, lambda _: made(resources, question))
-    return Response(content, media_type="text/html" if made is save_figure else "application/zip")
-
-
-async def look(state: Callable[[Mapping[str, Any]], dict[str, Any]], request: Request) -> Response:
-    """Return the state of a training, at once."""
-    return JSONResponse(state(await question_of(request)))
-
-
-async def saved(sets: VisitorSets, trainings: Trainings, request: Request) -> Response:
-    """Return a finished head as a zip, even if the set of the address is gone."""
-    question = await question_of(request)
-    content = await done(request, sets.shared.jobs, lambda _: trainings.saved(question))
-    return Response(content, media_type="application/zip")

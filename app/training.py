@@ -13,7 +13,7 @@ from app.messages import BusyError
 from app.resources import Resources
 from app.saving import head_zip
 from app.state import VISITOR, ForgottenError, Recent
-from app.training_plan import Plan, looked_at, offers, plan_from, thinned
+from app.training_plan import Plan, offers, plan_from, thinned
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import Step
@@ -103,8 +103,8 @@ class Trainings:
         ):
             raise DataError("visitor has to be a short name that the page made; reload the page.")
         visitor = address, name
-        plan = plan_from(question, resources.embeddings())
-        embeddings = looked_at(resources.embeddings(), plan.source)
+        embeddings = resources.embeddings()
+        plan = plan_from(question, embeddings)
         run = Run(plan=plan, rows=thinned(len(embeddings), MAP_PAIRS))
         with self._lock:
             self._active = {

@@ -27,7 +27,6 @@ RANGES: dict[str, tuple[float, float, float]] = {
 }
 BEYOND = 0.1  # a head for every p draws p from a little more than [0, 1]: see docs/order.md
 MOST_PAIRS = 20_000  # of the source
-MOST_LOOKED_AT = 20_000  # of other domains, measured and drawn in training
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -115,18 +114,6 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
         first="searching p" if order == "search" else "loading",
         left_out=len(rows) - pairs,
     )
-
-
-def looked_at(embeddings: "Embeddings", source: str) -> "Embeddings":
-    """Return the set with all pairs of the source; large other domains are thinned evenly."""
-    import numpy as np
-
-    own = embeddings.domain == embeddings.header.domains.index(source)
-    others = np.flatnonzero(~own)
-    if len(others) <= MOST_LOOKED_AT:
-        return embeddings
-    some = others[thinned(len(others), MOST_LOOKED_AT)]
-    return embeddings.select(np.sort(np.concatenate([np.flatnonzero(own), some])))
 
 
 def thinned(count: int, most: int) -> "np.ndarray[Any, Any]":

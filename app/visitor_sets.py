@@ -12,15 +12,15 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from threading import Lock
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from app.limits import DESKS_BYTES, KEPT_DESKS
+from app.limits import DESKS_BYTES, KEPT_DESKS, KEPT_PARTS, PARTS, PARTS_BYTES
 from app.places import Places, shipped_places
 from app.resources import Resources
 from app.state import ForgottenError, Recent, content_name
-from app.upload_store import UploadStore, linked
 from omnivat.head.heads import shipped_sets
 from omnivat.kit.errors import DataError
+from omnivat.kit.files import hash_of
 from omnivat.kit.progress import checkpoint
 
 if TYPE_CHECKING:
@@ -45,7 +45,8 @@ class VisitorSets:
         self._lock = Lock()
         self._loaded: Recent[Resources] = Recent(KEPT_DESKS, room=DESKS_BYTES)
         self._shipped: dict[str, Resources] = {}
-        self.parts = UploadStore(self.shared.scratch)
+        # files of heads and sets until they are loaded, by a hash of their content
+        self._parts: Recent[Path] = Recent(KEPT_PARTS, room=PARTS_BYTES)
 
     def named(self, name: str) -> Resources:
         """Return the visitor set of that name, "" for the first one. Raises ForgottenError if it
@@ -68,27 +69,45 @@ class VisitorSets:
             "Try a pair, or go back to the page without `set` in its address."
         )
 
-    def load(self, parts: Mapping[str, str], *, beside: str, compare: bool) -> str:
-        """Make a visitor set from uploaded files; return its name.
+    def take_part(self, _: Resources, file: Path, question: Mapping[str, Any]) -> dict[str, str]:
+        """Keep one file of a head or set until it is loaded; return its name, `part`. Raises
+        DataError for another file or one that is too large.
+        """
+        name, size = str(question.get("name", "")), file.stat().st_size
+        if name not in PARTS:
+            raise DataError(
+                f"'{name:.60}' is no file of a head or set; expected one of {', '.join(PARTS)}."
+            )
+        if size > PARTS[name]:
+            raise DataError(
+                f"'{name}' is larger than {PARTS[name] / 1e6:.3g} MB; start the page with --head"
+                " and --embeddings instead."
+            )
+        part = hash_of(file)
+        kept = file.replace(self.shared.scratch.folder("parts") / part)
+        for old in self._parts.keep(part, kept, size):
+            old.unlink(missing_ok=True)
+        return {"part": part}
 
-        parts    file name -> its name from `parts.keep`
-        beside   the visitor set that provides what is not among the parts
-        compare  True adds the head for comparison instead of replacing its own
+    def load(self, beside: Resources, question: Mapping[str, Any]) -> dict[str, str]:
+        """Make a visitor set from uploaded files; return its name, `set`.
+
+        beside    the visitor set that provides what is not among the parts
+        question  {"parts": file name -> its name from `take_part`, "compare": true to add the head
+                  for comparison instead of replacing its own}
 
         Two equal loads make one visitor set. Raises DataError if the files are no head or set, or
         do not fit together.
         """
-        base = self.named(beside)
-        key = content_name(
-            repr((sorted(parts.items()), beside, compare)).encode("utf-8", "backslashreplace")
-        )
-        if self._loaded.get(key) is not None:
-            return key
-
+        parts, compare = question.get("parts"), question.get("compare") is True
+        if not isinstance(parts, dict) or not all(isinstance(one, str) for one in parts.values()):
+            raise DataError("parts has to name the files that were sent; choose them again.")
+        text = repr((sorted(parts.items()), beside.owner, compare))
+        key = content_name(text.encode("utf-8", "backslashreplace"))
         fits = any(name in parts for name in HEAD)  # a set alone may be of another encoder
-        return self._made(
-            key, lambda folder: self._placed(folder, parts, base.where, compare), fits
-        )
+        if self._loaded.get(key) is None:
+            self._made(key, lambda folder: self._placed(folder, parts, beside.where, compare), fits)
+        return {"set": key}
 
     def adopt(self, head: "Head", *, beside: str) -> str:
         """Make a visitor set from a head trained on the server and the set of `beside`; return
@@ -138,7 +157,12 @@ class VisitorSets:
     ) -> Places:
         """Move the parts to their places under `folder`."""
         for name, sent in parts.items():
-            self.parts.place(name, sent, folder / ("head" if name in HEAD else ".") / name)
+            kept = self._parts.get(sent)
+            if name not in PARTS or kept is None:
+                raise DataError(f"'{name:.60}' has not arrived; choose the files again.")
+            target = folder / ("head" if name in HEAD else ".") / name
+            target.parent.mkdir(exist_ok=True)
+            linked(kept, target)
         where = replace(base, computed=folder, frames=None)
         if any(name in parts for name in HEAD):
             if missing := [name for name in HEAD[:2] if name not in parts]:
@@ -148,11 +172,9 @@ class VisitorSets:
             head = folder / "head"
             if compare:
                 head = head.rename(folder / f"loaded-{len(where.compare) + 1}")
-            where = (
-                replace(where, compare=(*where.compare, head))
-                if compare
-                else replace(where, head=head, own=None)
-            )
+                where = replace(where, compare=(*where.compare, head))
+            else:
+                where = replace(where, head=head, own=None)
         if SET in parts:
             sheet = folder / SHEET[0] if all(name in parts for name in SHEET) else None
             where = replace(where, embeddings=folder / SET, pairs=None, sprite=sheet)
@@ -183,3 +205,11 @@ class VisitorSets:
             sprite=here(where.sprite) if where.sprite else None,
             compare=tuple(map(here, where.compare)),
         )
+
+
+def linked(source: str | Path, target: str | Path) -> None:
+    """Make `target` the same file as `source`, or a copy where the file system has no links."""
+    try:
+        Path(target).hardlink_to(source)
+    except OSError:
+        shutil.copyfile(source, target)

@@ -4,11 +4,9 @@ import base64
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from app.familiar import known_to, predict_one
-from app.pair_input import embedded, refs_from, rounded
+from app.familiar import predict_one
+from app.pair_input import asked, rounded, within
 from app.resources import Resources
-from app.state import order_from
-from app.teaching import head_for
 from omnivat.data.domains import is_simulated
 from omnivat.kit.errors import DataError
 
@@ -51,12 +49,11 @@ def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
 
     from omnivat.kit.threads import one_thread
 
-    order = order_from(question.get("order"))
-    pair = embedded(resources, refs_from(question), question)
-    head = head_for(resources, question)
-    exact = head.model.order if order is None else order
+    named = asked(resources, question)
+    head = named.head
+    exact = head.model.order if named.order is None else named.order
     with torch.inference_mode(), one_thread():  # a second one waits more than it works
-        out = at_orders(head.model, pair, (*STOPS, exact))
+        out = at_orders(head.model, named.pair, (*STOPS, exact))
         readings = {name: values.numpy() for name, values in out.readings.items()}
         magnitudes = {name: torch.hypot(*values)[:-1].numpy() for name, values in out.frft.items()}
     return {
@@ -90,19 +87,10 @@ def many(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
         raise DataError("pairs has to be a list of pairs with a photo, a touch or both.")
     if not 0 < len(given) <= MOST_AT_ONCE:
         raise DataError(f"{len(given)} pairs were sent; send 1 to {MOST_AT_ONCE} at a time.")
-    head = head_for(resources, question)
+    pairs = [asked(resources, within(question, one)) for one in given]
     with torch.inference_mode():
-        known = known_to(resources, head, question)
-        found = [
-            predict_one(
-                head,
-                embedded(resources, refs_from(one), question),
-                known=known,
-                before=embedded(resources, refs_from(one)),
-            )
-            for one in given
-        ]
-    return {"classes": list(head.settings.classes), "pairs": found}
+        found = [predict_one(named) for named in pairs]
+    return {"classes": list(pairs[0].head.settings.classes), "pairs": found}
 
 
 def trained_span(head: "Head") -> list[float]:
@@ -143,12 +131,12 @@ def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
     import numpy as np
     import torch
 
-    pair = embedded(resources, refs_from(question), question)
-    head = head_for(resources, question)
+    named = asked(resources, question)
+    head = named.head
     if not head.settings.mffa:
         raise DataError("This head has no MFFA, so there is no attention to show.")
     with torch.inference_mode():
-        found = at_orders(head.model, pair, STOPS, attention=True).attention
+        found = at_orders(head.model, named.pair, STOPS, attention=True).attention
     off = {name: w.numpy() - 1 / w.shape[-1] for name, w in found.items()}
     scale = max(float(np.abs(one).max()) for one in off.values()) or 1.0
     coded = {

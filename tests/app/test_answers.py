@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from app import about
-from app.pictures import Sent, live
-from app.state import Ref
+from app.pictures import live
 from app.views import pair
 from omnivat.kit.errors import DataError
 
@@ -24,8 +23,9 @@ def test_attention_adds_up_to_one_for_each_token_that_asks(resources):
 
 def test_a_cameras_picture_is_answered_and_not_kept(resources, encoder, png):
     content = png()
-    first = live(resources, Sent(content=content, modality="vis", other=Ref("row", "3"), order=0.5))
-    live(resources, Sent(content=content, modality="vis", other=Ref("row", "3"), order=0.5))
+    question = {"modality": "vis", "other": "row:3", "order": 0.5}
+    first = live(resources, content, question)
+    live(resources, content, question)
     assert encoder.calls == 2
     assert set(first["readings"]) == {"fused", "vis", "tac", "vis_branch", "tac_branch"}
     assert sum(first["readings"]["fused"]) == pytest.approx(1, abs=1e-3)
@@ -33,7 +33,7 @@ def test_a_cameras_picture_is_answered_and_not_kept(resources, encoder, png):
 
 def test_a_picture_of_another_modality_is_refused(resources, png):
     with pytest.raises(DataError, match="it is vis, tac or both"):
-        live(resources, Sent(content=png(), modality="smell"))
+        live(resources, png(), {"modality": "smell"})
 
 
 def test_a_record_without_any_target_can_be_sent():
@@ -44,8 +44,8 @@ def test_a_record_without_any_target_can_be_sent():
 def test_two_live_pictures_are_predicted_as_each_with_the_other_sent_before(resources, png):
     photo, touch = png(seed=1), png(seed=2)
     ref, _ = resources.take_image(touch, "touch.png")
-    both = live(resources, Sent(content=photo + touch, modality="both", split=len(photo)))
-    one = live(resources, Sent(content=photo, modality="vis", other=ref))
+    both = live(resources, photo + touch, {"modality": "both", "split": len(photo)})
+    one = live(resources, photo, {"modality": "vis", "other": str(ref)})
     assert both["readings"] == one["readings"]
     assert set(both["images"]) == set(one["images"])
 
@@ -53,4 +53,4 @@ def test_two_live_pictures_are_predicted_as_each_with_the_other_sent_before(reso
 @pytest.mark.parametrize("split", [0, 10**8])
 def test_two_live_pictures_need_the_place_where_the_second_begins(resources, png, split):
     with pytest.raises(DataError, match="split is"):
-        live(resources, Sent(content=png(), modality="both", split=split))
+        live(resources, png(), {"modality": "both", "split": split})

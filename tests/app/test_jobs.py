@@ -247,7 +247,7 @@ def test_a_closed_runner_leaves_no_thread_and_takes_nothing(jobs):
     there.wait(60)
     jobs.close(60)
     assert job.status().state == "cancelled"
-    assert not set(enumerate_threads()) - before
+    until(lambda: not set(enumerate_threads()) - before)
     with pytest.raises(BusyError, match="stopping"):
         jobs.start(lambda job: 1, lane="quick")
 
@@ -257,7 +257,7 @@ def test_a_job_that_gets_no_thread_fails_in_a_sentence_and_frees_its_slot(jobs, 
         raise RuntimeError("can't start new thread")
 
     with monkeypatch.context() as patched:
-        patched.setattr("app.job_threads.Thread.start", none_left)
+        patched.setattr("threading.Thread.start", none_left)
         job = jobs.start(lambda job: 1, lane="long")
     assert "no thread left" in job.status().problem
     assert jobs.start(lambda job: 1, lane="long").wait(60) == 1
@@ -286,5 +286,5 @@ def test_a_thread_runs_one_job_after_another(jobs):
     seen = set()
     for _ in range(20):
         jobs.start(lambda job: seen.add(get_ident()), lane="quick").wait(60)
-        until(lambda: jobs._threads._idle)
+        until(lambda: jobs._threads._idle_semaphore._value)
     assert len(seen) == 1

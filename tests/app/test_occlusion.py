@@ -8,8 +8,7 @@ import pytest
 import torch
 from PIL import Image
 
-from app.pictures import CELLS, PATCH, Sent, hidden, occlusion, over_cells
-from app.state import Ref
+from app.pictures import CELLS, PATCH, hidden, occlusion, over_cells
 from omnivat.kit.errors import DataError
 
 
@@ -58,18 +57,18 @@ def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypa
             return pixels[:, :10, 50:60].mean((1, 2))[:, None] / 255
 
     def model(vis, tac, order):
-        share = torch.cat((vis, 1 - vis), dim=1)
-        return SimpleNamespace(probabilities=share)
+        return SimpleNamespace(probabilities=torch.cat((vis, 1 - vis), dim=1))
 
     settings = SimpleNamespace(classes=("bright", "dark"))
-    head = SimpleNamespace(model=model, settings=settings)
-    monkeypatch.setattr("app.pictures.head_taught", lambda *arguments: (head, None))
+    head = SimpleNamespace(model=model, settings=settings, familiarity=None)
     monkeypatch.setattr("omnivat.encoders.base.for_modality", lambda encoder, name: encoder)
     image = Image.new("RGB", (70, 70), "black")
     image.paste("white", (50, 0, 60, 10))
     decoder = SimpleNamespace(read=lambda *arguments: SimpleNamespace(image=image))
-    resources = SimpleNamespace(shared=SimpleNamespace(decoder=decoder), encoder=Encoder)
-    found = occlusion(resources, Sent(content=b"", modality="vis"))
+    resources = SimpleNamespace(
+        shared=SimpleNamespace(decoder=decoder), encoder=Encoder, head_named=lambda name: head
+    )
+    found = occlusion(resources, b"", {"modality": "vis"})
     drops = found["drops"]
     assert found["class"] == "bright"
     assert drops[0][5] == max(max(row) for row in drops) > 0.4
@@ -79,18 +78,16 @@ def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypa
 def test_an_image_of_one_colour_has_nothing_to_hide(resources):
     with BytesIO() as handle:
         Image.new("RGB", (32, 32), "gray").save(handle, "PNG")
-        found = occlusion(
-            resources, Sent(content=handle.getvalue(), modality="tac", other=Ref("row", "3"))
-        )
+        found = occlusion(resources, handle.getvalue(), {"modality": "tac", "other": "row:3"})
     assert max(abs(drop) for row in found["drops"] for drop in row) < 1e-6
     assert found["class"] in resources.head().settings.classes
 
 
 def test_hiding_parts_of_a_varied_image_changes_the_answer(resources, png):
-    found = occlusion(resources, Sent(content=png(), modality="vis", order=0.5))
+    found = occlusion(resources, png(), {"modality": "vis", "order": 0.5})
     assert max(abs(drop) for row in found["drops"] for drop in row) > 1e-5
 
 
 def test_another_modality_is_refused(resources, png):
     with pytest.raises(DataError, match="it is vis or tac"):
-        occlusion(resources, Sent(content=png(), modality="lang"))
+        occlusion(resources, png(), {"modality": "lang"})

@@ -117,7 +117,7 @@ def test_an_image_over_the_limit_is_refused(client):
 def test_an_error_nobody_thought_of_is_a_sentence_and_its_traceback_is_logged(
     client, monkeypatch, caplog
 ):
-    monkeypatch.setattr("app.views.pair.refs_from", lambda question: 1 / 0)
+    monkeypatch.setattr("app.pair_input.order_from", lambda question: 1 / 0)
     with caplog.at_level(logging.ERROR):
         assert sentence(client.post("/omnivat/pair", json={}), 500) == UNEXPECTED
     assert "ZeroDivisionError" in caplog.text

@@ -9,15 +9,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.about import about
-from app.pair_input import embedded
+from app.pair_input import pair_of
 from app.sensor import MOST_AT_ONCE, joined, load_sensor, profile, save_sensor
 from app.server import main
-from app.state import ForgottenError, Ref
+from app.state import ForgottenError
 from app.views.pair import many
 from omnivat.data.profile import channels_of
 from omnivat.kit.errors import DataError
 
-OWN = {"vis": Ref("image", "0"), "tac": Ref("image", "0")}
+OWN = {"vis": "image:0", "tac": "image:0"}
 
 
 @pytest.fixture
@@ -44,15 +44,13 @@ def test_statistics_of_two_batches_join_to_those_of_all_pictures(first, second, 
 
 def test_a_profile_moves_a_visitors_pictures_and_never_pairs_of_the_set(visiting):
     name = profile(visiting, {"photos": refs(20)})["profile"]
-    plain, with_it = (embedded(visiting, OWN, q) for q in ({}, {"profile": name}))
+    _, plain, with_it = pair_of(visiting, {**OWN, "profile": name})
     wanted = visiting.head().moved("vis", plain["vis"], visiting.profiles.get(name))
     torch.testing.assert_close(with_it["vis"], wanted)
     assert (plain["vis"] - with_it["vis"]).mean() > 1  # most of the shift is undone
     torch.testing.assert_close(with_it["tac"], plain["tac"])  # no touch is in the profile
-    row = {"vis": Ref("row", "3"), "tac": None}
-    torch.testing.assert_close(
-        embedded(visiting, row, {"profile": name})["vis"], embedded(visiting, row)["vis"]
-    )
+    _, plain, with_it = pair_of(visiting, {"vis": "row:3", "profile": name})
+    torch.testing.assert_close(with_it["vis"], plain["vis"])
 
 
 def test_predictions_follow_the_profile_and_go_back_without_it(visiting):
@@ -97,7 +95,7 @@ def test_no_pictures_or_too_many_are_refused(visiting, question):
 
 def test_a_profile_that_the_server_has_lost_is_said_to_be(visiting):
     with pytest.raises(ForgottenError, match="load it again"):
-        embedded(visiting, OWN, {"profile": "gone"})
+        pair_of(visiting, {**OWN, "profile": "gone"})
     with pytest.raises(DataError, match="no profile of your sensor yet"):
         save_sensor(visiting, {})
 

@@ -8,8 +8,7 @@ from app.api import WORK
 from app.jobs import Jobs
 from app.limits import DECODE_WAIT_S
 from app.messages import BusyError, CancelledError
-from app.pictures import Sent, live, occlusion, taken
-from app.routes import DOWNLOADS, FACTS, QUESTIONS, routes
+from app.routes import FACTS, QUESTIONS, SENT, routes
 from omnivat.measure.evaluate import CHUNK
 
 PAIR = {"vis": "row:3", "tac": "row:3"}
@@ -69,13 +68,12 @@ FILES = {
     "web/{name:path}",
     "frames",
     "thumbnails.{kind}",
-    "example/{name:path}",
-    "twins/{name}.webp",
+    "example/{name:path}/{modality}",
+    "twins/{name}",
     "real",
     "real/{name:path}",
     "api/schema",
 }
-SENT = {"image", "live", "occlusion", "part", "load", "sensor"}
 JOBS = {"trainings", "train", "training", "training/cancel", "save/trained"}
 TOOLS = {"mcp", "api/{rest:path}", *(f"api/{tool}" for tool in WORK)}
 
@@ -111,16 +109,16 @@ def work(small_places):
             return partial(FACTS[name], resources)
         if name == "place":
             resources.frames.wait()
-        return partial({**QUESTIONS, **DOWNLOADS}[name], resources, WORKING[name][0])
+        return partial(QUESTIONS[name], resources, WORKING[name][0])
 
     return of
 
 
 def test_the_table_has_every_route_that_computes(resources):
     """A new route has to be entered in `WORKING`, which stops it, or be told why it is not."""
-    assert set(WORKING) == {*QUESTIONS, *FACTS, *DOWNLOADS}
+    assert set(WORKING) == {*QUESTIONS, *FACTS}
     paths = {route.path.removeprefix("/omnivat/") for route in routes(resources, api=True)}
-    assert paths - set(WORKING) == FILES | SENT | JOBS | TOOLS
+    assert paths - set(WORKING) == FILES | {*SENT, "part", "load"} | JOBS | TOOLS
 
 
 @pytest.mark.parametrize("name", [name for name, (_, inside) in WORKING.items() if inside])
@@ -136,16 +134,18 @@ def test_work_ends_at_the_checkpoint_after_its_visitor_left_or_its_time(work, na
         assert jobs.checks == middle
 
 
-@pytest.mark.parametrize("reply", [taken, live, occlusion])
+@pytest.mark.parametrize("reply", ["image", "live", "occlusion"])
 def test_work_on_a_sent_picture_ends_so_too(resources, png, reply, monkeypatch):
     # one checkpoint for each picture decoded, whatever the time that it takes
     monkeypatch.setattr("app.decoder.LOOK_S", DECODE_WAIT_S)
     whole = Leaving()
-    first, second = (Sent(content=png(seed=seed), modality="vis") for seed in (1, 2))
-    whole.give(lambda: reply(resources, first))
+    first, second = (
+        partial(SENT[reply][0], resources, png(seed=seed), {"modality": "vis"}) for seed in (1, 2)
+    )
+    whole.give(first)
     jobs = Leaving(whole.checks)
     with pytest.raises(CancelledError):
-        jobs.give(lambda: reply(resources, second))
+        jobs.give(second)
 
 
 def test_the_tools_of_the_api_are_known():

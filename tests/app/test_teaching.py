@@ -2,23 +2,13 @@
 
 import io
 import zipfile
-from dataclasses import replace
 
 import pytest
 
-from app.pictures import Sent, live, occlusion
-from app.state import ForgottenError, Ref
-from app.teaching import (
-    MOST_LESSONS,
-    curve,
-    head_for,
-    head_taught,
-    own_set,
-    save_set,
-    save_taught,
-    taught_name,
-    teach,
-)
+from app.pair_input import MOST_LESSONS, reader_of
+from app.pictures import live, occlusion
+from app.state import ForgottenError
+from app.teaching import curve, own_set, save_set, save_taught, taught, teach
 from app.views.pair import many, predicted
 from omnivat.data.store import load_embeddings
 from omnivat.head.checkpoint import load_head
@@ -50,8 +40,9 @@ def test_a_pair_can_be_predicted_by_the_taught_head(resources):
     plain = predicted(resources, question)
     own = predicted(resources, {**question, "lessons": LESSONS})
     assert own["classes"] == [*plain["classes"], "cork"]
-    assert head_for(resources, {"lessons": LESSONS}) is head_for(resources, {"lessons": LESSONS})
-    assert head_for(resources, {}) is resources.head()
+    first, again = (reader_of(resources, {"lessons": LESSONS})[0] for _ in range(2))
+    assert first is again
+    assert reader_of(resources, {})[0] is resources.head()
 
 
 def test_labelled_pairs_are_saved_as_a_set_that_loads(resources, tmp_path):
@@ -88,7 +79,7 @@ def test_lessons_that_cannot_be_used_are_refused_in_a_sentence(resources, lesson
 
 
 def test_nothing_is_saved_where_there_is_nothing(resources):
-    with pytest.raises(DataError, match="no taught head"):
+    with pytest.raises(DataError, match="No pair is labelled"):
         save_taught(resources, {})
     with pytest.raises(DataError, match="label at least one photo with its touch"):
         own_set(resources, {"lessons": [{"vis": "row:1", "label": "wood"}]})
@@ -96,32 +87,29 @@ def test_nothing_is_saved_where_there_is_nothing(resources):
 
 @pytest.mark.parametrize("of_image", [occlusion, live])
 def test_requests_with_an_image_use_the_taught_head_as_the_headline_does(resources, png, of_image):
-    sent = Sent(content=png(), modality="vis", other=Ref("row", "40"))
-    lessons = [{**one, "label": "cork"} for one in LESSONS]
-    name = taught_name(resources, {"lessons": lessons})["taught"]
-    plain, own = (of_image(resources, one) for one in (sent, replace(sent, taught=name)))
+    question = {"modality": "vis", "other": "row:40"}
+    name = taught(resources, {"lessons": [{**one, "label": "cork"} for one in LESSONS]})
+    plain, own = (of_image(resources, png(), {**question, **one}) for one in ({}, name))
     said = [one.get("class") or one["classes"][-1] for one in (plain, own)]
     assert said[0] != "cork"
     assert said[1] == "cork"
 
 
 def test_live_compares_a_picture_with_the_labelled_ones_once_they_are_taught(resources, png):
-    sent = Sent(content=png(), modality="vis")
     refs = [str(resources.take_image(png(seed=k), f"{k}.png")[0]) for k in range(4)]
     lessons = [{"vis": ref, "label": name} for ref, name in zip(refs, "aabb", strict=True)]
-    name = taught_name(resources, {"lessons": lessons})["taught"]
     plain, own = (
-        live(resources, one)["images"]["vis"] for one in (sent, replace(sent, taught=name))
+        live(resources, png(), {"modality": "vis", **one})["images"]["vis"]
+        for one in ({}, taught(resources, {"lessons": lessons}))
     )
     assert own["cosine"] == 1 != plain["cosine"]  # it is the first of them
 
 
 def test_without_lessons_no_head_is_taught_and_a_forgotten_one_gives_a_sentence(resources):
     with pytest.raises(DataError, match="No pair is labelled"):
-        taught_name(resources, {"lessons": []})
-    assert head_taught(resources, "")[0] is resources.head()
+        taught(resources, {"lessons": []})
     with pytest.raises(ForgottenError, match="no longer has the taught head"):
-        head_taught(resources, "0" * 32)
+        reader_of(resources, {"taught": "0" * 32})
 
 
 @pytest.mark.parametrize("tac", ["row:41", "image:own", "example:TAG-sim/wood/0"])
@@ -133,8 +121,8 @@ def test_a_photo_and_a_touch_of_different_pairs_are_never_taught(resources, tac)
 
 def test_after_teaching_a_picture_is_compared_with_the_visitors_own(resources):
     question = {"pairs": [{"vis": "row:41", "tac": "row:41"}]}
-    taught = many(resources, {**question, "lessons": LESSONS})["pairs"][0]["images"]
-    assert {name: one["cosine"] for name, one in taught.items()} == {"vis": 1, "tac": 1}
-    assert many(resources, question)["pairs"][0]["images"] != taught
+    after = many(resources, {**question, "lessons": LESSONS})["pairs"][0]["images"]
+    assert {name: one["cosine"] for name, one in after.items()} == {"vis": 1, "tac": 1}
+    assert many(resources, question)["pairs"][0]["images"] != after
     photos = [{**one, "tac": None} for one in LESSONS]
     assert set(many(resources, {**question, "lessons": photos})["pairs"][0]["images"]) == {"vis"}

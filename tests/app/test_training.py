@@ -10,7 +10,7 @@ import pytest
 
 from app.state import ForgottenError
 from app.training import REACH, Trainings, coded_map
-from app.training_plan import looked_at, offers, plan_from
+from app.training_plan import offers, plan_from
 from app.visitor_sets import VisitorSets
 from omnivat.head.checkpoint import load_head
 from omnivat.kit.errors import DataError
@@ -126,16 +126,6 @@ def test_what_p_does_becomes_settings(resources, order, learned, searched, drawn
 def test_settings_that_cannot_be_are_refused_with_what_is_wanted(resources, wrong, sentence):
     with pytest.raises(DataError, match=sentence):
         plan_from({**SMALL, **wrong}, resources.embeddings())
-
-
-def test_of_a_large_set_all_of_the_source_and_a_part_of_the_rest_is_looked_at(
-    make_embeddings, monkeypatch
-):
-    embeddings = make_embeddings()
-    assert looked_at(embeddings, "TAG-sim") is embeddings
-    monkeypatch.setattr("app.training_plan.MOST_LOOKED_AT", 10)
-    some = looked_at(embeddings, "TAG-sim")
-    assert np.bincount(some.domain).tolist() == [40, 10]
 
 
 def test_a_training_that_is_not_there_is_told_so(sets):

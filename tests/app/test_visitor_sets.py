@@ -1,7 +1,5 @@
 """Heads and sets loaded through the page: checked, and visible to their visitor only."""
 
-import asyncio
-
 import numpy as np
 import pytest
 from starlette.applications import Starlette
@@ -11,7 +9,7 @@ from starlette.testclient import TestClient
 from app.limits import PARTS
 from app.requests import visitor_of
 from app.routes import routes
-from app.state import VISITOR, ForgottenError
+from app.state import ForgottenError
 from app.visitor_sets import VisitorSets
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.kit.errors import DataError
@@ -101,68 +99,65 @@ def test_a_name_that_the_server_does_not_have_is_told_so(client):
     assert "Load it again" in got.json()["error"]
 
 
-async def blocks(content, times):
-    for _ in range(times):
-        yield content
+def keep(sets, tmp_path, name, content):
+    """Keep a file of a head or set; return its name."""
+    file = tmp_path / "sent"
+    file.write_bytes(content)
+    return sets.take_part(sets.first, file, {"name": name})["part"]
 
 
-def test_a_file_that_is_too_large_is_cut_off_and_removed(resources):
-    sets = VisitorSets(resources)
-    endless = blocks(b"x" * 60_000, PARTS["embeddings.thumbnails.json"] // 60_000 + 2)
+def test_a_file_that_is_too_large_is_refused_and_removed(resources, tmp_path):
+    sets, name = VisitorSets(resources), "embeddings.thumbnails.json"
     with pytest.raises(DataError, match="is larger than 0.1 MB"):
-        asyncio.run(sets.parts.keep("embeddings.thumbnails.json", endless))
+        keep(sets, tmp_path, name, b"x" * (PARTS[name] + 1))
     assert list(sets.shared.scratch.folder("parts").iterdir()) == []
 
 
-def load_one(sets, folder, number, beside="", visitor="", compare=False):
-    """Load a head that differs in its last file."""
-    parts = {}
-    for name, file in head_files(folder).items():
-        content = file.read_bytes() + b" " * (number if name == "metrics.json" else 0)
-        parts[name] = asyncio.run(sets.parts.keep(name, blocks(content, 1)))
-    VISITOR.set(visitor)
-    try:
-        return sets.load(parts, beside=beside, compare=compare)
-    finally:
-        VISITOR.set("")
+@pytest.fixture
+def load_one(tmp_path, small_places):
+    """Return a function that loads a head which differs in its last file."""
+
+    def load(sets, number, beside="", compare=False):
+        parts = {}
+        for name, file in head_files(small_places.head).items():
+            content = file.read_bytes() + b" " * (number if name == "metrics.json" else 0)
+            parts[name] = keep(sets, tmp_path, name, content)
+        return sets.load(sets.named(beside), {"parts": parts, "compare": compare})["set"]
+
+    return load
 
 
 def test_ten_heads_are_compared_and_a_load_never_reports_a_set_that_is_gone(
-    resources, small_places, monkeypatch
+    resources, small_places, monkeypatch, tmp_path, load_one
 ):
     monkeypatch.setattr("app.visitor_sets.KEPT_DESKS", 3)
-    sets = VisitorSets(resources)
-    pairs = asyncio.run(
-        sets.parts.keep("embeddings.safetensors", blocks(small_places.embeddings.read_bytes(), 1))
-    )
-    name = sets.load({"embeddings.safetensors": pairs}, beside="", compare=False)
+    sets, file = VisitorSets(resources), "embeddings.safetensors"
+    pairs = keep(sets, tmp_path, file, small_places.embeddings.read_bytes())
+    name = sets.load(sets.first, {"parts": {file: pairs}})["set"]
     for number in range(10):
-        name = load_one(sets, small_places.head, number, beside=name, compare=True)
+        name = load_one(sets, number, beside=name, compare=True)
         assert len(sets.named(name).heads) == number + 2
     assert len(sets.named(name).embeddings()) == 80
     homes = {path.parent for path in (sets.named(name).where.embeddings,)}
     homes |= {path.parent for path in sets.named(name).where.compare}
     assert len(homes) == 1  # it needs no other set's folder
-    assert load_one(sets, small_places.head, 0) != name
+    assert load_one(sets, 0) != name
     assert len(sets.named(name).heads) == 11
 
 
 def test_files_that_are_not_loaded_are_bounded_and_the_oldest_go_first(
-    resources, small_places, monkeypatch
+    resources, monkeypatch, tmp_path, load_one
 ):
-    monkeypatch.setattr("app.upload_store.KEPT_PARTS", 5)
+    monkeypatch.setattr("app.visitor_sets.KEPT_PARTS", 5)
+    monkeypatch.setattr("app.visitor_sets.PARTS_BYTES", 10)
     sets = VisitorSets(resources)
-    sent = [
-        asyncio.run(sets.parts.keep("settings.json", blocks(str(number).encode(), 1)))
-        for number in range(40)
-    ]
+    sent = [keep(sets, tmp_path, "settings.json", str(number).encode()) for number in range(40)]
     there = {file.name for file in sets.shared.scratch.folder("parts").iterdir()}
     assert there == set(sent[-5:])
-    monkeypatch.setattr("app.upload_store.PARTS_BYTES", 8)
-    asyncio.run(sets.parts.keep("settings.json", blocks(b"1234567", 1)))
+    keep(sets, tmp_path, "settings.json", b"123456789")
     assert len(list(sets.shared.scratch.folder("parts").iterdir())) == 1
     monkeypatch.undo()
-    assert load_one(sets, small_places.head, 0)
+    assert load_one(VisitorSets(resources), 0)
 
 
 @pytest.mark.parametrize(
@@ -179,12 +174,10 @@ def test_a_visitor_is_an_address_or_the_network_that_one_visitor_has(host, visit
     assert visitor_of(Request({"type": "http", "client": (host, 5)})) == visitor
 
 
-def test_the_desk_unused_for_longest_is_forgotten_with_its_files(
-    resources, small_places, monkeypatch
-):
+def test_the_desk_unused_for_longest_is_forgotten_with_its_files(resources, monkeypatch, load_one):
     monkeypatch.setattr("app.visitor_sets.KEPT_DESKS", KEPT_DESKS := 3)
     sets = VisitorSets(resources)
-    names = [load_one(sets, small_places.head, number) for number in range(KEPT_DESKS + 1)]
+    names = [load_one(sets, number) for number in range(KEPT_DESKS + 1)]
     with pytest.raises(ForgottenError):
         sets.named(names[0])
     assert sets.named(names[-1]).head().source == "TAG-sim"
