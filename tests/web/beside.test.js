@@ -31,7 +31,7 @@ test("the sentence says what changes from the left map to the right", () => {
 test("a map names both gaps, and an accuracy only where the head predicts", () => {
   const curves = { "modality_gap/f_hat": [0.25], "domain_gap/f_hat": [0.5], "modality_gap/raw": [0.97] };
   const meta = { curves: { ...curves, "accuracy/unseen": [0.589] }, head: {} };
-  const shown = { kind: "moved", source: "A", domains: ["A", "B"], orders: [0.5], learned: 0.5, meta };
+  const shown = { kind: "moved", source: "A", domains: ["A", "B"], domain: [0, 1], orders: [0.5], learned: 0.5, meta };
   const unseen = { domains: [{ name: "B", pairs: 7 }] };
   assert.match(gaps(shown, "f_hat", 0), /modality gap <b>0.25.*domain gap <b>0.50/);
   assert.match(gaps(shown, "raw", 0), /modality gap <b>0.97/);

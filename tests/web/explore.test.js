@@ -109,7 +109,7 @@ test("an accuracy names its head, and a learned p is not a round one", () => {
   const accuracy = { "accuracy/unseen": [0.3, 0.6, 0.4] };
   const learned = frames({ head: { learned_order: 0.5 }, curves: accuracy });
   assert.match(headOf(learned, 1), /60\u00a0%.*one unseen domain/);
-  const by = (of, stop) => ofFrames(of, stop, "2 pairs").replaceAll("\u00a0", " ");
+  const by = (of, stop) => String(ofFrames(of, stop, "2 pairs")).replaceAll("\u00a0", " ");
   assert.match(by(learned, 1), /By the loaded head at its learned p = 0\.50, from A; 2 pairs; known: nothing\./);
   const near = frames({ head: { learned_order: 0.5035 }, orders: [0, 0.5, 0.5035], curves: accuracy });
   assert.match(by(near, 1), /the loaded head, moved to p = 0\.50,/);

@@ -24,7 +24,7 @@ export function loading(box) {
       const parts = {};
       for (const [name, file] of Object.entries(files)) {
         note.textContent = `Sending ${name} (${(file.size / 1e6).toFixed(1)} MB)…`;
-        parts[name] = await sendPart(name, file);
+        parts[name] = (await sendPart(name, file)).part;
       }
       note.textContent = "Checking…";
       const { set } = await ask("load", { parts, compare: box.querySelector(".second").checked });

@@ -171,7 +171,7 @@ function tableHtml(rows, note, taught) {
     const name = `<button type="button" class="link" data-row="${i}">${escaped(one.name)}</button>`;
     const label = `<input type="text" list="ov-classes" maxlength="40" size="9" data-label="${i}" aria-label="Label of ${escaped(one.name)}" value="${escaped(one.label)}">`;
     const lesson = taught && one.label ? "<small>taught with it</small>" : "";
-    return row(`${name} ${lesson}`, [label, ...cells]).replace("<tr", `<tr data-pair="${i}"`);
+    return String(row(`${name} ${lesson}`, [label, ...cells])).replace("<tr", `<tr data-pair="${i}"`);
   });
   return `<header><h3>${plural(rows.length, "pair")}: ${plural(guesses, "guess").replace("guesss", "guesses")}</h3><span class="row"><button type="button" class="as-profile" title="Their mean and spread, without labels">Profile of these</button><button type="button" class="main teach">Teach</button><button type="button" class="csv">Save as CSV</button><button type="button" class="close">Close</button></span></header>
     <p class="hint" role="status">${taught ? "By the head taught on your labelled pairs. " : scores.length ? `Right: ${scores.join(", ")}. ` : ""}“?” marks a guess: a picture unlike ${taught ? "those that you labelled" : "anything the head has seen"}. Type a label; a name opens its pair.${escaped(note)}</p>

@@ -53,7 +53,7 @@ export async function start(root) {
     takeLinked(),
     json("own").catch(told),
   ]);
-  if (facts.left_out) visit.head = OWN;
+  if ("left_out" in facts) visit.head = OWN;
   const tab = new PairTab(
     root,
     examples,
@@ -76,7 +76,7 @@ class PairTab extends View {
     this.examples = examples;
     this.set = set;
     this.rivals = rivals;
-    this.answer = null;
+    this.answer = /** @type {any} */ (null);
     this.familiar = null;
     this.live = null; // the latest prediction of a camera picture
     this.asking = null;

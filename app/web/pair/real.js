@@ -52,6 +52,7 @@ export class RealPairs extends View {
     this.onBusy(1);
     button.setAttribute("aria-busy", "true");
     await attempt(async () => {
+      /** @type {Pair} */
       const refs = value === "both" ? { vis: null, tac: null } : {};
       for (const one of wanted) {
         const content = await (await get(`real/${pictures[one]}`)).blob();

@@ -192,7 +192,7 @@ export class Sensor extends View {
       visit.profile = "";
       await this.load(new Blob([bytesOf(text)]));
     } else {
-      const { sensor } = await loaded().catch(() => ({})); // the page itself reports a lost set
+      const { sensor } = await loaded().catch(() => ({ sensor: null })); // the page itself reports a lost set
       if (sensor?.profile) await this.use(sensor.profile, sensor.counts); // of --profile
     }
     return Boolean(visit.profile);

@@ -54,7 +54,7 @@ export const lessonsFor = (pairs, now) =>
 let last = { lessons: "", taught: "" };
 
 /** "" without lessons; `fresh` to teach again if the server may have dropped the head.
- * @param {{lessons?: object[]}} own */
+ * @param {{lessons?: Lesson[]}} own */
 export async function taughtBy({ lessons }, fresh = true) {
   if (!lessons) return "";
   const key = JSON.stringify(lessons);

@@ -5,13 +5,17 @@ import { awaited } from "./ready.js";
 
 /** An error for the visitor; any other error is a bug and stays one. */
 export class Refusal extends Error {
+  /** @param {string} sentence */
   constructor(sentence, status = 0) {
     super(sentence);
     this.status = status;
   }
 }
 
-/** Pass the sentence of a Refusal to `say`, or write it into that element; rethrow bugs, ignore cancelled requests. */
+/** Where a sentence goes: to a function, or into an element. @typedef {((sentence: string) => unknown) | Found} Say */
+
+/** Pass the sentence of a Refusal to `say`, or write it into that element; rethrow bugs, ignore cancelled requests.
+ * @param {unknown} error @param {Say} say */
 export function refused(error, say) {
   if (isCancelled(error)) return;
   if (!(error instanceof Refusal)) throw error;
@@ -19,160 +23,166 @@ export function refused(error, say) {
   else say.textContent = error.message;
 }
 
-/** Do something; if it is refused, `say` gets the sentence. */
+/** Do something; if it is refused, `say` gets the sentence.
+ * @template T @param {() => T | Promise<T>} act @param {Say} say @returns {Promise<T | undefined>} */
 export async function attempt(act, say) {
   try {
     return await act();
   } catch (error) {
-    return refused(error, say);
+    refused(error, say);
   }
 }
 
 const LOST = "The server does not respond. Is it still running? The page continues when it is back.";
 const OTHER = "The server was restarted with another head or set. Reload the page to see it.";
 
-/** The address of a server path; a page without a server has files for some of them. */
+/** The address of a server path; a page without a server has files for some of them. @param {string} path */
 export function address(path) {
-  if (held) return fileOf(path) ?? "";
+  if (held) return fileOf(held, path) ?? "";
   const url = new URL(path, base);
   if (own && !url.searchParams.has("set")) url.searchParams.set("set", own);
   return url.href;
 }
 
-/** A path of another set than the page's own. */
-export const inSet = (path, set) => (set ? `${path}${path.includes("?") ? "&" : "?"}set=${set}` : path);
+/** A path of another set than the page's own; its type stays that of the path, which names the reply.
+ * @template {string} Path @param {Path} path @param {string} set */
+export const inSet = (path, set) =>
+  /** @type {Path} */ (set ? `${path}${path.includes("?") ? "&" : "?"}set=${set}` : path);
 
+/** @type {Map<string, string>} */
 const holds = new Map(); // address of a set -> what the server held of it at first
 
+/** @param {Promise<Response>} request @param {string} set */
 async function checked(request, set) {
-  let response;
-  try {
-    response = await request;
-  } catch (error) {
-    if (isCancelled(error)) throw error;
-    throw new Refusal(LOST);
-  }
+  const response = await request.catch((error) => {
+    throw isCancelled(error) ? error : new Refusal(LOST);
+  });
   const now = response.headers.get("X-Holds");
-  if (now && holds.has(set) && now !== holds.get(set)) throw new Refusal(OTHER, 409);
+  if (now && (holds.get(set) ?? now) !== now) throw new Refusal(OTHER, 409);
   if (now) holds.set(set, now);
   if (response.ok) return response;
-  let sentence = `The server refused (${response.status}).`;
-  try {
-    sentence = (await response.json()).error || sentence;
-  } catch {
-    /* not our server's JSON: the status has to do */
-  }
-  throw new Refusal(sentence, response.status);
+  const { error } = await response.json().catch(() => ({})); // it may not be our server's JSON
+  throw new Refusal(error || `The server refused (${response.status}).`, response.status);
 }
 
+/** The response to a path. @param {string} path @param {RequestInit} [options] */
 export async function get(path, options) {
-  const sent = held ? respond(path, options) : fetch(address(path), options);
+  const sent = held ? respond(held, path, options) : fetch(address(path), options);
   return checked(sent, new URL(path, base).searchParams.get("set") ?? own);
 }
 
-const inJson = async (reply) => (await reply).json();
-export const json = (path) => awaited(inJson(get(path)));
+/** The response to a question or a file. @param {string} path @param {object | Blob} content @param {AbortSignal} [signal] */
+const post = (path, content, signal) =>
+  content instanceof Blob
+    ? get(path, { method: "POST", body: content, signal })
+    : get(path, {
+        method: "POST",
+        body: JSON.stringify(content),
+        headers: { "Content-Type": "application/json" },
+        signal,
+      });
 
+/** @template Reply @param {Promise<Response>} response @returns {Promise<Reply>} */
+const replied = (response) => awaited(response.then((found) => found.json()));
+
+/** @template {string} Path @param {Path} path @returns {Promise<ReplyTo<Path>>} */
+export const json = (path) => replied(get(path));
+
+/** @type {Map<string, Promise<any>>} */
 const kept = new Map();
 
-/** The promise called `name`, made once; after a failure the next call tries again. */
+/** The promise called `name`, made once; after a failure the next call tries again.
+ * @template T @param {string} name @param {() => Promise<T>} make @returns {Promise<T>} */
 export function once(name, make) {
-  if (!kept.has(name)) {
-    const made = make().catch((error) => {
-      kept.delete(name);
-      throw error;
-    });
-    kept.set(name, made);
-  }
-  return kept.get(name);
+  const before = kept.get(name);
+  if (before) return before;
+  const made = make().catch((error) => {
+    kept.delete(name);
+    throw error;
+  });
+  kept.set(name, made);
+  return made;
 }
 
-const files = new Map(); // reference -> uploaded file, to send again to a restarted server
-/** Whether the server has lost what a request was about. */
+/** @type {Map<Ref, [content: Blob, name: string]>} */
+const files = new Map(); // uploaded, to send again to a restarted server
+/** Whether the server has lost what a request was about. @param {unknown} error */
 export const isForgotten = (error) => error instanceof Refusal && error.status === 410;
-/** Whether a request was cancelled. */
+/** Whether a request was cancelled. @param {unknown} error */
 export const isCancelled = (error) => error instanceof Error && error.name === "AbortError";
 
 /** The profile of this visitor's sensor, which predictions follow; `renew` sends it to a server that has lost it;
- * `head` reads the visitor's own pictures, "" is the first one. */
+ * `head` reads the visitor's own pictures, "" is the first one.
+ * @type {{profile: string, head: string, renew: () => Promise<boolean>}} */
 export const visit = { profile: "", head: "", renew: async () => false };
 const READ = new Set(["pair", "many", "attention", "familiar", "teach", "curve", "taught", "save/head"]); // by that head
 
+/** The images of a question's pairs. @param {Pictured} question @returns {Ref[]} */
+const imagesIn = ({ lessons = [], pairs = [], vis, tac }) =>
+  [...lessons, { vis, tac }, ...pairs].flatMap((pair) => [pair.vis ?? [], pair.tac ?? []].flat());
+
 /** The head that reads the pictures of a question, or learns from its lessons: another one only if all are own.
- * @param {any} question */
-export function readerOf({ lessons = [], pairs = [], vis, tac }) {
-  const refs = (lessons.length ? lessons : [{ vis, tac }, ...pairs]).flatMap((one) =>
-    [one.vis ?? [], one.tac ?? []].flat(),
-  );
+ * @param {Pictured} question */
+export function readerOf({ lessons = [], ...question }) {
+  const refs = imagesIn(lessons.length ? { lessons } : question);
   return refs.length && refs.every((ref) => ref.startsWith("image:")) ? visit.head : "";
 }
 
-/** A question with the visitor's profile, and with the head that reads it. */
+/** A question with the visitor's profile, and with the head that reads it. @param {string} path @param {Question} question */
 function whole(path, question) {
   const head = READ.has(path) ? readerOf(question) : "";
   return { ...(visit.profile && { profile: visit.profile }), ...(head && { head }), ...question };
 }
 
-/** Send a request; if the server has lost an uploaded image or the profile, send that again first. */
-export const ask = (path, question, signal) => awaited(answered(path, question, signal));
+/** Send a request; if the server has lost an uploaded image or the profile, send that again first.
+ * @template {string} Path @param {Path} path @param {Question} question @param {AbortSignal} [signal]
+ * @returns {Promise<ReplyTo<Path>>} */
+export const ask = (path, question, signal) => replied(answered(path, question, signal));
 
+/** @param {string} path @param {Question} question @param {AbortSignal} [signal] */
 async function answered(path, question, signal) {
-  const headers = { "Content-Type": "application/json" };
-  const send = async () => {
-    const body = JSON.stringify(whole(path, question));
-    return inJson(get(path, { method: "POST", body, headers, signal }));
-  };
+  const send = () => post(path, whole(path, question), signal);
   try {
     return await send();
   } catch (error) {
-    const pairs = [question, ...(question.lessons ?? []), ...(question.pairs ?? [])];
-    const lost = [...new Set(pairs.flatMap(({ vis, tac }) => [vis, tac]))].filter((ref) => files.has(ref));
     if (!isForgotten(error)) throw error;
-    await Promise.all(lost.map((ref) => sendImage(...files.get(ref))));
-    if (!(visit.profile && (await visit.renew())) && !lost.length) throw error;
+    const sent = [...new Set(imagesIn(question))].map((ref) => files.get(ref)).filter((file) => file !== undefined);
+    await Promise.all(sent.map(([content, name]) => sendImage(content, name)));
+    if (!(visit.profile && (await visit.renew())) && !sent.length) throw error;
     return send();
   }
 }
 
+/** @param {Blob} blob @param {string} name @param {AbortSignal} [signal] @returns {Promise<Replies["image"]>} */
 export async function sendImage(blob, name, signal) {
-  const path = `image?name=${encodeURIComponent(name)}`;
-  const sent = await awaited(inJson(get(path, { method: "POST", body: blob, signal })));
+  /** @type {Replies["image"]} */
+  const sent = await replied(post(`image?name=${encodeURIComponent(name)}`, blob, signal));
   files.set(sent.ref, [blob, name]);
   return sent;
 }
 
-/** The bytes of a referenced image; null if only the server has it. */
+/** The bytes of a referenced image; null if only the server has it.
+ * @param {Ref} ref @param {Modality} modality @returns {Promise<Blob | null>} */
 export async function bytesOf(ref, modality) {
-  if (files.has(ref)) return files.get(ref)[0];
+  const sent = files.get(ref);
+  if (sent) return sent[0];
   if (!ref.startsWith("example:")) return null;
   const path = ref.slice("example:".length).split("/").map(encodeURIComponent).join("/");
   return awaited(get(`example/${path}/${modality}`).then((response) => response.blob()));
 }
 
-/** Send an image with a request: "occlusion" or "live"; `taught` names a taught head. */
-export async function askOfImage(
-  what,
-  blob,
-  { modality, other = null, order = null, taught = "", split = 0, head = "" },
-) {
-  const query = new URLSearchParams({ modality });
-  if (Number.isFinite(order)) query.set("order", String(order));
-  if (other) query.set("other", other);
-  if (split) query.set("split", String(split));
-  if (taught) query.set("taught", taught);
-  if (head) query.set("head", head);
-  if (visit.profile) query.set("profile", visit.profile);
-  return awaited(inJson(get(`${what}?${query}`, { method: "POST", body: blob })));
+/** Send an image with a request; `taught` names a taught head, `split` the bytes of the first of two pictures.
+ * @template {"occlusion" | "live"} What @param {What} what @param {Blob} blob
+ * @param {{modality: string, other?: Ref | null, order?: number | null, taught?: string, split?: number, head?: string}} about
+ * @returns {Promise<Replies[What]>} */
+export function askOfImage(what, blob, about) {
+  const stated = Object.entries({ ...about, profile: visit.profile }).filter(([, value]) => value || value === 0);
+  return replied(post(`${what}?${new URLSearchParams(stated.map(([name, value]) => [name, `${value}`]))}`, blob));
 }
 
-/** A file that the server makes of a question. Throws a Refusal. */
-export function made(path, question) {
-  const headers = { "Content-Type": "application/json" };
-  const reply = get(path, { method: "POST", body: JSON.stringify(whole(path, question)), headers });
-  return awaited(reply.then((response) => response.blob()));
-}
+/** A file that the server makes of a question. Throws a Refusal. @param {string} path @param {Question} question */
+export const made = (path, question) => awaited(post(path, whole(path, question)).then((response) => response.blob()));
 
-/** Upload one file of a head or set; returns its name for `loadParts`. */
-export async function sendPart(name, file) {
-  return (await awaited(inJson(get(`part?name=${encodeURIComponent(name)}`, { method: "POST", body: file })))).part;
-}
+/** Upload one file of a head or set; its name in `load` is the reply's `part`.
+ * @param {string} name @param {Blob} file @returns {Promise<Replies["part"]>} */
+export const sendPart = (name, file) => replied(post(`part?name=${encodeURIComponent(name)}`, file));

@@ -1,14 +1,17 @@
 /** What is drawn on a canvas. */
 
 /** The drawing context of a canvas.
- * @param {HTMLCanvasElement | OffscreenCanvas} canvas @param {any} options @returns {any} */
+ * @param {HTMLCanvasElement | OffscreenCanvas} canvas @param {CanvasRenderingContext2DSettings} options
+ * @returns {CanvasRenderingContext2D} */
 export function drawingOn(canvas, options = {}) {
-  const context = canvas.getContext("2d", options);
+  const context = /** @type {CanvasRenderingContext2D | null} */ (canvas.getContext("2d", options));
   if (!context) throw new Error("This browser gives no canvas to draw on.");
   return context;
 }
 
-/** Paint a canvas of cells; `colour(x, y)` is [r, g, b], and may have an alpha. */
+/** Paint a canvas of cells; `colour(x, y)` is [r, g, b], and may have an alpha.
+ * @param {HTMLCanvasElement} canvas @param {number} columns @param {number} rows
+ * @param {(x: number, y: number) => number[]} colour */
 export function paintCells(canvas, columns, rows, colour) {
   [canvas.width, canvas.height] = [columns, rows];
   const image = new ImageData(columns, rows);

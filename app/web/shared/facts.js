@@ -5,7 +5,7 @@ import { fetchFrames } from "./frames.js";
 import { OWN_MODE } from "./tables.js";
 import { bytesOf } from "./text.js";
 
-/** A fact about a set; "" is the page's own. */
+/** A fact about a set; "" is the page's own. @template {keyof Replies} Name @param {Name} name */
 const fact =
   (name) =>
   (set = "") =>
@@ -13,22 +13,23 @@ const fact =
 
 const KINDS = { u1: Uint8Array, u2: Uint16Array, i2: Int16Array };
 
-/** Unpack numbers from the server: integers in steps. */
+/** Unpack numbers from the server: integers in steps. @param {Packed} packed @returns {Numbers} */
 export function unpacked({ kind, steps, data }) {
   const whole = new KINDS[kind](bytesOf(data).buffer);
   return steps === 1 ? whole : Float64Array.from(whole, (n) => n / steps);
 }
 
-/** Accuracy in unseen domains; values of each pair as typed arrays. */
+/** Accuracy in unseen domains; values of each pair as typed arrays. @returns {Promise<Unseen>} */
 export const unseen = (set = "") =>
   once(`unseen ${set}`, async () => {
     const found = await json(inSet("unseen", set));
     const { counts, answers, confidence, cosine } = found.pairs;
+    const { fused, vis, tac } = answers;
     return {
       ...found,
       pairs: {
         counts: unpacked(counts),
-        answers: Object.fromEntries(Object.entries(answers).map(([name, own]) => [name, unpacked(own)])),
+        answers: { fused: unpacked(fused), vis: unpacked(vis), tac: unpacked(tac) },
         confidence: unpacked(confidence),
         cosine: unpacked(cosine),
       },
@@ -36,7 +37,7 @@ export const unseen = (set = "") =>
   });
 /** What is loaded: head and embeddings with their origin, limits, a sensor’s profile. */
 export const loaded = fact("about");
-/** {problem, remedy, command}: why the head does not fit the set, and what to do; "" if it fits. */
+/** Why the head does not fit the set, and what to do; "" if it fits. */
 export const fit = fact("fit");
 /** Names of the pairs, and the classes they imitate. */
 export const pairNames = fact("pairs");
@@ -49,16 +50,16 @@ export const twinsMap = () => once("twins/map", () => json("twins/map"));
 /** {rungs, sources}: what is known of a new sensor, and the accuracy that it brings. */
 export const ladder = (set = "", source = "") =>
   once(`ladder ${set} ${source}`, () => ask(inSet("ladder", set), { source }));
-/** Modes of p and sets; only the head if the server lists none. */
+/** Modes of p and sets; only the head if the server lists none. @returns {Promise<Choices>} */
 export const choices = (set = "") =>
   once(`modes ${set}`, () => json(inSet("modes", set)).catch(() => ({ modes: [OWN_MODE], sets: [], twins: false })));
 
-/** Frames of another mode than the head's; `own` are the head's frames, of the same pairs. */
+/** Frames of another mode than the head's; `own` are the head's frames, of the same pairs.
+ * @param {string} mode @param {Frames} own */
 export const framesOf = (mode, own, set = "") =>
   once(`frames ${mode} ${set}`, async () => {
     const { frames } = await fetchFrames(() => {}, { mode, set });
-    const same = (k, pair) => frames.classes[k] === own.classes[own.label[pair]];
-    if (frames.pairs !== own.pairs || !frames.label.every(same))
+    if (frames.pairs !== own.pairs || !frames.label.every((k, i) => frames.classes[k] === own.classes[own.label[i]]))
       throw new Refusal("The frames of this mode belong to other pairs; make them again with `omnivat sweep`.");
     return frames;
   });

@@ -1,56 +1,60 @@
 /** Legend and filters: the meaning of each colour, and a switch for each name. */
 
-import { colouring, TAC_COLOUR, VIS_COLOUR } from "./palette.js";
+import { colouring } from "./palette.js";
 import { hidden, state, toggle } from "./store.js";
-import { each, escaped } from "./text.js";
+import { html, put } from "./text.js";
 
-/** @type {[string, string, (f: any) => string[]][]} */
+/** @type {[Filter, string, (f: Frames) => string[]][]} */
 const KINDS = [
   ["domain", "Domains", (f) => f.domains],
   ["class", "Classes", (f) => f.classes],
   ["modality", "Modalities", () => ["VIS", "TAC"]],
 ];
+/** @type {Record<string, string>} */
 const SIGNS = { VIS: "●", TAC: "▲" };
 
-/** Draw the switches; those of the current colouring show their colours. */
+/** The names of groups beside their colours. @param {[name: string, colour: string][]} groups @param {string} [source] */
+export const keys = (groups, source) =>
+  html`${groups.map(
+    ([name, colour]) =>
+      html`<span class="key"><i style="background:${colour}"></i>${name}${name === source && html` <b>source</b>`}</span>`,
+  )}`;
+
+/** Draw the switches; those of the current colouring show their colours.
+ * @param {Found} box @param {Frames} frames @param {(filter: {kind: Filter, name: string} | null) => void} onPoint */
 export function showFilters(box, frames, onPoint) {
-  const chosen = colouring(frames, state.colour);
-  const colours = new Map(chosen.groups(frames));
-  const legend = ["Correctness", "Confidence"].includes(chosen.label)
-    ? `<fieldset class="legend"><legend>${chosen.label}</legend>${each([...colours], ([name, colour]) => `<span class="key"><i style="background:${colour}"></i>${escaped(name)}</span>`)}</fieldset>`
-    : "";
-  box.innerHTML =
-    legend +
-    each(KINDS, ([kind, title, names]) => {
-      const off = hidden(kind);
-      const switches = names(frames).map((name) => {
-        const colour = chosen.label.toLowerCase() === kind ? colours.get(name) : null;
-        const sign =
-          kind === "modality"
-            ? `<i class="sign" style="color:${colour ?? (state.colour === "modality" ? { VIS: VIS_COLOUR, TAC: TAC_COLOUR }[name] : "currentColor")}">${SIGNS[name]}</i>`
-            : colour
-              ? `<i style="background:${colour}"></i>`
-              : "";
-        return `<label data-kind="${kind}" data-name="${escaped(name)}"><input type="checkbox" ${off.has(name) ? "" : "checked"}>${sign}<span>${escaped(name)}${name === frames.source ? ' <b class="source" title="the domain that the head was trained on">source</b>' : ""}</span></label>`;
-      });
-      return `<fieldset><legend>${title}</legend>${switches.join("")}</fieldset>`;
-    });
-  box.onchange = (event) => {
-    const label = event.target.closest("label");
-    toggle(label.dataset.kind, label.dataset.name);
+  const { label, groups } = colouring(frames, state.colour);
+  const colours = new Map(groups(frames));
+  /** @param {Filter} kind @param {string} name */
+  const sign = (kind, name) => {
+    const colour = label.toLowerCase() === kind && colours.get(name);
+    if (kind === "modality") return html`<i class="sign" style="color:${colour || "currentColor"}">${SIGNS[name]}</i>`;
+    return colour && html`<i style="background:${colour}"></i>`;
   };
-  box.onpointerover = (event) => {
-    const label = event.target.closest("label");
-    onPoint(label ? { kind: label.dataset.kind, name: label.dataset.name } : null);
-  };
+  /** @param {Filter} kind @param {string} name */
+  const choice = (kind, name) =>
+    html`<label data-kind="${kind}" data-name="${name}"><input type="checkbox"${!hidden(kind).has(name) && html` checked`}>${sign(kind, name)}<span>${name}${name === frames.source && html` <b class="source" title="the domain that the head was trained on">source</b>`}</span></label>`;
+  const own = KINDS.some(([kind]) => kind === label.toLowerCase());
+  put(
+    box,
+    html`${!own && html`<fieldset class="legend"><legend>${label}</legend>${keys([...colours])}</fieldset>`}${KINDS.map(
+      ([kind, title, names]) =>
+        html`<fieldset><legend>${title}</legend>${names(frames).map((name) => choice(kind, name))}</fieldset>`,
+    )}`,
+  );
+  /** @param {{target: Found}} event */
+  const of = ({ target }) => target.closest("label")?.dataset;
+  box.onchange = (/** @type {Found} */ event) => toggle(of(event).kind, of(event).name);
+  box.onpointerover = (/** @type {Found} */ event) => onPoint(of(event) ?? null);
   box.onpointerleave = () => onPoint(null);
 }
 
-/** A function from a point's index to whether it is shown. */
+/** A function from a point's index to whether it is shown.
+ * @param {Frames} frames @returns {(point: number) => boolean} */
 export function shownBy(frames) {
-  const domains = frames.domains.map((name) => !hidden("domain").has(name));
-  const classes = frames.classes.map((name) => !hidden("class").has(name));
-  const modalities = ["VIS", "TAC"].map((name) => !hidden("modality").has(name));
+  const [domains, classes, modalities] = KINDS.map(([kind, , names]) =>
+    names(frames).map((name) => !hidden(kind).has(name)),
+  );
   return (point) => {
     const tac = point >= frames.pairs;
     const pair = tac ? point - frames.pairs : point;

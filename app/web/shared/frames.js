@@ -10,10 +10,12 @@ const MAGIC = "OVFRAMES";
 const ARRAYS = { u8: Uint8Array, u16: Uint16Array };
 
 export class Frames {
+  /** @param {ArrayBuffer} buffer */
   constructor(buffer) {
     const magic = new TextDecoder().decode(new Uint8Array(buffer, 0, 8));
     if (magic !== MAGIC) throw new Refusal("This is not a frames file of this version; make it again.");
     const length = new DataView(buffer).getUint32(8, true);
+    /** @type {FramesMeta} */
     this.meta = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 12, length)));
     this.buffer = buffer;
     this.start = 12 + length; // offsets of arrays count from the end of the JSON
@@ -28,7 +30,11 @@ export class Frames {
     this.coarse = false; // whether finer frames will follow
     this.by = ""; // what predicts, in words, if it is not the loaded head
     this.still = false; // whether it predicts the same at every p
+    /** @type {Numbers | null} */
+    this.answered = null; // what one image alone predicts, where that is shown
+    /** @type {Record<string, string[]>} */
     this.columns = {}; // of the table of the pairs, once known
+    /** @type {Map<string, Box[]>} */
     this.extents = new Map(); // array of a map -> the boxes around its VIS and its TAC points at all stops
   }
 
@@ -64,78 +70,90 @@ export class Frames {
 
   /** True if a pair is two recordings of one signal, drawn as stripes: no photo and no touch. */
   get signals() {
-    return isSignals(this.meta.embeddings ?? {});
+    return isSignals(this.meta.embeddings);
   }
 
+  /** @param {string} name */
   array(name) {
     const entry = this.meta.arrays[name];
     const count = entry.shape.reduce((a, b) => a * b, 1);
     return new ARRAYS[entry.dtype](this.buffer, this.start + entry.offset, count);
   }
 
-  /** The stop nearest to p: an index into `orders`. */
+  /** The stop nearest to p: an index into `orders`. @param {number} p */
   stop(p) {
     return nearest(this.orders, p);
   }
 
-  extentsOf(name, all) {
-    if (!this.extents.has(name)) this.extents.set(name, boxes(all, this.pairs));
-    return this.extents.get(name);
+  /** @param {string} name */
+  extentsOf(name) {
+    let found = this.extents.get(name);
+    if (!found) this.extents.set(name, (found = boxes(this.array(name), this.pairs)));
+    return found;
   }
 
-  /** The kinds of map of a stage: "pca", "umap". */
+  /** The kinds of map of a stage: "pca", "umap". @param {string} stage */
   kinds(stage) {
     const names = Object.keys(this.meta.maps).map((name) => name.split("/"));
     return names.filter(([, of]) => of === featuresOf(stage)).map(([kind]) => kind);
   }
 
-  /** Positions at one stop of one map; `drawn` is the stop of these positions. */
+  /** Positions at one stop of one map; `drawn` is the stop of these positions.
+   * @param {string} kind @param {string} stage @param {number} stop */
   positions(kind, stage, stop) {
     const map = this.meta.maps[`${kind}/${featuresOf(stage)}`];
     const index = nearest(map.orders, stop);
     const size = 4 * this.pairs;
-    const all = this.array(map.array);
     return {
-      points: all.subarray(index * size, (index + 1) * size),
+      points: this.array(map.array).subarray(index * size, (index + 1) * size),
       drawn: map.orders[index],
       stops: map.orders.length,
       bounds: map.bounds,
       trust: map.trust?.[index],
-      extents: this.extentsOf(map.array, all),
+      extents: this.extentsOf(map.array),
       error: (2 * map.max_error) / (map.bounds[1][0] - map.bounds[0][0]), // share of the radius
     };
   }
 }
 
-/** The index of the value nearest to one; the first of several. */
+/** The index of the value nearest to one; the first of several. @param {number[]} values @param {number} to */
 export const nearest = (values, to) =>
   values.reduce((best, v, i) => (Math.abs(v - to) < Math.abs(values[best] - to) ? i : best), 0);
 
-/** Boxes [left, bottom, right, top] around the two halves of positions, over any number of stops. */
-export function boxes(all, pairs) {
-  const halves = [0, 1].map(() => [65535, 65535, 0, 0]);
+/** Boxes around the two halves of positions, over any number of stops.
+ * @param {Numbers} all @param {number} pairs */
+function boxes(all, pairs) {
+  /** @type {Box[]} */
+  const halves = [
+    [65535, 65535, 0, 0],
+    [65535, 65535, 0, 0],
+  ];
   for (let i = 0; i < all.length; i += 2) {
     const box = halves[Math.floor(i / 2 / pairs) % 2];
-    if (all[i] < box[0]) box[0] = all[i];
-    if (all[i] > box[2]) box[2] = all[i];
-    if (all[i + 1] < box[1]) box[1] = all[i + 1];
-    if (all[i + 1] > box[3]) box[3] = all[i + 1];
+    box[0] = Math.min(box[0], all[i]);
+    box[1] = Math.min(box[1], all[i + 1]);
+    box[2] = Math.max(box[2], all[i]);
+    box[3] = Math.max(box[3], all[i + 1]);
   }
   return halves;
 }
 
-/** p as text: two digits, or three if the stop lies between two hundredths. */
+/** p as text: two digits, or three if the stop lies between two hundredths. @param {number} p */
 export const orderText = (p) => (Math.abs(p - +p.toFixed(2)) < 1e-9 ? p.toFixed(2) : p.toFixed(3));
 
-const query = (named) => {
-  const asked = new URLSearchParams(Object.entries(named).filter(([, value]) => value)).toString();
-  return asked ? `frames?${asked}` : "frames";
-};
+/** @typedef {{head?: string, mode?: string, set?: string, progress?: string}} Named */
+/** @param {Named} named */
+const query = (named) =>
+  `frames?${new URLSearchParams(Object.entries(named).filter(([, value]) => value))}`.replace(/\?$/, "");
+
+/** @param {number} ms */
+const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 /** Fetch the frames of a head, mode or set; report progress to `onWait` while the server computes them.
- * @param {(step: any) => void} onWait @param {{head?: string, mode?: string, set?: string}} named */
+ * @param {(step: Step | null) => void} onWait @param {Named} named */
 export const fetchFrames = (onWait, named = {}) => awaited(fetched(onWait, named));
 
+/** @param {(step: Step | null) => void} onWait @param {Named} named */
 async function fetched(onWait, named) {
   for (;;) {
     const response = await get(query(named));
@@ -145,23 +163,25 @@ async function fetched(onWait, named) {
       return { frames: new Frames(await response.arrayBuffer()), coarse, drawn };
     }
     onWait((await response.json()).step);
-    await new Promise((resolve) => setTimeout(resolve, 700));
+    await pause(700);
   }
 }
 
-/** Wait for finer frames after coarse ones. */
+/** Wait for finer frames after coarse ones. @param {(step: Step | null) => void} onWait @param {Named} named */
 export async function whenFine(onWait, named = {}) {
   for (;;) {
-    await new Promise((resolve) => setTimeout(resolve, 1500));
+    await pause(1500);
     const { step } = await (await get(query({ progress: "1", ...named }))).json();
     if (!step) return (await fetchFrames(onWait, named)).frames;
     onWait(step);
   }
 }
 
-/** The sheet of thumbnails of a set that has them; null in a saved page without them. */
+/** The sheet of thumbnails of a set that has them; null in a saved page without them.
+ * @returns {Promise<any>} */
 export const fetchThumbnails = (set = "") => awaited(sheet(set));
 
+/** @param {string} set */
 async function sheet(set) {
   const response = await get(inSet("thumbnails.json", set)).catch(() => null);
   if (!response) return null;

@@ -5,28 +5,33 @@ import { fetchFrames, whenFine } from "./frames.js";
 import { TABLES } from "./tables.js";
 
 const METHOD = "method:";
+/** @type {Map<string, Frames>} */
 const finest = new Map(); // head -> its finer frames, once they are there
 
-/** The server's heads: [{name, folder, generation, source, …}], the first one first. */
+/** The server's heads, the first one first. @returns {Promise<any[]>} */
 export const heads = () => once("heads", () => json("heads"));
 
-export const headLabel = (one) =>
-  `${one.name || one.folder}${one.problem ? "" : ` · ${one.source} · ${one.mffa ? one.generation : "no MFFA"}`}`;
-/** The methods that can be fitted: on the pairs of the head's source, by their classes. */
+/** @param {HeadRow} head */
+export const headLabel = ({ name, folder, problem, source, mffa, generation }) =>
+  `${name || folder}${problem ? "" : ` · ${source} · ${mffa ? generation : "no MFFA"}`}`;
+/** The methods that can be fitted: on the pairs of the head's source, by their classes.
+ * @param {Frames} frames @returns {[value: string, label: string][]} */
 export const methodsFor = ({ source, domains, labelled }) =>
-  labelled !== false && domains.includes(source)
-    ? TABLES.methods.map(({ id, title }) => [`${METHOD}${id}`, title])
-    : [];
+  labelled && domains.includes(source) ? TABLES.methods.map(({ id, title }) => [`${METHOD}${id}`, title]) : [];
+/** @param {string} name */
 export const isMethod = (name) => name.startsWith(METHOD);
 
 /** The frames of `name`; "" is the first head, whose frames are loaded.
- * If coarse frames come first, `onFiner` is called once finer ones exist. */
-export function framesBy(name, own, onWait, onFiner = () => {}) {
-  if (!name) return Promise.resolve(own);
-  if (finest.has(name)) return Promise.resolve(finest.get(name));
+ * If coarse frames come first, `onFiner` is called once finer ones exist.
+ * @param {string} name @param {Frames} own @param {(step: Step | null) => void} onWait @param {() => void} onFiner
+ * @returns {Promise<Frames>} */
+export function framesBy(name, own, onWait, onFiner) {
+  const loaded = name ? finest.get(name) : own;
+  if (loaded) return Promise.resolve(loaded);
   return once(`by ${name}`, () => (isMethod(name) ? byMethod(name, own) : fetched(name, onWait, onFiner)));
 }
 
+/** @param {string} name @param {(step: Step | null) => void} onWait @param {() => void} onFiner */
 async function fetched(name, onWait, onFiner) {
   const { frames, coarse } = await fetchFrames(onWait, { head: name });
   frames.by = `the head ${name}`;
@@ -42,26 +47,26 @@ async function fetched(name, onWait, onFiner) {
   return frames;
 }
 
-/** The same maps with the predictions of a method, which do not depend on p. */
+/** The same maps with the predictions of a method, which do not depend on p.
+ * @param {string} name @param {Frames} own @returns {Promise<Frames>} */
 async function byMethod(name, own) {
-  const found = await ask("predictions", { method: name.slice(METHOD.length) });
-  const index = found.classes.map((label) => own.classes.indexOf(label));
-  const frames = Object.create(own);
-  const repeat = (values) => {
+  const { label, classes, prediction, confidence, accuracy } = await ask("predictions", {
+    method: name.slice(METHOD.length),
+  });
+  const index = classes.map((label) => own.classes.indexOf(label));
+  /** @param {number[]} values */
+  const repeated = (values) => {
     const all = new Uint8Array(own.orders.length * own.pairs);
-    own.orders.forEach((_, stop) => all.set(values, stop * own.pairs));
+    for (let at = 0; at < all.length; at += own.pairs) all.set(values, at);
     return all;
   };
-  const predicted = found.prediction.map((k) => index[k]);
-  Object.assign(frames, { by: found.label, still: true });
-  frames.prediction = repeat(predicted);
-  frames.confidence = repeat(found.confidence);
-  const curves = Object.fromEntries(
-    Object.entries(own.meta.curves).filter(([key]) => !/^(accuracy|macro_f1)/.test(key)),
-  );
-  for (const [name, value] of Object.entries(found.accuracy)) {
-    curves[`accuracy/${name}`] = own.orders.map(() => value);
-  }
-  frames.meta = { ...own.meta, curves };
-  return frames;
+  const curves = Object.entries(own.meta.curves).filter(([key]) => !/^(accuracy|macro_f1)/.test(key));
+  const flat = Object.entries(accuracy).map(([key, share]) => [`accuracy/${key}`, own.orders.map(() => share)]);
+  return Object.assign(Object.create(own), {
+    by: label,
+    still: true,
+    prediction: repeated(prediction.map((k) => index[k])),
+    confidence: repeated(confidence),
+    meta: { ...own.meta, curves: Object.fromEntries([...curves, ...flat]) },
+  });
 }

@@ -2,8 +2,7 @@
 
 const block = globalThis.document?.querySelector("#omnivat-held")?.textContent;
 
-/** {files: request -> address of a file, home: the page's own set, sets, refused: request -> sentence, alone: the
- * sentence for what needs a server, local: the script of the worker, models}; null if there is a server. */
+/** What this page has instead of a server; null if there is one. @type {Held | null} */
 export const held = block ? JSON.parse(block) : null;
 
 /** Where the server's paths begin. */
@@ -12,43 +11,42 @@ export const base = new URL("omnivat/", document.baseURI);
 /** The set in the page's address: one of the project's, or one that the visitor loaded; "" is the server's. */
 export const own = new URLSearchParams(location.search).get("set") ?? "";
 
-/** A request in parts: the set, the name of the route, the other parameters in their order. */
-function parts(path) {
+/** A request in parts: the set, the name of the route, the other parameters in their order; and its name in `files`,
+ * where the profile of a visitor's sensor changes no answer.
+ * @param {Held} page @param {string} path @param {string} body */
+function parts({ home }, path, body = "") {
   const url = new URL(path, base);
   const query = url.searchParams;
-  const set = query.get("set") || own || held.home;
+  const set = query.get("set") || own || home;
   query.delete("set");
   query.sort();
-  return { set, path: decodeURIComponent(url.pathname.slice(base.pathname.length)), query };
-}
-
-/** The name of a request in `files`; the profile of a visitor's sensor changes no answer that is a file. */
-function keyOf({ set, path, query }, body) {
+  const route = decodeURIComponent(url.pathname.slice(base.pathname.length));
   const { profile, ...question } = body ? JSON.parse(body) : {};
-  return `${set}/${path}${query.size ? `?${query}` : ""}${body ? ` ${JSON.stringify(question)}` : ""}`;
+  const key = `${set}/${route}${query.size ? `?${query}` : ""}${body ? ` ${JSON.stringify(question)}` : ""}`;
+  return { set, path: route, query, key };
 }
 
-/** The address of a file for a path; undefined if there is none. */
-export const fileOf = (path, body = "") => held.files[keyOf(parts(path), body)];
+/** The address of a file for a path; undefined if there is none. @param {Held} page @param {string} path */
+export const fileOf = (page, path) => page.files[parts(page, path).key];
 
 /** `models`: settled once the models are there that an own pair needs, if they are on their way; maps and familiarity wait for it. */
 /** @type {{models: Promise<void> | null}} */
 export const line = { models: null };
 
+/** @param {string} sentence @param {number} status */
 const failure = (sentence, status) => new Response(JSON.stringify({ error: sentence }), { status });
 
 /** The response to a request, as the server would give it.
- * @param {string} path @param {{body?: any, signal?: AbortSignal}} options */
-export async function respond(path, { body, signal } = {}) {
-  const asked = parts(path);
-  const key = body instanceof Blob ? "" : keyOf(asked, body);
-  if (["frames", "familiar"].includes(asked.path)) await line.models;
-  if (held.files[key]) return fetch(held.files[key], { signal });
-  if (held.refused?.[key]) return failure(held.refused[key], 400);
-  if (held.sets && !held.sets.includes(asked.set))
+ * @param {Held} page @param {string} path @param {RequestInit} options @returns {Promise<Response>} */
+export async function respond(page, path, { body, signal } = {}) {
+  const { key, ...request } = parts(page, path, typeof body === "string" ? body : "");
+  if (["frames", "familiar"].includes(request.path)) await line.models;
+  if (page.files[key]) return fetch(page.files[key], { signal });
+  if (page.refused?.[key]) return failure(page.refused[key], 400);
+  if (page.sets && !page.sets.includes(request.set))
     return failure("These pages do not hold the set of this address.", 410);
-  if (!held.local) return failure(held.alone, 501);
-  const local = await import(held.local);
-  if (!local.ROUTES.has(asked.path)) return failure(held.alone, 501);
-  return local.respond({ ...asked, body, signal, models: held.models });
+  if (!page.local) return failure(page.alone, 501);
+  const local = await import(page.local);
+  if (!local.ROUTES.has(request.path)) return failure(page.alone, 501);
+  return local.respond({ ...request, body, signal, models: page.models });
 }

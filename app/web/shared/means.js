@@ -16,7 +16,7 @@ const STEP = 6; // by which a name moves aside
 function groupsOf(frames, cloud, shown, colour) {
   const grouping = ["domain", "class"].includes(colour) ? COLOURINGS[colour] : ALL;
   const groups = grouping.groups(frames);
-  const of = grouping.of(frames);
+  const of = grouping.of(frames, 0);
   const pairs = cloud.count / 2;
   const sums = new Float64Array(groups.length * 6); // x, y, count of VIS, then of TAC
   for (let point = 0; point < cloud.count; point++) {
@@ -83,9 +83,12 @@ export function names(frames, shown) {
     const chosen = colouring(frames(), state.colour);
     const kind = ["domain", "class"].find((one) => COLOURINGS[one] === chosen);
     if (!kind) return legend(context, frames(), cloud.top);
-    const groups = settled(groupsOf(frames(), cloud, shown, kind), COLOURINGS[kind].of(frames()), cloud, shown).filter(
-      ({ both, name }) => both && name,
-    );
+    const groups = settled(
+      groupsOf(frames(), cloud, shown, kind),
+      COLOURINGS[kind].of(frames(), 0),
+      cloud,
+      shown,
+    ).filter(({ both, name }) => both && name);
     const [width, height] = [cloud.width / cloud.ratio, cloud.height / cloud.ratio];
     const letters = isLecture() ? 20 : width < 420 ? 12 : 14;
     const high = Math.round(HIGH * (letters / 14));

@@ -3,35 +3,42 @@
 import { featuresOf } from "./stages.js";
 import { has, TABLES } from "./tables.js";
 
+/** @type {Measure[]} */
 export const MEASURES = TABLES.measures.map(({ id, ...more }) => ({ name: id, ...more }));
 
-/** The gaps and margins that frames have of some step: all measures of features. */
+/** The gaps and margins that frames have of some step: all measures of features. @param {Frames} frames */
 export const gapsOf = (frames) => {
   const names = new Set(Object.keys(frames.meta.curves).map((key) => key.split("/")[0]));
   return MEASURES.filter(({ name }) => name !== "accuracy" && names.has(name));
 };
 
+/** @param {Frames} frames @param {string} name @returns {number[] | null} */
 const series = (frames, name) => frames.meta.curves[name] ?? null;
+/** @param {Frames} frames @param {string} domain */
 const isSource = (frames, domain) => domain === frames.meta.head?.source;
 
-/** The name of an accuracy curve over several trainings, without its suffix. */
+/** The name of an accuracy curve over several trainings, without its suffix.
+ * @param {Frames} frames @param {string} domain */
 const trainedAccuracy = (frames, domain) =>
   `seeds:accuracy/${!domain ? "unseen" : isSource(frames, domain) ? "source_test" : domain}`;
 
-/** Accuracy excludes training pairs; the source has one only if each stop has a head. */
+/** Accuracy excludes training pairs; the source has one only if each stop has a head.
+ * @param {Frames} frames @param {string} domain */
 function accuracy(frames, domain) {
   if (has(frames, "heads")) return series(frames, `${trainedAccuracy(frames, domain)}/mean`);
   if (!domain) return series(frames, "accuracy/unseen");
   return isSource(frames, domain) ? null : series(frames, `accuracy/${domain}`);
 }
 
-/** The values of one measure at one stage, of one domain if named; null if not measured. */
+/** The values of one measure at one stage, of one domain if named; null if not measured.
+ * @param {Frames} frames @param {string} name @param {string} stage @returns {any} */
 export function values(frames, name, stage, domain = "") {
   if (name === "accuracy") return accuracy(frames, domain);
   return series(frames, `${name}/${featuresOf(stage)}${domain && `/${domain}`}`);
 }
 
-/** Minimum and maximum over trainings: {low, high}, or null for a single training. */
+/** Minimum and maximum over trainings: {low, high}, or null for a single training.
+ * @param {Frames} frames @param {string} name @param {string} stage */
 export function spread(frames, name, stage, domain = "") {
   if (!has(frames, "heads")) return null;
   const stem = name === "accuracy" ? trainedAccuracy(frames, domain) : `seeds:${name}/${featuresOf(stage)}`;
@@ -39,7 +46,8 @@ export function spread(frames, name, stage, domain = "") {
   return low && high && !(name !== "accuracy" && domain) ? { low, high } : null;
 }
 
-/** One axis for a measure at every stage, domain and stop: a flat line stays flat. */
+/** One axis for a measure at every stage, domain and stop: a flat line stays flat.
+ * @param {Frames} frames @param {string} name @returns {[number, number]} */
 export function axis(frames, name) {
   if (name === "accuracy") return [0, 1];
   const all = Object.entries(frames.meta.curves)
@@ -51,5 +59,6 @@ export function axis(frames, name) {
   return [Math.floor(low / step) * step, Math.ceil(top / step - 1e-9) * step];
 }
 
-export const asText = (name, value, digits = 3) =>
+/** @param {string} name @param {number} [value] */
+export const asText = (name, value = NaN, digits = 3) =>
   !Number.isFinite(value) ? "–" : name === "accuracy" ? `${(100 * value).toFixed(1)}\u00a0%` : value.toFixed(digits);

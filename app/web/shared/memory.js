@@ -1,9 +1,11 @@
 /** What the browser remembers: for good, or for this visit. One that keeps nothing remembers it as long as the page. */
 
+/** @type {Map<string, string | null>} */
 const here = new Map();
+/** @param {boolean} visit */
 const storage = (visit) => (visit ? sessionStorage : localStorage);
 
-/** The text kept under a key; null if there is none. */
+/** The text kept under a key; null if there is none. @param {string} key */
 export function kept(key, visit = false) {
   try {
     return storage(visit).getItem(key);
@@ -22,7 +24,8 @@ export function keep(key, text, visit = false) {
   }
 }
 
-/** What is kept as JSON; `otherwise` if there is nothing that can be read. */
+/** What is kept as JSON; `otherwise` if there is nothing that can be read.
+ * @param {string} key @param {unknown} otherwise @returns {any} */
 export function keptJson(key, otherwise) {
   try {
     return JSON.parse(kept(key) ?? "null") ?? otherwise;

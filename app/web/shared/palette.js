@@ -12,14 +12,18 @@ export const TAC_COLOUR = "#e69f00";
 export const isLecture = () => document.body.classList.contains("lecturing");
 export const isDark = () => document.body.classList.contains("dark");
 
-/** Call `action` when the page switches between light and dark, or to a lecture. */
+/** Call `action` when the page switches between light and dark, or to a lecture. @param {() => void} action */
 export function onTheme(action) {
   new MutationObserver(action).observe(document.body, { attributeFilter: ["class"] });
 }
 
+/** @param {number} index */
 export const domainColour = (index) => OKABE_ITO[index % OKABE_ITO.length];
+/** @param {number} index */
 export const classColour = (index) => TOL_BRIGHT[index % TOL_BRIGHT.length];
 
+/** @typedef {Pick<Colouring, "groups" | "of">} Grouping */
+/** @type {Record<string, Grouping>} */
 const KNOWN = {
   domain: { groups: (f) => f.domains.map((name, i) => [name, domainColour(i)]), of: (f) => (pair) => f.domain[pair] },
   class: { groups: (f) => f.classes.map((name, i) => [name, classColour(i)]), of: (f) => (pair) => f.label[pair] },
@@ -35,10 +39,7 @@ const KNOWN = {
       ["right", "#009e73"],
       ["wrong", "#d55e00"],
     ],
-    of: (f, stop) => {
-      const from = stop * f.pairs;
-      return (pair) => ((f.answered?.[pair] ?? f.prediction[from + pair]) === f.label[pair] ? 0 : 1);
-    },
+    of: (f, stop) => (pair) => (saidOf(f, pair, stop) === f.label[pair] ? 0 : 1),
   },
   confidence: {
     groups: (f) => {
@@ -58,7 +59,13 @@ const KNOWN = {
   },
 };
 
-/** A colour for each value of a column of the pairs, as the table of the set has it. */
+/** The class that is predicted for a pair at a stop: by one image alone where that is shown, else by the head.
+ * @param {Colourable} frames @param {number} pair @param {number} stop */
+export const saidOf = ({ answered, prediction, pairs }, pair, stop) =>
+  answered?.[pair] ?? prediction[stop * pairs + pair];
+
+/** A colour for each value of a column of the pairs, as the table of the set has it.
+ * @param {string} column @returns {Grouping} */
 const byColumn = (column) => ({
   groups: ({ columns }) => valuesOf(columns[column]).map((name, i) => [name || "none", classColour(i)]),
   of: ({ columns }) => {
@@ -66,9 +73,11 @@ const byColumn = (column) => ({
     return (pair) => names.indexOf(columns[column][pair]);
   },
 });
+/** @param {string[]} all */
 const valuesOf = (all) => [...new Set(all)].sort();
 
-/** Colourings of points: each has a label, names, colours, and the group of a point. */
+/** Colourings of points: each has a label, names, colours, and the group of a point.
+ * @type {Record<string, Colouring>} */
 export const COLOURINGS = Object.fromEntries(
   TABLES.colours.map(({ id, title, ...row }) => [
     id,
@@ -76,31 +85,29 @@ export const COLOURINGS = Object.fromEntries(
   ]),
 );
 
+/** @param {Numbers | string[]} [all] */
 const differ = (all) => !all || all.some((one) => one !== all[0]);
 
-/** Whether frames have what a colouring needs: values that differ, a head and classes, a calibrated confidence. */
+/** Whether frames have what a colouring needs: values that differ, a head and classes, a calibrated confidence.
+ * @param {Colourable} frames @param {string} key @param {Colouring} row */
 const fits = (frames, key, { needs = [], column }) =>
-  (!column || differ(frames.columns?.[column] ?? [])) &&
-  (!["domain", "label"].includes(KEYS[key]) || differ(frames[KEYS[key]])) &&
-  needs.every(
-    (one) =>
-      ({ head: !frames.headless && frames.kind !== "features", classes: frames.labelled !== false })[one] ??
-      has(frames, one),
-  );
-const KEYS = { domain: "domain", class: "label" };
+  differ(column ? (frames.columns[column] ?? []) : { domain: frames.domain, class: frames.label }[key]) &&
+  needs.every((one) => ({ head: !frames.headless, classes: frames.labelled })[one] ?? has(frames, one));
 
-/** The colourings that frames have. */
+/** The colourings that frames have. @param {Colourable} frames */
 export const colouringsOf = (frames) => Object.entries(COLOURINGS).filter(([key, row]) => fits(frames, key, row));
 
-/** The colouring called `key`, or that of classes if the frames lack it, or the first. */
+/** The colouring called `key`, or that of classes if the frames lack it, or the first.
+ * @param {Colourable} frames @param {string} key */
 export function colouring(frames, key) {
-  const all = colouringsOf(frames);
-  return (all.find(([name]) => name === key) ?? all.find(([name]) => name === "class") ?? all[0])[1];
+  const all = Object.fromEntries(colouringsOf(frames));
+  return all[key] ?? all.class ?? Object.values(all)[0];
 }
 
+/** @param {string} hex */
 export const rgb = (hex) => [1, 3, 5].map((i) => parseInt(hex.slice(i, i + 2), 16));
 
-/** A ramp from paper to ink for pictures of magnitudes: 256 colours as [r, g, b]. */
+/** A ramp from paper to ink for pictures of magnitudes: 256 colours as [r, g, b]. @param {boolean} dark */
 export function ramp(dark) {
   const stops = (
     dark ? ["#0b1220", "#16456e", "#2f9ec4", "#f4e7a1"] : ["#ffffff", "#a9d4e6", "#2b7cb0", "#0a2342"]

@@ -1,32 +1,37 @@
 /** A radio group: arrow keys move, Tab enters the group once. */
 
-import { each, escaped } from "./text.js";
+import { html, put } from "./text.js";
 
+/** @type {Record<string, number>} */
 export const ARROWS = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 };
 
-/** options: [{key, label, title}]. Returns a function that marks the chosen one. */
+/** Returns a function that marks the chosen one.
+ * @param {Found} box @param {{key: string, label: string, title?: string}[]} options @param {() => string} chosen
+ * @param {(key: string) => void} onChoose */
 export function radios(box, options, chosen, onChoose) {
-  box.innerHTML = each(
-    options,
-    ({ key, label, title = "" }) =>
-      `<button type="button" role="radio" data-key="${key}" title="${escaped(title)}">${escaped(label)}</button>`,
+  put(
+    box,
+    html`${options.map(
+      ({ key, label, title = "" }) =>
+        html`<button type="button" role="radio" data-key="${key}" title="${title}">${label}</button>`,
+    )}`,
   );
-  const buttons = [...box.querySelectorAll("button")];
-  /** Choose, and keep the focus where the choice is made again. */
+  const buttons = [...box.children];
+  /** Choose, and keep the focus where the choice is made again. @param {string} key */
   const choose = (key) => {
     onChoose(key);
     box.querySelector(`[data-key="${CSS.escape(key)}"]`)?.focus();
   };
-  box.onclick = (event) => {
-    const button = event.target.closest("button");
+  box.onclick = (/** @type {Found} */ { target }) => {
+    const button = target.closest("button");
     if (button) choose(button.dataset.key);
   };
-  box.onkeydown = (event) => {
+  box.onkeydown = (/** @type {KeyboardEvent} */ event) => {
     const by = ARROWS[event.key];
     if (!by) return;
     event.preventDefault();
-    const at = buttons.findIndex((button) => button.dataset.key === chosen());
-    choose(buttons[(at + by + buttons.length) % buttons.length].dataset.key);
+    const at = options.findIndex(({ key }) => key === chosen());
+    choose(options[(at + by + options.length) % options.length].key);
   };
   const show = () => {
     for (const button of buttons) {

@@ -2,9 +2,10 @@
 
 const LESSON = "chirps"; // the set on which p decides
 const SENSORS = "sensors";
-/** The set of a chapter, by name; "" is the page's own. `listed` are the sets of the project. */
+/** The set of a chapter, by name; "" is the page's own. `listed` are the sets of the project.
+ * @param {string} chapter @param {SetRow[]} listed */
 export function setOf(chapter, listed) {
-  const shown = listed.find((one) => one.shown)?.name;
+  const shown = listed.find((set) => set.shown)?.name;
   const wanted = { order: LESSON, where: SENSORS, fooled: SENSORS }[chapter];
   if (!shown && chapter !== "order") return "";
   return wanted && wanted !== shown && listed.some(({ name }) => name === wanted) ? wanted : "";

@@ -2,20 +2,23 @@
  * what a row can do, never for its name. `app/web/shared/tables.json` has the rows. */
 
 const sent = globalThis.document?.querySelector("#omnivat-tables")?.textContent; // a worker has no document
-/** @type {Record<string, any[]>} */
+/** @type {Tables} */
 export const TABLES = sent
   ? JSON.parse(sent)
   : { modes: [], measures: [], stages: [], colours: [], methods: [], rungs: [] };
 
-/** The row of frames' mode of p; one that can do nothing where there is no head. @param {{kind: string}} frames */
+/** The row of frames' mode of p; one that can do nothing where there is no head.
+ * @param {{kind: string}} frames @returns {Mode} */
 export const modeOf = ({ kind }) => TABLES.modes.find(({ id }) => id === kind) ?? { id: kind, can: [] };
 
 /** Whether the mode of frames can do something: "heads" (each stop has a head of its own), "confidence" (its
- * probabilities are calibrated), "what-if" (the weights stay while p moves). @param {{kind: string}} frames */
+ * probabilities are calibrated), "what-if" (the weights stay while p moves).
+ * @param {{kind: string}} frames @param {string} ability */
 export const has = (frames, ability) => modeOf(frames).can.includes(ability);
 
 /** The mode whose frames are the loaded head's own. */
 export const OWN_MODE = TABLES.modes.find(({ can }) => can.includes("own"))?.id ?? "";
 
-/** A row's sentence with the values in place of {names}. */
-export const worded = (text, values) => text.replace(/\{(\w+)\}/g, (_, name) => values[name] ?? "");
+/** A row's sentence with the values in place of {names}.
+ * @param {string} text @param {Record<string, unknown>} values */
+export const worded = (text, values) => text.replace(/\{(\w+)\}/g, (_, name) => String(values[name] ?? ""));

@@ -1,6 +1,8 @@
-/** Escape any text for HTML. */
+/** Text and markup. */
 
+/** @type {Record<string, string>} */
 const CODES = { "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;" };
+/** @param {unknown} text */
 export const escaped = (text) => String(text).replace(/[&<>"']/g, (c) => CODES[c]);
 /** Markup that may be written into the page: `html` alone makes it. */
 export class Html {
@@ -32,50 +34,64 @@ export const put = (box, content) => {
     throw new TypeError("put takes markup made by html`…`, so that every value is escaped.");
   box.innerHTML = content.text;
 };
+/** Add markup after what an element holds, so that what is in use there stays.
+ * @param {Element} box @param {Html} content */
+export const append = (box, content) => box.insertAdjacentHTML("beforeend", content.text);
+/** A string of markup, until its script makes it by `html`. @param {Markup} text */
+const trusted = (text) => (text instanceof Html ? text : new Html(text));
 
-/** The HTML of each one, in a row. */
+/** The HTML of each one, in a row. @param {Iterable<any>} all @param {(one: any, at: number) => Markup} html */
 export const each = (all, html) => [...all].map(html).join("");
+/** @param {number} share */
 export const percent = (share, digits = 0) => `${(100 * share).toFixed(digits)}\u00a0%`;
-/** True for a set of signals, drawn as stripes: a pair is two recordings of one signal. */
+/** True for a set of signals, drawn as stripes: a pair is two recordings of one signal. @param {{encoder?: string}} set */
 export const isSignals = ({ encoder }) => encoder === "strip";
+/** @param {string} name */
 export const isSimulated = (name) => name.endsWith("-sim");
 
 export const NO_CLASS = "unlabelled"; // the class of a pair without one
 
-/** Options of a choice: [[value, label], …]. */
+/** Options of a choice: [[value, label], …].
+ * @param {(string | number)[][]} all @param {string | number} chosen */
 export const options = (all, chosen = "") =>
-  each(
-    all,
-    ([value, label]) =>
-      `<option value="${escaped(value)}"${value === chosen ? " selected" : ""}>${escaped(label)}</option>`,
-  );
+  html`${all.map(
+    ([value, label]) => html`<option value="${value}"${value === chosen && html` selected`}>${label}</option>`,
+  )}`;
 
-/** A table that scrolls in its place: headings of the columns, and rows as HTML. */
+/** A table that scrolls in its place: headings of the columns, and its rows.
+ * @param {string} label @param {string[]} head @param {Markup[]} rows */
 export const table = (label, head, rows, kind = "") =>
-  `<div class="scroll" tabindex="0" role="group" aria-label="${label}"><table class="${kind}"><thead><tr>${each(head, (one) => `<th scope="col">${one}</th>`)}</tr></thead><tbody>${rows.join("")}</tbody></table></div>`;
+  html`<div class="scroll" tabindex="0" role="group" aria-label="${label}"><table class="${kind}"><thead><tr>${head.map(
+    (column) => html`<th scope="col">${column}</th>`,
+  )}</tr></thead><tbody>${rows.map(trusted)}</tbody></table></div>`;
 
-/** A row of a table: its heading, then its cells. */
+/** A row of a table: its heading, then its cells, as <td> or as what is in one.
+ * @param {Markup} heading @param {Markup[]} cells */
 export const row = (heading, cells) =>
-  `<tr><th scope="row">${heading}</th>${each(cells, (one) => (/^<td/.test(one) ? one : `<td>${one}</td>`))}</tr>`;
+  html`<tr><th scope="row">${trusted(heading)}</th>${cells
+    .map(trusted)
+    .map((cell) => (cell.text.startsWith("<td") ? cell : html`<td>${cell}</td>`))}</tr>`;
 
-/** The bytes of a base64 text. */
+/** The bytes of a base64 text. @param {string} text */
 export const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
 
-/** Bytes as a base64 text. */
+/** Bytes as a base64 text. @param {Uint8Array} bytes */
 export function base64(bytes) {
   let text = "";
   for (let at = 0; at < bytes.length; at += 32768) text += String.fromCharCode(...bytes.subarray(at, at + 32768));
   return btoa(text);
 }
 
+/** @type {WeakMap<Element, string>} */
 const shown = new WeakMap();
-/** What follows once an element was filled; set by what marks terms. @type {{next: (box: HTMLElement) => any}} */
+/** What follows once an element was filled; set by what marks terms. @type {{next: (box: HTMLElement) => unknown}} */
 export const filled = { next: () => {} };
-/** Write HTML into an element if it is not there yet, so that what is in use keeps the focus. */
-export function fill(box, html) {
-  if (shown.get(box) === html) return false;
-  shown.set(box, html);
-  box.innerHTML = html;
+/** Write markup into an element if it is not there yet, so that what is in use keeps the focus.
+ * @param {HTMLElement} box @param {Markup} content */
+export function fill(box, content) {
+  const { text } = trusted(content);
+  if (shown.get(box) === text) return;
+  shown.set(box, text);
+  box.innerHTML = text;
   filled.next(box);
-  return true;
 }

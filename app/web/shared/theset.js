@@ -6,23 +6,25 @@ import { fetchFrames, fetchThumbnails } from "./frames.js";
 import { line } from "./held.js";
 import { isSimulated } from "./text.js";
 
+/** @typedef {(step: Step | null) => void} OnWait */
+/** @type {Set<OnWait>} */
 const waiting = new Set();
 
 /** {frames, coarse, sprite} of a set, "" being the page's own; `onWait` gets the server's progress. Throws a
- * Refusal. @param {(step: any) => void} onWait */
+ * Refusal. @param {OnWait} onWait */
 export function theSet(onWait = () => {}, set = "") {
   waiting.add(onWait);
   return once(`set ${set}`, () => fetchAll(set));
 }
 
-const NO_SET = { frames: null, sprite: null };
-
 /** The set. While the server computes its map, or the models of a page without a server come first: nulls, and a
- * promise of the set as `later`. Without a map that promise stays pending; Explore shows the reason. */
+ * promise of the set as `later`. Without a map that promise stays pending; Explore shows the reason.
+ * @returns {Promise<{frames: Frames | null, sprite: Sprite | null, later?: Promise<Awaited<ReturnType<typeof theSet>>>}>} */
 export function theSetSoon() {
   return new Promise((resolve) => {
-    const without = () => resolve({ ...NO_SET, later });
+    const without = () => resolve({ frames: null, sprite: null, later });
     const coming = theSet(without);
+    /** @type {typeof coming} */
     const later = new Promise((there) => {
       coming.then(there, () => {});
     });
@@ -31,15 +33,17 @@ export function theSetSoon() {
   });
 }
 
+/** @param {string} set */
 async function fetchAll(set) {
   let told = false; // the badge does not wait for the map
+  /** @param {Step | null} step */
   const tell = (step) => {
     if (!told)
       loaded(set)
         .then(({ embeddings: own }) => sayWhetherSimulated(own.simulated, own.domains ?? []))
         .catch(() => {});
     told = true;
-    waiting.forEach((one) => one(step));
+    for (const onWait of waiting) onWait(step);
   };
   const { frames, coarse, drawn } = await fetchFrames(tell, { set });
   const sprite = drawn ? await fetchThumbnails(set) : null;
@@ -47,6 +51,7 @@ async function fetchAll(set) {
   return { frames, coarse, sprite };
 }
 
+/** @param {boolean | undefined} stated @param {string[]} domains */
 function sayWhetherSimulated(stated, domains) {
   const detail = stated || domains.some(isSimulated);
   document.dispatchEvent(new CustomEvent("omnivat:simulated", { detail }));

@@ -11,6 +11,7 @@ type Pair = { vis?: Ref | null; tac?: Ref | null };
 type Lesson = Pair & { label: string };
 type Point = [x: number, y: number];
 type Box = [left: number, bottom: number, right: number, top: number];
+type Numbers = number[] | Uint8Array | Uint16Array | Int16Array | Float64Array;
 type Rgb = [red: number, green: number, blue: number];
 type Painter = (context: CanvasRenderingContext2D, cloud: import("./cloud.js").Cloud) => void;
 
@@ -119,16 +120,18 @@ interface Colourable {
   pairs: number;
   domains: string[];
   classes: string[];
-  domain: ArrayLike<number>;
-  label: ArrayLike<number>;
+  domain: Numbers;
+  label: Numbers;
   kind: string;
   source: string;
-  prediction?: ArrayLike<number>;
-  confidence?: ArrayLike<number>;
-  answered?: ArrayLike<number> | null;
-  headless?: boolean;
-  labelled?: boolean;
-  columns?: Record<string, string[]>;
+  prediction: Numbers;
+  confidence: Numbers;
+  /** what one image alone predicts for each pair, where that is shown */
+  answered: Numbers | null;
+  headless: boolean;
+  labelled: boolean;
+  /** of the table of the pairs */
+  columns: Record<string, string[]>;
 }
 /** A colouring of points: the groups [name, colour], and the group of a pair. */
 interface Colouring {
@@ -150,6 +153,22 @@ interface Step {
   done: number;
   total: number;
   text: string;
+}
+
+/** What a page has instead of a server. */
+interface Held {
+  /** request -> address of a file */
+  files: Record<string, string>;
+  /** the page's own set */
+  home: string;
+  sets?: string[];
+  /** request -> sentence */
+  refused?: Record<string, string>;
+  /** the sentence for what needs a server */
+  alone: string;
+  /** the script of the worker, and the folder of its models; "" where there is none */
+  local?: string;
+  models?: string;
 }
 
 // ---- the state of the page, as the address has it: store.js ----
@@ -219,7 +238,7 @@ interface UnseenOf<Values> {
   pairs: { counts: Values; answers: Record<Reading, Values>; confidence: Values; cosine: Values };
 }
 /** What the head predicts in unseen domains, with the values of each pair. */
-type Unseen = UnseenOf<ArrayLike<number>>;
+type Unseen = UnseenOf<Numbers>;
 interface Familiarity {
   cosine: number;
   quantile: number;

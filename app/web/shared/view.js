@@ -1,37 +1,39 @@
 /** A view: an element of the page and what is in it. */
 
 export class View {
+  /** @param {Found} box */
   constructor(box) {
     this.box = box;
   }
 
-  /** The first part that fits a selector.
-   * @returns {any} */
+  /** The first part that fits a selector. @param {string} selector @returns {Found} */
   $(selector) {
     return this.box.querySelector(selector);
   }
 }
 
-/** Say something in the element that a view waits with; "" hides it. */
+/** Say something in the element that a view waits with; "" hides it.
+ * @param {Found} wait @param {string} sentence */
 export function tell(wait, sentence, problem = false) {
   wait.textContent = sentence;
   wait.hidden = !sentence;
   wait.classList.toggle("problem", problem);
 }
 
-/** What to say while the server makes maps. */
+/** What to say while the server makes maps. @param {Step | null} step */
 export const making = (step) =>
   step?.total ? `Computing maps, ${step.done} of ${step.total}. Pair works meanwhile.` : "Computing the map…";
 
-/** Handle the clicks in a box: selector -> what a click in such an element does. */
+/** Handle the clicks in a box: selector -> what a click in such an element does.
+ * @param {Found} box @param {Record<string, (element: Found) => unknown>} acts */
 export function onClick(box, acts) {
   box.onclick = ({ target }) => {
     for (const [selector, act] of Object.entries(acts)) {
-      const found = target.closest(selector);
-      if (found && box.contains(found)) act(found);
+      const element = /** @type {Element} */ (target).closest(selector);
+      if (element && box.contains(element)) act(element);
     }
   };
 }
 
-/** Mark a button as pressed or not. */
+/** Mark a button as pressed or not. @param {Found} button @param {unknown} on */
 export const press = (button, on) => button.setAttribute("aria-pressed", String(Boolean(on)));

@@ -69,7 +69,8 @@ const addressOf = (models) => new URL(models.endsWith("/") ? models : `${models}
 /** Fetch and start what a first own pair needs; settled once it is there, or cannot be had. */
 export async function prepare() {
   if (/** @type {any} */ (navigator).connection?.saveData) return;
-  await sent({ base: addressOf(held.models), set: own || held.home, path: "warm", query: "", body: "{}" });
+  const { home, models } = /** @type {Held} */ (held);
+  await sent({ base: addressOf(models), set: own || home, path: "warm", query: "", body: "{}" });
 }
 
 /** Respond to a request: `set` and `path` by name, `query` of the address, `body` text or a Blob; `models`:

@@ -9,7 +9,7 @@ const SAME = 1e-6; // of a squared distance: the point itself
 /** {status, value}: the reply to "place". `ask("near", question)` gives the nearest points from the worker. */
 export async function placed(set, body, ask) {
   const question = JSON.parse(body);
-  const { frames } = await theSet(() => {}, set === (own || held.home) ? "" : set);
+  const { frames } = await theSet(() => {}, set === (own || held?.home) ? "" : set);
   const map = frames.positions(question.map, question.stage, frames.stop(question.order ?? frames.learned));
   const order = frames.orders[map.drawn];
   const [[x0, y0], [x1, y1]] = map.bounds;

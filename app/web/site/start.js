@@ -17,7 +17,7 @@ async function open(view) {
   }
   if (started.has(view)) return;
   started.add(view);
-  if (view === "pair" && held.local)
+  if (view === "pair" && held?.local)
     line.models = import("./local.js").then(({ prepare }) => prepare()).catch(() => {});
   const { start } = await import(`../${view}/${view}.js`);
   await start(document.getElementById(`view-${view}`));

@@ -22,14 +22,15 @@ const whence = (head, { width, source }) =>
 
 export async function start(root) {
   const problem = root.querySelector(".problem");
-  const [unfit, { embeddings = {} }] = await Promise.all([fit(), loaded()].map((one) => one.catch(() => ({}))));
+  const [unfit, facts] = await Promise.all([fit().catch(() => null), loaded().catch(() => null)]);
   try {
-    new TrainTab(root, await ask("trainings", {}), unfit.problem);
-    if (embeddings.domains?.length === 1) root.querySelector(".task").innerHTML = ALONE;
+    new TrainTab(root, await ask("trainings", {}), unfit?.problem);
+    if (facts?.embeddings.domains?.length === 1) root.querySelector(".task").innerHTML = ALONE;
   } catch (error) {
     refused(error, problem);
     problem.hidden = false;
-    if (unfit.problem) problem.insertAdjacentHTML("afterend", `<div class="panel headless">${remedyHtml(unfit)}</div>`);
+    if (unfit?.problem)
+      problem.insertAdjacentHTML("afterend", `<div class="panel headless">${remedyHtml(unfit)}</div>`);
     root.querySelector(".bench").hidden = root.querySelector(".explain").hidden = true; // nothing there works without the choices
   }
 }
@@ -98,7 +99,7 @@ class TrainTab extends View {
 
   /** Before a run: the curves of the visitor's last one, or of the loaded head. */
   async preview(earlier) {
-    const { head } = earlier?.epochs ? { head: null } : await loaded().catch(() => ({ head: {} }));
+    const { head } = earlier?.epochs ? { head: null } : await loaded().catch(() => ({ head: null }));
     const own = (head?.metrics?.epochs ?? []).map((one, i) => ({ ...one, epoch: i + 1, measures: {} }));
     const epochs = earlier?.epochs ?? own;
     if (this.run || !epochs.length) return;
@@ -114,7 +115,7 @@ class TrainTab extends View {
       epochs,
       epochs.length,
       epochs.length,
-      earlier?.started.classes.length ?? head.classes.length,
+      earlier?.started.classes.length ?? head?.classes.length,
       Math.max(0, box.clientWidth / columns - 14) || undefined,
       !earlier,
     );
