@@ -38,11 +38,10 @@ def _keep_nothing(transform: Transform) -> Callable[[Tensor], Callable[[float], 
     return lambda x: lambda order: transform(x, order)
 
 
-def _ours(planar: bool, dtype: torch.dtype, reuse: bool = False) -> Method:
+def _ours(planar: bool, dtype: torch.dtype) -> Method:
     def keep(x: Tensor) -> Callable[[float], Tensor]:
         kept = coefficients(x)
-        out = torch.empty(2, *x.shape, dtype=x.dtype) if reuse else None
-        return lambda order: synthesise(kept, order, planar=planar, out=out)
+        return lambda order: synthesise(kept, order, planar=planar)
 
     return Method(
         lambda x, order: dfrft(x, order, planar=planar),
@@ -132,7 +131,6 @@ def methods() -> dict[str, Method]:
     found = {
         "omnivat float32": _ours(False, torch.float32),
         "omnivat float32, planar": _ours(True, torch.float32),
-        "omnivat float32, planar, into a buffer": _ours(True, torch.float32, reuse=True),
         "omnivat float64": _ours(False, torch.float64),
         "dense V, two real products": _dense(),
     }

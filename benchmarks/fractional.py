@@ -91,9 +91,9 @@ def calls_for(
         elif task == "new p":
             frame = method.keep(mine)
             calls[name] = lambda frame=frame: frame(orders())  # type: ignore[misc]
-        elif task == "new x" and "buffer" not in name and "kept" not in name:
+        elif task == "new x" and "kept" not in name:
             calls[name] = lambda f=method.transform, y=mine: f(y, orders())  # type: ignore[misc]
-        elif task == "forward + backward" and method.differentiable and "buffer" not in name:
+        elif task == "forward + backward" and method.differentiable:
             calls[name] = backward_call(method, mine, orders)
     return calls
 

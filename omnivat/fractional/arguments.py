@@ -10,8 +10,6 @@ from jaxtyping import Float64, Inexact, Shaped
 from torch import Tensor
 from torch.autograd.forward_ad import unpack_dual
 
-from omnivat.fractional.build import splits
-from omnivat.fractional.splits import Split
 from omnivat.kit.errors import SettingsError, ShapeError
 
 _KEPT = (torch.float32, torch.float64, torch.complex64, torch.complex128)
@@ -62,25 +60,16 @@ def checked_order(order: float | Tensor | Any, device: torch.device) -> Float64[
     if isinstance(order, int | float) and abs(order) < 1e300:
         return torch.full((), order, dtype=torch.float64, device=device)
     try:
-        found = order if isinstance(order, Tensor) else torch.as_tensor(order, dtype=torch.float64)
+        turns = order if isinstance(order, Tensor) else torch.as_tensor(order, dtype=torch.float64)
     except (TypeError, ValueError, OverflowError, RuntimeError) as error:
         raise SettingsError(
             f"The order is {order!r}, expected a finite real number, or a tensor of them."
         ) from error
-    if found.is_complex():
-        raise SettingsError(f"The order is complex ({found.dtype}), expected real quarter turns.")
-    if readable(found) and not bool(torch.isfinite(found).all()):
-        bad = found.detach()[~torch.isfinite(found)]
-        few = ", ".join(str(value) for value in bad[:3].tolist()) + (", …" if len(bad) > 3 else "")
-        raise SettingsError(
-            f"The order holds NaN or infinity ({few}), expected finite quarter turns."
-        )
-    return found.to(device=device, dtype=torch.float64)
-
-
-def split_for(values: Inexact[Tensor, "... N"]) -> Split:
-    """Return the split for the last axis, the precision and the device of `values`."""
-    return splits.get(values.shape[-1], values.dtype.to_real(), values.device)
+    if turns.is_complex():
+        raise SettingsError(f"The order is complex ({turns.dtype}), expected real quarter turns.")
+    if readable(turns) and not bool(torch.isfinite(turns).all()):
+        raise SettingsError("The order holds NaN or infinity, expected finite quarter turns.")
+    return turns.to(device=device, dtype=torch.float64)
 
 
 def full_precision(device: torch.device) -> AbstractContextManager[object]:

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import NamedTuple
 
 import torch
 from jaxtyping import Float, Float64, Inexact
@@ -24,25 +25,15 @@ _WORTH_A_LOOP = 16  # rows; with fewer, phases for each row are cheaper than a p
 _WORTH_WORKERS = 2**18  # numbers in the result; fewer are not worth a second thread
 
 
-@dataclass(frozen=True)
-class Piece:
+class Piece(NamedTuple):
     """Some rows of coefficients.
 
-    rows: their place in the broadcast batch; shared: phases shared with other pieces, else None,
-    and the piece computes its own.
+    rows: their place in the broadcast batch; phases: returns cos and sin of -πpk/2, as planes.
     """
 
     rows: slice
     values: Inexact[Tensor, "b N"]
-    orders: Float64[Tensor, "#b"]
-    indices: Float64[Tensor, " N"]
-    shared: Float[Tensor, "2 1 N"] | None = None
-
-    def phases(self) -> Float[Tensor, "2 #b N"]:
-        """Real and imaginary part of exp(-iπpk/2)."""
-        if self.shared is not None:
-            return self.shared
-        return _planar_phases(self.orders, self.indices, self.values)
+    phases: Callable[[], Float[Tensor, "2 #b N"]]
 
 
 def slices(rows: Inexact[Tensor, "R N"]) -> Iterator[slice]:
@@ -89,16 +80,17 @@ def pieces(
     sharing = math.prod(lead[varying:])
     if varying and sharing < _WORTH_A_LOOP:
         rows, each = rows.reshape(-1, size), order.expand(lead).reshape(-1)
-        yield from (Piece(some, rows[some], each[some], indices) for some in slices(rows))
+        for some in slices(rows):
+            yield Piece(some, rows[some], partial(_planar_phases, each[some], indices, values))
         return
     orders = order.expand((*lead[:varying], *order.shape[varying:])).reshape(-1, 1)
     places = itertools.product(*(range(length) for length in lead[:varying]))
     for number, place in enumerate(places):
-        turned = _planar_phases(orders[number], indices, values)
+        shared = _planar_phases(orders[number], indices, values)
         group, start = rows[place].reshape(-1, size), number * sharing
         for some in slices(group):
             place_of_some = slice(start + some.start, start + some.stop)
-            yield Piece(place_of_some, group[some], orders[number], indices, turned)
+            yield Piece(place_of_some, group[some], lambda shared=shared: shared)  # type: ignore[misc]
 
 
 def planes(x: Inexact[Tensor, "*any"]) -> Float[Tensor, "#2 *any"]:
@@ -111,68 +103,40 @@ def _spread(rows: Tensor) -> bool:
     return rows.device.type == "cpu" and rows.numel() >= _WORTH_WORKERS
 
 
-def analyse_rows(split: Split, x: Inexact[Tensor, "*lead N"]) -> Inexact[Tensor, "*lead N"]:
-    """x V."""
+def product_rows(
+    split: Split, x: Inexact[Tensor, "*lead N"], *, back: bool
+) -> Inexact[Tensor, "*lead N"]:
+    """x V, or with `back` x Vᵀ."""
     rows = x.reshape(-1, x.shape[-1])
     out = empty(rows.shape, rows.dtype, rows.device)
+    apply = split.restore if back else split.analyse
 
     def work(some: slice) -> None:
         if x.is_complex():
             part = planes(rows[some]).flatten(0, 1)
-            found = torch.empty_like(part)
-            split.analyse(part, found)
-            torch.complex(*found.chunk(2), out=out[some])
+            product = torch.empty_like(part)
+            apply(part, product)
+            torch.complex(*product.chunk(2), out=out[some])
         else:
-            split.analyse(rows[some], out[some])
+            apply(rows[some].clone() if back else rows[some], out[some])
 
     for_each(work, slices(rows), spread=_spread(out))
     return out.view(x.shape)
 
 
-def restore_rows(split: Split, z: Inexact[Tensor, "*lead N"]) -> Inexact[Tensor, "*lead N"]:
-    """z Vᵀ."""
-    rows = z.reshape(-1, z.shape[-1])
-    out = empty(rows.shape, rows.dtype, rows.device)
-
-    def work(some: slice) -> None:
-        if z.is_complex():
-            part = planes(rows[some])
-            split.restore(part, part)
-            torch.complex(*part, out=out[some])
-        else:
-            split.restore(rows[some].clone(), out[some])
-
-    for_each(work, slices(rows), spread=_spread(out))
-    return out.view(z.shape)
-
-
-def turn(piece: Piece) -> Float[Tensor, "2 b N"]:
-    """Coefficients times phases as planes."""
-    if piece.values.is_complex():
-        return planes(piece.values * torch.complex(*piece.phases()))
-    return piece.values * piece.phases()
-
-
 def synthesise_rows(
-    split: Split,
-    values: Inexact[Tensor, "... N"],
-    order: Float64[Tensor, "..."],
-    *,
-    planar: bool,
-    out: Inexact[Tensor, "... N"] | None = None,
+    split: Split, values: Inexact[Tensor, "... N"], order: Float64[Tensor, "..."], *, planar: bool
 ) -> Inexact[Tensor, "... N"]:
     """(λ^p ⊙ values) Vᵀ: planar real (2, ..., N), else complex (..., N)."""
     size, kind = values.shape[-1], values.dtype
     shape = (*leading_shape(values, order), size)
-    if planar:
-        result = empty((2, *shape), kind.to_real(), values.device) if out is None else out
-        flat = result.view(2, -1, size)
-    else:
-        result = empty(shape, kind.to_complex(), values.device) if out is None else out
-        flat = result.view(-1, size)
+    whole = ((2, *shape), kind.to_real()) if planar else (shape, kind.to_complex())
+    result = empty(*whole, values.device)
+    flat = result.view(2, -1, size) if planar else result.view(-1, size)
 
     def work(piece: Piece) -> None:
-        z = turn(piece)
+        cosine_sine, c = piece.phases(), piece.values
+        z = planes(c * torch.complex(*cosine_sine)) if c.is_complex() else c * cosine_sine
         if planar:
             split.restore(z, flat[:, piece.rows])
         else:

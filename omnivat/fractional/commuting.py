@@ -75,14 +75,6 @@ def _exchange(y: Pair, x: Array, row: int, other: int) -> None:
         y.high[to], y.low[to] = add(Pair(y.high[to], y.low[to]), more)
 
 
-@dataclass(frozen=True)
-class ParityBlocks:
-    """S on even vectors (size N//2 + 1) and on odd vectors (size (N-1)//2)."""
-
-    even: Tridiagonal
-    odd: Tridiagonal
-
-
 def _taylor(square: Pair, first: int) -> Pair:
     """1 - s/(f·(f+1)) · (1 - s/((f+2)·(f+3)) · …), s = x² ≤ (π/4)²: cos x for f = 1.
 
@@ -124,14 +116,15 @@ def _shift_last(values: Pair, by: float) -> Pair:
     return Pair(high, low)
 
 
-def parity_blocks(size: int) -> ParityBlocks:
-    """Return both blocks of S for length N ≥ 3."""
+def parity_blocks(size: int) -> tuple[Tridiagonal, Tridiagonal]:
+    """Return S on even vectors, of size N//2 + 1, and on odd vectors, of size (N-1)//2; N ≠ 2."""
     cosines = doubled_cosines(size)
     half = (size - 1) // 2
     odd = cosines.part(slice(1, half + 1))
     if size % 2 == 0:
-        return ParityBlocks(Tridiagonal(cosines, root_first=True, root_last=True), Tridiagonal(odd))
+        return Tridiagonal(cosines, root_first=True, root_last=True), Tridiagonal(odd)
     # For odd N the two middle samples are both neighbours and mirror images.
-    return ParityBlocks(
-        Tridiagonal(_shift_last(cosines, 1.0), root_first=True), Tridiagonal(_shift_last(odd, -1.0))
+    return (
+        Tridiagonal(_shift_last(cosines, 1.0), root_first=True),
+        Tridiagonal(_shift_last(odd, -1.0)),
     )

@@ -32,33 +32,29 @@ from omnivat.fractional.double_double import (
 _COLUMNS = 128  # double-double makes dozens of passes; this many columns stay in the cache
 
 
-@dataclass(frozen=True)
-class Spectrum:
-    """Eigenvalues in decreasing order, and unit eigenvectors in columns."""
-
-    values: Float64[np.ndarray, " n"]
-    vectors: Float64[np.ndarray, "n n"]
-
-
 def blocks_of_columns(count: int) -> Iterator[slice]:
     """Return slices of `count` columns; each slice fits the cache."""
     for start in range(0, count, _COLUMNS):
         yield slice(start, min(start + _COLUMNS, count))
 
 
-def lapack_spectrum(block: Tridiagonal) -> Spectrum:
-    """Compute eigenvalues and eigenvectors to float64 accuracy by divide and conquer (`dstevd`).
+def lapack_spectrum(
+    block: Tridiagonal,
+) -> tuple[Float64[np.ndarray, " n"], Float64[np.ndarray, "n n"]]:
+    """Return eigenvalues, decreasing, and unit eigenvectors in columns, to float64 accuracy.
+
+    By divide and conquer (`dstevd`).
 
     The faster `dstemr` loses orthogonality at N = 4096, and fails for half a spectrum.
     """
     if len(block) < 2:
-        return Spectrum(block.diagonal.high.copy(), np.ones((len(block), len(block))))
+        return block.diagonal.high.copy(), np.ones((len(block), len(block)))
     from scipy.linalg import eigh_tridiagonal
 
     values, vectors = eigh_tridiagonal(
         block.diagonal.high, block.beside, lapack_driver="stevd", check_finite=False
     )
-    return Spectrum(values[::-1], vectors[:, ::-1])
+    return values[::-1], vectors[:, ::-1]
 
 
 def residual(
@@ -79,17 +75,16 @@ def inverse_gaps(values: Float64[np.ndarray, " n"]) -> Float64[np.ndarray, "n n"
 
 def refined_spectrum(block: Tridiagonal) -> Float64[np.ndarray, "n n"]:
     """Return eigenvectors of a tridiagonal block, by decreasing eigenvalue, to 1-2 ulp."""
-    rough = lapack_spectrum(block)
-    x = rough.vectors
+    values, x = lapack_spectrum(block)
     if len(block) < 2:
         return x
     off, excess = np.empty_like(x), np.empty(len(block))
     for columns in blocks_of_columns(len(block)):
         part = x[:, columns]
-        off[:, columns] = residual(block.times(part), rough.values[columns], part)
+        off[:, columns] = residual(block.times(part), values[columns], part)
         excess[columns] = excess_norm(part)
     shift = (x * off).sum(0)
-    mixing = (x.T @ (off - x * shift)) * inverse_gaps(rough.values + shift)
+    mixing = (x.T @ (off - x * shift)) * inverse_gaps(values + shift)
     return np.asarray(x + (x @ mixing - x * excess))
 
 
@@ -116,15 +111,15 @@ def alternating(size: int) -> Float64[np.ndarray, " {size}"]:
 def _rough(block: Tridiagonal) -> tuple[Array, QuarterFactor]:
     """Return singular values (m) and vectors from LAPACK's eigenvectors of the whole block."""
     m = len(block) // 2
-    spectrum = lapack_spectrum(block)
-    vectors = spectrum.vectors[:, : m + 1]
+    values, vectors = lapack_spectrum(block)
+    vectors = vectors[:, : m + 1]
     top, middle = vectors[:m], np.sqrt(2.0) * vectors[m : m + 1, :m]
     mirrored = alternating(m)[:, None] * vectors[:m:-1]
     plus, minus = (top + mirrored)[:, :m], (top - mirrored)[:, :m]
     null = np.append(np.sqrt(2.0) * top[:, m], vectors[m, m])[:, None]
     large, small = (plus, minus) if m % 2 == 0 else (minus, plus)
     large = np.hstack([np.vstack([large, middle]), null])
-    return spectrum.values[:m], QuarterFactor(large, small, m % 2 == 0)
+    return values[:m], QuarterFactor(large, small, m % 2 == 0)
 
 
 def _to_small(block: Tridiagonal, large: Float64[np.ndarray, "w c"]) -> Pair:

@@ -15,7 +15,7 @@ from torch import Tensor
 from torch.autograd import Function
 
 from omnivat.fractional.arguments import under_transform
-from omnivat.fractional.batches import analyse_rows, restore_rows, synthesise_rows, turned_back
+from omnivat.fractional.batches import product_rows, synthesise_rows, turned_back
 from omnivat.fractional.phases import smooth_phases
 from omnivat.fractional.splits import Split, kept_numbers
 
@@ -35,11 +35,11 @@ def _applied(x: Inexact[Tensor, "*lead N"], split: Split, back: bool) -> Inexact
     if torch.compiler.is_exporting():
         with kept_numbers():  # V as numbers: an exported program has plain products, with gradients
             eye = torch.eye(x.shape[-1], dtype=x.dtype.to_real(), device=split.indices.device)
-            dense = analyse_rows(split, eye)
+            dense = product_rows(split, eye, back=False)
         matrix = dense.mT if back else dense
         return torch.complex(x.real @ matrix, x.imag @ matrix) if x.is_complex() else x @ matrix
-    if not _wants_gradient(x):
-        return (restore_rows if back else analyse_rows)(split, x)
+    if not (_wants_gradient(x) or under_transform(x)):
+        return product_rows(split, x, back=back)
     return _Apply.apply(x, split, back)  # type: ignore[no-any-return,no-untyped-call]
 
 
@@ -47,20 +47,17 @@ def synthesise(
     values: Inexact[Tensor, "... N"], order: Float64[Tensor, "..."], split: Split, planar: bool
 ) -> Inexact[Tensor, "... N"]:
     """(λ^p ⊙ values) Vᵀ on the last axis; the order broadcasts against the leading axes."""
-    if torch.compiler.is_exporting():
+    if torch.compiler.is_exporting() or under_transform(values, order):
         phases = smooth_phases(order, split.indices).to(values.dtype.to_complex())
-        found = restore(phases * values, split)
-        return torch.stack([found.real, found.imag]) if planar else found
+        whole = restore(phases * values, split)
+        return torch.stack([whole.real, whole.imag]) if planar else whole
     if not _wants_gradient(values, order):
         return synthesise_rows(split, values, order, planar=planar)
     return _Synthesise.apply(values, order, split, planar)  # type: ignore[no-any-return,no-untyped-call]
 
 
 def _wants_gradient(*tensors: Tensor) -> bool:
-    """True if an autograd function is needed: for gradients, tangents or `torch.func`."""
-    if torch.is_grad_enabled() and any(tensor.requires_grad for tensor in tensors):
-        return True
-    return under_transform(*tensors)
+    return torch.is_grad_enabled() and any(tensor.requires_grad for tensor in tensors)
 
 
 class _Apply(Function):
@@ -68,7 +65,7 @@ class _Apply(Function):
 
     @staticmethod
     def forward(x: Tensor, split: Split, back: bool) -> Tensor:
-        return (restore_rows if back else analyse_rows)(split, x)
+        return product_rows(split, x, back=back)
 
     @staticmethod
     def setup_context(ctx: Any, inputs: tuple[Any, ...], output: Tensor) -> None:
@@ -91,56 +88,17 @@ class _Apply(Function):
 
 class _Synthesise(Function):
     @staticmethod
-    def forward(values: Tensor, order: Tensor, split: Split, planar: bool) -> Tensor:
-        return synthesise_rows(split, values, order, planar=planar)
-
-    @staticmethod
-    def setup_context(ctx: Any, inputs: tuple[Any, ...], output: Tensor) -> None:
-        values, order, ctx.split, ctx.planar = inputs
+    def forward(ctx: Any, values: Tensor, order: Tensor, split: Split, planar: bool) -> Tensor:
+        ctx.split, ctx.planar = split, planar
         ctx.save_for_backward(values, order)
-        ctx.save_for_forward(values, order)
+        return synthesise_rows(split, values, order, planar=planar)
 
     @staticmethod
     def backward(ctx: Any, grad: Tensor) -> tuple[Tensor, Tensor, None, None]:
         values, order = ctx.saved_tensors
-        if torch.is_grad_enabled():  # create_graph=True
-            found = _differentiable_back(ctx.split, values, order, grad, ctx.planar)
-        else:
-            found = turned_back(ctx.split, values, order, grad, planar=ctx.planar)
-        return *found, None, None
-
-    @staticmethod
-    def jvp(ctx: Any, values_t: Tensor, order_t: Tensor, *_: None) -> Tensor:
-        values, order = ctx.saved_tensors
-        indices = ctx.split.indices
-        kind = values.dtype.to_complex()
-        slope = torch.complex(torch.zeros_like(indices), indices * (-math.pi / 2))
-        change = values_t + (order_t[..., None] * slope).to(kind) * values
-        found = restore(smooth_phases(order, indices).to(kind) * change, ctx.split)
-        return torch.stack([found.real, found.imag]) if ctx.planar else found
-
-    @staticmethod
-    def vmap(
-        info: Any,
-        in_dims: tuple[int | None, ...],
-        values: Tensor,
-        order: Tensor,
-        split: Split,
-        planar: bool,
-    ) -> tuple[Tensor, int]:
-        apart, own = in_dims[0] is not None, in_dims[1] is not None
-        lead = max(values.dim() - 1 - apart, order.dim() - own)
-        if in_dims[0] is not None:
-            values = _padded(values.movedim(in_dims[0], 0), lead + 2)
-        if in_dims[1] is not None:
-            order = _padded(order.movedim(in_dims[1], 0), lead + 1)
-        return synthesise(values, order, split, planar), 1 if planar else 0
-
-
-def _padded(batched: Tensor, axes: int) -> Tensor:
-    """Insert axes of length 1 after the first, up to `axes` axes, so that the others broadcast."""
-    missing = (1,) * (axes - batched.dim())
-    return batched.reshape(batched.shape[0], *missing, *batched.shape[1:])
+        # with create_graph=True, the gradient itself has a gradient
+        back = _differentiable_back if torch.is_grad_enabled() else turned_back
+        return *back(ctx.split, values, order, grad, planar=ctx.planar), None, None
 
 
 def _differentiable_back(
@@ -148,6 +106,7 @@ def _differentiable_back(
     values: Inexact[Tensor, "*lead N"],
     order: Float64[Tensor, "*own"],
     grad: Inexact[Tensor, "... N"],
+    *,
     planar: bool,
 ) -> tuple[Inexact[Tensor, "*lead N"], Float64[Tensor, "*own"]]:
     """The same as `batches.turned_back`, in differentiable operations."""

@@ -37,7 +37,7 @@ def smooth_phases(
 
     The exact value is a constant. A second factor of value 1 has the derivative -iπk/2 · exp(…).
     """
-    with torch.no_grad():
-        exact = phases(order, indices)
-    step = (order - order.detach())[..., None] * (-math.pi / 2) * indices
-    return exact * torch.exp(torch.complex(torch.zeros_like(step), step))
+    fixed = order.detach()
+    exact = phases(fixed, indices)
+    step = (order - fixed)[..., None] * (-math.pi / 2) * indices
+    return exact * torch.exp(1j * step)  # `torch.complex` has no gradient under `jacfwd`

@@ -1,8 +1,9 @@
 """Multiply by V and Vᵀ: one class for each way to split V into blocks.
 
 V is orthogonal and real. Every split has the same two maps on rows: `analyse(x, out)` sets
-out = x V on (R, N); `restore(z, out)` sets out = z Vᵀ on (..., N) and overwrites z. `indices` gives
-the order of the columns of V, which differs between splits.
+out = x V on (R, N); `restore(z, out)` sets out = z Vᵀ on (..., N) and overwrites z, which is
+contiguous and may be out itself. `indices` gives k of every column of V; their order differs
+between splits.
 
 The quarter split (N = 4M) has four blocks of N/4 and two butterflies, a quarter of the work of V.
 One butterfly combines samples j, N/2-j, N/2+j and N-j (parity and Q), the other coefficients k and
@@ -14,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 import torch
@@ -31,41 +31,15 @@ _FEW_ROWS_UP_TO = 1024  # N; for larger N, products dominate
 
 @contextmanager
 def kept_numbers() -> Iterator[None]:
-    """Compute what is kept for later calls: with numbers even while a program is exported, and
-    without gradients."""
-    with _disable_current_modes(), torch.inference_mode(False), torch.no_grad():
+    """Compute what is kept for later calls: with numbers even while a program is exported or under
+    `torch.func`, and without gradients."""
+    outside = torch._C._DisableFuncTorch()
+    with outside, _disable_current_modes(), torch.inference_mode(False), torch.no_grad():
         yield
 
 
-@runtime_checkable
-class Split(Protocol):
-    """V, split into blocks, on one device and in one precision."""
-
-    indices: Float64[Tensor, " N"]
-    """k of every column."""
-
-    def analyse(self, x: Float[Tensor, "R N"], out: Float[Tensor, "R N"]) -> None:
-        """out = x V."""
-
-    def restore(self, z: Float[Tensor, "*lead N"], out: Float[Tensor, "*lead N"]) -> None:
-        """out = z Vᵀ; z is contiguous and overwritten, out may be z itself."""
-
-
-class PlainSplit:
-    """V as one block, for N so small that halves would be empty."""
-
-    def __init__(self, vectors: Float[Tensor, "N N"], indices: Float64[Tensor, " N"]) -> None:
-        self.vectors, self.indices = vectors, indices
-
-    def analyse(self, x: Float[Tensor, "R N"], out: Float[Tensor, "R N"]) -> None:
-        torch.mm(x, self.vectors, out=out)
-
-    def restore(self, z: Float[Tensor, "*lead N"], out: Float[Tensor, "*lead N"]) -> None:
-        out.copy_(z @ self.vectors.T)
-
-
 class HalfSplit:
-    """Separate even and odd vectors: two blocks of N/2, half the work of V.
+    """Separate even and odd vectors: two blocks of N/2, half the work of V. For any N.
 
     even, odd: the first half of the samples of the eigenvectors, h = N//2 + 1 and g = (N - 1)//2 of
     them, columns by increasing k. One row gives a sample and its mirror image.
@@ -242,3 +216,6 @@ class QuarterSplit:
         torch.addcmul(minus, plus, signs, out=out[..., m + 1 : 2 * m])
         torch.add(middles[0], middles[1], out=out[..., m])
         torch.sub(middles[0], middles[1], out=out[..., 3 * m])
+
+
+Split = HalfSplit | QuarterSplit  # V in blocks, on one device and in one precision

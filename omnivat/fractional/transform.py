@@ -19,11 +19,10 @@ from omnivat.fractional.arguments import (
     checked_order,
     full_precision,
     readable,
-    split_for,
     working_precision,
 )
-from omnivat.fractional.batches import leading_shape, restore_rows, synthesise_rows
-from omnivat.fractional.build import splits
+from omnivat.fractional.batches import leading_shape, product_rows
+from omnivat.fractional.build import split_for
 from omnivat.fractional.coefficients import Coefficients
 from omnivat.kit.errors import ShapeError
 
@@ -54,19 +53,13 @@ def coefficients(
 
 
 def synthesise(
-    coefficients: Coefficients,
-    order: float | Shaped[Tensor, "..."],
-    *,
-    planar: bool = False,
-    out: Inexact[Tensor, "..."] | None = None,
+    coefficients: Coefficients, order: float | Shaped[Tensor, "..."], *, planar: bool = False
 ) -> Inexact[Tensor, "..."]:
     """Return the transform of order `order` from coefficients.
 
     order: a number, or a tensor that broadcasts against the leading axes: (B,) is one order for
     each row of (B, N); (P, 1) gives P transforms of all rows, (P, B, N). In quarter turns, period
-    4. planar: stack real and imaginary part, real (2, ..., N), instead of complex (..., N). out: a
-    contiguous tensor for the result, with its shape and dtype; outside autograd and for the last
-    axis only. It avoids allocating a large tensor.
+    4. planar: stack real and imaginary part, real (2, ..., N), instead of complex (..., N).
 
     Raises SettingsError for NaN or infinite orders, ShapeError if the axes do not fit.
 
@@ -76,9 +69,8 @@ def synthesise(
     """
     values, dim = coefficients.values, coefficients.dim
     p = checked_order(order, values.device)
-    split = split_for(values)
     try:
-        lead = leading_shape(values, p)
+        leading_shape(values, p)
     except RuntimeError as error:
         raise ShapeError(
             f"The order has shape {tuple(p.shape)}, expected one that broadcasts against the"
@@ -86,20 +78,7 @@ def synthesise(
             " rows."
         ) from error
     with full_precision(values.device):
-        if out is not None:
-            if dim != -1 or coefficients.centered:
-                raise ShapeError(
-                    "`out` works only for the last axis without centring: do not pass it here."
-                )
-            shape, kind = (*lead, values.shape[-1]), values.dtype
-            wanted = ((2, *shape), kind.to_real()) if planar else (shape, kind.to_complex())
-            if (tuple(out.shape), out.dtype) != wanted or not out.is_contiguous():
-                raise ShapeError(
-                    f"out has shape {tuple(out.shape)} and {out.dtype}, "
-                    f"expected contiguous {wanted[0]} and {wanted[1]}."
-                )
-            return synthesise_rows(split, values.detach(), p.detach(), planar=planar, out=out)
-        result = gradients.synthesise(values, p, split, planar)
+        result = gradients.synthesise(values, p, split_for(values), planar)
     result = result.movedim(-1, dim)
     return torch.fft.fftshift(result, dim) if coefficients.centered else result
 
@@ -283,7 +262,8 @@ def basis(
             f"A basis of size {size} in {dtype} was requested, expected a size of 1 or more "
             "in torch.float32 or torch.float64."
         )
-    split = splits.get(size, dtype, torch.device(device))
-    rows = restore_rows(split, torch.eye(size, dtype=dtype, device=device))
+    identity = torch.eye(size, dtype=dtype, device=device)
+    split = split_for(identity)
+    rows = product_rows(split, identity, back=True)
     indices, order = split.indices.sort()
     return Basis(rows[order].T.contiguous(), indices)

@@ -17,7 +17,7 @@ X = torch.ones(5, 12)
 )
 def test_an_order_that_is_no_number_is_refused(order):
     for call in (lambda: dfrft(X, order), lambda: synthesise(coefficients(X), order)):
-        with pytest.raises(SettingsError, match="holds NaN or infinity .* expected finite quarter"):
+        with pytest.raises(SettingsError, match="holds NaN or infinity, expected finite quarter"):
             call()
 
 
@@ -47,11 +47,6 @@ def test_an_axis_without_samples_is_refused():
 def test_orders_that_do_not_fit_say_how_to_write_many():
     with pytest.raises(ShapeError, match=r"shape \(3,\).*\(5,\): use order\[:, None\]"):
         dfrft(X, torch.zeros(3))
-
-
-def test_a_buffer_is_for_the_last_axis_without_centring():
-    with pytest.raises(ShapeError, match="do not pass it here"):
-        synthesise(coefficients(X, 0), 0.3, out=torch.empty(12, 5))
 
 
 @pytest.mark.parametrize(("size", "dtype"), [(0, torch.float64), (8, torch.float16)])

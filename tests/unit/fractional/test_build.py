@@ -1,4 +1,4 @@
-"""Caches between calls: splits by length, and large blocks of memory."""
+"""Splits of the eigenbasis and large blocks of memory, which are kept between calls."""
 
 import gc
 import threading
@@ -8,28 +8,20 @@ import numpy as np
 import pytest
 import torch
 
-from omnivat.fractional.build import BoundedCache, build_split
+from omnivat.fractional import build, dfrft
+from omnivat.fractional.build import build_split
 from omnivat.fractional.commuting import doubled_cosines, parity_blocks
 from omnivat.fractional.double_double import SQRT2
 from omnivat.fractional.eigenvectors import _to_small
 from omnivat.fractional.memory import BlockPool, empty, pool
-from omnivat.fractional.splits import HalfSplit, PlainSplit, QuarterSplit
+from omnivat.fractional.splits import HalfSplit, QuarterSplit
 
 CPU = torch.device("cpu")
 
 
 @pytest.mark.parametrize(
     ("size", "kind"),
-    [
-        (1, PlainSplit),
-        (3, PlainSplit),
-        (4, HalfSplit),
-        (5, HalfSplit),
-        (6, HalfSplit),
-        (8, QuarterSplit),
-        (12, QuarterSplit),
-        (14, HalfSplit),
-    ],
+    [(1, HalfSplit), (4, HalfSplit), (5, HalfSplit), (8, QuarterSplit), (14, HalfSplit)],
 )
 def test_the_split_is_the_cheapest_for_the_length(size, kind):
     assert type(build_split(size, torch.empty(0))) is kind
@@ -48,18 +40,19 @@ def test_both_maps_of_a_split_are_one_orthogonal_matrix(size):
         assert (v.T @ v - torch.eye(size, dtype=torch.float64)).abs().max() < 1e-15
 
 
-def test_a_split_is_built_once_however_many_threads_ask():
-    built = []
+def test_a_split_is_built_once_however_many_threads_ask(monkeypatch):
+    built, start = [], threading.Barrier(8)
 
-    def build(size, like):
+    def counted(size, like):
         built.append(size)
-        return PlainSplit(like.new_ones(1, 1), torch.zeros(1))
+        return build_split(size, like)
 
-    cache, start = BoundedCache(build), threading.Barrier(8)
+    monkeypatch.setattr(build, "build_split", counted)
+    build._built.cache_clear()
 
     def ask():
         start.wait()
-        cache.get(5, torch.float32, CPU)
+        dfrft(torch.ones(5), 0.3)
 
     threads = [threading.Thread(target=ask) for _ in range(8)]
     for thread in threads:
@@ -69,29 +62,8 @@ def test_a_split_is_built_once_however_many_threads_ask():
     assert built == [5]
 
 
-def test_the_cache_forgets_what_was_used_longest_ago():
-    built = []
-
-    def build(size, like):
-        built.append(size)
-        return PlainSplit(like.new_ones(1, 1), torch.zeros(1))
-
-    cache = BoundedCache(build, limit=2)
-    for size in (1, 2, 1, 3, 1, 2):
-        cache.get(size, torch.float32, CPU)
-    assert built == [1, 2, 3, 2]
-    assert len(cache) == 2
-    cache.get(2, torch.float64, CPU)
-    assert built[-1] == 2
-    cache.clear()
-    assert len(cache) == 0
-
-
 def test_a_split_built_without_a_graph_can_be_used_with_one():
-    from omnivat.fractional import dfrft
-    from omnivat.fractional.build import splits
-
-    splits.clear()
+    build._built.cache_clear()
     with torch.inference_mode():
         dfrft(torch.ones(2, 20), 0.3)
     x = torch.ones(2, 20, requires_grad=True)
@@ -132,7 +104,7 @@ def test_idle_blocks_stay_below_their_bound():
 
 def test_the_residual_of_the_large_side_is_exact_in_its_low_digits_too():
     """Only the last row gets √2 times the middle sample; all other digits stay."""
-    block = parity_blocks(16).odd
+    block = parity_blocks(16)[1]
     large = np.random.default_rng(0).normal(size=(len(block) + 1, 3))
     plain, found = block.times(large[:-1]), _to_small(block, large)
     for part, whole in zip(plain, found, strict=True):

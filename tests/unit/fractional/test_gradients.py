@@ -78,18 +78,6 @@ def test_a_fixed_layer_has_no_parameters_and_keeps_its_order_in_its_state():
     assert torch.equal(other(x), dfrft(x, 1.25, planar=True))
 
 
-def test_functional_gradients_work():
-    x = torch.randn(4, 12, dtype=torch.float64)
-    p = torch.tensor(0.3, dtype=torch.float64)
-
-    def loss(p):
-        return dfrft(x, p).real.pow(2).sum()
-
-    by_hand = p.clone().requires_grad_()
-    loss(by_hand).backward()
-    assert torch.allclose(torch.func.grad(loss)(p), by_hand.grad, rtol=1e-12)
-
-
 def test_planes_have_the_gradients_of_the_complex_result():
     """For several rows, each with its own order."""
     generator = torch.Generator().manual_seed(0)

@@ -1,24 +1,16 @@
 """The transform against independent computations."""
 
-import importlib
-import sys
 from pathlib import Path
 
+import mpmath
 import numpy as np
 import pytest
 import torch
 
-from omnivat.fractional import basis, coefficients, dfrft, synthesise
-from omnivat.kit.errors import ShapeError
+from omnivat.fractional import basis, coefficients, dfrft, synthesise, transform
 
-sys.path.insert(0, str(Path(__file__).parent))
-oracles = importlib.import_module("oracles")
 GOLDEN = Path(__file__).parents[2] / "golden"
 GOLDEN_ORDERS = (0.3, 1.0, 1.7, -0.5, 1000.3, 1e6 + 0.37)
-
-
-def matrix(size, order):
-    return dfrft(torch.eye(size, dtype=torch.float64), order).numpy().T
 
 
 def golden_vector(size):
@@ -29,15 +21,9 @@ def golden_vector(size):
     return torch.tensor(samples, dtype=torch.float64)
 
 
-@pytest.mark.parametrize("size", range(1, 21))
-@pytest.mark.parametrize("order", [0.3, 1.0, 2.7, -1.5])
-def test_it_agrees_with_the_dense_definition(size, order):
-    assert np.abs(matrix(size, order) - oracles.dense_transform(size, order)).max() < 2e-14
-
-
-@pytest.mark.parametrize("size", [1, 2, 3, 4, 5, 8, 12])
-def test_it_agrees_with_forty_digits(size):
-    mpmath = pytest.importorskip("mpmath")
+@pytest.mark.parametrize("size", [1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 14, 20])
+@pytest.mark.parametrize("order", [1000.3, -1.5])
+def test_it_agrees_with_forty_digits(size, order):
     x = golden_vector(size)
     with mpmath.workdps(40):
         s = mpmath.zeros(size)
@@ -56,10 +42,10 @@ def test_it_agrees_with_forty_digits(size):
             (2 * c + 1, i) for c, i in enumerate(odd)
         ]:
             weight = sum(vectors[n, i] * mpmath.mpf(float(x[n])) for n in range(size))
-            phase = mpmath.expjpi(-mpmath.mpf(1000.3) * k / 2)
+            phase = mpmath.expjpi(-mpmath.mpf(order) * k / 2)
             exact = [y + phase * weight * vectors[n, i] for n, y in enumerate(exact)]
         wanted = np.array([complex(y) for y in exact])
-    assert np.abs(dfrft(x, 1000.3).numpy() - wanted).max() < 2e-15
+    assert np.abs(dfrft(x, order).numpy() - wanted).max() < 2e-15
 
 
 @pytest.mark.parametrize("size", [63, 64, 65, 511, 512, 513, 768, 1024, 2048])
@@ -96,9 +82,7 @@ def test_whole_orders_are_the_same_on_both_paths(size, centered, order):
 
 
 def test_whole_orders_build_no_basis(monkeypatch):
-    from omnivat.fractional import build
-
-    monkeypatch.setattr(build.splits, "get", None)
+    monkeypatch.setattr(transform, "split_for", None)
     assert dfrft(torch.ones(4, 10), 1).shape == (4, 10)
     with pytest.raises(TypeError):
         dfrft(torch.ones(4, 10), 1.5)
@@ -133,15 +117,6 @@ def test_planar_is_complex_in_two_planes(kind):
     for order in (1, 0.4, torch.rand(5)):
         planar, whole = dfrft(x, order, planar=True), dfrft(x, order)
         assert torch.equal(planar, torch.stack([whole.real, whole.imag]))
-
-
-def test_a_result_can_be_written_into_a_buffer():
-    x = torch.randn(5, 16)
-    kept, out = coefficients(x), torch.full((2, 5, 16), torch.nan)
-    assert synthesise(kept, 0.3, planar=True, out=out) is out
-    assert torch.equal(out, synthesise(kept, 0.3, planar=True))
-    with pytest.raises(ShapeError, match=r"expected contiguous \(5, 16\) and torch.complex64"):
-        synthesise(kept, 0.3, out=out)
 
 
 @pytest.mark.parametrize(
@@ -203,19 +178,11 @@ def test_strided_input_gives_what_a_copy_gives_and_is_left_alone():
     assert torch.equal(x, before)
 
 
-def test_coefficients_can_be_chosen_and_moved():
-    kept = coefficients(torch.randn(6, 12))
-    torch.testing.assert_close(synthesise(kept[3], 0.3), synthesise(kept, 0.3)[3])
-    assert kept[torch.tensor([0, 5])].shape == (2,)
-    assert kept.to(torch.float64).values.dtype == torch.float64
-    assert len(kept) == 6
-
-
 @pytest.mark.parametrize("size", [1, 2, 7, 12])
 def test_the_basis_diagonalises_the_dft(size):
     vectors, indices = basis(size)
     found = (vectors * torch.exp(-0.5j * torch.pi * indices)) @ vectors.T.to(torch.complex128)
-    assert np.abs(found.numpy() - oracles.dft(size)).max() < 2e-15
+    assert np.abs(found.numpy() - np.fft.fft(np.eye(size), norm="ortho")).max() < 2e-15
     last = size if size % 2 == 0 else size - 1
     assert indices.tolist() == [*range(size - 1), last]
 

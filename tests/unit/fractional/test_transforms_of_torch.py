@@ -8,7 +8,7 @@ from torch.autograd import forward_ad
 from torch.func import functional_call, grad, jacfwd, jacrev, jvp, vmap
 
 from omnivat.fractional import FractionalTransform, coefficients, dfrft, synthesise
-from omnivat.fractional.build import splits
+from omnivat.fractional.build import _built
 
 # torch 2.13 scripts its own rules the first time that forward mode is used, and warns of that.
 pytestmark = pytest.mark.filterwarnings("ignore:`torch.jit.script:DeprecationWarning")
@@ -70,13 +70,26 @@ def test_a_tangent_of_the_vector_is_its_transform(x):
 
 
 @pytest.mark.parametrize("order", [0.3, 1.0])
-def test_forward_and_reverse_jacobians_agree(x, order):
-    at = torch.tensor(order, dtype=torch.float64)
+@pytest.mark.parametrize("argument", [0, 1])
+def test_forward_and_reverse_derivatives_agree_once_and_twice(x, order, argument):
+    at = x[0], torch.tensor(order, dtype=torch.float64)
+    _built.cache_clear()  # what is built under a transform serves later ones, too
 
-    def transform(p):
-        return dfrft(x[0], p, planar=True)
+    def cubes(vector, p):
+        return dfrft(vector, p, planar=True)[0].pow(3)
 
-    torch.testing.assert_close(jacfwd(transform)(at), jacrev(transform)(at))
+    def loss(vector, p):
+        return cubes(vector, p).sum()
+
+    torch.testing.assert_close(*(way(cubes, argument)(*at) for way in (jacfwd, jacrev)))
+    twice = [
+        outer(inner(loss, argument), argument)(*at)
+        for outer in (jacfwd, jacrev)
+        for inner in (jacfwd, jacrev)
+    ]
+    wanted = torch.autograd.functional.hessian(loss, at)[argument][argument]
+    for second in twice:
+        torch.testing.assert_close(second, wanted)
 
 
 def test_a_gradient_for_each_sample_is_the_gradient_of_that_sample(x, orders):
@@ -104,7 +117,7 @@ class _Real(torch.nn.Module):
 @pytest.mark.slow
 def test_an_exported_program_transforms_other_vectors_too(x):
     """Exported first of all, too: tensors of the tracing do not stay in the cache."""
-    splits.clear()
+    _built.cache_clear()
     program = torch.export.export(_Real(), (x,), strict=False)
     torch.testing.assert_close(program.module()(2 * x), dfrft(2 * x, 0.3).real)
 
