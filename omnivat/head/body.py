@@ -129,7 +129,8 @@ class Body(nn.Module):
                     f"{name} has shape {tuple(raw.shape)}; this head needs (B, {width}). "
                     "Use embeddings of the encoder that the head was trained with."
                 )
-        if len({len(raw) for raw in images.values()}) > 1:
+        first, *others = images.values()
+        if any(raw.shape[0] != first.shape[0] for raw in others):
             raise ShapeError(
                 "vis and tac have different numbers of pairs; give one of each for every pair."
             )

@@ -55,7 +55,7 @@ class DTG(nn.Module):
     b of its parent x, with its own W and b. R levels have 2^R - 1 nodes. There is no activation,
     so the mean over the tree is one affine map, which `fold` returns. For comparison, the same
     number of matrices can be in series (each node is the child of the previous one) or parallel
-    (each node is a child of the root). Source: paper, Eq. 7 to 11, and its ablation of generation.
+    (each node is a child of the root). Source: paper, Eq. 8 to 11, and its ablation of generation.
     """
 
     def __init__(

@@ -4,9 +4,11 @@ A token is ReLU(θ x) = ReLU(θ) ReLU(x) + ReLU(-θ) ReLU(-x), so the tokens of 
 of r base vectors. For C channels (Re and Im), r = C if no θ is negative, else 2 C. The r x r scores
 between base vectors determine the scores between tokens.
 
-Axes here: r base vectors, C channels, M modalities, B pairs, D width, T = C E tokens.
+Axes here: r base vectors, C channels, M modalities, B pairs, D width, T = C E tokens. Complex
+tokens, T = E, are two real ones each: scores add up Re Re and Im Im, as in Re(Q Kᴴ).
 """
 
+from functools import reduce
 from typing import NamedTuple
 
 import torch
@@ -19,7 +21,8 @@ VECTOR = 16  # numbers that a processor takes at once
 class Tables(NamedTuple):
     """Coefficients of tokens in base vectors; they depend on θ only."""
 
-    tokens: Float[Tensor, "M r T"]  # token t is the sum over s of tokens[s, t] times base vector s
+    # token t is the sum over s of tokens[s, t] times base vector s; its Re and Im if complex
+    tokens: tuple[Float[Tensor, "M r T"], ...]
     pairs: Float[Tensor, "M r*r T*T"]  # the same for pairs of tokens, query first
     columns: Float[Tensor, "M r T*T"]  # for the part of a score that depends on the key only
     halves: Float[Tensor, "M h"]  # mean over θ of ReLU(θ), and of ReLU(-θ) if any θ < 0
@@ -31,14 +34,18 @@ def base_vectors(channels: Float[Tensor, "C M B D"], halves: int) -> Float[Tenso
     return positive if halves == 1 else torch.cat((positive, torch.relu(-channels)))
 
 
-def tables(theta: Float[Tensor, "M E"], channels: int) -> Tables:
-    """Return the tables for θ. If no θ is negative, they need half the work."""
+def tables(theta: Float[Tensor, "M E"], channels: int, *, whole: bool) -> Tables:
+    """Return the tables for θ; `whole`: tokens are complex. Without negative θ, they need half the
+    work.
+    """
     signs = (theta, -theta) if bool((theta < 0).any()) else (theta,)
     weights = torch.relu(torch.stack(signs, dim=1))  # (M, h, E)
     eye = torch.eye(channels, dtype=weights.dtype, device=weights.device)
-    tokens = torch.einsum("mhe,cd->mhcde", weights, eye).flatten(3).flatten(1, 2)  # (M, r, T)
-    pairs = torch.einsum("mri,msj->mrsij", tokens, tokens)
-    columns = tokens[:, :, None].expand(-1, -1, tokens.shape[-1], -1)
+    each = torch.einsum("mhe,cd->mhcde", weights, eye)
+    parts = each.unbind(3) if whole else (each.flatten(3),)
+    tokens = tuple(part.flatten(1, 2) for part in parts)  # (M, r, T)
+    pairs = reduce(torch.add, [torch.einsum("mri,msj->mrsij", one, one) for one in tokens])
+    columns = tokens[0][:, :, None].expand(-1, -1, tokens[0].shape[-1], -1)
     return Tables(tokens, pairs.flatten(3).flatten(1, 2), columns.flatten(2), weights.mean(-1))
 
 
@@ -49,10 +56,10 @@ def dots(
     return torch.einsum("qmbd,rmbd->mbqr", queries, keys)
 
 
-def mean_weights(
+def attention(
     scores: Float[Tensor, "M B r r"], key_scores: Float[Tensor, "M B r"], table: Tables, root: float
-) -> Float[Tensor, "M B T"]:
-    """Return attention, the mean over a sample's own tokens as queries.
+) -> tuple[Float[Tensor, "M B T"], Float[Tensor, "M B T T"]]:
+    """Return the mean of attention over a sample's own tokens as queries, and that of each.
 
     Without gradients, short rows are taken side by side: 6 times as fast, and within 1e-7. A
     training keeps its order of rounding, so that records repeat.
@@ -61,19 +68,21 @@ def mean_weights(
     key_scores  of base vectors as keys with the bias of the queries
     root        divisor of the scores
     """
-    count = table.tokens.shape[-1]
+    count = table.tokens[0].shape[-1]
     full = scores.flatten(2) @ table.pairs + key_scores @ table.columns  # (M, B, T * T)
     full = full.reshape(*full.shape[:-1], count, count) / root
     if count < VECTOR and not full.requires_grad:  # torch takes short rows number by number
-        return torch.softmax(full.movedim(-1, 0).contiguous(), dim=0).mean(-1).movedim(0, -1)
-    return torch.softmax(full, dim=-1).mean(-2)
+        beside = torch.softmax(full.movedim(-1, 0).contiguous(), dim=0)
+        return beside.mean(-1).movedim(0, -1), beside.movedim(0, -1)
+    weights = torch.softmax(full, dim=-1)
+    return weights.mean(-2), weights
 
 
 def mixed(
     base: Float[Tensor, "r M B D"], weights: Float[Tensor, "M B T"], table: Tables
-) -> Float[Tensor, "M B D"]:
-    """Return the weighted sum of tokens."""
-    return combined(base, weights @ table.tokens.mT)
+) -> list[Float[Tensor, "M B D"]]:
+    """Return the weighted sum of tokens; its Re and Im if they are complex."""
+    return [combined(base, weights @ tokens.mT) for tokens in table.tokens]
 
 
 def combined(

@@ -1,4 +1,4 @@
-"""Prediction with folded weights: the fast path of the head.
+"""Prediction and export with folded weights: the fast path of the head.
 
 Scores need only θ_Qᵀ θ_K. θ_V comes after the mean over tokens, so it is merged into the first
 layer of the feed-forward network. The mean of the tree is one matrix, and the class token is one
@@ -13,11 +13,11 @@ from typing import Any
 import torch
 from jaxtyping import Float
 from torch import Tensor, nn
-from torch.nn.functional import gelu, linear, normalize
+from torch.nn.functional import gelu, linear
 
 from omnivat.head import factored
 from omnivat.head.dtg import DTG
-from omnivat.head.mffa import MFFA, FrATT
+from omnivat.head.mffa import MFFA
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,54 +27,48 @@ class FoldedMFFA:
     Source: docs/method.md, "Folding"; `MFFA.features` is the unfolded form.
     """
 
+    mffa: MFFA
     table: factored.Tables
     scores: Float[Tensor, "D D"]  # the score of query u and key v is u @ scores @ v
     key_scores: Float[Tensor, " D"]  # key v adds key_scores @ v to every score
     first: Float[Tensor, "H D"]  # θ_V, then the first layer
     first_bias: Float[Tensor, " H"]
-    second: nn.Linear
     token: Float[Tensor, "M 1 D"] | None
-    score_root: float
-    unit: bool
 
     def features(
         self, channels: Float[Tensor, "C M B D"]
-    ) -> tuple[Float[Tensor, "M B D"], Float[Tensor, "C M B D"]]:
-        """Return F-bar and F."""
+    ) -> tuple[Float[Tensor, "M B D"], Float[Tensor, "C M B D"], Float[Tensor, "M B T T"]]:
+        """Return F-bar, F and attention."""
+        fratt = self.mffa.fratt
         base = factored.base_vectors(channels, self.table.halves.shape[1])
         scores = factored.dots(base @ self.scores, base)
         key_scores = (base @ self.key_scores).movedim(0, -1)
-        weights = factored.mean_weights(scores, key_scores, self.table, self.score_root)
+        weights, each = factored.attention(scores, key_scores, self.table, fratt.roots[0])
         pooled = factored.mixed(base, weights, self.table)
         if self.token is not None:
-            pooled = pooled + self.token
-        feature = self.second(gelu(linear(pooled, self.first, self.first_bias)))
-        feature = normalize(feature, dim=-1) if self.unit else feature
-        return feature, factored.mean_channels(base, self.table)
+            pooled[0] = pooled[0] + self.token
+        if len(pooled) == 1:
+            feature = fratt.ffn[2](gelu(linear(pooled[0], self.first, self.first_bias)))
+        else:  # a modulus is between θ_V and the first layer
+            feature = fratt.ffn(fratt.values(pooled))
+        return self.mffa.finished(feature), factored.mean_channels(base, self.table), each
 
 
 @torch.no_grad()
 def fold_mffa(mffa: MFFA, names: Sequence[str]) -> FoldedMFFA:
     """Return the folded MFFA of the modalities `names`."""
-    fratt: FrATT = mffa.fratt
-    dtype = fratt.query.weight.dtype
-    score_root, value_root = fratt.roots
-    first, second = fratt.ffn[0], fratt.ffn[2]
-    assert isinstance(first, nn.Linear), "FrATT's network starts with a linear layer"
-    assert isinstance(second, nn.Linear), "FrATT's network ends with a linear layer"
+    fratt, dtype = mffa.fratt, mffa.fratt.query.weight.dtype
     key, value = fratt.key.weight.double(), fratt.value.weight.double()
-    wide = first.weight.double()
-    channels = 1 if mffa.real in ("magnitude", "real") else 2
+    wide, bias = fratt.ffn.get_parameter("0.weight").double(), fratt.ffn.get_parameter("0.bias")
+    root = fratt.roots[1]
     return FoldedMFFA(
-        table=factored.tables(mffa.thetas(names), channels),
+        mffa=mffa,
+        table=mffa.tables(names),
         scores=(fratt.query.weight.double().T @ key).to(dtype),
         key_scores=(fratt.query.bias.double() @ key).to(dtype),
-        first=(wide @ value / value_root).to(dtype),
-        first_bias=(wide @ fratt.value.bias.double() / value_root + first.bias).to(dtype),
-        second=second,
+        first=(wide @ value / root).to(dtype),
+        first_bias=(wide @ fratt.value.bias.double() / root + bias).to(dtype),
         token=mffa.class_agnostic_tokens(names)[:, None] if mffa.class_token else None,
-        score_root=score_root,
-        unit=mffa.unit,
     )
 
 

@@ -1,10 +1,11 @@
 """The OmniVaT head: from frozen embeddings to class probabilities and all stages."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import torch
-from jaxtyping import Bool, Float, Float64, Int
+from jaxtyping import Float
 from torch import Tensor
 from torch.nn.functional import linear
 
@@ -13,9 +14,8 @@ from omnivat.head import factored
 from omnivat.head.body import Body
 from omnivat.head.dtg import grow
 from omnivat.head.folded import FoldedMFFA, Folds, fold_mffa, fold_tree
-from omnivat.head.output import HeadOutput, Lessons, TrainingOutput, joined
+from omnivat.head.output import HeadOutput, Lessons, joined
 from omnivat.head.settings import HeadSettings
-from omnivat.head.training import training_pass
 from omnivat.kit.threads import FEW_PAIRS, one_thread
 
 CHUNK = 512  # pairs predicted at once
@@ -43,7 +43,7 @@ class PairCoefficients:
 class OmniVaT(Body):
     """MFFA, then DTG, then one cosine classifier shared by VIS and TAC.
 
-    A call with VIS and TAC embeddings predicts. LANG is used only in `training_pass`.
+    A call with VIS and TAC embeddings predicts. LANG is used only in `omnivat.head.training`.
     The prediction for a pair does not depend on the other pairs of its batch.
     Source: paper, Fig. 2; docs/method.md lists the choices that the paper leaves open.
     """
@@ -98,50 +98,52 @@ class OmniVaT(Body):
         """
         names, stacked = kept.names, kept.stacked
         order = self.mffa.orders(names) if order is None else order
-        grad = torch.is_grad_enabled() and any(
+        fold = not torch.is_grad_enabled() or not any(
             t.requires_grad for t in (stacked.values, torch.as_tensor(order), *self.parameters())
         )
-        if grad or attention or self.settings.complex_to_real == "hermitian":
-            found = self._output(names, stacked, order, nodes=nodes, attention=attention)
-            return replace(found, maps=kept.maps, lessons=kept.lessons)
-        self._folds.refresh(self)
-        with one_thread(len(kept) <= FEW_PAIRS):
-            if len(kept) <= CHUNK:
-                found = self._output(names, stacked, order, nodes=nodes, fold=True)
-            else:
-                chunks = [slice(start, start + CHUNK) for start in range(0, len(kept), CHUNK)]
-                each = [(names, stacked[:, rows], _rows(order, rows)) for rows in chunks]
-                found = joined([self._output(*one, nodes=nodes, fold=True) for one in each])
-        return replace(found, maps=kept.maps, lessons=kept.lessons)
+        chunks = [slice(None)]
+        if fold:
+            self._folds.refresh(self)
+            chunks = [slice(start, start + CHUNK) for start in range(0, len(kept), CHUNK)] or chunks
+        found = []
+        with one_thread(fold and len(kept) <= FEW_PAIRS):
+            for rows in chunks:
+                some, p = stacked[:, rows], _rows(order, rows)
+                parts, start = synthesise(some, p, planar=True), None
+                if not self.settings.mffa:
+                    start = synthesise(some, 0.0, planar=True)[0]
+                found.append(
+                    self.output(names, parts, start, nodes=nodes, attention=attention, fold=fold)
+                )
+        whole = found[0] if len(found) == 1 else joined(found)
+        return replace(whole, maps=kept.maps, lessons=kept.lessons)
 
-    def _output(
+    def output(
         self,
         names: tuple[str, ...],
-        kept: Coefficients,
-        order: float | Tensor,
+        parts: Float[Tensor, "2 M B D"],
+        embedding: Float[Tensor, "M B D"] | None,
         *,
-        nodes: bool = False,
-        attention: bool = False,
-        fold: bool = False,
+        nodes: bool,
+        attention: bool,
+        fold: bool = True,
     ) -> HeadOutput:
-        """Predict from stacked coefficients, with folded or unfolded weights."""
-        parts = synthesise(kept, order, planar=True)  # (2, M, B, D)
-        weights: dict[str, Tensor] = {}
+        """Predict from transformed embeddings, with folded or unfolded weights.
+
+        parts      Re and Im
+        embedding  before the transform; only a head without MFFA needs it
+        """
+        weights: Tensor | None = None
         if not self.settings.mffa:
-            relu = torch.relu(parts)
-            found = synthesise(kept, 0.0, planar=True)[0] / self.length
+            assert embedding is not None, "without MFFA the tree grows from the embeddings"
+            relu, found = torch.relu(parts), embedding / self.length
         elif fold:
             folded: FoldedMFFA = self._folds.get(names, lambda: fold_mffa(self.mffa, names))
-            found, relu = folded.features(self.mffa.channels(parts))
+            found, relu, weights = folded.features(self.mffa.channels(parts))
         else:
-            own = self.mffa.expand(names, parts)
-            relu = factored.mean_channels(own.base, own.table)
-            if attention:
-                shown = [self.mffa.attend(name, parts[:, m]) for m, name in enumerate(names)]
-                found = torch.stack([feature for feature, _ in shown])
-                weights = {n: w for n, (_, w) in zip(names, shown, strict=True)}
-            else:
-                found = self.mffa.features(names, own)
+            expanded = self.mffa.expand(names, parts)
+            relu = factored.mean_channels(*expanded)
+            found, weights = self.mffa.features(names, expanded)
         root = found.sum(0)
         mean = self._mean(found, root, fold) if self.settings.tree_at_inference else None
         f_hat = found if mean is None else found + mean
@@ -151,17 +153,21 @@ class OmniVaT(Body):
         grown = grow(self.dtg, self.settings, found, root) if nodes else None
         if len(relu) == 1:  # |F| or Re F alone: there is no imaginary part
             relu = torch.cat((relu, torch.zeros_like(relu)))
+
+        def by_name(rows: Iterable[Tensor]) -> dict[str, Tensor]:
+            return dict(zip(names, rows, strict=True))
+
         return HeadOutput(
-            logits=dict(zip(names, logits[0], strict=True)),
-            alone=dict(zip(names, logits[1], strict=True)),
+            logits=by_name(logits[0]),
+            alone=by_name(logits[1]),
             pair=self.classify(f_hat.sum(0), towards),
             fusion=self.settings.fusion,
             calibration=self.calibration,
-            frft=_by_name(names, parts),
-            relu=_by_name(names, relu),
-            f_bar=dict(zip(names, found, strict=True)),
-            f_hat=dict(zip(names, f_hat, strict=True)),
-            attention=weights,
+            frft=by_name(parts.unbind(1)),
+            relu=by_name(relu.unbind(1)),
+            f_bar=by_name(found),
+            f_hat=by_name(f_hat),
+            attention=by_name(weights) if attention and weights is not None else {},
             nodes=None if grown is None else grown.nodes,
         )
 
@@ -188,37 +194,6 @@ class OmniVaT(Body):
             if means[0] is None
             else features + torch.stack([m for m in means if m is not None])
         )
-
-    def training_pass(
-        self,
-        vis: Float[Tensor, "B W"] | None,
-        tac: Float[Tensor, "B W"] | None,
-        lang: Float[Tensor, "B L"] | None,
-        labels: Int[Tensor, " B"],
-        *,
-        lang_on: Bool[Tensor, " B"] | None = None,
-        token_on: Bool[Tensor, " B"] | None = None,
-        order: Float64[Tensor, "..."] | None = None,
-    ) -> TrainingOutput:
-        """Run one training batch with LANG and class tokens; one image may be None.
-
-        lang      of each pair's class, or None
-        lang_on   pairs whose VIS and TAC are guided by LANG; None: all
-        token_on  pairs that use the token of their class; the others use the class-agnostic one, as
-                  in prediction
-        order     orders that replace the learned one, without gradient
-        """
-        given = {n: e for n, e in (("vis", vis), ("tac", tac)) if e is not None}
-        return training_pass(
-            self, given, lang, labels, lang_on=lang_on, token_on=token_on, order=order
-        )
-
-
-def _by_name(
-    names: tuple[str, ...], channels: Float[Tensor, "2 M B D"]
-) -> dict[str, Float[Tensor, "2 B D"]]:
-    """Return the channels by modality."""
-    return {name: channels[:, row] for row, name in enumerate(names)}
 
 
 def _rows(order: float | Tensor, rows: slice) -> float | Tensor:

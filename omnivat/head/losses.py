@@ -10,6 +10,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor
 from torch.nn.functional import cross_entropy, mse_loss, normalize
 
+from omnivat.head.output import TrainingOutput
 from omnivat.kit.shapes import require_shapes
 from omnivat.kit.stages import MODALITIES
 
@@ -23,7 +24,7 @@ def mma_loss(
 
     A softmax over D makes each feature a distribution; an absent modality has no term. In nats, >=
     0, mean over the batch; 0 if they agree. LANG is the reference, the first argument of the
-    divergence. Gradients flow to all. Raises ShapeError if shapes differ. Source: paper, L_MMA.
+    divergence. Gradients flow to all. Raises ShapeError if shapes differ. Source: paper, Eq. 7.
     """
     others = {name: x for name, x in (("vis", vis), ("tac", tac)) if x is not None}
     require_shapes(lang=(lang, "B D"), **{name: (x, "B D") for name, x in others.items()})
@@ -66,32 +67,28 @@ class Losses(NamedTuple):
 
 
 def joint_loss(
-    *,
-    features: dict[str, Float[Tensor, "B D"]],
-    layers: list[Float[Tensor, "B _ D"]],
-    logits: dict[str, Float[Tensor, "B K"]],
+    output: TrainingOutput,
     labels: Int[Tensor, " B"],
+    *,
     aligned: Bool[Tensor, " B"] | None = None,
     mma_weight: float = 10.0,
     nod_weight: float = 1.0,
     targets: dict[str, Float[Tensor, "B K"]] | None = None,
 ) -> Losses:
-    """Return λ MMA + NOD + CE.
+    """Return λ MMA + NOD + CE, the mean of the two logits'.
 
-    features  F-bar of "vis", "tac" or both, and of "lang" if present
-    layers    the tree's levels
-    logits    of "vis", "tac" or both; CE is their mean
     aligned   pairs that MMA acts on; None: all
     targets   logits of another head, by the same names. The total then has their mean squared
               difference from `logits` in place of CE
     Source: paper, Eq. 12; for `targets`, docs/order.md.
     """
-    zero = layers[0].new_zeros(())
+    features, logits = output.features, output.logits
+    zero = output.layers[0].new_zeros(())
     mma = zero
     if "lang" in features and mma_weight:
         given = {n: features[n] for n in MODALITIES if n in features}
         mma = mma_loss(**{n: x if aligned is None else x[aligned] for n, x in given.items()})
-    nod = nod_loss(layers) if nod_weight else zero
+    nod = nod_loss(output.layers) if nod_weight else zero
     ce = torch.stack([cross_entropy(values, labels) for values in logits.values()]).mean()
     fit = (
         ce

@@ -8,13 +8,14 @@ from jaxtyping import Bool, Float, Float64, Int
 from torch import Tensor, nn
 from torch.nn.functional import linear, normalize
 
-from omnivat.head import factored, plain
+from omnivat.head import factored
 from omnivat.head.settings import HeadSettings
+from omnivat.head.transform import transform
 from omnivat.kit.stages import MODALITIES
 
 
 class FrATT(nn.Module):
-    """The weights of fractional Fourier attention (FrATT); `plain.attention` computes it.
+    """The weights of fractional Fourier attention (FrATT), Eq. 4; `MFFA.features` computes it.
 
     One head; biases on all linear layers; no output projection, residual or normalisation.
     The same weights serve VIS, TAC and LANG. The bias of the keys and the class token in the keys
@@ -32,11 +33,21 @@ class FrATT(nn.Module):
         root = float(width**0.5)  # √D divides the scores, or as printed the values
         self.roots = (root, 1.0) if scale == "inside" else (1.0, root)
 
+    def values(self, pooled: Sequence[Float[Tensor, "*any D"]]) -> Float[Tensor, "*any D"]:
+        """Return the values of a sum of tokens; of its Re and Im, to which no bias belongs, the
+        modulus.
+        """
+        real: Tensor = self.value(pooled[0]) / self.roots[1]
+        if len(pooled) == 1:
+            return real
+        imaginary = linear(pooled[1], self.value.weight) / self.roots[1]
+        modulus: Tensor = torch.linalg.vector_norm(torch.stack((real, imaginary)), dim=0)
+        return modulus
+
 
 class Expanded(NamedTuple):
-    """Transformed embeddings, and the base vectors of their tokens."""
+    """The base vectors of the tokens, and their coefficients."""
 
-    parts: Float[Tensor, "2 M B D"]  # Re and Im
     base: Float[Tensor, "r M B D"]
     table: factored.Tables
 
@@ -91,7 +102,7 @@ class MFFA(nn.Module):
     ) -> Float[Tensor, "2 M B D"]:
         """Transform embeddings to Re and Im. order None: the learned one."""
         p = self.orders(names) if order is None else torch.as_tensor(order, dtype=torch.float64)
-        return plain.transform(embedding, p.to(embedding.device))  # few rows: one product with V
+        return transform(embedding, p.to(embedding.device))  # few rows: one product with V
 
     def channels(self, parts: Float[Tensor, "2 *any"]) -> Float[Tensor, "#2 *any"]:
         """Return the channels for tokens: Re and Im, their modulus, or Re."""
@@ -137,20 +148,19 @@ class MFFA(nn.Module):
         self.bank_seen |= count[:, 0] > 0
 
     def expand(self, names: Sequence[str], parts: Float[Tensor, "2 M B D"]) -> Expanded:
-        """Return the base vectors of the tokens."""
-        channels = self.channels(parts)
-        table = factored.tables(self.thetas(names), len(channels))
-        return Expanded(parts, factored.base_vectors(channels, table.halves.shape[1]), table)
+        """Return the base vectors of the tokens. Eq. 3."""
+        channels, table = self.channels(parts), self.tables(names)
+        return Expanded(factored.base_vectors(channels, table.halves.shape[1]), table)
+
+    def tables(self, names: Sequence[str]) -> factored.Tables:
+        """Return the coefficients of the tokens."""
+        count = 1 if self.real in ("magnitude", "real") else 2
+        return factored.tables(self.thetas(names), count, whole=self.real == "hermitian")
 
     def mean_tokens(self, expanded: Expanded) -> Float[Tensor, "M B D"]:
-        """Return the mean over the tokens of each sample.
-
-        With complex attention it is the mean of the real tokens, because class tokens are added to
-        them.
-        """
-        if self.real == "hermitian":
-            return factored.mean_channels(expanded.base, expanded.table)[0]
-        return factored.combined(expanded.base, expanded.table.tokens.mean(-1)[:, None])
+        """Return the mean over the tokens of each sample; of complex ones, its real part."""
+        shares = expanded.table.tokens[0].mean(-1)
+        return factored.combined(expanded.base, shares[:, None])
 
     # ---- attention ---------------------------------------------------------------------------
 
@@ -162,59 +172,32 @@ class MFFA(nn.Module):
         guide: Float[Tensor, "B D"] | None = None,
         guided: Bool[Tensor, " B"] | None = None,
         token: Float[Tensor, "M #B D"] | None = None,  # noqa: F821
-    ) -> Float[Tensor, "M B D"]:
-        """Return F-bar of several modalities, equal to that of `plain.mffa`.
+    ) -> tuple[Float[Tensor, "M B D"], Float[Tensor, "M B T T"]]:
+        """Return F-bar of several modalities, and attention of each token to each. Eq. 4 and 6.
 
         expanded  from `expand`
         guide   F-bar of LANG: replaces token queries where `guided` is True
         token   class tokens; None: the class-agnostic ones
         """
-        if not self.class_token:
-            token = None
-        elif token is None:
-            token = self.class_agnostic_tokens(names)[:, None]
-        if self.real == "hermitian":  # complex attention has no base vectors: token by token
-            rows = [None] * len(names) if token is None else token
-            each = zip(names, expanded.parts.unbind(1), rows, strict=True)
-            return torch.stack(
-                [self.attend(n, p, guide=guide, guided=guided, token=t)[0] for n, p, t in each]
-            )
-        fratt, base, table = self.fratt, expanded.base, expanded.table
-        score_root, value_root = fratt.roots
+        fratt, (base, table) = self.fratt, expanded
+        score_root, _ = fratt.roots
         keys = linear(base, fratt.key.weight)
         scores = factored.dots(linear(base, fratt.query.weight), keys)
         bias_scores = (keys @ fratt.query.bias).movedim(0, -1)
-        weights = factored.mean_weights(scores, bias_scores, table, score_root)
+        weights, each = factored.attention(scores, bias_scores, table, score_root)
         if guide is not None and guided is not None:
             guide_query = fratt.query(guide).expand(1, *keys.shape[1:])
-            theirs = factored.dots(guide_query, keys).squeeze(-2) @ table.tokens
+            theirs = factored.dots(guide_query, keys).squeeze(-2) @ table.tokens[0]
             theirs = torch.softmax(theirs / score_root, dim=-1)
             weights = torch.where(guided[:, None], theirs, weights)
         pooled = factored.mixed(base, weights, table)
-        if token is not None:
-            pooled = pooled + token
-        return self._finished(fratt.ffn(fratt.value(pooled) / value_root))
+        if self.class_token:
+            token = self.class_agnostic_tokens(names)[:, None] if token is None else token
+            pooled[0] = pooled[0] + token
+        return self.finished(fratt.ffn(fratt.values(pooled))), each
 
-    def attend(
-        self,
-        name: str,
-        parts: Float[Tensor, "2 B D"],
-        *,
-        guide: Float[Tensor, "B D"] | None = None,
-        guided: Bool[Tensor, " B"] | None = None,
-        token: Float[Tensor, "#B D"] | None = None,
-    ) -> tuple[Float[Tensor, "B D"], Float[Tensor, "B Q T"]]:
-        """Return F-bar of one modality and its attention weights, token by token; see
-        `features`.
-        """
-        tokens = plain.tokens_of(parts, self.theta[name], self.real)
-        queries = plain.queries_of(tokens, guide, guided)
-        if self.class_token and token is None:
-            token = self.class_agnostic_tokens([name])
-        found, weights = plain.attention(self.fratt, queries, plain.with_class_token(tokens, token))
-        return self._finished(found), weights
-
-    def _finished(self, feature: Float[Tensor, "*any D"]) -> Float[Tensor, "*any D"]:
+    def finished(self, feature: Float[Tensor, "*any D"]) -> Float[Tensor, "*any D"]:
+        """Return F-bar: of unit length, or as the network gives it."""
         return normalize(feature, dim=-1) if self.unit else feature
 
 

@@ -1,11 +1,11 @@
 """Write heads and encoders as ONNX files, for a page that computes in its visitor's browser.
 
-The head is `plain.py`, exported as it stands: the transform is two real products with cos
-and sin of k·p, and p is an input.
+The head is the fast one as it stands, with folded weights; p is an input of the transform.
 """
 
 from collections.abc import Sequence
 from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +13,10 @@ import torch
 from torch import Tensor, nn
 
 from omnivat.encoders.onnx_runtime import translate
-from omnivat.head import plain
 from omnivat.head.checkpoint import Head
-from omnivat.head.output import READINGS, HeadOutput
+from omnivat.head.dtg import grow
+from omnivat.head.output import READINGS
+from omnivat.head.transform import transform
 from omnivat.kit.files import replacing
 from omnivat.kit.stages import IMAGES, STAGES
 
@@ -42,40 +43,21 @@ class PortableHead(_Portable):
     """
 
     def forward(self, vis: Tensor, tac: Tensor, orders: Tensor) -> tuple[Tensor, ...]:
-        head = self.model
-        raw = {"vis": vis, "tac": tac}
-        found = {
-            name: plain.mffa(head, name, plain.embedded(head, name, raw[name]), orders[row])
-            for row, name in enumerate(IMAGES)
-        }
-        bars = [one.f_bar.expand(orders.shape[1], -1) for one in found.values()]  # (P, D) each
-        hats = [bar + self._mean(bars) for bar in bars]
-        alone = [bar + self._mean([bar]) for bar in bars]
-        maps = {
-            name: rows.expand(orders.shape[1], -1) for name, rows in head.map_logits(raw).items()
-        }
-        out = HeadOutput(
-            logits=dict(zip(IMAGES, map(head.classify, hats), strict=True)),
-            alone=dict(zip(IMAGES, map(head.classify, alone), strict=True)),
-            pair=head.classify(torch.stack(hats).sum(0)),
-            frft={},
-            relu={},
-            f_bar={},
-            f_hat={},
-            maps=maps,
-            lessons=head.lessons(raw),
-            fusion=head.settings.fusion,
-            calibration=head.calibration,
-        )
+        head, raw = self.model, {"vis": vis, "tac": tac}
+        embedding = head.embedded(raw)  # (2, 1, D)
+        parts = transform(embedding, orders)  # (2, 2, P, D)
+        many = embedding.expand(-1, orders.shape[1], -1)
+        out = head.output(IMAGES, parts, many, nodes=False, attention=True)
+        maps = {n: rows.expand(orders.shape[1], -1) for n, rows in head.map_logits(raw).items()}
+        out = replace(out, maps=maps, lessons=head.lessons(raw))
         rest = []
-        for name, one in found.items():
-            rest += [torch.linalg.vector_norm(one.parts, dim=0), head.standing(name, raw[name])]
-            rest += [torch.zeros(1) if one.weights is None else one.weights]
+        for name in IMAGES:
+            rest += [
+                torch.linalg.vector_norm(out.frft[name], dim=0),
+                head.standing(name, raw[name]),
+            ]
+            rest += [out.attention[name] if out.attention else torch.zeros(1)]
         return (*(out.reading(name) for name in READINGS), *rest)
-
-    def _mean(self, bars: list[Tensor]) -> Tensor | float:
-        nodes = plain.tree(self.model, bars, torch.stack(bars).sum(0))
-        return nodes.mean(1) if nodes is not None and self.model.settings.tree_at_inference else 0.0
 
 
 def write_head(file: Path, head: Head) -> None:
@@ -98,17 +80,13 @@ def _write(
     outputs: Sequence[str],
     shapes: tuple[Any, ...],
 ) -> None:
-    model = deepcopy(head.model).float()
-    # a constant of the graph
-    plain.eigenbasis(head.settings.width, model.dtype, torch.device("cpu"))
+    model = portable(deepcopy(head.model).float())
+    with torch.no_grad():  # folded weights and V become constants of the graph
+        model.model(*example[:2])
+        model(*example)
     with replacing(file) as whole:
         translate(
-            portable(model),
-            example,
-            whole,
-            input_names=inputs,
-            output_names=outputs,
-            dynamic_shapes=shapes,
+            model, example, whole, input_names=inputs, output_names=outputs, dynamic_shapes=shapes
         )
 
 
@@ -127,16 +105,13 @@ class PortableStages(_Portable):
 
     def forward(self, vis: Tensor, tac: Tensor, orders: Tensor) -> tuple[Tensor, ...]:
         head = self.model
-        out = plain.predict(head, {"vis": vis, "tac": tac}, orders)
-        bars = {name: one.f_bar for name, one in out.features.items()}
-        stages = {
-            "frft": {name: one.parts for name, one in out.features.items()},
-            "relu": {name: one.relu for name, one in out.features.items()},
-            "f_bar": bars,
-            "f_hat": out.f_hat,
-        }
-        rows = [stages[s][name].movedim(-2, 0).flatten(1) for s in STAGED for name in IMAGES]
-        trees = [out.nodes, *(plain.tree(head, [bars[n]], bars[n]) for n in IMAGES)]
+        embedding = head.embedded({"vis": vis, "tac": tac})  # (2, B, D)
+        parts = transform(embedding, orders)
+        out = head.output(IMAGES, parts, embedding, nodes=True, attention=False)
+        stages = [getattr(out, stage)[name] for stage in STAGED for name in IMAGES]
+        rows = [stage.movedim(-2, 0).flatten(1) for stage in stages]
+        alone = [grow(head.dtg, head.settings, bar[None], bar) for bar in out.f_bar.values()]
+        trees = [out.nodes, *(tree and tree.nodes for tree in alone)]
         grown = [(nodes, head.classify(nodes).softmax(-1)) for nodes in trees if nodes is not None]
         return (*rows, *(tensor for pair in grown for tensor in pair))
 

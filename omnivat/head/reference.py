@@ -1,51 +1,60 @@
-"""OmniVaT as the paper has it, top to bottom, in plain torch. Read this first.
+"""OmniVaT as the paper has it, from top to bottom, in plain torch. Read this first.
 
-Source: Qiu et al., *OmniVaT: Single Domain Generalization for Multimodal Visual-Tactile Learning*;
-Eq. numbers are the paper's. A comment beside a line is the shape of its result: B pairs, W width of
-the encoder, D width of the head, E numbers θ_e, T = 2E tokens, N nodes, K classes. Where the paper
-leaves something open, this is the project's choice; docs/method.md gives the reasons. The fast head
-(`head.py`) has the same parameters under the same names and computes the same; a test holds the two
-together.
+A photo (vis) and a touch image (tac) of one surface come as vectors of encoders that are never
+trained. The head names the surface's class. It is trained in one domain, the pictures of one
+sensor, and predicts in others; a text of the class (lang) takes part in training alone.
+
+    vector -> E -> F_p(E) -> tokens -> F̄ of each modality     MFFA, Eq. 2 to 6
+    T = sum of all F̄ -> seven nodes -> F̂ = F̄ + their mean     DTG, Eq. 8 to 11
+    F̂ -> its cosine to each class -> probabilities
+
+Equations are numbered as in the paper (Qiu et al., README.md). Beside a line is the shape of its
+result: B pairs, W width of the encoder, D of the head, T tokens, N nodes, K classes. "Ours" marks
+what the paper leaves open (docs/method.md). A test holds the fast head (`head.py`) to this file.
 """
 
 import torch
-from torch import Tensor, linalg, log_softmax, nn, relu, softmax, stack
+from torch import Tensor, eye, linalg, log_softmax, nn, relu, softmax, stack, where
 from torch.nn.functional import cross_entropy, linear, normalize
 
 from omnivat.fractional import basis
-from omnivat.kit.stages import MODALITIES  # lang: text, in training alone; vis: photo; tac: touch
+from omnivat.kit.stages import MODALITIES  # "lang", "vis", "tac"
 
 
 def dfrft(x: Tensor, p: Tensor) -> tuple[Tensor, Tensor]:
-    """Eq. 2: F_p(x) = V exp(-iπpk/2) Vᵀ x, as its real and imaginary part.
+    """Return the fractional Fourier transform of order p, its real and imaginary part. Eq. 2.
 
-    V are the eigenvectors of the Fourier matrix, k the index of each. p = 0 leaves x as it is,
-    p = 1 is the Fourier transform, and p in between stops on the way.
+    p says how far a signal x (B, D) is turned towards its spectrum: p = 0 leaves it, p = 1 is its
+    Fourier transform, which only multiplies column k of V, by (-i)^k: a bell for k = 0, then waves
+    with k changes of sign. So x is split into columns, each is turned by p k quarter turns, and all
+    are added again.
+
+    >>> pulse = torch.tensor([[1.0, 0.0, 0.0, 0.0]])
+    >>> dfrft(pulse, torch.tensor(1.0))[0]  # the spectrum of a pulse is flat
+    tensor([[0.5000, 0.5000, 0.5000, 0.5000]])
     """
-    vectors, k = basis(x.shape[-1], dtype=x.dtype)  # (D, D), (D,)
+    v, k = basis(x.shape[-1], dtype=x.dtype)  # (D, D), (D,)
     angle = torch.pi / 2 * p * k  # (D,)
-    cos, sin = angle.cos().to(x.dtype), angle.sin().to(x.dtype)  # of float64, as p is
-    inner = x @ vectors  # (B, D)
-    return (inner * cos) @ vectors.mT, (inner * -sin) @ vectors.mT
+    shares = x @ v  # (B, D)
+    real, imaginary = shares * angle.cos().to(x), shares * -angle.sin().to(x)  # times exp(-i angle)
+    return real @ v.mT, imaginary @ v.mT
 
 
 class FrATT(nn.Module):
-    """Fractional Fourier attention, one head. Eq. 4."""
+    """Fractional Fourier attention, one head, from queries to the tokens of the same pair."""
 
     def __init__(self, width: int) -> None:
         super().__init__()
+        wide = 4 * width
         self.query, self.key, self.value = (nn.Linear(width, width) for _ in range(3))
-        self.ffn = nn.Sequential(
-            nn.Linear(width, 4 * width), nn.GELU(), nn.Linear(4 * width, width)
-        )
+        self.ffn = nn.Sequential(nn.Linear(width, wide), nn.GELU(), nn.Linear(wide, width))
 
     def forward(self, queries: Tensor, tokens: Tensor) -> Tensor:
-        """Return a feature (B, D) of queries and tokens (B, T, D)."""
-        scores = self.query(queries) @ self.key(tokens).mT  # (B, T, T)
-        # the root: inside, against Eq. 4
-        weights = softmax(scores / tokens.shape[-1] ** 0.5, dim=-1)
-        mixed: Tensor = self.ffn((weights @ self.value(tokens)).mean(1))  # (B, D)
-        return mixed
+        """Return F̄ (B, D), of length 1 (ours): what queries read from tokens (B, T, D). Eq. 4."""
+        scores = self.query(queries) @ self.key(tokens).mT / tokens.shape[-1] ** 0.5  # (B, T, T)
+        weights = softmax(scores, dim=-1)  # √D stands outside in the paper
+        read = (weights @ self.value(tokens)).mean(1)  # (B, D)
+        return normalize(self.ffn(read), dim=-1)
 
 
 class MFFA(nn.Module):
@@ -54,60 +63,38 @@ class MFFA(nn.Module):
     def __init__(self, width: int, expansion: int, classes: int) -> None:
         super().__init__()
         self.order = nn.Parameter(torch.tensor(0.5, dtype=torch.float64))  # p, learned
-        # equal ones stay equal
-        spread = torch.linspace(0.5, 1.5, expansion) if expansion > 1 else torch.ones(1)
+        spread = torch.linspace(0.5, 1.5, expansion)  # ours: equal θ would stay equal
         self.theta = nn.ParameterDict({m: nn.Parameter(spread.clone()) for m in MODALITIES})
         self.fratt = FrATT(width)
-        # class tokens, kept while training
-        self.register_buffer("bank", torch.zeros(3, classes, width))
+        self.register_buffer("bank", torch.zeros(3, classes, width))  # mean tokens of training
         self.register_buffer("bank_seen", torch.zeros(classes).bool())
 
-    def class_token(self, name: str) -> Tensor:
-        """Return the class-agnostic token (D,): the mean over the classes; it needs no label."""
-        bank, seen = self.get_buffer("bank"), self.get_buffer("bank_seen").double()
-        rows: Tensor = bank[MODALITIES.index(name)]
-        return (seen.to(rows) @ rows) / seen.sum().clamp_min(1).to(rows)
-
-    def forward(
-        self,
-        name: str,
-        embedding: Tensor,
-        guide: Tensor | None = None,
-        guided: Tensor | None = None,
-        same: Tensor | None = None,
-        token_on: Tensor | None = None,
-    ) -> Tensor:
-        """Return F̄ (B, D) of one modality's embeddings (B, D).
-
-        guide, guided    F̄ of LANG (B, D), and which pairs (B,) it guides
-        same, token_on   which pairs share a class (B, B), and which see their own class token (B,)
-        """
+    def tokens(self, name: str, embedding: Tensor) -> Tensor:
+        """Return tokens: the real and imaginary part of F_p(E), times each θ, then ReLU. Eq. 3."""
         parts = stack(dfrft(embedding, self.order), dim=1)  # (B, 2, D)
-        # Eq. 3: (B, T, D)
-        tokens = relu(self.theta[name][:, None] * parts[:, :, None]).flatten(1, 2)
-        queries = tokens
-        if guide is not None and guided is not None:  # Eq. 6: LANG is the query
-            queries = torch.where(guided[:, None, None], guide[:, None], tokens)
-        token = self.class_token(name).expand_as(embedding)  # F_g: (B, D)
-        if same is not None and token_on is not None:  # in training: the mean of the pair's class
-            of_class = same / same.sum(1, keepdim=True) @ tokens.mean(1)  # (B, D)
-            token = torch.where(token_on[:, None], of_class, token)
-        return normalize(self.fratt(queries, tokens + token[:, None]), dim=-1)
+        return relu(self.theta[name][:, None] * parts[:, :, None]).flatten(1, 2)  # (B, T, D)
+
+    def class_token(self, name: str) -> Tensor:
+        """Return F_g (D,) for a pair of unknown class: the mean over all classes. Ours."""
+        bank, seen = self.get_buffer("bank"), self.get_buffer("bank_seen").double()
+        return seen.to(bank) @ bank[MODALITIES.index(name)] / seen.sum().clamp_min(1).to(bank)
+
+    def forward(self, name: str, embedding: Tensor) -> Tensor:
+        """Return F̄ (B, D) of E without LANG: the tokens (B, T, D) themselves are the queries."""
+        tokens = self.tokens(name, embedding)
+        return self.fratt.forward(tokens, tokens + self.class_token(name))
 
 
 class DTG(nn.Module):
-    """Discrete tree generation: a binary tree of linear children. Eq. 7 and 8."""
+    """Discrete tree generation. Three levels are seven nodes: T, two children, four of theirs."""
 
     def __init__(self, width: int, levels: int) -> None:
         super().__init__()
-        edges = 2**levels - 2
-        self.weight = nn.Parameter(
-            stack([linalg.qr(torch.empty(width, width).normal_())[0] for _ in range(edges)])
-        )
-        self.bias = nn.Parameter(torch.zeros(edges, width))
+        self.weight = nn.Parameter(linalg.qr(torch.randn(2**levels - 2, width, width)).Q)
+        self.bias = nn.Parameter(torch.zeros(self.weight.shape[:2]))
 
     def forward(self, root: Tensor) -> Tensor:
-        """Return all nodes (B, N, D) of roots (B, D): node n has the children 2n + 1 and 2n + 2."""
+        """Return the nodes (B, N, D) of T (B, D): the children of n are 2n + 1, 2n + 2. Eq. 8."""
         nodes = [root]
         for edge, (weight, bias) in enumerate(zip(self.weight, self.bias, strict=True)):
             nodes.append(linear(nodes[edge // 2], weight, bias))  # (B, D)
@@ -115,85 +102,79 @@ class DTG(nn.Module):
 
 
 class Reference(nn.Module):
-    """The head: frozen embeddings of widths `images` and `text` in, class probabilities out.
+    """The head: vectors of widths `images` and `text` in, class probabilities out.
 
-    A worked pair becomes one prediction over three classes; the tree has 2^3 - 1 = 7 nodes:
-
-    >>> _ = torch.manual_seed(0)
-    >>> head = Reference(classes=3, images=12, text=10, width=8)
-    >>> vis, tac = torch.randn(1, 12), torch.randn(1, 12)
-    >>> probabilities = head({"vis": vis, "tac": tac})
-    >>> probabilities.shape, torch.allclose(probabilities.sum(), torch.tensor(1.0))
-    (torch.Size([1, 3]), True)
-    >>> photo, touch = (head.mffa(m, head.embedded(m, x)) for m, x in (("vis", vis), ("tac", tac)))
-    >>> head.dtg(photo + touch).shape
+    >>> head = Reference(classes=3, images=12, text=10, width=8).requires_grad_(False)
+    >>> pair = {"vis": torch.randn(1, 12), "tac": torch.randn(1, 12)}
+    >>> head.mffa.tokens("vis", head.embedded("vis", pair["vis"])).shape  # two parts, four θ
+    torch.Size([1, 8, 8])
+    >>> bars = [head.mffa(name, head.embedded(name, vector)) for name, vector in pair.items()]
+    >>> head.dtg(bars[0] + bars[1]).shape  # seven nodes
     torch.Size([1, 7, 8])
-
-    >>> head({"vis": vis}).shape  # from the photo alone
-    torch.Size([1, 3])
+    >>> head(pair).shape, round(float(head(pair).sum()), 5)
+    (torch.Size([1, 3]), 1.0)
     """
 
     def __init__(
         self, classes: int, images: int, text: int, width: int, expansion: int = 4, levels: int = 3
     ) -> None:
         super().__init__()
-        self.length = width**0.5
-        self.project_image, self.project_tac = (nn.Linear(images, width) for _ in range(2))
+        self.length, self.levels = float(width**0.5), levels
+        self.project_image, self.project_tac = nn.Linear(images, width), nn.Linear(images, width)
         self.project_lang = nn.Linear(text, width)
         self.mffa, self.dtg = MFFA(width, expansion, classes), DTG(width, levels)
-        self.classifier = nn.Parameter(torch.empty(classes, width).normal_(std=width**-0.5))
+        self.classifier = nn.Parameter(torch.randn(classes, width) / self.length)
 
-    def embedded(self, name: str, raw: Tensor) -> Tensor:
-        """Project an encoder's embeddings (B, W) to (B, D), of length √D."""
+    def embedded(self, name: str, vector: Tensor) -> Tensor:
+        """Return E (B, D) of an encoder's vectors (B, W): projected, of length √D (ours)."""
         layers = {"lang": self.project_lang, "vis": self.project_image, "tac": self.project_tac}
-        embedding: Tensor = normalize(layers[name](raw), dim=-1) * self.length  # (B, D)
-        return embedding
+        return normalize(layers[name](vector), dim=-1) * self.length
 
-    def classify(self, features: Tensor) -> Tensor:
-        """Return logits (B, K): ten times the cosine to each class."""
-        return 10 * normalize(features, dim=-1) @ normalize(self.classifier, dim=-1).mT
+    def classify(self, hat: Tensor) -> Tensor:
+        """Return logits (B, K) of F̂: ten times the cosine to each class (ours)."""
+        return 10 * normalize(hat, dim=-1) @ normalize(self.classifier, dim=-1).mT
 
     def forward(self, images: dict[str, Tensor]) -> Tensor:
-        """Return probabilities (B, K) of "vis", "tac" or both (B, W). Alg. 2, with the tree."""
-        bars = [self.mffa(name, self.embedded(name, raw)) for name, raw in images.items()]
-        mean = self.dtg(stack(bars).sum(0)).mean(1)  # T = F̄ᵛ + F̄ᵗ, and the mean node: (B, D)
-        return stack([softmax(self.classify(bar + mean), dim=-1) for bar in bars]).mean(0)
+        """Return probabilities (B, K) of "vis", "tac" or both (B, W). Alg. 2; the tree is ours."""
+        bars = [self.mffa(name, self.embedded(name, vector)) for name, vector in images.items()]
+        mean = self.dtg(stack(bars).sum(0)).mean(1)  # (B, D), of the tree that grows from F̄ᵛ + F̄ᵗ
+        return stack([softmax(self.classify(bar + mean), dim=-1) for bar in bars]).mean(0)  # Eq. 11
 
     def loss(
-        self,
-        images: dict[str, Tensor],
-        lang: Tensor,
-        labels: Tensor,
-        lang_on: Tensor,
-        token_on: Tensor,
+        self, images: dict[str, Tensor], lang: Tensor, labels: Tensor, on: Tensor, token_on: Tensor
     ) -> Tensor:
-        """Return the joint loss of a batch, Alg. 1: 10 L_MMA + L_NOD + cross-entropy. Eq. 12.
+        """Return the loss of a batch, L_CE + 10 L_MMA + L_NOD. Eq. 12, Alg. 1.
 
-        lang       (B, L) text embeddings of the labels (B,)
-        lang_on    (B,) pairs that LANG guides; the others learn to do without
-        token_on   (B,) pairs that see the token of their own class
+        lang      (B, L) vectors of a text of each pair's class; the classes are `labels` (B,)
+        on        (B,) pairs that LANG guides; the others learn to do without (ours)
+        token_on  (B,) pairs that see F_g of their own class; the others learn without (ours)
+
+        Every parameter learns from the sum: L_CE names the class, L_MMA draws photo and touch to
+        the text, and L_NOD drives the nodes of a level apart. Encoders learn nothing.
         """
-        same = (labels[:, None] == labels).to(self.classifier)  # (B, B)
-        text = self.mffa("lang", self.embedded("lang", lang), None, None, same, token_on)
-        guide, on = self.length * text, lang_on[:, None]  # (B, D), (B, 1)
-        bars = {
-            # Eq. 5
-            name: self.mffa(
-                name, self.embedded(name, raw) + guide * on, guide, lang_on, same, token_on
-            )
-            for name, raw in images.items()
-        }
-        nodes = self.dtg(stack(list(bars.values())).sum(0) + text * on)  # (B, N, D)
-        total = stack(
-            [cross_entropy(self.classify(bar + nodes.mean(1)), labels) for bar in bars.values()]
-        ).mean()
-        goal = log_softmax(text, dim=-1)  # Eq. 9, L_MMA: KL from LANG to each image
-        for bar in bars.values():
-            total = total + 10 * (goal.exp() * (goal - log_softmax(bar, dim=-1))).sum(-1).mean()
-        count, level = nodes.shape[1], 2
-        while level <= count:  # Eq. 10, 11, L_NOD: nodes of one level are kept apart
-            units = normalize(nodes[:, level - 1 : 2 * level - 1], dim=-1)  # (B, level, D)
-            excess = units @ units.mT - torch.eye(level).to(units)
-            total = total + linalg.matrix_norm(excess).mean()
-            level *= 2
+        same = (labels[:, None] == labels).to(lang)  # (B, B)
+
+        def with_class(name: str, tokens: Tensor) -> Tensor:  # (B, T, D), each plus F_g
+            of_class = same / same.sum(1, keepdim=True) @ tokens.mean(1)  # (B, D)
+            token = where(token_on[:, None], of_class, self.mffa.class_token(name))
+            return tokens + token[:, None]
+
+        tokens = self.mffa.tokens("lang", self.embedded("lang", lang))  # (B, T, D)
+        text = self.mffa.fratt(tokens, with_class("lang", tokens))  # (B, D), Eq. 4
+        guide, bars = self.length * text, []  # (B, D), as long as E (ours)
+        for name, vector in images.items():
+            embedding = self.embedded(name, vector) + guide * on[:, None]  # Eq. 5: LANG joins E
+            tokens = self.mffa.tokens(name, embedding)  # (B, T, D)
+            queries = where(on[:, None, None], guide[:, None], tokens)  # Eq. 6: and is the query
+            bars.append(self.mffa.fratt(queries, with_class(name, tokens)))  # (B, D)
+        nodes = self.dtg(stack(bars).sum(0) + text * on[:, None])  # (B, N, D)
+        goal, total = log_softmax(text, dim=-1), torch.zeros(()).to(text)
+        for bar in bars:
+            total = total + cross_entropy(self.classify(bar + nodes.mean(1)), labels) / len(bars)
+            apart = goal.exp() * (goal - log_softmax(bar, dim=-1))  # (B, D), Eq. 7: KL divergence
+            total = total + 10 * apart.sum(-1).mean()
+        for level in nodes.split([2**r for r in range(self.levels)], dim=1)[1:]:
+            units = normalize(level, dim=-1)  # (B, 2^r, D)
+            excess = units @ units.mT - eye(level.shape[1]).to(units)  # (B, 2^r, 2^r), Eq. 9
+            total = total + linalg.matrix_norm(excess).mean()  # Eq. 10
         return total

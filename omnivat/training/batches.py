@@ -22,10 +22,9 @@ SPREAD_ROWS = 512  # pairs that span the offsets of imitated sensors
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Batch:
-    """One batch for `OmniVaT.training_pass`."""
+    """One batch for `omnivat.head.training.training_pass`."""
 
-    vis: Tensor | None
-    tac: Tensor | None
+    images: dict[str, Tensor]
     lang: Tensor | None
     labels: Tensor
     lang_on: Tensor
@@ -33,14 +32,14 @@ class Batch:
     order: Tensor | None = None  # (B,) if orders are drawn
 
     def to(self, device: torch.device) -> "Batch":
-        """Return the batch on a device; itself if it is already there."""
-        if self.labels.device == device:
-            return self
-        held: dict[str, Any] = {name: getattr(self, name) for name in self.__slots__}
-        moved: dict[str, Any] = {
-            name: value if value is None else value.to(device) for name, value in held.items()
-        }
-        return Batch(**moved)
+        """Return the batch on a device."""
+
+        def moved(value: Any) -> Any:
+            if isinstance(value, dict):
+                return {name: moved(one) for name, one in value.items()}
+            return value if value is None else value.to(device)
+
+        return Batch(**{name: moved(getattr(self, name)) for name in self.__slots__})
 
 
 def labels_of(source: Embeddings, head: HeadSettings) -> Array:
@@ -105,15 +104,13 @@ def batches(
     orders = _orders(count, settings, random)
     for start in range(0, count, settings.batch):
         rows = slice(start, start + settings.batch)
-        given = {
-            name: torch.from_numpy(
-                _disturbed(held.rows(rows), noise.get(name), spread.get(name), random)
-            )
-            for name, held in images.items()
-        }
         yield Batch(
-            vis=given.get("vis"),
-            tac=given.get("tac"),
+            images={
+                name: torch.from_numpy(
+                    _disturbed(held.rows(rows), noise.get(name), spread.get(name), random)
+                )
+                for name, held in images.items()
+            },
             lang=None if texts is None else torch.from_numpy(texts.rows(rows)),
             labels=targets[rows],
             lang_on=lang_on[rows],

@@ -21,8 +21,10 @@ from omnivat.head.calibration import fit_calibration
 from omnivat.head.fusion import Calibration, fuse
 from omnivat.head.head import OmniVaT
 from omnivat.head.settings import HeadSettings
+from omnivat.head.training import training_pass
 from omnivat.kit.errors import DataError
 from omnivat.kit.seeding import derive_seed
+from omnivat.kit.stages import IMAGES
 from omnivat.measure.evaluate import CHUNK, label_map, predicted_logits, predicted_probabilities
 from omnivat.measure.gaps.confusion import accuracy
 from omnivat.training import TrainSettings, Watch, train
@@ -110,10 +112,10 @@ def guided_probabilities(
     """
     found = []
     for rows in torch.arange(len(pairs)).split(CHUNK):
-        vis, tac = (torch.from_numpy(copied(x[rows.numpy()])) for x in (pairs.vis, pairs.tac))
+        images = {n: torch.from_numpy(copied(getattr(pairs, n)[rows.numpy()])) for n in IMAGES}
         on = torch.ones(len(rows), dtype=torch.bool)
-        output = model.training_pass(
-            vis, tac, texts[rows].to(model.dtype), labels[rows], lang_on=on, token_on=~on
+        output = training_pass(
+            model, images, texts[rows].to(model.dtype), labels[rows], lang_on=on, token_on=~on
         )
         found.append(fuse("mean", output.logits, None, model.calibration))
     return torch.cat(found)

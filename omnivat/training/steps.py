@@ -10,7 +10,9 @@ from torch.optim.sgd import sgd
 
 from omnivat.head.head import OmniVaT
 from omnivat.head.losses import joint_loss
+from omnivat.head.training import training_pass
 from omnivat.kit.errors import OmniVatError
+from omnivat.kit.stages import IMAGES
 from omnivat.training.batches import Batch
 from omnivat.training.settings import TrainSettings
 
@@ -96,7 +98,8 @@ def taught_logits(teachers: Sequence[OmniVaT], batch: Batch) -> dict[str, Tensor
     """Return the teachers' mean logits (B, K) of VIS and TAC, each at its own order, without
     LANG.
     """
-    found = [teacher(batch.vis, batch.tac).logits for teacher in teachers]
+    images = {name: batch.images.get(name) for name in IMAGES}
+    found = [teacher(**images).logits for teacher in teachers]
     return {name: torch.stack([one[name] for one in found]).mean(0) for name in found[0]}
 
 
@@ -114,15 +117,18 @@ def learn(
     "clipped" and "order_clipped" are 1 if a gradient was clipped.
     Raises OmniVatError if the loss or a gradient is not finite.
     """
-    on = {"lang_on": batch.lang_on, "token_on": batch.token_on}
-    output = model.training_pass(
-        batch.vis, batch.tac, batch.lang, batch.labels, **on, order=batch.order
+    output = training_pass(
+        model,
+        batch.images,
+        batch.lang,
+        batch.labels,
+        lang_on=batch.lang_on,
+        token_on=batch.token_on,
+        order=batch.order,
     )
     losses = joint_loss(
-        features=output.features,
-        layers=output.layers,
-        logits=output.logits,
-        labels=batch.labels,
+        output,
+        batch.labels,
         aligned=pairs_of(settings.mma_on, batch),
         mma_weight=settings.mma_weight,
         nod_weight=settings.nod_weight,

@@ -1,61 +1,120 @@
-"""A training step of the head with every setting, plain and slow: the oracle of the fast one."""
+"""Any setting of the head, token by token in complex numbers: the fast head is compared with it."""
 
 import torch
 from torch.nn.functional import cross_entropy, normalize
 
-from omnivat.head import plain
-from omnivat.head.dtg import groups
-from omnivat.head.output import TrainingOutput
+from omnivat.head.reference import dfrft
+from omnivat.kit.stages import MODALITIES
 
 
-def training_pass(head, images, lang, labels, *, lang_on, token_on, order=None):
-    """Run a batch in training: LANG guides VIS and TAC, Eq. 5 and 6; see
-    `OmniVaT.training_pass`.
-    """
-    settings, own = head.settings, head.mffa
-    same = (labels[:, None] == labels[None]).to(head.dtype)  # (B, B)
-    means = {}
+class Slow:
+    """The arithmetic of a head, with its parameters."""
 
-    def run(name, embedding, guide=None):
-        def token(mean):
-            means[name] = mean
-            of_class = same / same.sum(1, keepdim=True) @ mean  # (B, D)
-            return torch.where(token_on[:, None], of_class, own.class_agnostic_tokens([name]))
+    def __init__(self, head):
+        self.head, self.settings, self.own = head, head.settings, head.mffa
+        self.literal = head.settings.feature_scale == "literal"
 
-        return plain.mffa(
-            head, name, embedding, order, guide=guide, guided=lang_on, token=token
-        ).f_bar
+    def embedded(self, name, raw):
+        layers = {"lang": self.head.project_lang, "vis": self.head.project_image}
+        layers["tac"] = self.head.project_tac if self.settings.projects_apart else layers["vis"]
+        rows = layers[name](self.head.standardised(name, raw))
+        return rows if self.literal else self.head.length * normalize(rows, dim=-1)
 
-    on, guide = lang_on[:, None], None
-    inputs = {name: plain.embedded(head, name, raw) for name, raw in images.items()}  # (B, D)
-    text = None if lang is None else run("lang", plain.embedded(head, "lang", lang))
-    if text is not None and settings.mffa:
-        guide = text * (head.length if settings.guide_length == "embedding" else 1.0)
-        if settings.guide != "query":
+    def tokens(self, name, embedding, order):
+        """Return F_p(E), complex (B, D), and its tokens (B, T, D), complex or of zero imaginary
+        part.
+        """
+        if order is None:
+            order = self.own.order.expand(3)[MODALITIES.index(name)]
+        turned = torch.complex(*dfrft(embedding, order.reshape(-1, 1)))
+        theta = self.own.theta[name] if self.settings.mffa else torch.ones(1)
+        each = theta.to(turned)[:, None] * turned[:, None]  # (B, E, D)
+        real, imaginary = each.real.relu(), each.imag.relu()
+        kinds = {
+            "tokens": torch.cat((real, imaginary), 1),
+            "real": real,
+            "magnitude": each.abs(),
+            "hermitian": torch.complex(real, imaginary),
+        }
+        return turned, kinds[self.settings.complex_to_real].to(turned)
+
+    def bar(self, name, embedding, order=None, guide=None, guided=None, token=None):
+        """Return F-bar (B, D); `token` maps the mean token to F_g."""
+        if not self.settings.mffa:
+            return embedding / self.head.length
+        fratt, root = self.own.fratt, self.settings.width**0.5
+        inside = self.settings.attention_scale == "inside"
+        queries = tokens = self.tokens(name, embedding, order)[1]
+        if guide is not None:
+            queries = torch.where(guided[:, None, None], guide[:, None].to(tokens), tokens)
+        if self.settings.class_token:
+            agnostic = self.own.class_agnostic_tokens([name])
+            added = agnostic if token is None else token(tokens.real.mean(1), agnostic)
+            tokens = tokens + added[:, None]
+        query, key, value = (
+            rows @ layer.weight.T.to(rows) + layer.bias
+            for layer, rows in ((fratt.query, queries), (fratt.key, tokens), (fratt.value, tokens))
+        )
+        weights = torch.softmax((query @ key.mH).real / (root if inside else 1), dim=-1)
+        mixed = (weights.to(value) @ value).mean(1) / (1 if inside else root)
+        whole = self.settings.complex_to_real == "hermitian"
+        feature = fratt.ffn(mixed.abs() if whole else mixed.real)
+        return feature if self.literal else normalize(feature, dim=-1)
+
+    def nodes(self, bars, root):
+        """Return the nodes (B, N, D) that grow from features; [] for none."""
+        kind, count = self.settings.generation, 2**self.settings.levels - 1
+        if kind == "none":
+            return []
+        if kind == "interpolation":
+            shares = [n / (count + 1) for n in range(1, count + 1)]
+            return torch.stack([torch.lerp(bars[0], bars[-1], share) for share in shares], dim=1)
+        grown = [root]
+        for edge, (weight, bias) in enumerate(zip(*self.head.dtg.parameters(), strict=True)):
+            parent = {"tree": edge // 2, "series": edge, "parallel": 0}[kind]
+            grown.append(grown[parent] @ weight.T + bias)
+        return torch.stack(grown, dim=1)
+
+    def predict(self, images, order=None):
+        """Return F-bar and F-hat of the images (M, B, D), and mean probabilities."""
+        bars = [self.bar(n, self.embedded(n, raw), order) for n, raw in images.items()]
+        nodes = self.nodes(bars, sum(bars))
+        mean = nodes.mean(1) if len(nodes) and self.settings.tree_at_inference else 0.0
+        hats = torch.stack(bars) + mean
+        return torch.stack(bars), hats, self.head.classify(hats).softmax(-1).mean(0)
+
+    def loss(self, images, lang, labels, *, lang_on, token_on, order=None):
+        """Return 10 MMA + NOD + cross-entropy of a batch."""
+        same, on = (labels[:, None] == labels).to(self.head.dtype), lang_on[:, None]
+
+        def token(mean, agnostic):
+            return torch.where(token_on[:, None], same / same.sum(1, keepdim=True) @ mean, agnostic)
+
+        text = guide = None
+        inputs = {name: self.embedded(name, raw) for name, raw in images.items()}
+        if lang is not None:
+            text = self.bar("lang", self.embedded("lang", lang), order, token=token)
+            long = self.settings.guide_length == "embedding"
+            guide = text * (self.head.length if long else 1) if self.settings.mffa else None
+        if guide is not None and self.settings.guide != "query":
             inputs = {name: x + guide * on for name, x in inputs.items()}
-    query = None if settings.guide == "added" else guide
-    found = {name: run(name, x, query) for name, x in inputs.items()}
-    root = torch.stack(list(found.values())).sum(0) + (0.0 if text is None else text * on)
-    nodes = plain.tree(head, list(found.values()), root)
-    mean = 0.0 if nodes is None else nodes.mean(1)
-    levels = [root[:, None]]  # (B, n, D) each
-    if nodes is not None and settings.edges:
-        kind = groups(head.dtg.arrangement, nodes.shape[1])
-        kind = [range(1), *kind] if len(kind) == 1 else kind  # NOD leaves out the first
-        levels = [nodes[:, group.start : group.stop] for group in kind]
-    logits = {name: head.classify(x + mean) for name, x in found.items()}
-    named = {} if text is None or not settings.mffa else {"lang": text}
-    return TrainingOutput(features={**named, **found}, layers=levels, logits=logits, tokens=means)
-
-
-def joint_loss(output, labels, *, mma=10.0):
-    """Return λ MMA + NOD + cross-entropy of a batch. Eq. 9 to 12."""
-    total = torch.stack([cross_entropy(x, labels) for x in output.logits.values()]).mean()
-    logs = {name: torch.log_softmax(x, dim=-1) for name, x in output.features.items()}  # (B, D)
-    for name in logs.keys() & {"vis", "tac"} if "lang" in logs else ():
-        total = total + mma * (logs["lang"].exp() * (logs["lang"] - logs[name])).sum(-1).mean()
-    for nodes in output.layers[1:]:  # (B, n, D)
-        units = normalize(nodes, dim=-1)
-        excess = units @ units.mT - torch.eye(nodes.shape[1], dtype=nodes.dtype)  # (B, n, n)
-        total = total + torch.linalg.matrix_norm(excess).mean()
-    return total
+        query = None if self.settings.guide == "added" else guide
+        bars = [self.bar(n, x, order, query, lang_on, token) for n, x in inputs.items()]
+        nodes = self.nodes(bars, sum(bars) + (0 if text is None else text * on))
+        mean = nodes.mean(1) if len(nodes) else 0.0
+        total = sum(cross_entropy(self.head.classify(bar + mean), labels) for bar in bars)
+        total = total / len(bars)
+        for bar in bars if guide is not None else ():
+            goal = text.log_softmax(-1)
+            total = total + 10 * (goal.exp() * (goal - bar.log_softmax(-1))).sum(-1).mean()
+        every = range(2**self.settings.levels - 1)
+        groups = {
+            "tree": [every[2**r - 1 : 2 ** (r + 1) - 1] for r in range(1, self.settings.levels)],
+            "series": [every],
+            "parallel": [every[1:]],
+        }
+        for group in groups.get(self.settings.generation, ()) if self.settings.edges else ():
+            units = normalize(nodes[:, group.start : group.stop], dim=-1)
+            excess = units @ units.mT - torch.eye(len(group)).to(units)
+            total = total + torch.linalg.matrix_norm(excess).mean()
+        return total

@@ -5,6 +5,7 @@ import torch
 
 from omnivat.head.head import CHUNK, build_head, parameter_count
 from omnivat.head.settings import HeadSettings, literal
+from omnivat.head.training import training_pass
 from omnivat.kit.errors import DataError, SettingsError, ShapeError
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
@@ -166,7 +167,8 @@ def test_pairs_without_lang_train_as_they_are_predicted(head):
     labels = torch.tensor([0, 1, 2, 3])
     lang = torch.randn(4, 8, dtype=torch.float64)
     head.train()
-    trained = head.training_pass(vis, tac, lang, labels, lang_on=off, token_on=off)
+    images = {"vis": vis, "tac": tac}
+    trained = training_pass(head, images, lang, labels, lang_on=off, token_on=off)
     head.eval()
     predicted = head(vis, tac)
     for name in ("vis", "tac"):

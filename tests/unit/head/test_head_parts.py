@@ -1,33 +1,33 @@
-"""Tree, tokens, attention and class means, each by itself."""
+"""The transform, unit rows and lessons, each by itself."""
 
-import pytest
+import numpy as np
 import torch
 
-from omnivat.head import plain
-from omnivat.head.dtg import DTG
-from omnivat.head.mffa import FrATT
+from omnivat.head.transform import transform
+from omnivat.kit.shapes import unit
 
 
-@pytest.mark.parametrize("levels", [1, 2, 3, 4, 5])
-@pytest.mark.parametrize("init", ["orthogonal", "default", "identity"])
-def test_folding_errs_below_1e_6_in_single_precision(levels, init):
-    torch.manual_seed(0)
-    tree = DTG(64, levels=levels, init=init)
-    root = torch.nn.functional.normalize(torch.randn(32, 64), dim=-1)
-    matrix, offset = tree.fold()
-    error = (root @ matrix.T + offset - tree.grow(root).nodes.mean(1)).abs().max()
-    assert error <= 1e-6
+def draw(*shape):
+    return torch.randn(shape, dtype=torch.float64)
 
 
-def test_literal_attention_divides_after_the_softmax():
-    torch.manual_seed(0)
-    fratt = FrATT(8, scale="outside").double()
-    tokens = torch.randn(2, 5, 8, dtype=torch.float64)
-    weights = torch.softmax(fratt.query(tokens) @ fratt.key(tokens).mT, dim=-1) / 8**0.5
-    value = tokens @ fratt.value.weight.T * 1.0
-    bias = fratt.value.bias / 8**0.5
-    wanted = fratt.ffn((weights @ value).mean(1) + bias)
-    torch.testing.assert_close(plain.attention(fratt, tokens[None], tokens[None])[0], wanted)
+def test_the_transform_is_the_printed_sum_over_eigenvectors():
+    """Against numpy's FFT at order 1, and by its law p + q."""
+    x, one = draw(3, 16), torch.ones((), dtype=torch.float64)
+    found = torch.complex(*transform(x, one))
+    wanted = torch.from_numpy(np.fft.fft(x.numpy(), norm="ortho"))
+    torch.testing.assert_close(found, wanted)
+    half = transform(x, one / 2)
+    again = [torch.complex(*transform(part, one / 2)) for part in half]
+    torch.testing.assert_close(again[0] + 1j * again[1], wanted)
+
+
+def test_unit_rows_agree_with_finite_differences_and_zero_stays_zero():
+    assert torch.autograd.gradcheck(unit, [draw(3, 5).requires_grad_()])
+    zero = torch.zeros(2, 4, requires_grad=True)
+    unit(zero).sum().backward()
+    assert not unit(zero).any()
+    assert zero.grad.isfinite().all()
 
 
 def test_one_image_counts_twice_in_a_taught_head(make_head, make_pairs):

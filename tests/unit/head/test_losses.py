@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from omnivat.head.losses import joint_loss, mma_loss, nod_loss
+from omnivat.head.output import TrainingOutput
 from omnivat.kit.errors import ShapeError
 
 
@@ -84,12 +85,10 @@ def test_joint_loss_weighs_its_parts():
     layers = [torch.randn(4, n, 6) for n in (1, 2)]
     logits = {name: torch.randn(4, 5) for name in ("vis", "tac")}
     labels = torch.tensor([0, 1, 2, 3])
-    parts = joint_loss(
-        features=features, layers=layers, logits=logits, labels=labels, mma_weight=3, nod_weight=2
-    )
+    output = TrainingOutput(features=features, layers=layers, logits=logits, tokens={})
+    parts = joint_loss(output, labels, mma_weight=3, nod_weight=2)
     torch.testing.assert_close(parts.total, 3 * parts.mma + 2 * parts.nod + parts.cross_entropy)
     ce = sum(torch.nn.functional.cross_entropy(x, labels) for x in logits.values()) / 2
     torch.testing.assert_close(parts.cross_entropy, ce)
     del features["lang"]
-    bare = joint_loss(features=features, layers=layers, logits=logits, labels=labels)
-    assert bare.mma.item() == 0
+    assert joint_loss(output, labels).mma.item() == 0

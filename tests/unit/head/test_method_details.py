@@ -8,6 +8,7 @@ import torch
 
 from omnivat.encoders.lang.bank import load_bank
 from omnivat.head.losses import joint_loss, mma_loss
+from omnivat.head.output import TrainingOutput
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError
 from omnivat.training import TrainSettings, train
@@ -55,37 +56,14 @@ def test_the_default_start_of_theta_is_spread_around_one(make_head):
     assert make_head(theta="spread", expansion=1).mffa.theta["vis"].tolist() == [1.0]
 
 
-def one_batch(model, **how):
-    draw = torch.Generator().manual_seed(3)
-    vis, tac = (torch.randn(6, 24, generator=draw).double() for _ in range(2))
-    text = torch.randn(6, 8, generator=draw).double()
-    on = torch.tensor([True, False] * 3)
-    labels = torch.tensor([0, 1, 2, 3, 4, 0])
-    return model.training_pass(vis, tac, text, labels, lang_on=on, **how)
-
-
-@pytest.mark.parametrize(
-    "change", [{"guide": "added"}, {"guide": "query"}, {"guide_length": "unit"}]
-)
-def test_a_guide_changes_guided_pairs_and_no_others(make_head, change):
-    usual = one_batch(make_head(class_token=False))
-    other = one_batch(make_head(class_token=False, **change))
-    for name in ("vis", "tac"):
-        same = torch.isclose(usual.features[name], other.features[name]).all(-1)
-        assert same.tolist() == [False, True] * 3
-
-
 def test_mma_acts_on_the_chosen_pairs_alone():
     features = {n: torch.randn(4, 6, dtype=torch.float64) for n in ("lang", "vis", "tac")}
-    some = torch.tensor([True, False, True, False])
-    found = joint_loss(
-        features=features,
-        layers=[torch.zeros(4, 1, 6, dtype=torch.float64)],
-        logits={"vis": torch.zeros(4, 3)},
-        labels=torch.zeros(4, dtype=torch.long),
-        aligned=some,
-    )
-    torch.testing.assert_close(found.mma, mma_loss(**{n: x[some] for n, x in features.items()}))
+    some, labels = torch.tensor([True, False, True, False]), torch.zeros(4, dtype=torch.long)
+    root = [torch.zeros(4, 1, 6, dtype=torch.float64)]
+    logits = {"vis": torch.zeros(4, 3)}
+    output = TrainingOutput(features=features, layers=root, logits=logits, tokens={})
+    wanted = mma_loss(**{n: x[some] for n, x in features.items()})
+    torch.testing.assert_close(joint_loss(output, labels, aligned=some).mma, wanted)
 
 
 def bank_distance(source, kind):

@@ -3,12 +3,14 @@
 import pytest
 import torch
 
-from omnivat.head import plain
-from omnivat.head.dtg import DTG, interpolated
+from omnivat.head.dtg import DTG
 from omnivat.head.head import parameter_count
-from omnivat.head.losses import nod_loss
-from omnivat.head.mffa import FrATT
+from omnivat.head.losses import joint_loss, nod_loss
 from omnivat.head.settings import HeadSettings, literal
+from omnivat.head.training import training_pass
+from omnivat.kit.stages import IMAGES
+
+from .oracle import Slow
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 CORE = {"classes": CLASSES, "input_width": 512, "lang_width": 512, "width": 512}
@@ -56,6 +58,114 @@ def test_a_setting_changes_the_count_by_its_own_matrices_alone(change, fewer):
     assert whole - parameter_count(HeadSettings(**CORE, **change)) == fewer
 
 
+# ---- every setting against the slow head ---------------------------------------------------------
+
+LABELS = torch.tensor([0, 1, 2, 3, 4, 0, 1])
+CHANGES = [
+    {},
+    {"complex_to_real": "real"},
+    {"complex_to_real": "magnitude"},
+    {"complex_to_real": "hermitian"},
+    {"complex_to_real": "hermitian", "attention_scale": "outside"},
+    {"order_per_modality": True},
+    {"class_token": False},
+    {"feature_scale": "literal"},
+    {"attention_scale": "outside"},
+    {"expansion": 1},
+    {"expansion": 9},
+    {"levels": 1},
+    {"learn_order": False},
+    {"order": 3.7},
+    {"guide": "added"},
+    {"guide": "query"},
+    {"guide_length": "unit"},
+    {"shared_projection": True},
+    {"tree_at_inference": False},
+    {"generation": "series"},
+    {"generation": "parallel"},
+    {"generation": "none"},
+    {"generation": "interpolation"},
+    {"mffa": False},
+]
+
+
+@pytest.fixture(params=["ones", "signed", "normal"])
+def theta(request):
+    return request.param
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=str)
+def test_a_prediction_is_that_of_the_slow_head(make_head, make_pairs, theta, change):
+    model, given = make_head(theta=theta, **change), dict(zip(IMAGES, make_pairs(7), strict=True))
+    for order in (None, 0.0, 0.3, 1.0, -1.7):
+        p = order if order is None else torch.tensor(order, dtype=torch.float64)
+        with torch.no_grad():
+            bars, hats, probabilities = Slow(model).predict(given, p)
+            folded = model(**given, order=order)
+        for output in (folded, model(**given, order=order)):  # with gradients, weights are unfolded
+            wanted = zip(IMAGES, bars, hats, strict=True)
+            for name, bar, hat in wanted:
+                torch.testing.assert_close(output.f_bar[name], bar, rtol=0, atol=1e-12)
+                torch.testing.assert_close(output.f_hat[name], hat, rtol=0, atol=1e-12)
+            assert (output.probabilities - probabilities).abs().max() < 1e-12
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=str)
+def test_f_is_the_mean_of_the_tokens_of_each_part(make_head, make_pairs, theta, change):
+    model, (vis, tac) = make_head(theta=theta, **change), make_pairs(7)
+    slow = Slow(model)
+    with torch.no_grad():
+        output = model(vis, tac)
+        turned, tokens = slow.tokens("vis", slow.embedded("vis", vis), None)
+    parts = {"tokens": 2, "hermitian": 0}.get(model.settings.complex_to_real, 1)
+    split = tokens.real.unflatten(1, (parts, -1)) if parts else torch.view_as_real(tokens)
+    means = split.mean(2).unbind(1) if parts else split.mean(1).unbind(-1)
+    torch.testing.assert_close(torch.complex(*output.frft["vis"]), turned)
+    for part, mean in enumerate(means):
+        torch.testing.assert_close(output.relu["vis"][part], mean)
+
+
+def gradients(model, loss):
+    model.zero_grad()
+    loss.backward()
+    # the softmax ignores the bias of keys: its gradient is rounding
+    return {n: p.grad for n, p in model.named_parameters() if "key.bias" not in n}
+
+
+def assert_same_step(model, names=IMAGES, *, lang=True, order=None):
+    torch.manual_seed(2)
+    images = {name: torch.randn(7, 24, dtype=torch.float64) for name in names}
+    text = torch.randn(7, 8, dtype=torch.float64) if lang else None
+    masks = {"lang_on": torch.rand(7) < 0.5, "token_on": torch.rand(7) < 0.5}
+    loss = joint_loss(
+        training_pass(model, images, text, LABELS, **masks, order=order), LABELS
+    ).total
+    slow = Slow(model).loss(images, text, LABELS, **masks, order=order)
+    torch.testing.assert_close(loss, slow, rtol=1e-11, atol=1e-12)
+    found, wanted = gradients(model, loss), gradients(model, slow)
+    for name, grad in wanted.items():
+        both = [torch.zeros(1) if g is None else g for g in (found[name], grad)]
+        if found[name] is None or grad is None:
+            assert not any(g.any() for g in both), name
+        else:
+            atol = 1e-10 * (1 + float(grad.abs().max()))
+            torch.testing.assert_close(*both, rtol=0, atol=atol, msg=name)
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=str)
+def test_a_training_step_is_that_of_the_slow_head(make_head, theta, change):
+    model = make_head(theta=theta, **change).train()
+    assert_same_step(model)
+    assert_same_step(model, lang=False)
+    assert_same_step(model, ("vis",))
+
+
+@pytest.mark.parametrize("order", [0.3, [0.3] * 7, [0.1, 0.9, 0.4, 1.7, 0.0, 1.0, -0.2]], ids=str)
+def test_a_step_at_orders_of_the_batch_is_that_of_the_slow_head(make_head, order):
+    model = make_head(learn_order=False).train()
+    assert_same_step(model, order=torch.tensor(order, dtype=torch.float64))
+
+
 # ---- generation ----------------------------------------------------------------------------------
 
 
@@ -72,79 +182,7 @@ def test_every_arrangement_folds_into_its_mean(arrangement, levels):
     assert nod_loss(tree.grow(root).groups).isfinite()
 
 
-def test_interpolated_points_lie_at_eighths_between_vis_and_tac():
-    vis, tac = torch.zeros(1, 2), torch.tensor([[8.0, 16.0]])
-    points = interpolated(torch.stack((vis, tac)), 3)[0]
-    torch.testing.assert_close(points, torch.arange(1.0, 8.0)[:, None] * torch.tensor([1.0, 2.0]))
-
-
-def test_interpolation_adds_the_middle_of_vis_and_tac(make_head, make_pairs):
-    model, given = make_head(generation="interpolation"), make_pairs(4)
-    with torch.no_grad():
-        output = model(*given, nodes=True)
-        alone = model(given[0], None, nodes=True)
-    middle = (output.f_bar["vis"] + output.f_bar["tac"]) / 2
-    torch.testing.assert_close(output.f_hat["vis"], output.f_bar["vis"] + middle)
-    torch.testing.assert_close(output.nodes.mean(1), middle)
-    torch.testing.assert_close(alone.f_hat["vis"], 2 * alone.f_bar["vis"])
-    assert output.nodes.shape == (4, 7, 16)
-
-
-def test_without_generation_features_are_classified_as_they_are(make_head, make_pairs):
-    with torch.no_grad():
-        output = make_head(generation="none")(*make_pairs(4), nodes=True)
-    torch.testing.assert_close(output.f_hat["tac"], output.f_bar["tac"])
-    assert output.nodes is None
-
-
-# ---- DTG without MFFA ----------------------------------------------------------------------------
-
-
-def test_without_mffa_the_tree_grows_from_the_embeddings_at_any_order(make_head, make_pairs):
-    model = make_head(mffa=False, input_width=16, standardize=False)
-    vis, tac = make_pairs(4, 16)
-    units = [torch.nn.functional.normalize(x, dim=-1) for x in (vis, tac)]
-    with torch.no_grad():
-        for order in (None, 0.0, 0.6):
-            output = model(vis, tac, order=order, nodes=True)
-            torch.testing.assert_close(output.f_bar["vis"], units[0])
-            mean = model.dtg.grow(units[0] + units[1]).nodes.mean(1)
-            torch.testing.assert_close(output.f_hat["tac"], units[1] + mean)
-    assert model.order == 0.0
-
-
-def test_without_mffa_training_adds_lang_to_the_root_and_aligns_nothing(make_head, make_pairs):
-    model = make_head(mffa=False, input_width=16, standardize=False)
-    lang, labels = torch.randn(3, 8, dtype=torch.float64), torch.tensor([0, 1, 2])
-    on = torch.tensor([True, True, False])
-    output = model.training_pass(*make_pairs(3, 16), lang, labels, lang_on=on)
-    text = torch.nn.functional.normalize(model.project_lang(lang), dim=-1)
-    wanted = output.features["vis"] + output.features["tac"] + text * on[:, None]
-    torch.testing.assert_close(output.layers[0][:, 0], wanted)
-    assert set(output.features) == {"vis", "tac"}
-
-
 # ---- complex to real -----------------------------------------------------------------------------
-
-
-def test_hermitian_attention_is_that_of_complex_numbers():
-    torch.manual_seed(0)
-    fratt = FrATT(6).double()
-    queries, tokens = (torch.randn(2, 2, n, 6, dtype=torch.float64) for n in (3, 4))
-
-    def layer(module, parts):
-        whole = torch.complex(*parts)
-        return whole @ module.weight.T.to(whole.dtype) + module.bias
-
-    asked, keys, values = (
-        layer(module, parts)
-        for module, parts in ((fratt.query, queries), (fratt.key, tokens), (fratt.value, tokens))
-    )
-    weights = torch.softmax((asked @ keys.mH).real / 6**0.5, dim=-1)
-    mixed = (weights.to(values.dtype) @ values).mean(1)
-    feature, found = plain.attention(fratt, queries, tokens)
-    torch.testing.assert_close(found, weights)
-    torch.testing.assert_close(feature, fratt.ffn(mixed.abs()))
 
 
 @pytest.mark.parametrize("kind", ["tokens", "hermitian", "magnitude", "real"])
@@ -173,9 +211,6 @@ def test_an_order_a_modality_turns_each_by_its_own(make_head, make_pairs):
     torch.testing.assert_close(own.f_bar["tac"], tac.f_bar["tac"])
     assert model.orders == pytest.approx({"lang": 0.9, "vis": 0.2, "tac": 0.7})
     assert model.order == pytest.approx(0.45)
-
-
-# ---- settings ------------------------------------------------------------------------------------
 
 
 # ---- starts of θ_e and of the tree ---------------------------------------------------------------

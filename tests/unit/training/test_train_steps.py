@@ -26,8 +26,7 @@ def batch_of(lang_on, text=True):
     count = len(lang_on)
     torch.manual_seed(0)
     return Batch(
-        vis=torch.randn(count, 24),
-        tac=torch.randn(count, 24),
+        images={name: torch.randn(count, 24) for name in ("vis", "tac")},
         lang=torch.randn(count, 384) if text else None,
         labels=torch.arange(count) % 5,
         lang_on=torch.tensor(lang_on),
@@ -195,7 +194,7 @@ def test_each_pair_is_mirrored_half_the_time_and_has_a_style_of_its_class(source
     mirrored, dropped, styles = [], [], set()
     for seed in range(20):
         (batch,) = batches(flipped, source.label, np.arange(len(source)), bank, settings, seed)
-        mirrored.append(float((batch.vis.mean(1) > 50).double().mean()))
+        mirrored.append(float((batch.images["vis"].mean(1) > 50).double().mean()))
         dropped.append(
             (float(batch.lang_on.double().mean()), float(batch.token_on.double().mean()))
         )

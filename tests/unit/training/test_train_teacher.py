@@ -6,6 +6,7 @@ import pytest
 import torch
 
 from omnivat.head.losses import joint_loss
+from omnivat.head.output import TrainingOutput
 from omnivat.kit.errors import SettingsError
 from omnivat.measure.evaluate import predicted_probabilities
 from omnivat.training import TrainSettings, train
@@ -24,18 +25,13 @@ def test_with_targets_the_loss_is_the_squared_difference_from_them():
     torch.manual_seed(0)
     logits = {name: torch.randn(4, 5) for name in ("vis", "tac")}
     targets = {name: torch.randn(4, 5) for name in ("vis", "tac")}
-    common = {
-        "features": {},
-        "layers": [torch.randn(4, 1, 6)],
-        "logits": logits,
-        "labels": torch.arange(4),
-        "nod_weight": 0.0,
-    }
-    found = joint_loss(**common, targets=targets)
+    layers, labels = [torch.randn(4, 1, 6)], torch.arange(4)
+    output = TrainingOutput(features={}, layers=layers, logits=logits, tokens={})
+    found = joint_loss(output, labels, nod_weight=0.0, targets=targets)
     wanted = sum((logits[n] - targets[n]).square().mean() for n in logits) / 2
     torch.testing.assert_close(found.total, wanted)
-    assert joint_loss(**common, targets=logits).total.item() == 0
-    torch.testing.assert_close(found.cross_entropy, joint_loss(**common).total)
+    assert joint_loss(output, labels, targets=logits).total.item() == 0
+    torch.testing.assert_close(found.cross_entropy, joint_loss(output, labels).total)
 
 
 def test_a_taught_head_never_sees_the_labels(source):
