@@ -89,13 +89,13 @@ def for_modality(encoder: "Encoder", modality: str) -> "Encoder":
 DEFAULT_ENCODER = "efficientnet-lite0"
 ENCODERS = {
     "efficientnet-lite0": "omnivat.encoders.efficientnet:load_lite0",
-    "clip-vit-b32": "omnivat.encoders.clip:load",
-    "clip-vit-b16": "omnivat.encoders.clip:load",
-    "clip-vit-l14": "omnivat.encoders.clip:load",
-    "clip-vit-l14-336": "omnivat.encoders.clip:load",
-    "clip-rn50": "omnivat.encoders.clip:load",
-    "clip-rn101": "omnivat.encoders.clip:load",
-    "clip": "omnivat.encoders.clip:load",
+    "clip-vit-b32": "omnivat.encoders.clip_towers:load",
+    "clip-vit-b16": "omnivat.encoders.clip_towers:load",
+    "clip-vit-l14": "omnivat.encoders.clip_towers:load",
+    "clip-vit-l14-336": "omnivat.encoders.clip_towers:load",
+    "clip-rn50": "omnivat.encoders.clip_towers:load",
+    "clip-rn101": "omnivat.encoders.clip_towers:load",
+    "clip": "omnivat.encoders.clip_towers:load",
     "sitr": "omnivat.encoders.sitr:load",
     "strip": "omnivat.encoders.strip:load_strip",
 }

@@ -1,14 +1,15 @@
-"""Open a CLIP checkpoint of any layout: find it, read it, check its name, load its image tower."""
+"""Open a CLIP checkpoint of any layout: find it, read it, check its name."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import torch
 
-from omnivat.encoders.clip_names import clip_state
-from omnivat.encoders.clip_settings import ANY, Clip, clip_settings, image_shape, require_name
-from omnivat.encoders.clip_towers import ClipTower
+from omnivat.encoders.clip_names import ClipState, clip_state
+from omnivat.encoders.clip_settings import GELU, ClipSettings, clip_settings
 from omnivat.encoders.hub import Checkpoint, find
-from omnivat.encoders.weights import read_weights
+from omnivat.encoders.running import state_hash
+from omnivat.encoders.weights import Weights, count, read_weights
 from omnivat.kit.errors import DataError
 
 _OPENAI = (
@@ -26,6 +27,7 @@ def _at_openai(name: str, file: str, digest: str) -> Checkpoint:
     return Checkpoint(name=name, fetch=_OPENAI % (file, digest, file))
 
 
+ANY = "clip"  # name for CLIP of any size
 CHECKPOINTS = {
     checkpoint.name: checkpoint
     for checkpoint in (
@@ -46,6 +48,74 @@ CHECKPOINTS = {
 }
 
 
+@dataclass(frozen=True, slots=True)
+class ImageShape:
+    """Sizes of an image tower.
+
+    patch   side of a ViT's patch in pixels; 0 for a ResNet
+    width   channels: of a ViT's tokens, of a ResNet's first stage
+    layers  of a ViT; blocks of each stage of a ResNet
+    embed   D, the length of an embedding
+    side    of the image, pixels
+    """
+
+    patch: int
+    width: int
+    layers: tuple[int, ...]
+    embed: int
+    side: int
+
+    def __str__(self) -> str:
+        layers = "+".join(map(str, self.layers))
+        vit = f"a ViT of patch {self.patch}, {layers} layers of"
+        kind = vit if self.patch else f"a ResNet of {layers} blocks from"
+        return f"{kind} width {self.width}, D {self.embed}, {self.side} px"
+
+
+PUBLISHED = {
+    "clip-vit-b32": ImageShape(32, 768, (12,), 512, 224),
+    "clip-vit-b16": ImageShape(16, 768, (12,), 512, 224),
+    "clip-vit-l14": ImageShape(14, 1024, (24,), 768, 224),
+    "clip-vit-l14-336": ImageShape(14, 1024, (24,), 768, 336),
+    "clip-rn50": ImageShape(0, 64, (3, 4, 6, 3), 1024, 224),
+    "clip-rn101": ImageShape(0, 64, (3, 4, 23, 3), 512, 224),
+}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Clip:
+    """A CLIP checkpoint in memory: the weights of its towers, and its settings.
+
+    name    name of a published CLIP if its image tower has that shape, else "clip"
+    place   the given folder or file
+    file    the weights file in it
+    shape   of the image tower; None without one
+    """
+
+    name: str
+    place: Path
+    file: Path
+    weights: ClipState
+    settings: ClipSettings
+    shape: ImageShape | None
+
+    @property
+    def image_hash(self) -> str:
+        """A hash of the image tower, independent of the file layout."""
+        return self._hash(self.weights.image, gelu=not self.weights.resnet)
+
+    @property
+    def text_hash(self) -> str:
+        """A hash of the text tower; "" if the checkpoint has none."""
+        return self._hash(self.weights.text, gelu=True) if self.weights.text else ""
+
+    def _hash(self, state: Weights, *, gelu: bool) -> str:
+        """Return the hash of `state`; GELU in place of QuickGELU changes it, if it has either."""
+        if gelu and self.settings.activation == GELU:
+            return state_hash(state | {"activation.gelu": torch.ones(1)})
+        return state_hash(state)
+
+
 def open_clip(name: str, weights: Path | None, *, download: str = "ask") -> Clip:
     """Find and read the checkpoint called `name`, or the one at `weights`.
 
@@ -55,29 +125,51 @@ def open_clip(name: str, weights: Path | None, *, download: str = "ask") -> Clip
     """
     place = find(CHECKPOINTS[name], weights, download=download)
     found = read_weights(place, name)
-    state = clip_state(found.state)
-    if state is None:
+    state = clip_state(found)
+    if not state.image and not state.text:
         raise DataError(
             f"'{found.file}' holds no weights of CLIP (its first name is"
-            f" '{min(found.state, default='none')}'); name a checkpoint of CLIP, or use --encoder"
+            f" '{min(found, default='none')}'); name a checkpoint of CLIP, or use --encoder"
             " hf:FOLDER for another model of transformers."
         )
-    try:
-        shape = image_shape(state) if state.image else None
-    except (KeyError, ValueError) as error:
-        raise DataError(f"'{found.file}' lacks the weight {error} of {name}.") from error
+    shape = image_shape(state) if state.image else None
     return Clip(
         name=name if shape is None else require_name(name, shape, found.file),
         place=place,
         file=found.file,
         weights=state,
-        settings=clip_settings(found, name),
+        settings=clip_settings(found),
         shape=shape,
     )
 
 
-def load(
-    name: str, *, weights: Path | None, device: torch.device, precision: str, download: str = "ask"
-) -> ClipTower:
-    """Load the image tower of a CLIP checkpoint as an encoder. Raises DataError if it has none."""
-    return ClipTower(open_clip(name, weights, download=download), device, precision)
+def image_shape(clip: ClipState) -> ImageShape:
+    """Return the sizes of an image tower. Raises DataError for a missing weight."""
+    state = clip.image
+    if clip.resnet:
+        patch, width = 0, len(state["layer1.0.conv1.weight"])
+        places, last = state["attnpool.positional_embedding"], state["attnpool.c_proj.weight"]
+        layers = [f"layer{stage}." for stage in (1, 2, 3, 4)]
+    else:
+        width, _, patch, _ = state["vision_model.embeddings.patch_embedding.weight"].shape
+        places = state["vision_model.embeddings.position_embedding.weight"]
+        layers, last = ["vision_model.encoder.layers."], state["visual_projection.weight"]
+    return ImageShape(
+        patch=patch,
+        width=width,
+        layers=tuple(count(state, name) for name in layers),
+        embed=len(last),
+        # the last map of a ResNet has a stride of 32 pixels
+        side=round((len(places) - 1) ** 0.5) * (patch or 32),
+    )
+
+
+def require_name(name: str, shape: ImageShape, place: object) -> str:
+    """Return the name to record; raises DataError if the weights are not of `name`."""
+    right = next((known for known, published in PUBLISHED.items() if published == shape), ANY)
+    if name in (ANY, right):
+        return right
+    raise DataError(
+        f"'{place}' holds {shape}, and {name} is {PUBLISHED[name]}; use --encoder {right}"
+        + (", which takes any size." if right == ANY else ".")
+    )

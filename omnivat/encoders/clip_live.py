@@ -11,10 +11,9 @@ import torch
 from torch import Tensor, nn
 
 from omnivat.encoders.base import JOINED
-from omnivat.encoders.clip import CHECKPOINTS, open_clip
-from omnivat.encoders.clip_settings import Clip
+from omnivat.encoders.clip import CHECKPOINTS, Clip, open_clip
 from omnivat.encoders.clip_text import ClipText
-from omnivat.encoders.clip_towers import ClipTower
+from omnivat.encoders.clip_towers import image_encoder
 from omnivat.encoders.hub import recall
 from omnivat.kit.devices import current
 from omnivat.kit.errors import DataError
@@ -32,11 +31,11 @@ class LiveClip:
     """
 
     def __init__(self, clip: Clip, device: torch.device) -> None:
-        encoder = ClipTower(clip, device, "fp32")
+        encoder = image_encoder(clip, device, "fp32")
         texts = ClipText(clip, device)
         self.image: Any = encoder.network
         self.text: Any = texts.network
-        self.is_vit = encoder.is_vit
+        self.is_vit = not clip.weights.resnet
         self.width = encoder.width
         self.side, self.mean, self.std = encoder.side, encoder.mean, encoder.std
         self.logit_scale = texts.logit_scale or 100.0

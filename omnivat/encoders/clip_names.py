@@ -5,36 +5,36 @@ of OpenAI without `visual.`. open_clip uses OpenAI's names; some of its models p
 those of the text tower.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from torch import Tensor
 
-State = dict[str, Tensor]
-VIT, RESNET = "ViT", "ResNet"
+from omnivat.encoders.weights import Weights
 
-_LAYER = {
-    "ln_1": "layer_norm1",
-    "ln_2": "layer_norm2",
-    "attn.out_proj": "self_attn.out_proj",
-    "mlp.c_fc": "mlp.fc1",
-    "mlp.c_proj": "mlp.fc2",
+IMAGE, TEXT = ("vision_model.", "visual_projection."), ("text_model.", "text_projection.")
+
+# OpenAI's names -> those of transformers
+_NAMES = {
+    r"^visual\.transformer\.resblocks": "vision_model.encoder.layers",
+    r"^visual\.class_embedding": "vision_model.embeddings.class_embedding",
+    r"^visual\.positional_embedding": "vision_model.embeddings.position_embedding.weight",
+    r"^visual\.conv1": "vision_model.embeddings.patch_embedding",
+    r"^visual\.ln_pre": "vision_model.pre_layrnorm",
+    r"^visual\.ln_post": "vision_model.post_layernorm",
+    r"^visual\.proj$": "visual_projection.weight",
+    r"^transformer\.resblocks": "text_model.encoder.layers",
+    r"^token_embedding": "text_model.embeddings.token_embedding",
+    r"^positional_embedding": "text_model.embeddings.position_embedding.weight",
+    r"^ln_final": "text_model.final_layer_norm",
+    r"^text_projection$": "text_projection.weight",
+    r"\.ln_([12])\.": r".layer_norm\1.",
+    r"\.attn\.": ".self_attn.",
+    r"\.mlp\.c_fc\.": ".mlp.fc1.",
+    r"\.mlp\.c_proj\.": ".mlp.fc2.",
 }
-_IMAGE = {
-    "visual.class_embedding": "vision_model.embeddings.class_embedding",
-    "visual.positional_embedding": "vision_model.embeddings.position_embedding.weight",
-    "visual.conv1.weight": "vision_model.embeddings.patch_embedding.weight",
-    "visual.ln_pre.weight": "vision_model.pre_layrnorm.weight",
-    "visual.ln_pre.bias": "vision_model.pre_layrnorm.bias",
-    "visual.ln_post.weight": "vision_model.post_layernorm.weight",
-    "visual.ln_post.bias": "vision_model.post_layernorm.bias",
-}
-_TEXT = {
-    "token_embedding.weight": "text_model.embeddings.token_embedding.weight",
-    "positional_embedding": "text_model.embeddings.position_embedding.weight",
-    "ln_final.weight": "text_model.final_layer_norm.weight",
-    "ln_final.bias": "text_model.final_layer_norm.bias",
-}
+_TRANSPOSED = ("visual.proj", "text_projection")
 
 # One weight of each kind of image tower.
 _ANCHORS = (
@@ -48,38 +48,33 @@ _ANCHORS = (
 class ClipState:
     """CLIP's weights under one set of names, from any layout.
 
-    kind         "ViT", "ResNet", or "" without an image tower
+    resnet       True if the image tower is a ResNet
     image, text  the towers' weights; empty if the file has none
     logit_scale  logarithm of the factor of cosines, or None
     """
 
-    kind: str
-    image: State
-    text: State
+    resnet: bool
+    image: Weights
+    text: Weights
     logit_scale: float | None
 
 
-def clip_state(state: Mapping[str, Tensor]) -> ClipState | None:
-    """Return CLIP's weights under the names used here, or None if this is not a CLIP."""
-    state = _unwrapped(state)
-    scale = state.get("logit_scale")
-    if any(key.startswith(("vision_model.", "text_model.")) for key in state):
-        kind, image = VIT, _pick(state, "vision_model.", "visual_projection.")
-        text = _pick(state, "text_model.", "text_projection.")
-    else:
-        # as open_clip may have it
-        state = {key.removeprefix("text."): value for key, value in state.items()}
-        kind = RESNET if "visual.layer1.0.conv1.weight" in state else VIT
-        image = _vit(state)
-        if kind == RESNET:
-            image = {k.removeprefix("visual."): v for k, v in _pick(state, "visual.").items()}
-        text = _text(state)
-    if not image and not text:
-        return None
+def clip_state(weights: Weights) -> ClipState:
+    """Return CLIP's weights under the names used here; no tower has any if this is not a CLIP."""
+    state = _unwrapped(weights)
+    resnet, scale = "visual.layer1.0.conv1.weight" in state, state.get("logit_scale")
+    image = {k.removeprefix("visual."): v for k, v in _pick(state, ("visual.",)).items()}
+    if not any(key.startswith((IMAGE[0], TEXT[0])) for key in state):
+        state = _renamed(state)
+    if not resnet:
+        image = _pick(state, IMAGE)
+    text = _pick(state, TEXT)
+    if text.keys() <= {"text_projection.weight"}:
+        text = {}
     return ClipState(
-        kind=kind if image else "",
-        image=image,
-        text=text,
+        resnet=resnet,
+        image=weights.renamed(image),
+        text=weights.renamed(text),
         logit_scale=None if scale is None or scale.numel() != 1 else float(scale),
     )
 
@@ -97,38 +92,23 @@ def _unwrapped(state: Mapping[str, Tensor]) -> Mapping[str, Tensor]:
     return state
 
 
-def _pick(state: Mapping[str, Tensor], *prefixes: str) -> State:
+def _pick(state: Mapping[str, Tensor], prefixes: tuple[str, ...]) -> dict[str, Tensor]:
     return {key: value for key, value in state.items() if key.startswith(prefixes)}
 
 
-def _vit(state: Mapping[str, Tensor]) -> State:
-    found = {new: state[old] for old, new in _IMAGE.items() if old in state}
-    found |= _layers(state, "visual.transformer.resblocks.", "vision_model.encoder.layers.")
-    if "visual.proj" in state:
-        found["visual_projection.weight"] = state["visual.proj"].T.contiguous()
-    return found
-
-
-def _text(state: Mapping[str, Tensor]) -> State:
-    found = {new: state[old] for old, new in _TEXT.items() if old in state}
-    found |= _layers(state, "transformer.resblocks.", "text_model.encoder.layers.")
-    if found and "text_projection" in state:
-        found["text_projection.weight"] = state["text_projection"].T.contiguous()
-    if found and "text_projection.weight" in state:  # a linear layer, as open_clip may have it
-        found["text_projection.weight"] = state["text_projection.weight"]
-    return found
-
-
-def _layers(state: Mapping[str, Tensor], old: str, new: str) -> State:
-    found: State = {}
-    for key, value in _pick(state, old).items():
-        number, _, name = key.removeprefix(old).partition(".")
-        if name.startswith("attn.in_proj_"):  # query, key and value are in one array
-            kind = name.removeprefix("attn.in_proj_")
-            for which, part in zip("qkv", value.chunk(3), strict=True):
-                found[f"{new}{number}.self_attn.{which}_proj.{kind}"] = part.contiguous()
-            continue
-        layer, _, kind = name.rpartition(".")
-        if layer in _LAYER:
-            found[f"{new}{number}.{_LAYER[layer]}.{kind}"] = value
-    return found
+def _renamed(state: Mapping[str, Tensor]) -> dict[str, Tensor]:
+    """Return OpenAI's weights under the names, and in the shapes, of transformers."""
+    renamed: dict[str, Tensor] = {}
+    for key, value in state.items():
+        name = key.removeprefix("text.")  # as open_clip may have it
+        if name in _TRANSPOSED:
+            value = value.T.contiguous()
+        for old, new in _NAMES.items():
+            name = re.sub(old, new, name)
+        layer, joined, kind = name.partition("in_proj_")
+        if joined:  # query, key and value are in one array
+            parts = zip("qkv", value.chunk(3), strict=True)
+            renamed |= {f"{layer}{part}_proj.{kind}": v.contiguous() for part, v in parts}
+        else:
+            renamed[name] = value
+    return renamed

@@ -9,9 +9,9 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from omnivat.encoders.clip import CHECKPOINTS, open_clip
-from omnivat.encoders.clip_settings import Clip, count
+from omnivat.encoders.clip import CHECKPOINTS, Clip, open_clip
 from omnivat.encoders.clip_towers import transformer
+from omnivat.encoders.weights import count
 from omnivat.kit.errors import DataError, MissingNameError
 from omnivat.kit.files import cache_folder
 from omnivat.kit.tables import need, suggestion
@@ -53,22 +53,21 @@ class ClipText:
 
 def _network(clip: Clip) -> Any:
     """Return the tower of `transformers` with the checkpoint's weights."""
-    state, names = (
-        clip.weights.text,
-        ("embeddings.token_embedding", "embeddings.position_embedding"),
+    state = clip.weights.text
+    words, places = (
+        state[f"text_model.embeddings.{kind}_embedding.weight"] for kind in ("token", "position")
     )
-    words, places = (clip.weight(state, f"text_model.{name}.weight") for name in names)
     vocabulary, width = words.shape
+    sizes = {"hidden_size": width, "num_hidden_layers": count(state, "text_model.encoder.layers.")}
     return transformer(
         clip,
         "text",
-        {"width": width, "layers": count(state, "text_model.encoder.layers.")},
+        sizes,
         vocab_size=vocabulary,
         max_position_embeddings=len(places),
-        projection_dim=len(clip.weight(state, "text_projection.weight")),
+        projection_dim=len(state["text_projection.weight"]),
         bos_token_id=vocabulary - 2,
-        # the last token in every published CLIP
-        eos_token_id=clip.settings.text.get("eos", vocabulary - 1),
+        eos_token_id=vocabulary - 1,  # the last token in every published CLIP
     )
 
 
@@ -145,13 +144,13 @@ def _of_merges(transformers: Any, file: Path) -> Any:
     """Build the tokenizer from OpenAI's list of merges, most frequent first."""
     merges = gzip.decompress(file.read_bytes()).decode("utf-8").split("\n")[1 : MERGED + 1]
     # A printable letter for each of the 256 bytes, in the order of CLIP's vocabulary.
-    printable = [*range(33, 127), *range(161, 173), *range(174, 256)]
-    letters = [*map(chr, printable), *(chr(256 + i) for i in range(256 - len(printable)))]
+    letters = list(transformers.convert_slow_tokenizer.bytes_to_unicode().values())
     words = [
         *letters,
         *(letter + "</w>" for letter in letters),
         *(line.replace(" ", "") for line in merges),
+        "<|startoftext|>",
+        "<|endoftext|>",
     ]
-    words += ["<|startoftext|>", "<|endoftext|>"]
     vocabulary = {word: index for index, word in enumerate(words)}
     return transformers.CLIPTokenizer(vocab=vocabulary, merges=[tuple(m.split()) for m in merges])

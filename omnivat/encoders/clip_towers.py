@@ -7,90 +7,70 @@ weights.
 """
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import torch
-from PIL import Image
 from torch import Tensor, nn
 from torch.nn.functional import avg_pool2d, linear, relu, scaled_dot_product_attention
 
-from omnivat.encoders.clip_names import RESNET, State
-from omnivat.encoders.clip_settings import HEAD_WIDTH, Clip, count, heads
-from omnivat.encoders.running import FoldedConv, one_by_one, pixels, placed, precision_type, resized
+from omnivat.encoders.clip import Clip, open_clip
+from omnivat.encoders.running import FoldedConv
+from omnivat.encoders.weights import Weights, count
+from omnivat.encoders.wrapping import TorchEncoder
 from omnivat.kit.errors import DataError
 from omnivat.kit.tables import need
 
-
-class ClipTower:
-    """The image tower of CLIP, a ViT or a ResNet, as an `Encoder`."""
-
-    def __init__(self, clip: Clip, device: torch.device, precision: str) -> None:
-        shape = clip.shape
-        if shape is None:
-            raise DataError(
-                f"'{clip.file}' has a text tower and no image tower; name the whole model."
-            )
-        self.name, self.is_vit = clip.name, shape.kind != RESNET
-        if self.is_vit:
-            sizes = {
-                "width": shape.width,
-                "layers": shape.layers[0],
-                "patch": shape.patch,
-                "side": shape.side,
-            }
-            network = transformer(
-                clip,
-                "vision",
-                sizes,
-                patch_size=shape.patch,
-                image_size=shape.side,
-                projection_dim=shape.embed,
-            )
-        else:
-            try:
-                network = Tower(clip.weights.image)
-            except KeyError as error:
-                raise DataError(
-                    f"'{clip.file}' lacks the weight {error} of {clip.name}."
-                ) from error
-        self.width = shape.embed
-        self.weights_hash, self.text_hash = clip.image_hash, clip.text_hash
-        self.precision = precision
-        self.side, self.mean, self.std = shape.side, clip.settings.mean, clip.settings.std
-        self.preprocessing = resized(self.side, self.mean, self.std)
-        self._type = precision_type(precision, device)
-        self.network = placed(network, device, self._type)
-        self._device = device
-
-    def preprocess(self, image: Image.Image) -> Tensor:
-        """Return an RGB image as (3, side, side)."""
-        return pixels(image, self.mean, self.std, self.side)
-
-    def embed(self, images: Tensor) -> Tensor:
-        """Return the projected embeddings (B, D) of preprocessed images (B, 3, side, side)."""
-        run = (
-            (lambda some: self.network(pixel_values=some).image_embeds)
-            if self.is_vit
-            else self.network
-        )
-        return one_by_one(run, images.to(self._device, self._type))
+HEAD_WIDTH = 64  # channels of one attention head in every published CLIP
 
 
-def transformer(clip: Clip, part: str, sizes: Mapping[str, int], **more: int) -> Any:
+def load(
+    name: str, *, weights: Path | None, device: torch.device, precision: str, download: str = "ask"
+) -> TorchEncoder:
+    """Load the image tower of a CLIP checkpoint as an encoder. Raises DataError if it has none."""
+    return image_encoder(open_clip(name, weights, download=download), device, precision)
+
+
+def image_encoder(clip: Clip, device: torch.device, precision: str) -> TorchEncoder:
+    """Return the image tower of CLIP, a ViT or a ResNet, as an encoder."""
+    shape, resnet = clip.shape, clip.weights.resnet
+    if shape is None:
+        raise DataError(f"'{clip.file}' has a text tower and no image tower; name the whole model.")
+    sizes = {
+        "hidden_size": shape.width,
+        "num_hidden_layers": shape.layers[0],
+        "patch_size": shape.patch,
+        "image_size": shape.side,
+    }
+    return TorchEncoder(
+        Tower(clip.weights.image)
+        if resnet
+        else transformer(clip, "vision", sizes, projection_dim=shape.embed),
+        side=shape.side,
+        mean=clip.settings.mean,
+        std=clip.settings.std,
+        pool=None if resnet else lambda output: output.image_embeds,
+        device=device,
+        precision=precision,
+        name=clip.name,
+        weights_hash=clip.image_hash,
+        text_hash=clip.text_hash,
+    )
+
+
+def transformer(clip: Clip, part: str, sizes: dict[str, int], **more: int) -> Any:
     """Return a tower of `transformers` with the checkpoint's weights.
 
     part   "vision" or "text"
-    sizes  "width", "layers" and others, from the weights, that the settings beside them must state,
-           too
-    more  settings of this tower alone
+    sizes  settings of the weights, that the configuration beside them must state, too
+    more   settings of the weights that it need not state
 
     Raises DataError for weights that are missing, or of other sizes.
     """
     transformers = need("transformers", purpose="CLIP's ViT encoders")
-    of_text = part == "text"
     state, stated = (
         (clip.weights.text, clip.settings.text)
-        if of_text
+        if part == "text"
         else (clip.weights.image, clip.settings.image)
     )
     for name, size in sizes.items():
@@ -100,43 +80,35 @@ def transformer(clip: Clip, part: str, sizes: Mapping[str, int], **more: int) ->
                 f"{stated[name]}; put the weights and the settings of one model there."
             )
     config = getattr(transformers, f"CLIP{part.title()}Config")(
-        hidden_size=sizes["width"],
-        num_hidden_layers=sizes["layers"],
-        num_attention_heads=heads(sizes["width"], stated.get("heads"), clip.file),
-        intermediate_size=len(clip.weight(state, f"{part}_model.encoder.layers.0.mlp.fc1.weight")),
-        hidden_act=clip.settings.activation,
-        layer_norm_eps=clip.settings.eps,
-        **more,
+        **more
+        | {**stated, **sizes}
+        | {
+            "num_attention_heads": _heads(clip, sizes["hidden_size"], stated),
+            "intermediate_size": len(state[f"{part}_model.encoder.layers.0.mlp.fc1.weight"]),
+            "hidden_act": clip.settings.activation,
+        }
     )
     with torch.device("meta"):
         network = getattr(transformers, f"CLIP{part.title()}ModelWithProjection")(config)
-    return _filled(network, state, clip)
+    state.fill(network)
+    places = getattr(network, f"{part}_model").embeddings  # 0, 1, 2, ... which no file holds
+    numbers = torch.arange(places.position_ids.shape[-1])[None]
+    places.register_buffer("position_ids", numbers, persistent=False)
+    return network
 
 
-def _filled(network: Any, state: State, clip: Clip) -> Any:
-    """Load weights into `network`, which was built on the meta device.
+def _heads(clip: Clip, width: int, stated: Mapping[str, Any]) -> int:
+    """Return the number of attention heads: as stated, else one for every 64 channels.
 
-    Buffers that checkpoints lack (positions 0, 1, 2, ...) are made here.
-    Raises DataError if weights are missing or have other shapes.
+    Raises DataError if neither number divides the width.
     """
-    wanted = network.state_dict()
-    if missing := sorted(set(wanted) - set(state)):
+    number = int(stated.get("num_attention_heads", width / HEAD_WIDTH))
+    if number < 1 or width % number or ("num_attention_heads" not in stated and width % HEAD_WIDTH):
         raise DataError(
-            f"'{clip.file}' lacks {len(missing)} weights of {clip.name}, such as {missing[0]};"
-            " fetch it again."
+            f"'{clip.file}' has layers of width {width}, which {number} attention heads cannot"
+            " divide; put the model's config.json beside the file."
         )
-    for key, tensor in wanted.items():
-        if state[key].shape != tensor.shape:
-            raise DataError(
-                f"'{clip.file}' has {key} of shape {tuple(state[key].shape)}, expected "
-                f"{tuple(tensor.shape)}; fetch it again."
-            )
-    network.load_state_dict({key: state[key] for key in wanted}, assign=True)
-    for module in network.modules():
-        for name, buffer in list(module.named_buffers(recurse=False)):
-            if buffer.is_meta and name == "position_ids":
-                module.register_buffer(name, torch.arange(buffer.shape[-1])[None], persistent=False)
-    return network.eval().requires_grad_(False)
+    return number
 
 
 STRIDES = (1, 2, 2, 2)  # of the four stages
@@ -145,7 +117,7 @@ STRIDES = (1, 2, 2, 2)  # of the four stages
 class Tower(nn.Module):
     """(B, 3, side, side) -> (B, D)."""
 
-    def __init__(self, state: State) -> None:
+    def __init__(self, state: Weights) -> None:
         super().__init__()
         self.stem = nn.ModuleList(
             FoldedConv(state, f"conv{i}", f"bn{i}", stride=2 if i == 1 else 1) for i in (1, 2, 3)
@@ -153,11 +125,8 @@ class Tower(nn.Module):
         self.stages = nn.ModuleList()
         for stage, stride in enumerate(STRIDES, start=1):
             names = [f"layer{stage}.{block}" for block in range(count(state, f"layer{stage}."))]
-            self.stages.append(
-                nn.Sequential(
-                    *(Bottleneck(state, n, stride=1 if k else stride) for k, n in enumerate(names))
-                )
-            )
+            blocks = [Bottleneck(state, n, stride=1 if k else stride) for k, n in enumerate(names)]
+            self.stages.append(nn.Sequential(*blocks))
         self.pool = AttentionPool(state)
 
     def levels(self, x: Tensor) -> list[Tensor]:
@@ -179,7 +148,7 @@ class Tower(nn.Module):
 class Bottleneck(nn.Module):
     """Narrow, filter, pool, widen; add the input, pooled and widened to fit."""
 
-    def __init__(self, state: State, name: str, *, stride: int) -> None:
+    def __init__(self, state: Weights, name: str, *, stride: int) -> None:
         super().__init__()
         self.narrow = FoldedConv(state, f"{name}.conv1", f"{name}.bn1")
         self.filter = FoldedConv(state, f"{name}.conv2", f"{name}.bn2")
@@ -202,7 +171,7 @@ class Bottleneck(nn.Module):
 class AttentionPool(nn.Module):
     """Attention pooling: the query is the mean over all positions."""
 
-    def __init__(self, state: State) -> None:
+    def __init__(self, state: Weights) -> None:
         super().__init__()
         for name in ("q_proj", "k_proj", "v_proj", "c_proj"):
             self.register_buffer(f"{name}_weight", state[f"attnpool.{name}.weight"])

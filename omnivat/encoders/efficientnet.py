@@ -4,30 +4,21 @@ Architecture: Tan and Le, "EfficientNet", ICML 2019, in its Lite variant (ReLU6 
 no squeeze-and-excitation). Each batch normalisation is folded into the convolution before it.
 """
 
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import torch
-from PIL import Image
 from torch import Tensor, nn
 from torch.nn.functional import conv2d, pad, relu6
 
-from omnivat.encoders.onnx_runtime import in_half, in_onnx_runtime, translate
-from omnivat.encoders.running import (
-    ONNX,
-    SIDE,
-    FoldedConv,
-    one_by_one,
-    pixels,
-    placed,
-    precision_type,
-    state_hash,
-)
+from omnivat.encoders.onnx_runtime import in_half, translate
+from omnivat.encoders.running import SIDE, FoldedConv, pixels, state_hash
+from omnivat.encoders.wrapping import TorchEncoder
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import replacing
 from omnivat.kit.tables import need
 
-NAME, WIDTH = "efficientnet-lite0", 1280
+NAME = "efficientnet-lite0"
 MEAN = (127 / 255,) * 3
 STD = (128 / 255,) * 3
 # Blocks of each stage, and the stride of its first; every block but the network's first widens.
@@ -109,25 +100,21 @@ class _OfBytes(Lite0):
         return super().forward(((x.float() / 255 - mean) / std).permute(0, 3, 1, 2))
 
 
-class EfficientNetLite0:
+class EfficientNetLite0(TorchEncoder):
     """EfficientNet-Lite0 as an `Encoder`."""
-
-    name, width = NAME, WIDTH
-    preprocessing = "resize 224x224 bicubic, RGB, (value - 127) / 128"
 
     def __init__(self, file: Path, device: torch.device, precision: str) -> None:
         self._file, state = file, _read_state(file)
-        self.weights_hash = state_hash(state)
-        self.precision = precision
-        self._type = precision_type(precision, device, onnx=True)
-        self._network: Callable[[Tensor], Tensor] = placed(Lite0(state), device, self._type)
-        if precision == ONNX:
-            self._network = in_onnx_runtime(self._network, torch.zeros(1, 3, SIDE, SIDE))
-        self._device = device
-
-    def preprocess(self, image: Image.Image) -> Tensor:
-        """Return an RGB image as (3, 224, 224)."""
-        return pixels(image, MEAN, STD)
+        super().__init__(
+            Lite0(state),
+            prepare=partial(pixels, mean=MEAN, std=STD),
+            about="resize 224x224 bicubic, RGB, (value - 127) / 128",
+            device=device,
+            precision=precision,
+            onnx=True,
+            name=NAME,
+            weights_hash=state_hash(state),
+        )
 
     def write_onnx(self, file: Path) -> None:
         """Write the network as ONNX, with weights in 16 bits: one resized picture (1, 224, 224, 3)
@@ -140,10 +127,6 @@ class EfficientNetLite0:
         with replacing(file) as whole:
             translate(network, example, whole, input_names=["picture"])
             in_half(whole)
-
-    def embed(self, images: Tensor) -> Tensor:
-        """Return the embeddings (B, 1280) of preprocessed images (B, 3, 224, 224)."""
-        return one_by_one(self._network, images.to(self._device, self._type))
 
 
 def load_lite0(

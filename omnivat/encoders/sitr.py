@@ -16,9 +16,8 @@ from torch import Tensor, nn
 from torch.nn.functional import scaled_dot_product_attention
 
 from omnivat.data.images import read_image
-from omnivat.encoders.clip_settings import count
 from omnivat.encoders.running import pixels
-from omnivat.encoders.weights import read_weights, weights_file
+from omnivat.encoders.weights import count, read_weights
 from omnivat.encoders.wrapping import TorchEncoder
 from omnivat.kit.errors import DataError
 
@@ -121,14 +120,14 @@ def load(
             "SITR needs its published weights; download them from the authors' data set on the hub,"
             " hgupt3/sitr_dataset, and pass --tac-weights FILE."
         )
-    file = weights_file(weights, NAME)
-    found = read_weights(weights, NAME).state
-    state = {k.removeprefix(INSIDE): v for k, v in found.items() if k.startswith(INSIDE)} or found
+    whole = read_weights(weights, NAME)
+    inner = {k.removeprefix(INSIDE): v for k, v in whole.items() if k.startswith(INSIDE)}
+    state, file = whole.renamed(inner or whole), whole.file
     side, sizes = _sizes(state, file)
     number = _presses(state, file)
     rest, presses = _calibration(file.parent / "calibration", number, side)
     network = Sitr(**sizes, rest=rest, presses=presses)
-    _fill(network, state, file)
+    state.fill(network)
 
     def prepare(image: Image.Image) -> Tensor:
         return _normalised(_raw(image, side) - rest)
@@ -159,7 +158,7 @@ def _sizes(state: Mapping[str, Tensor], file: Path) -> tuple[int, dict[str, int]
             f"'{file}' has layers of width {width} and {places} places; SITR's are a multiple of"
             f" {HEAD} and a square. Name the file that SITR's authors publish."
         )
-    depth = count(dict(state), "blocks.")
+    depth = count(state, "blocks.")
     return grid * patch, {
         "width": width,
         "depth": depth,
@@ -206,17 +205,3 @@ def _raw(image: Image.Image, side: int) -> Tensor:
 
 def _normalised(difference: Tensor) -> Tensor:
     return (difference - torch.tensor(MEAN)[:, None, None]) / torch.tensor(STD)[:, None, None]
-
-
-def _fill(network: Sitr, state: Mapping[str, Tensor], file: Path) -> None:
-    """Load the weights. Raises DataError if one is missing or has another shape."""
-    for name, own in network.named_parameters():
-        given = state.get(name)
-        if given is None or given.shape != own.shape:
-            came = "lacks it" if given is None else f"has {tuple(given.shape)}"
-            raise DataError(
-                f"SITR's weight {name} should have the shape {tuple(own.shape)}, and '{file}'"
-                f" {came}; name the file that SITR's authors publish."
-            )
-        own.data.copy_(given)
-    network.eval().requires_grad_(False)

@@ -8,14 +8,13 @@ here, and nothing is compiled. The pickle may use only listed names; any other n
 import pickle
 from collections import OrderedDict
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from zipfile import ZipFile, is_zipfile
 
 import torch
 from safetensors.torch import load_file
-from torch import Tensor
+from torch import Tensor, nn
 
 from omnivat.encoders.hub import WEIGHTS as ON_HUB
 from omnivat.kit.errors import DataError, first_line
@@ -26,18 +25,46 @@ WRAPPERS = ("module.", "_orig_mod.", "model.")  # before every name
 NESTED = ("state_dict", "model_state_dict", "model", "teacher", "encoder")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Weights:
-    """The floating-point weights of one file, as float32.
+class Weights(dict[str, Tensor]):
+    """The floating-point weights of one file by name, as float32; a missing one is a DataError.
 
-    state      name -> weight
     file       their file
+    model      name of the model, for errors
     training   the run's name in a training checkpoint; None for plain weights
     """
 
-    state: dict[str, Tensor]
-    file: Path
-    training: str | None = None
+    def __init__(
+        self, state: Mapping[str, Tensor], file: Path, model: str, training: str | None = None
+    ) -> None:
+        super().__init__(state)
+        self.file, self.model, self.training = file, model, training
+
+    def __missing__(self, key: str) -> Tensor:
+        raise DataError(f"'{self.file}' lacks the weight '{key}' of {self.model}; fetch it again.")
+
+    def renamed(self, state: Mapping[str, Tensor]) -> "Weights":
+        """Return weights of this file under other names."""
+        return Weights(state, self.file, self.model, self.training)
+
+    def fill(self, network: nn.Module) -> None:
+        """Give a network its weights, without copies, and freeze it.
+
+        Raises DataError for a missing weight, and for one of another shape.
+        """
+        for key, own in network.named_parameters():
+            if self[key].shape != own.shape:
+                raise DataError(
+                    f"'{self.file}' has {key} of shape {tuple(self[key].shape)}, expected "
+                    f"{tuple(own.shape)}; fetch {self.model} again."
+                )
+        state = {key: self[key] for key, _ in network.named_parameters()}
+        network.load_state_dict(state, strict=False, assign=True)
+        network.eval().requires_grad_(False)
+
+
+def count(state: Mapping[str, Tensor], prefix: str) -> int:
+    """Return the number of numbered parts with this prefix."""
+    return len({key.removeprefix(prefix).split(".")[0] for key in state if key.startswith(prefix)})
 
 
 def read_weights(place: Path, name: str) -> Weights:
@@ -69,7 +96,7 @@ def read_weights(place: Path, name: str) -> Weights:
         wrapper := next((p for p in WRAPPERS if all(key.startswith(p) for key in floats)), "")
     ):
         floats = {key.removeprefix(wrapper): value for key, value in floats.items()}
-    return Weights(state=floats, file=file, training=training)
+    return Weights(floats, file, name, training)
 
 
 def weights_file(place: Path, name: str) -> Path:

@@ -18,7 +18,16 @@ from PIL import Image
 from torch import Tensor, nn
 
 from omnivat.data.dots import FILLED, fill_dots
-from omnivat.encoders.running import one_by_one, pixels, placed, precision_type, resized, state_hash
+from omnivat.encoders.onnx_runtime import in_onnx_runtime
+from omnivat.encoders.running import (
+    ONNX,
+    one_by_one,
+    pixels,
+    placed,
+    precision_type,
+    resized,
+    state_hash,
+)
 from omnivat.kit.errors import DataError
 
 GREY = Image.new("RGB", (64, 64), (128, 120, 110))  # a test picture
@@ -35,8 +44,10 @@ class TorchEncoder:
     pool        output of the network -> (B, D), such as `lambda tokens: tokens[:, 0]`
     about       one line on `prepare` and `pool`, for the header of a file
     device      device of the computation
-    precision   "fp32" or "bf16"
+    precision   "fp32", "bf16", or "fp32-onnx" where `onnx` allows it
+    onnx        True if the network was checked in ONNX Runtime
     name        its name; load_encoder replaces it by the name used for loading
+    weights_hash, text_hash  hashes of its weights, "" for those of the network, and of a text tower
 
     Raises DataError if the network does not return one finite vector for each image.
     """
@@ -53,18 +64,24 @@ class TorchEncoder:
         about: str = "",
         device: torch.device | str = "cpu",
         precision: str = "fp32",
+        onnx: bool = False,
         name: str = "",
+        weights_hash: str = "",
+        text_hash: str = "",
     ) -> None:
         self.name = name or type(network).__name__
         self.side, self.mean, self.std = side, tuple(mean), tuple(std)
         self.precision = precision
-        self.weights_hash = state_hash(network.state_dict())
+        self.weights_hash = weights_hash or state_hash(network.state_dict())
+        self.text_hash = text_hash
         self._prepare, self._pool = prepare, pool
         steps = [resized(side, self.mean, self.std)] if prepare is None else []
         self.preprocessing = ", ".join([*steps, about] if about else steps) or "own preprocessing"
         self._device = torch.device(device)
-        self._type = precision_type(precision, self._device)
-        self._network = placed(network, self._device, self._type)
+        self._type = precision_type(precision, self._device, onnx=onnx)
+        self.network: Any = placed(network, self._device, self._type)
+        if precision == ONNX:
+            self.network = in_onnx_runtime(self.network, torch.zeros(1, 3, side, side))
         self.width = self._probed()
 
     def preprocess(self, image: Image.Image) -> Tensor:
@@ -78,7 +95,7 @@ class TorchEncoder:
         return one_by_one(self._forward, images.to(self._device, self._type))
 
     def _forward(self, images: Tensor) -> Tensor:
-        given: Tensor = self._network(images)
+        given: Tensor = self.network(images)
         return given if self._pool is None else self._pool(given)
 
     def _probed(self) -> int:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from omnivat.encoders.clip_settings import PUBLISHED
+from omnivat.encoders.clip import PUBLISHED
 
 
 @pytest.fixture

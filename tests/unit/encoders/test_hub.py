@@ -22,8 +22,8 @@ REPOSITORY = "openai/clip-vit-base-patch16"
 # The published size of clip-vit-b16 becomes that of the small model which the server has.
 COMMAND = """
 import sys
-from omnivat.encoders import clip_settings
-clip_settings.PUBLISHED["clip-vit-b16"] = clip_settings.ImageShape("ViT", 32, 64, (2,), 24, 96)
+from omnivat.encoders import clip
+clip.PUBLISHED["clip-vit-b16"] = clip.ImageShape(32, 64, (2,), 24, 96)
 from omnivat.cli import main
 for more in sys.argv[1].split(","):
     code = main([*sys.argv[2:], *filter(None, [more])])

@@ -39,7 +39,7 @@ def wrong_width():
 
 def nan():
     found = load()
-    found._network[2].bias.data.fill_(float("nan"))
+    found.network[2].bias.data.fill_(float("nan"))
     return found
 """
 
