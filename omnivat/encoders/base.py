@@ -54,7 +54,7 @@ class PairEncoder:
     embed = preprocess
 
 
-class DotsFilled:
+class DotsFilled(PairEncoder):
     """An encoder whose tactile images lose their printed dots first: `vis` as it is, `tac` with
     the fill.
     """
@@ -70,18 +70,10 @@ class DotsFilled:
         self.weights_hash, self.text_hash = inner.weights_hash, getattr(inner, "text_hash", "")
         self.preprocessing = inner.preprocessing + FILLED
 
-    def preprocess(self, _: Any) -> "torch.Tensor":
-        """Refuse: each modality has its own (`for_modality`). Raises DataError."""
-        raise DataError(
-            f"'{self.name}' fills the dots of touch alone; say which modality is meant."
-        )
-
-    embed = preprocess
-
 
 def for_modality(encoder: "Encoder", modality: str) -> "Encoder":
     """Return the encoder for "vis" or "tac"; a single encoder serves both."""
-    if not isinstance(encoder, PairEncoder | DotsFilled):
+    if not isinstance(encoder, PairEncoder):
         return encoder
     return encoder.vis if modality == "vis" else encoder.tac
 
@@ -192,10 +184,12 @@ def _load_one(
     from omnivat.kit.devices import device_from
 
     place = weights or (recall(weights_hash) if weights_hash else None)
-    loader, own = _loader_of(name), {"name": name} if name in ENCODERS else {}
-    wanted = {**settings, "device": device_from(settings["device"]), "weights": place, **own}
-    found = loader(**_accepted(loader, name, wanted))
-    encoder = found if name in ENCODERS else checked(found, name)
+    wanted = {**settings, "device": device_from(settings["device"]), "weights": place}
+    loader = _loader_of(name)
+    if name in ENCODERS:
+        encoder: Encoder = loader(**_accepted(loader, name, wanted | {"name": name}))
+    else:
+        encoder = checked(loader(**_accepted(loader, name, wanted)), name)
     if weights is not None:
         remember(encoder.weights_hash, weights)
     elif name.startswith("hf:") and (folder := Path(name.removeprefix("hf:"))).is_dir():

@@ -36,12 +36,17 @@ _NAMES = {
 }
 _TRANSPOSED = ("visual.proj", "text_projection")
 
-# One weight of each kind of image tower.
+# One weight of each kind of tower, by which a CLIP is found inside another model.
 _ANCHORS = (
     "vision_model.embeddings.class_embedding",
     "visual.class_embedding",
     "visual.attnpool.positional_embedding",
+    "text_model.final_layer_norm.weight",
+    "ln_final.weight",
+    "class_embedding",
+    "attnpool.positional_embedding",
 )
+_ALONE = _ANCHORS[-2:]  # of an image tower under OpenAI's names, without a text tower
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,7 +66,9 @@ class ClipState:
 
 def clip_state(weights: Weights) -> ClipState:
     """Return CLIP's weights under the names used here; no tower has any if this is not a CLIP."""
-    state = _unwrapped(weights)
+    state: Mapping[str, Tensor] = weights.inside(*_ANCHORS)
+    if any(name in state for name in _ALONE):
+        state = {f"visual.{key}": value for key, value in state.items()}
     resnet, scale = "visual.layer1.0.conv1.weight" in state, state.get("logit_scale")
     image = {k.removeprefix("visual."): v for k, v in _pick(state, ("visual.",)).items()}
     if not any(key.startswith((IMAGE[0], TEXT[0])) for key in state):
@@ -77,19 +84,6 @@ def clip_state(weights: Weights) -> ClipState:
         text=weights.renamed(text),
         logit_scale=None if scale is None or scale.numel() != 1 else float(scale),
     )
-
-
-def _unwrapped(state: Mapping[str, Tensor]) -> Mapping[str, Tensor]:
-    """Return the part of `state` that is CLIP, without what a model around it put before its
-    names.
-    """
-    for anchor in _ANCHORS:
-        found = next((key for key in state if key.endswith(f".{anchor}")), "")
-        if prefix := found.removesuffix(anchor):
-            return {k.removeprefix(prefix): v for k, v in state.items() if k.startswith(prefix)}
-    if any(key.removeprefix("visual.") in state for key in _ANCHORS[1:]):  # an image tower alone
-        return {f"visual.{key}": value for key, value in state.items()}
-    return state
 
 
 def _pick(state: Mapping[str, Tensor], prefixes: tuple[str, ...]) -> dict[str, Tensor]:

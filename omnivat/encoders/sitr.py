@@ -7,7 +7,6 @@ the last norm. Source: Gupta et al., ICLR 2025; names of weights, order of press
 statistics are those of its code. The decoder of normal maps and the contrastive head are left out.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
 
 import torch
@@ -17,11 +16,11 @@ from torch.nn.functional import scaled_dot_product_attention
 
 from omnivat.data.images import read_image
 from omnivat.encoders.running import pixels
-from omnivat.encoders.weights import count, read_weights
+from omnivat.encoders.weights import Weights, count, read_weights
 from omnivat.encoders.wrapping import TorchEncoder
 from omnivat.kit.errors import DataError
 
-NAME, HEAD, INSIDE = ("sitr", 64, "base_model.")  # head width; classifier prefix
+NAME, HEAD = "sitr", 64  # channels of an attention head
 MEAN, STD = (-1.2223, -1.8114, -1.7090), (11.7932, 12.7956, 13.6452)  # of differences, 0 to 255
 # Number of presses in a checkpoint -> indices among the 18.
 PRESSES = {
@@ -120,12 +119,10 @@ def load(
             "SITR needs its published weights; download them from the authors' data set on the hub,"
             " hgupt3/sitr_dataset, and pass --tac-weights FILE."
         )
-    whole = read_weights(weights, NAME)
-    inner = {k.removeprefix(INSIDE): v for k, v in whole.items() if k.startswith(INSIDE)}
-    state, file = whole.renamed(inner or whole), whole.file
-    side, sizes = _sizes(state, file)
-    number = _presses(state, file)
-    rest, presses = _calibration(file.parent / "calibration", number, side)
+    state = read_weights(weights, NAME).inside("patch_embed.proj.weight")
+    side, sizes = _sizes(state)
+    number = _presses(state)
+    rest, presses = _calibration(state.file.parent / "calibration", number, side)
     network = Sitr(**sizes, rest=rest, presses=presses)
     state.fill(network)
 
@@ -141,41 +138,34 @@ def load(
     )
 
 
-def _sizes(state: Mapping[str, Tensor], file: Path) -> tuple[int, dict[str, int]]:
+def _sizes(state: Weights) -> tuple[int, dict[str, int]]:
     """Return the side of the image, and the sizes of the network, from the shapes."""
-    try:
-        width, _, patch, _ = state["patch_embed.proj.weight"].shape
-        places = state["pos_embed"].shape[1] - 1
-        hidden = len(state["blocks.0.mlp.fc1.weight"])
-    except (KeyError, ValueError, IndexError) as error:
-        raise DataError(
-            f"'{file}' is not of SITR: it lacks or misshapes {error}; name the file that SITR's"
-            " authors publish."
-        ) from error
+    first = state["patch_embed.proj.weight"]
+    width, patch = len(first), first.shape[-1]
+    places = state["pos_embed"].numel() // width - 1
     grid = round(places**0.5)
     if width % HEAD or grid**2 != places:
         raise DataError(
-            f"'{file}' has layers of width {width} and {places} places; SITR's are a multiple of"
-            f" {HEAD} and a square. Name the file that SITR's authors publish."
+            f"'{state.file}' has layers of width {width} and {places} places; SITR's are a"
+            f" multiple of {HEAD} and a square. Name the file that SITR's authors publish."
         )
-    depth = count(state, "blocks.")
     return grid * patch, {
         "width": width,
-        "depth": depth,
-        "hidden": hidden,
+        "depth": count(state, "blocks."),
+        "hidden": len(state["blocks.0.mlp.fc1.weight"]),
         "patch": patch,
         "places": places,
     }
 
 
-def _presses(state: Mapping[str, Tensor], file: Path) -> int:
+def _presses(state: Weights) -> int:
     """Return the number of presses of the checkpoint."""
     weight = state.get("c_patch_embed.proj.weight")
     channels = 0 if weight is None or weight.ndim != 4 else weight.shape[1]
     if channels % 3 or channels // 3 not in PRESSES:
         raise DataError(
-            f"'{file}' takes {channels} channels of calibration; three for each of 0, 4, 8, 9 or 18"
-            " presses are known."
+            f"'{state.file}' takes {channels} channels of calibration; three for each of"
+            " 0, 4, 8, 9 or 18 presses are known."
         )
     return channels // 3
 

@@ -21,7 +21,6 @@ from omnivat.kit.errors import DataError, first_line
 
 _OPENAI = ("RN50.pt", "RN101.pt", "ViT-B-32.pt", "ViT-B-16.pt", "ViT-L-14.pt", "ViT-L-14-336px.pt")
 WEIGHTS = (*ON_HUB, "open_clip_pytorch_model.bin", *_OPENAI)
-WRAPPERS = ("module.", "_orig_mod.", "model.")  # before every name
 NESTED = ("state_dict", "model_state_dict", "model", "teacher", "encoder")
 
 
@@ -45,6 +44,18 @@ class Weights(dict[str, Tensor]):
     def renamed(self, state: Mapping[str, Tensor]) -> "Weights":
         """Return weights of this file under other names."""
         return Weights(state, self.file, self.model, self.training)
+
+    def inside(self, *anchors: str) -> "Weights":
+        """Return the part of a model whose names end in one of `anchors`, without what is put
+        before them; itself if an anchor is a name of its own.
+        """
+        for anchor in () if any(anchor in self for anchor in anchors) else anchors:
+            for key in self:
+                if key.endswith(f".{anchor}"):
+                    before = key.removesuffix(anchor)
+                    part = {k: v for k, v in self.items() if k.startswith(before)}
+                    return self.renamed({k.removeprefix(before): v for k, v in part.items()})
+        return self
 
     def fill(self, network: nn.Module) -> None:
         """Give a network its weights, without copies, and freeze it.
@@ -92,10 +103,6 @@ def read_weights(place: Path, name: str) -> Weights:
         for key, value in state.items()
         if value.is_floating_point()
     }
-    while floats and (
-        wrapper := next((p for p in WRAPPERS if all(key.startswith(p) for key in floats)), "")
-    ):
-        floats = {key.removeprefix(wrapper): value for key, value in floats.items()}
     return Weights(floats, file, name, training)
 
 

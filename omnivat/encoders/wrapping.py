@@ -82,7 +82,7 @@ class TorchEncoder:
         self.network: Any = placed(network, self._device, self._type)
         if precision == ONNX:
             self.network = in_onnx_runtime(self.network, torch.zeros(1, 3, side, side))
-        self.width = self._probed()
+        self.width = probed(self)
 
     def preprocess(self, image: Image.Image) -> Tensor:
         """Convert an RGB image to the tensor (C, H, W) for `embed`."""
@@ -95,40 +95,40 @@ class TorchEncoder:
         return one_by_one(self._forward, images.to(self._device, self._type))
 
     def _forward(self, images: Tensor) -> Tensor:
-        given: Tensor = self.network(images)
-        return given if self._pool is None else self._pool(given)
+        output: Tensor = self.network(images)
+        return output if self._pool is None else self._pool(output)
 
-    def _probed(self) -> int:
-        """Return D, after checking that two runs on a grey image give the same finite vector."""
-        grey = self.preprocess(GREY)
-        if self._device.type == "meta":
-            return int(self._forward(grey[None].to("meta", self._type)).shape[-1])
-        first, second = (self.embed(grey[None]) for _ in range(2))
-        if first.ndim != 2 or len(first) != 1 or not first.isfinite().all():
-            raise DataError(
-                f"{self.name} gave a tensor of shape {tuple(first.shape)} for one image, and one "
-                "finite vector (1, D) is wanted; pass pool= to TorchEncoder."
-            )
-        if not torch.equal(first, second):
-            raise DataError(
-                f"{self.name} gives another embedding each time; switch off dropout, masks and "
-                "other random parts of the network."
-            )
-        return first.shape[1]
+
+def probed(encoder: Any) -> int:
+    """Return the width of an encoder: two runs on a grey picture have to give one finite vector.
+
+    Raises DataError with what it gave instead.
+    """
+    grey = encoder.preprocess(GREY)
+    if not isinstance(grey, Tensor) or grey.ndim != 3:
+        raise DataError(f"preprocess of '{encoder.name}' gave no tensor (C, H, W) for an image.")
+    first, second = (encoder.embed(grey[None]) for _ in range(2))
+    known = not first.is_meta  # a device without values
+    if first.ndim != 2 or len(first) != 1 or (known and not first.isfinite().all()):
+        raise DataError(
+            f"'{encoder.name}' gave a tensor of shape {tuple(first.shape)} for one image, and one "
+            "finite vector (1, D) is wanted; a TorchEncoder takes pool= for this."
+        )
+    if known and not torch.equal(first, second):
+        raise DataError(
+            f"'{encoder.name}' gives another embedding each time; switch off dropout, masks and "
+            "other random parts of the network."
+        )
+    return int(first.shape[1])
 
 
 TEXTS = ("preprocessing", "weights_hash")
 
 
 def checked(encoder: Any, name: str) -> "NamedEncoder":
-    """Return `encoder` under `name`. Raises DataError with the missing part.
-
-    One test image must give one finite float32 vector of the stated width.
-    """
-    missing = [
-        part for part in ("preprocess", "embed", "width", *TEXTS) if not hasattr(encoder, part)
-    ]
-    if missing:
+    """Return `encoder` under `name`. Raises DataError with the missing part."""
+    parts = ("preprocess", "embed", "width", *TEXTS)
+    if missing := [part for part in parts if not hasattr(encoder, part)]:
         raise DataError(
             f"'{name}' returned {type(encoder).__name__}, which has no {', '.join(missing)}; return"
             " an omnivat.encoders.TorchEncoder, or an object with the contract in"
@@ -137,19 +137,12 @@ def checked(encoder: Any, name: str) -> "NamedEncoder":
     for part in TEXTS:
         if not isinstance(getattr(encoder, part), str) or not getattr(encoder, part):
             raise DataError(f"'{name}' has no text in {part}; it identifies the weights.")
-    found = NamedEncoder(encoder, name)
-    pixels = found.preprocess(GREY)
-    if not isinstance(pixels, Tensor) or pixels.ndim != 3:
-        raise DataError(f"preprocess of '{name}' gave no tensor (C, H, W) for an image.")
-    vector = found.embed(pixels[None])
-    if tuple(vector.shape) != (1, found.width):
+    named = NamedEncoder(encoder, name)
+    if (width := probed(named)) != named.width:
         raise DataError(
-            f"embed of '{name}' gave shape {tuple(vector.shape)} for one image, expected (1,"
-            f" {found.width})."
+            f"'{name}' gave {width} values for one image, and its width is {named.width}."
         )
-    if not vector.is_meta and not vector.isfinite().all():
-        raise DataError(f"embed of '{name}' gave NaN or infinite values for a grey image.")
-    return found
+    return named
 
 
 class NamedEncoder:
@@ -162,10 +155,7 @@ class NamedEncoder:
         self.width = max(width, int(inner.width))
         self._zeros = self.width - int(inner.width)
         more = f", {inner.width} values and zeros up to {width}" if self._zeros else ""
-        self.preprocessing, self.weights_hash = (
-            f"{inner.preprocessing}{more}",
-            str(inner.weights_hash),
-        )
+        self.preprocessing, self.weights_hash = inner.preprocessing + more, inner.weights_hash
         self.precision = str(getattr(inner, "precision", "fp32"))
         self.text_hash = str(getattr(inner, "text_hash", ""))
 
@@ -177,12 +167,7 @@ class NamedEncoder:
     def embed(self, images: Tensor) -> Tensor:
         """Return the embeddings (B, D), float32."""
         with torch.inference_mode():
-            vectors: Tensor = self._inner.embed(images)
-            return (
-                torch.nn.functional.pad(vectors.float(), (0, self._zeros))
-                if self._zeros
-                else vectors.float()
-            )
+            return nn.functional.pad(self._inner.embed(images).float(), (0, self._zeros))
 
 
 class WithoutDots(NamedEncoder):

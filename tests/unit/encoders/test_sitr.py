@@ -182,7 +182,7 @@ def test_what_does_not_fit_is_refused_in_a_sentence(tmp_path):
         DataError, match=r"has blocks.1.attn.qkv.weight of shape \(5, 128\), expected \(384, 128\)"
     ):
         load_encoder("sitr", weights=written(tmp_path / "bent", bent))
-    with pytest.raises(DataError, match="is not of SITR"):
+    with pytest.raises(DataError, match="lacks the weight .patch_embed.proj.weight. of sitr"):
         load_encoder("sitr", weights=written(tmp_path / "other", {"a": torch.zeros(3)}))
     seven = made(4) | {"c_patch_embed.proj.weight": torch.zeros(WIDTH, 21, PATCH, PATCH)}
     with pytest.raises(DataError, match="21 channels of calibration"):
