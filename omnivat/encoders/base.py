@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     import torch
     from PIL import Image
 
+    from omnivat.encoders.wrapping import WithoutDots
+
 
 GROUP = "omnivat.encoders"  # group of entry points of other packages
 IMPORTED = "imported:"  # prefix of an encoder that is not available here
@@ -31,6 +33,9 @@ class PairEncoder:
     If their widths differ, the narrower embeddings are padded with zeros, which changes no length,
     distance or cosine within a modality. The name combines both names, so it can be loaded again.
     """
+
+    vis: "Encoder"
+    tac: "Encoder"
 
     def __init__(self, vis: "Encoder", tac: "Encoder") -> None:
         from omnivat.encoders.wrapping import NamedEncoder
@@ -58,6 +63,8 @@ class DotsFilled(PairEncoder):
     """An encoder whose tactile images lose their printed dots first: `vis` as it is, `tac` with
     the fill.
     """
+
+    tac: "WithoutDots"
 
     def __init__(self, inner: "Encoder") -> None:
         from omnivat.data.dots import FILLED
