@@ -9,15 +9,16 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import monotonic, sleep
+from time import monotonic
 from typing import Any
 
 import numpy as np
 
 from benchmarks import _attack_names
+from benchmarks._browser import started
 
 RECORDINGS, SLOW_S = 200, 5.0
 ADDRESS = "127.0.0.1"
@@ -73,26 +74,6 @@ def foreign(app: Callable[[], Any]) -> Iterator[Case]:
                 yield f"{name} from {origin}", got.status_code == 403 and not shared
 
 
-@contextmanager
-def served(folder: Path) -> Iterator[tuple[int, Path]]:
-    """Yield the port and the log of a server."""
-    with socket.socket() as probe:
-        probe.bind((ADDRESS, 0))
-        port = probe.getsockname()[1]
-    log = folder / "log"
-    command = [sys.executable, "app.py", "--no-browser", "--port", str(port)]
-    with log.open("w") as handle:
-        process = subprocess.Popen(command, stdout=handle, stderr=subprocess.STDOUT)
-    try:
-        until = monotonic() + 120
-        while not asked(port, "/theme.css").startswith(b"HTTP/1.1 200") and monotonic() < until:
-            sleep(0.2)
-        yield port, log
-    finally:
-        process.terminate()
-        process.wait()
-
-
 def asked(port: int, path: str, *headers: str) -> bytes:
     """Return the reply to a GET; b"" without one."""
     lines = (
@@ -113,7 +94,9 @@ def asked(port: int, path: str, *headers: str) -> bytes:
 
 def headers(folder: Path) -> Iterator[Case]:
     """Yield names for the server in headers, addresses of Gradio, and the log after them."""
-    with served(folder) as (port, log):
+    log = folder / "log"
+    with log.open("w") as handle, started(handle) as (_, address, _):
+        port = int(address.rstrip("/").rpartition(":")[2])
         for name in NAMING:
             for value in EVIL:
                 for path in ("/", "/config"):

@@ -2,10 +2,11 @@
 
 import shutil
 import socket
+import statistics
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -55,8 +56,12 @@ def opened(browser: Any, address: str, query: str = "", frames: Path | None = No
     return page
 
 
-def started() -> tuple[subprocess.Popen[bytes], str, float]:
-    """Start the page; return the process, its address, and the seconds until its first reply."""
+@contextmanager
+def started(log: Any = subprocess.DEVNULL) -> Iterator[tuple[int, str, float]]:
+    """Start the page; yield its process id, its address, and the seconds until its first reply.
+
+    log  a file for what it writes
+    """
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = int(probe.getsockname()[1])
@@ -64,18 +69,38 @@ def started() -> tuple[subprocess.Popen[bytes], str, float]:
     process = subprocess.Popen(
         [sys.executable, "app.py", "--no-browser", "--port", str(port)],
         cwd=ROOT,
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
+        stdout=log,
+        stderr=log,
     )
     address = f"http://127.0.0.1:{port}/"
-    while True:
-        if process.poll() is not None:
-            raise SystemExit("The page did not start; run `python app.py` to see why.")
+    try:
+        yield process.pid, address, _first_reply(process, address) - began
+    finally:
+        process.terminate()
+        process.wait()
+
+
+def _first_reply(process: subprocess.Popen[bytes], address: str) -> float:
+    while process.poll() is None:
         try:
             with urlopen(address, timeout=60):
-                return process, address, time.perf_counter() - began
+                return time.perf_counter()
         except OSError:
             time.sleep(0.02)
+    raise SystemExit("The page did not start; run `python app.py` to see why.")
+
+
+def summed(rounds: Sequence[Mapping[str, float]]) -> dict[str, dict[str, float]]:
+    """Return the median, least and most of each figure over rounds."""
+    ways: dict[str, Callable[[list[float]], float]] = {
+        "median": statistics.median,
+        "least": min,
+        "most": max,
+    }
+    return {
+        name: {way: round(of([one[name] for one in rounds]), 3) for way, of in ways.items()}
+        for name in rounds[0]
+    }
 
 
 def resident_mb(pid: int) -> float:

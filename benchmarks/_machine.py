@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
+import platform
 import random
 import statistics
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib.metadata import version
 from typing import Any
 
 import torch
@@ -73,3 +76,14 @@ def product_call(
     a, b = torch.randn(width, width, dtype=dtype), torch.randn(width, width, dtype=dtype)
     out = torch.empty_like(a)
     return (lambda: torch.mm(a, b, out=out)), 2.0 * width**3
+
+
+def machine() -> dict[str, Any]:
+    """Return a description of the machine and the versions."""
+    return {
+        "machine": f"{os.cpu_count()}-core {platform.machine()} CPU",
+        "load": round(os.getloadavg()[0], 2),
+        "threads": torch.get_num_threads(),
+        "python": platform.python_version(),
+        "torch": version("torch"),
+    }

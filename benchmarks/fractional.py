@@ -22,9 +22,8 @@ import torch
 from torch import Tensor
 
 from benchmarks._fractional_methods import Method, methods
-from benchmarks._machine import Spread, interleaved, product_call, threads
+from benchmarks._machine import Spread, interleaved, machine, product_call, threads
 from benchmarks._reference import reference
-from benchmarks.measure import machine
 from omnivat.kit.files import write_text
 
 SIZES = ((1, 1024), (16, 512), (2000, 512), (20000, 768))

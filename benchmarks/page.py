@@ -10,7 +10,6 @@ examples, repeated with a little noise. The camera is Chromium's moving picture,
 """
 
 import argparse
-import statistics
 import time
 from dataclasses import replace
 from importlib.metadata import version
@@ -20,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks._browser import ROOT, chromium, opened, resident_mb, started
-from benchmarks.measure import machine
+from benchmarks._browser import ROOT, chromium, opened, resident_mb, started, summed
+from benchmarks._machine import machine
 from omnivat.head.heads import EXAMPLES
 from omnivat.kit.files import write_json
 from omnivat.maps.frames import FrameSet, read_frames, write_frames
@@ -164,8 +163,7 @@ def live(page: Any, pictures: int) -> float:
 def measured(chromium: Any, to: Path, moves: int) -> dict[str, float]:
     """Start a server, measure one visit from cold start to every tab opened, stop it."""
     began = time.perf_counter()
-    process, address, _ = started()
-    try:
+    with started() as (process, address, _):
         page = opened(chromium, address)
         found = {"map_drawn_s": time.perf_counter() - began}
         page.wait_for_load_state("networkidle")
@@ -179,30 +177,13 @@ def measured(chromium: Any, to: Path, moves: int) -> dict[str, float]:
             page.close()
         page = opened(chromium, address, frames=to / "2k.bin")
         every_tab(page)
-        found["all_tabs_server_mb"] = resident_mb(process.pid)
+        found["all_tabs_server_mb"] = resident_mb(process)
         found["all_tabs_heap_mb"] = heap_mb(page)
         found["all_tabs_renderer_mb"] = renderers_mb(chromium)
         found["live_per_s"] = live(page, 60)
-        found["after_live_server_mb"] = resident_mb(process.pid)
+        found["after_live_server_mb"] = resident_mb(process)
         page.close()
         return found
-    finally:
-        process.terminate()
-        process.wait()
-
-
-def report(rounds: list[dict[str, float]], browser: str) -> dict[str, Any]:
-    """Return the figures: median, minimum and maximum of each, with the machine."""
-    figures = {
-        name: {
-            "median": round(statistics.median(one[name] for one in rounds), 2),
-            "least": round(min(one[name] for one in rounds), 2),
-            "most": round(max(one[name] for one in rounds), 2),
-        }
-        for name in FIGURES
-    }
-    about = {"gradio": version("gradio"), "chromium": browser, "rounds": len(rounds)}
-    return machine() | about | {"figures": figures}
 
 
 def met(target: str, median: float) -> str:
@@ -223,10 +204,11 @@ def main() -> None:
     chosen = parser.parse_args()
     with chromium() as browser, TemporaryDirectory() as folder:
         rounds = [measured(browser, Path(folder), chosen.moves) for _ in range(chosen.repeat)]
-        record = report(rounds, browser.version)
-    write_json(chosen.out, record)
+        about = {"gradio": version("gradio"), "chromium": browser.version, "rounds": len(rounds)}
+    figures = summed(rounds)
+    write_json(chosen.out, machine() | about | {"figures": figures})
     for name, (what, target) in FIGURES.items():
-        one = record["figures"][name]
+        one = figures[name]
         spread = f"{one['median']:8.3g} ({one['least']:.3g} to {one['most']:.3g})"
         print(f"{what:60} {spread:28} {met(target, one['median'])}")
 

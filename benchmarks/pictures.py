@@ -48,17 +48,12 @@ def main() -> None:
     examples = ROOT / "examples" / "pairs"
     photo = sorted(examples.rglob("*_vis.*"))[-1]
     touch = photo.with_name(photo.name.replace("_vis", "_tac"))
-    process, address, _ = started()
-    try:
-        with chromium() as browser:
-            page = opened(browser, address, "?chapter=analyse")
-            page.set_viewport_size(LARGE)
-            chapter(page, "touch", ".explore .twin .said", chosen.out / "page.png")
-            chapter(page, "where", ".explore .together path", chosen.out / "where.png")
-            own_picture(page, photo, touch, chosen.out / "own.png")
-    finally:
-        process.terminate()
-        process.wait()
+    with started() as (_, address, _), chromium() as browser:
+        page = opened(browser, address, "?chapter=analyse")
+        page.set_viewport_size(LARGE)
+        chapter(page, "touch", ".explore .twin .said", chosen.out / "page.png")
+        chapter(page, "where", ".explore .together path", chosen.out / "where.png")
+        own_picture(page, photo, touch, chosen.out / "own.png")
 
 
 if __name__ == "__main__":

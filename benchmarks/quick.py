@@ -26,8 +26,8 @@ from urllib.request import urlopen
 import numpy as np
 from PIL import Image
 
-from benchmarks._browser import resident_mb, started
-from benchmarks.measure import machine
+from benchmarks._browser import resident_mb, started, summed
+from benchmarks._machine import machine
 from omnivat.kit.files import write_json
 
 OUT = Path("docs/benchmarks/quick.json")
@@ -132,13 +132,12 @@ class Visitor:
 
 def measured(visitors: int, *, mixed: bool) -> dict[str, float]:
     """Start a server and measure one round."""
-    process, address, first = started()
-    try:
+    with started() as (process, address, first):
         for path in ("omnivat/frames", "omnivat/about", "omnivat/pairs"):
             with urlopen(address + path) as reply:
                 reply.read()
         one = Visitor(address, 0)
-        found = {"first_page_s": first, "first_page_mb": resident_mb(process.pid)}
+        found = {"first_page_s": first, "first_page_mb": resident_mb(process)}
         one.send("pair", {"vis": "row:0", "tac": "row:0"})
         one.own_pair(0)  # loads the encoder
         found["own_pair_s"] = statistics.median(one.own_pair(k) for k in range(1, PAIRS + 1))
@@ -154,9 +153,6 @@ def measured(visitors: int, *, mixed: bool) -> dict[str, float]:
             found[f"{what}_p95_s"] = float(np.quantile(seconds, 0.95))
         slowest = max(seconds for _, seconds in every)
         return found | {"slowest_s": slowest, "failed": kinds["failed"]}
-    finally:
-        process.terminate()
-        process.wait()
 
 
 def main() -> int:
@@ -169,13 +165,7 @@ def main() -> int:
     chosen = parser.parse_args()
     rounds = [measured(chosen.visitors, mixed=chosen.mixed) for _ in range(chosen.repeat)]
     figures = {
-        name: {
-            "median": round(statistics.median(one[name] for one in rounds), 3),
-            "least": round(min(one[name] for one in rounds), 3),
-            "most": round(max(one[name] for one in rounds), 3),
-            "target": target,
-        }
-        for name, (_, target) in FIGURES.items()
+        name: {**summed(rounds)[name], "target": target} for name, (_, target) in FIGURES.items()
     }
     write_json(chosen.out, {"machine": machine(), "rounds": len(rounds), "figures": figures})
     for name, one in figures.items():
