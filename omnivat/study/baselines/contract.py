@@ -13,23 +13,11 @@ from torch.nn.functional import normalize
 
 from omnivat.encoders.running import pixels
 from omnivat.kit.errors import DataError
+from omnivat.kit.stages import IMAGES
 
 if TYPE_CHECKING:
     from omnivat.encoders.clip_live import LiveClip
     from omnivat.encoders.lang.clip_prompts import ClipPrompts
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ImageInput:
-    """Image preprocessing: resize to `side` pixels, scale to 0..1, then (x - mean) / std."""
-
-    side: int
-    mean: tuple[float, ...]
-    std: tuple[float, ...]
-
-    def __call__(self, image: Image.Image) -> Tensor:
-        """Return the image as (3, side, side)."""
-        return pixels(image, self.mean, self.std, self.side)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,31 +29,30 @@ class Live:
     load: "Callable[[], LiveClip]"
     rows: Tensor  # (N,) indices of these pairs among all pairs
 
-    def images(self, name: str, rows: Tensor, image_input: ImageInput) -> Tensor:
+    def images(self, name: str, rows: Tensor) -> Tensor:
         """Return the "vis" or "tac" images (B, 3, side, side) of the pairs `rows` (B,)."""
-        return torch.stack([image_input(self.read(name, int(row))) for row in self.rows[rows]])
+        clip = self.load()
+        pictures = (self.read(name, row) for row in self.rows[rows].tolist())
+        return torch.stack([pixels(one, clip.mean, clip.std, clip.side) for one in pictures])
 
-    def drawn(self, rows: Tensor, image_input: ImageInput) -> Tensor:
+    def drawn(self, rows: Tensor) -> Tensor:
         """Return VIS, then TAC of the pairs (2 B, 3, side, side), each mirrored at random."""
-        found = torch.cat([self.images(name, rows, image_input) for name in ("vis", "tac")])
-        mirror = torch.rand(len(found), 1, 1, 1) < 0.5
-        return torch.where(mirror, found.flip(-1), found)
+        return _mirrored(torch.cat([self.images(name, rows) for name in IMAGES]))
 
 
-def live_towers(source: "Source", what: str) -> "tuple[Live, LiveClip, ImageInput]":
-    """Return a source's images, live towers and preprocessing. Raises DataError without them."""
+def _mirrored(images: Tensor) -> Tensor:
+    mirror = torch.rand(len(images), 1, 1, 1) < 0.5
+    return torch.where(mirror, images.flip(-1), images)
+
+
+def live_towers(source: "Source", what: str) -> "tuple[Live, LiveClip]":
+    """Return a source's images and live towers. Raises DataError without them."""
     if source.live is None:
         raise DataError(
             f"{what} learns inside CLIP and needs the images and the checkpoint behind these"
             f" embeddings, which are not at hand. {source.why_not_live}".strip()
         )
-    clip = source.live.load()
-    return source.live, clip, input_of(clip)
-
-
-def input_of(clip: "LiveClip") -> ImageInput:
-    """Return the preprocessing of a live CLIP."""
-    return ImageInput(side=clip.side, mean=clip.mean, std=clip.std)
+    return source.live, source.live.load()
 
 
 COPIES = 4  # of each image with noise, for methods that are solved
@@ -125,7 +112,7 @@ class Source:
         """Return the pairs with these indices (n,)."""
         names = ("vis", "tac", "labels", "vis_flip", "tac_flip")
         own: dict[str, Any] = {
-            n: found[rows] for n in names if (found := getattr(self, n)) is not None
+            name: values[rows] for name in names if (values := getattr(self, name)) is not None
         }
         if self.live is not None:
             own["live"] = replace(self.live, rows=self.live.rows[rows])
@@ -136,13 +123,12 @@ class Source:
 
         With noise: `COPIES` noisy copies of each in its place.
         """
-        vis, tac = [self.vis], [self.tac]
-        if self.vis_flip is not None and self.tac_flip is not None:
-            vis, tac = [self.vis, self.vis_flip], [self.tac, self.tac_flip]
-        if self.noise:
-            with seeded(self.seed):
-                vis = [self._noisy(rows, self.vis) for rows in vis * COPIES]
-                tac = [self._noisy(rows, self.tac) for rows in tac * COPIES]
+        copies = COPIES if self.noise else 1
+        with seeded(self.seed):
+            vis, tac = (
+                [self._noisy(rows, plain) for rows in (plain, flipped) * copies if rows is not None]
+                for plain, flipped in ((self.vis, self.vis_flip), (self.tac, self.tac_flip))
+            )
         return replace(
             self,
             vis=torch.cat(vis),
@@ -157,9 +143,8 @@ class Source:
 
     def drawn(self, rows: Tensor) -> tuple[Tensor, Tensor]:
         """Return VIS and TAC of the rows, each mirrored with probability 1/2, then with noise."""
-        return self._drawn(self.vis, self.vis_flip, rows), self._drawn(
-            self.tac, self.tac_flip, rows
-        )
+        vis = self._drawn(self.vis, self.vis_flip, rows)
+        return vis, self._drawn(self.tac, self.tac_flip, rows)
 
     def _drawn(self, plain: Tensor, flipped: Tensor | None, rows: Tensor) -> Tensor:
         if flipped is None:
@@ -189,8 +174,8 @@ class Fitted:
 
     predict  class probabilities (B, K): "fused" from both images, "vis" and "tac" from one alone,
              independent of the other image
-    images   preprocessing, for a method that learned inside the image tower: both functions then
-             take images (B, 3, side, side)
+    images   True for a method that learned inside the image tower: both functions then take images
+             (B, 3, side, side)
     """
 
     predict: Predict
@@ -199,7 +184,7 @@ class Fitted:
     # settings chosen by source-side evidence, by name
     chosen: dict[str, float | str] = field(default_factory=dict)
     parameters: int = 0  # how many were fitted
-    images: ImageInput | None = None
+    images: bool = False
 
 
 def late(alone: Callable[[str, Tensor], Tensor]) -> Predict:

@@ -80,7 +80,7 @@ def fit_vt_cmc(source: Source) -> Fitted:
     return Fitted(
         predict=predict,
         features=features,
-        chosen={"C": both.strength, "scaling": both.kind},
+        chosen={"C": both.strength, "scaling": "unit"},
         parameters=size(maps) + both.parameters,
     )
 

@@ -3,21 +3,20 @@
 Photo only and touch only are perceptrons of one modality, trained the same way.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
 import torch
 from torch import Tensor, nn
-from torch.nn.functional import cross_entropy, normalize
+from torch.nn.functional import cross_entropy
 
-from omnivat.study.baselines.contract import Fitted, Source, joined
+from omnivat.study.baselines.contract import Fitted, Source, joined, sized
 from omnivat.study.baselines.descent import Descent, learned, size
 from omnivat.study.baselines.evidence import best
 
 HIDDEN, EPOCHS = 256, 20
 Inputs = Mapping[str, tuple[str, ...]]  # reading -> modalities that its perceptron gets
-Loss = Callable[[nn.Module, Tensor], Tensor]
 FUSED: Inputs = {"fused": ("vis", "tac")}  # enough to choose settings
 INPUTS: Inputs = {**FUSED, "vis": ("vis",), "tac": ("tac",)}
 CANDIDATES = {
@@ -36,9 +35,9 @@ class Perceptron(nn.Module):
 
     def features(self, vis: Tensor, tac: Tensor) -> Tensor:
         """Return the hidden layer (B, 256)."""
-        given = {"vis": vis, "tac": tac}
-        rows = torch.cat([normalize(given[name], dim=-1) for name in self.inputs], dim=-1)
-        hidden: Tensor = self.hidden(vis.shape[1] ** 0.5 * rows)
+        images = {"vis": vis, "tac": tac}
+        rows = torch.cat([sized(images[name]) for name in self.inputs], dim=-1)
+        hidden: Tensor = self.hidden(rows)
         return hidden
 
     def forward(self, vis: Tensor, tac: Tensor) -> Tensor:
@@ -54,32 +53,24 @@ def fit(source: Source) -> Fitted:
 
 
 def _fitted(source: Source, choice: tuple[float, float], inputs: Inputs) -> Fitted:
-    how = Descent(
-        lr=choice[0], epochs=source.epochs or EPOCHS, weight_decay=choice[1], method="adam"
-    )
+    """Train one perceptron for each reading in `inputs`; features need all of `INPUTS`."""
+    lr, decay = choice
+    how = Descent(lr=lr, epochs=source.epochs or EPOCHS, weight_decay=decay, method="adam")
+    classes = len(source.classes)
 
     def loss(model: nn.Module, rows: Tensor) -> Tensor:
         return cross_entropy(model(*source.drawn(rows)), source.labels[rows])
 
-    return perceptrons(source, inputs, how, loss, "erm-mlp")
-
-
-def perceptrons(source: Source, inputs: Inputs, how: Descent, loss: Loss, stream: str) -> Fitted:
-    """Train one perceptron for each reading in `inputs`; features need all of `INPUTS`."""
-    classes = len(source.classes)
     models = {
-        name: learned(source, partial(Perceptron, source.width, classes, own), how, loss, stream)
+        name: learned(source, partial(Perceptron, source.width, classes, own), how, loss, "erm-mlp")
         for name, own in inputs.items()
     }
+
+    def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+        return {name: model(vis, tac).softmax(-1) for name, model in models.items()}
 
     def features(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
         own = {name: model.features(vis, tac) for name, model in models.items()}
         return {**joined(own["vis"], own["tac"]), "pair": own["fused"]}
 
-    return Fitted(
-        predict=lambda vis, tac: {
-            name: model(vis, tac).softmax(-1) for name, model in models.items()
-        },
-        features=features,
-        parameters=size(models["fused"]),
-    )
+    return Fitted(predict=predict, features=features, parameters=size(models["fused"]))

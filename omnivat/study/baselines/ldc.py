@@ -139,14 +139,14 @@ def fit(source: Source) -> Fitted:
 
     Raises DataError if the images or CLIP's live towers are not available.
     """
-    live, clip, given = live_towers(source, "LDC")
+    live, clip = live_towers(source, "LDC")
     with torch.no_grad():
         texts = normalize(
             clip.embed_texts([PROMPT.format(name) for name in source.classes]), dim=-1
         )
 
     def loss(model: DeConfused, rows: Tensor) -> Tensor:
-        found = model(live.drawn(rows, given).to(clip.device))
+        found = model(live.drawn(rows).to(clip.device))
         labels = source.labels[rows].repeat(2).to(clip.device)
         right = [cross_entropy(found[name], labels) for name in ("own", "clear", "mixed")]
         near = [l1_loss(found[name], found["base"]) for name in ("own", "clear")]
@@ -166,7 +166,7 @@ def fit(source: Source) -> Fitted:
         predict=late(lambda _, images: found("mixed", images).softmax(-1).cpu()),
         features=lambda vis, tac: joined(found("joined", vis).cpu(), found("joined", tac).cpu()),
         parameters=size(model),
-        images=given,
+        images=True,
     )
 
 

@@ -22,7 +22,6 @@ class Logistic:
     weight: Tensor
     bias: Tensor
     strength: float
-    kind: str = "unit"  # of the scaling
 
     def probabilities(self, rows: Tensor) -> Tensor:
         """Return class probabilities (B, K) of rows (B, D), in their precision."""

@@ -95,7 +95,7 @@ def fit(source: Source) -> Fitted:
 
     Raises DataError if the images or CLIP's live towers are not available, or CLIP is a ResNet.
     """
-    live, clip, given = live_towers(source, "MMRL")
+    live, clip = live_towers(source, "MMRL")
     if not clip.is_vit:
         raise DataError(
             "MMRL puts tokens between the layers of a ViT, and these embeddings are of a ResNet;"
@@ -106,7 +106,7 @@ def fit(source: Source) -> Fitted:
         prompts, own = clip.text_tokens(named), clip.embed_texts(named)
 
     def loss(model: Representations, rows: Tensor) -> Tensor:
-        images = live.drawn(rows, given).to(clip.device)
+        images = live.drawn(rows).to(clip.device)
         labels = source.labels[rows].repeat(2).to(clip.device)
         with torch.no_grad():
             before = clip.embed(images)
@@ -128,5 +128,5 @@ def fit(source: Source) -> Fitted:
         predict=late(lambda _, images: (SCALE * features(images) @ texts.T).softmax(-1)),
         features=lambda vis, tac: joined(features(vis), features(tac)),
         parameters=size(model),
-        images=given,
+        images=True,
     )

@@ -33,11 +33,7 @@ def fit_zero_shot(source: Source) -> Fitted:
             "Zero-shot prediction needs the plain prompts, which this LANG bank lacks; make it"
             " again with `python -m omnivat prompts`."
         )
-    return _compared(source.plain, source.logit_scale or LOGIT_SCALE)
-
-
-def _compared(texts: Tensor, scale: float) -> Fitted:
-    prototypes = normalize(texts, dim=-1)
+    prototypes, scale = normalize(source.plain, dim=-1), source.logit_scale or LOGIT_SCALE
 
     def alone(_: str, rows: Tensor) -> Tensor:
         return (scale * normalize(rows, dim=-1) @ prototypes.T).softmax(-1)

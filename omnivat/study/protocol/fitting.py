@@ -102,7 +102,7 @@ def fit_baseline(
     begin = load(BASELINES, method.base, kind="baseline")
     arrays = source_arrays(task, bank, seed)
     fitted: Fitted = begin(replace(arrays, **method.train, settled=settled))
-    if fitted.images is not None:
+    if fitted.images:
         for pairs in (task.train, task.source_test, *task.targets.values()):
             require_own_images(pairs)
     return Outcome(

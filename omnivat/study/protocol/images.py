@@ -19,7 +19,7 @@ from omnivat.data.store import Embeddings
 from omnivat.encoders.clip_live import load_live
 from omnivat.encoders.hub import images_key, recall
 from omnivat.kit.errors import DataError
-from omnivat.study.baselines.contract import Fitted, Live, input_of
+from omnivat.study.baselines.contract import Fitted, Live
 
 TOGETHER = 32  # pairs with images in memory at once
 MOST = 0.02  # largest relative difference of a recomputed embedding (bf16: 0.011)
@@ -57,9 +57,7 @@ def require_own_images(pairs: Embeddings) -> None:
     clip = live.load()
     for name, rows in (("vis", pairs.vis), ("tac", pairs.tac)):
         with torch.no_grad():
-            found = clip.embed(
-                live.images(name, torch.tensor([0]), input_of(clip)).to(clip.device)
-            ).cpu()
+            found = clip.embed(live.images(name, torch.tensor([0])).to(clip.device)).cpu()
         wanted = tensor(rows[:1])
         away = float((found - wanted).norm() / wanted.norm())
         if not away <= MOST:
@@ -72,13 +70,12 @@ def require_own_images(pairs: Embeddings) -> None:
 
 def inputs(fitted: Fitted, pairs: Embeddings) -> Iterator[tuple[Tensor, Tensor]]:
     """Yield a method's input: all embeddings, or images, some at a time."""
-    if fitted.images is None:
+    if not fitted.images:
         yield tensor(pairs.vis), tensor(pairs.tac)
         return
     live = live_of(pairs)
     for rows in torch.arange(len(pairs)).split(TOGETHER):
-        vis, tac = (live.images(name, rows, fitted.images) for name in ("vis", "tac"))
-        yield vis, tac
+        yield live.images("vis", rows), live.images("tac", rows)
 
 
 def tensor(array: Any) -> Tensor:

@@ -9,7 +9,7 @@ from omnivat.data.domains import paper_name
 from omnivat.figures.curves import lines
 from omnivat.figures.still import svg_of
 from omnivat.kit.files import write_text
-from omnivat.study.reports.intervals import Spread, spread, spread_lines
+from omnivat.study.reports.intervals import Spread, spread
 from omnivat.study.reports.markdown import count_text, markdown, spread_text
 from omnivat.study.reports.paper import MARK, ablation_cell, not_comparable
 from omnivat.study.reports.reading import (
@@ -68,7 +68,7 @@ def _heading(records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]])
 
 def _spread(records: Sequence[Record], method: str, sources: Sequence[str], metric: str) -> Spread:
     """Return the spread over seeds of the mean over sources."""
-    return spread(by_seed(by_run(records, method, metric), sources))
+    return spread(by_seed(by_run(completed(records, method), metric), sources))
 
 
 def ablation_table(
@@ -106,13 +106,12 @@ def ablation_plot(
     placed = [(method, value) for method, _, value in table["rows"].values() if value is not None]
     series = {}
     for metric in SCORES:
-        spreads = [_spread(records, method, sources, metric).scaled(100) for method, _ in placed]
-        series[METRICS[metric]] = spread_lines(spreads)
+        spreads = [_spread(records, method, sources, metric) for method, _ in placed]
+        means, errors = ([100 * getattr(one, n) for one in spreads] for n in ("mean", "std"))
+        series[METRICS[metric]] = list(map(float, range(len(placed)))), means, errors
     where = sources[0] if len(sources) == 1 else f"mean of {len(sources)} sources"
-    title, ticks = (
-        f"{table['title'].split(':')[0]}, {where} → X",
-        [f"{value:g}" for _, value in placed],
-    )
+    title = f"{table['title'].split(':')[0]}, {where} → X"
+    ticks = [f"{value:g}" for _, value in placed]
     return svg_of(lines(series, title=title, across=table["axis"], up="%", ticks=ticks))
 
 

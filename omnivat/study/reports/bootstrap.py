@@ -29,27 +29,35 @@ Row = tuple[str, str]  # method, and the name of a reading or fusion in `answers
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Draws:
-    """Draws: sources (B, S), seeds (B, S, R), and weights of a domain's objects (B, n)."""
+    """Draws: sources (B, S), seeds (B, S, R), and weights (B, n) of a domain's objects."""
 
     sources: NDArray[np.int64]
     seeds: NDArray[np.int64]
     weights: Mapping[str, NDArray[np.float32]]
-    places: Mapping[str, Mapping[int, int]]  # domain -> object -> its column
+    objects: Mapping[str, list[int]]  # domain -> its objects, ascending
 
     def of(self, domain: str, target: Mapping[str, Any]) -> NDArray[np.float32]:
         """Return weights (1 + B, N) of a target's pairs: ones, then the draws."""
-        columns = [self.places[domain][number] for number in unpacked(target["objects"])]
-        return np.concatenate(
-            (np.ones((1, len(columns)), dtype=np.float32), self.weights[domain][:, columns])
-        )
+        columns = np.searchsorted(self.objects[domain], unpacked(target["objects"]))
+        weights = self.weights[domain][:, columns]
+        return np.concatenate((np.ones_like(weights[:1]), weights))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Resampled:
-    """A metric of one row: its value, and its value in every draw (B,)."""
+    """A metric of one row, or a difference of two: its value, and its value in every draw (B,)."""
 
     value: float
     draws: Array
+
+    def less(self, other: "Resampled") -> "Resampled":
+        """Return the paired difference."""
+        return Resampled(self.value - other.value, self.draws - other.draws)
+
+    @property
+    def spread(self) -> float:
+        """The bootstrap's standard deviation."""
+        return float(self.draws.std(ddof=1))
 
 
 def complete_rows(records: Iterable[Record], readings: Sequence[str]) -> list[Row]:
@@ -58,12 +66,11 @@ def complete_rows(records: Iterable[Record], readings: Sequence[str]) -> list[Ro
     grid = {(r["source"], r["seed"]) for r in records}
     rows = []
     for method in dict.fromkeys(r["method"] for r in records):
-        own = completed(records, method)
-        if {(r["source"], r["seed"]) for r in own} != grid:
+        runs = completed(records, method)
+        if {(r["source"], r["seed"]) for r in runs} != grid:
             continue
-        for reading in readings:
-            if all(reading in t.get("answers", {}) for r in own for t in r["targets"].values()):
-                rows.append((method, reading))
+        answers = [target.get("answers", {}) for r in runs for target in r["targets"].values()]
+        rows += [(method, name) for name in readings if all(name in one for one in answers)]
     return rows
 
 
@@ -71,56 +78,51 @@ def draws_for(records: Sequence[Record], *, draws: int = DRAWS) -> Draws:
     """Draw sources, seeds and objects, stratified by class, for records with stored predictions."""
     random = np.random.default_rng(0)
     sources, seeds = {r["source"] for r in records}, {r["seed"] for r in records}
-    weights, places = {}, {}
+    weights, objects = {}, {}
     for domain, classes in sorted(_objects(records).items()):
-        order = sorted(classes)
-        counts = np.zeros((draws, len(order)), dtype=np.float32)
-        for label in sorted(set(classes.values())):
-            own = [i for i, name in enumerate(order) if classes[name] == label]
-            counts[:, own] = random.multinomial(len(own), np.full(len(own), 1 / len(own)), draws)
-        weights[domain], places[domain] = counts, {name: i for i, name in enumerate(order)}
+        objects[domain] = sorted(classes)
+        named = np.array([classes[number] for number in objects[domain]])
+        weights[domain] = np.zeros((draws, len(named)), dtype=np.float32)
+        for label in np.unique(named):
+            count = int((named == label).sum())
+            weights[domain][:, named == label] = random.multinomial(
+                count, np.full(count, 1 / count), draws
+            )
     shape = (draws, len(sources))
-    drawn, again = (
-        random.integers(len(sources), size=shape),
-        random.integers(len(seeds), size=(*shape, len(seeds))),
-    )
-    return Draws(sources=drawn, seeds=again, weights=weights, places=places)
+    drawn = random.integers(len(sources), size=shape)
+    again = random.integers(len(seeds), size=(*shape, len(seeds)))
+    return Draws(sources=drawn, seeds=again, weights=weights, objects=objects)
 
 
 def _objects(records: Iterable[Record]) -> dict[str, dict[int, str]]:
     """Return domain -> object -> class, over all records."""
-    found: dict[str, dict[int, str]] = {}
+    classes: dict[str, dict[int, str]] = {}
     for record in records:
         for domain, target in record.get("targets", {}).items():
             if "objects" in target:
                 names = [record["classes"][DIGITS.index(d)] for d in target["truth"]]
-                own = found.setdefault(domain, {})
-                own |= dict(zip(unpacked(target["objects"]), names, strict=True))
-    return found
+                pairs = zip(unpacked(target["objects"]), names, strict=True)
+                classes.setdefault(domain, {}).update(pairs)
+    return classes
 
 
 def resampled(records: Sequence[Record], row: Row, drawn: Draws) -> dict[str, Resampled]:
     """Return ACC and Macro-F1 of a row: mean over targets, seeds and sources, in every draw."""
     method, reading = row
-    own = completed(records, method)
-    sources = sorted({r["source"] for r in own})
-    seeds = sorted({r["seed"] for r in own})
+    runs = completed(records, method)
+    sources, seeds = (sorted({r[key] for r in runs}) for key in ("source", "seed"))
     values = np.empty((len(METRICS), len(drawn.sources) + 1, len(sources), len(seeds)))
-    for record in own:
-        targets, count = record["targets"], len(record["classes"])
+    for run in runs:
         cells = [
-            _scores(target, reading, count, drawn.of(domain, target))
-            for domain, target in targets.items()
+            _scores(target, reading, len(run["classes"]), drawn.of(domain, target))
+            for domain, target in run["targets"].items()
         ]
-        values[:, :, sources.index(record["source"]), seeds.index(record["seed"])] = np.mean(
-            cells, axis=0
-        )
-    rows = np.arange(len(drawn.sources))[:, None]
-    by_seed = values[:, 1:][:, rows[..., None], drawn.sources[..., None], drawn.seeds].mean(-1)
-    draws, point = by_seed.mean(-1), values[:, 0].mean((-1, -2))
-    return {
-        name: Resampled(value=float(point[i]), draws=draws[i]) for i, name in enumerate(METRICS)
-    }
+        place = sources.index(run["source"]), seeds.index(run["seed"])
+        values[:, :, *place] = np.mean(cells, axis=0)
+    rows = np.arange(len(drawn.sources))[:, None, None]
+    by_source = values[:, 1:][:, rows, drawn.sources[..., None], drawn.seeds].mean(-1)
+    draws, point = by_source.mean(-1), values[:, 0].mean((-1, -2))
+    return {name: Resampled(float(point[i]), draws[i]) for i, name in enumerate(METRICS)}
 
 
 def _scores(
@@ -128,39 +130,34 @@ def _scores(
 ) -> Array:
     """Return ACC and Macro-F1 over present classes (2, 1 + B) of weighted pairs."""
     eye = np.eye(classes, dtype=np.float32)
-    truth = eye[[DIGITS.index(d) for d in target["truth"]]]
-    predicted = eye[[DIGITS.index(d) for d in target["answers"][reading]]]
-    right = weights @ (truth * predicted)
-    wanted, given = weights @ truth, weights @ predicted
-    present = truth.any(0)
-    f1 = 2 * right / np.maximum(wanted + given, 1e-9)
-    accuracy = right.sum(1) / np.maximum(wanted.sum(1), 1e-9)
-    return np.stack((accuracy, f1[:, present].mean(1))).astype(np.float64)
+    truth, predicted = (
+        eye[[DIGITS.index(digit) for digit in text]]
+        for text in (target["truth"], target["answers"][reading])
+    )
+    right, true, said = weights @ (truth * predicted), weights @ truth, weights @ predicted
+    f1 = 2 * right / np.maximum(true + said, 1e-9)
+    accuracy = right.sum(1) / np.maximum(true.sum(1), 1e-9)
+    return np.stack((accuracy, f1[:, truth.any(0)].mean(1))).astype(np.float64)
 
 
 def simultaneous(ours: Resampled, others: Mapping[Row, Resampled]) -> dict[Row, Interval]:
     """Return simultaneous 95 % intervals (max-t) of ours minus each other row."""
-    means = {row: ours.value - other.value for row, other in others.items()}
-    draws = {row: ours.draws - other.draws for row, other in others.items()}
-    spreads = {row: float(d.std(ddof=1)) for row, d in draws.items()}
+    leads = {row: ours.less(other) for row, other in others.items()}
     scaled = [
-        np.abs(draws[row] - means[row]) / spreads[row] for row in others if spreads[row] > 1e-12
+        np.abs(lead.draws - lead.value) / lead.spread
+        for lead in leads.values()
+        if lead.spread > 1e-12
     ]
     factor = float(np.quantile(np.max(scaled, axis=0), 0.95)) if scaled else 0.0
-    ends = {
-        row: (means[row] - factor * spreads[row], means[row] + factor * spreads[row])
-        for row in others
-    }
+    ends = {row: factor * lead.spread for row, lead in leads.items()}
     return {
-        row: Interval(mean=means[row], low=a, high=b, n=len(ours.draws))
-        for row, (a, b) in ends.items()
+        row: Interval(lead.value, lead.value - ends[row], lead.value + ends[row])
+        for row, lead in leads.items()
     }
 
 
 def percentile(ours: Resampled, other: Resampled) -> Interval:
     """Return the 95 % percentile interval of ours minus one row chosen beforehand."""
-    differences = ours.draws - other.draws
-    low, high = np.quantile(differences, [0.025, 0.975])
-    return Interval(
-        mean=ours.value - other.value, low=float(low), high=float(high), n=len(differences)
-    )
+    lead = ours.less(other)
+    low, high = np.quantile(lead.draws, [0.025, 0.975])
+    return Interval(lead.value, float(low), float(high))

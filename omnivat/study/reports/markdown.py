@@ -48,6 +48,12 @@ def spread_text(scores: Spread) -> str:
     return f"{percent(scores.mean)} ± {percent(scores.std)}"
 
 
+def margin_text(values: Sequence[float | None], factor: float, digits: int) -> str:
+    """Return the mean of the margins that there are, times `factor`; a dash for none."""
+    there = [value for value in values if value is not None]
+    return f"{factor * sum(there) / len(there):.{digits}f}" if there else "–"
+
+
 def count_text(counts: Sequence[int]) -> str:
     """Return "259,469", or "259,405 to 259,469" if the counts differ; "" for none."""
     ends = sorted({min(counts), max(counts)}) if counts else []
@@ -56,8 +62,4 @@ def count_text(counts: Sequence[int]) -> str:
 
 def interval_text(interval: Interval) -> str:
     """Return "+2.1 [0.4, 3.8]" in percentage points."""
-    mean = "–" if math.isnan(interval.mean) else f"{100 * interval.mean:+.1f}"
-    ends = ", ".join(
-        "–" if math.isnan(v) else f"{100 * v:.1f}" for v in (interval.low, interval.high)
-    )
-    return f"{mean} [{ends}]"
+    return f"{100 * interval.mean:+.1f} [{100 * interval.low:.1f}, {100 * interval.high:.1f}]"

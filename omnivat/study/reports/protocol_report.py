@@ -16,6 +16,8 @@ from omnivat.study.reports.reading import (
     completed,
     latest,
     methods,
+    sources_of,
+    targets_of,
 )
 from omnivat.study.reports.readings_report import readings_parts
 from omnivat.study.reports.side_report import side_parts
@@ -63,16 +65,12 @@ def _origin(records: Sequence[Record]) -> str:
     return f"{what}: {data['origin'] or 'origin not stated'}. {encoder}. {numbers}"
 
 
-def _sources(records: Sequence[Record]) -> list[str]:
-    return list(dict.fromkeys(record["source"] for record in records))
-
-
 def main_table(records: Sequence[Record]) -> str:
     """Return the paper's main table from these records, with its printed rows below."""
-    sources = _sources(records)
+    sources = sources_of(records)
 
     def cells(runs: list[Record]) -> list[str]:
-        scores = [by_run(runs, runs[0]["method"], metric) for metric in SCORES]
+        scores = [by_run(runs, metric) for metric in SCORES]
         each = [
             score_cells(*([v for (s, _), v in one.items() if s == source] for one in scores))
             for source in sources
@@ -87,7 +85,7 @@ def side_table(records: Sequence[Record]) -> str:
     """Return further figures of each method, averaged over all runs."""
 
     def cells(runs: list[Record]) -> list[str]:
-        union = spread(list(by_run(runs, runs[0]["method"], "macro_f1_union").values())).mean
+        union = spread(list(by_run(runs, "macro_f1_union").values())).mean
         test = [
             r["source_test"]["scores"]["fused"]["accuracy"] for r in runs if r.get("source_test")
         ]
@@ -101,35 +99,26 @@ def side_table(records: Sequence[Record]) -> str:
 
 def _targets(records: Sequence[Record], name: str, label: str) -> list[str]:
     """Return the matrix source × target of ACC / Macro-F1, mean over seeds."""
-    found = completed(records, name)
-    if not found:
-        return []
-    targets = list(dict.fromkeys(t for record in found for t in record["targets"]))
-    rows = []
-    for source in _sources(found):
-        cells = []
-        for target in targets:
-            own = [
-                r["targets"][target]
-                for r in found
-                if r["source"] == source and target in r["targets"]
-            ]
-            scores = [one["scores"]["fused"] for one in own]
-            cells.append(
-                " / ".join(percent(spread([s[m] for s in scores]).mean) for m in SCORES)
-                if scores
-                else ""
-            )
-        rows.append([source, *cells])
-    return [f"### {label}", markdown(["source", *targets], rows)]
+    runs = completed(records, name)
+    targets = targets_of(runs)
+
+    def cell(source: str, target: str) -> str:
+        of_source = [r["targets"] for r in runs if r["source"] == source]
+        scores = [one[target]["scores"]["fused"] for one in of_source if target in one]
+        means = (percent(spread([s[metric] for s in scores]).mean) for metric in SCORES)
+        return " / ".join(means) if scores else ""
+
+    rows = [[source, *(cell(source, target) for target in targets)] for source in sources_of(runs)]
+    return [f"### {label}", markdown(["source", *targets], rows)] if rows else []
 
 
 def _printed_targets(records: Sequence[Record]) -> list[str]:
     """Return the paper's tables of single targets for the sources in these records."""
-    data = records[0]["data"]
-    targets = list(dict.fromkeys(t for r in records for t in r.get("targets", {})))
+    data, targets = records[0]["data"], targets_of(records)
     rows = [
-        [source, *row] for source in _sources(records) for row in target_rows(source, targets, data)
+        [source, *row]
+        for source in sources_of(records)
+        for row in target_rows(source, targets, data)
     ]
     if not rows:
         return []
@@ -141,22 +130,19 @@ def _printed_targets(records: Sequence[Record]) -> list[str]:
 def _notes(records: Sequence[Record]) -> str:
     kinds: list[list[str]] = [[], [], [], [], []]  # one list for each kind of note
     for r in records:
-        label, source, chosen = r["label"], r["source"], r.get("chosen", {}).get("settings")
-        kinds[0] += [f"- {label}: {r['note']}."] if r["note"] else []
-        kinds[1] += (
-            [f"- {label}: settings {changed_settings(r) or 'as the defaults'}."]
-            if r.get("settings")
-            else []
-        )
-        kinds[2] += (
-            [f"- {label}, {source}: settings chosen on the source: {chosen}."] if chosen else []
-        )
-        kinds[3] += [f"- {label} did not run: {r['skipped']}"] if "skipped" in r else []
-        missing = ", ".join(r["missing_targets"])
-        kinds[4] += (
-            [f"- From {source} these targets have no pairs of the learned classes: {missing}."]
-            if missing
-            else []
-        )
+        label, source = r["label"], r["source"]
+        if r["note"]:
+            kinds[0].append(f"- {label}: {r['note']}.")
+        if r.get("settings"):
+            kinds[1].append(f"- {label}: settings {changed_settings(r) or 'as the defaults'}.")
+        if chosen := r.get("chosen", {}).get("settings"):
+            kinds[2].append(f"- {label}, {source}: settings chosen on the source: {chosen}.")
+        if "skipped" in r:
+            kinds[3].append(f"- {label} did not run: {r['skipped']}")
+        if r["missing_targets"]:
+            kinds[4].append(
+                f"- From {source} these targets have no pairs of the learned classes:"
+                f" {', '.join(r['missing_targets'])}."
+            )
     lines = dict.fromkeys(line for notes in kinds for line in notes)
     return "\n".join(["## Notes", "", *lines]) if lines else ""

@@ -7,20 +7,13 @@ from typing import Any
 from omnivat.measure.evaluate import target_mean
 
 Record = Mapping[str, Any]
-METRICS = {
-    "accuracy": "ACC",
-    "macro_f1": "Macro-F1",
-    "macro_f1_union": "Macro-F1 (union)",
-    "ece": "ECE",
-}
+METRICS = {"accuracy": "ACC", "macro_f1": "Macro-F1", "macro_f1_union": "Macro-F1 (union)"}
+OF_DATA = ("classes", "input_width", "lang_width")  # settings that the data determine
 
 
 def latest(records: Iterable[Record]) -> list[Record]:
     """Return the newest record of every (method, source, seed), in order of first appearance."""
-    found: dict[tuple[str, str, int], Record] = {}
-    for record in records:
-        found[record["method"], record["source"], record["seed"]] = record
-    return list(found.values())
+    return list({(r["method"], r["source"], r["seed"]): r for r in records}.values())
 
 
 def methods(records: Sequence[Record]) -> dict[str, str]:
@@ -33,19 +26,30 @@ def completed(records: Iterable[Record], method: str) -> list[Record]:
     return [r for r in records if r["method"] == method and "targets" in r]
 
 
-def record_mean(record: Record, metric: str, which: str = "fused") -> float:
-    """Return `target_mean` over a record's targets that have this reading."""
-    scores = [target["scores"] for target in record["targets"].values()]
-    return target_mean((found[which] for found in scores if which in found), metric)
+def sources_of(records: Iterable[Record]) -> list[str]:
+    """Return the sources, in order of first appearance."""
+    return list(dict.fromkeys(record["source"] for record in records))
+
+
+def targets_of(records: Iterable[Record]) -> list[str]:
+    """Return the targets, in order of first appearance."""
+    return list(dict.fromkeys(name for record in records for name in record.get("targets", {})))
 
 
 def by_run(
-    records: Iterable[Record], method: str, metric: str, which: str = "fused"
+    records: Iterable[Record], metric: str, which: str = "fused"
 ) -> dict[tuple[str, int], float]:
-    """Return (source, seed) -> mean score over targets."""
+    """Return (source, seed) -> mean over targets of a score of one method's completed runs."""
     return {
-        (one["source"], one["seed"]): record_mean(one, metric, which)
-        for one in completed(records, method)
+        (one["source"], one["seed"]): target_mean(
+            (
+                target["scores"][which]
+                for target in one["targets"].values()
+                if which in target["scores"]
+            ),
+            metric,
+        )
+        for one in records
     }
 
 
@@ -67,18 +71,12 @@ def changed_settings(record: Record) -> str:
     from omnivat.head.settings import HeadSettings
     from omnivat.training.settings import TrainSettings
 
-    given, found = record.get("settings") or {}, []
+    settings: Mapping[str, Any] = record.get("settings") or {}
     kinds: dict[str, Any] = {"head": HeadSettings, "train": TrainSettings}
-    for part, kind in kinds.items():
-        defaults = {f.name: f.default for f in fields(kind)}
-        changed = {
-            name: value
-            for name, value in given.get(part, {}).items()
-            if value != defaults.get(name)
-        }
-        found += [
-            f"{n}={v}"
-            for n, v in changed.items()
-            if n not in {"classes", "input_width", "lang_width"}
-        ]
-    return " ".join(found)
+    defaults = {part: {f.name: f.default for f in fields(kind)} for part, kind in kinds.items()}
+    return " ".join(
+        f"{name}={value}"
+        for part in kinds
+        for name, value in settings.get(part, {}).items()
+        if name not in OF_DATA and value != defaults[part].get(name)
+    )

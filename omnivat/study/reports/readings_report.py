@@ -3,16 +3,16 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from omnivat.study.reports import bootstrap
 from omnivat.study.reports.bootstrap import (
     METRICS,
     Resampled,
     Row,
     complete_rows,
     draws_for,
+    percentile,
     resampled,
+    simultaneous,
 )
-from omnivat.study.reports.intervals import Interval
 from omnivat.study.reports.markdown import (
     interval_text,
     markdown,
@@ -21,7 +21,7 @@ from omnivat.study.reports.markdown import (
     score_cells,
 )
 from omnivat.study.reports.reading import METRICS as NAMES
-from omnivat.study.reports.reading import Record, by_run, by_seed, methods
+from omnivat.study.reports.reading import Record, by_run, by_seed, methods, sources_of
 
 OURS = ("omnivat", "fused")
 READINGS = {"vis": "photo only", "tac": "touch only", "fused": "both"}
@@ -35,13 +35,13 @@ def readings_parts(records: Sequence[Record]) -> list[str]:
         " only and touch only: the other image is absent. Both: the mean of two predictions, or the"
         " one prediction of a method that joins features."
     )
-    found = compared(records)
-    if found is None:
+    rows = compared(records)
+    if rows is None:
         return parts
     return [
         "## OmniVaT against the best other row",
         "Both images:",
-        *map(found.headline, METRICS),
+        *map(rows.headline, METRICS),
         (
             "Intervals: hierarchical bootstrap over sources, seeds and test objects (the objects of"
             " a test set are drawn once for all sources), simultaneous over all rows below by the"
@@ -49,30 +49,31 @@ def readings_parts(records: Sequence[Record]) -> list[str]:
         ),
         *parts,
         "## OmniVaT, both images, minus every other row",
-        found.table(),
+        rows.table(),
         *ablated_part(records),
     ]
 
 
 def ablated_part(records: Sequence[Record]) -> list[str]:
     """Return OmniVaT minus itself with one part switched off; empty without such runs."""
-    found = compared(records, only_ablated=True)
-    if found is None:
+    rows = compared(records, only_ablated=True)
+    if rows is None:
         return []
-    return ["## OmniVaT minus itself with one part switched off", "Both images.", found.table()]
+    return ["## OmniVaT minus itself with one part switched off", "Both images.", rows.table()]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Compared:
-    """OmniVaT's resampled metrics, those of every other row, and the labels of methods."""
+    """OmniVaT and every other row, resampled, by metric; and the labels of methods."""
 
     ours: Mapping[str, Resampled]
-    others: Mapping[str, Mapping[Row, Resampled]]
+    others: Mapping[Row, Mapping[str, Resampled]]
     labels: Mapping[str, str]
 
-    def intervals(self, metric: str) -> dict[Row, Interval]:
-        """Return the simultaneous intervals of OmniVaT minus every other row."""
-        return bootstrap.simultaneous(self.ours[metric], self.others[metric])
+    def of(self, metric: str) -> dict[Row, Resampled]:
+        """Return the other rows by one metric, best first."""
+        rows = {row: values[metric] for row, values in self.others.items()}
+        return dict(sorted(rows.items(), key=lambda item: -item[1].value))
 
     def label(self, row: Row) -> str:
         """Return a row's name: the method's label and its reading."""
@@ -80,26 +81,25 @@ class Compared:
 
     def headline(self, metric: str) -> str:
         """Return one sentence for a metric: ours, the best other row, and the interval."""
-        others = self.others[metric]
-        best = max(others, key=lambda row: others[row].value)
-        found = self.intervals(metric)[best]
-        verdict = "zero is outside" if found.low > 0 or found.high < 0 else "zero is inside"
+        ours, others = self.ours[metric], self.of(metric)
+        best, value = next(iter(others.items()))
+        lead = simultaneous(ours, others)[best]
+        verdict = "zero is outside" if lead.low > 0 or lead.high < 0 else "zero is inside"
         return (
-            f"**{NAMES[metric]}**: OmniVaT {percent(self.ours[metric].value)}; best of"
-            f" {len(others)} other rows: {self.label(best)}, {percent(others[best].value)}."
-            f" Difference {interval_text(found)}: {verdict}."
+            f"**{NAMES[metric]}**: OmniVaT {percent(ours.value)}; best of {len(others)} other rows:"
+            f" {self.label(best)}, {percent(value.value)}. Difference {interval_text(lead)}:"
+            f" {verdict}."
         )
 
     def table(self) -> str:
         """Return every difference with its simultaneous and its single interval."""
-        intervals, rows = {metric: self.intervals(metric) for metric in METRICS}, []
-        for row in sorted(
-            self.others[METRICS[0]], key=lambda row: -self.others[METRICS[0]][row].value
-        ):
+        leads = {metric: simultaneous(self.ours[metric], self.of(metric)) for metric in METRICS}
+        rows = []
+        for row in self.of(METRICS[0]):
             cells = [self.label(row)]
-            for metric in METRICS:
-                alone = bootstrap.percentile(self.ours[metric], self.others[metric][row])
-                cells += [interval_text(intervals[metric][row]), interval_text(alone)]
+            for metric, ours in self.ours.items():
+                alone = percentile(ours, self.others[row][metric])
+                cells += [interval_text(leads[metric][row]), interval_text(alone)]
             rows.append(cells)
         header = [f"{NAMES[m]}, {kind}" for m in METRICS for kind in ("simultaneous", "alone")]
         return markdown(["OmniVaT minus", *header], rows)
@@ -111,30 +111,24 @@ def compared(records: Sequence[Record], *, only_ablated: bool = False) -> Compar
     only_ablated  compare with OmniVaT's own ablations instead, both images only
     """
     rows = complete_rows(records, ("fused",) if only_ablated else tuple(READINGS))
-    if OURS not in rows:
+    ablated = {record["method"] for record in records if record.get("ablated")}
+    others = [r for r in rows if r[0] != OURS[0] and (r[0] in ablated) == only_ablated]
+    if OURS not in rows or not others:
         return None
     drawn = draws_for([r for r in records if "targets" in r])
-    others: dict[str, dict[Row, Resampled]] = {metric: {} for metric in METRICS}
-    ablated = {record["method"] for record in records if record.get("ablated")}
-    for row in rows:
-        if row[0] != OURS[0] and (row[0] in ablated) == only_ablated:
-            for metric, values in resampled(records, row, drawn).items():
-                others[metric][row] = values
-    if not others[METRICS[0]]:
-        return None
-    return Compared(ours=resampled(records, OURS, drawn), others=others, labels=methods(records))
+    ours, *theirs = (resampled(records, row, drawn) for row in (OURS, *others))
+    return Compared(ours, dict(zip(others, theirs, strict=True)), methods(records))
 
 
 def readings_table(records: Sequence[Record]) -> str:
     """Return one line for each method: ACC / Macro-F1 of each reading."""
-    sources = list(dict.fromkeys(record["source"] for record in records))
+    sources = sources_of(records)
 
     def cells(runs: list[Record]) -> list[str]:
-        name = runs[0]["method"]
-        found = [
-            score_cells(*(by_seed(by_run(runs, name, m, reading), sources) for m in METRICS))
+        scores = [
+            score_cells(*(by_seed(by_run(runs, m, reading), sources) for m in METRICS))
             for reading in READINGS
         ]
-        return [*found, str(len({record["seed"] for record in runs}))]
+        return [*scores, str(len({record["seed"] for record in runs}))]
 
     return method_table(records, [*READINGS.values(), "seeds"], cells)

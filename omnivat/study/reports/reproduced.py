@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from omnivat.data.domains import paper_name
-from omnivat.study.reports.markdown import method_table
+from omnivat.study.reports.markdown import margin_text, method_table
 from omnivat.study.reports.paper import MARK, not_comparable, paper
-from omnivat.study.reports.reading import Record, latest
+from omnivat.study.reports.reading import Record, latest, targets_of
 
 SOURCE = "TAG"  # the source of the paper's margins
 
@@ -20,7 +20,7 @@ def margins_report(records: Sequence[Record]) -> str:
     if not found:
         return f"# Cosine margins from {SOURCE}\n\nNo run has {SOURCE} as its source.\n"
     printed = paper()["margins"]
-    targets = list(dict.fromkeys(name for record in found for name in record["targets"]))
+    targets = targets_of(found)
     joint = [name for name in next(iter(printed.values())) if name.startswith("[")]
     why = not_comparable(found[0]["data"])
     mark = f" {MARK} ({why})" if why else ""
@@ -30,19 +30,18 @@ def margins_report(records: Sequence[Record]) -> str:
         below.append(
             [f"printed: {label}{mark}", *("–" if v is None else f"{v:.3f}" for v in values)]
         )
+
+    def cell(runs: list[Record], target: str) -> str:
+        margins = (run["targets"].get(target, {}).get("margins", {}) for run in runs)
+        return margin_text([one.get("pair") for one in margins], 1, 3)
+
     table = method_table(
         found,
         [*targets, *joint],
-        lambda runs: [_margin(runs, t) for t in targets] + ["–"] * len(joint),
+        lambda runs: [cell(runs, target) for target in targets] + ["–"] * len(joint),
         below=below,
     )
     return f"# Cosine margins from {SOURCE}\n\nMean over seeds, both images.\n\n{table}\n"
-
-
-def _margin(records: Sequence[Record], target: str) -> str:
-    found = [record["targets"].get(target, {}).get("margins", {}).get("pair") for record in records]
-    values = [value for value in found if value is not None]
-    return f"{sum(values) / len(values):.3f}" if values else "–"
 
 
 def cost_report(records: Sequence[Record], measured: Mapping[str, Any]) -> str:

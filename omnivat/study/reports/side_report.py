@@ -3,10 +3,11 @@
 from collections.abc import Sequence
 
 from omnivat.study.reports.intervals import spread
-from omnivat.study.reports.markdown import method_table, percent
-from omnivat.study.reports.reading import Record
+from omnivat.study.reports.markdown import margin_text, method_table, percent
+from omnivat.study.reports.reading import Record, by_run, targets_of
 
-CONFIDENCE = {"ece": "ECE", "nll": "NLL", "aurc": "AURC"}
+# measure -> its column, factor and digits
+CONFIDENCE = {"ece": ("ECE", 100, 1), "nll": ("NLL", 1, 2), "aurc": ("AURC", 100, 1)}
 
 
 def side_parts(records: Sequence[Record]) -> list[str]:
@@ -38,42 +39,35 @@ GUARD_NOTE = (
 )
 
 
-def _mean(records: Sequence[Record], metric: str) -> float:
-    """Return the mean of a score of both images over targets, then runs."""
-    runs = []
-    for record in records:
-        values = [target["scores"]["fused"][metric] for target in record["targets"].values()]
-        runs.append(sum(values) / len(values))
-    return spread(runs).mean
-
-
 def confidence_table(records: Sequence[Record]) -> str:
-    """Return ECE, NLL and AURC."""
+    """Return ECE, NLL and AURC: the mean of both images over targets, then runs."""
 
     def cells(runs: list[Record]) -> list[str]:
         if not all("nll" in t["scores"]["fused"] for r in runs for t in r["targets"].values()):
             return []
-        scales = {"ece": (100, 1), "nll": (1, 2), "aurc": (100, 1)}
-        return [f"{scales[m][0] * _mean(runs, m):.{scales[m][1]}f}" for m in CONFIDENCE]
+        means = {name: spread(list(by_run(runs, name).values())).mean for name in CONFIDENCE}
+        return [
+            f"{factor * means[name]:.{digits}f}" for name, (_, factor, digits) in CONFIDENCE.items()
+        ]
 
-    return method_table(records, list(CONFIDENCE.values()), cells)
+    return method_table(records, [column for column, *_ in CONFIDENCE.values()], cells)
 
 
 def margin_table(records: Sequence[Record]) -> str:
     """Return the cosine margin of every method on every target."""
-    found = [r for r in records if any("margins" in t for t in r.get("targets", {}).values())]
-    targets = list(dict.fromkeys(t for record in found for t in record["targets"]))
+    with_margins = [
+        r for r in records if any("margins" in t for t in r.get("targets", {}).values())
+    ]
+    targets = targets_of(with_margins)
 
     def cell(runs: list[Record], target: str) -> str:
-        values = [r["targets"][target]["margins"] for r in runs if target in r["targets"]]
-        return " / ".join(_margin([v.get(kind) for v in values]) for kind in ("pair", "vis", "tac"))
+        margins = [r["targets"][target]["margins"] for r in runs if target in r["targets"]]
+        return " / ".join(
+            margin_text([one.get(kind) for one in margins], 100, 1)
+            for kind in ("pair", "vis", "tac")
+        )
 
-    return method_table(found, targets, lambda runs: [cell(runs, target) for target in targets])
-
-
-def _margin(values: Sequence[float | None]) -> str:
-    given = [value for value in values if value is not None]
-    return f"{100 * sum(given) / len(given):.1f}" if given else "–"
+    return method_table(with_margins, targets, lambda runs: [cell(runs, t) for t in targets])
 
 
 def guard_table(records: Sequence[Record]) -> str:
