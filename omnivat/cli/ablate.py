@@ -4,6 +4,7 @@ python -m omnivat ablate --embeddings FILE --out DIR [--only components,order] [
 """
 
 import argparse
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import listed, numbers, shared, split_settings
@@ -24,35 +25,24 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Run what is missing, then write tables and plots."""
     from omnivat.head.settings import HeadSettings
-    from omnivat.study.ablations import chosen, method_name
+    from omnivat.study.ablations import chosen
     from omnivat.study.protocol import records
     from omnivat.study.reports.ablation_report import write_ablations
     from omnivat.training import TrainSettings
 
     require_writable(options.out / RUNS)
-    tables = chosen(listed(options.only))
+    tables, sources = chosen(listed(options.only)), listed(options.sources)
+    if sources:
+        tables = {name: replace(table, sources=sources) for name, table in tables.items()}
     if not options.tables_only:
         head, training = split_settings(options.set, HeadSettings, TrainSettings)
-        sources, seeds = listed(options.sources), numbers(options.seeds)
-        runs = planned_rows(tables, sources, seeds, head, training)
+        runs = planned_rows(tables, numbers(options.seeds), head, training)
         work(runs, options, lang=training.get("lang", True))
-    layout = {
-        name: {
-            "title": table.title,
-            "axis": table.axis,
-            "sources": listed(options.sources) or table.sources,
-            "rows": {
-                row: (method_name(row), one.label, one.value) for row, one in table.rows.items()
-            },
-        }
-        for name, table in tables.items()
-    }
-    print(write_ablations(records.read(options.out / RUNS), layout, options.out))
+    print(write_ablations(records.read(options.out / RUNS), tables, options.out))
 
 
 def planned_rows(
     tables: "dict[str, Ablation]",
-    sources: tuple[str, ...],
     seeds: tuple[int, ...],
     head: dict[str, Any],
     training: dict[str, Any],
@@ -65,7 +55,7 @@ def planned_rows(
     runs: dict[tuple[str, str, int], Run] = {}
     for seed in seeds:
         for table in tables.values():
-            for source in sources or table.sources:
+            for source in table.sources:
                 for row, one in table.rows.items():
                     ours = one.base == HEAD
                     method = Method(

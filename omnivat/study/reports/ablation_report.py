@@ -3,12 +3,12 @@
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from omnivat.data.domains import paper_name
 from omnivat.figures.curves import lines
 from omnivat.figures.still import svg_of
 from omnivat.kit.files import write_text
+from omnivat.study.ablations import Ablation, method_name
 from omnivat.study.reports.intervals import Spread, spread
 from omnivat.study.reports.markdown import count_text, markdown, spread_text
 from omnivat.study.reports.paper import MARK, ablation_cell, not_comparable
@@ -26,38 +26,32 @@ REPORT = "ablations.md"
 SCORES = ("accuracy", "macro_f1")
 
 
-def write_ablations(
-    records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]], folder: Path
-) -> str:
-    """Write `ablations.md`, and a plot and its points for each figure; return the text.
-
-    layout  ablation -> title, axis, sources, rows: {row: (method, label, position on the axis)}
-    """
+def write_ablations(records: Sequence[Record], tables: Mapping[str, Ablation], folder: Path) -> str:
+    """Write `ablations.md`, and a plot and its points for each figure; return the text."""
     found = latest(records)
     if not found:
         return "No runs yet.\n"
-    parts = [_heading(found, layout)]
+    parts = [_heading(found)]
     run = {paper_name(r["source"]): r["source"] for r in reversed(found)}  # simulated or not
-    for name, table in layout.items():
-        sources = [run.get(paper_name(source), source) for source in table["sources"]]
-        parts += [f"## {table['title']}", ablation_table(found, name, table, sources)]
-        if table["axis"]:
+    for name, table in tables.items():
+        sources = [run.get(paper_name(source), source) for source in table.sources]
+        parts += [f"## {table.title}", ablation_table(found, name, table, sources)]
+        if table.axis:
             file = f"{name}.svg"
             write_text(folder / file, ablation_plot(found, table, sources))
             write_text(folder / f"{name}.json", ablation_points(found, table, sources[0]))
-            parts.append(f"![{table['title']}]({file})")
+            parts.append(f"![{table.title}]({file})")
     text = "\n\n".join(parts) + "\n"
     write_text(folder / REPORT, text)
     return text
 
 
-def _heading(records: Sequence[Record], layout: Mapping[str, Mapping[str, Any]]) -> str:
+def _heading(records: Sequence[Record]) -> str:
     data = records[0]["data"]
     seeds = sorted({record["seed"] for record in records})
     what = "Simulated domains" if data["simulated"] else "Data"
-    full = {table["rows"]["full"][0] for table in layout.values() if "full" in table["rows"]}
     # common to all rows
-    base = next((changed_settings(r) for r in records if r["method"] in full), "")
+    base = next((changed_settings(r) for r in records if r["method"] == method_name("full")), "")
     return (
         f"# Ablations\n\n{what}: {data['origin'] or 'origin not stated'}; encoder "
         f"{data['encoder']}. ACC / Macro-F1, mean over unseen targets, ± standard deviation "
@@ -72,14 +66,14 @@ def _spread(records: Sequence[Record], method: str, sources: Sequence[str], metr
 
 
 def ablation_table(
-    records: Sequence[Record], name: str, table: Mapping[str, Any], sources: Sequence[str]
+    records: Sequence[Record], name: str, table: Ablation, sources: Sequence[str]
 ) -> str:
     """Return one ablation: one row for each variant, with our and the printed figures."""
     why = not_comparable(records[0]["data"], ablations=True)
     printed = f"printed, ViT-B/16{f' {MARK}' if why else ''}"
     rows = []
-    for row, (method, label, _) in table["rows"].items():
-        cells = []
+    for row, one in table.rows.items():
+        method, cells = method_name(row), []
         for source in sources:
             cells += [_scores(records, method, [source]), ablation_cell(name, row, source)]
         if len(sources) > 1:
@@ -87,7 +81,7 @@ def ablation_table(
         counts = [
             r["parameters"] for r in completed(records, method) if r["source"] in set(sources)
         ]
-        rows.append([label, *cells, count_text(counts)])
+        rows.append([one.label, *cells, count_text(counts)])
     header = ["variant", *(text for source in sources for text in (f"{source} → X", printed))]
     header += [*["average"] * (len(sources) > 1), "parameters"]
     # sources without printed figures
@@ -99,27 +93,29 @@ def _scores(records: Sequence[Record], method: str, sources: Sequence[str]) -> s
     return " / ".join(spread_text(_spread(records, method, sources, metric)) for metric in SCORES)
 
 
-def ablation_plot(
-    records: Sequence[Record], table: Mapping[str, Any], sources: Sequence[str]
-) -> str:
+def _placed(table: Ablation) -> dict[str, float]:
+    """Return the methods of a figure's rows -> their places on its axis."""
+    return {method_name(n): row.value for n, row in table.rows.items() if row.value is not None}
+
+
+def ablation_plot(records: Sequence[Record], table: Ablation, sources: Sequence[str]) -> str:
     """Return the figure of one ablation: ACC and Macro-F1, mean over its sources."""
-    placed = [(method, value) for method, _, value in table["rows"].values() if value is not None]
-    series = {}
+    placed, series = _placed(table), {}
     for metric in SCORES:
-        spreads = [_spread(records, method, sources, metric) for method, _ in placed]
+        spreads = [_spread(records, method, sources, metric) for method in placed]
         means, errors = ([100 * getattr(one, n) for one in spreads] for n in ("mean", "std"))
         series[METRICS[metric]] = list(map(float, range(len(placed)))), means, errors
     where = sources[0] if len(sources) == 1 else f"mean of {len(sources)} sources"
-    title = f"{table['title'].split(':')[0]}, {where} → X"
-    ticks = [f"{value:g}" for _, value in placed]
-    return svg_of(lines(series, title=title, across=table["axis"], up="%", ticks=ticks))
+    title = f"{table.title.split(':')[0]}, {where} → X"
+    ticks = [f"{value:g}" for value in placed.values()]
+    return svg_of(lines(series, title=title, across=table.axis, up="%", ticks=ticks))
 
 
-def ablation_points(records: Sequence[Record], table: Mapping[str, Any], source: str) -> str:
+def ablation_points(records: Sequence[Record], table: Ablation, source: str) -> str:
     """Return {"0.5": [mean, std], …} as JSON: ACC on a source's targets over seeds, as shares."""
-    points = {}
-    for method, _, value in table["rows"].values():
-        found = _spread(records, method, [source], "accuracy")
-        if value is not None and found.n > 1:
-            points[f"{value:g}"] = [round(found.mean, 4), round(found.std, 4)]
+    spreads = {
+        f"{value:g}": _spread(records, method, [source], "accuracy")
+        for method, value in _placed(table).items()
+    }
+    points = {p: [round(s.mean, 4), round(s.std, 4)] for p, s in spreads.items() if s.n > 1}
     return json.dumps(points) + "\n"

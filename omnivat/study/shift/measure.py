@@ -45,27 +45,27 @@ def share(
 ) -> Record:
     """Return the record of a mean over pairs, with its interval."""
     low, high = interval(values, objects)
-    return record(
-        part, measure, float(values.mean()), *place, low=low, high=high, n=len(values), note=note
-    )
+    mean, n = float(values.mean()), len(values)
+    return record(part, measure, mean, *place, low=low, high=high, n=n, note=note)
 
 
-def record(part: str, measure: str, value: float, *place: str, **more: Any) -> Record:
-    """Return one line of the table of numbers.
-
-    place  the columns "modality", "from" and "to", as many as are known
-    more   the columns "low", "high", "n" and "note"
-    """
-    modality, first, second = (*place, "", "", "")[:3]
-    where = {
-        "part": part,
-        "measure": measure,
-        "value": value,
-        "modality": modality,
-        "from": first,
-        "to": second,
-    }
-    return {**where, "low": None, "high": None, "n": "", "note": "", **more}
+def record(
+    part: str,
+    measure: str,
+    value: float,
+    modality: str = "",
+    first: str = "",
+    second: str = "",
+    *,
+    low: float | None = None,
+    high: float | None = None,
+    n: int | str = "",
+    note: str = "",
+) -> Record:
+    """Return one line of the table of numbers; `first` and `second` are its "from" and "to"."""
+    place = {"modality": modality, "from": first, "to": second}
+    more = {"low": low, "high": high, "n": n, "note": note}
+    return {"part": part, "measure": measure, "value": value, **place, **more}
 
 
 def gaps(features: Features, on_step: OnStep) -> list[Record]:
@@ -74,27 +74,28 @@ def gaps(features: Features, on_step: OnStep) -> list[Record]:
     Means over domains (photos to touches) or over pairs of domains have intervals: a jackknife of
     BLOCKS blocks of objects. "no gap" is the same measure between two random halves of one domain.
     """
-    sizes = {name: len(features.members(name)) for name in features.domains}
-    largest = sorted(sizes, key=lambda n: -sizes[n])[:MOST_DOMAINS]
+    places = {name: features.members(name) for name in features.domains}
+    largest = sorted(places, key=lambda n: -len(places[n]))[:MOST_DOMAINS]
     rows = {m: features.rows(m) for m in features.modalities}
-    members = {
-        n: features.members(n) for n in features.domains if n in largest and sizes[n] >= LEAST
-    }
+    members = {n: own for n, own in places.items() if n in largest and len(own) >= LEAST}
     objects = features.objects
     random = np.random.default_rng(derive_seed(0, "blocks"))
     block = random.permutation(objects.max() + 1)[objects] % BLOCKS
     records = []
     for done, name in enumerate(GAPS):
         gap: Callable[[Tensor, Tensor], Tensor] = load(GAPS, name, kind="gap")
-        whole = _of(rows, members, gap)
-        parts = []
-        for left_out in range(BLOCKS):
-            parts.append(
-                _of(rows, {d: own[block[own] != left_out] for d, own in members.items()}, gap)
-            )
+        each = []
+        for left_out in range(-1, BLOCKS):  # -1: none
+            kept = {d: own[block[own] != left_out] for d, own in members.items()}
+            each.append(_of(rows, kept, gap))
             text = f"{name}, block {left_out + 1} of {BLOCKS}"
             on_step(Step(done=done * BLOCKS + left_out + 1, total=len(GAPS) * BLOCKS, text=text))
-        records += _summed(name, whole, parts) + _halves(name, rows, members, gap)
+        records += _summed(name, *each)
+        for modality, every in rows.items():
+            level = floor(halves({n: every[own] for n, own in members.items()}), gap)
+            if level is not None:
+                note = "mean over domains of two random halves of one domain"
+                records.append(record("no gap", name, level, modality, note=note))
     return records
 
 
@@ -102,51 +103,38 @@ Gaps = dict[tuple[str, str, str], float]  # modality ("" between modalities), do
 
 
 def _of(rows: Mapping[str, Tensor], members: Mapping[str, Array], gap: Any) -> Gaps:
-    """Return the gap between modalities in each domain, and between each two domains."""
-    found: Gaps = {}
-    if len(rows) == 2:
-        found = {
-            ("", name, name): _one(gap, rows["vis"][own], rows["tac"][own])
-            for name, own in members.items()
-        }
+    """Return the gap between modalities in each domain, and between each two domains; NaN where a
+    block left too few rows.
+    """
+
+    def value(a: Tensor, b: Tensor) -> float:
+        try:
+            return float(gap(a, b))
+        except ShapeError:
+            return float("nan")
+
+    both = members.items() if len(rows) == 2 else ()
+    between = {("", name, name): value(rows["vis"][own], rows["tac"][own]) for name, own in both}
     for modality, (a, b) in product(rows, combinations(members, 2)):
-        found[modality, a, b] = _one(gap, rows[modality][members[a]], rows[modality][members[b]])
-    return found
+        between[modality, a, b] = value(rows[modality][members[a]], rows[modality][members[b]])
+    return between
 
 
-def _one(gap: Any, a: Tensor, b: Tensor) -> float:
-    try:
-        return float(gap(a, b))
-    except ShapeError:  # a block left too few rows
-        return float("nan")
-
-
-def _summed(measure: str, whole: Gaps, parts: list[Gaps]) -> list[Record]:
+def _summed(measure: str, whole: Gaps, *parts: Gaps) -> list[Record]:
     """Return the means with intervals, then each value."""
     records = []
     for modality in dict.fromkeys(key[0] for key in whole):
         keys = [key for key in whole if key[0] == modality]
         part = "domain gap" if modality else "modality gap"
         mean, *others = (float(np.nanmean([one[k] for k in keys])) for one in (whole, *parts))
-        error = float(np.sqrt((BLOCKS - 1) * np.var(others)))
-        most = 2.0 if measure == "proxy_a" else np.inf
-        low, high = max(0.0, mean - T_BLOCKS * error), min(most, mean + T_BLOCKS * error)
+        half = T_BLOCKS * float(np.sqrt((BLOCKS - 1) * np.var(others)))
+        low, high = max(0.0, mean - half), mean + half
+        if measure == "proxy_a":
+            high = min(2.0, high)
         note = f"mean, {len(keys)} {'pairs of domains' if modality else 'domains'}"
         records.append(record(part, measure, mean, modality, low=low, high=high, note=note))
         records += [record(part, measure, whole[m, a, b], m, a, b if m else "") for m, a, b in keys]
     return records
-
-
-def _halves(
-    measure: str, rows: Mapping[str, Tensor], members: Mapping[str, Array], gap: Any
-) -> list[Record]:
-    found = []
-    for modality, every in rows.items():
-        level = floor(halves({name: every[own] for name, own in members.items()}), gap)
-        if level is not None:
-            note = "mean over domains of two random halves of one domain"
-            found.append(record("no gap", measure, level, modality, note=note))
-    return found
 
 
 def retrieval(features: Features) -> list[Record]:
@@ -158,45 +146,30 @@ def retrieval(features: Features) -> list[Record]:
     if len(features.modalities) < 2:
         return []
     vis, tac = features.rows("vis"), features.rows("tac")
-    records, objects, label = [], features.objects, features.embeddings.label
-    members = {
-        domain: own for domain in features.domains if len(own := features.members(domain)) > 1
-    }
-    for domain, own in members.items():
+    records, label, part = [], features.embeddings.label, "retrieval"
+    for domain in features.domains:
+        own = features.members(domain)
+        count, objects = len(own), features.objects[own]
+        if count < 2:
+            continue
         cosines = vis[own] @ tac[own].T
-        for place, table in (
-            ((domain, "photo", "touch"), cosines),
-            ((domain, "touch", "photo"), cosines.T),
-        ):
+        for *ends, table in (("photo", "touch", cosines), ("touch", "photo", cosines.T)):
+            place = domain, *ends
             right = table.diagonal()[:, None]
             ranks = ((table > right).sum(1) + ((table == right).sum(1) - 1) / 2 + 1).numpy()
             for k in DEPTHS:
-                note = f"chance {min(1.0, k / len(own)):.4f}"
-                records.append(
-                    share("retrieval", f"recall@{k}", ranks <= k, objects[own], *place, note=note)
-                )
-            note = f"of {len(own)}; chance {(len(own) + 1) / 2:g}"
-            records.append(
-                record(
-                    "retrieval",
-                    "median rank",
-                    float(np.median(ranks)),
-                    *place,
-                    n=len(own),
-                    note=note,
-                )
-            )
+                note = f"chance {min(1.0, k / count):.4f}"
+                records.append(share(part, f"recall@{k}", ranks <= k, objects, *place, note=note))
+            note = f"of {count}; chance {(count + 1) / 2:g}"
+            middle = float(np.median(ranks))
+            records.append(record(part, "median rank", middle, *place, n=count, note=note))
             if features.labelled:
                 same = torch.from_numpy(label[own][:, None] == label[own][None])
                 hits = same.gather(1, table.argsort(1, descending=True)).double()
-                at = hits.cumsum(1) / torch.arange(1, len(own) + 1)
-                values, note = (
-                    ((at * hits).sum(1) / hits.sum(1)).numpy(),
-                    f"chance {float(same.double().mean()):.4f}",
-                )
-                records.append(
-                    share("retrieval", "mAP of the class", values, objects[own], *place, note=note)
-                )
+                at = hits.cumsum(1) / torch.arange(1, count + 1)
+                values = ((at * hits).sum(1) / hits.sum(1)).numpy()
+                note = f"chance {float(same.double().mean()):.4f}"
+                records.append(share(part, "mAP of the class", values, objects, *place, note=note))
     return records
 
 
@@ -209,7 +182,7 @@ def neighbours(features: Features) -> list[Record]:
     domain, label, objects = features.embeddings.domain, features.embeddings.label, features.objects
     if len(features.domains) < 2:
         return []
-    records = []
+    records, part = [], "neighbours"
     for modality in features.modalities:
         rows = features.rows(modality)
         home, level, right, chance = [], [], [], []
@@ -217,11 +190,8 @@ def neighbours(features: Features) -> list[Record]:
             cosines = rows[some] @ rows.T
             same = domain[some][:, None] == domain[None]
             others = objects[some][:, None] != objects[None]
-            near = (
-                cosines.masked_fill(torch.from_numpy(~others), -2)
-                .topk(min(NEAR, len(rows) - 1))
-                .indices
-            )
+            apart = cosines.masked_fill(torch.from_numpy(~others), -2)
+            near = apart.topk(min(NEAR, len(rows) - 1)).indices
             home.append(np.take_along_axis(same, near.numpy(), 1).mean(1))
             level.append((same & others).sum(1) / np.maximum(1, others.sum(1)))
             cosines[torch.from_numpy(same)] = -2
@@ -229,22 +199,14 @@ def neighbours(features: Features) -> list[Record]:
             alike = label[some][:, None] == label[None]
             chance.append((alike & ~same).sum(1) / np.maximum(1, (~same).sum(1)))
         mixed = float(np.concatenate(level).mean())
-        values = np.concatenate(home)
-        for name in ("", *features.domains):
-            own = features.members(name) if name else np.arange(len(values))
-            note, what = (
-                f"{mixed:.4f} if domains were mixed" if not name else "",
-                f"own domain among {NEAR} nearest",
-            )
-            records.append(
-                share("neighbours", what, values[own], objects[own], modality, name, note=note)
-            )
+        values, what = np.concatenate(home), f"own domain among {NEAR} nearest"
+        note = f"{mixed:.4f} if domains were mixed"
+        records.append(share(part, what, values, objects, modality, note=note))
+        for name in features.domains:
+            own = features.members(name)
+            records.append(share(part, what, values[own], objects[own], modality, name))
         if features.labelled:
-            note, what = (
-                f"chance {float(np.concatenate(chance).mean()):.4f}",
-                "class of the nearest in another domain",
-            )
-            records.append(
-                share("neighbours", what, np.concatenate(right), objects, modality, note=note)
-            )
+            values, what = np.concatenate(right), "class of the nearest in another domain"
+            note = f"chance {float(np.concatenate(chance).mean()):.4f}"
+            records.append(share(part, what, values, objects, modality, note=note))
     return records

@@ -31,36 +31,35 @@ def probes(features: Features, on_step: OnStep) -> list[Record]:
     domain. With a profile, the target's channels get the source's mean and variance first, from
     PROFILE pairs without labels. The rest is tested in both cases.
     """
-    data, objects = features.embeddings, features.objects
+    label, objects = features.embeddings.label, features.objects
     places = {name: features.members(name) for name in features.domains}
-    kinds = {name: len(np.unique(data.label[rows])) for name, rows in places.items()}
-    names = [n for n, rows in places.items() if len(rows) >= LEAST and kinds[n] > 1]
+    names = [n for n, own in places.items() if len(own) >= LEAST and len(np.unique(label[own])) > 1]
     if not features.labelled or not names:
         return []
-    tested = {}  # rows of a domain's profile, and the others; a small domain gives half at most
-    for name in names:
-        mixed = np.random.default_rng(derive_seed(0, "profile", name)).permutation(places[name])
-        tested[name] = [np.sort(part) for part in np.split(mixed, [min(PROFILE, len(mixed) // 2)])]
     records = []
     for done, source in enumerate(names):
         home = places[source]
         raw = raw_of(features, home)
-        fitted = fitted_probe(raw, data.label[home])
-        for view, right in _home(raw, data.label[home], objects[home]).items():
+        fitted = fitted_probe(raw, label[home])
+        for view, right in _home(raw, label[home], objects[home]).items():
             records.append(record("probe", "home", right, view, source, source, n=len(home)))
         for target in (name for name in names if name != source):
-            profile, rest = tested[target]
-            kept = rest[np.isin(data.label[rest], np.unique(data.label[home]))]
+            # a small domain gives half of its pairs to the profile at most
+            random = np.random.default_rng(derive_seed(0, "profile", target))
+            mixed = random.permutation(places[target])
+            count = min(PROFILE, len(mixed) // 2)
+            pictures, rest = raw_of(features, np.sort(mixed[:count])), np.sort(mixed[count:])
+            kept = rest[np.isin(label[rest], label[home])]
             if not len(kept):
                 continue
-            plain, pictures = raw_of(features, kept), raw_of(features, profile)
+            plain = raw_of(features, kept)
             known = {
                 name: moved(rows, channels_of(pictures[name]), channels_of(raw[name]))
                 for name, rows in plain.items()
             }
             for measure, rows in zip(MEASURES[1:], (plain, known), strict=True):
                 for view, answers in fitted(rows).items():
-                    right = float((answers == data.label[kept]).mean())
+                    right = float((answers == label[kept]).mean())
                     place = view, source, target
                     records.append(record("probe", measure, right, *place, n=len(kept)))
         on_step(Step(done=done + 1, total=len(names), text=f"probe of {source}"))
@@ -97,11 +96,10 @@ def fitted_probe(raw: Raw, labels: Array) -> Callable[[Raw], dict[str, Array]]:
 def _home(raw: Raw, label: Array, objects: Array) -> dict[str, float]:
     """Return accuracies on held-out objects; NaN with fewer objects than folds."""
     kinds = np.unique(objects)
-    right: dict[str, list[Array]] = {
-        name: [] for name in (*raw, *(("both",) if len(raw) > 1 else ()))
-    }
     mixed = np.random.default_rng(derive_seed(0, "home")).permutation(len(kinds))
     part = (np.argsort(mixed) % FOLDS)[np.searchsorted(kinds, objects)]
+    views = [*raw, *["both"] * (len(raw) > 1)]
+    right: dict[str, list[Array]] = {view: [] for view in views}
     for k in range(FOLDS if len(kinds) >= FOLDS else 0):
         train, test = part != k, part == k
         if len(np.unique(label[train])) > 1:
@@ -118,28 +116,29 @@ def _means(records: list[Record], view: str, names: list[str]) -> list[Record]:
     """Return the means over sources and targets; domains are drawn again for the intervals."""
     random = np.random.default_rng(derive_seed(0, "domains"))
     drawn = random.integers(len(names), size=(1000, len(names)))
-    found, tables = [], {}
-    for measure in MEASURES:
-        tables[measure] = np.full((len(names), len(names)), np.nan)
-        for one in records:
-            if one["measure"] == measure and one["modality"] == view:
-                tables[measure][names.index(one["from"]), names.index(one["to"])] = one["value"]
-    home = np.repeat(np.diag(tables["home"])[:, None], len(names), 1)
-    tables["loss: home less away"] = home - tables["away"]
-    tables["gain of the profile"] = tables["away, with a profile"] - tables["away"]
+    tables = {measure: np.full((len(names), len(names)), np.nan) for measure in MEASURES}
+    for one in records:
+        if one["modality"] == view:
+            place = names.index(one["from"]), names.index(one["to"])
+            tables[one["measure"]][place] = one["value"]
+    home, away, known = tables.values()
+    tables["loss: home less away"] = np.diag(home)[:, None] - away
+    tables["gain of the profile"] = known - away
+    means = []
     for measure, table in tables.items():
         if np.isnan(table).all():
             continue
-        low, high, home_alone = None, None, measure == "home"
+        low = high = None
         if len(names) > 2:
-            means = [
-                table[d, d] if home_alone else table[np.ix_(d, d)] for d in drawn if len(set(d)) > 1
+            blocks = [
+                table[d, d] if measure == "home" else table[np.ix_(d, d)]
+                for d in drawn
+                if len(set(d)) > 1
             ]
-            known = [np.nanmean(m) for m in means if not np.isnan(m).all()]
-            low, high = np.nanquantile(known, [0.025, 0.975]).tolist()
-        what = "domains" if home_alone else "pairs of domains"
-        note = f"mean, {int((~np.isnan(table)).sum())} {what}"
-        found.append(
-            record("probe", measure, float(np.nanmean(table)), view, low=low, high=high, note=note)
-        )
-    return found
+            values = [np.nanmean(some) for some in blocks if not np.isnan(some).all()]
+            low, high = np.nanquantile(values, [0.025, 0.975]).tolist()
+        count = int((~np.isnan(table)).sum())
+        note = f"mean, {count} {'domains' if measure == 'home' else 'pairs of domains'}"
+        mean = float(np.nanmean(table))
+        means.append(record("probe", measure, mean, view, low=low, high=high, note=note))
+    return means

@@ -17,7 +17,7 @@ from omnivat.study.protocol import records
 from omnivat.study.protocol.engine import planned, run_all
 from omnivat.study.protocol.methods import Method, methods_named
 from omnivat.study.protocol.run import Run, execute
-from omnivat.study.reports.reading import record_mean
+from omnivat.study.reports.reading import by_run
 
 QUICK = {"head": {"width": 16}, "train": {"epochs": 1}}
 NAMES = ("omnivat", "nearest_mean")
@@ -63,7 +63,7 @@ def test_a_record_tells_what_was_resolved_and_every_target(file, runs, tmp_path)
     assert record["data"]["simulated"] is True
     assert record["lang"]["hash"] == load_bank().hash
     accuracies = [t["scores"]["fused"]["accuracy"] for t in record["targets"].values()]
-    assert record_mean(record, "accuracy") == pytest.approx(sum(accuracies) / 2)
+    assert by_run([record], "accuracy") == {("TAG-sim", 0): pytest.approx(sum(accuracies) / 2)}
 
 
 def recomputed(target, name):

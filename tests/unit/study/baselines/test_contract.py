@@ -11,11 +11,11 @@ from PIL import Image
 from omnivat.encoders.clip import open_clip
 from omnivat.encoders.clip_live import LiveClip
 from omnivat.encoders.lang.clip_prompts import ClipPrompts
-from omnivat.encoders.running import CLIP_MEAN, CLIP_STD
+from omnivat.encoders.running import CLIP_MEAN, CLIP_STD, pixels
 from omnivat.kit.errors import DataError
 from omnivat.kit.tables import load
 from omnivat.study.baselines import BASELINES, LABELS, ldc, mmrl, spg
-from omnivat.study.baselines.contract import ImageInput, Live, Source
+from omnivat.study.baselines.contract import Live, Source
 from omnivat.study.baselines.contrastive import supcon_loss
 from omnivat.study.baselines.mmrl import PROMPT
 from omnivat.study.baselines.text import SCALE, arcface, scaled_cosines
@@ -53,8 +53,9 @@ def painted(name, row, tint=0.6):
 def clip(clips, tmp_path_factory):
     """A small CLIP ViT that has learned the classes in plain light, in OpenAI's layout."""
     model = clips.small_model().train()
-    given = ImageInput(side=96, mean=CLIP_MEAN, std=CLIP_STD)
-    images = torch.stack([given(painted("seen", row, 0.0)) for row in range(30)])
+    images = torch.stack(
+        [pixels(painted("seen", row, 0.0), CLIP_MEAN, CLIP_STD, 96) for row in range(30)]
+    )
     prompts = [PROMPT.format(name) for name in CLASSES]
     texts = clips.tokenizer()(
         prompts, padding=True, truncation=True, max_length=16, return_tensors="pt"
@@ -98,17 +99,14 @@ def source(tower, clip):
 
 def inputs(fitted, source):
     """Return what a method takes of a source's pairs: embeddings, or images."""
-    if fitted.images is None:
+    if not fitted.images:
         return source.vis, source.tac
-    assert source.live is not None
     rows = torch.arange(len(source))
-    vis, tac = (source.live.images(name, rows, fitted.images) for name in ("vis", "tac"))
-    return vis, tac
+    return source.live.images("vis", rows), source.live.images("tac", rows)
 
 
 def fit(name, source):
-    fitted = load(BASELINES, name, kind="baseline")(source)
-    return fitted
+    return load(BASELINES, name, kind="baseline")(source)
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -2,26 +2,10 @@
 
 import json
 
-from omnivat.study.ablations import ABLATIONS, method_name
+from omnivat.study.ablations import ABLATIONS, chosen, method_name
 from omnivat.study.reports.ablation_report import write_ablations
 
 from .made_records import record
-
-
-def _layout(*names):
-    """Return ablations as the command hands them to the report."""
-    return {
-        name: {
-            "title": ABLATIONS[name].title,
-            "axis": ABLATIONS[name].axis,
-            "sources": ABLATIONS[name].sources,
-            "rows": {
-                row: (method_name(row), one.label, one.value)
-                for row, one in ABLATIONS[name].rows.items()
-            },
-        }
-        for name in names
-    }
 
 
 def test_an_ablation_over_several_sources_has_their_average_and_no_empty_columns(tmp_path):
@@ -33,7 +17,7 @@ def test_an_ablation_over_several_sources_has_their_average_and_no_empty_columns
         for index, source in enumerate(table.sources)
         for seed in (0, 1)
     ]
-    text = write_ablations(found, _layout("fixed_order"), tmp_path)
+    text = write_ablations(found, chosen(("fixed_order",)), tmp_path)
     line = next(x for x in text.splitlines() if x.startswith("| p = 0.3 (fixed)"))
     assert line.endswith("| 56.0 ± 1.4 / 46.0 ± 1.4 | 10 |")
     assert "printed" not in text
@@ -53,8 +37,7 @@ def test_ablation_tables_stand_beside_the_printed_figures(tmp_path):
     ]
     order = ABLATIONS["order"]
     found += [record(method_name(row), "TAG-sim", 0, [0.5]) for row in order.rows]
-    layout = _layout("class_token", "order")
-    text = write_ablations(found, layout, tmp_path)
+    text = write_ablations(found, chosen(("class_token", "order")), tmp_path)
     line = next(x for x in text.splitlines() if x.startswith("| OmniVaT (without class token)"))
     assert "50.5 ± 0.7 / 40.5 ± 0.7 | 55.8 / 53.5" in line
     assert "58.3 / 57.7" in line

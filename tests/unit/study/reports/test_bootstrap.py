@@ -42,7 +42,9 @@ def test_every_draw_holds_as_many_objects_of_each_class_as_the_domain():
     drawn = draws_for(found := grid("omnivat", 0.75), draws=50)
     for domain, classes in _objects(found).items():
         for label in set(classes.values()):
-            columns = [drawn.places[domain][one] for one, name in classes.items() if name == label]
+            columns = [
+                drawn.objects[domain].index(one) for one, name in classes.items() if name == label
+            ]
             assert 0 < len(columns) < len(classes)
             assert (drawn.weights[domain][:, columns].sum(1) == len(columns)).all()
 

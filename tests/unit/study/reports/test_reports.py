@@ -6,7 +6,7 @@ import pytest
 from omnivat.encoders import ENCODERS
 from omnivat.study.reports.paper import BACKBONES, MARK, not_comparable, paper, paper_rows
 from omnivat.study.reports.protocol_report import main_table, protocol_report
-from omnivat.study.reports.reading import by_run, by_seed, changed_settings
+from omnivat.study.reports.reading import by_run, by_seed, changed_settings, completed
 
 from .made_records import record
 
@@ -22,7 +22,7 @@ def records():
 
 
 def test_an_average_over_sources_waits_for_all_of_them(records):
-    values = by_run(records[:-2], "omnivat", "accuracy")
+    values = by_run(completed(records[:-2], "omnivat"), "accuracy")
     assert len(by_seed(values, ["TAG-sim", "OF Real-sim"])) == 2
 
 
