@@ -177,8 +177,8 @@ class Trainings:
         return run
 
     def _work(self, job: Job[None], run: Run, embeddings: "Embeddings", beside: str) -> None:
-        from omnivat.training import TrainingCancelled
-        from omnivat.training.from_pairs import head_from_pairs
+        from omnivat.training import TrainingCancelled, Watch
+        from omnivat.training.from_pairs import plan_training, reporter, trained_head
 
         def stopped() -> bool:  # called before each step
             job.give_way()
@@ -188,17 +188,15 @@ class Trainings:
         run.require_visitor()
         job.report(Step(done=0, total=run.plan.training.epochs, text=run.plan.first))
         try:
-            run.head = head_from_pairs(
+            plan = plan_training(
                 embeddings,
                 run.plan.source,
                 head=run.plan.head,
                 training=run.plan.training,
                 seed=run.plan.seed,
-                on_epoch=run.take,
-                cancelled=stopped,
-                measure_every=MEASURE_EVERY,
-                snapshot=True,
             )
+            shown = reporter(plan, run.take, every=MEASURE_EVERY)
+            run.head = trained_head(plan, watch=Watch(on_epoch=shown, cancelled=stopped))
         except TrainingCancelled:
             job.check()  # ends the job as cancelled
             raise

@@ -23,7 +23,7 @@ from omnivat.study.shift.probe import VIEWS, fitted_probe, raw_of
 from omnivat.study.shift.reading import Features
 from omnivat.training import TrainSettings, Watch, train
 from omnivat.training.from_pairs import TrainingPlan, plan_training, trained_head
-from omnivat.training.loop import steps_of
+from omnivat.training.training import steps_of
 
 EPOCHS = 40  # of every training
 FOLDS, FEW = 5, 200  # up to FEW pairs; with more, 3

@@ -5,9 +5,9 @@ Imports `maps`, `measure`, `head`, `data` and `kit`. A new loss or step belongs 
 run may choose is a field of `TrainSettings`.
 """
 
-from omnivat.training.loop import Trained, TrainingCancelled, Watch
 from omnivat.training.settings import TrainSettings
 from omnivat.training.state import STATE
-from omnivat.training.training import train
+from omnivat.training.training import Trained, train
+from omnivat.training.watch import TrainingCancelled, Watch
 
 __all__ = ["STATE", "TrainSettings", "Trained", "TrainingCancelled", "Watch", "train"]

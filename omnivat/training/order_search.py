@@ -23,8 +23,8 @@ from omnivat.head.head import OmniVaT, build_head
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.seeding import derive_seed
 from omnivat.training.batches import labels_of
-from omnivat.training.loop import Watch
 from omnivat.training.settings import TrainSettings
+from omnivat.training.watch import Watch
 
 MOST = 256  # pairs of the source; more would cost time and change little
 MOST_STOPS = 2001

@@ -24,8 +24,8 @@ from omnivat.head.linear_maps import FittedMaps, fit_maps
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.stages import IMAGES
-from omnivat.training import TrainSettings
-from omnivat.training.from_pairs import head_from_pairs
+from omnivat.training import TrainSettings, Watch
+from omnivat.training.from_pairs import plan_training, trained_head
 
 ALL = "all domains"  # the source of such a head
 PICTURES = (0, 5, 20)  # of a left-out domain, without labels
@@ -54,11 +54,9 @@ def own_head(embeddings: Embeddings, *, seed: int = 0, on_step: OnStep = ignore)
     temperature, left_out = _left_out(embeddings, seed, on_step)
     levelled, _ = level(embeddings, domains)
     pooled = _pooled(levelled)
-    head = head_from_pairs(
-        pooled, ALL, head=BODY, training=TRAINING, seed=seed, calibrate=False, on_step=on_step
-    )
-    pairs = pooled.in_domain(ALL, split="train")
-    pairs = pairs.select(pairs.labelled)
+    plan = plan_training(pooled, ALL, head=BODY, training=TRAINING, seed=seed)
+    head = trained_head(plan, calibrate=False, watch=Watch(on_step=on_step))
+    pairs = plan.pairs
     fitted = _fitted(pairs, head.source_profile.channels, seed)
     model = with_maps(head.model, fitted, temperature)
     some = pairs.select(np.arange(0, len(pairs), KEPT))

@@ -1,23 +1,43 @@
 """Train a head on the embeddings of one domain. No other domain is used here."""
 
-from dataclasses import replace
+import math
+from collections import defaultdict
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import torch
+
+from omnivat.data.profile import profile_of
 from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import LangBank
-from omnivat.head.head import OmniVaT
+from omnivat.head.head import OmniVaT, build_head
 from omnivat.head.settings import HeadSettings
+from omnivat.kit.devices import current
 from omnivat.kit.progress import OnStep, ignore
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.threads import LIGHT, one_thread
-from omnivat.training.batches import held_out, labels_of
-from omnivat.training.loop import Trained, Watch, steps_of, train_once
+from omnivat.measure.evaluate import predicted_probabilities
+from omnivat.measure.gaps.confusion import macro_f1
+from omnivat.training.batches import batches, held_out, labels_of
 from omnivat.training.order_search import search_order, search_steps
 from omnivat.training.settings import TrainSettings
+from omnivat.training.state import Progress, load_state, run_name, save_state
+from omnivat.training.steps import learn, make_optimiser, set_rate
+from omnivat.training.watch import Watch
 
 TEACHER = TrainSettings(epochs=120)  # its epochs, batch and rate serve every teacher
 AFTER = 0.1  # factor of p's rate after a search: little remains to be found
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trained:
+    """A trained model and the record of its training."""
+
+    model: OmniVaT
+    epochs: list[dict[str, float]] = field(default_factory=list)
+    chosen_epoch: int = 0
+    search: dict[str, Any] = field(default_factory=dict)  # of the order; see `order_search`
 
 
 def train(
@@ -62,60 +82,92 @@ def train(
         head = replace(head, learn_order=False)  # p is drawn, so it is not learned
     if bank is not None:
         bank.is_of(source.header)  # raises an error for texts of another checkpoint
+    labels = labels_of(source, head)
+    fit, held = held_out(source, labels, settings, seed)
     with one_thread(head.width <= LIGHT):
+        # what comes first keeps no state: a resumed training makes it again
+        steps, count = steps_of(len(fit), settings), settings.order_teachers
+        teacher = replace(
+            settings,
+            epochs=min(settings.epochs, TEACHER.epochs),
+            batch=TEACHER.batch,
+            lr=TEACHER.lr,
+            order_draw="none",
+            order_teachers=0,
+        )
+        each = teacher.epochs * steps_of(len(fit), teacher)
+        first = search_steps(head, settings) if settings.order_search else count * each
+        whole = first + steps * settings.epochs
         search: dict[str, Any] = {}
-        # it keeps no state: a resumed training finds the same order again
         if settings.order_search:
-            part = source.select(held_out(source, labels_of(source, head), settings, seed)[0])
-            first = search_steps(head, settings)
-            whole = first + settings.epochs * steps_of(len(part), settings)
-            search = search_order(
-                part, head, settings, seed=seed, watch=watch.part(0, whole).steps_only()
-            )
-            watch = watch.part(first, whole)
+            part = watch.part(0, whole)
+            search = search_order(source.select(fit), head, settings, seed=seed, watch=part)
             head = replace(head, order=search["start"])
             settings = replace(settings, order_lr_scale=AFTER * settings.order_lr_scale)
-        teachers: list[OmniVaT] = []
-        if settings.order_teachers:
-            teachers, watch = _teachers(source, head, settings, bank, seed, watch)
+        teachers = []
+        for k in range(count):
+            order = k / (count - 1) if count > 1 else head.order
+            part, own_seed = (
+                watch.part(k * each, whole).steps_only(),
+                derive_seed(seed, "teacher", k),
+            )
+            made = train(
+                source, replace(head, order=order), teacher, bank=bank, seed=own_seed, watch=part
+            )
+            teachers.append(made.model.to(current()))
+        if teachers:
             settings, bank = replace(settings, lang=False), None  # LANG was for the teachers
-        trained = train_once(
-            source,
-            head,
-            settings,
-            bank=bank,
-            seed=seed,
-            resume=resume,
-            watch=watch,
-            teachers=teachers,
-        )
-    return replace(trained, search={**search, "found": trained.model.order} if search else {})
+        if first:
+            watch = watch.part(first, whole)
+
+        model = build_head(head, seed=derive_seed(seed, "weights"))
+        if head.standardize:
+            model.standardize_by(profile_of(source, modalities=settings.given))
+        model = model.train().to(current())
+        optimiser, progress, run = make_optimiser(model, settings), Progress(), ""
+        if resume:
+            run = run_name(source, head, settings, bank, seed)
+            progress = load_state(resume, run, model, optimiser)
+        for epoch in range(len(progress.epochs), settings.epochs):
+            sums: dict[str, float] = defaultdict(float)
+            drawn = batches(source, labels, fit, bank, settings, derive_seed(seed, "epoch", epoch))
+            for step, batch in enumerate(drawn):
+                set_rate(optimiser, settings, (epoch * steps + step) / steps, 1 / steps)
+                losses = learn(model, optimiser, batch.to(current()), settings, teachers)
+                for name, value in losses.items():
+                    sums[name] += value / steps
+                done, text = epoch * steps + step + 1, f"epoch {epoch + 1} of {settings.epochs}"
+                loss = f", loss {losses['loss']:.3f}"
+                watch.step(done, steps * settings.epochs, text + loss)
+            record = {"epoch": float(epoch), **sums, "order": model.order}
+            if head.order_per_modality:
+                record |= {f"order_{name}": order for name, order in model.orders.items()}
+            if len(held):
+                shares = predicted_probabilities(
+                    model.eval(), source, modalities=settings.given, rows=held
+                )
+                model.train()
+                score = macro_f1(torch.from_numpy(labels[held]), shares["fused"].argmax(-1))
+                record["source_val_macro_f1"] = float(score)
+                progress.keep_best(float(score), epoch, model)
+            progress.epochs.append(record)
+            watch.on_epoch(record, model)
+            if resume:
+                save_state(resume, run, model, optimiser, progress)
+    if progress.best:
+        model.load_state_dict(progress.best)
+    if resume:
+        resume.unlink(missing_ok=True)
+    if search:
+        search["found"] = model.order
+    return Trained(
+        model=model.eval().cpu(),
+        epochs=progress.epochs,
+        chosen_epoch=settings.epochs - 1 if progress.best_epoch is None else progress.best_epoch,
+        search=search,
+    )
 
 
-def _teachers(
-    source: Embeddings,
-    head: HeadSettings,
-    settings: TrainSettings,
-    bank: LangBank | None,
-    seed: int,
-    watch: Watch,
-) -> tuple[list[OmniVaT], Watch]:
-    """Return heads with p held at evenly spaced orders of [0, 1], and the watch of the rest.
-
-    They keep no state: a resumed training makes the same teachers again.
-    """
-    count = settings.order_teachers
-    own = replace(settings, batch=TEACHER.batch, lr=TEACHER.lr, order_draw="none", order_teachers=0)
-    own = replace(own, epochs=min(settings.epochs, TEACHER.epochs))
-    orders = [k / (count - 1) for k in range(count)] if count > 1 else [head.order]
-    pairs = len(held_out(source, labels_of(source, head), settings, seed)[0])
-    each = own.epochs * steps_of(pairs, own)
-    whole = count * each + settings.epochs * steps_of(pairs, settings)
-    made = []
-    for k, order in enumerate(orders):
-        part, one = watch.part(k * each, whole).steps_only(), derive_seed(seed, "teacher", k)
-        held = replace(head, order=order)
-        made.append(
-            train_once(source, held, own, bank=bank, seed=one, resume=None, watch=part).model
-        )
-    return made, watch.part(count * each, whole)
+def steps_of(pairs: int, settings: TrainSettings) -> int:
+    """Return the number of steps in an epoch of this many pairs."""
+    return math.ceil(pairs / settings.batch)

@@ -27,7 +27,7 @@ from omnivat.study.protocol.images import inputs, live_of, require_own_images, t
 from omnivat.study.protocol.methods import HEAD, Method
 from omnivat.study.protocol.settings import Task
 from omnivat.training import TrainSettings, train
-from omnivat.training.held_out import lang_guard
+from omnivat.training.guard import lang_guard
 
 T = TypeVar("T")
 

@@ -13,7 +13,7 @@ from omnivat.head.checkpoint import Head
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.config import settings_dict, settings_from
 from omnivat.kit.errors import DataError
-from omnivat.training import TrainSettings
+from omnivat.training import Trained, TrainSettings, Watch, train
 from omnivat.training.batches import held_out, labels_of
 from omnivat.training.state import run_name
 
@@ -37,9 +37,27 @@ class TrainingPlan:
 
     def at(self, order: float, seed: int) -> "TrainingPlan":
         """Return the same plan with p fixed at `order`, and another seed."""
-        settings = replace(self.settings, order=order, learn_order=False)
-        training = replace(self.training, order_search=False, order_draw="none", order_teachers=0)
+        found = self.searched(order)
+        settings = replace(found.settings, learn_order=False)
+        training = replace(found.training, order_draw="none", order_teachers=0)
         return replace(self, settings=settings, training=training, seed=seed)
+
+    def searched(self, order: float) -> "TrainingPlan":
+        """Return the same plan from an order that a search has found."""
+        settings = replace(self.settings, order=order)
+        return replace(self, settings=settings, training=replace(self.training, order_search=False))
+
+    def train(self, *, watch: Watch | None = None, resume: Path | None = None) -> Trained:
+        """Train; arguments and errors as in `omnivat.training.train`."""
+        return train(
+            self.pairs,
+            self.settings,
+            self.training,
+            bank=self.bank,
+            seed=self.seed,
+            resume=resume,
+            watch=watch,
+        )
 
     @property
     def name(self) -> str:

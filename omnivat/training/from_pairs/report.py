@@ -1,8 +1,7 @@
 """Report of an epoch: losses, gaps, accuracies and a map, for the page."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import torch
@@ -11,12 +10,15 @@ from torch import Tensor
 
 from omnivat.data.embeddings import Embeddings
 from omnivat.head.head import OmniVaT
+from omnivat.kit.stages import IMAGES
 from omnivat.maps.projection import pca
 from omnivat.maps.projection.torch_umap import aligned
 from omnivat.maps.sweep import AtOrder, facts_of, measured, walk
 from omnivat.measure.evaluate import label_map
 from omnivat.measure.gaps.unit import unit
 from omnivat.measure.unseen import counted, mean_over_domains
+from omnivat.training.from_pairs.plan import TrainingPlan
+from omnivat.training.watch import OnEpoch
 
 GAPS = ("modality_gap", "domain_gap", "margin")
 LOSSES = ("loss", "mma", "nod", "cross_entropy")
@@ -52,7 +54,6 @@ class Meter:
         _, self.facts = facts_of(embeddings, classes)
         self.label = label_map(classes, embeddings.header.classes)[embeddings.label]
         self.keep = counted(embeddings, source) & (self.label >= 0)
-        self._before: Tensor | None = None
 
     def at(self, model: OmniVaT, order: float) -> AtOrder:
         """Return features and predictions of all pairs at one order; keep the model's mode."""
@@ -69,23 +70,37 @@ class Meter:
         """Return the measures of `EpochReport`, without undefined ones."""
         gaps = {name: value for _, name, value in measured(at_order, self.facts, GAPS)}
         kept = {f"{name}/{STAGE}": gaps[f"{name}/{STAGE}"] for name in GAPS}
-        own = self.keep & (
-            self.embeddings.domain == self.embeddings.header.domains.index(self.source)
-        )
+        home = self.embeddings.header.domains.index(self.source)
+        own = self.keep & (self.embeddings.domain == home)
         for reading in (one for one in ("fused", "vis", "tac") if one in at_order.probabilities):
             name = "accuracy" if reading == "fused" else f"accuracy:{reading}"
             right = at_order.probabilities[reading].argmax(1).cpu().numpy() == self.label
             if own.any():
                 kept[f"{name}/source_test"] = float(right[own].mean())
-            if (
-                unseen := mean_over_domains(right, self.embeddings, self.source, self.keep)
-            ) is not None:
+            unseen = mean_over_domains(right, self.embeddings, self.source, self.keep)
+            if unseen is not None:
                 kept[f"{name}/unseen"] = unseen
         return {name: value for name, value in kept.items() if np.isfinite(value)}
 
-    def map(self, at_order: AtOrder) -> NDArray[Any]:
-        """Return a map (2N, 2) of F̂, aligned with the previous map."""
-        features = at_order.features[STAGE]
-        flat = pca.project(torch.cat([unit(features["vis"]), unit(features["tac"])]))
-        self._before = flat if self._before is None else aligned(flat, self._before)
-        return np.asarray(self._before.double().cpu())
+
+def reporter(plan: TrainingPlan, show: Callable[[EpochReport], None], *, every: int) -> OnEpoch:
+    """Return a `Watch.on_epoch` that shows a report of each epoch, with measures and a map of every
+    `every`th and the last.
+    """
+    total = plan.training.epochs
+    before: Tensor | None = None
+    meter = Meter(plan.embeddings, plan.settings.classes, plan.source)
+
+    def take(record: dict[str, float], model: OmniVaT) -> None:
+        nonlocal before
+        epoch, losses = int(record["epoch"]) + 1, {name: record[name] for name in LOSSES}
+        report = EpochReport(epoch=epoch, total=total, losses=losses, order=record["order"])
+        if epoch == total or epoch % every == 0:
+            found = meter.at(model, record["order"])
+            flat = pca.project(torch.cat([unit(found.features[STAGE][n]) for n in IMAGES]))
+            before = flat if before is None else aligned(flat, before)
+            points = np.asarray(before.double().cpu())
+            report = replace(report, measures=meter.measures(found), map=points)
+        show(report)
+
+    return take

@@ -25,9 +25,9 @@ def command(file, out, *more):
 
 def stopped_in_the_second_epoch(monkeypatch):
     """Make the next training stop as if its process was interrupted."""
-    from omnivat.training import loop
+    from omnivat.training import training
 
-    learn, calls = loop.learn, []
+    learn, calls = training.learn, []
 
     def learn_until_stopped(*arguments):
         calls.append(1)
@@ -35,7 +35,7 @@ def stopped_in_the_second_epoch(monkeypatch):
             raise KeyboardInterrupt
         return learn(*arguments)
 
-    monkeypatch.setattr(loop, "learn", learn_until_stopped)
+    monkeypatch.setattr(training, "learn", learn_until_stopped)
 
 
 def test_a_stopped_training_resumes_to_the_weights_it_would_have_given(file, tmp_path, monkeypatch):
@@ -87,11 +87,11 @@ def test_repeats_leave_their_scores_beside_those_of_the_head_that_is_kept(file, 
 def test_a_folder_that_holds_something_else_is_refused_before_the_first_step(
     file, tmp_path, monkeypatch, capsys
 ):
-    from omnivat.training import loop
+    from omnivat.training import training
 
     (tmp_path / "head").mkdir()
     (tmp_path / "head" / "thesis.txt").write_text("years of work")
-    monkeypatch.setattr(loop, "learn", None)  # any step would fail otherwise
+    monkeypatch.setattr(training, "learn", None)  # any step would fail otherwise
     assert main(command(file, tmp_path / "head")) == 1
     assert "holds 'thesis.txt', which is not part of a head" in capsys.readouterr().err
     assert (tmp_path / "head" / "thesis.txt").read_text() == "years of work"

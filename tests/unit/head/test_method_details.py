@@ -12,7 +12,7 @@ from omnivat.head.output import TrainingOutput
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError
 from omnivat.training import TrainSettings, train
-from omnivat.training.held_out import guided_probabilities, lang_guard
+from omnivat.training.guard import guided_probabilities, lang_guard
 
 
 def trained(source, lang=True, epochs=2, training=None, **head):

@@ -11,7 +11,7 @@ from omnivat.head.checkpoint import load_head, save_head
 from omnivat.head.predict import predict_embeddings
 from omnivat.kit.errors import DataError
 from omnivat.training import TrainSettings
-from omnivat.training.from_pairs import head_from_pairs
+from omnivat.training.from_pairs import plan_training, trained_head
 
 
 @pytest.fixture(scope="module")
@@ -81,7 +81,8 @@ def test_heads_from_before_profiles_take_embeddings_as_they_come(head_folder, tm
 @pytest.mark.parametrize("shift", [0.0, 1.0])
 def test_a_head_trained_with_imitated_sensors_takes_a_shorter_step(make_embeddings, shift):
     pairs, settings = make_embeddings(), TrainSettings(epochs=1, lang=False, shift=shift)
-    made = head_from_pairs(pairs, "TAG-sim", head={"width": 8}, training=settings, calibrate=False)
+    plan = plan_training(pairs, "TAG-sim", head={"width": 8}, training=settings)
+    made = trained_head(plan, calibrate=False)
     assert made.source_profile.step == (STEP_SHIFTED if shift else 1.0)
 
 

@@ -7,16 +7,6 @@ from omnivat.kit.errors import DataError
 from omnivat.measure import known
 from omnivat.measure.evaluate import evaluate, target_mean, target_scores
 from omnivat.measure.known import NOTHING, drawn, labels, measured, pairs, record
-from omnivat.training import TrainSettings
-from omnivat.training.from_pairs import head_from_pairs
-
-
-@pytest.fixture(scope="module")
-def head(shifted):
-    training = TrainSettings(epochs=15, lang=False)
-    return head_from_pairs(
-        shifted, "TAG-sim", head={"width": 16}, training=training, calibrate=False
-    )
 
 
 def test_nothing_known_is_what_evaluate_says(head, shifted):

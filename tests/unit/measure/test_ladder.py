@@ -16,8 +16,6 @@ from omnivat.head.heads import EXAMPLES, default_embeddings, default_head, kept_
 from omnivat.measure import ladder
 from omnivat.measure.evaluate import evaluate, target_mean, target_scores
 from omnivat.measure.ladder import FORMAT, METHOD, lettered, letters, recorded, rungs, write_ladder
-from omnivat.training import TrainSettings
-from omnivat.training.from_pairs import head_from_pairs
 
 
 @pytest.fixture(autouse=True)
@@ -26,17 +24,6 @@ def no_records(monkeypatch, tmp_path):
     ladder._records.cache_clear()
     yield
     ladder._records.cache_clear()
-
-
-@pytest.fixture(scope="module")
-def head(shifted):
-    return head_from_pairs(
-        shifted,
-        "TAG-sim",
-        head={"width": 16},
-        training=TrainSettings(epochs=15, lang=False),
-        calibrate=False,
-    )
 
 
 def test_an_offset_is_mended_rung_by_rung(head, shifted):

@@ -12,7 +12,7 @@ from omnivat.kit.errors import DataError, OmniVatError
 from omnivat.measure.evaluate import predicted_probabilities
 from omnivat.training import TrainSettings, train
 from omnivat.training.batches import batches
-from omnivat.training.held_out import lang_guard
+from omnivat.training.guard import lang_guard
 
 from .conftest import equal_weights, head
 

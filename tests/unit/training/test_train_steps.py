@@ -15,9 +15,9 @@ from omnivat.head.head import build_head
 from omnivat.kit.errors import DataError
 from omnivat.training import Trained, TrainSettings, Watch, train
 from omnivat.training.batches import Batch, batches, held_out, labels_of
-from omnivat.training.loop import steps_of
 from omnivat.training.state import Progress
 from omnivat.training.steps import learn, make_optimiser, pairs_of, set_rate
+from omnivat.training.training import steps_of
 
 from .conftest import CLASSES, head
 
@@ -209,14 +209,11 @@ def test_each_pair_is_mirrored_half_the_time_and_has_a_style_of_its_class(source
 def test_a_search_lowers_the_rate_of_the_order_to_a_tenth(source, monkeypatch):
     from omnivat.training import training
 
-    rates = []
-    once = training.train_once
-    monkeypatch.setattr(
-        training,
-        "train_once",
-        lambda *a, **k: (rates.append((a[1].order, a[2].order_lr_scale)), once(*a, **k))[1],
-    )
-    trained = train(
-        source, head(order=-3.0), TrainSettings(epochs=1, lang=False, order_search=True)
-    )
-    assert rates == [(trained.search["start"], pytest.approx(0.001))]
+    made, start = [], training.make_optimiser
+    monkeypatch.setattr(training, "make_optimiser", lambda *a: (made.append(a), start(*a))[1])
+    settings = TrainSettings(epochs=1, lang=False, order_search=True)
+    trained = train(source, head(order=-3.0), settings)
+    ((model, used),) = made
+    assert model.settings.order == trained.search["start"]
+    assert used.order_lr_scale == pytest.approx(0.001)
+    assert trained.search["found"] == trained.model.order != trained.search["start"]

@@ -2,15 +2,19 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import torch
 
+from omnivat.encoders.lang.bank import load_bank
+from omnivat.head.head import build_head
 from omnivat.head.losses import joint_loss
 from omnivat.head.output import TrainingOutput
 from omnivat.kit.errors import SettingsError
 from omnivat.measure.evaluate import predicted_probabilities
-from omnivat.training import TrainSettings, train
-from omnivat.training.training import Watch
+from omnivat.training import TrainSettings, Watch, train
+from omnivat.training.batches import batches
+from omnivat.training.steps import learn, make_optimiser
 
 from .conftest import equal_weights, head
 
@@ -35,27 +39,18 @@ def test_with_targets_the_loss_is_the_squared_difference_from_them():
 
 
 def test_a_taught_head_never_sees_the_labels(source):
-    """Given a teacher, wrong labels change nothing but the reported cross-entropy."""
-    from omnivat.training import loop
-
-    teacher = made(source, replace(EVERY, order_draw="none", order_teachers=0)).model
-    shuffled = replace(source, label=source.label[::-1].copy())
-    settings = replace(EVERY, epochs=2)
-    plain = head(class_token=False, learn_order=False)
-    first, second = (
-        loop.train_once(
-            pairs,
-            plain,
-            settings,
-            bank=None,
-            seed=2,
-            resume=None,
-            watch=Watch(),
-            teachers=[teacher],
-        ).model.state_dict()
-        for pairs in (source, shuffled)
-    )
-    assert all(torch.equal(first[name], second[name]) for name in first if "bank" not in name)
+    """Given a teacher, other labels change nothing but the reported cross-entropy."""
+    settings = TrainSettings(batch=len(source), lang=False)
+    (batch,) = batches(source, source.label, np.arange(len(source)), None, settings, 0)
+    teacher, moved, losses = build_head(head(), seed=1).eval(), [], []
+    for labels in (batch.labels, batch.labels.flip(0)):
+        model = build_head(head(class_token=False), seed=2).train()
+        optimiser = make_optimiser(model, settings)
+        losses.append(learn(model, optimiser, replace(batch, labels=labels), settings, [teacher]))
+        moved.append(model)
+    assert equal_weights(*moved)
+    assert losses[0]["loss"] == losses[1]["loss"]
+    assert losses[0]["cross_entropy"] != losses[1]["cross_entropy"]
 
 
 @pytest.mark.long
@@ -93,27 +88,21 @@ def test_progress_counts_the_steps_of_the_teachers_too(source):
 
 
 def test_teachers_hold_evenly_spaced_orders_and_only_they_use_lang(source, monkeypatch):
-    from omnivat.encoders.lang.bank import load_bank
     from omnivat.training import training
 
-    made_at = []
-    once = training.train_once
+    made, start = [], training.train
 
     def noted(pairs, settings, training, **more):
-        made_at.append(
-            (settings.order, training.order_draw, more["bank"] is not None, training.lang)
-        )
-        return once(pairs, settings, training, **more)
+        made.append((settings.order, training, more["bank"] is not None))
+        return start(pairs, settings, training, **more)
 
-    monkeypatch.setattr(training, "train_once", noted)
-    settings = replace(EVERY, lang=True, epochs=1, order_teachers=3)
-    train(source, head(), settings, bank=load_bank())
-    assert made_at == [
-        (0.0, "none", True, True),
-        (0.5, "none", True, True),
-        (1.0, "none", True, True),
-        (0.5, "row", False, False),
-    ]
+    monkeypatch.setattr(training, "train", noted)
+    settings = replace(EVERY, lang=True, epochs=1, order_teachers=3, batch=8, lr=0.01)
+    own = train(source, head(), settings, bank=load_bank())
+    teacher = TrainSettings(epochs=1)  # with the batch and rate of any teacher
+    assert made == [(order, teacher, True) for order in (0.0, 0.5, 1.0)]
+    assert own.epochs[-1]["mma"] == 0  # the head itself has no text
+    assert own.model.order == 0.5
 
 
 def test_teachers_without_drawn_orders_are_refused():

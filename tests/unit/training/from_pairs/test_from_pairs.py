@@ -6,17 +6,21 @@ import numpy as np
 import pytest
 
 from omnivat.cli import main
-from omnivat.data.store import load_embeddings, save_embeddings
+from omnivat.data.store import save_embeddings
 from omnivat.head.checkpoint import load_head
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.maps.sweep import sweep
-from omnivat.training import TrainingCancelled, TrainSettings
-from omnivat.training.from_pairs import head_from_pairs, plan_like, plan_training, trained_head
+from omnivat.training import TrainingCancelled, TrainSettings, Watch
+from omnivat.training.from_pairs import plan_like, plan_training, reporter, trained_head
 
 from ..conftest import equal_weights
 
 SHORT = TrainSettings(epochs=3)
 SMALL = {"width": 16}
+
+
+def planned(pairs):
+    return plan_training(pairs, "TAG-sim", head=SMALL, training=SHORT)
 
 
 @pytest.fixture(scope="module")
@@ -26,17 +30,9 @@ def pairs(make_embeddings):
 
 @pytest.fixture(scope="module")
 def watched(pairs):
-    reports = []
-    head = head_from_pairs(
-        pairs,
-        "TAG-sim",
-        head=SMALL,
-        training=SHORT,
-        on_epoch=reports.append,
-        measure_every=2,
-        snapshot=True,
-    )
-    return head, reports
+    reports, plan = [], planned(pairs)
+    watch = Watch(on_epoch=reporter(plan, reports.append, every=2))
+    return trained_head(plan, watch=watch), reports
 
 
 def test_every_epoch_is_reported_and_the_last_one_is_measured(watched):
@@ -98,15 +94,9 @@ def test_a_domain_whose_pairs_have_no_class_or_one_beside_none_is_refused(pairs,
 
 def test_a_training_stops_when_it_is_cancelled(pairs):
     steps = []
+    watch = Watch(on_step=steps.append, cancelled=lambda: len(steps) == 2)
     with pytest.raises(TrainingCancelled):
-        head_from_pairs(
-            pairs,
-            "TAG-sim",
-            head=SMALL,
-            training=SHORT,
-            on_step=steps.append,
-            cancelled=lambda: len(steps) == 2,
-        )
+        trained_head(planned(pairs), watch=watch)
     assert len(steps) == 2
 
 
@@ -118,9 +108,7 @@ def test_a_training_also_stops_while_its_calibration_is_fitted(pairs):
         return looked.count(len(steps)) > 2  # the head's own steps are over
 
     with pytest.raises(TrainingCancelled):
-        head_from_pairs(
-            pairs, "TAG-sim", head=SMALL, training=SHORT, on_step=steps.append, cancelled=cancelled
-        )
+        trained_head(planned(pairs), watch=Watch(on_step=steps.append, cancelled=cancelled))
     assert steps[-1].done == steps[-1].total
 
 
@@ -147,4 +135,3 @@ def test_a_plan_like_a_head_has_its_settings_and_source(watched, pairs):
     assert (plan.source, plan.seed) == ("TAG-sim", 0)
     held = plan.at(0.3, 5)
     assert held.settings.order == 0.3 and not held.settings.learn_order and held.seed == 5
-    assert load_embeddings is not None
