@@ -97,7 +97,10 @@ def routes(first: Resources, *, api: bool = False) -> list[Route]:
             "This set has no thumbnails; the page shows names instead.",
         ),
         "example/{name:path}/{modality}": (Resources.example, "There is no such image."),
-        "twins/{name}": (lambda _, name: explore.twin_pictures().get(name), "No such sheet."),
+        "twins/{name}.webp": (
+            lambda _, name: explore.twin_pictures().get(f"{name}.webp"),
+            "No such sheet.",
+        ),
     }
     gets: dict[str, Handler] = {
         **{name: partial(file, sets, *row) for name, row in files.items()},

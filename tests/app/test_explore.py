@@ -58,6 +58,7 @@ def test_what_is_not_there_is_refused(resources, question, sentence):
 def test_only_the_sheets_of_the_twins_are_served(resources):
     with TestClient(Starlette(routes=routes(resources))) as client:
         shown = client.get("/omnivat/twins").json()["shown"]
+        assert client.get("/omnivat/twins/map").json()["presses"]
         sheets = [client.get(f"/omnivat/twins/{one['sheet']}") for one in shown]
         assert {sheet.headers["content-type"] for sheet in sheets} == {"image/webp"}
         for name in ("none.webp", "..%2Ftwins.json", "00.webp.webp"):
