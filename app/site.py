@@ -221,6 +221,7 @@ def page(web: str, held: Mapping[str, Any]) -> str:
 <link rel="stylesheet" href="{web}/site/site.css">""",
         kind=' class="site"',
         body=f"""<p class="ov wait problem unstarted">{UNSTARTED}</p>
+<p class="ov on-its-way" role="status" hidden></p>
 <div class="tab-wrapper"><div class="tab-container" role="tablist">{buttons}</div></div>
 {chr(10).join(panels)}""",
         held=held,

@@ -6,7 +6,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from app import site
+from app import site, site_rules
 from app.site import MARK, OWN, Files, export_site
 from app.site_models import files_in
 from omnivat.cli import main
@@ -135,3 +135,7 @@ def test_the_command_takes_a_file_or_a_folder(tmp_path, capsys):
         main(["export", "--site", str(tmp_path / "a"), "--out", str(tmp_path / "b.html")])
     assert main(["export", "--out", str(tmp_path / "b.png"), "--sets", "chirps"]) == 1
     assert "belong to --site" in capsys.readouterr().err
+
+
+def test_the_numbers_in_the_scripts_are_those_of_the_library():
+    assert site_rules.FILE.read_text(encoding="utf-8") == site_rules.rules()

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { moved, profileFrom, saved } from "../../app/web/site/profiles.js";
+import { loaded, moved, profileFrom, saved } from "../../app/web/site/profiles.js";
 
 const channels = (mean, variance) => ({ mean, variance, count: 6 });
 const [target, source] = [channels([2, 3], [4, 1]), channels([0, 1], [1, 4])];
@@ -19,7 +19,7 @@ test("a head's source says how much of the step is taken", () => {
 test("a profile without a step takes the whole one", () => {
   const key = { name: "e", weights_hash: "w", preprocessing: "p" };
   const parts = { mean: Float32Array.of(1, 2), variance: Float32Array.of(1, 1), count: 3 };
-  const found = profileFrom(saved({ channels: { vis: parts } }, key).buffer, key);
+  const found = loaded(saved({ channels: { vis: parts } }, key), key);
   assert.equal(found.step, 1);
   assert.equal(profileFrom({ ...asFile(parts), __metadata__: { ...about, step: "0.75" } }).step, 0.75);
 });

@@ -2,35 +2,35 @@
 
 import { drawingOn } from "../shared/canvas.js";
 import { Refused } from "./refusal.js";
+import { PICTURE } from "./rules.js";
 
-const MOST_PIXELS = 64e6; // of a JPEG
-const PLAIN_PIXELS = 24e6; // of other kinds
-const SHORT_SIDE = 1024; // lower limit of a reduced picture
-const REDUCED_PIXELS = 6e6; // upper limit of it
-const LEAST_SIDE = 8;
-const STRIP_PIXELS = 1e6;
+const { MOST_JPEG, MOST, SHORT_SIDE, REDUCED, LEAST_SIDE, STRIP } = PICTURE;
 const UNREAD =
   "is no picture that this browser reads, or is cut short or damaged; save it as PNG or JPEG and try again.";
 
+/** @param {Uint8Array} bytes @param {number} at @param {number} length */
 const text = (bytes, at, length) => String.fromCharCode(...bytes.subarray(at, at + length));
+/** @param {Uint8Array} bytes */
+const isJpeg = (bytes) => text(bytes, 0, 2) === "\xff\xd8";
 
-/** The integer by which the sides of a picture are divided. */
+/** The integer by which the sides of a picture are divided. @param {number} width @param {number} height */
 function factor(width, height) {
   const short = Math.min(width, height);
-  let found = Math.max(1, Math.floor(short / SHORT_SIDE));
-  while (width * height > REDUCED_PIXELS * found ** 2 && Math.floor(short / (found + 1)) >= LEAST_SIDE) found += 1;
-  return found;
+  let by = Math.max(1, Math.floor(short / SHORT_SIDE));
+  while (width * height > REDUCED * by ** 2 && Math.floor(short / (by + 1)) >= LEAST_SIDE) by += 1;
+  return by;
 }
 
-/** The factors one after the other: a JPEG is first made smaller by 2, 4 or 8. */
-export function factors(isJpeg, width, height) {
+/** The factors one after the other: a JPEG is first made smaller by 2, 4 or 8.
+ * @param {boolean} jpeg @param {number} width @param {number} height */
+export function factors(jpeg, width, height) {
   const wanted = factor(width, height);
-  const first = isJpeg ? ([8, 4, 2].find((scale) => scale <= wanted) ?? 1) : wanted;
-  return [first, isJpeg ? factor(Math.ceil(width / first), Math.ceil(height / first)) : 1];
+  const first = jpeg ? ([8, 4, 2].find((scale) => scale <= wanted) ?? 1) : wanted;
+  return [first, jpeg ? factor(Math.ceil(width / first), Math.ceil(height / first)) : 1];
 }
 
 /** Whether a PNG or a JPEG ends as its kind does, whatever follows it; browsers show a part of one that was cut
- * short. */
+ * short. @param {Uint8Array} bytes */
 export function whole(bytes) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   let at = 8;
@@ -38,45 +38,42 @@ export function whole(bytes) {
     while (at + 12 <= bytes.length && text(bytes, at + 4, 4) !== "IEND") at += 12 + view.getUint32(at);
     return at + 12 <= bytes.length;
   }
-  if (text(bytes, 0, 2) !== "\xff\xd8") return true;
+  if (!isJpeg(bytes)) return true;
   at = 2;
   while (at + 4 < bytes.length && bytes[at + 1] !== 0xda) at += bytes[at + 1] === 0xff ? 1 : 2 + view.getUint16(at + 2);
-  for (at = bytes.indexOf(0xff, at + 2); at >= 0; at = bytes.indexOf(0xff, at + 1))
-    if (bytes[at + 1] === 0xd9) return true;
-  return false;
+  do at = bytes.indexOf(0xff, at + 2) - 1;
+  while (at > 0 && bytes[at + 2] !== 0xd9);
+  return at > 0;
 }
 
-/** The mean of `by` × `by` pixels each, as Pillow's Image.reduce has it; the last ones may be of fewer. */
+/** The mean of `by` × `by` pixels each, as Pillow's Image.reduce has it; the last ones may be of fewer.
+ * @param {Raster} picture @param {number} by @returns {Raster} */
 export function reduced({ pixels, width, height }, by) {
   if (by === 1) return { pixels, width, height };
-  const wide = Math.ceil(width / by);
-  const high = Math.ceil(height / by);
+  const [wide, high] = [Math.ceil(width / by), Math.ceil(height / by)];
   const out = new Uint8Array(3 * wide * high);
-  for (let y = 0, to = 0; y < high; y++) {
-    for (let x = 0; x < wide; x++) {
-      const right = Math.min(width, (x + 1) * by);
-      const bottom = Math.min(height, (y + 1) * by);
-      const count = (right - x * by) * (bottom - y * by);
-      const share = Math.trunc(Math.fround(2 ** 32 / (256 * count)));
-      for (let c = 0; c < 3; c++) {
-        let sum = Math.trunc(count / 2);
-        for (let row = y * by; row < bottom; row++)
-          for (let at = row * width + x * by; at < row * width + right; at++) sum += pixels[3 * at + c];
-        out[to++] = Math.floor((sum * share) / 2 ** 24);
-      }
-    }
+  for (let to = 0; to < out.length; to++) {
+    const left = (Math.floor(to / 3) % wide) * by;
+    const top = Math.floor(to / 3 / wide) * by;
+    const [right, bottom] = [Math.min(width, left + by), Math.min(height, top + by)];
+    const count = (right - left) * (bottom - top);
+    const share = Math.trunc(Math.fround(2 ** 32 / (256 * count)));
+    let sum = Math.trunc(count / 2);
+    for (let y = top; y < bottom; y++) for (let x = left; x < right; x++) sum += pixels[3 * (y * width + x) + (to % 3)];
+    out[to] = Math.floor((sum * share) / 2 ** 24);
   }
   return { pixels: out, width: wide, height: high };
 }
 
-/** The pixels of a bitmap over white, strip by strip, their sides divided by `by`. */
+/** The pixels of a bitmap over white, strip by strip, their sides divided by `by`.
+ * @param {ImageBitmap} bitmap @param {number} by @returns {Raster} */
 function pixelsOf(bitmap, by) {
   const { width, height } = bitmap;
-  const step = by * Math.max(1, Math.floor(STRIP_PIXELS / (width * by)));
+  const step = by * Math.max(1, Math.floor(STRIP / (width * by)));
   const brush = drawingOn(new OffscreenCanvas(width, Math.min(step, height)), { willReadFrequently: true });
   brush.fillStyle = "white";
   const [wide, tall] = [Math.ceil(width / by), Math.ceil(height / by)];
-  const out = { pixels: new Uint8Array(3 * wide * tall), width: wide, height: tall };
+  const out = new Uint8Array(3 * wide * tall);
   for (let top = 0; top < height; top += step) {
     const high = Math.min(step, height - top);
     brush.fillRect(0, 0, width, high);
@@ -84,28 +81,29 @@ function pixelsOf(bitmap, by) {
     const { data } = brush.getImageData(0, 0, width, high);
     const pixels = new Uint8Array(3 * width * high);
     for (let at = 0; at < pixels.length; at++) pixels[at] = data[at + Math.floor(at / 3)];
-    out.pixels.set(reduced({ pixels, width, height: high }, by).pixels, (3 * wide * top) / by);
+    out.set(reduced({ pixels, width, height: high }, by).pixels, (3 * wide * top) / by);
   }
-  return out;
+  return { pixels: out, width: wide, height: tall };
 }
 
-/** {pixels RGB, width, height} of a file's bytes, upright, and `full`, its size before; a Refused otherwise. */
+/** The pixels of a file's bytes, and `full`, its size before; a Refused otherwise.
+ * @param {Uint8Array} bytes @returns {Promise<Raster & { full: [width: number, height: number] }>} */
 export async function decoded(bytes, name = "the image") {
   if (text(bytes, 8, 8) === "WEBPVP8X" && bytes[20] & 8)
     throw new Refused(`'${name}' is a WebP with EXIF, which browsers turn differently; save it as PNG or JPEG.`);
   const options = /** @type {ImageBitmapOptions} */ ({ colorSpaceConversion: "none", imageOrientation: "from-image" });
-  const bitmap = whole(bytes) && (await createImageBitmap(new Blob([bytes]), options).catch(() => null));
+  const file = new Blob([/** @type {any} */ (bytes)]);
+  const bitmap = whole(bytes) && (await createImageBitmap(file, options).catch(() => null));
   if (!bitmap) throw new Refused(`'${name}' ${UNREAD}`);
   const { width, height } = bitmap;
-  const isJpeg = text(bytes, 0, 2) === "\xff\xd8";
-  const most = isJpeg ? MOST_PIXELS : PLAIN_PIXELS;
+  const most = isJpeg(bytes) ? MOST_JPEG : MOST;
   if (width * height > most)
     throw new Refused(`'${name}' has more than ${most / 1e6} megapixels; scale it down and try again.`);
   if (Math.min(width, height) < LEAST_SIDE)
     throw new Refused(
       `'${name}' is ${width} × ${height} pixels; a side needs ${LEAST_SIDE} or more for a surface to be seen.`,
     );
-  const [first, second] = factors(isJpeg, width, height);
+  const [first, second] = factors(isJpeg(bytes), width, height);
   const picture = reduced(pixelsOf(bitmap, first), second);
   bitmap.close();
   return { ...picture, full: [width, height] };

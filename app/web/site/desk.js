@@ -1,184 +1,218 @@
-/** What a visitor has given to one set, and the pair and head that a question names. Runs in the worker. */
+/** What a visitor has given to one set, and what a question names; see app/pair_input.py. Runs in the worker. */
 
 import { IMAGES, imagesOf } from "../shared/images.js";
+import { Models } from "./models.js";
 import { moved, profileFrom } from "./profiles.js";
 import { Refused } from "./refusal.js";
+import { PAIR } from "./rules.js";
 import { lessonsIn, teach, withLessons } from "./teaching.js";
-import { dot, mean, rounded, rowOf, unit } from "./tensors.js";
+import { dot, mean, rounded, roundedRow, rowOf, unit } from "./tensors.js";
 
 const READINGS = ["fused", "vis", "tac", "vis_branch", "tac_branch"];
-const UNLIKE = 0.05; // below this quantile a prediction is a guess
-const NEIGHBOURS = 10; // nearest images of a hundred or more
 
-/** What this visitor has given to one set: pictures, profiles, lessons. Nothing leaves the browser. */
-export class Desk {
-  constructor(models) {
-    this.models = models;
-    this.sent = new Map(); // reference -> its embeddings as {vis, tac}
-    this.profiles = new Map();
-    this.taught = new Map();
-  }
-}
-
-/** A name for bytes; two visitors share nothing here, so it only has to tell files apart. */
+/** A name for bytes; two visitors share nothing here, so it only has to tell files apart.
+ * @param {Iterable<number>} bytes */
 export function nameOf(bytes) {
-  let [a, b] = [0xdeadbeef, 0x41c6ce57];
+  let [a, b, length] = [0xdeadbeef, 0x41c6ce57, 0];
   for (const byte of bytes) {
     a = Math.imul(a ^ byte, 2654435761);
     b = Math.imul(b ^ byte, 1597334677);
+    length += 1;
   }
-  return [a, b, bytes.length].map((part) => (part >>> 0).toString(16).padStart(8, "0")).join("");
+  return [a, b, length].map((part) => (part >>> 0).toString(16).padStart(8, "0")).join("");
 }
 
-/** p of a question; null for the learned one. */
-export const orderIn = (value) => (value === null || value === undefined || value === "" ? null : Number(value));
-
-/** The embedding of one reference, moved by the question's profile if it is a visitor's picture. */
-export async function embedding(desk, ref, modality, question) {
-  const [, kind, name] = /^(\w+):(.*)$/.exec(ref) ?? [];
-  if (kind === "row") return desk.models.row(Number(name), modality);
-  if (kind === "example") return desk.models.row((await desk.models.about()).rows[name], modality);
-  const row = desk.sent.get(ref)?.[modality];
-  if (!row) throw new Refused("The page no longer has this image; send it again.", 410);
-  return movedBy(desk, question, modality, row);
+/** The value kept under a name; the page sends again what is lost.
+ * @template T @param {Map<string, T>} kept @param {string} name @param {string} sentence */
+function keptIn(kept, name, sentence) {
+  const value = kept.get(name);
+  if (!value) throw new Refused(`The page no longer has ${sentence}`, 410);
+  return value;
 }
 
-export async function movedBy(desk, question, modality, row) {
-  const profile = profileIn(desk, question);
-  if (!profile?.channels[modality]) return row;
-  const { channels, step } = await sourceProfile(desk, question.head);
-  return moved(row, profile.channels[modality], channels[modality], step);
+/** The models of a set, and what this visitor gave: nothing leaves the browser. */
+export class Desk extends Models {
+  /** @type {Map<string, Rows>} */ sent = new Map(); // reference -> its embeddings
+  /** @type {Map<string, SensorProfile>} */ profiles = new Map();
+  /** @type {Map<string, SiteHead>} */ taught = new Map();
+  /** @type {Map<string, { all: Floats[], done: number }>} */ features = new Map(); // of the set, by stage and order
+
+  /** What a question names. @param {any} question @param {Rows} rows of pictures that came with it
+   * @returns {Promise<Asked>} */
+  async asked(question, rows = {}) {
+    const before = await this.pairOf(question, rows);
+    const pair = await this.moved(question, before, rows);
+    const { order } = question;
+    const p = order === null || order === undefined || order === "" ? null : Number(order);
+    return { before, pair, order: p, head: await this.reader(question) };
+  }
+
+  /** Both embeddings of a question's pair, before any profile. @param {any} question @param {Rows} rows
+   * @returns {Promise<Rows>} */
+  async pairOf(question, rows = {}) {
+    const each = IMAGES.map(
+      async (name) => rows[name] ?? (question[name] ? this.embedding(question[name], name) : null),
+    );
+    const [vis, tac] = await Promise.all(each);
+    return { vis, tac };
+  }
+
+  /** The embedding of one reference. @param {Ref} ref @param {Modality} modality @returns {Promise<Floats>} */
+  async embedding(ref, modality) {
+    const [, kind, name] = /^(\w+):(.*)$/.exec(ref) ?? [];
+    if (kind === "row") return this.row(Number(name), modality);
+    if (kind === "example") return this.row((await this.about()).rows[name], modality);
+    return /** @type {Floats} */ (keptIn(this.sent, ref, "this image; send it again.")[modality]);
+  }
+
+  /** A pair whose own pictures a question's profile moves. @param {any} question @param {Rows} pair @param {Rows} rows
+   * @returns {Promise<Rows>} */
+  async moved(question, pair, rows) {
+    const profile = this.profileIn(question);
+    if (!profile) return pair;
+    const { channels, step } = await this.sourceProfile(question.head);
+    const each = IMAGES.map((name) => {
+      const [row, target, source] = [pair[name], profile.channels[name], channels[name]];
+      const own = rows[name] || question[name]?.startsWith("image:");
+      return [name, row && own && target && source ? moved(row, target, source, step) : row];
+    });
+    return Object.fromEntries(each);
+  }
+
+  /** @param {{ profile?: string }} question */
+  profileIn({ profile }) {
+    return profile ? keptIn(this.profiles, profile, "the profile of your sensor; load it again.") : null;
+  }
+
+  async sourceProfile(head = "") {
+    const file = await this.part(head, "profile");
+    if (!file)
+      throw new Refused("This head has no profile of its source, so no sensor's profile can be matched to it.");
+    return profileFrom(file);
+  }
+
+  /** The head of a question, taught by its lessons. @param {any} question */
+  async reader(question) {
+    if (question.taught) return keptIn(this.taught, question.taught, "the taught head; press Teach again.");
+    if (!lessonsIn(question).length) return this.head(question.head);
+    const name = taughtName(question);
+    return this.taught.get(name) ?? (await this.learned(question)).made;
+  }
+
+  /** What the lessons of a question teach its head, and what is said of each; the taught head is kept.
+   * @param {any} question */
+  async learned(question) {
+    const head = await this.head(question.head);
+    const lessons = [];
+    for (const { label, ...pair } of lessonsIn(question)) {
+      const before = await this.pairOf(pair);
+      const after = await this.moved({ ...question, vis: null, tac: null, ...pair }, before, {});
+      lessons.push({ label, before, pair: after });
+    }
+    const run = (/** @type {Rows} */ pair) => this.run(head, pair, [learnedOrders(head)]);
+    const { made, report } = await teach({ head, lessons, run });
+    /** @type {KnownImages} */
+    const known = {};
+    for (const name of IMAGES) {
+      const rows = lessons.flatMap(({ before }) => (before[name] ? [unit(before[name])] : []));
+      if (rows.length > 1) known[name] = { rows, quantiles: nearestOf(rows) };
+    }
+    const taught = { ...made, ...(imagesOf(known).length && { known }) };
+    this.taught.set(taughtName(question), taught);
+    return { made: taught, report };
+  }
+
+  /** What the images of a head are compared with. @param {SiteHead} head @returns {Promise<KnownImages>} */
+  async known({ name, known }) {
+    if (known) return known;
+    return this.once(`known ${name}`, async () => {
+      const file = (await this.part(name, "familiarity")) ?? {};
+      const images = IMAGES.filter((image) => file[image]).map((image) => {
+        const rows = Array.from({ length: file[image].shape[0] }, (_, i) => unit(rowOf(file[image], i)));
+        return [image, { rows, quantiles: file[`${image}_quantiles`].values }];
+      });
+      return Object.fromEntries(images);
+    });
+  }
+
+  /** Cosine to the nearest known image of each modality, its place among the known images, and words.
+   * @param {Asked} asked */
+  async lookedAt({ before, head }) {
+    const known = await this.known(head);
+    /** @type {Partial<Record<Modality, Familiarity>>} */
+    const looks = {};
+    for (const name of IMAGES) {
+      const [row, others] = [before[name], known[name]];
+      if (!row || !others) continue;
+      const query = unit(row);
+      const near = nearestCosines(others.rows.map((other) => dot(query, other)));
+      const quantile = quantileOf(mean([...near]), others.quantiles);
+      const guess = quantile < PAIR.UNLIKE;
+      const words = guess ? "unlike the training images" : "familiar";
+      looks[name] = { cosine: rounded(near[near.length - 1], 4), quantile: rounded(quantile, 3), words, guess };
+    }
+    return looks;
+  }
+
+  /** The readings of a pair at its p. @param {Asked} asked */
+  async readings({ head, pair, order }) {
+    const out = await this.run(head, pair, [order === null ? learnedOrders(head) : [order, order]]);
+    return readingsOf(head, out, 0, pair);
+  }
+
+  /** Readings, and the familiarity of each image. @param {Asked} asked */
+  async predicted(asked) {
+    return { readings: roundedAll(await this.readings(asked)), images: await this.lookedAt(asked) };
+  }
+
+  /** Keep a profile; its name, and the pictures of each image. @param {SensorProfile} profile */
+  keepProfile(profile) {
+    const parts = Object.entries(profile.channels);
+    const values = parts.flatMap(([, { mean, variance }]) => [...mean, ...variance]);
+    const name = nameOf(new Uint8Array(Float32Array.from(values).buffer));
+    this.profiles.set(name, profile);
+    return { profile: name, counts: Object.fromEntries(parts.map(([image, { count }]) => [image, count])) };
+  }
 }
 
-export function profileIn(desk, { profile }) {
-  if (!profile) return null;
-  const found = desk.profiles.get(profile);
-  if (!found) throw new Refused("The page no longer has the profile of your sensor; load it again.", 410);
-  return found;
-}
-
-export async function sourceProfile(desk, head = "") {
-  const file = await desk.models.part(head, "profile");
-  if (!file) throw new Refused("This head has no profile of its source, so no sensor's profile can be matched to it.");
-  return profileFrom(file);
-}
-
-/** Both embeddings of a question's pair; null for a missing image. The page sends no question without any. */
-export async function pairOf(desk, question) {
-  const rows = await Promise.all(
-    IMAGES.map((name) => (question[name] ? embedding(desk, question[name], name, question) : null)),
-  );
-  return { vis: rows[0], tac: rows[1] };
-}
-
-/** The head of a question, taught by its lessons. */
-export async function headFor(desk, question) {
-  const head = await desk.models.head(question.head);
-  const lessons = lessonsIn(question);
-  if (!lessons.length) return head;
-  const key = taughtName(question);
-  if (!desk.taught.has(key)) keepTaught(desk, question, (await teach(await classroom(desk, head, question))).made);
-  return desk.taught.get(key);
-}
-
-/** A taught head is kept with its lessons: what its pictures are compared with. */
-export const keepTaught = (desk, question, made) =>
-  desk.taught.set(taughtName(question), { ...made, lessons: question.lessons });
-
+/** @param {any} question */
 export const taughtName = ({ head = "", profile = "", lessons }) =>
   nameOf(new TextEncoder().encode(JSON.stringify([head, profile, lessons])));
 
-/** What teaching needs: lessons as pairs of embeddings, and a way to run the head. */
-export async function classroom(desk, head, question) {
-  const lessons = await Promise.all(
-    lessonsIn(question).map(async (one) => ({ label: one.label, pair: await pairOf(desk, { ...question, ...one }) })),
-  );
-  return { head, lessons, run: (pair) => desk.models.run(head, pair, [learned(head)]) };
-}
+/** @param {SiteHead} head @returns {[number, number]} */
+const learnedOrders = ({ orders }) => [orders.vis, orders.tac];
 
-export const learned = ({ orders }) => [orders.vis, orders.tac];
-
-/** The readings of a head's outputs at one stop; one image alone has its own reading as both. */
+/** The readings of a head's outputs at one stop; one image alone has its own reading as both.
+ * @param {SiteHead} head @param {Tensors} out @param {number} stop @param {Rows} pair @returns {Record<string, number[]>} */
 export function readingsOf(head, out, stop, pair) {
   const there = imagesOf(pair);
-  const of = (name) => Array.from(rowOf(out[`p_${name}`], stop));
   const names = there.length > 1 ? READINGS : ["fused", ...there];
-  const graph = (name) => of(there.length === 1 ? there[0] : name);
-  const before = Object.fromEntries(names.map((name) => [name, graph(name)]));
+  const row = (/** @type {string} */ name) => [...rowOf(out[`p_${there.length > 1 ? name : there[0]}`], stop)];
+  const before = Object.fromEntries(names.map((name) => [name, row(name)]));
   return head.map ? withLessons(head.map, before, out) : before;
 }
 
+/** @param {Record<string, number[]>} readings */
 export const roundedAll = (readings) =>
-  Object.fromEntries(Object.entries(readings).map(([name, row]) => [name, rounded(row)]));
+  Object.fromEntries(Object.entries(readings).map(([name, row]) => [name, roundedRow(row)]));
 
-/** Readings at the learned order, and the familiarity of each image. before: the pair before any profile.
- * @param {{before?: any, order?: number | null, question?: any}} more */
-export async function predictOne(desk, head, rows, more = {}) {
-  const { before = rows, order = null, question = {} } = more;
-  const out = await desk.models.run(head, rows, [order === null ? learned(head) : [order, order]]);
-  return { readings: roundedAll(readingsOf(head, out, 0, rows)), images: await lookedAt(desk, before, question) };
-}
-
-/** What images are compared with, by modality: {rows, quantiles}, of the lessons of a question or the training. */
-async function knownTo(desk, question) {
-  const lessons = lessonsIn(question);
-  const pairs = await Promise.all(lessons.map((one) => pairOf(desk, one))); // before any profile
-  const own = IMAGES.map((name) => [name, pairs.flatMap((pair) => (pair[name] ? [unit(pair[name])] : []))]);
-  const several = own.filter(([, rows]) => rows.length > 1);
-  if (several.length)
-    return Object.fromEntries(several.map(([name, rows]) => [name, { rows, quantiles: nearestOf(rows) }]));
-  const known = await desk.models.part(question.head, "familiarity");
-  if (!known) return {};
-  const there = IMAGES.filter((name) => known[name]);
-  const rowsOf = (all) => Array.from({ length: all.shape[0] }, (_, i) => unit(rowOf(all, i)));
-  return Object.fromEntries(
-    there.map((name) => [name, { rows: rowsOf(known[name]), quantiles: known[`${name}_quantiles`].values }]),
-  );
-}
-
-/** The largest cosines, ascending: N / 10 of N, at least 1 and at most NEIGHBOURS. */
+/** The largest cosines, ascending: N / 10 of N, at least 1 and at most KNOWN. @param {number[]} cosines */
 function nearestCosines(cosines) {
-  const count = Math.min(NEIGHBOURS, Math.max(1, Math.floor(cosines.length / 10)));
+  const count = Math.min(PAIR.KNOWN, Math.max(1, Math.floor(cosines.length / 10)));
   return Float64Array.from(cosines).sort().subarray(-count);
 }
 
-/** The same of each row among the others, ascending. */
+/** Their mean for each row among the others, ascending. @param {Floats[]} rows */
 const nearestOf = (rows) =>
   rows
-    .map((row, i) => mean(nearestCosines(rows.map((other, j) => (i === j ? -1 : dot(row, other))))))
+    .map((row, i) => mean([...nearestCosines(rows.map((other, j) => (i === j ? -1 : dot(row, other))))]))
     .sort((a, b) => a - b);
 
-/** Cosine to the nearest known image of each modality, its place among the known images, and words. */
-export async function lookedAt(desk, rows, question = {}) {
-  const known = await knownTo(desk, question);
-  const found = {};
-  for (const name of IMAGES.filter((one) => rows[one] && known[one])) {
-    const query = unit(rows[name]);
-    const near = nearestCosines(known[name].rows.map((row) => dot(query, row)));
-    const cosine = near[near.length - 1];
-    const quantile = quantileOf(mean(near), known[name].quantiles);
-    const guess = quantile < UNLIKE;
-    const words = guess ? "unlike the training images" : "familiar";
-    found[name] = { cosine: rounded([cosine], 4)[0], quantile: rounded([quantile], 3)[0], words, guess };
-  }
-  return found;
-}
-
-/** The place of a value among ascending quantiles, 0 to 1. */
+/** The place of a value among ascending quantiles, 0 to 1. @param {number} value @param {ArrayLike<number>} quantiles */
 function quantileOf(value, quantiles) {
   const last = quantiles.length - 1;
-  const above = quantiles.findIndex((one) => one > value);
-  const upper = Math.min(last, Math.max(1, above < 0 ? last : above));
+  let upper = 1;
+  while (upper < last && quantiles[upper] <= value) upper += 1;
   const [low, high] = [quantiles[upper - 1], quantiles[upper]];
-  const inside = Math.min(1, Math.max(0, (value - low) / Math.max(1e-12, high - low)));
-  return (upper - 1 + inside) / last;
-}
-
-/** Keep a profile; its name, and the pictures of each image. */
-export function keptProfile(desk, found) {
-  const counts = Object.fromEntries(Object.entries(found.channels).map(([name, one]) => [name, one.count]));
-  const bytes = Object.values(found.channels).flatMap((one) => [one.mean, one.variance]);
-  const name = nameOf(bytes.flatMap((values) => [...new Uint8Array(values.buffer)]));
-  desk.profiles.set(name, found);
-  return { profile: name, counts };
+  return (upper - 1 + Math.min(1, Math.max(0, (value - low) / Math.max(1e-12, high - low)))) / last;
 }

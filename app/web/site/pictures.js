@@ -1,40 +1,22 @@
 /** The routes whose body is a file: own pictures, the camera, hidden parts, a saved profile. Runs in the worker. */
 
 import { drawingOn } from "../shared/canvas.js";
-import { OTHER } from "../shared/images.js";
+import { IMAGES, OTHER } from "../shared/images.js";
 import { decoded } from "./decode.js";
-import {
-  embedding,
-  keptProfile,
-  learned,
-  movedBy,
-  nameOf,
-  orderIn,
-  predictOne,
-  readingsOf,
-  sourceProfile,
-} from "./desk.js";
-import { profileFrom } from "./profiles.js";
+import { nameOf } from "./desk.js";
+import { loaded } from "./profiles.js";
 import { Refused } from "./refusal.js";
-import { best, rounded, sum } from "./tensors.js";
+import { PICTURE } from "./rules.js";
+import { best, mean, rounded } from "./tensors.js";
 
-const CELLS = 7; // of a side, in Where?
-const PATCH = 2; // cells of a hidden part's side
+const { CELLS, PATCH, HIDDEN, PREVIEW } = PICTURE;
 const STEPS = CELLS - PATCH + 1;
 const WARM = 3; // runs after which the browser has compiled the encoder
+/** @typedef {import("./desk.js").Desk} Desk */
 
-/** Embed a visitor's picture; its reference, its size and a small copy. */
-async function image(desk, { body, query }) {
-  const name = (query.get("name") ?? "").slice(0, 120) || "the image";
-  const ref = `image:${nameOf(body)}`;
-  const picture = await decoded(body, name);
-  if (!desk.sent.has(ref)) desk.sent.set(ref, await desk.models.asEither(picture));
-  const [width, height] = picture.full;
-  return { ref, width, height, preview: await preview(desk, picture) };
-}
-
+/** A small copy, as a data address. @param {Desk} desk @param {Raster} picture */
 async function preview(desk, picture) {
-  const { pixels, width, height } = await desk.models.within(picture, 320);
+  const { pixels, width, height } = await desk.within(picture, PREVIEW);
   const data = new ImageData(width, height);
   data.data.fill(255);
   pixels.forEach((value, at) => (data.data[at + Math.floor(at / 3)] = value));
@@ -44,111 +26,105 @@ async function preview(desk, picture) {
   return new /** @type {any} */ (self).FileReaderSync().readAsDataURL(blob);
 }
 
-/** Fetch the encoder, and run once what a first pair needs: later ones wait for no file and no compiler. */
-export async function warm(desk) {
-  await desk.models.runtime(); // with the head, before the encoder
-  const canvas = new OffscreenCanvas(320, 240);
-  drawingOn(canvas).fillRect(0, 0, 160, 120);
-  const blob = await canvas.convertToBlob({ type: "image/jpeg" });
-  const body = new Uint8Array(await blob.arrayBuffer());
-  const head = await desk.models.head();
-  for (let time = 0; time < WARM; time++) {
-    const { ref } = await image(desk, { body, query: new URLSearchParams() });
-    const row = desk.sent.get(ref);
-    desk.sent.delete(ref);
-    await predictOne(desk, head, row);
-  }
-  return {};
+/** A question with the reference of the other image, if it names one. @param {any} question */
+function beside(question) {
+  const rest = OTHER[/** @type {Modality} */ (question.modality)];
+  return rest ? { ...question, [rest]: question.other } : question;
 }
 
-/** What the address of a picture's request names: the head, the other image, p. */
-async function asked(desk, query) {
-  const [modality, name, reader, profile, ref] = ["modality", "taught", "head", "profile", "other"].map(
-    (key) => query.get(key) ?? "",
-  );
-  const head = name ? desk.taught.get(name) : await desk.models.head(reader);
-  if (!head) throw new Refused("The page no longer has the taught head; press Teach again.", 410);
-  const question = { profile, head: reader, lessons: head.lessons };
-  const rest = ref && OTHER[modality];
-  const other = async (by) => (rest ? { [rest]: await embedding(desk, ref, rest, by) } : {});
-  return { modality, head, order: orderIn(query.get("order")), question, other };
-}
+/** @type {Record<string, Route>} */
+export const PICTURES = {
+  /** Embed a visitor's picture; its reference, its size and a small copy. */
+  async image(desk, { name = "" }, { body }) {
+    const ref = `image:${nameOf(body)}`;
+    const picture = await decoded(body, name.slice(0, 120) || "the image");
+    if (!desk.sent.has(ref)) desk.sent.set(ref, await desk.asEither(picture));
+    const [width, height] = picture.full;
+    return { ref, width, height, preview: await preview(desk, picture) };
+  },
 
-async function live(desk, { body, query }) {
-  const began = performance.now();
-  const { modality, head, order, question, other } = await asked(desk, query);
-  const split = Number(query.get("split"));
-  const parts =
-    modality === "both" ? { vis: body.subarray(0, split), tac: body.subarray(split) } : { [modality]: body };
-  const pictures = {};
-  for (const [name, part] of Object.entries(parts)) pictures[name] = await desk.models.seen(await decoded(part), name);
-  const read = performance.now();
-  const [rows, before] = [{}, {}];
-  for (const [name, picture] of Object.entries(pictures)) {
-    before[name] = await desk.models.encoded(picture);
-    rows[name] = await movedBy(desk, question, name, before[name]);
-  }
-  const embedded = performance.now();
-  Object.assign(rows, await other(question));
-  Object.assign(before, await other({}));
-  const found = await predictOne(desk, head, rows, { before, order, question });
-  const ms = [read - began, embedded - read, performance.now() - embedded];
-  const [decoding, encoder, last] = rounded(ms, 1);
-  return { classes: head.classes, ...found, ms: { read: decoding, encoder, head: last } };
-}
+  /** Fetch the encoder, and run once what a first pair needs: later ones wait for no file and no compiler. */
+  async warm(desk, _, sent) {
+    await desk.runtime(); // with the head, before the encoder
+    const canvas = new OffscreenCanvas(320, 240);
+    drawingOn(canvas).fillRect(0, 0, 160, 120);
+    const blob = await canvas.convertToBlob({ type: "image/jpeg" });
+    const body = new Uint8Array(await blob.arrayBuffer());
+    for (let time = 0; time < WARM; time++) {
+      const { ref } = /** @type {{ ref: Ref }} */ (await PICTURES.image(desk, {}, { ...sent, body }));
+      await desk.predicted(await desk.asked({ vis: ref, tac: ref }));
+      desk.sent.delete(ref);
+    }
+    return {};
+  },
 
-/** Hide each part of a picture in turn, and predict again. */
-async function occlusion(desk, { body, query, stopped }) {
-  const { modality, head, order, question, other } = await asked(desk, query);
-  const began = performance.now();
-  const { models } = desk;
-  const picture = await models.within(await decoded(body), 448);
-  const { pixels, width, height } = picture;
-  const { pixels: mean } = await models.resized(picture, 1, 1);
-  const rest = await other(question);
-  const predicted = async (shown) => {
-    if (stopped()) throw new Refused("The request was withdrawn.", 499);
-    const row = await models.encoded(await models.seen(shown, modality));
-    const rows = { ...rest, [modality]: await movedBy(desk, question, modality, row) };
-    const out = await models.run(head, rows, [order === null ? learned(head) : [order, order]]);
-    return readingsOf(head, out, 0, rows).fused;
-  };
-  const first = await predicted(picture);
-  const top = best(first);
-  const falls = [];
-  const edge = (cell, side) => Math.floor((cell * side) / CELLS);
-  for (let at = 0; at < STEPS * STEPS; at++) {
-    const [row, column] = [Math.floor(at / STEPS), at % STEPS];
-    const copy = pixels.slice();
-    for (let y = edge(row, height); y < edge(row + PATCH, height); y++)
-      for (let x = edge(column, width); x < edge(column + PATCH, width); x++) copy.set(mean, 3 * (y * width + x));
-    falls.push(first[top] - (await predicted({ pixels: copy, width, height }))[top]);
-  }
-  return {
-    class: head.classes[top],
-    probability: rounded([first[top]])[0],
-    cells: CELLS,
-    drops: overCells(falls),
-    seconds: rounded([(performance.now() - began) / 1000], 2)[0],
-  };
-}
+  async live(desk, question, { body }) {
+    const began = performance.now();
+    const { modality, split } = question;
+    const parts = modality === "both" ? [body.subarray(0, split), body.subarray(split)] : [body];
+    const names = modality === "both" ? IMAGES : [/** @type {Modality} */ (modality)];
+    const pictures = [];
+    for (const [i, part] of parts.entries()) pictures.push(await desk.seen(await decoded(part), names[i]));
+    const read = performance.now();
+    /** @type {Rows} */
+    const rows = {};
+    for (const [i, picture] of pictures.entries()) rows[names[i]] = await desk.encoded(picture);
+    const embedded = performance.now();
+    const asked = await desk.asked(beside(question), rows);
+    const reply = await desk.predicted(asked);
+    const ms = { read: read - began, encoder: embedded - read, head: performance.now() - embedded };
+    const shown = Object.entries(ms).map(([part, one]) => [part, rounded(one, 1)]);
+    return { classes: asked.head.classes, ...reply, ms: Object.fromEntries(shown) };
+  },
 
-/** The mean decrease for each cell, over the parts that cover it. */
+  /** Hide each part of a picture in turn, and predict again. */
+  async occlusion(desk, question, { body, stopped }) {
+    const began = performance.now();
+    const { modality } = question;
+    const picture = await desk.within(await decoded(body), HIDDEN);
+    const { pixels, width, height } = picture;
+    const { pixels: grey } = await desk.resized(picture, 1, 1);
+    const predicted = async (/** @type {Raster} */ shown) => {
+      if (stopped()) throw new Refused("The request was withdrawn.", 499);
+      const row = await desk.encoded(await desk.seen(shown, modality));
+      const asked = await desk.asked(beside(question), { [modality]: row });
+      return { classes: asked.head.classes, fused: (await desk.readings(asked)).fused };
+    };
+    const { classes, fused } = await predicted(picture);
+    const top = best(fused);
+    const falls = [];
+    const edge = (/** @type {number} */ cell, /** @type {number} */ side) => Math.floor((cell * side) / CELLS);
+    for (let at = 0; at < STEPS * STEPS; at++) {
+      const [row, column] = [Math.floor(at / STEPS), at % STEPS];
+      const copy = pixels.slice();
+      for (let y = edge(row, height); y < edge(row + PATCH, height); y++)
+        for (let x = edge(column, width); x < edge(column + PATCH, width); x++) copy.set(grey, 3 * (y * width + x));
+      falls.push(fused[top] - (await predicted({ pixels: copy, width, height })).fused[top]);
+    }
+    return {
+      class: classes[top],
+      probability: rounded(fused[top]),
+      cells: CELLS,
+      drops: overCells(falls),
+      seconds: rounded((performance.now() - began) / 1000, 2),
+    };
+  },
+
+  async sensor(desk, _, { body }) {
+    const profile = loaded(body, (await desk.about()).key);
+    await desk.sourceProfile();
+    return desk.keepProfile(profile);
+  },
+};
+
+/** The mean decrease for each cell, over the parts that cover it. @param {number[]} falls */
 function overCells(falls) {
   const cells = Array.from({ length: CELLS }, (_, i) => i);
-  const covers = (part, cell) => part <= cell && cell < part + PATCH;
+  const covers = (/** @type {number} */ part, /** @type {number} */ cell) => part <= cell && cell < part + PATCH;
   return cells.map((row) =>
     cells.map((column) => {
       const over = falls.filter((_, at) => covers(Math.floor(at / STEPS), row) && covers(at % STEPS, column));
-      return rounded([sum(over) / over.length])[0];
+      return rounded(mean(over));
     }),
   );
 }
-
-async function sensor(desk, { body }) {
-  const { key } = await desk.models.about();
-  await sourceProfile(desk);
-  return keptProfile(desk, profileFrom(body.slice().buffer, key));
-}
-
-export const FILES = { image, live, occlusion, sensor };

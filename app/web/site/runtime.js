@@ -9,59 +9,41 @@ const OLD =
   "This browser has no WebAssembly with SIMD, which the models need, or it is switched off; use one from 2023 or later.";
 export const LOST = "A file of this page did not arrive; check the connection and try again.";
 
-/** @type {Promise<any> | null} */
-let ort = null;
-
-async function started(base, bytes) {
+/** The runtime from the folder of the models; a Refused where it cannot run.
+ * @param {string | URL} base @param {(url: URL, title: string) => Promise<ArrayBuffer>} bytes fetches a file */
+export async function runtime(base, bytes) {
   if (!globalThis.WebAssembly?.validate(SIMD)) throw new Refused(OLD);
-  const [found, program] = await Promise.all([
+  const [ort, program] = await Promise.all([
     import(new URL("runtime/ort.wasm.bundle.min.mjs", base).href).catch(() => {
       throw new Refused(LOST);
     }),
     bytes(new URL("runtime/ort-wasm-simd-threaded.wasm", base), "the program that computes"),
   ]);
-  found.env.wasm.numThreads = self.crossOriginIsolated ? Math.min(MOST_THREADS, navigator.hardwareConcurrency ?? 1) : 1;
-  found.env.wasm.wasmBinary = program;
-  return found;
+  ort.env.wasm.numThreads = self.crossOriginIsolated ? Math.min(MOST_THREADS, navigator.hardwareConcurrency ?? 1) : 1;
+  ort.env.wasm.wasmBinary = program;
+  return ort;
 }
 
+/** @type {Promise<unknown>} */
 let turn = Promise.resolve();
-
 /** Do `work` after all that came before: the runtime has one stack, which two calls at once would break.
  * @template T @param {() => Promise<T>} work @returns {Promise<T>} */
 export function inTurn(work) {
   const done = turn.then(work);
-  turn = done.then(
-    () => {},
-    () => {},
-  );
+  turn = done.catch(() => {});
   return done;
 }
 
 let prompt = 0; // questions that a visitor waits for
-
 /** Do `work`, for which the long walks over a set wait.
  * @template T @param {() => Promise<T>} work @returns {Promise<T>} */
 export function promptly(work) {
   prompt += 1;
-  return work().finally(() => {
-    prompt -= 1;
-  });
+  return work().finally(() => (prompt -= 1));
 }
 
 /** Let other messages in, and settle once no visitor waits. */
 export async function quiet() {
   do await new Promise((resolve) => setTimeout(resolve));
   while (prompt);
-}
-
-/** The runtime from the folder of the models. `bytes` fetches a file; a Refused where it cannot run. */
-export async function runtime(base, bytes) {
-  ort ??= started(base, bytes);
-  try {
-    return await ort;
-  } catch (error) {
-    ort = null; // another try may have a connection
-    throw error;
-  }
 }

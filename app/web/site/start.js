@@ -7,7 +7,7 @@ import { state } from "../shared/store.js";
 const tabs = /** @type {HTMLElement[]} */ ([...document.querySelectorAll("[role=tab]")]);
 const started = new Set();
 
-/** Show one tab, and start it if it was never open. */
+/** Show one tab, and start it if it was never open. @param {string} view */
 async function open(view) {
   for (const tab of tabs) {
     const chosen = tab.id === `view-${view}-button`;
@@ -34,10 +34,11 @@ async function keep() {
 for (const tab of tabs) {
   tab.onclick = () => open(tab.id.split("-")[1]);
   tab.onkeydown = ({ key }) => {
-    const step = { ArrowRight: 1, ArrowLeft: -1 }[key];
-    const next = step && tabs.at((tabs.indexOf(tab) + step) % tabs.length);
-    next?.click();
-    next?.focus();
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[key] ?? 0;
+    const next = tabs.at((tabs.indexOf(tab) + step) % tabs.length) ?? tab;
+    if (next === tab) return;
+    next.click();
+    next.focus();
   };
 }
 document.body.classList.toggle("dark", matchMedia("(prefers-color-scheme: dark)").matches);

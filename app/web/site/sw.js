@@ -4,49 +4,43 @@ const worker = /** @type {any} */ (globalThis);
 const { first, rest } = worker.omnivatSite; // addresses of files, relative to this one
 const scope = worker.registration.scope;
 const NAME = `omnivat ${scope}`; // other pages of this host have theirs
-const known = new Set([...first, ...rest].map((file) => new URL(file, scope).href));
+const address = (/** @type {string} */ file) => new URL(file, scope).href;
+const known = new Set([...first, ...rest].map(address));
 const PAUSE = 200; // milliseconds
 // They let the page use several threads; everything here is of one origin.
 const ALONE = {
-  "Cross-Origin-Opener-Policy": "same-origin",
-  "Cross-Origin-Embedder-Policy": "require-corp",
-  "Cross-Origin-Resource-Policy": "same-origin",
+  "cross-origin-opener-policy": "same-origin",
+  "cross-origin-embedder-policy": "require-corp",
+  "cross-origin-resource-policy": "same-origin",
 };
 
+/** @param {Response} response */
 function alone(response) {
   if (!response.status || response.redirected) return response;
-  const headers = new Headers(response.headers);
-  for (const [name, value] of Object.entries(ALONE)) headers.set(name, value);
-  return new Response(response.body, { status: response.status, statusText: response.statusText, headers });
+  const { status, statusText } = response;
+  const headers = { ...Object.fromEntries(response.headers), ...ALONE };
+  return new Response(response.body, { status, statusText, headers });
 }
 
 let wanted = 0; // files on their way to the page, before which copies for later visits wait
 
-async function kept(request) {
+/** A file as it is kept; the page itself, whose name stays, from the network, else as it was last.
+ * @param {Request} request */
+async function served(request) {
+  const own = !known.has(request.url);
   const cache = await caches.open(NAME);
-  const there = await cache.match(request.url);
-  if (there) return alone(there);
+  const kept = await cache.match(own ? scope : request.url);
+  if (kept && !own) return alone(kept);
   wanted += 1;
   try {
-    const response = await fetch(request.url);
-    if (response.ok) await cache.put(request.url, response.clone());
-    return alone(response);
-  } finally {
-    wanted -= 1;
-  }
-}
-
-/** The page itself: from the network, else as it was last. */
-async function page(request) {
-  const cache = await caches.open(NAME);
-  try {
-    const response = await fetch(request);
-    if (response.ok) await cache.put(scope, response.clone());
+    const response = await fetch(own ? request : request.url);
+    if (response.ok) await cache.put(own ? scope : request.url, response.clone());
     return alone(response);
   } catch (error) {
-    const there = await cache.match(scope);
-    if (there) return alone(there);
+    if (kept) return alone(kept);
     throw error;
+  } finally {
+    wanted -= 1;
   }
 }
 
@@ -56,20 +50,21 @@ async function clear() {
   await worker.clients.claim();
 }
 
+/** @param {string[]} files */
 async function keep(files) {
   const cache = await caches.open(NAME);
-  for (const file of files) {
+  for (const file of files.map(address)) {
     while (wanted) await new Promise((resolve) => setTimeout(resolve, PAUSE));
-    if (!(await cache.match(new URL(file, scope)))) await cache.add(new URL(file, scope));
+    if (!(await cache.match(file))) await cache.add(file);
   }
 }
 
-worker.addEventListener("install", (event) => event.waitUntil(keep(["./", ...first]).then(() => worker.skipWaiting())));
-worker.addEventListener("activate", (event) => event.waitUntil(clear()));
-worker.addEventListener("message", (event) => event.data === "keep" && event.waitUntil(keep(rest)));
-worker.addEventListener("fetch", (event) => {
-  const { request } = event;
-  if (request.method !== "GET") return;
-  if (known.has(request.url)) event.respondWith(kept(request));
-  else if ([scope, `${scope}index.html`].includes(request.url.split(/[?#]/)[0])) event.respondWith(page(request));
-});
+worker.oninstall = (/** @type {any} */ event) =>
+  event.waitUntil(keep(["./", ...first]).then(() => worker.skipWaiting()));
+worker.onactivate = (/** @type {any} */ event) => event.waitUntil(clear());
+worker.onmessage = (/** @type {any} */ event) => event.data === "keep" && event.waitUntil(keep(rest));
+worker.onfetch = (/** @type {any} */ event) => {
+  const { url, method } = event.request;
+  const page = [scope, `${scope}index.html`].includes(url.split(/[?#]/)[0]);
+  if (method === "GET" && (page || known.has(url))) event.respondWith(served(event.request));
+};

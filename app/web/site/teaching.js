@@ -2,17 +2,16 @@
 
 import { imagesOf } from "../shared/images.js";
 import { Refused } from "./refusal.js";
-import { best, dot, rowOf, softmax, sum } from "./tensors.js";
+import { TEACHING } from "./rules.js";
+import { best, dot, rounded, rowOf, softmax, sum } from "./tensors.js";
 
-const MOST_LESSONS = 60;
-const LONGEST_LABEL = 40;
-const PENALTY = 0.3; // of squared weights
-const SHARPNESS = [0.5, 50]; // least and most, of scores
-const FOLDS = 10; // of the lessons of a class, at most
+const { MOST_LESSONS, LONGEST_LABEL, PENALTY, SHARPNESS, FOLDS, FEWEST } = TEACHING;
+/** @typedef {number[][]} Matrix @typedef {{ rows: Floats[], targets: Matrix, before: Matrix }} Room lessons: their
+ * rows, labels one-hot, and the head's prediction */
 
-/** The labelled pairs of a question. */
-export function lessonsIn({ lessons }) {
-  const all = (lessons ?? []).map((one) => ({ ...one, label: one.label.trim() }));
+/** The labelled pairs of a question. @param {{ lessons?: Lesson[] }} question */
+export function lessonsIn({ lessons = [] }) {
+  const all = lessons.map((one) => ({ ...one, label: one.label.trim() }));
   if (all.length > MOST_LESSONS)
     throw new Refused(`${all.length} pairs are labelled, and at most ${MOST_LESSONS} are taught here.`);
   const wrong = all.find(({ label }) => !label || label.length > LONGEST_LABEL);
@@ -20,44 +19,38 @@ export function lessonsIn({ lessons }) {
   return all;
 }
 
-/** Readings with what lessons add, from the readings before any; one image alone counts twice. */
+/** Readings with what lessons add, from the readings before any; one image alone counts twice.
+ * @param {LessonMap} map @param {Record<string, number[]>} before @param {Tensors} out */
 export function withLessons({ rows, bias, share }, before, out) {
-  const there = imagesOf(before);
-  const part = (name, row) => {
-    const own = out[`${name}_standing`].values;
-    const from = name === "vis" ? 0 : own.length;
-    return dot(own, row.subarray(from, from + own.length));
-  };
-  const added = (reading) => {
+  const shares = Object.entries(before).map(([reading, shown]) => {
     const image = reading.replace("_branch", "");
-    const names = image === "fused" ? there : [image];
-    return (row) => (2 / names.length) * sum(names.map((name) => part(name, row)));
-  };
-  const shares = ([reading, shown]) => {
-    const score = added(reading);
-    return [reading, softmax(rows.map((row, k) => share * (shown[k] ?? 0) + score(row) + bias[k]))];
-  };
-  return Object.fromEntries(Object.entries(before).map(shares));
+    const there = image === "fused" ? imagesOf(before) : [image];
+    const row = standing(out, there).map((value) => (2 / there.length) * value);
+    return [reading, softmax(rows.map((one, k) => share * (shown[k] ?? 0) + dot(one, row) + bias[k]))];
+  });
+  return Object.fromEntries(shares);
 }
 
-/** What is missing before lessons can be judged, or "". */
+/** What is missing before lessons can be judged, or "". @param {{ label: string }[]} lessons */
 export function missing(lessons) {
+  /** @type {Map<string, number>} */
   const counts = new Map();
   for (const { label } of lessons) counts.set(label, (counts.get(label) ?? 0) + 1);
-  if ([...counts.values()].filter((count) => count >= 2).length >= 2) return "";
+  if ([...counts.values()].filter((count) => count >= FEWEST).length >= FEWEST) return "";
   const there = [...counts].map((one) => one.join(" ")).join(", ") || "none yet";
   return `Label two or more pairs of each of two or more classes first, of different objects; there are: ${there}.`;
 }
 
-/** VIS and TAC side by side; the part of a missing image is zero. */
-function standing({ out, there }) {
+/** VIS and TAC of a head's outputs side by side; the part of a missing image is zero.
+ * @param {Tensors} out @param {string[]} there */
+function standing(out, there) {
   const width = out.vis_standing.values.length;
   const row = new Float64Array(2 * width);
   for (const name of there) row.set(out[`${name}_standing`].values, name === "vis" ? 0 : width);
   return row;
 }
 
-/** The inverse of a positive definite matrix, in its place, by Gauss-Jordan elimination. */
+/** The inverse of a positive definite matrix, in its place, by Gauss-Jordan elimination. @param {Float64Array[]} matrix */
 function inverted(matrix) {
   matrix.forEach((row, k) => {
     const pivot = row[k];
@@ -74,7 +67,7 @@ function inverted(matrix) {
 }
 
 /** The ridge regression of values (L, K) on L rows: the weight of each row, `solved`, and its error without it.
- * See omnivat/head/ridge.py. */
+ * See omnivat/head/ridge.py. @param {Floats[]} rows @param {Matrix} values */
 export function ridge(rows, values) {
   const inverse = inverted(
     rows.map((row, i) => Float64Array.from(rows, (other, j) => dot(row, other) + 1 + (i === j ? PENALTY : 0))),
@@ -83,33 +76,36 @@ export function ridge(rows, values) {
   return { solved, errors: solved.map((row, i) => row.map((value) => value / inverse[i][i])) };
 }
 
-/** The head's share, 0 to 1, from the errors (L, K) of labels and of the head's prediction. */
-export function shareOf(labels, head) {
+/** The head's share, 0 to 1, from the errors (L, K) of labels and of the head's prediction.
+ * @param {Matrix} labels @param {Matrix} head */
+function shareOf(labels, head) {
   const size = sum(head.map((row) => dot(row, row)));
   const one = size / head.length; // the head counts as right on one object more
   const fit = sum(labels.map((row, i) => dot(row, head[i])));
   return Math.min(1, Math.max(0, (fit + one) / (size + one)));
 }
 
-/** The factor of scores (L, K) whose softmax has the least log loss, with one more lesson of every class alike. */
+/** The factor of scores (L, K) whose softmax has the least log loss, with one more lesson of every class alike.
+ * @param {Matrix} scores @param {number[]} labels */
 export function sharpness(scores, labels) {
   let [low, high] = SHARPNESS;
   for (let turn = 0; turn < 40; turn++) {
     const factor = (low + high) / 2;
-    const means = scores.map((row) => dot(softmax(row.map((score) => factor * score)), row));
-    const slope = sum(
-      means.map((mean, i) => mean - scores[i][labels[i]] + (mean - sum(scores[i]) / scores[i].length) / scores.length),
-    );
-    if (slope < 0) low = factor;
+    const slopes = scores.map((row, i) => {
+      const mean = dot(softmax(row.map((score) => factor * score)), row);
+      return mean - row[labels[i]] + (mean - sum(row) / row.length) / scores.length;
+    });
+    if (sum(slopes) < 0) low = factor;
     else high = factor;
   }
   return high;
 }
 
-/** a - share * b, of matrices. */
+/** a - share * b. @param {Matrix} a @param {number} share @param {Matrix} b */
 const less = (a, share, b) => a.map((row, i) => row.map((value, k) => value - share * b[i][k]));
 
-/** What lessons teach: the head's share, the weight of each lesson, and the scores of each without it. */
+/** What lessons teach: the head's share, the weight of each lesson, and the scores of each without it.
+ * @param {Room} room */
 export function solved({ rows, targets, before }) {
   const [wanted, shown] = [ridge(rows, targets), ridge(rows, before)];
   const share = shareOf(wanted.errors, shown.errors);
@@ -117,23 +113,19 @@ export function solved({ rows, targets, before }) {
   return { share, weights: less(wanted.solved, share, shown.solved), apart };
 }
 
-/** The fold of each lesson: folds have one lesson of each class, or a tenth of it. */
-function foldsOf(labels) {
-  const of = (label) => labels.filter((other) => other === label).length;
-  const folds = Math.min(FOLDS, Math.max(...labels.map(of)));
-  const at = (label, i) => labels.slice(0, i).filter((other) => other === label).length;
-  return labels.map((label, i) => Math.floor((at(label, i) * folds) / of(label)));
-}
-
-/** The class of each lesson by what the other folds teach. */
+/** The class of each lesson by what the other folds teach; a fold has one lesson of each class, or a tenth of it.
+ * @param {Room} room @param {number[]} labels */
 export function afterOf(room, labels) {
-  const folds = foldsOf(labels);
-  const taught = (fold) => {
-    const rest = labels.flatMap((_, i) => (folds[i] === fold ? [] : [i]));
-    const [rows, targets, before] = [room.rows, room.targets, room.before].map((all) => rest.map((i) => all[i]));
-    return { rows, ...solved({ rows, targets, before }) };
-  };
-  const heads = [...new Set(folds)].sort((a, b) => a - b).map(taught);
+  const places = labels.map((label, i) => labels.slice(0, i).filter((other) => other === label).length);
+  const counts = labels.map((label) => labels.filter((other) => other === label).length);
+  const most = Math.min(FOLDS, Math.max(...counts));
+  const folds = places.map((at, i) => Math.floor((at * most) / counts[i]));
+  const heads = Array.from({ length: most }, (_, fold) => {
+    /** @template T @param {T[]} all */
+    const others = (all) => all.filter((__, i) => folds[i] !== fold);
+    const rest = { rows: others(room.rows), targets: others(room.targets), before: others(room.before) };
+    return { rows: rest.rows, ...solved(rest) };
+  });
   return labels.map((_, i) => {
     const { rows, share, weights } = heads[folds[i]];
     const near = rows.map((row) => dot(row, room.rows[i]) + 1);
@@ -141,32 +133,32 @@ export function afterOf(room, labels) {
   });
 }
 
-/** Teach the lessons of a room {head, lessons: [{label, pair}], run(pair)}: the taught head, and the report, what is
- * said of each lesson before and after teaching by the others. */
+/** Teach lessons: the taught head, and the report, what is said of each lesson before and after teaching by the others.
+ * @param {{ head: SiteHead, lessons: TaughtPair[], run: (pair: Rows) => Promise<Tensors> }} school */
 export async function teach({ head, lessons, run }) {
   const names = lessons.map(({ label }) => label);
   const classes = [...new Set([...head.classes, ...names])];
   const labels = names.map((name) => classes.indexOf(name));
-  const outs = [];
-  for (const { pair } of lessons) outs.push({ out: await run(pair), there: imagesOf(pair) });
-  const rows = outs.map(standing);
-  const targets = labels.map((label) => classes.map((_, k) => Number(k === label)));
-  const before = outs.map((one) => classes.map((_, k) => predicted(one)[k] ?? 0));
-  const { share, weights, apart } = solved({ rows, targets, before });
+  /** @type {Room} */
+  const room = { rows: [], before: [], targets: labels.map((label) => classes.map((_, k) => Number(k === label))) };
+  for (const { pair } of lessons) {
+    const [out, there] = [await run(pair), imagesOf(pair)];
+    const shown = rowOf(out[there.length > 1 ? "p_fused" : `p_${there[0]}`], 0);
+    room.rows.push(standing(out, there));
+    room.before.push(classes.map((_, k) => shown[k] ?? 0));
+  }
+  const { share, weights, apart } = solved(room);
   const sharp = sharpness(apart, labels);
-  const after = missing(lessons) ? [] : afterOf({ rows, targets, before }, labels);
-  const judged = names.map((label, i) => ({ label, before: classes[best(before[i])], after: classes[after[i]] }));
-  const right = (when) => judged.filter((one) => one[when] === one.label).length;
-  const report = {
-    judged,
-    right: { before: right("before"), after: right("after") },
-    share: Math.round(1e4 * share) / 1e4,
-  };
+  const after = missing(lessons) ? [] : afterOf(room, labels);
+  const judged = names.map((label, i) => ({ label, before: classes[best(room.before[i])], after: classes[after[i]] }));
+  const right = (/** @type {"before" | "after"} */ when) => judged.filter((one) => one[when] === one.label).length;
+  const report = { judged, right: { before: right("before"), after: right("after") }, share: rounded(share, 4) };
+  const weighted = (/** @type {number} */ k, /** @type {number} */ at) =>
+    sharp * sum(room.rows.map((row, i) => weights[i][k] * row[at]));
   const map = {
-    rows: classes.map((_, k) => rows[0].map((_, at) => sharp * sum(rows.map((row, i) => weights[i][k] * row[at])))),
+    rows: classes.map((_, k) => room.rows[0].map((__, at) => weighted(k, at))),
     bias: classes.map((_, k) => sharp * sum(weights.map((row) => row[k]))),
     share: sharp * share,
   };
   return { made: { ...head, classes, map }, report };
 }
-const predicted = ({ out, there }) => rowOf(out[there.length > 1 ? "p_fused" : `p_${there[0]}`], 0);

@@ -1,0 +1,37 @@
+/** Floats of the library, written by `python -m app.site_rules`. */
+
+export const DOTS = {
+  SIDE: 224,
+  WIDEST: 0.085,
+  LONGEST: 0.28,
+  SHORTEST: 11,
+  MOST: 256,
+  FAINTEST: 26,
+  NODES: 16,
+  SUPPORT: 0.22,
+  STRAY: 0.24,
+  FAINT: [0.35, 0.7],
+  SMALLEST: 64,
+};
+export const PICTURE = {
+  MOST_JPEG: 64000000,
+  MOST: 24000000,
+  SHORT_SIDE: 1024,
+  REDUCED: 6000000,
+  LEAST_SIDE: 8,
+  STRIP: 1000000,
+  PREVIEW: 320,
+  HIDDEN: 448,
+  CELLS: 7,
+  PATCH: 2,
+};
+export const PAIR = { STOPS: 101, COLUMNS: 256, NEAREST: 3, NEIGHBOURS: 6, KNOWN: 10, UNLIKE: 0.05 };
+export const TEACHING = {
+  MOST_LESSONS: 60,
+  LONGEST_LABEL: 40,
+  PENALTY: 0.3,
+  SHARPNESS: [0.5, 50.0],
+  FOLDS: 10,
+  FEWEST: 2,
+};
+export const PROFILE = { FORMAT: "omnivat-profile-1", MEAN_PRIOR: 4, VARIANCE_PRIOR: 10, FLOOR: 1.0 };
