@@ -32,13 +32,13 @@ def rules(source: str) -> dict[str, Rule]:
     return {rule["raw"]: Rule(**rule) for rule in written if rule["source"] == source}
 
 
-def why_left_out(rule: Rule | None, raw: str, *, strict: bool) -> str:
-    """Return the reason for leaving out a material, or "" if the rule keeps it."""
+def ruled(rule: Rule | None, raw: str, *, strict: bool) -> tuple[str, str]:
+    """Return the material of a rule, or "" and the reason for leaving it out."""
     if rule is None or not rule.material:
-        return f"{raw or 'no material'}: none of the five materials"
+        return "", f"{raw or 'no material'}: none of the five materials"
     if strict and rule.merged:
-        return f"strict: {rule.named} is not {rule.material} itself"
-    return ""
+        return "", f"strict: {rule.named} is not {rule.material} itself"
+    return rule.material, ""
 
 
 def class_key(name: str) -> str:

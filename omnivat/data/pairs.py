@@ -1,11 +1,12 @@
 """A pair: a photo (VIS) and a tactile image (TAC) of one contact, with names."""
 
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from omnivat.data.materials import in_order
-from omnivat.kit.errors import printable
+from omnivat.kit.errors import DataError, printable
 
 NAMED = 3  # reasons in an error; skipped items named for a reason
 
@@ -48,19 +49,24 @@ class Tally:
         """Count `count` pairs of `what`, skipped because of `why`."""
         self._counts[what, why] += count
 
-    def skipped(self) -> tuple[Skipped, ...]:
-        """Return one entry for each item and reason, in order of first appearance."""
-        return tuple(
-            Skipped(what=what, why=why, count=count) for (what, why), count in self._counts.items()
-        )
+    def result(
+        self, name: str, source: Path, pairs: Sequence["Pair"], how: str, *, simulated: bool = False
+    ) -> "PairSet":
+        """Return the result of the reader of the data set `name`; `how` it was read is its origin.
 
-    def reasons(self) -> str:
-        """Return the most frequent reasons in a few words, for an error."""
-        reasons: Counter[str] = Counter()
-        for (_, why), count in self._counts.items():
-            reasons[why] += count
-        named = [f"{why} ({count})" for why, count in reasons.most_common(NAMED)]
-        return f" Left out: {'; '.join(named)}." if named else ""
+        Raises DataError with the most frequent reasons if there are no pairs.
+        """
+        if not pairs:
+            reasons: Counter[str] = Counter()
+            for (_, why), count in self._counts.items():
+                reasons[why] += count
+            named = [f"{why} ({count})" for why, count in reasons.most_common(NAMED)]
+            left_out = f" Left out: {'; '.join(named)}." if named else ""
+            raise DataError(f"No pairs of {name} in '{source}'.{left_out}")
+        skipped = [Skipped(what=w, why=why, count=n) for (w, why), n in self._counts.items()]
+        return PairSet(
+            pairs=tuple(pairs), skipped=tuple(skipped), origin=f"{name}, {how}", simulated=simulated
+        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

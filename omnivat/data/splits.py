@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.data.pairs import Pair, Skipped
+from omnivat.data.pairs import Pair, Tally
 from omnivat.kit.errors import DataError
 from omnivat.kit.seeding import derive_seed
 
@@ -105,17 +105,16 @@ def split_by_object(pairs: Sequence[Pair], *, seed: int, test: float = 0.3) -> t
     return tuple(made)
 
 
-def balance(pairs: Sequence[Pair], *, seed: int) -> tuple[tuple[Pair, ...], tuple[Skipped, ...]]:
+def balance(pairs: Sequence[Pair], left_out: Tally, *, seed: int) -> tuple[Pair, ...]:
     """Draw from each class as many pairs as the smallest class has, in every domain and split.
 
-    seed    of the draw; a class's draw depends on the others only by the size
-    return  the pairs kept, in their order, and the number removed from each class
+    left_out  counts the pairs removed from each class
+    seed      of the draw; a class's draw depends on the others only by the size
     """
     groups: dict[tuple[str, str], dict[str, list[int]]] = defaultdict(lambda: defaultdict(list))
     for index, pair in enumerate(pairs):
         groups[pair.domain, pair.split][pair.material].append(index)
     keep: set[int] = set()
-    lost = []
     for (domain, split), classes in groups.items():
         smallest = min(map(len, classes.values()))
         for material, members in classes.items():
@@ -128,5 +127,5 @@ def balance(pairs: Sequence[Pair], *, seed: int) -> tuple[tuple[Pair, ...], tupl
                 what = (
                     f"{domain}{' ' if split else ''}{split}: {extra} of {len(members)} {material}"
                 )
-                lost.append(Skipped(what=what, why="balanced to the smallest class", count=extra))
-    return tuple(pair for index, pair in enumerate(pairs) if index in keep), tuple(lost)
+                left_out.add(what, "balanced to the smallest class", extra)
+    return tuple(pair for index, pair in enumerate(pairs) if index in keep)

@@ -12,7 +12,7 @@ from dataclasses import replace
 from pathlib import Path
 from random import Random
 
-from omnivat.data.materials import class_key, rules, why_left_out
+from omnivat.data.materials import class_key, ruled, rules
 from omnivat.data.pairs import Pair, PairSet, Tally
 from omnivat.data.readers.files import (
     folders_in,
@@ -21,11 +21,11 @@ from omnivat.data.readers.files import (
     number_of,
     read_cells,
     read_json,
+    require_choice,
     show,
 )
-from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.errors import DataError
 from omnivat.kit.seeding import derive_seed
-from omnivat.kit.tables import suggestion
 
 A, B = "OF 2.0 A", "OF 2.0 B"
 LAST_OF_A = 100
@@ -59,28 +59,16 @@ def read(
     label.json does not name its numbers, so they are matched with objects.csv. Raises DataError if
     one number has two materials, if a file is missing, or if there are no pairs.
     """
-    if split not in SPLITS:
-        raise SettingsError(
-            f"split is '{split}'; choose {', '.join(SPLITS)}.{suggestion(split, SPLITS)}"
-        )
+    require_choice("split", split, SPLITS)
     left_out = Tally()
     raw = materials_of_objects(source, Path(objects) if objects else source / "objects.csv")
     things = _things(source, raw, strict, left_out)
     pairs = [pair for thing in things for pair in _pairs(source, thing, things[thing], left_out)]
-    pairs = (
-        _released(source, pairs, left_out) if split == "release" else _drawn(pairs, seed, left_out)
-    )
-    if not pairs:
-        raise DataError(f"No pairs of ObjectFolder 2.0 in '{show(source)}'.{left_out.reasons()}")
-    return PairSet(
-        pairs=tuple(pairs),
-        skipped=left_out.skipped(),
-        origin=(
-            "ObjectFolder 2.0,"
-            f" {'split.json' if split == 'release' else 'objects drawn as many a class'}"
-        ),
-        simulated=True,
-    )
+    if split == "release":
+        pairs, how = _released(source, pairs, left_out), "split.json"
+    else:
+        pairs, how = _drawn(pairs, seed, left_out), "objects drawn as many a class"
+    return left_out.result("ObjectFolder 2.0", source, pairs, how, simulated=True)
 
 
 def materials_of_objects(source: Path, table: Path) -> dict[int, str]:
@@ -137,12 +125,11 @@ def _things(source: Path, raw: dict[int, str], strict: bool, left_out: Tally) ->
     known = rules("objectfolder")
     things = {}
     for thing, name in sorted(raw.items()):
-        rule = known.get(name)
-        why = why_left_out(rule, name, strict=strict)
-        if why or rule is None:
-            left_out.add("objects", why if name else "objects.csv does not name its material")
+        material, why = ruled(known.get(name), name, strict=strict)
+        if material:
+            things[thing] = material
         else:
-            things[thing] = rule.material
+            left_out.add("objects", why if name else "objects.csv does not name its material")
     for folder in folders_in(source / "touch"):
         if not folder.name.isdecimal() or int(folder.name) not in raw:
             left_out.add(f"touch/{show(folder.name)}", "label.json does not name it")

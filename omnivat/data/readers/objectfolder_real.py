@@ -8,15 +8,22 @@ The folder is called gelsight, the sensor in the paper GelSlim. The names of the
 unknown, so any folder of frames next to gelsight is accepted, the hand's camera first.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from omnivat.data.materials import class_key, rules, why_left_out
+from omnivat.data.materials import class_key, ruled, rules
 from omnivat.data.pairs import Pair, PairSet, Tally
-from omnivat.data.readers.files import folders_in, frames_in, is_file, is_text, read_names, show
+from omnivat.data.readers.files import (
+    folders_in,
+    frames_in,
+    is_file,
+    is_text,
+    read_names,
+    require_choice,
+    show,
+)
 from omnivat.data.splits import split_by_object
-from omnivat.kit.errors import DataError, SettingsError
-from omnivat.kit.tables import suggestion
+from omnivat.kit.errors import DataError
 
 DOMAIN = "OF Real"
 TOUCH = "gelsight"
@@ -51,10 +58,7 @@ def read(
     The paper's frames and camera are unknown. The VIS frame is at the same fraction of its
     recording. Raises DataError without a table or without pairs.
     """
-    if frames not in CHOICES:
-        raise SettingsError(
-            f"frames is '{frames}'; choose {', '.join(CHOICES)}.{suggestion(frames, CHOICES)}"
-        )
+    require_choice("frames", frames, CHOICES)
     left_out = Tally()
     table = Path(materials) if materials else source / "materials.csv"
     if not is_file(table):
@@ -63,38 +67,30 @@ def read(
             "list of the download page into a CSV with the columns object,material."
         )
     named = read_names(table, "object", "material")
-    pairs = [
+    pairs: Sequence[Pair] = [
         pair
         for thing in folders_in(source)
         if (thing / "tactile_data").is_dir()
         for material in _material(thing, named, strict, left_out)
         for pair in _pairs(thing, material, frames, camera, left_out)
     ]
-    if not pairs:
-        raise DataError(
-            f"No pairs of ObjectFolder Real in '{show(source)}'; expected"
-            " <object>/tactile_data/<contact>/0/gelsight and a camera beside"
-            f" it.{left_out.reasons()}"
-        )
-    return PairSet(
-        pairs=split_by_object(pairs, seed=seed, test=TEST_SHARE),
-        skipped=left_out.skipped(),
-        origin=f"ObjectFolder Real, {frames} frame of a press, split by object",
-    )
+    pairs = split_by_object(pairs, seed=seed, test=TEST_SHARE)
+    how = f"{frames} frame of a press, split by object"
+    return left_out.result("ObjectFolder Real", source, pairs, how)
 
 
 def _material(thing: Path, named: dict[str, str], strict: bool, left_out: Tally) -> Iterator[str]:
     """Return the object's material if it is kept."""
     raw = class_key(named.get(thing.name, ""))
-    rule = rules("objectfolder").get(raw)
+    material, why = ruled(rules("objectfolder").get(raw), raw, strict=strict)
     if not is_text(thing.name):
         left_out.add(show(thing.name), "its name is not UTF-8; rename it")
     elif thing.name not in named:
         left_out.add(f"object {show(thing.name)}", "the table of materials does not name it")
-    elif why := why_left_out(rule, raw, strict=strict):
+    elif material:
+        yield material
+    else:
         left_out.add(f"object {thing.name}", why)
-    elif rule:
-        yield rule.material
 
 
 def _pairs(thing: Path, material: str, choice: str, camera: str, left_out: Tally) -> Iterator[Pair]:

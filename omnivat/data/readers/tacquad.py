@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
 
-from omnivat.data.materials import MATERIALS, class_key, rules_in_text, why_left_out
+from omnivat.data.materials import MATERIALS, class_key, ruled, rules_in_text
 from omnivat.data.pairs import Pair, PairSet, Tally
 from omnivat.data.readers.files import frames_in, is_file, is_text, read_cells, read_names, show
 from omnivat.data.splits import split_by_object
@@ -96,12 +96,10 @@ def read(
                 list(_touches(contact, sensor, left_out)), contact, sensor, seed, all_frames
             )
     pairs += _tac3d(contacts, Path(cache) if cache else cache_folder() / "tac3d", seed, left_out)
-    if not pairs:
-        raise DataError(f"No pairs of TacQuad in '{show(source)}'.{left_out.reasons()}")
     if by_object:
         pairs = _by_object(pairs, seed)
     how = "all frames in contact" if all_frames else "frames drawn to the paper's counts"
-    return PairSet(pairs=tuple(pairs), skipped=left_out.skipped(), origin=f"TacQuad, {how}")
+    return left_out.result("TacQuad", source, pairs, how)
 
 
 def _contacts(
@@ -158,8 +156,7 @@ def material_of(
         if len(found) > 1:
             return "", f"names {' and '.join(sorted(rule.named for rule in found))}"
         if found:
-            why = why_left_out(found[0], found[0].named, strict=strict)
-            return ("" if why else found[0].material), why
+            return ruled(found[0], found[0].named, strict=strict)
     return "", "neither name nor caption has a material"
 
 

@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from omnivat.data.materials import class_key, rules, why_left_out
-from omnivat.data.pairs import Pair, PairSet, Skipped, Tally
+from omnivat.data.materials import class_key, ruled, rules
+from omnivat.data.pairs import Pair, PairSet, Tally
 from omnivat.data.readers.files import folders_in, frames_in, is_file, is_text, read_lines, show
 from omnivat.data.splits import balance, split_by_object
 from omnivat.kit.errors import DataError
@@ -77,15 +77,12 @@ def read(
             " classes: `omnivat embed` with --set keep_labels=true."
         )
     pairs = tuple(_pairs(frames, clips, left_out))
-    if not pairs:
-        raise DataError(f"No pairs of Touch-and-Go in '{show(source)}'.{left_out.reasons()}")
     if files and not official:
         pairs = split_by_object(pairs, seed=seed, test=TEST_SHARE)
-    lost: tuple[Skipped, ...] = ()
     if balanced and not keep_labels:
-        pairs, lost = balance(pairs, seed=seed)
+        pairs = balance(pairs, left_out, seed=seed)
     how = "official lists" if official else "split by clip" if files else "no lists, no split"
-    return PairSet(pairs=pairs, skipped=left_out.skipped() + lost, origin=f"Touch-and-Go, {how}")
+    return left_out.result("Touch-and-Go", source, pairs, how)
 
 
 def _list_files(places: tuple[Path, ...], by_folder: bool) -> tuple[dict[str, Path], bool]:
@@ -153,9 +150,9 @@ def _materials(
     for frame in frames:
         rule = known.get(frame.label)
         name = rule.named if rule else names.get(frame.label, "")
-        why = why_left_out(rule, "labels of other materials", strict=strict)
-        if not why and rule:
-            kept.append((frame, rule.material))
+        material, why = ruled(rule, "labels of other materials", strict=strict)
+        if material:
+            kept.append((frame, material))
         elif keep:
             kept.append((frame, name or f"label {frame.label}"))
         else:

@@ -6,14 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from omnivat.data.materials import (
-    MATERIALS,
-    class_key,
-    in_order,
-    rules,
-    rules_in_text,
-    why_left_out,
-)
+from omnivat.data.materials import MATERIALS, class_key, in_order, ruled, rules, rules_in_text
 
 
 @pytest.mark.parametrize("name", ["Wood", "wood ", " WOOD", "\twood\n", "ｗｏｏｄ"])
@@ -57,9 +50,9 @@ def test_only_iron_polycarbonate_and_other_metals_are_merged():
 
 def test_strict_leaves_out_what_is_merged():
     iron = rules("objectfolder")["iron"]
-    assert why_left_out(iron, "iron", strict=False) == ""
-    assert why_left_out(iron, "iron", strict=True) == "strict: iron is not steel itself"
-    assert why_left_out(None, "rubber", strict=False) == "rubber: none of the five materials"
+    assert ruled(iron, "iron", strict=False) == ("steel", "")
+    assert ruled(iron, "iron", strict=True) == ("", "strict: iron is not steel itself")
+    assert ruled(None, "rubber", strict=False) == ("", "rubber: none of the five materials")
 
 
 def found(text, glued=False):

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from omnivat.data.pairs import Pair
+from omnivat.data.pairs import Pair, Tally
 from omnivat.data.splits import balance, hold_out, split_by_object
 from omnivat.kit.errors import DataError
 
@@ -130,16 +130,17 @@ def test_two_domains_of_the_same_objects_are_drawn_apart():
 
 def test_balance_draws_as_many_of_each_class():
     members = pairs([("", "wood")] * 9 + [("", "glass")] * 4 + [("", "steel")] * 5)
-    kept, lost = balance(members, seed=0)
+    kept = balance(members, left_out := Tally(), seed=0)
     assert Counter(p.material for p in kept) == {"wood": 4, "glass": 4, "steel": 4}
-    assert {s.what: s.count for s in lost} == {"D: 5 of 9 wood": 5, "D: 1 of 5 steel": 1}
-    assert kept == balance(members, seed=0)[0]
-    assert kept != balance(members, seed=1)[0]
+    lost = {s.what: s.count for s in left_out.result("", Path(), kept, "").skipped}
+    assert lost == {"D: 5 of 9 wood": 5, "D: 1 of 5 steel": 1}
+    assert kept == balance(members, Tally(), seed=0)
+    assert kept != balance(members, Tally(), seed=1)
 
 
 def test_balance_keeps_domains_apart():
     members = pairs([("", "wood")] * 3 + [("", "glass")], "A") + pairs([("", "wood")] * 5, "B")
-    kept, _ = balance(members, seed=0)
+    kept = balance(members, Tally(), seed=0)
     assert Counter((p.domain, p.material) for p in kept) == {
         ("A", "wood"): 1,
         ("A", "glass"): 1,
