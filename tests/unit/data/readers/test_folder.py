@@ -12,166 +12,115 @@ from omnivat.data.readers import read_pairs
 from omnivat.data.readers.folder import read
 from omnivat.kit.errors import DataError
 
-
-def reasons(pairs):
-    return {skipped.what: skipped.why for skipped in pairs.skipped}
-
-
-def test_domain_and_class_come_from_the_folders(tmp_path, pair):
-    pair(tmp_path / "TAG" / "Wood", "a")
-    pair(tmp_path / "TAG" / "felt", "a")
-    found = read(tmp_path)
-    assert [(p.domain, p.material) for p in found.pairs] == [("TAG", "wood"), ("TAG", "felt")]
-    assert found.pairs[0].vis == tmp_path / "TAG" / "Wood" / "a_vis.png"
-    assert not found.skipped
-    assert not found.simulated
-
-
-def test_halves_may_differ_in_format_and_case(tmp_path, pair):
-    pair(tmp_path / "D" / "wood", "a", vis=".JPG", tac=".webp")
-    pair(tmp_path / "D" / "wood", "b", vis=".tif", tac=".bmp")
-    pair(tmp_path / "D" / "wood", "c.v2")
-    (tmp_path / "D" / "wood" / "a_vis.JPG").rename(tmp_path / "D" / "wood" / "a_VIS.JPG")
-    assert len(read(tmp_path).pairs) == 3
-
-
-def test_a_folder_in_a_class_is_an_object(tmp_path, pair):
-    pair(tmp_path / "D" / "wood" / "1", "a")
-    pair(tmp_path / "D" / "glass" / "1", "a")
-    names = [p.object for p in read(tmp_path).pairs]
-    assert names == ["glass/1", "wood/1"]  # another thing of the same number
-
-
-def test_a_simulated_domain_marks_the_set(tmp_path, pair):
-    pair(tmp_path / "TAG-sim" / "wood", "a")
-    assert read(tmp_path).simulated
-
-
-def test_half_a_pair_is_skipped_and_listed(tmp_path, pair, put):
-    pair(tmp_path / "D" / "wood", "a")
-    put(tmp_path / "D" / "wood" / "b_vis.png")
-    put(tmp_path / "D" / "wood" / "c_tac.png")
-    found = read(tmp_path)
-    assert len(found.pairs) == 1
-    assert reasons(found) == {
-        "D/wood/b": "no _tac image beside the other",
-        "D/wood/c": "no _vis image beside the other",
-    }
-
-
-def test_a_half_that_is_there_twice_is_skipped_with_both_names(tmp_path, pair, put):
-    pair(tmp_path / "D" / "wood", "a")
-    pair(tmp_path / "D" / "wood", "b")
-    put(tmp_path / "D" / "wood" / "b_vis.jpg")
-    found = read(tmp_path)
-    assert len(found.pairs) == 1
-    assert "b_vis.jpg and b_vis.png" in reasons(found)["D/wood/b"]
+PAIR = "D/wood/a_*.png"
 
 
 @pytest.mark.parametrize(
-    ("name", "why"),
+    ("files", "pairs"),
     [
-        ("photo.png", "ends neither in _vis nor in _tac"),
-        ("a_vis.docx", "'.docx' is not a suffix of images"),
-        ("_vis.png", "only _vis or _tac"),
+        (["TAG/Wood/a_*.png", "TAG/felt/a_*.png"], [("wood", ""), ("felt", "")]),
+        (["A/Wood/a_*.png", "B/wood/a_*.png"], [("wood", ""), ("wood", "")]),
+        # an object in a class is another thing than that of the same name in another class
+        (["D/wood/1/a_*.png", "D/glass/1/a_*.png"], [("glass", "glass/1"), ("wood", "wood/1")]),
+        # halves may differ in format and case
+        (["D/wood/a_VIS.JPG", "D/wood/a_tac.webp"], [("wood", "")]),
+        (["D/wood/c.v2_vis.tif", "D/wood/c.v2_tac.bmp"], [("wood", "")]),
     ],
 )
-def test_other_names_are_skipped_with_a_reason(tmp_path, pair, put, name, why):
-    pair(tmp_path / "D" / "wood", "ok")
-    put(tmp_path / "D" / "wood" / name)
-    assert why in reasons(read(tmp_path))[f"D/wood/{name}"]
+def test_class_and_object_come_from_the_folders(tree, files, pairs):
+    found = read(tree(*files))
+    assert [(p.material, p.object) for p in found.pairs] == pairs
+    assert not found.skipped and not found.simulated
+    assert found.domains() == tuple(dict.fromkeys(file.split("/")[0] for file in files))
+    assert all(p.vis.is_file() and p.vis.stem[:-4] == p.tac.stem[:-4] for p in found.pairs)
 
 
-def test_hidden_files_and_notes_pass_unseen(tmp_path, pair, put):
-    pair(tmp_path / "D" / "wood", "a")
-    put(tmp_path / "D" / "wood" / "._a_vis.png")
-    put(tmp_path / ".git" / "wood" / "a_vis.png")
-    (tmp_path / "D" / "wood" / "notes.txt").write_text("bought in May")
-    found = read(tmp_path)
-    assert (len(found.pairs), found.skipped) == (1, ())
+def test_a_simulated_domain_marks_the_set(tree):
+    assert read(tree("TAG-sim/wood/a_*.png")).simulated
+
+
+@pytest.mark.parametrize(
+    ("files", "skipped"),
+    [
+        (["D/wood/b_vis.png"], {"D/wood/b": "no _tac image beside the other"}),
+        (["D/wood/c_tac.png"], {"D/wood/c": "no _vis image beside the other"}),
+        (
+            ["D/wood/b_*.png", "D/wood/b_vis.jpg"],
+            {"D/wood/b": "one half is there more than once: b_vis.jpg and b_vis.png"},
+        ),
+        (["D/wood/p.png"], {"D/wood/p.png": "its name ends neither in _vis nor in _tac"}),
+        (["D/wood/a_vis.docx"], {"D/wood/a_vis.docx": "'.docx' is not a suffix of images"}),
+        (["D/wood/_vis.png"], {"D/wood/_vis.png": "its name is only _vis or _tac"}),
+        (["D/b_vis.png"], {"D/b_vis.png": "lies in no class folder"}),
+        (["D/wood/1/2/b_vis.png"], {"D/wood/1/2/b_vis.png": "lies deeper than an object folder"}),
+        (["D/wood/._a_vis.png", ".git/wood/a_vis.png", "D/wood/notes.txt"], {}),
+    ],
+)
+def test_what_is_no_pair_is_skipped_and_listed(tree, reasons, files, skipped):
+    found = read(tree(PAIR, *files))
+    assert (len(found.pairs), reasons(found)) == (1, skipped)
 
 
 @pytest.mark.parametrize("other", ["wood", "WOOD", "Wood ", "Ｗｏｏｄ"])
-def test_two_classes_of_one_name_are_refused_with_both_folders(tmp_path, pair, other):
-    pair(tmp_path / "D" / "Wood", "a")
-    pair(tmp_path / "D" / other, "b")
+def test_two_classes_of_one_name_are_refused_with_both_folders(tree, other):
+    root = tree("D/Wood/a_*.png", f"D/{other}/b_*.png")
     with pytest.raises(DataError, match="Two classes of one name") as caught:
-        read(tmp_path)
-    assert str(tmp_path / "D" / "Wood") in str(caught.value)
-    assert str(tmp_path / "D" / other) in str(caught.value)
+        read(root)
+    assert str(root / "D" / "Wood") in str(caught.value)
+    assert str(root / "D" / other) in str(caught.value)
 
 
-def test_one_class_written_in_two_ways_in_two_domains_is_one_class(tmp_path, pair):
-    pair(tmp_path / "A" / "Wood", "a")
-    pair(tmp_path / "B" / "wood", "a")
-    assert read(tmp_path).materials() == ("wood",)
-
-
-def test_two_domains_of_one_name_are_refused(tmp_path, pair):
-    pair(tmp_path / "TAG" / "wood", "a")
-    pair(tmp_path / "tag" / "wood", "a")
-    with pytest.raises(DataError, match="Two domains of one name"):
-        read(tmp_path)
-
-
-def test_strict_leaves_out_classes_beyond_the_five(tmp_path, pair):
-    pair(tmp_path / "D" / "wood", "a")
-    pair(tmp_path / "D" / "felt", "a")
-    found = read(tmp_path, strict=True)
+def test_strict_leaves_out_classes_beyond_the_five(tree, reasons):
+    found = read(tree(PAIR, "D/felt/a_*.png"), strict=True)
     assert found.materials() == ("wood",)
     assert reasons(found)["D/felt"].startswith("strict: not one of wood, steel")
 
 
-@pytest.mark.parametrize("depth", [(), ("wood",)])
-def test_a_folder_too_near_to_the_top_is_named(tmp_path, pair, depth):
-    pair(tmp_path.joinpath(*depth), "a")
-    with pytest.raises(DataError, match="lack a folder for their domain or class"):
-        read(tmp_path)
+@pytest.mark.parametrize(
+    ("files", "message"),
+    [
+        (["TAG/wood/a_*.png", "tag/wood/a_*.png"], "Two domains of one name"),
+        (["a_*.png"], "lack a folder for their domain or class"),
+        (["wood/a_*.png"], "lack a folder for their domain or class"),
+        ([], r"No pairs in '.*'; expected <domain>/<class>/<name>_vis.png"),
+        (["D/wood/a_vis.png"], r"1 skipped, such as 'D/wood/a': no _tac image"),
+    ],
+)
+def test_a_folder_without_pairs_says_what_was_wanted(tree, files, message):
+    with pytest.raises(DataError, match=message):
+        read(tree(*files))
 
 
-def test_an_empty_folder_says_what_was_wanted(tmp_path):
-    with pytest.raises(
-        DataError, match=r"No pairs in '.*'; expected <domain>/<class>/<name>_vis.png"
-    ):
-        read(tmp_path)
+def test_a_domain_with_the_name_of_the_total_is_refused_before_anything_is_embedded(tree):
+    with pytest.raises(DataError, match="A domain is called 'all'.*rename the domain"):
+        read_pairs(tree("all/wood/a_*.png"))
 
 
-def test_a_folder_of_lone_halves_says_the_first_reason(tmp_path, put):
-    put(tmp_path / "D" / "wood" / "a_vis.png")
-    with pytest.raises(DataError, match=r"1 skipped, such as 'D/wood/a': no _tac image"):
-        read(tmp_path)
-
-
-def test_links_in_circles_end_and_add_no_pair(tmp_path, pair):
-    pair(tmp_path / "D" / "wood", "a")
-    (tmp_path / "D" / "up").symlink_to(tmp_path)
-    (tmp_path / "D" / "wood" / "round").symlink_to(tmp_path / "D" / "wood")
-    (tmp_path / "E").symlink_to(tmp_path / "D")
-    (tmp_path / "self").symlink_to(tmp_path / "self")
-    found = read(tmp_path)
+def test_links_in_circles_end_and_add_no_pair(tree, reasons):
+    root = tree(PAIR)
+    (root / "D" / "up").symlink_to(root)
+    (root / "D" / "wood" / "round").symlink_to(root / "D" / "wood")
+    (root / "D" / "wood" / "b_vis.png").symlink_to(root / "nowhere")
+    (root / "D" / "wood" / "c_vis.png").mkdir()
+    (root / "E").symlink_to(root / "D")
+    (root / "self").symlink_to(root / "self")
+    found = read(root)
     assert len(found.pairs) == 1
-    assert reasons(found)["D/up"] == "leads back to a folder that it lies in"
-    assert reasons(found)["E"] == "leads to the same folder as 'D'"
-
-
-def test_a_broken_link_and_a_folder_named_like_an_image_are_skipped(tmp_path, pair):
-    pair(tmp_path / "D" / "wood", "a")
-    (tmp_path / "D" / "wood" / "b_vis.png").symlink_to(tmp_path / "nowhere")
-    (tmp_path / "D" / "wood" / "c_vis.png").mkdir()
-    found = read(tmp_path)
-    assert reasons(found)["D/wood/b_vis.png"] == "cannot be opened (a broken link?)"
-    assert reasons(found)["D/wood/c_vis.png"] == "a folder with the name of an image"
+    assert reasons(found) == {
+        "D/up": "leads back to a folder that it lies in",
+        "D/wood/round": "leads back to a folder that it lies in",
+        "D/wood/b_vis.png": "cannot be opened (a broken link?)",
+        "D/wood/c_vis.png": "a folder with the name of an image",
+        "E": "leads to the same folder as 'D'",
+    }
 
 
 @pytest.mark.skipif(
     os.name == "nt" or os.uname().sysname == "Darwin", reason="names are text there"
 )
-def test_names_that_are_not_utf8_are_skipped_and_can_be_printed(tmp_path, pair, image_bytes):
-    pair(tmp_path / "D" / "wood", "a")
-    folder = os.fsencode(tmp_path / "D" / "wood")
-    for half in (b"_vis", b"_tac"):
-        Path(os.fsdecode(folder + b"/\xff\xfe" + half + b".png")).write_bytes(image_bytes)
-    found = read(tmp_path)
+def test_names_that_are_not_utf8_are_skipped_and_can_be_printed(tree):
+    odd = os.fsdecode(b"\xff\xfe")
+    found = read(tree(PAIR, f"D/wood/{odd}_*.png"))
     assert len(found.pairs) == 1
     assert summary_table(found).encode("utf-8")
     assert [skipped.why for skipped in found.skipped] == [
@@ -179,11 +128,10 @@ def test_names_that_are_not_utf8_are_skipped_and_can_be_printed(tmp_path, pair, 
     ] * 2
 
 
-def test_a_folder_without_permission_is_listed(tmp_path, pair, monkeypatch):
-    pair(tmp_path / "D" / "wood", "a")
-    pair(tmp_path / "D" / "glass", "a")
+def test_a_folder_without_permission_is_listed(tree, reasons, monkeypatch):
+    root = tree(PAIR, "D/glass/a_*.png")
     monkeypatch.setattr("os.access", lambda path, mode: Path(path).name != "glass")
-    assert reasons(read(tmp_path)) == {"D/glass": "may not be opened: its permissions forbid it"}
+    assert reasons(read(root)) == {"D/glass": "may not be opened: its permissions forbid it"}
 
 
 def test_a_path_that_is_not_there_is_named(tmp_path):
@@ -218,9 +166,3 @@ def test_any_tree_is_read_or_refused_in_one_sentence(tmp_path_factory, tree):
     assert len(set(files)) == len(files)
     assert all(file.is_file() for file in files)
     assert all(line.isprintable() for line in summary_table(found).split("\n"))
-
-
-def test_a_domain_with_the_name_of_the_total_is_refused_before_anything_is_embedded(tmp_path, pair):
-    pair(tmp_path / "all" / "wood", "a")
-    with pytest.raises(DataError, match="A domain is called 'all'.*rename the domain"):
-        read_pairs(tmp_path)

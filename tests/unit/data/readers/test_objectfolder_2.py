@@ -61,19 +61,20 @@ def test_strict_leaves_out_iron_and_polycarbonate(release):
     }
 
 
-def test_a_label_of_two_materials_is_refused(release):
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"102": 2}, r"label 2 to object 1 \(wood\) and to object 102 \(iron"),
+        ({"101": 9}, "gives wood the label 2 at object 1 and 9 at object 101"),
+    ],
+)
+def test_a_label_of_two_materials_and_a_material_of_two_labels_are_refused(
+    release, change, message
+):
     root = release(SMALL)
     labels = json.loads((root / "label.json").read_text())
-    (root / "label.json").write_text(json.dumps(labels | {"102": labels["1"]}))
-    with pytest.raises(DataError, match=r"label 2 to object 1 \(wood\) and to object 102 \(iron"):
-        read_pairs(root)
-
-
-def test_a_material_of_two_labels_is_refused(release):
-    root = release(SMALL)
-    labels = json.loads((root / "label.json").read_text())
-    (root / "label.json").write_text(json.dumps(labels | {"101": 9}))
-    with pytest.raises(DataError, match="gives wood the label 2 at object 1 and 9 at object 101"):
+    (root / "label.json").write_text(json.dumps(labels | change))
+    with pytest.raises(DataError, match=message):
         read_pairs(root)
 
 
@@ -111,10 +112,9 @@ def test_a_missing_table_of_objects_is_asked_for(release):
         read_pairs(root)
 
 
-def test_missing_halves_and_unnamed_objects_are_counted(release, put):
+def test_missing_halves_and_unnamed_objects_are_counted(release, tree, reasons):
     root = release(SMALL)
     (root / "touch/1/0.png").unlink()
-    put(root / "touch/999/0.png")
-    whys = {s.what: s.why for s in read_pairs(root).skipped}
+    whys = reasons(read_pairs(tree("touch/999/0.png")))
     assert whys["object 1"] == "no image in touch"
     assert whys["touch/999"] == "label.json does not name it"

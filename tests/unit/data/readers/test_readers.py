@@ -24,15 +24,8 @@ def test_every_reader_loads_and_can_be_strict_and_seeded(name):
         ("TAG/wood/a_vis.png", "folder"),
     ],
 )
-def test_a_layout_is_recognised_by_what_lies_in_it(tmp_path, put, file, name):
-    put(tmp_path / file)
-    assert recognised(tmp_path) == name
-
-
-def test_the_benchmark_release_is_recognised(tmp_path, put):
-    put(tmp_path / "touch/1/0.png")
-    (tmp_path / "label.json").write_text("{}")
-    assert recognised(tmp_path) == "objectfolder_2"
+def test_a_layout_is_recognised_by_what_lies_in_it(tree, file, name):
+    assert recognised(tree(file)) == name
 
 
 def test_an_unknown_reader_gets_a_suggestion(tmp_path):
@@ -40,21 +33,22 @@ def test_an_unknown_reader_gets_a_suggestion(tmp_path):
         read_pairs(tmp_path, reader="taquad")
 
 
-def test_an_unknown_option_gets_a_suggestion(tmp_path):
-    with pytest.raises(SettingsError, match="no option 'by_folders'.*Did you mean 'by_folder'"):
-        read_pairs(tmp_path, reader="touch_and_go", by_folders=True)
+@pytest.mark.parametrize(
+    ("reader", "option", "message"),
+    [
+        ("touch_and_go", "by_folders", "no option 'by_folders'.*Did you mean 'by_folder'"),
+        ("folder", "camera", "'folder' has no option 'camera'; it has none"),
+    ],
+)
+def test_an_unknown_option_is_refused_with_those_there_are(tmp_path, reader, option, message):
+    with pytest.raises(SettingsError, match=message):
+        read_pairs(tmp_path, reader=reader, **{option: True})
 
 
-def test_a_reader_without_options_says_so(tmp_path):
-    with pytest.raises(SettingsError, match="'folder' has no option 'camera'; it has none"):
-        read_pairs(tmp_path, reader="folder", camera="x")
-
-
-def test_a_truth_value_may_be_text(tmp_path, put):
-    put(tmp_path / "wood" / "video_frame" / "0.png")
-    put(tmp_path / "wood" / "gelsight_frame" / "0.png")
-    assert len(read_pairs(tmp_path, keep_labels="true").pairs) == 1
+def test_a_truth_value_may_be_text(tree):
+    root = tree("wood/video_frame/0.png", "wood/gelsight_frame/0.png")
+    assert len(read_pairs(root, keep_labels="true").pairs) == 1
     with pytest.raises(DataError, match="No labels for the clips"):
-        read_pairs(tmp_path, keep_labels="False")
+        read_pairs(root, keep_labels="False")
     with pytest.raises(SettingsError, match="keep_labels is 'perhaps'; choose true or false"):
-        read_pairs(tmp_path, keep_labels="perhaps")
+        read_pairs(root, keep_labels="perhaps")

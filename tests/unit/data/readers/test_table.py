@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from omnivat.data.pairs import Pair
 from omnivat.data.readers import read_pairs
 from omnivat.kit.errors import DataError
 
@@ -11,10 +12,9 @@ HEADER = "vis,tac,domain,material"
 
 
 @pytest.fixture
-def table(tmp_path, put):
-    """Write pairs.csv beside two images and return its path."""
-    put(tmp_path / "v.png")
-    put(tmp_path / "t.png")
+def table(tmp_path, tree):
+    """Write pairs.csv beside three images and return its path."""
+    tree("v.png", "t.png", "sub/v.png")
 
     def write(text, encoding="utf-8"):
         file = tmp_path / "pairs.csv"
@@ -24,33 +24,26 @@ def table(tmp_path, put):
     return write
 
 
-def reasons(pairs):
-    return {skipped.what: skipped.why for skipped in pairs.skipped}
-
-
 def test_a_row_gives_a_pair_with_all_that_is_known(table, tmp_path):
-    file = table(f"{HEADER},object,split,part\nv.png,t.png,TAG, Wood ,chair,Train,Indoor\n")
-    (pair,) = read_pairs(file).pairs
-    assert (pair.vis, pair.tac) == (tmp_path / "v.png", tmp_path / "t.png")
-    assert (pair.domain, pair.material, pair.object) == ("TAG", "wood", "chair")
-    assert (pair.split, pair.part) == ("train", "indoor")
-
-
-def test_a_row_names_the_classes_that_its_object_imitates(table):
-    file = table(f"{HEADER},looks_like,feels_like\nv.png,t.png,TAG,plastic, Wood ,\n")
-    (pair,) = read_pairs(file).pairs
-    assert (pair.looks_like, pair.feels_like) == ("wood", "")
-
-
-def test_a_folder_with_pairs_csv_is_read_by_it(table, tmp_path):
-    table(f"{HEADER}\nv.png,t.png,TAG,wood\n")
-    assert read_pairs(tmp_path).origin == "table 'pairs.csv'"
-
-
-def test_absolute_paths_and_backslashes_are_found(table, tmp_path, put):
-    put(tmp_path / "sub" / "v.png")
-    file = table(f"{HEADER}\nsub\\v.png,{tmp_path / 't.png'},TAG,wood\n")
-    assert read_pairs(file).pairs[0].vis == tmp_path / "sub" / "v.png"
+    """Also below a folder, by an absolute path or with backslashes."""
+    table(
+        f"{HEADER},object,split,part,looks_like,feels_like\n"
+        f"sub\\v.png,{tmp_path / 't.png'},TAG, Wood ,chair,Train,Indoor, Felt ,\n"
+    )
+    found = read_pairs(tmp_path)
+    assert found.pairs == (
+        Pair(
+            vis=tmp_path / "sub" / "v.png",
+            tac=tmp_path / "t.png",
+            domain="TAG",
+            material="wood",
+            object="chair",
+            split="train",
+            part="indoor",
+            looks_like="felt",
+        ),
+    )
+    assert found.origin == "table 'pairs.csv'"
 
 
 def test_a_byte_order_mark_and_windows_line_ends_are_accepted(table):
@@ -68,7 +61,7 @@ def test_a_byte_order_mark_and_windows_line_ends_are_accepted(table):
         ("./v.png,t.png,TAG,Wood", "repeats an earlier row"),
     ],
 )
-def test_a_row_that_cannot_be_used_is_skipped_and_listed(table, row, why):
+def test_a_row_that_cannot_be_used_is_skipped_and_listed(table, reasons, row, why):
     found = read_pairs(table(f"{HEADER}\nv.png,t.png,TAG,wood\n\n{row}\n"))
     assert len(found.pairs) == 1
     assert why in reasons(found)["row 4"]
@@ -80,7 +73,7 @@ def test_the_same_images_under_two_materials_are_refused_with_both_rows(table):
         read_pairs(file)
 
 
-def test_strict_leaves_out_classes_beyond_the_five(table):
+def test_strict_leaves_out_classes_beyond_the_five(table, reasons):
     file = table(f"{HEADER}\nv.png,t.png,TAG,wood\nt.png,v.png,TAG,felt\n")
     assert len(read_pairs(file).pairs) == 2
     assert reasons(read_pairs(file, strict=True))["row 3"].startswith("strict")
@@ -111,9 +104,9 @@ def test_another_encoding_is_refused_with_the_remedy(table):
         read_pairs(table(f"{HEADER}\nv.png,t.png,D,h\xf6lzern\n", "latin-1"))
 
 
-def test_a_file_that_is_no_csv_is_refused(tmp_path, put):
+def test_a_file_that_is_no_csv_is_refused(tree):
     with pytest.raises(DataError, match="is a file, but pairs come from a folder or a CSV"):
-        read_pairs(put(tmp_path / "a_vis.png"))
+        read_pairs(tree("a_vis.png") / "a_vis.png")
 
 
 @given(

@@ -1,7 +1,6 @@
 """TacQuad: ranges, moments, typing slips, parts, and fields that become images."""
 
 from collections import Counter
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,16 +11,29 @@ from omnivat.kit.errors import DataError
 
 
 @pytest.fixture
-def tree(tmp_path, item, monkeypatch):
+def item(tree):
+    """Write the frames of one item: 70 of each sensor, 72 images of GelSight."""
+
+    def write(part, name, frames=70):
+        images = {"gelsight": frames + 2, "digit": frames, "duragel": frames}
+        counts = {f"img_{sensor}": number for sensor, number in images.items()}
+        counts |= dict.fromkeys(images, frames)
+        return tree(*(f"data_{part}/{name}/{f}/{n}.png" for f in counts for n in range(counts[f])))
+
+    return write
+
+
+@pytest.fixture
+def root(item, tmp_path, monkeypatch):
     """Two items in each part; the first indoor range is frames 3 to 62 of GelSight."""
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
-    root = tmp_path / "tacquad"
-    for part, names in (
-        ("indoor", ("galss_cup", "woodblock")),
-        ("outdoor", ("steel_rail", "bench")),
+    for part, name in (
+        ("in", "galss_cup"),
+        ("in", "woodblock"),
+        ("out", "steel_rail"),
+        ("out", "bench"),
     ):
-        for name in names:
-            item(root, part, name)
+        root = item(f"{part}door", name)
     (root / "contact_indoor.csv").write_text(
         "galss_cup,3,62,0,69,5,5\nwoodblock,0,69,0,69,0,69,a block of oak\n"
     )
@@ -35,16 +47,16 @@ def of(pairs, domain, part, name):
     return [p for p in pairs.pairs if (p.domain, p.part, p.object) == (domain, part, name)]
 
 
-def test_ranges_include_their_first_and_last_frame(tree):
-    found = read_pairs(tree, all_frames=True)
+def test_ranges_include_their_first_and_last_frame(root):
+    found = read_pairs(root, all_frames=True)
     numbers = [int(p.tac.stem) for p in of(found, "TQ-GelMini", "indoor", "galss_cup")]
     assert numbers == list(range(3, 63))
     assert len(of(found, "TQ-DuraGel", "indoor", "galss_cup")) == 1
 
 
-def test_frame_t_goes_with_the_image_of_the_same_moment(tree):
+def test_frame_t_goes_with_the_image_of_the_same_moment(root):
     """72 images for 70 touches: int(t / 70 * 72), for numbers that sort as numbers."""
-    found = read_pairs(tree, all_frames=True)
+    found = read_pairs(root, all_frames=True)
     moments = {
         int(p.tac.stem): int(p.vis.stem) for p in of(found, "TQ-GelMini", "outdoor", "steel_rail")
     }
@@ -52,8 +64,8 @@ def test_frame_t_goes_with_the_image_of_the_same_moment(tree):
     assert moments[69] == 70
 
 
-def test_indoor_items_test_and_outdoor_items_train_and_test(tree):
-    found = read_pairs(tree)
+def test_indoor_items_test_and_outdoor_items_train_and_test(root):
+    found = read_pairs(root)
     counts = Counter((p.part, p.object, p.split) for p in found.pairs if p.domain == "TQ-DIGIT")
     assert counts == {
         ("indoor", "galss_cup", "test"): 15,
@@ -63,18 +75,18 @@ def test_indoor_items_test_and_outdoor_items_train_and_test(tree):
         ("outdoor", "bench", "train"): 41,
         ("outdoor", "bench", "test"): 15,
     }
-    assert found == read_pairs(tree)
-    assert found.pairs != read_pairs(tree, seed=1).pairs
+    assert found == read_pairs(root)
+    assert found.pairs != read_pairs(root, seed=1).pairs
 
 
-def test_items_can_be_kept_whole(tree):
-    found = read_pairs(tree, by_object=True)
+def test_items_can_be_kept_whole(root):
+    found = read_pairs(root, by_object=True)
     sides = {p.object: {q.split for q in found.pairs if q.object == p.object} for p in found.pairs}
     assert all(len(splits) == 1 for splits in sides.values())
 
 
-def test_materials_come_from_names_captions_and_slips(tree):
-    found = read_pairs(tree)
+def test_materials_come_from_names_captions_and_slips(root):
+    found = read_pairs(root)
     materials = {p.object: p.material for p in found.pairs}
     assert materials == {
         "galss_cup": "glass",
@@ -107,39 +119,37 @@ def test_an_item_is_what_its_words_say_or_nothing(item, caption, material):
     assert bool(why) != bool(found)
 
 
-def test_the_table_of_materials_overrides_the_words(tree):
-    (tree / "materials.csv").write_text("item,material\ngalss_cup,Plastic\nbench,\n")
-    found = read_pairs(tree)
+def test_the_table_of_materials_overrides_the_words(root, reasons):
+    (root / "materials.csv").write_text("item,material\ngalss_cup,Plastic\nbench,\n")
+    found = read_pairs(root)
     assert {p.material for p in found.pairs if p.object == "galss_cup"} == {"plastic"}
-    assert {s.what: s.why for s in found.skipped}["outdoor/bench"] == (
-        "left out by the table of materials"
-    )
+    assert reasons(found)["outdoor/bench"] == ("left out by the table of materials")
 
 
-def test_an_override_beyond_the_five_is_refused(tree):
-    (tree / "materials.csv").write_text("item,material\nbench,plastik\n")
+def test_an_override_beyond_the_five_is_refused(root):
+    (root / "materials.csv").write_text("item,material\nbench,plastik\n")
     with pytest.raises(DataError, match="calls 'bench' plastik.*Did you mean 'plastic'"):
-        read_pairs(tree)
+        read_pairs(root)
 
 
-def test_strict_leaves_out_other_metals(tree):
+def test_strict_leaves_out_other_metals(root):
     assert material_of("iron_pan", "", {}, strict=True) == ("", "strict: iron is not steel itself")
 
 
-def test_items_stored_under_another_name_are_found(tree, item):
-    item(tree, "indoor", "shuttlecock", frames=16)
-    with (tree / "contact_indoor.csv").open("a") as handle:
+def test_items_stored_under_another_name_are_found(root, item):
+    item("indoor", "shuttlecock", frames=16)
+    with (root / "contact_indoor.csv").open("a") as handle:
         handle.write("yumaoqiu,0,15,0,15,0,15,a plastic shuttlecock\n")
-    assert "shuttlecock" in {p.object for p in read_pairs(tree).pairs}
+    assert "shuttlecock" in {p.object for p in read_pairs(root).pairs}
 
 
-def test_what_is_listed_but_not_there_is_counted(tree):
-    with (tree / "contact_indoor.csv").open("a") as handle:
+def test_what_is_listed_but_not_there_is_counted(root):
+    with (root / "contact_indoor.csv").open("a") as handle:
         handle.write("ghost_glass,0,5,0,5,0,5\n../../glass,0,5,0,5,0,5\n")
     for number in (3, 62):
-        (tree / f"data_indoor/galss_cup/gelsight/{number}.png").unlink()
-    (tree / "contact_outdoor.csv").write_text("steel_rail,0,69,9,4,x,69\n")
-    whys = {s.what: (s.why, s.count) for s in read_pairs(tree).skipped}
+        (root / f"data_indoor/galss_cup/gelsight/{number}.png").unlink()
+    (root / "contact_outdoor.csv").write_text("steel_rail,0,69,9,4,x,69\n")
+    whys = {s.what: (s.why, s.count) for s in read_pairs(root).skipped}
     assert whys["indoor/ghost_glass"] == ("listed, but the folder is missing", 1)
     assert whys["indoor/../../glass"] == ("listed, but the folder is missing", 1)
     assert whys["indoor/galss_cup, TQ-GelMini"] == ("frames of the range that are not there", 2)
@@ -147,50 +157,46 @@ def test_what_is_listed_but_not_there_is_counted(tree):
     assert whys["outdoor/steel_rail, TQ-DuraGel"][0] == "no range of frames in contact_outdoor.csv"
 
 
-def test_an_empty_tac3d_folder_gives_no_pairs_and_says_so(tree):
-    (tree / "data_indoor/galss_cup/tac3d").mkdir()
-    found = read_pairs(tree)
+def test_an_empty_tac3d_folder_gives_no_pairs_and_says_so(root, reasons):
+    (root / "data_indoor/galss_cup/tac3d").mkdir()
+    found = read_pairs(root)
     assert "TQ-T3D" not in found.domains()
-    assert {s.what: s.why for s in found.skipped}[
-        "indoor/galss_cup, TQ-T3D"
-    ] == "no fields in tac3d"
+    assert reasons(found)["indoor/galss_cup, TQ-T3D"] == "no fields in tac3d"
 
 
-def fields(tree: Path, put, count=12):
+def fields(root, tree):
     """Write fields and their images for one item; field n is n everywhere, the last is broken."""
-    folder = tree / "data_indoor/woodblock"
+    folder = root / "data_indoor/woodblock"
+    tree(*(f"data_indoor/woodblock/img_tac3d/{number}.png" for number in range(12)))
     (folder / "tac3d").mkdir()
-    for number in range(count):
+    for number in range(12):
         np.save(folder / f"tac3d/{number}.npy", np.full((20, 20, 3), float(number)))
-        put(folder / f"img_tac3d/{number}.png")
     (folder / "tac3d/99.npy").write_bytes(b"\x93NUMPY cut short")
 
 
-def test_tac3d_fields_become_images_beside_their_photos(tree, put):
-    fields(tree, put)
-    found = read_pairs(tree)
+def test_tac3d_fields_become_images_beside_their_photos(root, tree, reasons):
+    fields(root, tree)
+    found = read_pairs(root)
     pairs = [p for p in found.pairs if p.domain == "TQ-T3D"]
     assert len(pairs) == 12
     assert {p.tac.suffix for p in pairs} == {".png"}
     assert {p.part for p in pairs} == {"indoor"}
     assert Counter(p.split for p in pairs)["test"] == 4  # 682 of 1,878
     assert all(p.tac.is_file() for p in pairs)
-    assert {s.what: s.why for s in found.skipped}["indoor/woodblock/tac3d/99.npy"] == (
-        "no 20 x 20 x 3 field"
-    )
+    assert reasons(found)["indoor/woodblock/tac3d/99.npy"] == ("no 20 x 20 x 3 field")
 
 
-def test_fields_are_drawn_once(tree, put, tmp_path):
-    fields(tree, put)
+def test_fields_are_drawn_once(root, tree, tmp_path):
+    fields(root, tree)
     cache = tmp_path / "drawn"
-    first = read_pairs(tree, cache=cache)
+    first = read_pairs(root, cache=cache)
     times = {file: file.stat().st_mtime_ns for file in cache.iterdir()}
-    assert read_pairs(tree, cache=cache) == first
+    assert read_pairs(root, cache=cache) == first
     assert {file: file.stat().st_mtime_ns for file in cache.iterdir()} == times
 
 
-def test_a_tree_without_a_known_material_says_so(tree):
+def test_a_tree_without_a_known_material_says_so(root):
     for part in ("indoor", "outdoor"):
-        (tree / f"contact_{part}.csv").write_text("stone,0,5,0,5,0,5\n")
+        (root / f"contact_{part}.csv").write_text("stone,0,5,0,5,0,5\n")
     with pytest.raises(DataError, match=r"No pairs of TacQuad .* the folder is missing \(2\)"):
-        read_pairs(tree)
+        read_pairs(root)

@@ -11,16 +11,16 @@ WOOD, METAL, TILE, GLASS, PLASTIC, GRASS = 3, 4, 6, 2, 1, 13
 
 
 @pytest.fixture
-def tree(tmp_path, clip):
-    """Three clips and official lists in which clip `a` is in both."""
-    for name in ("20220101_000000", "20220102_000000", "20220103_000000"):
-        clip(tmp_path, name, range(12))
+def lists(clip):
+    """Three clips of twelve frames, and the official lists: rows of clip, frame and label."""
+    for k in (1, 2, 3):
+        root = clip(f"{k}", range(12))
 
-    def write(train, test=(), name="txt"):
-        for file, lines in (("train", train), ("test", test)):
-            text = "".join(f"2022010{c}_000000/{n:010d}.jpg,{label}\n" for c, n, label in lines)
-            (tmp_path / f"{file}.{name}").write_text(text)
-        return tmp_path
+    def write(train, test=()):
+        for name, rows in (("train", train), ("test", test)):
+            text = "".join(f"{k}/{n:010d}.jpg,{label}\n" for k, n, label in rows)
+            (root / f"{name}.txt").write_text(text)
+        return root
 
     return write
 
@@ -29,39 +29,39 @@ def whys(pairs):
     return {skipped.what: (skipped.why, skipped.count) for skipped in pairs.skipped}
 
 
-def test_labels_become_the_five_materials_with_the_official_split(tree):
+def test_labels_become_the_five_materials_with_the_official_split(lists):
     labels = (WOOD, METAL, TILE, GLASS, PLASTIC)
-    root = tree([(1, i, label) for i, label in enumerate(labels)], [(1, 6, WOOD)])
+    root = lists([(1, i, label) for i, label in enumerate(labels)], [(1, 6, WOOD)])
     found = read_pairs(root)
     assert [p.material for p in found.pairs[:5]] == ["wood", "steel", "ceramic", "glass", "plastic"]
     assert [p.split for p in found.pairs] == ["train"] * 5 + ["test"]
     assert {p.domain for p in found.pairs} == {"TAG"}
-    assert found.pairs[0].vis == root / "dataset/20220101_000000/video_frame/0000000000.jpg"
-    assert found.pairs[0].tac == root / "dataset/20220101_000000/gelsight_frame/0000000000.jpg"
+    assert found.pairs[0].vis == root / "dataset/1/video_frame/0000000000.jpg"
+    assert found.pairs[0].tac == root / "dataset/1/gelsight_frame/0000000000.jpg"
     assert found.origin == "Touch-and-Go, official lists"
 
 
-def test_strict_keeps_metal_and_tile_which_are_merged_with_nothing(tree):
-    root = tree([(1, 0, WOOD), (1, 1, METAL), (1, 2, TILE)])
+def test_strict_keeps_metal_and_tile_which_are_merged_with_nothing(lists):
+    root = lists([(1, 0, WOOD), (1, 1, METAL), (1, 2, TILE)])
     assert read_pairs(root, strict=True).materials() == ("wood", "steel", "ceramic")
 
 
-def test_inconclusive_foreign_and_broken_lines_are_counted(tree):
-    root = tree([(1, 0, WOOD), (1, 1, -1), (1, 2, -1), (1, 3, GRASS), (1, 0, WOOD)])
+def test_inconclusive_foreign_and_broken_lines_are_counted(lists):
+    root = lists([(1, 0, WOOD), (1, 1, -1), (1, 2, -1), (1, 3, GRASS), (1, 0, WOOD)])
     with (root / "train.txt").open("a") as handle:
-        handle.write("nonsense\n../../etc/0000000001.jpg,3\n20220101_000000/x.jpg,3\n")
+        handle.write("nonsense\n../../etc/0000000001.jpg,3\n1/x.jpg,3\n")
     found = whys(read_pairs(root))
     assert found["label 13"] == ("labels of other materials: none of the five materials", 1)
-    assert found["20220101_000000"] == ("listed twice", 1)
+    assert found["1"] == ("listed twice", 1)
     counts = {s.why: s.count for s in read_pairs(root).skipped}
     assert counts["label -1, inconclusive"] == 2
     assert counts["lines that are not <clip>/<number>.jpg,<label>"] == 3
 
 
-def test_a_missing_half_is_counted_by_clip(tree):
-    root = tree([(1, i, WOOD) for i in range(4)])
-    (root / "dataset/20220101_000000/video_frame/0000000001.jpg").unlink()
-    (root / "dataset/20220101_000000/gelsight_frame/0000000002.jpg").unlink()
+def test_a_missing_half_is_counted_by_clip(lists):
+    root = lists([(1, i, WOOD) for i in range(4)])
+    (root / "dataset/1/video_frame/0000000001.jpg").unlink()
+    (root / "dataset/1/gelsight_frame/0000000002.jpg").unlink()
     found = read_pairs(root)
     assert len(found.pairs) == 2
     assert {s.why for s in found.skipped} == {
@@ -70,17 +70,17 @@ def test_a_missing_half_is_counted_by_clip(tree):
     }
 
 
-def test_frames_saved_in_another_format_are_found(tree):
-    root = tree([(1, 0, WOOD)])
-    file = root / "dataset/20220101_000000/gelsight_frame/0000000000.jpg"
+def test_frames_saved_in_another_format_are_found(lists):
+    root = lists([(1, 0, WOOD)])
+    file = root / "dataset/1/gelsight_frame/0000000000.jpg"
     file.rename(file.with_suffix(".png"))
     assert read_pairs(root).pairs[0].tac.suffix == ".png"
 
 
-def test_classes_are_balanced_to_the_smallest_in_each_split(tree):
+def test_classes_are_balanced_to_the_smallest_in_each_split(lists):
     train = [(1, i, WOOD) for i in range(8)] + [(2, i, GLASS) for i in range(3)]
     test = [(1, i, WOOD) for i in range(8, 12)] + [(3, 0, GLASS)]
-    root = tree(train, test)
+    root = lists(train, test)
     found = read_pairs(root, seed=1)
     counts = Counter((p.split, p.material) for p in found.pairs)
     assert set(counts.values()) == {3, 1}
@@ -90,10 +90,10 @@ def test_classes_are_balanced_to_the_smallest_in_each_split(tree):
     assert len(read_pairs(root, balanced=False).pairs) == 16
 
 
-def test_split_by_folder_keeps_clips_whole(tree):
+def test_split_by_folder_keeps_clips_whole(lists):
     train = [(c, i, label) for c, label in ((1, WOOD), (2, WOOD), (3, GLASS)) for i in range(0, 8)]
     test = [(c, i, label) for c, label in ((1, WOOD), (2, WOOD), (3, GLASS)) for i in range(8, 12)]
-    root = tree(train, test)
+    root = lists(train, test)
     official = read_pairs(root, balanced=False)
     apart = read_pairs(root, by_folder=True, balanced=False)
 
@@ -107,8 +107,8 @@ def test_split_by_folder_keeps_clips_whole(tree):
     assert apart.origin == "Touch-and-Go, split by clip"
 
 
-def test_without_the_official_lists_label_txt_is_split_by_clip(tree):
-    root = tree([(c, i, WOOD) for c in (1, 2, 3) for i in range(3)])
+def test_without_the_official_lists_label_txt_is_split_by_clip(lists):
+    root = lists([(c, i, WOOD) for c in (1, 2, 3) for i in range(3)])
     (root / "train.txt").rename(root / "label.txt")
     (root / "test.txt").unlink()
     found = read_pairs(root, balanced=False)
@@ -116,8 +116,8 @@ def test_without_the_official_lists_label_txt_is_split_by_clip(tree):
     assert {p.split for p in found.pairs} == {"train", "test"}
 
 
-def test_the_lists_may_lie_in_another_folder(tree, tmp_path):
-    root = tree([(1, 0, WOOD)])
+def test_the_lists_may_lie_in_another_folder(lists, tmp_path):
+    root = lists([(1, 0, WOOD)])
     elsewhere = tmp_path / "repository"
     elsewhere.mkdir()
     for name in ("train.txt", "test.txt"):
@@ -125,26 +125,24 @@ def test_the_lists_may_lie_in_another_folder(tree, tmp_path):
     assert len(read_pairs(root, lists=elsewhere).pairs) == 1
 
 
-def test_other_materials_keep_their_names_on_request(tree):
-    root = tree([(1, 0, WOOD), (1, 1, GRASS), (1, 2, 17)])
+def test_other_materials_keep_their_names_on_request(lists):
+    root = lists([(1, 0, WOOD), (1, 1, GRASS), (1, 2, 17)])
     (root / "category_reference.txt").write_text("Wood: 3\nGrass: 13\n")
     found = read_pairs(root, keep_labels=True)
     assert found.materials() == ("wood", "grass", "label 17")
 
 
-def test_another_numbering_is_refused(tree):
-    root = tree([(1, 0, WOOD)])
+def test_another_numbering_is_refused(lists):
+    root = lists([(1, 0, WOOD)])
     (root / "category_reference.txt").write_text("Brick: 3\n")
     with pytest.raises(DataError, match="calls label 3 'brick', expected 'wood'"):
         read_pairs(root)
 
 
-def test_clips_without_any_list_ask_for_one(tmp_path, put):
+def test_clips_without_any_list_ask_for_one(tree, tmp_path):
     """The layout of copies that carry frames alone, under other names than the release's."""
-    for number in range(3):
-        put(tmp_path / "grass" / "video_frame" / f"rgb_image_{number:03d}.png")
-        put(tmp_path / "grass" / "gelsight_frame" / f"touch_image_{number:03d}.png")
-    put(tmp_path / "grass" / "gelsight_frame" / "touch_image_007.png")
+    tree(*(f"grass/video_frame/rgb_image_{n:03d}.png" for n in range(3)))
+    tree(*(f"grass/gelsight_frame/touch_image_{n:03d}.png" for n in (0, 1, 2, 7)))
     with pytest.raises(
         DataError, match=r"neither train.txt and test.txt nor label.txt .* keep_labels"
     ):
@@ -157,8 +155,8 @@ def test_clips_without_any_list_ask_for_one(tmp_path, put):
     assert whys(found)["grass"] == ("no image in video_frame", 1)
 
 
-def test_lists_without_a_single_frame_say_what_was_left_out(tree):
+def test_lists_without_a_single_frame_say_what_was_left_out(lists):
     with pytest.raises(
         DataError, match=r"No pairs of Touch-and-Go .* none of the five materials \(1\)"
     ):
-        read_pairs(tree([(1, 0, GRASS)]))
+        read_pairs(lists([(1, 0, GRASS)]))
