@@ -22,32 +22,32 @@ VECTORS = ("vis", "tac", "vis_flip", "tac_flip")
 
 @pytest.fixture
 def embeddings(make_embeddings):
+    """A set whose first pair imitates another class."""
     made = make_embeddings(per_class=3, split=True)
-    return made
+    return replace(made, rows=made.rows | {"looks_like": ["wood", *made.rows["looks_like"][1:]]})
 
 
-def test_what_is_saved_is_what_is_loaded(embeddings, tmp_path):
+@pytest.fixture
+def file(embeddings, tmp_path):
+    """The same on disk."""
     save_embeddings(tmp_path / "set.safetensors", embeddings)
-    loaded = load_embeddings(tmp_path / "set.safetensors")
-    assert loaded.header == embeddings.header
-    assert loaded.rows == embeddings.rows
-    for name in (*VECTORS, "domain", "label"):
-        assert np.array_equal(getattr(loaded, name), getattr(embeddings, name)), name
+    return tmp_path / "set.safetensors"
 
 
-def test_the_safetensors_package_reads_the_same(embeddings, tmp_path):
+def test_what_is_saved_is_what_is_loaded_also_by_the_safetensors_package(embeddings, file):
     """The writer is ours, so that sets need not fit in memory; the format is not."""
-    save_embeddings(tmp_path / "set.safetensors", embeddings)
-    with safe_open(tmp_path / "set.safetensors", framework="numpy") as handle:
-        for name in (*VECTORS, "domain", "label"):
-            assert np.array_equal(handle.get_tensor(name), getattr(embeddings, name)), name
-
-
-def test_vectors_are_mapped_and_writing_to_them_leaves_the_file(embeddings, tmp_path):
-    file = tmp_path / "set.safetensors"
-    save_embeddings(file, embeddings)
-    before = file.read_bytes()
     loaded = load_embeddings(file)
+    assert (loaded.header, loaded.rows) == (embeddings.header, embeddings.rows)
+    with safe_open(file, framework="numpy") as handle:
+        for name in (*VECTORS, "domain", "label"):
+            assert np.array_equal(getattr(loaded, name), getattr(embeddings, name)), name
+            assert np.array_equal(handle.get_tensor(name), getattr(embeddings, name)), name
+    part = loaded.select(np.array([1, 0]))
+    assert part.rows["looks_like"] == ["", "wood"] and np.array_equal(part.vis, loaded.vis[[1, 0]])
+
+
+def test_vectors_are_mapped_and_writing_to_them_leaves_the_file(file):
+    before, loaded = file.read_bytes(), load_embeddings(file)
     assert isinstance(loaded.vis, np.memmap)
     loaded.vis[0] = 0
     assert file.read_bytes() == before
@@ -62,18 +62,13 @@ def test_half_precision_takes_half_the_room_and_keeps_three_digits(embeddings, t
         assert handle.get_tensor("vis").dtype == np.float16
 
 
-def test_a_set_without_mirrored_copies_has_none(embeddings, tmp_path):
-    plain = replace(embeddings, vis_flip=None, tac_flip=None)
-    save_embeddings(tmp_path / "set.safetensors", plain)
-    loaded = load_embeddings(tmp_path / "set.safetensors")
-    assert loaded.vis_flip is None
-    assert loaded.tac_flip is None
+def test_a_set_without_mirrored_copies_has_none(embeddings, file):
+    save_embeddings(file, replace(embeddings, vis_flip=None, tac_flip=None))
+    assert load_embeddings(file).vectors.keys() == {"vis", "tac"}
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-def test_values_that_are_not_finite_are_not_written(embeddings, tmp_path, bad):
-    file = tmp_path / "set.safetensors"
-    save_embeddings(file, embeddings)
+def test_values_that_are_not_finite_are_not_written(embeddings, file, bad):
     before = file.read_bytes()
     embeddings.tac[1, 2] = bad
     with pytest.raises(
@@ -81,7 +76,7 @@ def test_values_that_are_not_finite_are_not_written(embeddings, tmp_path, bad):
     ):
         save_embeddings(file, embeddings)
     assert file.read_bytes() == before
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["set.csv", "set.safetensors"]
+    assert {path.name for path in file.parent.iterdir()} == {"set.csv", "set.safetensors"}
 
 
 def test_a_domain_with_the_name_of_the_total_is_neither_written_nor_read(
@@ -107,24 +102,18 @@ def test_a_value_too_large_for_half_precision_is_not_written(embeddings, tmp_pat
 
 
 @pytest.mark.parametrize("share", [0.0, 0.001, 0.2, 0.9, 0.999])
-def test_a_file_cut_short_is_refused_by_name(embeddings, tmp_path, share):
-    file = tmp_path / "set.safetensors"
-    save_embeddings(file, embeddings)
+def test_a_file_cut_short_is_refused_by_name(file, share):
     content = file.read_bytes()
     file.write_bytes(content[: int(len(content) * share)])
     with pytest.raises(DataError, match=r"set\.safetensors"):
         load_embeddings(file)
 
 
-def test_a_missing_file_is_refused_with_the_command_that_makes_it(tmp_path):
-    with pytest.raises(DataError, match="python -m omnivat embed"):
-        load_embeddings(tmp_path / "none.safetensors")
-
-
-def test_another_safetensors_file_is_refused(tmp_path):
+def test_a_missing_file_and_another_one_are_refused_with_the_command_that_makes_it(tmp_path):
     save_file({"a": np.zeros(3, np.float32)}, tmp_path / "other.safetensors")
-    with pytest.raises(DataError, match="not a set of embeddings"):
-        load_embeddings(tmp_path / "other.safetensors")
+    for name, why in (("none", "No embeddings file"), ("other", "not a set of embeddings")):
+        with pytest.raises(DataError, match=f"{why}.*python -m omnivat embed"):
+            load_embeddings(tmp_path / f"{name}.safetensors")
 
 
 def rewritten(file, **changes):
@@ -148,9 +137,7 @@ def rewritten(file, **changes):
         ({"rows": np.frombuffer(b"{}", np.uint8)}, "differing lengths"),
     ],
 )
-def test_arrays_that_do_not_fit_are_refused(embeddings, tmp_path, changes, match):
-    file = tmp_path / "set.safetensors"
-    save_embeddings(file, embeddings)
+def test_arrays_that_do_not_fit_are_refused(file, changes, match):
     rewritten(file)
     load_embeddings(file)
     rewritten(file, **changes)
@@ -184,36 +171,16 @@ def test_names_whose_table_of_counts_would_fill_the_memory_are_refused(embedding
         load_embeddings(file)
 
 
-def test_the_manifest_names_every_pair(embeddings, tmp_path):
-    save_embeddings(tmp_path / "set.safetensors", embeddings)
-    with (tmp_path / "set.csv").open(newline="", encoding="utf-8") as handle:
+def test_the_manifest_names_every_pair_as_csv_and_as_parquet(embeddings, file):
+    with file.with_suffix(".csv").open(newline="", encoding="utf-8") as handle:
         rows = list(csv.DictReader(handle))
-    assert [row["vis"] for row in rows] == embeddings.rows["vis"]
-    assert [row["material"] for row in rows] == [
-        embeddings.header.classes[label] for label in embeddings.label
-    ]
-
-
-def test_the_classes_that_pairs_imitate_are_kept(embeddings, tmp_path):
-    looks = ["wood", *embeddings.rows["looks_like"][1:]]
-    imitating = replace(embeddings, rows=embeddings.rows | {"looks_like": looks})
-    save_embeddings(tmp_path / "set.safetensors", imitating)
-    loaded = load_embeddings(tmp_path / "set.safetensors")
-    assert loaded.rows["looks_like"] == looks
-    assert loaded.select(np.array([0, 1])).rows["looks_like"] == looks[:2]
-    with (tmp_path / "set.csv").open(newline="", encoding="utf-8") as handle:
-        assert next(csv.DictReader(handle))["looks_like"] == "wood"
-
-
-def test_the_parquet_manifest_says_the_same_as_the_csv(embeddings, tmp_path):
+    for name in ("vis", "looks_like"):
+        assert [row[name] for row in rows] == embeddings.rows[name]
+    classes = embeddings.header.classes
+    assert [row["material"] for row in rows] == [classes[label] for label in embeddings.label]
     parquet = pytest.importorskip("pyarrow.parquet")
-    save_embeddings(tmp_path / "set.safetensors", embeddings)
-    with (tmp_path / "set.csv").open(newline="", encoding="utf-8") as handle:
-        rows = list(csv.DictReader(handle))
     columns = {name: [row[name] for row in rows] for name in rows[0]}
-    assert (
-        parquet.read_table(write_manifest(tmp_path / "set", columns, "parquet")).to_pylist() == rows
-    )
+    assert parquet.read_table(write_manifest(file, columns, "parquet")).to_pylist() == rows
 
 
 def test_a_domain_its_split_and_an_unknown_one(embeddings):
@@ -237,28 +204,21 @@ def test_blocks_that_do_not_add_up_are_refused(tmp_path):
         write_arrays(tmp_path / "a.safetensors", {"a": short}, {})
 
 
-def test_arrays_of_every_type_and_of_no_length_return(tmp_path):
+def test_arrays_of_every_type_and_of_no_length_return_and_start_where_their_type_wants_it(tmp_path):
     arrays = {
         "bytes": np.arange(5, dtype=np.uint8),
         "whole": np.arange(3, dtype=np.int64),
         "half": np.arange(3, dtype=np.float16),
         "none": np.zeros((0, 7), np.float32),
     }
-    write_arrays(tmp_path / "a.safetensors", {n: column(a) for n, a in arrays.items()}, {"é": "ü"})
-    read, metadata = read_arrays(tmp_path / "a.safetensors")
+    file = tmp_path / "a.safetensors"
+    write_arrays(file, {n: column(a) for n, a in arrays.items()}, {"é": "ü"})
+    read, metadata = read_arrays(file)
     assert metadata == {"é": "ü"}
+    length = int.from_bytes(file.read_bytes()[:8], "little")
+    table = json.loads(file.read_bytes()[8 : 8 + length])
     for name, array in arrays.items():
-        assert read[name].dtype == array.dtype
-        assert np.array_equal(read[name], array)
-
-
-def test_every_array_starts_where_its_type_wants_it(tmp_path):
-    arrays = {"a": np.arange(5, dtype=np.uint8), "b": np.arange(3), "c": np.zeros(3, np.float16)}
-    write_arrays(tmp_path / "a.safetensors", {n: column(a) for n, a in arrays.items()}, {})
-    content = (tmp_path / "a.safetensors").read_bytes()
-    length = int.from_bytes(content[:8], "little")
-    table = json.loads(content[8 : 8 + length])
-    for name, array in arrays.items():
+        assert read[name].dtype == array.dtype and np.array_equal(read[name], array)
         assert (8 + length + table[name]["data_offsets"][0]) % array.itemsize == 0
 
 
