@@ -33,21 +33,6 @@ def test_every_rule_leads_to_one_of_the_five_and_says_why(source):
         assert rule.why
 
 
-def test_touch_and_go_labels_are_those_of_the_paper():
-    labels = {rule.material: raw for raw, rule in rules("touch_and_go").items()}
-    assert labels == {"wood": "3", "steel": "4", "plastic": "1", "ceramic": "6", "glass": "2"}
-
-
-def test_only_iron_polycarbonate_and_other_metals_are_merged():
-    merged = {
-        rule.named
-        for source in ("touch_and_go", "objectfolder", "tacquad")
-        for rule in rules(source).values()
-        if rule.merged
-    }
-    assert merged == {"iron", "polycarbonate", "aluminium"}
-
-
 def test_strict_leaves_out_what_is_merged():
     iron = rules("objectfolder")["iron"]
     assert ruled(iron, "iron", strict=False) == ("steel", "")

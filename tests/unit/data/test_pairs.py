@@ -28,12 +28,6 @@ FOUND = PairSet(
 )
 
 
-def test_domains_keep_their_order_and_materials_the_usual_one():
-    assert FOUND.domains() == ("TAG", "TQ-DIGIT")
-    assert FOUND.materials() == ("wood", "glass", "felt")
-    assert FOUND.counts()["TAG", "train", "wood"] == 1
-
-
 def test_the_summary_names_every_column_and_counts_every_pair():
     assert summary_table(FOUND).split("\n") == [
         "4 pairs from a test",
