@@ -29,6 +29,7 @@ from omnivat.kit.tables import need
 
 PREFIX = "imported:"  # prefix of the encoder's name for imported embeddings
 TEXTS = ("domain", "material", "object", "split", "part", "looks_like", "feels_like")
+FILES = ("vis_file", "tac_file")
 SPLITS = ("train", "val", "test", "")
 Columns = dict[str, NDArray[Any]]
 
@@ -61,21 +62,24 @@ def import_embeddings(
     place = Path(file)
     if not encoder.strip():
         raise DataError("Imported embeddings need the name of their encoder; pass --encoder NAME.")
-    found = _renamed(read_columns(place), columns or {}, place)
+    table = read_columns(place)
+    found = _named(table, columns or {}, place)
     for name in ("vis", "tac"):
         if name not in found:
             raise DataError(
-                f"'{place}' has no vectors '{name}'; it has {', '.join(found) or 'nothing'}. Name"
+                f"'{place}' has no vectors '{name}'; it has {', '.join(table) or 'nothing'}. Name"
                 f" the right one with --column {name}=THEIRS."
             )
     count = len(found["vis"])
-    vectors = {name: _vectors(found[name], name, count, place) for name in VECTORS if name in found}
-    if len(vectors) == 3:
-        vectors = {name: vectors[name] for name in ("vis", "tac")}
-    texts = {name: _texts(found[name], name, count, place) for name in TEXTS if name in found}
+    mirrored = all(name in found for name in VECTORS)
+    vectors = {
+        name: _vectors(found[name], name, count, place)
+        for name in (VECTORS if mirrored else ("vis", "tac"))
+    }
     texts = {
         name: [text] * count for name, text in (("domain", domain), ("material", material)) if text
-    } | texts
+    }
+    texts |= {name: _texts(found[name], name, count, place) for name in TEXTS if name in found}
     _require_names(texts, place)
     texts["material"] = _materials(texts["material"], classes, place)
     widths = {name: array.shape[1] for name, array in vectors.items()}
@@ -116,51 +120,40 @@ def _rows(columns: Columns, texts: Mapping[str, list[str]], place: Path) -> dict
     return rows
 
 
-def _renamed(table: Columns, columns: Mapping[str, str], place: Path) -> Columns:
-    """Return the columns under the names used here; numbered columns become vectors."""
-    known = {*VECTORS, *TEXTS, "vis_file", "tac_file"}
+def _named(table: Columns, columns: Mapping[str, str], place: Path) -> Columns:
+    """Return the columns under the names used here, `columns` being their names in the file."""
+    known = (*VECTORS, *TEXTS, *FILES)
     for ours, theirs in columns.items():
         if ours not in known:
             raise DataError(
                 f"There is no column '{ours}' to fill; there are {', '.join(sorted(known))}."
             )
-        numbered = {
-            key: v for key, v in table.items() if re.fullmatch(f"{re.escape(theirs)}_\\d+", key)
-        }
-        if theirs not in table and not numbered:
+        if _column(table, theirs, place) is None:
             raise DataError(f"'{place}' has no column '{theirs}'; it has {', '.join(table)}.")
-        if theirs in table:
-            table = {ours: table[theirs], **{k: v for k, v in table.items() if k != ours}}
-        else:
-            table |= {ours + key.removeprefix(theirs): value for key, value in numbered.items()}
+    named = {name: _column(table, columns.get(name, name), place) for name in known}
     for other in ("class", "label"):
-        if other in table and "material" not in table:
-            table["material"] = table[other]
-    return _joined(table, place)
+        if named["material"] is None:
+            named["material"] = table.get(other)
+    return {name: array for name, array in named.items() if array is not None}
 
 
-def _joined(columns: Columns, place: Path) -> Columns:
-    """Return `vis_0`, `vis_1`, ... as one array (N, D), and so on."""
-    joined = dict(columns)
-    for name in VECTORS:
-        numbers = sorted(
-            int(key.removeprefix(f"{name}_"))
-            for key in columns
-            if re.fullmatch(f"{name}_\\d+", key)
+def _column(table: Columns, name: str, place: Path) -> NDArray[Any] | None:
+    """Return a column, or `name_0`, `name_1`, ... as one array (N, D); None if there is neither."""
+    if name in table:
+        return table[name]
+    numbers = sorted(
+        int(key[len(name) + 1 :]) for key in table if re.fullmatch(rf"{re.escape(name)}_\d+", key)
+    )
+    if not numbers:
+        return None
+    if numbers != list(range(numbers[0], numbers[0] + len(numbers))):
+        raise DataError(
+            f"'{place}' lacks some of the columns {name}_{numbers[0]} to {name}_{numbers[-1]}."
         )
-        if not numbers or name in columns:
-            continue
-        if numbers != list(range(numbers[0], numbers[0] + len(numbers))):
-            raise DataError(
-                f"'{place}' lacks some of the columns {name}_{numbers[0]} to {name}_{numbers[-1]}."
-            )
-        try:
-            joined[name] = np.stack(
-                [columns[f"{name}_{i}"].astype(np.float64) for i in numbers], axis=1
-            )
-        except ValueError as error:
-            raise DataError(f"'{place}' has text in the columns {name}_...: {error}.") from error
-    return joined
+    try:
+        return np.stack([table[f"{name}_{i}"].astype(np.float64) for i in numbers], axis=1)
+    except ValueError as error:
+        raise DataError(f"'{place}' has text in the columns {name}_...: {error}.") from error
 
 
 def _vectors(array: NDArray[Any], name: str, count: int, place: Path) -> Array:
