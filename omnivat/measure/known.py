@@ -125,29 +125,14 @@ def measured(
     source = np.array([name == head.source for name in embeddings.header.domains])
     right[:, source[embeddings.domain] != home] = np.nan
     if np.isnan(right).all():
-        raise DataError(_nothing_left(head, embeddings, home))
+        where = f"of '{head.source}', which needs a split" if home else "of any other domain"
+        raise DataError(
+            f"No test pair {where} is of a class that the head learned:"
+            f" {', '.join(head.settings.classes[:5])}{' …' * (len(head.settings.classes) > 5)}."
+        )
     return {"rung": known.name, "known": known.words} | record(
         right, embeddings.domain, embeddings.header.domains
     )
-
-
-def _nothing_left(head: Head, embeddings: Embeddings, home: bool) -> str:
-    """Return why no pair is left to predict, in one sentence."""
-    header, classes = embeddings.header, head.settings.classes
-    there = {header.domains[index] for index in np.unique(embeddings.domain)} - {head.source}
-    away = np.array([name != head.source for name in header.domains])[embeddings.domain]
-    found = {header.classes[index] for index in np.unique(embeddings.label[away]) if index >= 0}
-    if home:
-        return (
-            f"'{head.source}' has no test pairs here, as the head may have learned from all of it;"
-            " give the set a split."
-        )
-    if not there:
-        return f"The set needs another domain than the head's source, '{head.source}'."
-    if not found & set(classes):
-        learned = f"{', '.join(classes[:5])}{' …' if len(classes) > 5 else ''}"
-        return f"No pair of another domain is of a class that the head learned: {learned}."
-    return "No test pair of the head's classes is left to predict in another domain."
 
 
 def record(right: Array, domain: NDArray[np.int64], names: Sequence[str]) -> dict[str, Any]:
@@ -158,21 +143,15 @@ def record(right: Array, domain: NDArray[np.int64], names: Sequence[str]) -> dic
     counts = [(round(float(mean[rows].sum())), int(rows.sum())) for rows in masks.values()]
     low, high = of_domains(counts) if len(counts) > 1 else wilson(*counts[0])
     shares = {name: float(mean[rows].mean()) for name, rows in masks.items()}
-    each = [
-        float(
-            np.mean(
-                [np.nanmean(row[rows]) for rows in masks.values() if not np.isnan(row[rows]).all()]
-            )
-        )
-        for row in right
-    ]
+    of_draws = [[row[rows] for rows in masks.values()] for row in right]
+    each = [[np.nanmean(own) for own in row if not np.isnan(own).all()] for row in of_draws]
     return {
         "accuracy": float(np.mean(list(shares.values()))),
         "low": low,
         "high": high,
         "pairs": int(made.sum()),
         "domains": shares,
-        "draws": each,
+        "draws": [float(np.mean(shares)) for shares in each],
     }
 
 

@@ -28,12 +28,10 @@ OTHERS = {"logistic": "logistic regression", "nearest_mean": "nearest class mean
 COUNTS = (1, 2, 5, 10, 20, 50)  # pairs without labels
 LABELLED = (1, 3, 5)  # of each class
 ALL = 1_000_000
+PROFILES = (*map(pairs, COUNTS), pairs(ALL, every=True), *map(labels, LABELLED))
 KNOWN = {
     "home": "its own sensor",
-    "none": "nothing: pictures as they come",
-    **{f"n{n}": f"{n} pair{'s' * (n > 1)} without labels" for n in COUNTS},
-    "all": "all pairs without labels",
-    **{f"k{k}": f"{k} labelled pair{'s' * (k > 1)} of each class" for k in LABELLED},
+    **{known.name: known.words for known in (NOTHING, *PROFILES)},
     **{f"m{m}": f"{m} source domains" for m in (2, 4, 7)},
     **{f"m{m}+": f"{m} source domains and all pairs without labels" for m in (2, 4, 7)},
 }
@@ -78,10 +76,7 @@ def write_ladder(head: Head, embeddings: Embeddings, place: Path) -> Path:
 
 def _of_head(head: Head, embeddings: Embeddings) -> Iterator[Rung]:
     """Yield the rungs that need no training; without a profile, home and away only."""
-    steps = [NOTHING]
-    if head.profile is not None:
-        steps += [*map(pairs, COUNTS), pairs(ALL, every=True), *map(labels, LABELLED)]
-    for known in steps:
+    for known in (NOTHING, *(PROFILES if head.profile is not None else ())):
         for home in (True, False) if known == NOTHING else (False,):
             try:
                 step = measured(head, embeddings, known, home=home)

@@ -3,7 +3,6 @@ retrieval in one record.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from omnivat.data.embeddings import Embeddings
 from omnivat.head.checkpoint import Head
 from omnivat.measure.evaluate import blocks, label_map, predicted_probabilities
+from omnivat.measure.gaps.confusion import confusion
 from omnivat.measure.gaps.unit import unit
 
 READINGS = ("fused", "vis", "tac")
@@ -119,27 +119,6 @@ def nearest_touch(
     return found
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Facts:
-    """The data of the record, by pair."""
-
-    source: str
-    domains: tuple[str, ...]
-    domain: Array  # (N,)
-    label: Array  # (N,) index among the head's classes, or -1
-    counts: Array  # (N,) bool: test pairs of the head's classes
-
-    @property
-    def members(self) -> dict[str, Array]:
-        """Each domain with a mask (N,) of its test pairs."""
-        return {name: self.counts & (self.domain == i) for i, name in enumerate(self.domains)}
-
-    @property
-    def unseen(self) -> Array:
-        """Mask (N,) of the test pairs of all unseen domains."""
-        return self.counts & ~self.members.get(self.source, np.zeros(len(self.counts), bool))
-
-
 def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     """Return the page's record of unseen domains.
 
@@ -149,26 +128,30 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     Raises DataError if the embeddings have another encoder or no pairs.
     """
     head.require_embeddings(embeddings)
-    classes = head.settings.classes
+    classes, domain = head.settings.classes, np.asarray(embeddings.domain)
     label = label_map(classes, embeddings.header.classes)[embeddings.label]
-    facts = _Facts(
-        source=head.source,
-        domains=embeddings.header.domains,
-        domain=np.asarray(embeddings.domain),
-        label=label,
-        counts=counted(embeddings, head.source) & (label >= 0),
-    )
+    counts = counted(embeddings, head.source) & (label >= 0)
+    members = {name: counts & (domain == i) for i, name in enumerate(embeddings.header.domains)}
+    away = [mask for name, mask in members.items() if name != head.source]
+    unseen = np.any([np.zeros_like(counts), *away], axis=0)
     found = predicted_probabilities(head.model, embeddings)
     probabilities = {name: found[name].double().cpu().numpy() for name in READINGS}
     predicted = {name: values.argmax(1) for name, values in probabilities.items()}
     shares = {f"answers/{name}": (values == label) * 1.0 for name, values in predicted.items()}
-    rows = judged(facts.counts, facts.domain)
+    rows = judged(counts, domain)
     vis, tac, cosine = _alone(head, embeddings, rows)
     shares["retrieval"] = np.full(len(label), np.nan)  # of photos that are not tested
-    shares["retrieval"][rows] = label[nearest_touch(vis, tac, facts.domain, rows)] == label[rows]
+    shares["retrieval"][rows] = label[nearest_touch(vis, tac, domain, rows)] == label[rows]
     # unseen pairs that look like another class
     looks = embeddings.rows.get("looks_like", []) or [""] * len(label)
-    alike = np.array([bool(name) for name in looks], bool) & facts.unseen
+    alike = np.array([bool(name) for name in looks], bool) & unseen
+
+    def confusions(values: Array) -> dict[str, list[list[int]]]:
+        """Return counts (K, K), true class by predicted class, of each domain and all unseen."""
+        truth, guess = torch.from_numpy(label), torch.from_numpy(values)
+        masks = {name: torch.from_numpy(m) for name, m in (members | {UNSEEN: unseen}).items()}
+        return {n: confusion(truth[m], guess[m], len(classes)).tolist() for n, m in masks.items()}
+
     return {
         "source": head.source,
         "order": head.model.order,
@@ -177,24 +160,22 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
         "domains": [
             {
                 "name": name,
-                "is_source": name == facts.source,
+                "is_source": name == head.source,
                 "pairs": int(mask.sum()),
                 **{key: _share(right[mask]) for key, right in shares.items()},
             }
-            for name, mask in facts.members.items()
+            for name, mask in members.items()
         ],
-        "unseen": {name: _over_domains(facts, right) for name, right in shares.items()},
+        "unseen": {name: _over_domains(away, right) for name, right in shares.items()},
         "look_alikes": {
             "pairs": int(alike.sum()),
             **{key: _share(right[alike]) for key, right in shares.items()},
         }
         if alike.any()
         else None,
-        "confusion": {
-            name: _confusions(facts, values, len(classes)) for name, values in predicted.items()
-        },
+        "confusion": {name: confusions(values) for name, values in predicted.items()},
         "pairs": {
-            "counts": facts.counts,
+            "counts": counts,
             "answers": predicted,
             "confidence": probabilities["fused"].max(1),
             "cosine": cosine,
@@ -211,24 +192,15 @@ def _share(right: Array) -> dict[str, float] | None:
     return {"share": float(right.mean()), "low": low, "high": high}
 
 
-def _over_domains(facts: _Facts, right: Array) -> dict[str, float] | None:
+def _over_domains(away: Sequence[Mask], right: Array) -> dict[str, float] | None:
     """Return the mean over unseen domains with its interval, or None without any."""
     known = ~np.isnan(right)
-    masks = [mask for name, mask in facts.members.items() if name != facts.source and mask.any()]
-    counts = [(int(right[m & known].sum()), int((m & known).sum())) for m in masks]
+    masks = [mask & known for mask in away if mask.any()]
+    counts = [(int(right[mask].sum()), int(mask.sum())) for mask in masks]
     if not counts:
         return None
     low, high = of_domains(counts)
     return {"share": float(np.mean([r / n for r, n in counts])), "low": low, "high": high}
-
-
-def _confusions(facts: _Facts, predicted: Array, classes: int) -> dict[str, list[list[int]]]:
-    """Return counts (K, K), true class by predicted class, of each domain and all unseen ones."""
-    found = {}
-    for name, mask in (facts.members | {UNSEEN: facts.unseen}).items():
-        cells = facts.label[mask] * classes + predicted[mask]
-        found[name] = np.bincount(cells, minlength=classes**2).reshape(classes, classes).tolist()
-    return found
 
 
 @torch.inference_mode()

@@ -11,12 +11,7 @@ from omnivat.kit.tables import load
 from omnivat.measure.gaps import GAPS
 from omnivat.measure.gaps.confusion import macro_f1
 from omnivat.measure.gaps.domain import pairwise_gaps
-from omnivat.measure.gaps.sums import (
-    cosine_margin,
-    cross_domain_margin,
-    cross_modal_margin,
-    domain_gap,
-)
+from omnivat.measure.gaps.sums import sums_of
 from omnivat.measure.gaps.unit import unit
 
 seeds = st.integers(0, 2**31)
@@ -96,16 +91,16 @@ def test_margins_equal_those_of_every_pair_counted_one_by_one(seed, count, width
     tac, _ = sets(seed + 1, count, width)
     labels, domains = labelled(seed, count)
     labels[:4], domains[:4] = torch.tensor([0, 0, 1, 1]), torch.tensor([0, 1, 0, 1])
+    sums = sums_of(labels, domains, vis=rows, tac=tac)
     torch.testing.assert_close(
-        cosine_margin(rows, labels), slow_margin(rows, rows, labels, labels, lambda i, j: i < j)
+        sums.margin("vis"), slow_margin(rows, rows, labels, labels, lambda i, j: i < j)
     )
     torch.testing.assert_close(
-        cross_domain_margin(rows, labels, domains),
+        sums.cross_domain_margin("vis"),
         slow_margin(rows, rows, labels, labels, lambda i, j: i < j and domains[i] != domains[j]),
     )
     torch.testing.assert_close(
-        cross_modal_margin(rows, tac, labels),
-        slow_margin(rows, tac, labels, labels, lambda i, j: i != j),
+        sums.cross_modal_margin(), slow_margin(rows, tac, labels, labels, lambda i, j: i != j)
     )
 
 
@@ -117,7 +112,8 @@ def test_the_domain_gap_is_the_mean_over_every_two_domains(seed, count, width):
     domains[:2] = torch.tensor([0, 2])
     named = {str(d): rows[domains == d] for d in domains.unique().tolist()}
     every = pairwise_gaps(named, load(GAPS, "centroid", kind="gap"))
-    torch.testing.assert_close(domain_gap(rows, domains), torch.stack([*every.values()]).mean())
+    found = sums_of(torch.zeros_like(domains), domains, vis=rows).domain_gap("vis")
+    torch.testing.assert_close(found, torch.stack([*every.values()]).mean())
 
 
 @few

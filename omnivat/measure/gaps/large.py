@@ -1,7 +1,9 @@
 """Gaps of sets too large for memory: exact from moments, or estimated from random pairs."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import cached_property
+from dataclasses import dataclass
+from functools import cached_property, reduce
+from operator import add
 
 import numpy as np
 import torch
@@ -23,25 +25,35 @@ Index = Int64[np.ndarray, " N"]
 Sets = dict[str, dict[str, Float[Tensor, "_ W"]]]  # by modality and domain
 
 
+@dataclass(frozen=True, kw_only=True)
 class Moments:
-    """Number, mean and, with `squares`, covariance of unit rows, in double precision.
+    """Number, sum and sum of products of unit rows less an origin, in double precision.
 
-    Products of a block are in the rows' precision. They are taken about the first block's mean, so
-    nothing cancels.
+    Products of a block are in the rows' precision. The origin lies among the rows, so nothing
+    cancels; moments of one origin add up.
     """
 
-    def __init__(self, rows: Float[Tensor, "B W"], *, squares: bool = False) -> None:
-        self.origin = rows.double().mean(0)
-        self.count, self.sum = 0, torch.zeros_like(self.origin)
-        self.products = self.sum.new_zeros(2 * (len(self.sum),)) if squares else None
-        self.add(rows)
+    origin: Float64[Tensor, " W"]
+    count: int
+    sum: Float64[Tensor, " W"]
+    products: Float64[Tensor, "W W"] | None  # for covariances
 
-    def add(self, rows: Float[Tensor, "B W"]) -> None:
-        rows = rows - self.origin.to(rows)
-        self.count += len(rows)
-        self.sum += rows.sum(0, dtype=torch.float64)
-        if self.products is not None:
-            self.products += rows.T @ rows
+    @classmethod
+    def of(
+        cls, rows: Float[Tensor, "B W"], origin: Float64[Tensor, " W"], *, squares: bool
+    ) -> "Moments":
+        """Return the moments of rows."""
+        rows = rows - origin.to(rows)
+        total = rows.sum(0, dtype=torch.float64)
+        products = (rows.T @ rows).double() if squares else None
+        return cls(origin=origin, count=len(rows), sum=total, products=products)
+
+    def __add__(self, other: "Moments") -> "Moments":
+        products = self.products
+        if products is not None and other.products is not None:
+            products = products + other.products
+        count, total = self.count + other.count, self.sum + other.sum
+        return Moments(origin=self.origin, count=count, sum=total, products=products)
 
     @property
     def mean(self) -> Float64[Tensor, " W"]:
@@ -55,26 +67,6 @@ class Moments:
         values, axes = torch.linalg.eigh(spread / max(1, self.count - 1))
         root: Tensor = values.clamp_min(0).sqrt()[:, None] * axes.T
         return root
-
-    @classmethod
-    def joined(cls, parts: Sequence["Moments"]) -> "Moments":
-        """Return the moments of several sets together."""
-        whole = cls.__new__(cls)
-        whole.origin, whole.count = parts[0].origin, sum(one.count for one in parts)
-        moves = [one.origin - whole.origin for one in parts]
-        whole.sum = sum(
-            (one.sum + one.count * move for one, move in zip(parts, moves, strict=True)),
-            torch.zeros_like(whole.origin),
-        )
-        whole.products = None
-        if parts[0].products is not None:
-            whole.products = torch.zeros_like(parts[0].products)
-            for one, move in zip(parts, moves, strict=True):
-                assert one.products is not None
-                cross = torch.outer(one.sum, move)
-                whole.products += one.products + cross + cross.T
-                whole.products += one.count * torch.outer(move, move)
-        return whole
 
 
 MOMENT_GAPS: dict[str, Callable[[Moments, Moments], Tensor]] = {
@@ -98,28 +90,27 @@ def moments_of(
 
     domain  index of each pair into `names`; blocks cover the pairs in order
     """
-    found: dict[str, dict[int, Moments]] = {"vis": {}, "tac": {}}
     random = np.random.default_rng(derive_seed(0, "halves"))
     half = 2 * domain + random.integers(2, size=len(domain))
+    found: dict[str, dict[int, Moments]] = {"vis": {}, "tac": {}}
+    origins: dict[str, Tensor] = {}
     for some, features in blocks:
-        own = half[some]
-        for index in np.unique(own).tolist():
-            members = torch.from_numpy(np.flatnonzero(own == index))
-            for name, into in found.items():
+        for name, into in found.items():
+            origin = origins.setdefault(name, features[name].double().mean(0))
+            for index in np.unique(half[some]).tolist():
+                members = torch.from_numpy(np.flatnonzero(half[some] == index))
                 rows = features[name][members.to(features[name].device)]
-                if index in into:
-                    into[index].add(rows)
-                else:
-                    into[index] = Moments(rows, squares=squares)
-    both = {
-        name: {k: [own[h] for h in (2 * k, 2 * k + 1) if h in own] for k in np.unique(domain)}
-        for name, own in found.items()
+                moments = Moments.of(rows, origin, squares=squares)
+                into[index] = into[index] + moments if index in into else moments
+    parts = {
+        name: {k: [of[h] for h in (2 * k, 2 * k + 1) if h in of] for k in np.unique(domain)}
+        for name, of in found.items()
     }
-    sets = {m: {names[k]: Moments.joined(own) for k, own in of.items()} for m, of in both.items()}
+    sets = {m: {names[k]: reduce(add, own) for k, own in of.items()} for m, of in parts.items()}
     halves = {
-        m: [(own[0], own[-1]) for own in of.values() if len(own) > 1] for m, of in both.items()
+        m: [(own[0], own[1]) for own in of.values() if len(own) > 1] for m, of in parts.items()
     }
-    return sets, {m: Moments.joined(list(own.values())) for m, own in sets.items()}, halves
+    return sets, {m: reduce(add, own.values()) for m, own in sets.items()}, halves
 
 
 def drawn(

@@ -98,7 +98,9 @@ class Sums:
         return _margin(self._within(name, "class"), self._within(name, "all"))
 
     def cross_domain_margin(self, name: str) -> Float64[Tensor, ""]:
-        """The same, for pairs of rows from different domains."""
+        """The same, for pairs of rows from different domains: does a class keep its direction
+        across sensors?
+        """
         same = _less(self._within(name, "class"), self._within(name, "cell"))
         return _margin(same, _less(self._within(name, "all"), self._within(name, "domain")))
 
@@ -154,37 +156,13 @@ def cosine_margin(features: Float[Tensor, "N D"], labels: Int[Tensor, " N"]) -> 
     >>> float(cosine_margin(rows, torch.tensor([0, 0, 1, 1])))
     1.0
     """
-    return _sums(labels, torch.zeros_like(labels), vis=features).margin("vis")
+    return sums_of(labels, torch.zeros_like(labels), vis=features).margin("vis")
 
 
-def cross_domain_margin(
-    features: Float[Tensor, "N D"], labels: Int[Tensor, " N"], domains: Int[Tensor, " N"]
-) -> Float64[Tensor, ""]:
-    """The same, for pairs of rows from different domains: does a class keep its direction across
-    sensors?
-    """
-    return _sums(labels, domains, vis=features).cross_domain_margin("vis")
-
-
-def cross_modal_margin(
-    vis: Float[Tensor, "N D"], tac: Float[Tensor, "N D"], labels: Int[Tensor, " N"]
-) -> Float64[Tensor, ""]:
-    """The same, for pairs of a VIS row and a TAC row of different contacts; row i of both is one
-    contact.
-    """
-    return _sums(labels, torch.zeros_like(labels), vis=vis, tac=tac).cross_modal_margin()
-
-
-def domain_gap(features: Float[Tensor, "N D"], domains: Int[Tensor, " N"]) -> Float64[Tensor, ""]:
-    """Mean centroid gap over all pairs of domains, in [0, 2]; NaN for fewer than two domains
-    with rows.
-    """
-    return _sums(torch.zeros_like(domains), domains, vis=features).domain_gap("vis")
-
-
-def _sums(
+def sums_of(
     labels: Int[Tensor, " N"], domains: Int[Tensor, " N"], **features: Float[Tensor, "N D"]
 ) -> Sums:
+    """Return the sums of whole sets: "vis", "tac" or both."""
     require_shapes(
         labels=(labels, "N"), domains=(domains, "N"), **{n: (x, "N D") for n, x in features.items()}
     )

@@ -16,7 +16,6 @@ from omnivat.measure.gaps.domain import floor, halves
 from omnivat.measure.gaps.frechet import frechet
 from omnivat.measure.gaps.mmd import mmd_linear, mmd_rbf
 from omnivat.measure.gaps.proxy_a import _fits, proxy_a, proxy_a_estimate
-from omnivat.measure.gaps.sums import cosine_margin, cross_modal_margin
 
 
 def cloud(seed, count=60, width=5, shift=0.0):
@@ -117,17 +116,6 @@ def test_proxy_a_penalises_by_a_share_of_the_mean_variance(width):
     wanted = np.linalg.inv(spread / penalty + np.eye(width)) @ (a.mean(0) - b.mean(0)).numpy()
     fits = _fits((a, torch.ones(30)), (b, torch.ones(40)), 2, 0.3)  # no row is in fold 0
     np.testing.assert_allclose(next(fits)[0], wanted, rtol=1e-9)
-
-
-def test_margin_is_two_for_classes_in_opposite_directions():
-    rows = torch.tensor([[1.0, 0.0], [2.0, 0.0], [-1.0, 0.0], [-3.0, 0.0]])
-    labels = torch.tensor([0, 0, 1, 1])
-    assert cosine_margin(rows, labels) == 2
-    assert cross_modal_margin(rows, rows, labels) == 2
-
-
-def test_margin_of_one_class_is_not_a_number():
-    assert cosine_margin(torch.eye(3), torch.zeros(3, dtype=torch.long)).isnan()
 
 
 def test_confusion_has_truth_in_rows_and_answers_in_columns():

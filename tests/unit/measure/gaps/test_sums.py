@@ -4,14 +4,7 @@ import pytest
 import torch
 
 from omnivat.measure.gaps.centroid import modality_gap
-from omnivat.measure.gaps.sums import (
-    PAIR,
-    Sums,
-    cosine_margin,
-    cross_domain_margin,
-    cross_modal_margin,
-    domain_gap,
-)
+from omnivat.measure.gaps.sums import PAIR, Sums, cosine_margin, sums_of
 from omnivat.measure.gaps.unit import unit
 
 
@@ -34,23 +27,17 @@ def test_what_is_added_in_parts_is_the_whole(features, size):
     for start in range(0, 200, size):
         part = slice(start, start + size)
         sums.add({name: values[part] for name, values in rows.items()}, labels[part], domains[part])
-    vis, tac = rows["vis"], rows["tac"]
-    pair = unit(vis) + unit(tac)
-    last = domains == 2
-    found = {
-        "all": (sums.centroid_gap(), modality_gap(vis, tac)),
-        "one domain": (sums.centroid_gap(2), modality_gap(vis[last], tac[last])),
-        "domains": (sums.domain_gap("tac"), domain_gap(tac, domains)),
-        "margin": (sums.margin("vis"), cosine_margin(vis, labels)),
-        "margin of pairs": (sums.margin(PAIR), cosine_margin(pair, labels)),
-        "across domains": (
-            sums.cross_domain_margin(PAIR),
-            cross_domain_margin(pair, labels, domains),
-        ),
-        "across modalities": (sums.cross_modal_margin(), cross_modal_margin(vis, tac, labels)),
-    }
-    for name, (got, wanted) in found.items():
-        torch.testing.assert_close(got, wanted, msg=name)
+    whole, last = sums_of(labels, domains, **rows), domains == 2
+    for one, wanted in ((sums, whole), (whole, sums)):
+        torch.testing.assert_close(one.centroid_gap(), modality_gap(rows["vis"], rows["tac"]))
+        gap = modality_gap(rows["vis"][last], rows["tac"][last])
+        torch.testing.assert_close(one.centroid_gap(2), gap)
+        torch.testing.assert_close(one.cross_modal_margin(), wanted.cross_modal_margin())
+        for name in ("vis", "tac", PAIR):
+            for measure in (Sums.margin, Sums.cross_domain_margin, Sums.domain_gap):
+                torch.testing.assert_close(measure(one, name), measure(wanted, name))
+    pair = unit(rows["vis"]) + unit(rows["tac"])
+    torch.testing.assert_close(sums.margin(PAIR), cosine_margin(pair, labels))
 
 
 def test_one_class_in_one_domain_has_no_margin_and_no_domain_gap():
