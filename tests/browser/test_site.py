@@ -85,7 +85,7 @@ def chapters_analyse_and_a_pair(context: Any, address: str, folder: Path) -> Non
     picture = next(
         file for file in files_in(folder) if "-example-" in file.name and "vis" in file.name
     )
-    page.goto(f"{address}?tab=pair&vis=data/{picture.name}&tac=https://else.where/a.png")
+    page.goto(f"{address}?view=pair&vis=data/{picture.name}&tac=https://else.where/a.png")
     page.wait_for_selector(".pair .reading[data-reading=vis] .said")
     assert "not on this page's host" in page.inner_text(".pair .problem")
     assert picture.name in page.url
@@ -107,7 +107,7 @@ def test_a_browser_that_cannot_run_the_models_gets_a_sentence_and_the_chapters(
     )
     with site(folder) as address:
         page, problems = visit(context)
-        page.goto(f"{address}?tab=pair")
+        page.goto(f"{address}?view=pair")
         page.wait_for_selector(
             ".pair .problem:has-text('This browser has no WebAssembly with SIMD')"
         )
@@ -132,7 +132,7 @@ def test_after_one_visit_the_site_predicts_an_own_pair_without_a_network(
         page.close()
         assert problems == []
     page, problems = visit(context)  # there is no server now
-    page.goto(f"{address}?tab=pair&p=0.3")
+    page.goto(f"{address}?view=pair&p=0.3")
     for modality in ("vis", "tac"):
         picture = next(file for file in pictures if modality in file.name)
         page.set_input_files(f".slot[data-modality={modality}] input", picture)

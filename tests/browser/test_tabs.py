@@ -91,13 +91,13 @@ def counts(page: Any) -> list[int]:
 @pytest.mark.parametrize(
     ("query", "shown"),
     [
-        ("?view=tree&vis=row:4&tac=row:4", ".explore .nodes .disc >> nth=6"),
-        ("?view=compare&stage2=relu", ".explore .beside .map[data-order]"),
-        ("?view=data", ".pair .loading[open] .go"),
+        ("?chapter=analyse&panel=nodes&pin=4", ".explore .nodes .disc >> nth=6"),
+        ("?chapter=analyse&beside=1&stage2=relu", ".explore .beside .map[data-order]"),
+        ("?view=pair&panel=loading", ".pair .loading[open] .go"),
     ],
-    ids=["tree", "compare", "data"],
+    ids=["nodes", "beside", "loading"],
 )
-def test_an_address_of_an_earlier_view_shows_what_took_its_place(
+def test_an_address_opens_the_part_of_a_tab_that_it_names(
     open_page: Callable[..., Any], query: str, shown: str
 ) -> None:
     page = open_page(query)
@@ -194,7 +194,7 @@ def test_a_training_can_be_cancelled(open_page: Callable[..., Any]) -> None:
 
 
 def test_a_set_of_signals_offers_neither_camera_nor_sensor(open_page: Callable[..., Any]) -> None:
-    page = open_page("?set=chirps&tab=pair")
+    page = open_page("?set=chirps&view=pair")
     page.wait_for_selector(".pair .of-signals:visible")
     page.wait_for_selector(".pair .slot .where:visible")
     for gone in (".slot .camera", ".cameras", ".panel.sensor"):

@@ -4,8 +4,8 @@ import "./browser.js";
 
 let written = "";
 globalThis.location = {
-  search: "?tab=pair&vis=pairs/a.png&tac=https://else.where/b.png",
-  href: "http://x/?tab=pair&vis=pairs/a.png",
+  search: "?view=pair&vis=pairs/a.png&tac=https://else.where/b.png",
+  href: "http://x/?view=pair&vis=pairs/a.png",
   origin: "http://x",
 };
 globalThis.history = { state: null, replaceState: (_, __, address) => (written = String(address)) };
@@ -36,6 +36,6 @@ test("the address goes on naming the picture by its own address", async () => {
   change({ tree: "A" });
   await new Promise((resolve) => setTimeout(resolve, 200));
   const query = new URL(written).searchParams;
-  assert.deepEqual([query.get("vis"), query.get("tab"), query.get("view")], ["pairs/a.png", null, "pair"]);
+  assert.deepEqual([query.get("vis"), query.get("view")], ["pairs/a.png", "pair"]);
   assert.equal(links.get("pairs/a.png"), "image:f00");
 });

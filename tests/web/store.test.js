@@ -3,7 +3,7 @@ import test from "node:test";
 import "./browser.js";
 
 globalThis.location = {
-  search: "?chapter=failure&p=0.5014&view=elsewhere&stage=relu&pin=-3&class=a%2520b&nonsense=1",
+  search: "?chapter=where&p=0.5014&view=elsewhere&stage=relu&pin=-3&class=a%2520b&nonsense=1",
   href: "http://x/",
 };
 globalThis.history = { state: null, replaceState: () => {} };
@@ -14,7 +14,7 @@ test("an address gives what is known and leaves the rest out", () => {
   assert.equal(state.view, "explore");
   assert.equal(state.stage, "relu");
   assert.equal(state.pin, null);
-  assert.equal(state.chapter, "where"); // the chapter's earlier name
+  assert.equal(state.chapter, "where");
   assert.ok(!("nonsense" in state));
 });
 

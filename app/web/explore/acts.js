@@ -96,7 +96,7 @@ export class Acts {
 
   async near(modality) {
     const { scene } = this;
-    const point = state.pin + scene.frames.pairs * modality;
+    const point = Number(state.pin) + scene.frames.pairs * modality;
     const key = this.key();
     const box = this.board.$(".card .found");
     const found = await findNeighbours(box, { set: scene.set, point, stage: this.nearStage, p: scene.p });

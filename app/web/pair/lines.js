@@ -88,7 +88,7 @@ export class Lines extends View {
   veil(band) {
     if (!band) return "";
     const { scale } = this;
-    return scale.band("veil", 0, band[0]) + scale.band("veil", band[1], 1) + scale.band("band", ...band);
+    return `${scale.band("veil", 0, band[0])}${scale.band("veil", band[1], 1)}${scale.band("band", band[0], band[1])}`;
   }
 
   mark(stop, orders) {

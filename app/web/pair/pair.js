@@ -159,7 +159,7 @@ class PairTab extends View {
       ".swap": () => change({ vis: state.tac, tac: state.vis }),
     });
     onClick(this.$(".reader"), { ".reader-switch": () => this.switchReader() });
-    onClick(this.$(".started"), { button: () => change(this.before) });
+    onClick(this.$(".started"), { button: () => change(/** @type {Partial<State>} */ (this.before)) });
     onClick(this.$(".profile-now"), { button: () => this.sensor.use("", null) });
     this.box.ondragover = (event) => event.preventDefault();
     this.box.ondrop = (event) => {

@@ -11,7 +11,7 @@ export const keyOf = ({ vis, tac }) => `${vis ?? ""} ${tac ?? ""}`;
 export const mixed = ({ vis, tac }) => Boolean(vis && tac) && vis !== tac && !isOwn({ vis, tac });
 
 /** True if all images of a pair are the visitor's own.
- * @param {{vis?: string, tac?: string}} pair */
+ * @param {Pair} pair */
 export const isOwn = ({ vis, tac }) => {
   const there = [vis, tac].flatMap((ref) => ref || []);
   return there.length > 0 && there.every((ref) => ref.startsWith("image:"));

@@ -21,3 +21,21 @@ export function paintCells(canvas, columns, rows, colour) {
   }
   drawingOn(canvas).putImageData(image, 0, 0);
 }
+
+/** Stroke a path in several widths and colours, the widest first.
+ * @param {CanvasRenderingContext2D} context @param {() => void} trace @param {...[width: number, colour: string]} strokes */
+export function stroked(context, trace, ...strokes) {
+  context.beginPath();
+  trace();
+  for (const [width, colour] of strokes) {
+    context.lineWidth = width;
+    context.strokeStyle = colour;
+    context.stroke();
+  }
+}
+
+/** The path of a line. @param {CanvasRenderingContext2D} context @param {Point} from @param {Point} to */
+export function segment(context, from, to) {
+  context.moveTo(...from);
+  context.lineTo(...to);
+}

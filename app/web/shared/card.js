@@ -1,70 +1,71 @@
 /** The card of one pair: thumbnails, class and prediction. */
 
+import { saidOf } from "./palette.js";
 import { has } from "./tables.js";
-import { escaped } from "./text.js";
+import { html } from "./text.js";
 
-/** A thumbnail from the sheet: VIS of pair i is tile i, TAC is tile N + i. */
+/** A thumbnail from the sheet: VIS of pair i is tile i, TAC is tile N + i.
+ * @param {Sprite | null} sprite @param {number} tile @param {number} side @param {string} words */
 export function thumbnail(sprite, tile, side, words) {
-  const label = escaped(words);
-  if (!sprite) return `<span class="thumb none" role="img" aria-label="${label}">${label}</span>`;
-  const scale = side / sprite.tile;
-  const column = tile % sprite.columns;
-  const row = Math.floor(tile / sprite.columns);
-  const rows = Math.ceil(sprite.count / sprite.columns);
-  return `<span class="thumb" role="img" aria-label="${label}" style="width:${side}px;height:${side}px;
-    background-image:url('${sprite.url}');background-position:${-column * side}px ${-row * side}px;
-    background-size:${sprite.columns * sprite.tile * scale}px ${rows * sprite.tile * scale}px"></span>`;
+  if (!sprite) return html`<span class="thumb none" role="img" aria-label="${words}">${words}</span>`;
+  const { url, columns, count } = sprite;
+  const [left, top] = [tile % columns, Math.floor(tile / columns)].map((steps) => -steps * side);
+  return html`<span class="thumb" role="img" aria-label="${words}" style="width:${side}px;height:${side}px;
+    background-image:url('${url}');background-position:${left}px ${top}px;
+    background-size:${columns * side}px ${Math.ceil(count / columns) * side}px"></span>`;
 }
 
-export const thumbnailPair = (frames, sprite, pair, side) =>
-  `<span class="thumbs"><figure>${thumbnail(sprite, pair, side, "VIS")}<figcaption>VIS</figcaption></figure>
-   <figure>${thumbnail(sprite, frames.pairs + pair, side, "TAC")}<figcaption>TAC</figcaption></figure></span>`;
+/** @param {Frames} frames @param {Sprite | null} sprite @param {number} pair @param {number} side */
+export const thumbnailPair = ({ pairs }, sprite, pair, side) =>
+  html`<span class="thumbs">${["VIS", "TAC"].map(
+    (name, i) =>
+      html`<figure>${thumbnail(sprite, pair + i * pairs, side, name)}<figcaption>${name}</figcaption></figure>`,
+  )}</span>`;
 
-/** The prediction for a pair at one stop. */
+/** The prediction for a pair at one stop. @param {Frames} frames @param {number} pair @param {number} stop */
 export function verdict(frames, pair, stop) {
-  const at = stop * frames.pairs + pair;
-  const said = frames.answered?.[pair] ?? frames.prediction[at];
+  const said = saidOf(frames, pair, stop);
   return {
     domain: frames.domains[frames.domain[pair]],
     truth: frames.classes[frames.label[pair]],
     said: frames.headless ? "" : frames.classes[said],
     right: !frames.headless && said === frames.label[pair],
-    confidence: has(frames, "confidence") && !frames.answered ? frames.confidence[at] / 255 : NaN, // other heads have no temperature
+    // other heads have no temperature
+    confidence:
+      has(frames, "confidence") && !frames.answered ? frames.confidence[stop * frames.pairs + pair] / 255 : NaN,
   };
 }
 
-/** A verdict in words: its class, and its probability if that has a temperature; no mark without a true class. */
-const saidHtml = ({ right, said, confidence }, labelled = true) =>
-  `${labelled ? (right ? "✓ " : "✗ ") : ""}${escaped(said)}${Number.isFinite(confidence) ? `, ${Math.round(100 * confidence)} %` : ""}`;
-
-/** The class that a pair imitates, in words; "" if none. */
+/** The class that a pair imitates, in words; "" if none. @param {PairNames | null} pairs @param {number} pair */
 export function imitation(pairs, pair) {
-  const [looks, feels] = ["looks_like", "feels_like"].map((column) => pairs?.[column][pair]);
+  const [looks, feels] = [pairs?.looks_like[pair], pairs?.feels_like[pair]];
   if (looks) return `looks like ${looks}: only touch can tell`;
   return feels ? `feels like ${feels}` : "";
 }
 
-/** `sample` is shown until a visitor points at a pair; -1 for none. `pairs` has the names, once loaded. */
+/** The card of a pair; `pairs` has the names, once loaded. Without a pair, -1, the card shows the pair `sample`, if any.
+ * @param {Frames} frames @param {Sprite | null} sprite @param {number} pair @param {number} stop @param {boolean} pinned
+ * @param {PairNames | null} pairs */
 export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = null) {
+  const { labelled, headless } = frames;
+  /** @param {number} pair */
+  const pictures = (pair) => sprite && pair >= 0 && thumbnailPair(frames, sprite, pair, 124);
   if (pair < 0) {
-    const example = sample < 0 || !sprite ? "" : thumbnailPair(frames, sprite, sample, 124);
-    const names = sample < 0 || frames.labelled === false ? "" : `: ${escaped(frames.classes[frames.label[sample]])}`;
+    const name = sample >= 0 && labelled && `: ${frames.classes[frames.label[sample]]}`;
     const [title, points] = frames.signals
       ? ["Two recordings of one signal", "● one recording, ▲ the other"]
       : ["A photo and a touch", "● photo, ▲ touch"];
-    return `<h3>${title}${names}</h3>${example}<p class="hint">${points}. <span class="keys" title="Keys: N and B step through pairs, Enter pins"><b>Point</b> at one, <b>click</b> to pin.</span></p>`;
+    return html`<h3>${title}${name}</h3>${pictures(sample)}<p class="hint">${points}. <span class="keys" title="Keys: N and B step through pairs, Enter pins"><b>Point</b> at one, <b>click</b> to pin.</span></p>`;
   }
-  const v = verdict(frames, pair, stop);
+  const { domain, truth, said, right, confidence } = verdict(frames, pair, stop);
   const note = imitation(pairs, pair);
-  const source = v.domain === frames.source ? ' <small class="source">source</small>' : "";
-  return `<h3>Pair ${pair}${pinned ? ' <span class="tag">pinned</span>' : ""}</h3>
-    ${sprite ? thumbnailPair(frames, sprite, pair, 124) : ""}
-    <dl><dt>Domain</dt><dd>${escaped(v.domain)}${source}</dd><dt>Class</dt><dd>${frames.labelled === false ? "–" : escaped(v.truth)}${note ? ` <small>${escaped(note)}</small>` : ""}</dd>
-    ${v.said && `<dt>Predicted</dt><dd class="${frames.labelled !== false ? (v.right ? "right" : "wrong") : ""}">${saidHtml(v, frames.labelled)}</dd>`}</dl>
-    ${
-      pinned
-        ? `<div class="near"><h4>Nearest by cosine${has(frames, "heads") ? ", raw embedding," : ""} to <span><button type="button" class="find" data-of="0">VIS</button> <button type="button" class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>
-    <div class="row">${frames.headless ? "" : '<button type="button" class="open">Open in Pair ›</button>'}<button type="button" class="unpin">Unpin</button></div>`
-        : ""
-    }`;
+  const sure = Number.isFinite(confidence) && `, ${Math.round(100 * confidence)} %`;
+  const predicted = html`<dt>Predicted</dt><dd class="${labelled && (right ? "right" : "wrong")}">${labelled && (right ? "✓ " : "✗ ")}${said}${sure}</dd>`;
+  const more = html`<div class="near"><h4>Nearest by cosine${has(frames, "heads") && ", raw embedding,"} to <span><button type="button" class="find" data-of="0">VIS</button> <button type="button" class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>
+    <div class="row">${!headless && html`<button type="button" class="open">Open in Pair ›</button>`}<button type="button" class="unpin">Unpin</button></div>`;
+  return html`<h3>Pair ${pair}${pinned && html` <span class="tag">pinned</span>`}</h3>
+    ${pictures(pair)}
+    <dl><dt>Domain</dt><dd>${domain}${domain === frames.source && html` <small class="source">source</small>`}</dd><dt>Class</dt><dd>${labelled ? truth : "–"}${note && html` <small>${note}</small>`}</dd>
+    ${said && predicted}</dl>
+    ${pinned && more}`;
 }

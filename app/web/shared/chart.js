@@ -1,12 +1,14 @@
-/** Line charts: scales, axes and lines as SVG text, and dragging along the horizontal axis. */
+/** Line charts: scales, axes and lines as SVG, and dragging along the horizontal axis. */
 
-import { each } from "./text.js";
+import { html } from "./text.js";
 
-/** @type {(v: number, span: number[]) => number} */
+/** @param {number} v @param {number[]} span */
 const share = (v, [low, high]) => (v - low) / (high - low || 1);
 
 /** Places of values in a chart: `xs` and `ys` are the ends of its axes, `pad` what is free around them. */
 export class Scale {
+  /** @param {{wide: number, high: number, pad: Record<"left" | "right" | "top" | "bottom", number>, xs?: number[],
+   *   ys?: number[]}} parts */
   constructor({ wide, high, pad, xs = [0, 1], ys = [0, 1] }) {
     this.wide = wide;
     this.high = high;
@@ -18,50 +20,62 @@ export class Scale {
     this.ys = ys;
   }
 
+  /** @param {number} v */
   x = (v) => this.left + share(v, this.xs) * (this.right - this.left);
+  /** @param {number} v */
   y = (v, ys = this.ys) => this.base - share(v, ys) * (this.base - this.top);
 
-  /** A line through points [x, y]; one without a value ends it, and the next begins another. */
+  /** A line through points [x, y]; one without a value ends it, and the next begins another. @param {number[][]} points */
   line(points, ys = this.ys) {
-    let open = false;
-    return each(points, ([x, v]) => {
-      const on = open;
-      open = Number.isFinite(v);
-      return open ? `${on ? "L" : "M"}${this.x(x).toFixed(1)} ${this.y(v, ys).toFixed(1)}` : "";
-    });
+    let before = false;
+    return points
+      .map(([x, v]) => {
+        const step = before ? "L" : "M";
+        before = Number.isFinite(v);
+        return before ? `${step}${this.x(x).toFixed(1)} ${this.y(v, ys).toFixed(1)}` : "";
+      })
+      .join("");
   }
 
-  /** Lines across at some values, with their figures. */
+  /** A line across at a value. @param {string} kind @param {number} v */
+  across = (kind, v, ys = this.ys) =>
+    html`<line class="${kind}" x1="${this.left}" x2="${this.right}" y1="${this.y(v, ys)}" y2="${this.y(v, ys)}"/>`;
+
+  /** Lines across at some values, with their figures. @param {number[]} values @param {(v: number) => string | number} figure */
   grid(values, figure, ys = this.ys) {
-    return each(
-      values,
+    return html`${values.map(
       (v) =>
-        `<line class="grid" x1="${this.left}" x2="${this.right}" y1="${this.y(v, ys)}" y2="${this.y(v, ys)}"/><text x="${this.left - 6}" y="${this.y(v, ys) + 4}" text-anchor="end">${figure(v)}</text>`,
-    );
+        html`${this.across("grid", v, ys)}<text x="${this.left - 6}" y="${this.y(v, ys) + 4}" text-anchor="end">${figure(v)}</text>`,
+    )}`;
   }
 
-  /** Words under the axis: [value, word], the first from its left end, the last to its right. */
+  /** Words under the axis: [value, word], the first from its left end, the last to its right.
+   * @param {(string | number)[][]} words */
   ticks(words, below = 6) {
+    /** @param {number} i */
     const anchor = (i) => (i === 0 ? "start" : i === words.length - 1 ? "end" : "middle");
-    return each(
-      words,
-      ([v, word], i) => `<text x="${this.x(v)}" y="${this.high - below}" text-anchor="${anchor(i)}">${word}</text>`,
-    );
+    return html`${words.map(
+      ([v, word], i) =>
+        html`<text x="${this.x(Number(v))}" y="${this.high - below}" text-anchor="${anchor(i)}">${word}</text>`,
+    )}`;
   }
 
-  /** A shape from one value of the axis to another, as high as the chart. */
+  /** A shape from one value of the axis to another, as high as the chart.
+   * @param {string} kind @param {number} from @param {number} to */
   band(kind, from, to) {
     const [left, right] = [from, to].map(this.x);
-    return `<rect class="${kind}" x="${left}" y="${this.top}" width="${Math.max(0, right - left)}" height="${this.base - this.top}"/>`;
+    return html`<rect class="${kind}" x="${left}" y="${this.top}" width="${Math.max(0, right - left)}" height="${this.base - this.top}"/>`;
   }
 
-  /** A line at a value of the axis, and the end of a line that is there already. */
-  now = () => `<line class="now" y1="${this.top}" y2="${this.base}"/>`;
+  /** A line at a value of the axis, and its move to another one. @param {number} [v] */
+  now = (v) =>
+    html`<line class="now" ${v !== undefined && html`x1="${this.x(v)}" x2="${this.x(v)}" `}y1="${this.top}" y2="${this.base}"/>`;
+  /** @param {Found} svg @param {number} v */
   mark(svg, v) {
     for (const end of ["x1", "x2"]) svg.querySelector("line.now").setAttribute(end, this.x(v));
   }
 
-  /** The value of the axis under the pointer. */
+  /** The value of the axis under the pointer. @param {{clientX: number}} event @param {Element} svg */
   under({ clientX }, svg) {
     const box = svg.getBoundingClientRect();
     const at = (((clientX - box.left) / box.width) * this.wide - this.left) / (this.right - this.left);
@@ -69,15 +83,16 @@ export class Scale {
   }
 }
 
-/** Call `moved(event, svg)` while a chart in a box is pressed. */
+/** Call `moved(event, svg)` while a chart in a box is pressed.
+ * @param {Found} box @param {(event: PointerEvent, svg: SVGSVGElement) => unknown} moved */
 export function dragged(box, moved) {
-  box.onpointerdown = (event) => {
+  box.onpointerdown = (/** @type {Found} */ event) => {
     const svg = event.target.closest("svg");
     if (!svg) return;
     svg.setPointerCapture(event.pointerId);
     moved(event, svg);
   };
-  box.onpointermove = (event) => {
+  box.onpointermove = (/** @type {Found} */ event) => {
     const svg = event.target.closest("svg");
     if (svg && event.buttons) moved(event, svg);
   };

@@ -7,47 +7,47 @@ import { Pixels, stampShape } from "./points.js";
 
 const GROUND = { light: "#ffffff", dark: "#0f172a" };
 const MARGIN = 0.06; // of the shorter side, kept free around all points
+const FITTED = { zoom: 1, dx: 0, dy: 0 };
+const KEYS =
+  "Points: arrows pan, plus and minus zoom, 0 fits, N and B step through pairs, Enter pins, S selects what is in view, Escape clears the selection";
 
 export class Cloud {
   count = 0;
   x = new Float32Array(0); // device pixels of each point in the last drawing
   y = new Float32Array(0);
-  /** @type {any[]} as in layers.js */
+  /** @type {Layer[]} */
   layers = [];
-  /** @type {any} as in Frames.positions */
+  /** @type {Positions | null} */
   frame = null;
   ratio = 1; // device pixels of a CSS pixel
   width = 1; // device pixels
   height = 1;
-  /** @type {((view: any) => void) | null} called after every manual zoom and pan */
+  view = FITTED;
+  /** @type {((view: typeof FITTED) => void) | null} called after every manual zoom and pan */
   onView = null;
-  /** @type {((context: any, cloud: Cloud) => void)[]} functions that draw marks above the points */
+  /** @type {Painter[]} functions that draw marks above the points */
   painters = [];
+  halves = [true, true]; // whether the map is as wide as the VIS points, and as the TAC points
+  top = 0; // CSS pixels at the top that tools cover
+  pending = 0;
 
-  /** `count` points: the first half VIS, the second half TAC. */
+  /** `count` points: the first half VIS, the second half TAC. @param {HTMLElement} box @param {number} count */
   constructor(box, count) {
     this.box = box;
     this.ground = document.createElement("canvas");
     this.marks = document.createElement("canvas");
     this.marks.tabIndex = 0;
-    this.marks.setAttribute(
-      "aria-label",
-      "Points: arrows pan, plus and minus zoom, 0 fits, N and B step through pairs, Enter pins, S selects what is in view, Escape clears the selection",
-    );
+    this.marks.setAttribute("aria-label", KEYS);
     this.marks.setAttribute("role", "img");
     box.append(this.ground, this.marks);
     this.pixels = new Pixels(drawingOn(this.ground, { alpha: false }));
     this.hold(count);
-    this.halves = [true, true]; // whether the map is as wide as the VIS points, and as the TAC points
-    this.top = 0; // CSS pixels at the top that tools cover
-    this.view = { zoom: 1, dx: 0, dy: 0 };
-    this.pending = 0;
     addEventListener("beforeprint", () => this.print());
     new ResizeObserver(() => this.resize()).observe(box);
     this.resize();
   }
 
-  /** Make room for so many points. */
+  /** Make room for so many points. @param {number} count */
   hold(count) {
     this.count = count;
     this.x = new Float32Array(count);
@@ -69,7 +69,7 @@ export class Cloud {
   }
 
   /** Show other positions: u16 pairs within bounds [[xmin, ymin], [xmax, ymax]]. The map is as wide as its
-   * extents, which are those of all stops, so that the scale stays. */
+   * extents, which are those of all stops, so that the scale stays. @param {Positions} frame */
   show(frame) {
     this.frame = frame;
     this.redraw();
@@ -77,8 +77,10 @@ export class Cloud {
 
   /** Device pixels from u16: x = u·ax + bx, y = v·ay + by; one scale for both axes. */
   transform() {
-    const [[x0, y0], [x1, y1]] = this.frame.bounds;
-    const all = (this.frame.extents ?? []).filter((box, i) => this.halves[i] && box[0] <= box[2]);
+    const { bounds, extents = [] } = /** @type {Positions} */ (this.frame);
+    const [[x0, y0], [x1, y1]] = bounds;
+    const all = extents.filter((box, i) => this.halves[i] && box[0] <= box[2]);
+    /** @param {number} i */
     const end = (i) => (i < 2 ? Math.min : Math.max)(...all.map((box) => box[i])) / 65535;
     const box = all.length ? [0, 1, 2, 3].map(end) : [0, 0, 1, 1];
     const [left, right] = [x0 + box[0] * (x1 - x0), x0 + box[2] * (x1 - x0)];
@@ -106,8 +108,7 @@ export class Cloud {
   }
 
   redraw() {
-    if (this.pending) return;
-    this.pending = requestAnimationFrame(() => {
+    this.pending ||= requestAnimationFrame(() => {
       this.pending = 0;
       this.draw();
     });
@@ -125,10 +126,10 @@ export class Cloud {
     const ground = isDark() ? GROUND.dark : GROUND.light;
     this.pixels.begin(this.width, this.height, ground);
     density(this.pixels.words, this, ground);
-    for (const layer of this.layers) {
-      const large = Math.max(isLecture() ? 1.5 : 1, Math.min(this.width, this.height) / this.ratio / 760); // a projector's map
-      const radius = layer.style.radius * large * this.ratio * Math.min(2, this.view.zoom ** 0.3);
-      this.pixels.stampAll({ ...layer.style, radius }, layer.at, layer.count, x, y);
+    const large = Math.max(isLecture() ? 1.5 : 1, Math.min(this.width, this.height) / this.ratio / 760); // a projector's map
+    for (const { style, at, count } of this.layers) {
+      const radius = style.radius * large * this.ratio * Math.min(2, this.view.zoom ** 0.3);
+      this.pixels.stampAll({ ...style, radius }, at.subarray(0, count), x, y);
     }
     this.pixels.end();
     this.paintMarks();
@@ -139,7 +140,7 @@ export class Cloud {
     this.draw();
     this.painters.unshift((x) => {
       for (const { style, at, count } of this.layers)
-        for (const point of at.subarray(0, count)) stampShape(x, style, ...this.place(point));
+        for (const point of at.subarray(0, count)) stampShape(x, style, this.place(point));
     });
     this.paintMarks();
     this.painters.shift();
@@ -154,12 +155,13 @@ export class Cloud {
     for (const paint of this.painters) paint(context, this);
   }
 
-  /** CSS pixels of a point. */
+  /** CSS pixels of a point. @param {number} point @returns {Point} */
   place(point) {
     return [this.x[point] / this.ratio, this.y[point] / this.ratio];
   }
 
-  /** The `wanted` point nearest to a position in CSS pixels, within `reach`; or -1. */
+  /** The `wanted` point nearest to a position in CSS pixels, within `reach`; or -1.
+   * @param {number} px @param {number} py @param {(point: number) => boolean} wanted */
   nearest(px, py, wanted, reach = 12) {
     const cx = px * this.ratio;
     const cy = py * this.ratio;
@@ -175,27 +177,26 @@ export class Cloud {
     return best;
   }
 
-  /** Zoom by a factor around a position in CSS pixels (default: the middle). */
+  /** Zoom by a factor around a position in CSS pixels (default: the middle). @param {number} factor */
   zoomBy(factor, px = this.width / this.ratio / 2, py = this.height / this.ratio / 2) {
+    const { dx, dy } = this.view;
     const zoom = Math.max(0.5, Math.min(40, this.view.zoom * factor));
-    const real = zoom / this.view.zoom;
-    const mx = this.width / this.ratio / 2;
-    const my = this.height / this.ratio / 2;
-    this.setView({
-      zoom,
-      dx: px - mx - (px - mx - this.view.dx) * real,
-      dy: py - my - (py - my - this.view.dy) * real,
-    });
+    const moved = 1 - zoom / this.view.zoom;
+    const mx = px - this.width / this.ratio / 2;
+    const my = py - this.height / this.ratio / 2;
+    this.setView({ zoom, dx: dx + (mx - dx) * moved, dy: dy + (my - dy) * moved });
   }
 
+  /** @param {number} dx @param {number} dy */
   panBy(dx, dy) {
     this.setView({ ...this.view, dx: this.view.dx + dx, dy: this.view.dy + dy });
   }
 
   resetView() {
-    this.setView({ zoom: 1, dx: 0, dy: 0 });
+    this.setView(FITTED);
   }
 
+  /** @param {typeof FITTED} view */
   setView(view, quiet = false) {
     this.view = view;
     this.redraw();
@@ -203,18 +204,18 @@ export class Cloud {
   }
 }
 
-/** Points inside a polygon in CSS pixels, by the even-odd rule. */
+/** Points inside a polygon in CSS pixels, by the even-odd rule.
+ * @param {Cloud} cloud @param {Point[]} polygon @param {(point: number) => boolean} wanted */
 export function inside(cloud, polygon, wanted) {
   const found = [];
   for (let i = 0; i < cloud.count; i++) {
     if (!wanted(i)) continue;
     const [x, y] = cloud.place(i);
     let within = false;
-    for (let a = 0, b = polygon.length - 1; a < polygon.length; b = a++) {
-      const [xa, ya] = polygon[a];
-      const [xb, yb] = polygon[b];
+    polygon.forEach(([xa, ya], a) => {
+      const [xb, yb] = polygon.at(a - 1) ?? [0, 0];
       if (ya > y !== yb > y && x < ((xb - xa) * (y - ya)) / (yb - ya) + xa) within = !within;
-    }
+    });
     if (within) found.push(i);
   }
   return found;

@@ -1,27 +1,16 @@
 /** Where points are dense: their mean colour, blurred, beneath the marks. */
 
 import { rgb } from "./palette.js";
+import { word } from "./points.js";
 
 const CELLS = 130; // along the longer side of the map
 const BLUR = 3; // cells to either side, twice
 const FEW = 0.5; // opacity of a mark below which it is dimmed and has no part in the density
 const DEEP = 0.34; // opacity where points are densest
-const grids = new Map();
 
-/** A row of numbers for each of red, green, blue and weight. */
-function grid(columns, rows) {
-  const key = `${columns} ${rows}`;
-  if (!grids.has(key)) {
-    if (grids.size > 6) grids.clear();
-    const made = () => Array.from({ length: 4 }, () => new Float32Array(columns * rows));
-    grids.set(key, [made(), new Float32Array(columns * rows)]);
-  }
-  const [sums, spare] = grids.get(key);
-  for (const one of sums) one.fill(0);
-  return { sums, spare };
-}
-
-/** Sum over a window of 2 BLUR + 1 cells along one direction: `step` apart, in lines `next` apart. */
+/** Sum over a window of 2 BLUR + 1 cells along one direction: `step` apart, in lines `next` apart.
+ * @param {Float32Array} from @param {Float32Array} to @param {number} count @param {number} step @param {number} lines
+ * @param {number} next */
 function along(from, to, count, step, lines, next) {
   for (let line = 0; line < lines; line++) {
     const start = line * next;
@@ -35,38 +24,33 @@ function along(from, to, count, step, lines, next) {
   }
 }
 
-/** Tint the pixels `words` of a cloud's map, whose ground has one colour. */
+/** Tint the pixels `words` of a cloud's map, whose ground has one colour.
+ * @param {Uint32Array} words @param {import("./cloud.js").Cloud} cloud @param {string} ground */
 export function density(words, { layers, x, y, width, height }, ground) {
   const cell = Math.max(6, Math.round(Math.max(width, height) / CELLS));
   const [columns, rows] = [Math.ceil(width / cell), Math.ceil(height / cell)];
-  const { sums, spare } = grid(columns, rows);
-  let total = 0;
+  const [red, green, blue, weight, spare] = Array.from({ length: 5 }, () => new Float32Array(columns * rows));
   for (const { style, at, count } of layers) {
     if (style.alpha < FEW) continue;
-    const colour = rgb(style.colour);
-    total += count;
+    const [r, g, b] = rgb(style.colour);
     for (let n = 0; n < count; n++) {
       const [cx, cy] = [(x[at[n]] / cell) | 0, (y[at[n]] / cell) | 0];
       if (cx < 0 || cy < 0 || cx >= columns || cy >= rows) continue;
       const i = cy * columns + cx;
-      for (let c = 0; c < 3; c++) sums[c][i] += colour[c];
-      sums[3][i] += 1;
+      red[i] += r;
+      green[i] += g;
+      blue[i] += b;
+      weight[i] += 1;
     }
   }
-  if (!total) return;
-  for (const one of sums) {
+  for (const sums of [red, green, blue, weight]) {
     for (let twice = 0; twice < 2; twice++) {
-      along(one, spare, columns, 1, rows, columns);
-      along(spare, one, rows, columns, columns, 1);
+      along(sums, spare, columns, 1, rows, columns);
+      along(spare, sums, rows, columns, columns, 1);
     }
   }
-  paint(words, { sums, columns, rows, width, height, cell }, rgb(ground));
-}
-
-function paint(words, { sums, columns, rows, width, height, cell }, ground) {
-  const [red, green, blue, weight] = sums;
-  let most = 0;
-  for (const w of weight) if (w > most) most = w;
+  const most = weight.reduce((a, b) => Math.max(a, b), 0);
+  const [r, g, b] = rgb(ground);
   for (let row = 0; row < rows; row++) {
     const start = row * cell * width;
     for (let column = 0; column < columns; column++) {
@@ -74,11 +58,10 @@ function paint(words, { sums, columns, rows, width, height, cell }, ground) {
       const w = weight[i];
       if (w < 0.5) continue;
       const share = DEEP * (1 - Math.exp((-3 * w) / most));
-      const r = ground[0] + share * (red[i] / w - ground[0]);
-      const g = ground[1] + share * (green[i] / w - ground[1]);
-      const b = ground[2] + share * (blue[i] / w - ground[2]);
-      const word = (0xff000000 | (b << 16) | (g << 8) | r) >>> 0;
-      words.fill(word, start + column * cell, start + Math.min(width, (column + 1) * cell));
+      /** @param {number} from @param {number} sum */
+      const mixed = (from, sum) => from + share * (sum / w - from);
+      const colour = word(mixed(r, red[i]), mixed(g, green[i]), mixed(b, blue[i]));
+      words.fill(colour, start + column * cell, start + Math.min(width, (column + 1) * cell));
     }
     for (let line = 1; line < cell && row * cell + line < height; line++)
       words.copyWithin(start + line * width, start, start + width);

@@ -4,28 +4,27 @@ import { orderText } from "./frames.js";
 import { change, state } from "./store.js";
 
 const FINE = 0.001; // step of the slider, fine enough for any learned p
-const FAR = 10; // stops of Page Up and Page Down
+/** @typedef {{orders: number[], stop: (p: number) => number}} Stops */
+/** Stops that a key moves by. @type {Record<string, number>} */
+const KEYS = {
+  ...{ ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 },
+  ...{ PageUp: 10, PageDown: -10, Home: -Infinity, End: Infinity },
+};
 
+/** `frames`: the stops of p. @param {Found} bar @param {Stops} frames */
 export function orderBar(bar, frames) {
+  /** @param {string} selector @returns {Found} */
   const $ = (selector) => bar.querySelector(selector);
   const slider = $(".order");
   const play = $(".play");
   let playing = false;
-  let orders = frames.orders;
+  let { orders } = frames;
 
+  /** @param {number} stop */
   const go = (stop) => change({ p: orders[Math.max(0, Math.min(orders.length - 1, stop))] });
   slider.addEventListener("input", () => go(frames.stop(+slider.value)));
-  slider.addEventListener("keydown", (event) => {
-    const by = {
-      ArrowRight: 1,
-      ArrowUp: 1,
-      ArrowLeft: -1,
-      ArrowDown: -1,
-      PageUp: FAR,
-      PageDown: -FAR,
-      Home: -orders.length,
-      End: orders.length,
-    }[event.key];
+  slider.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
+    const by = KEYS[event.key];
     if (!by || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     go(frames.stop(state.p) + by);
@@ -43,29 +42,30 @@ export function orderBar(bar, frames) {
     step();
   };
 
+  /** Take other stops. @param {Stops} finer */
   function replace(finer) {
     frames = finer;
     orders = finer.orders;
-    [slider.min, slider.max] = [Math.min(0, orders[0]), Math.max(1, orders.at(-1))];
+    [slider.min, slider.max] = [Math.min(0, orders[0]), Math.max(1, ...orders.slice(-1))];
     slider.step = FINE;
   }
-  /** Show the learned p. */
+  /** Show the learned p. @param {number} p */
   function learned(p) {
-    $(".learned").hidden = !Number.isFinite(p);
+    const known = Number.isFinite(p);
     const [low, high] = [+slider.min, +slider.max];
+    $(".learned").hidden = !known;
     $(".learned-mark").hidden = !(p >= low && p <= high);
-    if (!Number.isFinite(p)) return;
-    $(".learned").textContent = `learned p = ${p.toFixed(3)}`;
+    $(".learned").textContent = known ? `learned p = ${p.toFixed(3)}` : "";
     $(".learned").title = "Go to the learned order";
     $(".learned").onclick = () => go(frames.stop(p));
     bar.style.setProperty("--at", (p - low) / (high - low));
   }
   replace(frames);
-  learned(frames.meta.head?.learned_order ?? NaN);
 
   return {
     learned,
     replace,
+    /** @param {number} stop */
     show(stop) {
       const text = orderText(orders[stop]);
       if (Math.abs(+slider.value - orders[stop]) >= FINE / 2) slider.value = orders[stop];

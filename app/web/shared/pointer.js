@@ -4,30 +4,26 @@ import { inside } from "./cloud.js";
 
 const STEP = 40; // CSS pixels that an arrow key pans
 
-const nothing = () => {};
-const STILL = { hover: nothing, pick: nothing, lasso: nothing, next: nothing };
-Object.assign(STILL, { wanted: () => false, lassoMode: () => false, current: () => -1 });
-
-/** The corners of a canvas in CSS pixels: a lasso around everything in view. */
-function corners(canvas) {
-  const { clientWidth: wide, clientHeight: high } = canvas;
-  return [
-    [0, 0],
-    [wide, 0],
-    [wide, high],
-    [0, high],
-  ];
-}
-
 /**
- * `on`: wanted(point) → bool, hover(point), pick(point), lasso(points), next(by), lassoMode() → bool,
- * current() → point; those left out do nothing. Returns the lasso being drawn, for the painter.
+ * What a map's pointer and keys do; those left out do nothing. Points are numbers, -1 for none.
+ * @typedef {{wanted: (point: number) => boolean, lassoMode: () => boolean, current: () => number,
+ *   hover: (point: number) => unknown, pick: (point: number) => unknown, lasso: (points: number[]) => unknown,
+ *   next: (by: number) => unknown}} On
  */
-export function listen(cloud, on) {
-  on = { ...STILL, ...on };
+const nothing = () => {};
+/** @type {On} */
+const STILL = {
+  ...{ hover: nothing, pick: nothing, lasso: nothing, next: nothing },
+  ...{ wanted: () => false, lassoMode: () => false, current: () => -1 },
+};
+
+/** Listen to a map. Returns the lasso being drawn, for the painter.
+ * @param {import("./cloud.js").Cloud} cloud @param {Partial<On>} acts @returns {{polygon: Point[] | null}} */
+export function listen(cloud, acts) {
+  const on = { ...STILL, ...acts };
   const pointer = new Pointer(cloud, on);
   const canvas = cloud.marks;
-  for (const kind of ["down", "move", "up", "cancel", "leave"])
+  for (const kind of /** @type {const} */ (["down", "move", "up", "cancel", "leave"]))
     canvas.addEventListener(`pointer${kind}`, (event) => pointer[kind](event));
   canvas.addEventListener("wheel", (event) => pointer.wheel(event), { passive: false });
   canvas.addEventListener("dblclick", (event) => cloud.zoomBy(2, ...pointer.at(event)));
@@ -41,22 +37,25 @@ export function listen(cloud, on) {
 }
 
 class Pointer {
+  /** @type {Map<number, Point>} */
+  fingers = new Map();
+  /** @type {{polygon: Point[] | null}} */
+  drawing = { polygon: null };
+  moved = 0;
+
+  /** @param {import("./cloud.js").Cloud} cloud @param {On} on */
   constructor(cloud, on) {
     this.cloud = cloud;
     this.on = on;
-    this.fingers = new Map();
-    /** @type {{polygon: [number, number][] | null}} */
-    this.drawing = { polygon: null };
-    this.moved = 0;
   }
 
-  /** CSS pixels of an event on the map.
-   * @returns {[number, number]} */
+  /** CSS pixels of an event on the map. @param {MouseEvent} event @returns {Point} */
   at(event) {
     const box = this.cloud.marks.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
   }
 
+  /** @param {PointerEvent} event */
   down(event) {
     if (event.button) return;
     this.cloud.marks.setPointerCapture(event.pointerId);
@@ -67,6 +66,7 @@ class Pointer {
     if (!alone) this.drawing.polygon = null;
   }
 
+  /** @param {PointerEvent} event */
   move(event) {
     const { cloud, fingers, drawing } = this;
     const now = this.at(event);
@@ -81,23 +81,26 @@ class Pointer {
     return fingers.set(event.pointerId, now);
   }
 
+  /** @param {number} id @param {Point} before @param {Point} now */
   pinch(id, before, now) {
     const [[, other]] = [...this.fingers].filter(([key]) => key !== id);
+    /** @param {Point} a */
     const apart = (a) => Math.hypot(a[0] - other[0], a[1] - other[1]) || 1;
     this.cloud.zoomBy(apart(now) / apart(before), (now[0] + other[0]) / 2, (now[1] + other[1]) / 2);
   }
 
+  /** @param {PointerEvent} event */
   up(event) {
     const { cloud, on } = this;
     const alone = this.fingers.size === 1;
-    this.fingers.delete(event.pointerId);
     const { polygon } = this.drawing;
-    this.drawing.polygon = null;
+    this.cancel(event);
     if (alone && this.moved < 5) on.pick(cloud.nearest(...this.at(event), on.wanted));
     else if (polygon && polygon.length > 3) on.lasso(inside(cloud, polygon, on.wanted));
     cloud.paintMarks();
   }
 
+  /** @param {PointerEvent} event */
   cancel(event) {
     this.fingers.delete(event.pointerId);
     this.drawing.polygon = null;
@@ -107,6 +110,7 @@ class Pointer {
     if (!this.fingers.size) this.on.hover(-1);
   }
 
+  /** @param {WheelEvent} event */
   wheel(event) {
     if (!event.ctrlKey && !event.metaKey && document.activeElement !== this.cloud.marks) return;
     event.preventDefault(); // without a click on the map or Ctrl, the page scrolls
@@ -114,6 +118,7 @@ class Pointer {
   }
 }
 
+/** @param {import("./cloud.js").Cloud} cloud @param {On} on @returns {Record<string, () => unknown>} */
 function keysOf(cloud, on) {
   return {
     ArrowLeft: () => cloud.panBy(STEP, 0),
@@ -127,7 +132,11 @@ function keysOf(cloud, on) {
     n: () => on.next(1),
     b: () => on.next(-1),
     Enter: () => on.pick(on.current()),
-    s: () => on.lasso(inside(cloud, corners(cloud.marks), on.wanted)),
+    s: () => on.lasso(inView(cloud).filter(on.wanted)),
     Escape: () => on.lasso([]),
   };
 }
+
+/** The points within the canvas. @param {import("./cloud.js").Cloud} cloud */
+const inView = ({ count, x, y, width, height }) =>
+  Array.from({ length: count }, (_, i) => i).filter((i) => x[i] > 0 && x[i] < width && y[i] > 0 && y[i] < height);

@@ -3,42 +3,49 @@
 import { drawingOn } from "./canvas.js";
 import { rgb } from "./palette.js";
 
-const SHAPES = {
-  circle: (x, r) => x.arc(0, 0, r, 0, 7),
-  triangle: (x, r) => {
+/** @typedef {CanvasRenderingContext2D} Context */
+/** The path of a shape around a place; a triangle is larger, so that both look alike.
+ * @type {Record<Style["shape"], (context: Context, place: Point, radius: number) => void>} */
+export const SHAPES = {
+  circle: (context, [x, y], r) => context.arc(x, y, r, 0, 7),
+  triangle: (context, [x, y], r) => {
     const s = r * 1.25;
-    x.moveTo(0, -s);
-    x.lineTo(s, s * 0.8);
-    x.lineTo(-s, s * 0.8);
-    x.closePath();
+    context.moveTo(x, y - s);
+    context.lineTo(x + s, y + s * 0.8);
+    context.lineTo(x - s, y + s * 0.8);
+    context.closePath();
   },
 };
+/** @typedef {ReturnType<typeof made>} Stamp */
+/** @type {Map<string, Stamp>} */
 const stamps = new Map();
 
-/** Draw one shape at a place, as a path. */
-export function stampShape(x, { shape, colour, radius, alpha }, left, top) {
-  x.save();
-  x.translate(left, top);
-  x.globalAlpha = alpha;
-  x.fillStyle = colour;
-  x.beginPath();
-  SHAPES[shape](x, radius);
-  x.fill();
-  x.restore();
+/** Draw one shape at a place, as a path. @param {Context} context @param {Style} style @param {Point} place */
+export function stampShape(context, { shape, colour, radius, alpha }, place) {
+  context.globalAlpha = alpha;
+  context.fillStyle = colour;
+  context.beginPath();
+  SHAPES[shape](context, place, radius);
+  context.fill();
+  context.globalAlpha = 1;
 }
 
-/** A small picture of one shape: premultiplied colours, and the transparency. */
-function stamp({ shape, colour, radius, alpha }) {
-  const key = `${shape} ${colour} ${radius} ${alpha}`;
-  if (stamps.has(key)) return stamps.get(key);
+/** @param {Style} style */
+function stamp(style) {
+  const key = Object.values(style).join(" ");
+  let found = stamps.get(key);
+  if (!found) {
+    if (stamps.size > 400) stamps.clear();
+    stamps.set(key, (found = made(style)));
+  }
+  return found;
+}
+
+/** A small picture of one shape: premultiplied colours, and the transparency. @param {Style} style */
+function made({ shape, colour, radius, alpha }) {
   const side = 2 * Math.ceil(radius * 1.4 + 1) + 1;
-  const canvas = new OffscreenCanvas(side, side);
-  const x = drawingOn(canvas);
-  x.translate(side / 2, side / 2);
-  x.beginPath();
-  SHAPES[shape](x, radius);
-  x.fillStyle = colour;
-  x.fill();
+  const x = drawingOn(new OffscreenCanvas(side, side));
+  stampShape(x, { shape, colour, radius, alpha: 1 }, [side / 2, side / 2]);
   const raw = x.getImageData(0, 0, side, side).data;
   const rows = [];
   for (let i = 0; i < side * side; i++) {
@@ -48,7 +55,7 @@ function stamp({ shape, colour, radius, alpha }) {
     const dy = Math.floor(i / side) - (side >> 1);
     rows.push([dx, dy, raw[4 * i], raw[4 * i + 1], raw[4 * i + 2], a]);
   }
-  const made = {
+  return {
     reach: side >> 1,
     count: rows.length,
     dx: Int16Array.from(rows, (r) => r[0]),
@@ -58,23 +65,26 @@ function stamp({ shape, colour, radius, alpha }) {
     g: Int32Array.from(rows, (r) => Math.round(r[3] * r[5] * 256)),
     b: Int32Array.from(rows, (r) => Math.round(r[4] * r[5] * 256)),
     keep: Int32Array.from(rows, (r) => Math.round(256 * (1 - r[5]))),
-    solid: Uint32Array.from(rows, (r) => (r[5] > 0.995 ? (0xff000000 | (r[4] << 16) | (r[3] << 8) | r[2]) >>> 0 : 0)),
+    solid: Uint32Array.from(rows, (r) => (r[5] > 0.995 ? word(r[2], r[3], r[4]) : 0)),
   };
-  if (stamps.size > 400) stamps.clear();
-  stamps.set(key, made);
-  return made;
 }
+
+/** An opaque pixel. @param {number} r @param {number} g @param {number} b */
+export const word = (r, g, b) => (0xff000000 | (b << 16) | (g << 8) | r) >>> 0;
 
 export class Pixels {
   image = new ImageData(1, 1);
   words = new Uint32Array(1); // its pixels
+  /** @type {Map<Stamp, Int32Array>} */
   offsets = new Map(); // stamp -> places of its pixels
 
+  /** @param {Context} context */
   constructor(context) {
     this.context = context;
   }
 
-  /** Begin a picture of `width` × `height` device pixels on one colour. */
+  /** Begin a picture of `width` × `height` device pixels on one colour.
+   * @param {number} width @param {number} height @param {string} ground */
   begin(width, height, ground) {
     if (this.image.width !== width || this.image.height !== height) {
       this.image = new ImageData(width, height);
@@ -82,11 +92,12 @@ export class Pixels {
       this.offsets = new Map();
     }
     const [r, g, b] = rgb(ground);
-    this.words.fill((0xff000000 | (b << 16) | (g << 8) | r) >>> 0);
+    this.words.fill(word(r, g, b));
   }
 
-  /** Stamp one shape at many places: `at` holds indices into the device coordinates x, y. */
-  stampAll(style, at, count, x, y) {
+  /** Stamp one shape at many places: `at` holds indices into the device coordinates x, y.
+   * @param {Style} style @param {Int32Array} at @param {Float32Array} x @param {Float32Array} y */
+  stampAll(style, at, x, y) {
     const s = stamp(style);
     const { width, height } = this.image;
     const words = this.words;
@@ -94,10 +105,9 @@ export class Pixels {
     const low = s.reach;
     const right = width - s.reach - 1;
     const bottom = height - s.reach - 1;
-    for (let n = 0; n < count; n++) {
-      const i = at[n];
-      const cx = x[i] | 0;
-      const cy = y[i] | 0;
+    for (let n = 0; n < at.length; n++) {
+      const cx = x[at[n]] | 0;
+      const cy = y[at[n]] | 0;
       if (cx < low || cy < low || cx > right || cy > bottom) continue;
       const centre = cy * width + cx;
       for (let k = 0; k < s.count; k++) {
@@ -116,13 +126,11 @@ export class Pixels {
     }
   }
 
-  shifts(s, width) {
-    let made = this.offsets.get(s);
-    if (!made) {
-      made = Int32Array.from(s.dx, (dx, k) => s.dy[k] * width + dx);
-      this.offsets.set(s, made);
-    }
-    return made;
+  /** @param {Stamp} stamp @param {number} width */
+  shifts(stamp, width) {
+    let found = this.offsets.get(stamp);
+    if (!found) this.offsets.set(stamp, (found = Int32Array.from(stamp.dx, (dx, k) => stamp.dy[k] * width + dx)));
+    return found;
   }
 
   end() {

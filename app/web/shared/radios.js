@@ -7,7 +7,7 @@ export const ARROWS = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 
 
 /** Returns a function that marks the chosen one.
  * @param {Found} box @param {{key: string, label: string, title?: string}[]} options @param {() => string} chosen
- * @param {(key: string) => void} onChoose */
+ * @param {(key: any) => unknown} onChoose */
 export function radios(box, options, chosen, onChoose) {
   put(
     box,

@@ -22,15 +22,16 @@ export async function awaited(work) {
 /** A function that runs `act` a pause after its last call; the page is not ready before.
  * @param {() => void} act @param {number} ms @returns {() => void} */
 export function afterwards(act, ms) {
-  let timer;
-  let over = (_) => {};
+  let timer = 0;
+  /** @type {(value?: unknown) => void} */
+  let over = () => {};
   return () => {
     clearTimeout(timer);
-    over(0); // the pause before; the page stays unready, as the new one has begun at once
+    over(); // the pause before; the page stays unready, as the new one has begun at once
     awaited(new Promise((done) => (over = done)));
     timer = setTimeout(() => {
       act();
-      over(0);
+      over();
     }, ms);
   };
 }

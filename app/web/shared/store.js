@@ -8,6 +8,7 @@ import { OWN_MODE, TABLES } from "./tables.js";
 /** The tabs from the server; a saved page has Explore only. */
 const VIEWS = document.querySelector("meta[name=omnivat-views]")?.getAttribute("content")?.split(" ") ?? ["explore"];
 
+/** @type {State} */
 const DEFAULTS = {
   view: "explore",
   chapter: "", // resolved when the set is known
@@ -23,7 +24,7 @@ const DEFAULTS = {
   cell: "", // of the confusion matrix: truth~predicted~domain
   sel: "", // selected points, see acts.js
   rung: "0", // what is moved in the second chapter: "1" the mean, "2" the spread too, "p" the order
-  p: null,
+  p: /** @type {any} */ (null), // until the frames are there
   stage: "f_hat",
   map: "umap",
   colour: "domain",
@@ -40,13 +41,8 @@ const DEFAULTS = {
   panel: "", // one that a link opens
   means: "",
 };
-/** Views of earlier links, and what shows it now. */
-const MOVED = {
-  tree: { view: "explore", chapter: "analyse", panel: "nodes" },
-  compare: { view: "explore", chapter: "analyse", beside: "1" },
-  data: { view: "pair", panel: "loading" },
-};
-/** The chapters of Explore, and what each opens with where it differs from the workbench. */
+/** The chapters of Explore, and what each opens with where it differs from the workbench.
+ * @type {Record<string, Partial<State>>} */
 export const CHAPTERS = {
   touch: { reading: "tac" },
   where: { map: "pca" },
@@ -54,15 +50,14 @@ export const CHAPTERS = {
   fooled: { mode: OWN_MODE, colour: "correctness" },
   analyse: {},
 };
-const RENAMED = { failure: "where" }; // chapters of earlier links
-const OWN = ["mode", "alike", "find", "range", "cell", "sel", "rung", "p", "stage", "map", "colour"];
-OWN.push("reading", "press", "from", "dots", "known");
-OWN.push("domain", "class", "modality", "pin", "means"); // what each chapter has for itself
-const LONG = { sel: 4000, vis: 2000, tac: 2000 }; // letters of a value in the address; 200 of any other
+/** What is the same in all chapters; each has the rest for itself. */
+const SHARED = ["view", "chapter", "vis", "tac", "p2", "stage2", "head2", "beside", "panel"];
+const OWN = Object.keys(DEFAULTS).filter((name) => !SHARED.includes(name));
+const LONGEST = 4000; // letters of a value in the address
 const NUMBERS = new Set(["p", "p2", "pin"]);
 const KEYS = STAGES.map((stage) => stage.key);
+/** Allowed values in the address; all others are ignored. @type {Record<string, string[]>} */
 const CHOICES = {
-  // allowed values in the address; all others are ignored
   view: VIEWS,
   mode: ["", ...TABLES.modes.map(({ id }) => id)],
   reading: ["fused", "vis", "tac"],
@@ -75,43 +70,50 @@ const CHOICES = {
   map: ["pca", "umap"],
   colour: Object.keys(COLOURINGS),
 };
-/** Address of a picture -> its reference once it was sent, so that a link to pictures stays one. */
+/** Address of a picture -> its reference once it was sent, so that a link to pictures stays one.
+ * @type {Map<string, Ref>} */
 export const links = new Map();
+/** @type {Set<(changed: string[]) => void>} */
 const listeners = new Set();
+/** @type {Map<string, Partial<State>>} */
 const left = new Map(); // chapter -> its values when it was left
-let otherP = null; // of the other tabs while the first chapter is open, and its own while they are
+let otherP = DEFAULTS.p; // of the other tabs while the first chapter is open, and its own while they are
 
+/** @param {string} chapter @returns {State} */
 const usual = (chapter) => ({ ...DEFAULTS, ...CHAPTERS[chapter] });
 
+/** The values of the address. @returns {State} */
 function fromAddress() {
   const address = new URLSearchParams(location.search);
-  if (address.has("tab")) address.set("view", address.get("tab") ?? "");
-  for (const [name, value] of Object.entries(MOVED[address.get("view") ?? ""] ?? {})) address.set(name, value);
-  const named = RENAMED[address.get("chapter") ?? ""] ?? address.get("chapter");
-  const tools = [...address.keys()].some((name) => OWN.includes(name)); // a link to the workbench
-  const chapter = Object.hasOwn(CHAPTERS, named ?? "") ? named : tools ? "analyse" : "";
-  const chosen = { ...usual(chapter), chapter };
+  const named = address.get("chapter") ?? "";
+  const tools = OWN.some((name) => address.has(name)); // a link to the workbench
+  const chapter = Object.hasOwn(CHAPTERS, named) ? named : tools ? "analyse" : "";
+  /** @type {Record<string, string | number>} */
+  const chosen = { chapter };
   for (const [name, text] of address) {
     if (name === "chapter" || !Object.hasOwn(DEFAULTS, name) || CHOICES[name]?.includes(text) === false) continue;
-    if (!NUMBERS.has(name)) chosen[name] = links.get(text) ?? text.slice(0, LONG[name] ?? 200);
+    if (!NUMBERS.has(name)) chosen[name] = links.get(text) ?? text.slice(0, LONGEST);
     else if (text !== "" && Number.isFinite(Number(text))) chosen[name] = Number(text);
   }
-  const row = /^row:(\d+)$/.exec(chosen.panel === "nodes" ? (chosen.vis ?? "") : "");
-  if (row) chosen.pin ??= Number(row[1]); // the tree of a pair was a view of its own
-  if (!(Number.isInteger(chosen.pin) && chosen.pin >= 0)) chosen.pin = null;
-  return chosen;
+  if (!(Number.isInteger(chosen.pin) && +chosen.pin >= 0)) delete chosen.pin;
+  return { ...usual(chapter), ...chosen };
 }
 
 export const state = fromAddress();
 
+/** The names of the values that differ from the state's. @param {Partial<State>} patch */
+const changes = (patch) =>
+  /** @type {(keyof State)[]} */ (Object.keys(patch)).filter((name) => state[name] !== patch[name]);
+
+/** @param {string[]} changed */
 const tell = (changed) => {
   for (const listener of [...listeners]) listener(changed);
 };
 
 /** Change values, notify listeners, and update the address after a short pause. A new tab or chapter is a
- * step that the browser's Back goes back. */
+ * step that the browser's Back goes back. @param {Partial<State>} patch */
 export function change(patch) {
-  const changed = Object.keys(patch).filter((name) => state[name] !== patch[name]);
+  const changed = changes(patch);
   if (!changed.length) return;
   if (changed.includes("view") && state.chapter === "order" && [state.view, patch.view].includes("explore")) {
     patch = { ...patch, p: otherP }; // p of the first chapter's own set means nothing to the head of the other tabs
@@ -126,34 +128,38 @@ export function change(patch) {
   else writeSoon();
 }
 
-/** Open a chapter of Explore as it was left, or with its usual values. */
+/** Open a chapter of Explore as it was left, or with its usual values.
+ * @param {string} chapter @param {Partial<State>} patch */
 export function openChapter(chapter, patch = {}) {
   if (state.chapter === chapter) return change(patch);
-  const pick = (from) => Object.fromEntries(OWN.map((name) => [name, from[name]]));
-  if (state.chapter) left.set(state.chapter, pick(state));
-  return change({ ...pick(usual(chapter)), ...left.get(chapter), ...patch, chapter });
+  /** @param {State} from */
+  const own = (from) => Object.fromEntries(Object.entries(from).filter(([name]) => OWN.includes(name)));
+  if (state.chapter) left.set(state.chapter, own(state));
+  return change({ ...own(usual(chapter)), ...left.get(chapter), ...patch, chapter });
 }
 
-/** The order at which a chapter opens; the first chapter's waits while another tab is open. */
+/** The order at which a chapter opens; the first chapter's waits while another tab is open. @param {number} p */
 export function openAt(p) {
   state.opened = p;
   if (state.chapter === "order" && state.view !== "explore") otherP = p;
   else state.p = p;
 }
 
-/** Back and forward: take the values of the address. `open(view)` opens a tab. */
+/** Back and forward: take the values of the address. `open(view)` opens a tab. @param {(view: string) => void} open */
 export function followHistory(open) {
   addEventListener("popstate", () => {
     const now = fromAddress();
-    const changed = Object.keys(now).filter((name) => state[name] !== now[name]);
+    const changed = changes(now);
     Object.assign(state, now);
     if (changed.includes("view")) open(state.view);
     tell(changed);
   });
 }
 
-/** Call `action` whenever one of `names` changes. Returns a function that stops it. */
+/** Call `action` whenever one of `names` changes. Returns a function that stops it.
+ * @param {string[]} names @param {() => unknown} action */
 export function watch(names, action) {
+  /** @param {string[]} changed */
   const listener = (changed) => {
     if (changed.some((name) => names.includes(name))) action();
   };
@@ -161,7 +167,8 @@ export function watch(names, action) {
   return () => listeners.delete(listener);
 }
 
-/** Like `watch`, for one tab: changes wait until the tab is open. */
+/** Like `watch`, for one tab: changes wait until the tab is open.
+ * @param {string} view @param {string[]} names @param {() => unknown} action */
 export function watchIn(view, names, action) {
   let late = false;
   const now = () => {
@@ -172,15 +179,15 @@ export function watchIn(view, names, action) {
   watch(["view"], () => late && now());
 }
 
-/** Write the state into the address now; a change waits a little, so that a drag writes once. */
+/** Write the state into the address now; a change waits a little, so that a drag writes once.
+ * @param {"pushState" | "replaceState"} how */
 export function writeAddress(how = "replaceState") {
   const address = new URL(location.href);
-  address.searchParams.delete("tab");
   const from = new Map([...links].map(([link, ref]) => [ref, link]));
   for (const [name, value] of Object.entries(usual(state.chapter))) {
-    const now = from.get(state[name]) ?? state[name];
-    if (now === null || now === value) address.searchParams.delete(name);
-    else address.searchParams.set(name, typeof now === "number" ? +now.toFixed(4) : now);
+    const now = state[/** @type {keyof State} */ (name)];
+    if (now === undefined || now === null || now === value) address.searchParams.delete(name);
+    else address.searchParams.set(name, typeof now === "number" ? `${+now.toFixed(4)}` : (from.get(now) ?? now));
   }
   try {
     history[how](history.state, "", address);
@@ -189,18 +196,17 @@ export function writeAddress(how = "replaceState") {
   }
 }
 
-const writeSoon = afterwards(writeAddress, 150);
+const writeSoon = afterwards(() => writeAddress(), 150);
 
-const TILDE = { "%": "%25", "~": "%7E" }; // names are joined by ~ and may contain one
-const packed = (name) => name.replace(/[%~]/g, (sign) => TILDE[sign]);
-const unpacked = (text) => text.replace(/%25|%7E/g, (code) => (code === "%25" ? "%" : "~"));
+/** The hidden names of a filter, as a set: in the state they are joined by ~, of which a name may contain one.
+ * @param {Filter} kind */
+export const hidden = (kind) =>
+  new Set(state[kind] ? state[kind].split("~").map((name) => name.replace(/%25|%7E/g, decodeURIComponent)) : []);
 
-/** The hidden names of a filter, as a set. */
-export const hidden = (kind) => new Set(state[kind] ? state[kind].split("~").map(unpacked) : []);
-
-/** Hide or show one name of a filter. */
+/** Hide or show one name of a filter. @param {Filter} kind @param {string} name */
 export function toggle(kind, name) {
   const names = hidden(kind);
   if (!names.delete(name)) names.add(name);
-  change({ [kind]: [...names].map(packed).join("~") });
+  const packed = [...names].map((one) => one.replace(/[%~]/g, (sign) => (sign === "%" ? "%25" : "%7E")));
+  change({ [kind]: packed.join("~") });
 }

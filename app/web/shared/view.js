@@ -27,9 +27,9 @@ export const making = (step) =>
 /** Handle the clicks in a box: selector -> what a click in such an element does.
  * @param {Found} box @param {Record<string, (element: Found) => unknown>} acts */
 export function onClick(box, acts) {
-  box.onclick = ({ target }) => {
+  box.onclick = (/** @type {Found} */ { target }) => {
     for (const [selector, act] of Object.entries(acts)) {
-      const element = /** @type {Element} */ (target).closest(selector);
+      const element = target.closest(selector);
       if (element && box.contains(element)) act(element);
     }
   };

@@ -21,7 +21,11 @@ export class RunMap {
     const { reach, domain } = started;
     const box = this.panel.querySelector(".map");
     this.frames = { pairs: domain.length, kind: "features", ...started };
-    this.bounds = [-1, 1].map((side) => [side * reach, side * reach]);
+    /** @type {[Point, Point]} */
+    this.bounds = [
+      [-reach, -reach],
+      [reach, reach],
+    ];
     this.choice.innerHTML = options(colouringsOf(this.frames).map(([key, { label }]) => [key, label.toLowerCase()]));
     box.innerHTML = "";
     this.cloud = new Cloud(box, 2 * domain.length);
@@ -40,7 +44,7 @@ export class RunMap {
     if (!this.cloud || !this.points) return;
     const all = () => true;
     this.cloud.layers = layersOf(this.frames, 0, all, all, 0.13, this.choice.value);
-    this.cloud.show({ points: this.points, bounds: this.bounds });
+    this.cloud.show({ points: this.points, bounds: /** @type {[Point, Point]} */ (this.bounds) });
     const key = ([name, colour]) =>
       `<span class="key"><i style="background:${colour}"></i>${escaped(name)}${name === this.frames.source ? " <b>source</b>" : ""}</span>`;
     this.panel.querySelector(".legend").innerHTML = each(
