@@ -2,12 +2,13 @@
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
 from inspect import Parameter, signature
 from pathlib import Path
 from typing import Any
 
-from omnivat.data.domains import require_domain_names
+from omnivat.data.domains import is_simulated, require_domain_names
 from omnivat.data.pairs import PairSet
 from omnivat.data.readers.files import show
 from omnivat.kit.errors import DataError, SettingsError
@@ -76,7 +77,8 @@ def read_pairs(
         except DataError:
             raise error from None
     require_domain_names(found.domains())
-    return found
+    simulated = found.simulated or any(map(is_simulated, found.domains()))
+    return replace(found, simulated=simulated)
 
 
 def _checked(name: str, read: Callable[..., PairSet], options: dict[str, Any]) -> dict[str, Any]:

@@ -7,7 +7,6 @@ import re
 from collections import defaultdict
 from pathlib import Path
 
-from omnivat.data.domains import is_simulated
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
 from omnivat.data.pairs import Pair, PairSet, Skipped
 from omnivat.data.readers.files import (
@@ -46,18 +45,13 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     if not source.is_dir():
         raise DataError(f"'{show(source)}' is not a folder; expected a folder of {LAYOUT}.")
     walk = _Walk(source, strict)
-    for domain in _of_one_name(folders_in(source), "domains"):
-        if walk.is_new(domain):
-            walk.skip_halves(domain, "lies in no class folder")
-            for group in _of_one_name(folders_in(domain), "classes"):
-                walk.read_class(domain.name.strip(), group)
+    walk.enter(source)
     if not walk.pairs:
         raise DataError(_no_pairs(source, walk.skipped))
     return PairSet(
         pairs=tuple(walk.pairs),
         skipped=tuple(walk.skipped),
         origin=f"folder '{source.name or source}'",
-        simulated=any(is_simulated(pair.domain) for pair in walk.pairs),
     )
 
 
@@ -73,25 +67,27 @@ class _Walk:
     def skip(self, path: Path, why: str, count: int = 1) -> None:
         self.skipped.append(Skipped(what=show(path.relative_to(self.root)), why=why, count=count))
 
-    def skip_halves(self, folder: Path, why: str) -> None:
-        """List the images outside class folders."""
-        for entry in visible(folder):
-            if _is_half(entry.name):
-                self.skip(folder / entry.name, why)
-
-    def read_class(self, domain: str, folder: Path) -> None:
-        """Read the pairs of one class, including those in its object folders."""
-        material = class_key(folder.name)
-        if self.strict and material not in MATERIALS:
+    def enter(self, folder: Path, *parts: str) -> None:
+        """Read a folder and those below it; `parts` are its domain, class, object and more."""
+        depth = len(parts)
+        if depth == 2 and self.strict and class_key(parts[1]) not in MATERIALS:
             self.skip(folder, f"strict: not one of {', '.join(MATERIALS)}")
             return
-        if not self.is_new(folder):
+        if depth in (2, 3):
+            material = class_key(parts[1])
+            thing = f"{material}/{parts[2]}" if depth == 3 else ""
+            self._read_place(folder, parts[0], material, thing)
+        elif depth:
+            why = "lies in no class folder" if depth == 1 else "lies deeper than an object folder"
+            for entry in filter(lambda entry: _is_half(entry.name), visible(folder)):
+                self.skip(folder / entry.name, why)
+        if depth > 3:
             return
-        self._read_place(folder, domain, material, thing="")
-        for place in filter(self.is_new, folders_in(folder)):
-            self._read_place(place, domain, material, thing=f"{material}/{place.name.strip()}")
-            for deeper in folders_in(place):
-                self.skip_halves(deeper, "lies deeper than an object folder")
+        inner = folders_in(folder)
+        if depth < 2:
+            _require_names(inner, ("domains", "classes")[depth])
+        for child in filter(self.is_new, inner):
+            self.enter(child, *parts, child.name.strip())
 
     def is_new(self, folder: Path) -> bool:
         """True if a folder is visited for the first time; links may lead to it again."""
@@ -155,18 +151,16 @@ def _not_a_half(path: Path, stem: re.Match[str] | None) -> str:
     return "" if path.is_file() else "cannot be opened (a broken link?)"
 
 
-def _of_one_name(folders: list[Path], kind: str) -> list[Path]:
-    """Return the folders, or raise DataError if two of them have the same name."""
+def _require_names(folders: list[Path], kind: str) -> None:
+    """Raise DataError if two folders have the same name."""
     first: dict[str, Path] = {}
     for folder in folders:
-        name = class_key(folder.name)
-        if name in first:
+        other = first.setdefault(class_key(folder.name), folder)
+        if other != folder:
             raise DataError(
-                f"Two {kind} of one name: '{show(first[name])}' and '{show(folder)}'. "
+                f"Two {kind} of one name: '{show(other)}' and '{show(folder)}'. "
                 "Put their pairs into one folder, or rename one."
             )
-        first[name] = folder
-    return folders
 
 
 def _no_pairs(source: Path, skipped: list[Skipped]) -> str:
@@ -234,5 +228,4 @@ def read_loose(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
         pairs=tuple(pairs),
         skipped=tuple(skipped),
         origin=f"folder '{source.name}'" + (", one picture of each pair" if alone else ""),
-        simulated=any(is_simulated(pair.domain) for pair in pairs),
     )

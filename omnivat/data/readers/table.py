@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from io import StringIO
 from pathlib import Path
 
-from omnivat.data.domains import is_simulated
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
 from omnivat.data.pairs import Pair, PairSet, Skipped
 from omnivat.data.readers.files import MOST_TEXT, is_file, is_text, modality_of, show
@@ -69,12 +68,7 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
             f"No pairs in '{show(file)}': none of its {len(skipped)} rows can be"
             f" used.{first_reason}"
         )
-    return PairSet(
-        pairs=tuple(pairs),
-        skipped=tuple(skipped),
-        origin=f"table '{file.name}'",
-        simulated=any(is_simulated(pair.domain) for pair in pairs),
-    )
+    return PairSet(pairs=tuple(pairs), skipped=tuple(skipped), origin=f"table '{file.name}'")
 
 
 def _rows(file: Path) -> Iterator[tuple[int, Row]]:

@@ -30,13 +30,13 @@ PAIR = "D/wood/a_*.png"
 def test_class_and_object_come_from_the_folders(tree, files, pairs):
     found = read(tree(*files))
     assert [(p.material, p.object) for p in found.pairs] == pairs
-    assert not found.skipped and not found.simulated
+    assert not found.skipped
     assert found.domains() == tuple(dict.fromkeys(file.split("/")[0] for file in files))
     assert all(p.vis.is_file() and p.vis.stem[:-4] == p.tac.stem[:-4] for p in found.pairs)
 
 
 def test_a_simulated_domain_marks_the_set(tree):
-    assert read(tree("TAG-sim/wood/a_*.png")).simulated
+    assert read_pairs(tree("TAG-sim/wood/a_*.png")).simulated
 
 
 @pytest.mark.parametrize(
