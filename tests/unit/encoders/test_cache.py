@@ -3,7 +3,6 @@
 import subprocess
 import sys
 from io import BytesIO
-from pathlib import Path
 from threading import Thread
 
 import numpy as np
@@ -13,7 +12,6 @@ from PIL import Image
 
 from omnivat.encoders.cache import EmbeddingCache, embed_image, embed_pair, embed_views
 from omnivat.kit.errors import DataError
-from omnivat.kit.files import cache_folder
 
 
 class Counting:
@@ -47,14 +45,10 @@ def entries(folder):
 
 
 def test_the_same_bytes_are_encoded_once_in_memory_and_once_on_disk(tmp_path):
-    encoder = Counting()
-    first = EmbeddingCache(tmp_path)
-    one = embed_image(encoder, png(), first)
-    two = embed_image(encoder, png(), first)
+    encoder, first = Counting(), EmbeddingCache(tmp_path)
+    one, two = (embed_image(encoder, png(), first) for _ in range(2))
     three = embed_image(encoder, png(), EmbeddingCache(tmp_path))
-    assert encoder.calls == 1
-    assert np.array_equal(one, two)
-    assert np.array_equal(one, three)
+    assert encoder.calls == 1 and np.array_equal(one, two) and np.array_equal(one, three)
 
 
 def test_whatever_changes_the_embedding_changes_the_key(tmp_path):
@@ -178,28 +172,14 @@ def test_threads_share_a_cache(tmp_path):
     assert wrong == []
 
 
-def test_a_pair_may_lack_one_of_its_two():
-    vis, tac = embed_pair(Counting(), png(), None)
-    assert tac is None
-    assert vis is not None
-    assert embed_pair(Counting(), None, None) == (None, None)
-
-
-def test_only_the_tactile_image_is_cut():
+def test_only_the_tactile_image_of_a_pair_is_cut_and_either_may_lack():
     vis, tac = embed_pair(Counting(), png(), png(), tac_crop=6)
     assert np.array_equal(vis, embed_image(Counting(), png()))
     assert np.array_equal(tac, embed_image(Counting(), png(), crop=6))
+    assert np.array_equal(embed_pair(Counting(), png(), None)[0], vis)
+    assert embed_pair(Counting(), None, None) == (None, None)
 
 
 def test_an_unreadable_upload_is_named_by_its_modality():
     with pytest.raises(DataError, match="the TAC image"):
         embed_pair(Counting(), png(), b"no image")
-
-
-def test_the_folder_follows_the_environment(monkeypatch):
-    monkeypatch.setenv("OMNIVAT_CACHE", "/some/where")
-    assert cache_folder() == Path("/some/where")
-    monkeypatch.delenv("OMNIVAT_CACHE")
-    monkeypatch.setattr("sys.platform", "linux")
-    monkeypatch.setenv("XDG_CACHE_HOME", "/xdg")
-    assert cache_folder() == Path("/xdg/omnivat")

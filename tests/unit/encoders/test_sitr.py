@@ -18,36 +18,28 @@ PLACES = (SIDE // PATCH) ** 2
 
 def shapes(width, depth, places, presses, patch=16):
     """Names and shapes of the authors' module, read off its definition (hgupt3/gsrl)."""
-    found = {
-        "cls_token": (1, 1, width),
-        "pos_embed": (1, places + 1, width),
-        "patch_embed.proj.weight": (width, 3, patch, patch),
-        "patch_embed.proj.bias": (width,),
-        "norm.weight": (width,),
-        "norm.bias": (width,),
-        "decoder_pred.weight": (3 * patch**2, width),
-        "decoder_pred.bias": (3 * patch**2,),
-        "contrastive_head.weight": (128, width),
-        "contrastive_head.bias": (128,),
+    found = {"cls_token": (1, 1, width), "pos_embed": (1, places + 1, width)}
+    layers = {
+        "patch_embed.proj": (width, 3, patch, patch),
+        "norm": (width,),
+        "decoder_pred": (3 * patch**2, width),
+        "contrastive_head": (128, width),
     }
     if presses:
-        found |= {
-            "c_pos_embed": (1, places, width),
-            "c_patch_embed.proj.weight": (width, 3 * presses, patch, patch),
-            "c_patch_embed.proj.bias": (width,),
-        }
+        found["c_pos_embed"] = (1, places, width)
+        layers["c_patch_embed.proj"] = (width, 3 * presses, patch, patch)
     for block in range(depth):
-        for name, out, into in (
-            ("attn.qkv", 3 * width, width),
-            ("attn.proj", width, width),
-            ("mlp.fc1", 4 * width, width),
-            ("mlp.fc2", width, 4 * width),
-        ):
-            found[f"blocks.{block}.{name}.weight"] = (out, into)
-            found[f"blocks.{block}.{name}.bias"] = (out,)
-        for norm in ("norm1", "norm2"):
-            found[f"blocks.{block}.{norm}.weight"] = (width,)
-            found[f"blocks.{block}.{norm}.bias"] = (width,)
+        inner = {
+            "attn.qkv": (3 * width, width),
+            "attn.proj": (width, width),
+            "mlp.fc1": (4 * width, width),
+            "mlp.fc2": (width, 4 * width),
+            "norm1": (width,),
+            "norm2": (width,),
+        }
+        layers |= {f"blocks.{block}.{name}": shape for name, shape in inner.items()}
+    for name, shape in layers.items():
+        found |= {f"{name}.weight": shape, f"{name}.bias": shape[:1]}
     return found
 
 
@@ -169,24 +161,35 @@ def test_another_sensor_at_rest_is_another_encoder(tmp_path):
     assert load_encoder("sitr", weights=file).weights_hash != first.weights_hash
 
 
-def test_what_does_not_fit_is_refused_in_a_sentence(tmp_path):
+@pytest.mark.parametrize(
+    ("presses", "change", "message"),
+    [
+        (4, {}, "needs 5 pictures.*0003.png is missing"),
+        (0, {"blocks.1.norm2.bias": None}, r"lacks the weight 'blocks.1.norm2.bias' of sitr"),
+        (
+            0,
+            {"blocks.1.attn.qkv.weight": (5, WIDTH)},
+            r"has blocks.1.attn.qkv.weight of shape \(5, 128\), expected \(384, 128\)",
+        ),
+        (
+            0,
+            {"patch_embed.proj.weight": None},
+            "lacks the weight 'patch_embed.proj.weight' of sitr",
+        ),
+        (4, {"c_patch_embed.proj.weight": (WIDTH, 21, 16, 16)}, "21 channels of calibration"),
+        (0, {"pos_embed": (1, 7, WIDTH)}, "6 places; SITR's are a multiple of 64 and a square"),
+    ],
+)
+def test_what_does_not_fit_is_refused_in_a_sentence(tmp_path, presses, change, message):
+    state = made(presses) | {n: torch.zeros(shape or 0) for n, shape in change.items()}
+    state = {n: value for n, value in state.items() if change.get(n, value) is not None}
+    with pytest.raises(DataError, match=message):
+        load_encoder("sitr", weights=written(tmp_path, state, pictures=3))
+
+
+def test_it_needs_the_published_weights():
     with pytest.raises(DataError, match="published weights; download.*--tac-weights FILE"):
         load_encoder("sitr")
-    with pytest.raises(DataError, match="needs 5 pictures.*0003.png is missing"):
-        load_encoder("sitr", weights=written(tmp_path / "few", made(4), pictures=3))
-    short = {n: v for n, v in made(0).items() if n != "blocks.1.norm2.bias"}
-    with pytest.raises(DataError, match=r"lacks the weight 'blocks.1.norm2.bias' of sitr"):
-        load_encoder("sitr", weights=written(tmp_path / "short", short))
-    bent = made(0) | {"blocks.1.attn.qkv.weight": torch.zeros(5, WIDTH)}
-    with pytest.raises(
-        DataError, match=r"has blocks.1.attn.qkv.weight of shape \(5, 128\), expected \(384, 128\)"
-    ):
-        load_encoder("sitr", weights=written(tmp_path / "bent", bent))
-    with pytest.raises(DataError, match="lacks the weight .patch_embed.proj.weight. of sitr"):
-        load_encoder("sitr", weights=written(tmp_path / "other", {"a": torch.zeros(3)}))
-    seven = made(4) | {"c_patch_embed.proj.weight": torch.zeros(WIDTH, 21, PATCH, PATCH)}
-    with pytest.raises(DataError, match="21 channels of calibration"):
-        load_encoder("sitr", weights=written(tmp_path / "seven", seven))
 
 
 def test_a_pickled_object_is_not_loaded(tmp_path):

@@ -308,6 +308,15 @@ def test_the_hidden_folder_of_a_killed_writer_goes_with_the_next_one(tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["site"]
 
 
+def test_the_cache_folder_follows_the_environment(monkeypatch):
+    monkeypatch.setenv("OMNIVAT_CACHE", "/some/where")
+    assert cache_folder() == Path("/some/where")
+    monkeypatch.delenv("OMNIVAT_CACHE")
+    monkeypatch.setattr("sys.platform", "linux")
+    monkeypatch.setenv("XDG_CACHE_HOME", "/xdg")
+    assert cache_folder() == Path("/xdg/omnivat")
+
+
 def test_without_a_home_the_cache_is_in_the_temporary_folder(monkeypatch):
     def none():
         raise RuntimeError("Could not determine home directory.")
