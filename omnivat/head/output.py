@@ -124,23 +124,11 @@ class TrainingOutput:
 
 def joined(outputs: Sequence[HeadOutput]) -> HeadOutput:
     """Concatenate the outputs of chunks of pairs."""
-    first = outputs[0]
-
-    def cat(name: str, dim: int = 0) -> dict[str, Tensor]:
+    first, whole = outputs[0], {}
+    for name in ("logits", "alone", "f_bar", "f_hat", "attention", "frft", "relu"):
+        dim = 1 if name in ("frft", "relu") else 0
         parts = [getattr(output, name) for output in outputs]
-        return {one: torch.cat([part[one] for part in parts], dim=dim) for one in parts[0]}
-
+        whole[name] = {one: torch.cat([part[one] for part in parts], dim) for one in parts[0]}
     nodes = [output.nodes for output in outputs if output.nodes is not None]
-    return HeadOutput(
-        logits=cat("logits"),
-        alone=cat("alone"),
-        pair=torch.cat([output.pair for output in outputs]),
-        fusion=first.fusion,
-        calibration=first.calibration,
-        frft=cat("frft", 1),
-        relu=cat("relu", 1),
-        f_bar=cat("f_bar"),
-        f_hat=cat("f_hat"),
-        attention=cat("attention") if first.attention else {},
-        nodes=torch.cat(nodes) if nodes else None,
-    )
+    pair = torch.cat([output.pair for output in outputs])
+    return replace(first, pair=pair, nodes=torch.cat(nodes) if nodes else None, **whole)

@@ -1,6 +1,6 @@
 """Settings of the head, frozen and flat."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Annotated
 
 from omnivat.head.fusion import FUSIONS
@@ -41,7 +41,7 @@ class HeadSettings:
     class_token: bool = True  # F_g
     tree_at_inference: bool = True  # off: Alg. 2 of the paper as printed
     attention_scale: AttentionScale = "inside"  # of the softmax; "outside" is Eq. 4 as printed
-    feature_scale: FeatureScale = "unit"  # "literal" does not normalize embeddings and features
+    feature_scale: FeatureScale = "unit"  # "literal" does not normalize, and does not train
     theta_init: ThetaInit = "spread"  # equal numbers would stay equal
     tree_init: TreeInit = "orthogonal"
     logit_scale: Annotated[float, Within(1e-3, 1e4)] = 10.0  # of the cosine classifier
@@ -84,13 +84,3 @@ class HeadSettings:
     def projects_apart(self) -> bool:
         """True if VIS and TAC have separate maps."""
         return self.projects and not self.shared_projection
-
-
-def literal(settings: HeadSettings) -> HeadSettings:
-    """Return the settings that follow the printed equations.
-
-    Such a head does not train: its features are so small that biases and NOD dominate.
-    """
-    return replace(
-        settings, attention_scale="outside", feature_scale="literal", tree_at_inference=False
-    )

@@ -4,8 +4,7 @@ import pytest
 import torch
 
 from omnivat.head.head import CHUNK, build_head, parameter_count
-from omnivat.head.settings import HeadSettings, literal
-from omnivat.head.training import training_pass
+from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError, SettingsError, ShapeError
 
 CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
@@ -57,28 +56,6 @@ def test_each_image_modality_has_a_projection_of_its_own_unless_they_share_one()
     torch.testing.assert_close(after[1], model.embedded({"tac": tac})[0])
     apart, shared = (parameter_count(settings(shared_projection=s)) for s in (False, True))
     assert apart - shared == 16 * 25
-
-
-def test_prediction_with_nodes_and_without_is_the_same(head):
-    vis, tac = pairs(5)
-    with torch.no_grad():
-        shown, folded = head(vis, tac, nodes=True), head(vis, tac)
-    mean = shown.nodes.mean(1)
-    torch.testing.assert_close(folded.f_hat["vis"], folded.f_bar["vis"] + mean)
-    assert folded.nodes is None
-    torch.testing.assert_close(shown.probabilities, folded.probabilities)
-
-
-@pytest.mark.parametrize("missing", ["vis", "tac"])
-def test_one_modality_alone_is_enough(head, missing):
-    vis, tac = pairs(4)
-    given = {"vis": vis, "tac": tac} | {missing: None}
-    with torch.no_grad():
-        output = head(given["vis"], given["tac"])
-    present = "tac" if missing == "vis" else "vis"
-    assert list(output.logits) == [present]
-    torch.testing.assert_close(output.probabilities, output.readings[present])
-    torch.testing.assert_close(output.probabilities.sum(-1), torch.ones(4, dtype=torch.float64))
 
 
 def test_no_modality_at_all_is_refused(head):
@@ -146,44 +123,6 @@ def test_the_size_of_embeddings_does_not_matter_even_where_squares_overflow(fact
     with torch.no_grad():
         plain, scaled = model(vis, tac), model(factor * vis, factor * tac)
     assert (plain.probabilities - scaled.probabilities).abs().max() < 1e-6
-
-
-def test_class_token_in_prediction_needs_no_label(head):
-    """It is the mean over the bank, so changing one class's row changes every prediction."""
-    vis, tac = pairs(2)
-    with torch.no_grad():
-        before = head(vis, tac).probabilities
-        head.mffa.bank[:, 3] += 10
-        assert not torch.allclose(head(vis, tac).probabilities, before)
-        head.mffa.bank_seen[3] = False
-        without = head.mffa.class_agnostic_tokens(["vis"])[0]
-    torch.testing.assert_close(without, head.mffa.bank[1, [0, 1, 2, 4]].mean(0))
-
-
-def test_pairs_without_lang_train_as_they_are_predicted(head):
-    """With LANG off and the class-agnostic token, training computes the prediction's features."""
-    vis, tac = pairs(4)
-    off = torch.zeros(4, dtype=torch.bool)
-    labels = torch.tensor([0, 1, 2, 3])
-    lang = torch.randn(4, 8, dtype=torch.float64)
-    head.train()
-    images = {"vis": vis, "tac": tac}
-    trained = training_pass(head, images, lang, labels, lang_on=off, token_on=off)
-    head.eval()
-    predicted = head(vis, tac)
-    for name in ("vis", "tac"):
-        torch.testing.assert_close(trained.features[name], predicted.f_bar[name])
-        torch.testing.assert_close(trained.logits[name], predicted.logits[name])
-
-
-def test_literal_settings_follow_the_printed_equations():
-    chosen = literal(settings())
-    assert (chosen.attention_scale, chosen.feature_scale) == ("outside", "literal")
-    model = build_head(chosen).eval()
-    with torch.no_grad():
-        output = model(torch.randn(2, 24), torch.randn(2, 24))
-    torch.testing.assert_close(output.f_hat["vis"], output.f_bar["vis"])  # Alg. 2 has no tree
-    assert not torch.allclose(output.f_bar["vis"].norm(dim=-1), torch.ones(2))
 
 
 def test_same_seed_gives_the_same_weights_and_leaves_global_randomness_alone():

@@ -45,18 +45,6 @@ def test_a_modality_alone_does_not_see_the_other_image_and_a_branch_does(
 
 
 @torch.no_grad()
-def test_readings_are_the_same_in_chunks_and_with_live_weights(make_head, make_pairs):
-    model, pairs = make_head(), make_pairs(600)
-    together = model(*pairs).readings
-    alone = model(*(x[550:553] for x in pairs)).readings
-    with torch.enable_grad():
-        live = model(*pairs).readings
-    for name, values in together.items():
-        torch.testing.assert_close(values[550:553], alone[name])
-        torch.testing.assert_close(values, live[name].detach())
-
-
-@torch.no_grad()
 @pytest.mark.parametrize("fusion", FUSIONS)
 def test_a_fusion_gives_probabilities_and_a_temperature_changes_no_prediction(
     make_head, make_pairs, fusion

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from omnivat.cli import main
 from omnivat.data.store import COLUMNS, write_manifest
-from omnivat.kit.errors import DataError, OmniVatError, WriteError
+from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import (
     cache_folder,
     replacing,
@@ -87,10 +87,6 @@ def test_a_place_that_can_be_written_is_left_as_it_is(tmp_path):
     assert list(tmp_path.iterdir()) == []
     with pytest.raises(WriteError, match="name one that ends in .bin"):
         require_writable(tmp_path / "a.txt", ".bin")
-
-
-def test_that_a_file_cannot_be_written_is_both_an_error_of_ours_and_of_the_system():
-    assert issubclass(WriteError, OmniVatError) and issubclass(WriteError, OSError)
 
 
 def test_a_manifest_replaces_its_own_and_no_other_table(tmp_path):
