@@ -10,6 +10,11 @@ from PIL import Image
 from app.places import Places
 from app.resources import Resources
 
+LESSONS = [
+    {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
+    for row, label in ((40, "cork"), (41, "cork"), (72, "glass"), (73, "glass"))
+]
+
 
 @pytest.fixture(scope="session")
 def small_places(head_folder, tmp_path_factory):
@@ -94,3 +99,29 @@ def png():
             return handle.getvalue()
 
     return make
+
+
+def served(resources, **more):
+    """Return a client of the page's routes."""
+    from starlette.applications import Starlette
+    from starlette.testclient import TestClient
+
+    from app.routes import routes
+
+    return TestClient(Starlette(routes=routes(resources)), **more)
+
+
+@pytest.fixture
+def client(resources):
+    """Return a client of the small set's page."""
+    with served(resources) as client:
+        yield client
+
+
+def sentence(response, status=400):
+    """Return the sentence of an error."""
+    assert response.status_code == status, response.text
+    assert set(response.json()) == {"error"}
+    text = response.json()["error"]
+    assert text.endswith(".") and "Traceback" not in text and "\n" not in text
+    return text

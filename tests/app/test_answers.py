@@ -8,7 +8,6 @@ import pytest
 from app import about
 from app.pictures import live
 from app.views import pair
-from omnivat.kit.errors import DataError
 
 
 def test_attention_adds_up_to_one_for_each_token_that_asks(resources):
@@ -31,11 +30,6 @@ def test_a_cameras_picture_is_answered_and_not_kept(resources, encoder, png):
     assert sum(first["readings"]["fused"]) == pytest.approx(1, abs=1e-3)
 
 
-def test_a_picture_of_another_modality_is_refused(resources, png):
-    with pytest.raises(DataError, match="it is vis, tac or both"):
-        live(resources, png(), {"modality": "smell"})
-
-
 def test_a_record_without_any_target_can_be_sent():
     sent = about.without_nan({"target_accuracy": float("nan"), "seeds": [{"order": 0.5}]})
     assert sent == {"target_accuracy": None, "seeds": [{"order": 0.5}]}
@@ -48,9 +42,3 @@ def test_two_live_pictures_are_predicted_as_each_with_the_other_sent_before(reso
     one = live(resources, photo, {"modality": "vis", "other": str(ref)})
     assert both["readings"] == one["readings"]
     assert set(both["images"]) == set(one["images"])
-
-
-@pytest.mark.parametrize("split", [0, 10**8])
-def test_two_live_pictures_need_the_place_where_the_second_begins(resources, png, split):
-    with pytest.raises(DataError, match="split is"):
-        live(resources, png(), {"modality": "both", "split": split})

@@ -4,17 +4,16 @@ from base64 import b64decode
 from dataclasses import replace
 
 import pytest
-from starlette.applications import Starlette
-from starlette.testclient import TestClient
 
 from app.resources import Resources
-from app.routes import routes
+
+from .conftest import served
 
 
 @pytest.fixture
 def client(small_places):
     resources = Resources(replace(small_places, drawn=12))
-    yield TestClient(Starlette(routes=routes(resources)))
+    yield served(resources)
     resources.shared.close()
 
 

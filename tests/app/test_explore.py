@@ -3,13 +3,10 @@
 from base64 import b64decode
 
 import numpy as np
-import pytest
-from starlette.applications import Starlette
-from starlette.testclient import TestClient
 
-from app.routes import routes
-from app.views.explore import ladder, nearest, neighbours, twins, twins_map
-from omnivat.kit.errors import DataError
+from app.views.explore import nearest, neighbours, twins, twins_map
+
+from .conftest import served
 
 
 def test_the_nearest_row_by_cosine_comes_first_and_never_the_point_itself():
@@ -41,22 +38,8 @@ def test_neighbours_after_the_relu_depend_on_the_order(resources):
     assert at[0] != at[1]
 
 
-@pytest.mark.parametrize(
-    ("question", "sentence"),
-    [
-        ({"point": 4, "stage": "nowhere"}, "No stage is called 'nowhere'"),
-        ({"point": 4000, "stage": "raw"}, "No point has the number 4000"),
-        ({"point": "4", "stage": "raw"}, "No point has the number '4'"),
-        ({"stage": "raw"}, "No point has the number None"),
-    ],
-)
-def test_what_is_not_there_is_refused(resources, question, sentence):
-    with pytest.raises(DataError, match=sentence):
-        neighbours(resources, question)
-
-
 def test_only_the_sheets_of_the_twins_are_served(resources):
-    with TestClient(Starlette(routes=routes(resources))) as client:
+    with served(resources) as client:
         shown = client.get("/omnivat/twins").json()["shown"]
         assert client.get("/omnivat/twins/map").json()["presses"]
         sheets = [client.get(f"/omnivat/twins/{one['sheet']}") for one in shown]
@@ -70,8 +53,3 @@ def test_the_twins_map_has_a_place_for_every_press_and_sensor(resources):
     count = len(shown["domains"]) * places["presses"]
     for method in ("pca", "umap"):
         assert [len(b64decode(one)) for one in places[method]] == [4 * count] * 3
-
-
-def test_a_ladder_of_an_unknown_domain_is_refused(resources):
-    with pytest.raises(DataError, match="The set has no domain 'nowhere'"):
-        ladder(resources, {"source": "nowhere"})

@@ -6,13 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from starlette.applications import Starlette
-from starlette.testclient import TestClient
 
 from app.resources import Resources
-from app.routes import routes
 from omnivat.data.store import save_embeddings
 from omnivat.maps.frames import read_frames
+
+from .conftest import served
 
 
 @pytest.fixture
@@ -30,7 +29,7 @@ def foreign(resources, make_embeddings, tmp_path, monkeypatch):
 
 
 def asked(resources):
-    return TestClient(Starlette(routes=routes(resources)))
+    return served(resources)
 
 
 def test_a_set_that_the_head_does_not_fit_has_maps_and_both_gaps_of_its_features(foreign):

@@ -1,16 +1,14 @@
 """Files that a browser holds already are asked for again, and not sent again."""
 
 import pytest
-from starlette.applications import Starlette
-from starlette.testclient import TestClient
 
-from app.routes import routes
+from .conftest import served
 
 
 @pytest.mark.parametrize("path", ["web/shared/page.css", "frames"])
 def test_a_file_that_the_browser_holds_as_it_is_now_is_not_sent_again(resources, path):
     assert resources.frames.wait().file
-    client = TestClient(Starlette(routes=routes(resources)))
+    client = served(resources)
     first = client.get(f"/omnivat/{path}")
     held = {"If-None-Match": first.headers["etag"]}
     again = client.get(f"/omnivat/{path}", headers=held)

@@ -1,6 +1,6 @@
 """Jobs: priority, cancellation, and a final state and sentence for every job."""
 
-from threading import Barrier, Event, get_ident
+from threading import Barrier, Event
 from threading import enumerate as enumerate_threads
 from weakref import ref
 
@@ -280,11 +280,3 @@ def test_a_failed_job_keeps_nothing_that_its_work_held(jobs):
     del work
     jobs.close(60)  # waits for the thread
     assert held[0]() is None
-
-
-def test_a_thread_runs_one_job_after_another(jobs):
-    seen = set()
-    for _ in range(20):
-        jobs.start(lambda job: seen.add(get_ident()), lane="quick").wait(60)
-        until(lambda: jobs._threads._idle_semaphore._value)
-    assert len(seen) == 1

@@ -6,16 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from starlette.applications import Starlette
-from starlette.testclient import TestClient
 
 from app.modes import fitting_files, mode_files, modes
 from app.resources import Resources
-from app.routes import routes
 from app.views import explore
 from app.visitor_sets import VisitorSets
 from omnivat.maps.frames import read_frames, write_frames
-from omnivat.maps.frames.file import frames_header
+
+from .conftest import served
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +44,7 @@ def beside(small_places, trained):
 
 @pytest.fixture
 def client(beside):
-    return TestClient(Starlette(routes=routes(beside)))
+    return served(beside)
 
 
 def test_frames_beside_the_set_are_a_mode_of_their_own(beside, client):
@@ -82,12 +80,6 @@ def test_without_embeddings_the_page_still_says_what_may_be_chosen(small_places,
     assert modes(lost)["modes"] == ["moved"]
 
 
-def test_the_header_of_frames_is_read_without_their_arrays(trained):
-    header = frames_header(trained / "retrained.bin")
-    assert header["head"]["kind"] == "retrained"
-    assert header["pairs"] == 80
-
-
 def test_explore_is_told_what_the_head_does_in_unseen_domains(beside, client):
     found = client.get("/omnivat/unseen").json()
     assert found["source"] == "TAG-sim"
@@ -104,10 +96,6 @@ def test_pairs_have_names_to_search_for_and_what_they_imitate(beside):
     told = explore.pairs(beside)
     assert len(set(map(len, told.values()))) == 1
     assert set(told) == {"name", "looks_like", "feels_like"}
-
-
-def test_the_toy_is_served(client):
-    assert len(client.get("/omnivat/toy").json()["orders"]) == 101
 
 
 def test_a_shipped_set_is_opened_by_its_name_once(beside, trained, monkeypatch):

@@ -5,7 +5,6 @@ import pytest
 import torch
 
 from app.nodes import tree, votes
-from omnivat.kit.errors import DataError
 
 
 def test_nodes_and_layers_are_those_of_the_head(resources):
@@ -37,8 +36,3 @@ def test_a_node_that_gives_one_class_to_every_pair_is_found(resources):
         name = resources.head().settings.classes.index(vote["class"])
         assert (given[:, node] == name).double().mean() == pytest.approx(vote["share"], abs=1e-4)
         assert vote["share"] >= 1 / 5
-
-
-def test_votes_of_a_head_that_is_not_loaded_are_refused(resources):
-    with pytest.raises(DataError, match="No head is called 'other'"):
-        votes(resources, {"head": "other"})

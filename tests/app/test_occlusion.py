@@ -4,12 +4,10 @@ from io import BytesIO
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 import torch
 from PIL import Image
 
 from app.pictures import CELLS, PATCH, hidden, occlusion, over_cells
-from omnivat.kit.errors import DataError
 
 
 def test_each_part_is_hidden_once_in_the_mean_colour_and_the_rest_is_left():
@@ -81,13 +79,3 @@ def test_an_image_of_one_colour_has_nothing_to_hide(resources):
         found = occlusion(resources, handle.getvalue(), {"modality": "tac", "other": "row:3"})
     assert max(abs(drop) for row in found["drops"] for drop in row) < 1e-6
     assert found["class"] in resources.head().settings.classes
-
-
-def test_hiding_parts_of_a_varied_image_changes_the_answer(resources, png):
-    found = occlusion(resources, png(), {"modality": "vis", "order": 0.5})
-    assert max(abs(drop) for row in found["drops"] for drop in row) > 1e-5
-
-
-def test_another_modality_is_refused(resources, png):
-    with pytest.raises(DataError, match="it is vis or tac"):
-        occlusion(resources, png(), {"modality": "lang"})

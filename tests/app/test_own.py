@@ -16,6 +16,8 @@ from app.teaching import teach
 from app.views.pair import many, predicted
 from omnivat.head.heads import default_head, own_head
 
+from .conftest import LESSONS
+
 
 @pytest.fixture
 def with_own(resources):
@@ -47,11 +49,7 @@ def test_a_profile_changes_predictions_and_never_what_is_familiar(with_own, png)
 
 
 def test_the_head_for_own_pictures_can_be_taught(with_own):
-    lessons = [
-        {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
-        for row, label in ((40, "cork"), (41, "cork"), (72, "glass"), (73, "glass"))
-    ]
-    assert len(teach(with_own, {"lessons": lessons, "head": "own"})["judged"]) == 4
+    assert len(teach(with_own, {"lessons": LESSONS, "head": "own"})["judged"]) == 4
 
 
 def test_only_the_projects_head_has_one_beside_it(head_folder):

@@ -7,7 +7,6 @@ import pytest
 
 from app import predictors
 from app.resources import Resources
-from omnivat.kit.errors import DataError
 
 
 @pytest.fixture
@@ -31,11 +30,6 @@ def test_two_compared_heads_of_one_name_are_told_apart(small_places):
 def test_a_folder_that_is_no_head_is_listed_with_the_reason(resources, small_places, tmp_path):
     other = Resources(replace(small_places, compare=(tmp_path,)))
     assert "is not a head" in predictors.heads(other)[1]["problem"]
-
-
-def test_a_head_that_is_not_loaded_is_refused_by_name(resources):
-    with pytest.raises(DataError, match="No head is called 'ghost'"):
-        resources.head_named("ghost")
 
 
 def test_a_pair_is_asked_of_the_head_that_is_named(two_heads):
@@ -64,19 +58,3 @@ def test_a_class_that_a_method_lacks_is_left_out_of_its_score(make_embeddings):
     assert found == {"TAG-sim": 1.0, "OF Real-sim": 1.0, "unseen": 1.0}
     everything = predictors.scores_of(embeddings, embeddings.header.classes, "TAG-sim", said)
     assert everything["unseen"] == pytest.approx(3 / 5)
-
-
-def test_a_method_is_scored_on_pairs_that_it_was_not_fitted_on(resources):
-    got = predictors.predictions(resources, {"method": "nearest_mean"})["accuracy"]
-    assert set(got) == {"unseen", "TAG-sim", "OF Real-sim"}
-    assert got["unseen"] == got["OF Real-sim"]
-
-
-def test_a_method_that_is_no_name_is_refused(resources):
-    with pytest.raises(DataError, match="No method is called"):
-        predictors.predictions(resources, {"method": ["nearest_mean"]})
-
-
-def test_an_unknown_method_is_refused(resources):
-    with pytest.raises(DataError, match="No method is called 'magic'"):
-        predictors.predictions(resources, {"method": "magic"})

@@ -4,12 +4,11 @@ import json
 import os
 
 import pytest
-from starlette.applications import Starlette
-from starlette.testclient import TestClient
 
 from app.real import SHOWN, RealPairs
-from app.routes import routes
 from omnivat.data.fetching import fetched_sets
+
+from .conftest import served
 
 
 @pytest.fixture
@@ -114,8 +113,7 @@ def test_a_broken_or_hostile_folder_is_left_out_with_one_sentence(shelf, fetched
 
 def test_the_routes_serve_the_listing_and_no_path_of_a_request(resources, shelf, fetched):
     resources.shared.real = shelf
-    app = Starlette(routes=routes(resources))
-    with TestClient(app, client=("127.0.0.1", 1)) as client:
+    with served(resources, client=("127.0.0.1", 1)) as client:
         (found,) = client.get("/omnivat/real").json()["sets"]
         name = found["pairs"][0]["pictures"]["vis"]
         reply = client.get(f"/omnivat/real/{name}")

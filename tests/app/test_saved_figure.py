@@ -3,17 +3,16 @@
 import json
 
 import pytest
-from starlette.applications import Starlette
-from starlette.testclient import TestClient
 
 from app.resources import Resources
-from app.routes import routes
+
+from .conftest import served
 
 
 @pytest.fixture(scope="module")
 def client(framed):
     resources = Resources(framed)
-    yield TestClient(Starlette(routes=routes(resources)))
+    yield served(resources)
     resources.shared.close()
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from app import scratch
-from app.scratch import Scratch, sweep
+from app.scratch import sweep
 
 ROOT = Path(__file__).resolve().parents[2]
 MAKES = """
@@ -59,8 +59,3 @@ def test_folders_of_other_names_are_never_swept(elsewhere):
     (elsewhere / "omnivat-page-without-a-lock").mkdir()
     assert sweep() == 0
     assert len(list(elsewhere.iterdir())) == 2
-
-
-def test_one_folder_serves_a_process(elsewhere):
-    home = Scratch()
-    assert home.folder("a").parent == home.folder("b").parent == home.home

@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 
 from app.about import about
 from app.pair_input import pair_of
-from app.sensor import MOST_AT_ONCE, joined, load_sensor, profile, save_sensor
+from app.sensor import joined, load_sensor, profile, save_sensor
 from app.server import main
-from app.state import ForgottenError
 from app.views.pair import many
 from omnivat.data.profile import channels_of
 from omnivat.kit.errors import DataError
@@ -82,22 +81,6 @@ def test_a_saved_profile_is_loaded_again_and_a_broken_file_is_refused(visiting, 
     file.write_bytes(file.read_bytes()[:90])
     with pytest.raises(DataError, match="profile"):
         load_sensor(visiting, file)
-
-
-@pytest.mark.parametrize(
-    "question",
-    [{}, {"photos": []}, {"photos": "image:0"}, {"touches": ["image:0"] * (MOST_AT_ONCE + 1)}],
-)
-def test_no_pictures_or_too_many_are_refused(visiting, question):
-    with pytest.raises(DataError, match="pictures"):
-        profile(visiting, question)
-
-
-def test_a_profile_that_the_server_has_lost_is_said_to_be(visiting):
-    with pytest.raises(ForgottenError, match="load it again"):
-        pair_of(visiting, {**OWN, "profile": "gone"})
-    with pytest.raises(DataError, match="no profile of your sensor yet"):
-        save_sensor(visiting, {})
 
 
 def test_a_profile_of_the_command_line_is_in_use_from_the_start(visiting, tmp_path):

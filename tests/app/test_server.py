@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from app.preflight import parser
-from app.views import VIEWS
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -51,25 +50,6 @@ def test_gradio_still_finds_the_tables_that_it_was_imported_without():
         " pandas.DataFrame\nassert component_meta.create_or_modify_pyi.__name__ == '<lambda>'\n"
     )
     subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, timeout=600)
-
-
-def test_the_command_line_is_the_documented_one():
-    chosen = parser().parse_args(
-        ["--head", "h", "--embeddings", "e", "--host", "0.0.0.0", "--port", "80", "--no-browser"]
-    )
-    assert (chosen.head, chosen.embeddings) == (Path("h"), Path("e"))
-    assert (chosen.host, chosen.port, chosen.no_browser) == ("0.0.0.0", 80, True)
-
-
-@pytest.mark.parametrize("name", VIEWS)
-def test_every_tab_has_a_title_and_a_component_with_its_script(name):
-    from importlib import import_module
-
-    from app.components import WEB
-
-    assert import_module(f"app.views.{name}").TITLE
-    assert (WEB / name / f"{name}.html").is_file()
-    assert "export" in (WEB / name / f"{name}.js").read_text(encoding="utf-8")
 
 
 def test_no_script_or_style_names_an_outside_address():

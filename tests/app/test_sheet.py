@@ -3,11 +3,10 @@
 from dataclasses import replace
 
 import pytest
-from starlette.applications import Starlette
-from starlette.testclient import TestClient
 
 from app.resources import Resources
-from app.routes import routes
+
+from .conftest import served
 
 SHEET = "set.thumbnails.webp"
 
@@ -21,7 +20,7 @@ def test_frames_tell_whether_a_sheet_of_thumbnails_can_be_requested(
     frames = tmp_path / "frames.bin"
     frames.write_bytes(b"OVFRAMES")
     resources = Resources(replace(small_places, frames=frames, sprite=tmp_path / SHEET))
-    client = TestClient(Starlette(routes=routes(resources)))
+    client = served(resources)
     response = client.get("/omnivat/frames")
     while response.status_code == 202:
         response = client.get("/omnivat/frames")

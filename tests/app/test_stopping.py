@@ -11,11 +11,9 @@ from app.messages import BusyError, CancelledError
 from app.routes import FACTS, QUESTIONS, SENT, routes
 from omnivat.measure.evaluate import CHUNK
 
+from .conftest import LESSONS
+
 PAIR = {"vis": "row:3", "tac": "row:3"}
-LESSONS = [
-    {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
-    for row, label in ((40, "cork"), (41, "cork"), (72, "glass"), (73, "glass"))
-]
 MORE = [
     {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
     for row, label in ((42, "cork"), (74, "glass"))
@@ -69,7 +67,7 @@ FILES = {
     "frames",
     "thumbnails.{kind}",
     "example/{name:path}/{modality}",
-    "twins/{name}",
+    "twins/{name}.webp",
     "real",
     "real/{name:path}",
     "api/schema",

@@ -5,19 +5,14 @@ import zipfile
 
 import pytest
 
-from app.pair_input import MOST_LESSONS, reader_of
+from app.pair_input import reader_of
 from app.pictures import live, occlusion
-from app.state import ForgottenError
-from app.teaching import curve, own_set, save_set, save_taught, taught, teach
+from app.teaching import curve, save_set, save_taught, taught, teach
 from app.views.pair import many, predicted
 from omnivat.data.store import load_embeddings
 from omnivat.head.checkpoint import load_head
-from omnivat.kit.errors import DataError
 
-LESSONS = [
-    {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
-    for row, label in ((40, "cork"), (41, "cork"), (72, "glass"), (73, "glass"))
-]
+from .conftest import LESSONS
 
 
 def test_teaching_reports_every_pair_before_and_after(resources):
@@ -61,30 +56,6 @@ def test_the_taught_head_is_saved_as_a_folder_that_loads(resources, tmp_path):
     assert load_head(tmp_path / "taught-head").settings.classes[-1] == "cork"
 
 
-@pytest.mark.parametrize(
-    ("lessons", "sentence"),
-    [
-        ("all", "has to be a list"),
-        ([{"vis": "row:1", "label": ""}], "A label is ''"),
-        ([{"vis": "row:1", "label": 7}], "A label is 7"),
-        ([{"vis": "row:1", "label": "a" * 50}], "1 to 40 letters"),
-        ([LESSONS[0]] * (MOST_LESSONS + 1), "61 labelled pairs were sent"),
-        ([{"label": "wood"}], "Choose a pair first"),
-        (LESSONS[:1], "two or more pairs of each of two or more classes"),
-    ],
-)
-def test_lessons_that_cannot_be_used_are_refused_in_a_sentence(resources, lessons, sentence):
-    with pytest.raises(DataError, match=sentence):
-        teach(resources, {"lessons": lessons})
-
-
-def test_nothing_is_saved_where_there_is_nothing(resources):
-    with pytest.raises(DataError, match="No pair is labelled"):
-        save_taught(resources, {})
-    with pytest.raises(DataError, match="label at least one photo with its touch"):
-        own_set(resources, {"lessons": [{"vis": "row:1", "label": "wood"}]})
-
-
 @pytest.mark.parametrize("of_image", [occlusion, live])
 def test_requests_with_an_image_use_the_taught_head_as_the_headline_does(resources, png, of_image):
     question = {"modality": "vis", "other": "row:40"}
@@ -103,20 +74,6 @@ def test_live_compares_a_picture_with_the_labelled_ones_once_they_are_taught(res
         for one in ({}, taught(resources, {"lessons": lessons}))
     )
     assert own["cosine"] == 1 != plain["cosine"]  # it is the first of them
-
-
-def test_without_lessons_no_head_is_taught_and_a_forgotten_one_gives_a_sentence(resources):
-    with pytest.raises(DataError, match="No pair is labelled"):
-        taught(resources, {"lessons": []})
-    with pytest.raises(ForgottenError, match="no longer has the taught head"):
-        reader_of(resources, {"taught": "0" * 32})
-
-
-@pytest.mark.parametrize("tac", ["row:41", "image:own", "example:TAG-sim/wood/0"])
-def test_a_photo_and_a_touch_of_different_pairs_are_never_taught(resources, tac):
-    resources._sent.keep("own", resources.embeddings().tac[0])
-    with pytest.raises(DataError, match="come from different pairs"):
-        teach(resources, {"lessons": [*LESSONS, {"vis": "row:40", "tac": tac, "label": "cork"}]})
 
 
 def test_after_teaching_a_picture_is_compared_with_the_visitors_own(resources):

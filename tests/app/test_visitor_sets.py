@@ -2,22 +2,14 @@
 
 import numpy as np
 import pytest
-from starlette.applications import Starlette
 from starlette.requests import Request
-from starlette.testclient import TestClient
 
 from app.limits import PARTS
 from app.requests import visitor_of
-from app.routes import routes
 from app.state import ForgottenError
 from app.visitor_sets import VisitorSets
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.kit.errors import DataError
-
-
-@pytest.fixture
-def client(resources):
-    return TestClient(Starlette(routes=routes(resources)))
 
 
 def send(client, files):

@@ -1,4 +1,4 @@
-/** Floats of the library, written by `python -m app.site_rules`. */
+/** Numbers of the library, written by `python -m app.site_rules`. */
 
 export const DOTS = {
   SIDE: 224,

@@ -1,0 +1,78 @@
+"""What cannot be answered is refused in one sentence, which says what is wanted."""
+
+from functools import partial
+
+import pytest
+
+from app.pair_input import MOST_LESSONS
+from app.routes import QUESTIONS, SENT
+from app.sensor import MOST_AT_ONCE
+from app.state import ForgottenError
+from app.views.pair import MOST_AT_ONCE as MOST_PAIRS
+from omnivat.kit.errors import DataError
+
+from .conftest import LESSONS
+
+RAW = {"point": 4, "stage": "raw"}
+MIXED = "come from different pairs"
+REFUSED = [
+    ("pair", {}, "Choose a pair first"),
+    ("pair", {"vis": 12}, "An image is named by a short text"),
+    ("pair", {"vis": "x" * 500}, "An image is named by a short text"),
+    ("pair", {"vis": "file:/etc/passwd"}, "names no image"),
+    ("pair", {"vis": "row:"}, "names no image"),
+    ("pair", {"vis": "row:999"}, "No pair has the number '999'; there are 0 to 79"),
+    ("pair", {"vis": "example:../../../etc/passwd"}, "No example is called"),
+    ("pair", {"vis": "row:1", "head": "ghost"}, "No head is called 'ghost'"),
+    *(("many", {"pairs": some}, "pairs") for some in ([], [{}] * (MOST_PAIRS + 1), "row:3", [3])),
+    ("neighbours", {"point": 4, "stage": "nowhere"}, "No stage is called 'nowhere'"),
+    ("neighbours", {**RAW, "point": 4000}, "No point has the number 4000"),
+    ("neighbours", {**RAW, "point": "4"}, "No point has the number '4'"),
+    ("neighbours", {"stage": "raw"}, "No point has the number None"),
+    ("ladder", {"source": "nowhere"}, "The set has no domain 'nowhere'"),
+    ("predictions", {"method": ["nearest_mean"]}, "No method is called"),
+    ("predictions", {"method": "magic"}, "No method is called 'magic'"),
+    ("votes", {"head": "other"}, "No head is called 'other'"),
+    ("teach", {"lessons": "all"}, "has to be a list"),
+    ("teach", {"lessons": [{"vis": "row:1", "label": ""}]}, "A label is ''"),
+    ("teach", {"lessons": [{"vis": "row:1", "label": 7}]}, "A label is 7"),
+    ("teach", {"lessons": [{"vis": "row:1", "label": "a" * 50}]}, "1 to 40 letters"),
+    ("teach", {"lessons": LESSONS[:1] * (MOST_LESSONS + 1)}, "61 labelled pairs were sent"),
+    ("teach", {"lessons": [{"label": "wood"}]}, "Choose a pair first"),
+    ("teach", {"lessons": LESSONS[:1]}, "two or more pairs of each of two or more classes"),
+    *(
+        ("teach", {"lessons": [*LESSONS, {"vis": "row:40", "tac": tac, "label": "cork"}]}, MIXED)
+        for tac in ("row:41", "image:own", "example:TAG-sim/wood/0")
+    ),
+    ("taught", {"lessons": []}, "No pair is labelled"),
+    ("save/head", {}, "No pair is labelled"),
+    ("save/set", {"lessons": [{"vis": "row:1", "label": "wood"}]}, "label at least one photo"),
+    *(
+        ("profile", question, "pictures")
+        for question in ({}, {"photos": "image:0"}, {"touches": ["row:0"] * (MOST_AT_ONCE + 1)})
+    ),
+    ("save/sensor", {}, "no profile of your sensor yet"),
+    ("live", {"modality": "smell"}, "it is vis, tac or both"),
+    *(("live", {"modality": "both", "split": split}, "split is") for split in (0, 10**8)),
+    ("occlusion", {"modality": "lang"}, "it is vis or tac"),
+    ("occlusion", {"modality": "vis", "other": "row:x"}, "No pair has the number 'x'"),
+]
+FORGOTTEN = [
+    ("pair", {"vis": "image:00"}, "send it again"),
+    ("pair", {"vis": "row:1", "profile": "gone"}, "load it again"),
+    ("pair", {"vis": "row:1", "taught": "0" * 32}, "no longer has the taught head"),
+]
+
+
+@pytest.mark.parametrize(("route", "question", "words"), [*REFUSED, *FORGOTTEN])
+def test_it_is_refused_with_what_is_wanted(resources, png, route, question, words):
+    resources._sent.keep("own", resources.embeddings().tac[0])
+    ask = (
+        partial(SENT[route][0], resources, png())
+        if route in SENT
+        else partial(QUESTIONS[route], resources)
+    )
+    with pytest.raises(DataError, match=words) as caught:
+        ask(question)
+    assert isinstance(caught.value, ForgottenError) == ((route, question, words) in FORGOTTEN)
+    assert str(caught.value).endswith(".")
