@@ -167,29 +167,15 @@ def _written(
             (plain(item.domain), plain(item.material), f"{plain(item.object)}-{number:04d}")
         )
         names = {}
-        for k, half in enumerate(("vis", "tac")):
-            if path := getattr(item, half):
-                suffix = (
-                    ".png"
-                    if item.boxes or Path(path).suffix in (*CLIPS, PICKLE)
-                    else Path(path).suffix
-                )
-                names[half] = f"{stem}_{half}{suffix}"
-                uses.setdefault(path, []).append(
-                    (names[half], item.boxes[k] if item.boxes else None)
-                )
-        both = names.get("vis", names["tac"]), names["tac"]
-        rows.append(
-            [
-                *both,
-                item.domain,
-                item.material,
-                item.object,
-                item.named,
-                item.vis or item.tac,
-                item.tac,
-            ]
-        )
+        halves = {"vis": item.vis, "tac": item.tac} if item.vis else {"tac": item.tac}
+        for (half, path), box in zip(halves.items(), item.boxes or (None, None), strict=False):
+            suffix = Path(path).suffix
+            made = box or suffix in (*CLIPS, PICKLE)
+            names[half] = f"{stem}_{half}{'.png' if made else suffix}"
+            uses.setdefault(path, []).append((names[half], box))
+        files = [names.get("vis", names["tac"]), names["tac"]]
+        labels = [item.domain, item.material, item.object, item.named]
+        rows.append([*files, *labels, item.vis or item.tac, item.tac])
     for done, (path, content) in enumerate(contents):
         on_step(Step(done=done, total=count, text="pictures"))
         for name, box in uses[path]:
@@ -219,15 +205,10 @@ def _write_picture(path: str, content: bytes, box: Box | None, target: Path) -> 
             film.unlink()
     elif box:
         whole = read_image(content, path)
-        left, top, right, bottom = box
-        width, height = whole.size
-        corners = (
-            round(left * width),
-            round(top * height),
-            round(right * width),
-            round(bottom * height),
+        left, top, right, bottom = (
+            round(share * side) for share, side in zip(box, whole.size * 2, strict=True)
         )
-        whole.crop(corners).save(target)
+        whole.crop((left, top, right, bottom)).save(target)
     else:
         target.write_bytes(content)
 

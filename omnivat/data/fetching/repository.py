@@ -104,22 +104,14 @@ class Repository:
 
     def contents(self, hashes: Mapping[str, str]) -> Iterator[tuple[str, bytes]]:
         """Yield path and content of files that were brought, by path -> hash."""
-        command = self._command("cat-file", "--batch")
-        with subprocess.Popen(
-            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=_environment()
-        ) as git:
-            assert git.stdin and git.stdout
-            for path, name in hashes.items():
-                git.stdin.write(f"{name}\n".encode())
-                git.stdin.flush()
-                head = git.stdout.readline().split()
-                content = git.stdout.read(int(head[2]) + 1)[:-1] if len(head) == 3 else b""
-                if len(head) != 3 or len(content) != int(head[2]):
-                    raise DataError(
-                        f"'{printable(path)}' is damaged in '{self.folder}'; remove that folder."
-                    )
-                yield path, content
-            git.stdin.close()
+        for path, name in hashes.items():
+            try:
+                content = self._run(self._command("cat-file", "blob", name))
+            except DataError as error:
+                raise DataError(
+                    f"'{printable(path)}' is damaged in '{self.folder}'; remove that folder."
+                ) from error
+            yield path, content
 
     def _present(self) -> set[str]:
         form = "--batch-check=%(objectname)"
@@ -129,10 +121,9 @@ class Repository:
         """Return the blobs that a source on this machine lacks, as a partial copy does."""
         if self.local is None or not hashes:
             return set()
-        said = self._run(
-            ["git", "-C", str(self.local), "cat-file", "--batch-check"], "\n".join(hashes) + "\n"
-        )
-        return {line.split()[0] for line in said.splitlines() if line.endswith(" missing")}
+        command = ["git", "-C", str(self.local), "cat-file", "--batch-check"]
+        said = self._run(command, "\n".join(hashes) + "\n").decode().splitlines()
+        return {line.split()[0] for line in said if line.endswith(" missing")}
 
     def _fetch(self, *arguments: str, into: str = "") -> None:
         quiet = (
@@ -149,15 +140,12 @@ class Repository:
         return ["git", f"--git-dir={self.folder}", *settings, *arguments]
 
     def _git(self, *arguments: str, into: str = "") -> str:
-        return self._run(self._command(*arguments), into)
+        return os.fsdecode(self._run(self._command(*arguments), into))
 
-    def _run(self, command: Sequence[str], into: str) -> str:
-        done = subprocess.run(
-            command, input=into, capture_output=True, text=True, env=_environment(),
-            errors="surrogateescape",
-        )  # fmt: skip
+    def _run(self, command: Sequence[str], into: str = "") -> bytes:
+        done = subprocess.run(command, input=into.encode(), capture_output=True, env=_environment())
         if done.returncode:
-            raise self._error(done.stderr)
+            raise self._error(os.fsdecode(done.stderr))
         return done.stdout
 
     def _error(self, said: str) -> DataError | WriteError:

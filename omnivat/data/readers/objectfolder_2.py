@@ -84,24 +84,17 @@ def materials_of_objects(source: Path, table: Path) -> dict[int, str]:
     except (TypeError, ValueError) as error:
         raise DataError(f"'{show(file)}' holds something else than numbers: {error}.") from error
     materials = _materials(table)
-    meaning: dict[int, tuple[str, int]] = {}
-    number_of: dict[str, tuple[int, int]] = {}
-    for thing, label in labels.items():
-        if thing not in materials:
-            continue
-        name, first = meaning.setdefault(label, (materials[thing], thing))
-        number, other = number_of.setdefault(materials[thing], (label, thing))
-        if name != materials[thing]:
-            raise DataError(
-                f"label.json gives label {label} to object {first} ({name}) and to object {thing} "
-                f"({materials[thing]} in '{show(table)}'). The two files do not belong together."
-            )
-        if number != label:
-            raise DataError(
-                f"label.json gives {name} the label {number} at object {other} and {label} at "
-                f"object {thing}. The two files do not belong together."
-            )
-    if not meaning:
+    first: dict[int | str, tuple[int, str]] = {}  # label, and material -> both, where first seen
+    for thing in labels.keys() & materials.keys():
+        both = labels[thing], materials[thing]
+        for known in both:
+            label, name = first.setdefault(known, both)
+            if (label, name) != both:
+                raise DataError(
+                    f"label.json gives {name} the label {label} and {both[1]} the label {both[0]}"
+                    f" (object {thing} in '{show(table)}'). The two files do not belong together."
+                )
+    if not first:
         raise DataError(f"label.json and '{show(table)}' have no object in common.")
     return {thing: materials.get(thing, "") for thing in labels}
 

@@ -64,8 +64,8 @@ def test_strict_leaves_out_iron_and_polycarbonate(release):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"102": 2}, r"label 2 to object 1 \(wood\) and to object 102 \(iron"),
-        ({"101": 9}, "gives wood the label 2 at object 1 and 9 at object 101"),
+        ({"102": 2}, "gives wood the label 2 and iron the label 2 .object 102"),
+        ({"101": 9}, "gives wood the label 2 and wood the label 9 .object 101"),
     ],
 )
 def test_a_label_of_two_materials_and_a_material_of_two_labels_are_refused(
