@@ -20,26 +20,33 @@ pa = pytest.importorskip("pyarrow")
 
 FPS, LENGTH = 10, 20
 VIS, TAC = "observation.images.wrist", "observation.images.tactile_left"
+HALVES = {VIS: "vis", TAC: "tac"}
 TASKS = ("press wood", "press steel", "press wood")
+PATHS = {  # of tables and of videos
+    "v2.1": (
+        "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet",
+        "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4",
+    ),
+    "v3.0": (
+        "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet",
+        "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4",
+    ),
+}
 
 
 def grey(episode, k, half):
     """Return the level that frame k of an episode shows: its code, so that pictures can be told
     apart.
     """
-    return 20 + 60 * episode + 2 * k + (100 if half == "vis" else 0)
+    return (20 + 60 * episode + 2 * k + (100 if half == "vis" else 0)) % 256
 
 
-def levels(episode, half, count=LENGTH):
-    return [grey(episode, k, half) % 256 for k in range(count)]
-
-
-def film(file, values, fps=FPS, spot=slice(0, 48)):
+def film(file, values, spot=slice(0, 48)):
     """Encode a video whose frames are plain greys, in a spot of them."""
     av = pytest.importorskip("av")
     file.parent.mkdir(parents=True, exist_ok=True)
     with av.open(str(file), "w") as container:
-        stream = container.add_stream("libx264", rate=fps, options={"crf": "4", "g": "7"})
+        stream = container.add_stream("libx264", rate=FPS, options={"crf": "4", "g": "7"})
         stream.width = stream.height = 48
         stream.pix_fmt = "yuv420p"
         for value in values:
@@ -55,61 +62,54 @@ def png(value):
         return handle.getvalue()
 
 
+def table(file, rows):
+    file.parent.mkdir(parents=True, exist_ok=True)
+    parquet.write_table(pa.Table.from_pylist(rows), file)
+
+
 def info(version, kind, **more):
-    data = {
-        "v2.1": "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet",
-        "v3.0": "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet",
-    }
-    films = {
-        "v2.1": "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4",
-        "v3.0": "videos/{video_key}/chunk-{chunk_index:03d}/file-{file_index:03d}.mp4",
-    }
-    features = {key: {"dtype": kind, "shape": [48, 48, 3]} for key in (VIS, TAC)}
+    features = {key: {"dtype": kind, "shape": [48, 48, 3]} for key in HALVES}
+    data, films = PATHS[version]
     return {
-        "codebase_version": version, "fps": FPS, "chunks_size": 1000, "data_path": data[version],
-        "video_path": films[version], "features": features | {"action": {"dtype": "float32"}}, **more,
+        "codebase_version": version, "fps": FPS, "chunks_size": 1000, "data_path": data,
+        "video_path": films, "features": features | {"action": {"dtype": "float32"}}, **more,
     }  # fmt: skip
 
 
-def lerobot(root, version, kind="video", **more):
+def lerobot(root, version="v2.1", kind="image", **more):
     """Write a data set of three episodes; in v3 all of them share a file."""
     (root / "meta").mkdir(parents=True)
     (root / "meta" / "info.json").write_text(json.dumps(info(version, kind, **more)))
-    halves = {VIS: "vis", TAC: "tac"}
     rows = [{"episode_index": n, "length": LENGTH, "tasks": [task]} for n, task in enumerate(TASKS)]
-    if version == "v2.1":
-        lines = "\n".join(json.dumps(row) for row in rows)
-        (root / "meta" / "episodes.jsonl").write_text(lines + "\n")
-    else:
+    groups = [[0], [1], [2]]
+    if version == "v3.0":
+        groups, places = [[0, 1, 2]], ["data", *(f"videos/{key}" for key in HALVES)]
         for n, row in enumerate(rows):
-            for key in halves:
-                row |= {f"videos/{key}/{name}": 0 for name in ("chunk_index", "file_index")}
-                row[f"videos/{key}/from_timestamp"] = n * LENGTH / FPS
-            row |= {"data/chunk_index": 0, "data/file_index": 0}
-        (root / "meta" / "episodes" / "chunk-000").mkdir(parents=True)
-        table = pa.Table.from_pylist(rows)
-        parquet.write_table(table, root / "meta" / "episodes" / "chunk-000" / "file-000.parquet")
-    for key, half in halves.items():
-        if kind == "video" and version == "v2.1":
-            for n in range(3):
-                film(root / f"videos/chunk-000/{key}/episode_{n:06d}.mp4", levels(n, half))
-        elif kind == "video":
-            joined = [value for n in range(3) for value in levels(n, half)]
-            film(root / f"videos/{key}/chunk-000/file-000.mp4", joined)
-    if kind == "image":
-        for n in range(3) if version == "v2.1" else (None,):
-            some = range(3) if n is None else (n,)
-            stored = [
-                {"episode_index": e, "frame_index": k}
-                | {key: {"bytes": png(grey(e, k, half) % 256), "path": None} for key, half in halves.items()}
-                for e in some
-                for k in range(LENGTH)
-            ]  # fmt: skip
-            name = "file-000" if n is None else f"episode_{n:06d}"
-            (root / "data" / "chunk-000").mkdir(parents=True, exist_ok=True)
-            parquet.write_table(
-                pa.Table.from_pylist(stored), root / f"data/chunk-000/{name}.parquet"
-            )
+            row |= {f"{p}/{name}": 0 for p in places for name in ("chunk_index", "file_index")}
+            row |= {f"videos/{key}/from_timestamp": n * LENGTH / FPS for key in HALVES}
+        table(root / "meta" / "episodes" / "chunk-000" / "file-000.parquet", rows)
+    else:
+        (root / "meta" / "episodes.jsonl").write_text("\n".join(map(json.dumps, rows)) + "\n")
+    for episodes in groups:
+        names = {
+            "episode_index": episodes[0],
+            "episode_chunk": 0,
+            "chunk_index": 0,
+            "file_index": 0,
+        }
+        data, films = PATHS[version]
+        frames = [(episode, k) for episode in episodes for k in range(LENGTH)]
+        if kind == "video":
+            for key, half in HALVES.items():
+                values = [grey(*frame, half) for frame in frames]
+                film(root / films.format(video_key=key, **names), values)
+        else:
+            cells = [
+                {"episode_index": episode, "frame_index": k}
+                | {key: {"bytes": png(grey(episode, k, half))} for key, half in HALVES.items()}
+                for episode, k in frames
+            ]
+            table(root / data.format(**names), cells)
     return root
 
 
@@ -133,7 +133,7 @@ def test_each_layout_gives_the_pictures_of_the_same_moments(tmp_path, version, k
         episode, k = int(pair.object.split()[1]), int(pair.vis.name[:3])
         frame = int((k + 0.5) * LENGTH / 4 + 0.25)
         for half, file in (("vis", pair.vis), ("tac", pair.tac)):
-            assert abs(seen(file) - grey(episode, frame, half) % 256) < 1.5, (pair, half)
+            assert abs(seen(file) - grey(episode, frame, half)) < 1.5, (pair, half)
 
 
 def test_contact_picks_the_moments_whose_touch_differs_most(tmp_path):
@@ -170,7 +170,7 @@ def test_a_table_of_videos_gives_labels_parts_and_a_delay(tmp_path):
 
 def test_one_modality_and_labels_of_episodes_are_enough_for_the_command(tmp_path, capsys):
     pytest.importorskip("av")
-    root = lerobot(tmp_path / "press", "v3.0")
+    root = lerobot(tmp_path / "press", "v3.0", "video")
     (tmp_path / "labels.csv").write_text("episode,material,domain\n0,wood,A\n2,glass,B\n")
     line = ["import", str(root), "--out", str(tmp_path / "out"), "--frames", "2"]
     assert main([*line, "--labels", str(tmp_path / "labels.csv")]) == 0
@@ -234,10 +234,8 @@ def test_nothing_is_written_unless_all_of_it_is(tmp_path, monkeypatch):
     ],
 )  # fmt: skip
 def test_an_odd_description_is_refused_in_a_sentence(tmp_path, change, words):
-    root = lerobot(tmp_path / "press", "v2.1", "image", **change) if "codebase_version" not in change else tmp_path  # fmt: skip
-    if root == tmp_path:
-        (tmp_path / "meta").mkdir()
-        (tmp_path / "meta" / "info.json").write_text(json.dumps(info("v2.1", "image") | change))
+    root = lerobot(tmp_path / "press")
+    (root / "meta" / "info.json").write_text(json.dumps(info("v2.1", "image") | change))
     with pytest.raises(DataError, match=words):
         write_pairs(clips_of(root), tmp_path / "out")
 
@@ -246,7 +244,7 @@ def test_an_odd_description_is_refused_in_a_sentence(tmp_path, change, words):
     ("tasks", "material"), [("wood", "wood"), (["wood"], "wood"), (5, ""), ({"a": 1}, ""), ([["x"]], "")]
 )  # fmt: skip
 def test_a_task_is_a_text_or_the_first_of_a_list(tmp_path, tasks, material):
-    root = lerobot(tmp_path / "press", "v2.1", "image")
+    root = lerobot(tmp_path / "press")
     rows = [
         {"episode_index": n, "length": LENGTH, "tasks": t} for n, t in enumerate((tasks, ["b"]))
     ]
@@ -257,7 +255,7 @@ def test_a_task_is_a_text_or_the_first_of_a_list(tmp_path, tasks, material):
 
 
 def test_one_damaged_episode_is_left_out_and_named(tmp_path):
-    root = lerobot(tmp_path / "press", "v2.1", "image")
+    root = lerobot(tmp_path / "press")
     good = {"episode_index": 0, "length": LENGTH, "tasks": ["wood"]}
     odd = ('{"episode_index": 7', "[]", '{"episode_index": 1}', '{"episode_index": 2, "length": 1e999}',
            json.dumps({"episode_index": 1, "length": LENGTH, "tasks": ["\ud800"]}))  # fmt: skip
@@ -268,39 +266,26 @@ def test_one_damaged_episode_is_left_out_and_named(tmp_path):
 
 
 def test_a_stored_picture_is_bytes_and_never_the_name_of_a_file(tmp_path):
-    root = lerobot(tmp_path / "press", "v2.1", "image")
+    root = lerobot(tmp_path / "press")
     (tmp_path / "secret.png").write_bytes(png(9))
-    file = root / "data" / "chunk-000" / "episode_000001.parquet"
-    name = str(tmp_path / "secret.png")
-    cells = [
-        {"episode_index": 1, "frame_index": k, **{key: {"bytes": name} for key in (VIS, TAC)}}
-        for k in range(LENGTH)
-    ]
-    parquet.write_table(pa.Table.from_pylist(cells), file)
+    cell = {"bytes": str(tmp_path / "secret.png")}
+    cells = [{"episode_index": 1, "frame_index": k, VIS: cell, TAC: cell} for k in range(LENGTH)]
+    table(root / "data" / "chunk-000" / "episode_000001.parquet", cells)
     count, skipped = write_pairs(clips_of(root), tmp_path / "out", frames=2)
     assert (count, [one.what for one in skipped]) == (4, ["episode 1"])
 
 
 def test_two_touch_cameras_whose_names_end_alike_keep_their_own_pictures(tmp_path):
     left, right = "observation.left.tac", "observation.right.tac"
-    root = lerobot(tmp_path / "press", "v2.1", "image")
+    root = lerobot(tmp_path / "press")
     description = info(
         "v2.1", "image", features={key: {"dtype": "image"} for key in (VIS, left, right)}
     )
     (root / "meta" / "info.json").write_text(json.dumps(description))
+    cells = {key: {"bytes": png(value)} for key, value in ((VIS, 9), (left, 50), (right, 150))}
     for n in range(3):
-        cells = [
-            {
-                "episode_index": n,
-                VIS: {"bytes": png(9)},
-                left: {"bytes": png(50)},
-                right: {"bytes": png(150)},
-            }
-            for _ in range(LENGTH)
-        ]
-        parquet.write_table(
-            pa.Table.from_pylist(cells), root / f"data/chunk-000/episode_{n:06d}.parquet"
-        )
+        file = root / f"data/chunk-000/episode_{n:06d}.parquet"
+        table(file, [{"episode_index": n, **cells}] * LENGTH)
     count, _ = write_pairs(clips_of(root), tmp_path / "out", frames=2)
     found = read_pairs(tmp_path / "out")
     assert count == len({pair.tac for pair in found.pairs}) == 12
@@ -341,7 +326,7 @@ def test_a_pipe_is_refused_wherever_a_file_is_named(tmp_path, capsys):
 
 
 def test_unknown_cameras_and_settings_are_refused_in_a_sentence(tmp_path):
-    root = lerobot(tmp_path / "press", "v2.1", "image")
+    root = lerobot(tmp_path / "press")
     with pytest.raises(DataError, match="omnivat import"):
         read_pairs(root)
     with pytest.raises(DataError, match="There is no camera 'x'"):
