@@ -58,14 +58,16 @@ def test_whatever_changes_the_embedding_changes_the_key(tmp_path):
     embed_image(encoder, png(), cache, flip=True)
     embed_image(encoder, png(), cache, crop=8)
     embed_image(encoder, png(1), cache)
+    (tmp_path / "rest.png").write_bytes(png(2))
+    embed_image(encoder, png(), cache, rest=tmp_path / "rest.png")
     embed_image(other, png(), cache)
     for attribute in ("name", "preprocessing", "precision"):
         changed = Counting()
         setattr(changed, attribute, "changed")
         embed_image(changed, png(), cache)
         assert changed.calls == 1
-    assert (encoder.calls, other.calls) == (4, 1)
-    assert len(entries(tmp_path)) == 8
+    assert (encoder.calls, other.calls) == (5, 1)
+    assert len(entries(tmp_path)) == 9
 
 
 def test_a_mirrored_image_has_the_embedding_of_the_mirrored_pixels():

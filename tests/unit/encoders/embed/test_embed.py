@@ -1,6 +1,7 @@
 """Embedding a set of pairs: bad images are skipped, settings are checked, files are complete."""
 
 import os
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -8,13 +9,12 @@ import pytest
 import torch
 from PIL import Image
 
-from omnivat.cli import main
 from omnivat.data.dots import FILLED, fill_dots
 from omnivat.data.images import read_image
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.rest import RESTED, minus_rest, with_rest
 from omnivat.data.store import load_embeddings
-from omnivat.encoders.cache import EmbeddingCache, embed_image
+from omnivat.encoders.cache import embed_image
 from omnivat.encoders.embed.engines import in_order
 from omnivat.kit.errors import DataError, MissingNameError, SettingsError
 
@@ -101,15 +101,6 @@ def test_a_rest_picture_changes_touch_alone_and_is_named_in_the_header(tmp_path)
     assert np.allclose(loaded.tac[1][:3], wanted[:, :10].mean((0, 1)), atol=1e-4)
 
 
-def test_a_cached_image_is_encoded_again_for_a_rest_picture(tmp_path):
-    (pair,), cache = make_pairs(tmp_path, 1).pairs, EmbeddingCache()
-    calm = tmp_path / "rest.png"
-    calm.write_bytes(png(99))
-    plain = embed_image(MeanColour(), pair.tac, cache)
-    assert not np.array_equal(embed_image(MeanColour(), pair.tac, cache, rest=calm), plain)
-    assert np.array_equal(embed_image(MeanColour(), pair.tac, cache), plain)
-
-
 def test_pairs_with_an_unreadable_image_are_left_out_and_listed(tmp_path):
     pairs = make_pairs(tmp_path, bad=(3, 4))
     pairs.pairs[7].vis.unlink()
@@ -123,15 +114,12 @@ def test_pairs_with_an_unreadable_image_are_left_out_and_listed(tmp_path):
     assert loaded.rows["object"] == [f"o{i}" for i in (0, 1, 2, 5, 6, 8, 9)]
 
 
-def test_a_set_of_which_nothing_can_be_read_is_refused(tmp_path):
+def test_a_set_without_pairs_or_of_which_none_can_be_read_is_refused(tmp_path):
+    with pytest.raises(DataError, match="no pairs to embed in here"):
+        embed(PairSet(pairs=(), origin="here"), tmp_path / "set.safetensors")
     with pytest.raises(DataError, match="None of 3 pairs could be read"):
         embed(make_pairs(tmp_path, 3, bad=(0, 1, 2)), tmp_path / "set.safetensors")
     assert not list(tmp_path.glob("set*"))
-
-
-def test_no_pairs_are_refused(tmp_path):
-    with pytest.raises(DataError, match="no pairs to embed in here"):
-        embed(PairSet(pairs=(), origin="here"), tmp_path / "set.safetensors")
 
 
 def test_a_photo_shared_by_many_touches_is_encoded_once(tmp_path, monkeypatch):
@@ -165,8 +153,6 @@ def test_progress_counts_every_pair_with_rate_and_time_left(tmp_path):
 
 
 def test_results_come_in_order_with_few_under_way():
-    from concurrent.futures import ThreadPoolExecutor
-
     drawn = []
 
     def items():
@@ -192,22 +178,6 @@ def test_results_come_in_order_with_few_under_way():
 def test_settings_are_checked_before_any_work(tmp_path, settings, error):
     with pytest.raises(error):
         embed(make_pairs(tmp_path, 2), tmp_path / "set.safetensors", **settings)
-    assert not list(tmp_path.glob("set*"))
-
-
-@pytest.mark.parametrize(
-    ("device", "sentence"),
-    [
-        ("gpu", "No device is called 'gpu'; use auto, cpu or cuda."),
-        ("cuda", "Device 'cuda' needs a GPU, and none is usable here; use cpu."),
-    ],
-)
-def test_a_device_that_is_not_there_is_refused(device, sentence, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
-    make_pairs(tmp_path / "pairs", 2)
-    out = tmp_path / "set.safetensors"
-    assert main(["embed", str(tmp_path / "pairs"), "--out", str(out), "--device", device]) == 1
-    assert sentence in capsys.readouterr().err
     assert not list(tmp_path.glob("set*"))
 
 
