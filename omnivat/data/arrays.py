@@ -19,7 +19,7 @@ from safetensors import safe_open
 from omnivat.kit.errors import DataError
 from omnivat.kit.schema import tensor_table
 
-NAMES = {"F32": "<f4", "F16": "<f2", "I64": "<i8", "U8": "|u1"}
+NAMES = {"float32": "F32", "float16": "F16", "int64": "I64", "uint8": "U8"}  # of numpy -> stored
 MOST_COLUMNS = 64
 MOST, LEAST = 1e9, 1e-6  # magnitudes of the largest value of a set
 LARGE_BYTES = 64_000_000  # larger arrays are mapped read-only
@@ -30,15 +30,14 @@ WALKED_BYTES = 32_000_000  # bytes read from such an array before its pages are 
 class Column:
     """An array to write: type, shape, and lazy blocks of its first axis."""
 
-    dtype: str  # a key of NAMES
+    dtype: np.dtype[Any]  # whose name is a key of NAMES
     shape: tuple[int, ...]
     blocks: Iterable[NDArray[Any]]
 
 
 def column(array: NDArray[Any]) -> Column:
     """Return a column of an array in memory."""
-    dtype = {np.dtype(code): name for name, code in NAMES.items()}[array.dtype]
-    return Column(dtype=dtype, shape=array.shape, blocks=(array,))
+    return Column(dtype=array.dtype, shape=array.shape, blocks=(array,))
 
 
 def write_arrays(path: Path, columns: Mapping[str, Column], metadata: Mapping[str, str]) -> None:
@@ -48,31 +47,26 @@ def write_arrays(path: Path, columns: Mapping[str, Column], metadata: Mapping[st
     """
     table: dict[str, Any] = {"__metadata__": dict(metadata)}
     # Widest numbers first, so that every array starts at a multiple of its own width.
-    widths = {name: np.dtype(NAMES[one.dtype]).itemsize for name, one in columns.items()}
-    sizes = {
-        name: widths[name] * int(np.prod(one.shape, dtype=np.int64))
-        for name, one in columns.items()
-    }
-    order, end = sorted(columns, key=lambda name: -widths[name]), 0
-    for name in order:
-        start, end = end, end + sizes[name]
+    order, end = sorted(columns.items(), key=lambda item: -item[1].dtype.itemsize), 0
+    for name, one in order:
+        start, end = end, end + one.dtype.itemsize * int(np.prod(one.shape, dtype=np.int64))
         table[name] = {
-            "dtype": columns[name].dtype,
-            "shape": list(columns[name].shape),
+            "dtype": NAMES[one.dtype.name],
+            "shape": list(one.shape),
             "data_offsets": [start, end],
         }
     head = json.dumps(table, ensure_ascii=False, separators=(",", ":")).encode()
     head += b" " * (-len(head) % 8)
     with path.open("wb") as handle:
         handle.write(len(head).to_bytes(8, "little") + head)
-        for name in order:
-            code, written = NAMES[columns[name].dtype], 0
-            for block in columns[name].blocks:
-                written += handle.write(np.ascontiguousarray(block, dtype=code).tobytes())
-            if written != sizes[name]:
-                raise ValueError(
-                    f"{name} has {written} bytes, not what {columns[name].shape} needs"
+        for name, one in order:
+            start, end = table[name]["data_offsets"]
+            for block in one.blocks:
+                start += handle.write(
+                    block.astype(one.dtype.newbyteorder("<"), copy=False).tobytes()
                 )
+            if start != end:
+                raise ValueError(f"{name} has {end - start} bytes less than {one.shape} needs")
 
 
 def read_arrays(
@@ -85,7 +79,7 @@ def read_arrays(
 
     Raises DataError for an invalid header, SafetensorError for a truncated file.
     """
-    table, metadata, start = tensor_table(path, types=tuple(NAMES), most=MOST_COLUMNS)
+    table, metadata, start = tensor_table(path, types=tuple(NAMES.values()), most=MOST_COLUMNS)
     with safe_open(path, framework="numpy"):  # checks offsets, shapes and file size
         pass
     large = LARGE_BYTES if large is None else large
@@ -160,7 +154,8 @@ def require_range(blocks: Iterable[NDArray[Any]], what: str) -> Iterator[NDArray
 
 
 def _mapped(path: Path, start: int, entry: Mapping[str, Any], large: int) -> NDArray[Any]:
-    code, shape = NAMES[entry["dtype"]], tuple(entry["shape"])
+    code = next(np.dtype(name) for name in NAMES if NAMES[name] == entry["dtype"])
+    code, shape = code.newbyteorder("<"), tuple(entry["shape"])
     first, end = entry["data_offsets"]
     if first == end:
         return np.empty(shape, code)

@@ -40,7 +40,7 @@ _WANTED = (
 )
 MANIFESTS = ("csv", "parquet")
 COLUMNS = ("domain", "material", *ROW_NAMES)
-DTYPES = {"float32": "F32", "float16": "F16"}
+DTYPES = ("float32", "float16")
 BLOCK = 4096  # rows written at once
 MOST_NAMES = 65_536  # domains or classes
 MOST_CELLS = 1_000_000  # domains times classes: entries of the table of counts
@@ -122,11 +122,11 @@ def _written(path: str | Path, rows: Mapping[str, Sequence[str]]) -> bytes:
         ) from error
 
 
-def vector_type(dtype: str) -> str:
-    """Return the format's name for "float32" or "float16"; raises SettingsError for another."""
+def vector_type(dtype: str) -> np.dtype[Any]:
+    """Return numpy's "float32" or "float16"; raises SettingsError for another."""
     if dtype not in DTYPES:
         raise SettingsError(f"dtype is '{dtype}'; choose {' or '.join(DTYPES)}.")
-    return DTYPES[dtype]
+    return np.dtype(dtype)
 
 
 def _blocks(array: NDArray[Any]) -> Iterator[NDArray[Any]]:
@@ -135,7 +135,7 @@ def _blocks(array: NDArray[Any]) -> Iterator[NDArray[Any]]:
 
 
 def _checked(path: str | Path, name: str, vector: Column) -> Iterator[NDArray[Any]]:
-    limit = np.finfo(np.float16 if vector.dtype == "F16" else np.float32).max
+    limit = np.finfo(vector.dtype).max
     for block in require_range(vector.blocks, f"'{path}' was not written: {name}"):
         if not (np.abs(block) <= limit).all():
             raise DataError(

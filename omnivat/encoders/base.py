@@ -112,16 +112,11 @@ class Encoder(Protocol):
     An encoder with a text tower also has `text_hash`, a hash of the tower's weights.
     """
 
-    @property
-    def name(self) -> str: ...
-    @property
-    def width(self) -> int: ...
-    @property
-    def preprocessing(self) -> str: ...
-    @property
-    def weights_hash(self) -> str: ...
-    @property
-    def precision(self) -> str: ...
+    name: str
+    width: int
+    preprocessing: str
+    weights_hash: str
+    precision: str
 
     def preprocess(self, image: "Image.Image") -> "torch.Tensor":
         """Convert an RGB image to the (C, H, W) float32 tensor for `embed`."""

@@ -10,7 +10,6 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import blake2b
-from importlib.util import find_spec
 from pathlib import Path
 from urllib.request import getproxies
 
@@ -36,8 +35,6 @@ def fetch(repository: str, *, megabytes: int = 0, download: str = "ask") -> Path
     """
     if download not in POLICIES:
         raise SettingsError(f"download is '{download}'; choose {', '.join(POLICIES)}.")
-    if find_spec("huggingface_hub") is None:
-        return "Downloads need `pip install huggingface_hub`."
     from huggingface_hub import constants, try_to_load_from_cache
 
     for name in WEIGHTS:

@@ -1,6 +1,5 @@
 """An encoder without weights that reads the signal of a picture of stripes."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import torch
@@ -11,15 +10,11 @@ from omnivat.kit.errors import SettingsError
 from omnivat.kit.shapes import require_shapes
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
 class StripReader:
     """Reads 64 numbers from a picture of vertical stripes; see `omnivat.data.strips`."""
 
-    name: str = ENCODER
-    width: int = STRIPES
-    preprocessing: str = PREPROCESSING
-    weights_hash: str = READER
-    precision: str = "fp32"
+    name, width, precision = ENCODER, STRIPES, "fp32"
+    preprocessing, weights_hash = PREPROCESSING, READER
 
     def preprocess(self, image: Image.Image) -> torch.Tensor:
         """Return the signal of an image as (3, 1, 64) float32, the same in each channel."""

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from safetensors import SafetensorError, safe_open
+from safetensors import SafetensorError
 from safetensors.numpy import save
 
+from omnivat.data.arrays import read_arrays
 from omnivat.data.embeddings import Header
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import replacing
@@ -108,14 +109,13 @@ def load_bank(path: str | Path = DEFAULT_BANK) -> LangBank:
     if not file.is_file():
         raise DataError(f"No LANG bank at '{file}'. Make one with `python -m omnivat prompts`.")
     try:
-        with safe_open(file, framework="numpy") as handle:
-            metadata = handle.metadata() or {}
-            if metadata.get("format") != FORMAT:
-                raise DataError(
-                    f"'{file}' is not a LANG bank. Make one with `python -m omnivat prompts`."
-                )
-            arrays = {name: handle.get_tensor(name).astype(np.float32) for name in handle.keys()}  # noqa: SIM118
-            embeddings, plain = arrays["embeddings"], arrays.get("plain")
+        stored, metadata = read_arrays(file)
+        if metadata.get("format") != FORMAT:
+            raise DataError(
+                f"'{file}' is not a LANG bank. Make one with `python -m omnivat prompts`."
+            )
+        arrays = {name: array.astype(np.float32) for name, array in stored.items()}
+        embeddings, plain = arrays["embeddings"], arrays.get("plain")
     except (SafetensorError, OSError, KeyError) as error:
         raise DataError(
             f"'{file}' cannot be read as a LANG bank ({error}); make it again."
