@@ -3,8 +3,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./browser.js";
-import { gaps, right } from "../../app/web/explore/beside.js";
-import { counted, sentence } from "../../app/web/explore/changes.js";
+import { counted, gaps, right, sentence } from "../../app/web/explore/beside.js";
+
+import { html } from "../../app/web/shared/text.js";
 
 const TRUTH = ["wood", "wood", "steel", "steel", "glass"];
 const LEFT = ["wood", "steel", "steel", "wood", "wood"];
@@ -22,10 +23,10 @@ test("only pairs that count are counted, and changes are corrected, broken or st
 });
 
 test("the sentence says what changes from the left map to the right", () => {
-  const said = sentence({ all: 4000, corrected: 823, broken: 86, wrong: 310 });
+  const said = `${sentence({ all: 4000, corrected: 823, broken: 86, wrong: 310 })}`;
   assert.match(said, /<b>1,219<\/b> of 4,000 predictions change/);
   assert.match(said, /823 corrected.*86 broken.*310 still wrong/);
-  assert.match(sentence({ all: 0, corrected: 0, broken: 0, wrong: 0 }), /There are no test pairs here/);
+  assert.match(`${sentence({ all: 0, corrected: 0, broken: 0, wrong: 0 })}`, /There are no test pairs here/);
 });
 
 test("a map names both gaps, and an accuracy only where the head predicts", () => {
@@ -33,11 +34,12 @@ test("a map names both gaps, and an accuracy only where the head predicts", () =
   const meta = { curves: { ...curves, "accuracy/unseen": [0.589] }, head: {} };
   const shown = { kind: "moved", source: "A", domains: ["A", "B"], domain: [0, 1], orders: [0.5], learned: 0.5, meta };
   const unseen = { domains: [{ name: "B", pairs: 7 }] };
-  assert.match(gaps(shown, "f_hat", 0), /modality gap <b>0.25.*domain gap <b>0.50/);
-  assert.match(gaps(shown, "raw", 0), /modality gap <b>0.97/);
+  const words = (parts) => `${html`${parts}`}`;
+  assert.match(words(gaps(shown, "f_hat", 0)), /modality gap <b>0.25.*domain gap <b>0.50/);
+  assert.match(words(gaps(shown, "raw", 0)), /modality gap <b>0.97/);
   assert.match(
-    right(shown, "f_hat", 0, unseen),
+    words(right(shown, "f_hat", 0, unseen)),
     /58\.9.*By the loaded head.*, from A; mean of 1 unseen domain, 7 pairs/,
   );
-  assert.equal(right(shown, "raw", 0, unseen), "");
+  assert.equal(words(right(shown, "raw", 0, unseen)), "");
 });

@@ -4,28 +4,35 @@ import { frames } from "./browser.js";
 
 const { cell } = await import("../../app/web/shared/csv.js");
 const { levels, stairs } = await import("../../app/web/explore/staircase.js");
-const { histogram, shifted } = await import("../../app/web/explore/finder.js");
+const { histogram, ranged, shifted } = await import("../../app/web/explore/finder.js");
 const { addressOf } = await import("../../app/web/explore/panels.js");
 const { inView } = await import("../../app/web/explore/pictures.js");
-const { Scene } = await import("../../app/web/explore/scene.js");
-const { chapterNamed, headOf, startOf } = await import("../../app/web/explore/chapters.js");
+const scenes = await import("../../app/web/explore/scene.js");
+const { LESSONS, headOf, startOf } = await import("../../app/web/explore/chapters.js");
 const { ofFrames } = await import("../../app/web/shared/provenance.js");
-const { packed, unpacked } = await import("../../app/web/explore/acts.js");
 const { loadTags, tagOf, tagPairs, tagsCsv } = await import("../../app/web/explore/tags.js");
 const { setOf } = await import("../../app/web/shared/sets.js");
 const { colouring, colouringsOf } = await import("../../app/web/shared/palette.js");
 const { csv } = await import("../../app/web/explore/exports.js");
-const { Curves, whole } = await import("../../app/web/explore/curves.js");
+const { line } = await import("../../app/web/explore/curves.js");
 const { modeWords } = await import("../../app/web/explore/modes.js");
 const { Cloud } = await import("../../app/web/shared/cloud.js");
 const { Scale } = await import("../../app/web/shared/chart.js");
 const { chosen, pressOf, read } = await import("../../app/web/explore/touch.js");
 const { between } = await import("../../app/web/explore/threads.js");
-const { rowsOf } = await import("../../app/web/explore/split.js");
-const { sizes } = await import("../../app/web/explore/wave.js");
+const { barsOf } = await import("../../app/web/explore/split.js");
+const { sizes } = await import("../../app/web/explore/toy.js");
 const { lookAlikes } = await import("../../app/web/explore/strangers.js");
 const { change, openAt, openChapter, state } = await import("../../app/web/shared/store.js");
 globalThis.history = { state: null, replaceState: () => {} };
+
+/** The scene of a set of two pairs, after transitions: (scene) => what changes. */
+function sceneOf(own, ...transitions) {
+  const set = { ...scenes.scene, ...scenes.loaded({ set: "", own, sprite: null, modes: [] }) };
+  for (const next of transitions) Object.assign(set, next(set));
+  return set;
+}
+const filtered = (scene) => scenes.filtered(scene, state);
 
 test("no cell of a table starts a formula, and numbers stay numbers", () => {
   assert.deepEqual(["=1+2", "@a", "-1.5", -1.5, "a,b", '=x"'].map(cell), [
@@ -77,38 +84,78 @@ test("pictures are drawn only where few points are in view", () => {
   );
 });
 
-test("a filter takes hidden points out of the selection and is named in the title", () => {
-  const scene = new Scene({ own: frames() });
-  scene.selected = new Set([0, 1, 2, 3]);
+test("a filter takes hidden points out of the selection and from the pointer, and is named in the title", () => {
   change({ domain: "A" });
-  assert.equal(scene.refilter(), true);
-  assert.deepEqual([...scene.selected], [1, 3]);
-  assert.equal(scene.loneDomain(), "B");
-  assert.deepEqual(scene.filtering(), ["B"]);
+  const scene = sceneOf(frames(), () => ({ selected: new Set([0, 1, 2, 3]), hovered: 2 }), filtered);
+  assert.deepEqual([[...scene.selected], scene.hovered, [...scene.mask]], [[1, 3], -1, [0, 1, 0, 1]]);
+  assert.equal(scenes.loneDomain(scene, state), "B");
+  assert.deepEqual(scenes.filtering(scene, state), ["B"]);
   change({ domain: "" });
-  scene.refilter();
-  assert.deepEqual(scene.filtering(), []);
+  assert.deepEqual(scenes.filtering(sceneOf(frames(), filtered), state), []);
 });
 
 test("pairs are found by name, class and domain, and look-alikes by what they imitate", () => {
-  const scene = new Scene({ own: frames() });
-  scene.facts.pairs = { name: ["bowl-1", "bowl-2"], looks_like: ["", "wood"], feels_like: ["", ""] };
-  const kept = () => [0, 1].filter((pair) => scene.wantedPairs()(pair));
+  const pairs = { name: ["bowl-1", "bowl-2"], looks_like: ["", "wood"], feels_like: ["", ""] };
+  const unseen = { pairs: { confidence: [0.2, 0.9], cosine: [0, 0] } };
+  const scene = sceneOf(frames(), (scene) => scenes.learned(scene, "", { pairs, unseen }));
+  const kept = () => [0, 1].filter(scenes.wantedPairs(scene, state));
   change({ find: "BOWL steel" });
   assert.deepEqual(kept(), [1]);
   change({ find: "", alike: "1" });
   assert.deepEqual(kept(), [1]);
-  change({ alike: "" });
-  scene.facts.unseen = { pairs: { confidence: [0.2, 0.9], cosine: [0, 0] } };
-  change({ range: "confidence:0:0.5" });
+  change({ alike: "", range: "confidence:0:0.5" });
   assert.deepEqual(kept(), [0]);
   change({ range: "" });
+});
+
+test("another set forgets what was pointed at, selected and known; a late fact of the set before changes nothing", () => {
+  const before = sceneOf(frames(), () => ({ hovered: 1, selected: new Set([1]), facts: { pairs: {} } }));
+  const after = { ...before, ...scenes.loaded({ set: "chirps", own: frames({ pairs: 1 }), sprite: null, modes: [] }) };
+  assert.deepEqual([after.hovered, after.selected.size, after.facts.pairs, after.mask.length], [-1, 0, null, 2]);
+  assert.deepEqual(scenes.learned(after, "", { unseen: {} }), {});
+});
+
+test("the next point is one that the filters leave, from either end", () => {
+  const scene = { mask: [1, 0, 0, 1], hovered: -1 };
+  assert.equal(scenes.nextPoint(scene, 1), 0);
+  assert.equal(scenes.nextPoint({ ...scene, hovered: 0 }, 1), 3);
+  assert.equal(scenes.nextPoint({ ...scene, hovered: 0 }, -1), 3);
+  assert.equal(scenes.nextPoint({ mask: [0, 0], hovered: 1 }, 1), 1);
+});
+
+test("a filter under the pointer lights its points, and without one the selection does", () => {
+  const scene = sceneOf(frames(), () => ({ selected: new Set([2]) }));
+  const lit = (more) => [0, 1, 2, 3].filter((point) => scenes.lit({ ...scene, ...more }, point));
+  assert.deepEqual(lit({}), [2]);
+  assert.deepEqual(lit({ selected: new Set() }), [0, 1, 2, 3]);
+  assert.deepEqual(lit({ highlight: { kind: "domain", name: "B" } }), [1, 3]);
+  assert.deepEqual(lit({ highlight: { kind: "modality", name: "TAC" } }), [2, 3]);
+});
+
+test("a cell in the address selects its pairs by the reading, and one that is not there selects none", () => {
+  const pairs = { counts: [1, 1], answers: { fused: [1, 1] } };
+  const unseen = { classes: ["wood", "steel"], source: "A", confusion: { fused: { unseen: [], B: [] } }, pairs };
+  const scene = sceneOf(frames(), (scene) => scenes.learned(scene, "", { unseen }));
+  const cell = (cell) => scenes.cellChosen(scene, { cell, reading: "fused" }).cell;
+  assert.deepEqual([...cell("1~1~unseen").pairs], [1]);
+  assert.equal(cell("1~1~B").words, "steel predicted as steel");
+  assert.deepEqual([...cell("0~1~unseen").pairs], []); // the source is no stranger
+  for (const none of ["", "7~1~unseen", "1~1~Z"]) assert.equal(cell(none), null);
+});
+
+test("neighbours are those of the pinned pair at this step and p, and of no other", () => {
+  const address = { pin: 1, stage: "f_hat" };
+  const points = [{ point: 0, cosine: 0.5 }];
+  const scene = sceneOf(frames(), (scene) => ({ nearest: { key: scenes.nearKey(scene, address), points } }));
+  assert.equal(scenes.near(scene, address), points);
+  assert.deepEqual(scenes.near({ ...scene, stop: 2 }, address), []);
+  assert.deepEqual(scenes.near(scene, { ...address, pin: 0 }), []);
 });
 
 test("an accuracy names its head, and a learned p is not a round one", () => {
   const accuracy = { "accuracy/unseen": [0.3, 0.6, 0.4] };
   const learned = frames({ head: { learned_order: 0.5 }, curves: accuracy });
-  assert.match(headOf(learned, 1), /60\u00a0%.*one unseen domain/);
+  assert.match(`${headOf(learned, 1)}`, /60\u00a0%.*one unseen domain/);
   const by = (of, stop) => String(ofFrames(of, stop, "2 pairs")).replaceAll("\u00a0", " ");
   assert.match(by(learned, 1), /By the loaded head at its learned p = 0\.50, from A; 2 pairs; known: nothing\./);
   const near = frames({ head: { learned_order: 0.5035 }, orders: [0, 0.5, 0.5035], curves: accuracy });
@@ -116,12 +163,15 @@ test("an accuracy names its head, and a learned p is not a round one", () => {
   assert.match(by(near, 2), /its learned p = 0\.503/);
   const many = { "seeds:accuracy/unseen/mean": [0.3, 0.6, 0.4] };
   assert.match(by(frames({ head: { kind: "retrained", seeds: [0, 1] }, curves: many }), 1), /2 heads trained at p = /);
-  assert.match(headOf(frames({ head: { source: "Z" } }), 1), /trained on Z, which is not in this set/);
+  assert.match(`${headOf(frames({ head: { source: "Z" } }), 1)}`, /trained on Z, which is not in this set/);
 });
 
 test("the chapter of the order speaks of p only as far as the accuracy bears", () => {
   const at = (share, stop = 1) =>
-    chapterNamed("order").words({ frames: frames({ curves: { "accuracy/unseen": share } }), stop, facts: {} });
+    LESSONS.order.words({
+      ...sceneOf(frames({ curves: { "accuracy/unseen": share } })),
+      ...{ stop, dragged: new Map() },
+    });
   assert.match(at([0.3, 0.9, 0.4]).title, /^At one order, two kinds/);
   assert.match(at([0.3, 0.9, 0.4], 0).title, /^At which order/);
   assert.match(at([0.6, 0.62, 0.61]).title, /hardly matters/);
@@ -137,9 +187,9 @@ test("no winner is named where two intervals overlap", () => {
     unseen: { "answers/fused": share(0.5, 0.4, 0.6) },
     look_alikes: { pairs: 20, "answers/vis": vis, "answers/tac": tac },
   });
-  const words = (vis, tac) => chapterNamed("fooled").words({ own: frames(), facts: { unseen: unseen(vis, tac) } });
-  assert.match(words(share(0.2, 0.1, 0.3), share(0.5, 0.4, 0.6)).remark, /only touch can tell/);
-  assert.match(words(share(0.4, 0.2, 0.6), share(0.5, 0.3, 0.7)).remark, /overlap/);
+  const words = (vis, tac) => `${LESSONS.fooled.words({ own: frames(), facts: { unseen: unseen(vis, tac) } }).remark}`;
+  assert.match(words(share(0.2, 0.1, 0.3), share(0.5, 0.4, 0.6)), /only touch can tell/);
+  assert.match(words(share(0.4, 0.2, 0.6), share(0.5, 0.3, 0.7)), /overlap/);
 });
 
 test("a confidence is a colour only where it has a temperature, and a number in the CSV only there", async () => {
@@ -162,10 +212,10 @@ test("a confidence is a colour only where it has a temperature, and a number in 
 
 test("a selection comes back from its text, and what is no selection selects nothing", () => {
   for (const points of [[], [0], [5, 6, 7, 40, 41, 99], [0, 1, 2, 3]])
-    assert.deepEqual(unpacked(packed(new Set(points)), 100), points);
-  assert.equal(packed(Array.from({ length: 9000 }, (_, i) => 7 * i)), "");
-  assert.deepEqual(unpacked("zz.zz", 100), []);
-  assert.deepEqual(unpacked("-x.--", 100), []);
+    assert.deepEqual(scenes.unpacked(scenes.packed(new Set(points)), 100), points);
+  assert.equal(scenes.packed(Array.from({ length: 9000 }, (_, i) => 7 * i)), "");
+  assert.deepEqual(scenes.unpacked("zz.zz", 100), []);
+  assert.deepEqual(scenes.unpacked("-x.--", 100), []);
 });
 
 test("tags are saved and loaded by CSV; formulas are texts there, and another file is refused", () => {
@@ -192,25 +242,29 @@ test("the chapter of the order shows the chirps, the others the set of the page 
 });
 
 test("each mode of p says what a stop is", () => {
+  const words = (more) => `${modeWords(frames(more))}`;
   assert.match(
-    modeWords(frames({ head: { kind: "retrained", seeds: [0, 1], width: 64 } })),
+    words({ head: { kind: "retrained", seeds: [0, 1], width: 64 } }),
     /A head for each stop.*2 trainings for each stop, width 64/,
   );
   assert.match(
-    modeWords(
-      frames({ head: { learned_order: 0.5014 }, fits: [0.47, 0.53], curves: { "accuracy/unseen": [0.3, 0.9, 0.4] } }),
-    ),
+    words({ head: { learned_order: 0.5014 }, fits: [0.47, 0.53], curves: { "accuracy/unseen": [0.3, 0.9, 0.4] } }),
     /What if only p moved\?.*p = 0\.501.*Elsewhere its mean accuracy in unseen domains is 35\u00a0% \(guessing: 50/,
   );
-  assert.match(modeWords(frames({ head: { kind: "every" } })), /One head for every p/);
+  assert.match(words({ head: { kind: "every" } }), /One head for every p/);
 });
 
 test("a range of a histogram is named with its ends, so that titles and captions tell what is hidden", () => {
-  const scene = new Scene({ own: frames() });
   change({ range: "cosine:0.2:0.4~junk:1:2~confidence:x:1~confidence:0.5" });
-  assert.deepEqual(scene.filtering(), ["photo–touch cosine 0.20 to 0.40"]);
-  assert.deepEqual(scene.ranges, { cosine: [0.2, 0.4] });
+  assert.deepEqual(scenes.filtering(sceneOf(frames()), state), ["photo–touch cosine 0.20 to 0.40"]);
+  assert.deepEqual(scenes.rangesOf(state), { cosine: [0.2, 0.4] });
   change({ range: "" });
+});
+
+test("a range is kept with four digits beside the others, and one that keeps all pairs is left out", () => {
+  assert.equal(ranged("cosine:0.2:0.4", "confidence", [0, 1], [0.12345, 1]), "cosine:0.2:0.4~confidence:0.1235:1");
+  assert.equal(ranged("cosine:0.2:0.4", "cosine", [0, 1], [0, 1]), "");
+  assert.equal(ranged("cosine:0.2:0.4", "cosine", [0, 1], null), "");
 });
 
 test("both ends of a range move by keys, and neither passes the other or leaves the histogram", () => {
@@ -246,7 +300,7 @@ const twins = {
 
 test("the first chapter reads the cell of the tables that the buttons choose", () => {
   openChapter("touch", { from: "1", dots: "1", known: "20", press: "1" });
-  const figures = () => read(twins, chosen(twins));
+  const figures = () => read(twins, chosen(twins, state));
   assert.equal(figures().away, "touch 1 1 2");
   assert.deepEqual(figures().said, [1, 0]);
   assert.equal(figures().truth, 1);
@@ -261,14 +315,13 @@ test("the page opens with the press that is read best once its dots are filled, 
     shown: [{ class: 0 }, { class: 0 }, { class: 0, looks_like: "steel" }],
     verdicts: { touch: [[["011111"], ["010000"]]] },
   };
-  change({ press: "" });
-  assert.equal(pressOf(made), 1);
+  assert.equal(pressOf(made, { press: "" }), 1);
 });
 
 test("an address that names no press, sensor or number of pictures opens with the first", () => {
   openChapter("touch");
   change({ from: "99", press: "-1", known: "7", dots: "", reading: "fused" });
-  assert.deepEqual(chosen(twins), { reading: "fused", table: "both", press: 0, from: 0, dots: 0, rung: 0 });
+  assert.deepEqual(chosen(twins, state), { reading: "fused", table: "both", press: 0, from: 0, dots: 0, rung: 0 });
   change({ from: "0", press: "", known: "0", reading: "tac" });
 });
 
@@ -281,7 +334,7 @@ test("what is lost leads from home to away, and a term that does not apply has n
     objects: [-4, -9, 1],
     away: [60, 50, 70],
   };
-  const rows = rowsOf(loss);
+  const rows = barsOf(loss);
   assert.deepEqual(
     rows.map(({ name, text, ends }) => [name, text, ...ends.map((v) => v.toFixed(2))]),
     [
@@ -304,42 +357,38 @@ test("the chirp is drawn by the size of its samples at one stop", () => {
   assert.deepEqual(sizes({ re: [[], [3, 0]], im: [[], [4, 1]] }, 1), [5, 1]);
 });
 
-test("accuracy is drawn only between the stops over which p was dragged, and another set when all were seen", () => {
-  const shown = frames();
-  const curves = { hides: true, frames: shown, charts: [], again: () => {} };
-  const known = () => Curves.prototype.known.call(curves, [0.2, 0.8, 0.4]).map((v) => Number.isFinite(v));
-  Curves.prototype.mark.call(curves, 2);
-  assert.deepEqual(known(), [false, false, true]);
-  assert.equal(whole(shown), false);
-  Curves.prototype.mark.call(curves, 0);
-  assert.deepEqual(known(), [true, true, true]);
-  assert.equal(whole(shown), true);
+test("in the chapter of the order the stops between which p was dragged are kept, by frames", () => {
+  const own = frames();
+  const at =
+    (p, chapter = "order") =>
+    (scene) =>
+      scenes.moved(scene, { p, chapter });
+  const begun = sceneOf(own, at(1));
+  assert.deepEqual([begun.stop, begun.dragged.get(own), scenes.whole(begun)], [2, [2, 2], false]);
+  assert.ok(!("dragged" in scenes.moved(begun, { p: 1, chapter: "order" }))); // nothing is drawn again
+  assert.ok(!("dragged" in scenes.moved(begun, { p: 0, chapter: "analyse" })));
+  const all = sceneOf(own, at(1), at(0));
+  assert.deepEqual([all.stop, all.dragged.get(own), scenes.whole(all)], [0, [0, 2], true]);
+  assert.ok(!scenes.whole(begun));
 });
 
 test("the map of the last chapter follows the reading: its points, its predictions, its colours", () => {
   openChapter("fooled", { reading: "tac" });
   const own = frames({ prediction: [0, 1, 0, 1, 0, 1] });
-  const scene = new Scene({ own });
-  scene.facts.unseen = { pairs: { answers: { tac: [1, 1] } } };
-  scene.refilter();
-  assert.deepEqual([...scene.mask], [0, 0, 1, 1]);
-  assert.equal(colouring(own, "correctness").of(own, 0)(0), 1);
+  const unseen = { pairs: { answers: { tac: [1, 1] } } };
+  const scene = sceneOf(own, (scene) => scenes.learned(scene, "", { unseen }));
+  const right = () => colouring({ ...own, answered: scenes.answers(scene, state) }, "correctness");
+  const first = () => right().of({ ...own, answered: scenes.answers(scene, state) }, 0)(0);
+  assert.deepEqual([[...filtered(scene).mask], first()], [[0, 0, 1, 1], 1]);
   change({ reading: "fused" });
-  scene.refilter();
-  assert.deepEqual([...scene.mask], [1, 1, 1, 1]);
-  assert.equal(colouring(own, "correctness").of(own, 0)(0), 0);
+  assert.deepEqual([[...filtered(scene).mask], first()], [[1, 1, 1, 1], 0]);
   openChapter("analyse");
 });
 
 test("look-alikes come from unseen domains and are scored, one of each class", () => {
-  const scene = {
-    frames: frames({ pairs: 4, domain: [0, 1, 1, 1], label: [0, 1, 1, 0] }),
-    facts: {
-      unseen: { source: "A", pairs: { counts: [1, 1, 1, 1] } },
-      pairs: { looks_like: ["steel", "wood", "wood", ""] },
-    },
-  };
-  assert.deepEqual(lookAlikes(scene), [1]);
+  const own = frames({ pairs: 4, domain: [0, 1, 1, 1], label: [0, 1, 1, 0] });
+  const unseen = { source: "A", pairs: { counts: [1, 1, 1, 1] } };
+  assert.deepEqual(lookAlikes(own, unseen, { looks_like: ["steel", "wood", "wood", ""] }), [1]);
 });
 
 test("the other tabs do not take p from the chapter of the order, which finds its own again", () => {
@@ -369,14 +418,14 @@ test("a set of one domain is coloured by class, and domains without a pair are n
   assert.equal(colouring(one, "domain").label, "Class");
   assert.equal(colouring(frames(), "domain").label, "Domain");
   one.domains = ["A", "B", "C"];
-  assert.match(headOf(one, 0), /in one unseen domain/);
+  assert.match(`${headOf(one, 0)}`, /in one unseen domain/);
 });
 
 test("while stops are still computed they are dots on the whole axis, and no line joins them", () => {
   const scale = new Scale({ wide: 200, high: 100, pad: { left: 0, right: 0, top: 0, bottom: 0 }, xs: [0, 1] });
   const path = (coarse) => {
     const some = { ...frames({ orders: [0, 0.5] }), coarse };
-    return Curves.prototype.path.call({ frames: some, scale }, [0.2, 0.8], [0, 1]);
+    return line([0.2, 0.8], scale, [0, 1], some);
   };
   assert.match(path(false), /L/);
   assert.doesNotMatch(path(true), /L/);

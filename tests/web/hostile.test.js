@@ -5,7 +5,7 @@ import { test } from "node:test";
 import { frames } from "./browser.js";
 
 const { card } = await import("../../app/web/shared/card.js");
-const { showNeighbours } = await import("../../app/web/explore/acts.js");
+const { neighboursHtml } = await import("../../app/web/explore/grid.js");
 const { familiarHtml } = await import("../../app/web/pair/verdict.js");
 const { lineHtml, nextStep } = await import("../../app/web/pair/steps.js");
 const { headOf, whence } = await import("../../app/web/explore/chapters.js");
@@ -20,14 +20,12 @@ const sprite = { tile: 8, columns: 2, count: 4, url: "x.webp" };
 const clean = (html) => assert.ok(html && !/<img|"'>/.test(html), html);
 
 test("classes and domains of a set stay text in cards, neighbours, familiarity and words", () => {
-  const box = { innerHTML: "" };
-  showNeighbours(box, [{ point: 1, cosine: 0.5 }], { frames: set, sprite }, () => {});
-  clean(box.innerHTML);
+  clean(`${neighboursHtml([{ point: 1, cosine: 0.5 }], { frames: set, sprite })}`);
   clean(card(set, sprite, 0, 0, true, 0, { name: [NAME], looks_like: [NAME], feels_like: [NAME] }));
   const image = { words: "familiar", quantile: 0.5, cosine: 0.5, nearest: [{ pair: 0, cosine: 0.5 }] };
   clean(familiarHtml({ images: { vis: image }, of: NAME }, { frames: set, sprite }));
   clean(`${headOf(set, 0)} ${whence(set, 0)}`);
-  clean(modeWords(set));
+  clean(`${modeWords(set)}`);
 });
 
 test("a visitor's label stays text in the line of the own pictures", () => {

@@ -34,19 +34,19 @@ const ONE = {
 
 test("of nodes with one class for nearly every pair, the page says that and concludes nothing", () => {
   assert.deepEqual(constant(VOTES), [false, true, true]);
-  const said = worth(VOTES, 1920);
+  const said = `${worth(VOTES, 1920)}`;
   assert.match(said, /2 of 3 nodes/);
   assert.match(said, /alone predict <i>wood<\/i> or <i>glass<\/i> for at least 95/);
   assert.ok(!/shift|direction/.test(said)); // equal classes do not show equal shifts
-  assert.match(worth([VOTES[0]], 10), /different classes for different pairs/);
+  assert.match(`${worth([VOTES[0]], 10)}`, /different classes for different pairs/);
 });
 
 test("constant nodes are drawn dashed once the set has been looked at, and only then", () => {
-  assert.ok(!nodesHtml(ONE, {}).includes("fixed"));
-  assert.equal(nodesHtml(ONE, { votes: VOTES, pairs: 10 }).match(/disc fixed/g).length, 2);
+  assert.ok(!`${nodesHtml(ONE, {})}`.includes("fixed"));
+  assert.equal(`${nodesHtml(ONE, { votes: VOTES, pairs: 10 })}`.match(/disc fixed/g).length, 2);
 });
 
 test("the mean cosine of each layer stands beside the right angles that NOD pushes it to", () => {
-  assert.match(nodesHtml(ONE, {}), /NOD pushes it to 0.*nodes 2–3: 0\.20/);
-  assert.match(nodesHtml({ ...ONE, order: 0.2 }, {}), /moved from its learned p/);
+  assert.match(`${nodesHtml(ONE, {})}`, /NOD pushes it to 0.*nodes 2–3: 0\.20/);
+  assert.match(`${nodesHtml({ ...ONE, order: 0.2 }, {})}`, /moved from its learned p/);
 });

@@ -17,8 +17,8 @@ const SIGNALS = frames({
 test("a set of signals has neither photos nor sensors", () => {
   assert.match(String(card(SIGNALS, null, -1, 0, false)), /Two recordings of one signal/);
   assert.match(String(card(frames(), null, -1, 0, false)), /A photo and a touch/);
-  assert.match(modeWords(SIGNALS), /two recordings of one signal/);
-  assert.doesNotMatch(modeWords(frames()), /signal/);
+  assert.match(`${modeWords(SIGNALS)}`, /two recordings of one signal/);
+  assert.doesNotMatch(`${modeWords(frames())}`, /signal/);
 });
 
 test("no step of the head is said to move gaps in a way that only some sets show", () => {

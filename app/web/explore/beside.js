@@ -4,186 +4,168 @@ import { Refusal, refused } from "../shared/api.js";
 import { Cloud } from "../shared/cloud.js";
 import { orderText } from "../shared/frames.js";
 import { framesBy, headLabel, heads, isMethod, methodsFor } from "../shared/headsets.js";
-import { layersOf } from "../shared/layers.js";
-import { axes, axisNames, lassoLine, pairLine } from "../shared/marks.js";
+import { axes, axisNames, lassoLine } from "../shared/marks.js";
 import { means } from "../shared/means.js";
-import { asText, values } from "../shared/measures.js";
-import { isDark } from "../shared/palette.js";
+import { values } from "../shared/measures.js";
+import { onTheme } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { stageNamed, stepsOf } from "../shared/stages.js";
-import { change, state } from "../shared/store.js";
 import { define } from "../shared/terms.js";
-import { escaped, options } from "../shared/text.js";
-import { making, tell, View } from "../shared/view.js";
-import { counted, sentence } from "./changes.js";
+import { options } from "../shared/text.js";
+import { making, tell } from "../shared/view.js";
 import { whence } from "./chapters.js";
+import { figure, kindOf, map, pairLines, showLayers, shown } from "./maps.js";
+import { $, change, html, put, scene, state, take } from "./root.js";
+import { isDouble } from "./scene.js";
 
-const named = (name, words, value) =>
-  Number.isFinite(value) ? `<span class="gap">${words} <b>${asText(name, value, 2)}</b></span>` : "";
+/** The two gaps of frames at a stop. @type {(frames: Frames, stage: string, stop: number) => (Html | null | string)[]} */
+export const gaps = (frames, stage, stop) => [
+  figure("modality gap", "modality_gap", values(frames, "modality_gap", stage), stop),
+  " ",
+  figure("domain gap", "domain_gap", values(frames, "domain_gap", stage), stop),
+];
 
-/** The two gaps of frames at a stop, as HTML. */
-export const gaps = (frames, stage, stop) =>
-  [
-    ["modality_gap", "modality gap"],
-    ["domain_gap", "domain gap"],
-  ]
-    .map(([name, words]) => named(name, words, values(frames, name, stage)?.[stop]))
-    .join(" ");
-
-/** The accuracy of frames at a stop, and whose it is; only where the head predicts. */
+/** The accuracy of frames at a stop, and whose it is; only where the head predicts.
+ * @type {(frames: Frames, stage: string, stop: number, unseen: Unseen | null) => Html[] | null} */
 export const right = (frames, stage, stop, unseen) =>
   stage === "f_hat"
-    ? named("accuracy", "right, unseen", values(frames, "accuracy", stage)?.[stop]) + whence(frames, stop, unseen)
-    : "";
+    ? [
+        figure("right, unseen", "accuracy", values(frames, "accuracy", stage), stop),
+        whence(frames, stop, unseen),
+      ].filter((part) => part !== null)
+    : null;
 
-const MAP = '<div class="map" role="application" aria-label="Second map of the same features"></div>';
+/** @type {Cloud} */
+let cloud;
+const stage = () => stageNamed(state.stage2).key;
+/** The frames are those that are chosen. */
+const isReady = () => !state.head2 || scene.other?.name === state.head2;
+const framesOf = () => (state.head2 && isReady() && scene.other?.frames) || scene.frames;
+/** Its own p, or that of the first map until it has one. @param {Frames} frames */
+const stopOf = (frames) => frames.stop(state.p2 ?? scene.frames.orders[scene.stop]);
 
-export class Beside extends View {
-  /** `first`: the map beside this one; `on` as in pointer.js. */
-  constructor($, scene, first, on) {
-    super($(".beside"));
-    this.scene = scene;
-    this.first = first;
-    this.told = $(".changed");
-    this.title = $(".now .pane");
-    this.maps = $(".maps");
-    /** @type {any} */
-    this.cloud = null; // made when the map is first opened
-    this.on = on;
-    /** @type {any} */
-    this.other = null; // {name, frames} of another head or method, once loaded
-    this.$(".by").onchange = ({ target }) => change({ head2: target.value });
-    this.$(".step").onchange = ({ target }) => change({ stage2: target.value });
-    this.$(".its-p").oninput = ({ target }) => change({ p2: this.frames.orders[this.frames.stop(+target.value)] });
+/** Make the map. `on` as in pointer.js. @param {any} on */
+function build(on) {
+  const box = document.createElement("div");
+  Object.assign(box, { className: "map", role: "application", ariaLabel: "Second map of the same features" });
+  $(".beside").append(box);
+  cloud = new Cloud(box, 2 * scene.own.pairs);
+  const drawing = listen(cloud, on);
+  cloud.painters = [
+    axes(() => axisNames(kindOf(stage(), framesOf()))),
+    means(framesOf, shown),
+    pairLines,
+    (x) => lassoLine(x, drawing.polygon),
+  ];
+  cloud.onView = (view) => map.setView(view, true);
+  map.onView = (view) => cloud.setView(view, true);
+  onTheme(() => cloud.redraw());
+}
+
+/** Move its own p. @param {number} p */
+export const moveTo = (p) => change({ p2: framesOf().orders[framesOf().stop(p)] });
+
+/** What predicts can be chosen from: the heads, and a method fitted on the source. */
+async function offer() {
+  const [first, ...more] = await heads().catch(() => [{ folder: "the head", problem: true }]);
+  const others = more.filter(({ problem }) => !problem).map((head) => [head.name, headLabel(head)]);
+  put($(".beside .by"), options([["", headLabel(first)], ...others, ...methodsFor(scene.own)], state.head2));
+}
+
+/** Open or close it, with what is chosen. `on` as in pointer.js. @param {any} on */
+export async function follow(on) {
+  const open = isDouble(scene, state);
+  $(".maps").classList.toggle("two", open);
+  $(".beside").hidden = $(".now .pane").hidden = !open;
+  $(".changed").hidden = true;
+  if (!open) return;
+  if (!cloud) {
+    build(on);
+    await offer();
   }
+  if (cloud.count !== 2 * scene.own.pairs) cloud.hold(2 * scene.own.pairs);
+  const steps = stepsOf(scene.frames).map(({ key, name }) => [key, name]);
+  put($(".beside .step"), options(steps, stage()));
+  show();
+  await load();
+}
 
-  get open() {
-    return state.beside === "1" && state.chapter === "analyse" && !this.scene.frames.headless;
+/** Load what predicts, if it is not there. @returns {Promise<void>} */
+export async function load() {
+  const name = state.head2;
+  const wait = $(".side-wait");
+  if (isReady()) return;
+  try {
+    const frames = await framesBy(name, scene.own, (step) => tell(wait, making(step)), load);
+    if (frames.pairs !== scene.own.pairs) throw new Refusal("This head’s map belongs to another set.");
+    if (state.head2 !== name) return;
+    take({ other: { name, frames } });
+    tell(wait, "");
+    show();
+  } catch (error) {
+    refused(error, (/** @type {string} */ words) => state.head2 === name && tell(wait, words));
   }
+}
 
-  get frames() {
-    return this.other?.name === state.head2 ? this.other.frames : this.scene.frames;
-  }
+/** Draw both titles, the map, and what changes from one to the other. */
+export function show() {
+  if (!cloud || !isDouble(scene, state)) return;
+  const frames = framesOf();
+  const stop = stopOf(frames);
+  const p = frames.orders[stop];
+  const same = frames === scene.frames && stop === scene.stop; // the accuracy stands beside the first map
+  const { unseen } = scene.facts;
+  const slider = $(".its-p");
+  const fixed = isMethod(state.head2);
+  $(".beside .by").value = state.head2;
+  Object.assign(slider, { min: frames.orders[0], max: frames.orders.at(-1), value: p, disabled: fixed });
+  $(".beside output").textContent = fixed ? "–" : orderText(p);
+  showLayers(cloud, frames, stop);
+  cloud.show(frames.positions(kindOf(stage(), frames), stage(), stop));
+  cloud.box.dataset.order = String(p);
+  const titles = [$(".pane-title"), $(".now .pane")];
+  put(
+    titles[0],
+    html`${isReady() && [gaps(frames, stage(), stop), " ", same ? null : right(frames, stage(), stop, unseen)]}`,
+  );
+  put(
+    titles[1],
+    html`<b>${stageNamed(state.stage).name}</b> p = ${orderText(scene.frames.orders[scene.stop])} ${gaps(scene.frames, state.stage, scene.stop)}`,
+  );
+  for (const title of titles) define(title);
+  const counts = unseen?.pairs.counts;
+  $(".changed").hidden = !counts || !isReady() || same;
+  if (counts && !$(".changed").hidden) put($(".changed"), changes(counts, frames, stop));
+}
 
-  /** Its own p, or that of the first map until it has one. */
-  get stop() {
-    return this.frames.stop(state.p2 ?? this.scene.p);
-  }
+/** The predictions that differ, of the pairs that count.
+ * @param {ArrayLike<number>} counts @param {Frames} frames @param {number} stop */
+function changes(counts, frames, stop) {
+  const said = (/** @type {Frames} */ of, /** @type {number} */ at) => (/** @type {number} */ pair) =>
+    of.classes[of.prediction[at * of.pairs + pair]];
+  const truth = (/** @type {number} */ pair) => scene.frames.classes[scene.frames.label[pair]];
+  const pairs = Array.from(counts, (_, pair) => pair).filter((pair) => counts[pair]);
+  return sentence(counted(pairs, said(scene.frames, scene.stop), said(frames, stop), truth));
+}
 
-  /** The frames belong to what is chosen. */
-  get ready() {
-    return !state.head2 || this.other?.name === state.head2;
-  }
+export const paintMarks = () => isDouble(scene, state) && cloud?.paintMarks();
 
-  make() {
-    const { scene } = this;
-    this.box.insertAdjacentHTML("beforeend", MAP);
-    const cloud = (this.cloud = new Cloud(this.$(".map"), 2 * scene.own.pairs));
-    const drawing = listen(cloud, this.on);
-    const line = (x, cloud, pair, colour) => pair !== null && pair >= 0 && pairLine(x, cloud, pair, colour);
-    cloud.painters = [
-      axes(() => axisNames(this.first.kind(this.stage))),
-      means(() => this.frames, scene.shown),
-      (x, c) => line(x, c, state.pin, "#dc2626"),
-      (x, c) =>
-        line(x, c, scene.hovered < 0 ? -1 : scene.hovered % scene.frames.pairs, isDark() ? "#38bdf8" : "#1e293b"),
-      (x) => lassoLine(x, drawing.polygon),
-    ];
-    cloud.onView = (view) => this.first.now.setView(view, true);
-    this.first.now.onView = (view) => cloud.setView(view, true);
-  }
+/**
+ * The number of pairs, and of changed predictions: corrected, broken, still wrong. Each function gives the class of a pair.
+ * @typedef {(pair: number) => string} ClassOf
+ * @type {(pairs: number[], left: ClassOf, right: ClassOf, truth: ClassOf) => Record<"all" | "corrected" | "broken" | "wrong", number>}
+ */
+export function counted(pairs, left, right, truth) {
+  const changed = pairs.filter((pair) => left(pair) !== right(pair));
+  const corrected = changed.filter((pair) => right(pair) === truth(pair)).length;
+  const broken = changed.filter((pair) => left(pair) === truth(pair)).length;
+  return { all: pairs.length, corrected, broken, wrong: changed.length - corrected - broken };
+}
 
-  /** What predicts can be chosen from: the heads, and a method fitted on the source. */
-  async offer() {
-    const { own } = this.scene;
-    const [first, ...more] = await heads().catch(() => [{ folder: "the head", problem: true }]);
-    const known = more.filter(({ problem }) => !problem).map((one) => [one.name, headLabel(one)]);
-    const all = [["", headLabel(first)], ...known, ...methodsFor(own)];
-    this.$(".by").innerHTML = options(all, state.head2);
-  }
+const grouped = (/** @type {number} */ n) => n.toLocaleString("en-US");
 
-  get stage() {
-    return stageNamed(state.stage2).key;
-  }
-
-  /** Open or close it, with what is chosen. */
-  async follow() {
-    this.maps.classList.toggle("two", this.open);
-    this.box.hidden = this.title.hidden = !this.open;
-    this.told.hidden = true;
-    if (!this.open) return;
-    if (!this.cloud) {
-      this.make();
-      await this.offer();
-    }
-    const { own, frames } = this.scene;
-    if (this.cloud.count !== 2 * own.pairs) this.cloud.hold(2 * own.pairs);
-    this.$(".step").innerHTML = options(
-      stepsOf(frames).map(({ key, name }) => [key, name]),
-      this.stage,
-    );
-    this.show();
-    await this.load();
-  }
-
-  async load() {
-    const wait = this.$(".side-wait");
-    const name = state.head2;
-    if (this.ready) return;
-    try {
-      const frames = await framesBy(
-        name,
-        this.scene.own,
-        (step) => tell(wait, making(step)),
-        () => this.load(),
-      );
-      if (frames.pairs !== this.scene.own.pairs) throw new Refusal("This head’s map belongs to another set.");
-      if (state.head2 !== name) return;
-      this.other = { name, frames };
-      tell(wait, "");
-      this.show();
-    } catch (error) {
-      refused(error, (words) => state.head2 === name && tell(wait, words));
-    }
-  }
-
-  /** Draw both titles, the map, and what changes from one to the other. */
-  show() {
-    if (!this.open || !this.cloud) return;
-    const { frames, stop, stage, scene } = this;
-    this.$(".by").value = state.head2;
-    const kinds = frames.kinds(stage);
-    const kind = kinds.includes(state.map) ? state.map : kinds[0];
-    const slider = this.$(".its-p");
-    [slider.min, slider.max] = [frames.orders[0], frames.orders.at(-1)];
-    slider.value = frames.orders[stop];
-    slider.disabled = isMethod(state.head2);
-    this.$("output").textContent = slider.disabled ? "–" : orderText(frames.orders[stop]);
-    this.cloud.layers = layersOf(frames, stop, scene.shown, scene.lit);
-    this.cloud.show(frames.positions(kind, stage, stop));
-    this.cloud.box.dataset.order = frames.orders[stop];
-    const same = frames === scene.frames && stop === scene.stop; // the accuracy stands beside the first map
-    this.$(".pane-title").innerHTML = this.ready
-      ? `${gaps(frames, stage, stop)} ${same ? "" : right(frames, stage, stop, scene.facts.unseen)}`
-      : "";
-    this.title.innerHTML = `<b>${escaped(stageNamed(state.stage).name)}</b> p = ${orderText(scene.frames.orders[scene.stop])} ${gaps(scene.frames, state.stage, scene.stop)}`;
-    for (const told of [this.$(".pane-title"), this.title]) define(told);
-    this.tell();
-  }
-
-  /** The predictions that differ, of the pairs that count. */
-  tell() {
-    const { scene, frames, stop } = this;
-    const counts = scene.facts.unseen?.pairs.counts;
-    this.told.hidden = !counts || !this.ready || (frames === scene.frames && stop === scene.stop);
-    if (this.told.hidden) return;
-    const said = (of, at) => (pair) => of.classes[of.prediction[at * of.pairs + pair]];
-    const truth = (pair) => scene.frames.classes[scene.frames.label[pair]];
-    const pairs = Array.from(counts.keys()).filter((pair) => counts[pair]);
-    this.told.innerHTML = sentence(counted(pairs, said(scene.frames, scene.stop), said(frames, stop), truth));
-  }
-
-  paintMarks() {
-    if (this.open) this.cloud?.paintMarks();
-  }
+/** The sentence below both maps. @param {ReturnType<typeof counted>} counts */
+export function sentence({ all, corrected, broken, wrong }) {
+  if (!all) return html`There are no test pairs here: all are training pairs, or have a class that the head lacks.`;
+  return html`From the left map to the right, <b>${grouped(corrected + broken + wrong)}</b> of ${grouped(all)} predictions change: <span class="right">${grouped(corrected)} corrected</span>, <span class="wrong">${grouped(broken)} broken</span>, ${grouped(wrong)} still wrong.`;
 }

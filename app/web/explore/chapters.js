@@ -3,39 +3,43 @@
 import { remedyHtml } from "../shared/headless.js";
 import { MEASURES, values } from "../shared/measures.js";
 import { ofFrames, strangers, unseenPairs } from "../shared/provenance.js";
-import { escaped, percent } from "../shared/text.js";
-import { whole } from "./curves.js";
-import { inWords } from "./strangers.js";
+import { html, percent } from "./root.js";
+import { whole } from "./scene.js";
 
 export const CLEAR = 0.1; // of accuracy: a smaller change over p is called small
 const AWAY = 0.8; // the order at which the first chapter opens if p decides: most heads fail there
-const b = (text) => `<b>${text}</b>`;
-const known = (curve) => (curve ?? []).filter(Number.isFinite);
-const plural = (n, one, many = `${one}s`) => `${inWords(n)} ${n === 1 ? one : many}`;
+const NUMBERS = "no one two three four five six seven eight nine ten eleven twelve".split(" ");
+const inWords = (/** @type {number} */ n) => NUMBERS[n] ?? String(n);
+const unseenDomains = (/** @type {Frames} */ frames) => {
+  const n = strangers(frames);
+  return `${inWords(n)} unseen domain${n === 1 ? "" : "s"}`;
+};
 
-/** {best, range}: the order of the highest accuracy, and how far accuracy ranges over p; null if unknown. */
+/** {best, low, high, range}: the order of the highest accuracy, and how far accuracy ranges over p; null if unknown.
+ * @param {Frames} frames */
 export function decided(frames) {
-  const curve = values(frames, "accuracy", "f_hat");
-  const all = known(curve);
-  if (!all.length) return null;
-  const [low, high] = [Math.min(...all), Math.max(...all)];
+  const curve = values(frames, "accuracy", "f_hat") ?? [];
+  const known = curve.filter(Number.isFinite);
+  if (!known.length) return null;
+  const [low, high] = [Math.min(...known), Math.max(...known)];
   return { best: frames.orders[curve.indexOf(high)], low, high, range: high - low };
 }
 
-/** The order at which a chapter opens. */
+/** The order at which a chapter opens. @param {string} chapter @param {Frames} frames @param {Frames} own */
 export function startOf(chapter, frames, own) {
-  const at = Number.isFinite(own.learned) ? own.learned : 0.5;
-  const wanted = chapter === "order" && (decided(frames)?.range ?? 0) >= CLEAR ? AWAY : at;
-  return frames.orders[frames.stop(wanted)];
+  const clear = chapter === "order" && (decided(frames)?.range ?? 0) >= CLEAR;
+  return frames.orders[frames.stop(clear ? AWAY : Number.isFinite(own.learned) ? own.learned : 0.5)];
 }
 
-/** The accuracy at one stop, as HTML; one sentence on a screen. */
+/** The accuracy at one stop; one sentence on a screen. @param {Frames} frames @param {number} stop */
 export function headOf(frames, stop) {
   const right = values(frames, "accuracy", "f_hat")?.[stop];
-  if (!Number.isFinite(right)) return `<small>Unseen accuracy is unknown here: ${blind(frames)}</small>`;
-  return `<b class="large">${percent(right)}</b> <span>right in ${where(frames)}</span>`;
+  return right !== undefined && Number.isFinite(right)
+    ? html`<b class="large">${percent(right)}</b> <span>right in ${unseenDomains(frames)}</span>`
+    : html`<small>Unseen accuracy is unknown here: ${blind(frames)}</small>`;
 }
 
+/** Why there is no unseen accuracy. @param {Frames} frames */
 const blind = ({ source, domains, labelled }) =>
   labelled === false
     ? "the pairs have no classes."
@@ -43,86 +47,95 @@ const blind = ({ source, domains, labelled }) =>
       ? "the source of the head is not stated."
       : domains.includes(source)
         ? "there is no domain that the head has not seen."
-        : `the head was trained on ${escaped(source)}, which is not in this set.`;
+        : `the head was trained on ${source}, which is not in this set.`;
 
-const where = (frames) => `${plural(strangers(frames), "unseen domain")}`;
-
-/** Where the accuracy at one stop comes from; "" if it is not known. */
+/** Where the accuracy at one stop comes from; null if it is not known.
+ * @param {Frames} frames @param {number} stop @param {Unseen | null} [unseen] */
 export const whence = (frames, stop, unseen) =>
   Number.isFinite(values(frames, "accuracy", "f_hat")?.[stop])
     ? ofFrames(frames, stop, unseenPairs(frames, unseen))
-    : "";
+    : null;
 
-/** The three measures of features without a head, and what a head would need. */
+/** The same for the loaded head at its own p, over some pairs.
+ * @type {(own: Frames, pairs: string) => Html} */
+export const ofOwn = (own, pairs) => ofFrames(own, own.stop(own.learned), pairs);
+
+/** The three measures of features without a head, and what a head would need. @param {Scene} scene */
 export function featuresHtml({ own, facts: { fit } }) {
-  const rows = MEASURES.map(({ name, title, help }) => [title, help, values(own, name, "raw")?.[0]]);
-  const shown = rows.filter(([, , value]) => Number.isFinite(value));
-  const gaps = shown.map(([title, help, v]) => `<dt title="${help}">${title}</dt><dd>${v.toFixed(2)}</dd>`);
-  return `<span class="measured"><b>The encoder’s features, no head.</b></span><dl class="gaps">${gaps.join("")}</dl>${headlessHtml(fit)}`;
+  const gaps = MEASURES.map(({ name, title, help }) => {
+    const value = values(own, name, "raw")?.[0] ?? NaN;
+    return Number.isFinite(value) && html`<dt title="${help}">${title}</dt><dd>${value.toFixed(2)}</dd>`;
+  });
+  return html`<span class="measured"><b>The encoder’s features, no head.</b></span><dl class="gaps">${gaps}</dl>${headlessHtml(fit)}`;
 }
 
-const headlessHtml = (fit) =>
+const headlessHtml = (/** @type {Fit | null} */ fit) =>
   fit?.problem
-    ? `<details><summary>Why no head?</summary><p>${escaped(fit.problem)}</p></details>${remedyHtml(fit)}`
-    : "";
+    ? html`<details><summary>Why no head?</summary><p>${fit.problem}</p></details>${remedyHtml(fit)}`
+    : html``;
 
-function order({ frames, stop, facts: { unseen } }) {
-  const facts = decided(frames);
+/** @type {(scene: Scene) => Words} */
+function order(scene) {
+  const { frames, stop, facts } = scene;
+  const accuracy = decided(frames);
   const figure = headOf(frames, stop);
-  if (!facts) return { title: "When does the order p decide?", figure, remark: "Drag p: the map follows." };
-  const kinds = `${inWords(frames.classes.length)} kinds of ${frames.signals ? "signal" : "pair"}`;
-  if (facts.range < CLEAR)
+  const from = whence(frames, stop, facts.unseen) ?? html``;
+  if (!accuracy) return { title: "When does the order p decide?", figure, remark: html`Drag p: the map follows.` };
+  const { best, low, high, range } = accuracy;
+  if (range < CLEAR)
     return {
       title: "On this set the order p hardly matters.",
       figure,
-      whence: whence(frames, stop, unseen),
-      remark: `Drag p. Accuracy stays between ${percent(facts.low)} and ${percent(facts.high)}.`,
+      whence: from,
+      remark: html`Drag p. Accuracy stays between ${percent(low)} and ${percent(high)}.`,
     };
-  const there = Math.abs(frames.orders[stop] - facts.best) < 0.026;
+  const kinds = `${inWords(frames.classes.length)} kinds of ${frames.signals ? "signal" : "pair"}`;
   return {
-    title: there ? `At one order, ${kinds} come apart.` : `At which order do ${kinds} come apart?`,
+    title:
+      Math.abs(frames.orders[stop] - best) < 0.026
+        ? `At one order, ${kinds} come apart.`
+        : `At which order do ${kinds} come apart?`,
     figure,
-    whence: whence(frames, stop, unseen),
-    remark: whole(frames)
-      ? `Accuracy falls to ${percent(facts.low)} at worst. Grey: on touch sensors every order does about as well.`
-      : "Drag <i>p</i> from end to end. Each stop is a head trained at that order.",
+    whence: from,
+    remark: whole(scene)
+      ? html`Accuracy falls to ${percent(low)} at worst. Grey: on touch sensors every order does about as well.`
+      : html`Drag <i>p</i> from end to end. Each stop is a head trained at that order.`,
   };
 }
 
+/** @type {(scene: Scene) => Words} */
 function fooled({ own, facts: { unseen, fit } }) {
-  const title = "When is touch needed?";
-  if (own.headless) return { title: "Who is fooled? That takes a head.", figure: "", remark: headlessHtml(fit) };
-  if (!unseen) return { title, figure: "", remark: "" };
+  const words = { title: "When is touch needed?", figure: html``, remark: html`` };
+  if (own.headless) return { ...words, title: "Who is fooled? That takes a head.", remark: headlessHtml(fit) };
+  if (!unseen) return words;
   const alike = unseen.look_alikes;
-  const pairs = unseen.domains.reduce((sum, one) => sum + (one.is_source ? 0 : one.pairs), 0);
+  const pairs = unseen.domains.reduce((sum, domain) => sum + (domain.is_source ? 0 : domain.pairs), 0);
   if (!alike)
     return {
       title: "Which domains fool the head?",
-      figure: unseen.unseen["answers/fused"] ? "" : `Learned from ${escaped(own.source)}: ${blind(own)}`,
-      remark: unseen.domains?.some((one) => one["answers/fused"])
-        ? `Each bar has its 95 % interval. The thin line is guessing.${ofFrames(own, own.stop(own.learned), unseenPairs(own, unseen))}`
-        : "",
+      figure: unseen.unseen["answers/fused"] ? html`` : html`Learned from ${own.source}: ${blind(own)}`,
+      remark: unseen.domains.some((domain) => domain["answers/fused"])
+        ? html`Each bar has its 95 % interval. The thin line is guessing.${ofOwn(own, unseenPairs(own, unseen))}`
+        : html``,
     };
-  const [photo, touch] = ["vis", "tac"].map((name) => alike[`answers/${name}`]);
+  const [photo, touch] = [alike["answers/vis"], alike["answers/tac"]];
   const [lower, higher] = photo.share < touch.share ? [photo, touch] : [touch, photo];
-  const all = ["vis", "tac", "fused"].map((name) => percent(unseen.unseen[`answers/${name}`]?.share));
-  const line = ofFrames(own, own.stop(own.learned), `${alike.pairs} look-alikes`);
+  const share = (/** @type {Reading} */ reading) => percent(unseen.unseen[`answers/${reading}`]?.share);
   return {
-    title,
-    figure: `${b(percent(alike.pairs / pairs))} of the unseen pairs look like another class.`,
-    remark: `${
+    ...words,
+    figure: html`<b>${percent(alike.pairs / pairs)}</b> of the unseen pairs look like another class.`,
+    remark: html`${
       lower.high < higher.low
         ? `Where a photo deceives, only ${higher === touch ? "touch" : "the photo"} can tell.`
         : "The intervals of photo and touch overlap, so neither is surely ahead."
-    } Mean of ${plural(strangers(own), "unseen domain")}: photo ${all[0]}, touch ${all[1]}, both ${all[2]}.${line}`,
+    } Mean of ${unseenDomains(own)}: photo ${share("vis")}, touch ${share("tac")}, both ${share("fused")}.${ofOwn(own, `${alike.pairs} look-alikes`)}`,
   };
 }
 
-const CHAPTERS = {
+/** What follows a chapter, and its words; the workbench has none, and the second chapter has its own.
+ * @type {Record<string, {to: string, next: string, words?: (scene: Scene) => Words}>} */
+export const LESSONS = {
   where: { to: "order", next: "Next →" },
   order: { words: order, to: "fooled", next: "Next →" },
   fooled: { words: fooled, to: "analyse", next: "Analyse →" },
 };
-
-/** {words(scene), to, next} of a chapter; undefined for the workbench. */
-export const chapterNamed = (chapter) => CHAPTERS[chapter];

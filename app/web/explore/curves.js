@@ -1,173 +1,190 @@
-/** Curves against p on fixed axes, with the current p marked; click or drag one to move p. */
+/** Charts against p: one for each measure, or accuracy and both gaps in one. Click or drag one to move p. */
 
 import { dragged, Scale } from "../shared/chart.js";
-import { asText, axis, MEASURES, spread, values } from "../shared/measures.js";
+import { asText, axis, gapsOf, MEASURES, spread, values } from "../shared/measures.js";
+import { isLecture } from "../shared/palette.js";
 import { has } from "../shared/tables.js";
-import { each, escaped } from "../shared/text.js";
-import { View } from "../shared/view.js";
+import { $, change, html, put, scene, state } from "./root.js";
+import { loneDomain, whole } from "./scene.js";
 
 const LEAST = 150; // CSS pixels; charts are drawn at the width of their box, so text keeps its size
 const PAD = { left: 54, right: 10, top: 8, bottom: 24 }; // explore.css sets the slider under a chart by these
-const ENDS = [0, 1]; // of the axis, whichever stops are ready
+const LINES = [
+  ["accuracy", "accuracy"],
+  ["modality_gap", "modality gap"],
+  ["domain_gap", "domain gap"],
+];
+/** @typedef {{draw: () => void, mark: () => void}} Chart */
 
-export class Curves extends View {
-  /** Charts of some measures, `high()` CSS pixels high each. */
-  constructor(box, onOrder, { measures, high = () => 108 }) {
-    super(box);
-    /** @type {any} */
-    this.frames = null;
-    this.onOrder = onOrder;
-    this.wanted = measures; // (frames) => names
-    /** @type {any[]} */
-    this.measures = [];
-    this.tall = high;
-    this.pale = null; // {title, orders, share}: the accuracy curve of another set
-    this.hides = false; // whether a curve is drawn only as far as p was dragged
-    this.wide = LEAST;
-    this.scale = new Scale({ wide: LEAST, high: high(), pad: PAD });
-    /** @type {any[]} */
-    this.charts = [];
-    this.shown = ["f_hat", ""]; // stage and lone domain
-    this.stop = 0;
-    dragged(box, (event, svg) => this.onOrder(this.scale.under(event, svg)));
-    new ResizeObserver(() => this.frames && this.width() !== this.wide && this.again()).observe(box);
-  }
-
-  width() {
-    const around = this.$("figure") ?? this.box;
-    const { paddingLeft, paddingRight } = getComputedStyle(around);
-    const borders = around.offsetWidth - around.clientWidth; // clientWidth itself is rounded, up as well
-    const padding = (parseFloat(paddingLeft) || 0) + (parseFloat(paddingRight) || 0);
-    const inside = around.getBoundingClientRect().width - borders - padding;
-    return Math.max(LEAST, Math.min(900, Math.floor(inside) || LEAST)); // never drawn smaller than its letters
-  }
-
-  again() {
-    this.replace(this.frames);
-    this.show(this.shown[0], this.shown[1]);
-    this.mark(this.stop);
-  }
-
-  /** Draw for new frames: their range of p, their axes. */
-  replace(frames) {
-    this.frames = frames;
-    const xs = [Math.min(ENDS[0], frames.orders[0]), Math.max(ENDS[1], frames.orders.at(-1))];
-    const names = this.wanted(frames);
-    const known = this.measures.map(({ name }) => name).join() === names.join();
-    this.measures = MEASURES.filter(({ name }) => names.includes(name));
-    if (!known || !this.$("figure"))
-      this.box.innerHTML = each(this.measures, figure) + (this.measures.length > 1 ? DASHED : "");
-    this.wide = this.width();
-    this.scale = new Scale({ wide: this.wide, high: this.tall(), pad: PAD, xs });
-    this.charts = [...this.box.querySelectorAll("figure")].map((root, i) => ({ root, ...this.measures[i] }));
-    for (const chart of this.charts) {
-      chart.ys = axis(frames, chart.name);
-      chart.root.querySelector("svg").outerHTML = this.chart(chart);
-    }
-    this.box.classList.toggle("what-if", has(frames, "what-if"));
-  }
-
-  chart({ name, title, help, ys }) {
-    const { scale } = this;
-    const [a, b] = scale.xs;
-    const figure = (v) => (name === "accuracy" ? `${100 * v} %` : +v.toFixed(2));
-    const ends = [a, (a + b) / 2, b].map((p, i) => [p, i === 1 ? "p" : +p.toFixed(2)]);
-    return `<svg viewBox="0 0 ${scale.wide} ${scale.high}" role="img" aria-label="${title} against p: ${help}">${scale.grid(ys, figure, ys)}${scale.ticks(ends)}
-      ${this.band()}${scale.now()}<path class="spread"/><path class="ghost"/>${name === "accuracy" ? this.other(ys) : ""}<path class="own"/><g class="dots"></g><circle class="now" r="4"/></svg>`;
-  }
-
-  /** The curve of another set, pale. */
-  other(ys) {
-    if (!this.pale) return "";
-    if (this.hides && !whole(this.frames)) return "";
-    const { orders, share: all, title } = this.pale;
-    const { scale } = this;
-    const words = (y, text) => `<text x="${scale.x(1) - 2}" y="${y}" text-anchor="end">${text}</text>`;
-    const guessing = scale.y(1 / this.frames.classes.length, ys) + 17;
-    return `<path class="pale" d="${scale.line(zip(orders, all), ys)}"/>${words(scale.y(Math.max(...all), ys) - 7, escaped(title))}${words(guessing, "guessing")}`;
-  }
-
-  /** The band of orders that the head was trained for. */
-  band() {
-    const [a, b] = this.scale.xs;
-    const own = this.frames.fits;
-    if (!own || own[1] < a || own[0] > b) return "";
-    return this.scale.band("band", Math.max(a, own[0]), Math.min(b, own[1]));
-  }
-
-  /** A line through the values that exist. Stops of coarse frames are dots. */
-  path(own, ys) {
-    const points = zip(this.frames.orders, own);
-    if (!this.frames.coarse) return this.scale.line(points, ys);
-    return each(points, ([p, v]) => `M${this.scale.x(p)} ${this.scale.y(v, ys)}h.01`);
-  }
-
-  /** Between the lowest and the highest of several trainings. */
-  area({ low, high }, ys) {
-    const [there, back] = [low, high].map((all) => zip(this.frames.orders, all));
-    return `${this.scale.line(there, ys)}${this.scale.line(back.reverse(), ys).replace("M", "L")}Z`;
-  }
-
-  /** Draw the curves of a stage, or of a single domain if only one is shown. */
-  show(stage, domain = "") {
-    this.shown = [stage, domain];
-    const { frames } = this;
-    for (const chart of this.charts) {
-      const { root, name, ys } = chart;
-      const whole = name === "domain_gap" || name === "margin"; // only for all domains together
-      const only = whole ? "" : domain;
-      const own = (chart.own = values(frames, name, stage, only));
-      const ghost =
-        name === "accuracy"
-          ? frames.orders.map(() => 1 / frames.classes.length)
-          : stage !== "raw" && values(frames, name, "raw", only);
-      const band = spread(frames, name, stage, only);
-      root.querySelector(".of").textContent =
-        only || (whole && domain ? "all domains" : name === "accuracy" ? "unseen domains" : "");
-      root.querySelector(".own").setAttribute("d", own ? this.path(this.known(own), ys) : "");
-      root.querySelector(".ghost").setAttribute("d", ghost ? this.path(ghost, ys) : "");
-      root.querySelector(".spread").setAttribute("d", band && !this.hides ? this.area(band, ys) : "");
-      root.querySelector(".dots").innerHTML =
-        own && has(frames, "heads")
-          ? each(zip(frames.orders, this.known(own)), ([p, v]) =>
-              Number.isFinite(v) ? `<circle cx="${this.scale.x(p)}" cy="${this.scale.y(v, ys)}" r="2"/>` : "",
-            )
-          : "";
-    }
-  }
-
-  /** The values that may be drawn: of the stops between which p was dragged. */
-  known(own) {
-    const [from, to] = this.hides ? (this.frames.seen ?? [1, 0]) : [0, own.length];
-    return own.map((v, i) => (i >= from && i <= to ? v : NaN));
-  }
-
-  /** Mark one stop on every curve and write its value. */
-  mark(stop) {
-    this.stop = stop;
-    const [from, to] = (this.frames.seen ??= [stop, stop]);
-    if (this.hides && (stop < from || stop > to)) {
-      this.frames.seen = [Math.min(from, stop), Math.max(to, stop)];
-      return this.again();
-    }
-    const p = this.frames.orders[stop];
-    for (const { root, own, ys, name } of this.charts) {
-      this.scale.mark(root, p);
-      const dot = root.querySelector("circle.now");
-      const known = own && Number.isFinite(own[stop]);
-      dot.setAttribute("cx", this.scale.x(p));
-      dot.setAttribute("visibility", known ? "visible" : "hidden");
-      if (known) dot.setAttribute("cy", this.scale.y(own[stop], ys));
-      root.querySelector("output").textContent = asText(name, known ? own[stop] : NaN);
-    }
-    return undefined;
-  }
+/** Charts in a box, as wide as it: `draw` makes them of the frames, `mark` shows p. Each returns what it drew of a stop.
+ * @param {string} selector @param {() => number} high @param {(box: Found, scale: Scale) => (stop: number) => void} make
+ * @returns {Chart} */
+function charts(selector, high, make) {
+  const box = $(selector);
+  const wide = () => Math.max(LEAST, Math.min(900, Math.floor(box.getBoundingClientRect().width))); // never smaller than its letters
+  let scale = new Scale({ wide: LEAST, high: high(), pad: PAD });
+  let markAt = (/** @type {number} */ _) => {};
+  const mark = () => markAt(scene.stop);
+  const draw = () => {
+    const { orders } = scene.frames;
+    const xs = [Math.min(0, orders[0]), Math.max(1, orders[orders.length - 1])]; // whichever stops are ready
+    scale = new Scale({ wide: wide(), high: high(), pad: PAD, xs });
+    markAt = make(box, scale);
+    mark();
+  };
+  dragged(box, (/** @type {any} */ event, /** @type {any} */ svg) =>
+    change({ p: scene.frames.orders[scene.frames.stop(scale.under(event, svg))] }),
+  );
+  new ResizeObserver(() => box.firstChild && wide() !== scale.wide && draw()).observe(box);
+  return { draw, mark };
 }
 
-/** Whether p was dragged over all stops of these frames. */
-export const whole = ({ seen, orders }) => seen?.[0] === 0 && seen[1] === orders.length - 1;
+/** A chart for each measure of the frames.
+ * @param {string} selector @param {(frames: Frames) => string[]} measures @param {() => number} high */
+const single = (selector, measures, high) =>
+  charts(selector, high, (box, scale) => {
+    const names = measures(scene.frames);
+    const rows = MEASURES.filter(({ name }) => names.includes(name)).map((row) => curve(row, scale));
+    put(box, html`${rows.map(({ figure }) => figure)}${rows.length > 1 && DASHED}`);
+    const roots = [...box.querySelectorAll("figure")];
+    return (stop) => roots.forEach((root, i) => markCurve(root, rows[i], scale, stop));
+  });
 
+/** Accuracy against p, above the slider. */
+export const accuracy = () =>
+  single(
+    ".over",
+    () => ["accuracy"],
+    () => {
+      if (innerWidth < 820) return 110;
+      if (state.chapter !== "order") return 0.165 * innerHeight;
+      if (isLecture()) return 0.4 * innerHeight;
+      return Math.min(560, 0.24 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
+    },
+  );
+
+/** All measures of features against p. */
+export const features = () =>
+  single(
+    ".all",
+    (frames) => gapsOf(frames).map(({ name }) => name),
+    () => 108,
+  );
+
+/** Accuracy and both gaps in one chart, each with its value at the present stop. */
+export const together = () =>
+  charts(
+    ".together",
+    () => 112,
+    (box, scale) => {
+      const { frames } = scene;
+      const known = LINES.map(([name]) => values(frames, name, "f_hat"));
+      const key = LINES.map(([name, title]) => html`<span class="${name}">${title} <output></output></span>`);
+      const lines = known.map(
+        (curve, i) => curve && html`<path class="${LINES[i][0]}" d="${scale.line(zip(frames.orders, curve))}"/>`,
+      );
+      put(
+        box,
+        html`<p class="key">${key}</p><svg viewBox="0 0 ${scale.wide} ${scale.high}" role="img" aria-label="Accuracy and both gaps against p">${scale.grid([0, 1], String)}${scale.now()}${lines}</svg>`,
+      );
+      const outputs = box.querySelectorAll("output");
+      return (stop) => {
+        scale.mark(box, frames.orders[stop]);
+        LINES.forEach(([name], i) => (outputs[i].textContent = asText(name, known[i]?.[stop], 2)));
+      };
+    },
+  );
+
+/** @typedef {{name: string, ys: Span, values: number[] | null, figure: Html}} Curve */
+
+/** One curve of a stage, or of a single domain if only one is shown. @param {Measure} measure @param {Scale} scale
+ * @returns {Curve} */
+function curve({ name, title, help }, scale) {
+  const { frames } = scene;
+  const { stage } = state;
+  const domain = loneDomain(scene, state);
+  const ys = axis(frames, name);
+  const accurate = name === "accuracy";
+  const together = name === "domain_gap" || name === "margin"; // only for all domains together
+  const only = together ? "" : domain;
+  const own = values(frames, name, stage, only);
+  const known = own && (accurate ? visible(own) : own);
+  const band = state.chapter !== "order" && spread(frames, name, stage, only);
+  const ghost = accurate
+    ? frames.orders.map(() => 1 / frames.classes.length)
+    : stage !== "raw" && values(frames, name, "raw", only);
+  const of = only || (together && domain ? "all domains" : accurate ? "unseen domains" : "");
+  const [a, b] = scale.xs;
+  const ends = [a, (a + b) / 2, b].map((p, i) => [p, i === 1 ? "p" : +p.toFixed(2)]);
+  const figured = (/** @type {number} */ v) => (accurate ? `${100 * v} %` : +v.toFixed(2));
+  const path = (/** @type {string} */ kind, /** @type {string | false | null} */ d) =>
+    html`<path class="${kind}" d="${d || ""}"/>`;
+  const figure = html`<figure data-name="${name}"><figcaption title="${help}"><span>${title} <small class="of">${of}</small></span><output></output></figcaption><svg viewBox="0 0 ${scale.wide} ${scale.high}" role="img" aria-label="${title} against p: ${help}">${scale.grid(ys, figured, ys)}${scale.ticks(ends)}
+      ${trained(scale)}${scale.now()}${path("spread", band && area(band, scale, ys))}${path("ghost", ghost && line(ghost, scale, ys))}${accurate && pale(scale, ys)}${path("own", known && line(known, scale, ys))}<g class="dots">${known && has(frames, "heads") && dots(known, scale, ys)}</g><circle class="now" r="4"/></svg></figure>`;
+  return { name, ys, values: own, figure };
+}
+
+/** Mark one stop on a curve and write its value.
+ * @param {Found} root @param {Curve} curve @param {Scale} scale @param {number} stop */
+function markCurve(root, { name, ys, values }, scale, stop) {
+  const p = scene.frames.orders[stop];
+  const value = values?.[stop] ?? NaN;
+  const known = Number.isFinite(value);
+  const dot = root.querySelector("circle.now");
+  scale.mark(root, p);
+  dot.setAttribute("cx", scale.x(p));
+  dot.setAttribute("visibility", known ? "visible" : "hidden");
+  if (known) dot.setAttribute("cy", scale.y(value, ys));
+  root.querySelector("output").textContent = asText(name, value);
+}
+
+/** The values that may be drawn: in the chapter of the order those between which p was dragged. @param {number[]} own */
+function visible(own) {
+  if (state.chapter !== "order") return own;
+  const [from, to] = scene.dragged.get(scene.frames) ?? [1, 0];
+  return own.map((v, i) => (i >= from && i <= to ? v : NaN));
+}
+
+/** The accuracy of another set, pale; in the chapter of the order once p was dragged over all stops.
+ * @param {Scale} scale @param {Span} ys */
+function pale(scale, ys) {
+  const other = state.chapter === "order" && scene.sets.find(({ name }) => scene.set && name !== scene.set)?.curve;
+  if (!other || !whole(scene)) return null;
+  const { orders, share, title } = other;
+  const words = (/** @type {number} */ y, /** @type {string} */ text) =>
+    html`<text x="${scale.x(1) - 2}" y="${y}" text-anchor="end">${text}</text>`;
+  const guessing = scale.y(1 / scene.frames.classes.length, ys) + 17;
+  return html`<path class="pale" d="${scale.line(zip(orders, share), ys)}"/>${words(scale.y(Math.max(...share), ys) - 7, title)}${words(guessing, "guessing")}`;
+}
+
+/** The band of orders that the head was trained for. @param {Scale} scale */
+function trained(scale) {
+  const [low, high] = scene.frames.fits ?? [NaN, NaN];
+  const [a, b] = scale.xs;
+  return high >= a && low <= b ? scale.band("band", Math.max(a, low), Math.min(b, high)) : null;
+}
+
+/** A line through the values that exist. Stops of coarse frames are dots.
+ * @param {number[]} own @param {Scale} scale @param {Span} ys */
+export function line(own, scale, ys, frames = scene.frames) {
+  const points = zip(frames.orders, own);
+  if (!frames.coarse) return scale.line(points, ys);
+  return points.map(([p, v]) => `M${scale.x(p)} ${scale.y(v, ys)}h.01`).join("");
+}
+
+/** Between the lowest and the highest of several trainings.
+ * @param {{low: number[], high: number[]}} band @param {Scale} scale @param {Span} ys */
+function area({ low, high }, scale, ys) {
+  const [there, back] = [low, high].map((all) => zip(scene.frames.orders, all));
+  return `${scale.line(there, ys)}${scale.line(back.reverse(), ys).replace("M", "L")}Z`;
+}
+
+/** A dot for each stop that has a head of its own. @param {number[]} own @param {Scale} scale @param {Span} ys */
+const dots = (own, scale, ys) =>
+  zip(scene.frames.orders, own).map(
+    ([p, v]) => Number.isFinite(v) && html`<circle cx="${scale.x(p)}" cy="${scale.y(v, ys)}" r="2"/>`,
+  );
+
+/** @type {(orders: number[], all: number[]) => Point[]} */
 const zip = (orders, all) => orders.map((p, i) => [p, all[i]]);
-const DASHED = '<p class="hint">Dashed: the raw embedding; for accuracy, guessing.</p>';
-const figure = ({ name, title, help }) =>
-  `<figure data-name="${name}"><figcaption title="${help}"><span>${title} <small class="of"></small></span><output></output></figcaption><svg></svg></figure>`;
+const DASHED = html`<p class="hint">Dashed: the raw embedding; for accuracy, guessing.</p>`;

@@ -2,32 +2,38 @@
 
 import { attempt } from "../shared/api.js";
 import { choices } from "../shared/facts.js";
-import { openChapter, state } from "../shared/store.js";
-import { making, tell } from "../shared/view.js";
-import { Page } from "./page.js";
+import { openChapter } from "../shared/store.js";
+import { enter, say } from "./page.js";
+import { $, html, put, state, take } from "./root.js";
+import { wire } from "./wiring.js";
 
-export async function start(root) {
-  const $ = (selector) => root.querySelector(selector);
-  const wait = $(".wait");
-  const say = (sentence) => {
-    tell(wait, sentence, true);
-    if (new URLSearchParams(location.search).has("set")) wait.append(" ", homeLink());
-  };
-  const telling = (step) => tell(wait, step === null ? "" : waiting(step));
+const WORDS = /** @type {Record<string, string>} */ ({
+  sensors: "Photos and touches of materials: p hardly matters",
+  chirps: "Signals that only one p tells apart: p is everything",
+});
+
+export async function start() {
   await attempt(async () => {
-    const page = new Page($, await choices(), { say, telling });
-    if (!state.chapter) openChapter(page.first);
-    await page.enter();
+    const { sets, twins } = await choices();
+    const own = !sets.some(({ shown }) => shown);
+    const first = own ? "analyse" : twins ? "touch" : "order";
+    take({ sets, first });
+    showSets(sets);
+    for (const name of ["touch", "where"]) $(`.chapters [data-chapter=${name}]`).hidden = !twins; // as in a saved page
+    if (!state.chapter) openChapter(first);
+    wire();
+    await enter();
   }, say);
 }
 
-/** The message for a link to a set that the server no longer has. */
-function homeLink() {
-  const link = document.createElement("a");
-  link.href = location.pathname;
-  link.textContent = "Open the page without it.";
-  return link;
+/** The buttons of the project’s sets. @param {SetRow[]} sets */
+function showSets(sets) {
+  $(".sets").hidden = sets.length < 2;
+  put(
+    $(".sets"),
+    html`${sets.map(
+      ({ name, title, shown }) =>
+        html`<button type="button" data-set="${name}" aria-pressed="${String(shown)}" title="${WORDS[name] ?? ""}">${title}</button>`,
+    )}`,
+  );
 }
-
-const waiting = (step) =>
-  step?.text && !step.total ? `Computing maps: ${step.text}. Pair works meanwhile.` : making(step);

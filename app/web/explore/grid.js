@@ -1,86 +1,104 @@
-/** Pictures of the pairs that are selected, found, or fooled, with a summary and their tags. */
+/** Pictures of points: the neighbours of the pinned pair, and the pairs that are selected, found, or fooled. */
 
 import { imitation, thumbnail, verdict } from "../shared/card.js";
 import { orderText } from "../shared/frames.js";
 import { ofFrames } from "../shared/provenance.js";
-import { state } from "../shared/store.js";
-import { escaped, percent } from "../shared/text.js";
-import { onClick } from "../shared/view.js";
+import { $, html, percent, put, scene, state } from "./root.js";
+import { filtering, near } from "./scene.js";
 import { tagOf, tagPairs } from "./tags.js";
 
 const SHOWN = 60; // pairs; the CSV holds all
 const LESSON = 10; // in a chapter
 const SIDE = 44; // CSS pixels of a picture
 
+/** @typedef {{pairs: number[], points?: number, why?: string}} Listed */
+
 /** The pairs to show, and why: those selected, else those that a filter leaves, else the look-alikes.
- * @returns {{pairs: number[], points?: number, why?: string}} */
-export function listed(scene) {
-  const { frames, selected, facts } = scene;
-  const all = Array.from({ length: frames.pairs }, (_, pair) => pair);
-  if (selected.size)
-    return { points: selected.size, pairs: all.filter((p) => selected.has(p) || selected.has(p + frames.pairs)) };
-  if (scene.filtering().length) return { pairs: all.filter((p) => scene.shown(p) || scene.shown(p + frames.pairs)) };
-  if (state.chapter !== "fooled" || !facts.pairs || !facts.unseen) return { pairs: [] };
-  const strange = (p) => facts.unseen.pairs.counts[p] && frames.domains[frames.domain[p]] !== facts.unseen.source;
-  const alike = all.filter((p) => facts.pairs.looks_like[p] && strange(p));
-  const wrong = (p) => frames.prediction[scene.stop * frames.pairs + p] !== frames.label[p];
-  return alike.length
-    ? { why: "look like another class", pairs: alike }
-    : { why: "unseen pairs predicted wrong", pairs: all.filter((p) => strange(p) && wrong(p)) };
+ * @returns {Listed} */
+function listed() {
+  const { frames, selected, mask, facts, stop } = scene;
+  const pairs = (/** @type {Wanted} */ wanted) =>
+    Array.from({ length: frames.pairs }, (_, pair) => pair).filter(wanted);
+  const either = (/** @type {Wanted} */ wanted) => pairs((pair) => wanted(pair) || wanted(pair + frames.pairs));
+  if (selected.size) return { points: selected.size, pairs: either((point) => selected.has(point)) };
+  if (filtering(scene, state).length) return { pairs: either((point) => mask[point] === 1) };
+  const { unseen, pairs: names } = facts;
+  if (state.chapter !== "fooled" || !names || !unseen) return { pairs: [] };
+  const strange = (/** @type {number} */ pair) =>
+    unseen.pairs.counts[pair] && frames.domains[frames.domain[pair]] !== unseen.source;
+  const alike = pairs((pair) => Boolean(names.looks_like[pair] && strange(pair)));
+  if (alike.length) return { why: "look like another class", pairs: alike };
+  const wrong = pairs(
+    (pair) => Boolean(strange(pair)) && frames.prediction[stop * frames.pairs + pair] !== frames.label[pair],
+  );
+  return { why: "unseen pairs predicted wrong", pairs: wrong };
 }
 
-/** @param {{pairs: number[], points?: number, why?: string}} what */
-function heading({ points, why, pairs }, scene) {
+/** @param {Listed} listed */
+function heading({ points, why, pairs }) {
   const { frames, stop } = scene;
+  if (why) return html`<h4>${pairs.length} ${why}</h4>`;
   const verdicts = pairs.map((pair) => verdict(frames, pair, stop));
-  const right = verdicts.filter((v) => v.right).length;
-  const tally = (key) =>
-    Object.entries(/** @type {Record<string, any[]>} */ (Object.groupBy(verdicts, (v) => v[key])))
-      .sort((a, b) => b[1].length - a[1].length)
-      .map(([name, own]) => `${escaped(name)} ${own.length}`)
+  const tally = (/** @type {"domain" | "truth"} */ key) =>
+    Object.entries(Object.groupBy(verdicts, (v) => v[key]))
+      .map(([name, of]) => ({ name, count: of?.length ?? 0 }))
+      .sort((a, b) => b.count - a.count)
+      .map(({ name, count }) => `${name} ${count}`)
       .join(" · ");
-  if (why) return `<h4>${pairs.length} ${why}</h4>`;
   const judged = !frames.headless && frames.labelled;
-  const score = judged
-    ? `; ${percent(right / pairs.length)} predicted right at p = ${orderText(frames.orders[stop])}`
-    : "";
-  const home = pairs.filter((pair) => frames.domains[frames.domain[pair]] === frames.source).length;
-  const whence = judged ? ofFrames(frames, stop, `these pairs, ${home} of them of its source`) : "";
-  return `<h4>${points ? `${points} points selected` : `${pairs.length} pairs found`}</h4>
-    <p class="hint">${pairs.length} pairs${score}.<br><b>Domains</b> ${tally("domain")}<br><b>Classes</b> ${tally("truth")}</p>${whence}`;
+  const share = percent(verdicts.filter(({ right }) => right).length / pairs.length);
+  const home = verdicts.filter(({ domain }) => domain === frames.source).length;
+  return html`<h4>${points ? `${points} points selected` : `${pairs.length} pairs found`}</h4>
+    <p class="hint">${pairs.length} pairs${judged && `; ${share} predicted right at p = ${orderText(frames.orders[stop])}`}.<br><b>Domains</b> ${tally("domain")}<br><b>Classes</b> ${tally("truth")}</p>${judged && ofFrames(frames, stop, `these pairs, ${home} of them of its source`)}`;
 }
 
-function tile(pair, scene) {
+/** A verdict with its mark. @param {boolean} right @param {string} said */
+export const marked = (right, said) => `${right ? "✓" : "✗"}\u00a0${said}`;
+
+/** A button of a pair. @param {number} pair */
+function tile(pair) {
   const { frames, sprite, stop, facts } = scene;
-  const v = verdict(frames, pair, stop);
+  const { truth, domain, said, right } = verdict(frames, pair, stop);
   const note = imitation(facts.pairs, pair);
   const tag = tagOf(frames, pair);
-  const said = v.said
-    ? `${v.right ? "" : `${escaped(v.truth)} `}<span class="${v.right ? "right" : "wrong"}">${v.right ? "✓" : "✗"}\u00a0${escaped(v.said)}</span>`
-    : escaped(v.truth);
-  const name = `Pair ${pair}, ${v.truth}${note && `, ${note}`}, ${v.domain}, ${v.said && `predicted ${v.said}`}${tag && `, tag ${tag}`}`;
-  const pictures = [pair, pair + frames.pairs].map((t, i) => thumbnail(sprite, t, SIDE, ["VIS", "TAC"][i]));
-  return `<button type="button" data-pair="${pair}" title="${escaped(name)}" aria-label="${escaped(name)}"><span class="thumbs">${pictures.join("")}</span><small>${said}${tag && ` <i class="tag">${escaped(tag)}</i>`}</small></button>`;
+  const name = `Pair ${pair}, ${truth}${note && `, ${note}`}, ${domain}, ${said && `predicted ${said}`}${tag && `, tag ${tag}`}`;
+  const words = said
+    ? html`${!right && `${truth} `}<span class="${right ? "right" : "wrong"}">${marked(right, said)}</span>`
+    : truth;
+  return html`<button type="button" data-pair="${pair}" title="${name}" aria-label="${name}"><span class="thumbs">${thumbnail(sprite, pair, SIDE, "VIS")}${thumbnail(sprite, pair + frames.pairs, SIDE, "TAC")}</span><small>${words}${tag && html` <i class="tag">${tag}</i>`}</small></button>`;
 }
 
-/** `on`: onPick(pair), onClear(), onSave(). */
-export function showGrid(box, scene, { onPick, onClear, onSave }) {
-  const what = listed(scene);
-  const { pairs, points } = what;
+/** Show the pictures. */
+export function showGrid() {
+  const box = $(".pictures");
+  const list = listed();
+  const { pairs, points, why } = list;
   box.parentElement.hidden = !pairs.length || !["fooled", "analyse"].includes(state.chapter);
-  if (!pairs.length) {
-    box.innerHTML = "";
-    return;
-  }
-  const row = `<div class="row">${points ? '<button type="button" class="clear">Clear</button>' : ""}<button type="button" class="csv">Save as CSV</button><label>Tag <input type="text" class="tagging" maxlength="40" placeholder="a word, then Enter"></label></div>`;
-  const first = what.why ? LESSON : SHOWN;
-  const tiles = pairs.slice(0, first).map((pair) => tile(pair, scene));
-  const more = pairs.length > first ? `<p class="hint">${pairs.length - first} more pairs are in the CSV.</p>` : "";
-  const parts = [`<div class="tiles">${tiles.join("")}</div>${more}`, row];
-  box.innerHTML = heading(what, scene) + (what.why ? parts : parts.reverse()).join(""); // a chapter shows the pictures first
-  onClick(box, { ".csv": onSave, ".clear": onClear, "[data-pair]": ({ dataset }) => onPick(+dataset.pair) });
-  box.querySelector(".tagging").onchange = (event) => {
-    tagPairs(scene.frames, pairs, event.target.value.trim());
-    showGrid(box, scene, { onPick, onClear, onSave });
-  };
+  if (!pairs.length) return put(box, html``);
+  const first = why ? LESSON : SHOWN;
+  const tools = html`<div class="row">${points && html`<button type="button" class="clear">Clear</button>`}<button type="button" class="csv" data-save="csv">Save as CSV</button><label>Tag <input type="text" class="tagging" maxlength="40" placeholder="a word, then Enter"></label></div>`;
+  const tiles = html`<div class="tiles">${pairs.slice(0, first).map(tile)}</div>${pairs.length > first && html`<p class="hint">${pairs.length - first} more pairs are in the CSV.</p>`}`;
+  put(box, html`${heading(list)}${why ? [tiles, tools] : [tools, tiles]}`); // a chapter shows the pictures first
 }
+
+/** Tag the listed pairs with a word. @param {string} tag */
+export function tagListed(tag) {
+  tagPairs(scene.frames, listed().pairs, tag);
+  showGrid();
+}
+
+/** Show the neighbours of the pinned pair as pictures, if they are of this step and p. */
+export function showNeighbours() {
+  const points = near(scene, state);
+  const box = $(".card .found");
+  if (box && points.length) put(box, neighboursHtml(points, scene));
+}
+
+/** @param {Nearest["points"]} points @param {Pick<Scene, "frames" | "sprite">} scene */
+export const neighboursHtml = (points, { frames, sprite }) =>
+  html`${points.map(({ point, cosine }) => {
+    const half = point < frames.pairs ? "VIS" : "TAC";
+    const pair = point % frames.pairs;
+    const name = `${half} of pair ${pair}, ${frames.classes[frames.label[pair]]}, ${frames.domains[frames.domain[pair]]}, cosine ${cosine.toFixed(3)}`;
+    return html`<button type="button" data-point="${point}" title="${name}" aria-label="${name}">${thumbnail(sprite, point, 48, half)}<small>${half} ${cosine.toFixed(2)}</small></button>`;
+  })}`;

@@ -8,152 +8,148 @@ import { means, names } from "../shared/means.js";
 import { asText, values } from "../shared/measures.js";
 import { colouring, colouringsOf, isDark, onTheme } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
-import { radios } from "../shared/radios.js";
 import { isStill, stageNamed } from "../shared/stages.js";
-import { change, state } from "../shared/store.js";
 import { modeOf } from "../shared/tables.js";
-import { escaped, options } from "../shared/text.js";
-import { Beside } from "./beside.js";
+import { options } from "../shared/text.js";
 import { pictures } from "./pictures.js";
+import { $, choice, html, put, scene, state } from "./root.js";
+import { filtering, isDouble, lit, loneDomain, near } from "./scene.js";
 
+/** @type {Record<string, string>} */
 export const METHODS = { pca: "PCA", umap: "UMAP" };
 const TOOLS = 46; // CSS pixels that the tools of the workbench cover at the top of the map
 
-export class Maps {
-  /** `on` as in pointer.js. */
-  constructor($, scene, on) {
-    this.$ = $;
-    this.scene = scene;
-    const count = 2 * scene.own.pairs;
-    this.now = new Cloud($(".map"), count);
-    const drawing = listen(this.now, on);
-    const frames = () => scene.frames;
-    const marks = [
-      pictures(scene),
-      means(frames, scene.shown),
-      (x, cloud) => neighbourRings(x, cloud, scene.near),
-      (x, cloud) => state.pin !== null && pairLine(x, cloud, state.pin, "#dc2626"),
-      (x, cloud) => {
-        const pair = scene.hovered % scene.frames.pairs;
-        if (scene.hovered >= 0 && pair !== state.pin) pairLine(x, cloud, pair, isDark() ? "#38bdf8" : "#1e293b");
-      },
-    ];
-    const named = names(frames, scene.shown);
-    const scaled = axes(() => axisNames(this.kind()));
-    this.now.painters = [
-      (x, cloud) => (state.chapter === "analyse" ? scaled(x, cloud) : shapes(x, cloud, meaning(frames()))),
-      ...marks,
-      (x, cloud) => cloud.view.zoom < 3 && named(x, cloud),
-      (x) => lassoLine(x, drawing.polygon),
-    ];
-    this.beside = new Beside($, scene, this, on);
-    onTheme(() => {
-      this.now.redraw();
-      this.beside.cloud?.redraw();
-    });
-  }
+/** @type {Cloud} */
+export let map;
+/** Whether a point is drawn. @type {Wanted} */
+export const shown = (point) => scene.mask[point] === 1;
+/** @type {Wanted} */
+const isLit = (point) => lit(scene, point);
 
-  paintMarks = () => {
-    this.now.paintMarks();
-    this.beside.paintMarks();
-  };
-
-  /** Another set or chapter: room for its points, the whole map in view. */
-  reset() {
-    const over = getComputedStyle(this.$(".tools")).position === "absolute"; // on a phone they stand above the map
-    this.now.top = state.chapter === "analyse" && over && !this.beside.open ? TOOLS : 0;
-    if (this.now.count !== 2 * this.scene.own.pairs) this.now.hold(2 * this.scene.own.pairs);
-    this.now.resetView();
-    this.beside.follow();
-  }
-
-  /** The method of the map: the chosen one if this step has it. */
-  kind(stage = state.stage) {
-    const kinds = this.scene.frames.kinds(stage);
-    return kinds.includes(state.map) ? state.map : kinds[0];
-  }
-
-  /** The choice between the kinds of map that the open step has. */
-  showKinds() {
-    const kinds = this.scene.frames.kinds(state.stage);
-    const options = kinds.map((key) => ({ key, label: METHODS[key] ?? key }));
-    radios(
-      this.$(".kinds"),
-      options,
-      () => this.kind(),
-      (map) => change({ map }),
-    );
-  }
-
-  /** The colourings that the frames have. */
-  showColourings() {
-    const { frames } = this.scene;
-    this.$(".colouring").innerHTML = options(colouringsOf(frames).map(([key, c]) => [key, c.label]));
-    const known = colouringsOf(frames).find(([, c]) => c === colouring(frames, state.colour));
-    this.$(".colouring").value = known?.[0];
-  }
-
-  showLayers() {
-    const { frames, stop, shown, lit } = this.scene;
-    this.now.halves = this.scene.halves;
-    this.now.layers = layersOf(frames, stop, shown, lit);
-    this.now.redraw();
-    this.beside.show();
-  }
-
-  /** Draw the open step at the present stop. */
-  showNow() {
-    const { frames, stop } = this.scene;
-    const kind = this.kind();
-    if (!kind) return;
-    const frame = frames.positions(kind, state.stage, stop);
-    this.now.show(frame);
-    this.beside.show();
-    this.now.box.dataset.order = frames.orders[isStill(state.stage, frames) ? stop : frame.drawn];
-    this.$(".approximate").textContent = notes(frames, frame, stop, kind);
-    const stage = stageNamed(state.stage);
-    this.$('[data-panel="step"] .map-title').innerHTML = this.title(
-      `${stage.name}, p = ${orderText(frames.orders[stop])}`,
-      state.stage,
-      kind,
-    );
-  }
-
-  /** The title of a map: its step, its method, and the gaps of the points shown. */
-  title(name, stage, kind) {
-    const { frames, stop } = this.scene;
-    const domain = this.scene.loneDomain();
-    const hides = this.scene.filtering();
-    const gap = (measure, words, only) => {
-      const value = values(frames, measure, stage, only)?.[stop];
-      return Number.isFinite(value) ? `<span class="gap">${words} <b>${asText(measure, value, 2)}</b></span>` : "";
-    };
-    const gaps = domain
-      ? gap("modality_gap", `modality gap in ${escaped(domain)}`, domain)
-      : gap("modality_gap", "modality gap", "") + gap("domain_gap", "domain gap", "");
-    const of =
-      hides.length && !(domain && hides.length === 1)
-        ? `<span>${hides.map(escaped).join(" · ")}: gaps are of ${domain ? "the whole domain" : "all pairs"}</span>`
-        : "";
-    return `<span class="where-at">${name} <small>${METHODS[kind] ?? kind}</small></span>${gaps}${of}`;
-  }
+/** The lines of the pinned pair and of the pair under the pointer. @type {Painter} */
+export function pairLines(x, cloud) {
+  const pair = scene.hovered % scene.frames.pairs;
+  if (state.pin !== null) pairLine(x, cloud, state.pin, "#dc2626");
+  if (scene.hovered >= 0 && pair !== state.pin) pairLine(x, cloud, pair, isDark() ? "#38bdf8" : "#1e293b");
 }
 
+/** `on` as in pointer.js. @param {any} on */
+export function build(on) {
+  map = new Cloud($(".now .map"), 2 * scene.own.pairs);
+  const drawing = listen(map, on);
+  const frames = () => scene.frames;
+  const named = names(frames, shown);
+  const scaled = axes(() => axisNames(kindOf(state.stage)));
+  map.painters = [
+    (x, cloud) => (state.chapter === "analyse" ? scaled(x, cloud) : shapes(x, cloud, meaning(scene.frames))),
+    pictures,
+    means(frames, shown),
+    (x, cloud) =>
+      neighbourRings(
+        x,
+        cloud,
+        near(scene, state).map(({ point }) => point),
+      ),
+    pairLines,
+    (x, cloud) => cloud.view.zoom < 3 && named(x, cloud),
+    (x) => lassoLine(x, drawing.polygon),
+  ];
+  onTheme(() => map.redraw());
+}
+
+/** Another set or chapter: room for its points, the whole map in view. */
+export function reset() {
+  const over = getComputedStyle($(".tools")).position === "absolute"; // on a phone they stand above the map
+  map.top = state.chapter === "analyse" && over && !isDouble(scene, state) ? TOOLS : 0;
+  if (map.count !== 2 * scene.own.pairs) map.hold(2 * scene.own.pairs);
+  map.resetView();
+}
+
+/** The method of a map: the chosen one if the step has it. @param {string} stage */
+export function kindOf(stage, frames = scene.frames) {
+  const kinds = frames.kinds(stage);
+  return kinds.includes(state.map) ? state.map : kinds[0];
+}
+
+/** The choice between the kinds of map that the open step has. */
+export const showKinds = () =>
+  choice(
+    ".kinds",
+    "map",
+    scene.frames.kinds(state.stage).map((key) => ({ key, label: METHODS[key] ?? key })),
+    () => kindOf(state.stage),
+  );
+
+/** The colourings that the frames have. */
+export function showColourings() {
+  const rows = colouringsOf(scene.frames);
+  const chosen = colouring(scene.frames, state.colour);
+  put($(".colouring"), options(rows.map(([key, { label }]) => [key, label])));
+  $(".colouring").value = rows.find(([, row]) => row === chosen)?.[0];
+}
+
+/** The points of frames at a stop, by colour. @param {Cloud} cloud */
+export const showLayers = (cloud = map, frames = scene.frames, stop = scene.stop) => {
+  map.halves = scene.halves;
+  cloud.layers = layersOf(frames, stop, shown, isLit);
+  cloud.redraw();
+};
+
+/** Draw the open step at the present stop. */
+export function showNow() {
+  const { frames, stop } = scene;
+  const kind = kindOf(state.stage);
+  if (!kind) return;
+  const frame = frames.positions(kind, state.stage, stop);
+  map.show(frame);
+  map.box.dataset.order = String(frames.orders[isStill(state.stage, frames) ? stop : frame.drawn]);
+  $(".approximate").textContent = notes(frames, frame, stop, kind);
+  put($('[data-panel="step"] .map-title'), title(kind));
+}
+
+/** A measure of frames at a stop, with its words; null if not measured.
+ * @type {(words: string, measure: string, values: number[] | null | undefined, stop: number) => Html | null} */
+export const figure = (words, measure, values, stop) =>
+  Number.isFinite(values?.[stop])
+    ? html`<span class="gap">${words} <b>${asText(measure, values?.[stop], 2)}</b></span>`
+    : null;
+
+/** The title of the map: its step, its method, and the gaps of the points shown. @param {string} kind */
+function title(kind) {
+  const { frames, stop } = scene;
+  const domain = loneDomain(scene, state);
+  const hides = filtering(scene, state);
+  const gap = (/** @type {string} */ measure, /** @type {string} */ words) =>
+    figure(words, measure, values(frames, measure, state.stage, domain), stop);
+  const gaps = domain
+    ? gap("modality_gap", `modality gap in ${domain}`)
+    : [gap("modality_gap", "modality gap"), gap("domain_gap", "domain gap")];
+  const partly = hides.length && !(domain && hides.length === 1);
+  return html`<span class="where-at">${stageNamed(state.stage).name}, p = ${orderText(frames.orders[stop])} <small>${METHODS[kind] ?? kind}</small></span>${gaps}${
+    partly ? html`<span>${hides.join(" · ")}: gaps are of ${domain ? "the whole domain" : "all pairs"}</span>` : null
+  }`;
+}
+
+/** @type {(frames: Frames) => string} */
 const meaning = ({ signals }) => (signals ? "● one recording  ▲ the other" : "● photo  ▲ touch");
 
-/** What to know about the map: how far its neighbours can be trusted, and which stop it shows. */
-export function notes(frames, frame, stop, kind) {
-  const parts = [];
-  if (Number.isFinite(frame.trust) && state.chapter === "analyse") parts.push(`Trust ${frame.trust.toFixed(2)}.`);
-  if (kind !== state.map) parts.push(`This step has no ${METHODS[state.map]}.`);
-  if (frame.stops > 1 && frame.drawn !== stop)
-    parts.push(`Shown is p = ${orderText(frames.orders[frame.drawn])}, the nearest of ${frame.stops} stops.`);
-  if (state.chapter === "analyse") {
-    if (isStill(state.stage, frames) && frame.stops === 1 && state.stage !== "raw")
-      parts.push("One map for every p: the transform changes no distance.");
-    const { note } = modeOf(frames);
-    if (note && !isStill(state.stage, frames)) parts.push(note);
-    if (kind === "umap") parts.push("Distances and scale have no meaning.");
-  }
-  return parts.join(" ");
+/** What to know about the map: how far its neighbours can be trusted, and which stop it shows.
+ * @param {Frames} frames @param {ReturnType<Frames["positions"]>} frame @param {number} stop @param {string} kind */
+function notes(frames, { trust, stops, drawn }, stop, kind) {
+  const analysed = state.chapter === "analyse";
+  const still = isStill(state.stage, frames);
+  return [
+    analysed && Number.isFinite(trust) && `Trust ${trust?.toFixed(2)}.`,
+    kind !== state.map && `This step has no ${METHODS[state.map]}.`,
+    stops > 1 && drawn !== stop && `Shown is p = ${orderText(frames.orders[drawn])}, the nearest of ${stops} stops.`,
+    analysed &&
+      still &&
+      stops === 1 &&
+      state.stage !== "raw" &&
+      "One map for every p: the transform changes no distance.",
+    analysed && !still && modeOf(frames).note,
+    analysed && kind === "umap" && "Distances and scale have no meaning.",
+  ]
+    .filter(Boolean)
+    .join(" ");
 }

@@ -1,108 +1,89 @@
 /** Modes of p: a head for each stop, one head with fixed weights, or one head for every p. */
 
 import { refused } from "../shared/api.js";
+import { framesOf } from "../shared/facts.js";
 import { orderText } from "../shared/frames.js";
 import { values } from "../shared/measures.js";
 import { radios } from "../shared/radios.js";
-import { change, state } from "../shared/store.js";
 import { has, modeOf, OWN_MODE, worded } from "../shared/tables.js";
-import { escaped, percent } from "../shared/text.js";
-import { modeFrames } from "./library.js";
+import { $, change, html, percent, scene, state, take } from "./root.js";
 
-/** A mode's row on the page; the loaded head may be a head for every p. */
-const rowOf = (mode, own) => modeOf({ kind: mode === OWN_MODE ? own.kind : mode });
-
+/** @type {(head: NonNullable<FramesMeta["head"]>) => string} */
 const trainings = ({ seeds = [], width }) =>
   [seeds.length > 1 && `${seeds.length} trainings for each stop`, width && `width ${width}`].filter(Boolean).join(", ");
 
 const SIGNALS = " Each pair is two recordings of one signal: “photo” stands for the first, “touch” for the second.";
 
-/** An explanation of the chosen mode, and of a set of signals, as HTML. */
-export const modeWords = (frames) => ofMode(frames) + (frames.signals ? SIGNALS : "");
-
-function ofMode(frames) {
+/** An explanation of the chosen mode, and of a set of signals. @param {Frames} frames */
+export function modeWords(frames) {
   const { learned, meta, source } = frames;
   const more = trainings(meta.head ?? {});
-  return worded(modeOf(frames).words ?? "", {
-    source: escaped(source),
+  const { lead, words = "" } = modeOf(frames);
+  const sentence = worded(words, {
+    source,
     trainings: more && ` (${more})`,
-    band: meta.head?.seeds?.length > 1 ? "; the pale band is from the lowest to the highest training" : "",
+    band: (meta.head?.seeds?.length ?? 0) > 1 ? "; the pale band is from the lowest to the highest training" : "",
     learned: Number.isFinite(learned) ? orderText(+learned.toFixed(3)) : "its own p",
     elsewhere: has(frames, "what-if") ? elsewhere(frames) : "",
   });
+  return html`${lead && html`<b>${lead}</b>`}${sentence}${frames.signals && SIGNALS}`;
 }
 
-/** The accuracy at the orders that the head was not trained for, in words; "" if not measured. */
+/** The accuracy at the orders that the head was not trained for, in words; "" if not measured. @param {Frames} frames */
 function elsewhere(frames) {
-  const near = frames.fits;
-  const own = values(frames, "accuracy", "f_hat")?.filter(
-    (v, i) => Number.isFinite(v) && !(near?.[0] <= frames.orders[i] && frames.orders[i] <= near?.[1]),
-  );
+  const [low, high] = frames.fits ?? [NaN, NaN];
+  /** @type {number[] | null} */
+  const curve = values(frames, "accuracy", "f_hat");
+  const own = curve?.filter((v, i) => Number.isFinite(v) && !(low <= frames.orders[i] && frames.orders[i] <= high));
   if (!own?.length) return "";
   const mean = own.reduce((sum, v) => sum + v, 0) / own.length;
   return `Elsewhere its mean accuracy in unseen domains is ${percent(mean)} (guessing: ${percent(1 / frames.classes.length)}). `;
 }
 
-export class Modes {
-  /** `onFrames(frames)` shows the frames of a mode; `say` shows the sentence of a Refusal. */
-  constructor(box, { onFrames, say }) {
-    this.box = box;
-    this.onFrames = onFrames;
-    this.say = say;
-    this.mode = ""; // the one shown
-    this.wanted = "";
-    /** @type {any} */
-    this.data = null;
-    this.showChosen = () => {};
-  }
+/** Show the choice of modes. `onFrames` shows the frames of another mode; `say` the sentence of a Refusal.
+ * @param {(frames: Frames) => void} onFrames @param {(sentence: string) => void} say */
+export function modesOfP(onFrames, say) {
+  let mark = () => {};
 
-  /** The frames that a set opens with: of the mode in the address, or of the first one. */
-  async open(data) {
-    this.data = data;
-    this.box.hidden = data.modes.length < 2;
-    const options = data.modes.map((key) => {
-      const { title, help } = rowOf(key, data.own);
-      return { key, label: title, title: help };
-    });
-    this.showChosen = radios(
-      this.box,
-      options,
-      () => this.mode,
-      (key) => this.choose(key),
-    );
-    return this.fetched(this.opening());
-  }
+  const opening = () => (scene.modes.includes(state.mode) ? state.mode : scene.modes[0]);
 
-  opening() {
-    const { modes } = this.data;
-    return modes.includes(state.mode) ? state.mode : modes[0];
-  }
-
-  /** The frames of a mode; null if they cannot be had or another mode is wanted by then. */
-  async fetched(mode) {
-    const { data } = this;
-    this.wanted = mode;
+  /** The frames of a mode; null if they cannot be had or another mode is wanted by then.
+   * @param {string} mode @returns {Promise<Frames | null>} */
+  async function fetched(mode) {
+    const { own, set } = take({ wanted: mode });
     try {
-      const frames = await modeFrames(data, mode);
-      if (this.wanted !== mode || this.data !== data) return null;
-      this.mode = mode;
-      this.showChosen();
+      const frames = mode === OWN_MODE ? own : await framesOf(mode, own, set);
+      if (scene.wanted !== mode || scene.set !== set) return null;
+      take({ mode });
+      mark();
       return frames;
     } catch (error) {
-      refused(error, this.say);
-      return mode === OWN_MODE ? null : this.fetched(OWN_MODE);
+      refused(error, say);
+      return mode === OWN_MODE ? null : fetched(OWN_MODE);
     }
   }
 
-  async choose(mode) {
-    const frames = await this.fetched(mode);
+  /** @param {string} mode */
+  async function choose(mode) {
+    const frames = await fetched(mode);
     if (!frames) return;
-    change({ mode: mode === this.data.modes[0] ? "" : mode });
-    this.onFrames(frames);
+    change({ mode: mode === scene.modes[0] ? "" : mode });
+    onFrames(frames);
   }
 
-  /** Show the mode in the address if another one is shown. */
-  follow() {
-    if (this.opening() !== this.wanted) this.choose(this.opening());
-  }
+  return {
+    /** The frames that a set opens with: of the mode in the address, or of the first one. */
+    open() {
+      const { modes, own } = scene;
+      const options = modes.map((key) => {
+        const { title = "", help } = modeOf({ kind: key === OWN_MODE ? own.kind : key }); // the loaded head may be one for every p
+        return { key, label: title, title: help };
+      });
+      $(".modes").hidden = modes.length < 2;
+      mark = radios($(".modes"), options, () => scene.mode, choose);
+      return fetched(opening());
+    },
+    /** Show the mode in the address if another one is shown. */
+    follow: () => opening() !== scene.wanted && choose(opening()),
+  };
 }

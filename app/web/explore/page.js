@@ -1,131 +1,128 @@
 /** Explore's chapters: each opens with its set, its frames and its view. */
 
-import { attempt, refused } from "../shared/api.js";
-import { fit, pairNames, unseen } from "../shared/facts.js";
+import { attempt, once, refused } from "../shared/api.js";
+import { choices, fit, pairNames, unseen } from "../shared/facts.js";
 import { whenFine } from "../shared/frames.js";
 import { setOf } from "../shared/sets.js";
-import { openAt, openChapter, state } from "../shared/store.js";
-import { OWN_MODE } from "../shared/tables.js";
-import { Board } from "./board.js";
-import { chapterNamed, startOf } from "./chapters.js";
-import { dataOf } from "./library.js";
-import { Modes } from "./modes.js";
-import { showSets } from "./panels.js";
-import { Threads } from "./threads.js";
-import { OneTouch } from "./touch.js";
-import { wire, wireBoard } from "./wiring.js";
+import { openAt, openChapter } from "../shared/store.js";
+import { theSet } from "../shared/theset.js";
+import { making, tell } from "../shared/view.js";
+import { buildBoard } from "./acts.js";
+import * as board from "./board.js";
+import { LESSONS, startOf } from "./chapters.js";
+import { modesOfP } from "./modes.js";
+import { $, all, scene, state, take } from "./root.js";
+import { learned, loaded } from "./scene.js";
+import * as threads from "./threads.js";
+import * as touch from "./touch.js";
 
-export class Page {
-  /** `say` shows the sentence of a Refusal, `telling` the server's progress; null for none. */
-  constructor($, { sets, twins }, { say, telling }) {
-    this.$ = $;
-    this.sets = sets;
-    this.first = !sets.some(({ shown }) => shown) ? "analyse" : twins ? "touch" : "order";
-    this.say = say;
-    this.telling = telling;
-    this.chapter = ""; // the one on screen; none while its set loads
-    this.modes = new Modes($(".modes"), { onFrames: (frames) => this.board?.replace(frames), say });
-    /** @type {any} */
-    this.data = null;
-    /** @type {Board | null} */
-    this.board = null; // made with the first set
-    this.touch = new OneTouch($(".touch"));
-    this.threads = new Threads($, !sets.some(({ shown }) => shown));
-    showSets($(".sets"), sets);
-    for (const name of ["touch", "where"]) $(`.chapters [data-chapter=${name}]`).hidden = !twins; // as in a saved page
-    wire(this);
-  }
+/** Show the sentence of a Refusal; with a link home if the address names a set that may be gone. */
+export function say(/** @type {string} */ sentence) {
+  tell($(".wait"), sentence, true);
+  if (!new URLSearchParams(location.search).has("set")) return;
+  const home = Object.assign(document.createElement("a"), { href: location.pathname });
+  home.textContent = "Open the page without it.";
+  $(".wait").append(" ", home);
+}
 
-  /** Open the chapter in the address: its set, its frames, its view. */
-  async enter() {
-    if (!state.chapter) return openChapter(this.first);
-    const { chapter } = state;
-    this.chapter = "";
-    this.layOut(chapter);
-    const late = () => state.chapter !== chapter;
-    return attempt(async () => {
-      if (chapter === "touch") {
-        await this.touch.open();
-        return late() || this.opened(chapter);
-      }
-      if (chapter === "where") {
-        await this.threads.open();
-        if (late()) return;
-        this.telling(null);
-        this.$(".explore").classList.add("ready");
-      }
-      const set = setOf(chapter, this.sets);
-      const data = await dataOf(set, (step) => !this.chapter && this.telling(step));
-      if (late()) return;
-      const board = this.boardOf(data);
-      if (board.scene.set !== set) board.scene.load(data);
-      this.data = data;
-      const frames = await this.modes.open(data);
-      if (late() || !frames) return;
-      this.opened(chapter);
-      this.start(board, frames);
-      this.learnAll(board, data);
-      if (data.coarse) this.refine(board, data);
-    }, this.say);
-  }
+/** Show the server's progress; null for none. @param {any} step */
+const telling = (step) =>
+  tell(
+    $(".wait"),
+    step === null
+      ? ""
+      : step?.text && !step.total
+        ? `Computing maps: ${step.text}. Pair works meanwhile.`
+        : making(step),
+  );
 
-  opened(chapter) {
-    this.telling(null);
-    this.chapter = chapter;
-    this.$(".explore").classList.add("ready");
-  }
+export const modes = modesOfP((frames) => board.replace(frames), say);
 
-  /** The parts, made once. */
-  boardOf(data) {
-    if (!this.board) wireBoard(this, (this.board = new Board(this.$, data, this.threads)));
-    return this.board;
-  }
+/** The set of a chapter. Finer frames take the place of coarse ones later.
+ * @type {(set: string, onWait: (step: any) => void) => Promise<SetData>} */
+const dataOf = (set, onWait) =>
+  once(`data ${set}`, async () => {
+    const [{ frames: own, coarse, sprite }, { modes }] = await Promise.all([theSet(onWait, set), choices(set)]);
+    own.coarse = coarse;
+    return { set, own, sprite, coarse, modes };
+  });
 
-  /** Show the parts of a chapter. */
-  layOut(chapter) {
-    const root = this.$(".explore");
-    root.dataset.chapter = chapter;
-    for (const part of root.querySelectorAll("[data-for]"))
-      part.hidden = !part.dataset.for.split(" ").includes(chapter);
-    for (const button of root.querySelectorAll(".chapters [data-chapter]")) {
-      button.setAttribute("aria-current", button.dataset.chapter === chapter ? "page" : "false");
-      if (button.dataset.chapter === chapter) button.parentElement.scrollLeft = button.offsetLeft - 40; // on a phone
+/** Open the chapter in the address: its set, its frames, its view. */
+export async function enter() {
+  if (!state.chapter) return openChapter(scene.first);
+  const { chapter } = state;
+  take({ chapter: "" });
+  layOut(chapter);
+  const late = () => state.chapter !== chapter;
+  return attempt(async () => {
+    if (chapter === "touch") {
+      await touch.open();
+      return late() || opened(chapter);
     }
-    const lesson = chapterNamed(chapter);
-    if (!lesson) return;
-    this.$(".next").textContent = lesson.next;
-    this.$(".next").dataset.chapter = lesson.to;
-  }
-
-  start(board, frames) {
-    const { set, own } = board.scene;
-    if (state.p === null) openAt(startOf(state.chapter, frames, own));
+    if (chapter === "where") {
+      await threads.open();
+      if (late()) return;
+      telling(null);
+      $().classList.add("ready");
+    }
+    const data = await dataOf(setOf(chapter, scene.sets), (step) => !scene.chapter && telling(step));
+    if (late()) return;
+    if (scene.own !== data.own) take(loaded(data));
+    buildBoard();
+    const frames = await modes.open();
+    if (late() || !frames) return;
+    opened(chapter);
+    if (state.p === null) openAt(startOf(chapter, frames, data.own));
     if (state.pin !== null && !(state.pin < frames.pairs)) state.pin = null;
-    board.start(frames, this.sets.find(({ name }) => state.chapter === "order" && set && name !== set)?.curve);
-  }
+    board.start(frames);
+    learnAll(data);
+    if (data.coarse) refine(data);
+  }, say);
+}
 
-  learnAll(board, data) {
-    const learn = (name) => (fact) => {
-      data.facts[name] = fact;
-      if (this.data === data && this.chapter) board.learned();
-    };
-    if (data.facts.unseen && data.facts.pairs) return board.learned();
-    pairNames(data.set).then(learn("pairs"), () => {});
-    if (data.own.headless) return fit(data.set).then(learn("fit"), () => {});
-    unseen(data.set).then(learn("unseen"), (error) => refused(error, this.$(".strangers .hint")));
-    return undefined;
-  }
+/** @param {string} chapter */
+function opened(chapter) {
+  telling(null);
+  take({ chapter });
+  $().classList.add("ready");
+}
 
-  /** Finer frames of the head itself are computed: wait for them. */
-  async refine(board, data) {
-    data.coarse = false;
-    const own = await whenFine((step) => this.telling(step));
-    this.telling(null);
-    const shown = board.scene.own === board.scene.frames;
-    data.own = own;
-    data.frames.set(OWN_MODE, own);
-    if (this.data !== data) return;
-    board.scene.own = own;
-    if (shown && this.chapter) board.replace(own);
+/** Show the parts of a chapter. @param {string} chapter */
+function layOut(chapter) {
+  $().dataset.chapter = chapter;
+  for (const part of all("[data-for]")) part.hidden = !part.dataset.for.split(" ").includes(chapter);
+  for (const button of all(".chapters [data-chapter]")) {
+    button.setAttribute("aria-current", button.dataset.chapter === chapter ? "page" : "false");
+    if (button.dataset.chapter === chapter) button.parentElement.scrollLeft = button.offsetLeft - 40; // on a phone
   }
+  const lesson = LESSONS[chapter];
+  if (!lesson) return;
+  $(".next").textContent = lesson.next;
+  $(".next").dataset.chapter = lesson.to;
+}
+
+/** Fetch what is known of a set, and show it. @param {SetData} data */
+function learnAll({ set, own }) {
+  const { facts } = scene;
+  const learn = (/** @type {keyof SetFacts} */ name) => (/** @type {any} */ fact) => {
+    take(learned(scene, set, { [name]: fact }));
+    if (set === scene.set && scene.chapter) board.learned();
+  };
+  if (facts.unseen && facts.pairs) return board.learned();
+  pairNames(set).then(learn("pairs"), () => {});
+  if (own.headless) return fit(set).then(learn("fit"), () => {});
+  return unseen(set).then(learn("unseen"), (error) => refused(error, $(".strangers .hint")));
+}
+
+/** Finer frames of the head itself are computed: wait for them. @param {SetData} data */
+async function refine(data) {
+  data.coarse = false;
+  const coarse = data.own;
+  const own = await whenFine(telling);
+  telling(null);
+  data.own = own;
+  if (scene.own !== coarse) return;
+  const shown = scene.frames === coarse;
+  take({ own });
+  if (shown && scene.chapter) board.replace(own);
 }

@@ -1,99 +1,95 @@
-/** Pictures replace points when few enough are in view. */
+/** Pictures replace points when few enough are in view, and stand at the pointer. */
 
 import { thumbnailPair, verdict } from "../shared/card.js";
 import { colouring } from "../shared/palette.js";
-import { state } from "../shared/store.js";
-import { escaped } from "../shared/text.js";
+import { $, html, put, scene, state } from "./root.js";
 
 const MOST = 70; // pictures on the map at once
 const NEAR = 3; // zoom from which points may become pictures
 const SIDE = 38; // CSS pixels
-
-const sheets = new Map(); // address -> image, once it has loaded
-
-function sheet(sprite, onLoad) {
-  if (!sheets.has(sprite.url)) {
-    const image = new Image();
-    sheets.set(sprite.url, image);
-    image.onload = onLoad;
-    image.src = sprite.url;
-  }
-  const image = sheets.get(sprite.url);
-  return image.complete && image.naturalWidth ? image : null;
-}
-
-/** Indices of the points in view; null if there are more than `most`. */
-export function inView(cloud, shown, most = MOST) {
-  const found = [];
-  for (let point = 0; point < cloud.count; point++) {
-    if (cloud.x[point] < 0 || cloud.y[point] < 0 || cloud.x[point] > cloud.width || cloud.y[point] > cloud.height)
-      continue;
-    if (!shown(point)) continue;
-    if (found.length === most) return null;
-    found.push(point);
-  }
-  return found;
-}
-
-/** A painter; VIS pictures have round corners, TAC pictures square ones, frames have the point's colour. */
-export function pictures(scene) {
-  return (context, cloud) => {
-    const { sprite, frames } = scene;
-    cloud.box.classList.remove("pictured");
-    if (!sprite || cloud.view.zoom < NEAR) return;
-    const points = inView(cloud, scene.shown);
-    if (!points) return;
-    const image = sheet(sprite, () => cloud.paintMarks());
-    if (!image) return;
-    cloud.box.classList.add("pictured");
-    const chosen = colouring(frames, state.colour);
-    const groups = chosen.groups(frames);
-    const of = chosen.of(frames, scene.stop);
-    for (const point of points) {
-      const tac = point >= frames.pairs ? 1 : 0;
-      const colour = groups[of(point % frames.pairs, tac)]?.[1] ?? "#64748b";
-      tile(context, image, sprite, point, cloud.place(point), colour, tac);
-    }
-  };
-}
-
-function tile(context, image, sprite, point, [x, y], colour, tac) {
-  const from = [(point % sprite.columns) * sprite.tile, Math.floor(point / sprite.columns) * sprite.tile];
-  context.save();
-  context.beginPath();
-  context.roundRect(x - SIDE / 2, y - SIDE / 2, SIDE, SIDE, tac ? 2 : SIDE / 2);
-  context.lineWidth = 5;
-  context.strokeStyle = colour;
-  context.stroke();
-  context.clip();
-  context.drawImage(image, ...from, sprite.tile, sprite.tile, x - SIDE / 2, y - SIDE / 2, SIDE, SIDE);
-  context.restore();
-}
-
 const PEEK = 76;
 const AWAY = 18; // CSS pixels from the pointer
 
-/** Returns show(pair or -1): the pictures follow the pointer over `area`. */
-export function peek(box, area, scene) {
-  let at = [0, 0];
-  const place = () => {
-    const { width, height } = box.getBoundingClientRect();
-    const left = at[0] + AWAY + width > innerWidth ? at[0] - AWAY - width : at[0] + AWAY;
-    const top = Math.max(4, Math.min(innerHeight - height - 4, at[1] - height / 2));
-    box.style.transform = `translate(${Math.round(left)}px, ${Math.round(top)}px)`;
-  };
-  area.addEventListener("pointermove", (event) => {
-    at = [event.clientX, event.clientY];
-    if (!box.hidden) place();
+/** Address -> image, once it has loaded. @type {Map<string, HTMLImageElement>} */
+const sheets = new Map();
+
+/** @param {Sprite} sprite @param {() => void} onLoad */
+function sheet({ url }, onLoad) {
+  const image = sheets.get(url) ?? Object.assign(new Image(), { onload: onLoad, src: url });
+  sheets.set(url, image);
+  return image.complete && image.naturalWidth ? image : null;
+}
+
+/** Indices of the points in view; null if there are more than `most`.
+ * @param {Pick<import("../shared/cloud.js").Cloud, "count" | "x" | "y" | "width" | "height">} cloud @param {Wanted} shown */
+export function inView({ count, x, y, width, height }, shown, most = MOST) {
+  const points = [];
+  for (let point = 0; point < count; point++) {
+    if (x[point] < 0 || y[point] < 0 || x[point] > width || y[point] > height || !shown(point)) continue;
+    if (points.length === most) return null;
+    points.push(point);
+  }
+  return points;
+}
+
+/** VIS pictures have round corners, TAC pictures square ones, frames have the point's colour. @type {Painter} */
+export function pictures(context, cloud) {
+  const { sprite, frames, stop, mask } = scene;
+  cloud.box.classList.remove("pictured");
+  if (!sprite || cloud.view.zoom < NEAR) return;
+  const points = inView(cloud, (point) => mask[point] === 1);
+  const image = points && sheet(sprite, () => cloud.paintMarks());
+  if (!image) return;
+  cloud.box.classList.add("pictured");
+  const chosen = colouring(frames, state.colour);
+  const groups = chosen.groups(frames);
+  const of = chosen.of(frames, stop);
+  const { tile, columns } = sprite;
+  for (const point of points) {
+    const tac = point >= frames.pairs;
+    const [left, top] = cloud.place(point).map((v) => v - SIDE / 2);
+    context.save();
+    context.beginPath();
+    context.roundRect(left, top, SIDE, SIDE, tac ? 2 : SIDE / 2);
+    context.lineWidth = 5;
+    context.strokeStyle = groups[of(point % frames.pairs, +tac)]?.[1] ?? "#64748b";
+    context.stroke();
+    context.clip();
+    const from = [(point % columns) * tile, Math.floor(point / columns) * tile];
+    context.drawImage(image, from[0], from[1], tile, tile, left, top, SIDE, SIDE);
+    context.restore();
+  }
+}
+
+let pointer = [0, 0];
+
+/** Place the pictures at the pointer. */
+function follow() {
+  const box = $(".peek");
+  const [x, y] = pointer;
+  const { width, height } = box.getBoundingClientRect();
+  const left = x + AWAY + width > innerWidth ? x - AWAY - width : x + AWAY;
+  const top = Math.max(4, Math.min(innerHeight - height - 4, y - height / 2));
+  box.style.transform = `translate(${Math.round(left)}px, ${Math.round(top)}px)`;
+}
+
+/** Let the pictures follow the pointer over the maps. */
+export function listen() {
+  const area = $(".maps");
+  area.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
+    pointer = [event.clientX, event.clientY];
+    if (!$(".peek").hidden) follow();
   });
-  area.addEventListener("pointerleave", () => {
-    box.hidden = true;
-  });
-  return (pair, pointed) => {
-    box.hidden = pair < 0 || !pointed || !scene.sprite;
-    if (box.hidden) return;
-    const v = verdict(scene.frames, pair, scene.stop);
-    box.innerHTML = `${thumbnailPair(scene.frames, scene.sprite, pair, PEEK)}<p><b>${escaped(v.truth)}</b> · ${escaped(v.domain)}</p>`;
-    place();
-  };
+  area.addEventListener("pointerleave", () => ($(".peek").hidden = true));
+}
+
+/** Show the pictures of a pair, -1 for none, at the pointer. @param {number} pair @param {boolean} pointed */
+export function peek(pair, pointed) {
+  const { frames, sprite, stop } = scene;
+  const box = $(".peek");
+  box.hidden = pair < 0 || !pointed || !sprite;
+  if (box.hidden) return;
+  const { truth, domain } = verdict(frames, pair, stop);
+  put(box, html`${thumbnailPair(frames, sprite, pair, PEEK)}<p><b>${truth}</b> · ${domain}</p>`);
+  follow();
 }

@@ -1,134 +1,121 @@
 /** The Save menu: the map as a picture, points as a table, a link to the view. */
 
-import { attempt, inSet, made, refused } from "../shared/api.js";
+import { attempt, inSet, made } from "../shared/api.js";
 import { orderText } from "../shared/frames.js";
 import { axisNames } from "../shared/marks.js";
 import { colouring } from "../shared/palette.js";
 import { save } from "../shared/save.js";
 import { stageNamed } from "../shared/stages.js";
-import { state } from "../shared/store.js";
 import { modeOf } from "../shared/tables.js";
 import { csv, png, svg } from "./exports.js";
-import { METHODS } from "./maps.js";
+import { showGrid } from "./grid.js";
+import { kindOf, METHODS, map, shown } from "./maps.js";
+import { $, html, put, scene, state } from "./root.js";
+import { filtering } from "./scene.js";
 import { loadTags, tagsCsv } from "./tags.js";
 
-/** Copy the address together with the map's picture, if there is a map; return what was done, in words. */
-export async function share(saving) {
+/** Copy the address, together with the map's picture if one is on the screen; return what was done, in words.
+ * @param {boolean} pictured */
+export async function share(pictured) {
   const text = location.href;
+  const { clipboard } = navigator;
   try {
-    const picture = saving.picture();
+    if (!pictured) throw new Error("There is no map.");
     const link = new Blob([text], { type: "text/plain" });
-    await navigator.clipboard.write([new ClipboardItem({ "text/plain": link, "image/png": picture })]);
+    await clipboard.write([new ClipboardItem({ "text/plain": link, "image/png": picture() })]);
     return "Copied";
   } catch {
-    try {
-      await navigator.clipboard.writeText(text);
-      return "Link copied";
-    } catch {
-      return "Copy the address";
-    }
+    return clipboard.writeText(text).then(
+      () => "Link copied",
+      () => "Copy the address",
+    );
   }
 }
 
 /** Show the link to this view; a click beside it closes it. */
-export function showLink(box) {
-  const link = location.href;
-  box.innerHTML = '<h3>This view</h3><input type="text" readonly aria-label="Link to this view">';
+export function showLink() {
+  const box = $(".shared");
+  put(box, html`<h3>This view</h3><input type="text" readonly aria-label="Link to this view">`);
   const field = box.querySelector("input");
-  field.value = link;
+  field.value = location.href;
   field.onfocus = () => field.select();
   box.showPopover?.();
 }
 
-export class Saving {
-  constructor($, scene, maps, onTags) {
-    this.onTags = onTags;
-    this.$ = $;
-    this.scene = scene;
-    this.maps = maps;
-    $(".load-tags input").onchange = (event) => this.load(event.target);
-    $(".menu").onclick = (event) => event.target.dataset.save && this.save(event.target.dataset.save);
-  }
+/** Name the contents of the CSV in the menu. */
+export function labelCsv() {
+  const { size } = scene.selected;
+  const what = size
+    ? `The ${size} selected points`
+    : filtering(scene, state).length
+      ? "The points shown"
+      : "All points";
+  $('.menu [data-save="csv"]').textContent = `${what} as CSV`;
+}
 
-  /** Name the contents of the CSV in the menu. */
-  label() {
-    const { selected, filtering } = this.scene;
-    const what = selected.size
-      ? `The ${selected.size} selected points`
-      : filtering.call(this.scene).length
-        ? "The points shown"
-        : "All points";
-    this.$('.menu [data-save="csv"]').textContent = `${what} as CSV`;
-  }
+/** What a saved map says of itself. */
+function caption() {
+  const { frames, stop } = scene;
+  const { simulated, origin } = frames.meta.embeddings;
+  return [
+    "OmniVaT",
+    stageNamed(state.stage).name,
+    !frames.headless && `p = ${orderText(frames.orders[stop])}`,
+    modeOf(frames).caption,
+    frames.source && `trained on ${frames.source}`,
+    METHODS[state.map],
+    ...filtering(scene, state),
+    simulated ? "simulated data" : origin,
+    "● VIS ▲ TAC",
+  ]
+    .filter(Boolean)
+    .join(" · ");
+}
 
-  caption() {
-    const { frames, p } = this.scene;
-    const { simulated, origin } = frames.meta.embeddings;
-    const hides = this.scene.filtering();
-    return [
-      "OmniVaT",
-      stageNamed(state.stage).name,
-      !frames.headless && `p = ${orderText(p)}`,
-      modeOf(frames).caption,
-      frames.source && `trained on ${frames.source}`,
-      METHODS[state.map],
-      ...hides,
-      simulated ? "simulated data" : origin,
-      "● VIS ▲ TAC",
-    ]
-      .filter(Boolean)
-      .join(" · ");
-  }
+const legend = () => colouring(scene.frames, state.colour).groups(scene.frames);
+const picture = () => png(map, caption(), legend());
+const say = (/** @type {string} */ sentence) => ($(".announcement").textContent = sentence);
 
-  /** Save the open map, the curves and the staircase as one page that the server makes. */
-  async figure(name) {
-    const { kind: mode } = this.scene.frames;
+/** Load the tags of a CSV and say how many there are. @param {Found} input */
+export async function loadFile(input) {
+  const told = (/** @type {string} */ sentence) => {
+    $(".load-tags").title = say(sentence);
+    $(".save").open = false;
+  };
+  await attempt(async () => {
+    told(`${loadTags(scene.own, await input.files[0].text())} pairs have a tag now.`);
+    showGrid();
+    labelCsv();
+  }, told);
+  input.value = "";
+}
+
+/** The selected points, or those shown, as a table. @param {string} name */
+function saveCsv(name) {
+  const { frames, selected, stop } = scene;
+  const { frame } = map;
+  if (!frame) return;
+  const points = selected.size ? [...selected] : Array.from({ length: 2 * frames.pairs }, (_, i) => i).filter(shown);
+  save(`${name}${selected.size ? "-selected" : ""}.csv`, csv(frames, points, frame, stop, state));
+}
+
+/** @type {Record<string, (name: string) => unknown>} */
+const FILES = {
+  csv: saveCsv,
+  png: async (name) => save(`${name}.png`, await picture()),
+  svg: (name) => save(`${name}.svg`, svg(map, caption(), legend(), axisNames(state.map))),
+  tags: () => save("omnivat-tags.csv", tagsCsv(scene.frames, scene.facts.pairs?.name)),
+  /** The open map, the curves and the staircase as one page that the server makes. */
+  figure: async (name) => {
+    const { frames, set, stop } = scene;
     const { stage, colour } = state;
-    const map = this.maps.kind();
-    const question = { stage, map, colour, mode, order: this.scene.p };
-    save(`${name}.html`, await made(inSet("save/figure", this.scene.set), question));
-  }
+    const question = { stage, map: kindOf(stage), colour, mode: frames.kind, order: frames.orders[stop] };
+    await attempt(async () => save(`${name}.html`, await made(inSet("save/figure", set), question)), say);
+  },
+};
 
-  /** The map as a PNG. */
-  picture() {
-    const { frames } = this.scene;
-    return png(this.maps.now, this.caption(), colouring(frames, state.colour).groups(frames));
-  }
-
-  /** Load the tags of a CSV and say how many there are. */
-  async load(input) {
-    const say = (sentence) => {
-      this.$(".announcement").textContent = this.$(".load-tags").title = sentence;
-      this.$(".save").open = false;
-    };
-    await attempt(async () => {
-      say(`${loadTags(this.scene.own, await input.files[0].text())} pairs have a tag now.`);
-      this.onTags();
-    }, say);
-    input.value = "";
-  }
-
-  async save(kind) {
-    const { frames, selected, shown, stop, p } = this.scene;
-    const cloud = this.maps.now;
-    const legend = colouring(frames, state.colour).groups(frames);
-    const name = `omnivat-${state.stage}-p${orderText(p)}`;
-    if (kind === "csv") {
-      const points = selected.size
-        ? [...selected]
-        : Array.from({ length: 2 * frames.pairs }, (_, i) => i).filter((i) => shown(i));
-      save(
-        `${name}${selected.size ? "-selected" : ""}.csv`,
-        csv(frames, points, cloud.frame, stop, { stage: state.stage, kind: state.map }),
-      );
-    }
-    if (kind === "png") save(`${name}.png`, await this.picture());
-    if (kind === "tags") save("omnivat-tags.csv", tagsCsv(frames, this.scene.facts.pairs?.name));
-    if (kind === "svg") save(`${name}.svg`, svg(cloud, this.caption(), legend, axisNames(state.map)));
-    if (kind === "figure")
-      await this.figure(name).catch((error) =>
-        refused(error, (words) => (this.$(".announcement").textContent = words)),
-      );
-    this.$(".save").open = false;
-  }
+/** Save the view as one of these files. @param {string} kind */
+export async function saveAs(kind) {
+  await FILES[kind](`omnivat-${state.stage}-p${orderText(scene.frames.orders[scene.stop])}`);
+  $(".save").open = false;
 }

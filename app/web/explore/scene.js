@@ -1,161 +1,235 @@
-/** The state of Explore: frames, stop, filters, selection, highlight. */
+/** The state of Explore beside the address: one object, and the transitions that change it. No DOM here.
+ * A transition takes the scene and what happened, and returns the values that change; `take` alone writes them. */
 
-import { hidden, state } from "../shared/store.js";
-import { HISTOGRAMS } from "./finder.js";
+import { featuresOf } from "../shared/stages.js";
+import { hidden } from "../shared/store.js";
+import { has } from "../shared/tables.js";
 import { tagOf } from "./tags.js";
 
-const HALF = { vis: "VIS", tac: "TAC" };
-const isHistogram = (name) => HISTOGRAMS.some((one) => one.name === name);
+export const UNSEEN = "unseen";
+/** @type {{name: "confidence" | "cosine", title: string, help: string}[]} */
+export const HISTOGRAMS = [
+  {
+    name: "confidence",
+    title: "Confidence",
+    help: "probability of the predicted class, both images, at the learned p",
+  },
+  { name: "cosine", title: "Photo–touch cosine", help: "cosine of the photo’s and the touch’s F̂, each seen alone" },
+];
 
-export class Scene {
-  set = "";
-  /** @type {any} frames of the head itself, and those shown */
-  own = null;
-  /** @type {any} */
-  frames = null;
-  /** @type {any} */
-  sprite = null;
-  /** @type {{unseen: any, pairs: any, fit: any}} */
-  facts = { unseen: null, pairs: null, fit: null };
-  stop = 0;
-  hovered = -1; // a point
-  /** @type {number[]} points */
-  near = [];
-  /** @type {Set<number>} points */
-  selected = new Set();
-  /** @type {{kind: string, name: string} | null} the filter under the pointer */
-  highlight = null;
-  /** @type {{pairs: Set<number>, words: string} | null} a cell of the confusion matrix */
-  only = null;
-  halves = [true, true]; // whether photos and touches are shown
-  mask = new Uint8Array(0); // points that all filters leave
+const UNKNOWN = { unseen: null, pairs: null, fit: null };
+const START = { sets: [], first: "", chapter: "", mode: "", wanted: "", dragged: new Map(), halves: [true, true] };
+Object.assign(START, { sample: -1, lasso: false, stairs: "", other: null, votes: null, twin: -1, alone: -1 });
 
-  /** `data` as in load. */
-  constructor(data) {
-    this.load(data);
+/** The state; its set and frames are there once a chapter with a map was opened.
+ * @type {Scene} */
+export const scene = Object.assign(/** @type {any} */ (START), { known: {}, facts: UNKNOWN });
+
+/** @type {(patch: Partial<Scene>) => Scene} */
+export const take = (patch) => Object.assign(scene, patch);
+
+/** Another set: nothing of the one before stays. @type {(data: SetData) => Partial<Scene>} */
+export const loaded = ({ set, own, sprite, modes }) => ({
+  ...{ set, own, sprite, modes, frames: own, facts: UNKNOWN, stop: 0, hovered: -1, nearest: null, cell: null },
+  ...{ stranger: UNSEEN, selected: new Set(), highlight: null, mask: new Uint8Array(2 * own.pairs).fill(1) },
+});
+
+/** A fact about a set has come; one of another set changes nothing.
+ * @type {(scene: Scene, set: string, facts: Partial<SetFacts>) => Partial<Scene>} */
+export const learned = (scene, set, facts) => (set === scene.set ? { facts: { ...scene.facts, ...facts } } : {});
+
+/** p has moved: its stop, and in the chapter of the order the stops between which it was dragged.
+ * @type {(scene: Scene, address: Pick<State, "p" | "chapter">) => Partial<Scene>} */
+export function moved({ frames, dragged }, { p, chapter }) {
+  const stop = frames.stop(p);
+  const [from, to] = dragged.get(frames) ?? [Infinity, -Infinity];
+  if (chapter !== "order" || (from <= stop && stop <= to)) return { stop };
+  return { stop, dragged: new Map(dragged).set(frames, [Math.min(from, stop), Math.max(to, stop)]) };
+}
+
+/** Whether p was dragged over all stops of the frames. @type {(scene: Pick<Scene, "frames" | "dragged">) => boolean} */
+export function whole({ frames, dragged }) {
+  const [from, to] = dragged.get(frames) ?? [];
+  return from === 0 && to === frames.orders.length - 1;
+}
+
+/** The predictions of the last chapter's reading if that is one image alone; else null, for those of the frames.
+ * @type {(scene: Scene, address: Pick<State, "chapter" | "reading">) => Numbers | null} */
+export const answers = ({ facts }, { chapter, reading }) =>
+  (chapter === "fooled" && reading !== "fused" && facts.unseen?.pairs.answers[reading]) || null;
+
+/** Apply all filters: hidden points leave the selection and the pointer.
+ * @type {(scene: Scene, address: State) => Partial<Scene>} */
+export function filtered(scene, address) {
+  const { pairs } = scene.frames;
+  const wanted = wantedPairs(scene, address);
+  const hides = hidden("modality", address);
+  const alone = answers(scene, address);
+  const seen = (/** @type {Modality} */ name) => !hides.has(name.toUpperCase()) && (!alone || name === address.reading);
+  /** @type {[boolean, boolean]} */
+  const halves = [seen("vis"), seen("tac")];
+  const mask = Uint8Array.from(
+    { length: 2 * pairs },
+    (_, point) => +(halves[+(point >= pairs)] && wanted(point % pairs)),
+  );
+  const selected = new Set([...scene.selected].filter((point) => mask[point]));
+  return { halves, mask, selected, hovered: mask[scene.hovered] ? scene.hovered : -1 };
+}
+
+/** Whether a pair passes every filter. @type {(scene: Scene, address: State) => (pair: number) => boolean} */
+export function wantedPairs({ frames, facts, cell }, address) {
+  const [domains, classes] = [shownOf("domain", frames.domains, address), shownOf("class", frames.classes, address)];
+  const alike = address.alike === "1" ? facts.pairs?.looks_like : null;
+  const words = address.find.trim().toLowerCase().split(/\s+/);
+  const text = (/** @type {number} */ pair) =>
+    `${facts.pairs?.name[pair] ?? ""} ${tagOf(frames, pair)} ${pair} ${frames.classes[frames.label[pair]]} ${frames.domains[frames.domain[pair]]}`.toLowerCase();
+  const ranges = HISTOGRAMS.flatMap(({ name }) => {
+    const [values, range] = [facts.unseen?.pairs[name], rangesOf(address)[name]];
+    return values && range ? [{ values, range }] : [];
+  });
+  return (pair) =>
+    domains[frames.domain[pair]] &&
+    classes[frames.label[pair]] &&
+    alike?.[pair] !== "" &&
+    (!cell || cell.pairs.has(pair)) &&
+    ranges.every(({ values, range }) => values[pair] >= range[0] && values[pair] <= range[1]) &&
+    words.every((word) => !word || text(pair).includes(word));
+}
+
+/** @type {(kind: Filter, names: string[], address: State) => boolean[]} */
+const shownOf = (kind, names, address) => {
+  const hides = hidden(kind, address);
+  return names.map((name) => !hides.has(name));
+};
+
+/** The kept ranges of the histograms. @type {(address: Pick<State, "range">) => Record<string, Span>} */
+export function rangesOf({ range }) {
+  const parts = range.split("~").map((part) => part.split(":"));
+  return Object.fromEntries(
+    parts.flatMap(([name, ...ends]) =>
+      HISTOGRAMS.some((histogram) => histogram.name === name) &&
+      ends.length === 2 &&
+      ends.every((end) => Number.isFinite(+end))
+        ? [[name, [+ends[0], +ends[1]]]]
+        : [],
+    ),
+  );
+}
+
+/** The only domain that the filters leave; "" if there are several. @type {(scene: Pick<Scene, "frames">, address: State) => string} */
+export function loneDomain({ frames }, address) {
+  const left = frames.domains.filter((name) => !hidden("domain", address).has(name));
+  return left.length === 1 ? left[0] : "";
+}
+
+/** The active filters, in words; [] for none. @type {(scene: Scene, address: State) => string[]} */
+export function filtering({ frames, facts, cell }, address) {
+  const lists = /** @type {[Filter, string[], string][]} */ ([
+    ["domain", frames.domains, "domains"],
+    ["class", frames.classes, "classes"],
+  ]).map(([kind, names, many]) => {
+    const left = names.filter((name) => !hidden(kind, address).has(name));
+    if (left.length === names.length) return "";
+    return left.length > 2 ? `${left.length} ${many}` : left.join(", ") || `no ${kind}`;
+  });
+  const find = address.find.trim();
+  const ranges = rangesOf(address);
+  return [
+    ...lists,
+    address.alike === "1" && facts.pairs && "look-alikes",
+    cell?.words,
+    find && `“${find}”`,
+    ...HISTOGRAMS.map(
+      ({ name, title }) =>
+        ranges[name] && `${title.toLowerCase()} ${ranges[name].map((end) => end.toFixed(2)).join(" to ")}`,
+    ),
+  ].flatMap((words) => words || []);
+}
+
+/** The cell of the confusion matrix in the address, with its pairs; null if there is no such cell.
+ * @type {(scene: Scene, address: Pick<State, "cell" | "reading">) => Partial<Scene>} */
+export function cellChosen({ frames, facts }, { cell, reading }) {
+  const unseen = /** @type {Unseen} */ (facts.unseen);
+  const [truth, answer, ...name] = cell.split("~");
+  const domain = name.join("~");
+  const [is, said] = [unseen.classes[+truth], unseen.classes[+answer]];
+  if (!Object.hasOwn(unseen.confusion[reading], domain) || !is || !said) return { cell: null };
+  const [source, there] = [unseen.source, domain].map((of) => frames.domains.indexOf(of));
+  const pairs = new Set();
+  for (let pair = 0; pair < frames.pairs; pair++) {
+    const inside = domain === UNSEEN ? frames.domain[pair] !== source : frames.domain[pair] === there;
+    const read = unseen.pairs.answers[reading][pair];
+    if (inside && unseen.pairs.counts[pair] && frames.label[pair] === +truth && read === +answer) pairs.add(pair);
   }
+  const words = `${is} predicted as ${said}`;
+  return { stranger: domain, cell: { truth: +truth, answer: +answer, domain, pairs, words } };
+}
 
-  /** Show another set: its name, the frames of its head, its pictures, what is known of it. Another mode
-   * shows other frames of the same pairs. */
-  load({ set = "", own, sprite = null, facts = { unseen: null, pairs: null, fit: null } }) {
-    this.set = set;
-    this.own = own;
-    this.frames = own;
-    this.sprite = sprite;
-    this.facts = facts;
-    this.stop = 0;
-    this.hovered = -1;
-    this.near = [];
-    this.selected = new Set();
-    this.highlight = null;
-    this.only = null;
-    this.mask = new Uint8Array(2 * own.pairs).fill(1);
+/** The next point that the filters leave. @type {(scene: Scene, by: number) => number} */
+export function nextPoint({ mask, hovered }, by) {
+  for (let i = 1; i <= mask.length; i++) {
+    const point = (Math.max(hovered, -1) + by * i + 2 * mask.length) % mask.length;
+    if (mask[point]) return point;
   }
+  return hovered;
+}
 
-  /** The kept ranges: histogram -> [from, to]. */
-  get ranges() {
-    const parts = state.range.split("~").map((one) => one.split(":"));
-    const known = parts.filter(
-      ([name, ...ends]) => isHistogram(name) && ends.length === 2 && ends.map(Number).every(Number.isFinite),
-    );
-    return Object.fromEntries(known.map(([name, from, to]) => [name, [+from, +to]]));
+/** The stage whose neighbours are known: heads trained at each p are not kept.
+ * @type {(scene: Scene, address: State) => string} */
+export const nearStage = ({ frames }, { stage }) => (has(frames, "heads") ? "raw" : featuresOf(stage));
+
+/** What neighbours belong to: set, pair, stage and p. @type {(scene: Scene, address: State) => string} */
+export const nearKey = (scene, address) =>
+  `${scene.set} ${address.pin} ${nearStage(scene, address)} ${scene.frames.orders[scene.stop]}`;
+
+/** The neighbours of the pinned pair if they are of this step and p; [] if not.
+ * @type {(scene: Scene, address: State) => Nearest["points"]} */
+export const near = (scene, address) =>
+  scene.nearest && scene.nearest.key === nearKey(scene, address) ? scene.nearest.points : [];
+
+/** Whether a point is drawn in full colour. @type {(scene: Scene, point: number) => boolean} */
+export function lit({ frames, highlight, selected }, point) {
+  if (!highlight) return !selected.size || selected.has(point);
+  const { kind, name } = highlight;
+  const pair = point % frames.pairs;
+  if (kind === "modality") return (point < frames.pairs ? "VIS" : "TAC") === name;
+  return kind === "domain" ? frames.domains[frames.domain[pair]] === name : frames.classes[frames.label[pair]] === name;
+}
+
+/** Whether the second map is open. @type {(scene: Scene, address: Pick<State, "beside" | "chapter">) => boolean} */
+export const isDouble = ({ frames }, { beside, chapter }) =>
+  beside === "1" && chapter === "analyse" && !frames.headless;
+
+const MOST = 4000; // letters; a longer selection is left out of the address
+
+/** Selected points as a text for the address: runs of neighbours in base 36. @param {Iterable<number>} points */
+export function packed(points) {
+  /** @type {Span[]} */
+  const runs = [];
+  for (const point of [...points].sort((a, b) => a - b)) {
+    const last = runs.at(-1);
+    if (last && last[1] === point - 1) last[1] = point;
+    else runs.push([point, point]);
   }
+  const text = runs.map(([from, to], i) => {
+    const gap = (from - (i && runs[i - 1][1])).toString(36);
+    return to > from ? `${gap}.${(to - from).toString(36)}` : gap;
+  });
+  return text.join("-").length > MOST ? "" : text.join("-");
+}
 
-  /** Take the stop of p. */
-  follow() {
-    this.stop = this.frames.stop(state.p);
+/** The points of a packed text below `count`; what is not such a text has none.
+ * @param {string} text @param {number} count */
+export function unpacked(text, count) {
+  /** @type {number[]} */
+  const points = [];
+  let at = 0;
+  for (const run of text ? text.split("-") : []) {
+    const [gap, more = 0] = run.split(".").map((part) => Number.parseInt(part, 36));
+    if (!(gap >= 0 && more >= 0) || at + gap + more >= count) return points;
+    at += gap;
+    for (let i = 0; i <= more; i++) points.push(at + i);
+    at += more;
   }
-
-  /** Take the reading of the last chapter: one image alone has its own predictions, and its half of the points. */
-  read() {
-    const alone = state.chapter === "fooled" && state.reading !== "fused" && this.facts.unseen;
-    this.frames.answered = alone ? alone.pairs.answers[state.reading] : null;
-    const hides = hidden("modality");
-    this.halves = ["VIS", "TAC"].map((name) => !hides.has(name) && !(alone && name !== HALF[state.reading]));
-  }
-
-  get p() {
-    return this.frames.orders[this.stop];
-  }
-
-  shown = (point) => this.mask[point] === 1;
-
-  /** True if a point is drawn in full colour. */
-  lit = (point) => {
-    if (this.highlight) {
-      const { kind, name } = this.highlight;
-      const pair = point % this.frames.pairs;
-      if (kind === "modality") return (point < this.frames.pairs ? "VIS" : "TAC") === name;
-      return kind === "domain"
-        ? this.frames.domains[this.frames.domain[pair]] === name
-        : this.frames.classes[this.frames.label[pair]] === name;
-    }
-    return !this.selected.size || this.selected.has(point);
-  };
-
-  /** Apply all filters; hidden points leave the selection. Returns true if any point left. */
-  refilter() {
-    const { frames, mask } = this;
-    const wanted = this.wantedPairs();
-    this.read();
-    const seen = this.halves;
-    for (let pair = 0; pair < frames.pairs; pair++) {
-      const keep = wanted(pair);
-      mask[pair] = keep && seen[0] ? 1 : 0;
-      mask[frames.pairs + pair] = keep && seen[1] ? 1 : 0;
-    }
-    const before = this.selected.size;
-    this.selected = new Set([...this.selected].filter(this.shown));
-    if (this.hovered >= 0 && !this.shown(this.hovered)) this.hovered = -1;
-    return before !== this.selected.size;
-  }
-
-  /** Whether a pair passes every filter, as a function of its number. */
-  wantedPairs() {
-    const { frames, facts, only } = this;
-    const domains = frames.domains.map((name) => !hidden("domain").has(name));
-    const classes = frames.classes.map((name) => !hidden("class").has(name));
-    const alike = state.alike === "1" ? facts.pairs?.looks_like : null;
-    const words = state.find.trim().toLowerCase();
-    const text = (pair) =>
-      `${facts.pairs?.name[pair] ?? ""} ${tagOf(frames, pair)} ${pair} ${frames.classes[frames.label[pair]]} ${frames.domains[frames.domain[pair]]}`.toLowerCase();
-    const ranges = Object.entries(this.ranges).map(([name, [from, to]]) => [facts.unseen?.pairs[name], from, to]);
-    return (pair) =>
-      domains[frames.domain[pair]] &&
-      classes[frames.label[pair]] &&
-      alike?.[pair] !== "" &&
-      (!only || only.pairs.has(pair)) &&
-      ranges.every(([own, from, to]) => !own || (own[pair] >= from && own[pair] <= to)) &&
-      (!words || words.split(/\s+/).every((word) => text(pair).includes(word)));
-  }
-
-  /** The only domain left by the filters; "" if there are several. */
-  loneDomain() {
-    const left = this.frames.domains.filter((name) => !hidden("domain").has(name));
-    return left.length === 1 ? left[0] : "";
-  }
-
-  /** The active filters, in words; [] for none. */
-  filtering() {
-    const lists = [
-      ["domain", this.frames.domains],
-      ["class", this.frames.classes],
-    ].flatMap(([kind, names]) => {
-      const left = names.filter((name) => !hidden(kind).has(name));
-      return left.length === names.length
-        ? []
-        : [
-            left.length > 2
-              ? `${left.length} ${kind === "class" ? "classes" : "domains"}`
-              : left.join(", ") || `no ${kind}`,
-          ];
-    });
-    if (state.alike === "1" && this.facts.pairs) lists.push("look-alikes");
-    if (this.only) lists.push(this.only.words);
-    if (state.find.trim()) lists.push(`“${state.find.trim()}”`);
-    const ranges = HISTOGRAMS.filter(({ name }) => this.ranges[name]).map(
-      ({ name, title }) => `${title.toLowerCase()} ${this.ranges[name].map((end) => end.toFixed(2)).join(" to ")}`,
-    );
-    return [...lists, ...ranges];
-  }
+  return points;
 }

@@ -5,34 +5,43 @@ import { cells, csv } from "../shared/csv.js";
 import { keep, keptJson } from "../shared/memory.js";
 
 const LONGEST = 40; // letters of a tag
-const sets = new Map(); // name of a set -> pair -> tag
+/** Name of a set -> pair -> tag. @type {Map<string, Map<number, string>>} */
+const sets = new Map();
 
-const nameOf = ({ meta, pairs }) =>
-  `omnivat-tags ${pairs} ${meta.embeddings?.weights_hash ?? ""} ${meta.embeddings?.origin ?? ""} ${meta.domains?.join() ?? ""}`;
+/** @param {Frames} frames */
+const nameOf = ({ meta, pairs }) => {
+  /** @type {any} */
+  const { weights_hash = "", origin = "" } = meta.embeddings ?? {};
+  return `omnivat-tags ${pairs} ${weights_hash} ${origin} ${meta.domains?.join() ?? ""}`;
+};
 
+/** @param {Frames} frames */
 function tagsOf(frames) {
   const name = nameOf(frames);
-  if (!sets.has(name)) sets.set(name, new Map(keptJson(name, [])));
-  return sets.get(name);
+  const tags = sets.get(name) ?? new Map(keptJson(name, []));
+  sets.set(name, tags);
+  return tags;
 }
 
+/** @param {Frames} frames @param {number} pair */
 export const tagOf = (frames, pair) => tagsOf(frames).get(pair) ?? "";
 
-/** Give pairs a tag; "" takes theirs away. */
+/** Give pairs a tag; "" takes theirs away. @param {Frames} frames @param {number[]} pairs @param {string} tag */
 export function tagPairs(frames, pairs, tag) {
   const tags = tagsOf(frames);
   for (const pair of pairs) tag ? tags.set(pair, tag.slice(0, LONGEST)) : tags.delete(pair);
   keep(nameOf(frames), JSON.stringify([...tags]));
 }
 
-/** One line for each pair with a tag. */
+/** One line for each pair with a tag. @param {Frames} frames @param {string[]} [names] */
 export const tagsCsv = (frames, names) =>
   csv([
     ["pair", "name", "class", "tag"],
     ...[...tagsOf(frames)].map(([pair, tag]) => [pair, names?.[pair] ?? "", frames.classes[frames.label[pair]], tag]),
   ]);
 
-/** Take the tags of a CSV with the columns pair and tag; returns how many pairs have one now. Throws a Refusal. */
+/** Take the tags of a CSV with the columns pair and tag; returns how many pairs have one now. Throws a Refusal.
+ * @param {Frames} frames @param {string} text */
 export function loadTags(frames, text) {
   const [head = [], ...rows] = cells(text);
   const [pair, tag] = ["pair", "tag"].map((name) => head.indexOf(name));

@@ -1,12 +1,12 @@
 /** Chapter 1: one press of one object, imaged by every sensor, and what a head reads in each image. */
 
 import { address } from "../shared/api.js";
-import { twins } from "../shared/facts.js";
-import { radios } from "../shared/radios.js";
-import { change, state } from "../shared/store.js";
-import { each, escaped, fill, options, percent } from "../shared/text.js";
-import { View } from "../shared/view.js";
+import { twins as fetchTwins } from "../shared/facts.js";
+import { options } from "../shared/text.js";
+import { marked } from "./grid.js";
+import { $, all, choice, fill, html, percent, put, scene, state, take } from "./root.js";
 
+/** @type {{key: Reading, label: string, table: Input, title: string}[]} */
 export const READINGS = [
   { key: "tac", label: "Touch", table: "touch", title: "Only the sensor changes" },
   { key: "vis", label: "Photo", table: "photo", title: "Only the scene changes" },
@@ -18,16 +18,18 @@ const DOTS = [
 ];
 const [PHOTO, TOUCH, FILLED] = [0, 1, 2]; // rows of a sheet of pictures
 const WORDS = {
-  tac: { one: "sensor", same: "Same object, same press; only the <b>sensor</b> changed.", learned: "touches" },
-  vis: { one: "scene", same: "Same object; only <b>room and camera</b> changed.", learned: "photos" },
-  fused: { one: "domain", same: "Same object, same press; <b>sensor and scene</b> changed.", learned: "pairs" },
+  tac: { what: "sensor", same: html`Same object, same press; only the <b>sensor</b> changed.`, learned: "touches" },
+  vis: { what: "scene", same: html`Same object; only <b>room and camera</b> changed.`, learned: "photos" },
+  fused: { what: "domain", same: html`Same object, same press; <b>sensor and scene</b> changed.`, learned: "pairs" },
 };
 
+/** A number below `count`; 0 for any other text. @param {string} text @param {number} count */
 const within = (text, count) => (Number(text) >= 0 && Number(text) < count ? Math.floor(Number(text)) : 0);
 
-/** The press that is shown: the one in the address, or that which is read best once its dots are filled. */
-export function pressOf({ shown, domains, verdicts }) {
-  if (state.press !== "") return within(state.press, shown.length);
+/** The press that is shown: the one in the address, or that which is read best once its dots are filled.
+ * @param {Pick<Twins, "shown" | "domains" | "verdicts">} twins @param {Pick<State, "press">} address */
+export function pressOf({ shown, domains, verdicts }, { press }) {
+  if (press !== "") return within(press, shown.length);
   const right = shown.map((one, i) =>
     one.looks_like || one.feels_like
       ? -1
@@ -36,163 +38,156 @@ export function pressOf({ shown, domains, verdicts }) {
   return right.indexOf(Math.max(...right));
 }
 
-/** What the address chooses: indices into the tables of the twins. */
-export function chosen(twins) {
-  const reading = READINGS.find(({ key }) => key === state.reading) ?? READINGS[0];
+/** What the address chooses: indices into the tables of the twins. @param {Twins} twins @param {State} address */
+export function chosen(twins, address) {
+  const { key, table } = READINGS.find(({ key }) => key === address.reading) ?? READINGS[0];
   return {
-    reading: reading.key,
-    table: reading.table,
-    press: pressOf(twins),
-    from: within(state.from, twins.domains.length),
-    dots: Number(state.dots === "1" && reading.key !== "vis"),
-    rung: Math.max(0, [0, ...twins.pictures].indexOf(Number(state.known))),
+    reading: key,
+    table,
+    press: pressOf(twins, address),
+    from: within(address.from, twins.domains.length),
+    dots: Number(address.dots === "1" && key !== "vis"),
+    rung: Math.max(0, [0, ...twins.pictures].indexOf(Number(address.known))),
+  };
+}
+/** @typedef {ReturnType<typeof chosen>} Chosen */
+/** @typedef {ReturnType<typeof read>} Figures */
+
+/** The figures at what is chosen: `away` and each target's [share, low, high], and the class read in each image.
+ * @param {Twins} twins @param {Chosen} at */
+export function read({ away, accuracy, verdicts, domains, shown, learned }, { table, from, dots, rung, press }) {
+  const count = domains.length;
+  return {
+    away: away[table][from][dots][rung],
+    shares: accuracy[table][from][dots][rung],
+    said: Array.from({ length: count }, (_, i) => Number(verdicts[table][from][dots][rung][press * count + i])),
+    truth: shown[press].class,
+    chance: 1 / learned[from].length,
   };
 }
 
-/** The figures at what is chosen: `away` and each target's [share, low, high], and the class read in each image. */
-export function read(twins, at) {
-  const of = (table) => twins[table][at.table][at.from][at.dots][at.rung];
-  const count = twins.domains.length;
-  const said = of("verdicts").slice(at.press * count, (at.press + 1) * count);
-  return {
-    away: of("away"),
-    shares: of("accuracy"),
-    said: [...said].map(Number),
-    truth: twins.shown[at.press].class,
-    chance: 1 / twins.learned[at.from].length,
-  };
+/** Show what is chosen in each group of buttons. @type {(() => void)[]} */
+let marks = [];
+
+/** Fetch the twins once and draw the chapter; later calls only draw. */
+export async function open() {
+  const twins = await fetchTwins();
+  take({ twins });
+  if (!marks.length) build();
+  show();
+  document.dispatchEvent(new CustomEvent("omnivat:simulated", { detail: twins.simulated }));
 }
 
-export class OneTouch extends View {
-  /** @type {any} as `examples/twins.json` */
-  twins = null;
-  /** @type {(() => void)[]} */
-  marks = []; // show what is chosen in each group of buttons
-  /** @type {any[]} */
-  cards = [];
-
-  /** Fetch the twins once and draw the chapter; later calls only draw. */
-  async open() {
-    this.twins ??= await twins();
-    if (!this.cards.length) this.build();
-    this.show();
-    document.dispatchEvent(new CustomEvent("omnivat:simulated", { detail: this.twins.simulated }));
-  }
-
-  build() {
-    const { domains, shown, pictures, classes } = this.twins;
-    const presses = shown.map((one, i) => ({ key: String(i), label: `${classes[one.class]}, press ${i + 1}` }));
-    const known = [0, ...pictures].map((n) => ({ key: String(n), label: n ? String(n) : "none" }));
-    const group = (selector, list, name, now = () => state[name]) =>
-      radios(this.$(selector), list, now, (key) => change({ [name]: key }));
-    this.marks = [
-      group(".presses", presses, "press", () => String(pressOf(this.twins))),
-      group(".dots", DOTS, "dots"),
-      group(".known", known, "known"),
-      group(".given", READINGS, "reading"),
-    ];
-    const strip = address("twins/presses.webp");
-    [...this.$(".presses").children].forEach((button, i) => {
-      const at = (100 * i) / (shown.length - 1 || 1);
-      button.title = button.textContent;
-      button.setAttribute("aria-label", button.textContent);
-      button.innerHTML = `<span style="background:url('${strip}') ${at}% 0/${100 * shown.length}% 100%"></span>`;
-    });
-    this.$(".from").innerHTML = options(domains.map(({ sensor }, i) => [String(i), sensor]));
-    this.$(".from").onchange = ({ target }) => change({ from: target.value });
-    this.$(".twin-pictures").innerHTML =
-      `<figure class="object"><span class="tile" role="img"><i></i></span><figcaption></figcaption></figure>${each(
-        domains,
-        (
-          { sensor },
-          i,
-        ) => `<figure class="twin" tabindex="0" data-domain="${i}"><span class="tile" role="img"><i></i><i class="filled"></i><i class="inset"></i></span>
-        <b class="said"></b><figcaption>${escaped(sensor)}</figcaption><span class="share"><span class="scale"><i class="fill"></i><i class="range"></i></span><output></output></span></figure>`,
-      )}<p class="legend" aria-live="polite"></p>`;
-    this.cards = [...this.box.querySelectorAll(".twin")];
-    for (const card of this.cards) {
-      const tell = () => this.tell(+card.dataset.domain);
-      card.onpointerenter = card.onfocus = tell;
-      card.onpointerleave = card.onblur = () => this.tell(-1);
-    }
-  }
-
-  /** What a domain's sensor or scene is; without one, how to read the bars. */
-  tell(domain) {
-    const { about, scene } = this.twins.domains[domain] ?? {};
-    const at = chosen(this.twins);
-    const seen = `Photographed ${scene}.`;
-    const words = { tac: about, vis: seen, fused: `${about} ${seen}` }[at.reading];
-    const bars = "95\u00a0% intervals; line: guessing.";
-    fill(this.$(".legend"), domain < 0 ? bars : escaped(words));
-  }
-
-  show() {
-    const at = chosen(this.twins);
-    const figures = read(this.twins, at);
-    for (const mark of this.marks) mark();
-    this.$(".from").value = String(at.from);
-    this.$(".dots").hidden = at.reading === "vis";
-    this.showPictures(at, figures);
-    this.showFigures(at, figures);
-    this.tell(-1);
-  }
-
-  showPictures(at, { said, truth, shares, chance }) {
-    const { domains, classes, shown } = this.twins;
-    const url = address(`twins/${shown[at.press].sheet}`);
-    const place = (tile, row, column) => {
-      tile.style.background = `url("${url}") ${(100 * column) / (domains.length - 1)}% ${50 * row}%/${100 * domains.length}% 300%`;
-    };
-    const object = this.$(".object");
-    place(object.querySelector("i"), at.reading === "vis" ? TOUCH : PHOTO, at.from);
-    const { looks_like: looks } = shown[at.press];
-    const like = looks ? `<br><small>looks like ${escaped(looks)}</small>` : "";
-    fill(object.querySelector("figcaption"), `<b>${escaped(classes[truth])}</b>${like}`);
-    object.querySelector(".tile").setAttribute("aria-label", `the object, ${classes[truth]}`);
-    this.cards.forEach((card, i) => {
-      const right = said[i] === truth;
-      const [front, filled, inset] = card.querySelectorAll(".tile i");
-      place(front, at.reading === "vis" ? PHOTO : TOUCH, i);
-      place(filled, FILLED, i);
-      place(inset, PHOTO, i);
-      filled.style.opacity = at.dots;
-      inset.hidden = at.reading !== "fused";
-      card.classList.toggle("home", i === at.from);
-      card.classList.toggle("is-right", right);
-      card
-        .querySelector(".tile")
-        .setAttribute("aria-label", `${domains[i].sensor} of this press, read as ${classes[said[i]]}`);
-      fill(card.querySelector(".said"), `${right ? "✓" : "✗"}\u00a0${escaped(classes[said[i]])}`);
-      const name = `${escaped(domains[i].sensor)}${i === at.from ? " <small>learned here</small>" : ""}`;
-      fill(card.querySelector("figcaption"), name);
-      this.showShare(card, shares[i], chance);
-    });
-  }
-
-  showShare(card, [share, low, high], chance) {
-    const scale = card.querySelector(".scale");
-    for (const [name, value] of Object.entries({ share, low, high, chance }))
-      scale.style.setProperty(`--${name}`, value);
-    scale.parentElement.title = `95 % interval ${percent(low)} to ${percent(high)}; guessing: ${percent(chance)}`;
-    fill(card.querySelector("output"), percent(share));
-  }
-
-  showFigures(at, { away: [share, low, high], shares, chance }) {
-    const { domains, head, known, presses } = this.twins;
-    const { one, same, learned } = WORDS[at.reading];
-    const source = domains[at.from];
-    const n = [0, ...known[at.table]][at.rung]; // of some there are no more
-    fill(this.$(".same"), same);
-    fill(
-      this.$(".figure"),
-      `<b class="large" title="95 % interval ${percent(low)} to ${percent(high)}; guessing: ${percent(chance)}">${percent(share)}</b> right on another ${one}, <b>${percent(shares[at.from][0])}</b> on the first.`,
+/** Make the buttons and the cards, once. */
+function build() {
+  const { domains, shown, pictures, classes } = scene.twins;
+  const known = [0, ...pictures].map((n) => ({ key: String(n), label: n ? String(n) : "none" }));
+  const presses = shown.map((press, i) => ({ key: String(i), label: `${classes[press.class]}, press ${i + 1}` }));
+  marks = [
+    choice(".presses", "press", presses, () => String(pressOf(scene.twins, state))),
+    choice(".touch .dots", "dots", DOTS),
+    choice(".known", "known", known),
+    choice(".given", "reading", READINGS),
+  ];
+  [...$(".presses").children].forEach((button, i) => {
+    const at = (100 * i) / (shown.length - 1 || 1);
+    button.title = button.ariaLabel = button.textContent;
+    put(
+      button,
+      html`<span style="background:url('${address("twins/presses.webp")}') ${at}% 0/${100 * shown.length}% 100%"></span>`,
     );
-    const dots = "Dots are filled with the colours around them, in training too: nothing is known of the new sensor.";
-    const few = `${n} pictures of the new ${one} give each feature’s mean and spread. No label is used.`;
-    fill(this.$(".remark"), [at.dots && dots, n && few].filter(Boolean).join(" "));
-    this.$(".from-where .head").title = head.replace("{source}", source.name);
-    this.$(".from-where .what").textContent =
-      `${learned}; ${presses[at.table][at.from]} twins; known: ${n ? `${n} other pictures` : "nothing"}.`;
+  });
+  put($(".touch .from"), options(domains.map(({ sensor }, i) => [String(i), sensor])));
+  const cards = domains.map(
+    (
+      _,
+      i,
+    ) => html`<figure class="twin" tabindex="0" data-domain="${i}"><span class="tile" role="img"><i></i><i class="filled"></i><i class="inset"></i></span>
+        <b class="said"></b><figcaption></figcaption><span class="share"><span class="scale"><i class="fill"></i><i class="range"></i></span><output></output></span></figure>`,
+  );
+  put(
+    $(".twin-pictures"),
+    html`<figure class="object"><span class="tile" role="img"><i></i></span><figcaption></figcaption></figure>${cards}<p class="legend" aria-live="polite"></p>`,
+  );
+  for (const card of all(".twin")) {
+    card.onpointerenter = card.onfocus = () => tell(+card.dataset.domain);
+    card.onpointerleave = card.onblur = () => tell(-1);
   }
+}
+
+/** What a domain's sensor or scene is; without one, how to read the bars. @param {number} domain */
+function tell(domain) {
+  const { about, scene: place } = scene.twins.domains[domain] ?? {};
+  const seen = `Photographed ${place}.`;
+  const words = { tac: about, vis: seen, fused: `${about} ${seen}` }[chosen(scene.twins, state).reading];
+  fill($(".legend"), html`${domain < 0 ? "95\u00a0% intervals; line: guessing." : words}`);
+}
+
+export function show() {
+  const at = chosen(scene.twins, state);
+  const figures = read(scene.twins, at);
+  for (const mark of marks) mark();
+  $(".touch .from").value = String(at.from);
+  $(".touch .dots").hidden = at.reading === "vis";
+  showPictures(at, figures);
+  showFigures(at, figures);
+  tell(-1);
+}
+
+const interval = (/** @type {number} */ low, /** @type {number} */ high, /** @type {number} */ chance) =>
+  `95 % interval ${percent(low)} to ${percent(high)}; guessing: ${percent(chance)}`;
+
+/** The object, and what is read in its picture by each domain. @param {Chosen} at @param {Figures} figures */
+function showPictures(at, { said, truth, shares, chance }) {
+  const { domains, classes, shown } = scene.twins;
+  const { sheet, looks_like: looks } = shown[at.press];
+  const photo = at.reading === "vis";
+  const url = address(`twins/${sheet}`);
+  const place = (/** @type {Found} */ tile, /** @type {number} */ row, /** @type {number} */ column) => {
+    tile.style.background = `url("${url}") ${(100 * column) / (domains.length - 1)}% ${50 * row}%/${100 * domains.length}% 300%`;
+  };
+  place($(".object i"), photo ? TOUCH : PHOTO, at.from);
+  fill($(".object figcaption"), html`<b>${classes[truth]}</b>${looks && html`<br><small>looks like ${looks}</small>`}`);
+  $(".object .tile").setAttribute("aria-label", `the object, ${classes[truth]}`);
+  for (const card of all(".twin")) {
+    const i = +card.dataset.domain;
+    const [front, filled, inset] = card.querySelectorAll(".tile i");
+    const right = said[i] === truth;
+    const [share, low, high] = shares[i];
+    place(front, photo ? PHOTO : TOUCH, i);
+    place(filled, FILLED, i);
+    place(inset, PHOTO, i);
+    filled.style.opacity = at.dots;
+    inset.hidden = at.reading !== "fused";
+    card.classList.toggle("home", i === at.from);
+    card.classList.toggle("is-right", right);
+    front.parentElement.setAttribute("aria-label", `${domains[i].sensor} of this press, read as ${classes[said[i]]}`);
+    fill(card.querySelector(".said"), html`${marked(right, classes[said[i]])}`);
+    fill(
+      card.querySelector("figcaption"),
+      html`${domains[i].sensor}${i === at.from && html` <small>learned here</small>`}`,
+    );
+    fill(card.querySelector("output"), html`${percent(share)}`);
+    const scale = card.querySelector(".scale");
+    scale.style.cssText = `--share: ${share}; --low: ${low}; --high: ${high}; --chance: ${chance}`;
+    scale.parentElement.title = interval(low, high, chance);
+  }
+}
+
+/** The share read right on another sensor, and where it comes from. @param {Chosen} at @param {Figures} figures */
+function showFigures(at, { away: [share, low, high], shares, chance }) {
+  const { domains, head, known, presses } = scene.twins;
+  const { what, same, learned } = WORDS[at.reading];
+  const n = [0, ...known[at.table]][at.rung]; // of some there are no more
+  fill($(".touch .same"), same);
+  fill(
+    $(".touch .figure"),
+    html`<b class="large" title="${interval(low, high, chance)}">${percent(share)}</b> right on another ${what}, <b>${percent(shares[at.from][0])}</b> on the first.`,
+  );
+  const dots = "Dots are filled with the colours around them, in training too: nothing is known of the new sensor.";
+  const few = `${n} pictures of the new ${what} give each feature’s mean and spread. No label is used.`;
+  fill($(".touch .remark"), html`${[at.dots && dots, n && few].filter(Boolean).join(" ")}`);
+  $(".from-where .head").title = head.replace("{source}", domains[at.from].name);
+  $(".from-where .what").textContent =
+    `${learned}; ${presses[at.table][at.from]} twins; known: ${n ? `${n} other pictures` : "nothing"}.`;
 }

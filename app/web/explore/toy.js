@@ -5,83 +5,140 @@ import { Scale } from "../shared/chart.js";
 import { toyFacts } from "../shared/facts.js";
 import { nearest, orderText } from "../shared/frames.js";
 import { TAC_COLOUR, VIS_COLOUR } from "../shared/palette.js";
-import { each } from "../shared/text.js";
-import { View } from "../shared/view.js";
+import { $, html, put } from "./root.js";
 
 const W = 300;
 const HALF = W / 2 - 6; // of two pictures side by side
 const SIGNAL = 66;
 const PLANE = 146;
 const REACH = 2.1; // of the plane, from its middle
-const COLOURS = { vis: VIS_COLOUR, tac: TAC_COLOUR };
-const ACTS = { turned: (v) => v, clipped: (v) => Math.max(0, v) };
+/** The two operations: what each does, in words after "signal" and "clouds", and to a number. */
+const ACTS = /** @type {const} */ ([
+  { act: "turned", title: "1 · The transform turns", signal: ", transformed", cloud: ", turned", when: "at every p" },
+  {
+    act: "clipped",
+    title: "2 · The ReLU clips",
+    signal: " after the ReLU",
+    cloud: " after the ReLU",
+    when: "changes with p",
+  },
+]);
+/** @typedef {"turned" | "clipped"} Act */
+/** @type {(act: Act, v: number) => number} */
+const after = (act, v) => (act === "turned" ? v : Math.max(0, v));
+const CIRCLE = (/** @type {Point} */ [x, y]) => `M${x - 2} ${y}a2 2 0 1 0 4 0a2 2 0 1 0 -4 0`;
+const TRIANGLE = (/** @type {Point} */ [x, y]) => `M${x} ${y - 2.6}l2.6 4.6h-5.2z`;
+const IMAGES = /** @type {const} */ ([
+  { name: "vis", what: "photo", colour: VIS_COLOUR, dot: CIRCLE },
+  { name: "tac", what: "touch", colour: TAC_COLOUR, dot: TRIANGLE },
+]);
 const CURVE = new Scale({ wide: W, high: 92, pad: { left: 30, right: 8, top: 8, bottom: 18 }, ys: [0, 2.2] });
 
-export class Toy extends View {
-  /** Fetch the toy and draw; later calls only draw. */
-  async open() {
-    if (this.facts) return;
-    await attempt(async () => {
-      this.facts = await toyFacts();
-      this.box.append(this.$("template").content);
-      this.set(".apart", distances(this.facts));
-    }, this.box);
-  }
+/** @type {Toy | undefined} */
+let toy;
 
-  /** Draw the stop nearest to p. */
-  show(p) {
-    if (!this.facts) return;
-    const { orders, signals, clouds, distances: apart } = this.facts;
-    const i = nearest(orders, p);
-    for (const [act, clip] of Object.entries(ACTS)) {
-      for (const [name, { re, im }] of Object.entries(signals))
-        this.set(`.${act}.${name}`, waves(re[i], im[i], COLOURS[name], clip));
-      this.set(`.${act}-plane`, plane(clouds, i, clip));
-      this.set(`.d-${act}`, apart.signals[act][i].toFixed(2));
-      this.set(`.g-${act}`, apart.clouds[act][i].toFixed(2));
-    }
-    this.set(".at-p", `p = ${orderText(orders[i])}`);
-    CURVE.mark(this.box, orders[i]);
-  }
-
-  set(selector, inner) {
-    this.$(selector).innerHTML = inner;
-  }
-}
-
-/** Real and imaginary part of one signal; `act` is the last operation. */
-function waves(re, im, colour, act) {
-  const line = (all) =>
-    each(
-      all,
-      (v, k) =>
-        `${k ? "L" : "M"}${((k / (all.length - 1)) * HALF).toFixed(1)} ${(SIGNAL / 2 - act(v) * 38).toFixed(1)}`,
+/** Fetch the toy and draw; later calls only draw. */
+export const open = () =>
+  attempt(async () => {
+    if (toy) return;
+    toy = await toyFacts();
+    put(
+      $(".toy"),
+      html`<p>Two signals, <b class="vis">a photo’s</b> and <b class="tac">a touch’s</b>. <b>Drag p</b> above; now <output class="at-p"></output>.</p>
+<div class="toy-grid"></div>
+<h4>Distance against p</h4>
+<svg class="apart" viewBox="0 0 300 92" role="img" aria-label="Distances against p: flat after the transform, not flat after the ReLU">${distances(toy)}</svg>
+<p class="hint">Solid: real part; dotted: imaginary part. Near p = 0.35 each signal becomes one spike. The clouds show one coefficient of 40 photos ● and 40 touches ▲; the transform rotates them by p quarter turns.</p>`,
     );
-  return `<path class="zero" d="M0 ${SIGNAL / 2}H${HALF}"/><path d="${line(im)}" style="stroke:${colour}" class="im"/><path d="${line(re)}" style="stroke:${colour}"/>`;
+  }, $(".toy"));
+
+/** Draw the stop nearest to p. @param {number} p */
+export function show(p) {
+  if (!toy) return;
+  const { orders, signals, clouds, distances } = toy;
+  const i = nearest(orders, p);
+  const far = (/** @type {string} */ what, /** @type {"signals" | "clouds"} */ of) =>
+    ACTS.map(
+      ({ act, when }) =>
+        html`<p>${what} <output class="${what[0]}-${act}">${distances[of][act][i].toFixed(2)}</output>, ${when}</p>`,
+    );
+  const waves = IMAGES.map(({ name, what, colour }) =>
+    ACTS.map(({ act, signal }) => {
+      const { re, im } = signals[name];
+      return html`<svg class="${act} ${name}" viewBox="0 0 ${HALF} ${SIGNAL}" role="img" aria-label="the ${what}’s signal${signal}">${wave(re[i], im[i], colour, act)}</svg>`;
+    }),
+  );
+  const planes = ACTS.map(
+    ({ act, cloud }) =>
+      html`<svg class="plane ${act}-plane" viewBox="0 0 ${HALF} ${PLANE}" role="img" aria-label="two clouds${cloud}">${plane(clouds, i, act)}</svg>`,
+  );
+  put(
+    $(".toy-grid"),
+    html`${ACTS.map(({ title }) => html`<h4>${title}</h4>`)}${waves}${far("distance", "signals")}${planes}${far("gap", "clouds")}`,
+  );
+  $(".at-p").textContent = `p = ${orderText(orders[i])}`;
+  CURVE.mark($(".toy"), orders[i]);
 }
 
-/** Two clouds in the plane, their means, and the line between the means. */
+/** Real and imaginary part of one signal after an operation.
+ * @param {number[]} re @param {number[]} im @param {string} colour @param {Act} act */
+function wave(re, im, colour, act) {
+  const line = (/** @type {number[]} */ all) =>
+    all
+      .map(
+        (v, k) =>
+          `${k ? "L" : "M"}${((k / (all.length - 1)) * HALF).toFixed(1)} ${(SIGNAL / 2 - after(act, v) * 38).toFixed(1)}`,
+      )
+      .join("");
+  return html`<path class="zero" d="M0 ${SIGNAL / 2}H${HALF}"/><path d="${line(im)}" style="stroke:${colour}" class="im"/><path d="${line(re)}" style="stroke:${colour}"/>`;
+}
+
+/** Two clouds in the plane, and the line between their means.
+ * @param {Toy["clouds"]} clouds @param {number} i @param {Act} act */
 function plane(clouds, i, act) {
-  const at = ([x, y]) => [HALF / 2 + (act(x) / REACH) * (PLANE / 2), PLANE / 2 - (act(y) / REACH) * (PLANE / 2)];
-  const middle = (points) => points.reduce(([a, b], [x, y]) => [a + x / points.length, b + y / points.length], [0, 0]);
-  const drawn = { vis: clouds.vis[i].map(at), tac: clouds.tac[i].map(at) };
-  const dots = {
-    vis: ([x, y]) => `M${x - 2} ${y}a2 2 0 1 0 4 0a2 2 0 1 0 -4 0`,
-    tac: ([x, y]) => `M${x} ${y - 2.6}l2.6 4.6h-5.2z`,
-  };
-  const [a, b] = [middle(drawn.vis), middle(drawn.tac)];
-  return `<path class="zero" d="M0 ${PLANE / 2}H${HALF}M${HALF / 2} 0V${PLANE}"/>${each(["vis", "tac"], (name) => `<path d="${each(drawn[name], dots[name])}" style="fill:${COLOURS[name]}"/>`)}<path class="gap-line" d="M${a}L${b}"/>`;
+  const drawn = IMAGES.map(({ name, colour, dot }) => {
+    /** @type {Point[]} */
+    const places = clouds[name][i].map(([x, y]) => [
+      HALF / 2 + (after(act, x) / REACH) * (PLANE / 2),
+      PLANE / 2 - (after(act, y) / REACH) * (PLANE / 2),
+    ]);
+    const middle = [0, 1].map((axis) => places.reduce((sum, place) => sum + place[axis] / places.length, 0));
+    return { middle, path: html`<path d="${places.map(dot).join("")}" style="fill:${colour}"/>` };
+  });
+  return html`<path class="zero" d="M0 ${PLANE / 2}H${HALF}M${HALF / 2} 0V${PLANE}"/>${drawn.map(({ path }) => path)}<path class="gap-line" d="${drawn.map(({ middle }, k) => `${k ? "L" : "M"}${middle}`).join("")}"/>`;
 }
 
-/** Both distances against p, before and after the ReLU. */
-function distances({ orders, distances: { signals, clouds } }) {
-  const line = (all, kind) => `<path class="${kind}" d="${CURVE.line(orders.map((p, i) => [p, all[i]]))}"/>`;
-  return `${CURVE.grid(CURVE.ys, (v) => v)}${CURVE.ticks(
-    [
-      [0, 0],
-      [0.5, "p"],
-      [1, 1],
-    ],
-    3,
-  )}${line(signals.turned, "flat")}${line(signals.clipped, "moves")}${line(clouds.turned, "flat clouds")}${line(clouds.clipped, "moves clouds")}${CURVE.now()}`;
+/** Both distances against p, before and after the ReLU. @param {Toy} toy */
+function distances({ orders, distances }) {
+  const ends = [
+    [0, 0],
+    [0.5, "p"],
+    [1, 1],
+  ];
+  const lines = /** @type {("signals" | "clouds")[]} */ (["signals", "clouds"]).flatMap((of) =>
+    ACTS.map(({ act }) => {
+      const kind = `${act === "turned" ? "flat" : "moves"}${of === "clouds" ? " clouds" : ""}`;
+      return html`<path class="${kind}" d="${CURVE.line(orders.map((p, i) => [p, distances[of][act][i]]))}"/>`;
+    }),
+  );
+  return html`${CURVE.grid(CURVE.ys, (/** @type {number} */ v) => v)}${CURVE.ticks(ends, 3)}${lines}${CURVE.now()}`;
 }
+
+/* ---- one chirp, turned by the slider: long at most orders, one spike at its own ---- */
+
+const WAVE = new Scale({ wide: 300, high: 74, pad: { left: 2, right: 2, top: 6, bottom: 4 } });
+
+/** The sizes of a signal's samples, from their real and imaginary parts. @param {Complex} signal @param {number} stop */
+export const sizes = ({ re, im }, stop) => re[stop].map((v, k) => Math.hypot(v, im[stop][k]));
+
+/** Draw the stop nearest to p; the first call fetches the signal. @param {number} p */
+export const showWave = (p) =>
+  attempt(async () => {
+    const { orders, signals } = await toyFacts();
+    const all = sizes(signals.vis, nearest(orders, p));
+    const line = WAVE.line(all.map((v, k) => [k / (all.length - 1), v]));
+    put(
+      $(".wave"),
+      html`<svg viewBox="0 0 300 74" preserveAspectRatio="none" role="img" aria-label="One chirp, turned by p: its sharpest sample has ${Math.max(...all).toFixed(2)} of 1"><path d="${line}"/></svg>`,
+    );
+  }, $(".wave"));

@@ -1,98 +1,125 @@
-/** Controls of Explore, connected to the page and to the address. */
+/** Controls of Explore, connected to what they do; and what is drawn when the address changes. */
 
-import { change, openChapter, state, watch, watchIn, writeAddress } from "../shared/store.js";
+import { openChapter, watch, watchIn, writeAddress } from "../shared/store.js";
 import { openTab } from "../shared/tabs.js";
 import { onClick, press } from "../shared/view.js";
-import { share, showLink } from "./saving.js";
+import { findNear, pick } from "./acts.js";
+import * as beside from "./beside.js";
+import * as board from "./board.js";
+import { showFound } from "./finder.js";
+import { tagListed } from "./grid.js";
+import { map } from "./maps.js";
+import * as nodes from "./nodes.js";
+import { enter, modes } from "./page.js";
+import { addressOf } from "./panels.js";
+import { $, change, scene, state, take } from "./root.js";
+import { loadFile, saveAs, share, showLink } from "./saving.js";
+import { choose, stepByKey } from "./staircase.js";
+import { chooseCell, chooseStranger } from "./strangers.js";
+import * as threads from "./threads.js";
+import * as touch from "./touch.js";
 
 /** Whether the board's map is on the screen; the first chapter has none, the second another one until p moves. */
-const mapped = () => state.chapter !== "touch" && (state.chapter !== "where" || state.rung === "p");
+const isMapped = () => state.chapter !== "touch" && (state.chapter !== "where" || state.rung === "p");
+const shownMap = () => (isMapped() ? map : threads.cloud);
 
-/** Connect what every chapter has: the way from one to the next, Share and Lecture; and the first chapter. */
-export function wire(page) {
-  const { $ } = page;
-  watch(["chapter"], () => page.enter());
-  watch(["press", "from", "dots", "known", "reading"], () => page.chapter === "touch" && page.touch.show());
-  watch(["rung", "map", "press", "reading", "dots"], () => state.chapter === "where" && page.threads.show());
-  onClick($(".explore"), {
-    "button[data-chapter]": ({ dataset, classList }) => {
-      openChapter(dataset.chapter);
-      if (classList.contains("main")) $(".explore").scrollIntoView({ block: "start" });
-    },
-  });
-  $(".share").onclick = async () => {
+/** What a click does, by what is clicked. @type {Record<string, (button: Found) => unknown>} */
+const CLICKS = {
+  "button[data-chapter]": ({ dataset, classList }) => {
+    openChapter(dataset.chapter);
+    if (classList.contains("main")) $().scrollIntoView({ block: "start" });
+  },
+  ".share": async (button) => {
     if ($(".play").ariaPressed === "true") $(".play").click(); // what is shared stays on the screen
     writeAddress();
-    $(".share").textContent = await share(page.board && mapped() ? page.board.saving : null);
-    showLink($(".shared"));
-    setTimeout(() => ($(".share").textContent = "Share"), 2500);
-  };
-  const lecture = () => press($(".lecture"), document.body.classList.toggle("lecturing"));
-  $(".lecture").onclick = lecture;
+    button.textContent = await share(map !== undefined && isMapped());
+    showLink();
+    setTimeout(() => (button.textContent = "Share"), 2500);
+  },
+  ".lecture": lecture,
+  "[data-set][aria-pressed=false]": ({ dataset }) => location.assign(addressOf(dataset.set, location.href)),
+  "[data-stage]": ({ dataset }) => change({ stage: dataset.stage }),
+  ".in": () => shownMap().zoomBy(1.4),
+  ".out": () => shownMap().zoomBy(1 / 1.4),
+  ".reset": () => shownMap().resetView(),
+  ".lasso": (button) => press(button, take({ lasso: !scene.lasso }).lasso),
+  "[data-switch]": ({ dataset }) => toggle(dataset.switch),
+  "[data-save]": ({ dataset }) => saveAs(dataset.save),
+  ".card .open": () => openTab("pair"),
+  ".unpin": () => pick(-1),
+  ".find": ({ dataset }) => findNear(+dataset.of),
+  "[data-pair]": ({ dataset }) => pick(+dataset.pair),
+  "[data-point]": ({ dataset }) => pick(+dataset.point),
+  ".clear": () => board.select([]),
+  "[data-truth]": ({ dataset }) => chooseCell(+dataset.truth, +dataset.answer),
+  ".sensors button": ({ dataset }) => threads.chooseSensor(+dataset.domain),
+};
+
+/** What another value of a field does, at its end and while it is typed or moved.
+ * @type {Record<"change" | "input", Record<string, (field: Found) => unknown>>} */
+const FIELDS = {
+  change: {
+    "[data-value]": ({ dataset, value }) => change({ [dataset.value]: value }),
+    ".alike input": () => toggle("alike"),
+    ".of-steps": ({ value }) => {
+      take({ stairs: value });
+      choose();
+    },
+    ".of-domain": ({ value }) => chooseStranger(value),
+    ".tagging": ({ value }) => tagListed(value.trim()),
+    ".load-tags input": loadFile,
+  },
+  input: {
+    "[type=search]": ({ value }) => change({ find: value.slice(0, 80) }),
+    ".its-p": ({ value }) => beside.moveTo(+value),
+  },
+};
+
+/** @param {"alike" | "means" | "beside"} name */
+const toggle = (name) => change({ [name]: state[name] === "1" ? "" : "1" });
+
+/** Map, chart and control alone, or all again. */
+function lecture() {
+  press($(".lecture"), document.body.classList.toggle("lecturing"));
+}
+
+/** The names whose change draws something on the board, and what. @type {[string[], () => unknown][]} */
+const DRAWN = [
+  [["p"], () => state.chapter === "where" && change({ rung: "p" })],
+  [["stage", "map"], board.showStage],
+  [["colour", "domain", "class", "modality"], board.showColours],
+  [["find", "alike"], showFound],
+  [["find", "alike", "range"], board.refilter],
+  [["cell"], board.followCell],
+  [["mode"], modes.follow],
+  [["reading"], board.showReading],
+  [["pin"], board.showCard],
+  [["pin"], nodes.follow],
+  [["pin"], board.paintMarks],
+  [["beside"], board.resetMaps],
+  [["beside", "means"], board.showMeans],
+  [["head2"], beside.load],
+  [["p2", "stage2", "head2"], beside.show],
+];
+
+/** Connect the controls and the address. */
+export function wire() {
+  onClick($(), CLICKS);
+  for (const [kind, acts] of Object.entries(FIELDS))
+    $().addEventListener(kind, (/** @type {{target: Found}} */ { target }) => {
+      for (const [selector, act] of Object.entries(acts)) if (target.matches(selector)) act(target);
+    });
+  $(".staircase").onkeydown = stepByKey;
   document.addEventListener("keydown", (event) => {
     const { target, key } = event;
     const typing = /** @type {HTMLElement} */ (target).closest?.("input:not([type=range]), select, textarea");
     if (typing || event.ctrlKey || event.metaKey || event.altKey || state.view !== "explore") return;
     if (key.toLowerCase() === "f" || (key === "Escape" && document.body.classList.contains("lecturing"))) lecture();
   });
-}
-
-/** Connect the map and what is beside it, and react to changes of the address. */
-export function wireBoard(page, board) {
-  const { $ } = page;
-  listenToTools($, board);
-  onClick($(".card"), {
-    ".open": () => openTab("pair"),
-    ".unpin": () => board.acts.pick(-1),
-    ".find": ({ dataset }) => board.acts.near(+dataset.of),
-  });
-  const there = () => page.chapter === state.chapter && !["", "touch"].includes(page.chapter); // its set is there
-  const open = (action) => () => there() && action();
-  const on = (names, action) => watch(names, open(action));
-  watchIn(
-    "explore",
-    ["p", "rung"],
-    open(() => board.showOrder()),
-  );
-  on(["p"], () => state.chapter === "where" && change({ rung: "p" }));
-  on(["stage"], () => board.showStage());
-  on(["map"], () => board.showStage());
-  on(["colour", "domain", "class", "modality"], () => board.showColours());
-  on(["find", "alike"], () => {
-    board.finder.show();
-    board.refilter();
-  });
-  on(["range"], () => board.refilter());
-  on(["cell"], () => board.scene.facts.unseen && board.strangers.follow());
-  on(["mode"], () => page.modes.follow());
-  on(["reading"], () => {
-    if (board.scene.only) board.strangers.choose(null);
-    board.strangers.show();
-    board.read();
-    board.showLesson();
-  });
-  on(["pin"], () => {
-    board.showCard();
-    board.nodes.follow();
-    board.maps.paintMarks();
-  });
-  on(["means"], () => board.showMeans());
-  on(["beside"], () => {
-    board.maps.reset();
-    board.showMeans();
-  });
-  on(["head2"], () => board.maps.beside.load());
-  on(["p2", "stage2", "head2"], () => board.maps.beside.show());
-}
-
-/** Connect the tools above the map. */
-function listenToTools($, board) {
-  $(".colouring").onchange = (event) => change({ colour: event.target.value });
-  const shown = () => (mapped() ? board.maps.now : board.threads.cloud);
-  $(".in").onclick = () => shown().zoomBy(1.4);
-  $(".out").onclick = () => shown().zoomBy(1 / 1.4);
-  $(".reset").onclick = () => shown().resetView();
-  $(".lasso").onclick = () => press($(".lasso"), (board.lassoMode = !board.lassoMode));
-  $(".tool.second").onclick = () => change({ beside: state.beside === "1" ? "" : "1" });
-  $(".tool.means").onclick = () => change({ means: state.means === "1" ? "" : "1" });
+  watch(["chapter"], enter);
+  watch(["press", "from", "dots", "known", "reading"], () => scene.chapter === "touch" && touch.show());
+  watch(["rung", "map", "press", "reading", "dots"], () => state.chapter === "where" && threads.show());
+  const isThere = () => scene.chapter === state.chapter && !["", "touch"].includes(scene.chapter); // its set is there
+  watchIn("explore", ["p", "rung"], () => isThere() && board.showOrder());
+  for (const [names, draw] of DRAWN) watch(names, () => isThere() && draw());
 }

@@ -199,9 +199,9 @@ export function writeAddress(how = "replaceState") {
 const writeSoon = afterwards(() => writeAddress(), 150);
 
 /** The hidden names of a filter, as a set: in the state they are joined by ~, of which a name may contain one.
- * @param {Filter} kind */
-export const hidden = (kind) =>
-  new Set(state[kind] ? state[kind].split("~").map((name) => name.replace(/%25|%7E/g, decodeURIComponent)) : []);
+ * @param {Filter} kind @param {Pick<State, Filter>} address */
+export const hidden = (kind, address = state) =>
+  new Set(address[kind] ? address[kind].split("~").map((name) => name.replace(/%25|%7E/g, decodeURIComponent)) : []);
 
 /** Hide or show one name of a filter. @param {Filter} kind @param {string} name */
 export function toggle(kind, name) {

@@ -36,6 +36,7 @@ interface Mode {
   away?: string;
   caption?: string;
   note?: string;
+  lead?: string;
   words?: string;
 }
 interface Measure {
@@ -95,7 +96,7 @@ interface FramesMeta {
 }
 /** The positions of one map at one stop. */
 interface Positions {
-  points: Uint16Array | Uint8Array;
+  points: Uint16Array | Uint8Array | Float32Array;
   bounds: [Point, Point];
   extents?: Box[];
   drawn?: number;
@@ -413,7 +414,7 @@ interface Twins {
   pictures: number[];
   known: Record<Input, number[]>;
   learned: number[][];
-  presses: Record<Input, number[][]>;
+  presses: Record<Input, number[]>;
   accuracy: Record<Input, Interval[][][][]>;
   away: Record<Input, Interval[][][]>;
   shown: { class: number; name: string; press: number; looks_like: string; feels_like: string; sheet: string }[];

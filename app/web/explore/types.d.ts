@@ -1,0 +1,92 @@
+/** The records of Explore, for `tsc` alone. */
+
+/** What happened at an element. */
+type At = { target: Found };
+/** Points or pairs, as a function of their number. */
+type Wanted = (index: number) => boolean;
+type Span = [low: number, high: number];
+/** What is known of a set; null until it has come. */
+interface SetFacts {
+  unseen: Unseen | null;
+  pairs: PairNames | null;
+  fit: Fit | null;
+}
+/** A set that a chapter shows; `own` are the frames of the loaded head itself. */
+interface SetData {
+  set: string;
+  own: Frames;
+  sprite: Sprite | null;
+  coarse: boolean;
+  modes: string[];
+}
+/** A cell of the confusion matrix, with its pairs and its words. */
+interface Cell {
+  truth: number;
+  answer: number;
+  domain: string;
+  pairs: Set<number>;
+  words: string;
+}
+/** Neighbours of a point of the pinned pair, and where they were computed. */
+interface Nearest {
+  key: string;
+  points: { point: number; cosine: number }[];
+}
+/** Other predictions than those of the first map. */
+interface Other {
+  name: string;
+  frames: Frames;
+}
+/** The state of Explore beside the address. */
+interface Scene extends Omit<SetData, "coarse"> {
+  sets: SetRow[];
+  /** the chapter that opens first */
+  first: string;
+  /** the chapter on screen; "" while its set loads */
+  chapter: string;
+  facts: SetFacts;
+  /** the mode of p that is shown, and the one that is on its way */
+  mode: string;
+  wanted: string;
+  frames: Frames;
+  /** the stop of p, and by frames the stops between which p was dragged in the chapter of the order */
+  stop: number;
+  dragged: Map<Frames, Span>;
+  /** a point; -1 for none */
+  hovered: number;
+  nearest: Nearest | null;
+  /** points */
+  selected: Set<number>;
+  /** the filter under the pointer */
+  highlight: { kind: string; name: string } | null;
+  cell: Cell | null;
+  /** the domain of the confusion matrix */
+  stranger: string;
+  /** whether photos and touches are shown, and 1 for each point that all filters leave */
+  halves: [boolean, boolean];
+  mask: Uint8Array;
+  /** the pair that the card shows at first */
+  sample: number;
+  /** whether a drag on the map selects */
+  lasso: boolean;
+  /** the measure of the staircase */
+  stairs: string;
+  /** what predicts on the second map, once loaded */
+  other: Other | null;
+  /** what each node of the tree predicts over the set; null until it is asked for */
+  votes: Partial<Replies["votes"]> | null;
+  /** the first two chapters: what heads predict of the twins, their places, a point and the only sensor in colour */
+  twins: Twins;
+  twinsMap: TwinsMap;
+  twin: number;
+  alone: number;
+  /** what the loaded head reads right on the page's own set, by what is known: a record, or why there is none */
+  known: Record<string, Partial<Known> & { problem?: string }>;
+}
+/** The words of a chapter. */
+interface Words {
+  title: string;
+  figure: Markup;
+  remark: Markup;
+  whence?: Markup;
+}
