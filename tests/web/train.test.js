@@ -3,64 +3,82 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { chart, charts, niceTop } from "../../app/web/train/lines.js";
-import { chosen, compared, formHtml, inWords, mapAt, measuredAt, result, standing } from "../../app/web/train/plan.js";
+import { chosen, compared, formHtml, inWords, mapAt, result, standing } from "../../app/web/train/plan.js";
+import { active, FIRST, next } from "../../app/web/train/state.js";
 
+const NUMBERS = {
+  p: [0, 1, 0.5],
+  mma: [0, 50, 10],
+  levels: [1, 5, 3],
+  expansion: [1, 8, 4],
+  noise: [0, 5, 0],
+  shift: [0, 2, 0],
+  epochs: [5, 100, 40],
+  seed: [0, 999, 0],
+};
+const each = (read) => Object.fromEntries(Object.entries(NUMBERS).map(([name, row]) => [name, read(row)]));
 const OFFERS = {
   sources: ["TAG-sim", "<OF>"],
   widths: [16, 64],
   orders: ["gradient", "fixed", "search", "every"],
-  ranges: {
-    p: [0, 1],
-    mma: [0, 50],
-    levels: [1, 5],
-    expansion: [1, 8],
-    noise: [0, 5],
-    shift: [0, 2],
-    epochs: [5, 100],
-    seed: [0, 999],
-  },
-  first: {
-    source: "TAG-sim",
-    width: 64,
-    order: "gradient",
-    lang: true,
-    p: 0.5,
-    mma: 10,
-    levels: 3,
-    expansion: 4,
-    noise: 0,
-    shift: 0,
-    epochs: 40,
-    seed: 0,
-  },
+  ranges: each(([low, high]) => [low, high]),
+  first: { source: "TAG-sim", width: 64, order: "gradient", lang: true, ...each(([, , first]) => first) },
 };
 const EPOCHS = [
   { epoch: 1, loss: 2, cross_entropy: 1.5, order: 0.5, measures: { "accuracy/unseen": 0.3 }, map: "AA==" },
   { epoch: 2, loss: 1, cross_entropy: 0.7, order: 0.51, measures: {}, map: null },
 ];
+const FRAME = { at: 2, total: 40 };
+const started = { run: "a", total: 40, left_out: 0 };
+const run = (state, { epochs = [], ...more } = {}, leftOut = 0) => ({
+  started: { ...started, left_out: leftOut },
+  epochs,
+  standing: { state, place: 0, text: "", left: "", problem: "", ...more },
+});
+const after = (...events) => events.reduce(next, FIRST);
+const START = { kind: "started", started, question: OFFERS.first };
+const news = (state, epochs = [], name = "a") => ({ kind: "news", run: name, reply: { state, epochs } });
+
+test("a run takes its epochs and shows the newest, until an earlier one is looked at", () => {
+  const one = after({ kind: "asked" }, START, news("running", EPOCHS.slice(0, 1)));
+  assert.deepEqual([one.at, one.busy, active(one.run)], [1, true, true]);
+  const back = after(START, news("running", EPOCHS), { kind: "looked", at: 1 }, news("running", [{ epoch: 3 }]));
+  assert.deepEqual([back.at, back.run.epochs.length], [1, 3]);
+  const newest = [back, { kind: "looked", at: 3 }, news("running", [{ epoch: 4 }])].reduce((s, event) =>
+    next(s, event),
+  );
+  assert.equal(newest.at, 4);
+});
+
+test("Train can be pressed again once a run has ended or was refused", () => {
+  for (const end of ["done", "failed", "cancelled"]) {
+    const over = after({ kind: "asked" }, START, news(end, EPOCHS));
+    assert.deepEqual([over.busy, active(over.run), over.earlier.length], [false, false, Number(end === "done")]);
+  }
+  const refused = after({ kind: "asked" }, { kind: "refused", problem: "Cancel it first." });
+  assert.deepEqual([refused.busy, refused.problem], [false, "Cancel it first."]);
+  assert.equal(next(refused, { kind: "asked" }).problem, "");
+});
+
+test("a refused second run leaves the first on the screen, and news of a run that was left is ignored", () => {
+  const first = after(START, news("running", EPOCHS));
+  const refused = next(next(first, { kind: "asked" }), { kind: "refused", problem: "Cancel it first." });
+  assert.equal(refused.run, first.run);
+  const second = next(first, { ...START, started: { ...started, run: "b" } });
+  assert.deepEqual([second.at, second.run.epochs], [0, []]);
+  assert.equal(next(second, news("done", EPOCHS)), second);
+});
 
 test("the form offers what the server offers and cannot carry markup", () => {
-  const html = formHtml(OFFERS);
+  const html = String(formHtml(OFFERS));
   assert.match(html, /learn p by gradient/);
   assert.match(html, /name="epochs" min="5" max="100"/);
   assert.ok(!html.includes("<OF>"));
 });
 
 test("the form becomes a question of numbers", () => {
-  const entries = [
-    ["source", "TAG-sim"],
-    ["width", "64"],
-    ["order", "fixed"],
-    ["p", "0.3"],
-    ["mma", "10"],
-    ["levels", "3"],
-    ["expansion", "4"],
-    ["noise", "2"],
-    ["shift", "1"],
-    ["epochs", "40"],
-    ["seed", "1"],
-  ];
-  const question = chosen(entries);
+  const values = { ...each(([, , first]) => String(first)), p: "0.3", noise: "2", shift: "1", seed: "1" };
+  const question = chosen(Object.entries({ source: "TAG-sim", width: "64", order: "fixed", ...values }));
   assert.deepEqual([question.width, question.p, question.lang], [64, 0.3, false]);
   assert.equal(
     inWords(question),
@@ -69,32 +87,26 @@ test("the form becomes a question of numbers", () => {
 });
 
 test("a waiting training tells its place, a running one its epoch", () => {
-  const at = { epochs: 0, total: 40 };
-  assert.match(standing({ state: "waiting", place: 2, text: "", problem: "" }, at), /place 2 in the queue/);
-  assert.equal(
-    standing({ state: "running", place: 0, text: "searching p", problem: "" }, at),
-    "Starting: searching p.",
-  );
-  assert.equal(
-    standing({ state: "running", place: 0, text: "epoch 3", problem: "" }, { epochs: 3, total: 40 }),
-    "Training: epoch 3 of 40.",
-  );
-  assert.equal(standing({ state: "failed", place: 0, text: "", problem: "The loss is nan." }, at), "The loss is nan.");
+  assert.equal(standing(run("waiting")), "Waiting.");
+  assert.match(standing(run("waiting", { place: 2 })), /place 2 in the queue/);
+  assert.equal(standing(run("running", { text: "searching p" })), "Starting: searching p.");
+  const third = { text: "epoch 3", left: "9 s left", epochs: [1, 2, 3] };
+  assert.equal(standing(run("running", third)), "Training: epoch 3 of 40, 9 s left.");
+  assert.equal(standing(run("failed", { problem: "The loss is nan." })), "The loss is nan.");
+  assert.equal(standing(run("cancelled", { epochs: [1] })), "Cancelled after 1 of 40 epochs.");
 });
 
 test("pairs without a class are counted as left out while a training waits, runs and ends", () => {
-  const at = { epochs: 40, total: 40, leftOut: 12 };
-  assert.match(standing({ state: "waiting", place: 2 }, at), /12 pairs without a class are left out\.$/);
-  assert.equal(standing({ state: "done" }, at), "Done: 40 epochs. 12 pairs without a class are left out.");
-  assert.match(standing({ state: "done" }, { ...at, leftOut: 1 }), /1 pair without a class is left out\.$/);
-  assert.equal(standing({ state: "failed", problem: "The loss is nan." }, at), "The loss is nan.");
+  assert.match(standing(run("waiting", { place: 2 }, 12)), /12 pairs without a class are left out\.$/);
+  assert.equal(standing(run("done", {}, 12)), "Done: 40 epochs. 12 pairs without a class are left out.");
+  assert.match(standing(run("done", {}, 1)), /1 pair without a class is left out\.$/);
+  assert.equal(standing(run("failed", { problem: "The loss is nan." }, 12)), "The loss is nan.");
 });
 
-test("scrubbing back shows the newest map and measures up to that epoch", () => {
-  assert.deepEqual(mapAt(EPOCHS, 2), { map: "AA==", epoch: 1 });
+test("scrubbing back shows the newest map up to that epoch, and a result the newest measures", () => {
+  assert.equal(mapAt(EPOCHS, 2), "AA==");
   assert.equal(mapAt(EPOCHS, 0), null);
-  assert.deepEqual(measuredAt(EPOCHS, 2), { "accuracy/unseen": 0.3 });
-  assert.equal(result(EPOCHS).unseen, "30.0\u00a0%");
+  assert.deepEqual(result(run("done", { epochs: EPOCHS })), ["0.510", "30.0\u00a0%", "–", "–"]);
 });
 
 test("an axis ends at a round figure above all values", () => {
@@ -102,28 +114,18 @@ test("an axis ends at a round figure above all values", () => {
 });
 
 test("values stay inside the chart and missing measures leave no gap in the page", () => {
-  const svg = chart({
-    title: "t",
-    total: 2,
-    at: 1,
-    series: [
-      {
-        name: "a",
-        colour: "red",
-        points: [
-          [1, 0],
-          [2, 3],
-        ],
-      },
-    ],
-  });
+  const points = [
+    [1, 0],
+    [2, 3],
+  ];
+  const svg = String(chart({ title: "t", series: [{ name: "a", colour: "red", points }] }, { total: 2, at: 1 }));
   const heights = [...svg.matchAll(/[ML][\d.]+ ([\d.]+)/g)].map((found) => +found[1]);
-  assert.ok(heights.every((y) => y >= 0 && y <= 120));
-  assert.match(charts(EPOCHS, 40, 2, 5), /unseen domains <b>30\.0 %/);
+  assert.ok(heights.length === 2 && heights.every((y) => y >= 0 && y <= 120));
+  assert.match(String(charts(EPOCHS, 5, FRAME)), /unseen domains <b>30\.0 %/);
 });
 
 test("the form shows three controls; the rest is under Advanced", () => {
-  const [first, advanced] = formHtml(OFFERS).split("<details");
+  const [first, advanced] = String(formHtml(OFFERS)).split("<details");
   assert.deepEqual(first.match(/<(select|input|button type="submit")/g), [
     "<select",
     "<select",
@@ -133,14 +135,15 @@ test("the form shows three controls; the rest is under Advanced", () => {
 });
 
 test("two runs are compared, and one is not", () => {
-  const runs = [{ share: 0.5 }, { share: 0.512 }];
+  const runs = [0.5, 0.512].map((share) => run("done", { epochs: [{ measures: { "accuracy/unseen": share } }] }));
   assert.match(compared(runs), /1\.2 points above the one before it\. Train .* other seeds/);
   assert.match(compared(runs.toReversed()), /1\.2 points below/);
   assert.equal(compared(runs.slice(1)), "");
 });
 
 test("once anything is measured, a chart without a value is left out; before, it waits", () => {
-  const titles = (epochs) => [...charts(epochs, 40, 1, 5).matchAll(/<figcaption>([^<]+)/g)].map(([, title]) => title);
+  const titles = (epochs) =>
+    [...String(charts(epochs, 5, FRAME)).matchAll(/<figcaption>([^<]+)/g)].map(([, title]) => title);
   const measures = { "modality_gap/f_hat": 0.3, "margin/f_hat": 0.1 }; // of a set of one domain
   assert.equal(titles([{ ...EPOCHS[0], measures: {} }]).length, 6);
   assert.deepEqual(titles([{ ...EPOCHS[0], measures }]), ["Loss", "Gaps of F̂", "Cosine margin of F̂", "p"]);

@@ -1,22 +1,21 @@
 /** The page header: title, badge for simulated data, light or dark. */
 
-import { refused } from "../shared/api.js";
+import { attempt } from "../shared/api.js";
 import { limits } from "../shared/limits.js";
 import { keep, kept } from "../shared/memory.js";
 import { followTabs } from "../shared/tabs.js";
 import { showDefinitions } from "../shared/terms.js";
 import { startTour } from "./tour.js";
 
+/** @param {Found} root */
 export function start(root) {
   followTheme(root.querySelector(".theme"));
   const tour = root.querySelector(".tour-start");
   tour.onclick = () =>
-    startTour().catch((error) =>
-      refused(error, (sentence) => {
-        tour.title = sentence;
-        tour.disabled = true;
-      }),
-    );
+    attempt(startTour, (/** @type {string} */ sentence) => {
+      tour.title = sentence;
+      tour.disabled = true;
+    });
   document.addEventListener("omnivat:simulated", (event) => {
     root.querySelector(".badge").hidden = false;
     if (event instanceof CustomEvent && !event.detail) root.querySelector(".badge").textContent = "real pairs";
@@ -28,6 +27,7 @@ export function start(root) {
 
 const KEPT = "omnivat-theme";
 
+/** @param {HTMLElement} button */
 function followTheme(button) {
   const chosen = kept(KEPT);
   if (chosen) document.body.classList.toggle("dark", chosen === "dark");

@@ -1,8 +1,9 @@
 /** A training in words: its settings as a form and back, its progress, and the visitor it belongs to. */
 
 import { keptJson, kept as read, keep as write } from "../shared/memory.js";
-import { each, options, percent } from "../shared/text.js";
+import { html, options, percent } from "../shared/text.js";
 
+/** @type {Record<string, string>} */
 const ORDERS = {
   gradient: "learn p by gradient",
   fixed: "keep p fixed",
@@ -20,89 +21,97 @@ const NUMBERS = {
   epochs: ["Epochs", 1],
   seed: ["Seed", 1],
 };
+const NAMES = /** @type {(keyof typeof NUMBERS)[]} */ (Object.keys(NUMBERS));
 
-/** The form; `offers` are the server's choices. */
+/** The form; `offers` are the server's choices. @param {Offers} offers */
 export function formHtml({ sources, widths, orders, ranges, first }) {
-  const select = (name, label, values, text = (v) => v) =>
-    `<label>${label}<select name="${name}">${options(
-      values.map((v) => [v, text(v)]),
-      first[name],
-    )}</select></label>`;
+  /** @param {"source" | "order" | "width"} name @param {string} label @param {(string | number)[][]} all */
+  const select = (name, label, all) =>
+    html`<label>${label}<select name="${name}">${options(all, first[name])}</select></label>`;
+  /** @param {keyof typeof NUMBERS} name */
   const number = (name) => {
-    const [label, step] = NUMBERS[name];
-    const [low, high] = ranges[name];
-    return `<label>${label}<input type="number" name="${name}" min="${low}" max="${high}" step="${step}" value="${first[name]}" required></label>`;
+    const [[label, step], [low, high]] = [NUMBERS[name], ranges[name]];
+    return html`<label>${label}<input type="number" name="${name}" min="${low}" max="${high}" step="${step}" value="${first[name]}" required></label>`;
   };
-  return `${select("source", "Learn from", sources)}${select("order", "What p does", orders, (v) => ORDERS[v])}
+  /** @param {string | number} value */
+  const itself = (value) => [value, value];
+  return html`${select("source", "Learn from", sources.map(itself))}${select(
+    "order",
+    "What p does",
+    orders.map((v) => [v, ORDERS[v]]),
+  )}
     <div class="row"><button type="submit" class="main go">Train</button><button type="button" class="stop" hidden>Cancel</button></div>
-    <details class="advanced"><summary>Advanced</summary>${select("width", "D, width", widths)}${each(["p", "mma", "levels", "expansion", "noise", "shift", "epochs", "seed"], number)}
-    <label class="check"><input type="checkbox" name="lang" ${first.lang ? "checked" : ""}> LANG guides the training</label></details>`;
+    <details class="advanced"><summary>Advanced</summary>${select("width", "D, width", widths.map(itself))}${NAMES.map(number)}
+    <label class="check"><input type="checkbox" name="lang"${first.lang && html` checked`}> LANG guides the training</label></details>`;
 }
 
-/** The form's values for the server. entries: name -> text, of a FormData. */
+/** The form's values for the server. @param {Iterable<[name: string, value: FormDataEntryValue]>} entries @returns {Settings} */
 export function chosen(entries) {
-  const found = Object.fromEntries(entries);
-  const question = { source: found.source, width: Number(found.width), order: found.order, lang: "lang" in found };
-  for (const name of Object.keys(NUMBERS)) question[name] = Number(found[name]);
-  return question;
+  const { source, order, width, lang, ...rest } = Object.fromEntries(entries);
+  const numbers = Object.fromEntries(NAMES.map((name) => [name, Number(rest[name])]));
+  return /** @type {Settings} */ ({ source, order, width: Number(width), lang: lang !== undefined, ...numbers });
 }
 
-/** The settings in one line. */
+/** The settings in one line. @param {Settings} q */
 export const inWords = (q) =>
-  `${q.source}, D = ${q.width}, ${ORDERS[q.order]}${q.order === "fixed" ? ` = ${q.p}` : ""}, λ = ${q.mma}, R = ${q.levels}, E = ${q.expansion}, ${q.noise ? `noise ${q.noise}, ` : ""}${q.shift ? `imitated sensors ${q.shift}, ` : ""}${q.lang ? "LANG" : "no LANG"}, seed ${q.seed}`;
+  [
+    q.source,
+    `D = ${q.width}`,
+    `${ORDERS[q.order]}${q.order === "fixed" ? ` = ${q.p}` : ""}`,
+    `λ = ${q.mma}`,
+    `R = ${q.levels}`,
+    `E = ${q.expansion}`,
+    q.noise && `noise ${q.noise}`,
+    q.shift && `imitated sensors ${q.shift}`,
+    q.lang ? "LANG" : "no LANG",
+    `seed ${q.seed}`,
+  ]
+    .filter(Boolean)
+    .join(", ");
 
-/** A state from the server in words. leftOut: pairs of the source without a class */
-export function standing(state, { epochs, total, leftOut = 0 }) {
-  const words = stateInWords(state, epochs, total);
-  if (!leftOut || ["failed", "cancelled"].includes(state.state)) return words;
-  return `${words} ${leftOut === 1 ? "1 pair without a class is" : `${leftOut} pairs without a class are`} left out.`;
-}
-
-function stateInWords({ state, place, text, left, problem }, epochs, total) {
-  if (state === "waiting" && !place) return "Waiting.";
-  if (state === "waiting") return `Waiting: place ${place} in the queue. One training runs at a time.`;
-  if (state === "running" && epochs >= total) return "Calibrating probabilities on held-out pairs.";
-  if (state === "running")
-    return epochs ? `Training: ${text} of ${total}${left ? `, ${left}` : ""}.` : `Starting: ${text}.`;
-  if (state === "cancelled") return `Cancelled after ${epochs} of ${total} epochs.`;
+/** How far a run is, in words, and how many pairs of its source have no class. @param {Run} run */
+export function standing({ standing: { state, place, text, left, problem }, epochs: { length }, started }) {
+  const { total, left_out: lost } = started;
   if (state === "failed") return problem;
-  return `Done: ${total} epochs.`;
+  if (state === "cancelled") return `Cancelled after ${length} of ${total} epochs.`;
+  const words =
+    state === "waiting"
+      ? `Waiting${place ? `: place ${place} in the queue. One training runs at a time` : ""}`
+      : state === "done"
+        ? `Done: ${total} epochs`
+        : length >= total
+          ? "Calibrating probabilities on held-out pairs"
+          : length
+            ? `Training: ${text} of ${total}${left && `, ${left}`}`
+            : `Starting: ${text}`;
+  const without =
+    lost && ` ${lost === 1 ? "1 pair without a class is" : `${lost} pairs without a class are`} left out.`;
+  return `${words}.${without || ""}`;
 }
 
-/** The measures of the newest epoch up to `at` (from 1) that has any. */
-export function measuredAt(epochs, at) {
-  for (let i = Math.min(at, epochs.length) - 1; i >= 0; i--) {
-    if (Object.keys(epochs[i].measures).length) return epochs[i].measures;
-  }
-  return {};
+/** The newest map up to epoch `at`, as base64; null if there is none yet. @param {Epoch[]} epochs @param {number} at */
+export const mapAt = (epochs, at) => epochs.slice(0, at).findLast(({ map }) => map)?.map ?? null;
+
+/** The measures of the newest epoch that has any. @param {Run} run */
+const measures = ({ epochs }) => epochs.findLast((epoch) => Object.keys(epoch.measures).length)?.measures ?? {};
+
+/** The result of a run as cells: p, accuracy in unseen domains, both gaps. @param {Run} run */
+export function result(run) {
+  const { "accuracy/unseen": unseen, "modality_gap/f_hat": modality, "domain_gap/f_hat": domain } = measures(run);
+  return [
+    run.epochs.at(-1)?.order.toFixed(3) ?? "–",
+    Number.isFinite(unseen) ? percent(unseen, 1) : "–",
+    modality?.toFixed(2) ?? "–",
+    domain?.toFixed(2) ?? "–",
+  ];
 }
 
-/** The newest map up to epoch `at`, as base64; null if there is none yet. */
-export function mapAt(epochs, at) {
-  for (let i = Math.min(at, epochs.length) - 1; i >= 0; i--)
-    if (epochs[i].map) return { map: epochs[i].map, epoch: epochs[i].epoch };
-  return null;
-}
-
-/** The result of a run for the list of earlier ones. */
-export function result(epochs) {
-  const measures = measuredAt(epochs, epochs.length);
-  const unseen = measures["accuracy/unseen"];
-  return {
-    order: epochs.at(-1)?.order,
-    share: unseen,
-    unseen: Number.isFinite(unseen) ? percent(unseen, 1) : "–",
-    modality: measures["modality_gap/f_hat"]?.toFixed(2) ?? "–",
-    domain: measures["domain_gap/f_hat"]?.toFixed(2) ?? "–",
-  };
-}
-
-/** The last two runs in words. */
+/** The last two runs in words; "" for one, or without a figure. @param {Run[]} runs */
 export function compared(runs) {
-  const [a, b] = runs.slice(-2).map(({ share }) => share);
-  if (runs.length < 2 || !Number.isFinite(a + b)) return "";
-  const points = `${(100 * Math.abs(b - a)).toFixed(1)} points`;
-  return `The last run is ${points} ${b < a ? "below" : "above"} the one before it. Train the same settings with other seeds to see how much is chance.`;
+  const [before, last = NaN] = runs.slice(-2).map((run) => measures(run)["accuracy/unseen"]);
+  const points = 100 * (last - before);
+  if (!Number.isFinite(points)) return "";
+  return `The last run is ${Math.abs(points).toFixed(1)} points ${points < 0 ? "below" : "above"} the one before it. Train the same settings with other seeds to see how much is chance.`;
 }
 
 const NAME = "omnivat-visitor";
@@ -115,8 +124,8 @@ export function visitor() {
   return made;
 }
 
-/** Keep the training {started, question}; null forgets it. */
+/** Keep the training; null forgets it. @param {KeptRun | null} training */
 export const keep = (training) => write(TRAINING, JSON.stringify(training));
 
-/** The kept training, or null. */
+/** The kept training, or null. @returns {KeptRun | null} */
 export const kept = () => keptJson(TRAINING, null);

@@ -1,55 +1,69 @@
 /** The map of a run: F̂ of the set's pairs at one epoch. */
 
 import { Cloud } from "../shared/cloud.js";
+import { keys } from "../shared/filters.js";
 import { layersOf } from "../shared/layers.js";
 import { axes, axisNames } from "../shared/marks.js";
 import { colouring, colouringsOf, onTheme } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
-import { bytesOf, each, escaped, options } from "../shared/text.js";
+import { bytesOf, options, put } from "../shared/text.js";
+import { View } from "../shared/view.js";
 
-export class RunMap {
-  constructor(panel) {
-    this.panel = panel;
-    this.cloud = null;
-    this.choice = panel.querySelector(".colouring");
+export class RunMap extends View {
+  /** @type {Cloud | null} */
+  cloud = null;
+  /** @type {Started | null} */
+  started = null;
+  points = new Uint16Array(0);
+
+  /** @param {Found} box */
+  constructor(box) {
+    super(box);
+    this.choice = this.$(".colouring");
     this.choice.onchange = () => this.paint();
     onTheme(() => this.paint());
   }
 
-  /** A new run: the pairs on its maps, and the colours that tell them apart. */
-  begin(started) {
-    const { reach, domain } = started;
-    const box = this.panel.querySelector(".map");
-    this.frames = { pairs: domain.length, kind: "features", ...started };
-    /** @type {[Point, Point]} */
-    this.bounds = [
-      [-reach, -reach],
-      [reach, reach],
-    ];
-    this.choice.innerHTML = options(colouringsOf(this.frames).map(([key, { label }]) => [key, label.toLowerCase()]));
-    box.innerHTML = "";
-    this.cloud = new Cloud(box, 2 * domain.length);
-    this.cloud.painters = [axes(() => axisNames("pca"))];
-    listen(this.cloud, {});
-  }
+  /** The pairs of a run, with what colours them. @param {Started} started @returns {Colourable} */
+  frames = ({ domains, classes, domain, label, source }) => ({
+    ...{ domains, classes, domain, label, source, pairs: domain.length, labelled: true },
+    ...{ kind: "features", headless: true, prediction: [], confidence: [], answered: null, columns: {} },
+  });
 
-  /** coded: base64 of u16 pairs. */
-  show(coded) {
-    if (!this.cloud || !coded) return;
+  /** Show the newest map of a run; a new run brings its pairs, and the colours that tell them apart.
+   * @param {Started} started @param {string | null} coded base64 of u16 pairs */
+  show(started, coded) {
+    if (!coded) return;
+    if (this.started !== started) this.begin(started);
     this.points = new Uint16Array(bytesOf(coded).buffer);
     this.paint();
   }
 
+  /** @param {Started} started */
+  begin(started) {
+    this.started = started;
+    const offered = colouringsOf(this.frames(started));
+    put(this.choice, options(offered.map(([key, { label }]) => [key, label.toLowerCase()])));
+    const map = this.$(".map");
+    map.replaceChildren();
+    this.cloud = new Cloud(map, 2 * started.domain.length);
+    this.cloud.painters = [axes(() => axisNames("pca"))];
+    listen(this.cloud, {});
+  }
+
   paint() {
-    if (!this.cloud || !this.points) return;
+    if (!this.cloud || !this.started) return;
+    const frames = this.frames(this.started);
+    const { reach } = this.started;
     const all = () => true;
-    this.cloud.layers = layersOf(this.frames, 0, all, all, 0.13, this.choice.value);
-    this.cloud.show({ points: this.points, bounds: /** @type {[Point, Point]} */ (this.bounds) });
-    const key = ([name, colour]) =>
-      `<span class="key"><i style="background:${colour}"></i>${escaped(name)}${name === this.frames.source ? " <b>source</b>" : ""}</span>`;
-    this.panel.querySelector(".legend").innerHTML = each(
-      colouring(this.frames, this.choice.value).groups(this.frames),
-      key,
-    );
+    this.cloud.layers = layersOf(frames, 0, all, all, 0.13, this.choice.value);
+    this.cloud.show({
+      points: this.points,
+      bounds: [
+        [-reach, -reach],
+        [reach, reach],
+      ],
+    });
+    put(this.$(".legend"), keys(colouring(frames, this.choice.value).groups(frames), frames.source));
   }
 }
