@@ -1,6 +1,9 @@
 import assert from "node:assert";
+import { readdirSync, readFileSync } from "node:fs";
 import test from "node:test";
 import { Html, html, put } from "../../app/web/shared/text.js";
+
+const CONVERTED = ["header/", "shared/", "site/", "train/"];
 
 test("a value in markup is escaped, and markup in markup is not", () => {
   const name = `<img onerror="x">'`;
@@ -21,4 +24,12 @@ test("only markup that html made is written into the page", () => {
   assert.equal(box.innerHTML, "<b>1</b>");
   assert.throws(() => put(box, "<b>1</b>"), /every value is escaped/);
   assert.ok(html`x` instanceof Html);
+});
+
+test("markup is written in one place", () => {
+  const web = new URL("../../app/web/", import.meta.url);
+  const writers = CONVERTED.flatMap((folder) => readdirSync(new URL(folder, web)).map((name) => `${folder}${name}`))
+    .filter((name) => name.endsWith(".js"))
+    .filter((name) => /innerHTML|outerHTML|insertAdjacentHTML/.test(readFileSync(new URL(name, web), "utf8")));
+  assert.deepEqual(writers, ["shared/text.js"]);
 });

@@ -118,7 +118,7 @@ test("values stay inside the chart and missing measures leave no gap in the page
     [1, 0],
     [2, 3],
   ];
-  const svg = String(chart({ title: "t", series: [{ name: "a", colour: "red", points }] }, { total: 2, at: 1 }));
+  const svg = String(chart("t", [{ name: "a", colour: "red", points }], { total: 2, at: 1 }));
   const heights = [...svg.matchAll(/[ML][\d.]+ ([\d.]+)/g)].map((found) => +found[1]);
   assert.ok(heights.length === 2 && heights.every((y) => y >= 0 && y <= 120));
   assert.match(String(charts(EPOCHS, 5, FRAME)), /unseen domains <b>30\.0 %/);
