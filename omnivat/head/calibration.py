@@ -200,6 +200,17 @@ def save_familiarity(file: Path, familiarity: Familiarity) -> None:
     file.chmod(0o644)
 
 
+def tensors_in(file: Path) -> dict[str, Tensor]:
+    """Return the tensors of a file of a head. Raises DataError if it cannot be read."""
+    try:
+        tensor_table(file)
+        return load_file(file)
+    except (SafetensorError, OSError) as error:
+        raise DataError(
+            f"'{file}' cannot be read ({error}); copy the head folder again."
+        ) from error
+
+
 def load_familiarity(file: Path, width: int) -> Familiarity | None:
     """Return the saved familiarity, or None if there is no file.
 
@@ -207,13 +218,7 @@ def load_familiarity(file: Path, width: int) -> Familiarity | None:
     """
     if not file.is_file():
         return None
-    try:
-        tensor_table(file)
-        tensors = load_file(file)
-    except (SafetensorError, OSError) as error:
-        raise DataError(
-            f"'{file}' cannot be read ({error}); copy the head folder again."
-        ) from error
+    tensors = tensors_in(file)
     names = [name for name in IMAGES if name in tensors]
     fits = names and all(
         tensors[n].shape[1:] == (width,) and f"{n}_quantiles" in tensors for n in names

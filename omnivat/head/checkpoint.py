@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import torch
-from safetensors import SafetensorError
-from safetensors.torch import load_file, save
+from safetensors.torch import save
 from torch import Tensor
 
 from omnivat.data.dots import FILLED, dots_of
@@ -26,7 +25,7 @@ from omnivat.data.profile import (
 )
 from omnivat.data.rest import RESTED
 from omnivat.data.store import Embeddings
-from omnivat.head.calibration import Familiarity, load_familiarity, save_familiarity
+from omnivat.head.calibration import Familiarity, load_familiarity, save_familiarity, tensors_in
 from omnivat.head.fusion import Calibration, plain
 from omnivat.head.head import OmniVaT
 from omnivat.head.settings import HeadSettings
@@ -34,7 +33,7 @@ from omnivat.kit.config import settings_dict, settings_from
 from omnivat.kit.devices import current
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.files import hash_of, replacing_folder, require_writable, write_json
-from omnivat.kit.schema import read_object, tensor_table, texts
+from omnivat.kit.schema import read_object, texts
 from omnivat.kit.stages import IMAGES, LIMIT
 
 FORMAT = "omnivat-head-1"
@@ -286,13 +285,7 @@ def _require_provenance(provenance: Any, file: Path) -> None:
 
 def _load_weights(file: Path, settings: HeadSettings) -> OmniVaT:
     _require(file)
-    try:
-        tensor_table(file)
-        tensors = load_file(file)
-    except (SafetensorError, OSError) as error:
-        raise DataError(
-            f"'{file}' cannot be read ({error}); copy the head folder again."
-        ) from error
+    tensors = tensors_in(file)
     with torch.device("meta"):
         model = OmniVaT(settings)
     wanted = model.state_dict()

@@ -21,7 +21,6 @@ MOST_HEADER = 8_000_000  # bytes of a safetensors header
 MOST_TENSORS = 4096
 MOST_AXES = 8
 TYPES = ("F64", "F32", "F16", "BF16", "I64", "I32", "I16", "I8", "U8", "BOOL")
-FLOATS = ("F64", "F32", "F16", "BF16")
 
 
 def read_object(file: Path) -> dict[str, Any]:

@@ -16,22 +16,13 @@ def settings(**changes):
 
 
 @pytest.fixture
-def head():
-    """A head with weights that make every part matter, in double precision."""
-    model = build_head(settings()).double().eval()
-    with torch.no_grad():
-        torch.manual_seed(1)
-        model.mffa.bank.normal_()
-        model.mffa.bank_seen.fill_(True)
-        for theta in model.mffa.theta.values():
-            theta.normal_()
-        model.dtg.bias.normal_()
-    return model
+def head(make_head):
+    return make_head(theta="normal")
 
 
-def pairs(count, seed=0):
-    random = torch.Generator().manual_seed(seed)
-    return tuple(torch.randn(count, 24, generator=random, dtype=torch.float64) for _ in "vt")
+@pytest.fixture
+def pairs(make_pairs):
+    return make_pairs
 
 
 # counts: attention 3 (D² + D), FFN 8 D² + 5 D, tree (2^R - 2)(D² + D), θ_e 3 E, p 1, classifier 5 D
@@ -44,7 +35,7 @@ def test_parameters_are_counted_as_the_paper_is_read(width, levels):
     assert parameter_count(chosen) == wanted
 
 
-def test_each_image_modality_has_a_projection_of_its_own_unless_they_share_one():
+def test_each_image_modality_has_a_projection_of_its_own_unless_they_share_one(pairs):
     """Changing TAC's map leaves VIS's features alone; a shared one is 16 (24 + 1) numbers less."""
     model, (vis, tac) = build_head(settings()).double(), pairs(3)
     before = model.embedded({"vis": vis, "tac": tac})
@@ -75,7 +66,7 @@ def test_unequal_numbers_of_vis_and_tac_are_refused(head):
         head(torch.zeros(2, 24), torch.zeros(3, 24))
 
 
-def test_coefficients_give_the_output_of_a_full_pass_at_any_order(head):
+def test_coefficients_give_the_output_of_a_full_pass_at_any_order(head, pairs):
     vis, tac = pairs(6)
     with torch.no_grad():
         kept = head.coefficients(vis, tac)
@@ -86,7 +77,7 @@ def test_coefficients_give_the_output_of_a_full_pass_at_any_order(head):
         torch.testing.assert_close(part, head(vis[2:4], tac[2:4], order=0.3).probabilities)
 
 
-def test_one_order_a_pair_equals_one_pass_an_order(head):
+def test_one_order_a_pair_equals_one_pass_an_order(head, pairs):
     vis, tac = pairs(3)
     orders = torch.tensor([0.1, 0.5, 0.9], dtype=torch.float64)
     with torch.no_grad():
@@ -97,7 +88,7 @@ def test_one_order_a_pair_equals_one_pass_an_order(head):
             torch.testing.assert_close(rows[row : row + 1], alone)
 
 
-def test_a_tensor_of_one_order_serves_any_number_of_pairs(head):
+def test_a_tensor_of_one_order_serves_any_number_of_pairs(head, pairs):
     vis, tac = pairs(CHUNK + 3)
     order = torch.tensor([0.1], dtype=torch.float64)
     with torch.no_grad():
@@ -116,7 +107,7 @@ def test_zero_tiny_and_huge_embeddings_give_finite_probabilities(head, value):
 
 
 @pytest.mark.parametrize("factor", [1e-30, 1e30])
-def test_the_size_of_embeddings_does_not_matter_even_where_squares_overflow(factor):
+def test_the_size_of_embeddings_does_not_matter_even_where_squares_overflow(factor, pairs):
     """Nor where they vanish: 1e30 squared is infinite in single precision."""
     model = build_head(settings(input_width=16, standardize=False)).eval()
     vis, tac = (x[:, :16].float() for x in pairs(3))

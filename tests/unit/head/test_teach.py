@@ -35,20 +35,23 @@ def head(head_folder):
     return replace(short, model=model.requires_grad_(False), settings=settings)
 
 
-@pytest.fixture
-def lessons(head_folder):
-    """Two pairs of each of two classes, of a domain that the head has not seen."""
-    pairs = load_embeddings(head_folder.parent / "set.safetensors").in_domain("OF Real-sim")
-    rows = {"wood": (0, 1), "glass": (32, 33)}
+def lessons_of(head_folder, domain, rows):
+    """Return pairs of a domain of the set that the head was made of, as lessons."""
+    pairs = load_embeddings(head_folder.parent / "set.safetensors").in_domain(domain)
     return [
         Lesson(
-            label=label,
+            label=pairs.header.classes[pairs.label[row]],
             vis=torch.from_numpy(pairs.vis[row : row + 1].copy()),
             tac=torch.from_numpy(pairs.tac[row : row + 1].copy()),
         )
-        for label, two in rows.items()
-        for row in two
+        for row in rows
     ]
+
+
+@pytest.fixture
+def lessons(head_folder):
+    """Two pairs of each of two classes, of a domain that the head has not seen."""
+    return lessons_of(head_folder, "OF Real-sim", (0, 1, 32, 33))
 
 
 def said(head, pair, reading="fused"):
@@ -190,15 +193,7 @@ def test_no_pair_is_judged_by_a_head_that_learned_from_its_object(head, lessons)
 
 def many_lessons(head_folder, count):
     """Pairs of all classes, of a domain that the head has not seen."""
-    pairs = load_embeddings(head_folder.parent / "set.safetensors").in_domain("OF Real-sim")
-    return [
-        Lesson(
-            label=pairs.header.classes[pairs.label[row]],
-            vis=torch.from_numpy(pairs.vis[row : row + 1].copy()),
-            tac=torch.from_numpy(pairs.tac[row : row + 1].copy()),
-        )
-        for row in np.arange(0, len(pairs), len(pairs) // count)[:count]
-    ]
+    return lessons_of(head_folder, "OF Real-sim", np.arange(0, 40, 40 // count)[:count])
 
 
 @pytest.mark.parametrize("count", [1, 2, 5, 12])
@@ -280,15 +275,7 @@ def test_lessons_outvote_a_head_that_contradicts_them(head, head_folder):
 
 
 def test_lessons_that_the_head_predicts_rightly_do_not_lower_it(head, head_folder):
-    pairs = load_embeddings(head_folder.parent / "set.safetensors").in_domain("TAG-sim")
-    few = [
-        Lesson(
-            label=pairs.header.classes[pairs.label[row]],
-            vis=torch.from_numpy(pairs.vis[row : row + 1].copy()),
-            tac=torch.from_numpy(pairs.tac[row : row + 1].copy()),
-        )
-        for row in range(0, len(pairs), 4)
-    ]
+    few = lessons_of(head_folder, "TAG-sim", range(0, 40, 4))
     report = judged(head, few)
     assert report.after >= report.before and report.share > 0.5
 

@@ -1,1 +1,0 @@
-"""A new sensor: profiles of its pictures, and what they bring back."""
