@@ -28,6 +28,23 @@ def few_stops(monkeypatch, tmp_path):
 
 
 @pytest.fixture
+def building(monkeypatch):
+    """Return a function: `before` is called with the options of each map that is built."""
+    import omnivat.maps.frames
+
+    whole = omnivat.maps.frames.build_frames
+
+    def watch(before, **instead):
+        def built(*arguments, **options):
+            before(options)
+            return whole(*arguments, **{**options, **instead})
+
+        monkeypatch.setattr(omnivat.maps.frames, "build_frames", built, raising=False)
+
+    return watch
+
+
+@pytest.fixture
 def source(small_places):
     from omnivat.data.store import load_embeddings
     from omnivat.head.checkpoint import load_head
@@ -66,18 +83,9 @@ def test_one_stop_is_exactly_the_learned_order(source, jobs, monkeypatch):
     assert None not in frames.curves["accuracy/unseen"]
 
 
-def test_the_coarse_map_is_shown_before_the_fine_one_makes_a_step(source, jobs, monkeypatch):
-    import omnivat.maps.frames
-
-    whole, seen, go = omnivat.maps.frames.build_frames, Event(), Event()
-
-    def built(*arguments, orders, **more):
-        if len(orders) == 3:
-            seen.set()
-            go.wait(300)
-        return whole(*arguments, orders=orders, **more)
-
-    monkeypatch.setattr(omnivat.maps.frames, "build_frames", built, raising=False)
+def test_the_coarse_map_is_shown_before_the_fine_one_makes_a_step(source, jobs, building):
+    seen, go = Event(), Event()
+    building(lambda options: len(options["orders"]) < 3 or (seen.set(), go.wait(300)))
     job = FramesJob(**source, jobs=jobs)
     job.state()
     assert seen.wait(300)
@@ -152,19 +160,11 @@ def test_a_map_that_waits_says_its_place(source, jobs):
     assert job.wait().file is not None
 
 
-def test_a_cancelled_map_writes_nothing(source, jobs, tmp_path, monkeypatch):
+def test_a_cancelled_map_writes_nothing(source, jobs, tmp_path, building):
     folder = tmp_path / "set"
     folder.mkdir()
-    import omnivat.maps.frames
-
-    whole, seen, go = omnivat.maps.frames.build_frames, Event(), Event()
-
-    def built(*arguments, **more):
-        seen.set()
-        go.wait(300)
-        return whole(*arguments, **more)
-
-    monkeypatch.setattr(omnivat.maps.frames, "build_frames", built, raising=False)
+    seen, go = Event(), Event()
+    building(lambda _: (seen.set(), go.wait(300)))
     job = FramesJob(**source, folder=folder, jobs=jobs, owner="gone")
     job.state()
     assert seen.wait(300)
@@ -174,18 +174,13 @@ def test_a_cancelled_map_writes_nothing(source, jobs, tmp_path, monkeypatch):
     assert [Path(file).name for file in folder.iterdir()] == []
 
 
-def test_a_large_set_is_first_shown_by_its_principal_components_alone(source, jobs, monkeypatch):
+def test_a_large_set_is_first_shown_by_its_principal_components_alone(
+    source, jobs, monkeypatch, building
+):
     monkeypatch.setattr(frames_job, "LARGE_SET", 10)
-    import omnivat.maps.frames
-
-    whole, seen = omnivat.maps.frames.build_frames, []
-
-    def built(*arguments, maps, orders, **more):
-        seen.append((len(orders), {name.split("/")[0] for name in maps}))
-        return whole(*arguments, maps={"pca/f_hat": 3}, orders=orders, **more)
-
-    monkeypatch.setattr(omnivat.maps.frames, "build_frames", built, raising=False)
+    seen = []
+    building(seen.append, maps={"pca/f_hat": 3})
     assert FramesJob(**source, jobs=jobs).wait().problem == ""
-    assert seen[0] == (2, {"pca"})
-    assert len(seen) == 3
-    assert seen[1][1] == seen[2][1] == {"pca", "umap"}
+    assert len(seen[0]["orders"]) == 2
+    kinds = [{name.split("/")[0] for name in options["maps"]} for options in seen]
+    assert kinds == [{"pca"}, {"pca", "umap"}, {"pca", "umap"}]

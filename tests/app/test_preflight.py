@@ -16,20 +16,21 @@ from app.server import main
 ROOT = Path(__file__).resolve().parents[2]
 
 
-@pytest.mark.parametrize("port", ["0", "-1", "99999", "eight", "٣", "9" * 5000])
-def test_what_is_no_port_is_refused_by_the_command_line(port, capsys):
-    with pytest.raises(SystemExit) as caught:
-        parser().parse_args(["--port", port])
-    assert caught.value.code == 2
-    assert "a number from 1 to 65535" in capsys.readouterr().err
+PORT, PAIRS = "a number from 1 to 65535", "one from 1 to 50,000"
 
 
-@pytest.mark.parametrize("count", ["0", "-1", "50001", "many", "9" * 5000])
-def test_what_is_no_number_of_pairs_is_refused_by_the_command_line(count, capsys):
+@pytest.mark.parametrize(
+    ("name", "value", "wanted"),
+    [
+        *(("--port", text, PORT) for text in ("0", "-1", "99999", "eight", "٣", "9" * 5000)),
+        *(("--sample", text, PAIRS) for text in ("0", "-1", "50001", "many", "9" * 5000)),
+    ],
+)
+def test_what_is_no_such_number_is_refused_by_the_command_line(name, value, wanted, capsys):
     with pytest.raises(SystemExit) as caught:
-        parser().parse_args(["--sample", count])
+        parser().parse_args([name, value])
     assert caught.value.code == 2
-    assert "one from 1 to 50,000" in capsys.readouterr().err
+    assert wanted in capsys.readouterr().err
 
 
 def refusal(capsys, *arguments):
