@@ -24,6 +24,7 @@ COARSE = tuple(k / 10 for k in range(11))
 FINE = tuple(k / 100 for k in range(101))
 RECIPE = 3  # version of the maps; those of other versions are computed again
 FIRST_LOOK, LAST_TOUCH = 0, 2  # priorities; training is between them
+LOADING = Step(done=0, total=0, text="loading the head")
 RETRY_S = 5.0  # seconds before a failed map is tried again
 
 
@@ -84,13 +85,12 @@ class FramesJob:
             job, file, whole = self._job, self._file, self._whole
         if whole or job is None:
             return FramesState(file=file)
-        status = job.status()
-        if status.state in ("failed", "cancelled"):
-            return FramesState(file=file, problem="" if file else status.problem)
-        step = status.step or Step(done=0, total=0, text="loading the head")
-        if status.place:
-            step = Step(done=0, total=0, text=f"waiting: number {status.place} in the queue")
-        return FramesState(file=file, step=step)
+        if job.state in ("failed", "cancelled"):
+            return FramesState(file=file, problem="" if file else job.problem)
+        if place := job.place:
+            text = f"waiting: number {place} in the queue"
+            return FramesState(file=file, step=Step(done=0, total=0, text=text))
+        return FramesState(file=file, step=job.step or LOADING)
 
     def wait(self) -> FramesState:
         """Wait for the work to end; return the state."""
@@ -115,7 +115,7 @@ class FramesJob:
         name = cache_name(self.head, self.embeddings, self.drawn)
         fine, coarse, first = (folder / f"{name}{kind}.bin" for kind in ("", "-coarse", "-first"))
         if not readable(fine):
-            job.report(Step(done=0, total=0, text="loading the head"))
+            job.report(LOADING)
             embeddings, loaded = self.load_embeddings(), self.load_head()
             head: Head | None = loaded
             try:

@@ -32,16 +32,6 @@ class JobStopped(BaseException):
     """Raised in a cancelled job; not an Exception, so that no handler catches it."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Status:
-    """The current state of a job."""
-
-    state: State
-    place: int  # in the queue, from 1; else 0
-    step: Step | None  # progress
-    problem: str  # reason of a failure, one sentence
-
-
 @dataclass(eq=False)
 class Job(Generic[T]):
     """One job: its state and its result."""
@@ -88,13 +78,15 @@ class Job(Generic[T]):
         """Stop the work: at once if it waits, at its next `check` if it runs."""
         self.jobs.cancel(self)
 
-    def status(self) -> Status:
-        """Return the state of the job."""
-        error = self.future.exception() if self.future.done() else None
-        problem = str(error) if error else ""
-        return Status(
-            state=self.state, place=self.jobs.place(self), step=self.step, problem=problem
-        )
+    @property
+    def place(self) -> int:
+        """The position in the queue, from 1; 0 if it does not wait."""
+        return self.jobs.place(self)
+
+    @property
+    def problem(self) -> str:
+        """The reason of a failure, one sentence; else ""."""
+        return str((self.future.done() and self.future.exception()) or "")
 
     def wait(self, timeout_s: float | None = None) -> T:
         """Return the result of the work; raises its OmniVatError, or TimeoutError."""

@@ -11,7 +11,6 @@ from functools import partial, partialmethod
 from importlib import import_module
 from threading import Lock
 from time import monotonic
-from traceback import walk_tb
 from typing import Any
 
 from app.components import WEB, component, head, theme
@@ -25,17 +24,16 @@ from omnivat.kit.errors import MissingPackageError, OmniVatError, printable
 from omnivat.kit.tables import need
 
 log = logging.getLogger(__name__)
-LINES, LONGEST, TRACEBACKS = 60, 300, 50  # a minute; characters of a line; of one process
+LINES, LONGEST = 60, 300  # a minute; characters of a line
 
 
 class Bounded(logging.Filter):
-    """Lets LINES lines a minute through, and the traceback of one error at one place once."""
+    """Lets LINES lines a minute through, each short and with its traceback."""
 
     def __init__(self) -> None:
         super().__init__()
         self._lock = Lock()
         self._minute, self._lines = -1, 0
-        self._seen: set[tuple[str, int, str]] = set()
 
     def filter(self, record: logging.LogRecord) -> bool:
         """Shorten a record; False if the minute has had its lines."""
@@ -43,21 +41,11 @@ class Bounded(logging.Filter):
         with self._lock:
             self._lines = self._lines + 1 if minute == self._minute else 1
             self._minute = minute
-            if self._lines > LINES:
-                return False
-            if self._lines == LINES:
-                record.msg, record.args = "the log leaves out the rest of this minute", ()
-            trace = record.exc_info[2] if record.exc_info else None
-            *_, place = [
-                ("", 0),
-                *((frame.f_code.co_filename, line) for frame, line in walk_tb(trace)),
-            ]
-            error = (*place, repr(record.exc_info[1])[:LONGEST] if record.exc_info else "")
-            if error in self._seen or len(self._seen) >= TRACEBACKS:
-                record.exc_info = record.exc_text = None
-            self._seen.add(error)
-        record.msg, record.args = printable(record.getMessage())[:LONGEST], ()
-        return True
+            lines = self._lines
+        last = "the log leaves out the rest of this minute"
+        record.msg = last if lines == LINES else printable(record.getMessage())[:LONGEST]
+        record.args = ()
+        return lines <= LINES
 
 
 def start_log() -> None:

@@ -147,13 +147,13 @@ class Trainings:
         if type(since) is not int or since < 0:
             raise DataError(f"since is {since!r:.20}; give the number of epochs you have.")
         run.looked = monotonic()
-        status = run.job.status()
+        job, step = run.job, run.job.step
         return {
-            "state": status.state,
-            "place": status.place,
-            "problem": status.problem if status.state == "failed" else "",
-            "text": status.step.text if status.step else "",
-            "left": status.step.left if status.step else "",
+            "state": job.state,
+            "place": job.place,
+            "problem": job.problem if job.state == "failed" else "",
+            "text": step.text if step else "",
+            "left": step.left if step else "",
             "epochs": run.epochs[since:],
             "set": run.loaded,
         }

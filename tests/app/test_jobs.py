@@ -43,8 +43,8 @@ def test_waiting_jobs_have_places_and_the_better_priority_goes_first(jobs):
     order = []
     late = jobs.start(lambda job: order.append("late"), lane="long", priority=2)
     soon = jobs.start(lambda job: order.append("soon"), lane="long", priority=1)
-    assert (first.status().place, soon.status().place, late.status().place) == (0, 1, 2)
-    assert late.status().state == "waiting"
+    assert (first.place, soon.place, late.place) == (0, 1, 2)
+    assert late.state == "waiting"
     go.set()
     late.wait(60)
     assert order == ["soon", "late"]
@@ -54,7 +54,7 @@ def test_a_running_job_gives_way_to_a_better_one_and_goes_on_after_it(jobs):
     slow, go, there = held(jobs, priority=5)
     there.wait(60)
     assert jobs.start(lambda job: "first look", lane="long", priority=0).wait(60) == "first look"
-    assert slow.status().state == "running"
+    assert slow.state == "running"
     go.set()
     assert slow.wait(60) == "held"
 
@@ -92,7 +92,7 @@ def test_the_work_of_an_owner_who_is_gone_is_stopped_running_or_waiting(jobs):
     for job in (running, waiting):
         with pytest.raises(CancelledError, match="was cancelled"):
             job.wait(60)
-        assert job.status().state == "cancelled"
+        assert job.state == "cancelled"
 
 
 def test_a_paused_job_can_be_cancelled(jobs):
@@ -119,8 +119,8 @@ def test_whatever_is_raised_ends_in_a_sentence_and_the_lane_goes_on(jobs, error)
     job = jobs.start(work, lane="long")
     with pytest.raises(UnexpectedError):
         job.wait(60)
-    assert job.status().problem == UNEXPECTED
-    assert job.status().state == "failed"
+    assert job.problem == UNEXPECTED
+    assert job.state == "failed"
     assert jobs.start(lambda job: 1, lane="long").wait(60) == 1
 
 
@@ -131,7 +131,7 @@ def test_a_refusal_keeps_its_own_sentence(jobs):
     job = jobs.start(work, lane="long")
     with pytest.raises(DataError):
         job.wait(60)
-    assert job.status().problem == "The set is empty; choose another."
+    assert job.problem == "The set is empty; choose another."
 
 
 def test_a_job_past_its_time_is_stopped_in_a_sentence_and_waiting_does_not_count(jobs, monkeypatch):
@@ -141,7 +141,7 @@ def test_a_job_past_its_time_is_stopped_in_a_sentence_and_waiting_does_not_count
     there.wait(60)
     late, _, begun = held(jobs, deadline_s=10)
     now[0] = 20
-    assert late.status().state == "waiting"
+    assert late.state == "waiting"
     go.set()
     assert begun.wait(60)
     now[0] = 31
@@ -160,7 +160,7 @@ def test_progress_is_seen_while_the_job_runs(jobs):
 
     job = jobs.start(work, lane="long")
     told.wait(60)
-    assert job.status().step == Step(done=1, total=3, text="epoch 1")
+    assert job.step == Step(done=1, total=3, text="epoch 1")
     go.set()
     job.wait(60)
 
@@ -183,10 +183,10 @@ def test_waiting_jobs_of_a_low_priority_age_past_new_ones_of_a_high_one(jobs, mo
     order = []
     upload = jobs.start(lambda job: order.append("upload"), lane="long", priority=1)
     soon = jobs.start(lambda job: order.append("drag"), lane="long", priority=0)
-    assert (upload.status().place, soon.status().place) == (2, 1)
+    assert (upload.place, soon.place) == (2, 1)
     now[0] = AGE_S["long"]
     later = jobs.start(lambda job: order.append("later drag"), lane="long", priority=0)
-    assert [one.status().place for one in (upload, soon, later)] == [1, 2, 3]
+    assert [one.place for one in (upload, soon, later)] == [1, 2, 3]
     go.set()
     later.wait(60)
     assert order == ["upload", "drag", "later drag"]
@@ -212,7 +212,7 @@ def test_work_in_small_steps_gives_way_to_requests_but_never_stops(jobs, monkeyp
     go.set()
     trained.wait(60)
     assert order == ["request", "step"]
-    assert asked.status().state == "done"
+    assert asked.state == "done"
     go.clear()
     there.clear()
     monkeypatch.setattr("app.jobs.GIVE_WAY_S", 0.01)
@@ -234,7 +234,7 @@ def test_one_slot_stays_for_requests_of_the_first_priority(jobs):
     uploads = [jobs.start(upload, lane="quick", priority=1) for _ in range(3)]
     there.wait(60)
     assert jobs.start(lambda job: "drag", lane="quick").wait(60) == "drag"
-    assert [one.status().state for one in uploads] == ["running", "waiting", "waiting"]
+    assert [one.state for one in uploads] == ["running", "waiting", "waiting"]
     go.set()
     for one in uploads:
         one.wait(60)
@@ -246,7 +246,7 @@ def test_a_closed_runner_leaves_no_thread_and_takes_nothing(jobs):
     job, _, there = held(jobs)
     there.wait(60)
     jobs.close(60)
-    assert job.status().state == "cancelled"
+    assert job.state == "cancelled"
     until(lambda: not set(enumerate_threads()) - before)
     with pytest.raises(BusyError, match="stopping"):
         jobs.start(lambda job: 1, lane="quick")
@@ -259,7 +259,7 @@ def test_a_job_that_gets_no_thread_fails_in_a_sentence_and_frees_its_slot(jobs, 
     with monkeypatch.context() as patched:
         patched.setattr("threading.Thread.start", none_left)
         job = jobs.start(lambda job: 1, lane="long")
-    assert "no thread left" in job.status().problem
+    assert "no thread left" in job.problem
     assert jobs.start(lambda job: 1, lane="long").wait(60) == 1
 
 
