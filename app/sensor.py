@@ -79,7 +79,7 @@ def save_sensor(resources: Resources, question: Mapping[str, Any]) -> bytes:
         return file.read_bytes()
 
 
-def load_sensor(resources: Resources, file: Path) -> dict[str, Any]:
+def load_sensor(resources: Resources, file: Path, _: Mapping[str, Any]) -> dict[str, Any]:
     """Keep a saved profile; return as `profile` does. Raises DataError if it does not fit the
     head.
     """
@@ -93,7 +93,7 @@ def load_sensor(resources: Resources, file: Path) -> dict[str, Any]:
 
 def from_the_start(resources: Resources) -> dict[str, Any]:
     """Return the profile of --profile as `load_sensor` does; {} without one."""
-    return load_sensor(resources, resources.where.profile) if resources.where.profile else {}
+    return load_sensor(resources, resources.where.profile, {}) if resources.where.profile else {}
 
 
 def _kept(resources: Resources, profile: "Profile") -> dict[str, Any]:

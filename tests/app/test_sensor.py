@@ -10,11 +10,12 @@ from hypothesis import strategies as st
 
 from app.about import about
 from app.pair_input import pair_of
-from app.sensor import joined, load_sensor, profile, save_sensor
+from app.sensor import joined, profile, save_sensor
 from app.server import main
 from app.views.pair import many
 from omnivat.data.profile import channels_of
-from omnivat.kit.errors import DataError
+
+from .conftest import sentence, served
 
 OWN = {"vis": "image:0", "tac": "image:0"}
 
@@ -73,14 +74,13 @@ def test_more_pictures_are_added_to_a_profile(visiting):
     )
 
 
-def test_a_saved_profile_is_loaded_again_and_a_broken_file_is_refused(visiting, tmp_path):
+def test_a_saved_profile_is_loaded_again_and_a_broken_file_is_refused(visiting):
     made = profile(visiting, {"photos": refs(5), "touches": refs(3)})
-    file = tmp_path / "sensor.safetensors"
-    file.write_bytes(save_sensor(visiting, made))
-    assert load_sensor(visiting, file) == made
-    file.write_bytes(file.read_bytes()[:90])
-    with pytest.raises(DataError, match="profile"):
-        load_sensor(visiting, file)
+    content = save_sensor(visiting, made)
+    with served(visiting) as client:
+        assert client.post("/omnivat/sensor", content=content).json() == made
+        broken = client.post("/omnivat/sensor", content=content[:90])
+    assert "profile" in sentence(broken)
 
 
 def test_a_profile_of_the_command_line_is_in_use_from_the_start(visiting, tmp_path):
