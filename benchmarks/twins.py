@@ -41,7 +41,7 @@ from omnivat.simulate.build import image_path
 from omnivat.simulate.domains import SIMULATED, SimulatedDomain
 from omnivat.simulate.plan import Planned
 from omnivat.simulate.sensors import SENSORS, Sensor, TaximSensor
-from omnivat.simulate.twins import Twin, unmet_objects
+from omnivat.simulate.twins import twin, unmet_objects
 
 Array = NDArray[Any]
 RECORD = Path("docs/benchmarks/twins.json")
@@ -463,11 +463,7 @@ def gathered(folder: Path, learning: Sequence[Embeddings]) -> Twins:
     header = learning[0].header
 
     def images(kind: str, objects: Sequence[Planned]) -> list[Array]:
-        twins_of = [
-            Twin(unmet=unmet, domain=domain).pair()
-            for unmet in objects
-            for domain in SIMULATED.values()
-        ]
+        twins_of = [twin(unmet, domain) for unmet in objects for domain in SIMULATED.values()]
         return [
             np.asarray(Image.open(image_path(folder, pair, kind)).convert("RGB"))
             for pair in twins_of
@@ -477,7 +473,7 @@ def gathered(folder: Path, learning: Sequence[Embeddings]) -> Twins:
         return embedded(encoder, pictures).reshape(-1, len(SIMULATED), encoder.width)
 
     def whole(unmet: Planned) -> bool:
-        pairs = (Twin(unmet=unmet, domain=domain).pair() for domain in SIMULATED.values())
+        pairs = (twin(unmet, domain) for domain in SIMULATED.values())
         return all(image_path(folder, pair, "vis").is_file() for pair in pairs)
 
     touches = images("tac", plan)

@@ -3,11 +3,10 @@
 A few pairs of a set can be copied as small examples."""
 
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from os import cpu_count
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 from PIL import Image
@@ -19,14 +18,16 @@ from omnivat.data.rest import REST
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import replacing
 from omnivat.kit.progress import OnStep, Step, ignore
-from omnivat.kit.tables import load, unknown
+from omnivat.kit.tables import unknown
 from omnivat.kit.threads import in_processes
 from omnivat.simulate.domains import NUMBERS, SIMULATED, SimulatedDomain
 from omnivat.simulate.drawing import drawn, resting
 from omnivat.simulate.noise import Array
+from omnivat.simulate.photograph import Renderer
 from omnivat.simulate.plan import PAIRS, Planned, classes, planned, write_table
+from omnivat.simulate.vision import rendered
 
-A = TypeVar("A")
+Wanted = tuple[Planned, str]  # a pair, and "vis" or "tac"
 QUALITY = 94  # of JPEG: over a quarter of the PNG; no subsampling, for the colours of a gel
 
 
@@ -73,12 +74,6 @@ def spread(things: list[Pair], count: int) -> list[Pair]:
     return [things[(2 * index + 1) * len(things) // (2 * count)] for index in range(count)]
 
 
-RENDERERS = {
-    "mitsuba": "omnivat.simulate.vision:rendered",
-    "plain": "omnivat.simulate.photograph:plain",
-}
-
-
 def simulate(
     out: Path,
     *,
@@ -87,7 +82,7 @@ def simulate(
     seed: int = 0,
     size: int = 224,
     workers: int | None = None,
-    renderer: str = "mitsuba",
+    renderer: Renderer = rendered,
     on_step: OnStep = ignore,
 ) -> PairSet:
     """Write `<out>/<domain>/<class>/<name>_{vis,tac}.png` and `<out>/pairs.csv`; return the pairs.
@@ -98,7 +93,7 @@ def simulate(
     pairs_per_class  of each class of each domain
     size             side of an image in pixels
     workers          processes; None means one for each core
-    renderer         "mitsuba", or "plain" for flat surfaces without dependencies
+    renderer         by Mitsuba, or `photograph.plain`: flat surfaces without dependencies
 
     The same arguments give the same bytes. Complete images are kept, so an interrupted build
     resumes. Delete the folder to start again, for instance with another seed.
@@ -112,45 +107,42 @@ def simulate(
             f"Images of {size} pixels are too small to show a touch; ask for 32 or more."
         )
     # Alternate between classes, so that an interrupted build has a mixed sample.
-    todo = sorted(
-        (
-            pair
-            for pair in plan
-            if not all(is_whole(image_path(out, pair, kind), size) for kind in ("vis", "tac"))
-        ),
-        key=lambda pair: int(pair.object.rsplit("-", 1)[1]),
+    in_turn = sorted(plan, key=lambda pair: int(pair.object.rsplit("-", 1)[1]))
+    images = [(pair, kind) for pair in in_turn for kind in ("vis", "tac")]
+    draw_missing(
+        images, out=out, seed=seed, size=size, workers=workers, renderer=renderer, on_step=on_step
     )
-    work = partial(draw_to, out=out, seed=seed, size=size, renderer=renderer)
-    finish(work, todo, total=len(plan), workers=workers, on_step=on_step)
     for name, made in {pair.domain: pair.made for pair in plan}.items():
         write_image(out / simulated(name) / REST, resting(made.sensor, size=size))
-    pairs = tuple(on_disk(out, pair) for pair in plan)
-    write_table(out, pairs)
-    return PairSet(
-        pairs=pairs,
-        origin=f"simulated by omnivat, seed {seed}, {renderer} renderer",
-        simulated=True,
-    )
+    return on_disk(out, plan, f"simulated by omnivat, seed {seed}")
 
 
-def finish(
-    work: Callable[[A], str], todo: Sequence[A], *, total: int, workers: int | None, on_step: OnStep
+def draw_missing(
+    images: Sequence[Wanted],
+    *,
+    out: Path,
+    seed: int,
+    size: int,
+    workers: int | None,
+    renderer: Renderer,
+    on_step: OnStep,
 ) -> None:
-    """Do the rest of a build in processes; `work` returns the name of what it wrote."""
-    done = total - len(todo)
-    on_step(Step(done=done, total=total, text="already there"))
+    """Draw in processes the images that are not yet complete on disk."""
+    work = partial(draw_to, out=out, seed=seed, size=size, renderer=renderer)
+    todo = [image for image in images if not is_whole(image_path(out, *image), size)]
+    done = len(images) - len(todo)
+    on_step(Step(done=done, total=len(images), text="already there"))
     count = min(workers or cpu_count() or 1, len(todo))
     for name in in_processes(work, todo, count) if count > 1 else map(work, todo):
         done += 1
-        on_step(Step(done=done, total=total, text=name))
+        on_step(Step(done=done, total=len(images), text=name))
 
 
-def draw_to(pair: Planned, *, out: Path, seed: int, size: int, renderer: str) -> str:
-    """Draw one pair and write its two images, each completely or not at all."""
-    both = drawn(pair, seed=seed, size=size, renderer=load(RENDERERS, renderer, kind="renderer"))
-    for kind, image in zip(("vis", "tac"), both, strict=True):
-        write_image(image_path(out, pair, kind), image)
-    return f"{pair.folder()}/{pair.stem}"
+def draw_to(image: Wanted, *, out: Path, seed: int, size: int, renderer: Renderer) -> str:
+    """Draw one image and write it, completely or not at all."""
+    path = image_path(out, *image)
+    write_image(path, drawn(*image, seed=seed, size=size, renderer=renderer))
+    return path.relative_to(out).as_posix()
 
 
 def _plan(
@@ -195,14 +187,17 @@ def write_image(path: Path, image: Array) -> None:
         )
 
 
-def on_disk(out: Path, pair: Planned) -> Pair:
-    """Return a planned pair with the paths of its images."""
-    return Pair(
-        vis=image_path(out, pair, "vis"),
-        tac=image_path(out, pair, "tac"),
-        domain=simulated(pair.domain),
-        **{
-            name: getattr(pair, name)
-            for name in ("material", "object", "split", "part", "looks_like", "feels_like")
-        },
+def on_disk(out: Path, plan: Sequence[Planned], origin: str) -> PairSet:
+    """Write the table of a drawn set; return its pairs with the paths of their images."""
+    same = ("material", "object", "split", "part", "looks_like", "feels_like")
+    pairs = tuple(
+        Pair(
+            vis=image_path(out, pair, "vis"),
+            tac=image_path(out, pair, "tac"),
+            domain=simulated(pair.domain),
+            **{name: getattr(pair, name) for name in same},
+        )
+        for pair in plan
     )
+    write_table(out, pairs)
+    return PairSet(pairs=pairs, origin=origin, simulated=True)

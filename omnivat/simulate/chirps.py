@@ -24,6 +24,7 @@ from omnivat.kit.files import replacing, require_writable
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
+from omnivat.simulate.noise import Rng
 from omnivat.simulate.plan import write_table
 
 MOST_DOMAINS = 8
@@ -138,11 +139,11 @@ def places(settings: ChirpSettings) -> NDArray[np.int64]:
     room = (settings.width // 2 - 1) / settings.classes  # entries for each class
     random = np.random.default_rng(derive_seed(settings.seed, "places"))
     inside = np.arange(settings.classes) + 0.5 * random.random(settings.classes)
-    return np.asarray(1 + np.floor(room * inside).astype(np.int64))
+    return 1 + np.floor(room * inside).astype(np.int64)
 
 
 def _signals(
-    settings: ChirpSettings, label: NDArray[np.int64], order: float, random: np.random.Generator
+    settings: ChirpSettings, label: NDArray[np.int64], order: float, random: Rng
 ) -> NDArray[np.float32]:
     """Return one modality's signals (N, D) of classes (N,): spike, interference and noise."""
     count, rows = len(label), np.arange(len(label))
@@ -158,17 +159,17 @@ def _signals(
     return (mixed / largest).astype(np.float32)
 
 
-def _phases(random: np.random.Generator, count: int) -> NDArray[np.complex128]:
-    return np.asarray(np.exp(2j * np.pi * random.random(count)))
+def _phases(random: Rng, count: int) -> NDArray[np.complex128]:
+    return np.exp(2j * np.pi * random.random(count))
 
 
 def _real_at_zero(sparse: NDArray[np.complex128], order: float) -> NDArray[np.float64]:
     """Return the real part of signals (N, D) that look like `sparse` at `order`."""
-    return np.asarray(dfrft(torch.from_numpy(sparse), -order).numpy().real)
+    return dfrft(torch.from_numpy(sparse), -order).numpy().real
 
 
 def _unit(rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.asarray(rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12))
+    return rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12)
 
 
 def pair_names(settings: ChirpSettings) -> dict[str, list[str]]:

@@ -4,6 +4,7 @@ Tac3D has 20 × 20 markers with three-dimensional displacements. Its picture is 
 files (`omnivat.data.tac3d`): (dx, dy, dz) become (red, green, blue) around mid-grey, on one scale
 for the whole domain."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,9 +21,9 @@ class Press:
     """Pose and depth of a sensor at the touched spot."""
 
     turn: float  # rad about the normal, from the spot's tangent
-    lean: tuple[float, float]  # slope of the sensor against the surface, mm a mm
+    lean: Sequence[float]  # x, y: slope of the sensor against the surface, mm a mm
     depth: float  # 0 to 1 of the sensor's range
-    shear: tuple[float, float]  # mm that the gel is dragged sideways
+    shear: Sequence[float]  # x, y: mm that the gel is dragged sideways
 
 
 def plane(field: float, size: int) -> tuple[Array, Array]:
@@ -41,14 +42,14 @@ def pressed_height(thing: Thing, press: Press, *, field: float, size: int) -> Ar
     u, v = turned(x, y, -press.turn)
     relief = thing.touch.relief(u + thing.spot.uv[0], v + thing.spot.uv[1])
     form = contact_height(thing.solid, thing.spot, field=field, size=size, turn=press.turn)
-    return np.asarray(relief + form + press.lean[0] * x + press.lean[1] * y)
+    return relief + form + press.lean[0] * x + press.lean[1] * y
 
 
 def indentation(height: Array, *, field: float, depth: float, dome: float) -> Array:
     """Return the indentation (mm) of the undeformed gel; 0 without contact."""
     x, y = plane(field, len(height))
     meeting = height + dome * (1.0 - 2.0 * (x**2 + y**2) / field**2)
-    return np.asarray(np.maximum(meeting - np.quantile(meeting, 0.998) + depth, 0.0))
+    return np.maximum(meeting - np.quantile(meeting, 0.998) + depth, 0.0)
 
 
 def draped(indent: Array, *, field: float, give: float, skin: float) -> Array:
@@ -61,7 +62,7 @@ def draped(indent: Array, *, field: float, give: float, skin: float) -> Array:
     sheet = indent
     for width in (give, give / 2, give / 4, give / 8):
         sheet = np.maximum(indent, gaussian_filter(sheet, width / pixel, mode="nearest"))
-    return np.asarray(gaussian_filter(sheet, skin / pixel, mode="nearest"))
+    return gaussian_filter(sheet, skin / pixel, mode="nearest")
 
 
 FIELD = 16.0  # mm across the markers
@@ -94,8 +95,3 @@ def displacements(thing: Thing, press: Press, *, seed: int) -> Array:
 def coloured(displacement: Array, *, size: int) -> Array:
     """Return the image (size, size, 3), 0 to 1, of a displacement field (20, 20, 3) in mm."""
     return field_to_rgb(displacement, SCALE, side=size).astype(np.float64) / 255.0
-
-
-def felt(thing: Thing, press: Press, *, size: int, seed: int) -> Array:
-    """Return the Tac3D image (size, size, 3), 0 to 1, of one press."""
-    return coloured(displacements(thing, press, seed=seed), size=size)

@@ -12,8 +12,8 @@ from PIL import Image
 from omnivat.data.tac3d import MARKERS
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.tables import need
-from omnivat.simulate.contact import Press, coloured, felt, pressed_height
-from omnivat.simulate.noise import Array
+from omnivat.simulate.contact import Press, coloured, displacements, pressed_height
+from omnivat.simulate.noise import Array, Rng
 from omnivat.simulate.photograph import Renderer, photograph
 from omnivat.simulate.plan import Planned
 from omnivat.simulate.sensors import Sensor, SensorModel, TaximSensor
@@ -56,16 +56,17 @@ def _seen(calibration: str, distance: Array, depth: float | None, size: int) -> 
     return np.asarray(small, dtype=np.float64) / 255.0
 
 
-def drawn(pair: Planned, *, seed: int, size: int, renderer: Renderer) -> tuple[Array, Array]:
-    """Return VIS and TAC of `pair`, (size, size, 3) from 0 to 1; the same seed gives the same
-    images.
+def drawn(pair: Planned, kind: str, *, seed: int, size: int, renderer: Renderer) -> Array:
+    """Return the "vis" or "tac" image of a pair, (size, size, 3) from 0 to 1.
+
+    The same seed gives the same image.
     """
-    made, stream = (
-        thing(pair, seed=seed),
-        derive_seed(seed, "pair", pair.domain, pair.material, pair.object),
-    )
-    vis = photograph(made, pair, stream, size=size, renderer=renderer)
-    return vis, tactile(made, pair.made.sensor, stream, size=size)
+    unmet = pair.twin_of or pair
+    made = thing(unmet, seed=seed)
+    stream = derive_seed(seed, "pair", unmet.domain, unmet.material, unmet.object)
+    if kind == "vis":
+        return photograph(made, pair, stream, size=size, renderer=renderer)
+    return tactile(made, pair.made.sensor, stream, size=size)
 
 
 def tactile(thing: Thing, sensor: SensorModel, stream: int, *, size: int) -> Array:
@@ -76,31 +77,20 @@ def tactile(thing: Thing, sensor: SensorModel, stream: int, *, size: int) -> Arr
         return calibrated(thing, press, sensor.calibration, size=size)
     if isinstance(sensor, Sensor):
         return touch(thing, press, sensor, size=size, seed=noise)
-    return felt(thing, press, size=size, seed=noise)
+    return coloured(displacements(thing, press, seed=noise), size=size)
 
 
-def resting(sensor: SensorModel, *, size: int, stream: int | None = None) -> Array:
-    """Return the rest picture (size, size, 3), 0 to 1, of a sensor: nothing touches it.
-
-    stream  of a pair: the rest picture of that pair's own gel; None: of the sensor without wear
-    """
+def resting(sensor: SensorModel, *, size: int) -> Array:
+    """Return the rest picture (size, size, 3), 0 to 1, of a sensor: nothing touches it."""
     if isinstance(sensor, TaximSensor):
         # nothing within a metre
         return _seen(sensor.calibration, np.full((_HEIGHT, _WIDTH), 1000.0), None, size)
     if isinstance(sensor, Sensor):
-        return at_rest(
-            sensor, size=size, seed=None if stream is None else derive_seed(stream, "sensor")
-        )
+        return at_rest(sensor, size=size)
     return coloured(np.zeros((MARKERS, MARKERS, 3)), size=size)
 
 
-def pressing(rng: np.random.Generator) -> Press:
+def pressing(rng: Rng) -> Press:
     """Draw pose, depth and drag of a press; the sensor is roughly aligned with the object."""
-    lean, shear = rng.normal(0, 0.012, 2), rng.normal(0, 0.08, 2)
-    turn, depth = float(rng.normal(0, 0.35)), float(rng.uniform(0, 1))
-    return Press(
-        turn=turn,
-        lean=(float(lean[0]), float(lean[1])),
-        depth=depth,
-        shear=(float(shear[0]), float(shear[1])),
-    )
+    lean, shear = rng.normal(0, 0.012, 2).tolist(), rng.normal(0, 0.08, 2).tolist()
+    return Press(turn=rng.normal(0, 0.35), lean=lean, depth=rng.uniform(0, 1), shear=shear)

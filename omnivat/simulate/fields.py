@@ -3,11 +3,12 @@ share.
 """
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import wraps
 from typing import Any, Concatenate, ParamSpec
 
 import numpy as np
+from numpy.typing import NDArray
 
 from omnivat.simulate.noise import Array, cells, noise, octaves, smoothstep, turned
 
@@ -36,7 +37,7 @@ class Field:
     __mul__ = __rmul__ = lifted(operator.mul)
     __sub__, __rsub__ = lifted(operator.sub), lifted(lambda first, other: other - first)
 
-    def __init__(self, at: Callable[[Array, Array], Array]) -> None:
+    def __init__(self, at: Callable[[Array, Array], NDArray[Any]]) -> None:
         self._at = at
 
     def __call__(self, x: Array, y: Array) -> Array:
@@ -47,7 +48,7 @@ class Field:
         return Field(lambda x, y: self(x + (away := by(x, y)), y + away))
 
 
-def field(pattern: Callable[Concatenate[Array, Array, P], Array]) -> Callable[P, Field]:
+def field(pattern: Callable[Concatenate[Array, Array, P], NDArray[Any]]) -> Callable[P, Field]:
     """Make a function of (x, y) and settings one of the settings, which returns a field."""
 
     @wraps(pattern)
@@ -61,9 +62,9 @@ smooth = lifted(smoothstep)
 
 
 @lifted
-def tinted(colour: tuple[float, float, float], amount: Array) -> Array:
+def tinted(colour: Sequence[float] | Array, amount: Array) -> Array:
     """Return `colour` times (1 + amount), (..., 3), kept within 0.01 to 0.98."""
-    return np.clip(np.asarray(colour) * (1.0 + amount[..., None]), 0.01, 0.98)
+    return np.clip(colour * (1.0 + amount[..., None]), 0.01, 0.98)
 
 
 @lifted
@@ -91,14 +92,14 @@ def streaks(x: Array, y: Array, *, angle: float, width: float, length: float, se
 def ribs(x: Array, y: Array, *, angle: float, pitch: float, sharpness: float = 1.0) -> Array:
     """Return parallel ribs from 0 to 1, `pitch` mm apart; sharpness above 1 narrows them."""
     _, v = turned(x, y, angle)
-    return np.asarray((0.5 + 0.5 * np.cos(2 * np.pi * v / pitch)) ** sharpness)
+    return (0.5 + 0.5 * np.cos(2 * np.pi * v / pitch)) ** sharpness
 
 
 @field
 def arcs(x: Array, y: Array, *, centre: tuple[float, float], pitch: float) -> Array:
     """Return round grooves about `centre`, from -1 to 1: turning, milling, throwing, rings."""
     radius = np.hypot(x - centre[0], y - centre[1])
-    return np.asarray(np.sin(2 * np.pi * radius / pitch))
+    return np.sin(2 * np.pi * radius / pitch)
 
 
 @field
@@ -118,7 +119,7 @@ def diamonds(x: Array, y: Array, *, pitch: float, angle: float) -> Array:
 
 
 def _triangle(t: Array) -> Array:
-    return np.asarray(2.0 * np.abs(t - np.round(t)))
+    return 2.0 * np.abs(t - np.round(t))
 
 
 @field

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from omnivat.simulate.fields import (
     Field,
@@ -19,19 +20,13 @@ from omnivat.simulate.noise import Array, cells, smoothstep
 
 
 def ground(name: str, x: Array, y: Array, *, seed: int) -> Array:
-    """Return the colour of the ground called `name` at (x, y) mm."""
-    return _GROUNDS[name](seed)(x, y)
+    """Return the colour of a ground at (x, y) mm, or of a background, y upwards."""
+    return GROUNDS[name](seed)(x, y)
 
 
-def beyond(name: str, x: Array, z: Array, *, seed: int) -> Array:
-    """Return the colour of the background called `name` at (x, z) mm, z upwards."""
-    return _BEYOND[name](seed)(x, z)
-
-
-def _drawn(seed: int, low: float, high: float) -> tuple[float, float, float]:
+def _drawn(seed: int, low: float, high: float) -> Array:
     tone = np.random.default_rng(seed).uniform(low, high)
-    tint = np.random.default_rng(seed + 1).uniform(-0.12, 0.12, 3) * tone + tone
-    return (float(tint[0]), float(tint[1]), float(tint[2]))
+    return np.random.default_rng(seed + 1).uniform(-0.12, 0.12, 3) * tone + tone
 
 
 def _grass(seed: int) -> Field:
@@ -96,19 +91,17 @@ def _foliage(seed: int) -> Field:
 
 
 @field
-def _windows(x: Array, z: Array) -> Array:
-    return (
-        (np.abs((x / 420.0) % 1.0 - 0.5) < 0.22) & (np.abs((z / 600.0) % 1.0 - 0.55) < 0.3)
-    ).astype(np.float64)
+def _windows(x: Array, z: Array) -> NDArray[np.bool]:
+    return (np.abs((x / 420.0) % 1.0 - 0.5) < 0.22) & (np.abs((z / 600.0) % 1.0 - 0.55) < 0.3)
 
 
 @field
-def _bricks(x: Array, z: Array) -> Array:
+def _bricks(x: Array, z: Array) -> NDArray[np.bool]:
     row = np.floor(z / 75.0)
     inside = (np.abs((x / 215.0 + 0.5 * row) % 1.0 - 0.5) < 0.475) & (
         np.abs(z / 75 - row - 0.5) < 0.43
     )
-    return inside.astype(np.float64)
+    return inside
 
 
 def _street(seed: int) -> Field:
@@ -130,24 +123,20 @@ def _shelf(x: Array, z: Array, seed: int) -> Array:
 
 def _wall(seed: int) -> Field:
     paint = tinted(_drawn(seed, 0.35, 0.75), 0.03 * orange_peel(size=200.0, seed=seed))
-    return mixed(
-        paint, np.array([0.6, 0.58, 0.55]), Field(lambda x, z: (z < 80.0).astype(np.float64))
-    )
+    return mixed(paint, np.array([0.6, 0.58, 0.55]), Field(lambda x, z: z < 80.0))
 
 
 def _door(seed: int) -> Field:
     middle = np.random.default_rng(seed).uniform(-300, 300)
     leaf = tinted((0.4, 0.26, 0.15), 0.1 * streaks(angle=np.pi / 2, width=9, length=300, seed=seed))
-    return mixed(
-        _wall(seed), leaf, Field(lambda x, z: (np.abs(x - middle) < 380.0).astype(np.float64))
-    )
+    return mixed(_wall(seed), leaf, Field(lambda x, z: np.abs(x - middle) < 380.0))
 
 
 def _even(value: float) -> Field:
     return Field(lambda x, y: np.full((*np.shape(x), 3), value))
 
 
-_GROUNDS: dict[str, Callable[[int], Field]] = {
+GROUNDS: dict[str, Callable[[int], Field]] = {
     "grass": _grass, "paving": _paving, "cloth": _cloth, "carpet": _carpet, "stone": _stone,
     "gravel": lambda seed: tinted(_drawn(seed, 0.22, 0.38), _pebbles(seed)),
     "soil": lambda seed: tinted((0.21, 0.15, 0.10), 0.2 * grain(coarsest=40.0, finest=2.5, seed=seed)),
@@ -158,8 +147,7 @@ _GROUNDS: dict[str, Callable[[int], Field]] = {
     "turntable": lambda seed: tinted((0.74, 0.75, 0.77), 0.05 * orange_peel(size=130.0, seed=seed)),
     "white": lambda seed: _even(0.9),
     "black": lambda seed: _even(0.012),
-}  # fmt: skip
-_BEYOND: dict[str, Callable[[int], Field]] = {
+    # backgrounds
     "foliage": _foliage, "street": _street, "shelf": _shelf, "wall": _wall, "door": _door,
-    "sheet": _GROUNDS["turntable"],
 }  # fmt: skip
+GROUNDS["sheet"] = GROUNDS["turntable"]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import map_coordinates, spline_filter
 
 Array = NDArray[np.float64]
+Rng = np.random.Generator
 
 _CELLS = 512  # period of the noise in wavelengths
 
@@ -21,7 +22,7 @@ def _table() -> Array:
     spread.
     """
     white = np.random.default_rng(20_000).normal(0.0, 1.7, (_CELLS, _CELLS))
-    return np.asarray(spline_filter(white, order=2, mode="grid-wrap"))
+    return spline_filter(white, order=2, mode="grid-wrap")
 
 
 def noise(x: Array, y: Array, *, wavelength: float, seed: int) -> Array:
@@ -32,7 +33,7 @@ def noise(x: Array, y: Array, *, wavelength: float, seed: int) -> Array:
     turn_x, turn_y = turned(x, y, 2 * np.pi * angle)
     scale = 1.0 / wavelength
     points = np.stack([turn_y * scale + dy * _CELLS, turn_x * scale + dx * _CELLS])
-    return np.asarray(map_coordinates(_table(), points, order=2, mode="grid-wrap", prefilter=False))
+    return map_coordinates(_table(), points, order=2, mode="grid-wrap", prefilter=False)
 
 
 def octaves(
@@ -47,7 +48,7 @@ def octaves(
         total += weight * noise(x, y, wavelength=wavelength, seed=seed + step)
         power += weight**2
         wavelength, weight, step = wavelength / 2, weight * roughness, step + 1
-    return np.asarray(total / np.sqrt(power))
+    return total / np.sqrt(power)
 
 
 def turned(x: Array, y: Array, angle: float) -> tuple[Array, Array]:

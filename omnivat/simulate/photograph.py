@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from omnivat.kit.seeding import derive_seed
-from omnivat.simulate.noise import Array
+from omnivat.simulate.noise import Array, Rng
 from omnivat.simulate.plan import Planned
 from omnivat.simulate.scenes import OUTDOORS, Scene
 from omnivat.simulate.shapes import Spot, blocked
@@ -79,9 +79,7 @@ def framed(scene: Scene, thing: Thing, *, outdoors: bool, seed: int) -> Framing:
     )
 
 
-def _camera(
-    scene: Scene, thing: Thing, target: Array, distance: float, rng: np.random.Generator
-) -> Array:
+def _camera(scene: Scene, thing: Thing, target: Array, distance: float, rng: Rng) -> Array:
     """Return a camera position that sees the contact, if one is found."""
     spot, best, most = thing.spot, target + np.array([0.0, -distance, distance]), -2.0
     steep = np.hypot(spot.normal[0], spot.normal[1]) > 0.4
@@ -97,8 +95,8 @@ def _camera(
         if facing > most:
             best, most = eye, facing
         if facing > _FACING and not blocked(thing.solid, spot.point + 0.3 * spot.normal, eye):
-            return np.asarray(eye)
-    return np.asarray(best)
+            return eye
+    return best
 
 
 Renderer = Callable[..., Array]
@@ -125,7 +123,7 @@ def exposed(radiance: Array, scene: Scene, *, seed: int) -> Array:
     """Return the photograph (H, W, 3), 0 to 1, that the scene's camera takes of `radiance`."""
     rng = np.random.default_rng(seed)
     image = gaussian_filter(radiance, (scene.blur, scene.blur, 0.0), mode="nearest")
-    image = image * np.asarray(scene.balance) * (1.0 + scene.drift * rng.normal(size=3))
+    image = image * scene.balance * (1.0 + scene.drift * rng.normal(size=3))
     bright = float(np.quantile(image.mean(-1), 0.9))
     goal = float(np.clip(scene.goal * rng.uniform(0.85, 1.2), 0.3, 0.9))
     # Automatic exposure is partial: dark things stay darker than bright ones.
@@ -134,7 +132,7 @@ def exposed(radiance: Array, scene: Scene, *, seed: int) -> Array:
     shown = np.clip(image / (1.0 + 0.25 * image**2), 0.0, 1.0) ** (1 / 2.2)
     shown = 0.5 + (shown - 0.5) * scene.contrast
     grain = rng.normal(size=shown.shape) * scene.noise
-    return np.asarray(np.clip(shown + grain, 0.0, 1.0))
+    return np.clip(shown + grain, 0.0, 1.0)
 
 
 def plain(thing: Thing, framing: Framing, *, size: int) -> Array:
@@ -145,4 +143,4 @@ def plain(thing: Thing, framing: Framing, *, size: int) -> Array:
     axis = ((np.arange(size) + 0.5) / size - 0.5) * framing.view
     u, v = np.meshgrid(axis + framing.spot.uv[0], framing.spot.uv[1] - axis)
     light = framing.sky + np.sin(framing.height) * framing.sun
-    return np.asarray(thing.sight.colour(u, v) * light)
+    return thing.sight.colour(u, v) * light

@@ -47,6 +47,7 @@ class Planned:
     stem: str
     looks_like: str = ""  # the class that the object imitates by sight
     feels_like: str = ""  # the class that it imitates by touch
+    twin_of: "Planned | None" = None  # whose object and press it shows; None: its own
 
     @property
     def domain(self) -> str:

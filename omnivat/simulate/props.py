@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from omnivat.simulate.noise import Array
+from omnivat.simulate.noise import Array, Rng
 from omnivat.simulate.photograph import Framing
 from omnivat.simulate.scenes import Colour
 from omnivat.simulate.shapes import KINDS, OBJECTS, kind_of, made_of
@@ -23,7 +23,7 @@ def props(mi: Any, framing: Framing) -> dict[str, Any]:
     return _hand(mi, framing, rng) if framing.scene.prop == "hand" else _rig(mi, framing, rng)
 
 
-def _hand(mi: Any, framing: Framing, rng: np.random.Generator) -> dict[str, Any]:
+def _hand(mi: Any, framing: Framing, rng: Rng) -> dict[str, Any]:
     at, up = framing.spot.point, framing.spot.normal
     arm = _arm(framing, rng, lift=0.35)
     side = np.cross(up, arm)
@@ -42,7 +42,7 @@ def _hand(mi: Any, framing: Framing, rng: np.random.Generator) -> dict[str, Any]
     return shapes
 
 
-def _rig(mi: Any, framing: Framing, rng: np.random.Generator) -> dict[str, Any]:
+def _rig(mi: Any, framing: Framing, rng: Rng) -> dict[str, Any]:
     at, up = framing.spot.point, framing.spot.normal
     arm = _arm(framing, rng, lift=0.8)
     colour = _HOUSINGS[rng.integers(len(_HOUSINGS))]
@@ -57,7 +57,7 @@ def _rig(mi: Any, framing: Framing, rng: np.random.Generator) -> dict[str, Any]:
     }
 
 
-def _arm(framing: Framing, rng: np.random.Generator, *, lift: float) -> Array:
+def _arm(framing: Framing, rng: Rng, *, lift: float) -> Array:
     """Return the unit direction of the arm from the sensor: sideways for the camera."""
     up = framing.spot.normal
     sight = framing.eye - framing.spot.point
@@ -66,7 +66,7 @@ def _arm(framing: Framing, rng: np.random.Generator, *, lift: float) -> Array:
     aside /= max(float(np.linalg.norm(aside)), 1e-6)
     way = aside + rng.uniform(-0.2, 0.7) * sight + lift * up
     way[2] = max(float(way[2]), -0.2)
-    return np.asarray(way / np.linalg.norm(way))
+    return way / np.linalg.norm(way)
 
 
 def _rod(mi: Any, start: Array, end: Array, radius: float, colour: Colour) -> dict[str, Any]:

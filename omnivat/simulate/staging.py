@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.simulate.grounds import beyond, ground
+from omnivat.simulate.grounds import ground
 from omnivat.simulate.noise import Array, turned
 from omnivat.simulate.photograph import Framing
 from omnivat.simulate.props import others
@@ -170,7 +170,7 @@ def _backdrop(mi: Any, framing: Framing, clear: bool) -> dict[str, Any]:
     half = 1.6 * (framing.view + framing.away)
     axis = np.linspace(-half, half, _PIXELS)
     x, z = np.meshgrid(axis, axis + half)
-    colour = beyond(framing.behind, x, z, seed=framing.seed + 4)
+    colour = ground(framing.behind, x, z, seed=framing.seed + 4)
     centre = middle + np.array([0.0, 0.0, half - 15.0])
     stand = mi.ScalarTransform4f().look_at(
         origin=centre.tolist(), target=(centre - far).tolist(), up=[0, 0, 1]

@@ -4,6 +4,7 @@ A photometric-stereo model in four steps: slopes of the gel; light of each lamp 
 it; appearance of the untouched gel; markers and camera errors.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +13,7 @@ from scipy.ndimage import gaussian_filter
 
 from omnivat.kit.seeding import derive_seed
 from omnivat.simulate.contact import Press, draped, indentation, plane, pressed_height
-from omnivat.simulate.noise import Array, noise, smoothstep, turned
+from omnivat.simulate.noise import Array, Rng, noise, smoothstep, turned
 from omnivat.simulate.sensors import Colour, Lamp, Markers, Sensor
 from omnivat.simulate.things import Thing
 
@@ -22,16 +23,8 @@ def touch(thing: Thing, press: Press, sensor: Sensor, *, size: int, seed: int) -
 
     `seed` fixes the gel, its wear, and the noise.
     """
-    return imaged(
-        pressed_height(thing, press, field=sensor.field, size=size), press, sensor, seed=seed
-    )
-
-
-def imaged(height: Array, press: Press, sensor: Sensor, *, seed: int) -> Array:
-    """Return the tactile image (size, size, 3), 0 to 1, of a height map (size, size; mm) over
-    the sensor's field.
-    """
-    size, sensor = len(height), used(sensor, np.random.default_rng(derive_seed(seed, "gel")))
+    height = pressed_height(thing, press, field=sensor.field, size=size)
+    sensor = used(sensor, np.random.default_rng(derive_seed(seed, "gel")))
     depth = sensor.depth[0] + press.depth * (sensor.depth[1] - sensor.depth[0])
     indent = indentation(height, field=sensor.field, depth=depth, dome=sensor.dome)
     sheet = draped(indent, field=sensor.field, give=sensor.give, skin=sensor.skin)
@@ -40,37 +33,28 @@ def imaged(height: Array, press: Press, sensor: Sensor, *, seed: int) -> Array:
     return photographed(image, blur=sensor.blur, grain=sensor.noise, seed=seed)
 
 
-def at_rest(sensor: Sensor, *, size: int, seed: int | None = None) -> Array:
-    """Return the picture (size, size, 3), 0 to 1, of a gel that touches nothing, without noise.
-
-    seed  of one particular gel, as in `touch`; None: the sensor's own values, without wear
+def at_rest(sensor: Sensor, *, size: int) -> Array:
+    """Return the picture (size, size, 3), 0 to 1, of a new gel that touches nothing, without
+    noise.
     """
-    if seed is None:
-        image = untouched(sensor, size=size)
-    else:
-        sensor = used(sensor, np.random.default_rng(derive_seed(seed, "gel")))
-        image = blotted(untouched(sensor, size=size), sensor, seed=seed)
-    return photographed(
-        _marked(image, np.zeros((size, size)), sensor, (0.0, 0.0)), blur=sensor.blur
-    )
+    marked = _marked(untouched(sensor, size=size), np.zeros((size, size)), sensor, (0.0, 0.0))
+    return photographed(marked, blur=sensor.blur)
 
 
-def _marked(image: Array, sheet: Array, sensor: Sensor, shear: tuple[float, float]) -> Array:
+def _marked(image: Array, sheet: Array, sensor: Sensor, shear: Sequence[float]) -> Array:
     """Return the picture with the gel's markers, if it has any."""
     if sensor.markers is None:
         return image
-    return np.asarray(
-        image * (1.0 - marker_shade(sheet, sensor.markers, sensor.field, shear)[..., None])
-    )
+    return image * (1.0 - marker_shade(sheet, sensor.markers, sensor.field, shear)[..., None])
 
 
 def untouched(sensor: Sensor, *, size: int) -> Array:
     """Return the image (size, size, 3) of the untouched gel: tint, spill, dark corners."""
     x, y = (axis * 2 / sensor.field for axis in plane(sensor.field, size))
-    image = np.ones((size, size, 3)) * np.asarray(sensor.base)
+    image = np.ones((size, size, 3)) * sensor.base
     for lamp in sensor.lamps:
-        image += lamp.spill * _toward(lamp, x, y)[..., None] * np.asarray(lamp.colour) * 0.55
-    return np.asarray(image * (1.0 - sensor.vignette * 0.5 * (x**2 + y**2))[..., None])
+        image += lamp.spill * _toward(lamp, x, y)[..., None] * lamp.colour * 0.55
+    return image * (1.0 - sensor.vignette * 0.5 * (x**2 + y**2))[..., None]
 
 
 def lit(sheet: Array, sensor: Sensor) -> Array:
@@ -82,17 +66,17 @@ def lit(sheet: Array, sensor: Sensor) -> Array:
     facing_x, facing_y = -right / tilt, down / tilt
     change = np.zeros((*sheet.shape, 3))
     for lamp in sensor.lamps:
-        change += _toward(lamp, facing_x, facing_y)[..., None] * np.asarray(lamp.colour)
-    dimmed = (1.0 / tilt - 1.0)[..., None] * np.asarray(sensor.base)
-    return np.asarray(sensor.gain * 1.5 * np.tanh(change / 1.5) + 0.6 * dimmed)
+        change += _toward(lamp, facing_x, facing_y)[..., None] * lamp.colour
+    dimmed = (1.0 / tilt - 1.0)[..., None] * sensor.base
+    return sensor.gain * 1.5 * np.tanh(change / 1.5) + 0.6 * dimmed
 
 
 def _toward(lamp: Lamp, x: Array, y: Array) -> Array:
     angle = np.deg2rad(lamp.azimuth)
-    return np.asarray(x * np.cos(angle) + y * np.sin(angle))
+    return x * np.cos(angle) + y * np.sin(angle)
 
 
-def marker_shade(sheet: Array, markers: Markers, field: float, shear: tuple[float, float]) -> Array:
+def marker_shade(sheet: Array, markers: Markers, field: float, shear: Sequence[float]) -> Array:
     """Return the darkness (0 to 1) of each pixel from printed dots, (size, size).
 
     Dots move with the gel: they spread away from the indentation and follow its shear.
@@ -128,14 +112,14 @@ def photographed(
     if seed is not None:
         rng = np.random.default_rng(seed)
         image = image * (1.0 + 0.03 * rng.normal()) + grain * rng.normal(size=image.shape)
-    return np.asarray(np.clip(image, 0.0, 1.0))
+    return np.clip(image, 0.0, 1.0)
 
 
 # spread of the gel's colour, of a lamp's strength, of its direction in degrees
 _TINT, _LAMP, _AIM = 0.07, 0.14, 4.0
 
 
-def used(sensor: Sensor, rng: np.random.Generator) -> Sensor:
+def used(sensor: Sensor, rng: Rng) -> Sensor:
     """Return the sensor with one particular gel, on one day."""
     lamps = []
     for lamp in sensor.lamps:
@@ -154,13 +138,13 @@ def used(sensor: Sensor, rng: np.random.Generator) -> Sensor:
     return replace(sensor, lamps=tuple(lamps), base=base, markers=_printed(sensor, rng), **worn)
 
 
-def _varied(colour: Colour, spread: float, rng: np.random.Generator) -> Colour:
+def _varied(colour: Colour, spread: float, rng: Rng) -> Colour:
     """Return a colour whose strength and whose channels differ a little."""
     red, green, blue = np.exp(rng.normal(0, spread) + rng.normal(0, spread / 2, 3)) * colour
     return (float(red), float(green), float(blue))
 
 
-def _printed(sensor: Sensor, rng: np.random.Generator) -> Markers | None:
+def _printed(sensor: Sensor, rng: Rng) -> Markers | None:
     """Return the markers of one gel: shifted, worn, or missing."""
     plain, worn, (right, up, turn) = (
         rng.random(),
@@ -187,4 +171,4 @@ def blotted(image: Array, sensor: Sensor, *, seed: int) -> Array:
         u, v = rng.uniform(-sensor.field / 2, sensor.field / 2, 2)
         radius = rng.uniform(0.05, 0.16)
         specks = np.maximum(specks, 1.0 - smoothstep(np.hypot(x - u, y - v), radius, 2 * radius))
-    return np.asarray(image * (stains * (1.0 - 0.6 * gaussian_filter(specks, 0.5)))[..., None])
+    return image * (stains * (1.0 - 0.6 * gaussian_filter(specks, 0.5)))[..., None]

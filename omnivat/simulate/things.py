@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from omnivat.kit.seeding import derive_seed
+from omnivat.simulate.noise import Rng
 from omnivat.simulate.plan import EMBOSSED, OTHER_SHAPE, Planned
 from omnivat.simulate.shapes import KINDS, OBJECTS, PARTS, Solid, Spot, kind_of, made_of, spot
 from omnivat.simulate.shapes.spots import contact_height
@@ -35,7 +36,7 @@ def touch_surface(pair: Planned, *, seed: int) -> Surface:
     return skinned(own, pair.feels_like, maker, rng)
 
 
-def touched_spot(solid: Solid, rng: np.random.Generator, *, edges: bool = True) -> Spot:
+def touched_spot(solid: Solid, rng: Rng, *, edges: bool = True) -> Spot:
     """Return a spot where the sensor touches the object first at the middle of its gel.
 
     edges  True to press edges and rims, too
@@ -71,8 +72,6 @@ class Thing:
     sight: Surface  # colour, gloss and bumps for the photograph, on the solid's uv in mm
     touch: Surface  # relief under the sensor, on the same uv
     spot: Spot
-    material: str
-    looks_like: str = ""
 
 
 def thing(pair: Planned, *, seed: int) -> Thing:
@@ -88,18 +87,10 @@ def thing(pair: Planned, *, seed: int) -> Thing:
     kind = kind_of((PARTS if rng.random() < pair.made.scene.parts else OBJECTS)[shaped], rng)
     solid = KINDS[kind](rng, made_of(pair.material, rng))
     place = touched_spot(solid, rng, edges=kind != "floor")
-    touch = touch_surface(pair, seed=seed)
-    return Thing(
-        solid=solid,
-        sight=seen,
-        touch=touch,
-        spot=place,
-        material=pair.material,
-        looks_like=pair.looks_like,
-    )
+    return Thing(solid=solid, sight=seen, touch=touch_surface(pair, seed=seed), spot=place)
 
 
-def is_outdoors(pair: Planned, rng: np.random.Generator) -> bool:
+def is_outdoors(pair: Planned, rng: Rng) -> bool:
     """True if the photograph is taken outdoors, for domains with both."""
     if pair.made.series:
         return pair.part == "outdoor"

@@ -5,55 +5,31 @@ one seed, so that two of its touches differ in the sensor only, and two of its p
 scene only.
 """
 
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import replace
 from pathlib import Path
 
 from omnivat.data.materials import MATERIALS
 from omnivat.data.pairs import PairSet
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import OnStep, ignore
-from omnivat.kit.seeding import derive_seed
-from omnivat.kit.tables import load
-from omnivat.simulate.build import RENDERERS, finish, image_path, is_whole, on_disk, write_image
+from omnivat.simulate.build import draw_missing, on_disk
 from omnivat.simulate.domains import SIMULATED, SimulatedDomain
-from omnivat.simulate.drawing import tactile
-from omnivat.simulate.noise import Array
-from omnivat.simulate.photograph import photograph
-from omnivat.simulate.plan import PAIRS, Planned, planned, write_table
-from omnivat.simulate.things import Thing, thing
+from omnivat.simulate.photograph import Renderer
+from omnivat.simulate.plan import PAIRS, Planned, planned
+from omnivat.simulate.vision import rendered
 
 # Objects in TAG's mixture, with numbers that no domain uses.
 UNMET = replace(SIMULATED["TAG"], name="Twins", seed_base=85_000)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Twin:
-    """An object, and the domain whose sensor presses it and whose scene it stands in."""
+def twin(unmet: Planned, domain: SimulatedDomain) -> Planned:
+    """Return the pair of an object that the domain's sensor presses and whose scene it stands in.
 
-    unmet: Planned
-    domain: SimulatedDomain
-
-    def pair(self) -> Planned:
-        """Return the pair of the domain. It keeps the object's name, so `object` says whose twin
-        it is.
-        """
-        series = self.domain.series
-        part = series[self.unmet.number % len(series)] if series else ""
-        return replace(self.unmet, made=self.domain, part=part)
-
-    def image(self, kind: str, *, seed: int, size: int, renderer: str) -> Array:
-        """Return the touch ("tac") or the photograph ("vis"), (size, size, 3) from 0 to 1."""
-        made, stream = pressed(self.unmet, seed=seed)
-        if kind == "tac":
-            return tactile(made, self.domain.sensor, stream, size=size)
-        return photograph(
-            made,
-            self.pair(),
-            stream,
-            size=size,
-            renderer=load(RENDERERS, renderer, kind="renderer"),
-        )
+    It keeps the object's name, so `object` says whose twin it is.
+    """
+    series = domain.series
+    part = series[unmet.number % len(series)] if series else ""
+    return replace(unmet, made=domain, part=part, twin_of=unmet)
 
 
 def unmet_objects(each: int = PAIRS) -> list[Planned]:
@@ -69,15 +45,6 @@ def unmet_objects(each: int = PAIRS) -> list[Planned]:
     ]
 
 
-def pressed(unmet: Planned, *, seed: int) -> tuple[Thing, int]:
-    """Return the object and the seed of its press, its photographs and their noise: one for all
-    of its images.
-    """
-    return thing(unmet, seed=seed), derive_seed(
-        seed, "pair", unmet.domain, unmet.material, unmet.object
-    )
-
-
 def simulate_twins(
     out: Path,
     *,
@@ -85,7 +52,7 @@ def simulate_twins(
     seed: int = 0,
     size: int = 224,
     workers: int | None = None,
-    renderer: str = "mitsuba",
+    renderer: Renderer = rendered,
     on_step: OnStep = ignore,
 ) -> PairSet:
     """Write `<out>/<domain>/<class>/<name>_{vis,tac}.png` and `<out>/pairs.csv`; return the pairs.
@@ -97,30 +64,9 @@ def simulate_twins(
     Raises DataError for less than one object of a class, MissingPackageError if the renderer or
     Taxim is not installed.
     """
-    twins = [
-        Twin(unmet=unmet, domain=domain)
-        for unmet in unmet_objects(each)
-        for domain in SIMULATED.values()
-    ]
-    images = [(twin, kind) for kind in ("tac", "vis") for twin in twins]
-    todo = [
-        (twin, kind)
-        for twin, kind in images
-        if not is_whole(image_path(out, twin.pair(), kind), size)
-    ]
-    work = partial(_draw_to, out=out, seed=seed, size=size, renderer=renderer)
-    finish(work, todo, total=len(images), workers=workers, on_step=on_step)
-    pairs = tuple(on_disk(out, twin.pair()) for twin in twins)
-    write_table(out, pairs)
-    return PairSet(
-        pairs=pairs,
-        origin=f"twins simulated by omnivat, seed {seed}, {renderer} renderer",
-        simulated=True,
+    twins = [twin(unmet, domain) for unmet in unmet_objects(each) for domain in SIMULATED.values()]
+    images = [(pair, kind) for kind in ("tac", "vis") for pair in twins]
+    draw_missing(
+        images, out=out, seed=seed, size=size, workers=workers, renderer=renderer, on_step=on_step
     )
-
-
-def _draw_to(image: tuple[Twin, str], *, out: Path, seed: int, size: int, renderer: str) -> str:
-    twin, kind = image
-    path = image_path(out, twin.pair(), kind)
-    write_image(path, twin.image(kind, seed=seed, size=size, renderer=renderer))
-    return path.relative_to(out).as_posix()
+    return on_disk(out, twins, f"twins simulated by omnivat, seed {seed}")

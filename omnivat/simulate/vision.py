@@ -102,7 +102,7 @@ def denoised(radiance: Array, colour: Array, normal: Array) -> Array:
     light = radiance / body
     for step, spread in zip(_STEPS, _LIGHT, strict=True):
         light = _smoothed(light, colour, normal, step, spread)
-    return np.asarray(light * body)
+    return light * body
 
 
 def _smoothed(light: Array, colour: Array, normal: Array, step: int, spread: float) -> Array:
@@ -120,7 +120,7 @@ def _smoothed(light: Array, colour: Array, normal: Array, step: int, spread: flo
         weight = near * np.exp(-0.5 * np.einsum("hwc,hwc->hw", apart, apart))
         total += weight[..., None] * wide[there]
         weights += weight
-    return np.asarray(total / weights[..., None])
+    return total / weights[..., None]
 
 
 _ROWS, _COLUMNS = 64, 128
@@ -155,4 +155,4 @@ def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
         1.0 + 0.8 * np.tanh(2.0 * blocks)
     )
     sky = framing.sky * around[..., None]
-    return np.asarray(sky + 1.3 * framing.sun * lamp[..., None])
+    return sky + 1.3 * framing.sun * lamp[..., None]

@@ -143,11 +143,12 @@ def test_a_reader_of_one_file_and_one_line_recognises_its_layout(added, monkeypa
 
 def test_a_simulated_sensor_of_one_row_is_drawn(tmp_path):
     from omnivat.simulate.build import simulate
+    from omnivat.simulate.photograph import plain
 
     names = {}
     exec(block("omnivat/simulate/my_domain.py"), names)
     made = simulate(
-        tmp_path, domains=[names["BRIGHT"]], pairs_per_class=1, size=32, renderer="plain", workers=1
+        tmp_path, domains=[names["BRIGHT"]], pairs_per_class=1, size=32, renderer=plain, workers=1
     )
     assert {(pair.domain, pair.tac.is_file()) for pair in made.pairs} == {
         ("Bright DIGIT-sim", True)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from omnivat.simulate.noise import Rng
 from omnivat.simulate.shapes import flats, tools, vessels
 from omnivat.simulate.shapes.solid import Made, Solid, made_of
 from omnivat.simulate.shapes.spots import Spot, blocked, spot
@@ -24,7 +25,7 @@ __all__ = [
     "spot",
 ]
 
-KINDS: dict[str, Callable[[np.random.Generator, Made], Solid]] = {
+KINDS: dict[str, Callable[[Rng, Made], Solid]] = {
     shape.__name__: shape
     for shape in (
         vessels.bowl, vessels.cup, vessels.mug, vessels.tumbler, vessels.plate, vessels.vase, vessels.bottle,
@@ -83,7 +84,7 @@ PARTS: dict[str, dict[str, float]] = {  # what is met indoors and outdoors, by w
 }
 
 
-def kind_of(weights: dict[str, float], rng: np.random.Generator) -> str:
+def kind_of(weights: dict[str, float], rng: Rng) -> str:
     """Draw the name of a shape."""
     share = np.array(list(weights.values()), dtype=np.float64)
     return str(rng.choice(list(weights), p=share / share.sum()))

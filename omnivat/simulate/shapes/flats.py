@@ -2,24 +2,36 @@
 
 import numpy as np
 
-from omnivat.simulate.shapes.solid import Made, Solid, block, grounded, joined, placed, sawn, turned
-
-Rng = np.random.Generator
+from omnivat.simulate.noise import Rng
+from omnivat.simulate.shapes.solid import (
+    Made,
+    Solid,
+    assembled,
+    block,
+    grounded,
+    joined,
+    lathed,
+    placed,
+    sawn,
+    slab,
+    turned,
+)
 
 
 def board(rng: Rng, made: Made) -> Solid:
     """Return a cutting board."""
-    size = (rng.uniform(180, 300), rng.uniform(110, 190), rng.uniform(1.5, 2.5) * made.wall + 3)
-    return grounded(block(size, bevel=made.bevel))
+    return slab(
+        made, rng.uniform(180, 300), rng.uniform(110, 190), rng.uniform(1.5, 2.5) * made.wall + 3
+    )
 
 
 def tray(rng: Rng, made: Made) -> Solid:
     """Return a shallow dish of rectangular plan."""
     half, deep, t = rng.uniform(60, 95), rng.uniform(18, 40), made.wall
-    return sawn(turned([
-        (0.0, 0.0, 0.0), (half * 0.88, 0.0, 5.0), (half * 0.97, deep, t * 0.5),
+    return sawn(lathed([
+        (half * 0.88, 0.0, 5.0), (half * 0.97, deep, t * 0.5),
         (half * 0.97 + 5, deep + 0.4, t * 0.4), (half * 0.97 + 5, deep + 2.2, t * 0.4),
-        (half * 0.97 - t, deep + 2.0, t * 0.5), (half * 0.88 - t, t, 5.0), (0.0, t, 0.0),
+        (half * 0.97 - t, deep + 2.0, t * 0.5), (half * 0.88 - t, t, 5.0),
     ], power=7.0, oblong=rng.uniform(1.1, 1.6)))  # fmt: skip
 
 
@@ -29,19 +41,18 @@ def box(rng: Rng, made: Made) -> Solid:
     bevel = made.bevel
     body = placed(block((x, y, z), bevel=bevel), at=(0, 0, z / 2))
     lid = placed(block((x + 4, y + 4, 12), bevel=min(bevel, 4)), at=(0, 0, z + 4))
-    return grounded(sawn(joined(body, lid)))
+    return assembled(body, lid)
 
 
 def brick(rng: Rng, made: Made) -> Solid:
     """Return a brick or a block."""
-    size = (rng.uniform(90, 210), rng.uniform(60, 105), rng.uniform(40, 70))
-    return grounded(block(size, bevel=made.bevel))
+    return slab(made, rng.uniform(90, 210), rng.uniform(60, 105), rng.uniform(40, 70))
 
 
 def tile(rng: Rng, made: Made) -> Solid:
     """Return a thin square slab, lying."""
     side = rng.uniform(95, 160)
-    return grounded(block((side, side, made.wall + 3), bevel=made.bevel))
+    return slab(made, side, side, made.wall + 3)
 
 
 def pipe(rng: Rng, made: Made) -> Solid:
@@ -50,27 +61,25 @@ def pipe(rng: Rng, made: Made) -> Solid:
     tube = turned(
         [(r - t, 0.0, 0.0), (r, 0.0, 0.6), (r, long, 0.6), (r - t, long, 0.6), (r - t, 0.0, 0.0)]
     )
-    return grounded(placed(placed(tube, roll=np.pi / 2), turn=rng.uniform(0, np.pi)))
+    return grounded(placed(tube, roll=np.pi / 2, turn=rng.uniform(0, np.pi)))
 
 
 def floor(rng: Rng, made: Made) -> Solid:
     """Return a piece of floor or table top, wider than a picture."""
-    return grounded(block((900, 900, 12), bevel=made.bevel))
+    return slab(made, 900, 900, 12)
 
 
 def panel(rng: Rng, made: Made) -> Solid:
     """Return an upright sheet, such as a door, a sign or a piece of wall; it faces -y."""
-    size = (rng.uniform(260, 640), rng.uniform(12, 30), rng.uniform(300, 620))
-    return grounded(block(size, bevel=made.bevel))
+    return slab(made, rng.uniform(260, 640), rng.uniform(12, 30), rng.uniform(300, 620))
 
 
 def post(rng: Rng, made: Made) -> Solid:
     """Return an upright, square or round."""
     half, tall = rng.uniform(25, 60), rng.uniform(600, 800)
     if rng.random() < 0.5:
-        return grounded(block((2 * half, 2 * half, tall), bevel=made.bevel))
-    line = [(0.0, 0.0, 0.0), (half, 0.0, 2.0), (half, tall, 4.0), (0.0, tall, 0.0)]
-    return turned(line)
+        return slab(made, 2 * half, 2 * half, tall)
+    return lathed([(half, 0.0, 2.0), (half, tall, 4.0)])
 
 
 def bench(rng: Rng, made: Made) -> Solid:
@@ -85,7 +94,7 @@ def bench(rng: Rng, made: Made) -> Solid:
     feet = [
         placed(block((40, span, 200), bevel=3), at=(x, 0, 100)) for x in (-0.35 * long, 0.35 * long)
     ]
-    return grounded(sawn(joined(*planks, *feet)))
+    return assembled(*planks, *feet)
 
 
 def seat(rng: Rng, made: Made) -> Solid:
@@ -96,5 +105,5 @@ def seat(rng: Rng, made: Made) -> Solid:
         [(0.0, 0.0, 0.0), (r, 0.0, made.bevel), (r, thick, made.bevel), (0.0, thick - 2, 0.0)],
         power=power,
     )
-    leg = turned([(0.0, 0.0, 0.0), (25, 0.0, 3.0), (25, 240, 3.0), (0.0, 240, 0.0)])
+    leg = lathed([(25, 0.0, 3.0), (25, 240, 3.0)])
     return sawn(joined(placed(top, at=(0, 0, 238)), leg))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.simulate.noise import Array
+from omnivat.simulate.noise import Array, Rng
 
 _MADE = {  # least and most of wall and of bevel, mm
     "wood": ((6.0, 11.0), (2.0, 5.0)), "steel": ((0.7, 1.5), (0.3, 0.8)), "plastic": ((1.4, 3.0), (0.6, 1.5)),
@@ -25,7 +25,7 @@ class Made:
     bevel: float
 
 
-def made_of(material: str, rng: np.random.Generator) -> Made:
+def made_of(material: str, rng: Rng) -> Made:
     """Draw how an object of this material is made."""
     wall, bevel = (float(rng.uniform(*ends)) for ends in _MADE[material])
     return Made(wall=wall, bevel=bevel)
@@ -60,7 +60,7 @@ class Solid:
             [np.bincount(meet, weights=np.repeat(part, 3)) for part in across.T], axis=1
         )
         normal = total[same]
-        return np.asarray(normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-12)[:, None])
+        return normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-12)[:, None]
 
 
 def joined(*parts: Solid) -> Solid:
@@ -93,6 +93,16 @@ def sawn(solid: Solid) -> Solid:
     """Return the solid with the pattern of a block that it is cut from, not wrapped round it."""
     x, y, z = solid.vertices.T
     return replace(solid, uv=np.stack([x + _SHEAR * z, y + _SHEAR * z], axis=1))
+
+
+def assembled(*parts: Solid) -> Solid:
+    """Return parts that are cut from one block and stand on z = 0."""
+    return grounded(sawn(joined(*parts)))
+
+
+def slab(made: Made, *size: float) -> Solid:
+    """Return a block (length, width, height) mm on z = 0 with the edges of its material."""
+    return grounded(block(size, bevel=made.bevel))
 
 
 def grid(points: Array, uv: Array) -> Solid:
@@ -156,6 +166,12 @@ def turned(profile: Profile, *, power: float = 2.0, oblong: float = 1.0) -> Soli
     reach = np.maximum(radius, 1e-3)[:, None]
     points = _spread(reach * plan * cos * oblong, reach * plan * sin, height[:, None])
     return grid(points, _spread(angle * 0.8 * radius.max(), _along(line)[:, None]))
+
+
+def lathed(profile: Profile, *, power: float = 2.0, oblong: float = 1.0) -> Solid:
+    """Return `turned` of a profile that flat discs close below and above."""
+    low, high = profile[0][1], profile[-1][1]
+    return turned([(0.0, low, 0.0), *profile, (0.0, high, 0.0)], power=power, oblong=oblong)
 
 
 def swept(path: Array, half: Array, *, power: float = 2.0) -> Solid:

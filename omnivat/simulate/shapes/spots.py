@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter, zoom
 
-from omnivat.simulate.noise import Array
+from omnivat.simulate.noise import Array, Rng
 from omnivat.simulate.shapes.solid import Faces, Solid
 
 _DRAWN = 16
@@ -23,7 +23,7 @@ class Spot:
     uv: Array
 
 
-def spot(solid: Solid, rng: np.random.Generator, *, edges: bool = True) -> Spot:
+def spot(solid: Solid, rng: Rng, *, edges: bool = True) -> Spot:
     """Draw a touched place: not underneath, with room for a sensor, often a rim or an edge if
     `edges`.
     """
@@ -48,7 +48,7 @@ def _bends(normal: Array, corner: Array) -> Array:
     """Return, for each face, its longest side times how far the surface turns over it."""
     turn = np.linalg.norm(normal - np.roll(normal, 1, axis=1), axis=-1).max(axis=1)
     side = np.linalg.norm(corner - np.roll(corner, 1, axis=1), axis=-1).max(axis=1)
-    return np.asarray(turn * side + 1e-9)
+    return turn * side + 1e-9
 
 
 def _first_free(solid: Solid, points: Array, normals: Array) -> int:
@@ -85,7 +85,7 @@ def _along(corner: Array, uv: Array, normal: Array) -> Array:
     else:
         way = np.cross(normal, [0.0, 0.0, 1.0]) + np.array([1e-6, 0.0, 0.0])
     way = way - normal * (way @ normal)
-    return np.asarray(way / np.linalg.norm(way))
+    return way / np.linalg.norm(way)
 
 
 BELOW = -6.0  # mm: deeper parts are out of reach of every sensor
@@ -112,7 +112,7 @@ def contact_height(
     if side == size:
         return drawn
     wide = zoom(drawn, size / side, order=1, mode="nearest", grid_mode=True)
-    return np.asarray(gaussian_filter(wide, 0.6 * size / side, mode="nearest"))
+    return gaussian_filter(wide, 0.6 * size / side, mode="nearest")
 
 
 def _axes(spot: Spot, turn: float) -> Array:
@@ -194,4 +194,4 @@ def _curved(corner: Array, normal: Array, face: Faces, share: Array, x: Array, y
         plane = tilt[:, 0] * (x - here[:, 0]) + tilt[:, 1] * (y - here[:, 1])
         flat += share[index] * here[:, 2]
         lift += share[index] * (plane + here[:, 2])
-    return np.asarray(flat + np.clip(0.5 * (lift - flat), -_BULGE, _BULGE))
+    return flat + np.clip(0.5 * (lift - flat), -_BULGE, _BULGE)

@@ -2,20 +2,18 @@
 
 import numpy as np
 
+from omnivat.simulate.noise import Rng
 from omnivat.simulate.shapes.solid import (
     Made,
     Solid,
+    assembled,
     bar,
     block,
-    grounded,
-    joined,
+    lathed,
     placed,
-    sawn,
     swept,
     turned,
 )
-
-Rng = np.random.Generator
 
 
 def handle(rng: Rng, made: Made, length: float) -> Solid:
@@ -31,12 +29,12 @@ def spoon(rng: Rng, made: Made) -> Solid:
     """Return a spoon: an oval dish on a handle."""
     r, thick = rng.uniform(17, 26), min(made.wall, 5.0)
     deep = r * rng.uniform(0.3, 0.5)
-    dish = turned([
-        (0.0, 0.0, 0.0), (r * 0.75, 0.0, r * 0.6), (r, deep, thick * 0.5),
-        (r - thick, deep, thick * 0.5), (r * 0.72, thick, r * 0.6), (0.0, thick, 0.0),
+    dish = lathed([
+        (r * 0.75, 0.0, r * 0.6), (r, deep, thick * 0.5),
+        (r - thick, deep, thick * 0.5), (r * 0.72, thick, r * 0.6),
     ], oblong=rng.uniform(1.3, 1.6))  # fmt: skip
     stem = placed(handle(rng, made, rng.uniform(110, 190)), at=(-1.15 * r, 0, deep - 1.0))
-    return grounded(sawn(joined(dish, stem)))
+    return assembled(dish, stem)
 
 
 def fork(rng: Rng, made: Made) -> Solid:
@@ -46,7 +44,7 @@ def fork(rng: Rng, made: Made) -> Solid:
     places = (np.arange(prongs) - (prongs - 1) / 2) * gap
     tines = [bar((18, y, 3), (18 + span, y, 5), (half, half)) for y in places]
     palm = placed(block((28, gap * prongs, 3.0), bevel=1.4), at=(8, 0, 3))
-    return grounded(sawn(joined(*tines, palm, handle(rng, made, rng.uniform(110, 170)))))
+    return assembled(*tines, palm, handle(rng, made, rng.uniform(110, 170)))
 
 
 def spatula(rng: Rng, made: Made) -> Solid:
@@ -61,7 +59,7 @@ def spatula(rng: Rng, made: Made) -> Solid:
     ]
     ends = [placed(block((12, wide - 5 * bool(slots), thick), bevel=thick * 0.4),
                    at=(x, 0, 3)) for x in (5, long - 5)] if slots else []  # fmt: skip
-    return grounded(sawn(joined(*blade, *ends, handle(rng, made, rng.uniform(140, 210)))))
+    return assembled(*blade, *ends, handle(rng, made, rng.uniform(140, 210)))
 
 
 def comb(rng: Rng, made: Made) -> Solid:
@@ -72,7 +70,7 @@ def comb(rng: Rng, made: Made) -> Solid:
         bar((x, -4, 2.3), (x, -6 - deep, 2.3), (pitch * 0.28, 1.6), power=2.5)
         for x in np.arange(-length / 2 + 6, length / 2 - 6, pitch)
     ]
-    return grounded(sawn(joined(back, *teeth)))
+    return assembled(back, *teeth)
 
 
 def wrench(rng: Rng, made: Made) -> Solid:
@@ -96,4 +94,4 @@ def wrench(rng: Rng, made: Made) -> Solid:
     )
     heel = placed(block((jaw * 0.9, jaw * 2.0, thick), bevel=made.bevel), at=(long / 2, 0, 0))
     eye = placed(ring, at=(-long / 2 - jaw * 0.8, 0, -thick / 2))
-    return grounded(sawn(joined(shank, heel, *jaws, eye)))
+    return assembled(shank, heel, *jaws, eye)

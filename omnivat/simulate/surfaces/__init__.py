@@ -17,18 +17,19 @@ import numpy as np
 
 from omnivat.kit.seeding import derive_seed
 from omnivat.simulate.fields import Field
+from omnivat.simulate.noise import Rng
 from omnivat.simulate.surfaces import ceramic, glass, plastic, steel, wood
 from omnivat.simulate.surfaces.base import Surface
 
 __all__ = ["RECIPES", "SKINS", "SMOOTH", "Surface", "recipe", "skinned", "spend", "surface"]
 
-Recipe = Callable[[np.random.Generator], Surface]
+Recipe = Callable[[Rng], Surface]
 
 FAINT = 0.7  # share of the skin left on a smooth or coated surface
 _MATERIALS = {"wood": wood, "steel": steel, "plastic": plastic, "ceramic": ceramic, "glass": glass}
 RECIPES: dict[str, dict[Recipe, float]] = {name: room.RECIPES for name, room in _MATERIALS.items()}
 SMOOTH: dict[str, Recipe] = {name: room.SMOOTH for name, room in _MATERIALS.items()}
-SKINS: dict[str, Callable[[np.random.Generator, float], Field]] = {
+SKINS: dict[str, Callable[[Rng, float], Field]] = {
     name: room.skin for name, room in _MATERIALS.items()
 }
 
@@ -50,14 +51,14 @@ def recipe(material: str, number: int, *, seed: int) -> Recipe:
     return list(recipes)[int(np.searchsorted(weights, golden * weights[-1]))]
 
 
-def spend(material: str, rng: np.random.Generator) -> None:
+def spend(material: str, rng: Rng) -> None:
     """Draw what a curvature once took, so that the shipped objects keep their bytes."""
     drawn = rng.random() if material != "glass" else 0.0
     if drawn >= {"steel": 0.72, "plastic": 0.45, "ceramic": 0.12}.get(material, 1.0):
         rng.random(3 if material == "ceramic" and drawn >= 0.35 else 2)
 
 
-def skinned(surface: Surface, material: str, maker: Recipe, rng: np.random.Generator) -> Surface:
+def skinned(surface: Surface, material: str, maker: Recipe, rng: Rng) -> Surface:
     """Return a surface with its material's own micro-relief, in line with its grain.
 
     maker  the recipe that made the surface: smooth ones keep a faint skin only

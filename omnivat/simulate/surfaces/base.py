@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 
 from omnivat.simulate.fields import Field
+from omnivat.simulate.noise import Rng
 
 Colour = tuple[float, float, float]  # linear, 0 to 1
 
@@ -14,7 +15,6 @@ Colour = tuple[float, float, float]  # linear, 0 to 1
 class Surface:
     """One object's surface. The same one is photographed and pressed."""
 
-    recipe: str  # such as "brushed"
     relief: Field  # mm
     colour: Field  # linear reflectance (or transmittance of glass), 0 to 1
     _: KW_ONLY
@@ -24,16 +24,16 @@ class Surface:
     angle: float = 0.0  # rad, direction of grain or brushing
 
 
-def pick(rng: np.random.Generator, low: float, high: float) -> float:
+def pick(rng: Rng, low: float, high: float) -> float:
     """Draw evenly between two bounds."""
     return float(rng.uniform(low, high))
 
 
-def pick_log(rng: np.random.Generator, low: float, high: float) -> float:
+def pick_log(rng: Rng, low: float, high: float) -> float:
     """Draw evenly in ratio between two positive bounds."""
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
-def stream(rng: np.random.Generator) -> int:
+def stream(rng: Rng) -> int:
     """Draw a seed for one field."""
     return int(rng.integers(2**31))

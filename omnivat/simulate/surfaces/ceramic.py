@@ -15,6 +15,7 @@ from omnivat.simulate.fields import (
     tiles,
     tinted,
 )
+from omnivat.simulate.noise import Rng
 from omnivat.simulate.surfaces.base import Colour, Surface, pick, pick_log, stream
 
 _GLAZES = (
@@ -24,21 +25,21 @@ _GLAZES = (
 _CLAYS = ((0.52, 0.24, 0.13), (0.46, 0.38, 0.28), (0.34, 0.27, 0.21), (0.60, 0.50, 0.38))
 
 
-def _one_of(colours: tuple[Colour, ...], rng: np.random.Generator) -> Colour:
+def _one_of(colours: tuple[Colour, ...], rng: Rng) -> Colour:
     return colours[rng.integers(len(colours))]
 
 
-def glazed(rng: np.random.Generator) -> Surface:
+def glazed(rng: Rng) -> Surface:
     """Return a glossy glaze: soft waves and pinholes."""
     glaze, seed = _one_of(_GLAZES, rng), stream(rng)
     wave, holes = pick(rng, 0.016, 0.030), pick(rng, 0.15, 0.4)
     pinholes = pits(size=3.0, radius=0.35, share=holes, seed=seed + 4)
     relief = wave * orange_peel(size=3.5, seed=seed) - 0.07 * pinholes
     colour = tinted(glaze, 0.06 * orange_peel(size=16.0, seed=seed + 1) - 0.4 * pinholes)
-    return Surface("glazed", relief, colour, gloss="coated", roughness=pick(rng, 0.02, 0.07))
+    return Surface(relief, colour, gloss="coated", roughness=pick(rng, 0.02, 0.07))
 
 
-def crazed(rng: np.random.Generator) -> Surface:
+def crazed(rng: Rng) -> Surface:
     """Return a glaze with a net of cracks, stained dark."""
     glaze, seed = _one_of(_GLAZES, rng), stream(rng)
     size, stain = pick(rng, 3.0, 5.5), pick(rng, 0.4, 0.8)
@@ -46,29 +47,29 @@ def crazed(rng: np.random.Generator) -> Surface:
         size=size, width=0.22, seed=seed
     )
     colour = tinted(glaze, -stain * cracks(size=size, width=0.28, seed=seed))
-    return Surface("crazed", relief, colour, gloss="coated", roughness=pick(rng, 0.02, 0.06))
+    return Surface(relief, colour, gloss="coated", roughness=pick(rng, 0.02, 0.06))
 
 
-def stoneware(rng: np.random.Generator) -> Surface:
+def stoneware(rng: Rng) -> Surface:
     """Return a satin glaze with iron specks over gritty clay."""
     glaze, seed = _one_of(_GLAZES, rng), stream(rng)
     specks = pits(size=2.0, radius=0.42, share=0.35, seed=seed + 2)
     relief = pick(rng, 0.02, 0.04) * grain(coarsest=2.4, finest=0.4, seed=seed) + 0.05 * specks
     satin = tinted(glaze, 0.04 * grain(coarsest=4.0, finest=0.8, seed=seed))
     colour = mixed(satin, np.array([0.10, 0.06, 0.04]), specks)
-    return Surface("stoneware", relief, colour, gloss="coated", roughness=pick(rng, 0.12, 0.25))
+    return Surface(relief, colour, gloss="coated", roughness=pick(rng, 0.12, 0.25))
 
 
-def terracotta(rng: np.random.Generator) -> Surface:
+def terracotta(rng: Rng) -> Surface:
     """Return unglazed clay: gritty, pitted, dull."""
     clay, seed = _one_of(_CLAYS, rng), stream(rng)
     rough = grain(coarsest=1.6, finest=0.2, seed=seed)
     holes = pits(size=1.8, radius=0.55, share=0.35, seed=seed + 30)
     relief = pick_log(rng, 0.02, 0.05) * rough - 0.12 * holes
-    return Surface("terracotta", relief, tinted(clay, 0.09 * rough), gloss="matte", roughness=0.6)
+    return Surface(relief, tinted(clay, 0.09 * rough), gloss="matte", roughness=0.6)
 
 
-def thrown(rng: np.random.Generator) -> Surface:
+def thrown(rng: Rng) -> Surface:
     """Return the ridges that fingers leave on the wheel, glazed over or bare."""
     seed, bare = stream(rng), rng.random() < 0.4
     base = _one_of(_CLAYS if bare else _GLAZES, rng)
@@ -81,11 +82,11 @@ def thrown(rng: np.random.Generator) -> Surface:
     rough = 0.6 if bare else pick(rng, 0.03, 0.12)
     relief = rise * ridges + grit
     return Surface(
-        "thrown", relief, colour, gloss="matte" if bare else "coated", roughness=rough, angle=angle
+        relief, colour, gloss="matte" if bare else "coated", roughness=rough, angle=angle
     )
 
 
-def tiled(rng: np.random.Generator) -> Surface:
+def tiled(rng: Rng) -> Surface:
     """Return mosaic: small glazed tiles and sandy joints."""
     seed, glaze = stream(rng), _one_of(_GLAZES, rng)
     angle, pitch, joint = pick(rng, 0, np.pi), pick(rng, 9.0, 18.0), pick(rng, 1.2, 2.2)
@@ -95,12 +96,10 @@ def tiled(rng: np.random.Generator) -> Surface:
     mortar = Field(lambda x, y: np.array([0.5, 0.48, 0.44]) * np.ones((*np.shape(x), 1)))
     colour = mixed(mortar, tinted(glaze, 0.05 * orange_peel(size=12.0, seed=seed + 3)), face)
     relief = face * top + (1 - face) * sand
-    return Surface(
-        "tiled", relief, colour, gloss="coated", roughness=pick(rng, 0.03, 0.10), angle=angle
-    )
+    return Surface(relief, colour, gloss="coated", roughness=pick(rng, 0.03, 0.10), angle=angle)
 
 
-def carved(rng: np.random.Generator) -> Surface:
+def carved(rng: Rng) -> Surface:
     """Return rings carved or pressed into clay and flooded with glaze that pools in them."""
     seed, glaze = stream(rng), _one_of(_GLAZES, rng)
     centre = (pick(rng, -20, 20), pick(rng, -20, 20))
@@ -108,10 +107,10 @@ def carved(rng: np.random.Generator) -> Surface:
     waves = smooth(arcs(centre=centre, pitch=pitch), -0.6, 0.6)
     relief = rise * waves + 0.01 * orange_peel(size=4.0, seed=seed)
     colour = tinted(glaze, 0.35 * (waves - 0.8))
-    return Surface("carved", relief, colour, gloss="coated", roughness=pick(rng, 0.03, 0.1))
+    return Surface(relief, colour, gloss="coated", roughness=pick(rng, 0.03, 0.1))
 
 
-def skin(rng: np.random.Generator, angle: float) -> Field:
+def skin(rng: Rng, angle: float) -> Field:
     """Return a wavy glaze, grains of grit under it, and pinholes."""
     seed, wave = stream(rng), pick_log(rng, 0.03, 0.06)
     bump, holes = pick_log(rng, 0.07, 0.13), pick(rng, 0.15, 0.35)

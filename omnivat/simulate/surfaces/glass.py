@@ -13,53 +13,47 @@ from omnivat.simulate.fields import (
     scratches,
     tinted,
 )
-from omnivat.simulate.noise import Array, cells
+from omnivat.simulate.noise import Array, Rng, cells
 from omnivat.simulate.surfaces.base import Surface, pick, pick_log, stream
 
-Rng = np.random.Generator
 _TINTS = (
     (0.93, 0.96, 0.95), (0.95, 0.96, 0.96), (0.62, 0.86, 0.70), (0.80, 0.52, 0.20), (0.45, 0.66, 0.88),
     (0.88, 0.93, 0.91),
 )  # fmt: skip
 
 
-def _glass(
-    rng: Rng, recipe: str, relief: Field, *, vessel: bool = False, dull: bool = False
-) -> Surface:
+def _glass(rng: Rng, relief: Field, *, vessel: bool = False, dull: bool = False) -> Surface:
     """Return glass of one tint with this relief."""
     rng.random(2 + (rng.random() >= 0.6) if vessel else 1)  # once a curvature; keeps shipped bytes
     skin = pick(rng, 0.25, 0.4) if dull else 0.02
     tint, seed = _TINTS[rng.integers(len(_TINTS))], stream(rng)
     colour = tinted(tint, 0.01 * orange_peel(size=30.0, seed=seed))
-    return Surface(recipe, relief, colour, gloss="glass", roughness=skin)
+    return Surface(relief, colour, gloss="glass", roughness=skin)
 
 
-def float_glass(rng: np.random.Generator) -> Surface:
+def float_glass(rng: Rng) -> Surface:
     """Return a pane or a smooth vessel: nothing to feel but a scratch or two."""
     seed, count = stream(rng), int(rng.integers(0, 5))
     used = scratches(count=count, reach=30.0, width=0.05, seed=seed)
     relief = 0.0012 * orange_peel(size=8.0, seed=seed + 1) - 0.01 * used
-    return _glass(rng, "float", relief, vessel=rng.random() >= 0.7)
+    return _glass(rng, relief, vessel=rng.random() >= 0.7)
 
 
-def rippled(rng: np.random.Generator) -> Surface:
+def rippled(rng: Rng) -> Surface:
     """Return old or rippled glass: smooth, long, gentle waves."""
     seed, size, rise = stream(rng), pick(rng, 4.0, 9.0), pick(rng, 0.06, 0.18)
-    return _glass(rng, "rippled", rise * orange_peel(size=size, seed=seed))
+    return _glass(rng, rise * orange_peel(size=size, seed=seed))
 
 
-def reeded(rng: np.random.Generator) -> Surface:
+def reeded(rng: Rng) -> Surface:
     """Return fluted glass: exact, smooth ribs, which plastic has too."""
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 3.0, 7.0), pick(rng, 0.25, 0.5)
     return _glass(
-        rng,
-        "reeded",
-        rise * ribs(angle=angle, pitch=pitch, sharpness=0.6),
-        vessel=rng.random() >= 0.5,
+        rng, rise * ribs(angle=angle, pitch=pitch, sharpness=0.6), vessel=rng.random() >= 0.5
     )
 
 
-def pebbled(rng: np.random.Generator) -> Surface:
+def pebbled(rng: Rng) -> Surface:
     """Return hammered glass: round smooth cushions, close together."""
     seed, size, rise = stream(rng), pick(rng, 3.0, 6.0), pick(rng, 0.10, 0.28)
 
@@ -68,30 +62,30 @@ def pebbled(rng: np.random.Generator) -> Surface:
         near, _ = cells(x, y, size=size, seed=seed, jitter=0.7)
         return -rise * (near / size) ** 2 * 2.0
 
-    return _glass(rng, "pebbled", cushions())
+    return _glass(rng, cushions())
 
 
-def frosted(rng: np.random.Generator) -> Surface:
+def frosted(rng: Rng) -> Surface:
     """Return acid-etched or blasted glass: very fine tooth, milky look."""
     seed, depth = stream(rng), pick_log(rng, 0.003, 0.009)
     relief = depth * grain(coarsest=0.5, finest=0.15, seed=seed)
-    return _glass(rng, "frosted", relief, vessel=rng.random() < 0.4, dull=True)
+    return _glass(rng, relief, vessel=rng.random() < 0.4, dull=True)
 
 
-def cut(rng: np.random.Generator) -> Surface:
+def cut(rng: Rng) -> Surface:
     """Return cut crystal: crossing V grooves, sharp and smooth."""
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 4.0, 8.0), pick(rng, 0.5, 0.9)
-    return _glass(rng, "cut", rise * diamonds(pitch=pitch, angle=angle), vessel=rng.random() < 0.5)
+    return _glass(rng, rise * diamonds(pitch=pitch, angle=angle), vessel=rng.random() < 0.5)
 
 
-def pressed(rng: np.random.Generator) -> Surface:
+def pressed(rng: Rng) -> Surface:
     """Return pressed glass: smooth hobnails in rows."""
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 4.5, 9.0), pick(rng, 0.3, 0.6)
     relief = rise * dots(pitch=pitch, radius=0.3 * pitch, angle=angle, edge=0.22 * pitch)
-    return _glass(rng, "pressed", relief, vessel=rng.random() < 0.5)
+    return _glass(rng, relief, vessel=rng.random() < 0.5)
 
 
-def skin(rng: np.random.Generator, angle: float) -> Field:
+def skin(rng: Rng, angle: float) -> Field:
     """Return the long waves of fire-polished glass, which is otherwise smooth."""
     seed, rise = stream(rng), pick_log(rng, 0.004, 0.012)
     return rise * orange_peel(size=11.0, seed=seed)

@@ -16,11 +16,11 @@ from omnivat.simulate.fields import (
     smooth,
     tinted,
 )
-from omnivat.simulate.noise import Array, smoothstep, turned
+from omnivat.simulate.noise import Array, Rng, smoothstep, turned
 from omnivat.simulate.surfaces.base import Colour, Surface, pick, pick_log, stream
 
 
-def _dye(rng: np.random.Generator) -> Colour:
+def _dye(rng: Rng) -> Colour:
     """Return a colour that plastics have: strong, white, grey or black."""
     if rng.random() < 0.75:
         red, green, blue = rng.permutation(
@@ -31,45 +31,37 @@ def _dye(rng: np.random.Generator) -> Colour:
     return (level * (1 + warm), level, level * (1 - warm))
 
 
-def _moulded(
-    recipe: str, relief: Field, dye: Colour, shade: Field, roughness: float, **more: Any
-) -> Surface:
-    return Surface(recipe, relief, tinted(dye, shade), gloss="coated", roughness=roughness, **more)
+def _moulded(relief: Field, dye: Colour, shade: Field, roughness: float, **more: Any) -> Surface:
+    return Surface(relief, tinted(dye, shade), gloss="coated", roughness=roughness, **more)
 
 
-def eroded(rng: np.random.Generator) -> Surface:
+def eroded(rng: Rng) -> Surface:
     """Return the spark-eroded mould grain of housings: even, fine and matt."""
     dye, seed = _dye(rng), stream(rng)
     depth, size = pick_log(rng, 0.022, 0.05), pick(rng, 0.6, 1.1)
     tooth, shade = (grain(coarsest=size, finest=finest, seed=seed) for finest in (0.2, 0.3))
-    return _moulded("eroded", depth * tooth, dye, 0.03 * shade, roughness=pick(rng, 0.3, 0.5))
+    return _moulded(depth * tooth, dye, 0.03 * shade, roughness=pick(rng, 0.3, 0.5))
 
 
-def leather_grain(rng: np.random.Generator) -> Surface:
+def leather_grain(rng: Rng) -> Surface:
     """Return etched leather grain: small cushions between creases."""
     dye, seed = _dye(rng), stream(rng)
     size, depth = pick(rng, 1.4, 2.8), pick(rng, 0.08, 0.18)
     cushions = smooth(borders(size=size, seed=seed), 0.0, 0.35 * size)
-    return _moulded(
-        "leather grain",
-        depth * cushions,
-        dye,
-        0.10 * (cushions - 1.0),
-        roughness=pick(rng, 0.25, 0.45),
-    )
+    return _moulded(depth * cushions, dye, 0.10 * (cushions - 1.0), roughness=pick(rng, 0.25, 0.45))
 
 
-def ribbed(rng: np.random.Generator) -> Surface:
+def ribbed(rng: Rng) -> Surface:
     """Return grip ribs: rounded, parallel, well raised."""
     dye, seed = _dye(rng), stream(rng)
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 1.8, 4.5), pick(rng, 0.2, 0.5)
     skin = 0.006 * grain(coarsest=0.8, finest=0.2, seed=seed)
     relief = rise * ribs(angle=angle, pitch=pitch, sharpness=pick(rng, 0.6, 2.0)) + skin
     shade = 0.02 * orange_peel(size=8.0, seed=seed)
-    return _moulded("ribbed", relief, dye, shade, roughness=pick(rng, 0.15, 0.4), angle=angle)
+    return _moulded(relief, dye, shade, roughness=pick(rng, 0.15, 0.4), angle=angle)
 
 
-def studded(rng: np.random.Generator) -> Surface:
+def studded(rng: Rng) -> Surface:
     """Return rows of round grip pads."""
     dye, seed = _dye(rng), stream(rng)
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 2.5, 6.5), pick(rng, 0.15, 0.4)
@@ -78,25 +70,21 @@ def studded(rng: np.random.Generator) -> Surface:
         rise * dots(pitch=pitch, radius=pitch * pick(rng, 0.2, 0.33), angle=angle, edge=0.25) + skin
     )
     shade = 0.02 * orange_peel(size=8.0, seed=seed)
-    return _moulded("studded", relief, dye, shade, roughness=pick(rng, 0.2, 0.4), angle=angle)
+    return _moulded(relief, dye, shade, roughness=pick(rng, 0.2, 0.4), angle=angle)
 
 
-def glossy(rng: np.random.Generator) -> Surface:
+def glossy(rng: Rng) -> Surface:
     """Return injection-moulded gloss: flow waves and the scratches of use."""
     dye, seed = _dye(rng), stream(rng)
     wave, count = pick(rng, 0.003, 0.008), int(rng.integers(4, 20))
     used = scratches(count=count, reach=30.0, width=0.10, seed=seed + 5)
     relief = wave * orange_peel(size=6.0, seed=seed) - 0.015 * used
     return _moulded(
-        "glossy",
-        relief,
-        dye,
-        0.02 * orange_peel(size=15.0, seed=seed),
-        roughness=pick(rng, 0.04, 0.15),
+        relief, dye, 0.02 * orange_peel(size=15.0, seed=seed), roughness=pick(rng, 0.04, 0.15)
     )
 
 
-def printed(rng: np.random.Generator) -> Surface:
+def printed(rng: Rng) -> Surface:
     """Return a 3-D print: layer lines, slightly uneven."""
     dye, seed = _dye(rng), stream(rng)
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 0.45, 0.9), pick(rng, 0.025, 0.06)
@@ -105,17 +93,11 @@ def printed(rng: np.random.Generator) -> Surface:
     )
     shade = 0.12 * (lines - 0.5)
     return _moulded(
-        "printed",
-        rise * lines,
-        dye,
-        shade,
-        roughness=pick(rng, 0.2, 0.35),
-        brushing=0.4,
-        angle=angle,
+        rise * lines, dye, shade, roughness=pick(rng, 0.2, 0.35), brushing=0.4, angle=angle
     )
 
 
-def skin(rng: np.random.Generator, angle: float) -> Field:
+def skin(rng: Rng, angle: float) -> Field:
     """Return even mould texture, sink marks, and the parting lines of the mould."""
     seed, texture = stream(rng), pick_log(rng, 0.020, 0.034)
     size, turn = pick(rng, 0.5, 0.9), pick(rng, 0, np.pi)

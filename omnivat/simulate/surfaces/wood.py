@@ -16,7 +16,7 @@ from omnivat.simulate.fields import (
     streaks,
     tinted,
 )
-from omnivat.simulate.noise import Array, smoothstep, turned
+from omnivat.simulate.noise import Array, Rng, smoothstep, turned
 from omnivat.simulate.surfaces.base import Surface, pick, pick_log, stream
 
 _SPECIES = (  # linear reflectance of early wood; late wood is darker
@@ -30,7 +30,7 @@ class _Grain:
     relief and its colour.
     """
 
-    def __init__(self, rng: np.random.Generator) -> None:
+    def __init__(self, rng: Rng) -> None:
         self.angle, pitch = pick(rng, 0, np.pi), pick_log(rng, 2.0, 9.0)
         wave, fibre, pore = stream(rng), stream(rng), stream(rng)
         self.species = _SPECIES[rng.integers(len(_SPECIES))]
@@ -41,11 +41,9 @@ class _Grain:
         shade = -pick(rng, 0.25, 0.6) * self.rings + 0.10 * self.fibres
         self.colour = tinted(self.species, shade - 0.45 * self.pores)
 
-    def surface(self, recipe: str, relief: Field, *, roughness: float) -> Surface:
+    def surface(self, relief: Field, *, roughness: float) -> Surface:
         """Return bare wood with this relief."""
-        return Surface(
-            recipe, relief, self.colour, gloss="matte", roughness=roughness, angle=self.angle
-        )
+        return Surface(relief, self.colour, gloss="matte", roughness=roughness, angle=self.angle)
 
 
 @field
@@ -55,7 +53,7 @@ def _late(x: Array, y: Array, angle: float, pitch: float, bend: Field) -> Array:
     return smoothstep(saw, 0.25, 0.9) * (1.0 - smoothstep(saw, 0.93, 1.0))
 
 
-def sawn(rng: np.random.Generator) -> Surface:
+def sawn(rng: Rng) -> Surface:
     """Return rough lumber: fibres torn up, and the teeth of the saw across them."""
     wood, saw_pitch = _Grain(rng), pick(rng, 0.9, 2.6)
     lean = wood.angle + np.pi / 2 + pick(rng, -0.3, 0.3)
@@ -66,48 +64,46 @@ def sawn(rng: np.random.Generator) -> Surface:
         + 0.4 * rough * torn
         + teeth * ribs(angle=lean, pitch=saw_pitch)
     )
-    return wood.surface("sawn", relief, roughness=0.6)
+    return wood.surface(relief, roughness=0.6)
 
 
-def _bare(rng: np.random.Generator, name: str, fibre: float, ring: float, pore: float) -> Surface:
+def _bare(rng: Rng, fibre: float, ring: float, pore: float) -> Surface:
     """Return bare wood whose fibres, rings and pores stand out by so many mm."""
     wood = _Grain(rng)
     raised = fibre * wood.fibres + ring * wood.rings
-    return wood.surface(name, pick_log(rng, 0.6, 1.6) * (raised - pore * wood.pores), roughness=0.5)
+    return wood.surface(pick_log(rng, 0.6, 1.6) * (raised - pore * wood.pores), roughness=0.5)
 
 
-def sanded(rng: np.random.Generator) -> Surface:
+def sanded(rng: Rng) -> Surface:
     """Return sanded wood: faint fibres and open pores."""
-    return _bare(rng, "sanded", fibre=0.020, ring=0.025, pore=0.08)
+    return _bare(rng, fibre=0.020, ring=0.025, pore=0.08)
 
 
-def ringed(rng: np.random.Generator) -> Surface:
+def ringed(rng: Rng) -> Surface:
     """Return planed softwood whose late wood stands proud."""
-    return _bare(rng, "ringed", fibre=0.020, ring=0.14, pore=0.05)
+    return _bare(rng, fibre=0.020, ring=0.14, pore=0.05)
 
 
-def weathered(rng: np.random.Generator) -> Surface:
+def weathered(rng: Rng) -> Surface:
     """Return wood left outside: grey, deeply furrowed along the grain."""
-    bare = _bare(rng, "weathered", fibre=0.055, ring=0.14, pore=0.12)
+    bare = _bare(rng, fibre=0.055, ring=0.14, pore=0.12)
 
     def faded(brown: Array) -> Array:
         grey = np.array([0.34, 0.31, 0.27]) * (0.4 + 1.6 * brown.mean(-1, keepdims=True))
-        return np.asarray(0.45 * brown + 0.55 * grey)
+        return 0.45 * brown + 0.55 * grey
 
     return replace(bare, colour=lifted(faded)(bare.colour), roughness=0.6)
 
 
-def varnished(rng: np.random.Generator) -> Surface:
+def varnished(rng: Rng) -> Surface:
     """Return furniture: grain under a coat that almost levels it."""
     wood, coat = _Grain(rng), stream(rng)
     left, soft = pick(rng, 0.008, 0.018), pick(rng, 0.003, 0.006)
     relief = left * (wood.fibres - 2.5 * wood.pores) + soft * orange_peel(size=2.5, seed=coat)
-    return replace(
-        wood.surface("varnished", relief, roughness=pick(rng, 0.08, 0.25)), gloss="coated"
-    )
+    return replace(wood.surface(relief, roughness=pick(rng, 0.08, 0.25)), gloss="coated")
 
 
-def end_grain(rng: np.random.Generator) -> Surface:
+def end_grain(rng: Rng) -> Surface:
     """Return a cross-cut: year rings as circles, radial checks, saw marks."""
     wood, seed = _Grain(rng), stream(rng)
     centre = (pick(rng, -25, 25), pick(rng, -25, 25))
@@ -119,10 +115,10 @@ def end_grain(rng: np.random.Generator) -> Surface:
     colour = tinted(
         wood.species, -0.5 * rings + 0.10 * grain(coarsest=0.8, finest=0.2, seed=seed + 1)
     )
-    return replace(wood.surface("end grain", relief, roughness=0.6), colour=colour)
+    return replace(wood.surface(relief, roughness=0.6), colour=colour)
 
 
-def skin(rng: np.random.Generator, angle: float) -> Field:
+def skin(rng: Rng, angle: float) -> Field:
     """Return fibres, and pores as short open slits along the grain."""
     seed, fibre, pore = stream(rng), pick_log(rng, 0.018, 0.035), pick_log(rng, 0.07, 0.13)
     width, length, level = pick(rng, 0.35, 0.6), pick(rng, 3.0, 6.0), pick(rng, 0.9, 1.3)

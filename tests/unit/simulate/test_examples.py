@@ -13,12 +13,13 @@ from omnivat.data.readers import read_pairs
 from omnivat.data.store import load_embeddings
 from omnivat.kit.errors import DataError
 from omnivat.simulate.build import chosen, simulate, spread, write_examples
+from omnivat.simulate.photograph import plain
 from omnivat.simulate.plan import classes
 
 pytestmark = pytest.mark.slow  # draws pairs
 
 SHIPPED = Path(__file__).parents[3] / "examples"
-SMALL = {"domains": ["TQ-T3D"], "size": 48, "renderer": "plain", "workers": 1}
+SMALL = {"domains": ["TQ-T3D"], "size": 48, "renderer": plain, "workers": 1}
 
 
 @pytest.fixture(scope="module")

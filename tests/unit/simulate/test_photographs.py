@@ -9,8 +9,8 @@ from omnivat.kit.errors import MissingPackageError
 from omnivat.simulate import drawing, vision
 from omnivat.simulate.contact import Press
 from omnivat.simulate.domains import SIMULATED
-from omnivat.simulate.grounds import beyond, ground
-from omnivat.simulate.photograph import exposed, framed, plain
+from omnivat.simulate.grounds import GROUNDS, ground
+from omnivat.simulate.photograph import exposed, framed
 from omnivat.simulate.plan import planned
 from omnivat.simulate.scenes import OUTDOORS, SCENES
 from omnivat.simulate.staging import textured, unresolved_slopes
@@ -29,7 +29,6 @@ def framing_of(domain, made, seed=3):
 
 def flat(**changes):
     even = {
-        "recipe": "even",
         "relief": lambda x, y: np.zeros_like(x),
         "colour": lambda x, y: np.full((*x.shape, 3), 0.5),
         "gloss": "matte",
@@ -88,22 +87,11 @@ def test_the_key_light_gives_the_same_power_small_or_large():
     assert small == pytest.approx(large, rel=0.02)
 
 
-def test_without_a_renderer_a_picture_shows_the_seen_surface_around_the_contact():
-    made = thing_of("OF 2.0 B")
-    framing = framing_of("OF 2.0 B", made)
-    image, middle = plain(made, framing, size=65), made.spot.uv
-    light = np.asarray(framing.sky) + np.sin(framing.height) * np.asarray(framing.sun)
-
-    assert image.shape == (65, 65, 3)
-    np.testing.assert_allclose(image[32, 32], made.sight.colour(*middle[:, None])[0] * light)
-
-
 def test_every_place_that_a_scene_names_can_be_drawn():
     x, y = np.meshgrid(np.linspace(-300, 300, 20), np.linspace(0, 600, 20))
-    names = {name for scene in SCENES.values() for name in scene.ground} | set(OUTDOORS[0])
-    walls = {name for scene in SCENES.values() for name in scene.behind} | set(OUTDOORS[1])
-    colours = [ground(name, x, y, seed=1) for name in names]
-    colours += [beyond(name, x, y, seed=1) for name in walls]
+    names = {n for scene in SCENES.values() for n in (*scene.ground, *scene.behind)}
+    assert names.union(*OUTDOORS) == set(GROUNDS)
+    colours = [ground(name, x, y, seed=1) for name in GROUNDS]
 
     assert all(colour.shape == (20, 20, 3) for colour in colours)
     assert all(0.0 <= colour.min() <= colour.max() <= 1.0 for colour in colours)

@@ -43,18 +43,6 @@ def test_every_kind_stands_on_the_ground_and_faces_outwards(kind):
     assert solid.faces.max() < len(solid.vertices) == len(solid.uv)
 
 
-def test_the_same_stream_makes_the_same_solid():
-    np.testing.assert_array_equal(made("vase").vertices, made("vase").vertices)
-    assert not np.array_equal(made("vase").vertices, made("vase", seed=2).vertices)
-
-
-def test_a_wall_is_as_thick_as_its_material_makes_it():
-    steel, wood = (made_of(name, np.random.default_rng(0)) for name in ("steel", "wood"))
-
-    assert steel.wall < 2.0 < 5.0 < wood.wall
-    assert steel.bevel < wood.bevel
-
-
 def test_the_corners_of_a_block_are_rounded_by_its_bevel():
     solid = block((40.0, 30.0, 20.0), bevel=4.0)
     corner = np.array([20.0, 15.0, 10.0])

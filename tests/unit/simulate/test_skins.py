@@ -18,7 +18,7 @@ def roughness(material):
 
 
 def test_every_material_has_a_skin_and_names_its_smooth_recipes():
-    assert set(SKINS) == set(SMOOTH) == set(MATERIALS)
+    assert tuple(SKINS) == tuple(SMOOTH) == tuple(RECIPES) == MATERIALS
     assert all(maker in RECIPES[material] for material, maker in SMOOTH.items())
 
 

@@ -3,25 +3,20 @@
 import numpy as np
 import pytest
 
-from omnivat.data.materials import MATERIALS
 from omnivat.simulate.contact import plane
-from omnivat.simulate.surfaces import RECIPES, surface
+from omnivat.simulate.surfaces import RECIPES, recipe, surface
 
 EVERY_RECIPE = [
-    pytest.param(recipe, id=f"{material}-{recipe.__name__}")
-    for material, recipes in RECIPES.items()
-    for recipe in recipes
+    pytest.param(maker, id=f"{material}-{maker.__name__}")
+    for material, makers in RECIPES.items()
+    for maker in makers
 ]
 
 
-def test_there_are_recipes_for_exactly_the_five_materials():
-    assert tuple(RECIPES) == MATERIALS
-
-
-@pytest.mark.parametrize("recipe", EVERY_RECIPE)
-def test_every_recipe_gives_finite_relief_of_a_tangible_size_and_colours_in_range(recipe):
+@pytest.mark.parametrize("maker", EVERY_RECIPE)
+def test_every_recipe_gives_finite_relief_of_a_tangible_size_and_colours_in_range(maker):
     x, y = plane(16.0, 48)
-    thing = recipe(np.random.default_rng(5))
+    thing = maker(np.random.default_rng(5))
     relief, colour = thing.relief(x, y), thing.colour(x, y)
 
     assert relief.shape == x.shape
@@ -53,5 +48,5 @@ def test_a_surface_has_one_height_at_one_place_whoever_looks():
 
 def test_neighbouring_numbers_hold_a_mixture_of_recipes():
     for material, recipes in RECIPES.items():
-        seen = {surface(material, number, seed=0).recipe for number in range(40)}
+        seen = {recipe(material, number, seed=0) for number in range(40)}
         assert len(seen) >= len(recipes) - 2, material

@@ -4,20 +4,22 @@ from collections import defaultdict
 from dataclasses import replace
 from hashlib import sha256
 
-import numpy as np
 import pytest
 
 from omnivat.data.readers import read_pairs
 from omnivat.kit.errors import DataError
 from omnivat.simulate.domains import NUMBERS, SIMULATED
-from omnivat.simulate.twins import Twin, pressed, simulate_twins, unmet_objects
+from omnivat.simulate.drawing import drawn
+from omnivat.simulate.photograph import plain
+from omnivat.simulate.twins import simulate_twins, twin, unmet_objects
 
-SMALL = {"seed": 0, "size": 48, "renderer": "plain"}
+SMALL = {"seed": 0, "size": 48, "renderer": plain}
 FIRST, SECOND = SIMULATED["TAG"], SIMULATED["TQ-DIGIT"]
 
 
-def images(twin):
-    return {kind: twin.image(kind, **SMALL).tobytes() for kind in ("tac", "vis")}
+def images(unmet, domain):
+    pair = twin(unmet, domain)
+    return {kind: drawn(pair, kind, **SMALL).tobytes() for kind in ("tac", "vis")}
 
 
 def test_the_plan_has_sixty_objects_of_each_class_and_stays_as_it_was_shipped():
@@ -48,24 +50,11 @@ def test_no_domain_has_an_object_of_the_twins():
     assert not numbers & taken
 
 
-def test_an_object_is_one_solid_at_one_spot_for_all_of_its_twins():
-    unmet = unmet_objects(1)[0]
-    made, stream = zip(
-        *(pressed(Twin(unmet=unmet, domain=d).unmet, seed=0) for d in SIMULATED.values()),
-        strict=True,
-    )
-
-    assert len(set(stream)) == 1
-    for other in made[1:]:
-        np.testing.assert_array_equal(other.solid.vertices, made[0].solid.vertices)
-        np.testing.assert_array_equal(other.spot.point, made[0].spot.point)
-
-
 @pytest.mark.parametrize("number", [0, 4])
 def test_another_sensor_changes_the_touch_and_no_byte_of_the_photograph(number):
     unmet = unmet_objects(1)[number]
-    before = images(Twin(unmet=unmet, domain=FIRST))
-    after = images(Twin(unmet=unmet, domain=replace(FIRST, sensor=SECOND.sensor)))
+    before = images(unmet, FIRST)
+    after = images(unmet, replace(FIRST, sensor=SECOND.sensor))
 
     assert after["tac"] != before["tac"]
     assert after["vis"] == before["vis"]
@@ -74,8 +63,8 @@ def test_another_sensor_changes_the_touch_and_no_byte_of_the_photograph(number):
 @pytest.mark.parametrize("number", [0, 4])
 def test_another_scene_changes_the_photograph_and_no_byte_of_the_touch(number):
     unmet = unmet_objects(1)[number]
-    before = images(Twin(unmet=unmet, domain=FIRST))
-    after = images(Twin(unmet=unmet, domain=replace(FIRST, scene=SECOND.scene)))
+    before = images(unmet, FIRST)
+    after = images(unmet, replace(FIRST, scene=SECOND.scene))
 
     assert after["vis"] != before["vis"]
     assert after["tac"] == before["tac"]
@@ -83,29 +72,27 @@ def test_another_scene_changes_the_photograph_and_no_byte_of_the_touch(number):
 
 def test_the_same_sensor_under_another_domain_s_name_gives_the_same_touch():
     unmet = unmet_objects(1)[2]
-    first, second = (
-        Twin(unmet=unmet, domain=d) for d in (FIRST, replace(SECOND, sensor=FIRST.sensor))
-    )
+    first, second = (images(unmet, d) for d in (FIRST, replace(SECOND, sensor=FIRST.sensor)))
 
-    assert images(first)["tac"] == images(second)["tac"]
+    assert first["tac"] == second["tac"]
 
 
 def test_tacquad_is_photographed_indoors_and_outdoors():
     plan = unmet_objects()
-    parts = {Twin(unmet=unmet, domain=SECOND).pair().part for unmet in plan}
+    parts = {twin(unmet, SECOND).part for unmet in plan}
 
     assert parts == {"indoor", "outdoor"}
-    assert {Twin(unmet=unmet, domain=FIRST).pair().part for unmet in plan} == {""}
+    assert {twin(unmet, FIRST).part for unmet in plan} == {""}
 
 
 @pytest.mark.slow  # draws pairs
 def test_a_set_on_disk_says_whose_twin_a_pair_is_and_is_not_drawn_twice(tmp_path, monkeypatch):
     few = {name: SIMULATED[name] for name in ("TAG", "TQ-DIGIT", "TQ-T3D")}
     monkeypatch.setattr("omnivat.simulate.twins.SIMULATED", few)
-    simulate_twins(tmp_path, each=1, size=48, renderer="plain", workers=1)
+    simulate_twins(tmp_path, each=1, size=48, renderer=plain, workers=1)
     steps = []
     made = simulate_twins(
-        tmp_path, each=1, size=48, renderer="plain", workers=1, on_step=steps.append
+        tmp_path, each=1, size=48, renderer=plain, workers=1, on_step=steps.append
     )
 
     domains = defaultdict(set)
