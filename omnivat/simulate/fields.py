@@ -74,7 +74,7 @@ def mixed(first: Array, other: Array, weight: Array) -> Array:
 
 
 @field
-def streaks(x: Array, y: Array, *, angle: float, width: float, length: float, seed: int) -> Array:
+def streaks(x: Array, y: Array, seed: int, *, angle: float, width: float, length: float) -> Array:
     """Return unit-spread noise drawn out along `angle`: brushing, wood grain, extrusion lines."""
     u, v = turned(x, y, angle)
     stretch = width / length
@@ -83,7 +83,7 @@ def streaks(x: Array, y: Array, *, angle: float, width: float, length: float, se
         # the noise's turn is undone
         own = 2 * np.pi * np.random.default_rng(seed + step).uniform(0.0, 1.0, 3)[2]
         total += weight * noise(
-            *turned(u * stretch, v, -own), wavelength=width * scale, seed=seed + step
+            *turned(u * stretch, v, -own), seed + step, wavelength=width * scale
         )
     return total / 1.32
 
@@ -146,23 +146,23 @@ def tiles(x: Array, y: Array, *, pitch: float, joint: float, angle: float) -> Ar
 
 
 @field
-def cracks(x: Array, y: Array, *, size: float, width: float, seed: int) -> Array:
+def cracks(x: Array, y: Array, seed: int, *, size: float, width: float) -> Array:
     """Return 1 on a net of fine cracks and 0 between them: crazed glaze, old paint."""
     wander = 0.18 * size
-    bent_x = x + wander * noise(x, y, wavelength=size * 0.7, seed=seed + 1)
-    bent_y = y + wander * noise(x, y, wavelength=size * 0.7, seed=seed + 2)
-    _, border = cells(bent_x, bent_y, size=size, seed=seed)
+    bent_x = x + wander * noise(x, y, seed + 1, wavelength=size * 0.7)
+    bent_y = y + wander * noise(x, y, seed + 2, wavelength=size * 0.7)
+    _, border = cells(bent_x, bent_y, seed, size=size)
     return 1.0 - smoothstep(border, 0.2 * width, width)
 
 
 @field
-def borders(x: Array, y: Array, *, size: float, seed: int) -> Array:
+def borders(x: Array, y: Array, seed: int, *, size: float) -> Array:
     """Return the distance (mm) to the nearest border between cells of `size` mm."""
-    return cells(x, y, size=size, seed=seed)[1]
+    return cells(x, y, seed, size=size)[1]
 
 
 @field
-def scratches(x: Array, y: Array, *, count: int, reach: float, width: float, seed: int) -> Array:
+def scratches(x: Array, y: Array, seed: int, *, count: int, reach: float, width: float) -> Array:
     """Return 1 in `count` straight scratches within `reach` mm of the middle, 0 elsewhere."""
     rng = np.random.default_rng(seed)
     deepest = np.zeros(np.broadcast(x, y).shape)
@@ -176,22 +176,22 @@ def scratches(x: Array, y: Array, *, count: int, reach: float, width: float, see
 
 
 @field
-def pits(x: Array, y: Array, *, size: float, radius: float, share: float, seed: int) -> Array:
+def pits(x: Array, y: Array, seed: int, *, size: float, radius: float, share: float) -> Array:
     """Return 1 in scattered round pits (or specks) and 0 elsewhere; `share` of cells have one."""
-    near, _ = cells(x, y, size=size, seed=seed, jitter=0.8)
+    near, _ = cells(x, y, seed, size=size, jitter=0.8)
     off = (1.0 - share) - 0.5
     least = 2.6 * off + 1.2 * off**3  # near the normal quantile
-    chosen = noise(x, y, wavelength=size * 1.5, seed=seed + 1) > least
+    chosen = noise(x, y, seed + 1, wavelength=size * 1.5) > least
     return (1.0 - smoothstep(near, 0.5 * radius, radius)) * chosen
 
 
 @field
-def grain(x: Array, y: Array, *, coarsest: float, finest: float, seed: int) -> Array:
+def grain(x: Array, y: Array, seed: int, *, coarsest: float, finest: float) -> Array:
     """Return unit-spread roughness without direction: blasting, casting, spark erosion, clay."""
-    return octaves(x, y, wavelength=coarsest, finest=finest, seed=seed, roughness=0.75)
+    return octaves(x, y, seed, wavelength=coarsest, finest=finest, roughness=0.75)
 
 
 @field
-def orange_peel(x: Array, y: Array, *, size: float, seed: int) -> Array:
+def orange_peel(x: Array, y: Array, seed: int, *, size: float) -> Array:
     """Return the soft waviness of paint, glaze and moulded gloss, unit spread."""
-    return octaves(x, y, wavelength=size, finest=size / 2, seed=seed, roughness=0.5)
+    return octaves(x, y, seed, wavelength=size, finest=size / 2, roughness=0.5)

@@ -31,45 +31,44 @@ def _drawn(seed: int, low: float, high: float) -> Array:
 
 def _grass(seed: int) -> Field:
     blades = sum(
-        streaks(angle=0.9 * turn + 0.3, width=5.0, length=45.0, seed=seed + turn)
-        for turn in range(3)
+        streaks(seed + turn, angle=0.9 * turn + 0.3, width=5.0, length=45.0) for turn in range(3)
     )
     return tinted((0.12, 0.15, 0.06), 0.22 * blades)
 
 
 def _paving(seed: int) -> Field:
-    stone = tinted(_drawn(seed, 0.2, 0.4), 0.12 * grain(coarsest=20, finest=2.0, seed=seed))
+    stone = tinted(_drawn(seed, 0.2, 0.4), 0.12 * grain(seed, coarsest=20, finest=2.0))
     return mixed(0.35 * stone, stone, tiles(pitch=200.0, joint=7.0, angle=(seed % 97) / 30))
 
 
 @field
 def _pebbles(x: Array, y: Array, seed: int) -> Array:
-    near, border = cells(x, y, size=14.0, seed=seed)
-    tone = 0.25 * orange_peel(size=22.0, seed=seed)(x, y) - 0.04 * near
+    near, border = cells(x, y, seed, size=14.0)
+    tone = 0.25 * orange_peel(seed, size=22.0)(x, y) - 0.04 * near
     return np.where(border < 1.5, -0.55, tone)
 
 
 def _cloth(seed: int) -> Field:
     red, _, blue = _drawn(seed, 0.03, 0.12)
     weave = Field(lambda x, y: 0.1 * np.sin(x * 1.3) * np.sin(y * 1.3))
-    return tinted((red, 0.9 * red, 2.2 * blue), weave + 0.15 * orange_peel(size=90.0, seed=seed))
+    return tinted((red, 0.9 * red, 2.2 * blue), weave + 0.15 * orange_peel(seed, size=90.0))
 
 
 def _carpet(seed: int) -> Field:
-    tufts = grain(coarsest=9.0, finest=2.0, seed=seed)
-    return tinted(_drawn(seed, 0.08, 0.35), 0.3 * tufts + 0.3 * orange_peel(size=60, seed=seed))
+    tufts = grain(seed, coarsest=9.0, finest=2.0)
+    return tinted(_drawn(seed, 0.08, 0.35), 0.3 * tufts + 0.3 * orange_peel(seed, size=60))
 
 
 @field
 def _planks(x: Array, y: Array, seed: int, *, wide: float) -> Array:
     row = np.floor(y / wide)
-    lines = streaks(angle=0.0, width=3.0, length=220.0, seed=seed)(x + 977.0 * row, y)
+    lines = streaks(seed, angle=0.0, width=3.0, length=220.0)(x + 977.0 * row, y)
     joint = smoothstep(np.abs(y / wide - row - 0.5), 0.485, 0.5)
     return 0.13 * lines + 0.12 * np.sin(row * 12.9898) - 0.6 * joint
 
 
 def _stone(seed: int) -> Field:
-    stone = tinted(_drawn(seed, 0.3, 0.6), 0.12 * grain(coarsest=60.0, finest=4.0, seed=seed))
+    stone = tinted(_drawn(seed, 0.3, 0.6), 0.12 * grain(seed, coarsest=60.0, finest=4.0))
     return mixed(0.5 * stone, stone, tiles(pitch=300.0, joint=4.0, angle=(seed % 89) / 30))
 
 
@@ -80,11 +79,9 @@ def _holes(x: Array, y: Array) -> Array:
 
 
 def _foliage(seed: int) -> Field:
-    leaves = grain(coarsest=70.0, finest=9.0, seed=seed)
-    gaps = smooth(orange_peel(size=160.0, seed=seed + 9), 0.8, 1.3)
-    sky = smooth(
-        Field(lambda x, z: z) + 150.0 * orange_peel(size=300.0, seed=seed + 5), 700.0, 900.0
-    )
+    leaves = grain(seed, coarsest=70.0, finest=9.0)
+    gaps = smooth(orange_peel(seed + 9, size=160.0), 0.8, 1.3)
+    sky = smooth(Field(lambda x, z: z) + 150.0 * orange_peel(seed + 5, size=300.0), 700.0, 900.0)
     return mixed(
         tinted((0.09, 0.13, 0.045), 0.55 * leaves - 0.7 * gaps), np.array([0.7, 0.8, 0.95]), sky
     )
@@ -105,7 +102,7 @@ def _bricks(x: Array, z: Array) -> NDArray[np.bool]:
 
 
 def _street(seed: int) -> Field:
-    tone = 0.2 * orange_peel(size=120.0, seed=seed)
+    tone = 0.2 * orange_peel(seed, size=120.0)
     wall = mixed(tinted((0.45, 0.42, 0.38), tone), tinted((0.33, 0.16, 0.1), tone), _bricks())
     return mixed(wall, np.array([0.12, 0.15, 0.19]), _windows())
 
@@ -122,13 +119,13 @@ def _shelf(x: Array, z: Array, seed: int) -> Array:
 
 
 def _wall(seed: int) -> Field:
-    paint = tinted(_drawn(seed, 0.35, 0.75), 0.03 * orange_peel(size=200.0, seed=seed))
+    paint = tinted(_drawn(seed, 0.35, 0.75), 0.03 * orange_peel(seed, size=200.0))
     return mixed(paint, np.array([0.6, 0.58, 0.55]), Field(lambda x, z: z < 80.0))
 
 
 def _door(seed: int) -> Field:
     middle = np.random.default_rng(seed).uniform(-300, 300)
-    leaf = tinted((0.4, 0.26, 0.15), 0.1 * streaks(angle=np.pi / 2, width=9, length=300, seed=seed))
+    leaf = tinted((0.4, 0.26, 0.15), 0.1 * streaks(seed, angle=np.pi / 2, width=9, length=300))
     return mixed(_wall(seed), leaf, Field(lambda x, z: np.abs(x - middle) < 380.0))
 
 
@@ -139,12 +136,12 @@ def _even(value: float) -> Field:
 GROUNDS: dict[str, Callable[[int], Field]] = {
     "grass": _grass, "paving": _paving, "cloth": _cloth, "carpet": _carpet, "stone": _stone,
     "gravel": lambda seed: tinted(_drawn(seed, 0.22, 0.38), _pebbles(seed)),
-    "soil": lambda seed: tinted((0.21, 0.15, 0.10), 0.2 * grain(coarsest=40.0, finest=2.5, seed=seed)),
+    "soil": lambda seed: tinted((0.21, 0.15, 0.10), 0.2 * grain(seed, coarsest=40.0, finest=2.5)),
     "parquet": lambda seed: tinted((0.38, 0.22, 0.11), _planks(seed, wide=70.0)),
     "oak": lambda seed: tinted((0.52, 0.36, 0.21), _planks(seed, wide=2000.0)),
-    "laminate": lambda seed: tinted(_drawn(seed, 0.55, 0.75), 0.02 * orange_peel(size=60.0, seed=seed)),
-    "bench": lambda seed: tinted((0.08, 0.08, 0.09), _holes() + 0.04 * orange_peel(size=40, seed=seed)),
-    "turntable": lambda seed: tinted((0.74, 0.75, 0.77), 0.05 * orange_peel(size=130.0, seed=seed)),
+    "laminate": lambda seed: tinted(_drawn(seed, 0.55, 0.75), 0.02 * orange_peel(seed, size=60.0)),
+    "bench": lambda seed: tinted((0.08, 0.08, 0.09), _holes() + 0.04 * orange_peel(seed, size=40)),
+    "turntable": lambda seed: tinted((0.74, 0.75, 0.77), 0.05 * orange_peel(seed, size=130.0)),
     "white": lambda seed: _even(0.9),
     "black": lambda seed: _even(0.012),
     # backgrounds

@@ -25,7 +25,7 @@ def _table() -> Array:
     return spline_filter(white, order=2, mode="grid-wrap")
 
 
-def noise(x: Array, y: Array, *, wavelength: float, seed: int) -> Array:
+def noise(x: Array, y: Array, seed: int, *, wavelength: float) -> Array:
     """Return smooth noise of about zero mean and unit spread whose bumps are `wavelength` mm
     apart.
     """
@@ -37,7 +37,7 @@ def noise(x: Array, y: Array, *, wavelength: float, seed: int) -> Array:
 
 
 def octaves(
-    x: Array, y: Array, *, wavelength: float, finest: float, seed: int, roughness: float = 0.5
+    x: Array, y: Array, seed: int, *, wavelength: float, finest: float, roughness: float = 0.5
 ) -> Array:
     """Sum noise from `wavelength` down to `finest` mm; each octave is `roughness` times the
     last.
@@ -45,7 +45,7 @@ def octaves(
     total = np.zeros(np.broadcast(x, y).shape)
     power, weight, step = 0.0, 1.0, 0
     while wavelength >= finest or step == 0:
-        total += weight * noise(x, y, wavelength=wavelength, seed=seed + step)
+        total += weight * noise(x, y, seed + step, wavelength=wavelength)
         power += weight**2
         wavelength, weight, step = wavelength / 2, weight * roughness, step + 1
     return total / np.sqrt(power)
@@ -58,7 +58,7 @@ def turned(x: Array, y: Array, angle: float) -> tuple[Array, Array]:
 
 
 def cells(
-    x: Array, y: Array, *, size: float, seed: int, jitter: float = 0.9
+    x: Array, y: Array, seed: int, *, size: float, jitter: float = 0.9
 ) -> tuple[Array, Array]:
     """Return distance (mm) to the nearest scattered point and to the border of its cell.
 

@@ -90,10 +90,10 @@ def marker_shade(sheet: Array, markers: Markers, field: float, shear: Sequence[f
     )
     u, v = u - markers.shift[0] * markers.pitch, v - markers.shift[1] * markers.pitch
     jitter = markers.uneven * markers.pitch
-    u = u + jitter * noise(u, v, wavelength=2.6 * markers.pitch, seed=11)
-    v = v + jitter * noise(u, v, wavelength=2.6 * markers.pitch, seed=12)
+    u = u + jitter * noise(u, v, 11, wavelength=2.6 * markers.pitch)
+    v = v + jitter * noise(u, v, 12, wavelength=2.6 * markers.pitch)
     radius = markers.radius * (
-        1.0 + 2.0 * markers.uneven * noise(u, v, wavelength=2.0 * markers.pitch, seed=13)
+        1.0 + 2.0 * markers.uneven * noise(u, v, 13, wavelength=2.0 * markers.pitch)
     )
     du = u - np.round(u / markers.pitch) * markers.pitch
     dv = v - np.round(v / markers.pitch) * markers.pitch
@@ -165,7 +165,7 @@ def blotted(image: Array, sensor: Sensor, *, seed: int) -> Array:
     size = len(image)
     x, y = plane(sensor.field, size)
     rng = np.random.default_rng(seed)
-    stains = 1.0 + 0.035 * noise(x, y, wavelength=5.0, seed=int(rng.integers(2**31)))
+    stains = 1.0 + 0.035 * noise(x, y, int(rng.integers(2**31)), wavelength=5.0)
     specks = np.zeros((size, size))
     for _ in range(int(rng.integers(0, 7))):
         u, v = rng.uniform(-sensor.field / 2, sensor.field / 2, 2)

@@ -150,7 +150,7 @@ def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
     weight = np.sin(polar)
     lamp = lamp / (lamp * weight).sum() * _ROWS * _COLUMNS / np.pi**2
     x, y = 3.0 * way[..., 0] + way[..., 2], 3.0 * way[..., 1]
-    blocks = octaves(x, y, wavelength=1.5, finest=0.4, seed=framing.seed)
+    blocks = octaves(x, y, framing.seed, wavelength=1.5, finest=0.4)
     around = (0.2 + 0.8 * smoothstep(np.cos(polar), -0.05, 0.25)) * (
         1.0 + 0.8 * np.tanh(2.0 * blocks)
     )

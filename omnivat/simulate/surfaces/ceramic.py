@@ -33,9 +33,9 @@ def glazed(rng: Rng) -> Surface:
     """Return a glossy glaze: soft waves and pinholes."""
     glaze, seed = _one_of(_GLAZES, rng), stream(rng)
     wave, holes = pick(rng, 0.016, 0.030), pick(rng, 0.15, 0.4)
-    pinholes = pits(size=3.0, radius=0.35, share=holes, seed=seed + 4)
-    relief = wave * orange_peel(size=3.5, seed=seed) - 0.07 * pinholes
-    colour = tinted(glaze, 0.06 * orange_peel(size=16.0, seed=seed + 1) - 0.4 * pinholes)
+    pinholes = pits(seed + 4, size=3.0, radius=0.35, share=holes)
+    relief = wave * orange_peel(seed, size=3.5) - 0.07 * pinholes
+    colour = tinted(glaze, 0.06 * orange_peel(seed + 1, size=16.0) - 0.4 * pinholes)
     return Surface(relief, colour, gloss="coated", roughness=pick(rng, 0.02, 0.07))
 
 
@@ -43,19 +43,17 @@ def crazed(rng: Rng) -> Surface:
     """Return a glaze with a net of cracks, stained dark."""
     glaze, seed = _one_of(_GLAZES, rng), stream(rng)
     size, stain = pick(rng, 3.0, 5.5), pick(rng, 0.4, 0.8)
-    relief = 0.012 * orange_peel(size=5.0, seed=seed + 5) - 0.07 * cracks(
-        size=size, width=0.22, seed=seed
-    )
-    colour = tinted(glaze, -stain * cracks(size=size, width=0.28, seed=seed))
+    relief = 0.012 * orange_peel(seed + 5, size=5.0) - 0.07 * cracks(seed, size=size, width=0.22)
+    colour = tinted(glaze, -stain * cracks(seed, size=size, width=0.28))
     return Surface(relief, colour, gloss="coated", roughness=pick(rng, 0.02, 0.06))
 
 
 def stoneware(rng: Rng) -> Surface:
     """Return a satin glaze with iron specks over gritty clay."""
     glaze, seed = _one_of(_GLAZES, rng), stream(rng)
-    specks = pits(size=2.0, radius=0.42, share=0.35, seed=seed + 2)
-    relief = pick(rng, 0.02, 0.04) * grain(coarsest=2.4, finest=0.4, seed=seed) + 0.05 * specks
-    satin = tinted(glaze, 0.04 * grain(coarsest=4.0, finest=0.8, seed=seed))
+    specks = pits(seed + 2, size=2.0, radius=0.42, share=0.35)
+    relief = pick(rng, 0.02, 0.04) * grain(seed, coarsest=2.4, finest=0.4) + 0.05 * specks
+    satin = tinted(glaze, 0.04 * grain(seed, coarsest=4.0, finest=0.8))
     colour = mixed(satin, np.array([0.10, 0.06, 0.04]), specks)
     return Surface(relief, colour, gloss="coated", roughness=pick(rng, 0.12, 0.25))
 
@@ -63,8 +61,8 @@ def stoneware(rng: Rng) -> Surface:
 def terracotta(rng: Rng) -> Surface:
     """Return unglazed clay: gritty, pitted, dull."""
     clay, seed = _one_of(_CLAYS, rng), stream(rng)
-    rough = grain(coarsest=1.6, finest=0.2, seed=seed)
-    holes = pits(size=1.8, radius=0.55, share=0.35, seed=seed + 30)
+    rough = grain(seed, coarsest=1.6, finest=0.2)
+    holes = pits(seed + 30, size=1.8, radius=0.55, share=0.35)
     relief = pick_log(rng, 0.02, 0.05) * rough - 0.12 * holes
     return Surface(relief, tinted(clay, 0.09 * rough), gloss="matte", roughness=0.6)
 
@@ -75,9 +73,9 @@ def thrown(rng: Rng) -> Surface:
     base = _one_of(_CLAYS if bare else _GLAZES, rng)
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 3.0, 7.0), pick(rng, 0.08, 0.22)
     ridges = ribs(angle=angle, pitch=pitch, sharpness=1.2).moved(
-        0.22 * pitch * orange_peel(size=12.0, seed=seed)
+        0.22 * pitch * orange_peel(seed, size=12.0)
     )
-    grit = (0.022 if bare else 0.006) * grain(coarsest=1.4, finest=0.25, seed=seed + 11)
+    grit = (0.022 if bare else 0.006) * grain(seed + 11, coarsest=1.4, finest=0.25)
     colour = tinted(base, 0.14 * (ridges - 0.5))
     rough = 0.6 if bare else pick(rng, 0.03, 0.12)
     relief = rise * ridges + grit
@@ -91,10 +89,10 @@ def tiled(rng: Rng) -> Surface:
     seed, glaze = stream(rng), _one_of(_GLAZES, rng)
     angle, pitch, joint = pick(rng, 0, np.pi), pick(rng, 9.0, 18.0), pick(rng, 1.2, 2.2)
     face = tiles(pitch=pitch, joint=joint, angle=angle)
-    sand = 0.03 * grain(coarsest=0.8, finest=0.2, seed=seed)
-    top = 0.5 + 0.012 * orange_peel(size=5.0, seed=seed + 6)
+    sand = 0.03 * grain(seed, coarsest=0.8, finest=0.2)
+    top = 0.5 + 0.012 * orange_peel(seed + 6, size=5.0)
     mortar = Field(lambda x, y: np.array([0.5, 0.48, 0.44]) * np.ones((*np.shape(x), 1)))
-    colour = mixed(mortar, tinted(glaze, 0.05 * orange_peel(size=12.0, seed=seed + 3)), face)
+    colour = mixed(mortar, tinted(glaze, 0.05 * orange_peel(seed + 3, size=12.0)), face)
     relief = face * top + (1 - face) * sand
     return Surface(relief, colour, gloss="coated", roughness=pick(rng, 0.03, 0.10), angle=angle)
 
@@ -105,7 +103,7 @@ def carved(rng: Rng) -> Surface:
     centre = (pick(rng, -20, 20), pick(rng, -20, 20))
     pitch, rise = pick(rng, 3.5, 6.5), pick(rng, 0.10, 0.22)
     waves = smooth(arcs(centre=centre, pitch=pitch), -0.6, 0.6)
-    relief = rise * waves + 0.01 * orange_peel(size=4.0, seed=seed)
+    relief = rise * waves + 0.01 * orange_peel(seed, size=4.0)
     colour = tinted(glaze, 0.35 * (waves - 0.8))
     return Surface(relief, colour, gloss="coated", roughness=pick(rng, 0.03, 0.1))
 
@@ -114,9 +112,9 @@ def skin(rng: Rng, angle: float) -> Field:
     """Return a wavy glaze, grains of grit under it, and pinholes."""
     seed, wave = stream(rng), pick_log(rng, 0.03, 0.06)
     bump, holes = pick_log(rng, 0.07, 0.13), pick(rng, 0.15, 0.35)
-    grit = pits(size=2.6, radius=0.55, share=0.35, seed=seed + 3)
-    open_ = pits(size=2.2, radius=0.30, share=holes, seed=seed + 9)
-    return wave * orange_peel(size=4.5, seed=seed) + bump * grit - 0.08 * open_
+    grit = pits(seed + 3, size=2.6, radius=0.55, share=0.35)
+    open_ = pits(seed + 9, size=2.2, radius=0.30, share=holes)
+    return wave * orange_peel(seed, size=4.5) + bump * grit - 0.08 * open_
 
 
 RECIPES = {

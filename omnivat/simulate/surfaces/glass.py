@@ -27,22 +27,22 @@ def _glass(rng: Rng, relief: Field, *, vessel: bool = False, dull: bool = False)
     rng.random(2 + (rng.random() >= 0.6) if vessel else 1)  # once a curvature; keeps shipped bytes
     skin = pick(rng, 0.25, 0.4) if dull else 0.02
     tint, seed = _TINTS[rng.integers(len(_TINTS))], stream(rng)
-    colour = tinted(tint, 0.01 * orange_peel(size=30.0, seed=seed))
+    colour = tinted(tint, 0.01 * orange_peel(seed, size=30.0))
     return Surface(relief, colour, gloss="glass", roughness=skin)
 
 
 def float_glass(rng: Rng) -> Surface:
     """Return a pane or a smooth vessel: nothing to feel but a scratch or two."""
     seed, count = stream(rng), int(rng.integers(0, 5))
-    used = scratches(count=count, reach=30.0, width=0.05, seed=seed)
-    relief = 0.0012 * orange_peel(size=8.0, seed=seed + 1) - 0.01 * used
+    used = scratches(seed, count=count, reach=30.0, width=0.05)
+    relief = 0.0012 * orange_peel(seed + 1, size=8.0) - 0.01 * used
     return _glass(rng, relief, vessel=rng.random() >= 0.7)
 
 
 def rippled(rng: Rng) -> Surface:
     """Return old or rippled glass: smooth, long, gentle waves."""
     seed, size, rise = stream(rng), pick(rng, 4.0, 9.0), pick(rng, 0.06, 0.18)
-    return _glass(rng, rise * orange_peel(size=size, seed=seed))
+    return _glass(rng, rise * orange_peel(seed, size=size))
 
 
 def reeded(rng: Rng) -> Surface:
@@ -59,7 +59,7 @@ def pebbled(rng: Rng) -> Surface:
 
     @field
     def cushions(x: Array, y: Array) -> Array:
-        near, _ = cells(x, y, size=size, seed=seed, jitter=0.7)
+        near, _ = cells(x, y, seed, size=size, jitter=0.7)
         return -rise * (near / size) ** 2 * 2.0
 
     return _glass(rng, cushions())
@@ -68,7 +68,7 @@ def pebbled(rng: Rng) -> Surface:
 def frosted(rng: Rng) -> Surface:
     """Return acid-etched or blasted glass: very fine tooth, milky look."""
     seed, depth = stream(rng), pick_log(rng, 0.003, 0.009)
-    relief = depth * grain(coarsest=0.5, finest=0.15, seed=seed)
+    relief = depth * grain(seed, coarsest=0.5, finest=0.15)
     return _glass(rng, relief, vessel=rng.random() < 0.4, dull=True)
 
 
@@ -88,7 +88,7 @@ def pressed(rng: Rng) -> Surface:
 def skin(rng: Rng, angle: float) -> Field:
     """Return the long waves of fire-polished glass, which is otherwise smooth."""
     seed, rise = stream(rng), pick_log(rng, 0.004, 0.012)
-    return rise * orange_peel(size=11.0, seed=seed)
+    return rise * orange_peel(seed, size=11.0)
 
 
 RECIPES = {

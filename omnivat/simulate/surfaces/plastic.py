@@ -39,7 +39,7 @@ def eroded(rng: Rng) -> Surface:
     """Return the spark-eroded mould grain of housings: even, fine and matt."""
     dye, seed = _dye(rng), stream(rng)
     depth, size = pick_log(rng, 0.022, 0.05), pick(rng, 0.6, 1.1)
-    tooth, shade = (grain(coarsest=size, finest=finest, seed=seed) for finest in (0.2, 0.3))
+    tooth, shade = (grain(seed, coarsest=size, finest=finest) for finest in (0.2, 0.3))
     return _moulded(depth * tooth, dye, 0.03 * shade, roughness=pick(rng, 0.3, 0.5))
 
 
@@ -47,7 +47,7 @@ def leather_grain(rng: Rng) -> Surface:
     """Return etched leather grain: small cushions between creases."""
     dye, seed = _dye(rng), stream(rng)
     size, depth = pick(rng, 1.4, 2.8), pick(rng, 0.08, 0.18)
-    cushions = smooth(borders(size=size, seed=seed), 0.0, 0.35 * size)
+    cushions = smooth(borders(seed, size=size), 0.0, 0.35 * size)
     return _moulded(depth * cushions, dye, 0.10 * (cushions - 1.0), roughness=pick(rng, 0.25, 0.45))
 
 
@@ -55,9 +55,9 @@ def ribbed(rng: Rng) -> Surface:
     """Return grip ribs: rounded, parallel, well raised."""
     dye, seed = _dye(rng), stream(rng)
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 1.8, 4.5), pick(rng, 0.2, 0.5)
-    skin = 0.006 * grain(coarsest=0.8, finest=0.2, seed=seed)
+    skin = 0.006 * grain(seed, coarsest=0.8, finest=0.2)
     relief = rise * ribs(angle=angle, pitch=pitch, sharpness=pick(rng, 0.6, 2.0)) + skin
-    shade = 0.02 * orange_peel(size=8.0, seed=seed)
+    shade = 0.02 * orange_peel(seed, size=8.0)
     return _moulded(relief, dye, shade, roughness=pick(rng, 0.15, 0.4), angle=angle)
 
 
@@ -65,11 +65,11 @@ def studded(rng: Rng) -> Surface:
     """Return rows of round grip pads."""
     dye, seed = _dye(rng), stream(rng)
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 2.5, 6.5), pick(rng, 0.15, 0.4)
-    skin = 0.004 * grain(coarsest=0.7, finest=0.2, seed=seed)
+    skin = 0.004 * grain(seed, coarsest=0.7, finest=0.2)
     relief = (
         rise * dots(pitch=pitch, radius=pitch * pick(rng, 0.2, 0.33), angle=angle, edge=0.25) + skin
     )
-    shade = 0.02 * orange_peel(size=8.0, seed=seed)
+    shade = 0.02 * orange_peel(seed, size=8.0)
     return _moulded(relief, dye, shade, roughness=pick(rng, 0.2, 0.4), angle=angle)
 
 
@@ -77,10 +77,10 @@ def glossy(rng: Rng) -> Surface:
     """Return injection-moulded gloss: flow waves and the scratches of use."""
     dye, seed = _dye(rng), stream(rng)
     wave, count = pick(rng, 0.003, 0.008), int(rng.integers(4, 20))
-    used = scratches(count=count, reach=30.0, width=0.10, seed=seed + 5)
-    relief = wave * orange_peel(size=6.0, seed=seed) - 0.015 * used
+    used = scratches(seed + 5, count=count, reach=30.0, width=0.10)
+    relief = wave * orange_peel(seed, size=6.0) - 0.015 * used
     return _moulded(
-        relief, dye, 0.02 * orange_peel(size=15.0, seed=seed), roughness=pick(rng, 0.04, 0.15)
+        relief, dye, 0.02 * orange_peel(seed, size=15.0), roughness=pick(rng, 0.04, 0.15)
     )
 
 
@@ -89,7 +89,7 @@ def printed(rng: Rng) -> Surface:
     dye, seed = _dye(rng), stream(rng)
     angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 0.45, 0.9), pick(rng, 0.025, 0.06)
     lines = ribs(angle=angle, pitch=pitch, sharpness=0.7).moved(
-        0.12 * pitch * orange_peel(size=10.0, seed=seed)
+        0.12 * pitch * orange_peel(seed, size=10.0)
     )
     shade = 0.12 * (lines - 0.5)
     return _moulded(
@@ -110,8 +110,8 @@ def skin(rng: Rng, angle: float) -> Field:
             np.abs(across / apart - np.round(across / apart)) * apart, 0.08, 0.28
         )
 
-    sunk = 0.02 * orange_peel(size=14.0, seed=seed + 5)
-    return texture * grain(coarsest=size, finest=0.25, seed=seed) + sunk + high * parting()
+    sunk = 0.02 * orange_peel(seed + 5, size=14.0)
+    return texture * grain(seed, coarsest=size, finest=0.25) + sunk + high * parting()
 
 
 RECIPES = {eroded: 1.6, leather_grain: 1.3, ribbed: 1.1, studded: 1.2, glossy: 1.3, printed: 0.7}

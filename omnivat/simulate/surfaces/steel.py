@@ -39,7 +39,7 @@ def brushed(rng: Rng) -> Surface:
     """Return sheet brushed one way: hair-thin long streaks, a stretched highlight."""
     angle, seed, base = pick(rng, 0, np.pi), stream(rng), _steel(rng)
     depth, width = pick_log(rng, 0.010, 0.026), pick(rng, 0.25, 0.5)
-    hairs = streaks(angle=angle, width=width, length=60.0, seed=seed)
+    hairs = streaks(seed, angle=angle, width=width, length=60.0)
     colour = tinted(base, 0.07 * hairs)
     return _metal(depth * hairs, colour, roughness=pick(rng, 0.12, 0.22), brushing=0.8, angle=angle)
 
@@ -51,7 +51,7 @@ def machined(rng: Rng) -> Surface:
     pitch, depth = pick_log(rng, 0.5, 1.3), pick_log(rng, 0.018, 0.045)
     seed, base = stream(rng), _steel(rng)
     marks = arcs(centre=centre, pitch=pitch) + 0.35 * arcs(centre=centre, pitch=pitch * 3.3)
-    relief = depth * marks + 0.002 * grain(coarsest=0.6, finest=0.15, seed=seed)
+    relief = depth * marks + 0.002 * grain(seed, coarsest=0.6, finest=0.15)
     colour, along = tinted(base, 0.06 * marks), turn + np.pi / 2
     return _metal(relief, colour, roughness=pick(rng, 0.12, 0.25), brushing=0.6, angle=along)
 
@@ -60,8 +60,8 @@ def ground(rng: Rng) -> Surface:
     """Return polished or rolled steel: nearly smooth, scratched by use."""
     seed, base = stream(rng), _steel(rng)
     count, width = int(rng.integers(15, 60)), pick(rng, 0.05, 0.14)
-    lines = scratches(count=count, reach=30.0, width=width, seed=seed)
-    relief = 0.003 * orange_peel(size=4.0, seed=seed) - 0.02 * lines
+    lines = scratches(seed, count=count, reach=30.0, width=width)
+    relief = 0.003 * orange_peel(seed, size=4.0) - 0.02 * lines
     return _metal(relief, tinted(base, -0.25 * lines), roughness=pick(rng, 0.04, 0.16))
 
 
@@ -69,7 +69,7 @@ def cast(rng: Rng) -> Surface:
     """Return cast, forged or blasted steel: dull and evenly grainy, like a moulded plastic."""
     seed, base = stream(rng), _steel(rng)
     dark, depth = pick(rng, 0.3, 0.8), pick_log(rng, 0.012, 0.05)
-    rough = grain(coarsest=pick(rng, 0.8, 1.8), finest=0.15, seed=seed)
+    rough = grain(seed, coarsest=pick(rng, 0.8, 1.8), finest=0.15)
     return _metal(depth * rough, dark * tinted(base, 0.10 * rough), roughness=pick(rng, 0.3, 0.45))
 
 
@@ -77,10 +77,10 @@ def rusty(rng: Rng) -> Surface:
     """Return steel that rust has begun to eat: scabs that stand proud, pits between."""
     seed, base = stream(rng), _steel(rng)
     edge, depth = pick(rng, -0.6, 0.8), pick_log(rng, 0.03, 0.08)
-    scabs = smooth(grain(coarsest=14.0, finest=0.6, seed=seed), edge, edge + 0.5)
-    crust = 1.0 + 0.6 * grain(coarsest=1.5, finest=0.2, seed=seed + 20)
-    holes = pits(size=2.2, radius=0.5, share=0.3, seed=seed + 40)
-    shade = 1.0 + 0.35 * grain(coarsest=3.0, finest=0.4, seed=seed + 60)
+    scabs = smooth(grain(seed, coarsest=14.0, finest=0.6), edge, edge + 0.5)
+    crust = 1.0 + 0.6 * grain(seed + 20, coarsest=1.5, finest=0.2)
+    holes = pits(seed + 40, size=2.2, radius=0.5, share=0.3)
+    shade = 1.0 + 0.35 * grain(seed + 60, coarsest=3.0, finest=0.4)
     bare = tinted(base, Field(lambda x, y: 0 * x))
     colour = lifted(np.clip)(
         mixed(bare, lifted(lambda s: _RUST * s[..., None])(shade), scabs), 0.01, 0.9
@@ -92,9 +92,9 @@ def chequered(rng: Rng) -> Surface:
     """Return tread plate: lens-shaped bars."""
     angle, seed, base = pick(rng, 0, np.pi), stream(rng), _steel(rng)
     pitch, rise = pick(rng, 7.0, 13.0), pick(rng, 0.35, 0.6)
-    skin = 0.006 * grain(coarsest=0.8, finest=0.2, seed=seed)
+    skin = 0.006 * grain(seed, coarsest=0.8, finest=0.2)
     relief = rise * treads(pitch=pitch, angle=angle) + skin
-    colour = tinted(base, 0.06 * grain(coarsest=6.0, finest=0.5, seed=seed + 7))
+    colour = tinted(base, 0.06 * grain(seed + 7, coarsest=6.0, finest=0.5))
     return _metal(relief, colour, roughness=pick(rng, 0.2, 0.35), angle=angle)
 
 
@@ -102,7 +102,7 @@ def knurled(rng: Rng) -> Surface:
     """Return a knurled grip: small pyramids on a shaft."""
     angle, seed, base = pick(rng, 0, np.pi), stream(rng), _steel(rng)
     pitch, rise = pick(rng, 0.9, 1.8), pick(rng, 0.10, 0.22)
-    colour = tinted(base, 0.05 * orange_peel(size=3.0, seed=seed))
+    colour = tinted(base, 0.05 * orange_peel(seed, size=3.0))
     relief = rise * diamonds(pitch=pitch, angle=angle)
     return _metal(relief, colour, roughness=pick(rng, 0.15, 0.25), angle=angle)
 
@@ -116,7 +116,7 @@ def skin(rng: Rng, angle: float) -> Field:
     marks = (
         2.0 * ribs(angle=angle, pitch=pitch) - 1.0 if straight else arcs(centre=far, pitch=pitch)
     )
-    return depth * marks - 0.05 * scratches(count=count, reach=40.0, width=0.12, seed=seed)
+    return depth * marks - 0.05 * scratches(seed, count=count, reach=40.0, width=0.12)
 
 
 RECIPES = {

@@ -34,10 +34,10 @@ class _Grain:
         self.angle, pitch = pick(rng, 0, np.pi), pick_log(rng, 2.0, 9.0)
         wave, fibre, pore = stream(rng), stream(rng), stream(rng)
         self.species = _SPECIES[rng.integers(len(_SPECIES))]
-        bend = streaks(angle=self.angle, width=4 * pitch, length=60 * pitch, seed=wave)
+        bend = streaks(wave, angle=self.angle, width=4 * pitch, length=60 * pitch)
         self.rings = _late(self.angle, pitch, bend)
-        self.fibres = streaks(angle=self.angle, width=0.9, length=25.0, seed=fibre)
-        self.pores = smooth(streaks(angle=self.angle, width=0.55, length=7.0, seed=pore), 1.2, 1.9)
+        self.fibres = streaks(fibre, angle=self.angle, width=0.9, length=25.0)
+        self.pores = smooth(streaks(pore, angle=self.angle, width=0.55, length=7.0), 1.2, 1.9)
         shade = -pick(rng, 0.25, 0.6) * self.rings + 0.10 * self.fibres
         self.colour = tinted(self.species, shade - 0.45 * self.pores)
 
@@ -58,7 +58,7 @@ def sawn(rng: Rng) -> Surface:
     wood, saw_pitch = _Grain(rng), pick(rng, 0.9, 2.6)
     lean = wood.angle + np.pi / 2 + pick(rng, -0.3, 0.3)
     rough, teeth = pick(rng, 0.03, 0.07), pick(rng, 0.02, 0.06)
-    torn = grain(coarsest=1.2, finest=0.15, seed=stream(rng))
+    torn = grain(stream(rng), coarsest=1.2, finest=0.15)
     relief = (
         rough * (wood.fibres - 1.4 * wood.pores)
         + 0.4 * rough * torn
@@ -99,7 +99,7 @@ def varnished(rng: Rng) -> Surface:
     """Return furniture: grain under a coat that almost levels it."""
     wood, coat = _Grain(rng), stream(rng)
     left, soft = pick(rng, 0.008, 0.018), pick(rng, 0.003, 0.006)
-    relief = left * (wood.fibres - 2.5 * wood.pores) + soft * orange_peel(size=2.5, seed=coat)
+    relief = left * (wood.fibres - 2.5 * wood.pores) + soft * orange_peel(coat, size=2.5)
     return replace(wood.surface(relief, roughness=pick(rng, 0.08, 0.25)), gloss="coated")
 
 
@@ -108,13 +108,11 @@ def end_grain(rng: Rng) -> Surface:
     wood, seed = _Grain(rng), stream(rng)
     centre = (pick(rng, -25, 25), pick(rng, -25, 25))
     pitch, saw = pick(rng, 2.0, 4.5), pick(rng, 0.01, 0.04)
-    even, warp = arcs(centre=centre, pitch=pitch), 1.0 + 0.03 * orange_peel(size=20.0, seed=seed)
+    even, warp = arcs(centre=centre, pitch=pitch), 1.0 + 0.03 * orange_peel(seed, size=20.0)
     rings = smooth(Field(lambda x, y: even(x * (bent := warp(x, y)), y * bent)), -0.4, 0.8)
-    torn = 0.022 * grain(coarsest=0.8, finest=0.15, seed=seed + 1)
+    torn = 0.022 * grain(seed + 1, coarsest=0.8, finest=0.15)
     relief = 0.05 * rings + torn + saw * ribs(angle=wood.angle, pitch=1.7)
-    colour = tinted(
-        wood.species, -0.5 * rings + 0.10 * grain(coarsest=0.8, finest=0.2, seed=seed + 1)
-    )
+    colour = tinted(wood.species, -0.5 * rings + 0.10 * grain(seed + 1, coarsest=0.8, finest=0.2))
     return replace(wood.surface(relief, roughness=0.6), colour=colour)
 
 
@@ -122,8 +120,8 @@ def skin(rng: Rng, angle: float) -> Field:
     """Return fibres, and pores as short open slits along the grain."""
     seed, fibre, pore = stream(rng), pick_log(rng, 0.018, 0.035), pick_log(rng, 0.07, 0.13)
     width, length, level = pick(rng, 0.35, 0.6), pick(rng, 3.0, 6.0), pick(rng, 0.9, 1.3)
-    fibres = streaks(angle=angle, width=0.7, length=22.0, seed=seed)
-    slits = streaks(angle=angle, width=width, length=length, seed=seed + 7)
+    fibres = streaks(seed, angle=angle, width=0.7, length=22.0)
+    slits = streaks(seed + 7, angle=angle, width=width, length=length)
     return fibre * fibres - pore * smooth(slits, level, level + 0.6)
 
 
