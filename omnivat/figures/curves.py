@@ -47,25 +47,32 @@ def lines(
         known = [(y, b) for y, b in zip(ys, bars or [0.0] * len(ys), strict=True) if _is(y)]
         ends += [float(y) + sign * b for y, b in known if y is not None for sign in (-1, 1)]
         places += list(xs)
-        colour = {"color": SERIES[index % len(SERIES)]}
-        look: dict[str, Any] = {
-            "mode": "lines+markers",
-            "line": colour,
-            "marker": colour | {"size": 6},
-        }
-        look["error_y"] = {"array": bars} if bars else None
+        colour = SERIES[index % len(SERIES)]
         traces.append(
-            go.Scatter(x=list(xs), y=[y if _is(y) else None for y in ys], name=plain(name), **look)
+            go.Scatter(
+                x=list(xs),
+                y=[y if _is(y) else None for y in ys],
+                name=plain(name),
+                mode="lines+markers",
+                line_color=colour,
+                marker_color=colour,
+                marker_size=6,
+                error_y={"array": bars} if bars else None,
+            )
         )
-    marks = {"tickvals": list(range(len(ticks))), "ticktext": [plain(t) for t in ticks]}
     low, high = (min(ends), max(ends)) if ends else (0.0, 1.0)
     room = 0.05 * (high - low or 1)
     left, right = (min(places), max(places)) if places else (0.0, 1.0)
     side = 0.03 * (right - left or 1)
-    xaxis = axis(across, range=[left - side, right + side], **(marks if ticks else {}))
-    yaxis = axis(up, range=[low - room, high + room])
-    layout: dict[str, Any] = {"xaxis": xaxis, "yaxis": yaxis, "hovermode": "x unified"}
-    return figure(traces, title=title, caption=caption, height=height, **layout)
+    return figure(
+        traces,
+        title=title,
+        caption=caption,
+        height=height,
+        xaxis=axis(across, ticks, range=[left - side, right + side]),
+        yaxis=axis(up, range=[low - room, high + room]),
+        hovermode="x unified",
+    )
 
 
 def _is(value: float | None) -> bool:
@@ -83,54 +90,54 @@ def gap_curves(frames: FrameSet, *, stage: str = "f_hat", order: float | None = 
     learned = frames.head.get("learned_order")
     at = order if order is not None else float(learned or 0.5)
     traces: list[Any] = []
-    layout: dict[str, Any] = {}
-    shapes: list[dict[str, Any]] = []
-    notes: list[dict[str, Any]] = []
+    layout: dict[str, Any] = {"shapes": [], "annotations": []}
+    span = frames.orders[0], frames.orders[-1]
+    low, high = _trained_for(frames, span)
     for k, (name, words) in enumerate(MEASURES.items()):
-        key, most = str(k + 1) if k else "", _highest(frames, name)
-        left, low = BOXES[k]
-        span = [frames.orders[0], frames.orders[-1]]
+        key, (left, below) = str(k + 1) if k else "", BOXES[k]
+        across, up = f"x{key}", f"y{key}"
         layout[f"xaxis{key}"] = axis(
-            domain=[left, left + 0.44], anchor=f"y{key}", range=span, showgrid=False
+            domain=[left, left + 0.44], anchor=up, range=list(span), showgrid=False
         )
         layout[f"yaxis{key}"] = axis(
-            domain=[low, low + 0.36], anchor=f"x{key}", range=[0, most], nticks=5
+            domain=[below, below + 0.36], anchor=across, range=[0, _highest(frames, name)], nticks=5
         )
-        here = {"xref": f"x{key}", "yref": f"y{key}"}
-        upright = {"xref": f"x{key}", "yref": f"y{key} domain", "y0": 0, "y1": 1}
-        fits = frames.head.get("fits")
-        if frames.head.get("kind", "moved") == "moved" and fits is not None:
-            ends = {"x0": max(span[0], fits[0]), "x1": min(span[1], fits[1])}
-            if ends["x0"] < ends["x1"]:
-                shapes.append(
-                    {"type": "rect", "fillcolor": AREA, "line_width": 0, **upright, **ends}
-                )
+        upright = {"xref": across, "yref": f"{up} domain", "y0": 0, "y1": 1}
+        if low < high:
+            band = {"type": "rect", "fillcolor": AREA, "line_width": 0, "x0": low, "x1": high}
+            layout["shapes"].append(band | upright)
         raw = frames.curves.get(f"{name}/raw") or [None]
         level = 1 / len(frames.classes) if name == "accuracy" else raw[0]
         if level is not None:
-            ends = {"x0": span[0], "x1": span[1], "y0": level, "y1": level}
-            shapes.append({"type": "line", "line": {"color": SOFT, "dash": "dash"}, **here, **ends})
-        shapes.append(
-            {"type": "line", "line": {"color": MARK, "width": 1}, **upright, "x0": at, "x1": at}
+            dashes = {"type": "line", "line": {"color": SOFT, "dash": "dash"}, "xref": across}
+            ends = {"yref": up, "x0": span[0], "x1": span[1], "y0": level, "y1": level}
+            layout["shapes"].append(dashes | ends)
+        mark = {"type": "line", "line": {"color": MARK, "width": 1}, "x0": at, "x1": at}
+        layout["shapes"].append(mark | upright)
+        traces += _chart(frames, name, words, stage, {"xaxis": across, "yaxis": up})
+        layout["annotations"].append(
+            {
+                "text": f"{words}<br>{_value_at(frames, name, stage, at)}",
+                "xref": f"{across} domain",
+                "yref": f"{up} domain",
+                "x": 0,
+                "y": 1,
+                "showarrow": False,
+                "xanchor": "left",
+                "yanchor": "bottom",
+                "align": "left",
+            }
         )
-        traces += _chart(frames, name, words, stage, {"xaxis": f"x{key}", "yaxis": f"y{key}"})
-        place = {
-            "xref": f"x{key} domain",
-            "yref": f"y{key} domain",
-            "x": 0,
-            "y": 1,
-            "showarrow": False,
-        }
-        place |= {"xanchor": "left", "yanchor": "bottom", "align": "left"}
-        notes.append({"text": f"{words}<br>{_value_at(frames, name, stage, at)}", **place})
     title = f"OmniVaT, {STAGE_TITLES.get(stage, stage)}, against p"
-    layout |= {
-        "shapes": shapes,
-        "annotations": notes,
-        "showlegend": False,
-        "margin": {"t": 88, "b": 32},
-    }
-    return figure(traces, title=title, caption=_caption(frames), height=560, **layout)
+    look: dict[str, Any] = {"showlegend": False, "margin": {"t": 88, "b": 32}, "height": 560}
+    return figure(traces, title=title, caption=_caption(frames), **look, **layout)
+
+
+def _trained_for(frames: FrameSet, span: tuple[float, float]) -> tuple[float, float]:
+    """Return the ends of the orders that fixed weights were trained for, within the span."""
+    low, high = frames.head.get("fits") or (0.0, 0.0)
+    moved = frames.head.get("kind", "moved") == "moved"
+    return (max(span[0], low), min(span[1], high)) if moved else (0.0, 0.0)
 
 
 def _chart(
@@ -144,22 +151,32 @@ def _chart(
         there = [k for k, (a, b) in enumerate(zip(low, high, strict=True)) if _is(a) and _is(b)]
         around = [*there, *reversed(there)]
         ends = [(low if i < len(there) else high)[k] for i, k in enumerate(around)]
-        pale = {
-            "fill": "toself",
-            "fillcolor": AREA,
-            "line_width": 0,
-            "mode": "lines",
-            "hoverinfo": "skip",
-        }
-        traces.append(go.Scatter(x=[frames.orders[k] for k in around], y=ends, **pale, **axes))
+        traces.append(
+            go.Scatter(
+                x=[frames.orders[k] for k in around],
+                y=ends,
+                fill="toself",
+                fillcolor=AREA,
+                line_width=0,
+                mode="lines",
+                hoverinfo="skip",
+                **axes,
+            )
+        )
     own = _curve(frames, name, stage)
     if own is not None:
-        look: dict[str, Any] = {
-            "mode": "lines+markers" if kind == "retrained" else "lines",
-            "marker": {"size": 5, "color": ACCENT},
-        }
-        look["line_color"] = SOFT if kind == "moved" else ACCENT  # fixed weights: a what-if
-        traces.append(go.Scatter(x=list(frames.orders), y=list(own), name=words, **look, **axes))
+        traces.append(
+            go.Scatter(
+                x=list(frames.orders),
+                y=list(own),
+                name=words,
+                marker_size=5,
+                marker_color=ACCENT,
+                mode="lines+markers" if kind == "retrained" else "lines",
+                line_color=SOFT if kind == "moved" else ACCENT,
+                **axes,  # fixed weights: a what-if
+            )
+        )
     return traces
 
 
@@ -212,20 +229,15 @@ def staircase(frames: FrameSet, *, order: float | None = None) -> Figure:
     for name, colour in zip(measures, SERIES, strict=False):
         values = [frames.curves.get(f"{name}/{stage}") for stage in STAGE_TITLES]
         steps = [None if v is None else v[stop] for v in values for _ in range(2)]
-        line = {"color": colour, "width": 3}
-        traces.append(go.Scatter(x=edges, y=steps, name=MEASURES[name], mode="lines", line=line))
+        look = {"mode": "lines", "line_color": colour, "line_width": 3}
+        traces.append(go.Scatter(x=edges, y=steps, name=MEASURES[name], **look))
     most = max(_highest(frames, name) for name in measures)
-    # the angle leaves room for all names, on a phone, too
-    ticks: dict[str, Any] = {
-        "tickvals": list(range(len(words))),
-        "ticktext": words,
-        "tickangle": -35,
-    }
     return figure(
         traces,
         title=f"Gaps at each step, p = {frames.orders[stop]:.2f}",
         caption=_caption(frames).replace(" Dashed: the raw embedding, or chance.", ""),
-        xaxis=axis(range=[-0.5, len(words) - 0.5], showgrid=False, **ticks),
+        # the angle leaves room for all names, on a phone, too
+        xaxis=axis("", words, range=[-0.5, len(words) - 0.5], showgrid=False, tickangle=-35),
         yaxis=axis("gap or margin", range=[0, most]),
         hovermode="x unified",
     )

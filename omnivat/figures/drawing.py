@@ -3,11 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
-from pathlib import Path
 from typing import Any
-
-from omnivat.kit.errors import SettingsError
-from omnivat.kit.files import replacing, write_text
 
 Point = tuple[float, float]
 INK, SOFT, GRID = "#0f172a", "#55637a", "#dbe2ea"
@@ -48,18 +44,6 @@ class Picture:
 def text(point: Point, words: str, size: float = 12, anchor: str = "start") -> Shape:
     """Return a text in the ink of the page."""
     return Shape(kind="text", points=(point,), text=words, size=size, anchor=anchor, fill=INK)
-
-
-def write_picture(path: Path, picture: Picture) -> None:
-    """Write SVG or PNG, by the ending of the name. Raises SettingsError for another ending."""
-    ending = path.suffix.lower()
-    if ending == ".svg":
-        write_text(path, svg(picture))
-    elif ending == ".png":
-        with replacing(path) as temporary:
-            png(picture).save(temporary, "PNG")
-    else:
-        raise SettingsError(f"'{path.name}' ends in '{path.suffix}'; choose .svg or .png.")
 
 
 def triangle(point: Point, size: float) -> tuple[Point, Point, Point]:

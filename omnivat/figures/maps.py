@@ -59,43 +59,40 @@ def map_figure(
             "(M N, 3), and N or M N groups."
         )
     traces = []
+    deep = places.shape[1] == 3
+    kind = go.Scatter3d if deep else go.Scattergl if rows > MANY else go.Scatter
+    symbols = ("circle", "diamond" if deep else "triangle-up")  # no triangle in three dimensions
     for k, modality in enumerate(modalities):
-        for index, name in enumerate(names):
-            own = np.flatnonzero(group[k * count : (k + 1) * count] == index) + k * count
-            if len(own):
-                first = not np.any(group[: k * count] == index)
-                traces.append(
-                    _points(places[own], rows, k, colours[index % len(colours)], first, plain(name))
-                )
-                text = (
-                    []
+        first = k * count
+        for index, name in enumerate(map(plain, names)):
+            own = np.flatnonzero(group[first : first + count] == index).tolist()
+            if not own:
+                continue
+            traces.append(
+                kind(
+                    mode="markers",
+                    name=name,
+                    legendgroup=name,
+                    showlegend=not np.any(group[:first] == index),
+                    marker_color=colours[index % len(colours)],
+                    marker_size=3 if deep else 6,
+                    marker_opacity=0.75,
+                    marker_symbol=symbols[k],
+                    text=None
                     if hover is None
-                    else [f"{modality} · {plain(hover[int(i) % count])}" for i in own]
-                )
-                tiles = (
-                    [[int(i % count), int(i % count + count)][: len(modalities)] for i in own]
+                    else [f"{modality} · {plain(hover[i])}" for i in own],
+                    hoverinfo="name" if hover is None else "text",
+                    customdata=[[i, i + count][: len(modalities)] for i in own]
                     if pictures
-                    else None
+                    else None,
+                    **dict(zip("xyz", np.round(places[first:][own], 4).T, strict=False)),
                 )
-                traces[-1].update(
-                    text=text or None, hoverinfo="text" if text else "name", customdata=tiles
-                )
+            )
     shapes = "Circle: photo (VIS); triangle: touch (TAC)" if len(modalities) == 2 else ""
     words = ". ".join(part for part in (caption.rstrip("."), shapes) if part) + "."
     return figure(
         traces, title=title, caption=words, height=height, pictures=pictures, **_axes(places)
     )
-
-
-def _points(
-    places: NDArray[Any], rows: int, modality: int, colour: str, named: bool, name: str
-) -> Any:
-    deep = places.shape[1] == 3  # a triangle is no symbol of three dimensions
-    symbol = ("circle", "diamond" if deep else "triangle-up")[modality]
-    dot = {"color": colour, "size": 3 if deep else 6, "opacity": 0.75, "symbol": symbol}
-    kind = go.Scatter3d if deep else go.Scattergl if rows > MANY else go.Scatter
-    at = dict(zip("xyz", np.round(places, 4).T, strict=False))
-    return kind(mode="markers", name=name, legendgroup=name, showlegend=named, marker=dot, **at)
 
 
 def _axes(places: NDArray[Any]) -> dict[str, Any]:

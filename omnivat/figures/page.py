@@ -13,11 +13,11 @@ from typing import Any
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
-from omnivat.figures.drawing import write_picture
+from omnivat.figures.drawing import png, svg
 from omnivat.figures.still import picture
 from omnivat.figures.theme import CONFIG, THEMES, template
 from omnivat.kit.errors import SettingsError
-from omnivat.kit.files import write_text
+from omnivat.kit.files import replacing, write_text
 
 ENDINGS = (".html", ".svg", ".png", ".json")
 # nothing of another host is loaded or sent; Plotly's WebGL traces compile functions
@@ -106,8 +106,11 @@ def write(path: str | Path, figure: Any) -> Path:
         write_text(target, html_page(str(figure.layout.title.text or "figure"), [figure]))
     elif ending == ".json":
         write_text(target, figure.to_json())
+    elif ending == ".svg":
+        write_text(target, svg(picture(figure)))
     else:
-        write_picture(target, picture(figure))
+        with replacing(target) as temporary:
+            png(picture(figure)).save(temporary, "PNG")
     return target
 
 
@@ -166,6 +169,8 @@ def plain(text: str) -> str:
     return str(text).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
-def axis(title: str = "", **more: Any) -> dict[str, Any]:
-    """Return an axis; `more` holds further fields."""
-    return {"title": {"text": plain(title)}, "showgrid": True, "zeroline": False, **more}
+def axis(title: str = "", ticks: Sequence[str] = (), **more: Any) -> dict[str, Any]:
+    """Return an axis with labels at 0, 1, 2, ..., if any; `more` holds further fields."""
+    names = {"tickvals": list(range(len(ticks))), "ticktext": [plain(name) for name in ticks]}
+    named = {"showgrid": True, "zeroline": False, **(names if ticks else {})}
+    return {"title": {"text": plain(title)}, **named, **more}

@@ -55,17 +55,19 @@ def dots(
         bars: dict[str, Any] = {"type": "data", "thickness": 1.6, "width": 0}
         bars["array"] = [h - v for h, v in zip(high, values, strict=True)]
         bars["arrayminus"] = [v - b for b, v in zip(low, values, strict=True)]
-        look = {
-            "mode": "markers",
-            "marker": {"color": colour, "size": 9},
-            "error_x": bars,
-            "hoverinfo": "text",
-        }
-        places, text = (
-            [rows.index(str(r["row"])) + shift for r in own],
-            [_words(r, percent) for r in own],
+        traces.append(
+            go.Scatter(
+                x=values,
+                y=[rows.index(str(r["row"])) + shift for r in own],
+                name=plain(name),
+                mode="markers",
+                text=[_words(r, percent) for r in own],
+                marker_color=colour,
+                marker_size=9,
+                error_x=bars,
+                hoverinfo="text",
+            )
         )
-        traces.append(go.Scatter(x=values, y=places, name=plain(name), text=text, **look))
     every = [_end(r, end) for r in known for end in ("low", "high")] + ([level] if level else [])
     room = 0.04 * (max(every) - min(every) or 1)
     span = (
@@ -73,26 +75,19 @@ def dots(
         if ends
         else (min(0.0, min(every)) and min(every) - room, max(every) + room)
     )
-    chance = {
-        "type": "line",
-        "line": {"color": SOFT, "dash": "dash"},
-        "x0": level,
-        "x1": level,
-        "yref": "y domain",
-    }
-    tall = 116 + max(ROW, 15 * len(series) + 8) * len(rows)
-    ticks: dict[str, Any] = {
-        "tickvals": list(range(len(rows))),
-        "ticktext": [plain(row) for row in rows],
-    }
-    layout: dict[str, Any] = {
-        "showlegend": len(series) > 1,
-        "margin": {"l": 24 + 7 * max(map(len, rows))},
-    }
-    layout["xaxis"] = axis(across, range=list(span), tickformat=".0%" if percent else None)
-    layout["yaxis"] = axis(range=[len(rows) - 0.5, -0.5], **ticks)
-    layout["shapes"] = [] if level is None else [{**chance, "y0": 0, "y1": 1}]
-    return figure(traces, title=title, caption=caption, height=tall, **layout)
+    found = figure(
+        traces,
+        title=title,
+        caption=caption,
+        height=116 + max(ROW, 15 * len(series) + 8) * len(rows),
+        showlegend=len(series) > 1,
+        margin={"l": 24 + 7 * max(map(len, rows))},
+        xaxis=axis(across, range=list(span), tickformat=".0%" if percent else None),
+        yaxis=axis("", rows, range=[len(rows) - 0.5, -0.5]),
+    )
+    if level is not None:
+        found.add_vline(level, line_color=SOFT, line_dash="dash")
+    return found
 
 
 def _end(record: Record, name: str) -> float:
@@ -154,30 +149,6 @@ def ladder(records: Sequence[Record]) -> Figure:
     )
 
 
-def _heat(values: Any, words: Any, ends: tuple[float, float], hover: str, **more: Any) -> Any:
-    bare = [[v if v is not None and v == v else None for v in row] for row in values]
-    return go.Heatmap(z=bare, zmin=ends[0], zmax=ends[1], text=words, texttemplate="%{text}",
-                      hovertemplate=hover + "<extra></extra>", showscale=False, **more)  # fmt: skip
-
-
-def _grid(
-    rows: Sequence[str], columns: Sequence[str], key: str = "", **more: Any
-) -> dict[str, Any]:
-    def side(names: Sequence[str], ends: list[float], **extra: Any) -> dict[str, Any]:
-        ticks: dict[str, Any] = {
-            "tickvals": list(range(len(names))),
-            "ticktext": [plain(n) for n in names],
-        }
-        return axis(range=ends, showgrid=False, **ticks, **extra)
-
-    wide = max((len(name) for name in rows), default=0)
-    return {
-        f"xaxis{key}": side(columns, [-0.5, len(columns) - 0.5], **more),
-        f"yaxis{key}": side(rows, [len(rows) - 0.5, -0.5], anchor=f"x{key}"),
-        "margin": {"l": 24 + 7 * wide, "b": 70},
-    }
-
-
 def gap_tables(record: Record) -> Figure:
     """Return the gap between all pairs of domains, of photos and of touches, as two tables of
     colour.
@@ -190,18 +161,37 @@ def gap_tables(record: Record) -> Figure:
     most = max([1e-12, *(v for t in tables.values() for row in t.values() for v in row.values())])
     digits = 2 if max(most, gap or 0) >= 1 else 3
     traces: list[Any] = []
-    layout: dict[str, Any] = {}
+    last = len(names) - 0.5
+    layout: dict[str, Any] = {"margin": {"l": 24 + 7 * max(map(len, names)), "b": 70}}
     sides = [(m, words) for m, words in (("vis", "photos"), ("tac", "touches")) if m in tables]
     for k, (modality, words) in enumerate(sides):
         key = "2" if k else ""
         values = [[None if a == b else tables[modality][a][b] for b in names] for a in names]
-        cells = [["" if v is None else f"{v:.{digits}f}" for v in row] for row in values]
-        hover = f"{words}, %{{y}} to %{{x}}: %{{text}}"
-        traces.append(_heat(values, cells, (0.0, most), hover, xaxis=f"x{key}", yaxis=f"y{key}"))
-        half = [0.53 * k, 0.47 + 0.53 * k] if len(sides) == 2 else [0, 1]
-        layout |= _grid(names, names, key, domain=half, title=words, tickangle=-40)
-    if len(sides) == 2:  # one set of names for both tables
-        layout["yaxis2"] |= {"showticklabels": False, "tickvals": [], "ticktext": []}
+        traces.append(
+            go.Heatmap(
+                z=values,
+                zmin=0.0,
+                zmax=most,
+                texttemplate="%{text}",
+                showscale=False,
+                text=[["" if v is None else f"{v:.{digits}f}" for v in row] for row in values],
+                hovertemplate=f"{words}, %{{y}} to %{{x}}: %{{text}}<extra></extra>",
+                xaxis=f"x{key}",
+                yaxis=f"y{key}",
+            )
+        )
+        layout[f"xaxis{key}"] = axis(
+            words,
+            names,
+            range=[-0.5, last],
+            showgrid=False,
+            domain=[0.53 * k, 0.47 + 0.53 * k] if len(sides) == 2 else [0, 1],
+            tickangle=-40,
+        )
+        shown = {"showticklabels": False} if k else {}  # one set of names for both tables
+        layout[f"yaxis{key}"] = axis(
+            "", () if k else names, range=[last, -0.5], showgrid=False, anchor=f"x{key}", **shown
+        )
     title = f"Between domains: {GAP_NAMES.get(record['measure'], record['measure'])}"
     caption = (
         f"At {record['stage']}, {record['pairs']}"

@@ -143,13 +143,11 @@ def _scatter(trace: Any, index: int, plane: Plane) -> Iterator[Shape]:
             dashed = trace.line.dash is not None
             yield Shape(kind="line", points=tuple(part), stroke=stroke, size=size, dashed=dashed)
     ink = trace.marker.color or colour
-    for axis, error in (("x", trace.error_x), ("y", trace.error_y)):
-        if error.array is None:
-            continue
-        down = error.array if error.arrayminus is None else error.arrayminus
-        for k, x, y in known:
-            ends = [(x - down[k], y), (x + error.array[k], y)] if axis == "x" else []
-            ends = ends or [(x, y - down[k]), (x, y + error.array[k])]
+    for (across, up), error in (((1, 0), trace.error_x), ((0, 1), trace.error_y)):
+        high = error.array if error.array is not None else ()
+        low = high if error.arrayminus is None else error.arrayminus
+        for k, x, y in known if len(high) else []:
+            ends = [(x + across * by, y + up * by) for by in (-low[k], high[k])]
             if all(math.isfinite(v) for end in ends for v in end):
                 bar = tuple(plane.at(*end) for end in ends)
                 yield Shape(kind="line", points=bar, stroke=ink, size=1.6)
@@ -180,18 +178,18 @@ def _heat(trace: Any, plane: Plane) -> Iterator[Shape]:
             if value is None or not math.isfinite(value):
                 continue
             share = min(1.0, max(0.0, (float(value) - low) / (high - low or 1)))
-            (x0, y0), (x1, y1) = (
-                plane.at(column - 0.5, row - 0.5),
-                plane.at(column + 0.5, row + 0.5),
-            )
-            yield Shape(
-                kind="rect", points=((x0, min(y0, y1)), (x1, max(y0, y1))), fill=full, opacity=share
-            )
-            if trace.text is not None:
-                words, ink = str(trace.text[row][column]), "#ffffff" if share > 0.6 else INK
-                yield replace(
-                    text(((x0 + x1) / 2, (y0 + y1) / 2 + 4), words, 11, "middle"), fill=ink
-                )
+            corners = [plane.at(column + by, row + by) for by in (-0.5, 0.5)]
+            rect = _rect(corners, full, share)
+            yield rect
+            (x0, y0), (x1, y1) = rect.points
+            middle, ink = ((x0 + x1) / 2, (y0 + y1) / 2 + 4), "#ffffff" if share > 0.6 else INK
+            yield replace(text(middle, str(trace.text[row][column]), 11, "middle"), fill=ink)
+
+
+def _rect(ends: Sequence[Point], fill: str, opacity: float) -> Shape:
+    (x0, y0), (x1, y1) = ends
+    corners = (x0, min(y0, y1)), (x1, max(y0, y1))
+    return Shape(kind="rect", points=corners, fill=fill, opacity=opacity)
 
 
 def _marked(mark: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
@@ -208,11 +206,7 @@ def _marked(mark: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
         stroke, dashed = mark.line.color or SOFT, mark.line.dash is not None
         yield Shape(kind="line", points=tuple(ends), stroke=stroke, dashed=dashed, size=1.4)
     else:
-        (x0, y0), (x1, y1) = ends
-        fill, share = _paint(mark.fillcolor)
-        yield Shape(
-            kind="rect", points=((x0, min(y0, y1)), (x1, max(y0, y1))), fill=fill, opacity=share
-        )
+        yield _rect(ends, *_paint(mark.fillcolor))
 
 
 def _note(note: Any, planes: dict[str, Plane]) -> Iterator[Shape]:

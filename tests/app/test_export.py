@@ -12,7 +12,7 @@ from app.export import export_page, export_picture, scripts
 from omnivat.cli import main
 from omnivat.figures import maps, theme
 from omnivat.figures.curves import gap_curves
-from omnivat.figures.drawing import Picture, Shape, png, svg, write_picture
+from omnivat.figures.drawing import Picture, Shape, png, svg
 from omnivat.figures.still import svg_of
 from omnivat.kit.errors import SettingsError
 from omnivat.maps.frames import read_frames
@@ -92,7 +92,7 @@ def test_a_map_that_is_not_there_is_refused(frames, tmp_path):
         )
 
 
-def test_png_and_svg_show_the_same_shapes(tmp_path):
+def test_png_and_svg_show_the_same_shapes():
     shapes = (Shape(kind="circle", points=((10, 10),), fill="#ff0000", size=5),)
     picture = Picture(width=40, height=20, shapes=shapes, title="a < b")
     image = png(picture)
@@ -100,11 +100,6 @@ def test_png_and_svg_show_the_same_shapes(tmp_path):
     assert image.getpixel((20, 20)) == (255, 0, 0)
     assert image.getpixel((70, 20)) == (255, 255, 255)
     assert "<title>a &lt; b</title>" in svg(picture)
-    write_picture(tmp_path / "p.png", picture)
-    with Image.open(tmp_path / "p.png") as kept:
-        assert kept.size == (80, 40)
-    with pytest.raises(SettingsError, match="choose .svg or .png"):
-        write_picture(tmp_path / "p.gif", picture)
 
 
 def test_every_script_of_the_saved_page_is_inside_and_names_no_file():
