@@ -53,35 +53,8 @@ class _Track:
         return quantised(flats, self.stops, tuple(self.trust))
 
 
+# curves of mean accuracy over unseen domains, by reading; `counted` chooses the pairs
 NAMES = {"fused": "accuracy/unseen", "vis": "accuracy:vis/unseen", "tac": "accuracy:tac/unseen"}
-
-
-class UnseenAccuracy:
-    """Mean accuracy over unseen domains, by curve name, of the pairs that
-    `omnivat.measure.unseen.counted` chooses.
-    """
-
-    def __init__(self, embeddings: Embeddings, classes: tuple[str, ...], source: str) -> None:
-        self._embeddings, self._source = embeddings, source
-        self._label = label_map(classes, embeddings.header.classes)[embeddings.label]
-        self._keep = counted(embeddings, source) & (self._label >= 0)
-
-    def at(self, probabilities: Mapping[str, Tensor]) -> dict[str, float | None]:
-        """Return curve name -> value at one order; empty if the source is not in the set.
-
-        probabilities  reading -> (N, K) over the head's classes
-        """
-        if self._source not in self._embeddings.header.domains:
-            return {}
-        found = {
-            NAMES[n]: shares.argmax(1).cpu().numpy() == self._label
-            for n, shares in probabilities.items()
-            if n in NAMES
-        }
-        return {
-            n: mean_over_domains(right, self._embeddings, self._source, self._keep)
-            for n, right in found.items()
-        }
 
 
 class FrameBuilder:
@@ -127,7 +100,9 @@ class FrameBuilder:
                 f"Frames can have {MOST_NAMES} domains and classes; choose a smaller set."
             )
         self.curves: dict[str, list[float | None]] = {}
-        self._unseen = UnseenAccuracy(embeddings, known, source)
+        self.source = source
+        self._label = label_map(known, embeddings.header.classes)[embeddings.label]
+        self._counted = counted(embeddings, source) & (self._label >= 0)
         self._predictions: list[Any] = []
         self._confidences: list[Any] = []
 
@@ -142,9 +117,14 @@ class FrameBuilder:
             known = value if np.isfinite(value) else None
             curve[:] = [known] * count if stage in self.still else curve
             curve[at_order.index] = known
-        if "accuracy" in self.measures:
-            for name, share in self._unseen.at(at_order.probabilities).items():
-                self.curves.setdefault(name, [None] * count)[at_order.index] = share
+        if "accuracy" in self.measures and self.source in self.embeddings.header.domains:
+            for reading, shares in at_order.probabilities.items():
+                if reading not in NAMES:
+                    continue
+                right = shares.argmax(1).cpu().numpy() == self._label
+                share = mean_over_domains(right, self.embeddings, self.source, self._counted)
+                curve = self.curves.setdefault(NAMES[reading], [None] * count)
+                curve[at_order.index] = share
         nothing = torch.zeros(len(self.embeddings), 1)  # without a head
         confidence, predicted = at_order.probabilities.get("fused", nothing).max(1)
         self._predictions.append(predicted.to(torch.uint8).cpu().numpy())

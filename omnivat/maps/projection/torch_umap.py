@@ -20,6 +20,7 @@ from omnivat.maps.projection import pca
 from omnivat.maps.projection.neighbours import Neighbours, nearest, place
 
 BISECTIONS = 32
+NEIGHBOURS = 15  # of each row, itself included as in umap-learn; small sets use all rows
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,18 +122,16 @@ def project(
     *,
     seed: int = 0,
     dimensions: int = 2,
-    neighbours: int = 15,
     steps: int = STEPS,
     rate: float = RATE,
     start: Tensor | None = None,
 ) -> Tensor:
     """Return a UMAP map of points (N, D) -> (N, dimensions).
 
-    seed        the same seed, machine and thread count give the same map
-    neighbours  of each row, itself included as in umap-learn; small sets use all rows
-    steps       of the descent
-    rate        factor of force over degree in the first step; it decreases linearly to 0
-    start       (N, dimensions) initial map, such as that of a neighbouring order
+    seed   the same seed, machine and thread count give the same map
+    steps  of the descent
+    rate   factor of force over degree in the first step; it decreases linearly to 0
+    start  (N, dimensions) initial map, such as that of a neighbouring order
 
     With more than MOST_ROWS rows, the descent uses a sample that depends only on the seed. Every
     other row is placed between its nearest neighbours in the sample; see `_spread`.
@@ -142,10 +141,11 @@ def project(
     if len(points) > MOST_ROWS:
         chosen = sample_of(len(points), seed).to(points.device)
         first = None if start is None else start[chosen]
-        more = {"dimensions": dimensions, "neighbours": neighbours, "steps": steps}
-        flat = project(points[chosen], seed=seed, rate=rate, start=first, **more)
+        flat = project(
+            points[chosen], seed=seed, dimensions=dimensions, steps=steps, rate=rate, start=first
+        )
         return _spread(points, chosen, flat)
-    graph = fuzzy_graph(nearest(points, min(neighbours, len(points)) - 1))
+    graph = fuzzy_graph(nearest(points, min(NEIGHBOURS, len(points)) - 1))
     start = spectral_map(graph, seed=seed, dimensions=dimensions) if start is None else start
     return descend(graph, start, steps=steps, rate=rate, seed=seed)
 

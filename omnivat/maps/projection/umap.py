@@ -7,7 +7,7 @@ from omnivat.kit.tables import need
 from omnivat.maps.projection import pca
 
 
-def project(points: Tensor, *, seed: int = 0, dimensions: int = 2, neighbours: int = 15) -> Tensor:
+def project(points: Tensor, *, seed: int = 0, dimensions: int = 2) -> Tensor:
     """Return umap-learn's map of points (N, D) -> (N, dimensions), with its defaults and one
     thread.
 
@@ -18,7 +18,7 @@ def project(points: Tensor, *, seed: int = 0, dimensions: int = 2, neighbours: i
     if len(points) < dimensions + 2:
         return pca.project(points, dimensions=dimensions)
     umap = need("umap", purpose="the umap-learn projection", install="umap-learn")
-    k = min(neighbours, len(points) - 1)
+    k = min(15, len(points) - 1)
     model = umap.UMAP(n_neighbors=k, n_components=dimensions, random_state=seed % 2**32, n_jobs=1)
     flat = model.fit_transform(points.detach().cpu().numpy())
     return torch.as_tensor(flat, dtype=points.dtype, device=points.device)

@@ -2,7 +2,7 @@
 
 from omnivat.kit.stages import STAGES, STILL
 from omnivat.maps.sweep.curves import MEASURES, Sweep, facts_of, measured, sweep
-from omnivat.maps.sweep.walk import AtOrder, Features, coarse_first, walk
+from omnivat.maps.sweep.walk import AtOrder, Features, walk
 
 __all__ = [
     "MEASURES",
@@ -11,7 +11,6 @@ __all__ = [
     "AtOrder",
     "Features",
     "Sweep",
-    "coarse_first",
     "facts_of",
     "measured",
     "sweep",

@@ -16,7 +16,7 @@ from omnivat.head.head import OmniVaT
 from omnivat.kit.files import write_csv, write_json
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.stages import STILL
-from omnivat.maps.sweep.walk import CHUNK, AtOrder, coarse_first, require_known, walk
+from omnivat.maps.sweep.walk import AtOrder, require_known, walk
 from omnivat.measure.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES, SUM_MEASURES, Facts
 from omnivat.measure.gaps.unit import unit
 
@@ -67,12 +67,11 @@ def sweep(
     *,
     stages: Sequence[str] = ("f_hat",),
     measures: Sequence[str] = MEASURES,
-    chunk: int = CHUNK,
     on_step: OnStep = ignore,
 ) -> Sweep:
     """Measure gaps and predictions of a set at every order.
 
-    orders    quarter turns, any real numbers; computed coarse first, returned as given
+    orders    quarter turns, any real numbers
     stages    of `STAGES`; others are not kept
     measures  of `STAGE_MEASURES` and `ANSWER_MEASURES`
     chunk     pairs that pass the head at once. Memory holds one order's predictions, the
@@ -100,24 +99,22 @@ def sweep(
         label=facts.labels.cpu().numpy(),
         probabilities=np.zeros((len(orders), count, len(model.settings.classes)), dtype=np.float32),
     )
-    visits = coarse_first(len(orders))
-    sums = (
-        facts if all(name in SUM_MEASURES for name in measures if name in STAGE_MEASURES) else None
+    summed = all(name in SUM_MEASURES for name in measures if name in STAGE_MEASURES)
+    walked = walk(
+        model,
+        embeddings,
+        orders,
+        stages=stages,
+        predictions=predictions,
+        sums_for=facts if summed else None,
     )
-    how: dict[str, Any] = {
-        "stages": stages,
-        "predictions": predictions,
-        "visits": visits,
-        "chunk": chunk,
-    }
-    walked = walk(model, embeddings, orders, **how, sums_for=sums)
-    for done, found in enumerate(walked, start=1):
+    for found in walked:
         for stage, name, value in measured(found, facts, measures):
             curve = result.curves.setdefault(name, np.full(len(orders), np.nan))
             curve[slice(None) if stage in STILL else found.index] = value
         if predictions:
             result.probabilities[found.index] = found.probabilities["fused"].cpu().numpy()
-        on_step(Step(done=done, total=len(visits), text=f"order {found.order:.2f}"))
+        on_step(Step(done=found.index + 1, total=len(orders), text=f"order {found.order:.2f}"))
     return result
 
 

@@ -29,8 +29,8 @@ Features = Mapping[str, Tensor]  # modality -> (N, W), rows of any length
 class AtOrder:
     """The results at one order.
 
-    features  by stage: requested stages that depend on the order; at the first order visited, also
-              those that do not
+    features  by stage: requested stages that depend on the order; at the first order, also those
+              that do not
     """
 
     index: int  # of the order in the given list
@@ -42,17 +42,6 @@ class AtOrder:
     sums: Mapping[str, Sums] = field(default_factory=dict)
 
 
-def coarse_first(count: int) -> list[int]:
-    """Return 0 .. count - 1, both ends first, then finer and finer steps.
-
-    >>> coarse_first(9)
-    [0, 8, 4, 2, 6, 1, 3, 5, 7]
-    """
-    ends = {0, count - 1}
-    inner = sorted(set(range(count)) - ends, key=lambda i: (-(i & -i), i))
-    return sorted(ends & set(range(count))) + inner
-
-
 def walk(
     model: OmniVaT | None,
     embeddings: Embeddings,
@@ -60,12 +49,10 @@ def walk(
     *,
     stages: Sequence[str] = (),
     predictions: bool = True,
-    visits: Sequence[int] | None = None,
-    chunk: int = CHUNK,
     sums_for: Facts | None = None,
     kept: PairCoefficients | None = None,
 ) -> Iterator[AtOrder]:
-    """Yield the results at each order, in the order of `visits`.
+    """Yield the results at each order.
 
     model     None for the raw stage without predictions
     sums_for  yield sums of the features by these labels and domains instead of features; memory is
@@ -79,25 +66,23 @@ def walk(
     require_known(stages, STAGES, "stage")
     if model is None and (predictions or set(stages) - {"raw"}):
         raise SettingsError("Only the raw stage needs no head; give one.")
-    if chunk < 1 or not np.isfinite(np.array(orders, dtype=np.float64)).all():
-        raise SettingsError("chunk must be 1 or more and every order a finite number.")
+    if not np.isfinite(np.array(orders, dtype=np.float64)).all():
+        raise SettingsError("Every order must be a finite number.")
     if not len(embeddings):
         raise DataError(NO_PAIRS)
-    visits = list(range(len(orders))) if visits is None else list(visits)
     moving = [stage for stage in stages if stage not in STILL]
     if not moving and not predictions:
-        visits = visits[:1]
-    for place, index in enumerate(visits):
-        order = float(orders[index])
-        wanted = [stage for stage in stages if stage != "raw"] if place == 0 else moving
+        orders = orders[:1]
+    for index, order in enumerate(map(float, orders)):
+        wanted = [stage for stage in stages if stage != "raw"] if index == 0 else moving
         found = _Found(len(embeddings), sums_for)
-        if place == 0 and "raw" in stages:
-            for rows, raw in _raw_chunks(model, embeddings, chunk):
+        if index == 0 and "raw" in stages:
+            for rows, raw in _raw_chunks(model, embeddings, CHUNK):
                 found.take("raw", raw, rows)
         if model is not None and (wanted or predictions):
             if kept is None and len(embeddings) <= KEPT_PAIRS:
                 kept = coefficients_of(model, embeddings)
-            for rows, output in _outputs(model, embeddings, kept, order, chunk):
+            for rows, output in _outputs(model, embeddings, kept, order, CHUNK):
                 for stage in wanted:
                     found.take(stage, stage_features(output, stage), rows)
                 if predictions:

@@ -58,10 +58,11 @@ def test_a_sweep_that_keeps_no_coefficients_and_no_features_has_the_same_curves(
         for _, name, value in measured(found, facts, measures)
     }
     monkeypatch.setattr(import_module("omnivat.maps.sweep.walk"), "KEPT_PAIRS", 0)
-    got = sweep(model, mapped, orders, stages=STAGES, measures=measures, chunk=5)
+    monkeypatch.setattr(import_module("omnivat.maps.sweep.walk"), "CHUNK", 5)
+    got = sweep(model, mapped, orders, stages=STAGES, measures=measures)
     for (name, order), value in wanted.items():
         assert got.curves[name][orders.index(order)] == pytest.approx(value, abs=1e-5, nan_ok=True)
-    summed = list(walk(model, mapped, orders, stages=STAGES, sums_for=facts, chunk=5))
+    summed = list(walk(model, mapped, orders, stages=STAGES, sums_for=facts))
     assert all(not found.features and found.sums for found in summed)
 
 

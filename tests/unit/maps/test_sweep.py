@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from omnivat.kit.errors import DataError, SettingsError, ShapeError
-from omnivat.maps.sweep import STAGES, coarse_first, sweep, walk
+from omnivat.maps.sweep import STAGES, sweep, walk
 from omnivat.measure.gaps.centroid import modality_gap
 from omnivat.measure.gaps.confusion import accuracy, macro_f1
 from omnivat.measure.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
@@ -41,18 +41,6 @@ class Counting:
         monkeypatch.setattr(model, "coefficients", coefficients)
 
 
-@pytest.mark.parametrize("count", [0, 1, 2, 3, 10, 101])
-def test_coarse_orders_come_first_and_every_order_comes_once(count):
-    visits = coarse_first(count)
-    assert sorted(visits) == list(range(count))
-    assert visits[:2] == [0, count - 1][:count]
-
-
-def test_the_first_orders_visited_cover_the_range_evenly():
-    first = sorted(coarse_first(101)[:5])
-    assert max(np.diff(first)) <= 40
-
-
 @torch.no_grad()
 def test_every_curve_is_what_the_head_and_the_measure_return():
     model, data = head(), pairs()
@@ -80,9 +68,11 @@ def test_every_curve_is_what_the_head_and_the_measure_return():
             assert found.curves[name][place] == pytest.approx(value.item(), abs=1e-6), name
 
 
-def test_chunks_of_any_size_give_the_same_answers():
+def test_chunks_of_any_size_give_the_same_answers(monkeypatch):
     model, data = head(), pairs()
-    whole, cut = (sweep(model, data, ORDERS, chunk=size) for size in (100, 5))
+    whole = sweep(model, data, ORDERS)
+    monkeypatch.setattr("omnivat.maps.sweep.walk.CHUNK", 5)
+    cut = sweep(model, data, ORDERS)
     np.testing.assert_allclose(whole.probabilities, cut.probabilities, atol=1e-6)
     for name, curve in whole.curves.items():
         np.testing.assert_allclose(cut.curves[name], curve, atol=1e-6)
@@ -103,7 +93,8 @@ def test_raw_and_transformed_embeddings_keep_every_gap_at_every_order():
 def test_coefficients_are_made_once_and_each_pair_passes_once_an_order(monkeypatch):
     model, data = head(), pairs()
     count = Counting(model, monkeypatch)
-    sweep(model, data, ORDERS, stages=STAGES, chunk=7)
+    monkeypatch.setattr("omnivat.maps.sweep.walk.CHUNK", 7)
+    sweep(model, data, ORDERS, stages=STAGES)
     assert count.prepared == 1
     assert count.pairs == len(data) * len(ORDERS)
 
@@ -135,15 +126,6 @@ def test_every_measure_has_a_curve_of_numbers(name):
     found = sweep(head(), pairs(count=60), (0.2, 0.7), measures=(name,))
     assert found.curves
     assert all(np.isfinite(curve).all() and curve.shape == (2,) for curve in found.curves.values())
-
-
-def test_steps_are_told_coarse_first():
-    steps = []
-    sweep(head(), pairs(), (0.0, 0.25, 0.5, 0.75, 1.0), on_step=steps.append)
-    assert [step.text for step in steps] == [
-        f"order {p}" for p in ("0.00", "1.00", "0.50", "0.25", "0.75")
-    ]
-    assert [step.done for step in steps] == [1, 2, 3, 4, 5]
 
 
 def test_a_class_that_the_head_does_not_know_counts_in_gaps_and_not_in_scores():
@@ -189,8 +171,7 @@ def test_a_projecting_head_measures_its_own_transform():
     [
         ({"stages": ("f_hut",)}, "No stage is called 'f_hut'; .*Did you mean 'f_hat'"),
         ({"measures": ("margins",)}, "No measure is called 'margins'.*Did you mean 'margin'"),
-        ({"chunk": 0}, "chunk must be 1 or more"),
-        ({"orders": (float("nan"),)}, "every order a finite number"),
+        ({"orders": (float("nan"),)}, "Every order must be a finite number"),
     ],
 )
 def test_what_cannot_be_swept_is_refused(wrong, sentence):
