@@ -1,6 +1,7 @@
 """The sweep over orders: its curves equal the library's results, without needless work."""
 
 from functools import partial
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -71,7 +72,7 @@ def test_every_curve_is_what_the_head_and_the_measure_return():
 def test_chunks_of_any_size_give_the_same_answers(monkeypatch):
     model, data = head(), pairs()
     whole = sweep(model, data, ORDERS)
-    monkeypatch.setattr("omnivat.maps.sweep.walk.CHUNK", 5)
+    monkeypatch.setattr(import_module("omnivat.maps.sweep.walk"), "CHUNK", 5)
     cut = sweep(model, data, ORDERS)
     np.testing.assert_allclose(whole.probabilities, cut.probabilities, atol=1e-6)
     for name, curve in whole.curves.items():
@@ -93,7 +94,7 @@ def test_raw_and_transformed_embeddings_keep_every_gap_at_every_order():
 def test_coefficients_are_made_once_and_each_pair_passes_once_an_order(monkeypatch):
     model, data = head(), pairs()
     count = Counting(model, monkeypatch)
-    monkeypatch.setattr("omnivat.maps.sweep.walk.CHUNK", 7)
+    monkeypatch.setattr(import_module("omnivat.maps.sweep.walk"), "CHUNK", 7)
     sweep(model, data, ORDERS, stages=STAGES)
     assert count.prepared == 1
     assert count.pairs == len(data) * len(ORDERS)
