@@ -7,7 +7,7 @@ import torch
 from torch.autograd import forward_ad
 from torch.func import functional_call, grad, jacfwd, jacrev, jvp, vmap
 
-from omnivat.fractional import FractionalTransform, coefficients, dfrft, synthesise
+from omnivat.fractional import FractionalTransform, dfrft
 from omnivat.fractional.build import _built
 
 # torch 2.13 scripts its own rules the first time that forward mode is used, and warns of that.
@@ -43,23 +43,6 @@ def test_vmap_over_vectors_orders_or_both_is_the_batched_transform(x, orders, pl
 def test_vmap_over_an_axis_that_is_not_the_first(x, orders):
     found = vmap(lambda v, p: dfrft(v, p), (1, 0))(x.T.contiguous(), orders)
     torch.testing.assert_close(found, dfrft(x, orders))
-
-
-def test_vmap_aligns_orders_and_vectors_of_different_depth(x, orders):
-    cube = torch.stack([x, 2 * x, -x])  # (3, 5, 16)
-    found = vmap(lambda v, p: dfrft(v, p))(cube, orders[:3])
-    torch.testing.assert_close(found, dfrft(cube, orders[:3, None]))
-
-
-@pytest.mark.parametrize("planar", [False, True])
-def test_a_tangent_of_the_order_is_the_slope_of_the_transform(x, orders, planar):
-    def transform(order):
-        return dfrft(x, order, planar=planar)
-
-    step = 1e-6
-    _, slope = jvp(transform, (orders,), (torch.ones_like(orders),))
-    difference = (transform(orders + step) - transform(orders - step)) / (2 * step)
-    torch.testing.assert_close(slope, difference, atol=1e-7, rtol=0)
 
 
 def test_a_tangent_of_the_vector_is_its_transform(x):
@@ -101,12 +84,6 @@ def test_a_gradient_for_each_sample_is_the_gradient_of_that_sample(x, orders):
         order = orders[row].clone().requires_grad_()
         loss(order, x[row]).backward()
         torch.testing.assert_close(found[row], order.grad)
-
-
-def test_kept_coefficients_pass_through_vmap(x, orders):
-    kept = coefficients(x)
-    found = vmap(lambda p: synthesise(kept, p))(orders)
-    torch.testing.assert_close(found, synthesise(kept, orders[:, None]))
 
 
 class _Real(torch.nn.Module):

@@ -9,9 +9,9 @@ from numpy.testing import assert_allclose
 from omnivat.head.checkpoint import Head
 from omnivat.head.head import build_head
 from omnivat.head.settings import HeadSettings
-from omnivat.maps.frames.builder import UnseenAccuracy
+from omnivat.maps.frames.builder import NAMES, build_frames
 from omnivat.maps.frames.records import with_learned
-from omnivat.measure.evaluate import evaluate, predicted_probabilities
+from omnivat.measure.evaluate import evaluate
 from omnivat.measure.unseen import (
     counted,
     judged,
@@ -136,11 +136,11 @@ def test_of_large_domains_an_even_part_is_judged():
 def test_the_curve_of_frames_is_the_mean_over_unseen_domains(case):
     head, embeddings, summary = case
 
-    curve = UnseenAccuracy(embeddings, head.settings.classes, SOURCE)
-    values = curve.at(predicted_probabilities(head.model, embeddings))
+    here = {"orders": [head.model.order], "maps": {}, "measures": ["accuracy"]}
+    curves = build_frames(head.model, embeddings, **here, provenance={"source": SOURCE}).curves
     for reading, name in (("fused", "accuracy/unseen"), ("tac", "accuracy:tac/unseen")):
-        assert values[name] == pytest.approx(summary["unseen"][f"answers/{reading}"]["share"])
-    assert UnseenAccuracy(embeddings, head.settings.classes, "elsewhere").at({}) == {}
+        assert curves[name] == pytest.approx([summary["unseen"][f"answers/{reading}"]["share"]])
+    assert not set(NAMES.values()) & set(build_frames(head.model, embeddings, **here).curves)
 
 
 def test_without_unseen_pairs_there_is_no_mean(make_embeddings):
