@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 import torch
 
-from omnivat.encoders.lang.bank import load_bank, save_bank
 from omnivat.encoders.lang.clip_prompts import ClipWords
 from omnivat.encoders.lang.promptstyler import (
     STYLE,
@@ -123,28 +122,16 @@ def test_same_seed_gives_the_same_styles_and_a_longer_list_starts_alike(tower):
     assert not torch.equal(short, other)
 
 
-def test_progress_counts_styles(tower):
+def test_the_bank_holds_every_class_in_every_style_and_says_where_it_is_from(tower):
+    """Eighty styles a class are learned where nothing else is asked."""
     steps = []
-    learn_styles(tower, CLASSES, styles=3, steps=1, on_step=steps.append)
-    assert [(step.done, step.total) for step in steps] == [(1, 3), (2, 3), (3, 3)]
-
-
-def test_the_bank_holds_every_class_in_every_style_and_says_where_it_is_from(tower, tmp_path):
-    words = learn_styles(tower, CLASSES, styles=2, steps=1)
+    words = learn_styles(tower, CLASSES, steps=1, on_step=steps.append)
+    assert [(step.done, step.total) for step in steps] == [(k, 80) for k in range(1, 81)]
     bank = styled_bank(tower, CLASSES, words, how=" of 1 step, seed 0")
-    assert bank.embeddings.shape == (3, 2, 12)
+    assert bank.embeddings.shape == (3, 80, 12)
     wanted = tower.embed_with_word(["a x style of a steel"], words[1])[0]
     np.testing.assert_allclose(bank.embeddings[1, 1], wanted.detach().numpy(), rtol=1e-5)
-    save_bank(tmp_path / "bank.safetensors", bank)
-    read = load_bank(tmp_path / "bank.safetensors")
-    assert (
-        read.origin == "PromptStyler stage 1, 2 styles of 1 step, seed 0, through tiny random CLIP"
-    )
-
-
-def test_eighty_styles_a_class_are_learned_where_nothing_else_is_asked(tower):
-    words = learn_styles(tower, CLASSES, steps=1)
-    bank = styled_bank(tower, CLASSES, words)
-    assert bank.embeddings.shape == (3, 80, 12)
     assert len(np.unique(bank.embeddings[0].round(6), axis=0)) == 80
-    assert bank.origin == "PromptStyler stage 1, 80 styles, through tiny random CLIP"
+    assert (
+        bank.origin == "PromptStyler stage 1, 80 styles of 1 step, seed 0, through tiny random CLIP"
+    )
