@@ -52,6 +52,7 @@ def image_encoder(clip: Clip, device: torch.device, precision: str) -> TorchEnco
         pool=None if resnet else lambda output: output.image_embeds,
         device=device,
         precision=precision,
+        width=shape.embed,
         name=clip.name,
         weights_hash=clip.image_hash,
         text_hash=clip.text_hash,

@@ -112,6 +112,7 @@ class EfficientNetLite0(TorchEncoder):
             device=device,
             precision=precision,
             onnx=True,
+            width=1280,
             name=NAME,
             weights_hash=state_hash(state),
         )

@@ -46,6 +46,7 @@ class TorchEncoder:
     device      device of the computation
     precision   "fp32", "bf16", or "fp32-onnx" where `onnx` allows it
     onnx        True if the network was checked in ONNX Runtime
+    width       D, if it is known; 0 finds and checks it by two runs on a grey picture
     name        its name; load_encoder replaces it by the name used for loading
     weights_hash, text_hash  hashes of its weights, "" for those of the network, and of a text tower
 
@@ -65,6 +66,7 @@ class TorchEncoder:
         device: torch.device | str = "cpu",
         precision: str = "fp32",
         onnx: bool = False,
+        width: int = 0,
         name: str = "",
         weights_hash: str = "",
         text_hash: str = "",
@@ -82,7 +84,7 @@ class TorchEncoder:
         self.network: Any = placed(network, self._device, self._type)
         if precision == ONNX:
             self.network = in_onnx_runtime(self.network, torch.zeros(1, 3, side, side))
-        self.width = probed(self)
+        self.width = width or probed(self)
 
     def preprocess(self, image: Image.Image) -> Tensor:
         """Convert an RGB image to the tensor (C, H, W) for `embed`."""
