@@ -43,6 +43,8 @@ def test_standard_scaling_gives_unit_variance_and_leaves_a_constant_axis_at_zero
     scaled = scaling(rows, "standard")(rows)
     torch.testing.assert_close(scaled[:, :3].var(0, correction=0), torch.ones(3).double())
     assert (scaled[:, 3] == 0).all()
+    for kind in ("unit", "standard"):  # rows without any spread say nothing about others
+        assert not scaling(torch.zeros(3, 2), kind)(torch.ones(1, 2)).any()
 
 
 def test_unit_scaling_ignores_the_length_of_a_row():

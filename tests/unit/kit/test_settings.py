@@ -52,6 +52,12 @@ def test_a_file_of_settings_is_held_to_the_same_ranges():
         settings_from(HeadSettings, {**WANTED[HeadSettings], "logit_scale": -1})
 
 
+@pytest.mark.parametrize(("name", "value"), [("width", [16]), ("classes", "wood"), ("maps", 1)])
+def test_a_value_of_another_kind_is_refused(name, value):
+    with pytest.raises(SettingsError, match=f"Setting '{name}' is .*; it must be"):
+        settings_from(HeadSettings, {**WANTED[HeadSettings], name: value})
+
+
 def test_a_search_and_a_random_order_exclude_each_other():
     with pytest.raises(SettingsError, match="order_search and order_draw exclude each other"):
         TrainSettings(order_search=True, order_draw="batch")

@@ -16,6 +16,13 @@ def test_nothing_known_is_what_evaluate_says(head, shifted):
     assert found["low"] < found["accuracy"] < found["high"]
 
 
+def test_an_evaluation_reports_the_pairs_of_each_domain(head, shifted):
+    steps = []
+    evaluate(head, shifted, on_step=steps.append)
+    assert [(one.done, one.total) for one in steps] == [(120, 240), (240, 240)]
+    assert [one.text for one in steps] == ["TAG-sim", "OF Real-sim"]
+
+
 def test_pictures_and_labels_bring_a_shifted_sensor_back(head, shifted):
     steps = [
         measured(head, shifted, what, draws=3) for what in (NOTHING, pairs(5), pairs(50), labels(3))

@@ -1,4 +1,4 @@
-"""Chirps of a second program: shares no line with omnivat.simulate.chirps, nor its transform.
+"""Chirps of a second program, which shares no line with omnivat.simulate.chirps.
 
 It differs where a search could lean on the first: places of classes are random, interference may be
 as near as 0.1 to p*, at the ends of [0, 1] and of any number of spikes, and one modality may be
@@ -6,13 +6,14 @@ without a signal.
 """
 
 from dataclasses import dataclass
-from functools import cache
 from typing import Any
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
 
 from omnivat.data.embeddings import Embeddings, Header
+from omnivat.fractional import dfrft
 
 NOISE = 0.05
 
@@ -30,31 +31,6 @@ class Recipe:
     classes: int = 5
     pairs: int = 100  # of each domain
     seed: int = 0
-
-
-@cache
-def eigenvectors(width: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return V (D, D) and k (D,) of F_p = V exp(-iπpk/2) Vᵀ, by dense matrices of each parity."""
-    n = np.arange(width)
-    shift = np.roll(np.eye(width), 1, axis=0)
-    commuting = np.diag(2 * np.cos(2 * np.pi * n / width)) + shift + shift.T
-    mirror = np.eye(width)[-n % width]
-    found: list[tuple[int, NDArray[np.float64]]] = []
-    for sign, first in ((1, 0), (-1, 1)):
-        levels, sides = np.linalg.eigh((np.eye(width) + sign * mirror) / 2)
-        side = sides[:, levels > 0.5]
-        vectors = side @ np.linalg.eigh(side.T @ commuting @ side)[1][:, ::-1]
-        found += [(first + 2 * k, vectors[:, k]) for k in range(vectors.shape[1])]
-    return np.stack([v for _, v in found], 1), np.array([k for k, _ in found])
-
-
-def turned(rows: NDArray[Any], order: float) -> NDArray[np.complex128]:
-    """Return F_p of rows (N, D)."""
-    vectors, index = eigenvectors(rows.shape[-1])
-    turned: NDArray[np.complex128] = (rows @ vectors * np.exp(-0.5j * np.pi * order * index)) @ (
-        vectors.T
-    )
-    return turned
 
 
 def drawn(seed: int, **fixed: Any) -> Recipe:
@@ -120,7 +96,10 @@ def _signals(
     for _ in range(recipe.spikes):
         phase = np.exp(2j * np.pi * random.random(len(rows)))
         other[rows, random.integers(0, recipe.width, len(rows))] += phase
-    signal, noise = (turned(z, -p).real for z, p in ((spike, recipe.order), (other, order)))
+    signal, noise = (
+        dfrft(torch.from_numpy(z), -p).real.numpy()
+        for z, p in ((spike, recipe.order), (other, order))
+    )
     signal, noise = (
         z / np.linalg.norm(z, axis=1, keepdims=True).clip(1e-9) for z in (signal, noise)
     )
