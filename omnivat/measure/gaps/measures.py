@@ -86,13 +86,13 @@ def mean_pairwise(features: Features, facts: Facts, *, gap: str) -> Values:
     """
     measure = load(GAPS, gap, kind="gap")
     each: list[Tensor] = []
-    sizes = {name: int(members.sum()) for name, members in facts.parts() if name != "all"}
+    members = {name: facts.domains == index for index, name in facts.named_domains()}
     for rows in features.values():
-        sets = {name: rows[members] for name, members in facts.parts() if name != "all"}
         try:
+            sets = {name: rows[own] for name, own in members.items()}
             each += pairwise_gaps(sets, measure).values()
         except ShapeError as error:  # the first message names rows a and b; add the domains
-            few = ", ".join(f"{name} {size}" for name, size in sizes.items())
+            few = ", ".join(f"{name} {int(own.sum())}" for name, own in members.items())
             raise ShapeError(f"{gap}: {error} Pairs of each domain: {few}.") from error
     yield "", torch.stack(each).mean() if each else torch.tensor(float("nan"))
 

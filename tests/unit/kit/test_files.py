@@ -328,3 +328,4 @@ def test_a_message_that_lists_thousands_of_names_is_shortened():
         DataError(f"No domain is called 'x'; there are {', '.join(map(str, range(10_000)))}.")
     )
     assert len(text) < 2000 and text.startswith("No domain") and text.endswith("9999.")
+    assert str(DataError("a\nb\x1b")) == r"a\nb\x1b"  # on one line, whatever a file holds
