@@ -67,7 +67,7 @@ export const moveTo = (p) => change({ p2: framesOf().orders[framesOf().stop(p)] 
 
 /** What predicts can be chosen from: the heads, and a method fitted on the source. */
 async function offer() {
-  const [first, ...more] = await heads().catch(() => [{ folder: "the head", problem: true }]);
+  const [first, ...more] = await heads().catch(() => [{ name: "", folder: "the head", problem: "unknown" }]);
   const others = more.filter(({ problem }) => !problem).map((head) => [head.name, headLabel(head)]);
   put($(".beside .by"), options([["", headLabel(first)], ...others, ...methodsFor(scene.own)], state.head2));
 }

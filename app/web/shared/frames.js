@@ -178,7 +178,7 @@ export async function whenFine(onWait, named = {}) {
 }
 
 /** The sheet of thumbnails of a set that has them; null in a saved page without them.
- * @returns {Promise<any>} */
+ * @returns {Promise<Sprite | null>} */
 export const fetchThumbnails = (set = "") => awaited(sheet(set));
 
 /** @param {string} set */

@@ -8,7 +8,7 @@ const METHOD = "method:";
 /** @type {Map<string, Frames>} */
 const finest = new Map(); // head -> its finer frames, once they are there
 
-/** The server's heads, the first one first. @returns {Promise<any[]>} */
+/** The server's heads, the first one first. */
 export const heads = () => once("heads", () => json("heads"));
 
 /** @param {HeadRow} head */

@@ -31,7 +31,7 @@ function accuracy(frames, domain) {
 }
 
 /** The values of one measure at one stage, of one domain if named; null if not measured.
- * @param {Frames} frames @param {string} name @param {string} stage @returns {any} */
+ * @param {Frames} frames @param {string} name @param {string} stage */
 export function values(frames, name, stage, domain = "") {
   if (name === "accuracy") return accuracy(frames, domain);
   return series(frames, `${name}/${featuresOf(stage)}${domain && `/${domain}`}`);

@@ -295,17 +295,18 @@ interface Labels {
   points: { objects: number; right: number; low: number; high: number }[];
   words: string;
 }
+/** A head beside the first one; one with a `problem` has only its name and folder. */
 interface HeadRow {
   name: string;
   folder: string;
   problem?: string;
-  generation: string;
-  mffa: boolean;
-  levels: number;
-  width: number;
-  start: number;
-  source: string;
-  seed: number;
+  generation?: string;
+  mffa?: boolean;
+  levels?: number;
+  width?: number;
+  start?: number;
+  source?: string;
+  seed?: number;
 }
 interface Tree {
   classes: string[];

@@ -28,8 +28,10 @@ export async function start(root) {
     put($(".choices"), formHtml(await ask("trainings", {})));
   } catch (error) {
     refused(error, (/** @type {string} */ sentence) => tell($(".problem"), sentence, true));
-    if (unfit?.problem) put($(".headless"), remedyHtml(unfit));
-    $(".headless").hidden = !unfit?.problem;
+    if (unfit?.problem) {
+      put($(".headless"), remedyHtml(unfit));
+      $(".headless").hidden = false;
+    }
     $(".bench").hidden = $(".explain").hidden = true; // nothing there works without the choices
     return;
   }
@@ -92,7 +94,8 @@ async function trains($, first) {
   $(".stop").onclick = () => attempt(() => ask("training/cancel", run()), onProblem);
   $(".scrubber input").oninput = (/** @type {Found} */ { target }) => send({ kind: "looked", at: +target.value });
   onClick($(".actions"), {
-    ".use": () => use(state.run?.standing.set ?? ""),
+    // its own frames; the other modes are other heads
+    ".use": () => location.assign(`?${new URLSearchParams({ set: `${state.run?.standing.set}`, mode: OWN_MODE })}`),
     ".save": () => attempt(async () => save("trained-head.zip", await made("save/trained", run())), onProblem),
   });
 
@@ -117,15 +120,6 @@ async function news({ started, epochs, standing }) {
     if (!isForgotten(error)) throw error;
     return { ...standing, state: "failed", problem: `${error instanceof Error && error.message}`, epochs: [] };
   }
-}
-
-/** Open a set in Explore. @param {string} set */
-function use(set) {
-  const address = new URL(location.href);
-  address.search = "";
-  address.searchParams.set("set", set);
-  address.searchParams.set("mode", OWN_MODE); // its own frames; the other modes are other heads
-  location.assign(address);
 }
 
 /** Where the accuracies of a run come from. @param {string} head @param {Settings} question */
