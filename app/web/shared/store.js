@@ -43,7 +43,7 @@ const DEFAULTS = {
 };
 /** The chapters of Explore, and what each opens with where it differs from the workbench.
  * @type {Record<string, Partial<State>>} */
-export const CHAPTERS = {
+const CHAPTERS = {
   touch: { reading: "tac" },
   where: { map: "pca" },
   order: { map: "pca", colour: "class" },

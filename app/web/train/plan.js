@@ -27,11 +27,11 @@ const NAMES = /** @type {(keyof typeof NUMBERS)[]} */ (Object.keys(NUMBERS));
 export function formHtml({ sources, widths, orders, ranges, first }) {
   /** @param {"source" | "order" | "width"} name @param {string} label @param {(string | number)[][]} all */
   const select = (name, label, all) =>
-    html`<label>${label}<select name="${name}">${options(all, first[name])}</select></label>`;
+    html`<label><span>${label}</span><select name="${name}">${options(all, first[name])}</select></label>`;
   /** @param {keyof typeof NUMBERS} name */
   const number = (name) => {
     const [[label, step], [low, high]] = [NUMBERS[name], ranges[name]];
-    return html`<label>${label}<input type="number" name="${name}" min="${low}" max="${high}" step="${step}" value="${first[name]}" required></label>`;
+    return html`<label><span>${label}</span><input type="number" name="${name}" min="${low}" max="${high}" step="${step}" value="${first[name]}" required></label>`;
   };
   /** @param {string | number} value */
   const itself = (value) => [value, value];

@@ -171,5 +171,5 @@ const earlierHtml = (runs) =>
   html`<h3>Trained in this visit</h3>${table(
     "Heads trained in this visit",
     HEAD,
-    runs.map((run) => row(html`${inWords(run.question)}`, result(run))),
+    runs.map((run) => row(inWords(run.question), result(run))),
   )}<p class="hint">Each over the same pairs as above.</p><p class="difference">${compared(runs)}</p>`;
