@@ -3,7 +3,7 @@ import test from "node:test";
 import { frames } from "./browser.js";
 
 const { cell } = await import("../../app/web/shared/csv.js");
-const { levels, stairs } = await import("../../app/web/explore/staircase.js");
+const { levels, treads } = await import("../../app/web/explore/staircase.js");
 const { histogram, ranged, shifted } = await import("../../app/web/explore/finder.js");
 const { addressOf } = await import("../../app/web/explore/panels.js");
 const { inView } = await import("../../app/web/explore/pictures.js");
@@ -50,7 +50,7 @@ test("a larger value is a higher tread; a missing one keeps the height of the on
   assert.ok(heights[1] < heights[0]);
   assert.equal(heights[2], heights[1]);
   assert.ok(heights[3] > heights[0]);
-  assert.match(stairs(heights), /^M0 [\d.]+H1V[\d.]+H2V[\d.]+H3V[\d.]+H4$/);
+  assert.match(treads(heights), /^M0 [\d.]+H1V[\d.]+H2V[\d.]+H3V[\d.]+H4$/);
 });
 
 test("a histogram counts every value once, those at the ends too", () => {

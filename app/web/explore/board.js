@@ -24,7 +24,7 @@ import { listen } from "./pictures.js";
 import { $, change, fill, html, put, scene, state, take } from "./root.js";
 import { labelCsv } from "./saving.js";
 import { answers, cellChosen, filtered, isDouble, moved, packed, unpacked } from "./scene.js";
-import { choose, layOutSteps, showStop } from "./staircase.js";
+import { layOutSteps, markStep, showStop } from "./staircase.js";
 import * as strangers from "./strangers.js";
 import * as threads from "./threads.js";
 import * as toy from "./toy.js";
@@ -149,7 +149,7 @@ export function showStage() {
   const steps = stepsOf(frames).map(({ key }) => key);
   if (!steps.includes(state.stage)) return change({ stage: frames.headless ? "raw" : "frft" }); // it lacks a projection
   const stage = stageNamed(state.stage);
-  choose();
+  markStep();
   put($(".explain"), html`<b>${stage.name}.</b> ${explained(stage, frames)}`);
   define($(".explain"));
   maps.showKinds();

@@ -33,7 +33,7 @@ function showSets(sets) {
     $(".sets"),
     html`${sets.map(
       ({ name, title, shown }) =>
-        html`<button type="button" data-set="${name}" aria-pressed="${String(shown)}" title="${WORDS[name] ?? ""}">${title}</button>`,
+        html`<button data-set="${name}" aria-pressed="${String(shown)}" title="${WORDS[name] ?? ""}">${title}</button>`,
     )}`,
   );
 }

@@ -69,7 +69,7 @@ export function show() {
     $(".histograms"),
     html`${rows.map(
       ({ name, title, help, span: [low, high] }) =>
-        html`<figure data-name="${name}" title="${help}"><figcaption>${title} <button type="button" class="link" hidden>clear</button></figcaption>
+        html`<figure data-name="${name}" title="${help}"><figcaption>${title} <button class="link" hidden>clear</button></figcaption>
       <svg viewBox="0 0 ${BINS} ${HIGH}" preserveAspectRatio="none" role="slider" tabindex="0" aria-label="${title}: drag to keep a range; arrows move its lower end, Shift and arrows its upper end" aria-valuemin="${low}" aria-valuemax="${high}" aria-valuenow="${low}"></svg>
       <span class="ends"><small>${low.toFixed(2)}</small><small>${high.toFixed(2)}</small></span></figure>`,
     )}`,

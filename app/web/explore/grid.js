@@ -65,7 +65,7 @@ function tile(pair) {
   const words = said
     ? html`${!right && `${truth} `}<span class="${right ? "right" : "wrong"}">${marked(right, said)}</span>`
     : truth;
-  return html`<button type="button" data-pair="${pair}" title="${name}" aria-label="${name}"><span class="thumbs">${thumbnail(sprite, pair, SIDE, "VIS")}${thumbnail(sprite, pair + frames.pairs, SIDE, "TAC")}</span><small>${words}${tag && html` <i class="tag">${tag}</i>`}</small></button>`;
+  return html`<button data-pair="${pair}" title="${name}" aria-label="${name}"><span class="thumbs">${thumbnail(sprite, pair, SIDE, "VIS")}${thumbnail(sprite, pair + frames.pairs, SIDE, "TAC")}</span><small>${words}${tag && html` <i class="tag">${tag}</i>`}</small></button>`;
 }
 
 /** Show the pictures. */
@@ -76,7 +76,7 @@ export function showGrid() {
   box.parentElement.hidden = !pairs.length || !["fooled", "analyse"].includes(state.chapter);
   if (!pairs.length) return put(box, html``);
   const first = why ? LESSON : SHOWN;
-  const tools = html`<div class="row">${points && html`<button type="button" class="clear">Clear</button>`}<button type="button" class="csv" data-save="csv">Save as CSV</button><label>Tag <input type="text" class="tagging" maxlength="40" placeholder="a word, then Enter"></label></div>`;
+  const tools = html`<div class="row">${points && html`<button class="clear">Clear</button>`}<button class="csv" data-save="csv">Save as CSV</button><label>Tag <input type="text" class="tagging" maxlength="40" placeholder="a word, then Enter"></label></div>`;
   const tiles = html`<div class="tiles">${pairs.slice(0, first).map(tile)}</div>${pairs.length > first && html`<p class="hint">${pairs.length - first} more pairs are in the CSV.</p>`}`;
   put(box, html`${heading(list)}${why ? [tiles, tools] : [tools, tiles]}`); // a chapter shows the pictures first
 }
@@ -100,5 +100,5 @@ export const neighboursHtml = (points, { frames, sprite }) =>
     const half = point < frames.pairs ? "VIS" : "TAC";
     const pair = point % frames.pairs;
     const name = `${half} of pair ${pair}, ${frames.classes[frames.label[pair]]}, ${frames.domains[frames.domain[pair]]}, cosine ${cosine.toFixed(3)}`;
-    return html`<button type="button" data-point="${point}" title="${name}" aria-label="${name}">${thumbnail(sprite, point, 48, half)}<small>${half} ${cosine.toFixed(2)}</small></button>`;
+    return html`<button data-point="${point}" title="${name}" aria-label="${name}">${thumbnail(sprite, point, 48, half)}<small>${half} ${cosine.toFixed(2)}</small></button>`;
   })}`;

@@ -40,50 +40,37 @@ function elsewhere(frames) {
   return `Elsewhere its mean accuracy in unseen domains is ${percent(mean)} (guessing: ${percent(1 / frames.classes.length)}). `;
 }
 
-/** Show the choice of modes. `onFrames` shows the frames of another mode; `say` the sentence of a Refusal.
- * @param {(frames: Frames) => void} onFrames @param {(sentence: string) => void} say */
-export function modesOfP(onFrames, say) {
-  let mark = () => {};
+/** The mode that is wanted: the one in the address, or the first of the set. */
+const wantedMode = () => (scene.modes.includes(state.mode) ? state.mode : scene.modes[0]);
+let mark = () => {};
 
-  const opening = () => (scene.modes.includes(state.mode) ? state.mode : scene.modes[0]);
-
-  /** The frames of a mode; null if they cannot be had or another mode is wanted by then.
-   * @param {string} mode @returns {Promise<Frames | null>} */
-  async function fetched(mode) {
-    const { own, set } = take({ wanted: mode });
-    try {
-      const frames = mode === OWN_MODE ? own : await framesOf(mode, own, set);
-      if (scene.wanted !== mode || scene.set !== set) return null;
-      take({ mode });
-      mark();
-      return frames;
-    } catch (error) {
-      refused(error, say);
-      return mode === OWN_MODE ? null : fetched(OWN_MODE);
-    }
-  }
-
-  /** @param {string} mode */
-  async function choose(mode) {
-    const frames = await fetched(mode);
-    if (!frames) return;
-    change({ mode: mode === scene.modes[0] ? "" : mode });
-    onFrames(frames);
-  }
-
-  return {
-    /** The frames that a set opens with: of the mode in the address, or of the first one. */
-    open() {
-      const { modes, own } = scene;
-      const options = modes.map((key) => {
-        const { title = "", help } = modeOf({ kind: key === OWN_MODE ? own.kind : key }); // the loaded head may be one for every p
-        return { key, label: title, title: help };
-      });
-      $(".modes").hidden = modes.length < 2;
-      mark = radios($(".modes"), options, () => scene.mode, choose);
-      return fetched(opening());
-    },
-    /** Show the mode in the address if another one is shown. */
-    follow: () => opening() !== scene.wanted && choose(opening()),
-  };
+/** The choice between the modes of a set. */
+export function showModes() {
+  const { modes, own } = scene;
+  const options = modes.map((key) => {
+    const { title = "", help } = modeOf({ kind: key === OWN_MODE ? own.kind : key }); // the loaded head may be one for every p
+    return { key, label: title, title: help };
+  });
+  const choose = (/** @type {string} */ mode) => change({ mode: mode === modes[0] ? "" : mode });
+  $(".modes").hidden = modes.length < 2;
+  mark = radios($(".modes"), options, () => scene.mode, choose);
 }
+
+/** The frames of a mode; null if they cannot be had or others are wanted by then. `say` shows the sentence of a Refusal.
+ * @param {(sentence: string) => void} say @returns {Promise<Frames | null>} */
+export async function framesOfMode(say, wanted = wantedMode()) {
+  const { own, set } = take({ wanted });
+  try {
+    const frames = wanted === OWN_MODE ? own : await framesOf(wanted, own, set);
+    if (scene.wanted !== wanted || scene.set !== set) return null;
+    take({ mode: wanted });
+    mark();
+    return frames;
+  } catch (error) {
+    refused(error, say);
+    return wanted === OWN_MODE ? null : framesOfMode(say, OWN_MODE);
+  }
+}
+
+/** Whether another mode is wanted than the one that is shown or on its way. */
+export const isOtherWanted = () => wantedMode() !== scene.wanted;

@@ -10,7 +10,7 @@ import { making, tell } from "../shared/view.js";
 import { buildBoard } from "./acts.js";
 import * as board from "./board.js";
 import { LESSONS, startOf } from "./chapters.js";
-import { modesOfP } from "./modes.js";
+import { framesOfMode, isOtherWanted, showModes } from "./modes.js";
 import { $, all, scene, state, take } from "./root.js";
 import { learned, loaded } from "./scene.js";
 import * as threads from "./threads.js";
@@ -36,7 +36,11 @@ const telling = (step) =>
         : making(step),
   );
 
-export const modes = modesOfP((frames) => board.replace(frames), say);
+/** Show the mode in the address if another one is shown. */
+export async function followMode() {
+  const frames = isOtherWanted() && (await framesOfMode(say));
+  if (frames) board.replace(frames);
+}
 
 /** The set of a chapter. Finer frames take the place of coarse ones later.
  * @type {(set: string, onWait: (step: any) => void) => Promise<SetData>} */
@@ -69,7 +73,8 @@ export async function enter() {
     if (late()) return;
     if (scene.own !== data.own) take(loaded(data));
     buildBoard();
-    const frames = await modes.open();
+    showModes();
+    const frames = await framesOfMode(say);
     if (late() || !frames) return;
     opened(chapter);
     if (state.p === null) openAt(startOf(chapter, frames, data.own));

@@ -78,7 +78,8 @@ export function filtered(scene, address) {
 
 /** Whether a pair passes every filter. @type {(scene: Scene, address: State) => (pair: number) => boolean} */
 export function wantedPairs({ frames, facts, cell }, address) {
-  const [domains, classes] = [shownOf("domain", frames.domains, address), shownOf("class", frames.classes, address)];
+  const domains = new Set(left("domain", frames.domains, address));
+  const classes = new Set(left("class", frames.classes, address));
   const alike = address.alike === "1" ? facts.pairs?.looks_like : null;
   const words = address.find.trim().toLowerCase().split(/\s+/);
   const text = (/** @type {number} */ pair) =>
@@ -88,54 +89,51 @@ export function wantedPairs({ frames, facts, cell }, address) {
     return values && range ? [{ values, range }] : [];
   });
   return (pair) =>
-    domains[frames.domain[pair]] &&
-    classes[frames.label[pair]] &&
+    domains.has(frames.domains[frames.domain[pair]]) &&
+    classes.has(frames.classes[frames.label[pair]]) &&
     alike?.[pair] !== "" &&
     (!cell || cell.pairs.has(pair)) &&
     ranges.every(({ values, range }) => values[pair] >= range[0] && values[pair] <= range[1]) &&
     words.every((word) => !word || text(pair).includes(word));
 }
 
-/** @type {(kind: Filter, names: string[], address: State) => boolean[]} */
-const shownOf = (kind, names, address) => {
+/** The names that a filter leaves. @type {(kind: Filter, names: string[], address: State) => string[]} */
+function left(kind, names, address) {
   const hides = hidden(kind, address);
-  return names.map((name) => !hides.has(name));
-};
+  return names.filter((name) => !hides.has(name));
+}
 
 /** The kept ranges of the histograms. @type {(address: Pick<State, "range">) => Record<string, Span>} */
 export function rangesOf({ range }) {
-  const parts = range.split("~").map((part) => part.split(":"));
-  return Object.fromEntries(
-    parts.flatMap(([name, ...ends]) =>
-      HISTOGRAMS.some((histogram) => histogram.name === name) &&
-      ends.length === 2 &&
-      ends.every((end) => Number.isFinite(+end))
-        ? [[name, [+ends[0], +ends[1]]]]
-        : [],
-    ),
-  );
+  /** @type {Record<string, Span>} */
+  const ranges = {};
+  for (const part of range.split("~")) {
+    const [name, from, to, ...more] = part.split(":");
+    const known = HISTOGRAMS.some((histogram) => histogram.name === name) && !more.length;
+    if (known && Number.isFinite(+from) && Number.isFinite(+to)) ranges[name] = [+from, +to];
+  }
+  return ranges;
 }
 
 /** The only domain that the filters leave; "" if there are several. @type {(scene: Pick<Scene, "frames">, address: State) => string} */
 export function loneDomain({ frames }, address) {
-  const left = frames.domains.filter((name) => !hidden("domain", address).has(name));
-  return left.length === 1 ? left[0] : "";
+  const [domain, ...more] = left("domain", frames.domains, address);
+  return domain && !more.length ? domain : "";
 }
 
 /** The active filters, in words; [] for none. @type {(scene: Scene, address: State) => string[]} */
 export function filtering({ frames, facts, cell }, address) {
-  const lists = /** @type {[Filter, string[], string][]} */ ([
-    ["domain", frames.domains, "domains"],
-    ["class", frames.classes, "classes"],
-  ]).map(([kind, names, many]) => {
-    const left = names.filter((name) => !hidden(kind, address).has(name));
-    if (left.length === names.length) return "";
-    return left.length > 2 ? `${left.length} ${many}` : left.join(", ") || `no ${kind}`;
-  });
+  /** @type {(kind: Filter, names: string[], many: string) => string} */
+  const listed = (kind, names, many) => {
+    const some = left(kind, names, address);
+    if (some.length === names.length) return "";
+    return some.length > 2 ? `${some.length} ${many}` : some.join(", ") || `no ${kind}`;
+  };
   const find = address.find.trim();
   const ranges = rangesOf(address);
   return [
-    ...lists,
+    listed("domain", frames.domains, "domains"),
+    listed("class", frames.classes, "classes"),
     address.alike === "1" && facts.pairs && "look-alikes",
     cell?.words,
     find && `“${find}”`,

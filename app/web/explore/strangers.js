@@ -35,8 +35,6 @@ export function lookAlikes(frames, unseen, pairs) {
   return [...first.values()];
 }
 
-let markReading = () => {};
-
 /** Show the facts about the head. */
 export function show() {
   const { unseen } = scene.facts;
@@ -44,19 +42,10 @@ export function show() {
   const measured = unseen.domains.some((domain) => domain["answers/fused"]); // else there are no test pairs
   for (const part of [$(".strangers"), $("[data-panel=confusion]"), $("[data-panel=domains]")])
     part.classList.toggle("nothing", !measured);
-  if (!$(".readings")) {
-    put(
-      $(".strangers"),
-      html`<div class="lookers"></div><div class="readings bars" role="radiogroup" aria-label="What the head is given"></div>`,
-    );
-    put(
-      $(".confused"),
-      html`<p>Columns: predicted, of <select class="of-domain" aria-label="Domain of the confusion matrix"></select></p><div class="confusion"></div>
-        <p class="hint cell-words"></p>`,
-    );
-    markReading = choice(".readings", "reading", READINGS);
+  if (!$(".readings button")) {
+    $(".strangers .hint").remove();
+    choice(".readings", "reading", READINGS);
   }
-  markReading();
   showLookers(unseen);
   showReadings(unseen);
   put($(".each-domain"), bars(unseen));
@@ -84,7 +73,7 @@ function showLookers(unseen) {
     .slice(0, shown)
     .map(
       (pair) =>
-        html`<button type="button" data-pair="${pair}"><span class="thumbs">${read(pair, "vis", "photo")}${read(pair, "tac", "touch")}</span>${unseen.classes[frames.label[pair]]}, like ${names.looks_like[pair]}</button>`,
+        html`<button data-pair="${pair}"><span class="thumbs">${read(pair, "vis", "photo")}${read(pair, "tac", "touch")}</span>${unseen.classes[frames.label[pair]]}, like ${names.looks_like[pair]}</button>`,
     );
   put(box, html`${buttons}`);
 }
@@ -135,7 +124,7 @@ export function showConfusion() {
   ];
   const button = (/** @type {number} */ count, /** @type {number} */ truth, /** @type {number} */ answer) => {
     const on = cell?.truth === truth && cell.answer === answer;
-    return html`<td class="${truth === answer && "hit"}"><button type="button" aria-pressed="${String(on)}" data-truth="${truth}" data-answer="${answer}" style="--s:${((100 * count) / most).toFixed(0)}%" aria-label="${classes[truth]} predicted as ${classes[answer]}: ${count} pairs" ${!count && html`disabled`}>${count || ""}</button></td>`;
+    return html`<td class="${truth === answer && "hit"}"><button aria-pressed="${String(on)}" data-truth="${truth}" data-answer="${answer}" style="--s:${((100 * count) / most).toFixed(0)}%" aria-label="${classes[truth]} predicted as ${classes[answer]}: ${count} pairs" ${!count && html`disabled`}>${count || ""}</button></td>`;
   };
   const rows = counts.map(
     (row, truth) =>

@@ -47,8 +47,6 @@ let sheet;
 let moving = 0;
 let arrived = (/** @type {number} */ _) => {}; // of a glide that has ended
 let shownAt = ""; // the place and method that the map shows
-/** Show what is chosen in each group of buttons. @type {(() => void)[]} */
-let marks = [];
 
 /** Whether the page shows another set than the project's, whose bars then stand above those of the twins. */
 const isOwn = () => scene.first === "analyse" && !held;
@@ -80,7 +78,8 @@ function build() {
   cloud.painters = [thread];
   sheet = Object.assign(new Image(), { onload: () => cloud.paintMarks() });
   onTheme(() => cloud.redraw());
-  marks = [choice(".places", "rung", PLACES), choice(".split.twins .segments", "reading", READINGS)];
+  choice(".places", "rung", PLACES);
+  choice(".split.twins .segments", "reading", READINGS);
 }
 
 /** The number of the shown press, and its point by the sensor that the first chapter learned from. */
@@ -115,7 +114,6 @@ export function show() {
   if (!cloud) return;
   const { twins } = scene;
   const { table, dots, press } = chosen(twins, state);
-  for (const mark of marks) mark();
   $().dataset.rung = state.rung;
   showSensors();
   showLayers();
@@ -146,7 +144,7 @@ function showSensors() {
   const { twins, twinsMap, alone } = scene;
   const buttons = twins.domains.map(
     ({ sensor }, i) =>
-      html`<button type="button" data-domain="${i}" aria-pressed="false"><i style="background:${domainColour(i)}"></i>${sensor}<b>${percent(twinsMap.own_twin[i][placeNow()])}</b></button>`,
+      html`<button data-domain="${i}" aria-pressed="false"><i style="background:${domainColour(i)}"></i>${sensor}<b>${percent(twinsMap.own_twin[i][placeNow()])}</b></button>`,
   );
   fill($(".sensors"), html`${buttons}`);
   for (const button of all(".sensors button")) press(button, alone === +button.dataset.domain);

@@ -66,14 +66,11 @@ export function read({ away, accuracy, verdicts, domains, shown, learned }, { ta
   };
 }
 
-/** Show what is chosen in each group of buttons. @type {(() => void)[]} */
-let marks = [];
-
 /** Fetch the twins once and draw the chapter; later calls only draw. */
 export async function open() {
   const twins = await fetchTwins();
   take({ twins });
-  if (!marks.length) build();
+  if (!$(".twin")) build();
   show();
   document.dispatchEvent(new CustomEvent("omnivat:simulated", { detail: twins.simulated }));
 }
@@ -83,12 +80,10 @@ function build() {
   const { domains, shown, pictures, classes } = scene.twins;
   const known = [0, ...pictures].map((n) => ({ key: String(n), label: n ? String(n) : "none" }));
   const presses = shown.map((press, i) => ({ key: String(i), label: `${classes[press.class]}, press ${i + 1}` }));
-  marks = [
-    choice(".presses", "press", presses, () => String(pressOf(scene.twins, state))),
-    choice(".touch .dots", "dots", DOTS),
-    choice(".known", "known", known),
-    choice(".given", "reading", READINGS),
-  ];
+  choice(".presses", "press", presses, () => String(pressOf(scene.twins, state)));
+  choice(".touch .dots", "dots", DOTS);
+  choice(".known", "known", known);
+  choice(".given", "reading", READINGS);
   [...$(".presses").children].forEach((button, i) => {
     const at = (100 * i) / (shown.length - 1 || 1);
     button.title = button.ariaLabel = button.textContent;
@@ -126,7 +121,6 @@ function tell(domain) {
 export function show() {
   const at = chosen(scene.twins, state);
   const figures = read(scene.twins, at);
-  for (const mark of marks) mark();
   $(".touch .from").value = String(at.from);
   $(".touch .dots").hidden = at.reading === "vis";
   showPictures(at, figures);

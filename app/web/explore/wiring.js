@@ -10,11 +10,11 @@ import { showFound } from "./finder.js";
 import { tagListed } from "./grid.js";
 import { map } from "./maps.js";
 import * as nodes from "./nodes.js";
-import { enter, modes } from "./page.js";
+import { enter, followMode } from "./page.js";
 import { addressOf } from "./panels.js";
 import { $, change, scene, state, take } from "./root.js";
 import { loadFile, saveAs, share, showLink } from "./saving.js";
-import { choose, stepByKey } from "./staircase.js";
+import { showStairs, stepByKey } from "./staircase.js";
 import { chooseCell, chooseStranger } from "./strangers.js";
 import * as threads from "./threads.js";
 import * as touch from "./touch.js";
@@ -63,7 +63,7 @@ const FIELDS = {
     ".alike input": () => toggle("alike"),
     ".of-steps": ({ value }) => {
       take({ stairs: value });
-      choose();
+      showStairs();
     },
     ".of-domain": ({ value }) => chooseStranger(value),
     ".tagging": ({ value }) => tagListed(value.trim()),
@@ -91,7 +91,7 @@ const DRAWN = [
   [["find", "alike"], showFound],
   [["find", "alike", "range"], board.refilter],
   [["cell"], board.followCell],
-  [["mode"], modes.follow],
+  [["mode"], followMode],
   [["reading"], board.showReading],
   [["pin"], board.showCard],
   [["pin"], nodes.follow],
