@@ -12,7 +12,7 @@ import { modeOf } from "../shared/tables.js";
 import { define } from "../shared/terms.js";
 import { press } from "../shared/view.js";
 import * as beside from "./beside.js";
-import { decided, featuresHtml, headOf, LESSONS, whence } from "./chapters.js";
+import { featuresHtml, headOf, LESSONS, whence } from "./chapters.js";
 import * as curves from "./curves.js";
 import * as finder from "./finder.js";
 import { showGrid, showNeighbours } from "./grid.js";
@@ -131,11 +131,14 @@ export function showOrder() {
 /** The words and figures of a chapter; in the workbench, the accuracy and whose it is. */
 export function showLesson() {
   const { frames, stop, facts } = scene;
-  const from = whence(frames, stop, facts.unseen);
   const lesson = LESSONS[state.chapter];
-  if (state.chapter === "where") threads.tell(decided(frames), from);
+  if (state.chapter === "where") threads.tell();
   else if (lesson?.words) showWords(lesson.words(scene));
-  else fill($(".stage .score"), frames.headless ? featuresHtml(scene) : html`${headOf(frames, stop)}${from}`);
+  else
+    fill(
+      $(".stage .score"),
+      frames.headless ? featuresHtml(scene) : html`${headOf(frames, stop)}${whence(frames, stop, facts.unseen)}`,
+    );
 }
 
 /** @param {Words} words */

@@ -11,6 +11,7 @@ import { awaited } from "../shared/ready.js";
 import { bytesOf } from "../shared/text.js";
 import { press } from "../shared/view.js";
 import { showWords } from "./board.js";
+import { decided, whence } from "./chapters.js";
 import { $, all, change, choice, fill, html, percent, scene, state, take } from "./root.js";
 import { OWN_ROWS, ownHtml, splitHtml } from "./split.js";
 import { chosen, READINGS } from "./touch.js";
@@ -225,12 +226,8 @@ function dot(context, x, y, colour) {
   context.stroke();
 }
 
-/** Where the order is what moves: the ends of accuracy over p, and whence it is. */
-let [ends, ofCurves] = /** @type {[{low: number, high: number} | null, Html | null]} */ ([null, null]);
-
 /** Write title, figure and remark. */
-export function tell(range = ends, from = ofCurves) {
-  [ends, ofCurves] = [range, from];
+export function tell() {
   const { own_twin_mean: nearest, gap, accuracy } = scene.twinsMap;
   const at = placeNow();
   const own = isOwn();
@@ -243,15 +240,18 @@ export function tell(range = ends, from = ofCurves) {
     html`Sensors shift <i>and stretch</i> features; both are undone. ${gain}`,
   ];
   const title = `Where do ${own ? "the project’s simulated touches" : "the touches"} go?`;
-  if (state.rung === "p")
+  if (state.rung === "p") {
+    const { frames, stop, facts, chapter } = scene;
+    const ends = chapter === "where" ? decided(frames) : null; // else they are on their way
     return showWords({
       title,
       figure: html`${ends && html`Accuracy stays between ${share(ends.low)} and ${share(ends.high)}, at every p.`}`,
       remark: own
         ? html`p moves the points and both gaps of this set, with the weights of the loaded head.`
         : html`p moves the points and both gaps of 2,160 other pairs; each stop has heads trained at that p.`,
-      whence: ofCurves ?? html``,
+      whence: html`${ends && whence(frames, stop, facts.unseen)}`,
     });
+  }
   return showWords({
     title,
     figure: html`${share(accuracy[at])} right on another sensor. ${share(nearest[at])} lie nearest to their own twin; by sensor:`,
