@@ -323,6 +323,22 @@ def test_without_a_home_the_cache_is_in_the_temporary_folder(monkeypatch):
     assert cache_folder() == Path(gettempdir()) / "omnivat-cache"
 
 
+@pytest.mark.parametrize(
+    ("platform", "place"),
+    [
+        ("darwin", "Library/Caches/omnivat"),
+        ("win32", "AppData/Local/omnivat"),
+        ("linux", ".cache/omnivat"),
+    ],
+)
+def test_the_cache_lies_where_the_platform_keeps_them(monkeypatch, tmp_path, platform, place):
+    for name in ("OMNIVAT_CACHE", "XDG_CACHE_HOME", "LOCALAPPDATA"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(Path, "home", lambda: tmp_path)
+    monkeypatch.setattr(sys, "platform", platform)
+    assert cache_folder() == tmp_path / place
+
+
 def test_a_message_that_lists_thousands_of_names_is_shortened():
     text = str(
         DataError(f"No domain is called 'x'; there are {', '.join(map(str, range(10_000)))}.")

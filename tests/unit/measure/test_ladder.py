@@ -14,7 +14,6 @@ from omnivat.data.store import save_embeddings
 from omnivat.head.checkpoint import load_head, save_head
 from omnivat.head.heads import EXAMPLES, default_embeddings, default_head, kept_ladder
 from omnivat.measure import ladder
-from omnivat.measure.evaluate import evaluate, target_mean, target_scores
 from omnivat.measure.ladder import FORMAT, METHOD, lettered, letters, recorded, rungs, write_ladder
 
 
@@ -36,14 +35,6 @@ def test_an_offset_is_mended_rung_by_rung(head, shifted):
     for one in found.values():
         assert 0 <= one["low"] <= one["accuracy"] + 1e-9 <= one["high"] + 2e-9 <= 1 + 3e-9
         assert one["from"] == "this head" and one["source"] == "TAG-sim"
-
-
-def test_the_first_rungs_are_what_evaluate_says(head, shifted):
-    records = evaluate(head, shifted)
-    found = {one["rung"]: one for one in rungs(head, shifted)}
-    assert found["none"]["accuracy"] == pytest.approx(target_mean(target_scores(records)))
-    own = next(one for one in records if one["is_source"])
-    assert found["home"]["accuracy"] == pytest.approx(own["scores"]["fused"]["accuracy"])
 
 
 def test_a_head_without_a_profile_has_two_rungs(head, shifted):

@@ -105,6 +105,18 @@ def test_teachers_hold_evenly_spaced_orders_and_only_they_use_lang(source, monke
     assert own.model.order == 0.5
 
 
+def test_a_teacher_of_a_long_training_learns_for_120_epochs(source, monkeypatch):
+    from omnivat.training import training
+
+    def noted(pairs, settings, training, **more):
+        raise StopIteration(training)
+
+    monkeypatch.setattr(training, "train", noted)
+    with pytest.raises(StopIteration) as stopped:
+        train(source, head(), replace(EVERY, epochs=200))
+    assert stopped.value.args == (TrainSettings(epochs=120, lang=False),)
+
+
 def test_teachers_without_drawn_orders_are_refused():
     with pytest.raises(SettingsError, match="order_draw"):
         TrainSettings(order_teachers=1)

@@ -9,8 +9,8 @@ import torch
 from omnivat.kit.errors import SettingsError, ShapeError
 from omnivat.kit.tables import load
 from omnivat.measure.gaps import GAPS
-from omnivat.measure.gaps.calibration import ece, nll
-from omnivat.measure.gaps.centroid import centroid_gap, modality_gap
+from omnivat.measure.gaps.calibration import ece
+from omnivat.measure.gaps.centroid import modality_gap
 from omnivat.measure.gaps.confusion import accuracy, confusion, macro_f1
 from omnivat.measure.gaps.domain import floor, halves
 from omnivat.measure.gaps.frechet import frechet
@@ -23,11 +23,6 @@ def cloud(seed, count=60, width=5, shift=0.0):
     return torch.randn(count, width, generator=generator, dtype=torch.float64) + shift
 
 
-def test_gap_is_two_for_opposite_directions():
-    vis = torch.tensor([[3.0, 0.0], [1.0, 0.0]])
-    assert modality_gap(vis, -vis) == 2
-
-
 def test_modality_gap_needs_one_tactile_row_for_each_visual_row():
     with pytest.raises(ShapeError, match=r"tac has shape \(3, 2\), expected \(B, D\) with B=2"):
         modality_gap(torch.ones(2, 2), torch.ones(3, 2))
@@ -37,11 +32,6 @@ def test_modality_gap_needs_one_tactile_row_for_each_visual_row():
 def test_an_empty_set_is_refused_by_name(name):
     with pytest.raises(ShapeError, match="b has 0 rows"):
         load(GAPS, name, kind="gap")(torch.ones(6, 2), torch.ones(0, 2))
-
-
-def test_linear_mmd_is_the_squared_centroid_gap():
-    a, b = cloud(0), cloud(1, count=40, shift=1.0)
-    torch.testing.assert_close(mmd_linear(a, b), centroid_gap(a, b).square())
 
 
 def test_the_floor_of_a_gap_is_that_of_two_halves_of_one_domain():
@@ -85,11 +75,6 @@ def test_frechet_equals_the_matrix_root_of_the_covariances(count):
     means = (ua.mean(0) - ub.mean(0)).square().sum()
     wanted = means + ca.trace() + cb.trace() - 2 * root
     assert frechet(a, b).item() == pytest.approx(wanted.item(), abs=1e-5)
-
-
-def test_proxy_a_is_two_for_sets_that_a_line_parts_and_small_for_one_cloud():
-    assert proxy_a(cloud(0, shift=4.0), cloud(1, 90, shift=-4.0)) == 2
-    assert proxy_a(cloud(0, 400), cloud(1, 300)) < 0.35
 
 
 def test_proxy_a_counts_rows_that_the_classifier_has_not_seen():
@@ -136,12 +121,6 @@ def test_scores_of_no_pairs_are_not_numbers():
     assert accuracy(none, none).isnan()
     assert macro_f1(none, none).isnan()
     assert ece(torch.zeros(0, 3), none).isnan()
-
-
-def test_log_loss_is_the_mean_of_minus_the_log_of_the_true_class():
-    rows = torch.tensor([[0.5, 0.25, 0.25], [0.1, 0.0, 0.9]])
-    assert nll(rows, torch.tensor([1, 2])).item() == pytest.approx((np.log(4) - np.log(0.9)) / 2)
-    assert nll(rows, torch.tensor([1, 1])).item() == pytest.approx((np.log(4) - np.log(1e-12)) / 2)
 
 
 def test_calibration_error_is_the_distance_of_confidence_from_accuracy_in_each_bin():
