@@ -7,7 +7,7 @@ import argparse
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import listed, numbers, shared, split_settings
+from omnivat.cli.arguments import declare, listed, numbers, split_settings, text
 from omnivat.cli.protocol import RUNS, add_running, work
 from omnivat.kit.files import require_writable
 
@@ -18,8 +18,12 @@ if TYPE_CHECKING:
 
 def add(parser: argparse.ArgumentParser) -> None:
     add_running(parser)
-    parser.add_argument("--sources", default="", metavar="A,B", help="instead of the paper's")
-    shared(parser, "only", set="a base setting of all rows, such as width=64")
+    declare(
+        parser,
+        "only",
+        sources=text("instead of the paper's", "A,B"),
+        set="a base setting of all rows, such as width=64",
+    )
 
 
 def run(options: argparse.Namespace) -> None:

@@ -38,6 +38,7 @@ REST = (
     "picture of the untouched sensor, subtracted from each tactile image; auto: the nearest"
     " rest.png above each image, but not for gels with markers; all: for those, too"
 )
+DOTS = ("fill", "keep")  # of gels, in tactile images
 EVERY_S = 2.0  # seconds between two lines of a log, at least: short work writes none
 AT_MOST_S = 60.0  # seconds after which a line comes before the next tenth
 
@@ -87,69 +88,83 @@ class _Lines:
         print(f"{self.title}: {text}", file=sys.stderr, flush=True)
 
 
-def shared(parser: argparse.ArgumentParser, *names: str, **helps: str) -> None:
-    """Declare options that several commands have, by name; `name="text"` gives another help
-    text.
+Option = dict[str, Any]  # arguments of `add_argument`
+
+
+def text(words: str, metavar: str | None = None) -> Option:
+    """Return an option of text, "" if it is left out."""
+    return {"default": "", "metavar": metavar, "help": words}
+
+
+def path(words: str, metavar: str | None = None, **more: Any) -> Option:
+    """Return an option that names a file or a folder."""
+    return {"type": Path, "metavar": metavar, "help": words, **more}
+
+
+def flag(words: str, **more: Any) -> Option:
+    """Return an option without a value."""
+    return {"action": "store_true", "help": words, **more}
+
+
+def several(words: str, metavar: str, **more: Any) -> Option:
+    """Return an option that can be given several times."""
+    return {"action": "append", "default": [], "metavar": metavar, "help": words, **more}
+
+
+def count(words: str, least: int = 1, most: int | None = None, **more: Any) -> Option:
+    """Return an option that is a whole number from `least` to `most`."""
+    return {"type": whole(least, most), "help": words, **more}
+
+
+def one_of(choices: Sequence[Any], words: str = "", first: Any = None) -> Option:
+    """Return an option that is one of `choices`; the default is `first`, or the first of them."""
+    default = choices[0] if first is None else first
+    told = f"{words}; default: {default}".removeprefix("; ")
+    return {"type": type(default), "choices": choices, "default": default, "help": told}
+
+
+def declare(parser: argparse._ActionsContainer, *names: str, **options: str | Option) -> None:
+    """Declare options: those that several commands have by name, with a help text of their own, or
+    whole.
     """
-    options: dict[str, dict[str, Any]] = {
+    shared: dict[str, Option] = {
         "device": {"default": named(), "help": DEVICE},
-        "embeddings": {"type": Path, "default": default_embeddings(), "help": EMBEDDINGS},
+        "embeddings": path(EMBEDDINGS, default=default_embeddings()),
         "encoder": {"default": DEFAULT_ENCODER, "help": "named as for `embed`"},
         "head": {"type": head_named, "default": default_head(), "help": HEAD},
-        "jobs": {"type": whole(1), "default": 1, "help": "parallel processes"},
-        "json": {"action": "store_true", "help": "print JSON"},
-        "lang": {"type": Path, "help": "LANG bank; default: the project's own"},
-        "only": {"default": "", "metavar": "a,b,c", "help": "some of the ablations"},
+        "jobs": count("parallel processes", default=1),
+        "json": flag("print JSON"),
+        "lang": path("LANG bank; default: the project's own"),
+        "only": text("some of the ablations", "a,b,c"),
         "order": {"type": order, "metavar": "P", "help": ORDER},
-        "out": {"type": Path, "required": True, "help": "the .safetensors file to write"},
-        "profile": {
-            "type": Path,
-            "action": "append",
-            "default": [],
-            "metavar": "FILE",
-            "help": PROFILE,
-        },
+        "out": path("the .safetensors file to write", required=True),
+        "profile": several(PROFILE, "FILE", type=Path),
         "seed": {"type": int, "default": 0, "help": "seed of all random choices; default: 0"},
         "seeds": {"default": "0,1,2", "metavar": "0,1,2", "help": "one run for each seed"},
-        "set": {"action": "append", "default": [], "metavar": "key=value"},
+        "set": several("", "key=value"),
         "tac_rest": {"metavar": "FILE|auto|all|none", "help": REST},
-        "weights": {"type": Path, "help": "checkpoint of the encoder"},
-        "workers": {"type": whole(1), "help": "threads; default: all cores"},
+        "weights": path("checkpoint of the encoder"),
+        "workers": count("threads; default: all cores"),
     }
-    for name in (*names, *helps):
-        text = {"help": helps[name]} if name in helps else {}
-        parser.add_argument(f"--{name.replace('_', '-')}", **options[name] | text)
-
-
-def choice(
-    parser: argparse.ArgumentParser,
-    name: str,
-    choices: Sequence[Any],
-    text: str = "",
-    first: Any = None,
-) -> None:
-    """Declare an option that is one of `choices`; the default is `first`, or the first of them."""
-    default = choices[0] if first is None else first
-    told = f"{text}; default: {default}".removeprefix("; ")
-    parser.add_argument(name, type=type(default), choices=choices, default=default, help=told)
+    for name, own in {**{name: shared[name] for name in names}, **options}.items():
+        option = shared[name] | {"help": own} if isinstance(own, str) else own
+        parser.add_argument(f"--{name.replace('_', '-')}", **option)
 
 
 def download(parser: argparse.ArgumentParser) -> None:
     """Declare --download and --offline, for weights that are not on this machine."""
-    group = parser.add_mutually_exclusive_group()
-    for name, value, text in (
-        ("--download", "yes", "fetch missing weights from the hub without asking"),
-        ("--offline", "no", "never fetch weights"),
-    ):
-        group.add_argument(
-            name, action="store_const", const=value, dest="download", default="ask", help=text
-        )
+    const = {"action": "store_const", "dest": "download", "default": "ask"}
+    declare(
+        parser.add_mutually_exclusive_group(),
+        download={**const, "const": "yes", "help": "fetch missing weights without asking"},
+        offline={**const, "const": "no", "help": "never fetch weights"},
+    )
 
 
 def figure(parser: argparse.ArgumentParser, of: str) -> None:
     """Declare --figure, the file of an interactive figure; --html is another name for it."""
-    text = f"also draw {of}: .html (interactive, opens offline), .svg, .png or .json (Plotly)"
-    parser.add_argument("--figure", "--html", type=Path, metavar="FILE", help=text)
+    words = f"also draw {of}: .html (interactive, opens offline), .svg, .png or .json (Plotly)"
+    parser.add_argument("--figure", "--html", type=Path, metavar="FILE", help=words)
 
 
 def head_and_set(
@@ -158,25 +173,14 @@ def head_and_set(
     """Return the head and the embeddings that fit it, `sample` of the pairs or all, with the
     profiles of the options.
     """
+    from omnivat.data.profile import load_profile
     from omnivat.data.store import load_embeddings
     from omnivat.head.checkpoint import load_head
 
     head, embeddings = load_head(options.head), load_embeddings(options.embeddings).sampled(sample)
     head.require_embeddings(embeddings)
-    return head, with_profiles(head, embeddings, options.profile) if profiled else embeddings
-
-
-def with_profiles(head: "Head | None", embeddings: "Embeddings", files: list[Path]) -> "Embeddings":
-    """Return the embeddings, with the domains of profile files moved onto the head's source."""
-    if not files:
-        return embeddings
-    from omnivat.data.profile import load_profile
-
-    if head is None:
-        raise SettingsError(
-            "--profile needs a head, and stage raw uses none; choose another stage."
-        )
-    return head.profiled(embeddings, [load_profile(file) for file in files])
+    profiles = [load_profile(file) for file in options.profile] if profiled else []
+    return head, head.profiled(embeddings, profiles) if profiles else embeddings
 
 
 def as_json(value: Any) -> str:
@@ -213,9 +217,9 @@ def whole(least: int, most: int | None = None) -> Callable[[str], int]:
     return checked
 
 
-def listed(text: str) -> tuple[str, ...]:
+def listed(names: str) -> tuple[str, ...]:
     """Return the parts of "a,b,c", stripped."""
-    return tuple(part.strip() for part in text.split(",") if part.strip())
+    return tuple(part.strip() for part in names.split(",") if part.strip())
 
 
 def numbers(text: str, *, name: str = "--seeds") -> tuple[int, ...]:

@@ -7,7 +7,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import shared
+from omnivat.cli.arguments import declare
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import replacing
 
@@ -16,9 +16,9 @@ if TYPE_CHECKING:
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    text = "tactile pictures, or folders of them"
-    parser.add_argument("pictures", nargs="+", type=Path, metavar="PICTURES", help=text)
-    shared(parser, "out")
+    words = "tactile pictures, or folders of them"
+    parser.add_argument("pictures", nargs="+", type=Path, metavar="PICTURES", help=words)
+    declare(parser, "out")
 
 
 def run(options: argparse.Namespace) -> None:

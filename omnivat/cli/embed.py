@@ -8,7 +8,7 @@ import argparse
 from os.path import realpath
 from pathlib import Path
 
-from omnivat.cli.arguments import choice, download, passed, progress_bar, shared
+from omnivat.cli.arguments import DOTS, declare, download, flag, one_of, passed, path, progress_bar
 from omnivat.data.readers import READERS
 from omnivat.encoders.base import ENCODERS, JOINED
 from omnivat.kit.errors import SettingsError
@@ -17,39 +17,34 @@ from omnivat.kit.files import require_writable
 
 def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("pairs", type=Path, help="a folder or CSV of pairs, or a data set's root")
-    text = (
+    words = (
         f"image encoder: {', '.join(ENCODERS)}; hf:NAME_OR_FOLDER for a vision model of"
         " transformers; module:function or file.py:function for your own (docs/encoders.md)"
     )
-    shared(
+    declare(
         parser,
         "out",
         "weights",
         "tac_rest",
         "workers",
         "device",
-        encoder=text,
+        encoder=words,
         seed="of balanced subsampling",
+        set="an option of the reader, such as by_folder=true (docs/data.md lists them)",
+        tac_encoder={
+            "metavar": "NAME",
+            "help": "another encoder for tactile images; named as above",
+        },
+        tac_weights=path("checkpoint of --tac-encoder"),
+        reader=one_of(("auto", *READERS), "layout of PAIRS, recognised from the files"),
+        strict=flag("no merged or unknown materials"),
+        precision=one_of(("fp32", "bf16", "fp32-onnx"), "precision of the encoder"),
+        dtype=one_of(("float32", "float16"), "type of the stored vectors"),
+        engine=one_of(("local", "ray"), "this machine, or a Ray cluster"),
+        manifest=one_of(("csv", "parquet"), "kind of the table next to the embeddings"),
+        dots=one_of(DOTS, "printed dots of a gel in tactile images: fill them first, or keep them"),
+        no_flips=flag("leave out the mirrored copies"),
     )
-    shared(parser, set="an option of the reader, such as by_folder=true (docs/data.md lists them)")
-    parser.add_argument(
-        "--tac-encoder", metavar="NAME", help="another encoder for tactile images; named as above"
-    )
-    parser.add_argument("--tac-weights", type=Path, help="checkpoint of --tac-encoder")
-    text = "layout of PAIRS; default: recognised from the files"
-    parser.add_argument("--reader", choices=["auto", *READERS], default="auto", help=text)
-    parser.add_argument("--strict", action="store_true", help="no merged or unknown materials")
-    choice(parser, "--precision", ("fp32", "bf16", "fp32-onnx"), "precision of the encoder")
-    choice(parser, "--dtype", ("float32", "float16"), "type of the stored vectors")
-    choice(parser, "--engine", ("local", "ray"), "this machine, or a Ray cluster")
-    choice(parser, "--manifest", ("csv", "parquet"), "kind of the table next to the embeddings")
-    choice(
-        parser,
-        "--dots",
-        ("fill", "keep"),
-        "printed dots of a gel in tactile images: fill them first, or keep them",
-    )
-    parser.add_argument("--no-flips", action="store_true", help="leave out the mirrored copies")
     download(parser)
 
 
@@ -80,19 +75,8 @@ def run(options: argparse.Namespace) -> None:
         print(f"{'photos' if there[0] == 'vis' else 'touches'} alone: each stands for both images")
     if rested := sum(pair.tac_rest is not None for pair in found.pairs):
         print(f"a rest picture is subtracted from {rested} of {len(found.pairs)} tactile images")
-    names = (
-        "weights",
-        "tac_weights",
-        "device",
-        "download",
-        "precision",
-        "dtype",
-        "manifest",
-        "engine",
-        "workers",
-        "dots",
-    )
-    how = {**passed(options, *names), "flips": not options.no_flips}
+    names = ("weights", "tac_weights", "device", "download", "precision", "dtype", "manifest")
+    how = passed(options, *names, "engine", "workers", "dots") | {"flips": not options.no_flips}
     with progress_bar(f"embed with {encoder}") as show:
         report = embed_pairs(found, encoder, options.out, **how, on_step=show)
     for skipped in report.skipped:

@@ -9,18 +9,10 @@ unlabelled pairs of each domain
 import argparse
 import math
 from collections.abc import Iterator, Sequence
-from statistics import pstdev
+from statistics import fmean, pstdev
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import (
-    as_json,
-    figure,
-    head_and_set,
-    progress_bar,
-    shared,
-    whole,
-    with_profiles,
-)
+from omnivat.cli.arguments import as_json, count, declare, figure, flag, head_and_set, progress_bar
 from omnivat.kit.errors import SettingsError
 
 if TYPE_CHECKING:
@@ -29,7 +21,19 @@ if TYPE_CHECKING:
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    shared(
+    words = (
+        "draw N training pairs of each target domain, profile them without their labels, and"
+        " predict the rest"
+    )
+    draws = (
+        "draws of --unlabelled to average over, with seeds SEED, SEED + 1, ... (default:"
+        " %(default)s): figures of one draw of few pairs vary by a point or two"
+    )
+    ladder = (
+        "write what each step of knowledge about a new sensor brings, next to the embeddings; the"
+        " page then shows it at once"
+    )
+    declare(
         parser,
         "head",
         "embeddings",
@@ -38,22 +42,10 @@ def add(parser: argparse.ArgumentParser) -> None:
         "device",
         "json",
         seed="seed of --unlabelled; default: 0",
+        unlabelled=count(words, 0, metavar="N"),
+        draws=count(draws, default=10, metavar="K"),
+        ladder=flag(ladder),
     )
-    text = (
-        "draw N training pairs of each target domain, profile them without their labels, and"
-        " predict the rest"
-    )
-    parser.add_argument("--unlabelled", type=whole(0), metavar="N", help=text)
-    text = (
-        "draws of --unlabelled to average over, with seeds SEED, SEED + 1, ... (default:"
-        " %(default)s): figures of one draw of few pairs vary by a point or two"
-    )
-    parser.add_argument("--draws", type=whole(1), default=10, metavar="K", help=text)
-    text = (
-        "write what each step of knowledge about a new sensor brings, next to the embeddings; the"
-        " page then shows it at once"
-    )
-    parser.add_argument("--ladder", action="store_true", help=text)
     figure(parser, "accuracy in each domain with 95 %% intervals")
 
 
@@ -93,10 +85,12 @@ def _known(
     from omnivat.measure.known import drawn
 
     if options.unlabelled is None:
+        domains = embeddings.header.domains
         loaded = [load_profile(file) for file in options.profile]
-        named = {domain_of(p, embeddings.header.domains, head.source): p for p in loaded}
-        counts = {name: max(profile.counts.values()) for name, profile in named.items()}
-        yield with_profiles(head, embeddings, options.profile), counts
+        yield (
+            head.profiled(embeddings, loaded) if loaded else embeddings,
+            {domain_of(p, domains, head.source): max(p.counts.values()) for p in loaded},
+        )
         return
     if options.profile:
         raise SettingsError("Give --profile or --unlabelled, not both.")
@@ -110,38 +104,40 @@ def averaged(draws: Sequence[list[dict[str, Any]]]) -> list[dict[str, Any]]:
 
     Counts and confusions are those of the first draw. A domain without drawn pairs stays as it is.
     """
-    found = list(draws[0])
-    for k, record in enumerate(found):
-        if len(draws) == 1 or not record["unlabelled"]:
-            continue
-        own = [one[k]["scores"] for one in draws if one[k]["scores"]]
-        scores = {
-            reading: {m: sum(s[reading][m] for s in own) / len(own) for m in values}
-            for reading, values in record["scores"].items()
-        }
-        found[k] = {**record, "scores": scores, "draws": [s["fused"]["accuracy"] for s in own]}
-    return found
+    first, *_ = draws
+    for k, record in enumerate(first):
+        if len(draws) > 1 and record["unlabelled"]:
+            own = [one[k]["scores"] for one in draws if one[k]["scores"]]
+            scores = {
+                reading: {m: sum(s[reading][m] for s in own) / len(own) for m in values}
+                for reading, values in record["scores"].items()
+            }
+            each = [s["fused"]["accuracy"] for s in own]
+            first[k] = {**record, "scores": scores, "draws": each}
+    return first
 
 
 def summary(records: Sequence[dict[str, Any]], source: str) -> dict[str, Any]:
     """Return the records of `evaluate` as `omnivat.figures.strangers` takes them."""
     from omnivat.measure.unseen import of_domains, wilson
 
-    domains, strange = [], []
+    def share(mean: float, ends: tuple[float, float]) -> dict[str, float]:
+        return {"share": mean, "low": ends[0], "high": ends[1]}
+
+    domains: list[dict[str, Any]] = []
+    counts: dict[str, list[tuple[int, int]]] = {}  # right and tested pairs of each unseen domain
     for record in (one for one in records if one["scores"]):
-        count = record["pairs"]
-        right = {n: round(s["accuracy"] * count) for n, s in record["scores"].items()}
-        domains.append({"name": record["domain"], "is_source": record["is_source"], "pairs": count})
-        for name, hits in right.items():
-            low, high = wilson(hits, count)
-            domains[-1][f"answers/{name}"] = {"share": hits / count, "low": low, "high": high}
-        strange += [] if record["is_source"] else [(right, count)]
-    unseen = {}
-    for name in strange[0][0] if strange else ():
-        counts = [(right[name], pairs) for right, pairs in strange]
-        low, high = of_domains(counts)
-        mean = sum(right / pairs for right, pairs in counts) / len(counts)
-        unseen[f"answers/{name}"] = {"share": mean, "low": low, "high": high}
+        pairs, is_source = record["pairs"], record["is_source"]
+        domains.append({"name": record["domain"], "is_source": is_source, "pairs": pairs})
+        for name, scores in record["scores"].items():
+            right = round(scores["accuracy"] * pairs)
+            domains[-1][f"answers/{name}"] = share(right / pairs, wilson(right, pairs))
+            if not is_source:
+                counts.setdefault(f"answers/{name}", []).append((right, pairs))
+    unseen = {
+        name: share(fmean(right / pairs for right, pairs in some), of_domains(some))
+        for name, some in counts.items()
+    }
     chance = next((1 / len(one["classes"]) for one in records if one["scores"]), None)
     return {"source": source, "chance": chance, "domains": domains, "unseen": unseen}
 

@@ -6,43 +6,38 @@ python -m omnivat export --site DIR [--head H] [--embeddings E] [--sets NAME …
 
 import argparse
 from dataclasses import replace
-from pathlib import Path
 
-from omnivat.cli.arguments import choice, passed, progress_bar, shared
+from omnivat.cli.arguments import declare, flag, one_of, passed, path, progress_bar
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.stages import STAGES
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     target = parser.add_mutually_exclusive_group(required=True)
-    target.add_argument(
-        "--site", type=Path, help="folder for the whole page, to be served by any file server"
+    declare(
+        target,
+        site=path("folder for the whole page, to be served by any file server"),
+        out=path(".html (interactive), .svg, .png or .json (Plotly); .html for the page"),
     )
-    text = ".html (interactive), .svg, .png or .json (Plotly); .html for the page"
-    target.add_argument("--out", type=Path, help=text)
     parser.add_argument(
         "--sets", nargs="+", metavar="NAME", help="sets of the project in the site; default: all"
     )
-    text = "folder of the npm package onnxruntime-web for the site; default: npm fetches it"
-    parser.add_argument("--runtime", type=Path, metavar="DIR", help=text)
-    text = "leave out of the site what the browser computes with: own pictures, trees"
-    parser.add_argument("--no-models", dest="models", action="store_false", help=text)
-    parser.add_argument("--head", type=Path, help="head folder; default: the project's own")
-    parser.add_argument(
-        "--embeddings", type=Path, help="embeddings file; default: the project's own"
-    )
-    parser.add_argument(
-        "--frames", type=Path, help="frames from `sweep`, instead of computing them"
-    )
-    shared(parser, "order")
-    choice(parser, "--what", ("map", "curves", "page"), "the picture to write")
-    choice(parser, "--stage", STAGES, "stage of the head to draw", "f_hat")
-    choice(parser, "--map", ("pca", "umap"), "projection of the map")
-    choice(
+    words = "leave out of the site what the browser computes with: own pictures, trees"
+    colours = ("domain", "class", "modality", "correctness", "confidence")
+    declare(
         parser,
-        "--colour",
-        ("domain", "class", "modality", "correctness", "confidence"),
-        "meaning of colours",
+        "order",
+        runtime=path(
+            "folder of the npm package onnxruntime-web for the site; default: npm fetches it", "DIR"
+        ),
+        no_models=flag(words),
+        head=path("head folder; default: the project's own"),
+        embeddings=path("embeddings file; default: the project's own"),
+        frames=path("frames from `sweep`, instead of computing them"),
+        what=one_of(("map", "curves", "page"), "the picture to write"),
+        stage=one_of(STAGES, "stage of the head to draw", "f_hat"),
+        map=one_of(("pca", "umap"), "projection of the map"),
+        colour=one_of(colours, "meaning of colours"),
     )
 
 
@@ -60,7 +55,8 @@ def run(options: argparse.Namespace) -> None:
                 where,
                 options.site,
                 options.sets,
-                **passed(options, "models", "runtime"),
+                models=not options.no_models,
+                runtime=options.runtime,
                 on_step=show,
             )
         print(
@@ -68,7 +64,7 @@ def run(options: argparse.Namespace) -> None:
             f"`python -m http.server --directory {options.site}` serves them"
         )
         return
-    if options.sets or options.runtime or not options.models:
+    if options.sets or options.runtime or options.no_models:
         raise SettingsError("--sets, --runtime and --no-models belong to --site; leave them out.")
     wanted = (".html",) if options.what == "page" else (".html", ".svg", ".png", ".json")
     if options.out.suffix.lower() not in wanted:

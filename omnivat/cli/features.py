@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import HEAD, head_and_set, progress_bar, shared, with_profiles
+from omnivat.cli.arguments import HEAD, count, declare, head_and_set, one_of, progress_bar
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.progress import Step
 from omnivat.kit.stages import STAGES
@@ -76,13 +76,17 @@ class StageFeatures:
 
 def add_stage(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments that select features."""
-    shared(
-        parser, "embeddings", "order", "profile", "device", head=f"{HEAD}; not read at stage raw"
-    )
-    text = "raw embedding, raw DFrFT, F after ReLU, after FrATT, after DTG (default)"
-    parser.add_argument("--stage", choices=STAGES, default="f_hat", help=text)
-    parser.add_argument(
-        "--sample", type=int, default=0, metavar="N", help="use N random pairs; default: all"
+    declare(
+        parser,
+        "embeddings",
+        "order",
+        "profile",
+        "device",
+        head=f"{HEAD}; not read at stage raw",
+        stage=one_of(
+            STAGES, "raw embedding, raw DFrFT, F after ReLU, after FrATT, after DTG", "f_hat"
+        ),
+        sample=count("use N random pairs, 0: all", 0, default=0, metavar="N"),
     )
 
 
@@ -90,14 +94,13 @@ def stage_features(options: argparse.Namespace) -> StageFeatures:
     """Load head and set; "raw" needs no head."""
     from omnivat.data.store import load_embeddings
 
-    if options.sample < 0:
-        raise SettingsError(f"--sample is {options.sample}; give a number of pairs, or 0 for all.")
-    head, order = None, None
-    if options.stage == "raw":
-        embeddings = with_profiles(
-            None, load_embeddings(options.embeddings).sampled(options.sample), options.profile
-        )
-    else:
+    if options.stage != "raw":
         head, embeddings = head_and_set(options, sample=options.sample)
         order = head.model.order if options.order is None else options.order
-    return StageFeatures(embeddings=embeddings, head=head, order=order, stage=options.stage)
+        return StageFeatures(embeddings=embeddings, head=head, order=order, stage=options.stage)
+    if options.profile:
+        raise SettingsError(
+            "--profile needs a head, and stage raw uses none; choose another stage."
+        )
+    embeddings = load_embeddings(options.embeddings).sampled(options.sample)
+    return StageFeatures(embeddings=embeddings, head=None, order=None, stage="raw")

@@ -7,22 +7,15 @@ python -m omnivat fetch [NAME] [--out DIR] [--from URL|PATH]
 import argparse
 from pathlib import Path
 
-from omnivat.cli.arguments import progress_bar
+from omnivat.cli.arguments import declare, path, progress_bar, text
 from omnivat.kit.errors import SettingsError
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "name", nargs="?", default="", metavar="NAME", help="a set; left out: list the sets"
-    )
-    parser.add_argument("--out", type=Path, metavar="DIR", help="folder to write; default: NAME")
-    parser.add_argument(
-        "--from",
-        default="",
-        dest="source",
-        metavar="URL|PATH",
-        help="another copy of the repository",
-    )
+    words = "a set; left out: list the sets"
+    parser.add_argument("name", nargs="?", default="", metavar="NAME", help=words)
+    source = text("another copy of the repository", "URL|PATH") | {"dest": "source"}
+    declare(parser, out=path("folder to write; default: NAME", "DIR"), **{"from": source})
 
 
 def run(options: argparse.Namespace) -> None:

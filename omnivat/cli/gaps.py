@@ -8,15 +8,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from omnivat.cli.arguments import as_json, choice, figure, shared
+from omnivat.cli.arguments import as_json, declare, figure, one_of
 from omnivat.cli.features import LARGE, StageFeatures, add_stage, stage_features
 from omnivat.measure.gaps import GAPS
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     add_stage(parser)
-    choice(parser, "--measure", list(GAPS), first="centroid")
-    shared(parser, "json")
+    declare(parser, "json", measure=one_of(list(GAPS), first="centroid"))
     figure(parser, "the gaps between domains")
 
 

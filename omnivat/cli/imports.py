@@ -9,7 +9,18 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import choice, listed, passed, progress_bar, shared, whole
+from omnivat.cli.arguments import (
+    count,
+    declare,
+    flag,
+    listed,
+    one_of,
+    passed,
+    path,
+    progress_bar,
+    several,
+    text,
+)
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
 
@@ -20,45 +31,38 @@ if TYPE_CHECKING:
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    text = (
+    words = (
         ".npz, .parquet, .h5 or .csv (docs/encoders.md), a LeRobot data set, or a table of videos"
         " (docs/data.md)"
     )
-    parser.add_argument("file", type=Path, help=text)
-    shared(parser, out="the .safetensors file to write; of recordings, a new folder of pairs")
-    text = "name of the vectors' encoder; recordings need none"
-    parser.add_argument("--encoder", default="", metavar="NAME", help=text)
+    parser.add_argument("file", type=Path, help=words)
     add_foreign(parser)
-    parser.add_argument("--preprocessing", default="", help="preprocessing of the images")
-    parser.add_argument("--origin", default="", help="one line on the file's origin")
-    parser.add_argument(
-        "--frames",
-        type=whole(1),
-        default=5,
-        metavar="N",
-        help="pairs of each recording; default: 5",
-    )
-    choice(
+    moments = "moments: evenly spaced, or where the touch differs most"
+    declare(
         parser,
-        "--pick",
-        ("even", "contact"),
-        "moments: evenly spaced, or where the touch differs most",
+        out="the .safetensors file to write; of recordings, a new folder of pairs",
+        encoder=text("name of the vectors' encoder; recordings need none", "NAME"),
+        preprocessing=text("preprocessing of the images"),
+        origin=text("one line on the file's origin"),
+        frames=count("pairs of each recording; default: 5", default=5, metavar="N"),
+        pick=one_of(("even", "contact"), moments),
+        vis=text("LeRobot: camera of the photos", "CAMERA"),
+        tac=several("LeRobot: tactile camera; can be given several times", "CAMERA"),
+        labels=path("LeRobot: columns episode, material, perhaps domain, object, split", "CSV"),
+        dtype=one_of(("float32", "float16"), "of the written file"),
     )
-    parser.add_argument("--vis", default="", metavar="CAMERA", help="LeRobot: camera of the photos")
-    text = "LeRobot: tactile camera; can be given several times"
-    parser.add_argument("--tac", action="append", default=[], metavar="CAMERA", help=text)
-    text = "LeRobot: columns episode, material, perhaps domain, object, split"
-    parser.add_argument("--labels", type=Path, metavar="CSV", help=text)
-    choice(parser, "--dtype", ("float32", "float16"), "of the written file")
 
 
 def add_foreign(parser: argparse.ArgumentParser) -> None:
     """Declare what a file of another program may lack."""
-    parser.add_argument("--domain", default="", help="of all pairs, if the file has none")
-    parser.add_argument("--classes", default="", help="names of numbered materials, with commas")
-    text = "another name of a column, such as material=label; can be given several times"
-    parser.add_argument("--column", action="append", default=[], metavar="OURS=THEIRS", help=text)
-    parser.add_argument("--simulated", action="store_true", help="the pairs are simulated")
+    words = "another name of a column, such as material=label; can be given several times"
+    declare(
+        parser,
+        domain=text("of all pairs, if the file has none"),
+        classes=text("names of numbered materials, with commas"),
+        column=several(words, "OURS=THEIRS"),
+        simulated=flag("the pairs are simulated"),
+    )
 
 
 def run(options: argparse.Namespace) -> None:
@@ -94,12 +98,12 @@ def _recordings(options: argparse.Namespace) -> None:
 
     clips = clips_of(options.file, **passed(options, "vis", "tac", "domain", "labels"))
     with progress_bar("import") as show:
-        count, skipped = write_pairs(
+        made, skipped = write_pairs(
             clips, options.out, **passed(options, "frames", "pick"), on_step=show
         )
     _tell(skipped)
     print(
-        f"{count} pairs of {len(clips) - len(skipped)} recordings; next: python -m omnivat try"
+        f"{made} pairs of {len(clips) - len(skipped)} recordings; next: python -m omnivat try"
         f" {options.out}"
     )
 
@@ -115,10 +119,10 @@ def foreign(options: argparse.Namespace) -> dict[str, Any]:
     """Return what `add_foreign` declares, for a reader; raises SettingsError for a column in
     another form.
     """
-    for text in options.column:
-        if not all(text.partition("=")):
-            raise SettingsError(f"--column got '{text}'; write it as OURS=THEIRS.")
-    columns = dict(text.split("=", 1) for text in options.column)
+    for pair in options.column:
+        if not all(pair.partition("=")):
+            raise SettingsError(f"--column got '{pair}'; write it as OURS=THEIRS.")
+    columns = dict(pair.split("=", 1) for pair in options.column)
     return passed(options, "domain", "simulated") | {
         "classes": listed(options.classes),
         "columns": columns,

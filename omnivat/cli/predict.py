@@ -11,30 +11,37 @@ unreadable image are named on stderr and left out.
 import argparse
 import sys
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import as_json, download, passed, progress_bar, shared
+from omnivat.cli.arguments import as_json, declare, download, flag, passed, path, progress_bar, text
 from omnivat.head.heads import default_head, own_head
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.progress import Step
+
+if TYPE_CHECKING:
+    from omnivat.data.pairs import Pair
 
 MISSING = "-"
 WORDS = {"vis": "photo only", "tac": "touch only"}
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    text = "a photo and a tactile image, once or many times; '-' for one that is missing"
-    parser.add_argument("images", nargs="*", metavar="VIS TAC", help=text)
-    parser.add_argument("--pairs", help="a folder or CSV of pairs, instead of single images")
-    shared(parser, "head", "order", "tac_rest", "weights", "device", "json")
+    words = "a photo and a tactile image, once or many times; '-' for one that is missing"
+    parser.add_argument("images", nargs="*", metavar="VIS TAC", help=words)
+    declare(
+        parser,
+        "head",
+        "order",
+        "tac_rest",
+        "weights",
+        "device",
+        "json",
+        pairs=text("a folder or CSV of pairs, instead of single images"),
+        profile=path("profile of the sensor (`omnivat profile`)", "FILE"),
+        tac_weights=path("checkpoint of the encoder of tactile images, if another"),
+        no_cache=flag("encode anew"),
+    )
     parser.set_defaults(head=None)
-    parser.add_argument(
-        "--profile", type=Path, metavar="FILE", help="profile of the sensor (`omnivat profile`)"
-    )
-    parser.add_argument(
-        "--tac-weights", type=Path, help="checkpoint of the encoder of tactile images, if another"
-    )
-    parser.add_argument("--no-cache", action="store_true", help="encode anew")
     download(parser)
 
 
@@ -127,15 +134,11 @@ def _pairs(
 
         found = with_rest(read_pairs(options.pairs), rest).pairs
         there = modalities_of([p.vis for p in found], [p.tac for p in found])
-        return [
-            (
-                p.vis if "vis" in there else None,
-                p.tac if "tac" in there else None,
-                p.tac_crop,
-                p.tac_rest,
-            )
-            for p in found
-        ]
+
+        def image(pair: "Pair", name: str) -> Path | None:
+            return getattr(pair, name) if name in there else None
+
+        return [(image(p, "vis"), image(p, "tac"), p.tac_crop, p.tac_rest) for p in found]
     paths = [None if name == MISSING else Path(name) for name in options.images]
     calm = None if rest == "none" else Path(rest)
     return [(vis, tac, 0, calm) for vis, tac in zip(paths[::2], paths[1::2], strict=True)]

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import choice, download, passed, progress_bar, shared
+from omnivat.cli.arguments import DOTS, declare, download, one_of, passed, path, progress_bar, text
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
 
@@ -19,29 +19,22 @@ EMBEDDINGS = ".safetensors"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    text = (
+    words = (
         "an embeddings file, a CSV, or a folder of pictures: pairs as for `embed`, or files"
         " named *_vis.* and *_tac.*, or folders named vis and tac"
     )
-    parser.add_argument("pictures", nargs="?", type=Path, help=text)
-    parser.add_argument("--vis", type=Path, metavar="DIR", help="a folder of photos alone")
-    parser.add_argument("--tac", type=Path, metavar="DIR", help="a folder of tactile images alone")
-    parser.add_argument(
-        "--domain", default="", help="name of the domain; of a set: the one to take"
-    )
-    shared(
+    parser.add_argument("pictures", nargs="?", type=Path, help=words)
+    declare(
         parser,
         "out",
         "weights",
         "tac_rest",
         "device",
         encoder="image encoder, named as for `embed`",
-    )
-    choice(
-        parser,
-        "--dots",
-        ("fill", "keep"),
-        "printed dots of a gel in tactile images, as for `embed`",
+        vis=path("a folder of photos alone", "DIR"),
+        tac=path("a folder of tactile images alone", "DIR"),
+        domain=text("name of the domain; of a set: the one to take"),
+        dots=one_of(DOTS, "printed dots of a gel in tactile images, as for `embed`"),
     )
     download(parser)
 

@@ -6,10 +6,9 @@ umap|pca|umap-learn]
 
 import argparse
 from collections.abc import Iterator
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import choice, figure, shared
+from omnivat.cli.arguments import declare, figure, one_of, path
 from omnivat.cli.features import StageFeatures, add_stage, stage_features
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable, write_csv
@@ -27,10 +26,13 @@ LEAST = 2 * NEIGHBOURS + 1  # fewest points for a faithfulness value
 
 def add(parser: argparse.ArgumentParser) -> None:
     add_stage(parser)
-    choice(parser, "--method", list(PROJECTIONS), "method of the map", "umap")
-    parser.add_argument("--out", type=Path, help="the CSV to write")
-    choice(parser, "--dimensions", (2, 3), "of the map")
-    shared(parser, seed="seed of the layout; default: 0")
+    declare(
+        parser,
+        method=one_of(list(PROJECTIONS), "method of the map", "umap"),
+        out=path("the CSV to write"),
+        dimensions=one_of((2, 3), "of the map"),
+        seed="seed of the layout; default: 0",
+    )
     figure(parser, "the map")
 
 

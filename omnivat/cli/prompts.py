@@ -7,7 +7,7 @@ python -m omnivat prompts --out FILE --encoder clip-vit-b16 --method promptstyle
 import argparse
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import choice, download, listed, passed, progress_bar, shared
+from omnivat.cli.arguments import count, declare, download, listed, one_of, passed, progress_bar
 from omnivat.data.materials import MATERIALS
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
@@ -30,24 +30,20 @@ METHODS = ("phrases", "promptstyler")
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--classes", default=",".join(MATERIALS), help="names, with commas")
-    choice(parser, "--encoder", TEXT_ENCODERS, "text encoder")
-    shared(
+    words = "eighty fixed style phrases, or styles learned as word vectors (CLIP only)"
+    declare(
         parser,
         "out",
         "device",
+        classes={"default": ",".join(MATERIALS), "help": "names, with commas"},
+        encoder=one_of(TEXT_ENCODERS, "text encoder"),
         weights="checkpoint of a CLIP encoder",
         seed="of the learned styles",
+        method=one_of(METHODS, words),
+        styles=count("number of styles for promptstyler", default=80),
+        steps=count("steps for each learned style", default=100),
     )
     download(parser)
-    choice(
-        parser,
-        "--method",
-        METHODS,
-        "eighty fixed style phrases, or styles learned as word vectors (CLIP only)",
-    )
-    parser.add_argument("--styles", type=int, default=80, help="number of styles for promptstyler")
-    parser.add_argument("--steps", type=int, default=100, help="steps for each learned style")
 
 
 def run(options: argparse.Namespace) -> None:
@@ -64,8 +60,6 @@ def run(options: argparse.Namespace) -> None:
             "--method promptstyler learns word vectors through CLIP's text tower; "
             "add --encoder clip-vit-b16 or --encoder clip-vit-l14."
         )
-    if learned and (options.styles < 1 or options.steps < 1):
-        raise SettingsError("--styles and --steps must be 1 or more.")
     if options.encoder != "minilm":
         from omnivat.encoders.clip_text import load_text_encoder
 

@@ -4,10 +4,19 @@ python -m omnivat protocol --embeddings FILE --out DIR --methods a,b,c --seeds 0
 """
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import listed, numbers, passed, progress_bar, shared, split_settings
+from omnivat.cli.arguments import (
+    declare,
+    flag,
+    listed,
+    numbers,
+    passed,
+    path,
+    progress_bar,
+    split_settings,
+    text,
+)
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import require_writable
 
@@ -19,29 +28,31 @@ RUNS = "runs.jsonl"
 
 def add(parser: argparse.ArgumentParser) -> None:
     add_running(parser)
-    parser.add_argument(
-        "--methods", default="", metavar="a,b,c", help="methods by name; default: all fast ones"
-    )
-    parser.add_argument(
-        "--sources", default="", metavar="A,B", help="domains to train on; default: all in the set"
-    )
-    shared(
-        parser,
-        set="a setting of the head or of its training, such as width=64 or selection=source-val",
-    )
-    text = (
+    images = (
         "the folder or table of pairs that was embedded, for methods that learn inside CLIP; noted"
         " by `omnivat embed` on this machine"
     )
-    parser.add_argument("--images", type=Path, metavar="PAIRS", help=text)
+    declare(
+        parser,
+        methods=text("methods by name; default: all fast ones", "a,b,c"),
+        sources=text("domains to train on; default: all in the set", "A,B"),
+        set="a setting of the head or of its training, such as width=64 or selection=source-val",
+        images=path(images, "PAIRS"),
+    )
 
 
 def add_running(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments shared by `protocol` and `ablate`."""
-    shared(
-        parser, "embeddings", "lang", "seeds", "jobs", "device", out="folder for records and tables"
+    declare(
+        parser,
+        "embeddings",
+        "lang",
+        "seeds",
+        "jobs",
+        "device",
+        out="folder for records and tables",
+        tables_only=flag("rebuild tables, run nothing"),
     )
-    parser.add_argument("--tables-only", action="store_true", help="rebuild tables, run nothing")
 
 
 def run(options: argparse.Namespace) -> None:

@@ -7,24 +7,22 @@ python -m omnivat report FEATURES --out DIR [--encoder NAME] [--column vis=THEIR
 import argparse
 from pathlib import Path
 
-from omnivat.cli.arguments import progress_bar, shared
+from omnivat.cli.arguments import declare, progress_bar, text
 from omnivat.cli.imports import add_foreign, foreign
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    text = (
+    words = (
         "embeddings .safetensors, or .npz, .parquet, .h5 or .csv as `omnivat import` reads them;"
         " one modality, one domain and no classes are accepted"
     )
-    parser.add_argument("features", type=Path, metavar="FEATURES", help=text)
-    parser.add_argument(
-        "--encoder", default="", metavar="NAME", help="name of the vectors' encoder"
-    )
+    parser.add_argument("features", type=Path, metavar="FEATURES", help=words)
     add_foreign(parser)
-    shared(
+    declare(
         parser,
+        encoder=text("name of the vectors' encoder", "NAME"),
         out="folder to write",
         seed="seed of maps and the random part of a large set; default: 0",
     )

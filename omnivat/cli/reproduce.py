@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli import ablate, prompts, protocol
-from omnivat.cli.arguments import download, passed, progress_bar, shared, whole
+from omnivat.cli.arguments import count, declare, download, flag, passed, path, progress_bar, text
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import write_json, write_text
 
@@ -26,18 +26,23 @@ TIMED = 8  # pairs for timing the encoder
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--data", type=Path, required=True, help="folder of the data sets")
-    parser.add_argument(
-        "--encoder", default="", metavar="NAME", help="clip with --weights, else clip-vit-b16"
+    declare(
+        parser,
+        "seeds",
+        "jobs",
+        "only",
+        "device",
+        "workers",
+        data=path("folder of the data sets", required=True),
+        encoder=text("clip with --weights, else clip-vit-b16", "NAME"),
+        methods=text("of the comparison", "a,b,c"),
+        no_ablations=flag("skip the ablations"),
+        styles=count("styles of PromptStyler", default=80),
+        steps=count("steps for each style", default=100),
+        out="output folder",
+        set="a setting of the head",
+        weights="checkpoint of CLIP, of any layout and size",
     )
-    parser.add_argument("--methods", default="", metavar="a,b,c", help="of the comparison")
-    parser.add_argument("--no-ablations", action="store_true", help="skip the ablations")
-    parser.add_argument("--styles", type=whole(1), default=80, help="styles of PromptStyler")
-    parser.add_argument("--steps", type=whole(1), default=100, help="steps for each style")
-    shared(
-        parser, "seeds", "jobs", "only", "device", out="output folder", set="a setting of the head"
-    )
-    shared(parser, "workers", weights="checkpoint of CLIP, of any layout and size")
     download(parser)
 
 
@@ -61,9 +66,14 @@ def run(options: argparse.Namespace) -> None:
     encoder = load_encoder(name, **passed(options, *ENCODING))
     _embed(sets, name, encoder, options)
     bank = _lang(name, encoder, options)
-    _run("protocol", protocol, _shared(options, bank) + _named("--methods", options.methods))
+    shared = passed(options, "seeds", "jobs", "device") | {
+        "embeddings": options.out / EMBEDDINGS,
+        "set": [*options.set, *(() if bank else ("lang=false",))],
+        "lang": bank,
+    }
+    _run("protocol", protocol, **shared, out=options.out / "protocol", methods=options.methods)
     if not options.no_ablations:
-        _run("ablate", ablate, _shared(options, bank, "ablations") + _named("--only", options.only))
+        _run("ablate", ablate, **shared, out=options.out / "ablations", only=options.only)
     found = records.read(options.out / "protocol" / protocol.RUNS)
     write_text(options.out / "margins.md", margins_report(found))
     write_text(options.out / "cost.md", cost_report(found, _measured(sets, encoder)))
@@ -115,28 +125,17 @@ def _lang(name: str, encoder: "Encoder", options: argparse.Namespace) -> Path | 
     if file.is_file() and load_bank(file).text_hash == tower:
         print(f"{file} belongs to this checkpoint; kept")
         return file
-    given = ["--encoder", name, "--out", str(file), "--method", "promptstyler"]
-    given += ["--styles", str(options.styles), "--steps", str(options.steps)]
-    if options.weights:
-        given += ["--weights", str(options.weights)]
-    _run("prompts", prompts, [*given, "--device", options.device])
+    how = passed(options, "styles", "steps", "weights", "device")
+    _run("prompts", prompts, encoder=name, out=file, method="promptstyler", **how)
     return file
 
 
-def _shared(options: argparse.Namespace, bank: Path | None, folder: str = "protocol") -> list[str]:
-    given = ["--embeddings", str(options.out / EMBEDDINGS), "--out", str(options.out / folder)]
-    given += ["--seeds", options.seeds, "--jobs", str(options.jobs), "--device", options.device]
-    settings = [*options.set, *(() if bank else ("lang=false",))]
-    given += [part for text in settings for part in ("--set", text)]
-    return [*given, "--lang", str(bank)] if bank else given
-
-
-def _named(option: str, value: str) -> list[str]:
-    return [option, value] if value else []
-
-
-def _run(command: str, module: Any, arguments: list[str]) -> None:
-    """Print and run another command."""
+def _run(command: str, module: Any, **options: Any) -> None:
+    """Print and run another command; an option without a value is left out."""
+    arguments = []
+    for name, values in options.items():
+        for value in values if isinstance(values, list) else [values]:
+            arguments += [f"--{name}", str(value)] if value else []
     print(f"\n$ omnivat {command} {' '.join(arguments)}", flush=True)
     parser = argparse.ArgumentParser(prog=f"omnivat {command}")
     module.add(parser)

@@ -9,10 +9,9 @@ Chirps are synthetic signals whose class shows at one fractional order only (doc
 """
 
 import argparse
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import choice, passed, progress_bar, shared, whole
+from omnivat.cli.arguments import count, declare, one_of, passed, path, progress_bar
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
 from omnivat.kit.progress import OnStep
@@ -29,18 +28,22 @@ SETS = {  # name -> options of other sets
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    choice(parser, "--set", tuple(SETS), "the set to make")
-    parser.add_argument("--domains", help="only these, separated by commas")
-    parser.add_argument(
-        "--pairs-per-class", type=int, help="60 for sensors and twins, 40 for chirps"
+    declare(
+        parser,
+        "seed",
+        set=one_of(tuple(SETS), "the set to make"),
+        domains={"help": "only these, separated by commas"},
+        pairs_per_class={"type": int, "help": "60 for sensors and twins, 40 for chirps"},
+        examples=path("copy a few test pairs here, as JPEG"),
+        examples_per_class=count(
+            "pairs of each class and domain to copy to --examples", default=2, metavar="N"
+        ),
+        out="folder for the pairs",
+        workers="processes; default: all cores",
+        order={"type": float, "help": "chirps: p*, the order of the signal; 0.35"},
+        strength={"type": float, "help": "chirps: interference over signal; 2"},
+        shift={"type": float, "help": "chirps: difference between domains, 0 to 1"},
     )
-    parser.add_argument("--examples", type=Path, help="copy a few test pairs here, as JPEG")
-    text = "pairs of each class and domain to copy to --examples"
-    parser.add_argument("--examples-per-class", type=whole(1), default=2, metavar="N", help=text)
-    shared(parser, "seed", out="folder for the pairs", workers="processes; default: all cores")
-    parser.add_argument("--order", type=float, help="chirps: p*, the order of the signal; 0.35")
-    parser.add_argument("--strength", type=float, help="chirps: interference over signal; 2")
-    parser.add_argument("--shift", type=float, help="chirps: difference between domains, 0 to 1")
 
 
 def run(options: argparse.Namespace) -> None:

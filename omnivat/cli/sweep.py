@@ -19,13 +19,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import (
+    count,
+    declare,
     figure,
     head_and_set,
     numbers,
+    path,
     progress_bar,
-    shared,
+    several,
     split_settings,
-    whole,
+    text,
 )
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
@@ -43,28 +46,37 @@ Wanted = Mapping[str, Any]  # "stages" and "measures"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    shared(parser, "head", "embeddings", "profile", "device")
-    parser.add_argument("--out", type=Path, help="the frames file for the page, with maps")
-    parser.add_argument("--json", type=Path, help="the curves over p as JSON")
-    parser.add_argument("--csv", type=Path, help="the curves over p as a table, one column each")
-    parser.add_argument("--stops", type=int, help="number of orders from 0 to 1; default: 101")
-    parser.add_argument("--orders", help="these orders instead, such as 0,0.25,1.5")
-    text = "of raw, frft, relu, f_bar, f_hat, separated by commas; default: all, for the page"
-    parser.add_argument("--stages", default=ALL, help=text)
-    parser.add_argument(
-        "--measures", help="of docs/gaps.md, separated by commas, or 'all'; default: the fast ones"
+    stages = "of raw, frft, relu, f_bar, f_hat, separated by commas; default: all, for the page"
+    measures = "of docs/gaps.md, separated by commas, or 'all'; default: the fast ones"
+    declare(
+        parser,
+        "head",
+        "embeddings",
+        "profile",
+        "device",
+        out=path("the frames file for the page, with maps"),
+        json=path("the curves over p as JSON"),
+        csv=path("the curves over p as a table, one column each"),
+        stages=text(stages) | {"default": ALL},
+        measures=text(measures),
     )
-    group = parser.add_argument_group("a head at each order")
-    group.add_argument(
-        "--retrained", type=whole(2, 1001), metavar="N", help="train a head at each of N orders"
+    which = parser.add_mutually_exclusive_group()
+    declare(
+        which,
+        stops=count("number of orders from 0 to 1; default: 101", 2, MOST_STOPS),
+        orders={"help": "these orders instead, such as 0,0.25,1.5"},
+        retrained=count("train a head at each of N orders", 2, MOST_STOPS, metavar="N"),
     )
-    group.add_argument("--source", help="domain to train on; default: that of --head")
-    group.add_argument("--seeds", help="such as 0,1,2 (default); maps show the first one's heads")
-    group.add_argument("--jobs", type=whole(1, 256), help="processes; default: all cores")
-    group.add_argument("--keep", type=Path, help="folder of the heads; keeps them")
-    group.add_argument("--lang", type=Path, help="LANG bank; default: the project's own")
-    text = "a setting of the head or of training that differs from --head's, such as epochs=30"
-    group.add_argument("--set", action="append", metavar="key=value", help=text)
+    setting = "a setting of the head or of training that differs from --head's, such as epochs=30"
+    declare(
+        parser.add_argument_group("a head at each order, for --retrained"),
+        "lang",
+        source={"help": "domain to train on; default: that of --head"},
+        seeds={"help": "such as 0,1,2 (default); maps show the first one's heads"},
+        jobs=count("processes; default: all cores", 1, 256),
+        keep=path("folder of the heads; keeps them"),
+        set=several(setting, "key=value"),
+    )
     figure(parser, "the curves against p")
 
 
@@ -73,17 +85,14 @@ def run(options: argparse.Namespace) -> None:
     outputs = [p for p in (options.out, options.json, options.csv, options.figure) if p]
     if not outputs:
         raise SettingsError("There is no output; give --out, --json, --csv or --figure.")
-    if len({realpath(path) for path in outputs}) < len(outputs):
+    if len({realpath(file) for file in outputs}) < len(outputs):
         raise SettingsError(
             "Two of --out, --json, --csv and --figure name the same file; give each its own file."
         )
-    for path in outputs:
-        require_writable(path)
+    for file in outputs:
+        require_writable(file)
     _check_retrained(options)
-    if options.profile and options.retrained is not None:
-        raise SettingsError("--profile goes with one head; leave out --retrained.")
-    stops = options.retrained if options.retrained is not None else options.stops
-    orders = orders_of(options.orders, stops)
+    orders = orders_of(options.orders, options.retrained or options.stops or 101)
     from omnivat.head.checkpoint import head_hash
     from omnivat.maps.frames import write_frames
     from omnivat.maps.frames.builder import DEFAULT_MAPS, build_frames
@@ -92,14 +101,11 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.maps.sweep.curves import write_curves_csv, write_curves_json
     from omnivat.measure.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
 
-    wanted: Wanted = {"stages": names_of(options.stages, STAGES, "stage"), "measures": MEASURES}
-    if options.measures:
-        wanted = {
-            **wanted,
-            "measures": names_of(
-                options.measures, (*STAGE_MEASURES, *PREDICTION_MEASURES), "measure"
-            ),
-        }
+    every = (*STAGE_MEASURES, *PREDICTION_MEASURES)
+    wanted: Wanted = {
+        "stages": names_of(options.stages, STAGES, "stage"),
+        "measures": names_of(options.measures, every, "measure") if options.measures else MEASURES,
+    }
     head, embeddings = head_and_set(options)
     provenance = {
         "hash": head_hash(options.head),
@@ -109,20 +115,20 @@ def run(options: argparse.Namespace) -> None:
         "kind": kind_of(head),
     }
     frames: Any = None
-    if options.retrained is not None:
+    if options.retrained:
         frames = _retrained(options, head, embeddings, orders, wanted)
     elif options.out:
         if options.orders is None and options.stops is None:
             orders = list(with_learned(orders, head.model.order))
-        more: dict[str, Any] = {"measures": wanted["measures"], "provenance": provenance}
         with progress_bar("sweep") as show:
             frames = build_frames(
                 head.model,
                 embeddings,
                 orders=orders,
                 maps=_of(DEFAULT_MAPS, wanted),
+                measures=wanted["measures"],
+                provenance=provenance,
                 on_step=show,
-                **more,
             )
     if frames is not None:
         write_frames(options.out, frames)
@@ -151,15 +157,15 @@ def _draw(file: Path, orders: Stops, curves: Values, frames: Any) -> None:
 
 def _check_retrained(options: argparse.Namespace) -> None:
     """Raise SettingsError for contradictory arguments."""
-    if options.retrained is None:
-        for name in ("source", "seeds", "jobs", "keep", "lang", "set"):
-            if getattr(options, name) is not None:
-                raise SettingsError(f"--{name} applies to --retrained N only; leave it out.")
+    if options.retrained:
+        if options.out is None:
+            raise SettingsError("--retrained needs --out, the frames file to write.")
+        if options.profile:
+            raise SettingsError("--profile goes with one head; leave out --retrained.")
         return
-    if options.out is None:
-        raise SettingsError("--retrained needs --out, the frames file to write.")
-    if options.stops is not None or options.orders is not None:
-        raise SettingsError("--retrained N sets the orders; leave out --stops and --orders.")
+    for name in ("source", "seeds", "jobs", "keep", "lang", "set"):
+        if getattr(options, name):
+            raise SettingsError(f"--{name} applies to --retrained N only; leave it out.")
 
 
 def _retrained(
@@ -179,7 +185,7 @@ def _retrained(
 
     seeds = numbers(options.seeds or "0,1,2")
     plan = plan_like(head, embeddings, source=options.source or "", bank=options.lang)
-    changes = split_settings(options.set or [], HeadSettings, TrainSettings)
+    changes = split_settings(options.set, HeadSettings, TrainSettings)
     plan = replace(
         plan,
         settings=replace(plan.settings, **changes[0]),
@@ -219,41 +225,35 @@ def _curves(
     return {name: values.tolist() for name, values in found.items()}
 
 
-def orders_of(text: str | None, stops: int | None) -> list[float]:
-    """Return the orders that `--orders` lists, or `--stops` of them from 0 to 1.
+def orders_of(listed: str | None, stops: int) -> list[float]:
+    """Return the orders that `--orders` lists, or `stops` of them from 0 to 1.
 
-    Raises SettingsError for both options together, for numbers that are not finite, and for a list
-    that is not ascending.
+    Raises SettingsError for numbers that are not finite, and for a list that is not ascending.
     """
-    if text is None:
-        count = 101 if stops is None else stops
-        if not 2 <= count <= MOST_STOPS:
-            raise SettingsError(f"--stops is {count}; choose 2 to {MOST_STOPS}.")
-        return [step / (count - 1) for step in range(count)]
-    if stops is not None:
-        raise SettingsError("Give --orders or --stops, not both.")
+    if listed is None:
+        return [step / (stops - 1) for step in range(stops)]
     try:
-        orders = [float(part) for part in text.split(",")]
+        orders = [float(part) for part in listed.split(",")]
     except ValueError:
-        raise SettingsError(f"--orders is '{text}'; write numbers such as 0,0.25,1.5.") from None
+        raise SettingsError(f"--orders is '{listed}'; write numbers such as 0,0.25,1.5.") from None
     rising = all(before < after for before, after in pairwise(orders))
     if not rising or len(orders) > MOST_STOPS:
         raise SettingsError(
-            f"--orders is '{text}'; write 1 to {MOST_STOPS} numbers, each above the last."
+            f"--orders is '{listed}'; write 1 to {MOST_STOPS} numbers, each above the last."
         )
     return [checked_order(order, name="An order of --orders") for order in orders]
 
 
-def names_of(text: str, known: Sequence[str], kind: str) -> tuple[str, ...]:
-    """Return the names in `text`, once each and in the order of `known`; `all` means all.
+def names_of(listed: str, known: Sequence[str], kind: str) -> tuple[str, ...]:
+    """Return the names that are listed, once each and in the order of `known`; `all` means all.
 
     Raises SettingsError for an unknown name.
     """
-    if text == ALL:
+    if listed == ALL:
         return tuple(known)
     from omnivat.maps.sweep.walk import require_known
 
-    names = [name.strip() for name in text.split(",")]
+    names = [name.strip() for name in listed.split(",")]
     require_known(names, known, kind)
     return tuple(name for name in known if name in names)
 

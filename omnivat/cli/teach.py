@@ -6,21 +6,24 @@ python -m omnivat teach --embeddings LABELLED --out H2 [--head H] [--domain NAME
 
 import argparse
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
-from omnivat.cli.arguments import as_json, head_and_set, progress_bar, shared
+from omnivat.cli.arguments import as_json, declare, head_and_set, path, progress_bar
 from omnivat.head.heads import own_head
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--embeddings", type=Path, required=True, help="labelled pairs, from `omnivat embed`"
+    declare(
+        parser,
+        "head",
+        "profile",
+        "json",
+        embeddings=path("labelled pairs, from `omnivat embed`", required=True),
+        domain={"help": "only the pairs of this domain"},
+        out="folder for the taught head",
     )
-    parser.add_argument("--domain", help="only the pairs of this domain")
-    shared(parser, "head", "profile", "json", out="folder for the taught head")
     parser.set_defaults(head=own_head())
 
 

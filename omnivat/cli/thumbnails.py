@@ -7,22 +7,23 @@ import argparse
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from omnivat.cli.arguments import progress_bar, shared
-from omnivat.kit.errors import DataError, SettingsError
+from omnivat.cli.arguments import count, declare, path, progress_bar
+from omnivat.kit.errors import DataError
 from omnivat.kit.files import require_writable
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("pairs", type=Path, help="the embedded folder or CSV of pairs")
-    shared(parser, "embeddings")
-    parser.add_argument("--out", type=Path, help="a .webp; default: next to the embeddings")
-    parser.add_argument("--tile", type=int, default=64, help="side of one thumbnail in pixels")
+    declare(
+        parser,
+        "embeddings",
+        out=path("a .webp; default: next to the embeddings"),
+        tile=count("side of one thumbnail in pixels", 8, 512, default=64),
+    )
 
 
 def run(options: argparse.Namespace) -> None:
     """Read every image once, write one sheet."""
-    if not 8 <= options.tile <= 512:
-        raise SettingsError(f"--tile is {options.tile}; choose 8 to 512 pixels.")
     if not options.pairs.exists():
         raise DataError(f"There is no folder or file at '{options.pairs}'. Check the path.")
     from omnivat.data.store import load_embeddings

@@ -9,29 +9,32 @@ the temperatures to the last quarter; --no-calibration skips it.
 
 import argparse
 
-from omnivat.cli.arguments import numbers, passed, progress_bar, shared, split_settings
+from omnivat.cli.arguments import declare, flag, numbers, passed, progress_bar, split_settings, text
 from omnivat.kit.errors import SettingsError
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "--source",
-        required=True,
-        help=(
-            "the source domain; all: every domain, each standardised by its own profile, for one's"
-            " own pictures"
-        ),
+    source = (
+        "the source domain; all: every domain, each standardised by its own profile, for one's own"
+        " pictures"
     )
-    parser.add_argument("--part", default="", help="only this part of it, such as outdoor")
-    shared(parser, "embeddings", "lang", "device", out="folder for the head")
-    shared(parser, seed="seed of weights and batches; default: 0")
-    shared(parser, set="a setting of the head or of training, such as width=64 or lr=0.02")
-    text = "train again with these seeds, for the spread of the scores; the saved head uses --seed"
-    parser.add_argument("--repeat", default="", metavar="1,2", help=text)
-    parser.add_argument(
-        "--no-calibration", action="store_true", help="keep temperature 1: half the time"
+    repeat = (
+        "train again with these seeds, for the spread of the scores; the saved head uses --seed"
     )
-    parser.add_argument("--resume", action="store_true", help="resume a stopped training of --out")
+    declare(
+        parser,
+        "embeddings",
+        "lang",
+        "device",
+        source={"required": True, "help": source},
+        part=text("only this part of it, such as outdoor"),
+        out="folder for the head",
+        seed="seed of weights and batches; default: 0",
+        set="a setting of the head or of training, such as width=64 or lr=0.02",
+        repeat=text(repeat, "1,2"),
+        no_calibration=flag("keep temperature 1: half the time"),
+        resume=flag("resume a stopped training of --out"),
+    )
 
 
 def run(options: argparse.Namespace) -> None:

@@ -15,9 +15,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import download, passed, progress_bar, shared
+from omnivat.cli.arguments import declare, download, flag, passed, path, progress_bar, text
 from omnivat.cli.fetch import bring
 from omnivat.cli.imports import add_foreign, foreign
+from omnivat.cli.thumbnails import start_of
 from omnivat.encoders.base import DEFAULT_ENCODER
 from omnivat.kit.errors import DataError, SettingsError, printable
 from omnivat.kit.files import replacing, require_regular, require_writable, write_json
@@ -30,16 +31,19 @@ PAGE = "from app.server import main; raise SystemExit(main())"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument(
-        "pairs", type=Path, metavar="PAIRS", help="a folder, CSV, NPZ, Parquet, or a set of fetch"
-    )
-    parser.add_argument(
-        "--out", type=Path, metavar="DIR", help="folder to write; default: beside PAIRS"
-    )
-    parser.add_argument("--source", default="", help="domain to train on; default: the largest")
-    parser.add_argument("--no-page", action="store_true", help="write the folder, open no page")
+    words = "a folder, CSV, NPZ, Parquet, or a set of fetch"
+    parser.add_argument("pairs", type=Path, metavar="PAIRS", help=words)
     add_foreign(parser)
-    shared(parser, "encoder", "tac_rest", "seed", "device")
+    declare(
+        parser,
+        "encoder",
+        "tac_rest",
+        "seed",
+        "device",
+        out=path("folder to write; default: beside PAIRS", "DIR"),
+        source=text("domain to train on; default: the largest"),
+        no_page=flag("write the folder, open no page"),
+    )
     download(parser)
 
 
@@ -159,9 +163,7 @@ def _embed(options: argparse.Namespace, out: Path) -> list[str]:
         )
     notes = [f"Skipped {one.what}: {one.why}" for one in report.skipped]
     embeddings = load_embeddings(out / SET)
-    wanted = Path(embeddings.rows["vis"][0]).parts
-    files = (pair.vis.absolute() for pair in pairs.pairs)
-    root = next(f.parents[len(wanted) - 1] for f in files if f.parts[-len(wanted) :] == wanted)
+    root = start_of(options.pairs, embeddings.rows["vis"])
     try:
         with progress_bar("thumbnails") as show:
             write_thumbnails(embeddings, root, sheet_of(out / SET), on_step=show)

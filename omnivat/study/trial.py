@@ -83,9 +83,7 @@ def try_pairs(
         model = train(
             part.pairs, part.settings, part.training, bank=part.bank, seed=seed, watch=turn
         ).model
-        for view, labels in _predicted(model, data, own[out], _views(features)).items():
-            said[view][out] = labels
-        for name, labels in _probed(features, fit, own[out]).items():
+        for name, labels in _answers(features, model, fit, own[out]).items():
             said[name][out] = labels
     head = trained_head(plan, watch=watch.part(len(folds) * each, whole))
     tested = np.any(folds, axis=0) if folds else np.zeros(len(own), bool)
@@ -128,12 +126,13 @@ def _plan(features: Features, source: str, seed: int, rows: Rows | None = None) 
     count = len(features.members(source))
     batch = 16 if count <= 500 else 64 if count <= 2000 else 256
     classes = {data.header.classes[k] for k in np.unique(data.label[data.labelled])}
-    lang, modalities = (
-        classes <= set(load_bank(DEFAULT_BANK).classes),
-        "+".join(features.modalities),
-    )
     training = TrainSettings(
-        epochs=EPOCHS, batch=batch, noise=4.0, shift=1.0, lang=lang, modalities=modalities
+        epochs=EPOCHS,
+        batch=batch,
+        noise=4.0,
+        shift=1.0,
+        lang=classes <= set(load_bank(DEFAULT_BANK).classes),
+        modalities="+".join(features.modalities),
     )
     return plan_training(data, source, head={"width": 64}, training=training, seed=seed)
 
@@ -159,14 +158,25 @@ def _folds(labels: Labels, objects: Rows, seed: int) -> tuple[list[NDArray[np.bo
     return masks, [left] if alone and masks else []
 
 
-def _predicted(model: Any, data: Embeddings, rows: Rows, views: Sequence[str]) -> dict[str, Labels]:
-    """Return the predicted label (N,) in the set's classes for each reading."""
-    back = label_map(data.header.classes, model.settings.classes)
-    shares = {
-        v: predicted_probabilities(model, data, modalities=VIEWS[v], rows=rows)["fused"]
-        for v in views
+def _answers(features: Features, model: Any, fit: Rows, rows: Rows) -> dict[str, Labels]:
+    """Return the labels (N,) of `rows` by each reading of a head and of linear maps, which learned
+    `fit`.
+    """
+    data = features.embeddings
+    maps = fitted_probe(raw_of(features, fit), data.label[fit])(raw_of(features, rows))
+    return _predicted(model, data, rows, _views(features)) | {
+        probe_of(view): labels for view, labels in maps.items()
     }
-    return {view: back[found.argmax(-1).numpy()] for view, found in shares.items()}
+
+
+def _predicted(model: Any, data: Embeddings, rows: Rows, views: Sequence[str]) -> dict[str, Labels]:
+    """Return the predicted label (N,) in the set's classes for each reading of a head."""
+    back = label_map(data.header.classes, model.settings.classes)
+    fused = {
+        view: predicted_probabilities(model, data, modalities=VIEWS[view], rows=rows)["fused"]
+        for view in views
+    }
+    return {view: back[shares.argmax(-1).numpy()] for view, shares in fused.items()}
 
 
 def probe_of(view: str) -> str:
@@ -174,24 +184,20 @@ def probe_of(view: str) -> str:
     return f"{PROBE}, {view}"
 
 
-def _probed(features: Features, fit: Rows, rows: Rows) -> dict[str, Labels]:
-    """Return the labels of `rows` by each reading of linear maps that learned `fit`."""
-    answers = fitted_probe(raw_of(features, fit), features.embeddings.label[fit])(
-        raw_of(features, rows)
-    )
-    return {probe_of(view): labels for view, labels in answers.items()}
-
-
 def _record(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels]) -> dict[str, Any]:
     """Return the tested pairs' counts, and the share right of each reading with its interval, by
     objects.
     """
     sizes, count = np.bincount(labels), len(np.unique(objects))
-    record: dict[str, Any] = {"domain": domain, "pairs": len(labels), "objects": count}
-    record["classes"] = int((sizes > 0).sum())
-    record["always the largest class"] = float(sizes.max() / len(labels))
-    for name, guessed in said.items():
-        share = float((guessed == labels).mean())
+    record = {
+        "domain": domain,
+        "pairs": len(labels),
+        "objects": count,
+        "classes": int((sizes > 0).sum()),
+        "always the largest class": float(sizes.max() / len(labels)),
+    }
+    for name, answers in said.items():
+        share = float((answers == labels).mean())
         low, high = wilson(share * count, count)
         record[name] = {"share": share, "low": low, "high": high}
     return record
@@ -203,13 +209,12 @@ def _in_target(
     """Return the record of a target domain, plain and with a profile of its pictures, and a
     sentence.
     """
-    data, views = features.embeddings, _views(features)
-    lead = f"In '{printable(name)}'"
+    data, lead = features.embeddings, f"In '{printable(name)}'"
     known = rows[np.isin(data.label[rows], np.unique(data.label[home]))]
     if not len(known):
         return None, f"{lead}: no pair is of a class that the head learned."
-    told = _predicted(head.model, data, known, views) | _probed(features, home, known)
-    record = _record(name, data.label[known], features.objects[known], told)
+    said = _answers(features, head.model, home, known)
+    record = _record(name, data.label[known], features.objects[known], said)
     text = f"{lead}, of which nothing was known: {_sentence(record)}"
     count = min(KNOWN, len(rows) // 2)
     if count:
@@ -267,23 +272,19 @@ def conclusion(records: Sequence[dict[str, Any]], source: str) -> str:
     A lead counts if it exceeds half the width of the head's interval.
     """
     away = [one for one in records if one["domain"] != source]
-    tested = away or list(records)
+    tested = away or records
     if not tested:
         return "In short: no figure can be had from these pairs."
     views = [name for name in ("both", "vis", "tac") if name in tested[0]]
-    means = {
-        name: float(np.mean([one[name]["share"] for one in tested]))
-        for view in views
-        for name in (view, probe_of(view))
-    }
+
+    def mean(name: str) -> float:
+        return float(np.mean([one[name]["share"] for one in tested]))
+
     width = float(np.mean([one[views[0]]["high"] - one[views[0]]["low"] for one in tested])) / 2
-    head = max(views, key=means.__getitem__)
-    plain = max(map(probe_of, views), key=means.__getitem__)
+    head = max(views, key=mean)
+    plain = max(views, key=lambda view: mean(probe_of(view)))
     where = "another sensor" if away else "objects that it did not see"
-    told = f"on {where} the head has {_percent(means[head])} ({WORDS[head]})"
-    read = WORDS[plain.removeprefix(f"{PROBE}, ")]
-    told += f" and linear maps {_percent(means[plain])} ({read})"
-    lead = means[head] - means[plain]
+    lead = mean(head) - mean(probe_of(plain))
     advice = (
         "they are level within the uncertainty, so take the linear maps, which are simpler"
         if abs(lead) <= width
@@ -291,7 +292,10 @@ def conclusion(records: Sequence[dict[str, Any]], source: str) -> str:
         if lead > 0
         else "take the linear maps"
     )
-    return f"In short: {told}; {advice}."
+    return (
+        f"In short: on {where} the head has {_percent(mean(head))} ({WORDS[head]}) and linear maps"
+        f" {_percent(mean(probe_of(plain)))} ({WORDS[plain]}); {advice}."
+    )
 
 
 def _percent(share: float) -> str:

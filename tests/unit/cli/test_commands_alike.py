@@ -59,7 +59,7 @@ def places(tmp_path_factory):
 @pytest.mark.parametrize("kind", [*FOLDERS, *TABLES])
 @pytest.mark.parametrize("command", ["try", "profile", "predict", "teach", "report"])
 def test_every_command_takes_every_kind_or_says_what_it_wants(
-    command, kind, places, tmp_path, capsys, monkeypatch
+    command, kind, places, tmp_path, run, monkeypatch
 ):
     monkeypatch.setattr(trial, "EPOCHS", 1)
     place, file = map(str, places[kind])
@@ -71,13 +71,11 @@ def test_every_command_takes_every_kind_or_says_what_it_wants(
         "teach": ["teach", "--embeddings", file, "--out", out],
         "report": ["report", file, "--out", out],
     }[command]
-    code, said = main(line), capsys.readouterr()
-    assert "Traceback" not in said.err
     if command == "teach" and kind in BARE:
-        assert code == 1 and said.err.count("\n") == 1
-        assert "have no classes, and teaching needs labels: embed them from" in said.err
+        said = run(*line, code=1).err
+        assert "have no classes, and teaching needs labels: embed them from" in said
         return
-    assert code == 0, said.err
+    said = run(*line)
     alone = {"photos only": "vis", "touches only": "tac", "a table of touches": "tac"}.get(kind)
     if alone and command == "predict":
         assert {"vis": "no TAC", "tac": "no VIS"}[alone] in said.out
@@ -92,27 +90,25 @@ def test_every_command_takes_every_kind_or_says_what_it_wants(
 @pytest.mark.parametrize("kind", ["pairs", "a table"])
 @pytest.mark.parametrize("command", ["teach", "report"])
 def test_pictures_in_place_of_embeddings_end_in_the_command_that_makes_them(
-    command, kind, places, tmp_path, capsys
+    command, kind, places, tmp_path, run
 ):
-    place = str(places[kind][0])
-    given = ["--embeddings", place] if command == "teach" else [place]
-    assert main([command, *given, "--out", str(tmp_path / "out")]) == 1
-    said = capsys.readouterr().err
+    place = places[kind][0]
+    named = ["--embeddings", place] if command == "teach" else [place]
+    said = run(command, *named, "--out", tmp_path / "out", code=1).err
     assert f"python -m omnivat embed {place} --out" in said and said.count("\n") == 1
 
 
 @pytest.mark.parametrize("command", ["embed", "try", "profile", "predict"])
-def test_pictures_whose_names_tell_nothing_end_in_the_names_that_would(command, tmp_path, capsys):
-    place = str(pictures(tmp_path / "mine", ["IMG_{c}{k}.png"]))
+def test_pictures_whose_names_tell_nothing_end_in_the_names_that_would(command, tmp_path, run):
+    place = pictures(tmp_path / "mine", ["IMG_{c}{k}.png"])
     line = ["--pairs", place] if command == "predict" else [place]
-    more = ["--out", str(tmp_path / "out.safetensors")] if command in ("embed", "profile") else []
-    assert main([command, *line, *more]) == 1
-    said = capsys.readouterr().err
+    more = ["--out", tmp_path / "out.safetensors"] if command in ("embed", "profile") else []
+    said = run(command, *line, *more, code=1).err
     assert "_vis.png" in said and "_tac.png" in said and said.count("\n") == 1
 
 
-def test_touches_in_a_table_have_to_be_named_as_such(tmp_path, capsys):
+def test_touches_in_a_table_have_to_be_named_as_such(tmp_path, run):
     place = pictures(tmp_path / "mine", ["{c}{k}.png"]) / "list.csv"
     place.write_text("tac\nwood0.png\n")
-    assert main(["embed", str(place), "--out", str(tmp_path / "out.safetensors")]) == 1
-    assert "NAME_tac.png, or in a folder tac" in capsys.readouterr().err
+    said = run("embed", place, "--out", tmp_path / "out.safetensors", code=1).err
+    assert "NAME_tac.png, or in a folder tac" in said

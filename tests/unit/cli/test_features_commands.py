@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import torch
 
-from omnivat.cli import main
 from omnivat.data.store import load_embeddings
 from omnivat.measure.gaps.centroid import centroid_gap, modality_gap
 
@@ -17,11 +16,10 @@ def names(head_folder):
     return ["--head", str(head_folder), "--embeddings", str(head_folder.parent / "set.safetensors")]
 
 
-def test_gaps_at_raw_are_those_of_the_embeddings_and_need_no_head(head_folder, capsys):
+def test_gaps_at_raw_are_those_of_the_embeddings_and_need_no_head(head_folder, run):
     file = head_folder.parent / "set.safetensors"
-    arguments = ["gaps", "--embeddings", str(file), "--head", "nowhere", "--stage", "raw", "--json"]
-    assert main(arguments) == 0
-    found = json.loads(capsys.readouterr().out)
+    raw = "--embeddings", file, "--head", "nowhere", "--stage", "raw", "--json"
+    found = json.loads(run("gaps", *raw).out)
     embeddings = load_embeddings(file)
     vis, tac = torch.tensor(np.array(embeddings.vis)), torch.tensor(np.array(embeddings.tac))
     first = torch.from_numpy(embeddings.domain.copy()) == 0
@@ -34,29 +32,25 @@ def test_gaps_at_raw_are_those_of_the_embeddings_and_need_no_head(head_folder, c
     )
 
 
-def test_the_raw_transform_changes_no_gap(names, capsys):
-    found = []
-    for more in (["raw"], ["frft", "--order", "0.3"], ["frft", "--order", "1.9"]):
-        assert main(["gaps", *names, "--json", "--stage", *more]) == 0
-        found.append(json.loads(capsys.readouterr().out)["modality_gap"]["all"])
-    # the head projects to its own width first, so only the two transforms are alike
-    assert found[1] == pytest.approx(found[2], rel=1e-5)
+def test_the_raw_transform_changes_no_gap(names, run):
+    one, other = (
+        json.loads(run("gaps", *names, "--json", "--stage", "frft", "--order", order).out)
+        for order in (0.3, 1.9)
+    )
+    assert one["modality_gap"]["all"] == pytest.approx(other["modality_gap"]["all"], rel=1e-5)
 
 
-def test_gaps_after_the_head_move_with_the_order(names, capsys):
-    texts = []
-    for order in ("0.2", "0.8"):
-        assert main(["gaps", *names, "--order", order]) == 0
-        texts.append(capsys.readouterr().out)
+def test_gaps_after_the_head_move_with_the_order(names, run):
+    texts = [run("gaps", *names, "--order", order).out for order in (0.2, 0.8)]
     assert texts[0] != texts[1]
     assert "p = 0.2, simulated data" in texts[0]
     assert "between domains, TAC" in texts[0]
 
 
-def test_a_map_has_a_named_row_for_every_point(names, tmp_path, capsys):
+def test_a_map_has_a_named_row_for_every_point(names, tmp_path, run):
     out = tmp_path / "map.csv"
-    assert main(["project", *names, "--out", str(out), "--method", "pca"]) == 0
-    assert "trustworthiness 0." in capsys.readouterr().out
+    said = run("project", *names, "--out", out, "--method", "pca").out
+    assert "trustworthiness 0." in said
     with out.open(newline="", encoding="utf-8") as handle:
         rows = list(csv.DictReader(handle))
     count = len(load_embeddings(names[3]))
@@ -68,7 +62,7 @@ def test_a_map_has_a_named_row_for_every_point(names, tmp_path, capsys):
     assert np.abs(places.mean(0)).max() < 1e-4 and places.std(0).min() > 0
 
 
-def test_a_map_that_is_no_csv_is_refused_before_anything_is_computed(names, tmp_path, capsys):
-    assert main(["project", *names, "--out", str(tmp_path / "map.png")]) == 1
-    assert "name a file that ends in .csv" in capsys.readouterr().err
+def test_a_map_that_is_no_csv_is_refused_before_anything_is_computed(names, tmp_path, run):
+    said = run("project", *names, "--out", tmp_path / "map.png", code=1).err
+    assert "name a file that ends in .csv" in said
     assert list(tmp_path.iterdir()) == []

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from omnivat.cli import main
 from omnivat.data.rest import RESTED
 from omnivat.head.heads import default_head
 
@@ -32,35 +31,27 @@ def spoil(folder, *names):
         file.write_bytes(file.read_bytes()[:60])
 
 
-def test_pairs_that_cannot_be_read_are_named_and_the_others_answered(folder, capsys):
+def test_pairs_that_cannot_be_read_are_named_and_the_others_answered(folder, run):
     spoil(folder, "b_tac.png")
-    assert main(["predict", "--pairs", str(folder), "--json", "--no-cache"]) == 0
-    said = capsys.readouterr()
+    said = run("predict", "--pairs", folder, "--json", "--no-cache")
     answers = json.loads(said.out)
     assert [Path(answer["vis"]).name for answer in answers] == ["a_vis.png", "c_vis.png"]
     assert said.err.startswith("skipped: ") and "b_tac.png" in said.err
     assert said.err.count("\n") == 1
 
 
-def test_a_set_of_which_nothing_can_be_read_is_an_error_without_json(folder, capsys):
+@pytest.mark.parametrize("single", [True, False])
+def test_pictures_of_which_nothing_can_be_read_are_an_error_without_json(single, folder, run):
     spoil(folder, "a_vis.png", "b_tac.png", "c_vis.png")
-    assert main(["predict", "--pairs", str(folder), "--json", "--no-cache"]) == 1
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert "None of the 3 pairs in" in said.err.splitlines()[-1]
-
-
-def test_a_single_pair_that_cannot_be_read_is_an_error_without_json(folder, capsys):
-    spoil(folder, "a_vis.png")
-    place = folder / "lab" / "wood"
-    files = [str(place / "a_vis.png"), str(place / "a_tac.png")]
-    assert main(["predict", *files, "--json", "--no-cache"]) == 1
-    said = capsys.readouterr()
-    assert said.out == "" and "a_vis.png" in said.err and said.err.count("\n") == 1
+    files = [folder / "lab" / "wood" / f"a_{half}.png" for half in ("vis", "tac")]
+    asked = files if single else ["--pairs", folder]
+    said = run("predict", *asked, "--json", "--no-cache", code=1)
+    last = said.err.splitlines()[-1]
+    assert said.out == "" and ("a_vis.png" if single else "None of the 3 pairs in") in last
 
 
 def test_a_head_of_rest_pictures_uses_the_one_given_and_tells_when_it_needs_one(
-    folder, tmp_path, capsys
+    folder, tmp_path, run
 ):
     head = tmp_path / "head"
     copytree(default_head(), head)
@@ -70,21 +61,20 @@ def test_a_head_of_rest_pictures_uses_the_one_given_and_tells_when_it_needs_one(
     place = folder / "lab" / "wood"
     rest = place.parent / "rest.png"
     Image.new("RGB", (32, 24), (90, 120, 150)).save(rest)
-    base = ["predict", "--json", "--no-cache"]
-    pair = [str(place / "a_vis.png"), str(place / "a_tac.png")]
+    base = "predict", "--json", "--no-cache"
+    pair = place / "a_vis.png", place / "a_tac.png"
 
-    def touch(*arguments):
-        assert main([*base, *arguments]) == 0
-        found = json.loads(capsys.readouterr().out)
+    def touch(*words):
+        found = json.loads(run(*base, *words).out)
         return (found[0] if isinstance(found, list) else found)["modalities"]["tac"]
 
-    own = ["--head", str(head)]
+    own = "--head", head
     plain = touch(*pair, "--head", "head")
     assert touch(*pair, *own, "--tac-rest", "none") == plain
-    rested = touch(*pair, *own, "--tac-rest", str(rest))
+    rested = touch(*pair, *own, "--tac-rest", rest)
     assert rested != plain
-    assert touch("--pairs", str(folder), *own) == rested  # rest.png lies in the domain's folder
-    assert main([*base, *pair, *own]) == 1
-    assert "name the picture of your untouched sensor" in capsys.readouterr().err
-    assert main([*base, *pair, "--tac-rest", str(rest)]) == 1
-    assert "trained on tactile images as they come" in capsys.readouterr().err
+    assert touch("--pairs", folder, *own) == rested  # rest.png lies in the domain's folder
+    said = run(*base, *pair, *own, code=1).err
+    assert "name the picture of your untouched sensor" in said
+    said = run(*base, *pair, "--tac-rest", rest, code=1).err
+    assert "trained on tactile images as they come" in said

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from omnivat.cli import main
 from omnivat.data.profile import drawn_profiles, load_profile, profile_of, save_profile
 from omnivat.data.store import load_embeddings, save_embeddings
 
@@ -23,38 +22,28 @@ def two(make_embeddings, head_folder, tmp_path_factory):
     return folder
 
 
-def evaluated(capsys, folder, head, *more):
-    code = main(
-        [
-            "evaluate",
-            "--head",
-            str(head),
-            "--embeddings",
-            str(folder / "set.safetensors"),
-            "--json",
-            *list(more),
-        ]
-    )
-    out = capsys.readouterr()
-    assert code == 0, out.err
-    return {r["domain"]: r for r in json.loads(out.out)}
+@pytest.fixture
+def evaluated(run, head_folder):
+    """Return a function of a set's folder and more options: domain -> its record."""
+
+    def of(folder, *more):
+        known = "--head", head_folder, "--embeddings", folder / "set.safetensors", "--json"
+        return {r["domain"]: r for r in json.loads(run("evaluate", *known, *more).out)}
+
+    return of
 
 
-def test_no_unlabelled_pair_predicts_as_without_the_argument(capsys, two, head_folder):
-    plain = evaluated(capsys, two, head_folder)
-    none = evaluated(capsys, two, head_folder, "--unlabelled", "0")
-    assert plain == none and {r["unlabelled"] for r in none.values()} == {0}
-
-
-def test_unlabelled_pairs_are_counted_and_the_source_stays(capsys, two, head_folder):
-    plain = evaluated(capsys, two, head_folder)
-    some = evaluated(capsys, two, head_folder, "--unlabelled", "5", "--seed", "1")
+def test_unlabelled_pairs_are_counted_and_the_source_stays(evaluated, two):
+    plain = evaluated(two)
+    assert plain == evaluated(two, "--unlabelled", 0)
+    assert {r["unlabelled"] for r in plain.values()} == {0}
+    some = evaluated(two, "--unlabelled", 5, "--seed", 1)
     assert [some[d]["unlabelled"] for d in some] == [0, 5, 5]
     assert some["TAG-sim"] == plain["TAG-sim"]
     assert some["OF Real-sim"]["pairs"] == plain["OF Real-sim"]["pairs"]  # test objects
 
 
-def test_the_scores_of_unlabelled_pairs_are_means_over_draws(capsys, monkeypatch, two, head_folder):
+def test_the_scores_of_unlabelled_pairs_are_means_over_draws(evaluated, monkeypatch, two):
     seeds = []
 
     def drawn(*arguments, seed):
@@ -62,11 +51,8 @@ def test_the_scores_of_unlabelled_pairs_are_means_over_draws(capsys, monkeypatch
         return drawn_profiles(*arguments, seed=seed)
 
     monkeypatch.setattr("omnivat.measure.known.drawn_profiles", drawn)
-    some = evaluated(capsys, two, head_folder, "--unlabelled", "3", "--draws", "2", "--seed", "4")
-    single = [
-        evaluated(capsys, two, head_folder, "--unlabelled", "3", "--draws", "1", "--seed", seed)
-        for seed in ("4", "5")
-    ]
+    some = evaluated(two, "--unlabelled", 3, "--draws", 2, "--seed", 4)
+    single = [evaluated(two, "--unlabelled", 3, "--draws", 1, "--seed", seed) for seed in (4, 5)]
     assert seeds == [4, 5, 4, 5]
     for domain in ("OF Real-sim", "TQ-DIGIT-sim"):
         each = [one[domain]["scores"]["fused"]["accuracy"] for one in single]
@@ -76,67 +62,57 @@ def test_the_scores_of_unlabelled_pairs_are_means_over_draws(capsys, monkeypatch
     assert "draws" not in some["TAG-sim"]
 
 
-def test_without_a_split_the_drawn_pairs_are_not_predicted(
-    capsys, tmp_path, make_embeddings, head_folder
-):
+def test_without_a_split_the_drawn_pairs_are_not_predicted(evaluated, tmp_path, make_embeddings):
     save_embeddings(tmp_path / "set.safetensors", make_embeddings())
-    plain = evaluated(capsys, tmp_path, head_folder)
-    some = evaluated(capsys, tmp_path, head_folder, "--unlabelled", "7")
+    plain, some = evaluated(tmp_path), evaluated(tmp_path, "--unlabelled", 7)
     assert some["OF Real-sim"]["pairs"] == plain["OF Real-sim"]["pairs"] - 7
 
 
-def test_a_profile_file_serves_the_domain_that_it_names(capsys, two, head_folder):
-    plain = evaluated(capsys, two, head_folder)
-    some = evaluated(capsys, two, head_folder, "--profile", str(two / "p.safetensors"))
+def test_a_profile_file_serves_the_domain_that_it_names(evaluated, two):
+    plain, some = evaluated(two), evaluated(two, "--profile", two / "p.safetensors")
     assert some["OF Real-sim"]["unlabelled"] == 20
     assert some["TQ-DIGIT-sim"] == plain["TQ-DIGIT-sim"]
 
 
-def test_the_table_says_what_was_known(capsys, two, head_folder):
-    set_ = str(two / "set.safetensors")
-    assert (
-        main(["evaluate", "--head", str(head_folder), "--embeddings", set_, "--unlabelled", "5"])
-        == 0
-    )
-    said = capsys.readouterr().out
+def test_the_table_says_what_was_known(run, two, head_folder):
+    known = "--head", head_folder, "--embeddings", two / "set.safetensors", "--unlabelled", 5
+    said = run("evaluate", *known).out
     assert "5 pictures without labels" in said and "Mean of 10 draws" in said
 
 
 @pytest.mark.parametrize("command", ["gaps", "project", "sweep"])
-def test_features_follow_the_profile(command, capsys, tmp_path, two, head_folder):
-    out = {"gaps": ["--json"], "project": ["--method", "pca"], "sweep": ["--stops", "3"]}[command]
+def test_features_follow_the_profile(command, run, tmp_path, two, head_folder):
+    out = tmp_path / "out.csv"
+    more = {
+        "gaps": ["--json"],
+        "project": ["--method", "pca", "--out", out],
+        "sweep": ["--stops", 3, "--csv", out],
+    }[command]
+    known = "--embeddings", two / "set.safetensors", "--head", head_folder
 
-    def run(*more):
-        file = tmp_path / ("m.csv" if command == "project" else "c.json")
-        to = {"gaps": [], "project": ["--out", str(file)], "sweep": ["--json", str(file)]}[command]
-        set_ = ["--embeddings", str(two / "set.safetensors"), "--head", str(head_folder)]
-        assert main([command, *set_, *out, *to, *more]) == 0, capsys.readouterr().err
-        printed = capsys.readouterr().out
-        return printed if command == "gaps" else file.read_text()
+    def made(*profile):
+        said = run(command, *known, *more, *profile).out
+        return said if command == "gaps" else out.read_text()
 
-    assert run() != run("--profile", str(two / "p.safetensors"))
-    assert run() == run()
+    assert made() != made("--profile", two / "p.safetensors")
+    assert made() == made()
 
 
-def test_a_head_without_its_sources_profile_is_named(capsys, tmp_path, two, head_folder):
+def test_a_head_without_its_sources_profile_is_named(run, tmp_path, two, head_folder):
     shutil.copytree(head_folder, tmp_path / "head")
     (tmp_path / "head" / "profile.safetensors").unlink()
-    set_ = str(two / "set.safetensors")
-    code = main(
-        ["evaluate", "--head", str(tmp_path / "head"), "--embeddings", set_, "--unlabelled", "2"]
-    )
-    assert code == 1 and "has no profile of its source" in capsys.readouterr().err
+    known = "--head", tmp_path / "head", "--embeddings", two / "set.safetensors"
+    assert "has no profile of its source" in run("evaluate", *known, "--unlabelled", 2, code=1).err
 
 
-def test_a_set_gives_the_profile_of_one_domain(capsys, tmp_path, two):
-    out = tmp_path / "q.safetensors"
-    set_ = str(two / "set.safetensors")
-    assert main(["profile", set_, "--out", str(out)]) == 1
-    assert "has 3 domains; name one" in capsys.readouterr().err
-    assert main(["profile", set_, "--out", str(out), "--domain", "TAG-sim"]) == 0
-    pairs = load_embeddings(set_)
+def test_a_set_gives_the_profile_of_one_domain(run, tmp_path, two):
+    words = "profile", two / "set.safetensors", "--out", tmp_path / "q.safetensors"
+    assert "has 3 domains; name one" in run(*words, code=1).err
+    run(*words, "--domain", "TAG-sim")
+    pairs = load_embeddings(two / "set.safetensors")
     wanted = profile_of(pairs, pairs.rows_of("TAG-sim")).channels["tac"].mean
-    np.testing.assert_allclose(load_profile(out).channels["tac"].mean, wanted, rtol=1e-6)
+    found = load_profile(tmp_path / "q.safetensors").channels["tac"].mean
+    np.testing.assert_allclose(found, wanted, rtol=1e-6)
 
 
 def picture(path, value):
@@ -145,29 +121,27 @@ def picture(path, value):
     Image.fromarray(pixels).save(path)
 
 
-def test_pictures_are_profiled_without_labels_and_a_broken_one_is_named(capsys, tmp_path):
+def test_pictures_are_profiled_without_labels_and_a_broken_one_is_named(run, tmp_path):
     for k in range(3):
         picture(tmp_path / "new" / f"press{k}_tac.png", k)
         picture(tmp_path / "new" / "vis" / f"{k}.png", 9 + k)
     (tmp_path / "new" / "broken_tac.png").write_bytes(b"no picture")
     out = tmp_path / "p.safetensors"
-    code = main(["profile", str(tmp_path / "new"), "--out", str(out), "--domain", "my DIGIT"])
-    said = capsys.readouterr()
-    assert code == 0, said.err
+    said = run("profile", tmp_path / "new", "--out", out, "--domain", "my DIGIT")
     assert "3 photos and 3 tactile images, no labels read" in said.out
     assert "skipped" in said.err and "broken_tac.png" in said.err
     assert load_profile(out).counts == {"vis": 3, "tac": 3}
 
 
-def test_a_folder_of_touches_alone_makes_a_profile_of_touch(capsys, tmp_path):
+def test_a_folder_of_touches_alone_makes_a_profile_of_touch(run, tmp_path):
     picture(tmp_path / "presses" / "a.png", 1)
     out = tmp_path / "p.safetensors"
-    assert main(["profile", "--tac", str(tmp_path / "presses"), "--out", str(out)]) == 0
+    run("profile", "--tac", tmp_path / "presses", "--out", out)
     assert load_profile(out).counts == {"tac": 1}
 
 
-def test_a_folder_without_pictures_ends_in_one_sentence(capsys, tmp_path):
+def test_a_folder_without_pictures_ends_in_one_sentence(run, tmp_path):
     (tmp_path / "empty").mkdir()
-    code = main(["profile", str(tmp_path / "empty"), "--out", str(tmp_path / "p.safetensors")])
-    assert code == 1 and "Name them *_vis.png and *_tac.png" in capsys.readouterr().err
-    assert not (tmp_path / "p.safetensors").exists()
+    out = tmp_path / "p.safetensors"
+    said = run("profile", tmp_path / "empty", "--out", out, code=1).err
+    assert "Name them *_vis.png and *_tac.png" in said and not out.exists()

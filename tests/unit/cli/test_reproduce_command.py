@@ -1,27 +1,21 @@
 """`omnivat reproduce` from made trees of the four layouts and a small random CLIP to its tables."""
 
 import json
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from omnivat.cli import main
 from omnivat.data.paper_sets import find_paper_sets, read_paper_sets
 from omnivat.data.store import load_embeddings
 from omnivat.kit.errors import DataError
 
-Put = Callable[[Path], None]
-
 
 @pytest.fixture
-def put() -> Put:
+def put():
     """Write an image whose colours are told by its path."""
 
-    def write(path: Path) -> None:
+    def write(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         seed = sum(str(path).encode())
         pixels = np.random.default_rng(seed).integers(0, 256, (16, 16, 3), dtype=np.uint8)
@@ -31,7 +25,7 @@ def put() -> Put:
 
 
 @pytest.fixture
-def root(tmp_path: Path, put: Put, monkeypatch: pytest.MonkeyPatch) -> Path:
+def root(tmp_path, put, monkeypatch):
     """A folder with each data set, small, at other depths and under other names."""
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
     folder = tmp_path / "data"
@@ -42,8 +36,8 @@ def root(tmp_path: Path, put: Put, monkeypatch: pytest.MonkeyPatch) -> Path:
     return folder
 
 
-def touch_and_go(root: Path, put: Put) -> None:
-    lines: dict[str, list[str]] = {"train": [], "test": []}
+def touch_and_go(root, put):
+    lines = {"train": [], "test": []}
     for number, (split, label) in enumerate(
         (split, label) for split in lines for label in (3, 4, 1) for _ in range(2)
     ):
@@ -54,7 +48,7 @@ def touch_and_go(root: Path, put: Put) -> None:
         (root / f"{split}.txt").write_text("".join(rows))
 
 
-def objectfolder_real(root: Path, put: Put) -> None:
+def objectfolder_real(root, put):
     names = ("Wood", "Wood", "Steel", "Steel", "Plastic", "Plastic")
     for thing in range(1, 7):
         recording = root / str(thing) / "tactile_data" / "0" / "0"
@@ -64,7 +58,7 @@ def objectfolder_real(root: Path, put: Put) -> None:
     (root / "materials.csv").write_text("object,material\n" + rows)
 
 
-def objectfolder_2(root: Path, put: Put) -> None:
+def objectfolder_2(root, put):
     order = ("Ceramic", "Glass", "Wood", "Plastic", "Iron", "Polycarbonate", "Steel")
     objects = {}
     for start in (1, 101):  # A, then B
@@ -79,7 +73,7 @@ def objectfolder_2(root: Path, put: Put) -> None:
     (root / "objects.csv").write_text("\n".join(rows))
 
 
-def tacquad(root: Path, put: Put) -> None:
+def tacquad(root, put):
     for part, items in (
         ("indoor", ("wood_block", "steel_cup")),
         ("outdoor", ("wood_bench", "steel_rail")),
@@ -93,7 +87,7 @@ def tacquad(root: Path, put: Put) -> None:
         (root / f"contact_{part}.csv").write_text(rows)
 
 
-def test_the_four_sets_are_found_where_they_lie_and_read_as_one(root: Path) -> None:
+def test_the_four_sets_are_found_where_they_lie_and_read_as_one(root):
     found = read_paper_sets(root)
     assert list(found.places) == ["touch_and_go", "objectfolder_real", "objectfolder_2", "tacquad"]
     assert found.missing == ()
@@ -102,7 +96,7 @@ def test_the_four_sets_are_found_where_they_lie_and_read_as_one(root: Path) -> N
     assert not found.pairs.simulated  # the rendered touch of OF 2.0 is the paper's own data
 
 
-def test_what_is_not_there_is_named(root: Path, tmp_path: Path) -> None:
+def test_what_is_not_there_is_named(root, tmp_path):
     only = tmp_path / "data" / "OF_Real"
     assert read_paper_sets(only).missing == ("Touch-and-Go", "ObjectFolder 2.0", "TacQuad")
     (tmp_path / "empty").mkdir()
@@ -112,7 +106,7 @@ def test_what_is_not_there_is_named(root: Path, tmp_path: Path) -> None:
         find_paper_sets(tmp_path / "nowhere")
 
 
-def test_a_set_that_is_there_twice_is_refused_with_both_places(root: Path, put: Put) -> None:
+def test_a_set_that_is_there_twice_is_refused_with_both_places(root, put):
     objectfolder_real(root / "copy", put)
     with pytest.raises(DataError, match=r"ObjectFolder Real is there twice.*OF_Real.*copy"):
         find_paper_sets(root)
@@ -120,12 +114,8 @@ def test_a_set_that_is_there_twice_is_refused_with_both_places(root: Path, put: 
 
 @pytest.mark.slow
 def test_one_command_writes_the_papers_tables_and_goes_on_from_where_it_stopped(
-    clips: Any,
-    root: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    clips, root, tmp_path, run, monkeypatch
+):
     monkeypatch.setattr(clips, "LONGEST", 32)  # prompts are spelt by letters
     place = clips.write("OpenAI state dict", tmp_path / "clip", clips.small_model())
     out = tmp_path / "out"
@@ -133,8 +123,7 @@ def test_one_command_writes_the_papers_tables_and_goes_on_from_where_it_stopped(
     command += ["--seeds", "0", "--styles", "2", "--steps", "1", "--only", "expansion"]
     command += ["--methods", "omnivat,nearest_mean,zero_shot", "--set", "width=8"]
     command += ["--set", "epochs=1", "--workers", "1"]
-    assert main(command) == 0
-    said = capsys.readouterr().out
+    said = run(*command).out
     assert "$ omnivat prompts --encoder clip" in said and "$ omnivat protocol" in said
     pairs = load_embeddings(out / "embeddings.safetensors")
     assert pairs.header.encoder == "clip" and pairs.header.text_hash
@@ -146,7 +135,6 @@ def test_one_command_writes_the_papers_tables_and_goes_on_from_where_it_stopped(
     assert "printed: LDC" in cost and "172.5" in cost
     assert list((out / "ablations").glob("*.md"))
     runs = (out / "protocol" / "runs.jsonl").read_text()
-    assert main(command) == 0
-    again = capsys.readouterr().out
+    again = run(*command).out
     assert again.count("; kept") == 2 and "0 runs done" in again
     assert (out / "protocol" / "runs.jsonl").read_text() == runs

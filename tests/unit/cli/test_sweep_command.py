@@ -76,17 +76,14 @@ def test_a_value_that_does_not_exist_is_null_and_an_empty_cell(
     assert columns(tmp_path / "c.csv")["domain_gap/raw"] == ["", ""]
 
 
-def test_frames_are_made_for_the_orders_stages_and_measures_asked_for(
-    head_folder, tmp_path, capsys
-):
+def test_frames_are_made_for_the_orders_stages_and_measures_asked_for(head_folder, tmp_path, run):
     out = tmp_path / "frames.bin"
     asked = ("--orders", "0,0.5,2.5", "--stages", "raw,relu", "--measures", "margin")
-    assert main(command(head_folder, "--out", out, *asked)) == 0
+    said = run(*command(head_folder, "--out", out, *asked)).out
     frames = read_frames(out)
     assert frames.orders == (0, 0.5, 2.5)
     assert {name.split("/")[1] for name in frames.maps} == {"raw", "relu"}
     assert {name.split("/")[0].split(":")[0] for name in frames.curves} == {"margin"}
-    said = capsys.readouterr().out
     assert "p = 2.5" in said and "margin:cross_modal/relu" in said and str(out) in said
 
 
@@ -101,17 +98,16 @@ def test_frames_are_made_for_the_orders_stages_and_measures_asked_for(
         (("--csv", "c", "--orders", "0,nan"), "numbers, each above the last"),
         (("--csv", "c", "--orders", "0,7"), "from -4 to 4. The transform has period 4, so use 3"),
         (("--csv", "c", "--orders", "1,0"), "each above the last"),
-        (("--csv", "c", "--orders", "1", "--stops", "3"), "Give --orders or --stops, not both"),
-        (("--csv", "c", "--stops", "1"), "--stops is 1; choose 2 to 1001."),
+        (("--csv", "c", "--seeds", "1"), "--seeds applies to --retrained N only"),
+        (("--csv", "c", "--retrained", "3"), "--retrained needs --out"),
     ],
 )
 def test_what_cannot_be_swept_is_one_sentence_and_no_file(
-    asked, sentence, head_folder, tmp_path, monkeypatch, capsys
+    asked, sentence, head_folder, tmp_path, monkeypatch, run
 ):
     monkeypatch.chdir(tmp_path)
-    assert main(command(head_folder, *asked)) == 1
-    said = capsys.readouterr()
-    assert sentence in said.err and said.err.count("\n") == 1
+    said = run(*command(head_folder, *asked), code=1).err
+    assert sentence in said and said.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
 
 
@@ -124,4 +120,3 @@ def test_names_come_once_and_in_the_order_of_the_table():
 
 def test_without_orders_the_stops_go_from_0_to_1():
     assert orders_of(None, 3) == [0, 0.5, 1]
-    assert len(orders_of(None, None)) == 101

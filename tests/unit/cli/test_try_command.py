@@ -8,7 +8,7 @@ import pytest
 from PIL import Image
 
 from app.server import parser
-from omnivat.cli import main, try_pairs
+from omnivat.cli import try_pairs
 from omnivat.data.profile import load_profile
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.head.checkpoint import load_head
@@ -21,9 +21,9 @@ def short(monkeypatch):
     monkeypatch.setattr(trial, "EPOCHS", 5)
 
 
-def tried(capsys, place, *more):
-    assert main(["try", str(place), "--no-page", *more]) == 0
-    return capsys.readouterr().out
+@pytest.fixture
+def tried(run):
+    return lambda place: run("try", place, "--no-page").out
 
 
 def pictures(root, names):
@@ -47,10 +47,10 @@ def vectors(file, count=24, **columns):
 
 
 def test_features_of_two_domains_become_a_folder_with_head_profiles_and_figures(
-    make_embeddings, tmp_path, capsys
+    make_embeddings, tmp_path, tried
 ):
     save_embeddings(tmp_path / "mine.safetensors", make_embeddings(split=True))
-    said = tried(capsys, tmp_path / "mine.safetensors")
+    said = tried(tmp_path / "mine.safetensors")
     out = tmp_path / "mine-try"
     head, data = load_head(out / "head"), load_embeddings(out / "set.safetensors")
     assert (head.settings.width, head.source, set(data.rows["split"])) == (64, "TAG-sim", {""})
@@ -90,11 +90,11 @@ def test_no_head_sees_an_object_that_it_is_tested_on(make_embeddings, tmp_path, 
     }
 
 
-def reading(share: float) -> dict[str, float]:
+def reading(share):
     return {"share": share, "low": share - 0.1, "high": share + 0.1}
 
 
-def figures(head: float, maps: float, photo: float = 0.4, domain: str = "TAG") -> dict[str, object]:
+def figures(head, maps, photo=0.4, domain="TAG"):
     names = {"both": (head, maps), "vis": (photo, 0.3), "tac": (0.3, 0.3)}
     shares = {k: v for n, (a, b) in names.items() for k, v in ((n, a), (trial.probe_of(n), b))}
     known = {"domain": domain, "pairs": 50, "objects": 10, "always the largest class": 0.2}
@@ -115,63 +115,76 @@ def test_one_image_that_beats_both_is_remarked():
     assert "beats" not in trial._sentence(figures(0.5, 0.5))
 
 
-def test_noise_without_classes_in_it_is_not_praised(tmp_path, capsys):
+def test_noise_without_classes_in_it_is_not_praised(tmp_path, tried):
     random = np.random.default_rng(1)
     rows = random.normal(size=(2, 120, 16))
     objects = np.repeat(np.arange(30), 4).astype(str)  # alike within an object
     rows += 3 * random.normal(size=(2, 30, 16)).repeat(4, axis=1)
     labels = np.array(list("ab"))[np.repeat(np.arange(30) % 2, 4)]
     np.savez(tmp_path / "x.npz", vis=rows[0], tac=rows[1], material=labels, object=objects)
-    tried(capsys, tmp_path / "x.npz")
+    tried(tmp_path / "x.npz")
     (home,) = json.loads((tmp_path / "x-try" / "figures.json").read_text())
     assert home["both"]["low"] < 0.5 < home["both"]["high"]
 
 
-def test_one_domain_says_what_is_not_known(tmp_path, capsys):
-    said = tried(capsys, vectors(tmp_path / "one.npz"))
+def test_one_domain_says_what_is_not_known(tmp_path, tried):
+    said = tried(vectors(tmp_path / "one.npz"))
     assert "In short: on objects that it did not see" in said
     assert "another sensor is not known" in said and "each pair counts as an object" in said
 
 
-def test_one_modality_trains_a_head_of_that_modality(tmp_path, capsys):
+def test_one_modality_trains_a_head_of_that_modality(tmp_path, tried):
     vectors(tmp_path / "both.npz")
     kept = dict(np.load(tmp_path / "both.npz"))
     np.savez(tmp_path / "touch.npz", tac=kept["tac"], material=kept["material"])
-    assert "touches alone" in tried(capsys, tmp_path / "touch.npz")
+    assert "touches alone" in tried(tmp_path / "touch.npz")
     train = load_head(tmp_path / "touch-try" / "head").provenance["train"]
     assert train["modalities"] == "tac"
 
 
-def test_two_pairs_give_a_head_and_no_figure(tmp_path, capsys):
-    said = tried(capsys, vectors(tmp_path / "two.npz", 2))
+def test_two_pairs_give_a_head_and_no_figure(tmp_path, tried):
+    said = tried(vectors(tmp_path / "two.npz", 2))
     assert "no honest figure" in said
     assert json.loads((tmp_path / "two-try" / "figures.json").read_text()) == []
 
 
-def test_a_class_of_one_object_is_named_and_not_tested(tmp_path, capsys):
+def test_a_class_of_one_object_is_named_and_not_tested(tmp_path, tried):
     objects = np.array([f"o{k}" if k % 3 else "same" for k in range(24)])
-    said = tried(capsys, vectors(tmp_path / "x.npz", object=objects))
+    said = tried(vectors(tmp_path / "x.npz", object=objects))
     assert "1 class has one object only" in said
     (home,) = json.loads((tmp_path / "x-try" / "figures.json").read_text())
     assert (home["pairs"], home["classes"]) == (16, 2)
 
 
-def test_without_classes_there_is_no_head_and_the_page_opens_on_the_features(
-    tmp_path, capsys, monkeypatch
-):
+@pytest.fixture
+def opened(run, monkeypatch):
+    """Return a function that tries pairs, and returns what is said and what the page opens on."""
     started = []
     monkeypatch.setattr(
         try_pairs.subprocess, "Popen", lambda command: started.append(command) or MagicMock()
     )
+
+    def of(*words):
+        said = run("try", *words).out
+        chosen = parser({}).parse_args(started.pop()[3:])
+        return said, chosen.head, chosen.embeddings
+
+    return of
+
+
+def test_without_classes_there_is_no_head_and_the_page_opens_on_the_features(tmp_path, opened):
     rows = np.random.default_rng(0).normal(size=(6, 16))
     np.savez(tmp_path / "bare.npz", vis=rows, tac=rows + 1)
-    assert main(["try", str(tmp_path / "bare.npz")]) == 0
-    said = capsys.readouterr().out
+    said, head, embeddings = opened(tmp_path / "bare.npz")
     assert "No head was trained" in said and "omnivat report" in said
-    assert not (tmp_path / "bare-try" / "head").exists()
-    chosen = parser({}).parse_args(started[0][3:])
-    assert chosen.head is None
-    assert chosen.embeddings == tmp_path / "bare-try" / "set.safetensors"
+    assert not (tmp_path / "bare-try" / "head").exists() and head is None
+    assert embeddings == tmp_path / "bare-try" / "set.safetensors"
+
+
+def test_the_page_opens_on_the_new_head_and_set(tmp_path, opened):
+    out = tmp_path / "out"
+    _, *places = opened(vectors(tmp_path / "x.npz"), "--out", out)
+    assert places == [out / "head", out / "set.safetensors"]
 
 
 def parquet_of(columns, file):
@@ -188,25 +201,25 @@ def hdf5_of(columns, file):
 
 @pytest.mark.parametrize("labelled", [True, False])
 @pytest.mark.parametrize(("ending", "write"), [("parquet", parquet_of), ("h5", hdf5_of)])
-def test_parquet_and_hdf5_are_tried_like_npz(tmp_path, capsys, ending, write, labelled):
+def test_parquet_and_hdf5_are_tried_like_npz(tmp_path, tried, ending, write, labelled):
     with np.load(vectors(tmp_path / "a.npz")) as data:
         columns = {name: data[name] for name in data.files if labelled or name != "material"}
     write(columns, tmp_path / f"b.{ending}")
     if not labelled:
-        assert "No head was trained" in tried(capsys, tmp_path / f"b.{ending}")
+        assert "No head was trained" in tried(tmp_path / f"b.{ending}")
         return
-    tried(capsys, tmp_path / "a.npz")
-    tried(capsys, tmp_path / f"b.{ending}")
+    tried(tmp_path / "a.npz")
+    tried(tmp_path / f"b.{ending}")
     one, other = (load_embeddings(tmp_path / f"{k}-try" / "set.safetensors") for k in "ab")
     assert np.allclose(one.vis, other.vis) and one.label.tolist() == other.label.tolist()
     assert load_head(tmp_path / "b-try" / "head").settings.classes == ("a", "b", "c")
 
 
 def test_pairs_without_a_class_among_others_are_neither_learned_nor_tested(
-    make_embeddings, without_classes, tmp_path, capsys
+    make_embeddings, without_classes, tmp_path, tried
 ):
     save_embeddings(tmp_path / "mine.safetensors", without_classes(make_embeddings(), 2))
-    said = tried(capsys, tmp_path / "mine.safetensors")
+    said = tried(tmp_path / "mine.safetensors")
     assert (
         "24 pairs, 3 classes (16 pairs without a class left out)" in said and "with texts" in said
     )
@@ -219,47 +232,24 @@ def test_pairs_without_a_class_among_others_are_neither_learned_nor_tested(
     assert (home["pairs"], home["classes"], away["pairs"]) == (24, 3, 24)
 
 
-def test_pictures_with_names_alone_get_thumbnails(tmp_path, capsys):
+def test_pictures_with_names_alone_get_thumbnails(tmp_path, tried):
     root = pictures(
         tmp_path / "p", [f"{k}_{half}.png" for k in range(2) for half in ("vis", "tac")]
     )
-    said = tried(capsys, root)
+    said = tried(root)
     assert "no classes" in said and "No thumbnails" not in said
     assert (tmp_path / "p-try" / "set.thumbnails.webp").is_file()
-
-
-def test_touches_alone_in_folders_of_classes_are_one_modality(tmp_path, capsys):
-    names = [f"lab/{name}/{k}_tac.png" for name in ("wood", "steel") for k in range(2)]
-    assert "touches alone" in tried(capsys, pictures(tmp_path / "p", names))
-
-
-def test_the_page_opens_on_the_new_head_and_set(tmp_path, monkeypatch):
-    started = []
-
-    def start(command):
-        started.append(command)
-        return MagicMock()
-
-    monkeypatch.setattr(try_pairs.subprocess, "Popen", start)
-    assert main(["try", str(vectors(tmp_path / "x.npz")), "--out", str(tmp_path / "out")]) == 0
-    (command,) = started
-    chosen = parser({}).parse_args(command[3:])
-    assert (chosen.head, chosen.embeddings) == (
-        tmp_path / "out" / "head",
-        tmp_path / "out" / "set.safetensors",
-    )
 
 
 @pytest.mark.parametrize(
     ("name", "words"), [("none.npz", "no folder or file"), ("x.txt", "ends in '.txt'")]
 )
-def test_what_cannot_be_read_ends_in_one_sentence(tmp_path, capsys, name, words):
+def test_what_cannot_be_read_ends_in_one_sentence(tmp_path, run, name, words):
     (tmp_path / "x.txt").write_text("x")
-    assert main(["try", str(tmp_path / name), "--no-page"]) == 1
-    assert words in capsys.readouterr().err
+    assert words in run("try", tmp_path / name, "--no-page", code=1).err
 
 
-def test_a_source_of_one_class_is_refused(tmp_path, capsys):
+def test_a_source_of_one_class_is_refused(tmp_path, run):
     file = vectors(tmp_path / "x.npz")
-    assert main(["try", str(file), "--no-page", "--source", "mini"]) == 1
-    assert "needs pairs of two classes" in capsys.readouterr().err
+    said = run("try", file, "--no-page", "--source", "mini", code=1).err
+    assert "needs pairs of two classes" in said
