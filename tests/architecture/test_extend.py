@@ -2,6 +2,7 @@
 
 import re
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -66,44 +67,27 @@ def embeddings_file(make_embeddings, tmp_path):
     return path
 
 
-def test_a_method_of_one_file_and_one_line_runs_in_the_protocol(
-    added, monkeypatch, embeddings_file
+@pytest.mark.parametrize(
+    ("place", "table", "words"),
+    [
+        ("omnivat/study/baselines/prior.py", "omnivat.study.baselines.BASELINES", "protocol --seeds 0 --methods"),
+        ("omnivat/measure/gaps/medians.py", "omnivat.measure.gaps.GAPS", "gaps --stage raw --measure"),
+        ("omnivat/maps/projection/widest.py", "omnivat.maps.projection.PROJECTIONS", "project --stage raw --method"),
+    ],
+)  # fmt: skip
+def test_one_file_and_one_line_are_in_a_command(
+    place, table, words, added, monkeypatch, embeddings_file, capsys
 ):
     from omnivat.cli import main
-    from omnivat.study.baselines import BASELINES
 
-    added("omnivat/study/baselines/prior.py")
-    name, target = entry("BASELINES")
-    monkeypatch.setitem(BASELINES, name, target)
-    out = embeddings_file.with_name("protocol")
-    asked = ["protocol", "--embeddings", str(embeddings_file), "--out", str(out)]
-    assert main([*asked, "--methods", name, "--seeds", "0"]) == 0
-    assert name in (out / "runs.jsonl").read_text(encoding="utf-8")
-
-
-def test_a_gap_of_one_file_and_one_line_is_in_gaps(added, monkeypatch, embeddings_file, capsys):
-    from omnivat.cli import main
-    from omnivat.measure.gaps import GAPS
-
-    added("omnivat/measure/gaps/medians.py")
-    name, target = entry("GAPS")
-    monkeypatch.setitem(GAPS, name, target)
-    asked = ["gaps", "--embeddings", str(embeddings_file), "--stage", "raw", "--measure", name]
-    assert main(asked) == 0
-    assert f"{name} at raw" in capsys.readouterr().out
-
-
-def test_a_projection_of_one_file_and_one_line_draws_a_map(added, monkeypatch, embeddings_file):
-    from omnivat.cli import main
-    from omnivat.maps.projection import PROJECTIONS
-
-    added("omnivat/maps/projection/widest.py")
-    name, target = entry("PROJECTIONS")
-    monkeypatch.setitem(PROJECTIONS, name, target)
-    out = embeddings_file.with_name("map.csv")
-    asked = ["project", "--embeddings", str(embeddings_file), "--stage", "raw", "--out", str(out)]
-    assert main([*asked, "--method", name]) == 0
-    assert len(out.read_text(encoding="utf-8").splitlines()) > 10
+    added(place)
+    module, _, table = table.rpartition(".")
+    name, target = entry(table)
+    monkeypatch.setitem(getattr(import_module(module), table), name, target)
+    out = embeddings_file.with_name("map.csv" if table == "PROJECTIONS" else "protocol")
+    more = ["--out", str(out)] if table != "GAPS" else []
+    assert main([*words.split(), name, "--embeddings", str(embeddings_file), *more]) == 0
+    assert name in capsys.readouterr().out
 
 
 def test_a_gap_in_the_table_is_a_measure_of_the_sweep(added, monkeypatch):

@@ -20,7 +20,7 @@ from omnivat.data.embeddings import Embeddings, Header
 CLASSES = ("wood", "steel", "ceramic")
 
 
-def made(*, ceramic_in_b: bool = True) -> Embeddings:
+def made(*, ceramic_in_b=True):
     """Return domains A and B of ten pairs a class. In B, wood and steel have changed places by
     touch.
 

@@ -183,15 +183,7 @@ def test_mmrl_refuses_a_resnet(resnet):
 
 @pytest.mark.parametrize("fit", [fit_mmrl, fit_ldc])
 def test_without_images_the_reason_is_given(fit, vit):
-    rows = torch.randn(4, 24)
-    bare = Source(
-        vis=rows,
-        tac=rows,
-        labels=torch.arange(4) % 2,
-        objects=("a", "b", "c", "d"),
-        classes=("wood", "steel"),
-        why_not_live="Pass --images FOLDER.",
-    )
+    bare = replace(source_of(vit), live=None, why_not_live="Pass --images FOLDER.")
     with pytest.raises(DataError, match="learns inside CLIP.*not at hand. Pass --images FOLDER."):
         fit(bare)
 
