@@ -16,7 +16,7 @@ from omnivat.kit.threads import one_blas_thread, one_thread
 from omnivat.maps.projection import PROJECTIONS
 from omnivat.maps.projection.quality import quality
 from omnivat.measure.gaps import NAMES
-from omnivat.study.shift.measure import DEPTHS, Record, gaps, neighbours, record, retrieval
+from omnivat.study.shift.measure import DEPTHS, NEAR, Record, gaps, neighbours, record, retrieval
 from omnivat.study.shift.probe import MEASURES, PROFILE, probes
 from omnivat.study.shift.reading import Features
 from omnivat.study.shift.words import NEIGHBOURS, VIEWS, methods, notes
@@ -93,42 +93,36 @@ def _maps(features: Features, seed: int) -> tuple[Drawn, list[Record]]:
     return drawn, records
 
 
+def _among(records: Sequence[Record], **wanted: str) -> list[Record]:
+    return [r for r in records if all(r[key] == value for key, value in wanted.items())]
+
+
 def _charts(features: Features, records: Sequence[Record]) -> Drawn:
     drawn: Drawn = {}
     for measure in ("centroid", "proxy_a"):
         if (table := _gap_record(features, records, measure)) is not None:
             drawn[f"gaps_{measure}"] = figures.gap_tables(table)
     depth = DEPTHS[1]
-    chosen = [
-        r
-        for r in records
-        if r["measure"] == f"recall@{depth}" and len(features.members(r["modality"])) > depth
-    ]
-    if chosen:
-        kept = _few(chosen, "modality")
-        rows = [{**r, "row": r["modality"], "series": f"{r['from']} to {r['to']}"} for r in kept]
-        names = dict.fromkeys(r["modality"] for r in kept)
-        rows += [
-            {"row": n, "series": "chance", "value": depth / len(features.members(n))} for n in names
-        ]
+    large = {n: len(own) for n in features.domains if len(own := features.members(n)) > depth}
+    ranked = _few([r for r in _among(records, measure=f"recall@{depth}") if r["modality"] in large])
+    if ranked:
+        rows = [{**r, "row": r["modality"], "series": f"{r['from']} to {r['to']}"} for r in ranked]
+        names = dict.fromkeys(r["modality"] for r in ranked)
+        rows += [{"row": n, "series": "chance", "value": depth / large[n]} for n in names]
         drawn["retrieval"] = figures.dots(
             rows, title=f"Own partner among the {depth} nearest", across=f"recall@{depth}", percent=True,  # noqa: E501
             colours={"chance": CHANCE}, caption="Within each domain, by cosine. Bars: 95 % intervals over objects.",  # noqa: E501
         )  # fmt: skip
-    mixing = [
-        r
-        for r in records
-        if r["part"] == "neighbours" and "own domain" in r["measure"] and r["from"]
-    ]
-    if mixing:
-        level = next(r for r in records if r["part"] == "neighbours" and "if domains" in r["note"])
+    near = _among(records, measure=f"own domain among {NEAR} nearest")
+    if near:
+        mixing = _few([r for r in near if r["from"]], "from")
         drawn["neighbours"] = figures.dots(
-            [{**r, "row": r["from"], "series": VIEWS[r["modality"]]} for r in _few(mixing, "from")],
+            [{**r, "row": r["from"], "series": VIEWS[r["modality"]]} for r in mixing],
             title="Neighbours from the own domain", across="share of the 10 nearest", percent=True, ends=(0, 1),  # noqa: E501
-            level=float(level["note"].split()[0]),
+            level=float(near[0]["note"].split()[0]),
             caption="100 %: every neighbour is of the same domain. Dashed: the share if domains were mixed. Bars: 95 % intervals over objects.",  # noqa: E501
         )  # fmt: skip
-    means = [r for r in records if r["part"] == "probe" and r["note"] and r["measure"] in MEASURES]
+    means = [r for r in _means(records, "probe") if r["measure"] in MEASURES]
     if means:
         drawn["probe"] = figures.dots(
             [{**r, "row": VIEWS[r["modality"]], "series": r["measure"]} for r in means],
@@ -138,16 +132,22 @@ def _charts(features: Features, records: Sequence[Record]) -> Drawn:
     return drawn
 
 
-def _few(records: Sequence[Record], key: str) -> list[Record]:
+def _few(records: Sequence[Record], key: str = "modality") -> list[Record]:
+    """Return the records of the first MOST_ROWS domains."""
     names = list(dict.fromkeys(one[key] for one in records))[:MOST_ROWS]
     return [one for one in records if one[key] in names]
+
+
+def _means(records: Sequence[Record], *parts: str) -> list[Record]:
+    """Return the means of some parts: they have a note."""
+    return [one for one in records if one["part"] in parts and one["note"]]
 
 
 def _gap_record(
     features: Features, records: Sequence[Record], measure: str
 ) -> dict[str, Any] | None:
     """Return the gaps of a measure as `figures.gap_tables` takes them; None for one domain."""
-    own = [r for r in records if r["part"] == "domain gap" and r["measure"] == measure and r["to"]]
+    own = [r for r in _among(records, part="domain gap", measure=measure) if r["to"]]
     names = list(dict.fromkeys(n for r in own for n in (r["from"], r["to"])))
     if not names:
         return None
@@ -155,24 +155,22 @@ def _gap_record(
     for one in own:
         a, b = one["from"], one["to"]
         tables[one["modality"]][a][b] = tables[one["modality"]][b][a] = one["value"]
-    between = [
-        r for r in records if r["part"] == "modality gap" and r["measure"] == measure and r["note"]
-    ]
-    data, gap = features.embeddings, between[0]["value"] if between else None
-    said = {
+    between = _means(_among(records, measure=measure), "modality gap")
+    data, floors = features.embeddings, _floors(records)
+    return {
         "measure": measure,
         "stage": "unit length",
         "pairs": len(data),
         "simulated": data.header.simulated,
+        "modality_gap": {"all": between[0]["value"] if between else None},
+        "domain_gap": tables,
+        "floor": {modality: floors.get((measure, modality)) for modality in tables},
     }
-    floors = _floors(records)
-    level = {m: floors.get((measure, m)) for m in tables}
-    return {**said, "modality_gap": {"all": gap}, "domain_gap": tables, "floor": level}
 
 
 def _floors(records: Sequence[Record]) -> dict[tuple[str, str], float]:
     """Return measure and modality -> the level of no gap."""
-    return {(r["measure"], r["modality"]): r["value"] for r in records if r["part"] == "no gap"}
+    return {(r["measure"], r["modality"]): r["value"] for r in _among(records, part="no gap")}
 
 
 def _page(features: Features, records: Sequence[Record], drawn: Drawn, words: str) -> list[Any]:
@@ -186,37 +184,34 @@ def _page(features: Features, records: Sequence[Record], drawn: Drawn, words: st
         f"<p>{escape(facts)}</p>" + "".join(f"<p><b>{escape(m)}</b></p>" for m in notes(features))
     ]
     parts += [one for name, one in drawn.items() if name.startswith("map")]
-    if any(
-        one["part"].endswith(" gap") and one["note"] for one in records if one["part"] != "no gap"
-    ):
-        parts += ["<h2>Gaps, means with 95 % intervals</h2>" + _gap_table(records)]
+    if gap_means := _means(records, "modality gap", "domain gap"):
+        table = _gap_table(gap_means, _floors(records))
+        parts += ["<h2>Gaps, means with 95 % intervals</h2>" + table]
     parts += [one for name, one in drawn.items() if not name.startswith("map")]
     if "probe" in drawn:
         head = ("probe of", "accuracy", "over", "mean", "95 % interval")
-        told = [r for r in records if r["part"] == "probe" and r["note"]]
-        names = [
-            (VIEWS[r["modality"]], r["measure"], r["note"].removeprefix("mean, ")) for r in told
-        ]
         cells = [
-            (*name, _number(r["value"]), _ends(r)) for name, r in zip(names, told, strict=True)
+            (
+                VIEWS[r["modality"]],
+                r["measure"],
+                r["note"].removeprefix("mean, "),
+                _number(r["value"]),
+                _ends(r),
+            )
+            for r in _means(records, "probe")
         ]
         parts += [_table(head, cells, words=3)]
     files = "<p>Every number is in numbers.csv; the figures are in figures/ as SVG.</p>"
     return [*parts, f"<h2>Methods</h2><p>{escape(words)}</p>{files}"]
 
 
-def _gap_table(records: Sequence[Record]) -> str:
-    means = [r for r in records if r["part"] in ("modality gap", "domain gap") and r["note"]]
-    floors = _floors(records)
+def _gap_table(means: Sequence[Record], floors: dict[tuple[str, str], float]) -> str:
     cells = []
     for one in means:
-        level = _number(floors.get((one["measure"], one["modality"])))
-        what = (
-            "between photos and touches"
-            if not one["modality"]
-            else f"between domains, {VIEWS[one['modality']]}"
-        )
-        cells.append((NAMES[one["measure"]], what, _number(one["value"]), _ends(one), level))
+        modality, measure = one["modality"], one["measure"]
+        what = f"between domains, {VIEWS[modality]}" if modality else "between photos and touches"
+        level = _number(floors.get((measure, modality)))
+        cells.append((NAMES[measure], what, _number(one["value"]), _ends(one), level))
     head = ("measure", "gap", "mean", "95 % interval", "two halves of one domain")
     return _table(head, cells, words=2)
 
