@@ -48,17 +48,17 @@ def framed(scene: Scene, thing: Thing, *, outdoors: bool, seed: int) -> Framing:
     rng = np.random.default_rng(seed)
     low, high = thing.solid.vertices.min(0), thing.solid.vertices.max(0)
     middle, extent = (low + high) / 2, float(np.linalg.norm(high - low))
-    view = float(rng.uniform(*scene.view))
-    lens = float(np.deg2rad(scene.lens * rng.uniform(0.9, 1.1)))
+    view = rng.uniform(*scene.view)
+    lens = np.deg2rad(scene.lens * rng.uniform(0.9, 1.1))
     if scene.whole:
         view, target = view * extent, middle + rng.uniform(-0.04, 0.04, 3) * view * extent
     else:
         view = min(view, max(1.6 * extent, _LEAST[scene.prop]))
-        share = float(rng.uniform(0.0, 0.35))
+        share = rng.uniform(0.0, 0.35)
         target = thing.spot.point * (1 - share) + middle * share
         target = target + rng.uniform(-0.1, 0.1, 3) * view
     grounds, behind = OUTDOORS if outdoors else (scene.ground, scene.behind)
-    strength = float(rng.uniform(0.75, 1.25))
+    strength = rng.uniform(0.75, 1.25)
     return Framing(
         scene=scene,
         spot=thing.spot,
@@ -66,15 +66,15 @@ def framed(scene: Scene, thing: Thing, *, outdoors: bool, seed: int) -> Framing:
         target=target,
         view=view,
         lens=lens,
-        light=float(rng.uniform(0, 2 * np.pi)),
-        height=float(np.deg2rad(rng.uniform(*scene.height))),
+        light=rng.uniform(0, 2 * np.pi),
+        height=np.deg2rad(rng.uniform(*scene.height)),
         sun=np.multiply(scene.sun, strength),
         sky=np.multiply(scene.sky, _DAY if outdoors else 1.0),
-        ground=str(rng.choice(grounds)),
-        behind=str(rng.choice(behind)) if behind else "",
-        away=float(rng.uniform(0.7, 2.0)) * max(view, extent),
-        held=bool(rng.random() < scene.seen),
-        clutter=min(int(rng.poisson(scene.clutter)), 2),
+        ground=rng.choice(grounds),
+        behind=rng.choice(behind) if behind else "",
+        away=rng.uniform(0.7, 2.0) * max(view, extent),
+        held=rng.random() < scene.seen,
+        clutter=min(rng.poisson(scene.clutter), 2),
         seed=seed,
     )
 
@@ -83,7 +83,7 @@ def _camera(scene: Scene, thing: Thing, target: Array, distance: float, rng: Rng
     """Return a camera position that sees the contact, if one is found."""
     spot, best, most = thing.spot, target + np.array([0.0, -distance, distance]), -2.0
     steep = np.hypot(spot.normal[0], spot.normal[1]) > 0.4
-    ahead = float(np.arctan2(spot.normal[1], spot.normal[0]))
+    ahead = np.arctan2(spot.normal[1], spot.normal[0])
     for _ in range(_TRIED):
         turn = ahead + rng.normal(0, 0.6) if steep else rng.uniform(0, 2 * np.pi)
         rise = np.deg2rad(rng.uniform(*scene.rise))
@@ -124,8 +124,8 @@ def exposed(radiance: Array, scene: Scene, *, seed: int) -> Array:
     rng = np.random.default_rng(seed)
     image = gaussian_filter(radiance, (scene.blur, scene.blur, 0.0), mode="nearest")
     image = image * scene.balance * (1.0 + scene.drift * rng.normal(size=3))
-    bright = float(np.quantile(image.mean(-1), 0.9))
-    goal = float(np.clip(scene.goal * rng.uniform(0.85, 1.2), 0.3, 0.9))
+    bright = np.quantile(image.mean(-1), 0.9)
+    goal = np.clip(scene.goal * rng.uniform(0.85, 1.2), 0.3, 0.9)
     # Automatic exposure is partial: dark things stay darker than bright ones.
     image = image * min((goal / max(bright, 1e-3)) ** 0.8, _GAIN)
     image = np.clip(image, 0.0, 1.6)

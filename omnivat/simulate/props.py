@@ -1,12 +1,12 @@
 """Other things in the picture: the sensor with its holder, and objects on the ground."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from omnivat.simulate.noise import Array, Rng
 from omnivat.simulate.photograph import Framing
-from omnivat.simulate.scenes import Colour
 from omnivat.simulate.shapes import KINDS, OBJECTS, kind_of, made_of
 from omnivat.simulate.shapes.solid import Solid, placed
 
@@ -28,8 +28,8 @@ def _hand(mi: Any, framing: Framing, rng: Rng) -> dict[str, Any]:
     arm = _arm(framing, rng, lift=0.35)
     side = np.cross(up, arm)
     skin = _SKINS[rng.integers(len(_SKINS))]
-    sleeve: Colour = tuple(map(float, rng.uniform(0.015, 0.12) * rng.uniform(0.6, 1.6, 3)))  # type: ignore[assignment]
-    shapes = {"housing": _rod(mi, at + 0.3 * up, at + 62 * up, 12.0, _HOUSINGS[0])}
+    sleeve = (rng.uniform(0.015, 0.12) * rng.uniform(0.6, 1.6, 3)).tolist()
+    shapes = {"housing": _rod(at + 0.3 * up, at + 62 * up, 12.0, _HOUSINGS[0])}
     palm = at + 44 * up + 30 * arm
     shapes["palm"] = _ball(mi, palm, skin, (arm, 30.0), (side, 23.0), (up, 15.0))
     for finger in range(4):
@@ -37,8 +37,8 @@ def _hand(mi: Any, framing: Framing, rng: Rng) -> dict[str, Any]:
         shapes[f"finger{finger}"] = _ball(mi, middle, skin, (arm, 26.0), (side, 7.5), (up, 6.5))
     thumb = at + 34 * up - 15 * side + 4 * arm
     shapes["thumb"] = _ball(mi, thumb, skin, (arm, 26.0), (side, 8.0), (up, 8.0))
-    shapes["wrist"] = _rod(mi, palm + 10 * arm, palm + 90 * arm, 20.0, skin)
-    shapes["sleeve"] = _rod(mi, palm + 65 * arm, palm + 700 * arm, 33.0, sleeve)
+    shapes["wrist"] = _rod(palm + 10 * arm, palm + 90 * arm, 20.0, skin)
+    shapes["sleeve"] = _rod(palm + 65 * arm, palm + 700 * arm, 33.0, sleeve)
     return shapes
 
 
@@ -49,11 +49,11 @@ def _rig(mi: Any, framing: Framing, rng: Rng) -> dict[str, Any]:
     top = at + 38 * up
     elbow = top + 120 * arm
     return {
-        "gel": _rod(mi, at + 0.3 * up, at + 7 * up, 10.0, (0.6, 0.6, 0.6)),
-        "housing": _rod(mi, at + 6 * up, top, 13.0, colour),
-        "arm": _rod(mi, top, elbow, 9.0, _GREY),
+        "gel": _rod(at + 0.3 * up, at + 7 * up, 10.0, (0.6, 0.6, 0.6)),
+        "housing": _rod(at + 6 * up, top, 13.0, colour),
+        "arm": _rod(top, elbow, 9.0, _GREY),
         "joint": _ball(mi, elbow, _HOUSINGS[0], *((way, 14.0) for way in np.eye(3))),
-        "column": _rod(mi, elbow, np.array([elbow[0], elbow[1], 700.0]), 12.0, _GREY),
+        "column": _rod(elbow, np.array([elbow[0], elbow[1], 700.0]), 12.0, _GREY),
     }
 
 
@@ -65,23 +65,19 @@ def _arm(framing: Framing, rng: Rng, *, lift: float) -> Array:
     aside = np.cross(sight, up) * (1 if rng.random() < 0.7 else -1)
     aside /= max(float(np.linalg.norm(aside)), 1e-6)
     way = aside + rng.uniform(-0.2, 0.7) * sight + lift * up
-    way[2] = max(float(way[2]), -0.2)
+    way[2] = max(way[2], -0.2)
     return way / np.linalg.norm(way)
 
 
-def _rod(mi: Any, start: Array, end: Array, radius: float, colour: Colour) -> dict[str, Any]:
+def _rod(start: Array, end: Array, radius: float, colour: Sequence[float]) -> dict[str, Any]:
     """Return a closed cylinder between two points."""
-    look = {"type": "twosided", "bsdf": _plastic(colour)}
-    return {
-        "type": "cylinder",
-        "p0": start.tolist(),
-        "p1": end.tolist(),
-        "radius": radius,
-        "bsdf": look,
-    }
+    ends = {"p0": start.tolist(), "p1": end.tolist()}
+    return {"type": "cylinder", **ends, "radius": radius, "bsdf": _plastic(colour)}
 
 
-def _ball(mi: Any, middle: Array, colour: Colour, *axes: tuple[Array, float]) -> dict[str, Any]:
+def _ball(
+    mi: Any, middle: Array, colour: Sequence[float], *axes: tuple[Array, float]
+) -> dict[str, Any]:
     """Return an ellipsoid with three axes, each a unit vector and a half length in mm."""
     matrix = np.eye(4)
     matrix[:3, :3] = np.stack([way * long for way, long in axes], axis=1)
@@ -89,24 +85,24 @@ def _ball(mi: Any, middle: Array, colour: Colour, *axes: tuple[Array, float]) ->
     return {"type": "sphere", "to_world": mi.ScalarTransform4f(matrix), "bsdf": _plastic(colour)}
 
 
-def _plastic(colour: Colour) -> dict[str, Any]:
+def _plastic(colour: Sequence[float]) -> dict[str, Any]:
     reflectance = {"type": "rgb", "value": list(colour)}
-    return {"type": "roughplastic", "diffuse_reflectance": reflectance, "alpha": 0.3}
+    look = {"type": "roughplastic", "diffuse_reflectance": reflectance, "alpha": 0.3}
+    return {"type": "twosided", "bsdf": look}
 
 
 def others(framing: Framing, *, extent: float) -> list[tuple[Solid, dict[str, Any]]]:
     """Return other things on the ground, beyond the object, each with its material."""
     rng = np.random.default_rng(framing.seed + 2)
     far = framing.target - framing.eye
-    away = float(np.arctan2(far[1], far[0]))
+    away = np.arctan2(far[1], far[0])
     found = []
     for _ in range(framing.clutter):
-        material = str(rng.choice(list(OBJECTS)))
+        material = rng.choice(list(OBJECTS))
         solid = KINDS[kind_of(OBJECTS[material], rng)](rng, made_of(material, rng))
         turn = away + rng.normal(0, 0.8)
         reach = 0.55 * extent + rng.uniform(60, 200)
         middle = framing.target + reach * np.array([np.cos(turn), np.sin(turn), 0.0])
-        moved = placed(solid, at=[*middle[:2], 0.0], turn=float(rng.uniform(0, 6.3)))
-        red, green, blue = rng.uniform(0.03, 0.7, 3).tolist()
-        found.append((moved, {"type": "twosided", "bsdf": _plastic((red, green, blue))}))
+        moved = placed(solid, at=[*middle[:2], 0.0], turn=rng.uniform(0, 6.3))
+        found.append((moved, _plastic(rng.uniform(0.03, 0.7, 3).tolist())))
     return found
