@@ -80,11 +80,12 @@ class _Parity:
         self.high = slice(self.null + 1, self.null + 1 + pairs)
         self.plus_is_large = factor.middle_is_plus
         # In restore the large side also uses the null vector, which lies next to both halves.
-        large = (
-            slice(start, self.null + 1) if self.plus_is_large else slice(self.null, self.high.stop)
-        )
-        self.large = large
-        self.sides = (large, self.high) if self.plus_is_large else (self.low, large)
+        if self.plus_is_large:
+            self.large = slice(start, self.null + 1)
+            self.sides = (self.large, self.high)
+        else:
+            self.large = slice(self.null, self.high.stop)
+            self.sides = (self.low, self.large)
         # samples of this parity in [0, M) and, for the large side, the middle one
         self.first = first
         width = pairs + first
@@ -104,22 +105,17 @@ class _Parity:
         def tensor(block: Array) -> Tensor:
             return torch.from_numpy(np.ascontiguousarray(block)).to(like)
 
-        # padded with zeros to M samples and M coefficients, because odd widths are slower
-        restore_wide = np.zeros((pairs + 1, width))  # (coefficients, samples)
-        restore_narrow = np.zeros((pairs, width))
-        order = np.arange(pairs + 1) if self.plus_is_large else np.roll(np.arange(pairs + 1), 1)
-        restore_wide[:, first:] = wide.T[order, :-1]
-        restore_narrow[:, first:] = narrow.T
-        analyse_wide = np.zeros((pairs + 1, width))  # (samples, coefficients)
-        analyse_narrow = np.zeros((pairs, width))
-        analyse_wide[:, :pairs] = wide[:, :-1]
-        analyse_narrow[:, :pairs] = narrow
+        def padded(block: Array, before: int, after: int) -> Tensor:
+            # zeros, to M samples or M coefficients, because odd widths are slower
+            return tensor(np.pad(block, ((0, 0), (before, after))))
+
+        order = np.roll(np.arange(pairs + 1), 0 if self.plus_is_large else 1)
+        sides = slice(None, None, 1 if self.plus_is_large else -1)
         self.middle = tensor(wide[-1, order])  # one sample from all coefficients of the large side
         self.to_null = tensor(wide[:, -1])  # one coefficient from all samples of the large side
-        weights = (tensor(restore_wide), tensor(restore_narrow))
-        self.restoring = weights if self.plus_is_large else weights[::-1]
-        weights = (tensor(analyse_wide), tensor(analyse_narrow))
-        self.analysing = weights if self.plus_is_large else weights[::-1]
+        # (coefficients, samples) of plus and minus, and (samples, coefficients)
+        self.restoring = [padded(w, first, 0) for w in (wide.T[order, :-1], narrow.T)][sides]
+        self.analysing = [padded(w, 0, first) for w in (wide[:, :-1], narrow)][sides]
 
 
 class QuarterSplit:
@@ -153,15 +149,11 @@ class QuarterSplit:
 
     def analyse(self, x: Float[Tensor, "R N"], out: Float[Tensor, "R N"]) -> None:
         halves = self._for_few_rows(len(x))
-        if halves is not None:
-            return halves.analyse(x, out)
-        return self._analyse(x, out)
+        (self._analyse if halves is None else halves.analyse)(x, out)
 
     def restore(self, z: Float[Tensor, "*lead N"], out: Float[Tensor, "*lead N"]) -> None:
         halves = self._for_few_rows(z.numel() // z.shape[-1])
-        if halves is not None:
-            return halves.restore(z, out)
-        return self._restore(z, out)
+        (self._restore if halves is None else halves.restore)(z, out)
 
     def _analyse(self, x: Tensor, out: Tensor) -> None:
         m, rows = self.quarter, len(x)
