@@ -73,30 +73,29 @@ def field_to_rgb(field: Field, scale: Field, *, side: int = SIDE) -> NDArray[np.
     )
 
 
-def draw_all(files: Sequence[Path], folder: Path) -> tuple[dict[Path, Path], dict[Path, str]]:
+def draw_all(files: Sequence[Path], folder: Path) -> dict[Path, Path]:
     """Draw every field on one scale into `folder`; existing images are kept.
 
     files   `.npy` files of one data set
     folder  of the images, each named by a hash of its content
-    return  the image of each field, and the reason for each field that cannot be drawn
+    return  the image of each field; files that hold none have none
     """
     drawn: dict[Path, Path] = {}
-    refused: dict[Path, str] = {}
-
-    def fields(some: Sequence[Path]) -> Iterator[tuple[Path, Field]]:
-        for file in some:
-            try:
-                yield file, load_field(file)
-            except DataError as error:
-                refused[file] = str(error)
-
-    scale = robust_scale(
-        field for _, field in fields(files[:: -(-len(files) // MOST_FOR_SCALE) or 1])
-    )
-    for file, field in fields(files):
+    some = files[:: -(-len(files) // MOST_FOR_SCALE) or 1]
+    scale = robust_scale(field for _, field in _fields(some))
+    for file, field in _fields(files):
         content = blake2b(field.tobytes() + scale.tobytes(), digest_size=12).hexdigest()
         drawn[file] = folder / f"tac3d-{content}.png"
         if not drawn[file].is_file():
             with replacing(drawn[file]) as temporary:
                 Image.fromarray(field_to_rgb(field, scale)).save(temporary, format="PNG")
-    return drawn, refused
+    return drawn
+
+
+def _fields(files: Sequence[Path]) -> Iterator[tuple[Path, Field]]:
+    for file in files:
+        try:
+            field = load_field(file)
+        except DataError:
+            continue
+        yield file, field

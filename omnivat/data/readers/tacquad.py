@@ -57,6 +57,10 @@ class Contact:
     cells: list[str]
     folder: Path
 
+    def by(self, sensor: Sensor) -> str:
+        """Return the name of the touches of one sensor, for what is left out."""
+        return f"{self.part}/{show(self.item)}, {sensor.domain}"
+
 
 def recognises(source: Path) -> bool:
     """True if a folder has TacQuad's contact lists."""
@@ -162,7 +166,7 @@ def material_of(
 
 def _touches(contact: Contact, sensor: Sensor, left_out: Tally) -> Iterator[Pair]:
     """Yield the pairs of one sensor: the frames in contact, first and last included."""
-    what = f"{contact.part}/{show(contact.item)}, {sensor.domain}"
+    what = contact.by(sensor)
     bounds = contact.cells[sensor.column : sensor.column + 2]
     if len(bounds) < 2 or not all(map(str.isdecimal, bounds)) or int(bounds[0]) > int(bounds[1]):
         left_out.add(what, f"no range of frames in contact_{contact.part}.csv")
@@ -185,8 +189,7 @@ def _paired(
     """
     images = list(frames_in(contact.folder / f"img_{sensor.folder}").values())
     if touch and not images:
-        what = f"{contact.part}/{show(contact.item)}, {sensor.domain}"
-        left_out.add(what, f"no images in img_{sensor.folder}", len(touch))
+        left_out.add(contact.by(sensor), f"no images in img_{sensor.folder}", len(touch))
         return
     for number, file in touch.items():
         if is_text(str(file)):
@@ -221,13 +224,13 @@ def _tac3d(contacts: list[Contact], folder: Path, seed: int, left_out: Tally) ->
         if contact.part == "indoor"
     }
     files = [file for _, frames in fields.values() for file in frames.values()]
-    drawn, refused = draw_all(files, folder) if files else ({}, {})
+    drawn = draw_all(files, folder) if files else {}
     pairs: list[Pair] = []
     for item, (contact, frames) in fields.items():
         if not frames:
-            left_out.add(f"indoor/{show(item)}, {TAC3D.domain}", "no fields in tac3d")
+            left_out.add(contact.by(TAC3D), "no fields in tac3d")
         for file in frames.values():
-            if file in refused:
+            if file not in drawn:
                 left_out.add(f"indoor/{show(item)}/tac3d/{show(file.name)}", "no 20 x 20 x 3 field")
         good = {number: file for number, file in frames.items() if file in drawn}
         found = list(_paired(contact, TAC3D, good, len(frames), left_out))
