@@ -62,14 +62,6 @@ class Profile:
         """W, the encoder's width."""
         return len(next(iter(self.channels.values())).mean)
 
-    def checked(self) -> "Profile":
-        """Return itself; raise ValueError without a modality, with two widths, or another step."""
-        if len({len(one.mean) for one in self.channels.values()}) != 1:
-            raise ValueError("it needs one modality or two of equal width")
-        if not 0 <= self.step <= 1:
-            raise ValueError("its step is no share from 0 to 1")
-        return self
-
     @property
     def counts(self) -> dict[str, int]:
         """Number of pictures by modality."""
@@ -314,12 +306,17 @@ def load_profile(file: str | Path) -> Profile:
                 f"'{path}' is not a profile (format '{metadata.get('format', 'none'):.60}'). Make"
                 " one with `python -m omnivat profile`."
             )
+        channels = {n: _channels(arrays, metadata, n) for n in IMAGES if f"{n}_mean" in arrays}
+        if len({len(one.mean) for one in channels.values()}) != 1:
+            raise ValueError("it needs one modality or two of equal width")
+        if not 0 <= (step := float(metadata.get("step", "1"))) <= 1:
+            raise ValueError("its step is no share from 0 to 1")
         return Profile(
-            channels={n: _channels(arrays, metadata, n) for n in IMAGES if f"{n}_mean" in arrays},
+            channels=channels,
             key=(metadata["encoder"], metadata["weights_hash"], metadata["preprocessing"]),
             domain=metadata.get("domain", "")[:LONGEST_NAME],
-            step=float(metadata.get("step", "1")),
-        ).checked()
+            step=step,
+        )
     except (SafetensorError, OSError, ValueError, KeyError) as error:
         raise DataError(
             f"'{path}' cannot be read as a profile ({error!s:.200}); make it again."

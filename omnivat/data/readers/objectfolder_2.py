@@ -39,14 +39,7 @@ def recognises(source: Path) -> bool:
     return is_file(source / "label.json") and (source / "touch").is_dir()
 
 
-def read(
-    source: Path,
-    *,
-    strict: bool = False,
-    seed: int = 0,
-    split: str = "paper",
-    objects: Path | str | None = None,
-) -> PairSet:
+def read(source: Path, *, strict: bool = False, seed: int = 0, split: str = "paper") -> PairSet:
     """Return the pairs of ObjectFolder 2.0, A and B.
 
     source   the release's folder, with `vision` and `touch`
@@ -54,14 +47,13 @@ def read(
     seed     of the draw of objects
     split    "paper" draws equally many objects of each class, five for testing, which gives the
              paper's counts; "release" uses all pairs and splits of split.json
-    objects  objects.csv, if it is not <root>/objects.csv
 
     label.json does not name its numbers, so they are matched with objects.csv. Raises DataError if
     one number has two materials, if a file is missing, or if there are no pairs.
     """
     require_choice("split", split, SPLITS)
     left_out = Tally()
-    raw = materials_of_objects(source, Path(objects) if objects else source / "objects.csv")
+    raw = materials_of_objects(source)
     things = _things(source, raw, strict, left_out)
     pairs = [pair for thing in things for pair in _pairs(source, thing, things[thing], left_out)]
     if split == "release":
@@ -71,13 +63,13 @@ def read(
     return left_out.result("ObjectFolder 2.0", source, pairs, how, simulated=True)
 
 
-def materials_of_objects(source: Path, table: Path) -> dict[int, str]:
+def materials_of_objects(source: Path) -> dict[int, str]:
     """Return each labelled object's material, after checking it against label.json.
 
     Raises DataError unless every number of label.json matches one material and every material one
     number.
     """
-    file = source / "label.json"
+    file, table = source / "label.json", source / "objects.csv"
     listed = read_json(file, dict).items()
     try:
         labels = {int(thing): int(label) for thing, label in listed}

@@ -38,13 +38,7 @@ def recognises(source: Path) -> bool:
 
 
 def read(
-    source: Path,
-    *,
-    strict: bool = False,
-    seed: int = 0,
-    frames: str = "middle",
-    camera: str = "",
-    materials: Path | str | None = None,
+    source: Path, *, strict: bool = False, seed: int = 0, frames: str = "middle", camera: str = ""
 ) -> PairSet:
     """Return the pairs of ObjectFolder Real, split by object.
 
@@ -53,14 +47,13 @@ def read(
     seed       of the split
     frames     frames of a press: "middle", "last" or "all"
     camera     the folder of VIS next to gelsight; "" finds one
-    materials  the table object,material, if it is not <root>/materials.csv
 
     The paper's frames and camera are unknown. The VIS frame is at the same fraction of its
     recording. Raises DataError without a table or without pairs.
     """
     require_choice("frames", frames, CHOICES)
     left_out = Tally()
-    table = Path(materials) if materials else source / "materials.csv"
+    table = source / "materials.csv"
     if not is_file(table):
         raise DataError(
             f"No table of materials at '{show(table)}'. The recordings do not name them: write the "

@@ -74,8 +74,6 @@ def read(
     seed: int = 0,
     all_frames: bool = False,
     by_object: bool = False,
-    materials: Path | str | None = None,
-    cache: Path | str | None = None,
 ) -> PairSet:
     """Return the pairs of TacQuad, as four domains with an indoor and an outdoor part.
 
@@ -85,32 +83,28 @@ def read(
     all_frames  keep every frame in contact; otherwise 41 training and 15 test frames of each
                 outdoor item and 15 test frames of each indoor item, as the paper's counts suggest
     by_object   put whole outdoor items into train or test; otherwise frames of one item are in both
-    materials   the table item,material, if it is not <root>/materials.csv; an empty material skips
-                the item
-    cache       folder of the images of Tac3D fields; by default the user's cache folder
 
+    The images of Tac3D fields lie in the user's cache folder.
     Raises DataError if there are no pairs.
     """
     left_out = Tally()
-    contacts = list(_contacts(source, materials, strict, left_out))
+    contacts = list(_contacts(source, strict, left_out))
     pairs: list[Pair] = []
     for contact in contacts:
         for sensor in SENSORS:
             pairs += _with_splits(
                 list(_touches(contact, sensor, left_out)), contact, sensor, seed, all_frames
             )
-    pairs += _tac3d(contacts, Path(cache) if cache else cache_folder() / "tac3d", seed, left_out)
+    pairs += _tac3d(contacts, cache_folder() / "tac3d", seed, left_out)
     if by_object:
         pairs = _by_object(pairs, seed)
     how = "all frames in contact" if all_frames else "frames drawn to the paper's counts"
     return left_out.result("TacQuad", source, pairs, how)
 
 
-def _contacts(
-    source: Path, table: Path | str | None, strict: bool, left_out: Tally
-) -> Iterator[Contact]:
+def _contacts(source: Path, strict: bool, left_out: Tally) -> Iterator[Contact]:
     """Yield the rows of both parts whose item exists and has one of the five materials."""
-    overrides = _overrides(Path(table or source / "materials.csv"), required=table is not None)
+    overrides = _overrides(source / "materials.csv")
     for part in PARTS:
         file = source / f"contact_{part}.csv"
         if not is_file(file):
@@ -128,10 +122,9 @@ def _contacts(
                 yield Contact(part, item, material, cells, folder)
 
 
-def _overrides(file: Path, *, required: bool) -> dict[str, str]:
+def _overrides(file: Path) -> dict[str, str]:
+    """Return item -> material of the person's own table; an empty material skips the item."""
     if not is_file(file):
-        if required:
-            raise DataError(f"No table of materials at '{show(file)}'. Check the path.")
         return {}
     overrides = {
         item: class_key(name) for item, name in read_names(file, "item", "material").items()

@@ -105,7 +105,10 @@ def test_any_bytes_in_objectfolder_real_materials_give_pairs_or_a_sentence(tree,
 @pytest.mark.slow
 @few
 @given(contents, st.one_of(st.none(), contents))
-def test_any_bytes_in_tacquad_contacts_give_pairs_or_a_sentence(tree, tmp_path, contact, materials):
+def test_any_bytes_in_tacquad_contacts_give_pairs_or_a_sentence(
+    tree, tmp_path, monkeypatch, contact, materials
+):
+    monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
     shutil.rmtree(tmp_path / "data_indoor", ignore_errors=True)
     tree(*(f"data_indoor/glass/{f}" for f in ("digit/1.png", "img_digit/1.png", "tac3d/1.npy")))
     (tmp_path / "data_indoor" / "glass" / "tac3d" / "1.npy").write_bytes(contact)
@@ -114,4 +117,4 @@ def test_any_bytes_in_tacquad_contacts_give_pairs_or_a_sentence(tree, tmp_path, 
     table.unlink(missing_ok=True)
     if materials is not None:
         table.write_bytes(b"item,material\n" + materials)
-    answer(tmp_path, cache=tmp_path / "cache")
+    answer(tmp_path)

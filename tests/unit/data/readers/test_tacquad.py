@@ -188,10 +188,10 @@ def test_tac3d_fields_become_images_beside_their_photos(root, tree, reasons):
 
 def test_fields_are_drawn_once(root, tree, tmp_path):
     fields(root, tree)
-    cache = tmp_path / "drawn"
-    first = read_pairs(root, cache=cache)
+    cache = tmp_path / "cache" / "tac3d"
+    first = read_pairs(root)
     times = {file: file.stat().st_mtime_ns for file in cache.iterdir()}
-    assert read_pairs(root, cache=cache) == first
+    assert read_pairs(root) == first
     assert {file: file.stat().st_mtime_ns for file in cache.iterdir()} == times
 
 
