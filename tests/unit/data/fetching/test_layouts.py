@@ -112,4 +112,6 @@ def test_touches_without_photos_keep_their_parts_as_classes():
 def test_a_still_is_one_file_with_two_boxes():
     (still,) = pairs("touch-and-go", ["resources/images/brick_eg.png"])
     photo, touch = still.boxes
+    for left, top, right, bottom in still.boxes:
+        assert 0 <= left < right <= 1 and 0 <= top < bottom <= 1
     assert still.vis == still.tac and touch[2] < photo[0], "they do not overlap"
