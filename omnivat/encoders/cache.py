@@ -102,21 +102,19 @@ def embed_image(
     cache: EmbeddingCache | None = None,
     *,
     crop: int = 0,
-    flip: bool = False,
     rest: Path | None = None,
-    name: str = "",
+    name: str = "the image",
 ) -> Array:
     """Return the embedding (D,) of one image: a path, a file's bytes or an open image.
 
     crop    side of the central square to crop to, in pixels; 0: no crop
-    flip    mirror left and right
     rest    picture of the untouched sensor, to be subtracted
-    name    name of the image in errors
+    name    name of an image that is no path, in errors
 
     With a cache, the same image is neither decoded nor encoded twice.
     Raises DataError as `read_image` does.
     """
-    return embed_views(encoder, source, cache, crop=crop, flips=(flip,), rest=rest, name=name)[0]
+    return embed_views(encoder, source, cache, crop=crop, flips=(False,), rest=rest, name=name)[0]
 
 
 def embed_views(
@@ -127,10 +125,10 @@ def embed_views(
     crop: int = 0,
     flips: Sequence[bool] = (False, True),
     rest: Path | None = None,
-    name: str = "",
+    name: str = "the image",
 ) -> list[Array]:
     """Return an embedding (D,) for each of `flips`, mirrored or not; the image is decoded once."""
-    name = name or ("the image" if isinstance(source, bytes | Image.Image) else str(source))
+    name = str(source) if isinstance(source, str | Path) else name
     content = source if isinstance(source, Image.Image) else read_bytes(source, name)
     calm = b"" if rest is None else read_bytes(rest)
 
@@ -176,11 +174,7 @@ def embed_pair(
     def one(source: Source | None, modality: str, **views: Any) -> Array | None:
         if source is None:
             return None
-        name = (
-            f"the {modality.upper()} image"
-            if isinstance(source, bytes | Image.Image)
-            else str(source)
-        )
+        name = f"the {modality.upper()} image"
         return embed_image(for_modality(encoder, modality), source, cache, name=name, **views)
 
     return one(vis, "vis"), one(tac, "tac", crop=tac_crop, rest=tac_rest)

@@ -55,7 +55,7 @@ def test_whatever_changes_the_embedding_changes_the_key(tmp_path):
     cache = EmbeddingCache(tmp_path)
     encoder, other = Counting(), Counting("b")
     embed_image(encoder, png(), cache)
-    embed_image(encoder, png(), cache, flip=True)
+    embed_views(encoder, png(), cache, flips=(True,))
     embed_image(encoder, png(), cache, crop=8)
     embed_image(encoder, png(1), cache)
     (tmp_path / "rest.png").write_bytes(png(2))
@@ -71,8 +71,7 @@ def test_whatever_changes_the_embedding_changes_the_key(tmp_path):
 
 
 def test_a_mirrored_image_has_the_embedding_of_the_mirrored_pixels():
-    mirrored = embed_image(Counting(), png(), flip=True)
-    plain = embed_image(Counting(), png())
+    plain, mirrored = embed_views(Counting(), png())
     np.testing.assert_allclose(mirrored, np.roll(plain, 3))
 
 

@@ -14,7 +14,7 @@ from omnivat.data.images import read_image
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.rest import RESTED, minus_rest, with_rest
 from omnivat.data.store import load_embeddings
-from omnivat.encoders.cache import embed_image
+from omnivat.encoders.cache import embed_image, embed_views
 from omnivat.encoders.embed.engines import in_order
 from omnivat.kit.errors import DataError, MissingNameError, SettingsError
 
@@ -30,8 +30,7 @@ def test_every_pair_has_the_embeddings_of_its_images(tmp_path):
     assert (report.embedded, report.resumed, report.skipped) == (10, 0, ())
     for i, pair in enumerate(pairs.pairs):
         for name, file in (("vis", pair.vis), ("tac", pair.tac)):
-            wanted = embed_image(MeanColour(), file)
-            mirrored = embed_image(MeanColour(), file, flip=True)
+            wanted, mirrored = embed_views(MeanColour(), file)
             assert np.array_equal(getattr(loaded, name)[i], wanted)
             assert np.array_equal(getattr(loaded, f"{name}_flip")[i], mirrored)
         assert loaded.header.domains[loaded.domain[i]] == pair.domain
