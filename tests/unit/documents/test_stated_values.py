@@ -38,7 +38,7 @@ STATED = {
     "omnivat.head.losses:joint_loss": {"mma_weight": 10.0, "nod_weight": 1.0},
     "omnivat.measure.gaps.calibration:ece": {"bins": 15},
     "omnivat.measure.gaps.proxy_a:proxy_a": {"folds": 5, "ridge": 0.01},
-    "omnivat.maps.projection.torch_umap:project": {"neighbours": 15, "steps": 200, "rate": 0.5},
+    "omnivat.maps.projection.torch_umap:project": {"steps": 200, "rate": 0.5},
 }
 
 
