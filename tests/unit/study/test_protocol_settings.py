@@ -6,7 +6,6 @@ import pytest
 from omnivat.kit.errors import DataError
 from omnivat.study.protocol.settings import SETTINGS, available, task
 
-OF = ("OF 2.0 A", "OF 2.0 B")
 WHOLE = ("TQ-DIGIT", "TQ-GelMini", "TQ-DuraGel", "TQ-T3D")
 TABLE = {
     "TAG": ("", {"OF Real": "", "OF 2.0 A": "", "OF 2.0 B": "", **dict.fromkeys(WHOLE)}),
@@ -31,11 +30,6 @@ def test_a_setting_is_the_papers_row(source):
         name: wanted or "" for name, wanted in targets.items()
     }
     assert setting.ceramic != source.startswith("TQ")
-
-
-def test_objectfolder_2_a_and_b_are_never_source_and_target():
-    for source, other in (OF, OF[::-1]):
-        assert other not in [side.domain for side in SETTINGS[source].targets]
 
 
 @pytest.fixture
