@@ -17,9 +17,7 @@ from omnivat.measure.evaluate import CHUNK, label_map, predicted_probabilities
 from omnivat.measure.gaps.confusion import accuracy
 
 
-def lang_guard(
-    model: OmniVaT, pairs: Embeddings, bank: LangBank, *, seed: int = 0
-) -> dict[str, float]:
+def lang_guard(model: OmniVaT, pairs: Embeddings, bank: LangBank, *, seed: int) -> dict[str, float]:
     """Return ACC on pairs "with" the text of their class, "without" it, and the "gap".
 
     pairs  test pairs of the source; classes that the head lacks are left out

@@ -7,6 +7,7 @@ import pytest
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.config import OneOf, Within, declared, settings_from
 from omnivat.kit.errors import SettingsError
+from omnivat.kit.stages import checked_order
 from omnivat.simulate.chirps import ChirpSettings
 from omnivat.training import TrainSettings
 
@@ -56,6 +57,20 @@ def test_a_file_of_settings_is_held_to_the_same_ranges():
 def test_a_value_of_another_kind_is_refused(name, value):
     with pytest.raises(SettingsError, match=f"Setting '{name}' is .*; it must be"):
         settings_from(HeadSettings, {**WANTED[HeadSettings], name: value})
+
+
+@pytest.mark.parametrize("order", [True, "0.5", None, float("nan"), float("inf"), 10**50, -4.01])
+def test_an_order_that_is_no_number_in_range_is_refused(order):
+    with pytest.raises(SettingsError, match="p is .*; give a number of quarter turns from -4 to 4"):
+        checked_order(order, name="p")
+
+
+def test_an_order_beyond_the_range_has_its_equal_named():
+    assert [checked_order(p) for p in (-4, 0, 4.0)] == [-4.0, 0.0, 4.0]
+    with pytest.raises(SettingsError, match=r"period 4, so use 1\.5\."):
+        checked_order(5.5)
+    with pytest.raises(SettingsError, match="a whole number of more than 40 digits"):
+        checked_order(10**40)
 
 
 def test_a_search_and_a_random_order_exclude_each_other():

@@ -186,6 +186,7 @@ def test_pairs_are_held_out_only_where_epochs_are_chosen_by_them(source):
 def test_a_class_that_the_head_lacks_is_named(source):
     with pytest.raises(DataError, match="pairs of 'glass', which the head lacks"):
         labels_of(source, head(classes=CLASSES[:4]))
+    assert set(labels_of(source.select(source.label < 2), head())) == {0, 1}  # two are enough
 
 
 def test_each_pair_is_mirrored_half_the_time_and_has_a_style_of_its_class(source):
