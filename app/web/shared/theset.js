@@ -35,14 +35,11 @@ export function theSetSoon() {
 
 /** @param {string} set */
 async function fetchAll(set) {
-  let told = false; // the badge does not wait for the map
-  /** @param {Step | null} step */
+  /** The badge does not wait for the map. @param {Step | null} step */
   const tell = (step) => {
-    if (!told)
-      loaded(set)
-        .then(({ embeddings: own }) => sayWhetherSimulated(own.simulated, own.domains ?? []))
-        .catch(() => {});
-    told = true;
+    loaded(set)
+      .then(({ embeddings: own }) => sayWhetherSimulated(own.simulated, own.domains ?? []))
+      .catch(() => {});
     for (const onWait of waiting) onWait(step);
   };
   const { frames, coarse, drawn } = await fetchFrames(tell, { set });
