@@ -28,7 +28,7 @@ def taught(open_page: Callable[..., Any]) -> Any:
     for seed, label in enumerate(("wood", "wood", "glass", "glass")):
         photo(page, seed)
         page.click(f'.pair .labels [data-label="{label}"]')
-    page.click(".pair .teach")
+    page.click(".pair [data-send=teach]")
     page.wait_for_selector(".pair .taught-now")
     return page
 
@@ -41,7 +41,9 @@ def test_where_explains_the_taught_head_while_it_makes_the_headline(taught: Any)
     what = taught.locator(f"{SLOT.format('vis')} .what")
     taught.wait_for_selector(f"{SLOT.format('vis')} .what .tag:has-text('taught')")
     assert what.locator("b").nth(1).inner_text() == headline.split()[0].rstrip("?")
-    taught.click(".pair .use")  # back to the head as trained: the explanation of the other one goes
+    taught.click(
+        ".pair [data-send=used]"
+    )  # back to the head as trained: the explanation of the other one goes
     taught.wait_for_selector(".pair .taught-now", state="detached")
     assert "taught" not in what.inner_text()
 

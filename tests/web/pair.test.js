@@ -6,15 +6,28 @@ import "./browser.js";
 import { apart, blocksOf, CROPS, restOf } from "../../app/web/pair/feed.js";
 import { spread } from "../../app/web/pair/lines.js";
 import { recorded } from "../../app/web/pair/live.js";
-import { csv } from "../../app/web/pair/many.js";
-import { curveHtml } from "../../app/web/pair/own.js";
+import { csv, manyHtml } from "../../app/web/pair/many.js";
+import { curveHtml, ownHtml } from "../../app/web/pair/own.js";
 import { named, paired } from "../../app/web/pair/pairing.js";
 import { about } from "../../app/web/pair/rasters.js";
 import { atChance, gainOf, readerHtml } from "../../app/web/pair/reader.js";
-import { isOwn, keyOf, lessonsFor, missing, mixed, tally, withoutPair, withPair } from "../../app/web/pair/tally.js";
-import { cards, classTable, judged, madeOf, sentence, swapHtml } from "../../app/web/pair/verdict.js";
+import { sensorHtml } from "../../app/web/pair/sensor.js";
+import {
+  after,
+  isHeld,
+  isOwn,
+  keyOf,
+  lessonsFor,
+  lessonsOf,
+  missing,
+  mixed,
+  READING,
+  START,
+  tally,
+} from "../../app/web/pair/state.js";
+import { cards, classTable, judged, madeOf, sentence, swapHtml, verdictHtml } from "../../app/web/pair/verdict.js";
 import { aboutP, band } from "../../app/web/pair/what-if.js";
-import { changed, told } from "../../app/web/pair/where.js";
+import { changed, told as explained } from "../../app/web/pair/where.js";
 import { readerOf, visit } from "../../app/web/shared/api.js";
 import { cells } from "../../app/web/shared/csv.js";
 
@@ -26,19 +39,23 @@ const PAIR = {
   },
 };
 const LABELLED = [
-  { vis: "image:a", tac: "image:b", label: "wood", said: { fused: "wood", vis: "wood", tac: "steel" } },
-  { vis: "image:c", tac: null, label: "steel", said: { vis: "wood" } },
+  { vis: "image:a", tac: "image:b", label: "wood", name: "a", said: { fused: "wood", vis: "wood", tac: "steel" } },
+  { vis: "image:c", tac: null, label: "steel", name: "c", said: { vis: "wood" } },
 ];
+const OWN = { vis: "image:a", tac: "image:b", classes: CLASSES };
+/** The tab after some events [name, what goes with it], and the work that the last one asks for. */
+const told = (tab, ...events) =>
+  events.reduce((before, [name, what = {}]) => after(before.tab, name, what), { tab: { ...START, ...tab } });
 
 test("touch only is the touch with the photo absent, never a branch inside the pair", () => {
-  const html = cards(PAIR, { images: {} }, {});
+  const html = String(cards(PAIR, { images: {} }, {}));
   const touch = html.slice(html.indexOf('data-reading="tac"'));
   assert.match(touch, /steel <b>70/);
   assert.ok(!html.includes("85"));
 });
 
 test("an image unlike the training images makes every reading that uses it a guess, without a figure", () => {
-  const html = cards(PAIR, { images: { vis: { guess: true }, tac: { guess: false } } }, {});
+  const html = String(cards(PAIR, { images: { vis: { guess: true }, tac: { guess: false } } }, {}));
   const [both, photo, touch] = html.split("<article").slice(1);
   for (const guessed of [both, photo]) {
     assert.match(guessed, /This is a guess/);
@@ -49,22 +66,33 @@ test("an image unlike the training images makes every reading that uses it a gue
 });
 
 test("with one image there is no reading of both", () => {
-  const html = cards({ classes: CLASSES, exact: { readings: { fused: [0.3, 0.7], tac: [0.3, 0.7] } } }, null, {});
+  const html = String(
+    cards({ classes: CLASSES, exact: { readings: { fused: [0.3, 0.7], tac: [0.3, 0.7] } } }, null, {}),
+  );
   assert.match(html, /Add the photo to see both together/);
   assert.match(html, /No photo here/);
 });
 
 test("a prediction is judged by the class of the images that it used", () => {
-  assert.match(judged("wood", ["vis"], { vis: "wood", tac: "steel" }, CLASSES), /right/);
-  assert.match(judged("wood", ["tac"], { vis: "wood", tac: "steel" }, CLASSES), /it is steel/);
-  assert.match(judged("wood", ["vis", "tac"], { vis: "wood", tac: "steel" }, CLASSES), /follows the photo/);
-  assert.match(judged("wood", ["vis"], { vis: "cork" }, CLASSES), /a class this head has not learned/);
-  assert.equal(judged("wood", ["vis"], {}, CLASSES), "");
+  assert.match(String(judged({ label: "wood", used: ["vis"] }, { vis: "wood", tac: "steel" }, CLASSES)), /right/);
+  assert.match(String(judged({ label: "wood", used: ["tac"] }, { vis: "wood", tac: "steel" }, CLASSES)), /it is steel/);
+  assert.match(
+    String(judged({ label: "wood", used: ["vis", "tac"] }, { vis: "wood", tac: "steel" }, CLASSES)),
+    /follows the photo/,
+  );
+  assert.match(
+    String(judged({ label: "wood", used: ["vis"] }, { vis: "cork" }, CLASSES)),
+    /a class this head has not learned/,
+  );
+  assert.equal(judged({ label: "wood", used: ["vis"] }, {}, CLASSES), null);
 });
 
 test("names from files cannot become markup", () => {
-  assert.ok(!madeOf({ vis: "<img>", tac: "steel" }).includes("<img>"));
-  assert.ok(!classTable(["<b>", "steel"], { fused: [1, 0], vis: [1, 0] }).includes("<b>"));
+  assert.doesNotMatch(String(madeOf({ vis: "<img>", tac: "steel" })), /<img/);
+  assert.doesNotMatch(
+    String(classTable({ classes: ["<b>", "steel"], exact: { readings: { fused: [1, 0], vis: [1, 0] } } })),
+    /<b>/,
+  );
 });
 
 test("familiarity is said in words and as a share of the training images", () => {
@@ -76,7 +104,12 @@ test("familiarity is said in words and as a share of the training images", () =>
 });
 
 test("each reading is counted over the pairs that had its images", () => {
-  assert.deepEqual(tally(LABELLED), { fused: { right: 1, of: 1 }, vis: { right: 1, of: 2 }, tac: { right: 0, of: 1 } });
+  const counts = ["fused", "vis", "tac"].map((reading) => tally(LABELLED, reading));
+  assert.deepEqual(counts, [
+    { right: 1, of: 1 },
+    { right: 1, of: 2 },
+    { right: 0, of: 1 },
+  ]);
 });
 
 test("teaching waits for two pairs of each of two classes and names what is there", () => {
@@ -90,10 +123,12 @@ test("a pair is never predicted from its own label", () => {
 });
 
 test("a pair labelled again keeps its last label", () => {
-  const again = withPair(LABELLED, { ...LABELLED[0], label: "steel" });
-  assert.equal(again.length, 2);
-  assert.equal(again.at(-1).label, "steel");
-  assert.equal(withoutPair(again, keyOf(LABELLED[1])).length, 1);
+  const again = ["counted", { ...LABELLED[0], label: "steel" }];
+  const { pairs } = told({ pairs: LABELLED }, again).tab;
+  assert.equal(pairs.length, 2);
+  assert.equal(pairs.at(-1).label, "steel");
+  const fewer = told({ pairs: LABELLED }, again, ["forgotten", { key: keyOf(LABELLED[1]) }]).tab.pairs;
+  assert.deepEqual(fewer, [pairs.at(-1)]);
 });
 
 test("labels at the ends of lines stay inside the chart and apart", () => {
@@ -115,15 +150,15 @@ test("a pair of two origins is mixed, and no visitor's pair", () => {
 });
 
 test("a visitor's photo beside an example's touch is not judged by the example's class", () => {
-  assert.equal(judged("wood", ["vis", "tac"], { vis: "", tac: "wood" }, CLASSES), "");
-  assert.match(judged("wood", ["tac"], { vis: "", tac: "wood" }, CLASSES), /right/);
+  assert.equal(judged({ label: "wood", used: ["vis", "tac"] }, { vis: "", tac: "wood" }, CLASSES), null);
+  assert.match(String(judged({ label: "wood", used: ["tac"] }, { vis: "", tac: "wood" }, CLASSES)), /right/);
 });
 
 test("pictures nearer to the other side are asked about only if all of them are", () => {
-  assert.match(swapHtml({ vis: { strays: true }, tac: { strays: true } }), /Are these two swapped\?/);
-  assert.equal(swapHtml({ vis: { strays: true }, tac: { strays: false } }), "");
-  assert.match(swapHtml({ vis: { strays: true } }), /Is this a touch\?/);
-  assert.equal(swapHtml({}), "");
+  assert.match(String(swapHtml({ vis: { strays: true }, tac: { strays: true } }, OWN)), /Are these two swapped\?/);
+  assert.equal(swapHtml({ vis: { strays: true }, tac: { strays: false } }, OWN), null);
+  assert.match(String(swapHtml({ vis: { strays: true } }, OWN)), /Is this a touch\?/);
+  assert.equal(swapHtml({}, OWN), null);
 });
 
 const FILES = [
@@ -197,13 +232,12 @@ test("the table as CSV marks guesses and holds no formula", () => {
 });
 
 test("parts that change nothing are not shown", () => {
-  const nothing = changed([[0.004, -0.001]]);
-  assert.equal(nothing.any, false);
-  assert.match(told({ class: "wood", probability: 0.5 }, nothing), /no single part matters/);
-  const some = changed([[0.2, 0]]);
+  const nothing = [[0.004, -0.001]];
+  assert.equal(changed(nothing).any, false);
+  assert.match(String(explained({ class: "wood", drops: nothing })), /no single part matters/);
   assert.match(
-    told({ class: "wood", probability: 0.5 }, some),
-    /orange supports <i>wood<\/i>\. Hiding a part changes its probability by at most 20/,
+    String(explained({ class: "<wood>", drops: [[0.2, 0]], taught: true })),
+    /taught<\/b> <b>&lt;wood&gt;<\/b>: orange supports <i>&lt;wood&gt;<\/i>\. Hiding a part changes its probability by at most 20/,
   );
 });
 
@@ -266,11 +300,11 @@ const FACTS = {
 
 test("the curve of labels draws every count, and one count only says what is missing", () => {
   const points = [1, 2, 5].map((objects) => ({ objects, right: 0.1 * objects, low: 0, high: 0.6 }));
-  const html = curveHtml({ points, words: "F<1>" });
+  const html = String(curveHtml({ points, words: "F<1>" }));
   assert.match(html, /1: 10\s%, 2: 20\s%, 5: 50\s%/);
   assert.match(html, /5 objects a class/);
   assert.match(html, /F&lt;1&gt;/);
-  assert.doesNotMatch(curveHtml({ points: points.slice(0, 1), words: "Label" }), /svg/);
+  assert.doesNotMatch(String(curveHtml({ points: points.slice(0, 1), words: "Label" })), /svg/);
 });
 
 test("own pictures are read by the head for them, and nothing else is", () => {
@@ -287,7 +321,158 @@ test("own pictures are read by the head for them, and nothing else is", () => {
 test("the page says what pictures without labels bring, and where touch is at chance", () => {
   assert.deepEqual(atChance(FACTS), ["tac"]);
   assert.match(gainOf(FACTS), /bring 5\.0 points/);
-  const html = readerHtml(FACTS, true, "A");
-  assert.match(html, /touch is at chance/);
-  assert.match(readerHtml(FACTS, false, "A"), /learned from A alone/);
+  assert.match(String(readerHtml(FACTS, true, "A")), /touch is at chance/);
+  assert.match(String(readerHtml(FACTS, false, "A")), /learned from A alone/);
+});
+
+const SHOWN = { vis: "row:0", tac: "row:0", answer: PAIR, classes: CLASSES };
+const pairOf = ({ vis, tac }) => [vis, tac];
+
+test("other pictures are requested anew, and none leave nothing of the last ones", () => {
+  const { tab, next } = told(SHOWN, ["opened", { vis: "row:1" }]);
+  assert.deepEqual([pairOf(tab), tab.busy, next], [["row:1", "row:0"], true, { predict: {} }]);
+  const none = told(SHOWN, ["opened", { vis: "", tac: "" }]).tab;
+  assert.deepEqual([none.answer, none.familiar, none.rivals, none.busy], [null, null, null, false]);
+});
+
+test("an upload takes the rest of a complete pair away, offers to put it back, and joins a picture that waits alone", () => {
+  const first = told(SHOWN, ["uploaded", { modality: "vis", ref: "image:x" }]);
+  assert.deepEqual([pairOf(first.tab), first.tab.away], [["image:x", null], { tac: "row:0" }]);
+  assert.deepEqual(pairOf(after(first.tab, "uploaded", { modality: "tac", ref: "image:y" }).tab), [
+    "image:x",
+    "image:y",
+  ]);
+  const back = after(first.tab, "opened", first.tab.away).tab;
+  assert.deepEqual([pairOf(back), back.away], [["image:x", "row:0"], null]);
+  assert.ok(mixed(back));
+  assert.equal(ownHtml({ ...back, classes: CLASSES }), null); // two pictures of different pairs take no label
+});
+
+test("a label waits until uploads and predictions are there, and goes to no example", () => {
+  const label = ["answered", { label: "wood" }];
+  assert.deepEqual(told(OWN, label).next, { count: { vis: "image:a", tac: "image:b", label: "wood" } });
+  assert.deepEqual(told(SHOWN, label).next, {});
+  assert.deepEqual(told(OWN, ["again"], label).next, {});
+  const file = new Blob();
+  const upload = told(OWN, ["dropped", { modality: "vis", files: [{ path: "x.png", file }] }]).next;
+  assert.deepEqual(upload, { upload: { modality: "vis", file } });
+  const sending = told(OWN, ["doing", { vis: READING }]).tab;
+  assert.ok(isHeld(sending));
+  assert.match(String(ownHtml(sending)), /data-label="wood" disabled/);
+  assert.deepEqual(after(sending, "answered", { label: "wood" }).next, {});
+});
+
+test("teaching predicts the pair and the table again, and another label takes it back", () => {
+  const report = { judged: [], right: { before: 0, after: 0 }, share: 1 };
+  const { tab, next } = told({ ...OWN, pairs: LABELLED }, ["taught", report]);
+  assert.deepEqual(Object.keys(next), ["predict", "rows", "curve"]);
+  assert.deepEqual(lessonsOf(tab, OWN).lessons.length, 1); // never from its own label
+  const fewer = after(tab, "forgotten", { key: keyOf(LABELLED[1]) });
+  assert.deepEqual([fewer.tab.taught, fewer.tab.report, Object.keys(fewer.next)], [false, null, ["predict", "rows"]]);
+  assert.deepEqual(fewer.halt, ["curve"]);
+  assert.deepEqual(after({ ...tab, taught: false }, "forgotten", { key: "" }).next, {});
+  assert.deepEqual(lessonsOf(fewer.tab), {});
+});
+
+test("own pictures go from one head to the other without what was taught to it", () => {
+  const { tab, next } = told({ ...OWN, head: "own", pairs: LABELLED, taught: true, report: {} }, ["readerSwitched"]);
+  assert.deepEqual([tab.head, tab.taught, tab.report, tab.pairs.length], ["", false, null, 2]);
+  assert.deepEqual(Object.keys(next), ["predict", "rows"]);
+});
+
+const row = (name, more = {}) => ({ name, vis: `image:${name}`, tac: null, label: "", ...more });
+const READ = [row("a", { readings: { vis: [1, 0] }, said: { vis: "wood" } }), row("b", { vis: null, problem: "No." })];
+
+test("many pairs are read in turn, the first opens in place of an example, and none where reading was stopped", () => {
+  const read = { done: 1, total: 3, wait: 0 };
+  const note = ["told", { many: " 1 picture left out." }];
+  const begun = [["dropped", { files: [] }], note, ["doing", { read }], ["rowsRead", READ]];
+  const { tab, next } = told(SHOWN, ...begun, ["allRead"]);
+  assert.deepEqual([pairOf(tab), tab.rows.length, next], [["image:a", null], 2, { predict: {} }]);
+  assert.deepEqual(pairOf(told(OWN, ...begun, ["allRead"]).tab), pairOf(OWN));
+  assert.match(String(manyHtml(told(SHOWN, ...begun).tab)), /Reading pair 1 of 3/);
+  const stopped = told(SHOWN, ...begun, ["stopped"]);
+  assert.match(String(manyHtml(stopped.tab)), / Cancelled after 2 of 3 pairs. 1 picture left out\./);
+  assert.deepEqual([pairOf(stopped.tab), stopped.halt], [pairOf(SHOWN), ["read"]]);
+  const none = after(stopped.tab, "closed", {});
+  assert.deepEqual([manyHtml(none.tab), none.halt], [null, ["read", "rows"]]);
+});
+
+test("a label of the table is counted at once, and a new prediction keeps labels and what was not read", () => {
+  const { tab } = told({ ...OWN, rows: READ }, ["rowLabelled", { label: "0", value: " wood " }]);
+  assert.deepEqual(
+    tab.pairs.map(({ name, label, said }) => [name, label, said]),
+    [["a", "wood", { vis: "wood" }]],
+  );
+  const { rows } = after(tab, "rowsPredicted", [row("a", { said: { vis: "steel" } })]).tab;
+  assert.deepEqual([rows[0].label, rows[0].said.vis, rows[1].problem], ["wood", "steel", "No."]);
+  const taught = after(tab, "rowsTaught", {});
+  assert.deepEqual([taught.next, taught.tab.pairs.length], [{ teach: {} }, 1]);
+});
+
+test("labels of the table are counted with a line on where the count comes from", () => {
+  const rows = [{ ...READ[0], classes: CLASSES, label: "wood" }];
+  const html = String(manyHtml({ ...START, rows, source: "A" }));
+  assert.match(html, /Right: photo only 1 of 1\./);
+  assert.match(html, /By the head as trained, from A; 1 labelled of your 1 pair; known: nothing\./);
+});
+
+test("a profile is kept, followed by the pair and the table, and dropped without a trace", () => {
+  const { tab, next } = told(OWN, ["profiled", { profile: "p", counts: { tac: 6 }, note: "Few." }]);
+  assert.deepEqual(
+    [tab.profile, tab.notes.sensor, Object.keys(next)],
+    ["p", "Few.", ["predict", "rows", "keepProfile"]],
+  );
+  const gone = after(tab, "profileDropped", {}).tab;
+  assert.deepEqual([gone.profile, gone.counts, gone.notes.sensor], ["", null, ""]);
+});
+
+test("pictures that look like the other kind are asked about, and read as what was said", () => {
+  const files = [{ path: "7.png" }];
+  const { tab } = told(OWN, ["arrived", { doubt: { files, strange: 3, of: 3 } }]);
+  assert.match(String(sensorHtml(tab)), /3 of 3 look more like photos than like touch images/);
+  assert.deepEqual(after(tab, "sampled", { kind: "vis" }).next, { sample: { files, kind: "vis" } });
+});
+
+test("the pair comes back in place of the cameras, once", () => {
+  const { tab } = told(
+    SHOWN,
+    ["camerasSwitched"],
+    ["framed", { frame: { idle: true, readings: {} }, line: "No contact." }],
+  );
+  assert.match(String(verdictHtml(tab)), /No contact/);
+  const off = after(tab, "camerasSwitched", {});
+  assert.deepEqual([off.tab.on, off.tab.frame, off.next, off.halt], [false, null, { predict: {} }, ["live"]]);
+  assert.deepEqual(told(SHOWN, ["camerasSwitched"], ["camerasOff", "No source."]).next, {});
+});
+
+test("a recording takes a pair from time to time, and is saved when it or the cameras end", () => {
+  const frame = { idle: false };
+  const at = (time) => ["framed", { frame, line: "", pair: { label: "wood", time, pictures: [] } }];
+  const begun = [
+    ["camerasSwitched"],
+    at(1000),
+    ["recordSwitched"],
+    at(2000),
+    at(2100),
+    ["framed", { frame, line: "" }],
+  ];
+  const { tab } = told(SHOWN, ...begun, at(2300));
+  const times = [2000, 2300];
+  assert.deepEqual(
+    tab.recording.map(({ time }) => time),
+    times,
+  );
+  for (const end of ["recordSwitched", "camerasSwitched"]) {
+    const { tab: ended, next } = after(tab, end, {});
+    assert.deepEqual([ended.recording, next.saveRecording.map(({ time }) => time)], [null, times]);
+  }
+});
+
+test("what is guided at the cameras has their line for itself, and nothing second beside it", () => {
+  const { tab, next } = told(SHOWN, ["camerasSwitched"], ["guide", { what: "rest" }]);
+  assert.deepEqual(next, { guide: { what: "rest" } });
+  assert.deepEqual(after(tab, "guide", { what: "calibrate" }).next, {});
+  const { line } = after(tab, "arrived", { line: "Do not touch." }).tab;
+  assert.equal(after({ ...tab, line }, "framed", { frame: {}, line: "9 predictions/s" }).tab.line, line);
 });

@@ -4,6 +4,7 @@ import { ask, attempt } from "../shared/api.js";
 import { Cloud } from "../shared/cloud.js";
 import { shownBy } from "../shared/filters.js";
 import { orderText } from "../shared/frames.js";
+import { IMAGES } from "../shared/images.js";
 import { layersOf } from "../shared/layers.js";
 import { axes, axisNames } from "../shared/marks.js";
 import { isDark, onTheme, TAC_COLOUR, VIS_COLOUR } from "../shared/palette.js";
@@ -12,11 +13,10 @@ import { change, state, watch } from "../shared/store.js";
 
 const STAGE = "f_hat";
 
-/** Returns show(pair, order). */
+/** Returns what shows a pair at an order. @param {HTMLElement} panel @param {Frames} frames */
 export function pairMap(panel, frames) {
-  const box = panel.querySelector(".still");
-  const note = panel.querySelector(".where-note");
-  /** @type {any} */
+  const [box, note] = /** @type {NodeListOf<HTMLElement>} */ (panel.querySelectorAll(".still, .where-note"));
+  /** @type {Replies["place"] | null} */
   let placed = null;
   let asking = new AbortController();
   const cloud = new Cloud(box, 2 * frames.pairs);
@@ -24,12 +24,14 @@ export function pairMap(panel, frames) {
   const shown = shownBy(frames);
   listen(cloud, {
     wanted: shown,
-    pick: (point) =>
-      point >= 0 &&
-      change({ pin: point % frames.pairs, vis: `row:${point % frames.pairs}`, tac: `row:${point % frames.pairs}` }),
+    pick: (/** @type {number} */ point) => {
+      const pin = point % frames.pairs;
+      if (point >= 0) change({ pin, vis: `row:${pin}`, tac: `row:${pin}` });
+    },
   });
-  cloud.painters = [axes(() => axisNames(kind())), (context) => placed && paint(context, cloud, placed)];
+  cloud.painters = [axes(() => axisNames(kind())), (context) => placed && paint(context, cloud, placed.points)];
 
+  /** @param {number | null} [order] */
   function points(order) {
     const stop = frames.stop(order ?? frames.meta.head?.learned_order ?? 0.5);
     cloud.layers = layersOf(frames, stop, shown, () => false, 0.34);
@@ -39,37 +41,35 @@ export function pairMap(panel, frames) {
   watch(["colour"], () => points(state.p));
   points(state.p); // a canvas without a drawing is black
 
+  /** @param {Pair} pair @param {number | null} [order] */
   return (pair, order) => {
     points(order);
     asking.abort();
     asking = new AbortController();
     attempt(async () => {
       placed = await ask("place", { ...pair, order, stage: STAGE, map: kind() }, asking.signal);
-      note.textContent = `Pale: all pairs at p = ${orderText(placed.order)}. ${placed.exact ? "Places are exact." : "Places are estimated between the nearest neighbours."} Click a point to choose its pair.`;
+      const how = placed.exact ? "exact" : "estimated between the nearest neighbours";
+      note.textContent = `Pale: all pairs at p = ${orderText(placed.order)}. Places are ${how}. Click a point to choose its pair.`;
       cloud.paintMarks();
     }, note);
   };
 }
 
-/** CSS pixels of a position in map units.
- * @returns {[number, number]} */
-function at(cloud, [x, y]) {
+/** @param {CanvasRenderingContext2D} context @param {Cloud} cloud @param {Replies["place"]["points"]} points */
+function paint(context, cloud, points) {
   const { scale, middle, ox, oy } = cloud.transform();
-  return [(ox + scale * (x - middle.x)) / cloud.ratio, (oy - scale * (y - middle.y)) / cloud.ratio];
-}
-
-function paint(context, cloud, { points }) {
-  const ink = isDark() ? "#f8fafc" : "#0f172a";
-  const paper = isDark() ? "#0b1220" : "#ffffff";
-  const [vis, tac] = ["vis", "tac"].map((name) => points[name] && at(cloud, points[name]));
+  /** CSS pixels of a position in map units. @param {Point} place @returns {Point} */
+  const at = ([x, y]) => [(ox + scale * (x - middle.x)) / cloud.ratio, (oy - scale * (y - middle.y)) / cloud.ratio];
+  const [vis, tac] = IMAGES.map((name) => points[name] && at(points[name]));
   if (vis && tac) {
-    for (const [width, colour] of [
+    const [paper, ink] = isDark() ? ["#0b1220", "#f8fafc"] : ["#ffffff", "#0f172a"];
+    context.beginPath();
+    context.moveTo(...vis);
+    context.lineTo(...tac);
+    for (const [width, colour] of /** @type {[number, string][]} */ ([
       [6, paper],
       [2.4, ink],
-    ]) {
-      context.beginPath();
-      context.moveTo(...vis);
-      context.lineTo(...tac);
+    ])) {
       context.lineWidth = width;
       context.strokeStyle = colour;
       context.stroke();
@@ -79,6 +79,7 @@ function paint(context, cloud, { points }) {
   if (tac) disc(context, tac, TAC_COLOUR, "T");
 }
 
+/** @param {CanvasRenderingContext2D} context @param {Point} place @param {string} fill @param {string} text */
 function disc(context, [x, y], fill, text) {
   context.beginPath();
   context.arc(x, y, 10, 0, 7);

@@ -1,37 +1,41 @@
-/** Pictures of numbers: the fractional spectrum of an image, the attention among its tokens, and parts that matter. */
+/** Pictures of numbers: the fractional spectrum of an image, and the attention among its tokens. */
 
-import { paintCells } from "../shared/canvas.js";
+import { drawingOn, paintCells } from "../shared/canvas.js";
+import { imagesOf } from "../shared/images.js";
 import { isDark, ramp, rgb, TAC_COLOUR, VIS_COLOUR } from "../shared/palette.js";
-import { bytesOf, each, escaped } from "../shared/text.js";
+import { bytesOf, html, put } from "../shared/text.js";
+import { View } from "../shared/view.js";
+import { hint } from "./parts.js";
+import { signed, TERMS } from "./verdict.js";
 
 const COLOURS = { vis: VIS_COLOUR, tac: TAC_COLOUR };
 const NAMES = { vis: "● VIS", tac: "▲ TAC" };
-const TITLES = { vis: "Photo", tac: "Touch" };
-const ROWS = 101;
 const WORTH = 0.01; // smaller differences from uniform are not shown
 const [MORE, LESS] = ["#d55e00", "#2f86c4"].map(rgb);
 
 /** |F_p| over p, the current p marked, and its profile beneath. */
-export class Spectra {
-  constructor(box) {
-    this.box = box;
-    this.all = [];
-  }
+export class Spectra extends View {
+  /** @type {(Spectrum & {bytes: Uint8Array, figure: Element, colour: string})[]} */
+  all = [];
 
+  /** @param {Predicted["spectra"]} spectra */
   show(spectra) {
-    this.box.innerHTML = each(
-      Object.entries(spectra),
-      ([name, { width, top }]) => `<figure><figcaption>${NAMES[name]}</figcaption>
+    const there = imagesOf(spectra);
+    put(
+      this.box,
+      html`${there.map((name) => {
+        const { width, top } = spectra[name];
+        return html`<figure><figcaption>${NAMES[name]}</figcaption>
       <div class="heat"><span class="up">p</span><canvas role="img" aria-label="Spectrum of ${NAMES[name]} over p"></canvas><i class="cursor"></i></div>
       <canvas class="profile" role="img" aria-label="Spectrum of ${NAMES[name]} at the current p"></canvas>
-      <p class="scale"><span>entry 0</span><span>${width} entries · brightest = ${top.toPrecision(3)}</span><span>${width - 1}</span></p></figure>`,
+      <p class="scale hint"><span>entry 0</span><span>${width} entries · brightest = ${top.toPrecision(3)}</span><span>${width - 1}</span></p></figure>`;
+      })}`,
     );
-    const figures = this.box.querySelectorAll("figure");
-    this.all = Object.entries(spectra).map(([name, s], i) => ({
-      ...s,
-      name,
-      bytes: bytesOf(s.pixels),
-      figure: figures[i],
+    this.all = there.map((name, i) => ({
+      ...spectra[name],
+      bytes: bytesOf(spectra[name].pixels),
+      figure: this.box.querySelectorAll("figure")[i],
+      colour: COLOURS[name],
     }));
     this.paint();
   }
@@ -39,19 +43,21 @@ export class Spectra {
   /** Row 0 is p = 0 and lies at the bottom. */
   paint() {
     const colours = ramp(isDark());
-    for (const { figure, bytes, columns, rows } of this.all) {
-      const strength = (x, y) => Math.sqrt(bytes[(rows - 1 - y) * columns + x] / 255);
-      paintCells(figure.querySelector("canvas"), columns, rows, (x, y) => colours[Math.round(255 * strength(x, y))]);
-    }
+    for (const { figure, bytes, columns, rows } of this.all)
+      paintCells(/** @type {HTMLCanvasElement} */ (figure.querySelector("canvas")), columns, rows, (x, y) => {
+        const strength = Math.sqrt(bytes[(rows - 1 - y) * columns + x] / 255);
+        return colours[Math.round(255 * strength)];
+      });
   }
 
+  /** @param {number} stop */
   mark(stop) {
-    for (const { figure, bytes, columns, rows, name } of this.all) {
-      figure.querySelector(".cursor").style.top = `${(100 * (rows - 0.5 - stop)) / rows}%`;
-      const canvas = figure.querySelector(".profile");
+    for (const { figure, bytes, columns, rows, colour } of this.all) {
+      const [cursor, canvas] = /** @type {any} */ (figure.querySelectorAll(".cursor, .profile"));
+      cursor.style.top = `${(100 * (rows - 0.5 - stop)) / rows}%`;
       [canvas.width, canvas.height] = [2 * columns, 90];
-      const x = canvas.getContext("2d");
-      x.fillStyle = COLOURS[name];
+      const x = drawingOn(canvas);
+      x.fillStyle = colour;
       for (let column = 0; column < columns; column++) {
         const high = (bytes[stop * columns + column] / 255) * (canvas.height - 4);
         x.fillRect(2 * column, canvas.height - high, 2, high);
@@ -60,51 +66,50 @@ export class Spectra {
   }
 }
 
-/** A sentence about the weights. scale: the largest distance of a weight from 1/count. */
+/** A sentence about the weights. @param {number} count @param {number} scale the largest distance of a weight from 1/count */
 export function about(count, scale) {
   const points = (100 * scale).toPrecision(2);
   const even = (100 / count).toFixed(1);
-  if (scale < WORTH) {
-    return `Nothing to see: each of the ${count} tokens gets the uniform ${even} %, within ${points} points, at every p.`;
-  }
-  return `Rows attend to columns, over ${count} tokens (real parts, then imaginary). Uniform: ${even} %. Orange is more, blue is less; full colour is ${points} points.`;
+  return scale < WORTH
+    ? `Nothing to see: each of the ${count} tokens gets the uniform ${even} %, within ${points} points, at every p.`
+    : `Rows attend to columns, over ${count} tokens (real parts, then imaginary). Uniform: ${even} %. Orange is more, blue is less; full colour is ${points} points.`;
 }
 
 /** Attention among the tokens of one modality; a sentence replaces a uniform one. */
-export class Attention {
-  constructor(box) {
-    this.box = box;
-    this.all = [];
-    this.stop = 0;
-  }
+export class Attention extends View {
+  /** @type {{count: number, bytes: Int8Array, canvas: HTMLCanvasElement}[]} */
+  all = [];
+  stop = 0;
 
-  /** found: the server's reply; null for none, {problem} for a sentence. */
+  /** The server's reply; null for none, {problem} for a sentence. @param {Attended | {problem: string} | null} found */
   show(found) {
-    this.all = [];
-    const names = Object.keys(found?.off ?? {});
-    const sentence = found?.problem ?? (found ? about(found.count[names[0]], found.scale) : "");
-    const shown = found?.scale >= WORTH ? names : [];
-    this.box.innerHTML = (sentence && `<p class="hint">${escaped(sentence)}</p>`) + each(shown, figure);
-    this.all = shown.map((name) => ({
-      count: found.count[name],
-      bytes: new Int8Array(bytesOf(found.off[name]).buffer),
-      canvas: this.box.querySelector(`[data-name="${name}"] canvas`),
+    const reply = found && "off" in found ? found : null;
+    const there = reply ? imagesOf(reply.off) : [];
+    const words = reply ? about(reply.count[there[0]], reply.scale) : found && "problem" in found && found.problem;
+    const shown = reply && reply.scale >= WORTH ? there : [];
+    const figures = shown.map(
+      (name) =>
+        html`<figure><figcaption>${signed(name, TERMS[name].title)}</figcaption><canvas class="square" role="img" aria-label="Attention of each token of the ${TERMS[name].one} to each, at this p"></canvas></figure>`,
+    );
+    put(this.box, html`${words && hint(words)}${figures}`);
+    const canvases = this.box.querySelectorAll("canvas");
+    this.all = shown.map((name, i) => ({
+      count: reply?.count[name] ?? 0,
+      bytes: new Int8Array(bytesOf(reply?.off[name] ?? "").buffer),
+      canvas: canvases[i],
     }));
     this.mark(this.stop);
   }
 
   /** From −1 (blue) to 1 (orange); 0 is paper. */
   mark(stop = this.stop) {
-    this.stop = Math.min(stop, ROWS - 1);
+    this.stop = stop;
     const paper = rgb(isDark() ? "#0f172a" : "#ffffff");
     for (const { count, bytes, canvas } of this.all)
       paintCells(canvas, count, count, (x, y) => {
-        const v = Math.max(-1, Math.min(1, bytes[(this.stop * count + y) * count + x] / 127));
+        const v = bytes[(stop * count + y) * count + x] / 127;
         const ink = v > 0 ? MORE : LESS;
         return paper.map((from, c) => Math.round(from + (ink[c] - from) * Math.abs(v)));
       });
   }
 }
-
-const figure = (name) =>
-  `<figure data-name="${name}"><figcaption><span class="sign ${name}"></span>${TITLES[name]}</figcaption><canvas class="square" role="img" aria-label="Attention of each token of the ${TITLES[name].toLowerCase()} to each, at this p"></canvas></figure>`;

@@ -1,36 +1,44 @@
 /** Which head reads the visitor's own pictures, and what it reads right in sensors that it has not seen. */
 
-import { escaped, percent, row, table } from "../shared/text.js";
-import { READINGS } from "./verdict.js";
+import { IMAGES } from "../shared/images.js";
+import { html, percent, row, table } from "../shared/text.js";
+import { button, hint } from "./parts.js";
+import { READINGS, signed } from "./verdict.js";
 
 const MANY = "20"; // pictures without labels of the record
 
-/** What pictures without labels bring, in words. */
-export function gainOf({ left_out: found }) {
-  const [none, some] = ["0", MANY].map((count) => found[count].fused);
+/** What pictures without labels bring, in words. @param {Partial<OwnReader>} facts */
+export function gainOf({ left_out: shares = {} }) {
+  const [none, some] = ["0", MANY].map((count) => shares[count].fused);
   return `${MANY} pictures without labels bring ${(100 * (some - none)).toFixed(1)} points on simulated sensors that it has not seen: ${percent(some)} of pairs right, ${percent(none)} without.`;
 }
 
-/** The modalities that are no better than naming the most frequent class on real pairs, even with a profile. */
-export const atChance = ({ real }) => ["vis", "tac"].filter((name) => real && real.profile[name] <= real.always);
+/** The modalities that are no better than naming the most frequent class on real pairs, even with a profile.
+ * @param {Partial<OwnReader>} facts */
+export const atChance = ({ real }) => IMAGES.filter((name) => real && real.profile[name] <= real.always);
 
-/** facts: of the head for own pictures; on: whether it reads; source: what the other head learned from. */
+/** facts: of the head for own pictures; on: whether it reads; source: what the other head learned from.
+ * @param {Partial<OwnReader>} facts @param {boolean} on @param {string} source */
 export function readerHtml(facts, on, source) {
+  const other = (/** @type {string} */ words) => button("readerSwitched", words, html`class="reader-switch"`);
   if (!on)
-    return `<p class="hint">Your pictures are read by the head of the chapters, which learned from ${escaped(source)} alone.</p><button type="button" class="reader-switch">Use the head for own pictures</button>`;
-  const { left_out: found, real } = facts;
-  const rows = READINGS.map(([reading, title, sign]) =>
-    row(`<span class="sign ${sign}"></span>${title}`, [
-      percent(found[0][reading]),
-      percent(found[MANY][reading]),
-      ...(real ? [`${real["as they come"][reading]}`, `${real.profile[reading]} of ${real.pairs}`] : []),
+    return html`${hint(`Your pictures are read by the head of the chapters, which learned from ${source} alone.`)}${other("Use the head for own pictures")}`;
+  const { left_out: shares = {}, real } = facts;
+  const rows = READINGS.map((reading) =>
+    row(signed(reading), [
+      percent(shares[0][reading]),
+      percent(shares[MANY][reading]),
+      ...(real ? [String(real["as they come"][reading]), `${real.profile[reading]} of ${real.pairs}`] : []),
     ]),
   );
   const heads = ["It reads right", "simulated, as they come", `with ${MANY} pictures`];
   if (real) heads.push("real, as they come", "with a profile");
   const chance = atChance(facts).map((name) => (name === "tac" ? "touch" : "photo"));
-  const note = chance.length
-    ? `<p class="hint"><b>On real pairs its reading of the ${chance.join(" and the ")} is at chance</b>: always naming the most frequent class is right for ${real.always} of ${real.pairs}. Do not trust it.</p>`
-    : "";
-  return `<p class="hint">Read by the head for own pictures, which learned from all simulated sensors.</p>${note}<details><summary>Photo and touch apart</summary>${table("What the head for own pictures reads right", heads, rows)}</details><button type="button" class="reader-switch">Use the head of the chapters</button>`;
+  const note =
+    real &&
+    chance.length > 0 &&
+    hint(
+      html`<b>On real pairs its reading of the ${chance.join(" and the ")} is at chance</b>: always naming the most frequent class is right for ${real.always} of ${real.pairs}. Do not trust it.`,
+    );
+  return html`${hint("Read by the head for own pictures, which learned from all simulated sensors.")}${note}<details><summary>Photo and touch apart</summary>${table("What the head for own pictures reads right", heads, rows)}</details>${other("Use the head of the chapters")}`;
 }

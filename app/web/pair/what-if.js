@@ -1,122 +1,111 @@
 /** What if p were different: the same weights at other orders. */
 
 import { ask, attempt } from "../shared/api.js";
-import { imagesOf } from "../shared/images.js";
 import { orderBar } from "../shared/order.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
-import { escaped, percent } from "../shared/text.js";
-import { theSet } from "../shared/theset.js";
+import { html, percent, put } from "../shared/text.js";
 import { View } from "../shared/view.js";
 import { Lines } from "./lines.js";
 import { Attention, Spectra } from "./rasters.js";
-import { best, READINGS, unlike } from "./verdict.js";
+import { readingsOf, titleOf } from "./verdict.js";
 
-const STOPS = Array.from({ length: 101 }, (_, i) => i / 100);
-/** A scale for the order bar; there is no learned p before the server's reply. */
-const scale = (answer) => ({
-  orders: answer?.orders ?? STOPS,
-  meta: { head: { learned_order: answer?.learned } },
-  stop: (p) => Math.max(0, Math.min(100, Math.round(100 * p))),
-});
+/** The scale of the order bar; there is no learned p before the server's reply. */
+const SCALE = {
+  orders: Array.from({ length: 101 }, (_, i) => i / 100),
+  meta: {},
+  stop: (/** @type {number} */ p) => Math.max(0, Math.min(100, Math.round(100 * p))),
+};
 
 export class WhatIf extends View {
+  /** @param {HTMLDetailsElement} box */
   constructor(box) {
     super(box);
-    this.answer = null;
+    this.details = box;
+    /** @type {PairTab | null} */
+    this.tab = null;
+    /** @type {Reading} */
     this.reading = "fused";
-    this.bar = orderBar(this.$(".order-bar"), scale(null));
+    this.bar = orderBar(this.$(".order-bar"), SCALE);
     this.lines = new Lines(this.$(".lines"), (p) => change({ p }));
     this.spectra = new Spectra(this.$(".pictures"));
     this.attention = new Attention(this.$(".looks"));
+    /** @type {Question | null} */
     this.looked = null; // the request whose attention is shown
-    box.addEventListener("toggle", () => this.paint());
-    this.fits = null; // the orders that the set's head was trained for
-    theSet().then(
-      ({ frames }) => {
-        this.fits = frames.fits;
-        this.paint();
-      },
-      () => {}, // Explore shows the reason
-    );
+    box.ontoggle = () => this.paint();
   }
 
-  /** answer: the pair's predictions; question: their request. null clears. */
-  show(answer, question) {
-    this.answer = answer;
-    this.question = question;
-    this.images = null; // familiarity of each image
+  /** Show the prediction of the tab; nothing without one. @param {PairTab} tab */
+  show(tab) {
+    const before = this.tab;
+    this.tab = tab;
+    const { answer } = tab;
     this.box.hidden = !answer;
     if (!answer) return;
-    if (!answer.stops[this.reading]) this.reading = "fused";
-    if (state.p === null) state.p = answer.learned;
-    this.bar.replace(scale(answer));
-    this.bar.learned(answer.learned);
-    this.$(".about-p").textContent = aboutP(answer);
-    this.paint();
+    if (answer !== before?.answer) {
+      if (state.p === null) state.p = answer.learned;
+      this.bar.learned(answer.learned);
+      this.$(".about-p").textContent = aboutP(answer);
+    }
+    if (answer !== before?.answer || tab.set !== before.set) this.paint();
+    else if (tab.familiar !== before.familiar) this.mark();
   }
 
-  /** The familiarity of the images has arrived. */
-  know(images) {
-    this.images = images;
-    this.mark();
+  /** What the readings say at a stop. @param {Predicted} answer @param {number} stop */
+  at({ classes, stops }, stop) {
+    const readings = Object.fromEntries(Object.entries(stops).map(([name, rows]) => [name, rows[stop]]));
+    return readingsOf({ classes, readings, images: this.tab?.familiar?.images }).filter(({ label }) => label);
   }
 
   /** Draw only while the section is open. */
   paint() {
-    if (!this.answer || !this.box.open) return;
-    const { classes, orders, stops, learned, span, spectra } = this.answer;
-    const there = READINGS.filter(
-      ([reading]) => stops[reading] && !(reading === "fused" && Object.keys(stops).length < 3),
-    );
-    if (!there.some(([reading]) => reading === this.reading)) this.reading = there[0][0];
+    const { answer, question } = this.tab ?? {};
+    if (!answer || !question || !this.details.open) return;
+    const there = this.at(answer, 0).map(({ reading }) => reading);
+    if (!there.includes(this.reading)) [this.reading] = there;
     radios(
       this.$(".which"),
-      there.map(([key, label]) => ({ key, label })),
+      there.map((key) => ({ key, label: titleOf(key) })),
       () => this.reading,
       (reading) => {
-        this.reading = reading;
+        this.reading = /** @type {Reading} */ (reading);
         this.paint();
       },
     );
-    this.lines.show(classes, orders, stops[this.reading], learned, band(span, this.fits));
-    this.spectra.show(spectra);
-    this.look();
+    this.spectra.show(answer.spectra);
+    this.look(question);
     this.mark();
   }
 
-  async look() {
-    const { question } = this;
+  /** @param {Question} question */
+  async look(question) {
     if (this.looked === question) return;
     this.looked = question;
-    this.attention.show(null);
+    const show = (/** @type {Parameters<Attention["show"]>[0]} */ found) =>
+      this.looked === question && this.attention.show(found);
+    show(null);
     await attempt(
-      async () => {
-        const found = await ask("attention", question);
-        if (this.question === question) this.attention.show(found);
-      },
-      (sentence) => this.attention.show({ problem: sentence }),
+      async () => show(await ask("attention", question)),
+      (/** @type {string} */ problem) => show({ problem }),
     );
-    this.mark();
   }
 
   /** Show the current p. */
   mark() {
-    if (!this.answer || state.p === null) return;
-    const stop = scale(this.answer).stop(state.p);
+    const { answer, set } = this.tab ?? {};
+    if (!answer || state.p === null) return;
+    const stop = SCALE.stop(state.p);
     this.bar.show(stop);
-    if (!this.box.open) return;
-    const { classes, orders, stops } = this.answer;
-    this.lines.mark(stop, orders);
-    this.spectra.mark(stop);
-    this.attention.mark(stop);
-    const title = READINGS.find(([reading]) => reading === this.reading)?.[1].toLowerCase();
-    const { label, share } = best(classes, stops[this.reading][stop]);
-    const given = imagesOf(stops);
-    const at = `With p = ${orders[stop].toFixed(2)}, ${title}: `;
-    this.$(".at-p").innerHTML = unlike(this.reading, given, this.images).length
-      ? `${at}<b>${escaped(label)}?</b> A guess at every p, because an image is unlike anything seen.`
-      : `${at}<b>${escaped(label)} ${percent(share)}</b>.`;
+    if (!this.details.open) return;
+    const { classes, stops, learned, span } = answer;
+    const p = SCALE.orders[stop];
+    this.lines.show({ classes, p, rows: stops[this.reading], learned, band: band(span, set?.frames?.fits) });
+    for (const one of [this.spectra, this.attention]) one.mark(stop);
+    const [said] = this.at(answer, stop).filter(({ reading }) => reading === this.reading);
+    const words = said.guess
+      ? html`<b>${said.label}?</b> A guess at every p, because an image is unlike anything seen.`
+      : html`<b>${said.label} ${percent(said.share)}</b>.`;
+    put(this.$(".at-p"), html`With p = ${p.toFixed(2)}, ${titleOf(this.reading).toLowerCase()}: ${words}`);
   }
 
   repaint() {
@@ -127,18 +116,17 @@ export class WhatIf extends View {
 }
 
 /** The orders that a head was trained for, as a band on the axis of p: the `span` that training drew p from, or
- * what `fits` a learned p (from the frames; null before they are known, and then there is no band). */
+ * what `fits` a learned p (from the frames; null before they are known, and then there is no band).
+ * @param {number[]} span @param {number[] | null} [fits] @returns {[number, number] | null} */
 export function band(span, fits) {
   const [low, high] = (span[1] > span[0] ? span : fits) ?? [NaN, NaN];
   return low <= high ? [Math.max(0, low), Math.min(1, high)] : null;
 }
 
-/** The meaning of moving p for this head. */
+/** The meaning of moving p for this head. @param {Pick<Predicted, "learned" | "span" | "classes" | "linear">} answer */
 export function aboutP({ learned, span, classes, linear }) {
   if (linear) return "Linear maps of the embeddings decide here, and p has no part in them: every curve is flat.";
-  const chance = percent(1 / classes.length);
-  if (span[1] > span[0]) {
+  if (span[1] > span[0])
     return `This head was trained for every p from ${span[0].toFixed(2)} to ${span[1].toFixed(2)} (shaded).`;
-  }
-  return `Weights stay those of the learned p = ${learned.toFixed(3)}. Shaded: the orders this head was trained for. Elsewhere the weights do not fit, and predictions are little better than guessing (${chance}), so a rise or fall there means little. Explore shows heads trained at each p.`;
+  return `Weights stay those of the learned p = ${learned.toFixed(3)}. Shaded: the orders this head was trained for. Elsewhere the weights do not fit, and predictions are little better than guessing (${percent(1 / classes.length)}), so a rise or fall there means little. Explore shows heads trained at each p.`;
 }

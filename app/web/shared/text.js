@@ -59,7 +59,7 @@ export const options = (all, chosen = "") =>
   )}`;
 
 /** A table that scrolls in its place: headings of the columns, and its rows.
- * @param {string} label @param {string[]} head @param {Markup[]} rows */
+ * @param {string} label @param {Markup[]} head @param {Markup[]} rows */
 export const table = (label, head, rows, kind = "") =>
   html`<div class="scroll" tabindex="0" role="group" aria-label="${label}"><table class="${kind}"><thead><tr>${head.map(
     (column) => html`<th scope="col">${column}</th>`,

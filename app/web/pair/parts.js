@@ -1,0 +1,60 @@
+/** Small pieces of markup that several parts of the tab share, and how a part is drawn. */
+
+import { html, put } from "../shared/text.js";
+
+/** A button that tells an event, with what its data attributes say.
+ * @param {string} event @param {unknown} words @param {Html | string} [attributes] */
+export const button = (event, words, attributes = "") =>
+  html`<button type="button" data-send="${event}" ${attributes}>${words}</button>`;
+
+/** Whether a button is pressed, as its attribute. @param {unknown} on */
+export const pressed = (on) => html`aria-pressed="${String(Boolean(on))}"`;
+
+/** A button that opens pictures. @param {unknown} words @param {Pair} pair @param {Html | string} [more] */
+export const opener = (words, pair, more = "") =>
+  button("opened", words, html`${Object.entries(pair).map(([name, ref]) => html`data-${name}="${ref}" `)}${more}`);
+
+/** A button that chooses files. @param {string} event @param {string} words @param {Html} kind */
+export const chooser = (event, words, kind) =>
+  html`<label class="choose">${words}<input type="file" data-send="${event}" ${kind}></label>`;
+
+/** @param {unknown} words */
+export const hint = (words) => html`<p class="hint">${words}</p>`;
+
+/** @param {number} n @param {string} one @param {string} [many] */
+export const plural = (n, one, many = `${one}s`) => `${n.toLocaleString("en-US")} ${n === 1 ? one : many}`;
+
+/** @type {WeakMap<Element, string>} */
+const drawn = new WeakMap();
+
+/** Draw a part of the tab: what is alike stays, so that focus, typed text and open details do. Null hides the part,
+ * undefined leaves it as it is. Returns whether something changed.
+ * @param {HTMLElement} box @param {Html | null | undefined} markup */
+export function draw(box, markup) {
+  if (markup === undefined || drawn.get(box) === String(markup)) return false;
+  drawn.set(box, String(markup));
+  box.hidden = !markup;
+  const wanted = document.createElement("template");
+  put(wanted, markup ?? html``);
+  follow(box, wanted.content);
+  return true;
+}
+
+/** @param {Node} box @param {Node} wanted */
+function follow(box, wanted) {
+  const [old, made] = [box, wanted].map((one) => [...one.childNodes]);
+  made.forEach((node, i) => {
+    const there = old[i];
+    if (!there) box.appendChild(node);
+    else if (!(there instanceof Element && node instanceof Element && there.tagName === node.tagName))
+      box.replaceChild(node, there);
+    else {
+      for (const { name } of [...there.attributes])
+        if (name !== "open" && !node.hasAttribute(name)) there.removeAttribute(name);
+      for (const { name, value } of node.attributes)
+        if (there.getAttribute(name) !== value) there.setAttribute(name, value);
+      follow(there, node);
+    }
+  });
+  for (const gone of old.slice(made.length)) box.removeChild(gone);
+}

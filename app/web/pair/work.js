@@ -1,0 +1,307 @@
+/** The work that Try a pair asks for: requests to the server, files in and out. Its end is told as an event; a Refusal
+ * becomes a sentence in the part that NOTES names. */
+
+import { ask, askOfImage, attempt, bytesOf, get, made, Refusal, readerOf, visit } from "../shared/api.js";
+import { loaded } from "../shared/facts.js";
+import { headLabel } from "../shared/headsets.js";
+import { imagesOf, OTHER } from "../shared/images.js";
+import { keep, kept } from "../shared/memory.js";
+import { awaited } from "../shared/ready.js";
+import { save } from "../shared/save.js";
+import { change } from "../shared/store.js";
+import { base64, bytesOf as decoded } from "../shared/text.js";
+import { guide, live, saveRecording } from "./live.js";
+import { csv } from "./many.js";
+import { camera, describe, sent, snapshot, upload } from "./own-pictures.js";
+import { isPicture, named, paired, sorted } from "./pairing.js";
+import { plural } from "./parts.js";
+import { credit, short } from "./real.js";
+import { lessonsFor, lessonsOf, READING } from "./state.js";
+import { said } from "./verdict.js";
+import { zipped } from "./zip.js";
+
+const ROWS_AT_ONCE = 12; // pairs of one request
+const PICTURES_AT_ONCE = 50; // of a profile
+const FEW = 5; // pictures of a kind
+const LOOKED_AT = 3; // pictures whose kind is checked
+const KEPT = "omnivat-sensor"; // of this visit: survives a reload, not the browser's end
+const SLOW = 300; // milliseconds
+
+/** What was asked for, or why it was refused. @template Reply @param {Promise<Reply>} asking @returns {Promise<Reply | {problem: string}>} */
+const quietly = (asking) =>
+  asking.catch((error) => {
+    if (!(error instanceof Refusal)) throw error;
+    return { problem: error.message };
+  });
+
+/** Pairs with what is predicted for exactly them: by the head as trained, or by what lessons teach.
+ * @template {Pair} Some @param {Some[]} pairs @param {{lessons?: Lesson[]}} [lessons] @param {AbortSignal} [signal] */
+async function predicted(pairs, lessons, signal) {
+  const asked = pairs.map(({ vis, tac }) => ({ vis, tac }));
+  const { classes, pairs: answers } = await ask("many", { pairs: asked, ...lessons }, signal);
+  return pairs.map((pair, i) => ({ ...pair, ...answers[i], classes, said: said(classes, answers[i].readings) }));
+}
+
+/** A labelled pair for the count. @param {Lesson & {name: string}} pair */
+export const counted = async (pair) => (await predicted([pair]))[0];
+
+let last = { lessons: "", taught: "" };
+/** The name of the head that lessons teach; "" without lessons. `fresh` to teach again if the server may have dropped the
+ * head. @param {{lessons?: Lesson[]}} of */
+export async function taughtBy({ lessons }, fresh = true) {
+  if (!lessons) return "";
+  const key = JSON.stringify(lessons);
+  if (fresh || last.lessons !== key) last = { lessons: key, taught: (await ask("taught", { lessons })).taught };
+  return last.taught;
+}
+
+/** The profile in a file. @param {Blob} body @returns {Promise<Profile>} */
+const profileIn = async (body) => (await get("sensor", { method: "POST", body })).json();
+/** The profile of this visit as a file. */
+const profileFile = () => made("save/sensor", { profile: visit.profile });
+
+/** @param {Blob} blob */
+export const contentOf = async (blob) => new Uint8Array(await blob.arrayBuffer());
+
+/** @param {string} name @param {[string, Uint8Array][]} files */
+export const saveZip = (name, files) =>
+  save(name, new Blob(/** @type {BlobPart[]} */ (zipped(files)), { type: "application/zip" }));
+
+/** A label as the name of a folder. @param {string} label */
+export const folderOf = (label) => label.replaceAll(/[\\/:]/g, "_");
+
+/** Work of which a newer one stops no older one. @type {(keyof PairWork)[]} */
+export const TOGETHER = ["upload", "explain", "count"];
+/** Where a Refusal is told, if not above everything; "" is nowhere. @type {Record<string, (keyof PairWork)[]>} */
+export const NOTES = {
+  "": ["curve", "compare"],
+  own: ["count", "teach", "save", "savePictures"],
+  many: ["read", "rows"],
+  sensor: ["profileOf", "sample", "load", "keepProfile", "saveProfile"],
+};
+
+/** @type {{[Name in keyof PairWork]: (desk: Desk, what: PairWork[Name], signal: AbortSignal) => unknown}} */
+export const WORK = {
+  async predict({ tab, send }, _, signal) {
+    const { vis, tac } = tab;
+    if (!vis && !tac) return;
+    const question = { vis, tac, ...lessonsOf(tab, tab) };
+    const slow = setTimeout(() => send("arrived", { slow: true }), SLOW);
+    try {
+      send("predicted", { answer: await ask("pair", question, signal), question });
+    } finally {
+      clearTimeout(slow);
+    }
+  },
+  async familiar({ tab, send }, _, signal) {
+    const seen = await quietly(ask("familiar", /** @type {Question} */ (tab.question), signal));
+    const yours = Boolean(tab.question?.lessons);
+    send("arrived", { familiar: { yours, ...("problem" in seen ? { images: {}, ...seen } : seen) } });
+  },
+  async rivals({ tab: { vis, tac, heads }, send }, _, signal) {
+    const asking = heads.map(({ name }) => quietly(ask("pair", { vis, tac, head: name }, signal)));
+    send("arrived", { rivals: (await Promise.all(asking)).map((one, i) => ({ ...one, label: headLabel(heads[i]) })) });
+  },
+  place: ({ tab: { vis, tac, answer }, map }) => map?.({ vis, tac }, answer?.linear ? null : answer?.learned),
+  /** Open a pair of the set, which Explore then shows too. */
+  pin: (_, { pair }) => change({ pin: +pair, vis: `row:${pair}`, tac: `row:${pair}` }),
+  /** The open pair as it comes, and with the profile. */
+  async compare({ tab: { vis, tac, ...tab }, send }, _, signal) {
+    if (!tab.counts || ![vis, tac].some((ref) => ref?.startsWith("image:"))) return;
+    const asking = ["", tab.profile].map((profile) => ask("many", { pairs: [{ vis, tac }], profile }, signal));
+    const [before, after] = await Promise.all(asking);
+    send("arrived", { compared: { classes: before.classes, before: before.pairs[0], after: after.pairs[0] } });
+  },
+
+  async upload({ send }, { modality, file }) {
+    send("told", { problem: "" });
+    send("doing", { [modality]: READING });
+    send("uploaded", { modality, ref: await upload(file) });
+  },
+  async photograph({ send, box }, { modality }, signal) {
+    const stream = await camera();
+    send("arrived", { filming: modality });
+    const picture = await snapshot(/** @type {Element} */ (box.querySelector(".filming")), stream, signal);
+    for (const track of stream.getTracks()) track.stop();
+    send("arrived", { filming: "" });
+    if (picture) send("upload", { modality, file: new File([picture], "the camera’s image") });
+  },
+  /** Hide one part of a picture after the other. */
+  async explain({ tab, send }, { modality }) {
+    const { vis, tac, [modality]: ref, [OTHER[modality]]: other } = tab;
+    send("doing", { [modality]: "Hiding one part after the other…" });
+    const blob = await bytesOf(ref ?? "", modality);
+    if (!blob) throw new Refusal("The server keeps no images. Choose this file again.");
+    const taught = await taughtBy(lessonsOf(tab, tab));
+    const parts = await askOfImage("occlusion", blob, { modality, other, taught, head: readerOf({ vis, tac }) });
+    send("explained", { [modality]: { ...parts, taught: Boolean(taught) } });
+  },
+  /** Read a real pair as if its pictures had been dropped. */
+  async fetch({ tab, send }, { key }) {
+    const [set, number] = key.split("/").map(Number);
+    const from = /** @type {RealSet} */ (tab.real?.sets[set]);
+    const { pictures, class: words } = from.pairs[number];
+    const wanted = imagesOf(pictures).filter((name) => ["both", name].includes(tab.take));
+    if (!wanted.length) throw new Refusal(`${short(from)} has touches alone.`);
+    send("doing", { fetch: key });
+    /** @type {Pair} */
+    const pair = tab.take === "both" ? { vis: null, tac: null } : {};
+    for (const name of wanted) {
+      const content = await (await get(`real/${pictures[name]}`)).blob();
+      pair[name] = await upload(new File([content], `${words}, ${short(from)}`), undefined, credit(from));
+    }
+    send("fetched", { key, pair });
+  },
+
+  async count({ tab, send }, pair) {
+    const names = [pair.vis, pair.tac].flatMap((ref) => (ref ? [sent.get(ref)?.name ?? describe(tab, ref).text] : []));
+    send("counted", await counted({ ...pair, name: [...new Set(names)].join(" + ") }));
+  },
+  async teach({ tab, send }) {
+    send("told", { own: "Teaching…" });
+    send("taught", await ask("teach", { lessons: lessonsFor(tab.pairs) }));
+  },
+  /** What fewer labels would have taught; a page without a server has no such curve. */
+  async curve({ tab, send }, _, signal) {
+    send("arrived", { labels: await ask("curve", { lessons: lessonsFor(tab.pairs) }, signal) });
+  },
+  async save({ tab }, { path, name }) {
+    save(name, await made(path, { lessons: lessonsFor(tab.pairs) }));
+  },
+  /** The pictures still in this browser, in folders for `omnivat embed`. */
+  async savePictures({ tab }) {
+    /** @type {[string, Uint8Array][]} */
+    const files = [];
+    for (const [number, pair] of tab.pairs.entries()) {
+      for (const modality of imagesOf(pair)) {
+        const blob = await bytesOf(pair[modality] ?? "", modality);
+        if (!blob) continue;
+        const [ending] = /png|webp|tiff|bmp/.exec(blob.type) ?? ["jpg"];
+        const name = `my-pairs/My pairs/${folderOf(pair.label)}/${number}_${modality}.${ending}`;
+        files.push([name, await contentOf(blob)]);
+      }
+    }
+    if (!files.length) throw new Refusal("This browser no longer has pictures of these pairs.");
+    saveZip("my-pictures.zip", files);
+  },
+
+  live,
+  guide,
+  saveRecording,
+
+  read: (...asked) => awaited(read(...asked)),
+  /** Predict the pairs of the table again. */
+  async rows({ tab, send }, _, signal) {
+    const there = tab.rows.filter(({ said }) => said);
+    const answers = [];
+    for (let at = 0; at < there.length; at += ROWS_AT_ONCE)
+      answers.push(...(await predicted(there.slice(at, at + ROWS_AT_ONCE), lessonsOf(tab), signal)));
+    if (answers.length) send("rowsPredicted", answers);
+  },
+  csv: ({ tab }) => save("pairs.csv", csv(tab.rows)),
+
+  async profileOf({ send }, pictures) {
+    send("profiled", await ask("profile", { ...pictures, profile: "" }));
+  },
+  sample: (...asked) => awaited(sample(...asked)),
+  async load({ send }, { files }) {
+    send("profiled", await profileIn(files[0].file));
+  },
+  async keepProfile({ tab }) {
+    keep(KEPT, tab.profile ? base64(await contentOf(await profileFile())) : null, true);
+  },
+  async saveProfile() {
+    save("my-sensor.safetensors", await profileFile());
+  },
+};
+
+/** Send the visit's profile again: after a reload, or to a server that has lost it. True if it is back. @param {Desk} desk */
+export async function restore({ send }) {
+  const text = kept(KEPT, true);
+  if (text) send("arrived", { profile: "", counts: null });
+  await attempt(
+    async () => {
+      const { sensor } = text ? { sensor: await profileIn(new Blob([decoded(text)])) } : await loaded();
+      if (sensor.profile) send("profiled", /** @type {Profile} */ (sensor)); // without a text: that of --profile
+    },
+    (/** @type {string} */ sensor) => text && send("told", { sensor }), // the page itself reports a lost set
+  );
+  return Boolean(visit.profile);
+}
+
+/** A pair of files as a row: its pictures are sent. @param {FilePair} pair @param {AbortSignal} signal @returns {Promise<Row>} */
+async function rowOf(pair, signal) {
+  /** @type {Row} */
+  const row = { ...pair, vis: null, tac: null };
+  for (const name of imagesOf(pair)) {
+    const ref = await quietly(upload(/** @type {File} */ (pair[name]), signal));
+    Object.assign(row, typeof ref === "string" ? { [name]: ref } : ref);
+  }
+  return row.vis && row.vis === row.tac ? { ...row, problem: "Photo and touch are the same picture." } : row;
+}
+
+/** Pair files by their names or a CSV, send them and predict them, some at a time.
+ * @param {Desk} desk @param {PairWork["read"]} what @param {AbortSignal} signal */
+async function read({ tab, send }, { files, kind }, signal) {
+  const table = files.find(({ path }) => /\.csv$/i.test(path));
+  const { classes } = (await loaded()).head;
+  const { pairs, alone, problem } = paired(files, table ? await table.file.text() : "", classes, kind);
+  const total = pairs.length;
+  if (!total && alone.length && !table && !kind) return send("arrived", { unnamed: { files, count: alone.length } });
+  const none = table
+    ? "The CSV names none of these pictures. Drop it together with them; it needs the columns vis and tac."
+    : `No pair was recognised among ${plural(files.length, "file")}. Name them x_vis and x_tac, or add a CSV with the columns vis and tac.`;
+  const left = alone.length ? ` ${plural(alone.length, "picture")} left out: no partner by name.` : "";
+  send("told", { many: total ? left : problem || none });
+  const began = Date.now();
+  for (let done = 0; done < total; ) {
+    const rows = [];
+    for (const pair of pairs.slice(done, done + ROWS_AT_ONCE)) {
+      const wait = done && Math.ceil(((Date.now() - began) * (total - done)) / done / 1000);
+      send("doing", { read: { done: ++done, total, wait } });
+      rows.push(await rowOf(pair, signal));
+    }
+    const there = rows.filter((row) => !row.problem);
+    const answers = there.length ? await predicted(there, lessonsOf(tab), signal) : [];
+    send(
+      "rowsRead",
+      rows.map((row) => answers[there.indexOf(row)] ?? row),
+    );
+  }
+  send("allRead", {});
+}
+
+/** Make a profile of pictures. The profile in use stays until the new one is complete.
+ * @param {Desk} desk @param {PairWork["sample"]} what @param {AbortSignal} signal */
+async function sample({ tab, send }, { files, kind }, signal) {
+  const rest = kind ?? tab.rest;
+  const untold = files.filter(({ path }) => isPicture(path) && !named(path).modality).slice(0, kind ? 0 : LOOKED_AT);
+  let strange = 0; // of a few pictures whose names do not tell, those that look like the other kind
+  for (const { file } of untold) {
+    const ref = await quietly(upload(file, signal));
+    if (typeof ref !== "string") continue; // a broken picture is named when all are read
+    const seen = await quietly(ask("familiar", { [rest]: ref, profile: "" }, signal));
+    if ("images" in seen && seen.images[rest]?.strays) strange++;
+  }
+  if (2 * strange > untold.length) return send("arrived", { doubt: { files, strange, of: untold.length } });
+  const queue = sorted(files, rest);
+  /** @type {string[]} */
+  const broken = [];
+  let profile = /** @type {Profile | null} */ (null);
+  for (let at = 0; at < queue.length; at += PICTURES_AT_ONCE) {
+    const refs = { vis: /** @type {Ref[]} */ ([]), tac: /** @type {Ref[]} */ ([]) };
+    for (const [i, [name, file]] of queue.slice(at, at + PICTURES_AT_ONCE).entries()) {
+      send("doing", { sample: { done: at + i + 1, total: queue.length } });
+      const ref = await quietly(upload(file, signal));
+      if (typeof ref === "string") refs[name].push(ref);
+      else broken.push(ref.problem);
+    }
+    const pictures = { photos: refs.vis, touches: refs.tac, profile: profile?.profile ?? "" };
+    if (refs.vis.length + refs.tac.length) profile = await ask("profile", pictures, signal);
+  }
+  if (!profile)
+    throw new Refusal(broken[0] ?? "No picture was among these files. Give photos, tactile images or both.");
+  const few = Math.min(...Object.values(profile.counts)) < FEW && `Fewer than ${FEW} of a kind change little.`;
+  const failed = broken.length && `${plural(broken.length, "picture was", "pictures were")} left out: ${broken[0]}`;
+  send("profiled", { ...profile, note: [few, failed].filter(Boolean).join(" ") });
+}
