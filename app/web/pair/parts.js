@@ -28,16 +28,15 @@ export const plural = (n, one, many = `${one}s`) => `${n.toLocaleString("en-US")
 const drawn = new WeakMap();
 
 /** Draw a part of the tab: what is alike stays, so that focus, typed text and open details do. Null hides the part,
- * undefined leaves it as it is. Returns whether something changed.
+ * undefined leaves it as it is.
  * @param {HTMLElement} box @param {Html | null | undefined} markup */
 export function draw(box, markup) {
-  if (markup === undefined || drawn.get(box) === String(markup)) return false;
+  if (markup === undefined || drawn.get(box) === String(markup)) return;
   drawn.set(box, String(markup));
   box.hidden = !markup;
   const wanted = document.createElement("template");
   put(wanted, markup ?? html``);
   follow(box, wanted.content);
-  return true;
 }
 
 /** @param {Node} box @param {Node} wanted */

@@ -81,11 +81,10 @@ export class Attention extends View {
   all = [];
   stop = 0;
 
-  /** The server's reply; null for none, {problem} for a sentence. @param {Attended | {problem: string} | null} found */
-  show(found) {
-    const reply = found && "off" in found ? found : null;
+  /** @param {Attended | null} reply @param {string} problem why there is none */
+  show(reply, problem = "") {
     const there = reply ? imagesOf(reply.off) : [];
-    const words = reply ? about(reply.count[there[0]], reply.scale) : found && "problem" in found && found.problem;
+    const words = reply ? about(reply.count[there[0]], reply.scale) : problem;
     const shown = reply && reply.scale >= WORTH ? there : [];
     const figures = shown.map(
       (name) =>

@@ -28,7 +28,7 @@ export function nextStep(at, { pairs, report, counts, head, facts, rungs }) {
     return "Drop photos, touches, a folder or a CSV anywhere here. As they come, expect guesses: the head has not seen your sensor.";
   if (at === 2 && !pairs.length && !counts)
     return `Label two pairs of each of two classes. Or make a profile of pictures without labels.${head ? ` ${gainOf(facts)}` : points}`;
-  if (at === 2) return missing(pairs) || "Label two pairs of each of two classes, and teach the head.";
+  if (at === 2) return missing(pairs);
   if (at === 3) return `Teach it your ${pairs.length} pairs.${points}`;
   const { judged, right } = /** @type {Taught} */ (report);
   const profile = counts ? " --profile my-sensor.safetensors" : "";

@@ -35,7 +35,7 @@ export function speakOfSignals() {
 }
 
 /** The class with the largest probability, and that probability. @param {string[]} classes @param {number[]} row */
-export function best(classes, row) {
+function best(classes, row) {
   const at = row.indexOf(Math.max(...row));
   return { label: classes[at], share: row[at] };
 }

@@ -81,12 +81,12 @@ export class WhatIf extends View {
   async look(question) {
     if (this.looked === question) return;
     this.looked = question;
-    const show = (/** @type {Parameters<Attention["show"]>[0]} */ found) =>
-      this.looked === question && this.attention.show(found);
+    /** @type {Attention["show"]} */
+    const show = (...reply) => this.looked === question && this.attention.show(...reply);
     show(null);
     await attempt(
       async () => show(await ask("attention", question)),
-      (/** @type {string} */ problem) => show({ problem }),
+      (/** @type {string} */ problem) => show(null, problem),
     );
   }
 
