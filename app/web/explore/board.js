@@ -144,7 +144,7 @@ export function showLesson() {
 /** @param {Words} words */
 export function showWords({ title, figure, remark, whence = html`` }) {
   for (const [name, words] of Object.entries({ title: html`${title}`, figure, remark, whence }))
-    fill($(`.stage .${name}`), words);
+    fill($(`.stage .${name}`), html`${words}`);
 }
 
 export function showStage() {

@@ -3,7 +3,7 @@
 /** @type {Record<string, string>} */
 const CODES = { "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;", "'": "&#39;" };
 /** @param {unknown} text */
-export const escaped = (text) => String(text).replace(/[&<>"']/g, (c) => CODES[c]);
+const escaped = (text) => String(text).replace(/[&<>"']/g, (c) => CODES[c]);
 /** Markup that may be written into the page: `html` alone makes it. */
 export class Html {
   /** @param {string} text */
@@ -34,14 +34,7 @@ export const put = (box, content) => {
     throw new TypeError("put takes markup made by html`…`, so that every value is escaped.");
   box.innerHTML = content.text;
 };
-/** Add markup after what an element holds, so that what is in use there stays.
- * @param {Element} box @param {Html} content */
-export const append = (box, content) => box.insertAdjacentHTML("beforeend", content.text);
-/** A string of markup, until its script makes it by `html`. @param {Markup} text */
-const trusted = (text) => (text instanceof Html ? text : new Html(text));
 
-/** The HTML of each one, in a row. @param {Iterable<any>} all @param {(one: any, at: number) => Markup} html */
-export const each = (all, html) => [...all].map(html).join("");
 /** @param {number} share */
 export const percent = (share, digits = 0) => `${(100 * share).toFixed(digits)}\u00a0%`;
 /** True for a set of signals, drawn as stripes: a pair is two recordings of one signal. @param {{encoder?: string}} set */
@@ -60,17 +53,17 @@ export const options = (all, chosen = "") =>
 
 /** A table that scrolls in its place: headings of the columns, and its rows.
  * @param {string} label @param {Markup[]} head @param {Markup[]} rows */
-export const table = (label, head, rows, kind = "") =>
-  html`<div class="scroll" tabindex="0" role="group" aria-label="${label}"><table class="${kind}"><thead><tr>${head.map(
+export const table = (label, head, rows) =>
+  html`<div class="scroll" tabindex="0" role="group" aria-label="${label}"><table><thead><tr>${head.map(
     (column) => html`<th scope="col">${column}</th>`,
-  )}</tr></thead><tbody>${rows.map(trusted)}</tbody></table></div>`;
+  )}</tr></thead><tbody>${rows}</tbody></table></div>`;
 
 /** A row of a table: its heading, then its cells, as <td> or as what is in one.
  * @param {Markup} heading @param {Markup[]} cells */
 export const row = (heading, cells) =>
-  html`<tr><th scope="row">${trusted(heading)}</th>${cells
-    .map(trusted)
-    .map((cell) => (cell.text.startsWith("<td") ? cell : html`<td>${cell}</td>`))}</tr>`;
+  html`<tr><th scope="row">${heading}</th>${cells.map((cell) =>
+    cell instanceof Html && cell.text.startsWith("<td") ? cell : html`<td>${cell}</td>`,
+  )}</tr>`;
 
 /** The bytes of a base64 text. @param {string} text */
 export const bytesOf = (text) => Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -87,11 +80,10 @@ const shown = new WeakMap();
 /** What follows once an element was filled; set by what marks terms. @type {{next: (box: HTMLElement) => unknown}} */
 export const filled = { next: () => {} };
 /** Write markup into an element if it is not there yet, so that what is in use keeps the focus.
- * @param {HTMLElement} box @param {Markup} content */
+ * @param {HTMLElement} box @param {Html} content */
 export function fill(box, content) {
-  const { text } = trusted(content);
-  if (shown.get(box) === text) return;
-  shown.set(box, text);
-  box.innerHTML = text;
+  if (shown.get(box) === content.text) return;
+  shown.set(box, content.text);
+  put(box, content);
   filled.next(box);
 }

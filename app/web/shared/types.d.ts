@@ -18,7 +18,7 @@ type Painter = (context: CanvasRenderingContext2D, cloud: import("./cloud.js").C
 // ---- markup ----
 
 type Html = import("./text.js").Html;
-/** Markup; a string while scripts change to `html`. */
+/** Markup, or a text that is escaped where it is written. */
 type Markup = Html | string;
 /** An element found by its class, as the page's own HTML has it. */
 type Found = any;
