@@ -44,7 +44,7 @@ const framesOf = () => (state.head2 && isReady() && scene.other?.frames) || scen
 /** Its own p, or that of the first map until it has one. @param {Frames} frames */
 const stopOf = (frames) => frames.stop(state.p2 ?? scene.frames.orders[scene.stop]);
 
-/** Make the map. `on` as in pointer.js. @param {any} on */
+/** Make the map. @param {Pointing} on */
 function build(on) {
   const box = document.createElement("div");
   Object.assign(box, { className: "map", role: "application", ariaLabel: "Second map of the same features" });
@@ -72,7 +72,7 @@ async function offer() {
   put($(".beside .by"), options([["", headLabel(first)], ...others, ...methodsFor(scene.own)], state.head2));
 }
 
-/** Open or close it, with what is chosen. `on` as in pointer.js. @param {any} on */
+/** Open or close it, with what is chosen. @param {Pointing} on */
 export async function follow(on) {
   const open = isDouble(scene, state);
   $(".maps").classList.toggle("two", open);
@@ -96,7 +96,7 @@ export async function load() {
   const wait = $(".side-wait");
   if (isReady()) return;
   try {
-    const frames = await framesBy(name, scene.own, (step) => tell(wait, making(step)), load);
+    const frames = await framesBy(name, scene.own, (step) => tell(wait, making(step)), loadFiner);
     if (frames.pairs !== scene.own.pairs) throw new Refusal("This head’s map belongs to another set.");
     if (state.head2 !== name) return;
     take({ other: { name, frames } });
@@ -105,6 +105,12 @@ export async function load() {
   } catch (error) {
     refused(error, (/** @type {string} */ words) => state.head2 === name && tell(wait, words));
   }
+}
+
+/** Finer frames of what predicts are there. */
+function loadFiner() {
+  take({ other: null });
+  load();
 }
 
 /** Draw both titles, the map, and what changes from one to the other. */

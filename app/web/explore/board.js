@@ -35,10 +35,10 @@ const ANSWERS = ["Correctness", "Confidence"]; // colourings that change with p
 let bar;
 /** @type {Record<"ride" | "curves" | "together", curves.Chart>} */
 let charts;
-/** @type {any} as in pointer.js */
+/** @type {Pointing} */
 let pointing;
 
-/** Make the parts. `on` as in pointer.js. @param {any} on */
+/** Make the parts. @param {Pointing} on */
 export function build(on) {
   pointing = on;
   maps.build(on);

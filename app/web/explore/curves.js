@@ -32,9 +32,7 @@ function charts(selector, high, make) {
     markAt = make(box, scale);
     mark();
   };
-  dragged(box, (/** @type {any} */ event, /** @type {any} */ svg) =>
-    change({ p: scene.frames.orders[scene.frames.stop(scale.under(event, svg))] }),
-  );
+  dragged(box, (event, svg) => change({ p: scene.frames.orders[scene.frames.stop(scale.under(event, svg))] }));
   new ResizeObserver(() => box.firstChild && wide() !== scale.wide && draw()).observe(box);
   return { draw, mark };
 }

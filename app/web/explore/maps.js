@@ -33,7 +33,7 @@ export function pairLines(x, cloud) {
   if (scene.hovered >= 0 && pair !== state.pin) pairLine(x, cloud, pair, isDark() ? "#38bdf8" : "#1e293b");
 }
 
-/** `on` as in pointer.js. @param {any} on */
+/** Make the map. @param {Pointing} on */
 export function build(on) {
   map = new Cloud($(".now .map"), 2 * scene.own.pairs);
   const drawing = listen(map, on);

@@ -25,7 +25,7 @@ export function say(/** @type {string} */ sentence) {
   $(".wait").append(" ", home);
 }
 
-/** Show the server's progress; null for none. @param {any} step */
+/** Show the server's progress; null for none. @param {Step | null} step */
 const telling = (step) =>
   tell(
     $(".wait"),
@@ -43,7 +43,7 @@ export async function followMode() {
 }
 
 /** The set of a chapter. Finer frames take the place of coarse ones later.
- * @type {(set: string, onWait: (step: any) => void) => Promise<SetData>} */
+ * @type {(set: string, onWait: (step: Step | null) => void) => Promise<SetData>} */
 const dataOf = (set, onWait) =>
   once(`data ${set}`, async () => {
     const [{ frames: own, coarse, sprite }, { modes }] = await Promise.all([theSet(onWait, set), choices(set)]);
@@ -109,7 +109,7 @@ function layOut(chapter) {
 /** Fetch what is known of a set, and show it. @param {SetData} data */
 function learnAll({ set, own }) {
   const { facts } = scene;
-  const learn = (/** @type {keyof SetFacts} */ name) => (/** @type {any} */ fact) => {
+  const learn = (/** @type {keyof SetFacts} */ name) => (/** @type {SetFacts[keyof SetFacts]} */ fact) => {
     take(learned(scene, set, { [name]: fact }));
     if (set === scene.set && scene.chapter) board.learned();
   };

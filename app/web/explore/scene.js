@@ -18,12 +18,14 @@ export const HISTOGRAMS = [
 ];
 
 const UNKNOWN = { unseen: null, pairs: null, fit: null };
-const START = { sets: [], first: "", chapter: "", mode: "", wanted: "", dragged: new Map(), halves: [true, true] };
-Object.assign(START, { sample: -1, lasso: false, stairs: "", other: null, votes: null, twin: -1, alone: -1 });
+const START = {
+  ...{ sets: [], first: "", chapter: "", mode: "", wanted: "", facts: UNKNOWN, known: {}, dragged: new Map() },
+  ...{ halves: [true, true], sample: -1, lasso: false, stairs: "", other: null, votes: null, twin: -1, alone: -1 },
+};
 
 /** The state; its set and frames are there once a chapter with a map was opened.
  * @type {Scene} */
-export const scene = Object.assign(/** @type {any} */ (START), { known: {}, facts: UNKNOWN });
+export const scene = /** @type {Scene} */ (/** @type {unknown} */ (START));
 
 /** @type {(patch: Partial<Scene>) => Scene} */
 export const take = (patch) => Object.assign(scene, patch);
@@ -160,7 +162,7 @@ export function cellChosen({ frames, facts }, { cell, reading }) {
     if (inside && unseen.pairs.counts[pair] && frames.label[pair] === +truth && read === +answer) pairs.add(pair);
   }
   const words = `${is} predicted as ${said}`;
-  return { stranger: domain, cell: { truth: +truth, answer: +answer, domain, pairs, words } };
+  return { stranger: domain, cell: { truth: +truth, answer: +answer, pairs, words } };
 }
 
 /** The next point that the filters leave. @type {(scene: Scene, by: number) => number} */

@@ -10,7 +10,6 @@ const sets = new Map();
 
 /** @param {Frames} frames */
 const nameOf = ({ meta, pairs }) => {
-  /** @type {any} */
   const { weights_hash = "", origin = "" } = meta.embeddings ?? {};
   return `omnivat-tags ${pairs} ${weights_hash} ${origin} ${meta.domains?.join() ?? ""}`;
 };

@@ -5,6 +5,8 @@ type At = { target: Found };
 /** Points or pairs, as a function of their number. */
 type Wanted = (index: number) => boolean;
 type Span = [low: number, high: number];
+/** What pointers and keys on a map do. */
+type Pointing = Partial<import("../shared/pointer.js").On>;
 /** What is known of a set; null until it has come. */
 interface SetFacts {
   unseen: Unseen | null;
@@ -23,7 +25,6 @@ interface SetData {
 interface Cell {
   truth: number;
   answer: number;
-  domain: string;
   pairs: Set<number>;
   words: string;
 }

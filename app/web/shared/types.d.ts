@@ -84,7 +84,7 @@ interface FramesMeta {
     { array: string; orders: number[]; bounds: [Point, Point]; max_error: number; trust?: number[] }
   >;
   curves: Record<string, number[]>;
-  embeddings: { encoder: string; origin?: string; simulated?: boolean };
+  embeddings: { encoder: string; origin?: string; simulated?: boolean; weights_hash?: string };
   head?: {
     kind?: string;
     learned_order?: number;
