@@ -109,7 +109,7 @@ const files = new Map(); // uploaded, to send again to a restarted server
 /** Whether the server has lost what a request was about. @param {unknown} error */
 export const isForgotten = (error) => error instanceof Refusal && error.status === 410;
 /** Whether a request was cancelled. @param {unknown} error */
-export const isCancelled = (error) => error instanceof Error && error.name === "AbortError";
+const isCancelled = (error) => error instanceof Error && error.name === "AbortError";
 
 /** The profile of this visitor's sensor, which predictions follow; `renew` sends it to a server that has lost it;
  * `head` reads the visitor's own pictures, "" is the first one.
