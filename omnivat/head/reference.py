@@ -18,7 +18,7 @@ from torch import Tensor, eye, linalg, log_softmax, nn, relu, softmax, stack, wh
 from torch.nn.functional import cross_entropy, linear, normalize
 
 from omnivat.fractional import basis
-from omnivat.kit.stages import MODALITIES  # "lang", "vis", "tac"
+from omnivat.kit.stages import MODALITIES  # lang, vis, tac
 
 
 def dfrft(x: Tensor, p: Tensor) -> tuple[Tensor, Tensor]:
