@@ -7,8 +7,9 @@ from omnivat.encoders import ENCODERS
 from omnivat.study.reports.paper import BACKBONES, MARK, not_comparable, paper, paper_rows
 from omnivat.study.reports.protocol_report import main_table, protocol_report
 from omnivat.study.reports.reading import by_run, by_seed, changed_settings, completed
+from omnivat.study.reports.reproduced import cost_report
 
-from .made_records import record
+from .made_records import grid, record
 
 
 @pytest.fixture
@@ -99,3 +100,18 @@ def test_only_settings_that_differ_from_the_defaults_are_named():
     one = record("omnivat", "TAG-sim", 0, [0.5], settings={"head": head, "train": {"epochs": 60}})
     assert changed_settings(one) == "width=64 epochs=60"
     assert "settings width=64 epochs=60." in protocol_report([one])
+
+
+def test_costs_are_millions_of_parameters_seconds_of_a_fit_and_pairs_a_second(records):
+    text = cost_report(records, {"encoder, s a pair": 0.5, "machine": "one CPU"})
+    assert "| OmniVaT | 0.00 | 1.0 | 2.0 | – |" in text
+
+
+def test_the_guard_of_lang_has_both_accuracies_and_their_gap():
+    one = record("omnivat", "TAG-sim", 0, [0.5], lang_guard={"with": 0.9, "without": 0.7})
+    assert "| OmniVaT | 90.0 | 70.0 | +20.0 |" in protocol_report([one])
+
+
+def test_without_omnivat_nothing_is_compared_with_it():
+    text = protocol_report(grid("linear_maps", 0.8) + grid("erm_mlp", 0.6))
+    assert "| linear_maps |" in text and "best other row" not in text
