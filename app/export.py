@@ -13,9 +13,8 @@ from app.components import STYLES, WEB
 from app.modes import fitting_files, modes
 from app.places import Places, places
 from app.resources import Resources
-from app.routes import sheet
+from app.routes import FACTS, sheet
 from app.tables import tables_html
-from app.views import explore
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import write_text
 from omnivat.kit.progress import OnStep, Step, ignore
@@ -125,15 +124,10 @@ def html_of(name: str) -> str:
 def held_files(where: Places, frames: Path) -> dict[str, str]:
     """Return all server data of a saved page, by request, as data: addresses."""
     resources = Resources(where)
-    facts = {
-        "/modes": modes(resources, among=()),
-        "/pairs": explore.pairs(resources),
-        "/toy": explore.mechanism(resources),
-        "/glossary": about.glossary(resources),
-        "/fit": about.fit(resources),
-    }
-    if not facts["/fit"]["problem"]:
-        facts["/unseen"] = explore.unseen(resources)
+    fits = not about.fit(resources)["problem"]
+    named = ("pairs", "toy", "glossary", "fit", *(["unseen"] if fits else []))
+    facts = {f"/{name}": FACTS[name](resources) for name in named}
+    facts["/modes"] = modes(resources, among=())
     files = set_files(resources, frames)
     return {
         **{name: data_address(file.read_bytes(), file.suffix) for name, file in files.items()},

@@ -124,16 +124,15 @@ class FramesJob:
                 if not self.features:
                     raise
                 head = None
+            passes = [(coarse, COARSE, False)] if head else []
             if len(embeddings) > LARGE_SET and not readable(coarse):
-                if not readable(first):
-                    stops = first_stops(head.model.order) if head else COARSE
-                    first = self._build(job, head, embeddings, stops, first, linear=True)
-                self._file = first
-                job.go_on_at(LAST_TOUCH)
-            if head and not readable(coarse):
-                coarse = self._build(job, head, embeddings, COARSE, coarse)
-            if head:
-                self._file = coarse
+                stops = first_stops(head.model.order) if head else COARSE
+                passes.insert(0, (first, stops, True))
+            for file, orders, linear in passes:
+                there = readable(file)
+                self._file = (
+                    file if there else self._build(job, head, embeddings, orders, file, linear)
+                )
                 job.go_on_at(LAST_TOUCH)
             fine = self._build(job, head, embeddings, FINE, fine)
         self._file, self._whole = fine, True
@@ -145,7 +144,6 @@ class FramesJob:
         embeddings: Any,
         orders: tuple[float, ...],
         to: Path,
-        *,
         linear: bool = False,
     ) -> Path:
         """Compute the frames of some stops and write them to `to` or, if it cannot be written, to

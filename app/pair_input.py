@@ -59,7 +59,7 @@ def asked(
 
 def within(question: Question, pair: Question) -> Question:
     """Return a request about one of the pairs that a request names."""
-    return {**question, **dict.fromkeys(IMAGES), **pair}
+    return {**question, **{name: pair.get(name) for name in IMAGES}}
 
 
 def pair_of(

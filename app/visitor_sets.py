@@ -58,10 +58,9 @@ class VisitorSets:
             where, first = shipped_places(name), self.first.where
             if (where.head, where.embeddings) == (first.head, first.embeddings):
                 return self.first
-            with self._lock:
-                if name not in self._shipped:
-                    self._shipped[name] = Resources(where, self.shared, owner=name)
-                return self._shipped[name]
+            if name not in self._shipped:
+                self._shipped.setdefault(name, Resources(where, self.shared, owner=name))
+            return self._shipped[name]
         if (loaded := self._loaded.get(name)) is not None:
             return loaded
         raise ForgottenError(

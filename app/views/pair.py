@@ -72,7 +72,7 @@ def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
 
 
 def many(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the head's predictions for several pairs at its learned order.
+    """Return the head's predictions for several pairs, at its learned order if none is named.
 
     question  {"pairs": [{"vis", "tac": references}, …], at most MOST_AT_ONCE; "lessons"}
     return    classes; `pairs`: `readings` and `images` of each, as `app.familiar.predict_one` has

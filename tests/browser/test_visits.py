@@ -5,8 +5,6 @@ from typing import Any
 
 import pytest
 
-from app.views import VIEWS
-
 from .conftest import watched
 from .gestures import ANSWERED, MAP, READY, WHERE, grab, open_tab, p_shown, pixels, pull, texture
 
@@ -165,24 +163,6 @@ def test_two_visitors_do_not_disturb_one_another(open_page: Callable[..., Any]) 
         page.locator(".pair .bars td[data-reading=vis]").all_text_contents() for page in (one, two)
     ]
     assert said[0] != said[1]
-
-
-def test_no_tab_needs_anything_from_outside_this_machine(
-    new_page: Callable[..., Any], address: str
-) -> None:
-    page = new_page()
-    asked: list[str] = []
-    page.on("request", lambda request: asked.append(request.url))
-    page.route(lambda url: not url.startswith(address), lambda route: route.abort())
-    page.held = False  # every reply comes
-    page.goto(address, wait_until="commit")
-    page.wait_for_selector(READY["explore"])
-    for view in VIEWS:
-        open_tab(page, view)
-    page.wait_for_load_state("networkidle")
-    assert len(asked) > 20
-    assert [url for url in asked if not url.startswith((address, "data:", "blob:"))] == []
-    assert page.evaluate("[...document.fonts].filter((f) => f.status === 'error').length") == 0
 
 
 def test_the_watch_for_outside_requests_sees_one(desktop: Any, address: str) -> None:

@@ -106,7 +106,7 @@ export class Desk extends Models {
     const lessons = [];
     for (const { label, ...pair } of lessonsIn(question)) {
       const before = await this.pairOf(pair);
-      const after = await this.moved({ ...question, vis: null, tac: null, ...pair }, before, {});
+      const after = await this.moved({ ...question, vis: pair.vis, tac: pair.tac }, before, {});
       lessons.push({ label, before, pair: after });
     }
     const run = (/** @type {Rows} */ pair) => this.run(head, pair, [learnedOrders(head)]);

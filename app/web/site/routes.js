@@ -68,7 +68,7 @@ export const QUESTIONS = {
     const pairs = [];
     let classes;
     for (const pair of question.pairs) {
-      const asked = await desk.asked({ ...question, vis: null, tac: null, ...pair });
+      const asked = await desk.asked({ ...question, vis: pair.vis, tac: pair.tac });
       pairs.push(await desk.predicted(asked));
       classes = asked.head.classes;
     }
