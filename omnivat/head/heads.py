@@ -19,7 +19,7 @@ def _examples() -> Path:
 
 EXAMPLES = _examples()
 
-LADDERS = EXAMPLES / "records" / "ladder.jsonl.gz"  # of `python -m benchmarks.ladder`
+LADDERS = EXAMPLES / "records" / "ladder.jsonl.gz"  # of `python -m benchmarks.table --pack`
 
 OWN = "own"  # the name of the head for one's own pictures
 

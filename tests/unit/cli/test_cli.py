@@ -43,6 +43,7 @@ def test_every_command_and_argument_has_a_help_text(command):
         (["protocol", "--out", "x", "--jobs", "two"], "'two'; give a whole number, 1 or more"),
         (["sweep", "--csv", "c", "--stops", "1"], "1; give a whole number, 2 to 1001"),
         (["sweep", "--orders", "1", "--stops", "3"], "not allowed with argument --orders"),
+        (["sweep", "--retrained", "3", "--stops", "4"], "not allowed with argument --retrained"),
     ],
 )
 def test_an_argument_out_of_range_is_refused_with_the_range(arguments, sentence, capsys):

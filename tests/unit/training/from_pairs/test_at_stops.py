@@ -122,5 +122,3 @@ def test_the_command_writes_frames_and_takes_the_heads_own_settings(plan, tmp_pa
     assert not (tmp_path / "retrained.bin.heads").exists()
     assert main([*command, "--seeds", "0"]) == 1
     assert "--seeds applies to --retrained N only" in capsys.readouterr().err
-    assert main([*command, "--retrained", "3", "--stops", "4"]) == 1
-    assert "leave out --stops and --orders" in capsys.readouterr().err
