@@ -52,9 +52,12 @@ def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(
 ) -> None:
     page = open_page("?chapter=analyse")
     page.wait_for_selector(READY["explore"])
-    names = page.locator(".explore .staircase .stair-name").all_text_contents()
-    assert "photo to touch" in names[0]
-    assert "domain to domain" in names[1]
+    for measure, between in (
+        ("modality_gap", "photo to touch"),
+        ("domain_gap", "domain to domain"),
+    ):
+        page.select_option(".explore .of-steps", measure)
+        assert between in page.locator(".explore .stair-name").text_content()
     assert "Dashed: the raw embedding" in page.locator(".explore .all.curves").text_content()
 
 
