@@ -72,8 +72,7 @@ def votes(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     head, embeddings = resources.head_named(name), resources.embeddings()
 
     def counted() -> dict[str, Any]:
-        few = len(embeddings) <= MOST_PAIRS
-        some = embeddings if few else embeddings.select(thinned(len(embeddings), MOST_PAIRS))
+        some = embeddings.select(thinned(len(embeddings), MOST_PAIRS))
         votes = [
             {"class": one.label, "share": round(one.share, 4)} for one in node_votes(head, some)
         ]

@@ -26,7 +26,7 @@ def scaling(rows: Tensor, kind: str = "unit") -> Callable[[Tensor], Tensor]:
     mean = rows.mean(0)
     spread = (rows - mean).square().mean() if unit else (rows - mean).square().mean(0)
     floor = torch.finfo(rows.dtype).eps ** 2 * rows.square().mean()  # constant up to rounding
-    scale = torch.where(spread > floor, spread.clamp_min(1e-30).rsqrt(), torch.zeros_like(spread))
+    scale = torch.where(spread > floor, spread.rsqrt(), torch.zeros_like(spread))
     return lambda some: ((normalize(some, dim=-1) if unit else some) - mean) * scale
 
 

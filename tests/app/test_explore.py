@@ -4,7 +4,7 @@ from base64 import b64decode
 
 import numpy as np
 
-from app.views.explore import nearest, neighbours, twins, twins_map
+from app.views.explore import known, nearest, neighbours, twins, twins_map
 
 from .conftest import served
 
@@ -36,6 +36,13 @@ def test_neighbours_after_the_relu_depend_on_the_order(resources):
         neighbours(resources, {"point": 4, "stage": "relu", "order": order}) for order in (0.1, 0.9)
     ]
     assert at[0] != at[1]
+
+
+def test_as_many_pictures_are_known_as_half_of_the_smallest_unseen_domain(resources):
+    embeddings = resources.embeddings()
+    home, away = (np.flatnonzero(embeddings.domain == k) for k in (0, 1))
+    resources.embeddings._made[:] = [embeddings.select(np.concatenate([home, away[::4]]))]
+    assert known(resources, {"known": "pictures"})["known"] == "5 pairs without labels"
 
 
 def test_only_the_sheets_of_the_twins_are_served(resources):

@@ -78,6 +78,7 @@ def test_a_mode_that_is_not_there_is_refused_in_a_sentence(client):
 def test_without_embeddings_the_page_still_says_what_may_be_chosen(small_places, tmp_path):
     lost = Resources(replace(small_places, embeddings=tmp_path / "none.safetensors"))
     assert modes(lost)["modes"] == ["moved"]
+    assert [modes(lost, among)["twins"] for among in (None, ())] == [True, False]
 
 
 def test_explore_is_told_what_the_head_does_in_unseen_domains(beside, client):

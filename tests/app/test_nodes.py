@@ -36,3 +36,8 @@ def test_a_node_that_gives_one_class_to_every_pair_is_found(resources):
         name = resources.head().settings.classes.index(vote["class"])
         assert (given[:, node] == name).double().mean() == pytest.approx(vote["share"], abs=1e-4)
         assert vote["share"] >= 1 / 5
+
+
+def test_the_nodes_of_a_large_set_are_those_of_some_of_its_pairs(resources, monkeypatch):
+    monkeypatch.setattr("app.nodes.MOST_PAIRS", 7)
+    assert votes(resources, {})["pairs"] == 7

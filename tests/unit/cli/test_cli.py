@@ -8,7 +8,10 @@ from dataclasses import replace
 import pytest
 
 from omnivat.cli import COMMANDS, main, parser
-from omnivat.data.store import save_embeddings
+from omnivat.cli.evaluate import summary
+from omnivat.data.store import load_embeddings, save_embeddings
+from omnivat.head.checkpoint import load_head
+from omnivat.measure.unseen import unseen_summary
 
 
 def test_wrong_usage_exits_with_2():
@@ -120,6 +123,22 @@ def test_evaluate_prints_every_domain_and_json_for_programs(head_folder, run):
     records = json.loads(run("evaluate", *known, "--json").out)
     assert [record["domain"] for record in records] == ["TAG-sim", "OF Real-sim"]
     assert all(0 <= r["scores"]["fused"]["accuracy"] <= 1 for r in records)
+
+
+def test_the_figure_of_evaluate_has_the_shares_and_intervals_of_the_page(
+    head_folder, tmp_path, run
+):
+    file, figure = head_folder.parent / "set.safetensors", tmp_path / "f.svg"
+    known = "--head", head_folder, "--embeddings", file, "--figure", figure
+    drawn = summary(json.loads(run("evaluate", *known, "--json").out), "TAG-sim")
+    page = unseen_summary(load_head(head_folder), load_embeddings(file))
+    assert "OF Real-sim" in figure.read_text() and drawn["chance"] == page["chance"]
+    for mine, other in (
+        (drawn["unseen"], page["unseen"]),
+        (drawn["domains"][1], page["domains"][1]),
+    ):
+        for reading in ("answers/fused", "answers/vis", "answers/tac"):
+            assert mine[reading] == pytest.approx(other[reading])
 
 
 @pytest.mark.parametrize("stated", [True, False])

@@ -132,6 +132,12 @@ def test_bad_input_is_one_sentence(tmp_path):
         _ = figures.nothing
 
 
+def test_the_cells_of_a_table_of_gaps_fill_its_axes_from_the_top():
+    layout = EVERY["gaps"]().layout
+    for across, down in ((layout.xaxis, layout.yaxis), (layout.xaxis2, layout.yaxis2)):
+        assert (across.range, down.range) == ((-0.5, 1.5), (1.5, -0.5))
+
+
 def test_strangers_have_a_row_for_each_domain_and_the_mean(head_folder):
     from omnivat.data.store import load_embeddings
     from omnivat.head.checkpoint import load_head

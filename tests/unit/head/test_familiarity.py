@@ -88,9 +88,10 @@ def test_a_large_set_keeps_a_bounded_number_of_rows():
     assert len(found.rows["vis"]) <= MOST_ROWS
 
 
-def test_one_object_is_refused():
+def test_one_object_is_refused_and_two_are_enough():
     with pytest.raises(DataError, match="two objects or more"):
         familiarity_of(torch.randn(3, 4), None, ["same"] * 3)
+    assert "vis" in familiarity_of(torch.randn(3, 4), None, ["same", "same", "other"]).quantiles
 
 
 def test_the_training_rows_come_back(images, tmp_path):

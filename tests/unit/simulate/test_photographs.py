@@ -1,6 +1,7 @@
 """VIS: the contact is in view, flat surfaces, the textures and the camera behave."""
 
 from dataclasses import replace
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from omnivat.simulate.grounds import GROUNDS, ground
 from omnivat.simulate.photograph import exposed, framed
 from omnivat.simulate.plan import planned
 from omnivat.simulate.scenes import OUTDOORS, SCENES
-from omnivat.simulate.staging import textured, unresolved_slopes
+from omnivat.simulate.staging import place, textured, unresolved_slopes
 from omnivat.simulate.surfaces import Surface
 from omnivat.simulate.things import thing
 from omnivat.simulate.vision import denoised, panorama
@@ -117,6 +118,14 @@ def test_grain_is_taken_out_and_edges_of_colour_stay():
 
 def gone(name, **said):
     raise MissingPackageError(f"{name} is needed for {said['purpose']}.")
+
+
+def test_the_ground_and_what_stands_behind_vary_across_and_along():
+    made = thing_of("TAG")
+    shapes = place(MagicMock(Bitmap=np.asarray), made, framing_of("TAG", made))
+    for name in ("ground", "behind"):
+        colours = shapes[name]["bsdf"]["bsdf"]["reflectance"]["bitmap"]
+        assert min(colours.std(0).max(), colours.std(1).max()) > 0.02
 
 
 def test_without_mitsuba_a_render_says_what_is_missing(monkeypatch):

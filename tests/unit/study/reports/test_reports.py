@@ -7,9 +7,9 @@ from omnivat.encoders import ENCODERS
 from omnivat.study.reports.paper import BACKBONES, MARK, not_comparable, paper, paper_rows
 from omnivat.study.reports.protocol_report import main_table, protocol_report
 from omnivat.study.reports.reading import by_run, by_seed, changed_settings, completed
-from omnivat.study.reports.reproduced import cost_report
+from omnivat.study.reports.reproduced import cost_report, margins_report
 
-from .made_records import grid, record
+from .made_records import answered_record, grid, record
 
 
 @pytest.fixture
@@ -105,6 +105,11 @@ def test_only_settings_that_differ_from_the_defaults_are_named():
 def test_costs_are_millions_of_parameters_seconds_of_a_fit_and_pairs_a_second(records):
     text = cost_report(records, {"encoder, s a pair": 0.5, "machine": "one CPU"})
     assert "| OmniVaT | 0.00 | 1.0 | 2.0 | – |" in text
+
+
+def test_the_margins_of_a_single_run_are_shown_and_may_not_be_comparable():
+    text = margins_report([answered_record("omnivat", "TAG-sim", 0, 0.5)])
+    assert "| OmniVaT | 0.200 |" in text and "printed: OmniVaT *not comparable*" in text
 
 
 def test_the_guard_of_lang_has_both_accuracies_and_their_gap():

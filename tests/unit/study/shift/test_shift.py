@@ -15,6 +15,7 @@ from omnivat.kit.progress import ignore
 from omnivat.study.shift import read_features
 from omnivat.study.shift.measure import gaps, interval, neighbours, retrieval
 from omnivat.study.shift.probe import probes
+from omnivat.study.shift.reading import features_of
 from omnivat.study.shift.report import numbers
 from omnivat.study.shift.words import methods
 
@@ -69,6 +70,16 @@ def test_equal_photos_and_touches_have_no_gap_and_find_their_partner(made):
     )
     ranks = [r["value"] for r in retrieval(found) if r["measure"] == "recall@1"]
     assert ranks == [1.0] * 4
+    few = retrieval(read_features(made(same=True, pairs=8)))  # of four pairs ten cannot be taken
+    assert {r["note"] for r in few if r["measure"] == "recall@10"} == {"chance 1.0000"}
+
+
+def test_of_a_large_set_every_reader_draws_the_same_pairs(made, monkeypatch):
+    whole = read_features(made())
+    monkeypatch.setattr("omnivat.study.shift.reading.MOST", 20)
+    found, again = read_features(made()), features_of(whole.embeddings)
+    assert (len(found.embeddings), found.drawn_of) == (20, 80)
+    np.testing.assert_array_equal(found.embeddings.vis, again.embeddings.vis)
 
 
 def test_unrelated_photos_and_touches_are_found_at_chance(made):
