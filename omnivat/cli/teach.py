@@ -35,17 +35,12 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.data.readers.files import modalities_of
     from omnivat.head.checkpoint import require_head_folder, save_head
     from omnivat.head.curve import curve
-    from omnivat.head.teach import MOST, Lesson, judged, taught
+    from omnivat.head.teach import Lesson, judged, taught
 
     require_head_folder(options.out)
     head, embeddings = head_and_set(options)
     if options.domain:
         embeddings = embeddings.in_domain(options.domain)
-    if len(embeddings) > MOST:
-        raise DataError(
-            f"The set has {len(embeddings):,} pairs and at most {MOST:,} teach; train a head with "
-            "`python -m omnivat train` instead."
-        )
     there = modalities_of(embeddings.rows["vis"], embeddings.rows["tac"])
     images = {n: torch.from_numpy(getattr(embeddings, n).copy()).float() for n in there}
     names, objects = embeddings.header.classes, embeddings.rows["object"]

@@ -76,3 +76,17 @@ def test_it_is_refused_with_what_is_wanted(resources, png, route, question, word
         ask(question)
     assert isinstance(caught.value, ForgottenError) == ((route, question, words) in FORGOTTEN)
     assert str(caught.value).endswith(".")
+
+
+@pytest.mark.parametrize(
+    ("limit", "route", "question"),
+    [
+        ("app.views.pair.MOST_AT_ONCE", "many", {"pairs": LESSONS}),
+        ("app.pair_input.MOST_LESSONS", "teach", {"lessons": LESSONS}),
+        ("app.sensor.MOST_AT_ONCE", "profile", {"photos": ["image:own"] * len(LESSONS)}),
+    ],
+)
+def test_as_many_as_stated_are_taken(resources, monkeypatch, limit, route, question):
+    resources._sent.keep("own", resources.embeddings().vis[0])
+    monkeypatch.setattr(limit, len(LESSONS))
+    assert QUESTIONS[route](resources, question)

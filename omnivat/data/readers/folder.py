@@ -64,8 +64,8 @@ class _Walk:
         self.skipped: list[Skipped] = []
         self._seen: dict[str, Path] = {}  # real folder -> name at first visit
 
-    def skip(self, path: Path, why: str, count: int = 1) -> None:
-        self.skipped.append(Skipped(what=show(path.relative_to(self.root)), why=why, count=count))
+    def skip(self, path: Path, why: str) -> None:
+        self.skipped.append(Skipped(what=show(path.relative_to(self.root)), why=why))
 
     def enter(self, folder: Path, *parts: str) -> None:
         """Read a folder and those below it; `parts` are its domain, class, object and more."""

@@ -152,9 +152,7 @@ def _why_not(file: Path, number: int, row: Row, strict: bool) -> str:
 def _path(folder: Path, cell: str) -> Path:
     """Return the path in a cell; backslashes work, too."""
     path = folder / cell
-    if "\\" in cell and not is_file(path):
-        return folder / cell.replace("\\", "/")
-    return path
+    return path if is_file(path) else folder / cell.replace("\\", "/")
 
 
 def _pair(folder: Path, row: Row) -> Pair:

@@ -301,6 +301,13 @@ def test_nothing_to_learn_from_is_refused(head):
         taught(head, [])
 
 
+def test_as_many_lessons_as_stated_teach_and_no_more(head, lessons, monkeypatch):
+    monkeypatch.setattr("omnivat.head.teach.MOST", len(lessons))
+    assert taught(head, lessons).settings.taught
+    with pytest.raises(DataError, match="5 lessons and at most 4 are taken; train a head with"):
+        taught(head, [*lessons, lessons[0]])
+
+
 def test_the_command_says_what_teaching_brings_and_writes_a_head(
     head, head_folder, tmp_path, capsys
 ):

@@ -7,9 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from omnivat.data.materials import NO_CLASS
 from omnivat.data.pairs import summary_table
 from omnivat.data.readers import read_pairs
-from omnivat.data.readers.folder import read
+from omnivat.data.readers.folder import read, read_loose
 from omnivat.kit.errors import DataError
 
 PAIR = "D/wood/a_*.png"
@@ -54,11 +55,35 @@ def test_a_simulated_domain_marks_the_set(tree):
         (["D/b_vis.png"], {"D/b_vis.png": "lies in no class folder"}),
         (["D/wood/1/2/b_vis.png"], {"D/wood/1/2/b_vis.png": "lies deeper than an object folder"}),
         (["D/wood/._a_vis.png", ".git/wood/a_vis.png", "D/wood/notes.txt"], {}),
+        (["D/room.png", "D/notes_vis.txt"], {}),
     ],
 )
 def test_what_is_no_pair_is_skipped_and_listed(tree, reasons, files, skipped):
     found = read(tree(PAIR, *files))
     assert (len(found.pairs), reasons(found)) == (1, skipped)
+
+
+@pytest.mark.parametrize(
+    ("files", "pairs", "skipped"),
+    [
+        (["a_*.png"], [("", NO_CLASS, "")], {}),
+        (["D/a_*.png"], [("D", NO_CLASS, "")], {}),
+        (["D/Wood/a_*.png"], [("D", "wood", "")], {}),
+        (["D/wood/1/2/a_*.png"], [("D", "wood", "wood/1/2")], {}),
+        (["D/wood/vis/a.png", "D/wood/tac/a.png"], [("D", "wood", "")], {}),
+        (["D/a_vis.png", "D/b_vis.png"], [("D", NO_CLASS, "")] * 2, {}),
+        (["a_*.png", "b_vis.png"], [("", NO_CLASS, "")], {"b_vis.png": "lacks its partner"}),
+    ],
+)
+def test_of_loose_pictures_folders_name_what_they_can(tree, reasons, files, pairs, skipped):
+    root = tree(*files)
+    found = read_loose(root)
+    assert [(p.domain, p.material, p.object) for p in found.pairs] == [
+        (domain or root.name, *more) for domain, *more in pairs
+    ]
+    alone = not any("tac" in file or "*" in file for file in files)
+    assert all((p.vis == p.tac) is alone for p in found.pairs)
+    assert reasons(found) == skipped
 
 
 @pytest.mark.parametrize("other", ["wood", "WOOD", "Wood ", "Ｗｏｏｄ"])

@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from omnivat.data.materials import NO_CLASS
 from omnivat.data.pairs import Pair
 from omnivat.data.readers import read_pairs
 from omnivat.kit.errors import DataError
@@ -14,7 +15,7 @@ HEADER = "vis,tac,domain,material"
 @pytest.fixture
 def table(tmp_path, tree):
     """Write pairs.csv beside three images and return its path."""
-    tree("v.png", "t.png", "sub/v.png")
+    tree("v.png", "t.png", "t_tac.png", "sub/v.png")
 
     def write(text, encoding="utf-8"):
         file = tmp_path / "pairs.csv"
@@ -51,6 +52,20 @@ def test_a_byte_order_mark_and_windows_line_ends_are_accepted(table):
 
 
 @pytest.mark.parametrize(
+    ("text", "vis", "tac"),
+    [
+        ("vis\nv.png\n", "v.png", "v.png"),
+        ("tac\nt_tac.png\n", "t_tac.png", "t_tac.png"),
+        ("vis,tac\nv.png,t_tac.png\n", "v.png", "t_tac.png"),
+    ],
+)
+def test_of_one_row_a_picture_alone_stands_for_both(table, tmp_path, text, vis, tac):
+    (pair,) = read_pairs(table(text)).pairs
+    assert (pair.vis, pair.tac) == (tmp_path / vis, tmp_path / tac)
+    assert (pair.domain, pair.material) == (tmp_path.name, NO_CLASS)
+
+
+@pytest.mark.parametrize(
     ("row", "why"),
     [
         ("v.png,,TAG,wood", "'tac' is empty"),
@@ -84,6 +99,8 @@ def test_strict_leaves_out_classes_beyond_the_five(table, reasons):
     [
         ("", "has no column 'vis'; its first row has no names"),
         (f"{HEADER}\n", "none of its 0 rows"),
+        ("vis\nt_tac.png\n", "a picture alone, whose name tells a touch"),
+        ("tac\nt.png\n", "NAME_tac.png, or in a folder tac"),
         (f"{HEADER}\nx,y,D,wood\n", "The first reason, row 2: the vis image is not there"),
         ("vis,tac,domain,materials\n", "no column 'material'.*Did you mean 'materials'"),
         ("v.png,t.png,TAG,wood\n", "no column 'vis'"),

@@ -17,7 +17,7 @@ from omnivat.study.shift.measure import gaps, interval, neighbours, retrieval
 from omnivat.study.shift.probe import probes
 from omnivat.study.shift.reading import features_of
 from omnivat.study.shift.report import numbers
-from omnivat.study.shift.words import methods
+from omnivat.study.shift.words import methods, notes
 
 
 @pytest.fixture
@@ -203,6 +203,16 @@ def test_a_set_that_lacks_something_is_reported_and_the_page_says_what_is_left_o
     code, out = report(made(pairs=40, **lacking), tmp_path)
     assert code == 0
     assert words in (out / "report.html").read_text(encoding="utf-8")
+
+
+def test_domains_without_gaps_are_told(made, monkeypatch):
+    found = read_features(made(pairs=40, domain=np.repeat(["A", "B", "C"], [9, 10, 21])))
+    few = "Fewer than 10 pairs, so no gap and no probe: A."
+    measured = (r["from"] for r in gaps(found, ignore) if r["part"] == "modality gap")
+    assert set(measured) == {"", "B", "C"}
+    for most, more in ((2, []), (1, ["Gaps are of the 1 largest domains."])):
+        monkeypatch.setattr("omnivat.study.shift.words.MOST_DOMAINS", most)
+        assert notes(found) == [few, *more]
 
 
 def test_the_methods_name_what_was_measured_and_nothing_else(made):
