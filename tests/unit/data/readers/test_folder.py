@@ -29,9 +29,10 @@ PAIR = "D/wood/a_*.png"
     ],
 )
 def test_class_and_object_come_from_the_folders(tree, files, pairs):
-    found = read(tree(*files))
+    root = tree(*files)
+    found = read(root)
     assert [(p.material, p.object) for p in found.pairs] == pairs
-    assert not found.skipped
+    assert not found.skipped and found.origin == f"folder '{root.name}'"
     assert found.domains() == tuple(dict.fromkeys(file.split("/")[0] for file in files))
     assert all(p.vis.is_file() and p.vis.stem[:-4] == p.tac.stem[:-4] for p in found.pairs)
 
@@ -69,6 +70,7 @@ def test_what_is_no_pair_is_skipped_and_listed(tree, reasons, files, skipped):
         (["a_*.png"], [("", NO_CLASS, "")], {}),
         (["D/a_*.png"], [("D", NO_CLASS, "")], {}),
         (["D/Wood/a_*.png"], [("D", "wood", "")], {}),
+        (["D/wood/1/a_*.png"], [("D", "wood", "wood/1")], {}),
         (["D/wood/1/2/a_*.png"], [("D", "wood", "wood/1/2")], {}),
         (["D/wood/vis/a.png", "D/wood/tac/a.png"], [("D", "wood", "")], {}),
         (["D/a_vis.png", "D/b_vis.png"], [("D", NO_CLASS, "")] * 2, {}),

@@ -209,7 +209,7 @@ def test_domains_without_gaps_are_told(made, monkeypatch):
     found = read_features(made(pairs=40, domain=np.repeat(["A", "B", "C"], [9, 10, 21])))
     few = "Fewer than 10 pairs, so no gap and no probe: A."
     measured = (r["from"] for r in gaps(found, ignore) if r["part"] == "modality gap")
-    assert set(measured) == {"", "B", "C"}
+    assert set(measured) == {"", "B", "C"} and "between domains" in methods(found, 0)
     for most, more in ((2, []), (1, ["Gaps are of the 1 largest domains."])):
         monkeypatch.setattr("omnivat.study.shift.words.MOST_DOMAINS", most)
         assert notes(found) == [few, *more]
