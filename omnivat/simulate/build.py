@@ -5,6 +5,7 @@ A few pairs of a set can be copied as small examples."""
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from functools import partial
+from itertools import chain
 from os import cpu_count
 from pathlib import Path
 
@@ -127,13 +128,17 @@ def draw_missing(
     renderer: Renderer,
     on_step: OnStep,
 ) -> None:
-    """Draw in processes the images that are not yet complete on disk."""
+    """Draw the images that are not yet complete on disk: the first one here, so that a missing
+    package ends the build before anything is written, then the others in processes.
+    """
     work = partial(draw_to, out=out, seed=seed, size=size, renderer=renderer)
     todo = [image for image in images if not is_whole(image_path(out, *image), size)]
     done = len(images) - len(todo)
     on_step(Step(done=done, total=len(images), text="already there"))
-    count = min(workers or cpu_count() or 1, len(todo))
-    for name in in_processes(work, todo, count) if count > 1 else map(work, todo):
+    first, rest = todo[:1], todo[1:]
+    count = min(workers or cpu_count() or 1, len(rest))
+    others = in_processes(work, rest, count) if count > 1 else map(work, rest)
+    for name in chain(map(work, first), others):
         done += 1
         on_step(Step(done=done, total=len(images), text=name))
 

@@ -8,7 +8,7 @@ import pytest
 
 from omnivat.data.readers import read_pairs
 from omnivat.data.rest import with_rest
-from omnivat.kit.errors import DataError
+from omnivat.kit.errors import DataError, MissingPackageError
 from omnivat.simulate.build import simulate
 from omnivat.simulate.domains import SimulatedDomain
 from omnivat.simulate.photograph import plain
@@ -52,6 +52,16 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(built, tmp_p
     assert again == first
     drawn = [name for name in first if name.endswith(("_vis.png", "_tac.png"))]
     assert len(drawn) == 36 and all(other[name] != first[name] for name in drawn)
+
+
+def without_package(*_, **__):
+    raise MissingPackageError("mitsuba is needed.")
+
+
+def test_a_missing_package_ends_a_build_before_anything_is_written(tmp_path):
+    with pytest.raises(MissingPackageError):
+        simulate(tmp_path / "set", **SMALL | {"renderer": without_package}, workers=2)
+    assert not (tmp_path / "set").exists()
 
 
 def test_the_folder_of_every_domain_has_the_rest_picture_that_its_images_are_found_to_have(built):
