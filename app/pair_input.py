@@ -117,7 +117,8 @@ def reader_of(resources: Resources, question: Question) -> "tuple[Head, Familiar
     def made() -> "tuple[Head, Familiarity | None]":
         from omnivat.head.teach import taught
 
-        return taught(head, lessons_of(resources, question)), _known(resources, question, head)
+        before, after = lessons_of(resources, question)
+        return taught(head, after), _known(before, head)
 
     return resources.taught.once(taught_name(question), made)
 
@@ -158,21 +159,23 @@ def lessons_in(question: Question) -> Sequence[Question]:
     return labelled
 
 
-def lessons_of(resources: Resources, question: Question, *, moved: bool = True) -> "list[Lesson]":
-    """Return the labelled pairs of a request as embeddings, before or after its profile."""
+def lessons_of(resources: Resources, question: Question) -> "tuple[list[Lesson], list[Lesson]]":
+    """Return the labelled pairs of a request as embeddings, before and after its profile."""
     from omnivat.head.teach import Lesson
 
-    lessons = []
+    before: list[Lesson] = []
+    after: list[Lesson] = []
     for one in lessons_in(question):
-        _, before, after = pair_of(resources, within(question, one) if moved else one)
-        pair = after if moved else before
-        lessons.append(Lesson(label=one["label"].strip(), vis=pair["vis"], tac=pair["tac"]))
-    return lessons
+        label = one["label"].strip()
+        _, *pairs = pair_of(resources, within(question, one))
+        for lessons, pair in zip((before, after), pairs, strict=True):
+            lessons.append(Lesson(label=label, vis=pair["vis"], tac=pair["tac"]))
+    return before, after
 
 
-def _known(resources: Resources, question: Question, head: "Head") -> "Familiarity | None":
-    """Return the pictures of a request's lessons as what others are compared with; the head's
-    training images for fewer than two of a kind.
+def _known(lessons: "Sequence[Lesson]", head: "Head") -> "Familiarity | None":
+    """Return the pictures of lessons as what others are compared with; the head's training images
+    for fewer than two of a kind.
 
     They are taken before any profile; their quantiles are the nearest cosines of each among the
     others.
@@ -181,7 +184,6 @@ def _known(resources: Resources, question: Question, head: "Head") -> "Familiari
 
     from omnivat.head.calibration import Familiarity, nearest_cosines
 
-    lessons = lessons_of(resources, question, moved=False)
     rows, quantiles = {}, {}
     for name in IMAGES:
         pictures = [one for lesson in lessons if (one := getattr(lesson, name)) is not None]

@@ -35,7 +35,8 @@ def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     from omnivat.head.teach import judged
 
     head = resources.head_named(question.get("head"))
-    report = judged(head, lessons_of(resources, question))
+    _, lessons = lessons_of(resources, question)
+    report = judged(head, lessons)
     return {
         "judged": [{"label": j.label, "before": j.before, "after": j.after} for j in report.judged],
         "right": {"before": report.before, "after": report.after},
@@ -51,7 +52,8 @@ def curve(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     from omnivat.head import curve as labels
 
     head = resources.head_named(question.get("head"))
-    return asdict(labels.curve(head, lessons_of(resources, question)))
+    _, lessons = lessons_of(resources, question)
+    return asdict(labels.curve(head, lessons))
 
 
 def own_set(resources: Resources, question: Mapping[str, Any]) -> "Embeddings":
@@ -68,7 +70,7 @@ def own_set(resources: Resources, question: Mapping[str, Any]) -> "Embeddings":
             "A set needs pairs of both images; label at least one photo with its touch."
         )
     # as they come: a profile is a file of its own
-    lessons = lessons_of(resources, {"lessons": whole}, moved=False)
+    lessons, _ = lessons_of(resources, {"lessons": whole})
     labels = [one.label for one in lessons]
     classes = tuple(dict.fromkeys(labels))
     encoder = resources.head().encoder

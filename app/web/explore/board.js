@@ -129,7 +129,7 @@ export function showOrder() {
 }
 
 /** The words and figures of a chapter; in the workbench, the accuracy and whose it is. */
-export function showLesson() {
+function showLesson() {
   const { frames, stop, facts } = scene;
   const lesson = LESSONS[state.chapter];
   if (state.chapter === "where") threads.tell();
@@ -220,7 +220,7 @@ export function showReading() {
   showLesson();
 }
 
-export const showToy = () => panelIsOpen("toy") && toy.open().then(() => toy.show(scene.frames.orders[scene.stop]));
+const showToy = () => panelIsOpen("toy") && toy.open().then(() => toy.show(scene.frames.orders[scene.stop]));
 
 /** The card of the pair under the pointer, or of the pinned one. */
 export function showCard() {

@@ -8,7 +8,7 @@ import { isOwn, missing } from "./state.js";
 const STEPS = ["Drop", "See", "Label", "Teach", "Use", "Save"];
 
 /** The step in hand, as an index of STEPS. @param {PairTab} tab */
-export function stepOf({ rows, pairs, report, taught, vis, tac }) {
+function stepOf({ rows, pairs, report, taught, vis, tac }) {
   if (taught) return 5;
   if (report) return 4;
   if (pairs.length && !missing(pairs)) return 3;
@@ -17,7 +17,7 @@ export function stepOf({ rows, pairs, report, taught, vis, tac }) {
 
 /** What the next step is and what it brings, in a sentence. The rungs are those of the ladder, measured on simulated
  * sensors. @param {number} at @param {PairTab} tab */
-export function nextStep(at, { pairs, report, counts, head, facts, rungs }) {
+function nextStep(at, { pairs, report, counts, head, facts, rungs }) {
   /** @param {string} id */
   const of = (id) => rungs.find(({ rung }) => rung === id)?.accuracy ?? NaN;
   const gains = TABLES.rungs
