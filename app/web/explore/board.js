@@ -24,7 +24,7 @@ import { listen } from "./pictures.js";
 import { $, change, fill, html, put, scene, state, take } from "./root.js";
 import { labelCsv } from "./saving.js";
 import { answers, cellChosen, filtered, isDouble, moved, packed, unpacked } from "./scene.js";
-import { layOutSteps, markStep, showStop } from "./staircase.js";
+import { showSteps } from "./staircase.js";
 import * as strangers from "./strangers.js";
 import * as threads from "./threads.js";
 import * as toy from "./toy.js";
@@ -38,16 +38,19 @@ let charts;
 /** @type {Pointing} */
 let pointing;
 
+/** Make the bar that moves p, which stands there before the set does. */
+export const buildBar = () => (bar = orderBar($(".order-bar")));
+
 /** Make the parts. @param {Pointing} on */
 export function build(on) {
   pointing = on;
   maps.build(on);
   listen();
+  finder.listen();
   rememberPanels(() => {
     showToy();
     nodes.follow();
   });
-  bar = orderBar($(".ride"), scene.own);
   charts = { ride: curves.accuracy(), curves: curves.features(), together: curves.together() };
 }
 
@@ -58,7 +61,6 @@ export function learned() {
   maps.showColourings();
   strangers.show();
   refilter();
-  finder.show();
   showLesson();
   if (scene.facts.unseen && state.cell) followCell();
   showPictures();
@@ -95,7 +97,6 @@ export function replace(frames) {
   bar.replace(frames);
   bar.learned(state.chapter === "analyse" ? scene.own.learned : NaN); // the mark would give the answer away
   if (state.chapter === "where") charts.together.draw();
-  layOutSteps();
   put($(".mode-words"), modeWords(frames));
   define($(".mode-words"));
   Object.assign($().dataset, { kind: frames.kind, can: modeOf(frames).can.join(" ") });
@@ -116,7 +117,7 @@ export function showOrder() {
   else charts.ride.draw();
   charts.curves.mark();
   if (state.chapter === "where") charts.together.mark();
-  showStop();
+  showSteps();
   if (panelIsOpen("toy")) toy.show(frames.orders[stop]);
   nodes.follow();
   if (state.chapter === "order") toy.showWave(frames.orders[stop]);
@@ -152,7 +153,6 @@ export function showStage() {
   const steps = stepsOf(frames).map(({ key }) => key);
   if (!steps.includes(state.stage)) return change({ stage: frames.headless ? "raw" : "frft" }); // it lacks a projection
   const stage = stageNamed(state.stage);
-  markStep();
   put($(".explain"), html`<b>${stage.name}.</b> ${explained(stage, frames)}`);
   define($(".explain"));
   maps.showKinds();
@@ -189,7 +189,7 @@ export function refilter() {
   if (maps.map.frame) maps.showNow();
   beside.show();
   showCurves();
-  finder.count();
+  finder.show();
   showPictures();
 }
 

@@ -1,13 +1,16 @@
 /** Find pairs: by name, by look-alikes, and by histograms that filter. */
 
+import { dragged, Scale } from "../shared/chart.js";
+import { onClick } from "../shared/view.js";
 import { shown } from "./maps.js";
-import { $, all, change, html, put, scene, state } from "./root.js";
+import { $, change, draw, html, scene, state } from "./root.js";
 import { HISTOGRAMS, rangesOf } from "./scene.js";
 
 /** @type {Record<string, number>} */
 const UP = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 };
 const BINS = 20;
 const HIGH = 34;
+const AREA = { wide: BINS, high: HIGH, pad: { left: 0, right: 0, top: 0, bottom: 0 } };
 
 /** Counts in BINS equal bins over a span. @param {ArrayLike<number>} all @param {Span} span @param {Wanted} wanted */
 export function histogram(all, [low, high], wanted = () => true) {
@@ -49,89 +52,63 @@ export function span(all) {
   return [Math.floor(20 * low) / 20, Math.ceil(20 * high) / 20];
 }
 
-/** Show what is searched for. */
-export function showFound() {
-  const count = scene.facts.pairs?.looks_like.filter(Boolean).length ?? 0;
+/** Show what is searched for, the filters that the data allow, and how many pairs are kept. */
+export function show() {
+  const { frames, facts } = scene;
+  const { unseen } = facts;
+  const count = facts.pairs?.looks_like.filter(Boolean).length ?? 0;
   const search = $(".finder input[type=search]");
   if (search.value !== state.find) search.value = state.find;
   $(".finder .alike").hidden = !count;
   $(".alike input").checked = state.alike === "1";
   $(".alike small").textContent = `(${count})`;
-}
-
-/** Show the filters that the data allow. */
-export function show() {
-  const { unseen } = scene.facts;
-  showFound();
   if (!unseen) return;
-  const rows = HISTOGRAMS.map((row) => ({ ...row, span: span(unseen.pairs[row.name]) }));
-  put(
-    $(".histograms"),
-    html`${rows.map(
-      ({ name, title, help, span: [low, high] }) =>
-        html`<figure data-name="${name}" title="${help}"><figcaption>${title} <button class="link" hidden>clear</button></figcaption>
-      <svg viewBox="0 0 ${BINS} ${HIGH}" preserveAspectRatio="none" role="slider" tabindex="0" aria-label="${title}: drag to keep a range; arrows move its lower end, Shift and arrows its upper end" aria-valuemin="${low}" aria-valuemax="${high}" aria-valuenow="${low}"></svg>
-      <span class="ends"><small>${low.toFixed(2)}</small><small>${high.toFixed(2)}</small></span></figure>`,
-    )}`,
-  );
-  for (const { name, span } of rows) listen($(`.histograms [data-name=${name}]`), name, span);
-  count();
+  const seen = (/** @type {number} */ pair) => shown(pair) || shown(frames.pairs + pair);
+  const kept = Array.from(frames.label, (_, pair) => pair).filter(seen).length;
+  $(".finder .found").textContent = kept === frames.pairs ? "" : `${kept} of ${frames.pairs} pairs shown`;
+  draw($(".histograms"), html`${HISTOGRAMS.map((row) => histogramHtml(row, unseen.pairs[row.name], seen))}`);
 }
 
-/** @param {Found} figure @param {string} name @param {Span} span */
-function listen(figure, name, span) {
-  const svg = figure.querySelector("svg");
-  const [low, high] = span;
-  const keep = (/** @type {Span | null} */ range) => change({ range: ranged(state.range, name, span, range) });
-  const at = (/** @type {PointerEvent} */ { clientX }) => {
-    const box = svg.getBoundingClientRect();
-    return low + Math.max(0, Math.min(1, (clientX - box.left) / box.width)) * (high - low);
+/** @param {typeof HISTOGRAMS[number]} row @param {ArrayLike<number>} all @param {Wanted} seen */
+function histogramHtml({ name, title, help }, all, seen) {
+  const ends = span(all);
+  const range = rangesOf(state)[name];
+  const [low, high] = ends.map((end) => end.toFixed(2));
+  const [from, to] = (range ?? ends).map((end) => end.toFixed(2));
+  const counts = histogram(all, ends);
+  const most = Math.max(1, ...counts);
+  const bars = (/** @type {number[]} */ counts) =>
+    counts
+      .map((n, i) => (n ? `M${i + 0.08} ${HIGH}V${HIGH - (n / most) * (HIGH - 2)}H${i + 0.92}V${HIGH}Z` : ""))
+      .join("");
+  return html`<figure data-name="${name}" title="${help}"><figcaption>${title} <button class="link" ${!range && "hidden"}>clear</button></figcaption>
+    <svg viewBox="0 0 ${BINS} ${HIGH}" preserveAspectRatio="none" role="slider" tabindex="0" aria-label="${title}: drag to keep a range; arrows move its lower end, Shift and arrows its upper end" aria-valuemin="${low}" aria-valuemax="${high}" aria-valuenow="${from}" aria-valuetext="${range ? `${from} to ${to}` : "all"}"><path class="all" d="${bars(counts)}"/><path class="kept" d="${bars(histogram(all, ends, seen))}"/></svg>
+    <span class="ends"><small>${low}</small><small>${high}</small></span></figure>`;
+}
+
+/** Let a range be dragged, moved by keys, and cleared. */
+export function listen() {
+  const box = $(".histograms");
+  /** Its name and span, and a function that keeps a range of it. @param {Found} part */
+  const of = (part) => {
+    const { name } = part.closest("figure").dataset;
+    const ends = span(/** @type {Unseen} */ (scene.facts.unseen).pairs[/** @type {"cosine"} */ (name)]);
+    const keep = (/** @type {Span | null} */ range) => change({ range: ranged(state.range, name, ends, range) });
+    return { name, ends, keep };
   };
-  let from = low;
-  svg.onpointerdown = (/** @type {PointerEvent} */ event) => {
-    svg.setPointerCapture(event.pointerId);
-    from = at(event);
-  };
-  svg.onpointermove = (/** @type {PointerEvent} */ event) => {
-    const to = at(event);
-    if (event.buttons) keep([Math.min(from, to), Math.max(from, to)]);
-  };
-  svg.onkeydown = (/** @type {KeyboardEvent} */ event) => {
+  let from = 0;
+  dragged(box, (event, svg) => {
+    const { ends, keep } = of(svg);
+    const to = new Scale({ ...AREA, xs: ends }).under(event, svg);
+    if (event.type === "pointerdown") from = to;
+    else keep([Math.min(from, to), Math.max(from, to)]);
+  });
+  box.onkeydown = (/** @type {Found} */ event) => {
     const by = UP[event.key];
     if (!by) return;
     event.preventDefault();
-    keep(shifted(rangesOf(state)[name], span, by, event.shiftKey));
+    const { name, ends, keep } = of(event.target);
+    keep(shifted(rangesOf(state)[name], ends, by, event.shiftKey));
   };
-  figure.querySelector("button").onclick = () => keep(null);
-}
-
-/** Draw the kept pairs and show their number. */
-export function count() {
-  const { frames, facts } = scene;
-  const { unseen } = facts;
-  if (!unseen) return;
-  const seen = (/** @type {number} */ pair) => shown(pair) || shown(frames.pairs + pair);
-  let kept = 0;
-  for (let pair = 0; pair < frames.pairs; pair++) if (seen(pair)) kept += 1;
-  $(".finder .found").textContent = kept === frames.pairs ? "" : `${kept} of ${frames.pairs} pairs shown`;
-  for (const figure of all(".histograms figure")) {
-    /** @type {"confidence" | "cosine"} */
-    const name = figure.dataset.name;
-    const svg = figure.querySelector("svg");
-    const whole = span(unseen.pairs[name]);
-    const counts = histogram(unseen.pairs[name], whole);
-    const most = Math.max(1, ...counts);
-    const bars = (/** @type {number[]} */ counts) =>
-      counts
-        .map((n, i) => (n ? `M${i + 0.08} ${HIGH}V${HIGH - (n / most) * (HIGH - 2)}H${i + 0.92}V${HIGH}Z` : ""))
-        .join("");
-    const range = rangesOf(state)[name];
-    put(
-      svg,
-      html`<path class="all" d="${bars(counts)}"/><path class="kept" d="${bars(histogram(unseen.pairs[name], whole, seen))}"/>`,
-    );
-    figure.querySelector("button").hidden = !range;
-    svg.setAttribute("aria-valuenow", (range ?? whole)[0].toFixed(2));
-    svg.setAttribute("aria-valuetext", range ? `${range[0].toFixed(2)} to ${range[1].toFixed(2)}` : "all");
-  }
+  onClick(box, { button: (button) => of(button).keep(null) });
 }

@@ -77,7 +77,7 @@ export const showKinds = () =>
     ".kinds",
     "map",
     scene.frames.kinds(state.stage).map((key) => ({ key, label: METHODS[key] ?? key })),
-    () => kindOf(state.stage),
+    kindOf(state.stage),
   );
 
 /** The colourings that the frames have. */

@@ -4,9 +4,8 @@ import { refused } from "../shared/api.js";
 import { framesOf } from "../shared/facts.js";
 import { orderText } from "../shared/frames.js";
 import { values } from "../shared/measures.js";
-import { radios } from "../shared/radios.js";
 import { has, modeOf, OWN_MODE, worded } from "../shared/tables.js";
-import { $, change, html, percent, scene, state, take } from "./root.js";
+import { $, choice, html, percent, scene, state, take } from "./root.js";
 
 /** @type {(head: NonNullable<FramesMeta["head"]>) => string} */
 const trainings = ({ seeds = [], width }) =>
@@ -42,7 +41,6 @@ function elsewhere(frames) {
 
 /** The mode that is wanted: the one in the address, or the first of the set. */
 const wantedMode = () => (scene.modes.includes(state.mode) ? state.mode : scene.modes[0]);
-let mark = () => {};
 
 /** The choice between the modes of a set. */
 export function showModes() {
@@ -51,9 +49,8 @@ export function showModes() {
     const { title = "", help } = modeOf({ kind: key === OWN_MODE ? own.kind : key }); // the loaded head may be one for every p
     return { key, label: title, title: help };
   });
-  const choose = (/** @type {string} */ mode) => change({ mode: mode === modes[0] ? "" : mode });
   $(".modes").hidden = modes.length < 2;
-  mark = radios($(".modes"), options, () => scene.mode, choose);
+  choice(".modes", "mode", options, scene.mode);
 }
 
 /** The frames of a mode; null if they cannot be had or others are wanted by then. `say` shows the sentence of a Refusal.
@@ -64,7 +61,7 @@ export async function framesOfMode(say, wanted = wantedMode()) {
     const frames = wanted === OWN_MODE ? own : await framesOf(wanted, own, set);
     if (scene.wanted !== wanted || scene.set !== set) return null;
     take({ mode: wanted });
-    mark();
+    showModes();
     return frames;
   } catch (error) {
     refused(error, say);

@@ -10,7 +10,7 @@ import { making, tell } from "../shared/view.js";
 import { buildBoard } from "./acts.js";
 import * as board from "./board.js";
 import { LESSONS, startOf } from "./chapters.js";
-import { framesOfMode, isOtherWanted, showModes } from "./modes.js";
+import { framesOfMode, isOtherWanted } from "./modes.js";
 import { $, all, scene, state, take } from "./root.js";
 import { learned, loaded } from "./scene.js";
 import * as threads from "./threads.js";
@@ -73,7 +73,6 @@ export async function enter() {
     if (late()) return;
     if (scene.own !== data.own) take(loaded(data));
     buildBoard();
-    showModes();
     const frames = await framesOfMode(say);
     if (late() || !frames) return;
     opened(chapter);

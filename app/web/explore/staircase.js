@@ -1,94 +1,46 @@
 /** The steps of the head as a flow, with stairs of a gap or the margin; each step opens its map. */
 
-import { asText, axis, gapsOf, MEASURES, values } from "../shared/measures.js";
-import { ARROWS } from "../shared/radios.js";
+import { asText, axis, gapsOf, values } from "../shared/measures.js";
+import { checked } from "../shared/radios.js";
 import { stepsOf } from "../shared/stages.js";
 import { options } from "../shared/text.js";
-import { $, all, change, html, put, scene, state, take } from "./root.js";
+import { $, draw, html, scene, state } from "./root.js";
 
 const HIGH = 33; // CSS pixels of a row of stairs
 const WORDS = 16; // of these, above the highest step, for its figure
 
-/** What the stairs show: their axis, and the values of each step.
- * @type {{ys: Span, series: (number[] | null)[]}} */
-let shown = { ys: [0, 1], series: [] };
-
 /** A letter, with its index below it. @param {string} short */
 const symbol = (short) => html`${short.replace("_p", "")}${short.endsWith("_p") && html`<sub>p</sub>`}`;
 
-/** Lay out the steps of new frames. */
-export function layOutSteps() {
-  const { frames } = scene;
+/** Draw the steps of the frames, and the stairs of the chosen measure at the present stop. */
+export function showSteps() {
+  const { frames, stop, stairs } = scene;
   const steps = stepsOf(frames);
-  const measures = gapsOf(frames).map(({ name, title }) => [name, title]);
-  const known = measures.some(([name]) => name === scene.stairs);
-  const { stairs } = known ? scene : take({ stairs: measures[0]?.[0] ?? "" });
+  const measures = gapsOf(frames);
+  const measure = measures.find(({ name }) => name === stairs) ?? measures[0];
+  if (!measure || state.chapter !== "analyse") return;
+  const { name: chosen, title, between, help } = measure;
+  const now = steps.map(({ key }) => values(frames, chosen, key)?.[stop] ?? NaN);
+  const heights = levels(now, axis(frames, chosen));
+  const line = treads(heights);
+  const what = frames.signals && chosen === "modality_gap" ? "VIS to TAC" : between;
   const heads = steps.map(
     ({ key, explain, short, step, brief }) =>
-      html`<button role="radio" data-stage="${key}" title="${explain}"><b>${symbol(short)}</b><span class="long">${step}</span><span class="brief">${brief}</span></button>`,
+      html`<button role="radio" data-stage="${key}" title="${explain}" ${checked(key === state.stage)}><b>${symbol(short)}</b><span class="long">${step}</span><span class="brief">${brief}</span></button>`,
+  );
+  const outputs = steps.map(
+    ({ key }, i) =>
+      html`<output data-step="${key}" class="${key === state.stage && "open"}" style="transform:translateY(${(heights[i] - HIGH).toFixed(1)}px)">${asText(chosen, now[i], 2)}</output>`,
   );
   $(".staircase").style.setProperty("--steps", steps.length);
-  put(
+  draw(
     $(".staircase"),
-    html`<div class="stair heads"><select class="of-steps" aria-label="What the stairs show">${options(measures, stairs)}</select><div class="treads" role="radiogroup" aria-label="Step of the head; opens its map">${heads}</div></div><div class="stair row-of-stairs"></div>`,
+    html`<div class="stair"><select class="of-steps" aria-label="What the stairs show">${options(
+      measures.map(({ name, title }) => [name, title]),
+      chosen,
+    )}</select><div class="treads heads" role="radiogroup" aria-label="Step of the head; opens its map">${heads}</div></div>
+    <div class="stair" data-name="${chosen}"><span class="stair-name" title="${help}">${title} <small>${what}</small></span><div class="treads"><svg viewBox="0 0 ${steps.length} ${HIGH}" preserveAspectRatio="none" aria-hidden="true"><path class="under" d="${line}V${HIGH}H0Z"/><path class="tread" d="${line}"/></svg>${outputs}</div></div>`,
   );
-  showStairs();
-}
-
-/** Draw the stairs of the chosen measure. */
-export function showStairs() {
-  const { frames, stairs } = scene;
-  const measure = MEASURES.find(({ name }) => name === stairs);
-  if (!measure) return;
-  const { title, between, help } = measure;
-  const steps = stepsOf(frames);
-  const what = frames.signals && stairs === "modality_gap" ? "VIS to TAC" : between;
-  shown = { ys: axis(frames, stairs), series: steps.map(({ key }) => values(frames, stairs, key)) };
-  const outputs = steps.map(({ key }) => html`<output data-step="${key}"></output>`);
-  const box = $(".row-of-stairs");
-  box.dataset.name = stairs;
-  put(
-    box,
-    html`<span class="stair-name" title="${help}">${title} <small>${what}</small></span><div class="treads"><svg viewBox="0 0 ${steps.length} ${HIGH}" preserveAspectRatio="none" aria-hidden="true"><path class="under"/><path class="tread"/></svg>${outputs}</div>`,
-  );
-  markStep();
-  showStop();
-}
-
-/** Mark the open step. */
-export function markStep() {
-  for (const button of all(".heads [role=radio]")) {
-    const on = button.dataset.stage === state.stage;
-    button.setAttribute("aria-checked", on);
-    button.tabIndex = on ? 0 : -1;
-  }
-  for (const cell of all("[data-step]")) cell.classList.toggle("open", cell.dataset.step === state.stage);
-}
-
-/** Write the figures of the stop. */
-export function showStop() {
-  const { stairs, stop } = scene;
-  const outputs = all("[data-step]");
-  const now = shown.series.map((values) => values?.[stop] ?? NaN);
-  const heights = levels(now, shown.ys);
-  const line = treads(heights);
-  outputs.forEach((output, i) => {
-    output.textContent = asText(stairs, now[i], 2);
-    output.style.transform = `translateY(${(heights[i] - HIGH).toFixed(1)}px)`;
-  });
-  $(".staircase .under")?.setAttribute("d", line && `${line}V${HIGH}H0Z`);
-  $(".staircase .tread")?.setAttribute("d", line);
-}
-
-/** The arrow keys open the next step or the one before. @param {KeyboardEvent & {target: Found}} event */
-export function stepByKey(event) {
-  const by = ARROWS[event.key];
-  if (!by || !event.target.matches("[role=radio]")) return;
-  event.preventDefault();
-  const keys = stepsOf(scene.frames).map(({ key }) => key);
-  const stage = keys[(keys.indexOf(state.stage) + by + keys.length) % keys.length];
-  change({ stage });
-  $(`[data-stage="${stage}"]`).focus();
 }
 
 /** Height of each step, from the top; a missing value keeps the previous height.

@@ -42,10 +42,7 @@ export function show() {
   const measured = unseen.domains.some((domain) => domain["answers/fused"]); // else there are no test pairs
   for (const part of [$(".strangers"), $("[data-panel=confusion]"), $("[data-panel=domains]")])
     part.classList.toggle("nothing", !measured);
-  if (!$(".readings button")) {
-    $(".strangers .hint").remove();
-    choice(".readings", "reading", READINGS);
-  }
+  $(".strangers .hint").hidden = true;
   showLookers(unseen);
   showReadings(unseen);
   put($(".each-domain"), bars(unseen));
@@ -80,13 +77,14 @@ function showLookers(unseen) {
 
 /** A bar for each reading: of the look-alikes, or of all unseen pairs where there are none. @param {Unseen} unseen */
 function showReadings({ look_alikes, unseen, chance }) {
-  for (const { key, label } of READINGS) {
-    const share = (look_alikes ?? unseen)[`answers/${key}`];
+  const buttons = READINGS.map(({ label, ...row }) => {
+    const share = (look_alikes ?? unseen)[`answers/${row.key}`];
     const figure = share
       ? html`<b>${percent(share.share)}</b> <small>${(100 * share.low).toFixed(0)}–${(100 * share.high).toFixed(0)}</small>`
       : "–";
-    put($(`.readings [data-key=${key}]`), html`<span>${label}</span>${scale(share, chance)}<output>${figure}</output>`);
-  }
+    return { ...row, label: html`<span>${label}</span>${scale(share, chance)}<output>${figure}</output>` };
+  });
+  choice(".readings", "reading", buttons);
 }
 
 /** Every domain, by the chosen reading. @param {Unseen} facts */

@@ -9,10 +9,9 @@ import { listen } from "../shared/pointer.js";
 import { provenance } from "../shared/provenance.js";
 import { awaited } from "../shared/ready.js";
 import { bytesOf } from "../shared/text.js";
-import { press } from "../shared/view.js";
 import { showWords } from "./board.js";
 import { decided, whence } from "./chapters.js";
-import { $, all, change, choice, fill, html, percent, scene, state, take } from "./root.js";
+import { $, change, choice, draw, fill, html, percent, scene, state, take } from "./root.js";
 import { OWN_ROWS, ownHtml, splitHtml } from "./split.js";
 import { chosen, READINGS } from "./touch.js";
 
@@ -79,8 +78,6 @@ function build() {
   cloud.painters = [thread];
   sheet = Object.assign(new Image(), { onload: () => cloud.paintMarks() });
   onTheme(() => cloud.redraw());
-  choice(".places", "rung", PLACES);
-  choice(".split.twins .segments", "reading", READINGS);
 }
 
 /** The number of the shown press, and its point by the sensor that the first chapter learned from. */
@@ -116,6 +113,8 @@ export function show() {
   const { twins } = scene;
   const { table, dots, press } = chosen(twins, state);
   $().dataset.rung = state.rung;
+  choice(".places", "rung", PLACES);
+  choice(".split.twins .segments", "reading", READINGS);
   showSensors();
   showLayers();
   glide();
@@ -145,10 +144,9 @@ function showSensors() {
   const { twins, twinsMap, alone } = scene;
   const buttons = twins.domains.map(
     ({ sensor }, i) =>
-      html`<button data-domain="${i}" aria-pressed="false"><i style="background:${domainColour(i)}"></i>${sensor}<b>${percent(twinsMap.own_twin[i][placeNow()])}</b></button>`,
+      html`<button data-domain="${i}" aria-pressed="${String(alone === i)}"><i style="background:${domainColour(i)}"></i>${sensor}<b>${percent(twinsMap.own_twin[i][placeNow()])}</b></button>`,
   );
-  fill($(".sensors"), html`${buttons}`);
-  for (const button of all(".sensors button")) press(button, alone === +button.dataset.domain);
+  draw($(".sensors"), html`${buttons}`);
 }
 
 function showLayers() {

@@ -4,7 +4,7 @@ import { address } from "../shared/api.js";
 import { twins as fetchTwins } from "../shared/facts.js";
 import { options } from "../shared/text.js";
 import { marked } from "./grid.js";
-import { $, all, choice, fill, html, percent, put, scene, state, take } from "./root.js";
+import { $, choice, draw, fill, html, percent, scene, state, take } from "./root.js";
 
 /** @type {{key: Reading, label: string, table: Input, title: string}[]} */
 export const READINGS = [
@@ -70,102 +70,62 @@ export function read({ away, accuracy, verdicts, domains, shown, learned }, { ta
 export async function open() {
   const twins = await fetchTwins();
   take({ twins });
-  if (!$(".twin")) build();
   show();
   document.dispatchEvent(new CustomEvent("omnivat:simulated", { detail: twins.simulated }));
 }
 
-/** Make the buttons and the cards, once. */
-function build() {
+/** Draw the chapter; the legend is about the domain that is pointed at. */
+export function show(pointed = -1) {
+  const at = chosen(scene.twins, state);
+  const figures = read(scene.twins, at);
+  showChoices(at);
+  fill($(".twin-pictures"), pictures(at, figures, pointed));
+  showFigures(at, figures);
+}
+
+/** @param {Chosen} at */
+function showChoices(at) {
   const { domains, shown, pictures, classes } = scene.twins;
+  const presses = shown.map((press, i) => ({
+    key: String(i),
+    title: `${classes[press.class]}, press ${i + 1}`,
+    label: html`<span style="background:url('${address("twins/presses.webp")}') ${(100 * i) / (shown.length - 1 || 1)}% 0/${100 * shown.length}% 100%"></span>`,
+  }));
   const known = [0, ...pictures].map((n) => ({ key: String(n), label: n ? String(n) : "none" }));
-  const presses = shown.map((press, i) => ({ key: String(i), label: `${classes[press.class]}, press ${i + 1}` }));
-  choice(".presses", "press", presses, () => String(pressOf(scene.twins, state)));
+  choice(".presses", "press", presses, String(at.press));
   choice(".touch .dots", "dots", DOTS);
   choice(".known", "known", known);
   choice(".given", "reading", READINGS);
-  [...$(".presses").children].forEach((button, i) => {
-    const at = (100 * i) / (shown.length - 1 || 1);
-    button.title = button.ariaLabel = button.textContent;
-    put(
-      button,
-      html`<span style="background:url('${address("twins/presses.webp")}') ${at}% 0/${100 * shown.length}% 100%"></span>`,
-    );
-  });
-  put($(".touch .from"), options(domains.map(({ sensor }, i) => [String(i), sensor])));
-  const cards = domains.map(
-    (
-      _,
-      i,
-    ) => html`<figure class="twin" tabindex="0" data-domain="${i}"><span class="tile" role="img"><i></i><i class="filled"></i><i class="inset"></i></span>
-        <b class="said"></b><figcaption></figcaption><span class="share"><span class="scale"><i class="fill"></i><i class="range"></i></span><output></output></span></figure>`,
-  );
-  put(
-    $(".twin-pictures"),
-    html`<figure class="object"><span class="tile" role="img"><i></i></span><figcaption></figcaption></figure>${cards}<p class="legend" aria-live="polite"></p>`,
-  );
-  for (const card of all(".twin")) {
-    card.onpointerenter = card.onfocus = () => tell(+card.dataset.domain);
-    card.onpointerleave = card.onblur = () => tell(-1);
-  }
-}
-
-/** What a domain's sensor or scene is; without one, how to read the bars. @param {number} domain */
-function tell(domain) {
-  const { about, scene: place } = scene.twins.domains[domain] ?? {};
-  const seen = `Photographed ${place}.`;
-  const words = { tac: about, vis: seen, fused: `${about} ${seen}` }[chosen(scene.twins, state).reading];
-  fill($(".legend"), html`${domain < 0 ? "95\u00a0% intervals; line: guessing." : words}`);
-}
-
-export function show() {
-  const at = chosen(scene.twins, state);
-  const figures = read(scene.twins, at);
+  draw($(".touch .from"), options(domains.map(({ sensor }, i) => [i, sensor])));
   $(".touch .from").value = String(at.from);
   $(".touch .dots").hidden = at.reading === "vis";
-  showPictures(at, figures);
-  showFigures(at, figures);
-  tell(-1);
 }
 
 const interval = (/** @type {number} */ low, /** @type {number} */ high, /** @type {number} */ chance) =>
   `95 % interval ${percent(low)} to ${percent(high)}; guessing: ${percent(chance)}`;
 
-/** The object, and what is read in its picture by each domain. @param {Chosen} at @param {Figures} figures */
-function showPictures(at, { said, truth, shares, chance }) {
+/** The object, what is read in its picture by each domain, and what the domain is that is pointed at.
+ * @param {Chosen} at @param {Figures} figures @param {number} pointed */
+function pictures(at, { said, truth, shares, chance }, pointed) {
   const { domains, classes, shown } = scene.twins;
   const { sheet, looks_like: looks } = shown[at.press];
   const photo = at.reading === "vis";
-  const url = address(`twins/${sheet}`);
-  const place = (/** @type {Found} */ tile, /** @type {number} */ row, /** @type {number} */ column) => {
-    tile.style.background = `url("${url}") ${(100 * column) / (domains.length - 1)}% ${50 * row}%/${100 * domains.length}% 300%`;
-  };
-  place($(".object i"), photo ? TOUCH : PHOTO, at.from);
-  fill($(".object figcaption"), html`<b>${classes[truth]}</b>${looks && html`<br><small>looks like ${looks}</small>`}`);
-  $(".object .tile").setAttribute("aria-label", `the object, ${classes[truth]}`);
-  for (const card of all(".twin")) {
-    const i = +card.dataset.domain;
-    const [front, filled, inset] = card.querySelectorAll(".tile i");
+  const picture = (/** @type {number} */ row, /** @type {number} */ column) =>
+    html`background:url('${address(`twins/${sheet}`)}') ${(100 * column) / (domains.length - 1)}% ${50 * row}%/${100 * domains.length}% 300%`;
+  const cards = domains.map(({ sensor }, i) => {
     const right = said[i] === truth;
     const [share, low, high] = shares[i];
-    place(front, photo ? PHOTO : TOUCH, i);
-    place(filled, FILLED, i);
-    place(inset, PHOTO, i);
-    filled.style.opacity = at.dots;
-    inset.hidden = at.reading !== "fused";
-    card.classList.toggle("home", i === at.from);
-    card.classList.toggle("is-right", right);
-    front.parentElement.setAttribute("aria-label", `${domains[i].sensor} of this press, read as ${classes[said[i]]}`);
-    fill(card.querySelector(".said"), html`${marked(right, classes[said[i]])}`);
-    fill(
-      card.querySelector("figcaption"),
-      html`${domains[i].sensor}${i === at.from && html` <small>learned here</small>`}`,
-    );
-    fill(card.querySelector("output"), html`${percent(share)}`);
-    const scale = card.querySelector(".scale");
-    scale.style.cssText = `--share: ${share}; --low: ${low}; --high: ${high}; --chance: ${chance}`;
-    scale.parentElement.title = interval(low, high, chance);
-  }
+    return html`<figure class="twin ${i === at.from && "home"} ${right && "is-right"}" tabindex="0" data-domain="${i}">
+      <span class="tile" role="img" aria-label="${sensor} of this press, read as ${classes[said[i]]}"><i style="${picture(photo ? PHOTO : TOUCH, i)}"></i><i class="filled" style="${picture(FILLED, i)};opacity:${at.dots}"></i>${at.reading === "fused" && html`<i class="inset" style="${picture(PHOTO, i)}"></i>`}</span>
+      <b class="said">${marked(right, classes[said[i]])}</b><figcaption>${sensor}${i === at.from && html` <small>learned here</small>`}</figcaption>
+      <span class="share" title="${interval(low, high, chance)}"><span class="scale" style="--share:${share};--low:${low};--high:${high};--chance:${chance}"><i class="fill"></i><i class="range"></i></span><output>${percent(share)}</output></span></figure>`;
+  });
+  const { about, scene: place } = domains[pointed] ?? {};
+  const seen = `Photographed ${place}.`;
+  const legend = about
+    ? { tac: about, vis: seen, fused: `${about} ${seen}` }[at.reading]
+    : "95\u00a0% intervals; line: guessing.";
+  return html`<figure class="object"><span class="tile" role="img" aria-label="the object, ${classes[truth]}"><i style="${picture(photo ? TOUCH : PHOTO, at.from)}"></i></span><figcaption><b>${classes[truth]}</b>${looks && html`<br><small>looks like ${looks}</small>`}</figcaption></figure>${cards}<p class="legend" aria-live="polite">${legend}</p>`;
 }
 
 /** The share read right on another sensor, and where it comes from. @param {Chosen} at @param {Figures} figures */

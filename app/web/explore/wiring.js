@@ -6,7 +6,6 @@ import { onClick, press } from "../shared/view.js";
 import { findNear, pick } from "./acts.js";
 import * as beside from "./beside.js";
 import * as board from "./board.js";
-import { showFound } from "./finder.js";
 import { tagListed } from "./grid.js";
 import { map } from "./maps.js";
 import * as nodes from "./nodes.js";
@@ -14,7 +13,7 @@ import { enter, followMode } from "./page.js";
 import { addressOf } from "./panels.js";
 import { $, change, scene, state, take } from "./root.js";
 import { loadFile, saveAs, share, showLink } from "./saving.js";
-import { showStairs, stepByKey } from "./staircase.js";
+import { showSteps } from "./staircase.js";
 import { chooseCell, chooseStranger } from "./strangers.js";
 import * as threads from "./threads.js";
 import * as touch from "./touch.js";
@@ -38,6 +37,7 @@ const CLICKS = {
   },
   ".lecture": lecture,
   "[data-set][aria-pressed=false]": ({ dataset }) => location.assign(addressOf(dataset.set, location.href)),
+  "[data-choice]": ({ dataset }) => change({ [dataset.choice]: dataset.key }),
   "[data-stage]": ({ dataset }) => change({ stage: dataset.stage }),
   ".in": () => shownMap().zoomBy(1.4),
   ".out": () => shownMap().zoomBy(1 / 1.4),
@@ -63,7 +63,7 @@ const FIELDS = {
     ".alike input": () => toggle("alike"),
     ".of-steps": ({ value }) => {
       take({ stairs: value });
-      showStairs();
+      showSteps();
     },
     ".of-domain": ({ value }) => chooseStranger(value),
     ".tagging": ({ value }) => tagListed(value.trim()),
@@ -88,7 +88,6 @@ const DRAWN = [
   [["p"], () => state.chapter === "where" && change({ rung: "p" })],
   [["stage", "map"], board.showStage],
   [["colour", "domain", "class", "modality"], board.showColours],
-  [["find", "alike"], showFound],
   [["find", "alike", "range"], board.refilter],
   [["cell"], board.followCell],
   [["mode"], followMode],
@@ -104,12 +103,21 @@ const DRAWN = [
 
 /** Connect the controls and the address. */
 export function wire() {
+  board.buildBar();
   onClick($(), CLICKS);
+  for (const [kind, pointed] of /** @type {const} */ ([
+    ["pointerover", true],
+    ["focusin", true],
+    ["pointerleave", false],
+    ["focusout", false],
+  ]))
+    $(".twin-pictures").addEventListener(kind, (/** @type {At} */ { target }) =>
+      touch.show(+((pointed && target.closest(".twin")?.dataset.domain) ?? -1)),
+    );
   for (const [kind, acts] of Object.entries(FIELDS))
     $().addEventListener(kind, (/** @type {{target: Found}} */ { target }) => {
       for (const [selector, act] of Object.entries(acts)) if (target.matches(selector)) act(target);
     });
-  $(".staircase").onkeydown = stepByKey;
   document.addEventListener("keydown", (event) => {
     const { target, key } = event;
     const typing = /** @type {HTMLElement} */ (target).closest?.("input:not([type=range]), select, textarea");

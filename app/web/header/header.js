@@ -3,6 +3,7 @@
 import { attempt } from "../shared/api.js";
 import { limits } from "../shared/limits.js";
 import { keep, kept } from "../shared/memory.js";
+import { followArrows } from "../shared/radios.js";
 import { followTabs } from "../shared/tabs.js";
 import { showDefinitions } from "../shared/terms.js";
 import { startTour } from "./tour.js";
@@ -21,6 +22,7 @@ export function start(root) {
     if (event instanceof CustomEvent && !event.detail) root.querySelector(".badge").textContent = "real pairs";
   });
   limits(root.querySelector(".limits"));
+  followArrows();
   showDefinitions();
   followTabs();
 }

@@ -20,7 +20,7 @@ import { manyHtml } from "./many.js";
 import { pairMap } from "./on-map.js";
 import { ownHtml } from "./own.js";
 import { chosenFiles, droppedFiles, takeLinked } from "./own-pictures.js";
-import { button, draw, hint, opener } from "./parts.js";
+import { button, drawPart, hint, opener } from "./parts.js";
 import { readerHtml } from "./reader.js";
 import { realHtml } from "./real.js";
 import { madeOf as profileOf, sensorHtml } from "./sensor.js";
@@ -130,7 +130,7 @@ class PairView extends View {
     }
     this.box.classList.toggle("signals", Boolean(frames?.signals));
     fill(this.$(".line"), lineHtml(tab));
-    for (const [part, markup] of Object.entries(PARTS)) draw(this.$(part), markup(tab));
+    for (const [part, markup] of Object.entries(PARTS)) drawPart(this.$(part), markup(tab));
     for (const canvas of this.box.querySelectorAll(".slot canvas")) {
       const parts = tab.explained[/** @type {Modality} */ (canvas.closest(".slot").dataset.modality)];
       if (parts) tint(canvas, parts);

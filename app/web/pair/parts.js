@@ -1,6 +1,6 @@
 /** Small pieces of markup that several parts of the tab share, and how a part is drawn. */
 
-import { html, put } from "../shared/text.js";
+import { draw, html } from "../shared/text.js";
 
 /** A button that tells an event, with what its data attributes say.
  * @param {string} event @param {unknown} words @param {Html | string} [attributes] */
@@ -24,36 +24,10 @@ export const hint = (words) => html`<p class="hint">${words}</p>`;
 /** @param {number} n @param {string} one @param {string} [many] */
 export const plural = (n, one, many = `${one}s`) => `${n.toLocaleString("en-US")} ${n === 1 ? one : many}`;
 
-/** @type {WeakMap<Element, string>} */
-const drawn = new WeakMap();
-
-/** Draw a part of the tab: what is alike stays, so that focus, typed text and open details do. Null hides the part,
- * undefined leaves it as it is.
+/** Draw a part of the tab. Null hides it, undefined leaves it as it is.
  * @param {HTMLElement} box @param {Html | null | undefined} markup */
-export function draw(box, markup) {
-  if (markup === undefined || drawn.get(box) === String(markup)) return;
-  drawn.set(box, String(markup));
+export function drawPart(box, markup) {
+  if (markup === undefined) return;
   box.hidden = !markup;
-  const wanted = document.createElement("template");
-  put(wanted, markup ?? html``);
-  follow(box, wanted.content);
-}
-
-/** @param {Node} box @param {Node} wanted */
-function follow(box, wanted) {
-  const [old, made] = [box, wanted].map((one) => [...one.childNodes]);
-  made.forEach((node, i) => {
-    const there = old[i];
-    if (!there) box.appendChild(node);
-    else if (!(there instanceof Element && node instanceof Element && there.tagName === node.tagName))
-      box.replaceChild(node, there);
-    else {
-      for (const { name } of [...there.attributes])
-        if (name !== "open" && !node.hasAttribute(name)) there.removeAttribute(name);
-      for (const { name, value } of node.attributes)
-        if (there.getAttribute(name) !== value) there.setAttribute(name, value);
-      follow(there, node);
-    }
-  });
-  for (const gone of old.slice(made.length)) box.removeChild(gone);
+  draw(box, markup ?? html``);
 }

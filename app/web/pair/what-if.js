@@ -1,21 +1,14 @@
 /** What if p were different: the same weights at other orders. */
 
 import { ask, attempt } from "../shared/api.js";
-import { orderBar } from "../shared/order.js";
+import { HUNDREDTHS, orderBar } from "../shared/order.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
-import { html, percent, put } from "../shared/text.js";
-import { View } from "../shared/view.js";
+import { draw, html, percent, put } from "../shared/text.js";
+import { onClick, View } from "../shared/view.js";
 import { Lines } from "./lines.js";
 import { Attention, Spectra } from "./rasters.js";
 import { readingsOf, titleOf } from "./verdict.js";
-
-/** The scale of the order bar; there is no learned p before the server's reply. */
-const SCALE = {
-  orders: Array.from({ length: 101 }, (_, i) => i / 100),
-  meta: {},
-  stop: (/** @type {number} */ p) => Math.max(0, Math.min(100, Math.round(100 * p))),
-};
 
 export class WhatIf extends View {
   /** @param {HTMLDetailsElement} box */
@@ -26,13 +19,19 @@ export class WhatIf extends View {
     this.tab = null;
     /** @type {Reading} */
     this.reading = "fused";
-    this.bar = orderBar(this.$(".order-bar"), SCALE);
+    this.bar = orderBar(this.$(".order-bar"));
     this.lines = new Lines(this.$(".lines"), (p) => change({ p }));
     this.spectra = new Spectra(this.$(".pictures"));
     this.attention = new Attention(this.$(".looks"));
     /** @type {Question | null} */
     this.looked = null; // the request whose attention is shown
     box.ontoggle = () => this.paint();
+    onClick(this.$(".which"), {
+      button: ({ dataset }) => {
+        this.reading = dataset.key;
+        this.paint();
+      },
+    });
   }
 
   /** Show the prediction of the tab; nothing without one. @param {PairTab} tab */
@@ -63,15 +62,8 @@ export class WhatIf extends View {
     if (!answer || !question || !this.details.open) return;
     const there = this.at(answer, 0).map(({ reading }) => reading);
     if (!there.includes(this.reading)) [this.reading] = there;
-    radios(
-      this.$(".which"),
-      there.map((key) => ({ key, label: titleOf(key) })),
-      () => this.reading,
-      (reading) => {
-        this.reading = /** @type {Reading} */ (reading);
-        this.paint();
-      },
-    );
+    const readings = there.map((key) => ({ key, label: titleOf(key) }));
+    draw(this.$(".which"), radios(readings, this.reading));
     this.spectra.show(answer.spectra);
     this.look(question);
     this.mark();
@@ -94,11 +86,11 @@ export class WhatIf extends View {
   mark() {
     const { answer, set } = this.tab ?? {};
     if (!answer || state.p === null) return;
-    const stop = SCALE.stop(state.p);
+    const stop = HUNDREDTHS.stop(state.p);
     this.bar.show(stop);
     if (!this.details.open) return;
     const { classes, stops, learned, span } = answer;
-    const p = SCALE.orders[stop];
+    const p = HUNDREDTHS.orders[stop];
     this.lines.show({ classes, p, rows: stops[this.reading], learned, band: band(span, set?.frames?.fits) });
     for (const one of [this.spectra, this.attention]) one.mark(stop);
     const [said] = this.at(answer, stop).filter(({ reading }) => reading === this.reading);

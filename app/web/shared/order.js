@@ -2,6 +2,7 @@
 
 import { orderText } from "./frames.js";
 import { change, state } from "./store.js";
+import { html, put } from "./text.js";
 
 const FINE = 0.001; // step of the slider, fine enough for any learned p
 /** @typedef {{orders: number[], stop: (p: number) => number}} Stops */
@@ -11,8 +12,20 @@ const KEYS = {
   ...{ PageUp: 10, PageDown: -10, Home: -Infinity, End: Infinity },
 };
 
-/** `frames`: the stops of p. @param {Found} bar @param {Stops} frames */
-export function orderBar(bar, frames) {
+/** Every hundredth, until other stops are known. */
+export const HUNDREDTHS = {
+  orders: Array.from({ length: 101 }, (_, i) => i / 100),
+  stop: (/** @type {number} */ p) => Math.max(0, Math.min(100, Math.round(100 * p))),
+};
+
+const BAR = html`<div class="track"><input class="order" type="range" step="${FINE}" aria-label="Fractional order p"><span class="learned-mark" hidden></span></div>
+  <button class="play" aria-pressed="false" aria-label="Play p from 0 to 1" title="Play (space bar on this button)">▶</button>
+  <label><i>p</i> = <output class="order-value">0.50</output></label>
+  <button class="learned" title="Go to the learned order" hidden></button>`;
+
+/** Make the bar; `frames` are the stops of p. @param {Found} bar @param {Stops} frames */
+export function orderBar(bar, frames = HUNDREDTHS) {
+  put(bar, BAR);
   /** @param {string} selector @returns {Found} */
   const $ = (selector) => bar.querySelector(selector);
   const slider = $(".order");
@@ -47,7 +60,6 @@ export function orderBar(bar, frames) {
     frames = finer;
     orders = finer.orders;
     [slider.min, slider.max] = [Math.min(0, orders[0]), Math.max(1, ...orders.slice(-1))];
-    slider.step = FINE;
   }
   /** Show the learned p. @param {number} p */
   function learned(p) {
@@ -56,7 +68,6 @@ export function orderBar(bar, frames) {
     $(".learned").hidden = !known;
     $(".learned-mark").hidden = !(p >= low && p <= high);
     $(".learned").textContent = known ? `learned p = ${p.toFixed(3)}` : "";
-    $(".learned").title = "Go to the learned order";
     $(".learned").onclick = () => go(frames.stop(p));
     bar.style.setProperty("--at", (p - low) / (high - low));
   }

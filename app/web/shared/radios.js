@@ -1,45 +1,31 @@
 /** A radio group: arrow keys move, Tab enters the group once. */
 
-import { html, put } from "./text.js";
+import { html } from "./text.js";
 
 /** @type {Record<string, number>} */
-export const ARROWS = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 };
+const ARROWS = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 };
 
-/** Returns a function that marks the chosen one.
- * @param {Found} box @param {{key: string, label: string, title?: string}[]} options @param {() => string} chosen
- * @param {(key: any) => unknown} onChoose */
-export function radios(box, options, chosen, onChoose) {
-  put(
-    box,
-    html`${options.map(
-      ({ key, label, title = "" }) =>
-        html`<button type="button" role="radio" data-key="${key}" title="${title}">${label}</button>`,
-    )}`,
-  );
-  const buttons = [...box.children];
-  /** Choose, and keep the focus where the choice is made again. @param {string} key */
-  const choose = (key) => {
-    onChoose(key);
-    box.querySelector(`[data-key="${CSS.escape(key)}"]`)?.focus();
-  };
-  box.onclick = (/** @type {Found} */ { target }) => {
-    const button = target.closest("button");
-    if (button) choose(button.dataset.key);
-  };
-  box.onkeydown = (/** @type {KeyboardEvent} */ event) => {
+/** The state of a radio button, as attributes. @param {boolean} on */
+export const checked = (on) => html`aria-checked="${String(on)}" tabindex="${on ? 0 : -1}"`;
+
+/** Buttons of which one is chosen; `name` is of what.
+ * @param {{key: string, label: Markup, title?: string}[]} options @param {string} chosen */
+export const radios = (options, chosen, name = "") =>
+  html`${options.map(
+    ({ key, label, title = "" }) =>
+      html`<button role="radio" data-choice="${name}" data-key="${key}" title="${title}" ${checked(key === chosen)}>${label}</button>`,
+  )}`;
+
+/** Let arrow keys choose the next button of a group, or the one before. */
+export function followArrows() {
+  document.addEventListener("keydown", (event) => {
+    const button = /** @type {Found} */ (event.target);
     const by = ARROWS[event.key];
-    if (!by) return;
+    if (!by || !button.matches(".ov [role=radio]")) return;
     event.preventDefault();
-    const at = options.findIndex(({ key }) => key === chosen());
-    choose(options[(at + by + options.length) % options.length].key);
-  };
-  const show = () => {
-    for (const button of buttons) {
-      const on = button.dataset.key === chosen();
-      button.setAttribute("aria-checked", on);
-      button.tabIndex = on ? 0 : -1;
-    }
-  };
-  show();
-  return show;
+    const group = [...button.closest("[role=radiogroup]").querySelectorAll("[role=radio]")];
+    const next = group.at((group.indexOf(button) + by) % group.length);
+    next.click();
+    next.focus();
+  });
 }

@@ -77,13 +77,40 @@ export function base64(bytes) {
 
 /** @type {WeakMap<Element, string>} */
 const shown = new WeakMap();
-/** What follows once an element was filled; set by what marks terms. @type {{next: (box: HTMLElement) => unknown}} */
-export const filled = { next: () => {} };
-/** Write markup into an element if it is not there yet, so that what is in use keeps the focus.
- * @param {HTMLElement} box @param {Html} content */
-export function fill(box, content) {
-  if (shown.get(box) === content.text) return;
+
+/** Draw what is in an element: what is alike stays, so that focus, typed text, open details and transitions do.
+ * Returns whether anything changed. @param {Element} box @param {Html} content */
+export function draw(box, content) {
+  if (shown.get(box) === content.text) return false;
   shown.set(box, content.text);
-  put(box, content);
-  filled.next(box);
+  const wanted = document.createElement("template");
+  put(wanted, content);
+  follow(box, wanted.content);
+  return true;
+}
+
+/** @param {Node} box @param {Node} wanted */
+function follow(box, wanted) {
+  const [old, made] = [box, wanted].map((one) => [...one.childNodes]);
+  made.forEach((node, i) => {
+    const there = old[i];
+    if (!there) box.appendChild(node);
+    else if (!(there instanceof Element && node instanceof Element && there.tagName === node.tagName))
+      box.replaceChild(node, there);
+    else {
+      for (const { name } of [...there.attributes])
+        if (name !== "open" && !node.hasAttribute(name)) there.removeAttribute(name);
+      for (const { name, value } of node.attributes)
+        if (there.getAttribute(name) !== value) there.setAttribute(name, value);
+      follow(there, node);
+    }
+  });
+  for (const gone of old.slice(made.length)) box.removeChild(gone);
+}
+
+/** What follows once an element was filled; set by what marks terms. @type {{next: (box: Element) => unknown}} */
+export const filled = { next: () => {} };
+/** Draw what is in an element, with definitions of its terms. @param {Element} box @param {Html} content */
+export function fill(box, content) {
+  if (draw(box, content)) filled.next(box);
 }
