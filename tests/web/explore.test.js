@@ -425,7 +425,7 @@ test("while stops are still computed they are dots on the whole axis, and no lin
   const scale = new Scale({ wide: 200, high: 100, pad: { left: 0, right: 0, top: 0, bottom: 0 }, xs: [0, 1] });
   const path = (coarse) => {
     const some = { ...frames({ orders: [0, 0.5] }), coarse };
-    return line([0.2, 0.8], scale, [0, 1], some);
+    return line([0.2, 0.8], scale, some);
   };
   assert.match(path(false), /L/);
   assert.doesNotMatch(path(true), /L/);

@@ -45,7 +45,7 @@ const single = (selector, measures, high) =>
     const rows = MEASURES.filter(({ name }) => names.includes(name)).map((row) => curve(row, scale));
     put(box, html`${rows.map(({ figure }) => figure)}${rows.length > 1 && DASHED}`);
     const roots = [...box.querySelectorAll("figure")];
-    return (stop) => roots.forEach((root, i) => markCurve(root, rows[i], scale, stop));
+    return (stop) => roots.forEach((root, i) => markCurve(root, rows[i], stop));
   });
 
 /** Accuracy against p, above the slider. */
@@ -83,7 +83,7 @@ export const together = () =>
       );
       put(
         box,
-        html`<p class="key">${key}</p><svg viewBox="0 0 ${scale.wide} ${scale.high}" role="img" aria-label="Accuracy and both gaps against p">${scale.grid([0, 1], String)}${scale.now()}${lines}</svg>`,
+        html`<p class="key">${key}</p>${scale.svg("Accuracy and both gaps against p", scale.grid([0, 1], String), scale.now(), lines)}`,
       );
       const outputs = box.querySelectorAll("output");
       return (stop) => {
@@ -93,15 +93,15 @@ export const together = () =>
     },
   );
 
-/** @typedef {{name: string, ys: Span, values: number[] | null, figure: Html}} Curve */
+/** @typedef {{name: string, scale: Scale, values: number[] | null, figure: Html}} Curve */
 
-/** One curve of a stage, or of a single domain if only one is shown. @param {Measure} measure @param {Scale} scale
+/** One curve of a stage, or of a single domain if only one is shown. @param {Measure} measure @param {Scale} box
  * @returns {Curve} */
-function curve({ name, title, help }, scale) {
+function curve({ name, title, help }, box) {
   const { frames } = scene;
   const { stage } = state;
   const domain = loneDomain(scene, state);
-  const ys = axis(frames, name);
+  const scale = box.of(axis(frames, name));
   const accurate = name === "accuracy";
   const together = name === "domain_gap" || name === "margin"; // only for all domains together
   const only = together ? "" : domain;
@@ -114,25 +114,34 @@ function curve({ name, title, help }, scale) {
   const of = only || (together && domain ? "all domains" : accurate ? "unseen domains" : "");
   const [a, b] = scale.xs;
   const ends = [a, (a + b) / 2, b].map((p, i) => [p, i === 1 ? "p" : +p.toFixed(2)]);
-  const figured = (/** @type {number} */ v) => (accurate ? `${100 * v} %` : +v.toFixed(2));
-  const path = (/** @type {string} */ kind, /** @type {string | false | null} */ d) =>
-    html`<path class="${kind}" d="${d || ""}"/>`;
-  const figure = html`<figure data-name="${name}"><figcaption title="${help}"><span>${title} <small class="of">${of}</small></span><output></output></figcaption><svg viewBox="0 0 ${scale.wide} ${scale.high}" role="img" aria-label="${title} against p: ${help}">${scale.grid(ys, figured, ys)}${scale.ticks(ends)}
-      ${trained(scale)}${scale.now()}${path("spread", band && area(band, scale, ys))}${path("ghost", ghost && line(ghost, scale, ys))}${accurate && pale(scale, ys)}${path("own", known && line(known, scale, ys))}<g class="dots">${known && has(frames, "heads") && dots(known, scale, ys)}</g><circle class="now" r="4"/></svg></figure>`;
-  return { name, ys, values: own, figure };
+  const path = (/** @type {string} */ kind, /** @type {string} */ d) => html`<path class="${kind}" d="${d}"/>`;
+  const drawn = scale.svg(
+    `${title} against p: ${help}`,
+    scale.grid(scale.ys, (v) => (accurate ? `${100 * v} %` : +v.toFixed(2))),
+    scale.ticks(ends),
+    trained(scale),
+    scale.now(),
+    band && path("spread", area(band, scale)),
+    ghost && path("ghost", line(ghost, scale)),
+    accurate && pale(scale),
+    known && path("own", line(known, scale)),
+    known && has(frames, "heads") && html`<g class="dots">${dots(known, scale)}</g>`,
+    html`<circle class="now" r="4"/>`,
+  );
+  const figure = html`<figure data-name="${name}"><figcaption title="${help}"><span>${title} <small class="of">${of}</small></span><output></output></figcaption>${drawn}</figure>`;
+  return { name, scale, values: own, figure };
 }
 
-/** Mark one stop on a curve and write its value.
- * @param {Found} root @param {Curve} curve @param {Scale} scale @param {number} stop */
-function markCurve(root, { name, ys, values }, scale, stop) {
+/** Mark one stop on a curve and write its value. @param {Found} root @param {Curve} curve @param {number} stop */
+function markCurve(root, { name, scale, values }, stop) {
   const p = scene.frames.orders[stop];
   const value = values?.[stop] ?? NaN;
   const known = Number.isFinite(value);
   const dot = root.querySelector("circle.now");
   scale.mark(root, p);
   dot.setAttribute("cx", scale.x(p));
+  dot.setAttribute("cy", known ? scale.y(value) : 0);
   dot.setAttribute("visibility", known ? "visible" : "hidden");
-  if (known) dot.setAttribute("cy", scale.y(value, ys));
   root.querySelector("output").textContent = asText(name, value);
 }
 
@@ -144,15 +153,15 @@ function visible(own) {
 }
 
 /** The accuracy of another set, pale; in the chapter of the order once p was dragged over all stops.
- * @param {Scale} scale @param {Span} ys */
-function pale(scale, ys) {
+ * @param {Scale} scale */
+function pale(scale) {
   const other = state.chapter === "order" && scene.sets.find(({ name }) => scene.set && name !== scene.set)?.curve;
   if (!other || !whole(scene)) return null;
   const { orders, share, title } = other;
   const words = (/** @type {number} */ y, /** @type {string} */ text) =>
     html`<text x="${scale.x(1) - 2}" y="${y}" text-anchor="end">${text}</text>`;
-  const guessing = scale.y(1 / scene.frames.classes.length, ys) + 17;
-  return html`<path class="pale" d="${scale.line(zip(orders, share), ys)}"/>${words(scale.y(Math.max(...share), ys) - 7, title)}${words(guessing, "guessing")}`;
+  const guessing = scale.y(1 / scene.frames.classes.length) + 17;
+  return html`<path class="pale" d="${scale.line(zip(orders, share))}"/>${words(scale.y(Math.max(...share)) - 7, title)}${words(guessing, "guessing")}`;
 }
 
 /** The band of orders that the head was trained for. @param {Scale} scale */
@@ -163,24 +172,24 @@ function trained(scale) {
 }
 
 /** A line through the values that exist. Stops of coarse frames are dots.
- * @param {number[]} own @param {Scale} scale @param {Span} ys */
-export function line(own, scale, ys, frames = scene.frames) {
+ * @param {number[]} own @param {Scale} scale */
+export function line(own, scale, frames = scene.frames) {
   const points = zip(frames.orders, own);
-  if (!frames.coarse) return scale.line(points, ys);
-  return points.map(([p, v]) => `M${scale.x(p)} ${scale.y(v, ys)}h.01`).join("");
+  if (!frames.coarse) return scale.line(points);
+  return points.map(([p, v]) => `M${scale.x(p)} ${scale.y(v)}h.01`).join("");
 }
 
 /** Between the lowest and the highest of several trainings.
- * @param {{low: number[], high: number[]}} band @param {Scale} scale @param {Span} ys */
-function area({ low, high }, scale, ys) {
+ * @param {{low: number[], high: number[]}} band @param {Scale} scale */
+function area({ low, high }, scale) {
   const [there, back] = [low, high].map((all) => zip(scene.frames.orders, all));
-  return `${scale.line(there, ys)}${scale.line(back.reverse(), ys).replace("M", "L")}Z`;
+  return `${scale.line(there)}${scale.line(back.reverse()).replace("M", "L")}Z`;
 }
 
-/** A dot for each stop that has a head of its own. @param {number[]} own @param {Scale} scale @param {Span} ys */
-const dots = (own, scale, ys) =>
+/** A dot for each stop that has a head of its own. @param {number[]} own @param {Scale} scale */
+const dots = (own, scale) =>
   zip(scene.frames.orders, own).map(
-    ([p, v]) => Number.isFinite(v) && html`<circle cx="${scale.x(p)}" cy="${scale.y(v, ys)}" r="2"/>`,
+    ([p, v]) => Number.isFinite(v) && html`<circle cx="${scale.x(p)}" cy="${scale.y(v)}" r="2"/>`,
   );
 
 /** @type {(orders: number[], all: number[]) => Point[]} */

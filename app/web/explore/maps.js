@@ -28,9 +28,11 @@ const isLit = (point) => lit(scene, point);
 
 /** The lines of the pinned pair and of the pair under the pointer. @type {Painter} */
 export function pairLines(x, cloud) {
-  const pair = scene.hovered % scene.frames.pairs;
-  if (state.pin !== null) pairLine(x, cloud, state.pin, "#dc2626");
-  if (scene.hovered >= 0 && pair !== state.pin) pairLine(x, cloud, pair, isDark() ? "#38bdf8" : "#1e293b");
+  const { pairs } = scene.frames;
+  const pair = scene.hovered % pairs;
+  const places = (/** @type {number} */ pair) => [pair, pair + pairs].map((point) => cloud.place(point));
+  if (state.pin !== null) pairLine(x, cloud, places(state.pin), "#dc2626");
+  if (scene.hovered >= 0 && pair !== state.pin) pairLine(x, cloud, places(pair), isDark() ? "#38bdf8" : "#1e293b");
 }
 
 /** Make the map. @param {Pointing} on */

@@ -65,7 +65,7 @@ function show(figures) {
     put(
       box,
       html`<div aria-live="polite"><h3 tabindex="-1">${at + 1} of ${steps.length} · ${steps[at].title}</h3><p>${text}</p></div>
-      <div class="row">${buttons}<span class="spring"></span><button type="button" class="back"${!at && html` disabled`}>Back</button><button type="button" class="end" aria-label="End the tour">✕</button></div>`,
+      <div class="row">${buttons}<span class="spring"></span><button class="back"${!at && html` disabled`}>Back</button><button class="end" aria-label="End the tour">✕</button></div>`,
     );
     /** @type {HTMLElement} */ (box.querySelector(focused)).focus({ preventScroll: true });
   };
@@ -75,7 +75,7 @@ function show(figures) {
     const { after, reveal } = steps[at];
     rest(explore, false);
     if (after) change(after(figures));
-    const button = html`<button type="button" class="main next-step">${at + 1 < steps.length ? "Next" : "Done"}</button>`;
+    const button = html`<button class="main next-step">${at + 1 < steps.length ? "Next" : "Done"}</button>`;
     lay(html`${verdict}${reveal(figures)}`, button, ".next-step");
   };
 
@@ -88,7 +88,7 @@ function show(figures) {
     explore.querySelector(chapter === "touch" ? ".touch .side" : ".stage .side")?.prepend(box); // in the flow
     if (!ask) return tell(null);
     rest(explore, true);
-    const buttons = options.map(([key, words]) => html`<button type="button" data-option="${key}">${words}</button>`);
+    const buttons = options.map(([key, words]) => html`<button data-option="${key}">${words}</button>`);
     return lay(html`${ask}`, html`<span class="options">${buttons}</span>`, "h3");
   };
 

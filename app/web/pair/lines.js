@@ -64,7 +64,18 @@ export class Lines extends View {
       html`<path class="learned-at" d="M${scale.x(learned)} ${scale.base + 1}l-4 7h8z"/>`;
     draw(
       this.box,
-      html`<svg viewBox="0 0 ${scale.wide} ${H}" role="img" aria-label="Probability of each class against p">${scale.grid([0, 0.5, 1], (v) => `${100 * v} %`)}${scale.ticks(ticks, 12)}<text x="${(scale.left + scale.right) / 2}" y="${H - 1}" text-anchor="middle">p</text>${mark}${lines.map(({ line }) => line)}${veil}${lines.map(({ name }) => name)}${scale.now(p)}${lines.map(({ dot }) => dot)}</svg>`,
+      scale.svg(
+        "Probability of each class against p",
+        scale.grid([0, 0.5, 1], (v) => `${100 * v} %`),
+        scale.ticks(ticks, 12),
+        html`<text x="${(scale.left + scale.right) / 2}" y="${H - 1}" text-anchor="middle">p</text>`,
+        mark,
+        lines.map(({ line }) => line),
+        veil,
+        lines.map(({ name }) => name),
+        scale.now(p),
+        lines.map(({ dot }) => dot),
+      ),
     );
   }
 }

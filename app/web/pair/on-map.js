@@ -6,8 +6,8 @@ import { shownBy } from "../shared/filters.js";
 import { orderText } from "../shared/frames.js";
 import { IMAGES } from "../shared/images.js";
 import { layersOf } from "../shared/layers.js";
-import { axes, axisNames } from "../shared/marks.js";
-import { isDark, onTheme, TAC_COLOUR, VIS_COLOUR } from "../shared/palette.js";
+import { axes, axisNames, pairLine } from "../shared/marks.js";
+import { isDark, onTheme } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { change, state, watch } from "../shared/store.js";
 
@@ -60,37 +60,6 @@ function paint(context, cloud, points) {
   const { scale, middle, ox, oy } = cloud.transform();
   /** CSS pixels of a position in map units. @param {Point} place @returns {Point} */
   const at = ([x, y]) => [(ox + scale * (x - middle.x)) / cloud.ratio, (oy - scale * (y - middle.y)) / cloud.ratio];
-  const [vis, tac] = IMAGES.map((name) => points[name] && at(points[name]));
-  if (vis && tac) {
-    const [paper, ink] = isDark() ? ["#0b1220", "#f8fafc"] : ["#ffffff", "#0f172a"];
-    context.beginPath();
-    context.moveTo(...vis);
-    context.lineTo(...tac);
-    for (const [width, colour] of /** @type {[number, string][]} */ ([
-      [6, paper],
-      [2.4, ink],
-    ])) {
-      context.lineWidth = width;
-      context.strokeStyle = colour;
-      context.stroke();
-    }
-  }
-  if (vis) disc(context, vis, VIS_COLOUR, "V");
-  if (tac) disc(context, tac, TAC_COLOUR, "T");
-}
-
-/** @param {CanvasRenderingContext2D} context @param {Point} place @param {string} fill @param {string} text */
-function disc(context, [x, y], fill, text) {
-  context.beginPath();
-  context.arc(x, y, 10, 0, 7);
-  context.fillStyle = fill;
-  context.fill();
-  context.lineWidth = 2;
-  context.strokeStyle = context.fillStyle = "#0f172a";
-  context.stroke();
-  context.font = "700 11px sans-serif";
-  context.textAlign = "center";
-  context.textBaseline = "middle";
-  context.fillText(text, x, y + 0.5);
-  context.textBaseline = "alphabetic";
+  const places = IMAGES.map((name) => points[name] && at(points[name]));
+  pairLine(context, cloud, places, isDark() ? "#38bdf8" : "#1e293b");
 }

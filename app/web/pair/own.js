@@ -75,7 +75,12 @@ export function curveHtml({ points, words }) {
   const band = `${line("high")}${line("low", points.toReversed()).replace("M", "L")}Z`;
   const ticks = [1, last].map((count) => [count, `${count} object${count > 1 ? "s" : ""} a class`]);
   const figures = points.map(({ objects, right }) => `${objects}: ${percent(right)}`).join(", ");
-  const drawn = html`<svg viewBox="0 0 340 150" role="img" aria-label="Right pairs by labelled objects of a class: ${figures}">${scale.grid([0, 0.5, 1], percent)}${scale.ticks(ticks)}<path class="band" d="${band}"/><path class="mean" d="${line("right")}"/></svg>`;
+  const drawn = scale.svg(
+    `Right pairs by labelled objects of a class: ${figures}`,
+    scale.grid([0, 0.5, 1], percent),
+    scale.ticks(ticks),
+    html`<path class="band" d="${band}"/><path class="mean" d="${line("right")}"/>`,
+  );
   const how =
     "Each pair is predicted by a head taught without it. Line: mean of ten draws of the objects that teach; band: from the least to the most.";
   return html`<div class="chart labels-bring"><h4>How many more labels?</h4><p>${words}</p>${points.length > 1 && [drawn, hint(how)]}</div>`;

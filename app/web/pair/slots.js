@@ -40,7 +40,7 @@ function slotHtml(tab, modality) {
   </div>`;
 }
 
-const FILM = html`<div class="picture filming"><video autoplay playsinline muted></video><div class="row"><button type="button" class="main">Take it</button><button type="button">Cancel</button></div></div>`;
+const FILM = html`<div class="picture filming"><video autoplay playsinline muted></video><div class="row"><button class="main">Take it</button><button>Cancel</button></div></div>`;
 
 /** @param {PairTab} tab @param {Modality} modality */
 function pictureHtml({ set, explained, ...tab }, modality) {

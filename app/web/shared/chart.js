@@ -9,43 +9,47 @@ const share = (v, [low, high]) => (v - low) / (high - low || 1);
 export class Scale {
   /** @param {{wide: number, high: number, pad: Record<"left" | "right" | "top" | "bottom", number>, xs?: number[],
    *   ys?: number[]}} parts */
-  constructor({ wide, high, pad, xs = [0, 1], ys = [0, 1] }) {
+  constructor(parts) {
+    const { wide, high, pad, xs = [0, 1], ys = [0, 1] } = (this.parts = parts);
     this.wide = wide;
     this.high = high;
+    this.xs = xs;
+    this.ys = ys;
     this.left = pad.left;
     this.right = wide - pad.right;
     this.top = pad.top;
     this.base = high - pad.bottom;
-    this.xs = xs;
-    this.ys = ys;
   }
+
+  /** The same with another upright axis. @param {number[]} ys */
+  of = (ys) => new Scale({ ...this.parts, ys });
 
   /** @param {number} v */
   x = (v) => this.left + share(v, this.xs) * (this.right - this.left);
   /** @param {number} v */
-  y = (v, ys = this.ys) => this.base - share(v, ys) * (this.base - this.top);
+  y = (v) => this.base - share(v, this.ys) * (this.base - this.top);
 
   /** A line through points [x, y]; one without a value ends it, and the next begins another. @param {number[][]} points */
-  line(points, ys = this.ys) {
+  line(points) {
     let before = false;
     return points
       .map(([x, v]) => {
         const step = before ? "L" : "M";
         before = Number.isFinite(v);
-        return before ? `${step}${this.x(x).toFixed(1)} ${this.y(v, ys).toFixed(1)}` : "";
+        return before ? `${step}${this.x(x).toFixed(1)} ${this.y(v).toFixed(1)}` : "";
       })
       .join("");
   }
 
   /** A line across at a value. @param {string} kind @param {number} v */
-  across = (kind, v, ys = this.ys) =>
-    html`<line class="${kind}" x1="${this.left}" x2="${this.right}" y1="${this.y(v, ys)}" y2="${this.y(v, ys)}"/>`;
+  across = (kind, v) =>
+    html`<line class="${kind}" x1="${this.left}" x2="${this.right}" y1="${this.y(v)}" y2="${this.y(v)}"/>`;
 
   /** Lines across at some values, with their figures. @param {number[]} values @param {(v: number) => string | number} figure */
-  grid(values, figure, ys = this.ys) {
+  grid(values, figure) {
     return html`${values.map(
       (v) =>
-        html`${this.across("grid", v, ys)}<text x="${this.left - 6}" y="${this.y(v, ys) + 4}" text-anchor="end">${figure(v)}</text>`,
+        html`${this.across("grid", v)}<text x="${this.left - 6}" y="${this.y(v) + 4}" text-anchor="end">${figure(v)}</text>`,
     )}`;
   }
 
@@ -74,6 +78,10 @@ export class Scale {
   mark(svg, v) {
     for (const end of ["x1", "x2"]) svg.querySelector("line.now").setAttribute(end, this.x(v));
   }
+
+  /** A drawing of this size. @param {Markup} label @param {...unknown} parts */
+  svg = (label, ...parts) =>
+    html`<svg viewBox="0 0 ${this.wide} ${this.high}" role="img" aria-label="${label}">${parts}</svg>`;
 
   /** The value of the axis under the pointer. @param {{clientX: number}} event @param {Element} svg */
   under({ clientX }, svg) {

@@ -89,25 +89,26 @@ export function axes(names) {
 const ring = (context, place, radius, colour, width = 2.5) =>
   stroked(context, () => context.arc(...place, radius, 0, 7), [width + 2.5, "#fff"], [width, colour]);
 
-/** The two points of a pair and the line between them.
- * @param {Context} context @param {Cloud} cloud @param {number} pair @param {string} colour */
-export function pairLine(context, cloud, pair, colour) {
-  const [vis, tac] = [pair, pair + cloud.count / 2].map((point) => cloud.place(point));
-  stroked(context, () => segment(context, vis, tac), [5, "#fff"], [2.2, colour]);
+/** A pair: the places of its photo and touch, named, and the line between them; of one image, its place.
+ * @param {Context} context @param {Cloud} cloud @param {(Point | undefined)[]} places @param {string} colour */
+export function pairLine(context, cloud, [vis, tac], colour) {
+  if (vis && tac) stroked(context, () => segment(context, vis, tac), [5, "#fff"], [2.2, colour]);
   context.font = `700 11px ${ink(cloud.box, "--ov-font")}`;
   context.textAlign = "center";
   context.fillStyle = colour;
-  const high = vis[1] <= tac[1] ? vis : tac;
-  for (const place of [vis, tac]) ring(context, place, 8, colour);
+  const high = Math.min(...[vis, tac].flatMap((place) => place?.[1] ?? []));
   for (const [place, text] of /** @type {const} */ ([
     [vis, "VIS"],
     [tac, "TAC"],
   ])) {
-    const y = place[1] + (place === high ? -14 : 22);
+    if (!place) continue;
+    const [x, y] = place;
+    const at = y + (y === high ? -14 : 22);
+    ring(context, place, 8, colour);
     context.lineWidth = 4;
     context.strokeStyle = "#fff";
-    context.strokeText(text, place[0], y);
-    context.fillText(text, place[0], y);
+    context.strokeText(text, x, at);
+    context.fillText(text, x, at);
   }
 }
 

@@ -19,7 +19,7 @@ export const HUNDREDTHS = {
 };
 
 const BAR = html`<div class="track"><input class="order" type="range" step="${FINE}" aria-label="Fractional order p"><span class="learned-mark" hidden></span></div>
-  <button class="play" aria-pressed="false" aria-label="Play p from 0 to 1" title="Play (space bar on this button)">▶</button>
+  <button class="play main" aria-pressed="false" aria-label="Play p from 0 to 1" title="Play (space bar on this button)">▶</button>
   <label><i>p</i> = <output class="order-value">0.50</output></label>
   <button class="learned" title="Go to the learned order" hidden></button>`;
 

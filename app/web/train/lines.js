@@ -77,7 +77,7 @@ export function chart(title, series, { at, total, wide = W, tall = H, top, level
     [1, 1],
     [scale.xs[1], total],
   ];
-  return html`<figure><figcaption>${title}</figcaption><svg viewBox="0 0 ${wide} ${tall}" role="img" aria-label="${title} over epochs">${scale.grid([0, high / 2, high], figure)}${level && scale.across("chance", level)}${lines}${scale.now(at)}${scale.ticks(ends, 3)}</svg><p class="now-values">${key}</p></figure>`;
+  return html`<figure><figcaption>${title}</figcaption>${scale.svg(`${title} over epochs`, scale.grid([0, high / 2, high], figure), level && scale.across("chance", level), lines, scale.now(at), scale.ticks(ends, 3))}<p class="now-values">${key}</p></figure>`;
 }
 
 /** The charts of a run, for a number of classes; once anything is measured, only those with values.

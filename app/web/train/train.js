@@ -17,7 +17,7 @@ import { active, FIRST, next } from "./state.js";
 const ALONE = html`<b>Train a head on this domain.</b> The set has no other, so accuracy away from home stays unknown.`;
 const LOOK = 400; // milliseconds between two requests for progress
 const HEAD = ["Settings", "p", "accuracy, unseen", "modality gap", "domain gap"];
-const USE = html`<button type="button" class="main use">Open it in Explore</button><button type="button" class="save">Download the head</button><span class="hint">It is loaded for this visit only.</span>`;
+const USE = html`<button class="main use">Open it in Explore</button><button class="save">Download the head</button><span class="hint">It is loaded for this visit only.</span>`;
 
 /** @param {Found} root */
 export async function start(root) {
