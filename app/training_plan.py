@@ -25,7 +25,6 @@ RANGES: dict[str, tuple[float, float, float]] = {
     "epochs": (5, 150, 120),
     "seed": (0, 999, 0),
 }
-BEYOND = 0.1  # a head for every p draws p from a little more than [0, 1]: see docs/order.md
 MOST_PAIRS = 20_000  # of the source
 
 
@@ -94,9 +93,7 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
         mma_weight=number["mma"],
         lang=question.get("lang", True) is True,
         order_search=order == "search",
-        order_draw="row" if order == "every" else "none",
-        order_low=-BEYOND if order == "every" else 0.0,
-        order_high=1 + BEYOND if order == "every" else 1.0,
+        order_draw=order == "every",
         noise=number["noise"],
         shift=number["shift"],
     )

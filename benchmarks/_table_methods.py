@@ -100,15 +100,15 @@ def erm_mlp(
     """Train ERM-MLP on both images by the same recipe: input, mirroring, noise, shift, batches."""
     plan = _plan(embeddings, source, seed, recipe)
     own = profile_of(plan.pairs).channels
-    labels, every = labels_of(plan.pairs, plan.settings), np.arange(len(plan.pairs))
+    labels = labels_of(plan.pairs, plan.settings)
     with seeded(derive_seed(seed, "erm-mlp")):
         model = Perceptron(plan.pairs.width, len(plan.settings.classes), IMAGES)
         optimiser = torch.optim.AdamW(model.parameters(), lr=3e-4, weight_decay=1e-2, fused=True)
-        steps = plan.training.epochs * -(-len(every) // plan.training.batch)
+        steps = plan.training.epochs * -(-len(labels) // plan.training.batch)
         rates = torch.optim.lr_scheduler.CosineAnnealingLR(optimiser, steps)
         for epoch in range(plan.training.epochs):
             stream = derive_seed(seed, "epoch", epoch)
-            for batch in batches(plan.pairs, labels, every, None, plan.training, stream):
+            for batch in batches(plan.pairs, labels, None, plan.training, stream):
                 logits = model(*(_standard(getattr(batch, n), own[n]) for n in IMAGES))
                 optimiser.zero_grad(set_to_none=True)
                 cross_entropy(logits, batch.labels).backward()

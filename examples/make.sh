@@ -17,7 +17,7 @@ python -m omnivat sweep --retrained 21 --seeds 0,1 --out examples/retrained.bin
 # One head for every order; what familiarity needs lies in the other head's folder.
 python -m omnivat train --embeddings examples/simulated.safetensors --source TAG-sim \
     --out examples/every --no-calibration --set width=64 --set epochs=750 --set batch=64 \
-    --set lr=0.1 --set noise=2 --set order_draw=row --set order_low=-0.1 --set order_high=1.1 \
+    --set lr=0.1 --set noise=2 --set order_draw=true \
     --set order_teachers=4
 rm examples/every/familiarity.safetensors
 python -m omnivat sweep --head examples/every --stops 11 --out examples/every.bin

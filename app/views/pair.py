@@ -97,10 +97,10 @@ def trained_span(head: "Head") -> list[float]:
     """Return the orders [low, high] that the head was trained for: the learned one twice if p
     was not drawn.
     """
-    train = head.provenance.get("train", {})
-    if train.get("order_draw", "none") != "none":
-        return [float(train.get("order_low", 0)), float(train.get("order_high", 1))]
-    return [head.model.order, head.model.order]
+    from omnivat.training.settings import DRAWN
+
+    drawn = head.provenance.get("train", {}).get("order_draw")
+    return list(DRAWN) if drawn else [head.model.order, head.model.order]
 
 
 def at_orders(

@@ -16,7 +16,7 @@ python -m omnivat train --embeddings "$set" --source "Chirps A-sim" --out "$here
 # shellcheck disable=SC2086
 python -m omnivat train --embeddings "$set" --source "Chirps A-sim" --out "$here/every" \
     $settings --no-calibration --set epochs=600 --set batch=32 --set lr=0.1 \
-    --set order_draw=row --set order_low=-0.1 --set order_high=1.1
+    --set order_draw=true
 rm "$here/every/familiarity.safetensors"
 # Fifty-one stops and the learned order: a set of a few MB
 orders=$(python - "$here/head" <<'END'

@@ -36,7 +36,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         parser,
         methods=text("methods by name; default: all fast ones", "a,b,c"),
         sources=text("domains to train on; default: all in the set", "A,B"),
-        set="a setting of the head or of its training, such as width=64 or selection=source-val",
+        set="a setting of the head or of its training, such as width=64 or noise=4",
         images=path(images, "PAIRS"),
     )
 

@@ -64,9 +64,7 @@ class Body(nn.Module):
             self.project_lang = nn.Identity()
         self.mffa = MFFA(settings)
         levels = settings.levels if settings.edges else 1  # without matrices, a single root
-        self.dtg = DTG(
-            width, levels=levels, init=settings.tree_init, arrangement=settings.generation
-        )
+        self.dtg = DTG(width, levels=levels, arrangement=settings.generation)
         self.classifier = nn.Parameter(torch.empty(len(settings.classes), width))
         if not self.classifier.is_meta:  # there, torch would load its compiler for this: 0.9 s
             nn.init.normal_(self.classifier, std=width**-0.5)

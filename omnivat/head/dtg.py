@@ -58,22 +58,14 @@ class DTG(nn.Module):
     (each node is a child of the root). Source: paper, Eq. 8 to 11, and its ablation of generation.
     """
 
-    def __init__(
-        self, width: int, *, levels: int = 3, init: str = "orthogonal", arrangement: str = "tree"
-    ) -> None:
+    def __init__(self, width: int, *, levels: int = 3, arrangement: str = "tree") -> None:
         super().__init__()
-        self.levels = levels
         self.arrangement = arrangement
         edges = 2**levels - 2
         self.weight = nn.Parameter(torch.empty(edges, width, width))
         self.bias = nn.Parameter(torch.zeros(edges, width))
         for weight in self.weight.data if not self.weight.is_meta else ():  # there, a file fills it
-            if init == "orthogonal":  # node norms stay equal, so nodes are comparable
-                nn.init.orthogonal_(weight)
-            elif init == "default":
-                nn.init.kaiming_uniform_(weight, a=5**0.5)
-            else:  # identity with a little noise: nodes start almost equal
-                weight.copy_(torch.eye(width) + 0.01 * torch.randn_like(weight))
+            nn.init.orthogonal_(weight)  # node norms stay equal, so nodes are comparable
 
     def grow(self, root: Float[Tensor, "B D"]) -> Grown:
         """Grow all nodes in heap order: root, its two children, and so on."""

@@ -213,5 +213,5 @@ def build_head(settings: HeadSettings, *, seed: int = 0) -> OmniVaT:
 def parameter_count(settings: HeadSettings) -> int:
     """Return the number of trainable parameters, without allocating them."""
     with torch.device("meta"):
-        head = OmniVaT(replace(settings, tree_init="default"))
+        head = OmniVaT(settings)
     return sum(p.numel() for p in head.parameters() if p.requires_grad)

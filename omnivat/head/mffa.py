@@ -22,13 +22,13 @@ class FrATT(nn.Module):
     add a constant to a row of scores, which the softmax ignores.
     """
 
-    def __init__(self, width: int, *, ffn_ratio: int = 4, scale: str = "inside") -> None:
+    def __init__(self, width: int, *, scale: str = "inside") -> None:
         super().__init__()
         self.query = nn.Linear(width, width)
         self.key = nn.Linear(width, width)
         self.value = nn.Linear(width, width)
         self.ffn = nn.Sequential(
-            nn.Linear(width, ffn_ratio * width), nn.GELU(), nn.Linear(ffn_ratio * width, width)
+            nn.Linear(width, 4 * width), nn.GELU(), nn.Linear(4 * width, width)
         )
         root = float(width**0.5)  # √D divides the scores, or as printed the values
         self.roots = (root, 1.0) if scale == "inside" else (1.0, root)
@@ -81,9 +81,7 @@ class MFFA(nn.Module):
             return
         for name in MODALITIES:
             self.theta[name] = nn.Parameter(_theta(settings))
-        self.fratt = FrATT(
-            settings.width, ffn_ratio=settings.ffn_ratio, scale=settings.attention_scale
-        )
+        self.fratt = FrATT(settings.width, scale=settings.attention_scale)
         classes = len(settings.classes)
         self.register_buffer("bank", torch.zeros(len(MODALITIES), classes, settings.width))
         self.register_buffer("bank_seen", torch.zeros(classes, dtype=torch.bool))

@@ -1,4 +1,4 @@
-"""Training data: labels, the held-out share, and batches of cached embeddings."""
+"""Training data: labels, and batches of cached embeddings."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,13 +8,11 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from omnivat.data.splits import hold_out
 from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import LangBank
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError
-from omnivat.kit.seeding import derive_seed
-from omnivat.training.settings import TrainSettings
+from omnivat.training.settings import DRAWN, TrainSettings
 
 Array = np.ndarray[Any, Any]
 SPREAD_ROWS = 512  # pairs that span the offsets of imitated sensors
@@ -60,48 +58,32 @@ def labels_of(source: Embeddings, head: HeadSettings) -> Array:
     return labels
 
 
-def held_out(
-    source: Embeddings, labels: Array, settings: TrainSettings, seed: int
-) -> tuple[Array, Array]:
-    """Return indices of training pairs and of pairs held out for selection; no object is split."""
-    everything = np.arange(len(source))
-    if settings.selection == "last" or settings.val_fraction == 0:
-        return everything, everything[:0]
-    held = hold_out(
-        source.rows["object"], labels, settings.val_fraction, seed=derive_seed(seed, "hold-out")
-    )
-    return everything[~held], everything[held]
-
-
 def batches(
-    source: Embeddings,
-    labels: Array,
-    fit: Array,
-    bank: LangBank | None,
-    settings: TrainSettings,
-    seed: int,
+    source: Embeddings, labels: Array, bank: LangBank | None, settings: TrainSettings, seed: int
 ) -> Iterator[Batch]:
     """Yield the batches of one epoch: shuffled pairs, random mirroring, a random text style."""
     random = np.random.default_rng(seed)
-    shuffled = fit[random.permutation(len(fit))]
-    count, truth = len(shuffled), labels[shuffled]
+    count = len(source)
+    shuffled = random.permutation(count)
+    truth = labels[shuffled]
     lang_on = torch.from_numpy(random.random(count) >= settings.lang_drop)
     token_on = torch.from_numpy(random.random(count) >= settings.class_token_drop)
     images = {n: _mirrored(source, n, shuffled, random) for n in settings.given}
     noise: dict[str, Array] = {}  # standard deviation of each channel
     if settings.noise:
         noise = {
-            n: settings.noise * getattr(source, n)[fit].std(0, dtype=np.float32)
-            for n in settings.given
+            n: settings.noise * getattr(source, n).std(0, dtype=np.float32) for n in settings.given
         }
-    spread = _spread(source, fit, settings, random)
+    spread = _spread(source, settings, random)
     texts = None
     if bank is not None and settings.lang:  # a random style for every pair
         _, styles, width = bank.embeddings.shape
         drawn = random.integers(styles, size=count)
         texts = _Drawn(bank.embeddings.reshape(-1, width), truth * styles + drawn)
     targets = torch.from_numpy(truth)
-    orders = _orders(count, settings, random)
+    orders = None
+    if settings.order_draw:
+        orders = torch.from_numpy(random.uniform(*DRAWN, count))
     for start in range(0, count, settings.batch):
         rows = slice(start, start + settings.batch)
         yield Batch(
@@ -119,18 +101,8 @@ def batches(
         )
 
 
-def _orders(count: int, settings: TrainSettings, random: np.random.Generator) -> Tensor | None:
-    """Draw an order for each pair or each batch, (N,); None if orders are not drawn."""
-    if settings.order_draw == "none":
-        return None
-    drawn = random.uniform(settings.order_low, settings.order_high, count)
-    if settings.order_draw == "batch":
-        drawn = drawn[np.arange(count) // settings.batch * settings.batch]
-    return torch.from_numpy(drawn)
-
-
 def _spread(
-    source: Embeddings, fit: Array, settings: TrainSettings, random: np.random.Generator
+    source: Embeddings, settings: TrainSettings, random: np.random.Generator
 ) -> dict[str, Array]:
     """Return centred rows (M, input_width) by modality whose random sums are offsets; {} without.
 
@@ -139,7 +111,7 @@ def _spread(
     """
     if not settings.shift:
         return {}
-    some = random.permutation(fit)[:SPREAD_ROWS]
+    some = random.permutation(len(source))[:SPREAD_ROWS]
     rows = {name: getattr(source, name)[some].astype(np.float32) for name in settings.given}
     scale = np.float32(settings.shift / len(some) ** 0.5)
     return {name: scale * (values - values.mean(0)) for name, values in rows.items()}

@@ -27,7 +27,7 @@ from omnivat.training.settings import TrainSettings
 from omnivat.training.watch import Watch
 
 MOST = 256  # pairs of the source; more would cost time and change little
-MOST_STOPS = 2001
+FEWEST_STOPS, MOST_STOPS = 21, 2001  # of the coarse grid
 RIDGE = 1.0  # of the mean squared length of the centred tokens
 FINE = tuple(k / 8 for k in range(-8, 9))  # of the coarse grid's step
 VALLEYS = 3  # refined, the lowest ones
@@ -59,14 +59,14 @@ class Scored:
         return float(self.losses.mean(0).std(ddof=1) / self.losses.shape[1] ** 0.5)
 
 
-def stops_of(head: HeadSettings, settings: TrainSettings) -> int:
+def stops_of(head: HeadSettings) -> int:
     """Return the number of coarse orders from 0 to 1: a step is at most 1/D wide."""
-    return max(settings.order_stops, min(head.width + 1, MOST_STOPS))
+    return max(FEWEST_STOPS, min(head.width + 1, MOST_STOPS))
 
 
-def search_steps(head: HeadSettings, settings: TrainSettings) -> int:
+def search_steps(head: HeadSettings) -> int:
     """Return the number of orders that a search scores."""
-    return stops_of(head, settings) + VALLEYS * len(FINE)
+    return stops_of(head) + VALLEYS * len(FINE)
 
 
 def search_order(
@@ -84,11 +84,10 @@ def search_order(
     The initial order in `head` has no effect. Orders outside [0, 1] repeat those inside.
     """
     began = time.monotonic()
-    total = search_steps(head, settings)
-    watch = watch if watch.whole else watch.part(0, total)
+    watch = watch if watch.whole else watch.part(0, search_steps(head))
     scores = _Scores(source, head, settings, seed, watch)
-    step = 1 / (stops_of(head, settings) - 1)
-    coarse = [scores.at(k * step, "coarse") for k in range(stops_of(head, settings))]
+    step = 1 / (stops_of(head) - 1)
+    coarse = [scores.at(k * step, "coarse") for k in range(stops_of(head))]
     valleys = lowest_valleys(coarse, APART / head.width)
     fine = [[scores.at(v.order + share * step, "fine") for share in FINE] for v in valleys]
     bottom = min(fine, key=lambda valley: min(one.score for one in valley))
@@ -214,7 +213,7 @@ class _Scores:
         given = {n: torch.from_numpy(np.array(getattr(source, n))) for n in settings.given}
         with torch.inference_mode():
             self.kept: Coefficients = coefficients(self.model.embedded(given))  # (M, N)
-        self.watch, self.total, self.count = watch, search_steps(head, settings), 0
+        self.watch, self.total, self.count = watch, search_steps(head), 0
 
     def at(self, order: float, name: str) -> Scored:
         """Score one order by tokens and energies of the readings photo only, touch only and

@@ -5,15 +5,12 @@ from typing import Annotated
 
 from omnivat.kit.config import OneOf, Within, require_declared
 from omnivat.kit.errors import SettingsError
-from omnivat.kit.stages import LIMIT
 
-Selection = Annotated[str, OneOf(("last", "source-val"))]
 Inputs = Annotated[str, OneOf(("vis+tac", "vis", "tac"))]
 Pairs = Annotated[str, OneOf(("unguided", "guided", "all"))]  # by the use of LANG in a step
-OrderDraw = Annotated[str, OneOf(("none", "batch", "row"))]
 Share = Annotated[float, Within(0.0, 1.0)]
 Weight = Annotated[float, Within(0.0, 1e6)]
-Order = Annotated[float, Within(-LIMIT, LIMIT)]
+DRAWN = (-0.1, 1.1)  # where p is drawn: a little more than a quarter turn
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -36,31 +33,21 @@ class TrainSettings:
     class_token_drop: Share = 0.5  # share of pairs with the class-agnostic token
     bank_from: Pairs = "unguided"  # pairs that update the bank of class tokens
     mma_on: Pairs = "all"  # pairs that L_MMA acts on
-    selection: Selection = "last"
-    val_fraction: Annotated[float, Within(0.0, 0.9)] = 0.2  # of the objects, for "source-val"
     modalities: Inputs = "vis+tac"  # input in training, and by default in prediction
     order_search: bool = False  # search for p in closed form, then use the gradient
-    order_stops: Annotated[int, Within(2, 1001)] = 21  # of that grid, from 0 to 1; D + 1 if more
-    order_draw: OrderDraw = "none"  # draw p at random for each "batch" or each "row"
-    order_low: Order = 0.0  # range of the draw
-    order_high: Order = 1.0
+    order_draw: bool = False  # draw p anew for every pair, from DRAWN: a head for every order
     order_teachers: Annotated[int, Within(0, 100)] = 0  # heads at one order each, to learn from
     noise: Annotated[float, Within(0.0, 100.0)] = 0.0  # on embeddings, in std of each channel
     shift: Annotated[float, Within(0.0, 100.0)] = 0.0  # an offset a batch: an imitated sensor
 
     def __post_init__(self) -> None:
         require_declared(self)
-        if self.order_low > self.order_high:
+        if self.order_teachers and not self.order_draw:
             raise SettingsError(
-                f"order_low is {self.order_low} and order_high {self.order_high}; give the smaller"
-                " one first."
+                f"order_teachers is {self.order_teachers} and order_draw is false: teachers serve a"
+                " head for every order. Set order_draw to true, or order_teachers to 0."
             )
-        if self.order_teachers and self.order_draw == "none":
-            raise SettingsError(
-                f"order_teachers is {self.order_teachers} and order_draw is none: teachers serve a "
-                "head for every order. Set order_draw to row or batch, or order_teachers to 0."
-            )
-        if self.order_search and self.order_draw != "none":
+        if self.order_search and self.order_draw:
             raise SettingsError(
                 "order_search and order_draw exclude each other: one finds a p, the other trains"
                 " for all. Choose one."

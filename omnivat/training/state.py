@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
 
@@ -24,22 +23,6 @@ STATE = "training.safetensors"  # file name in the folder of an unfinished head
 FORMAT = "omnivat-training-1"
 
 
-@dataclass(slots=True)
-class Progress:
-    """The state of training after an epoch, apart from the weights."""
-
-    epochs: list[dict[str, float]] = field(default_factory=list)  # one for each finished epoch
-    best_score: float = -1.0  # on the held-out part of the source
-    best_epoch: int | None = None  # without a held-out part
-    best: dict[str, Tensor] = field(default_factory=dict)  # weights of that epoch
-
-    def keep_best(self, score: float, epoch: int, model: OmniVaT) -> None:
-        """Keep the weights of `model` if its score is the best so far."""
-        if score > self.best_score:
-            self.best_score, self.best_epoch = score, epoch
-            self.best = {name: tensor.clone() for name, tensor in model.state_dict().items()}
-
-
 def run_name(
     source: Embeddings,
     head: HeadSettings,
@@ -57,33 +40,27 @@ def run_name(
 
 
 def save_state(
-    path: Path, run: str, model: OmniVaT, optimiser: Momentum, progress: Progress
+    path: Path, run: str, model: OmniVaT, optimiser: Momentum, epochs: list[dict[str, float]]
 ) -> None:
     """Write the state after an epoch, completely or not at all."""
     tensors = {f"model.{name}": t for name, t in model.state_dict().items()}
-    tensors |= {f"best.{name}": t for name, t in progress.best.items()}
     for index, parameter in enumerate(parameters_of(optimiser)):
         if parameter in optimiser.state:
             tensors[f"momentum.{index}"] = optimiser.state[parameter]
-    metadata = {
-        "format": FORMAT,
-        "run": run,
-        "epochs": json.dumps(progress.epochs),
-        "best": json.dumps([progress.best_score, progress.best_epoch]),
-    }
+    metadata = {"format": FORMAT, "run": run, "epochs": json.dumps(epochs)}
     with replacing(path) as temporary:
         plain = {n: t.detach().contiguous() for n, t in tensors.items()}
         temporary.write_bytes(save(plain, metadata=metadata))
 
 
-def load_state(path: Path, run: str, model: OmniVaT, optimiser: Momentum) -> Progress:
-    """Load a stopped training's state into model and optimiser; return its progress.
+def load_state(path: Path, run: str, model: OmniVaT, optimiser: Momentum) -> list[dict[str, float]]:
+    """Load a stopped training's state into model and optimiser; return its finished epochs.
 
     A missing file means that training has not begun.
     Raises DataError if the file cannot be read or belongs to another training.
     """
     if not path.is_file():
-        return Progress()
+        return []
     try:
         with safe_open(path, framework="pt") as handle:
             metadata = handle.metadata() or {}
@@ -100,13 +77,8 @@ def load_state(path: Path, run: str, model: OmniVaT, optimiser: Momentum) -> Pro
     for index, parameter in enumerate(parameters_of(optimiser)):
         if str(index) in momenta:
             optimiser.state[parameter] = momenta[str(index)]
-    score, epoch = json.loads(metadata["best"])
-    return Progress(
-        epochs=json.loads(metadata["epochs"]),
-        best_score=score,
-        best_epoch=epoch,
-        best=_under("best.", tensors),
-    )
+    epochs: list[dict[str, float]] = json.loads(metadata["epochs"])
+    return epochs
 
 
 def _under(prefix: str, tensors: Mapping[str, Tensor]) -> dict[str, Tensor]:

@@ -6,8 +6,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-import torch
-
 from omnivat.data.profile import profile_of
 from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import LangBank
@@ -17,12 +15,10 @@ from omnivat.kit.devices import current
 from omnivat.kit.progress import OnStep, ignore
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.threads import LIGHT, one_thread
-from omnivat.measure.evaluate import predicted_probabilities
-from omnivat.measure.gaps.confusion import macro_f1
-from omnivat.training.batches import batches, held_out, labels_of
+from omnivat.training.batches import batches, labels_of
 from omnivat.training.order_search import search_order, search_steps
 from omnivat.training.settings import TrainSettings
-from omnivat.training.state import Progress, load_state, run_name, save_state
+from omnivat.training.state import load_state, run_name, save_state
 from omnivat.training.steps import learn, make_optimiser, set_rate
 from omnivat.training.watch import Watch
 
@@ -36,7 +32,6 @@ class Trained:
 
     model: OmniVaT
     epochs: list[dict[str, float]] = field(default_factory=list)
-    chosen_epoch: int = 0
     search: dict[str, Any] = field(default_factory=dict)  # of the order; see `order_search`
 
 
@@ -78,30 +73,29 @@ def train(
     [True, True]
     """
     watch = watch or Watch(on_step=on_step)
-    if settings.order_draw != "none":
+    if settings.order_draw:
         head = replace(head, learn_order=False)  # p is drawn, so it is not learned
     if bank is not None:
         bank.is_of(source.header)  # raises an error for texts of another checkpoint
     labels = labels_of(source, head)
-    fit, held = held_out(source, labels, settings, seed)
     with one_thread(head.width <= LIGHT):
         # what comes first keeps no state: a resumed training makes it again
-        steps, count = steps_of(len(fit), settings), settings.order_teachers
+        steps, count = steps_of(len(source), settings), settings.order_teachers
         teacher = replace(
             settings,
             epochs=min(settings.epochs, TEACHER.epochs),
             batch=TEACHER.batch,
             lr=TEACHER.lr,
-            order_draw="none",
+            order_draw=False,
             order_teachers=0,
         )
-        each = teacher.epochs * steps_of(len(fit), teacher)
-        first = search_steps(head, settings) if settings.order_search else count * each
+        each = teacher.epochs * steps_of(len(source), teacher)
+        first = search_steps(head) if settings.order_search else count * each
         whole = first + steps * settings.epochs
         search: dict[str, Any] = {}
         if settings.order_search:
             part = watch.part(0, whole)
-            search = search_order(source.select(fit), head, settings, seed=seed, watch=part)
+            search = search_order(source, head, settings, seed=seed, watch=part)
             head = replace(head, order=search["start"])
             settings = replace(settings, order_lr_scale=AFTER * settings.order_lr_scale)
         teachers = []
@@ -124,13 +118,14 @@ def train(
         if head.standardize:
             model.standardize_by(profile_of(source, modalities=settings.given))
         model = model.train().to(current())
-        optimiser, progress, run = make_optimiser(model, settings), Progress(), ""
+        optimiser, run = make_optimiser(model, settings), ""
+        epochs: list[dict[str, float]] = []
         if resume:
             run = run_name(source, head, settings, bank, seed)
-            progress = load_state(resume, run, model, optimiser)
-        for epoch in range(len(progress.epochs), settings.epochs):
+            epochs = load_state(resume, run, model, optimiser)
+        for epoch in range(len(epochs), settings.epochs):
             sums: dict[str, float] = defaultdict(float)
-            drawn = batches(source, labels, fit, bank, settings, derive_seed(seed, "epoch", epoch))
+            drawn = batches(source, labels, bank, settings, derive_seed(seed, "epoch", epoch))
             for step, batch in enumerate(drawn):
                 set_rate(optimiser, settings, (epoch * steps + step) / steps, 1 / steps)
                 losses = learn(model, optimiser, batch.to(current()), settings, teachers)
@@ -142,30 +137,15 @@ def train(
             record = {"epoch": float(epoch), **sums, "order": model.order}
             if head.order_per_modality:
                 record |= {f"order_{name}": order for name, order in model.orders.items()}
-            if len(held):
-                shares = predicted_probabilities(
-                    model.eval(), source, modalities=settings.given, rows=held
-                )
-                model.train()
-                score = macro_f1(torch.from_numpy(labels[held]), shares["fused"].argmax(-1))
-                record["source_val_macro_f1"] = float(score)
-                progress.keep_best(float(score), epoch, model)
-            progress.epochs.append(record)
+            epochs.append(record)
             watch.on_epoch(record, model)
             if resume:
-                save_state(resume, run, model, optimiser, progress)
-    if progress.best:
-        model.load_state_dict(progress.best)
+                save_state(resume, run, model, optimiser, epochs)
     if resume:
         resume.unlink(missing_ok=True)
     if search:
         search["found"] = model.order
-    return Trained(
-        model=model.eval().cpu(),
-        epochs=progress.epochs,
-        chosen_epoch=settings.epochs - 1 if progress.best_epoch is None else progress.best_epoch,
-        search=search,
-    )
+    return Trained(model=model.eval().cpu(), epochs=epochs, search=search)
 
 
 def steps_of(pairs: int, settings: TrainSettings) -> int:

@@ -65,8 +65,8 @@ def test_another_photo_does_not_change_what_touch_only_reads(resources):
 def test_a_head_is_trained_for_its_learned_order_or_for_the_range_that_was_drawn(resources):
     head = resources.head()
     assert trained_span(head) == [head.model.order, head.model.order]
-    drawn = {"order_draw": "batch", "order_low": 0.2, "order_high": 0.8}
-    assert trained_span(replace(head, provenance={"train": drawn})) == [0.2, 0.8]
+    drawn = replace(head, provenance={"train": {"order_draw": True}})
+    assert trained_span(drawn) == [-0.1, 1.1]
 
 
 def test_an_example_of_the_set_needs_no_encoder(resources, monkeypatch):

@@ -97,10 +97,10 @@ def test_what_is_offered_can_be_trained(resources):
 @pytest.mark.parametrize(
     ("order", "learned", "searched", "drawn"),
     [
-        ("gradient", True, False, "none"),
-        ("fixed", False, False, "none"),
-        ("search", True, True, "none"),
-        ("every", False, False, "row"),
+        ("gradient", True, False, False),
+        ("fixed", False, False, False),
+        ("search", True, True, False),
+        ("every", False, False, True),
     ],
 )
 def test_what_p_does_becomes_settings(resources, order, learned, searched, drawn):

@@ -17,9 +17,7 @@ FEATURES = "features"  # the kind of frames without a head
 
 def kind_of(head: "Head") -> str:
     """Return the kind of a head's frames: "every" if trained with random p, else "moved"."""
-    return (
-        "every" if head.provenance.get("train", {}).get("order_draw", "none") != "none" else "moved"
-    )
+    return "every" if head.provenance.get("train", {}).get("order_draw") else "moved"
 
 
 CLOSE = 0.0005  # quarter turns: a round stop this close to the learned order is replaced by it

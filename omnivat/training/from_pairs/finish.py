@@ -79,8 +79,6 @@ def trained_head(
         other = replace(head, model=model)
         others.append(_summary(seed, other, evaluate(other, plan.embeddings)))
     metrics = {
-        "selection": plan.training.selection,
-        "chosen_epoch": trained.chosen_epoch,
         **means,
         "domains": records,
         "epochs": trained.epochs,

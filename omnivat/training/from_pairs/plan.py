@@ -14,7 +14,7 @@ from omnivat.head.settings import HeadSettings
 from omnivat.kit.config import settings_dict, settings_from
 from omnivat.kit.errors import DataError
 from omnivat.training import Trained, TrainSettings, Watch, train
-from omnivat.training.batches import held_out, labels_of
+from omnivat.training.batches import labels_of
 from omnivat.training.state import run_name
 
 PACKAGES = ("torch", "numpy", "safetensors")  # whose versions a head keeps
@@ -39,7 +39,7 @@ class TrainingPlan:
         """Return the same plan with p fixed at `order`, and another seed."""
         found = self.searched(order)
         settings = replace(found.settings, learn_order=False)
-        training = replace(found.training, order_draw="none", order_teachers=0)
+        training = replace(found.training, order_draw=False, order_teachers=0)
         return replace(self, settings=settings, training=training, seed=seed)
 
     def searched(self, order: float) -> "TrainingPlan":
@@ -113,8 +113,8 @@ def plan_training(
     training  None: default settings
     bank      LANG or its file; None: the project's own. Not read if training.lang is off
 
-    Raises DataError if there is nothing to learn, if the selection needs held-out objects and there
-    are none, or if the bank lacks a class; SettingsError for invalid settings.
+    Raises DataError if there is nothing to learn, or if the bank lacks a class; SettingsError for
+    invalid settings.
     """
     training = training or TrainSettings()
     pairs = embeddings.in_domain(source, split="train", part=part)
@@ -140,12 +140,7 @@ def plan_training(
         "lang_width": texts.width if texts else 1,
     }
     settings = settings_from(HeadSettings, {**values, **(head or {})})
-    labels = labels_of(pairs, settings)  # raises an error for a single class before any work
-    if training.selection != "last" and not len(held_out(pairs, labels, training, seed)[1]):
-        raise DataError(
-            f"No object of '{source}' can be held out for selection={training.selection}: every "
-            "class has one object only, or val_fraction is 0. Use selection=last."
-        )
+    labels_of(pairs, settings)  # raises an error for a single class before any work
     return TrainingPlan(
         embeddings=embeddings,
         source=source,

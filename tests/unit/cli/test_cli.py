@@ -103,7 +103,7 @@ def test_a_file_in_the_place_of_an_output_folder_is_refused_before_any_work(
         ("--set width", "--set got 'width'; write it as key=value."),
         ("--set width=wide", "Setting 'width' is 'wide'; it must be int."),
         ("--set levels=9", "levels is 9; choose 1 to 6."),
-        ("--set selection=target", "selection is 'target'; choose one of last, source-val."),
+        ("--set fusion=sum", "fusion is 'sum'; choose one of mean, product, confidence, feature."),
         ("--source TAGG", "there are TAG-sim, OF Real-sim"),
     ],
 )

@@ -98,7 +98,7 @@ def test_a_folder_that_holds_something_else_is_refused_before_the_first_step(
 
 
 def test_the_search_for_an_order_is_kept_in_the_head_folder(file, tmp_path):
-    more = ("--set", "order_search=true", "--set", "order_stops=2", "--set", "lang=false")
+    more = ("--set", "order_search=true", "--set", "lang=false")
     assert main(command(file, tmp_path / "head", *more)) == 0
     search = load_head(tmp_path / "head").metrics["order_search"]
     assert len(search["orders"]) == len(search["score"]) == len(search["spread"])

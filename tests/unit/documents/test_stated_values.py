@@ -15,7 +15,6 @@ STATED = {
         "expansion": 4,
         "levels": 3,
         "order": 0.5,
-        "ffn_ratio": 4,
         "logit_scale": 10.0,
     },
     "omnivat.training:TrainSettings": {
@@ -31,7 +30,6 @@ STATED = {
         "nod_weight": 1.0,
         "lang_drop": 0.5,
         "class_token_drop": 0.5,
-        "order_stops": 21,
         "noise": 0.0,
         "shift": 0.0,
     },

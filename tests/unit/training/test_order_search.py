@@ -34,9 +34,9 @@ def head(**changes):
     return HeadSettings(**(values | changes))
 
 
-def searched(chirps, *, epochs=40, stops=21, watch=None, **changes):
+def searched(chirps, *, epochs=40, watch=None, **changes):
     source = chirps.in_domain(CHIRPS.domain_names[0], split="train")
-    settings = TrainSettings(epochs=epochs, lang=False, order_search=True, order_stops=stops)
+    settings = TrainSettings(epochs=epochs, lang=False, order_search=True)
     return train(source, head(theta_init="signed", **changes), settings, watch=watch)
 
 
@@ -70,7 +70,7 @@ def test_the_record_of_a_search_holds_its_curve_and_what_it_cost(trained):
     assert search["orders"][:65] == [k / 64 for k in range(65)] and len(coarse) == 65
     assert len(search["orders"]) == len(search["spread"]) == len(search["score"])
     assert search["orders"][int(np.argmin(coarse))] == pytest.approx(CHIRPS.order, abs=0.02)
-    assert search["steps"] == search_steps(head(), TrainSettings(order_search=True))
+    assert search["steps"] == search_steps(head())
     assert search["found"] == trained.model.order
     assert search["ties"] == [] and "are worse by three standard errors" in search["note"]
     low, high = search["between"]
@@ -115,7 +115,7 @@ def test_a_set_without_classes_in_its_signals_has_orders_that_tie():
 
 def test_steps_of_search_and_training_are_counted_as_one_work(chirps):
     steps = []
-    searched(chirps, epochs=1, stops=2, watch=Watch(on_step=steps.append))
+    searched(chirps, epochs=1, watch=Watch(on_step=steps.append))
     assert [step.done for step in steps] == list(range(1, steps[-1].total + 1))
     assert len({step.total for step in steps}) == 1
 
@@ -194,18 +194,16 @@ def test_valleys_are_apart_and_as_many_as_are_refined():
 
 def test_a_resumed_training_searches_again_and_ends_at_the_same_weights(chirps, tmp_path):
     source = chirps.in_domain(CHIRPS.domain_names[0], split="train")
-    settings = TrainSettings(epochs=2, lang=False, order_search=True, order_stops=2)
+    settings = TrainSettings(epochs=2, lang=False, order_search=True)
     whole = train(source, head(), settings)
     state = tmp_path / "training.safetensors"
     first = []
-    later = Watch(
-        on_step=first.append, cancelled=lambda: len(first) > search_steps(head(), settings) + 10
-    )
+    later = Watch(on_step=first.append, cancelled=lambda: len(first) > search_steps(head()) + 10)
     with pytest.raises(TrainingCancelled):
         train(source, head(), settings, resume=state, watch=later)
     again = []
     resumed = train(source, head(), settings, resume=state, on_step=again.append)
-    assert len(again) == search_steps(head(), settings) + 7  # batches of the second epoch
+    assert len(again) == search_steps(head()) + 7  # batches of the second epoch
     assert resumed.model.order == whole.model.order
     assert not list(tmp_path.iterdir())
 
@@ -213,7 +211,7 @@ def test_a_resumed_training_searches_again_and_ends_at_the_same_weights(chirps, 
 def test_a_source_of_one_object_a_class_is_searched_without_a_held_out_part(chirps):
     source = chirps.in_domain(CHIRPS.domain_names[0], split="train")
     one = source.select(np.array([int(np.flatnonzero(source.label == k)[0]) for k in range(5)]))
-    settings = TrainSettings(epochs=1, lang=False, order_search=True, order_stops=2)
+    settings = TrainSettings(epochs=1, lang=False, order_search=True)
     assert np.isfinite(train(one, head(), settings).model.order)
 
 
@@ -228,10 +226,7 @@ def test_three_standard_errors_of_the_paired_difference_are_the_limit_of_a_tie()
 
 
 def test_the_grid_is_as_fine_as_the_width_and_bounded():
-    counts = [
-        search_steps(head(width=w), TrainSettings(order_stops=n)) - 3 * 17
-        for w, n in ((8, 21), (64, 21), (4096, 9))
-    ]
+    counts = [search_steps(head(width=width)) - 3 * 17 for width in (8, 64, 4096)]
     assert counts == [21, 65, 2001]
 
 

@@ -13,9 +13,8 @@ import torch
 from omnivat.encoders.lang.bank import load_bank
 from omnivat.head.head import build_head
 from omnivat.kit.errors import DataError
-from omnivat.training import Trained, TrainSettings, Watch, train
-from omnivat.training.batches import Batch, batches, held_out, labels_of
-from omnivat.training.state import Progress
+from omnivat.training import TrainSettings, Watch, train
+from omnivat.training.batches import Batch, batches, labels_of
 from omnivat.training.steps import learn, make_optimiser, pairs_of, set_rate
 from omnivat.training.training import steps_of
 
@@ -148,7 +147,6 @@ def test_a_record_has_the_mean_losses_of_its_epoch(source):
             record["cross_entropy"]
         )
         assert 0.3 < record["loss"] < 3
-    assert trained.chosen_epoch == 1 and Trained(model=trained.model).chosen_epoch == 0
 
 
 def test_a_report_of_a_step_names_the_epoch_the_loss_and_its_place_in_the_work(source):
@@ -164,25 +162,6 @@ def test_the_last_batch_of_an_epoch_may_be_smaller():
     assert [steps_of(pairs, TrainSettings(batch=16)) for pairs in (1, 16, 17, 32)] == [1, 1, 2, 2]
 
 
-def test_the_first_of_equally_good_epochs_is_kept():
-    model, progress = build_head(head()), Progress()
-    for epoch, score in enumerate((0.0, 0.5, 0.5, 0.4)):
-        progress.keep_best(score, epoch, model)
-        assert progress.best
-    assert (progress.best_epoch, progress.best_score) == (1, 0.5)
-
-
-def test_pairs_are_held_out_only_where_epochs_are_chosen_by_them(source):
-    labels = labels_of(source, head())
-    for settings, some in (
-        (TrainSettings(), False),
-        (TrainSettings(selection="source-val", val_fraction=0.0), False),
-        (TrainSettings(selection="source-val", val_fraction=0.25), True),
-    ):
-        fit, held = held_out(source, labels, settings, 0)
-        assert sorted([*fit, *held]) == list(range(len(source))) and bool(len(held)) is some
-
-
 def test_a_class_that_the_head_lacks_is_named(source):
     with pytest.raises(DataError, match="pairs of 'glass', which the head lacks"):
         labels_of(source, head(classes=CLASSES[:4]))
@@ -194,7 +173,7 @@ def test_each_pair_is_mirrored_half_the_time_and_has_a_style_of_its_class(source
     flipped = replace(source, vis_flip=source.vis + 100, tac_flip=source.tac + 100)
     mirrored, dropped, styles = [], [], set()
     for seed in range(20):
-        (batch,) = batches(flipped, source.label, np.arange(len(source)), bank, settings, seed)
+        (batch,) = batches(flipped, source.label, bank, settings, seed)
         mirrored.append(float((batch.images["vis"].mean(1) > 50).double().mean()))
         dropped.append(
             (float(batch.lang_on.double().mean()), float(batch.token_on.double().mean()))

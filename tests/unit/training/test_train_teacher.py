@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 import torch
 
@@ -18,7 +17,7 @@ from omnivat.training.steps import learn, make_optimiser
 
 from .conftest import equal_weights, head
 
-EVERY = TrainSettings(epochs=8, lang=False, order_draw="row", order_teachers=2)
+EVERY = TrainSettings(epochs=8, lang=False, order_draw=True, order_teachers=2)
 
 
 def made(source, settings, **more):
@@ -41,7 +40,7 @@ def test_with_targets_the_loss_is_the_squared_difference_from_them():
 def test_a_taught_head_never_sees_the_labels(source):
     """Given a teacher, other labels change nothing but the reported cross-entropy."""
     settings = TrainSettings(batch=len(source), lang=False)
-    (batch,) = batches(source, source.label, np.arange(len(source)), None, settings, 0)
+    (batch,) = batches(source, source.label, None, settings, 0)
     teacher, moved, losses = build_head(head(), seed=1).eval(), [], []
     for labels in (batch.labels, batch.labels.flip(0)):
         model = build_head(head(class_token=False), seed=2).train()

@@ -1,7 +1,5 @@
 """From pairs to a finished head in memory: what it reports, that it stops, that the CLI agrees."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -118,14 +116,6 @@ def test_a_domain_without_pairs_of_a_part_is_refused(pairs):
     empty = pairs.select(np.flatnonzero(pairs.domain == 1))
     with pytest.raises(DataError, match="'TAG-sim' has no pairs to train on"):
         plan_training(empty, "TAG-sim")
-
-
-@pytest.mark.parametrize("change", [{"val_fraction": 0.0}, {}], ids=["no share", "one object"])
-def test_selection_with_nothing_to_hold_out_is_refused_before_training(pairs, change):
-    one = pairs if change else replace(pairs, rows=pairs.rows | {"object": pairs.label.astype(str)})
-    settings = TrainSettings(selection="source-val", **change)
-    with pytest.raises(DataError, match="No object of 'TAG-sim' can be held out .* selection=last"):
-        plan_training(one, "TAG-sim", training=settings)
 
 
 def test_a_plan_like_a_head_has_its_settings_and_source(watched, pairs):
