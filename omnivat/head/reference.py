@@ -4,13 +4,13 @@ A photo (vis) and a touch image (tac) of one surface come as vectors of encoders
 trained. The head names the surface's class. It is trained in one domain, the pictures of one
 sensor, and predicts in others; a text of the class (lang) takes part in training alone.
 
-    vector -> E -> F_p(E) -> tokens -> F̄ of each modality     MFFA, Eq. 2 to 6
-    T = sum of all F̄ -> seven nodes -> F̂ = F̄ + their mean     DTG, Eq. 8 to 11
-    F̂ -> its cosine to each class -> probabilities
+    vector -> E -> F_p(E) -> tokens -> F̄, one for each modality       MFFA, Eq. 2 to 6
+    root = sum of all F̄ -> seven nodes -> F̂ = F̄ + the nodes' mean    DTG, Eq. 8 to 11
+    F̂ -> its cosine to each class -> probabilities, mean of both modalities
 
 Equations are numbered as in the paper (Qiu et al., README.md). Beside a line is the shape of its
-result: B pairs, W width of the encoder, D of the head, T tokens, N nodes, K classes. "Ours" marks
-what the paper leaves open (docs/method.md). A test holds the fast head (`head.py`) to this file.
+result: B pairs, W and L widths of the image and text encoders, D of the head, T tokens, N nodes,
+K classes. "Ours" marks what the paper leaves open (docs/method.md). `head.py` is the fast form.
 """
 
 import torch
@@ -24,16 +24,16 @@ from omnivat.kit.stages import MODALITIES  # lang, vis, tac
 def dfrft(x: Tensor, p: Tensor) -> tuple[Tensor, Tensor]:
     """Return the fractional Fourier transform of order p, its real and imaginary part. Eq. 2.
 
-    p says how far a signal x (B, D) is turned towards its spectrum: p = 0 leaves it, p = 1 is its
-    Fourier transform, which only multiplies column k of V, by (-i)^k: a bell for k = 0, then waves
-    with k changes of sign. So x is split into columns, each is turned by p k quarter turns, and all
-    are added again.
+    p is in quarter turns from a signal x (B, D) to its spectrum: p = 0 leaves it, p = 1 is its
+    Fourier transform. V holds the transform's eigenvectors: a bell in column k = 0, then waves with
+    k changes of sign. The transform multiplies column k by (-i)^k, a quarter turn k times. So x is
+    split into columns, column k is turned by p k quarter turns, and all are added again.
 
     >>> pulse = torch.tensor([[1.0, 0.0, 0.0, 0.0]])
     >>> dfrft(pulse, torch.tensor(1.0))[0]  # the spectrum of a pulse is flat
     tensor([[0.5000, 0.5000, 0.5000, 0.5000]])
     """
-    v, k = basis(x.shape[-1], dtype=x.dtype)  # (D, D), (D,)
+    v, k = basis(x.shape[-1], dtype=x.dtype)  # V (D, D), orthonormal; (D,)
     angle = torch.pi / 2 * p * k  # (D,)
     shares = x @ v  # (B, D)
     real, imaginary = shares * angle.cos().to(x), shares * -angle.sin().to(x)  # times exp(-i angle)
@@ -41,7 +41,7 @@ def dfrft(x: Tensor, p: Tensor) -> tuple[Tensor, Tensor]:
 
 
 class FrATT(nn.Module):
-    """Fractional Fourier attention, one head, from queries to the tokens of the same pair."""
+    """Attention with one head over tokens of the transform: fractional Fourier attention."""
 
     def __init__(self, width: int) -> None:
         super().__init__()
@@ -52,7 +52,7 @@ class FrATT(nn.Module):
     def forward(self, queries: Tensor, tokens: Tensor) -> Tensor:
         """Return F̄ (B, D), of length 1 (ours): what queries read from tokens (B, T, D). Eq. 4."""
         scores = self.query(queries) @ self.key(tokens).mT / tokens.shape[-1] ** 0.5  # (B, T, T)
-        weights = softmax(scores, dim=-1)  # √D stands outside in the paper
+        weights = softmax(scores, dim=-1)  # the paper has √D outside of it
         read = (weights @ self.value(tokens)).mean(1)  # (B, D)
         return normalize(self.ffn(read), dim=-1)
 
@@ -63,11 +63,11 @@ class MFFA(nn.Module):
     def __init__(self, width: int, expansion: int, classes: int) -> None:
         super().__init__()
         self.order = nn.Parameter(torch.tensor(0.5, dtype=torch.float64))  # p, learned
-        spread = torch.linspace(0.5, 1.5, expansion)  # ours: equal θ would stay equal
+        spread = torch.linspace(0.5, 1.5, expansion)  # ours: θ that start equal stay so
         self.theta = nn.ParameterDict({m: nn.Parameter(spread.clone()) for m in MODALITIES})
         self.fratt = FrATT(width)
-        self.register_buffer("bank", torch.zeros(3, classes, width))  # mean tokens of training
-        self.register_buffer("bank_seen", torch.zeros(classes).bool())
+        self.register_buffer("bank", torch.zeros(3, classes, width))  # a mean token for
+        self.register_buffer("bank_seen", torch.zeros(classes).bool())  # each class, from training
 
     def tokens(self, name: str, embedding: Tensor) -> Tensor:
         """Return tokens: the real and imaginary part of F_p(E), times each θ, then ReLU. Eq. 3."""
@@ -75,26 +75,26 @@ class MFFA(nn.Module):
         return relu(self.theta[name][:, None] * parts[:, :, None]).flatten(1, 2)  # (B, T, D)
 
     def class_token(self, name: str) -> Tensor:
-        """Return F_g (D,) for a pair of unknown class: the mean over all classes. Ours."""
+        """Return F_g (D,), a class's mean token; of an unknown class the mean of all (ours)."""
         bank, seen = self.get_buffer("bank"), self.get_buffer("bank_seen").double()
         return seen.to(bank) @ bank[MODALITIES.index(name)] / seen.sum().clamp_min(1).to(bank)
 
     def forward(self, name: str, embedding: Tensor) -> Tensor:
-        """Return F̄ (B, D) of E without LANG: the tokens (B, T, D) themselves are the queries."""
+        """Return F̄ (B, D) of E without a text: the tokens (B, T, D) are the queries themselves."""
         tokens = self.tokens(name, embedding)
-        return self.fratt.forward(tokens, tokens + self.class_token(name))
+        return self.fratt.forward(tokens, tokens + self.class_token(name))  # F_g: key and value
 
 
 class DTG(nn.Module):
-    """Discrete tree generation. Three levels are seven nodes: T, two children, four of theirs."""
+    """Discrete tree generation, of linear maps: the root, its two children, their four children."""
 
     def __init__(self, width: int, levels: int) -> None:
         super().__init__()
-        self.weight = nn.Parameter(linalg.qr(torch.randn(2**levels - 2, width, width)).Q)
+        self.weight = nn.Parameter(linalg.qr(torch.randn(2**levels - 2, width, width)).Q)  # (ours)
         self.bias = nn.Parameter(torch.zeros(self.weight.shape[:2]))
 
     def forward(self, root: Tensor) -> Tensor:
-        """Return the nodes (B, N, D) of T (B, D): the children of n are 2n + 1, 2n + 2. Eq. 8."""
+        """Return the nodes (B, N, D) of a root (B, D); edge e leads to node e + 1. Eq. 8."""
         nodes = [root]
         for edge, (weight, bias) in enumerate(zip(self.weight, self.bias, strict=True)):
             nodes.append(linear(nodes[edge // 2], weight, bias))  # (B, D)
@@ -102,9 +102,9 @@ class DTG(nn.Module):
 
 
 class Reference(nn.Module):
-    """The head: vectors of widths `images` and `text` in, class probabilities out.
+    """The head. W = `image`, L = `text` and D = `width`; each modality has `expansion` θ.
 
-    >>> head = Reference(classes=3, images=12, text=10, width=8).requires_grad_(False)
+    >>> head = Reference(classes=3, image=12, text=10, width=8).requires_grad_(False)
     >>> pair = {"vis": torch.randn(1, 12), "tac": torch.randn(1, 12)}
     >>> head.mffa.tokens("vis", head.embedded("vis", pair["vis"])).shape  # two parts, four θ
     torch.Size([1, 8, 8])
@@ -116,11 +116,11 @@ class Reference(nn.Module):
     """
 
     def __init__(
-        self, classes: int, images: int, text: int, width: int, expansion: int = 4, levels: int = 3
+        self, classes: int, image: int, text: int, width: int, expansion: int = 4, levels: int = 3
     ) -> None:
         super().__init__()
         self.length, self.levels = float(width**0.5), levels
-        self.project_image, self.project_tac = nn.Linear(images, width), nn.Linear(images, width)
+        self.project_image, self.project_tac = nn.Linear(image, width), nn.Linear(image, width)
         self.project_lang = nn.Linear(text, width)
         self.mffa, self.dtg = MFFA(width, expansion, classes), DTG(width, levels)
         self.classifier = nn.Parameter(torch.randn(classes, width) / self.length)
@@ -135,7 +135,7 @@ class Reference(nn.Module):
         return 10 * normalize(hat, dim=-1) @ normalize(self.classifier, dim=-1).mT
 
     def forward(self, images: dict[str, Tensor]) -> Tensor:
-        """Return probabilities (B, K) of "vis", "tac" or both (B, W). Alg. 2; the tree is ours."""
+        """Return probabilities (B, K) of "vis", "tac" or both (B, W). Alg. 2, plus a tree."""
         bars = [self.mffa(name, self.embedded(name, vector)) for name, vector in images.items()]
         mean = self.dtg(stack(bars).sum(0)).mean(1)  # (B, D), of the tree that grows from F̄ᵛ + F̄ᵗ
         return stack([softmax(self.classify(bar + mean), dim=-1) for bar in bars]).mean(0)  # Eq. 11
@@ -145,36 +145,35 @@ class Reference(nn.Module):
     ) -> Tensor:
         """Return the loss of a batch, L_CE + 10 L_MMA + L_NOD. Eq. 12, Alg. 1.
 
-        lang      (B, L) vectors of a text of each pair's class; the classes are `labels` (B,)
-        on        (B,) pairs that LANG guides; the others learn to do without (ours)
-        token_on  (B,) pairs that see F_g of their own class; the others learn without (ours)
+        lang      (B, L) vector of a text of each pair's class; the classes are `labels` (B,)
+        on        (B,) pairs that the text guides, drawn at random: the others learn without (ours)
+        token_on  (B,) pairs that see F_g of their class, drawn at random, too (ours)
 
-        Every parameter learns from the sum: L_CE names the class, L_MMA draws photo and touch to
-        the text, and L_NOD drives the nodes of a level apart. Encoders learn nothing.
+        L_MMA aligns photo and touch with the text; L_NOD drives the nodes of a level apart.
         """
         same = (labels[:, None] == labels).to(lang)  # (B, B)
 
         def with_class(name: str, tokens: Tensor) -> Tensor:  # (B, T, D), each plus F_g
-            of_class = same / same.sum(1, keepdim=True) @ tokens.mean(1)  # (B, D)
+            of_class = (same / same.sum(1, keepdim=True)) @ tokens.mean(1)  # (B, D), in this batch
             token = where(token_on[:, None], of_class, self.mffa.class_token(name))
             return tokens + token[:, None]
 
         tokens = self.mffa.tokens("lang", self.embedded("lang", lang))  # (B, T, D)
-        text = self.mffa.fratt(tokens, with_class("lang", tokens))  # (B, D), Eq. 4
+        text = self.mffa.fratt(tokens, with_class("lang", tokens))  # F̄ of the text, (B, D)
         guide, bars = self.length * text, []  # (B, D), as long as E (ours)
         for name, vector in images.items():
-            embedding = self.embedded(name, vector) + guide * on[:, None]  # Eq. 5: LANG joins E
+            embedding = self.embedded(name, vector) + guide * on[:, None]  # Eq. 5: the text joins E
             tokens = self.mffa.tokens(name, embedding)  # (B, T, D)
-            queries = where(on[:, None, None], guide[:, None], tokens)  # Eq. 6: and is the query
+            queries = where(on[:, None, None], guide[:, None], tokens)  # Eq. 6: it is the query
             bars.append(self.mffa.fratt(queries, with_class(name, tokens)))  # (B, D)
-        nodes = self.dtg(stack(bars).sum(0) + text * on[:, None])  # (B, N, D)
-        goal, total = log_softmax(text, dim=-1), torch.zeros(()).to(text)
+        nodes = self.dtg(stack(bars).sum(0) + text * on[:, None])  # (B, N, D): it joins the root
+        goal, total = log_softmax(text, dim=-1), torch.zeros(()).to(text)  # goal (B, D) of L_MMA
         for bar in bars:
             total = total + cross_entropy(self.classify(bar + nodes.mean(1)), labels) / len(bars)
-            apart = goal.exp() * (goal - log_softmax(bar, dim=-1))  # (B, D), Eq. 7: KL divergence
-            total = total + 10 * apart.sum(-1).mean()
-        for level in nodes.split([2**r for r in range(self.levels)], dim=1)[1:]:
-            units = normalize(level, dim=-1)  # (B, 2^r, D)
-            excess = units @ units.mT - eye(level.shape[1]).to(units)  # (B, 2^r, 2^r), Eq. 9
+            gap = goal.exp() * (goal - log_softmax(bar, dim=-1))  # (B, D), Eq. 7: KL divergence
+            total = total + 10 * gap.sum(-1).mean()
+        for level in nodes.split([2**r for r in range(self.levels)], dim=1)[1:]:  # not the root
+            unit = normalize(level, dim=-1)  # (B, 2^r, D)
+            excess = unit @ unit.mT - eye(level.shape[1]).to(unit)  # (B, 2^r, 2^r), Eq. 9
             total = total + linalg.matrix_norm(excess).mean()  # Eq. 10
         return total
