@@ -235,7 +235,7 @@ def test_what_is_lost_is_split_by_reading_with_or_without_dots(
             home, away = (f"{int(cell[name][0] + 0.5)} %" for name in ("home", "away"))
             expect(shown.first).to_have_text(home, timeout=60_000)
             expect(shown.last).to_have_text(away, timeout=60_000)
-            rows = page.locator(".split dt").all_inner_texts()
+            rows = page.locator(".split .who").all_inner_texts()
             assert ("another sensor" in rows) == (reading != "photo")
             assert ("another scene" in rows) == (reading != "touch")
 

@@ -1,6 +1,7 @@
 /** Chapter 2: what heads lose on another domain, split into sensor, scene and other objects; and on the page's own set. */
 
 import { provenance } from "../shared/provenance.js";
+import { barOf, barRow } from "./bars.js";
 import { html, percent } from "./root.js";
 
 const TERMS = [
@@ -45,10 +46,7 @@ export function barsOf(loss) {
 
 /** @param {Bar[]} bars */
 const list = (bars) =>
-  html`<dl>${bars.map(
-    ({ name, ends, text, title, kind }) =>
-      html`<div title="${title}"><dt>${name}</dt><dd><span class="scale" style="--from:${ends[0]};--to:${ends[1]}"><i class="${kind}"></i></span><output>${text}</output></dd></div>`,
-  )}</dl>`;
+  html`${bars.map(({ name, ends, text, title, kind }) => barRow(name, barOf(ends, kind), text, { title }))}`;
 
 /** The loss by one reading as bars, and where it comes from. `dots`: 0 as printed, 1 filled.
  * @param {Pick<Twins, "split" | "presses">} twins @param {Input} reading @param {number} dots */

@@ -3,6 +3,7 @@
 import { thumbnail } from "../shared/card.js";
 import { unseenPairs } from "../shared/provenance.js";
 import { options } from "../shared/text.js";
+import { barRow, scaleOf } from "./bars.js";
 import { ofOwn } from "./chapters.js";
 import { marked } from "./grid.js";
 import { $, change, choice, html, percent, put, scene, state, take } from "./root.js";
@@ -16,13 +17,6 @@ const READINGS = [
 ];
 const SHOWN = 3; // look-alikes with both pictures, at most
 const ROOM = 165; // CSS pixels for one of them
-
-/** A scale with an interval and its mean. @param {Share | undefined} share @param {number} chance */
-const scale = (share, chance) =>
-  html`<span class="scale" style="--chance:${chance}">${
-    share &&
-    html`<i class="range" style="--low:${share.low};--high:${share.high}"></i><i class="mean" style="--share:${share.share}"></i>`
-  }</span>`;
 
 /** Look-alikes of unseen domains, the first of each class.
  * @param {Frames} frames @param {Unseen} unseen @param {PairNames} pairs @returns {number[]} */
@@ -82,7 +76,7 @@ function showReadings({ look_alikes, unseen, chance }) {
     const figure = share
       ? html`<b>${percent(share.share)}</b> <small>${(100 * share.low).toFixed(0)}–${(100 * share.high).toFixed(0)}</small>`
       : "–";
-    return { ...row, label: html`<span>${label}</span>${scale(share, chance)}<output>${figure}</output>` };
+    return { ...row, label: html`<span>${label}</span>${scaleOf(share, chance)}<output>${figure}</output>` };
   });
   choice(".readings", "reading", buttons);
 }
@@ -92,22 +86,19 @@ function bars(facts) {
   const { domains, unseen, chance } = facts;
   /** @type {`answers/${Reading}`} */
   const key = `answers/${state.reading}`;
-  /** @type {(name: string, share: Share | undefined, kind?: string, note?: Html | null, title?: string) => Html} */
-  const row = (name, share, kind = "", note = null, title = "") =>
-    html`<div class="bar-row ${kind}" data-domain="${name}" title="${title}"><span class="who">${name.replace(/-sim$/, "")}${kind === "source" && html` <b class="tag source">source</b>`}</span>${scale(share, chance)}<output>${share ? percent(share.share) : "–"}</output>${note}</div>`;
+  const row = (/** @type {string} */ name, /** @type {Share | undefined} */ share, /** @type {object} */ about) =>
+    barRow(name, scaleOf(share, chance), share ? percent(share.share) : "–", about);
   const rows = domains
     .filter((domain) => domain.pairs || domain[key])
-    .map((domain) =>
-      row(
-        domain.name,
-        domain[key],
-        domain.is_source ? "source" : "",
-        html`<span class="sr">${domain.pairs} test pairs</span>`,
-      ),
+    .map(({ name, is_source, pairs, ...domain }) =>
+      row(name, domain[key], {
+        kind: is_source && "source",
+        more: html`${is_source && html` <b class="tag source">source</b>`}<span class="sr">, ${pairs} test pairs</span>`,
+      }),
     );
-  const retrieval =
+  const title =
     "How often the touch nearest to a photo in the same domain has its class; each image is seen alone, at F̂";
-  return html`${rows}<hr>${row("unseen, mean", unseen[key], "mean-row")}${row("retrieval", unseen.retrieval, "", null, retrieval)}${ofOwn(scene.own, `its test pairs, ${unseenPairs(scene.own, facts)}`)}`;
+  return html`${rows}<hr>${row("unseen, mean", unseen[key], { kind: "mean-row" })}${row("retrieval", unseen.retrieval, { title })}${ofOwn(scene.own, `its test pairs, ${unseenPairs(scene.own, facts)}`)}`;
 }
 
 /** The confusion matrix of a domain by the chosen reading; the chosen cell is pressed. */

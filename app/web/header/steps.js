@@ -4,6 +4,8 @@ import { html, percent } from "../shared/text.js";
 
 const CLEAR = 0.1; // of accuracy: a smaller change over p is called small
 const NEAR = 0.05; // quarter turns between an option and the best order
+const ORDERS = [0.1, 0.35, 0.6]; // the options of the best order
+const near = (/** @type {number} */ p) => `Near ${p}`;
 const MOST = 200; // pictures without labels
 /** What a step about one press opens with. @type {Partial<State>} */
 const PRESS = { press: "", from: "0", dots: "", known: "0", reading: "tac" };
@@ -45,14 +47,10 @@ export const STEPS = [
     needs: "twins",
     set: PRESS,
     ask: "A model learned materials from the first sensor’s touches. Seven others image the same presses. Of what it reads right at home, how much does it still read?",
-    options: [
-      ["most", "Nearly all"],
-      ["part", "More than half"],
-      ["less", "Less than half"],
-    ],
+    options: ["Nearly all", "More than half", "Less than half"],
     right: (at) => {
       const left = away(at)[0] / home(at);
-      return [left > 0.9 ? "most" : left < 0.5 ? "less" : "part"];
+      return [left > 0.9 ? "Nearly all" : left < 0.5 ? "Less than half" : "More than half"];
     },
     reveal: (at) =>
       html`${b(home(at))} on its own sensor, ${b(away(at)[0])} on the seven others. Only the sensor changed.`,
@@ -63,12 +61,8 @@ export const STEPS = [
     needs: "twins",
     set: PRESS,
     ask: "Dots are printed on some gels. Now each dot takes the colours around it, in training too. How much of the loss comes back?",
-    options: [
-      ["little", "Hardly any"],
-      ["part", "Less than half"],
-      ["most", "More than half"],
-    ],
-    right: (at) => [mended(at) < 0.1 ? "little" : mended(at) < 0.5 ? "part" : "most"],
+    options: ["Hardly any", "Less than half", "More than half"],
+    right: (at) => [mended(at) < 0.1 ? "Hardly any" : mended(at) < 0.5 ? "Less than half" : "More than half"],
     after: () => ({ dots: "1" }),
     reveal: (at) =>
       html`${b(away(at, 1)[0])} in place of ${b(away(at)[0])}: the head had learned the dots. Nothing was known of the new sensors.`,
@@ -79,14 +73,10 @@ export const STEPS = [
     needs: "twins",
     set: PRESS,
     ask: `Instead, ${MOST} pictures of each new sensor give the mean and spread of each feature; no label is used. Does that bring more than filled dots?`,
-    options: [
-      ["more", "More"],
-      ["same", "About as much"],
-      ["less", "Less"],
-    ],
+    options: ["More", "About as much", "Less"],
     right: (at) => {
       const [few, filled] = [away(at, 0, MOST), away(at, 1)];
-      return [few[1] > filled[2] ? "more" : few[2] < filled[1] ? "less" : "same"];
+      return [few[1] > filled[2] ? "More" : few[2] < filled[1] ? "Less" : "About as much"];
     },
     after: () => ({ known: String(MOST) }),
     reveal: (at) =>
@@ -98,11 +88,10 @@ export const STEPS = [
     needs: "places",
     set: { rung: "0" },
     ask: "Each colour is a sensor, and a thread joins one press. Suppose each sensor’s mean is taken away. Does the head read its touches again?",
-    options: [
-      ["yes", "Mostly"],
-      ["no", "Not yet"],
+    options: ["Mostly", "Not yet"],
+    right: ({ places: { accuracy } }) => [
+      accuracy[1] - accuracy[0] > 0.5 * (accuracy[2] - accuracy[0]) ? "Mostly" : "Not yet",
     ],
-    right: ({ places: { accuracy } }) => [accuracy[1] - accuracy[0] > 0.5 * (accuracy[2] - accuracy[0]) ? "yes" : "no"],
     after: () => ({ rung: "2" }),
     reveal: ({ places: { accuracy } }) =>
       html`${b(accuracy[0])} as they come, ${b(accuracy[1])} with the mean moved, ${b(accuracy[2])} with mean and spread: sensors shift features and stretch them.`,
@@ -113,11 +102,8 @@ export const STEPS = [
     needs: "pale",
     set: { rung: "0" },
     ask: "The slider turns all features by an order p; each stop has heads of its own. How far does accuracy on new sensors range?",
-    options: [
-      ["much", "Over ten points"],
-      ["little", "Less"],
-    ],
-    right: ({ pale }) => [range(pale) >= CLEAR ? "much" : "little"],
+    options: ["Over ten points", "Less"],
+    right: ({ pale }) => [range(pale) >= CLEAR ? "Over ten points" : "Less"],
     after: () => ({ rung: "p" }),
     reveal: ({ pale }) => html`It lies ${within(pale)}. Drag p: the points and both gaps move all the same.`,
   },
@@ -125,14 +111,9 @@ export const STEPS = [
     title: "When does p decide?",
     chapter: "order",
     ask: "Each colour is a kind of signal, each stop of the slider a head trained at that p. Where do the colours come apart?",
-    options: [
-      ["0.1", "Near 0.1"],
-      ["0.35", "Near 0.35"],
-      ["0.6", "Near 0.6"],
-      ["all", "Everywhere alike"],
-    ],
+    options: [...ORDERS.map(near), "Everywhere alike"],
     right: (at) =>
-      range(at.curve) < CLEAR ? ["all"] : ["0.1", "0.35", "0.6"].filter((p) => Math.abs(+p - best(at)) <= NEAR),
+      range(at.curve) < CLEAR ? ["Everywhere alike"] : ORDERS.filter((p) => Math.abs(p - best(at)) <= NEAR).map(near),
     after: (at) => (known(at.curve).length ? { p: best(at) } : {}),
     reveal: (at) =>
       known(at.curve).length
@@ -143,13 +124,10 @@ export const STEPS = [
     title: "When is touch needed?",
     chapter: "fooled",
     ask: "Some things look like another class. For them, which is right more often on its own?",
-    options: [
-      ["vis", "The photo"],
-      ["tac", "The touch"],
-    ],
+    options: ["The photo", "The touch"],
     right: (at) => {
       const found = alone(at);
-      return !found || found.doubt ? [] : [found.photo.share > found.touch.share ? "vis" : "tac"];
+      return !found || found.doubt ? [] : [found.photo.share > found.touch.share ? "The photo" : "The touch"];
     },
     after: () => ({ reading: "tac" }),
     reveal: (at) => {

@@ -41,10 +41,9 @@ function rest(explore, on) {
 
 /** What is said of a prediction; nothing if the data cannot decide.
  * @param {TourStep} step @param {string} option @param {Figures} figures */
-function verdictOf({ right = () => [], options = [] }, option, figures) {
-  const keys = right(figures);
-  if (keys.includes(option)) return html`<b class="right">As you predicted.</b> `;
-  const words = options.filter(([key]) => keys.includes(key)).map(([, text]) => text);
+function verdictOf({ right = () => [] }, option, figures) {
+  const words = right(figures);
+  if (words.includes(option)) return html`<b class="right">As you predicted.</b> `;
   return words.length ? html`<b class="wrong">Not so. Correct: “${words.join("”, “")}”.</b> ` : null;
 }
 
@@ -88,7 +87,7 @@ function show(figures) {
     explore.querySelector(chapter === "touch" ? ".touch .side" : ".stage .side")?.prepend(box); // in the flow
     if (!ask) return tell(null);
     rest(explore, true);
-    const buttons = options.map(([key, words]) => html`<button data-option="${key}">${words}</button>`);
+    const buttons = options.map((words) => html`<button data-option="${words}">${words}</button>`);
     return lay(html`${ask}`, html`<span class="options">${buttons}</span>`, "h3");
   };
 

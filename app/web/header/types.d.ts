@@ -21,8 +21,8 @@ interface TourStep {
   set?: Partial<State>;
   after?: (at: Figures) => Partial<State>;
   ask?: string;
-  options?: [key: string, words: string][];
-  /** the keys that are right; none if the data cannot decide */
+  options?: string[];
+  /** the options that are right; none if the data cannot decide */
   right?: (at: Figures) => string[];
   reveal: (at: Figures) => Html;
 }

@@ -28,7 +28,7 @@ export class Spectra extends View {
         return html`<figure><figcaption>${NAMES[name]}</figcaption>
       <div class="heat"><span class="up">p</span><canvas role="img" aria-label="Spectrum of ${NAMES[name]} over p"></canvas><i class="cursor"></i></div>
       <canvas class="profile" role="img" aria-label="Spectrum of ${NAMES[name]} at the current p"></canvas>
-      <p class="scale hint"><span>entry 0</span><span>${width} entries · brightest = ${top.toPrecision(3)}</span><span>${width - 1}</span></p></figure>`;
+      <p class="ends hint"><span>entry 0</span><span>${width} entries · brightest = ${top.toPrecision(3)}</span><span>${width - 1}</span></p></figure>`;
       })}`,
     );
     this.all = there.map((name, i) => ({

@@ -44,9 +44,9 @@ export const pairNames = fact("pairs");
 /** The mechanism on a toy. */
 export const toyFacts = fact("toy");
 /** What heads predict of the twins: one press of one object, by every sensor and in every scene. */
-export const twins = () => once("twins", () => json("twins"));
+export const twins = fact("twins");
 /** Positions of the twins' touches: as they come, mean moved, mean and spread moved. */
-export const twinsMap = () => once("twins/map", () => json("twins/map"));
+export const twinsMap = fact("twins/map");
 /** {rungs, sources}: what is known of a new sensor, and the accuracy that it brings. */
 export const ladder = (set = "", source = "") =>
   once(`ladder ${set} ${source}`, () => ask(inSet("ladder", set), { source }));

@@ -1,0 +1,19 @@
+/** Bars of shares, one below the other. */
+
+import { html } from "../shared/text.js";
+
+/** A scale with an interval and its mean; a line where guessing is. @param {Share | undefined} share @param {number} chance */
+export const scaleOf = (share, chance) =>
+  html`<span class="scale" style="--chance:${chance}">${
+    share &&
+    html`<i class="range" style="--low:${share.low};--high:${share.high}"></i><i class="mean" style="--share:${share.share}"></i>`
+  }</span>`;
+
+/** A scale with a bar from one share to another. @param {number[]} ends */
+export const barOf = ([from, to], kind = "") =>
+  html`<span class="scale" style="--from:${from};--to:${to}"><i class="bar ${kind}"></i></span>`;
+
+/** A row of bars. @param {string} name @param {Html} scale @param {Markup} figure
+ * @param {{kind?: string, title?: string, more?: Markup | false}} [about] */
+export const barRow = (name, scale, figure, { kind = "", title = "", more = "" } = {}) =>
+  html`<div class="bar-row ${kind}" data-domain="${name}" title="${title}"><span class="who">${name.replace(/-sim$/, "")}${more}</span>${scale}<output>${figure}</output></div>`;
