@@ -78,9 +78,9 @@ def test_no_letter_of_the_chart_over_p_is_cut_off(open_page: Callable[..., Any])
     page = open_page(PAIR, viewport={"width": 1280, "height": 720})
     page.wait_for_selector(ANSWERED)
     page.click(".pair .what-if-p summary")
-    page.wait_for_selector(".pair .what-if-p .chart svg text")
+    page.wait_for_selector(".pair .what-if-p .lines text")
     cut = page.evaluate(
-        """() => [...document.querySelectorAll('.pair .what-if-p .chart text')].filter((text) => {
+        """() => [...document.querySelectorAll('.pair .what-if-p .lines text')].filter((text) => {
           const [own, all] = [text, text.ownerSVGElement].map((e) => e.getBoundingClientRect());
           return own.left < all.left - 1 || own.right > all.right + 1;
         }).map((text) => text.textContent)"""

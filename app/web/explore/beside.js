@@ -10,12 +10,11 @@ import { values } from "../shared/measures.js";
 import { onTheme } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { stageNamed, stepsOf } from "../shared/stages.js";
-import { define } from "../shared/terms.js";
 import { options } from "../shared/text.js";
 import { making, tell } from "../shared/view.js";
 import { whence } from "./chapters.js";
 import { figure, kindOf, map, pairLines, showLayers, shown } from "./maps.js";
-import { $, change, html, put, scene, state, take } from "./root.js";
+import { $, change, fill, html, put, scene, state, take } from "./root.js";
 import { isDouble } from "./scene.js";
 
 /** The two gaps of frames at a stop. @type {(frames: Frames, stage: string, stop: number) => (Html | null | string)[]} */
@@ -129,16 +128,14 @@ export function show() {
   showLayers(cloud, frames, stop);
   cloud.show(frames.positions(kindOf(stage(), frames), stage(), stop));
   cloud.box.dataset.order = String(p);
-  const titles = [$(".pane-title"), $(".now .pane")];
-  put(
-    titles[0],
+  fill(
+    $(".pane-title"),
     html`${isReady() && [gaps(frames, stage(), stop), " ", same ? null : right(frames, stage(), stop, unseen)]}`,
   );
-  put(
-    titles[1],
+  fill(
+    $(".now .pane"),
     html`<b>${stageNamed(state.stage).name}</b> p = ${orderText(scene.frames.orders[scene.stop])} ${gaps(scene.frames, state.stage, scene.stop)}`,
   );
-  for (const title of titles) define(title);
   const counts = unseen?.pairs.counts;
   $(".changed").hidden = !counts || !isReady() || same;
   if (counts && !$(".changed").hidden) put($(".changed"), changes(counts, frames, stop));

@@ -9,7 +9,6 @@ import { colouring } from "../shared/palette.js";
 import { afterwards } from "../shared/ready.js";
 import { explained, featuresOf, stageNamed, stepsOf } from "../shared/stages.js";
 import { modeOf } from "../shared/tables.js";
-import { define } from "../shared/terms.js";
 import { press } from "../shared/view.js";
 import * as beside from "./beside.js";
 import { featuresHtml, headOf, LESSONS, whence } from "./chapters.js";
@@ -97,8 +96,7 @@ export function replace(frames) {
   bar.replace(frames);
   bar.learned(state.chapter === "analyse" ? scene.own.learned : NaN); // the mark would give the answer away
   if (state.chapter === "where") charts.together.draw();
-  put($(".mode-words"), modeWords(frames));
-  define($(".mode-words"));
+  fill($(".mode-words"), modeWords(frames));
   Object.assign($().dataset, { kind: frames.kind, can: modeOf(frames).can.join(" ") });
   $(".ride").classList.toggle("blind", !values(frames, "accuracy", "f_hat")?.some(Number.isFinite));
   showColours();
@@ -153,8 +151,7 @@ export function showStage() {
   const steps = stepsOf(frames).map(({ key }) => key);
   if (!steps.includes(state.stage)) return change({ stage: frames.headless ? "raw" : "frft" }); // it lacks a projection
   const stage = stageNamed(state.stage);
-  put($(".explain"), html`<b>${stage.name}.</b> ${explained(stage, frames)}`);
-  define($(".explain"));
+  fill($(".explain"), html`<b>${stage.name}.</b> ${explained(stage, frames)}`);
   maps.showKinds();
   showCurves();
   return showOrder();

@@ -128,7 +128,7 @@ function curve({ name, title, help }, box) {
     known && has(frames, "heads") && html`<g class="dots">${dots(known, scale)}</g>`,
     html`<circle class="now" r="4"/>`,
   );
-  const figure = html`<figure data-name="${name}"><figcaption title="${help}"><span>${title} <small class="of">${of}</small></span><output></output></figcaption>${drawn}</figure>`;
+  const figure = html`<figure data-name="${name}"><figcaption class="${accurate && "sr"}" title="${help}"><span>${title} <small class="of">${of}</small></span><output></output></figcaption>${drawn}</figure>`;
   return { name, scale, values: own, figure };
 }
 

@@ -82,7 +82,7 @@ function histogramHtml({ name, title, help }, all, seen) {
       .map((n, i) => (n ? `M${i + 0.08} ${HIGH}V${HIGH - (n / most) * (HIGH - 2)}H${i + 0.92}V${HIGH}Z` : ""))
       .join("");
   return html`<figure data-name="${name}" title="${help}"><figcaption>${title} <button class="link" ${!range && "hidden"}>clear</button></figcaption>
-    <svg viewBox="0 0 ${BINS} ${HIGH}" preserveAspectRatio="none" role="slider" tabindex="0" aria-label="${title}: drag to keep a range; arrows move its lower end, Shift and arrows its upper end" aria-valuemin="${low}" aria-valuemax="${high}" aria-valuenow="${from}" aria-valuetext="${range ? `${from} to ${to}` : "all"}"><path class="all" d="${bars(counts)}"/><path class="kept" d="${bars(histogram(all, ends, seen))}"/></svg>
+    <svg class="chart" viewBox="0 0 ${BINS} ${HIGH}" preserveAspectRatio="none" role="slider" tabindex="0" aria-label="${title}: drag to keep a range; arrows move its lower end, Shift and arrows its upper end" aria-valuemin="${low}" aria-valuemax="${high}" aria-valuenow="${from}" aria-valuetext="${range ? `${from} to ${to}` : "all"}"><path class="all" d="${bars(counts)}"/><path class="kept" d="${bars(histogram(all, ends, seen))}"/></svg>
     <span class="ends"><small>${low}</small><small>${high}</small></span></figure>`;
 }
 

@@ -3,9 +3,8 @@
 import { ask, refused } from "../shared/api.js";
 import { classColour, rgb } from "../shared/palette.js";
 import { awaited } from "../shared/ready.js";
-import { define } from "../shared/terms.js";
 import { panelIsOpen } from "./panels.js";
-import { $, html, percent, put, scene, state, take } from "./root.js";
+import { $, fill, html, percent, scene, state, take } from "./root.js";
 
 const PAUSE = 60; // ms: at most one request in it while p is dragged
 const ALIKE = 0.95; // from this share of pairs on, a node counts as constant
@@ -18,7 +17,7 @@ let asking = new AbortController();
 export function follow() {
   if (state.chapter !== "analyse" || !panelIsOpen("nodes")) return;
   asking.abort();
-  if (state.pin === null) return put($(".nodes"), html`<p class="hint">Pin a pair: click a point of the map.</p>`);
+  if (state.pin === null) return fill($(".nodes"), html`<p class="hint">Pin a pair: click a point of the map.</p>`);
   const { signal } = (asking = new AbortController());
   awaited(new Promise((done) => setTimeout(done, PAUSE)).then(() => (signal.aborted ? undefined : grow(signal))));
 }
@@ -35,14 +34,13 @@ async function grow(signal) {
     take({ votes: await ask("votes", { head: "" }) });
     show(tree);
   } catch (error) {
-    refused(error, $(".nodes"));
+    refused(error, (/** @type {string} */ sentence) => fill($(".nodes"), html`${sentence}`));
   }
 }
 
 /** @param {Tree} tree */
 function show(tree) {
-  put($(".nodes"), nodesHtml(tree, scene.votes ?? {}));
-  define($(".nodes"));
+  fill($(".nodes"), nodesHtml(tree, scene.votes ?? {}));
 }
 
 /** tree: the server's reply; votes: of each node over the set, once known.
@@ -108,7 +106,7 @@ function drawTree({ classes, nodes, parents }, fixed) {
     return html`<path class="edge" d="M${above.x} ${top}C${above.x} ${middle} ${x} ${middle} ${x} ${y}"/>`;
   });
   const discs = placed.map((node, i) => disc(node, i + 1, classes, fixed[i]));
-  return html`<svg class="tree-view" viewBox="0 0 ${width} ${rows.length * ROW}" role="list" aria-label="Tree of ${nodes.length} nodes">${edges}${discs}</svg>`;
+  return html`<svg class="chart tree-view" viewBox="0 0 ${width} ${rows.length * ROW}" role="list" aria-label="Tree of ${nodes.length} nodes">${edges}${discs}</svg>`;
 }
 
 const isDeep = (/** @type {string} */ hex) => rgb(hex).reduce((sum, v, c) => sum + v * [0.3, 0.59, 0.11][c], 0) < 110;

@@ -47,7 +47,7 @@ export const open = () =>
       html`<p>Two signals, <b class="vis">a photo’s</b> and <b class="tac">a touch’s</b>. <b>Drag p</b> above; now <output class="at-p"></output>.</p>
 <div class="toy-grid"></div>
 <h4>Distance against p</h4>
-<svg class="apart" viewBox="0 0 300 92" role="img" aria-label="Distances against p: flat after the transform, not flat after the ReLU">${distances(toy)}</svg>
+${distances(toy)}
 <p class="hint">Solid: real part; dotted: imaginary part. Near p = 0.35 each signal becomes one spike. The clouds show one coefficient of 40 photos ● and 40 touches ▲; the transform rotates them by p quarter turns.</p>`,
     );
   }, $(".toy"));
@@ -65,12 +65,12 @@ export function show(p) {
   const waves = IMAGES.map(({ name, what, colour }) =>
     ACTS.map(({ act, signal }) => {
       const { re, im } = signals[name];
-      return html`<svg class="${act} ${name}" viewBox="0 0 ${HALF} ${SIGNAL}" role="img" aria-label="the ${what}’s signal${signal}">${wave(re[i], im[i], colour, act)}</svg>`;
+      return html`<svg class="chart ${act} ${name}" viewBox="0 0 ${HALF} ${SIGNAL}" role="img" aria-label="the ${what}’s signal${signal}">${wave(re[i], im[i], colour, act)}</svg>`;
     }),
   );
   const planes = ACTS.map(
     ({ act, cloud }) =>
-      html`<svg class="plane ${act}-plane" viewBox="0 0 ${HALF} ${PLANE}" role="img" aria-label="two clouds${cloud}">${plane(clouds, i, act)}</svg>`,
+      html`<svg class="chart plane ${act}-plane" viewBox="0 0 ${HALF} ${PLANE}" role="img" aria-label="two clouds${cloud}">${plane(clouds, i, act)}</svg>`,
   );
   put(
     $(".toy-grid"),
@@ -121,7 +121,13 @@ function distances({ orders, distances }) {
       return html`<path class="${kind}" d="${CURVE.line(orders.map((p, i) => [p, distances[of][act][i]]))}"/>`;
     }),
   );
-  return html`${CURVE.grid(CURVE.ys, (/** @type {number} */ v) => v)}${CURVE.ticks(ends, 3)}${lines}${CURVE.now()}`;
+  return CURVE.svg(
+    "Distances against p: flat after the transform, not flat after the ReLU",
+    CURVE.grid(CURVE.ys, (v) => v),
+    CURVE.ticks(ends, 3),
+    lines,
+    CURVE.now(),
+  );
 }
 
 /* ---- one chirp, turned by the slider: long at most orders, one spike at its own ---- */
@@ -139,6 +145,6 @@ export const showWave = (p) =>
     const line = WAVE.line(all.map((v, k) => [k / (all.length - 1), v]));
     put(
       $(".wave"),
-      html`<svg viewBox="0 0 300 74" preserveAspectRatio="none" role="img" aria-label="One chirp, turned by p: its sharpest sample has ${Math.max(...all).toFixed(2)} of 1"><path d="${line}"/></svg>`,
+      html`<svg class="chart" viewBox="0 0 300 74" preserveAspectRatio="none" role="img" aria-label="One chirp, turned by p: its sharpest sample has ${Math.max(...all).toFixed(2)} of 1"><path d="${line}"/></svg>`,
     );
   }, $(".wave"));

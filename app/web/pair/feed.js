@@ -171,14 +171,12 @@ export class Feed extends View {
    * @param {(n: number) => void} told */
   async takeRest(told) {
     this.rest = null;
-    let frames = [];
-    let { shape } = this;
+    const frames = [];
+    const { shape } = this; // another one drops the picture
     while (frames.length < FRAMES) {
       await this.fresh();
       if (!this.on) return;
       this.draw();
-      if (shape !== this.shape) frames = []; // from the start with another source, crop, turn or size
-      shape = this.shape;
       frames.push(grey(this.canvas));
       told(frames.length);
     }

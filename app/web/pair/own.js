@@ -83,7 +83,7 @@ export function curveHtml({ points, words }) {
   );
   const how =
     "Each pair is predicted by a head taught without it. Line: mean of ten draws of the objects that teach; band: from the least to the most.";
-  return html`<div class="chart labels-bring"><h4>How many more labels?</h4><p>${words}</p>${points.length > 1 && [drawn, hint(how)]}</div>`;
+  return html`<div class="labels-bring"><h4>How many more labels?</h4><p>${words}</p>${points.length > 1 && [drawn, hint(how)]}</div>`;
 }
 
 /** Before and after, pair by pair. @param {Taught} report @param {Labels | null} labels @param {string} source */

@@ -81,7 +81,7 @@ export class Scale {
 
   /** A drawing of this size. @param {Markup} label @param {...unknown} parts */
   svg = (label, ...parts) =>
-    html`<svg viewBox="0 0 ${this.wide} ${this.high}" role="img" aria-label="${label}">${parts}</svg>`;
+    html`<svg class="chart" viewBox="0 0 ${this.wide} ${this.high}" role="img" aria-label="${label}">${parts}</svg>`;
 
   /** The value of the axis under the pointer. @param {{clientX: number}} event @param {Element} svg */
   under({ clientX }, svg) {

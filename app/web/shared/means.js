@@ -52,12 +52,8 @@ export function means(frames, shown) {
     const edge = isDark() ? "#0b1220" : "#ffffff";
     const groups = groupsOf(frames(), cloud, shown, state.colour);
     context.lineCap = "round";
-    for (const stroke of /** @type {((colour: string) => [number, string])[]} */ ([
-      () => [7, edge],
-      (own) => [3.4, own],
-    ]))
-      for (const { vis, tac, colour } of groups)
-        if (vis && tac) stroked(context, () => segment(context, vis, tac), stroke(colour));
+    for (const { vis, tac, colour } of groups)
+      if (vis && tac) stroked(context, () => segment(context, vis, tac), [7, edge], [3.4, colour]);
     const size = cloud.width / cloud.ratio < 260 ? 0.7 * SIZE : SIZE;
     for (const { colour, vis, tac } of groups) {
       context.fillStyle = colour;

@@ -65,7 +65,6 @@ function made({ shape, colour, radius, alpha }) {
     g: Int32Array.from(rows, (r) => Math.round(r[3] * r[5] * 256)),
     b: Int32Array.from(rows, (r) => Math.round(r[4] * r[5] * 256)),
     keep: Int32Array.from(rows, (r) => Math.round(256 * (1 - r[5]))),
-    solid: Uint32Array.from(rows, (r) => (r[5] > 0.995 ? word(r[2], r[3], r[4]) : 0)),
   };
 }
 
@@ -112,10 +111,6 @@ export class Pixels {
       const centre = cy * width + cx;
       for (let k = 0; k < s.count; k++) {
         const to = centre + shift[k];
-        if (s.solid[k]) {
-          words[to] = s.solid[k];
-          continue;
-        }
         const old = words[to];
         const keep = s.keep[k];
         const r = (s.r[k] + (old & 255) * keep) >> 8;
