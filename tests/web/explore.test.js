@@ -19,9 +19,7 @@ const { modeWords } = await import("../../app/web/explore/modes.js");
 const { Cloud } = await import("../../app/web/shared/cloud.js");
 const { Scale } = await import("../../app/web/shared/chart.js");
 const { chosen, pressOf, read } = await import("../../app/web/explore/touch.js");
-const { between } = await import("../../app/web/explore/threads.js");
 const { barsOf } = await import("../../app/web/explore/split.js");
-const { sizes } = await import("../../app/web/explore/toy.js");
 const { lookAlikes } = await import("../../app/web/explore/strangers.js");
 const { change, openAt, openChapter, state } = await import("../../app/web/shared/store.js");
 globalThis.history = { state: null, replaceState: () => {} };
@@ -345,16 +343,6 @@ test("what is lost leads from home to away, and a term that does not apply has n
     ],
   );
   assert.equal(rows[1].title, "95 % interval -34 to -14 points");
-});
-
-test("points glide from one place to the next and end there", () => {
-  const [from, to] = [new Float32Array([0, 10]), new Uint16Array([4, 20])];
-  assert.deepEqual([...between(from, to, 0.5)], [2, 15]);
-  assert.deepEqual([...between(from, to, 1)], [4, 20]);
-});
-
-test("the chirp is drawn by the size of its samples at one stop", () => {
-  assert.deepEqual(sizes({ re: [[], [3, 0]], im: [[], [4, 1]] }, 1), [5, 1]);
 });
 
 test("in the chapter of the order the stops between which p was dragged are kept, by frames", () => {

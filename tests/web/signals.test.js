@@ -5,7 +5,8 @@ import { test } from "node:test";
 import { frames } from "./browser.js";
 
 const { card } = await import("../../app/web/shared/card.js");
-const { explained, stageNamed, STAGES } = await import("../../app/web/shared/stages.js");
+const { TABLES } = await import("../../app/web/shared/tables.js");
+const { explained, stageNamed } = await import("../../app/web/shared/stages.js");
 const { modeWords } = await import("../../app/web/explore/modes.js");
 const { cards, speakOfSignals } = await import("../../app/web/pair/verdict.js");
 
@@ -22,7 +23,7 @@ test("a set of signals has neither photos nor sensors", () => {
 });
 
 test("no step of the head is said to move gaps in a way that only some sets show", () => {
-  for (const stage of STAGES) assert.doesNotMatch(stage.explain, /are apart|together\. The classes/);
+  for (const stage of TABLES.stages) assert.doesNotMatch(stage.help, /are apart|together\. The classes/);
 });
 
 test("flat gaps of the transform are claimed only where all stops are one head", () => {

@@ -36,7 +36,7 @@ export const right = (frames, stage, stop, unseen) =>
 
 /** @type {Cloud} */
 let cloud;
-const stage = () => stageNamed(state.stage2).key;
+const stage = () => stageNamed(state.stage2).id;
 /** The frames are those that are chosen. */
 const isReady = () => !state.head2 || scene.other?.name === state.head2;
 const framesOf = () => (state.head2 && isReady() && scene.other?.frames) || scene.frames;
@@ -83,7 +83,7 @@ export async function follow(on) {
     await offer();
   }
   if (cloud.count !== 2 * scene.own.pairs) cloud.hold(2 * scene.own.pairs);
-  const steps = stepsOf(scene.frames).map(({ key, name }) => [key, name]);
+  const steps = stepsOf(scene.frames).map(({ id, title }) => [id, title]);
   put($(".beside .step"), options(steps, stage()));
   show();
   await load();
@@ -134,7 +134,7 @@ export function show() {
   );
   fill(
     $(".now .pane"),
-    html`<b>${stageNamed(state.stage).name}</b> p = ${orderText(scene.frames.orders[scene.stop])} ${gaps(scene.frames, state.stage, scene.stop)}`,
+    html`<b>${stageNamed(state.stage).title}</b> p = ${orderText(scene.frames.orders[scene.stop])} ${gaps(scene.frames, state.stage, scene.stop)}`,
   );
   const counts = unseen?.pairs.counts;
   $(".changed").hidden = !counts || !isReady() || same;

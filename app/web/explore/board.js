@@ -148,10 +148,10 @@ export function showWords({ title, figure, remark, whence = html`` }) {
 
 export function showStage() {
   const { frames } = scene;
-  const steps = stepsOf(frames).map(({ key }) => key);
+  const steps = stepsOf(frames).map(({ id }) => id);
   if (!steps.includes(state.stage)) return change({ stage: frames.headless ? "raw" : "frft" }); // it lacks a projection
   const stage = stageNamed(state.stage);
-  fill($(".explain"), html`<b>${stage.name}.</b> ${explained(stage, frames)}`);
+  fill($(".explain"), html`<b>${stage.title}.</b> ${explained(stage, frames)}`);
   maps.showKinds();
   showCurves();
   return showOrder();

@@ -1,8 +1,9 @@
 /** The words and figures of the chapters, made from what is on the screen. */
 
 import { remedyHtml } from "../shared/headless.js";
-import { MEASURES, values } from "../shared/measures.js";
+import { values } from "../shared/measures.js";
 import { ofFrames, strangers, unseenPairs } from "../shared/provenance.js";
+import { TABLES } from "../shared/tables.js";
 import { html, percent } from "./root.js";
 import { whole } from "./scene.js";
 
@@ -62,8 +63,8 @@ export const ofOwn = (own, pairs) => ofFrames(own, own.stop(own.learned), pairs)
 
 /** The three measures of features without a head, and what a head would need. @param {Scene} scene */
 export function featuresHtml({ own, facts: { fit } }) {
-  const gaps = MEASURES.map(({ name, title, help }) => {
-    const value = values(own, name, "raw")?.[0] ?? NaN;
+  const gaps = TABLES.measures.map(({ id, title, help }) => {
+    const value = values(own, id, "raw")?.[0] ?? NaN;
     return Number.isFinite(value) && html`<dt title="${help}">${title}</dt><dd>${value.toFixed(2)}</dd>`;
   });
   return html`<span class="measured"><b>The encoder’s features, no head.</b></span><dl class="gaps">${gaps}</dl>${headlessHtml(fit)}`;

@@ -1,9 +1,9 @@
 /** Charts against p: one for each measure, or accuracy and both gaps in one. Click or drag one to move p. */
 
 import { dragged, Scale } from "../shared/chart.js";
-import { asText, axis, gapsOf, MEASURES, spread, values } from "../shared/measures.js";
+import { asText, axis, gapsOf, spread, values } from "../shared/measures.js";
 import { isLecture } from "../shared/palette.js";
-import { has } from "../shared/tables.js";
+import { has, TABLES } from "../shared/tables.js";
 import { $, change, html, put, scene, state } from "./root.js";
 import { loneDomain, whole } from "./scene.js";
 
@@ -38,11 +38,10 @@ function charts(selector, high, make) {
 }
 
 /** A chart for each measure of the frames.
- * @param {string} selector @param {(frames: Frames) => string[]} measures @param {() => number} high */
+ * @param {string} selector @param {(frames: Frames) => Measure[]} measures @param {() => number} high */
 const single = (selector, measures, high) =>
   charts(selector, high, (box, scale) => {
-    const names = measures(scene.frames);
-    const rows = MEASURES.filter(({ name }) => names.includes(name)).map((row) => curve(row, scale));
+    const rows = measures(scene.frames).map((row) => curve(row, scale));
     put(box, html`${rows.map(({ figure }) => figure)}${rows.length > 1 && DASHED}`);
     const roots = [...box.querySelectorAll("figure")];
     return (stop) => roots.forEach((root, i) => markCurve(root, rows[i], stop));
@@ -52,7 +51,7 @@ const single = (selector, measures, high) =>
 export const accuracy = () =>
   single(
     ".over",
-    () => ["accuracy"],
+    () => TABLES.measures.filter(({ id }) => id === "accuracy"),
     () => {
       if (innerWidth < 820) return 110;
       if (state.chapter !== "order") return 0.165 * innerHeight;
@@ -62,12 +61,7 @@ export const accuracy = () =>
   );
 
 /** All measures of features against p. */
-export const features = () =>
-  single(
-    ".all",
-    (frames) => gapsOf(frames).map(({ name }) => name),
-    () => 108,
-  );
+export const features = () => single(".all", gapsOf, () => 108);
 
 /** Accuracy and both gaps in one chart, each with its value at the present stop. */
 export const together = () =>
@@ -97,7 +91,7 @@ export const together = () =>
 
 /** One curve of a stage, or of a single domain if only one is shown. @param {Measure} measure @param {Scale} box
  * @returns {Curve} */
-function curve({ name, title, help }, box) {
+function curve({ id: name, title, help }, box) {
   const { frames } = scene;
   const { stage } = state;
   const domain = loneDomain(scene, state);

@@ -127,7 +127,7 @@ function title(kind) {
     ? gap("modality_gap", `modality gap in ${domain}`)
     : [gap("modality_gap", "modality gap"), gap("domain_gap", "domain gap")];
   const partly = hides.length && !(domain && hides.length === 1);
-  return html`<span class="where-at">${stageNamed(state.stage).name}, p = ${orderText(frames.orders[stop])} <small>${METHODS[kind] ?? kind}</small></span>${gaps}${
+  return html`<span class="where-at">${stageNamed(state.stage).title}, p = ${orderText(frames.orders[stop])} <small>${METHODS[kind] ?? kind}</small></span>${gaps}${
     partly ? html`<span>${hides.join(" · ")}: gaps are of ${domain ? "the whole domain" : "all pairs"}</span>` : null
   }`;
 }

@@ -59,7 +59,7 @@ function caption() {
   const { simulated, origin } = frames.meta.embeddings;
   return [
     "OmniVaT",
-    stageNamed(state.stage).name,
+    stageNamed(state.stage).title,
     !frames.headless && `p = ${orderText(frames.orders[stop])}`,
     modeOf(frames).caption,
     frames.source && `trained on ${frames.source}`,

@@ -17,26 +17,26 @@ export function showSteps() {
   const { frames, stop, stairs } = scene;
   const steps = stepsOf(frames);
   const measures = gapsOf(frames);
-  const measure = measures.find(({ name }) => name === stairs) ?? measures[0];
+  const measure = measures.find(({ id }) => id === stairs) ?? measures[0];
   if (!measure || state.chapter !== "analyse") return;
-  const { name: chosen, title, between, help } = measure;
-  const now = steps.map(({ key }) => values(frames, chosen, key)?.[stop] ?? NaN);
+  const { id: chosen, title, between, help } = measure;
+  const now = steps.map(({ id }) => values(frames, chosen, id)?.[stop] ?? NaN);
   const heights = levels(now, axis(frames, chosen));
   const line = treads(heights);
   const what = frames.signals && chosen === "modality_gap" ? "VIS to TAC" : between;
   const heads = steps.map(
-    ({ key, explain, short, step, brief }) =>
-      html`<button role="radio" data-stage="${key}" title="${explain}" ${checked(key === state.stage)}><b>${symbol(short)}</b><span class="long">${step}</span><span class="brief">${brief}</span></button>`,
+    ({ id, help, short, step, brief }) =>
+      html`<button role="radio" data-stage="${id}" title="${help}" ${checked(id === state.stage)}><b>${symbol(short)}</b><span class="long">${step}</span><span class="brief">${brief}</span></button>`,
   );
   const outputs = steps.map(
-    ({ key }, i) =>
-      html`<output data-step="${key}" class="${key === state.stage && "open"}" style="transform:translateY(${(heights[i] - HIGH).toFixed(1)}px)">${asText(chosen, now[i], 2)}</output>`,
+    ({ id }, i) =>
+      html`<output data-step="${id}" class="${id === state.stage && "open"}" style="transform:translateY(${(heights[i] - HIGH).toFixed(1)}px)">${asText(chosen, now[i], 2)}</output>`,
   );
   $(".staircase").style.setProperty("--steps", steps.length);
   draw(
     $(".staircase"),
     html`<div class="stair"><select class="of-steps" aria-label="What the stairs show">${options(
-      measures.map(({ name, title }) => [name, title]),
+      measures.map(({ id, title }) => [id, title]),
       chosen,
     )}</select><div class="treads heads" role="radiogroup" aria-label="Step of the head; opens its map">${heads}</div></div>
     <div class="stair" data-name="${chosen}"><span class="stair-name" title="${help}">${title} <small>${what}</small></span><div class="treads"><svg viewBox="0 0 ${steps.length} ${HIGH}" preserveAspectRatio="none" aria-hidden="true"><path class="under" d="${line}V${HIGH}H0Z"/><path class="tread" d="${line}"/></svg>${outputs}</div></div>`,

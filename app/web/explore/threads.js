@@ -31,10 +31,6 @@ const BOUNDS = [
   [1, 1],
 ];
 
-/** Positions between two places: `share` 0 is the first, 1 the second.
- * @param {Float32Array} from @param {ArrayLike<number>} to @param {number} share */
-export const between = (from, to, share) => from.map((v, i) => v + share * (to[i] - v));
-
 const eased = (/** @type {number} */ share) => share * share * (3 - 2 * share);
 const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
@@ -177,7 +173,9 @@ function glide() {
   const begun = performance.now();
   const step = (/** @type {number} */ now) => {
     const share = from ? Math.min(1, Math.max(0, (now - begun) / GLIDE)) : 1;
-    cloud.show({ points: from && share < 1 ? between(from, to, eased(share)) : to, bounds: BOUNDS });
+    const near = eased(share);
+    const points = from && share < 1 ? Float32Array.from(from, (v, i) => v + near * (to[i] - v)) : to;
+    cloud.show({ points, bounds: BOUNDS });
     if (share < 1) moving = requestAnimationFrame(step);
     else arrived(0);
   };

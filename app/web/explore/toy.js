@@ -134,14 +134,13 @@ function distances({ orders, distances }) {
 
 const WAVE = new Scale({ wide: 300, high: 74, pad: { left: 2, right: 2, top: 6, bottom: 4 } });
 
-/** The sizes of a signal's samples, from their real and imaginary parts. @param {Complex} signal @param {number} stop */
-export const sizes = ({ re, im }, stop) => re[stop].map((v, k) => Math.hypot(v, im[stop][k]));
-
 /** Draw the stop nearest to p; the first call fetches the signal. @param {number} p */
 export const showWave = (p) =>
   attempt(async () => {
     const { orders, signals } = await toyFacts();
-    const all = sizes(signals.vis, nearest(orders, p));
+    const { re, im } = signals.vis;
+    const stop = nearest(orders, p);
+    const all = re[stop].map((v, k) => Math.hypot(v, im[stop][k]));
     const line = WAVE.line(all.map((v, k) => [k / (all.length - 1), v]));
     put(
       $(".wave"),

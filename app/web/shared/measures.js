@@ -3,13 +3,10 @@
 import { featuresOf } from "./stages.js";
 import { has, TABLES } from "./tables.js";
 
-/** @type {Measure[]} */
-export const MEASURES = TABLES.measures.map(({ id, ...more }) => ({ name: id, ...more }));
-
 /** The gaps and margins that frames have of some step: all measures of features. @param {Frames} frames */
 export const gapsOf = (frames) => {
   const names = new Set(Object.keys(frames.meta.curves).map((key) => key.split("/")[0]));
-  return MEASURES.filter(({ name }) => name !== "accuracy" && names.has(name));
+  return TABLES.measures.filter(({ id }) => id !== "accuracy" && names.has(id));
 };
 
 /** @param {Frames} frames @param {string} name @returns {number[] | null} */

@@ -2,22 +2,17 @@
 
 import { has, TABLES } from "./tables.js";
 
-/** @type {Stage[]} */
-export const STAGES = TABLES.stages.map(({ id, title, help, ...more }) => ({
-  ...{ key: id, name: title, explain: help },
-  ...more,
-}));
+const { stages } = TABLES;
 
-const LAST = STAGES[STAGES.length - 1];
-/** @param {string} key */
-export const stageNamed = (key) => STAGES.find((stage) => stage.key === key) ?? LAST;
+/** The step of this name, or the last. @param {string} name */
+export const stageNamed = (name) => stages.find(({ id }) => id === name) ?? stages[stages.length - 1];
 
 /** A stage in words, for the frames shown. @param {Stage} stage @param {{kind: string}} frames */
 export function explained(stage, frames) {
-  if (stage.key !== "frft") return stage.explain;
+  if (stage.id !== "frft") return stage.help;
   return has(frames, "heads")
-    ? `${stage.explain} Each stop is another head with another projection, so its map and gaps differ.`
-    : `${stage.explain} No point moves, and both gaps are flat lines.`;
+    ? `${stage.help} Each stop is another head with another projection, so its map and gaps differ.`
+    : `${stage.help} No point moves, and both gaps are flat lines.`;
 }
 
 /** The stage whose map is shown: the transform keeps all distances of the projection. @param {string} stage */
@@ -26,8 +21,8 @@ export const featuresOf = (stage) => (stage === "projection" ? "frft" : stage);
 /** The steps of a head: with its projection, if raw and projected embeddings have two maps; the embedding alone without
  * a head. @param {Frames} frames */
 export const stepsOf = ({ headless, meta: { maps } }) =>
-  STAGES.filter(({ key }) =>
-    headless ? key === "raw" : key !== "projection" || maps["pca/raw"]?.array !== maps["pca/frft"]?.array,
+  stages.filter(({ id }) =>
+    headless ? id === "raw" : id !== "projection" || maps["pca/raw"]?.array !== maps["pca/frft"]?.array,
   );
 
 /** Stages whose map and gaps do not depend on p. @param {string} stage @param {{kind: string}} frames */

@@ -2,7 +2,6 @@
 
 import { COLOURINGS } from "./palette.js";
 import { afterwards } from "./ready.js";
-import { STAGES } from "./stages.js";
 import { OWN_MODE, TABLES } from "./tables.js";
 
 /** The tabs from the server; a saved page has Explore only. */
@@ -55,7 +54,7 @@ const SHARED = ["view", "chapter", "vis", "tac", "p2", "stage2", "head2", "besid
 const OWN = Object.keys(DEFAULTS).filter((name) => !SHARED.includes(name));
 const LONGEST = 4000; // letters of a value in the address
 const NUMBERS = new Set(["p", "p2", "pin"]);
-const KEYS = STAGES.map((stage) => stage.key);
+const KEYS = TABLES.stages.map(({ id }) => id);
 /** Allowed values in the address; all others are ignored. @type {Record<string, string[]>} */
 const CHOICES = {
   view: VIEWS,

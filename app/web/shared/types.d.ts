@@ -40,16 +40,16 @@ interface Mode {
   words?: string;
 }
 interface Measure {
-  name: string;
+  id: string;
   title: string;
   help: string;
   good: "lower" | "higher";
   between?: string;
 }
 interface Stage {
-  key: string;
-  name: string;
-  explain: string;
+  id: string;
+  title: string;
+  help: string;
   brief: string;
   short: string;
   step: string;
@@ -62,8 +62,8 @@ interface ColourRow {
 }
 interface Tables {
   modes: Mode[];
-  measures: ({ id: string } & Omit<Measure, "name">)[];
-  stages: { id: string; title: string; help: string; brief: string; short: string; step: string }[];
+  measures: Measure[];
+  stages: Stage[];
   colours: ColourRow[];
   methods: { id: string; title: string }[];
   rungs: { id: string; step: number; title: string }[];
