@@ -7,7 +7,7 @@ import { View } from "../shared/view.js";
 
 const WIDE = { least: 320, most: 900 }; // CSS pixels: as wide as its place, so that letters keep their size
 const H = 250;
-const PAD = { left: 48, right: 86, top: 10, bottom: 30 };
+const PAD = { left: 54, right: 86, top: 10, bottom: 30 };
 const scaleOf = (/** @type {number} */ wide) => new Scale({ wide, high: H, pad: PAD });
 
 /** Labels at the ends of lines, moved apart so that none covers another and all stay inside. @param {number[]} ends */

@@ -69,7 +69,7 @@ function teachingHtml(tab) {
 /** What labels bring: the mean share of right pairs over objects of each class, in the band of all draws. @param {Labels} labels */
 export function curveHtml({ points, words }) {
   const last = points.at(-1)?.objects ?? 1;
-  const scale = new Scale({ wide: 340, high: 150, pad: { left: 46, right: 12, top: 10, bottom: 22 }, xs: [1, last] });
+  const scale = new Scale({ wide: 340, high: 150, pad: { left: 54, right: 12, top: 10, bottom: 22 }, xs: [1, last] });
   /** @param {"right" | "low" | "high"} of */
   const line = (of, some = points) => scale.line(some.map((one) => [one.objects, one[of]]));
   const band = `${line("high")}${line("low", points.toReversed()).replace("M", "L")}Z`;

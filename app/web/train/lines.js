@@ -6,7 +6,7 @@ import { html } from "../shared/text.js";
 
 const W = 300; // unless the width of the box is known; text keeps its size
 const H = 120;
-const PAD = { left: 46, right: 8, top: 8, bottom: 18 };
+const PAD = { left: 54, right: 8, top: 8, bottom: 18 };
 const [BLUE, ORANGE, GREEN, GREY, RED] = ["#2f7fd1", "#d55e00", "#009e73", "#8c8c8c", "#b91c1c"];
 
 /** @typedef {{name: string, colour: string, points: number[][], dashed?: string}} Series */
