@@ -15,7 +15,6 @@ import torch
 from jaxtyping import Float, Float64, Inexact
 from torch import Tensor
 
-from omnivat.fractional.memory import empty
 from omnivat.fractional.phases import phases
 from omnivat.fractional.splits import Split
 from omnivat.fractional.workers import for_each
@@ -108,7 +107,7 @@ def product_rows(
 ) -> Inexact[Tensor, "*lead N"]:
     """x V, or with `back` x Vᵀ."""
     rows = x.reshape(-1, x.shape[-1])
-    out = empty(rows.shape, rows.dtype, rows.device)
+    out = torch.empty_like(rows, memory_format=torch.contiguous_format)
     apply = split.restore if back else split.analyse
 
     def work(some: slice) -> None:
@@ -130,8 +129,8 @@ def synthesise_rows(
     """(λ^p ⊙ values) Vᵀ: planar real (2, ..., N), else complex (..., N)."""
     size, kind = values.shape[-1], values.dtype
     shape = (*leading_shape(values, order), size)
-    whole = ((2, *shape), kind.to_real()) if planar else (shape, kind.to_complex())
-    result = empty(*whole, values.device)
+    whole, kind = ((2, *shape), kind.to_real()) if planar else (shape, kind.to_complex())
+    result = torch.empty(whole, dtype=kind, device=values.device)
     flat = result.view(2, -1, size) if planar else result.view(-1, size)
 
     def work(piece: Piece) -> None:
@@ -161,7 +160,7 @@ def turned_back(
     real) and Σ (π/2) k Im(conj(U) ⊙ values) for the order.
     """
     size, shape = values.shape[-1], (*leading_shape(values, order), values.shape[-1])
-    to_values = empty(shape, values.dtype, values.device).view(-1, size)
+    to_values = values.new_empty(shape).view(-1, size)
     to_order = order.new_empty(len(to_values))
     grad = grad.reshape(2, -1, size) if planar else grad.reshape(-1, size)
     slope = (split.indices * (torch.pi / 2)).to(values.dtype.to_real())

@@ -10,7 +10,7 @@ from torch.nn.functional import linear, normalize
 
 from omnivat.data.profile import Profile, floor_of, scale_of
 from omnivat.head.dtg import DTG
-from omnivat.head.fusion import Calibration
+from omnivat.head.fusion import UNFITTED, Temperatures
 from omnivat.head.mffa import MFFA
 from omnivat.head.output import Lessons
 from omnivat.head.settings import HeadSettings
@@ -68,7 +68,7 @@ class Body(nn.Module):
         self.classifier = nn.Parameter(torch.empty(len(settings.classes), width))
         if not self.classifier.is_meta:  # there, torch would load its compiler for this: 0.9 s
             nn.init.normal_(self.classifier, std=width**-0.5)
-        self.calibration = Calibration()  # see omnivat.head.calibration
+        self.temperatures: Temperatures = UNFITTED  # see omnivat.head.calibration
 
     @property
     def order(self) -> float:

@@ -19,7 +19,7 @@ from safetensors.torch import load_file, save
 from torch import Tensor
 from torch.nn.functional import nll_loss, normalize
 
-from omnivat.head.fusion import Calibration, fused_logs
+from omnivat.head.fusion import UNFITTED, Temperatures, fused_logs
 from omnivat.kit.errors import DataError
 from omnivat.kit.schema import tensor_table
 from omnivat.kit.stages import IMAGES
@@ -67,7 +67,7 @@ def fit_temperature(logits: Tensor, labels: Tensor) -> float:
 
 def fit_calibration(
     logits: Mapping[str, Tensor], labels: Tensor, *, fusion: str = "mean"
-) -> Calibration:
+) -> Temperatures:
     """Return temperatures for "fused", "vis" and "tac".
 
     logits  of held-out pairs: "vis" and "tac" with the other image absent; "vis_branch" and
@@ -75,19 +75,12 @@ def fit_calibration(
             temperature 1
     fusion  late fusion of the branches
     """
-    temperature = {
-        name: fit_temperature(logits[name], labels) if name in logits else 1.0
-        for name in ("vis", "tac")
-    }
-    if "vis_branch" in logits and "tac_branch" in logits:
-        branches = logits["vis_branch"], logits["tac_branch"]
-        fused = logits["pair"] if fusion == "feature" else fused_logs(fusion, *branches)
-        temperature["fused"] = fit_temperature(fused, labels)
-    elif "fused" in logits:
-        temperature["fused"] = fit_temperature(logits["fused"], labels)
-    else:
-        temperature["fused"] = next(temperature[n] for n in ("vis", "tac") if n in logits)
-    return Calibration(temperature=temperature)
+    alone = {n: fit_temperature(logits[n], labels) for n in IMAGES if n in logits}
+    if len(alone) == 1:
+        return {**UNFITTED, **alone, "fused": alone[next(iter(alone))]}
+    branches = logits["vis_branch"], logits["tac_branch"]
+    fused = logits["pair"] if fusion == "feature" else fused_logs(fusion, *branches)
+    return {**UNFITTED, **alone, "fused": fit_temperature(fused, labels)}
 
 
 def _nll(logits: Tensor, labels: Tensor) -> float:

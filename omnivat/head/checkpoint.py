@@ -5,7 +5,7 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -26,10 +26,10 @@ from omnivat.data.profile import (
 from omnivat.data.rest import RESTED
 from omnivat.data.store import Embeddings
 from omnivat.head.calibration import Familiarity, load_familiarity, save_familiarity, tensors_in
-from omnivat.head.fusion import Calibration, plain
+from omnivat.head.fusion import UNFITTED, Temperatures
 from omnivat.head.head import OmniVaT
 from omnivat.head.settings import HeadSettings
-from omnivat.kit.config import settings_dict, settings_from
+from omnivat.kit.config import settings_from
 from omnivat.kit.devices import current
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.files import hash_of, replacing_folder, require_writable, write_json
@@ -153,10 +153,10 @@ def save_head(folder: str | Path, head: Head) -> Path:
     require_head_folder(target)
     record = {
         "format": FORMAT,
-        "head": settings_dict(head.settings),
+        "head": asdict(head.settings),
         "encoder": head.encoder,
         "provenance": head.provenance,
-        "calibration": plain(head.model.calibration),
+        "calibration": {"temperature": dict(head.model.temperatures)},
     }
     with replacing_folder(target) as folder:
         tensors = {name: t.detach().contiguous() for name, t in head.model.state_dict().items()}
@@ -230,7 +230,7 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
         why = f"{error!s:.300}"
         raise DataError(f"'{file}' does not describe a head: {why.rstrip('.')}.") from error
     model = _load_weights(path / WEIGHTS, settings)
-    model.calibration = _calibration(file, record.get("calibration"))
+    model.temperatures = _temperatures(file, record.get("calibration"))
     model = model.to(device=current(), dtype=dtype)
     profile = load_profile(path / PROFILE) if (path / PROFILE).is_file() else None
     if profile and (profile.width != settings.input_width or set(profile.channels) != set(IMAGES)):
@@ -252,14 +252,14 @@ def head_hash(folder: str | Path) -> str:
     return hash_of(*(Path(folder) / name for name in (WEIGHTS, SETTINGS)))[:16]
 
 
-def _calibration(file: Path, stored: Any) -> Calibration:
+def _temperatures(file: Path, stored: Any) -> Temperatures:
     """Return the calibration in a head's settings."""
     try:
-        temperature = {n: float(stored["temperature"][n]) for n in ("fused", "vis", "tac")}
+        temperature = {n: float(stored["temperature"][n]) for n in UNFITTED}
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(f"'{file}' holds a calibration that cannot be read: {error!r}.") from error
     if all(0 < t < 1e6 for t in temperature.values()):
-        return Calibration(temperature=temperature)
+        return temperature
     raise DataError(
         f"'{file}' holds temperatures {temperature}; they are above 0. Copy the head folder again."
     )

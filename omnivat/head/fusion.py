@@ -8,8 +8,6 @@ feature     one classification of the sum of the two features
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any
 
 import torch
 from jaxtyping import Float
@@ -20,17 +18,10 @@ from omnivat.kit.tables import entry
 TINY = 1e-12
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Calibration:
-    """Values fitted on held-out source pairs; without a fit, temperatures of 1.
-
-    temperature  of "fused", "vis" and "tac": log-probabilities are divided by it. It changes the
-                 confidence, never the predicted class
-    """
-
-    temperature: Mapping[str, float] = field(
-        default_factory=lambda: {"fused": 1.0, "vis": 1.0, "tac": 1.0}
-    )
+# by reading: log-probabilities are divided by it. It changes the confidence, never the predicted
+# class. These hold until some are fitted on held-out source pairs
+Temperatures = Mapping[str, float]
+UNFITTED: Temperatures = {"fused": 1.0, "vis": 1.0, "tac": 1.0}
 
 
 def tempered(logits: Float[Tensor, "*any K"], temperature: float) -> Float[Tensor, "*any K"]:
@@ -48,7 +39,7 @@ def fuse(
     kind: str,
     logits: Mapping[str, Float[Tensor, "B K"]],
     pair: Float[Tensor, "B K"] | None,
-    calibration: Calibration,
+    temperature: float,
 ) -> Float[Tensor, "B K"]:
     """Return the pair's class probabilities, tempered.
 
@@ -58,7 +49,6 @@ def fuse(
 
     With temperature 1, "mean" is the plain mean of the softmaxes.
     """
-    temperature = calibration.temperature["fused"]
     if kind == "feature":
         assert pair is not None, "feature fusion needs the logits of the summed features"
         return tempered(pair, temperature)
@@ -96,8 +86,3 @@ FUSIONS = (*LATE, "feature")
 def certainty(logs: Float[Tensor, "*any K"]) -> Float[Tensor, "*any 1"]:
     """Return log K minus the entropy of log-probabilities; 0 if uniform."""
     return (math.log(logs.shape[-1]) + (logs.exp() * logs).sum(-1, keepdim=True)).clamp_min(TINY)
-
-
-def plain(calibration: Calibration) -> dict[str, Any]:
-    """Return the calibration as plain values for JSON; equal calibrations give equal text."""
-    return {"temperature": {n: calibration.temperature[n] for n in ("fused", "vis", "tac")}}

@@ -162,7 +162,7 @@ class OmniVaT(Body):
             alone=by_name(logits[1]),
             pair=self.classify(f_hat.sum(0), towards),
             fusion=self.settings.fusion,
-            calibration=self.calibration,
+            temperatures=self.temperatures,
             frft=by_name(parts.unbind(1)),
             relu=by_name(relu.unbind(1)),
             f_bar=by_name(found),

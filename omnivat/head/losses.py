@@ -28,8 +28,6 @@ def mma_loss(
     """
     others = {name: x for name, x in (("vis", vis), ("tac", tac)) if x is not None}
     require_shapes(lang=(lang, "B D"), **{name: (x, "B D") for name, x in others.items()})
-    if not others:
-        return lang.new_zeros(())
     logs = torch.log_softmax(torch.stack((lang, *others.values())), dim=-1)
     excess = logs[0] * len(others) - logs[1:].sum(0)  # (B, D), summed over the others
     return (logs[0].exp() * excess).sum(1).mean()

@@ -17,7 +17,7 @@ from jaxtyping import Float
 from torch import Tensor
 from torch.nn.functional import pad
 
-from omnivat.head.fusion import Calibration, fuse, tempered
+from omnivat.head.fusion import UNFITTED, Temperatures, fuse, tempered
 
 READINGS = ("fused", "vis", "tac", "vis_branch", "tac_branch")
 
@@ -65,7 +65,7 @@ class HeadOutput:
     maps: dict[str, Float[Tensor, "B K"]] = field(default_factory=dict)
     lessons: Lessons | None = None
     fusion: str = "mean"  # of the branches
-    calibration: Calibration = field(default_factory=Calibration)  # on held-out source pairs
+    temperatures: Temperatures = field(default_factory=lambda: UNFITTED)
 
     def reading(self, name: str) -> Float[Tensor, "B K"]:
         """Return the class probabilities of one of READINGS."""
@@ -80,12 +80,12 @@ class HeadOutput:
         own = slice(self.lessons.known[0] if self.lessons else None)  # classes
         if name == "fused" and len(self.logits) > 1:
             logits = {one: values[:, own] for one, values in self.logits.items()}
-            return fuse(self.fusion, logits, self.pair[:, own], self.calibration)
+            return fuse(self.fusion, logits, self.pair[:, own], self.temperatures["fused"])
         if name == "fused":
             name = image = next(iter(self.alone))
         values = self.alone[image] if name == image else self.logits[image]
         kind = name if name == image else "fused"
-        return tempered(values[:, own], self.calibration.temperature[kind])
+        return tempered(values[:, own], self.temperatures[kind])
 
     @property
     def probabilities(self) -> Float[Tensor, "B K"]:

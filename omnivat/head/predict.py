@@ -61,7 +61,7 @@ def predict_embeddings(
             "probabilities": dict(zip(classes, fused[row].tolist(), strict=True)),
             "modalities": named(row),
             **({"branches": branches} if (branches := named(row, "_branch")) else {}),
-            "temperature": dict(head.model.calibration.temperature),
+            "temperature": dict(head.model.temperatures),
             "familiarity": looked[row] if looked else {},
             "order": head.model.order if order is None else order,
             "profile": profile.counts if profile else {},

@@ -232,7 +232,7 @@ class Work:
         with torch.device("meta"):
             model = OmniVaT(settings)
         model.load_state_dict(state, assign=True)
-        model.calibration = head.model.calibration
+        model.temperatures = head.model.temperatures
         return replace(
             head,
             model=model.eval().requires_grad_(False),

@@ -1,11 +1,10 @@
 """Frozen settings, made from JSON or `key=value` texts; unknown names are errors."""
 
 import json
-import types
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields, is_dataclass
+from dataclasses import fields
 from functools import cache
-from typing import Any, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.tables import suggestion
@@ -81,16 +80,9 @@ def parse_assignments(kind: type[Any], texts: Sequence[str]) -> dict[str, Any]:
         try:
             value = json.loads(raw)
         except ValueError:
-            value = {"True": True, "False": False, "None": None}.get(raw, raw)
+            value = {"True": True, "False": False}.get(raw, raw)
         values[name] = _fit(kind, name, value)
     return values
-
-
-def settings_dict(settings: Any) -> dict[str, Any]:
-    """Return the settings as plain values for JSON."""
-    if not is_dataclass(settings) or isinstance(settings, type):
-        raise SettingsError(f"Expected a settings record, got {type(settings).__name__}.")
-    return asdict(settings)
 
 
 def field_names(kind: type[Any]) -> list[str]:
@@ -104,13 +96,10 @@ def _fit(kind: Any, name: str, value: Any) -> Any:
         hint = suggestion(name, hints) or f" There are {', '.join(hints)}."
         raise SettingsError(f"{kind.__name__} has no setting '{name}'.{hint}")
     hint = hints[name]
-    options = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
-    for option in options:
-        fitted = _fit_one(option, value)
-        if fitted is not _NO:
-            return fitted
-    wanted = " or ".join(getattr(o, "__name__", str(o)) for o in options)
-    raise SettingsError(f"Setting '{name}' is {value!r}; it must be {wanted}.")
+    fitted = _fit_one(hint, value)
+    if fitted is _NO:
+        raise SettingsError(f"Setting '{name}' is {value!r}; it must be {hint.__name__}.")
+    return fitted
 
 
 _NO = object()
@@ -128,5 +117,5 @@ def _fit_one(hint: Any, value: Any) -> Any:
     boolean = isinstance(value, bool)  # which is an int, too
     if hint is float and isinstance(value, int | float) and not boolean:
         return float(value)
-    plain = hint in (int, bool, str, type(None)) and isinstance(value, hint)
+    plain = hint in (int, bool, str) and isinstance(value, hint)
     return value if plain and (hint is bool or not boolean) else _NO

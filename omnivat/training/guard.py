@@ -56,5 +56,5 @@ def guided_probabilities(
         output = training_pass(
             model, images, texts[rows].to(model.dtype), labels[rows], lang_on=on, token_on=~on
         )
-        found.append(fuse("mean", output.logits, None, model.calibration))
+        found.append(fuse("mean", output.logits, None, model.temperatures["fused"]))
     return torch.cat(found)

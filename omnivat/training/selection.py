@@ -10,7 +10,7 @@ spread  the offset is drawn from the distribution of the source's pairs, along t
         which they differ: same norm, more damaging, because classes differ along them
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -22,70 +22,55 @@ from omnivat.kit.errors import DataError
 from omnivat.kit.seeding import derive_seed
 
 FRACTION = 0.25
-SHIFTS, STRENGTH = 6, 1.0  # of each kind; their size in standard deviations of the source
+SHIFTS = 6  # of each kind
 KINDS = ("axes", "spread")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Evidence:
-    """One fold: training pairs, and held-out pairs, plain and under imitated sensors."""
+def evidence(source: Embeddings) -> tuple[Embeddings, list[Embeddings]]:
+    """Split a source's training pairs by object: those to train on, and the held-out ones, plain
+    and under imitated sensors of each kind.
 
-    fit: Embeddings
-    held: dict[str, Embeddings]  # "held out", "axes 0", "axes 1", ..., "spread 0", ...
-
-
-def evidence(source: Embeddings, fold: int, *, shifts: int = SHIFTS) -> Evidence:
-    """Split a source's training pairs by object and shift the held-out ones.
-
-    fold    number of the fold; the same for every method
-    shifts  imitated sensors of each kind
     Raises DataError if no object can be held out.
     """
-    seed = derive_seed(0, "evidence", fold)
+    seed = derive_seed(0, "evidence", 0)
     held = hold_out(source.rows["object"], source.label, FRACTION, seed=seed)
     if not held.any():
         raise DataError("No object of the source can be held out: every class has one object only.")
     fit, rest = source.select(~held), source.select(held)
-    shifted = {
-        f"{kind} {number}": shift(rest, fit, STRENGTH, derive_seed(seed, kind, number), kind=kind)
+    shifted = [
+        shift(rest, fit, derive_seed(seed, kind, number), kind=kind)
         for kind in KINDS
-        for number in range(shifts)
-    }
-    return Evidence(fit=fit, held={"held out": rest, **shifted})
+        for number in range(SHIFTS)
+    ]
+    return fit, [rest, *shifted]
 
 
-def shift(
-    pairs: Embeddings, reference: Embeddings, strength: float, seed: int, *, kind: str = "axes"
-) -> Embeddings:
+def shift(pairs: Embeddings, reference: Embeddings, seed: int, *, kind: str) -> Embeddings:
     """Return the pairs as measured by imitated sensors.
 
-    "axes"    x -> mean + (x - mean) (1 + s a) + s std b, a in [-0.5, 0.5] and b ~ N(0, 1) by axis
-    "spread"  x -> mean + (x - mean) (1 + s a) + s z, one a, and z ~ N(0, covariance of reference)
+    "axes"    x -> mean + (x - mean) (1 + a) + std b, a in [-0.5, 0.5] and b ~ N(0, 1) by axis
+    "spread"  x -> mean + (x - mean) (1 + a) + z, one a, and z ~ N(0, covariance of reference)
 
     The draw is the same for all pairs of a modality.
     """
     random = np.random.default_rng(seed)
     vis, tac = (
-        imitated(getattr(pairs, name), getattr(reference, name), strength, random, kind)
+        imitated(getattr(pairs, name), getattr(reference, name), random, kind)
         for name in ("vis", "tac")
     )
     return replace(pairs, vis=vis, tac=tac, vis_flip=None, tac_flip=None)
 
 
 def imitated(
-    rows: NDArray[Any],
-    reference: NDArray[Any],
-    strength: float,
-    random: np.random.Generator,
-    kind: str,
+    rows: NDArray[Any], reference: NDArray[Any], random: np.random.Generator, kind: str
 ) -> NDArray[np.float32]:
     """Return rows (N, W) of one modality as an imitated sensor measures them; see `shift`."""
     mean = reference.mean(0)
-    stretch = 1 + strength * random.uniform(-0.5, 0.5, len(mean) if kind == "axes" else None)
+    stretch = 1 + random.uniform(-0.5, 0.5, len(mean) if kind == "axes" else None)
     if kind == "axes":
-        offset = strength * reference.std(0) * random.normal(size=len(mean))
+        offset = reference.std(0) * random.normal(size=len(mean))
     else:  # covariance: that of the reference
         weights = random.normal(size=len(reference)) / len(reference) ** 0.5
-        offset = strength * (weights @ (reference - mean))
+        offset = weights @ (reference - mean)
     moved: NDArray[np.float32] = (mean + (rows - mean) * stretch + offset).astype(np.float32)
     return moved

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from dataclasses import asdict
 from hashlib import sha256
 from pathlib import Path
 
@@ -13,7 +14,6 @@ from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import LangBank
 from omnivat.head.head import OmniVaT
 from omnivat.head.settings import HeadSettings
-from omnivat.kit.config import settings_dict
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import replacing
 from omnivat.training.settings import TrainSettings
@@ -34,7 +34,7 @@ def run_name(
     digest = sha256()
     for array in (source.vis, source.tac, source.vis_flip, source.tac_flip, source.label):
         digest.update(b"none" if array is None else array.tobytes())
-    names = [settings_dict(head), settings_dict(settings), bank.hash if bank else None, seed]
+    names = [asdict(head), asdict(settings), bank.hash if bank else None, seed]
     digest.update(json.dumps([names, list(source.rows["object"])]).encode())
     return digest.hexdigest()[:16]
 

@@ -15,7 +15,7 @@ from omnivat.kit.seeding import derive_seed
 from omnivat.study.baselines.contract import Fitted, Source, joined
 from omnivat.study.baselines.descent import size
 from omnivat.study.baselines.evidence import folds
-from omnivat.training.selection import KINDS, SHIFTS, STRENGTH, imitated
+from omnivat.training.selection import KINDS, SHIFTS, imitated
 
 CANDIDATES = {"none": (0.0, 0.0), "noise 4, shift 1": (4.0, 1.0)}  # white noise, common offset
 
@@ -50,7 +50,7 @@ def _chosen(source: Source) -> str:
             random = np.random.default_rng(derive_seed(source.seed, kind, number))
             raw = {
                 name: torch.from_numpy(
-                    imitated(values.numpy(), part.images[name].numpy(), STRENGTH, random, kind)
+                    imitated(values.numpy(), part.images[name].numpy(), random, kind)
                 )
                 for name, values in rest.images.items()
             }

@@ -1,13 +1,12 @@
 """One run: fit one method on one source with one seed, and predict every target."""
 
 import time
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from omnivat.data.domains import paper_name
 from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import LangBank
-from omnivat.kit.config import settings_dict
 from omnivat.kit.errors import OmniVatError
 from omnivat.study.protocol.fitting import fit, head_settings
 from omnivat.study.protocol.methods import HEAD, Method
@@ -78,7 +77,7 @@ def resolved(run: Run, task: Task, bank: LangBank | None) -> dict[str, Any]:
         return {"train": dict(run.method.train)} if run.method.train else {}
     head, training = head_settings(run.method, task, bank)
     return {
-        "head": settings_dict(head),
-        "train": settings_dict(training),
+        "head": asdict(head),
+        "train": asdict(training),
         "modalities": list(run.method.modalities),
     }

@@ -12,7 +12,7 @@ import torch
 from omnivat.data.profile import STEP_SHIFTED, profile_of
 from omnivat.head.calibration import familiarity_of, fit_calibration
 from omnivat.head.checkpoint import Head
-from omnivat.head.fusion import Calibration
+from omnivat.head.fusion import Temperatures
 from omnivat.kit.errors import DataError
 from omnivat.measure.evaluate import (
     evaluate,
@@ -24,8 +24,6 @@ from omnivat.measure.evaluate import (
 from omnivat.training import Watch
 from omnivat.training.from_pairs.plan import TrainingPlan
 from omnivat.training.selection import evidence
-
-FOLD = 0  # of the held-out pairs that calibrate
 
 
 def trained_head(
@@ -52,7 +50,7 @@ def trained_head(
     if calibrate:
         how = "a quarter of the source's objects, as they are and under imitated sensors"
         try:
-            model.calibration = calibration_of(plan.searched(model.order), quiet)
+            model.temperatures = calibration_of(plan.searched(model.order), quiet)
         except DataError as error:
             how = f"none: {error}"
         provenance["calibration"] = how
@@ -88,7 +86,7 @@ def trained_head(
     return replace(head, metrics=metrics)
 
 
-def calibration_of(plan: TrainingPlan, watch: Watch) -> Calibration:
+def calibration_of(plan: TrainingPlan, watch: Watch) -> Temperatures:
     """Fit temperatures to predictions for held-out pairs of the source.
 
     A head is trained on three quarters of the source's objects with the same settings. It predicts
@@ -97,9 +95,8 @@ def calibration_of(plan: TrainingPlan, watch: Watch) -> Calibration:
 
     Raises DataError if no object can be held out.
     """
-    fold = evidence(plan.pairs, FOLD)
-    model = replace(plan, pairs=fold.fit).train(watch=watch).model
-    classes, held = plan.settings.classes, fold.held.values()
+    fit, held = evidence(plan.pairs)
+    model, classes = replace(plan, pairs=fit).train(watch=watch).model, plan.settings.classes
     parts = [predicted_logits(model, pairs, modalities=plan.training.given) for pairs in held]
     labels = [label_map(classes, pairs.header.classes)[pairs.label] for pairs in held]
     logits = {name: torch.cat([part[name] for part in parts]) for name in parts[0]}

@@ -2,7 +2,7 @@
 
 import platform
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import DEFAULT_BANK, LangBank, load_bank
 from omnivat.head.checkpoint import Head
 from omnivat.head.settings import HeadSettings
-from omnivat.kit.config import settings_dict, settings_from
+from omnivat.kit.config import settings_from
 from omnivat.kit.errors import DataError
 from omnivat.training import Trained, TrainSettings, Watch, train
 from omnivat.training.batches import labels_of
@@ -85,7 +85,7 @@ class TrainingPlan:
             "pairs": len(self.pairs),
             "left_out": self.left_out,
             "seed": self.seed,
-            "train": settings_dict(self.training),
+            "train": asdict(self.training),
             "lang": {"origin": bank.origin, "hash": bank.hash} if bank else None,
             "versions": {
                 "python": platform.python_version(),
@@ -165,7 +165,7 @@ def plan_like(
     """
     head.require_embeddings(embeddings)
     own = source in ("", head.source)
-    kept = {k: v for k, v in settings_dict(head.settings).items() if k not in FROM_DATA}
+    kept = {k: v for k, v in asdict(head.settings).items() if k not in FROM_DATA}
     return plan_training(
         embeddings,
         source or head.source,

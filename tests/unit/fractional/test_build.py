@@ -1,6 +1,5 @@
-"""Splits of the eigenbasis and large blocks of memory, which are kept between calls."""
+"""Splits of the eigenbasis, which are kept between calls."""
 
-import gc
 import threading
 from fractions import Fraction
 
@@ -13,10 +12,7 @@ from omnivat.fractional.build import build_split
 from omnivat.fractional.commuting import doubled_cosines, parity_blocks
 from omnivat.fractional.double_double import SQRT2
 from omnivat.fractional.eigenvectors import _to_small
-from omnivat.fractional.memory import BlockPool, empty, pool
 from omnivat.fractional.splits import HalfSplit, QuarterSplit
-
-CPU = torch.device("cpu")
 
 
 @pytest.mark.parametrize(
@@ -76,30 +72,6 @@ def test_cosines_are_known_beyond_float64():
     exact = 2 * np.cos(4 * np.arcsin(np.longdouble(1)) * np.arange(51).astype(np.longdouble) / 101)
     found = cosines.high.astype(np.longdouble) + cosines.low
     assert np.abs(found - exact).max() < 1e-18
-
-
-def test_a_large_block_is_used_again_once_its_last_view_is_gone():
-    pool.clear()
-    shape = (9, 2**20)
-    tensor = empty(shape, torch.float32, CPU)
-    place, view = tensor.data_ptr(), tensor[3, 5:]
-    del tensor
-    assert pool.idle_bytes == 0
-    del view
-    gc.collect()
-    assert pool.idle_bytes >= 9 * 2**22
-    again = empty(shape, torch.float32, CPU)
-    assert again.data_ptr() == place
-    pool.clear()
-
-
-def test_idle_blocks_stay_below_their_bound():
-    small = BlockPool(idle_limit=3 * 2**20)
-    blocks = [small.take(2 * 2**20) for _ in range(3)]
-    for block in blocks:
-        small.give_back(block)
-    assert small.idle_bytes == 2 * 2**20
-    assert small.take(2 * 2**20) is blocks[-1]
 
 
 def test_the_residual_of_the_large_side_is_exact_in_its_low_digits_too():

@@ -52,9 +52,9 @@ def test_a_temperature_without_pairs_is_refused():
 def test_a_head_of_one_modality_is_calibrated_for_that_one(honest):
     logits, labels = honest
     found = fit_calibration({"vis": 3 * logits}, labels)
-    assert found.temperature["vis"] == pytest.approx(3, rel=0.03)
-    assert found.temperature["fused"] == found.temperature["vis"]
-    assert found.temperature["tac"] == 1
+    assert found["vis"] == pytest.approx(3, rel=0.03)
+    assert found["fused"] == found["vis"]
+    assert found["tac"] == 1
 
 
 def test_confidence_of_honest_logits_is_their_accuracy_after_calibration(honest):

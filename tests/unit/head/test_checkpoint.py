@@ -10,7 +10,6 @@ import torch
 from omnivat.data.dots import FILLED
 from omnivat.data.rest import RESTED
 from omnivat.head.checkpoint import head_hash, load_head, save_head
-from omnivat.head.fusion import Calibration, plain
 from omnivat.kit.errors import DataError
 
 
@@ -155,10 +154,10 @@ def test_embeddings_that_the_head_was_not_trained_on_are_refused(folder, key, wi
 
 def test_a_calibration_and_training_images_come_back(folder, tmp_path):
     first = load_head(folder)
-    first.model.calibration = Calibration(temperature={"vis": 2.0, "tac": 3.0, "fused": 1.5})
+    first.model.temperatures = {"vis": 2.0, "tac": 3.0, "fused": 1.5}
     save_head(tmp_path / "again", first)
     second = load_head(tmp_path / "again")
-    assert plain(second.model.calibration) == plain(first.model.calibration)
+    assert second.model.temperatures == first.model.temperatures
     rows = first.familiarity.rows["vis"][:3]
     assert first.familiarity.look(rows, None) == second.familiarity.look(rows, None)
 

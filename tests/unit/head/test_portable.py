@@ -7,7 +7,6 @@ import pytest
 import torch
 
 from omnivat.head.checkpoint import Head
-from omnivat.head.fusion import Calibration
 from omnivat.head.head import build_head
 from omnivat.head.settings import HeadSettings
 from omnivat.head.teach import Lesson, taught
@@ -32,7 +31,7 @@ def head_of(**changes):
     if settings.mffa:
         model.mffa.bank.normal_()
         model.mffa.bank_seen.fill_(True)
-    model.calibration = Calibration(temperature={"fused": 1.3, "vis": 2.9, "tac": 0.7})
+    model.temperatures = {"fused": 1.3, "vis": 2.9, "tac": 0.7}
     return Head(model=model, settings=settings, encoder={}, provenance={})
 
 

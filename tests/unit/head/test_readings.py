@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from omnivat.head.checkpoint import load_head
-from omnivat.head.fusion import FUSIONS, LATE, Calibration, fused_logs
+from omnivat.head.fusion import FUSIONS, LATE, fused_logs
 from omnivat.head.predict import predict_embeddings
 
 GENERATIONS = ("tree", "series", "parallel", "interpolation", "none")
@@ -51,7 +51,7 @@ def test_a_fusion_gives_probabilities_and_a_temperature_changes_no_prediction(
 ):
     model, pairs = make_head(fusion=fusion), make_pairs(9)
     before = model(*pairs).readings
-    model.calibration = Calibration(temperature={"fused": 3.0, "vis": 0.5, "tac": 2.0})
+    model.temperatures = {"fused": 3.0, "vis": 0.5, "tac": 2.0}
     after = model(*pairs).readings
     for name in ("fused", "vis", "tac"):
         torch.testing.assert_close(after[name].sum(-1), torch.ones(9, dtype=torch.float64))

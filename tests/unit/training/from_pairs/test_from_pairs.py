@@ -64,7 +64,7 @@ def test_the_command_writes_the_head_that_the_function_returns(watched, pairs, t
     head, written = watched[0], load_head(tmp_path / "head")
     assert equal_weights(head.model, written.model)
     assert written.metrics["target_accuracy"] == head.metrics["target_accuracy"]
-    assert written.model.calibration == head.model.calibration
+    assert written.model.temperatures == head.model.temperatures
 
 
 def test_pairs_without_a_class_are_left_out_of_training_and_counted(pairs, without_classes):
