@@ -80,8 +80,8 @@ def planned(domain: SimulatedDomain, material: str, *, pairs: int) -> list[Plann
         name, number = f"{material}-{index:02d}", numbers[split, part, index]
         looks, feels = imitated(domain, material, number)
         found.append(Planned(
-            made=domain, material=material, object=f"{simulated(domain.name)}/{name}", number=number, split=split,
-            part=part, stem=name, looks_like=looks, feels_like=feels,
+            made=domain, material=material, object=f"{simulated(domain.name)}/{name}",
+            number=number, split=split, part=part, stem=name, looks_like=looks, feels_like=feels,
         ))  # fmt: skip
     return found
 

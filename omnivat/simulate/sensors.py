@@ -80,8 +80,8 @@ GELS = {
             Lamp(azimuth=195, colour=(0.06, 0.50, 0.18), spill=0.30),
             Lamp(azimuth=315, colour=(0.10, 0.16, 0.52), spill=0.25),
         ),
-        gain=1.5, markers=Markers(pitch=1.5, radius=0.17, uneven=0.04, darkness=0.6), plain_gels=0.4, vignette=0.30,
-        noise=0.015, blur=0.6,
+        gain=1.5, markers=Markers(pitch=1.5, radius=0.17, uneven=0.04, darkness=0.6),
+        plain_gels=0.4, vignette=0.30, noise=0.015, blur=0.6,
     ),
     "DIGIT": Sensor(
         field=15.0, depth=(0.7, 1.4), skin=0.08, give=1.2, dome=0.55, base=(0.44, 0.50, 0.58),
@@ -108,8 +108,8 @@ GELS = {
             Lamp(azimuth=120, colour=(0.14, 0.22, 0.50), spill=0.25),
             Lamp(azimuth=240, colour=(0.50, 0.20, 0.14), spill=0.30),
         ),
-        gain=1.6, markers=Markers(pitch=3.0, radius=0.36, uneven=0.02, darkness=0.5), plain_gels=0.5, vignette=0.15,
-        noise=0.014, blur=0.5,
+        gain=1.6, markers=Markers(pitch=3.0, radius=0.36, uneven=0.02, darkness=0.5),
+        plain_gels=0.5, vignette=0.15, noise=0.014, blur=0.5,
     ),
 }  # fmt: skip
 SENSORS: dict[str, SensorModel] = {

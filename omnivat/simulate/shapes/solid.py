@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from omnivat.simulate.noise import Array, Rng
 
 _MADE = {  # least and most of wall and of bevel, mm
-    "wood": ((6.0, 11.0), (2.0, 5.0)), "steel": ((0.7, 1.5), (0.3, 0.8)), "plastic": ((1.4, 3.0), (0.6, 1.5)),
-    "ceramic": ((3.5, 6.5), (1.5, 3.0)), "glass": ((1.8, 3.8), (1.0, 2.0)),
+    "wood": ((6.0, 11.0), (2.0, 5.0)), "steel": ((0.7, 1.5), (0.3, 0.8)),
+    "plastic": ((1.4, 3.0), (0.6, 1.5)), "ceramic": ((3.5, 6.5), (1.5, 3.0)),
+    "glass": ((1.8, 3.8), (1.0, 2.0)),
 }  # fmt: skip
 
 

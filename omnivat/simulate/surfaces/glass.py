@@ -17,8 +17,8 @@ from omnivat.simulate.noise import Array, Rng, cells
 from omnivat.simulate.surfaces.base import Surface, pick, pick_log, stream
 
 _TINTS = (
-    (0.93, 0.96, 0.95), (0.95, 0.96, 0.96), (0.62, 0.86, 0.70), (0.80, 0.52, 0.20), (0.45, 0.66, 0.88),
-    (0.88, 0.93, 0.91),
+    (0.93, 0.96, 0.95), (0.95, 0.96, 0.96), (0.62, 0.86, 0.70), (0.80, 0.52, 0.20),
+    (0.45, 0.66, 0.88), (0.88, 0.93, 0.91),
 )  # fmt: skip
 
 

@@ -20,8 +20,8 @@ from omnivat.simulate.noise import Array, Rng, smoothstep, turned
 from omnivat.simulate.surfaces.base import Surface, pick, pick_log, stream
 
 _SPECIES = (  # linear reflectance of early wood; late wood is darker
-    (0.62, 0.44, 0.27), (0.50, 0.31, 0.16), (0.36, 0.19, 0.09), (0.19, 0.10, 0.055), (0.68, 0.54, 0.38),
-    (0.44, 0.22, 0.12),
+    (0.62, 0.44, 0.27), (0.50, 0.31, 0.16), (0.36, 0.19, 0.09), (0.19, 0.10, 0.055),
+    (0.68, 0.54, 0.38), (0.44, 0.22, 0.12),
 )  # fmt: skip
 
 

@@ -1,10 +1,9 @@
 """Height maps of solids: exact on known shapes, the same from every side."""
 
 import numpy as np
-import pytest
 
 from omnivat.simulate.contact import plane
-from omnivat.simulate.shapes import KINDS, Spot, made_of, spot
+from omnivat.simulate.shapes import Spot
 from omnivat.simulate.shapes.solid import block, turned
 from omnivat.simulate.shapes.spots import BELOW, contact_height
 
@@ -48,21 +47,3 @@ def test_an_edge_stays_sharp_and_nothing_lies_beyond_it():
 
     np.testing.assert_allclose(height[x < 2.3], 0.0, atol=0.02)
     assert (height[x > 3.1] == BELOW).all()
-
-
-def test_a_larger_map_is_the_smaller_one_seen_closer():
-    small, large = (
-        contact_height(cylinder(), cylinder_spot(), field=16.0, size=size) for size in (56, 224)
-    )
-
-    np.testing.assert_allclose(large.reshape(56, 4, 56, 4).mean((1, 3)), small, atol=0.02)
-
-
-@pytest.mark.parametrize("name", KINDS)
-def test_every_solid_has_its_touched_spot_at_height_zero(name):
-    rng = np.random.default_rng(4)
-    solid = KINDS[name](rng, made_of("plastic", rng))
-    height = contact_height(solid, spot(solid, rng), field=4.0, size=33)
-
-    assert np.isfinite(height).all()
-    assert abs(height[16, 16]) < 0.4

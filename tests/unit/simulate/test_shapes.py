@@ -7,7 +7,7 @@ import pytest
 
 from omnivat.data.materials import MATERIALS
 from omnivat.simulate.shapes import KINDS, OBJECTS, PARTS, blocked, made_of, spot
-from omnivat.simulate.shapes.solid import block, outline, turned
+from omnivat.simulate.shapes.solid import block
 
 
 def made(kind, *, material="ceramic", seed=1):
@@ -49,20 +49,6 @@ def test_the_corners_of_a_block_are_rounded_by_its_bevel():
     nearest = np.linalg.norm(solid.vertices - corner, axis=1).min()
 
     assert nearest == pytest.approx(4.0 * (np.sqrt(3) - 1), rel=0.05)
-
-
-def test_the_pattern_of_a_turned_solid_keeps_millimetres_up_its_wall():
-    solid = turned([(0, 0, 0), (30, 0, 0), (30, 100, 0), (0, 100, 0)])
-
-    assert np.ptp(solid.uv[:, 1]) == pytest.approx(30 + 100 + 30)
-
-
-def test_an_outline_keeps_its_ends_and_cuts_its_corners():
-    line = outline([(0, 0, 0), (10, 0, 2), (10, 10, 0)])
-
-    assert line[0].tolist() == [0, 0]
-    assert line[-1].tolist() == [10, 10]
-    assert np.linalg.norm(line - [10, 0], axis=1).min() > 0.5
 
 
 def test_a_touched_place_lies_on_the_solid_and_has_room_for_a_sensor():

@@ -7,12 +7,12 @@ import pytest
 from scipy.ndimage import gaussian_filter
 
 from omnivat.simulate import tactile
-from omnivat.simulate.contact import Press, coloured, displacements, plane
+from omnivat.simulate.contact import Press, plane
 from omnivat.simulate.sensors import GELS, Lamp, Markers
 from omnivat.simulate.shapes import Spot
 from omnivat.simulate.shapes.solid import block
 from omnivat.simulate.surfaces import surface
-from omnivat.simulate.tactile import at_rest, lit, marker_shade, touch, untouched, used
+from omnivat.simulate.tactile import at_rest, lit, marker_shade, touch
 from omnivat.simulate.things import Thing
 
 PRESS = Press(turn=0.4, lean=(0.0, 0.0), depth=0.5, shear=(0.05, 0.0))
@@ -51,21 +51,6 @@ def test_a_lamp_lights_the_flank_of_a_bump_that_faces_it(azimuth, near, far):
     assert change[near][1:] == pytest.approx(0.0)
 
 
-def test_a_flat_gel_is_unchanged_by_its_lamps():
-    np.testing.assert_allclose(lit(np.full((32, 32), 0.3), GELS["GelSight"]), 0.0, atol=1e-12)
-
-
-@pytest.mark.parametrize("name", GELS)
-def test_every_sensor_gives_an_image_that_its_press_has_changed(name):
-    sensor = GELS[name]
-    image = touch(slab("plastic", 2), PRESS, sensor, size=64, seed=1)
-
-    assert image.shape == (64, 64, 3)
-    assert image.min() >= 0.0
-    assert image.max() <= 1.0
-    assert np.abs(image - untouched(sensor, size=64)).mean() > 0.01
-
-
 @pytest.mark.parametrize("name", GELS)
 def test_a_press_that_touches_nothing_with_a_new_gel_is_the_rest_picture_but_for_noise(
     name, monkeypatch
@@ -83,27 +68,6 @@ def test_a_press_that_touches_nothing_with_a_new_gel_is_the_rest_picture_but_for
     assert np.abs(smooth).mean() < 0.004
 
 
-def test_gels_of_one_sensor_differ_and_some_have_no_markers():
-    gels = [used(GELS["DuraGel"], np.random.default_rng(seed)) for seed in range(40)]
-    plain = sum(gel.markers is None for gel in gels)
-
-    assert 8 < plain < 32
-    assert len({gel.base for gel in gels}) == 40
-    assert used(GELS["DIGIT"], np.random.default_rng(0)).markers is None
-    assert all(used(GELS["GelSight"], np.random.default_rng(s)).markers for s in range(9))
-
-
-def test_sensors_differ_more_than_presses_of_one_sensor():
-    thing = slab("steel", 4)
-    tints = {n: touch(thing, PRESS, s, size=48, seed=0).mean((0, 1)) for n, s in GELS.items()}
-    deeper = replace(PRESS, depth=1.0)
-    for name, sensor in GELS.items():
-        moved = touch(thing, deeper, sensor, size=48, seed=0).mean((0, 1))
-        own = np.linalg.norm(moved - tints[name])
-        others = [np.linalg.norm(tints[name] - tints[o]) for o in GELS if o != name]
-        assert own < min(others), name
-
-
 def test_markers_lie_on_their_lattice_until_shear_drags_them():
     even = Markers(pitch=2.0, radius=0.3, uneven=0.0, darkness=1.0)
     still = marker_shade(np.zeros((80, 80)), even, 16.0, (0.0, 0.0))
@@ -111,11 +75,3 @@ def test_markers_lie_on_their_lattice_until_shear_drags_them():
 
     np.testing.assert_allclose(dragged[:, 2:], still[:, :-2], atol=1e-9)  # 0.4 mm is two pixels
     assert still.max() > 0.9
-
-
-def test_tac3d_reads_twenty_by_twenty_vectors_and_grey_means_nothing_moved():
-    felt = displacements(slab("plastic", 2), PRESS, seed=0)
-
-    assert felt.shape == (20, 20, 3)
-    assert felt[..., 2].max() > 0.2  # mm into the sensor
-    np.testing.assert_allclose(coloured(np.zeros((20, 20, 3)), size=40), 0.5, atol=0.01)

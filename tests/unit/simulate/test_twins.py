@@ -26,14 +26,6 @@ def test_the_plan_has_sixty_objects_of_each_class_and_stays_as_it_was_shipped():
     plan = unmet_objects()
     text = "\n".join(f"{p.object} {p.number} {p.looks_like} {p.feels_like} {p.split}" for p in plan)
 
-    assert [p.material for p in plan[:6]] == [
-        "wood",
-        "steel",
-        "plastic",
-        "ceramic",
-        "glass",
-        "wood",
-    ]
     assert len({p.object for p in plan}) == len(plan) == 300
     assert (
         sha256(text.encode()).hexdigest()
@@ -51,30 +43,15 @@ def test_no_domain_has_an_object_of_the_twins():
 
 
 @pytest.mark.parametrize("number", [0, 4])
-def test_another_sensor_changes_the_touch_and_no_byte_of_the_photograph(number):
+@pytest.mark.parametrize(("part", "changed"), [("sensor", "tac"), ("scene", "vis")])
+def test_another_sensor_changes_the_touch_alone_and_another_scene_the_photograph(
+    part, changed, number
+):
     unmet = unmet_objects(1)[number]
     before = images(unmet, FIRST)
-    after = images(unmet, replace(FIRST, sensor=SECOND.sensor))
+    after = images(unmet, replace(FIRST, **{part: getattr(SECOND, part)}))
 
-    assert after["tac"] != before["tac"]
-    assert after["vis"] == before["vis"]
-
-
-@pytest.mark.parametrize("number", [0, 4])
-def test_another_scene_changes_the_photograph_and_no_byte_of_the_touch(number):
-    unmet = unmet_objects(1)[number]
-    before = images(unmet, FIRST)
-    after = images(unmet, replace(FIRST, scene=SECOND.scene))
-
-    assert after["vis"] != before["vis"]
-    assert after["tac"] == before["tac"]
-
-
-def test_the_same_sensor_under_another_domain_s_name_gives_the_same_touch():
-    unmet = unmet_objects(1)[2]
-    first, second = (images(unmet, d) for d in (FIRST, replace(SECOND, sensor=FIRST.sensor)))
-
-    assert first["tac"] == second["tac"]
+    assert [kind for kind in before if after[kind] != before[kind]] == [changed]
 
 
 def test_tacquad_is_photographed_indoors_and_outdoors():

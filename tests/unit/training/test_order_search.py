@@ -6,7 +6,7 @@ import torch
 
 from omnivat.head.settings import HeadSettings
 from omnivat.measure.evaluate import predicted_probabilities
-from omnivat.simulate.chirps import ChirpSettings, chirp_embeddings
+from omnivat.simulate.chirps import CLASSES, DOMAINS, ChirpSettings, chirp_embeddings
 from omnivat.training import TrainingCancelled, TrainSettings, Watch, order_search, train
 from omnivat.training.order_search import (
     Scored,
@@ -21,7 +21,7 @@ from omnivat.training.order_search import (
 )
 from tests.unit.training.other_chirps import Recipe, drawn, embeddings_of
 
-CHIRPS = ChirpSettings(order=0.62, seed=3, domains=2)
+CHIRPS = ChirpSettings(order=0.62, seed=3)
 
 
 @pytest.fixture(scope="module")
@@ -30,12 +30,12 @@ def chirps():
 
 
 def head(**changes):
-    values = {"classes": CHIRPS.class_names, "input_width": 64, "lang_width": 1, "width": 64}
+    values = {"classes": CLASSES, "input_width": 64, "lang_width": 1, "width": 64}
     return HeadSettings(**(values | changes))
 
 
 def searched(chirps, *, epochs=40, watch=None, **changes):
-    source = chirps.in_domain(CHIRPS.domain_names[0], split="train")
+    source = chirps.in_domain(DOMAINS[0], split="train")
     settings = TrainSettings(epochs=epochs, lang=False, order_search=True)
     return train(source, head(theta_init="signed", **changes), settings, watch=watch)
 
@@ -47,14 +47,14 @@ def trained(chirps):
 
 @pytest.mark.slow
 def test_the_order_of_chirps_is_found_from_a_far_start(chirps, trained):
-    unseen = chirps.in_domain(CHIRPS.domain_names[1])
+    unseen = chirps.in_domain(DOMAINS[1])
     answers = predicted_probabilities(trained.model, unseen)["fused"].argmax(1).numpy()
     assert trained.model.order == pytest.approx(CHIRPS.order, abs=0.01)
     assert (answers == unseen.label).mean() >= 0.97
 
 
 def test_the_gradient_alone_stays_where_it_starts(chirps):
-    source = chirps.in_domain(CHIRPS.domain_names[0], split="train")
+    source = chirps.in_domain(DOMAINS[0], split="train")
     trained = train(source, head(order=0.2), TrainSettings(epochs=10, lang=False))
     assert abs(trained.model.order - 0.2) < 0.05
 
@@ -193,7 +193,7 @@ def test_valleys_are_apart_and_as_many_as_are_refined():
 
 
 def test_a_resumed_training_searches_again_and_ends_at_the_same_weights(chirps, tmp_path):
-    source = chirps.in_domain(CHIRPS.domain_names[0], split="train")
+    source = chirps.in_domain(DOMAINS[0], split="train")
     settings = TrainSettings(epochs=2, lang=False, order_search=True)
     whole = train(source, head(), settings)
     state = tmp_path / "training.safetensors"
@@ -209,7 +209,7 @@ def test_a_resumed_training_searches_again_and_ends_at_the_same_weights(chirps, 
 
 
 def test_a_source_of_one_object_a_class_is_searched_without_a_held_out_part(chirps):
-    source = chirps.in_domain(CHIRPS.domain_names[0], split="train")
+    source = chirps.in_domain(DOMAINS[0], split="train")
     one = source.select(np.array([int(np.flatnonzero(source.label == k)[0]) for k in range(5)]))
     settings = TrainSettings(epochs=1, lang=False, order_search=True)
     assert np.isfinite(train(one, head(), settings).model.order)
