@@ -29,7 +29,6 @@ def lines(
     up: str = "",
     ticks: Sequence[str] = (),
     caption: str = "",
-    height: int = 380,
 ) -> Figure:
     """Return lines with markers: name -> (places, values) or (places, values, half error bars).
 
@@ -68,7 +67,7 @@ def lines(
         traces,
         title=title,
         caption=caption,
-        height=height,
+        height=380,
         xaxis=axis(across, ticks, range=[left - side, right + side]),
         yaxis=axis(up, range=[low - room, high + room]),
         hovermode="x unified",

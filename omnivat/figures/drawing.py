@@ -15,8 +15,8 @@ FINE = 2  # a PNG is drawn this much larger and scaled down, for smooth edges
 class Shape:
     """One shape, filled if `fill` is given, with an outline if `stroke` is given.
 
-    kind    "circle" (one point and `size`), "triangle" (the same), "line" (points), "area"
-            (corners), "rect" (two corners) or "text" (one point and `text`)
+    kind    "circle" (one point and `size`), "line" (points), "area" (corners), "rect" (two
+            corners) or "text" (one point and `text`)
     anchor  of a text: "start", "middle" or "end"
     """
 
@@ -46,12 +46,6 @@ def text(point: Point, words: str, size: float = 12, anchor: str = "start") -> S
     return Shape(kind="text", points=(point,), text=words, size=size, anchor=anchor, fill=INK)
 
 
-def triangle(point: Point, size: float) -> tuple[Point, Point, Point]:
-    """Return the corners of a triangle of the visual size of a circle of radius `size`."""
-    x, y = point
-    return (x, y - 1.25 * size), (x + 1.25 * size, y + size), (x - 1.25 * size, y + size)
-
-
 def svg(picture: Picture) -> str:
     """Return the picture as SVG text."""
     body = "\n".join(_element(shape) for shape in picture.shapes)
@@ -78,13 +72,11 @@ def _element(shape: Shape) -> str:
     if shape.kind == "text":
         look = f'font-size="{shape.size:g}" text-anchor="{shape.anchor}"'
         return f'<text x="{x:g}" y="{y:g}" {look} {paint}>{escape(shape.text)}</text>'
-    points = triangle((x, y), shape.size) if shape.kind == "triangle" else shape.points
-    name = "polyline" if shape.kind == "line" else "polygon"
-    if shape.kind == "line":
-        paint += f' stroke-width="{shape.size:g}"' + (
-            ' stroke-dasharray="4 3"' if shape.dashed else ""
-        )
-    return f'<{name} points="{" ".join(f"{a:.2f},{b:.2f}" for a, b in points)}" {paint}/>'
+    points = " ".join(f"{a:.2f},{b:.2f}" for a, b in shape.points)
+    if shape.kind == "area":
+        return f'<polygon points="{points}" {paint}/>'
+    dashes = ' stroke-dasharray="4 3"' if shape.dashed else ""
+    return f'<polyline points="{points}" {paint} stroke-width="{shape.size:g}"{dashes}/>'
 
 
 def png(picture: Picture) -> Any:
@@ -92,7 +84,7 @@ def png(picture: Picture) -> Any:
     from PIL import Image, ImageDraw
 
     factor = SCALE * FINE
-    size = (round(picture.width * factor), round(picture.height * factor))
+    size = round(picture.width * factor), round(picture.height * factor)
     image = Image.new("RGB", size, "#ffffff")
     draw = ImageDraw.Draw(image, "RGBA")
     for shape in picture.shapes:
@@ -104,14 +96,12 @@ def _paint(draw: Any, shape: Shape, factor: float) -> None:
     from PIL import ImageFont
 
     fill, stroke = (_rgba(colour, shape.opacity) for colour in (shape.fill, shape.stroke))
-    points = _scaled(shape.points, factor)
+    points = [(x * factor, y * factor) for x, y in shape.points]
     size = shape.size * factor
     if shape.kind == "circle":
         x, y = points[0]
         box = (x - size, y - size, x + size, y + size)
         draw.ellipse(box, fill=fill, outline=stroke, width=round(factor))
-    elif shape.kind == "triangle":
-        draw.polygon(_scaled(triangle(shape.points[0], shape.size), factor), fill=fill)
     elif shape.kind == "area":
         draw.polygon(points, fill=fill)
     elif shape.kind == "rect":
@@ -125,10 +115,6 @@ def _paint(draw: Any, shape: Shape, factor: float) -> None:
             draw.line((a, b), fill=stroke, width=max(1, round(size)))
     else:
         draw.line(points, fill=stroke, width=max(1, round(size)), joint="curve")
-
-
-def _scaled(points: Iterable[Point], factor: float) -> list[Point]:
-    return [(x * factor, y * factor) for x, y in points]
 
 
 def _dashes(points: Sequence[Point], length: float) -> Iterable[tuple[Point, Point]]:

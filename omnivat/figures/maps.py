@@ -33,7 +33,6 @@ def map_figure(
     hover: Sequence[str] | None = None,
     pictures: dict[str, Any] | None = None,
     modalities: Sequence[str] = ("VIS", "TAC"),
-    height: int = 620,
 ) -> Figure:
     """Return a map of N pairs: circles for photos, triangles for touches, one colour a group.
 
@@ -91,7 +90,7 @@ def map_figure(
     shapes = "Circle: photo (VIS); triangle: touch (TAC)" if len(modalities) == 2 else ""
     words = ". ".join(part for part in (caption.rstrip("."), shapes) if part) + "."
     return figure(
-        traces, title=title, caption=words, height=height, pictures=pictures, **_axes(places)
+        traces, title=title, caption=words, height=620, pictures=pictures, **_axes(places)
     )
 
 

@@ -13,8 +13,8 @@ from typing import Any
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
-from omnivat.figures.drawing import png, svg
-from omnivat.figures.still import picture
+from omnivat.figures.drawing import png
+from omnivat.figures.still import picture, svg_of
 from omnivat.figures.theme import CONFIG, THEMES, template
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import replacing, write_text
@@ -62,7 +62,7 @@ def html_page(title: str, parts: Sequence[Any]) -> str:
 
 def _section(figure: Any) -> str:
     words = escape((figure.layout.meta or {}).get("caption", ""))
-    height = figure.layout.height or 420
+    height = figure.layout.height
     return (
         '<figure><div class="plot"'
         f' style="height:{height}px"></div><figcaption>{words}</figcaption></figure>'
@@ -85,7 +85,7 @@ def cell(figure: Any) -> str:
     """Return a figure as the HTML of a notebook cell; the frame cannot reach the notebook."""
     title = str(figure.layout.title.text or "figure")
     whole = escape(html_page(title, [figure]))
-    return CELL.format(page=whole, height=(figure.layout.height or 420) + 90, title=escape(title))
+    return CELL.format(page=whole, height=figure.layout.height + 90, title=escape(title))
 
 
 def write(path: str | Path, figure: Any) -> Path:
@@ -107,7 +107,7 @@ def write(path: str | Path, figure: Any) -> Path:
     elif ending == ".json":
         write_text(target, figure.to_json())
     elif ending == ".svg":
-        write_text(target, svg(picture(figure)))
+        write_text(target, svg_of(figure))
     else:
         with replacing(target) as temporary:
             png(picture(figure)).save(temporary, "PNG")

@@ -9,15 +9,15 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from html import unescape
+from itertools import pairwise
 from textwrap import wrap
 from typing import Any
 
-from omnivat.figures.drawing import GRID, INK, SOFT, Picture, Point, Shape, svg, text
+from omnivat.figures.drawing import GRID, INK, Picture, Point, Shape, svg, text
 from omnivat.figures.theme import MARGIN, SERIES, THEMES
 from omnivat.kit.errors import SettingsError
 
 WIDTH, LINE, LETTER = 760.0, 17.0, 6.6
-MARKS = {"triangle-up": "triangle"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,10 +50,10 @@ def picture(figure: Any) -> Picture:
                 f"A figure of the kind '{trace.type}' has no SVG or PNG; name a file that ends in"
                 " .html."
             )
-    width, height = WIDTH, float(figure.layout.height or 420)
+    height = float(figure.layout.height)
     # "", "2", ...
     keys = [name[5:] for name in figure.layout.to_plotly_json() if name.startswith("xaxis")]
-    planes = {key: _plane(figure, key, width, height) for key in keys}
+    planes = {key: _plane(figure, key, height) for key in keys}
     shapes = [shape for key, plane in planes.items() for shape in _axes(figure, key, plane)]
     shapes += [s for one in figure.layout.shapes for s in _marked(one, planes)]
     for index, trace in enumerate(figure.data):
@@ -62,8 +62,8 @@ def picture(figure: Any) -> Picture:
     shapes += [s for note in figure.layout.annotations for s in _note(note, planes)]
     title = unescape(figure.layout.title.text or "")
     shapes.append(text((12, 22), title, 15))
-    below, bottom = _below(figure, width, height)
-    return Picture(width=width, height=bottom, shapes=(*shapes, *below), title=title)
+    below, bottom = _below(figure, height)
+    return Picture(width=WIDTH, height=bottom, shapes=(*shapes, *below), title=title)
 
 
 def svg_of(figure: Any) -> str:
@@ -71,14 +71,14 @@ def svg_of(figure: Any) -> str:
     return svg(picture(figure))
 
 
-def _plane(figure: Any, key: str, width: float, height: float) -> Plane:
+def _plane(figure: Any, key: str, height: float) -> Plane:
     across, up = figure.layout[f"xaxis{key}"], figure.layout[f"yaxis{key}"]
     margin = {side: getattr(figure.layout.margin, side) or size for side, size in MARGIN.items()}
-    inner = width - margin["l"] - margin["r"], height - margin["t"] - margin["b"]
+    inner = WIDTH - margin["l"] - margin["r"], height - margin["t"] - margin["b"]
     left, right = (margin["l"] + share * inner[0] for share in across.domain or (0, 1))
     low, high = (margin["t"] + (1 - share) * inner[1] for share in up.domain or (0, 1))
     box = (left, right, low, high)
-    x, y = (tuple(map(float, one.range or (0, 1))) for one in (across, up))
+    x, y = (tuple(map(float, one.range)) for one in (across, up))
     if up.scaleanchor:  # one unit is as long in both directions
         unit = min((right - left) / (x[1] - x[0]), (low - high) / (y[1] - y[0]))
         box = (left, left + unit * (x[1] - x[0]), high + unit * (y[1] - y[0]), high)
@@ -135,13 +135,14 @@ def _scatter(trace: Any, index: int, plane: Plane) -> Iterator[Shape]:
     points = [plane.at(x, y) for _, x, y in known]
     colour, mode = SERIES[index % len(SERIES)], trace.mode or "lines"
     if trace.fill == "toself" and points:
-        fill, share = _paint(trace.fillcolor)
-        yield Shape(kind="area", points=tuple(points), fill=fill, opacity=share)
+        yield Shape(kind="area", points=tuple(points), **_translucent(trace.fillcolor))
     if "lines" in mode and (trace.line.width is None or trace.line.width):
         size, stroke = trace.line.width or 2, trace.line.color or colour
-        for part in _unbroken(known, points):
-            dashed = trace.line.dash is not None
-            yield Shape(kind="line", points=tuple(part), stroke=stroke, size=size, dashed=dashed)
+        gaps = [i for i in range(1, len(known)) if known[i][0] > known[i - 1][0] + 1]
+        for first, last in pairwise([0, *gaps, len(known)]):
+            if last - first > 1:
+                part = tuple(points[first:last])
+                yield Shape(kind="line", points=part, stroke=stroke, size=size)
     ink = trace.marker.color or colour
     for (across, up), error in (((1, 0), trace.error_x), ((0, 1), trace.error_y)):
         high = error.array if error.array is not None else ()
@@ -152,22 +153,13 @@ def _scatter(trace: Any, index: int, plane: Plane) -> Iterator[Shape]:
                 bar = tuple(plane.at(*end) for end in ends)
                 yield Shape(kind="line", points=bar, stroke=ink, size=1.6)
     if "markers" in mode:
-        kind = MARKS.get(str(trace.marker.symbol), "circle")
-        size, share = float(trace.marker.size or 8) / 2, trace.marker.opacity or 1
-        for point in points:
-            yield Shape(kind=kind, points=(point,), fill=ink, size=size, opacity=share)
-
-
-def _unbroken(known: Any, points: Sequence[Point]) -> Iterator[list[Point]]:
-    """Yield the parts of a line between missing values."""
-    part: list[Point] = []
-    for place, point in enumerate(points):
-        if place and known[place][0] != known[place - 1][0] + 1:
-            yield part
-            part = []
-        part.append(point)
-    if len(part) > 1:
-        yield part
+        size, share = trace.marker.size / 2, trace.marker.opacity or 1
+        triangle = trace.marker.symbol == "triangle-up"  # looks as large as a circle
+        for x, y in points:
+            left, right, low = x - 1.25 * size, x + 1.25 * size, y + size
+            corners = ((x, y - 1.25 * size), (right, low), (left, low))
+            kind, place = ("area", corners) if triangle else ("circle", ((x, y),))
+            yield Shape(kind=kind, points=place, fill=ink, size=size, opacity=share)
 
 
 def _heat(trace: Any, plane: Plane) -> Iterator[Shape]:
@@ -193,20 +185,17 @@ def _rect(ends: Sequence[Point], fill: str, opacity: float) -> Shape:
 
 
 def _marked(mark: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
-    """Draw a line or rectangle of the layout; "domain" spans an axis."""
-    plane = planes[(mark.xref or "x").split()[0][1:]]
-    ends = []
-    for x, y in ((mark.x0, mark.y0), (mark.x1, mark.y1)):
-        if "domain" in (mark.xref or ""):
-            x = plane.x[0] + x * (plane.x[1] - plane.x[0])
-        if "domain" in (mark.yref or ""):
-            y = plane.y[0] + y * (plane.y[1] - plane.y[0])
-        ends.append(plane.at(x, y))
+    """Draw a line or rectangle of the layout; upwards, "domain" spans the axis."""
+    plane = planes[(mark.xref or "x")[1:]]
+    low, high = plane.y if "domain" in (mark.yref or "") else (0.0, 1.0)
+    ends = [
+        plane.at(x, low + y * (high - low)) for x, y in ((mark.x0, mark.y0), (mark.x1, mark.y1))
+    ]
     if mark.type == "line":
-        stroke, dashed = mark.line.color or SOFT, mark.line.dash is not None
+        stroke, dashed = mark.line.color, mark.line.dash is not None
         yield Shape(kind="line", points=tuple(ends), stroke=stroke, dashed=dashed, size=1.4)
     else:
-        yield _rect(ends, *_paint(mark.fillcolor))
+        yield _rect(ends, **_translucent(mark.fillcolor))
 
 
 def _note(note: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
@@ -218,30 +207,28 @@ def _note(note: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
         yield text((x, y - 15 * (len(rows) - 1 - k)), row)
 
 
-def _below(figure: Any, width: float, height: float) -> tuple[list[Shape], float]:
+def _below(figure: Any, height: float) -> tuple[list[Shape], float]:
     """Return legend and caption under the axes, and the lower end of the picture."""
     shapes, x, y = [], 14.0, height
     named = [(i, t) for i, t in enumerate(figure.data) if t.name and t.showlegend is not False]
     for index, trace in named if figure.layout.showlegend is not False else []:
         name, colour = unescape(trace.name), trace.marker.color or trace.line.color
         size = 34 + LETTER * len(name)
-        if x + size > width and x > 14:
+        if x + size > WIDTH and x > 14:
             x, y = 14.0, y + LINE
         fill = colour or SERIES[index % len(SERIES)]
         shapes.append(Shape(kind="rect", points=((x, y - 10), (x + 11, y + 1)), fill=fill))
         shapes.append(text((x + 16, y), name))
         x += size
     y += 8 if named else 0
-    words = wrap((figure.layout.meta or {}).get("caption", ""), int(width / (LETTER - 0.7)))
+    words = wrap((figure.layout.meta or {}).get("caption", ""), int(WIDTH / (LETTER - 0.7)))
     for line in words:
         y += LINE
         shapes.append(text((14, y), line, 11))
     return shapes, y + 14
 
 
-def _paint(colour: str) -> tuple[str, float]:
-    """Return "rgba(r,g,b,a)" or "#rrggbb" as a colour and its opacity."""
-    parts = re.findall(r"[\d.]+", colour)
-    if not colour.startswith("rgba"):
-        return colour, 1.0
-    return "#" + "".join(f"{int(part):02x}" for part in parts[:3]), float(parts[3])
+def _translucent(colour: str) -> dict[str, Any]:
+    """Return "rgba(r,g,b,a)" as a fill and its opacity."""
+    *parts, share = re.findall(r"[\d.]+", colour)
+    return {"fill": "#" + "".join(f"{int(part):02x}" for part in parts), "opacity": float(share)}

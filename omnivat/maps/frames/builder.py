@@ -21,7 +21,6 @@ from omnivat.maps.projection.quality import trust
 from omnivat.maps.projection.torch_umap import aligned, following
 from omnivat.maps.sweep import MEASURES, STAGES, STILL, AtOrder, Features, facts_of, measured, walk
 from omnivat.measure.evaluate import label_map
-from omnivat.measure.gaps.measures import STAGE_MEASURES
 from omnivat.measure.gaps.unit import unit
 from omnivat.measure.unseen import counted, mean_over_domains
 
@@ -85,8 +84,6 @@ class FrameBuilder:
                     f"No map is called '{name}' with {stops} stops; name METHOD/STAGE of "
                     f"{', '.join(METHODS)} and {', '.join(STAGES)}, with 1 stop or more."
                 )
-        if not len(embeddings):
-            raise DataError("There are no pairs to draw; choose a set with pairs.")
         self.orders, self.embeddings, self.measures = tuple(orders), embeddings, measures
         self.seed, self.still = seed, still
         projects, known = (settings.projects, settings.classes) if settings else (True, ())
@@ -133,17 +130,10 @@ class FrameBuilder:
     def finish(self, head: Mapping[str, Any]) -> FrameSet:
         """Return the frames. head: facts about the head."""
         if "frft" in self.unitary:  # the curves of the raw embedding are those of the raw DFrFT
-            raw = {
-                name: name.split("/")
-                for name in self.curves
-                if name.split(":")[0].split("/")[0] in STAGE_MEASURES
-            }
-            found = {
-                "/".join([n, "frft", *rest]): name
-                for name, (n, at, *rest) in raw.items()
-                if at == "raw"
-            }
-            self.curves |= {name: list(self.curves[own]) for name, own in found.items()}
+            for name, curve in list(self.curves.items()):
+                measure, stage, *rest = name.split("/")
+                if stage == "raw":
+                    self.curves["/".join([measure, "frft", *rest])] = list(curve)
         frames = {track: track.frames() for track in set(self.tracks.values())}
         header = self.embeddings.header
         return FrameSet(

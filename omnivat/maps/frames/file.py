@@ -33,21 +33,19 @@ def write_frames(path: str | Path, frames: FrameSet) -> None:
     for name, array in arrays.items():
         kind = "u16" if array.dtype.itemsize == 2 else "u8"
         blob = np.ascontiguousarray(array, dtype=DTYPES[kind]).tobytes()
-        entries[name] = {"offset": offset, "dtype": kind, "shape": list(array.shape)}
+        entries[name] = {"offset": offset, "dtype": kind, "shape": array.shape}
         blobs.append(blob + b"\0" * (-len(blob) % ALIGN))
         offset += len(blobs[-1])
     record: dict[str, Any] = {
         "version": VERSION,
-        "orders": list(frames.orders),
+        "orders": frames.orders,
         "pairs": frames.pairs,
-    }
-    record |= {
-        "domains": list(frames.domains),
-        "classes": list(frames.classes),
+        "domains": frames.domains,
+        "classes": frames.classes,
         "arrays": entries,
         "maps": maps,
     }
-    record |= {name: dict(getattr(frames, name)) for name in FACTS}
+    record |= {name: getattr(frames, name) for name in FACTS}
     text = json.dumps(record, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
     text += b" " * (-(len(MAGIC) + 4 + len(text)) % ALIGN)
     with replacing(path) as temporary:
@@ -64,10 +62,10 @@ def _named(frames: FrameSet) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         arrays[array] = found.points
         maps[name] = {
             "array": array,
-            "orders": list(found.orders),
-            "bounds": [list(found.low), list(found.high)],
+            "orders": found.orders,
+            "bounds": [found.low, found.high],
             "max_error": found.max_error,
-        } | ({"trust": list(found.trust)} if found.trust else {})
+        } | ({"trust": found.trust} if found.trust else {})
     return maps, arrays
 
 
@@ -147,12 +145,12 @@ def _array(
 
 
 def _map(entry: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> MapFrames:
-    (left, bottom), (right, top) = entry["bounds"]
+    low, high = entry["bounds"]
     return MapFrames(
         points=arrays[entry["array"]],
         orders=tuple(entry["orders"]),
-        low=(float(left), float(bottom)),
-        high=(float(right), float(top)),
-        max_error=float(entry["max_error"]),
+        low=tuple(low),
+        high=tuple(high),
+        max_error=entry["max_error"],
         trust=tuple(entry.get("trust", ())),
     )

@@ -138,7 +138,7 @@ def quantised(
     """Quantise maps (2N, 2) of one stage to u16 within one square around all of them."""
     stacked = np.stack(maps).astype(np.float64)
     flat = stacked.reshape(-1, 2)
-    lowest, highest = (flat.min(0), flat.max(0)) if len(flat) else (np.zeros(2), np.zeros(2))
+    lowest, highest = flat.min(0), flat.max(0)
     middle, half = (lowest + highest) / 2, max(float((highest - lowest).max()) / 2, 1e-12)
     low, high = middle - half, middle + half
     points = np.rint((stacked - low) * (LEVELS / (2 * half))).clip(0, LEVELS).astype("<u2")
@@ -148,6 +148,6 @@ def quantised(
         orders=orders,
         low=(float(low[0]), float(low[1])),
         high=(float(high[0]), float(high[1])),
-        max_error=float(np.abs(drawn - stacked).max()) if len(flat) else 0.0,
+        max_error=float(np.abs(drawn - stacked).max()),
         trust=trust,
     )

@@ -56,20 +56,17 @@ def basis(points: Tensor, dimensions: int = 2) -> Basis:
         _from_gram(points - mean, dimensions) if few else _from_covariance(points, mean, dimensions)
     )
     largest = axes.gather(0, axes.abs().argmax(0, keepdim=True))
-    return Basis(mean, (axes * torch.where(largest < 0, -1, 1)).to(points.dtype))
+    return Basis(mean, (axes * torch.where(largest < 0, -1, 1)).to(points))
 
 
 def _from_covariance(points: Tensor, mean: Tensor, dimensions: int) -> Tensor:
     """Exact for any number of rows; BLOCK rows are centred at a time."""
     width = points.shape[1]
-    products = torch.zeros(width, width, dtype=torch.float64, device=points.device)
+    products = torch.zeros(width, width, dtype=torch.float64)
     for rows in points.split(BLOCK):
-        centred = rows - mean
-        if centred.device.type != "cpu" or centred.requires_grad:
-            products += (centred.T @ centred).double()
-        else:  # numpy computes one half, the other being the same
-            plain = centred.numpy()
-            products += torch.from_numpy(plain.T @ plain).double()
+        centred = (rows - mean).detach().cpu().numpy()
+        # numpy computes one half, the other being the same
+        products += torch.from_numpy(centred.T @ centred).double()
     vectors: Tensor = torch.linalg.eigh(products).eigenvectors
     return vectors[:, -dimensions:].flip(1)
 

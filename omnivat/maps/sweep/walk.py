@@ -19,7 +19,6 @@ from omnivat.measure.gaps.measures import Facts
 from omnivat.measure.gaps.sums import Sums
 
 CHUNK = 512  # pairs in one pass of the head; it bounds the memory for any set
-NO_PAIRS = "There are no pairs in these embeddings; choose a set with pairs."
 KEPT_PAIRS = 20_000  # pairs whose coefficients are kept for all orders; beyond, they are recomputed
 
 Features = Mapping[str, Tensor]  # modality -> (N, W), rows of any length
@@ -64,12 +63,8 @@ def walk(
     pairs.
     """
     require_known(stages, STAGES, "stage")
-    if model is None and (predictions or set(stages) - {"raw"}):
-        raise SettingsError("Only the raw stage needs no head; give one.")
     if not np.isfinite(np.array(orders, dtype=np.float64)).all():
         raise SettingsError("Every order must be a finite number.")
-    if not len(embeddings):
-        raise DataError(NO_PAIRS)
     moving = [stage for stage in stages if stage not in STILL]
     if not moving and not predictions:
         orders = orders[:1]
@@ -172,7 +167,7 @@ def _raw_chunks(
     model: OmniVaT | None, embeddings: Embeddings, chunk: int
 ) -> Iterator[tuple[slice, dict[str, Tensor]]]:
     if not len(embeddings):
-        raise DataError(NO_PAIRS)
+        raise DataError("There are no pairs in these embeddings; choose a set with pairs.")
     return blocks(embeddings, model.classifier.device if model else None, size=chunk)
 
 

@@ -149,7 +149,7 @@ def test_too_many_names_are_refused():
 
 
 def test_no_pairs_are_refused():
-    with pytest.raises(DataError, match="no pairs to draw"):
+    with pytest.raises(DataError, match="no pairs in these embeddings"):
         build_frames(head(), pairs(count=0), orders=(0.0,))
 
 
