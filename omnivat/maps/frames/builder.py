@@ -41,10 +41,15 @@ class _Track:
     trust: list[float | None] = field(default_factory=list)
 
     def add(self, points: Tensor, seed: int) -> None:
-        """Map the next stop."""
+        """Map the next stop, aligned with the one before it."""
         before = self.maps[-1] if self.maps else None
-        self.maps.append(next_map(self.method, points, before, seed=seed))
-        self.trust.append(trust(points, self.maps[-1]))
+        if self.method == "umap":
+            flat = following(points, before, seed=seed)
+        else:
+            flat = pca.project(points)
+            flat = flat if before is None else aligned(flat, before)
+        self.maps.append(flat)
+        self.trust.append(trust(points, flat))
 
     def frames(self) -> MapFrames:
         """Return the maps, quantised, with their trust."""
@@ -149,14 +154,6 @@ class FrameBuilder:
             head=dict(head),
             embeddings={n: getattr(header, n) for n in ENCODED},
         )
-
-
-def next_map(method: str, points: Tensor, before: Tensor | None, *, seed: int = 0) -> Tensor:
-    """Return the map (2N, 2) of points (2N, W), aligned with the previous map `before`."""
-    if method == "pca":
-        flat = pca.project(points)
-        return flat if before is None else aligned(flat, before)
-    return following(points, before, seed=seed)
 
 
 def stacked(features: Features) -> Tensor:

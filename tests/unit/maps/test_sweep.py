@@ -69,16 +69,6 @@ def test_every_curve_is_what_the_head_and_the_measure_return():
             assert found.curves[name][place] == pytest.approx(value.item(), abs=1e-6), name
 
 
-def test_chunks_of_any_size_give_the_same_answers(monkeypatch):
-    model, data = head(), pairs()
-    whole = sweep(model, data, ORDERS)
-    monkeypatch.setattr(import_module("omnivat.maps.sweep.walk"), "CHUNK", 5)
-    cut = sweep(model, data, ORDERS)
-    np.testing.assert_allclose(whole.probabilities, cut.probabilities, atol=1e-6)
-    for name, curve in whole.curves.items():
-        np.testing.assert_allclose(cut.curves[name], curve, atol=1e-6)
-
-
 def test_raw_and_transformed_embeddings_keep_every_gap_at_every_order():
     """The transform is unitary: measured here at each order, not assumed."""
     model, data = head(), pairs()
@@ -91,13 +81,19 @@ def test_raw_and_transformed_embeddings_keep_every_gap_at_every_order():
             )
 
 
-def test_coefficients_are_made_once_and_each_pair_passes_once_an_order(monkeypatch):
+def test_coefficients_are_made_once_and_each_pair_passes_once_an_order_in_chunks_of_any_size(
+    monkeypatch,
+):
     model, data = head(), pairs()
+    whole = sweep(model, data, ORDERS, stages=STAGES)
     count = Counting(model, monkeypatch)
     monkeypatch.setattr(import_module("omnivat.maps.sweep.walk"), "CHUNK", 7)
-    sweep(model, data, ORDERS, stages=STAGES)
+    cut = sweep(model, data, ORDERS, stages=STAGES)
     assert count.prepared == 1
     assert count.pairs == len(data) * len(ORDERS)
+    np.testing.assert_allclose(whole.probabilities, cut.probabilities, atol=1e-6)
+    for name, curve in whole.curves.items():
+        np.testing.assert_allclose(cut.curves[name], curve, atol=1e-6)
 
 
 def test_what_stays_still_comes_with_the_first_order_visited_and_never_again():
@@ -106,6 +102,7 @@ def test_what_stays_still_comes_with_the_first_order_visited_and_never_again():
     assert [set(found.features) for found in later] == [{"f_hat"}] * 3
     alone = list(walk(head(), pairs(), ORDERS, stages=("raw", "frft"), predictions=False))
     assert [found.index for found in alone] == [0]
+    assert alone[0].probabilities == {}
 
 
 def test_the_raw_embedding_needs_no_head_at_all(monkeypatch):
@@ -114,12 +111,6 @@ def test_the_raw_embedding_needs_no_head_at_all(monkeypatch):
     sweep(model, data, ORDERS, stages=("raw",), measures=("margin",))
     assert count.prepared == 0
     assert count.calls == []
-
-
-def test_stages_that_are_not_asked_for_are_not_kept():
-    found = next(walk(head(), pairs(), ORDERS, stages=("f_bar",), predictions=False))
-    assert set(found.features) == {"f_bar"}
-    assert found.probabilities == {}
 
 
 @pytest.mark.parametrize("name", [*STAGE_MEASURES, *PREDICTION_MEASURES])

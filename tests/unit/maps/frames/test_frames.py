@@ -5,8 +5,8 @@ import pytest
 import torch
 
 from omnivat.kit.errors import DataError, SettingsError
-from omnivat.maps.frames import build_frames, builder, read_frames, write_frames
-from omnivat.maps.frames.builder import DEFAULT_MAPS, spread
+from omnivat.maps.frames import build_frames, read_frames, write_frames
+from omnivat.maps.frames.builder import spread
 from omnivat.maps.frames.records import LEVELS, quantised
 from omnivat.maps.projection import pca, torch_umap
 from omnivat.maps.projection.torch_umap import aligned, following
@@ -76,18 +76,6 @@ def test_predictions_and_curves_are_those_of_the_sweep(frames):
     np.testing.assert_array_equal(frames.label, found.label)
 
 
-def test_what_stays_still_is_projected_once_for_all_orders(monkeypatch):
-    calls = []
-
-    def counted(method, points, before, *, seed):
-        calls.append((method, points.shape[1]))
-        return pca.project(points)
-
-    monkeypatch.setattr(builder, "next_map", counted)
-    build_frames(head(), pairs(), orders=ORDERS, maps={"pca/raw": 9, "pca/frft": 9, "pca/f_bar": 9})
-    assert len(calls) == 1 + len(ORDERS)
-
-
 def test_maps_that_are_not_asked_for_are_not_made(monkeypatch):
     monkeypatch.setattr(torch_umap, "project", None)
     found = build_frames(head(), pairs(), orders=ORDERS, maps={"pca/f_hat": 2})
@@ -119,13 +107,6 @@ def test_equal_points_have_a_map():
 )
 def test_stops_are_spread_evenly(stops, count, places):
     assert spread(stops, count) == places
-
-
-def test_the_default_maps_stay_below_six_megabytes():
-    """For 1,440 pairs, 101 stops and one at the learned order, counted from the shapes."""
-    most = {name: min(stops, 102) for name, stops in DEFAULT_MAPS.items()}
-    stops = {n: 1 if n.split("/")[1] in ("raw", "frft") else s for n, s in most.items()}
-    assert sum(stops.values()) * 2880 * 4 + 2 * 102 * 1440 < 5_000_000
 
 
 @pytest.mark.parametrize(
