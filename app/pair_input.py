@@ -190,7 +190,7 @@ def _known(lessons: "Sequence[Lesson]", head: "Head") -> "Familiarity | None":
         if len(pictures) > 1:
             rows[name] = own = torch.cat(pictures)
             owner = torch.arange(len(own))
-            quantiles[name] = nearest_cosines(own, own, owner, owner).mean(1).sort().values
+            quantiles[name] = nearest_cosines(own, own, owner).mean(1).sort().values
     return Familiarity(rows=rows, quantiles=quantiles) if rows else head.familiarity
 
 

@@ -164,7 +164,7 @@ def head_folder(make_embeddings, tmp_path_factory):
 
 @pytest.fixture
 def fetched(tmp_path: Path) -> Path:
-    """Return a folder with the set touch-and-go as it is fetched: two pairs of pictures made here."""
+    """Return a folder of touch-and-go as it is fetched: two pairs of pictures made here."""
     from PIL import Image
 
     from omnivat.data.fetching import fetched_sets

@@ -181,12 +181,10 @@ def quarter_turn(
 ) -> Complex[Tensor, "*any"]:
     """Return the transform of order `turns` along dim as a new complex tensor."""
     x = torch.fft.ifftshift(x, dim) if centered else x
-    if turns == 0:
+    if turns == 0 or not x.numel():  # MKL refuses a batch of no vectors
         result = x.to(x.dtype.to_complex(), copy=True)
     elif turns == 2:
         result = x.flip(dim).roll(1, dim).to(x.dtype.to_complex())
-    elif not x.numel():  # MKL refuses a batch of no vectors
-        result = x.to(x.dtype.to_complex(), copy=True)
     else:
         transform = torch.fft.fft if turns == 1 else torch.fft.ifft
         # the inverse of real input is a lazy conjugate, which has no `.numpy()`

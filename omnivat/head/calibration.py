@@ -146,22 +146,17 @@ def familiarity_of(vis: Tensor | None, tac: Tensor | None, objects: Sequence[str
     return Familiarity(
         rows=rows,
         quantiles={
-            name: torch.quantile(nearest_cosines(x, x, owner, owner).mean(1), levels)
+            name: torch.quantile(nearest_cosines(x, x, owner).mean(1), levels)
             for name, x in rows.items()
         },
     )
 
 
-def nearest_cosines(
-    rows: Tensor,
-    reference: Tensor,
-    owner: Tensor | None = None,
-    reference_owner: Tensor | None = None,
-) -> Tensor:
+def nearest_cosines(rows: Tensor, reference: Tensor, owner: Tensor | None = None) -> Tensor:
     """Return (B, n): the largest cosines of each row (B, D) with reference rows (N, D), descending;
     n is N / 10, at least 1 and at most NEIGHBOURS.
 
-    owner, reference_owner  (B,), (N,) objects; rows of the same object are skipped
+    owner  (B,) objects of rows that are the reference themselves; those of the same are skipped
     """
     units = normalize(rows.float(), dim=-1)
     others = normalize(reference.float(), dim=-1)
@@ -169,8 +164,8 @@ def nearest_cosines(
     found = units.new_zeros(len(units), count)
     for part in torch.arange(len(units)).split(CHUNK):
         cosines = units[part] @ others.T
-        if owner is not None and reference_owner is not None:
-            cosines = cosines.masked_fill(owner[part, None] == reference_owner[None], -1.0)
+        if owner is not None:
+            cosines = cosines.masked_fill(owner[part, None] == owner, -1.0)
         found[part] = cosines.topk(count, dim=1).values
     return found
 

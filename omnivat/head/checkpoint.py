@@ -13,7 +13,7 @@ import torch
 from safetensors.torch import save
 from torch import Tensor
 
-from omnivat.data.dots import FILLED, dots_of
+from omnivat.data.dots import FILLED
 from omnivat.data.profile import (
     Profile,
     domain_of,
@@ -34,12 +34,17 @@ from omnivat.kit.devices import current
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.files import hash_of, replacing_folder, require_writable, write_json
 from omnivat.kit.schema import read_object, texts
-from omnivat.kit.stages import IMAGES, LIMIT
+from omnivat.kit.stages import IMAGES
 
 FORMAT = "omnivat-head-1"
 WEIGHTS, SETTINGS, METRICS = "weights.safetensors", "settings.json", "metrics.json"
 FAMILIARITY, PROFILE = "familiarity.safetensors", "profile.safetensors"
 ENCODER = ("name", "weights_hash", "preprocessing")
+# ways to make embeddings: mark in a set's preprocessing, in words, how to embed so, and how not so
+MADE = (
+    (FILLED, "the dots of touch filled", "with --dots fill", "with --dots keep"),
+    (RESTED, "a rest picture subtracted from touch", "with --tac-rest", "without --tac-rest"),
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,27 +73,15 @@ class Head:
         wanted = tuple(self.encoder[name] for name in ENCODER)
         if key == wanted and width == self.settings.input_width:
             return
-        if key != wanted and "".join(key).replace(FILLED, "") == "".join(wanted).replace(
-            FILLED, ""
-        ):
-            words = {
-                "fill": "with the dots of touch filled",
-                "keep": "with the dots of touch as they are",
-            }
-            theirs, own = dots_of(key[2]), dots_of(wanted[2])
-            raise DataError(
-                f"{what} are made {words[theirs]}, and this head was trained {words[own]}. Embed"
-                f" the pairs with --dots {own}, or choose a head that fits."
-            )
-        if key != wanted and "".join(key).removesuffix(RESTED) == "".join(wanted).removesuffix(
-            RESTED
-        ):
-            less, more = ("with", "without") if wanted[2].endswith(RESTED) else ("without", "with")
-            raise DataError(
-                f"{what} are made {more} a rest picture subtracted from touch, and this head was"
-                f" trained {less} one. Embed the pairs {less} --tac-rest, or choose a head that"
-                " fits."
-            )
+        for marker, made, *how in MADE:
+            bare, learned = ("".join(one).replace(marker, "") for one in (key, wanted))
+            if key != wanted and bare == learned:
+                mine = marker in wanted[2]
+                others, own = ("without", "with") if mine else ("with", "without")
+                raise DataError(
+                    f"{what} are made {others} {made}, and this head was trained {own}. Embed the"
+                    f" pairs {how[not mine]}, or choose a head that fits."
+                )
         raise DataError(
             f"{what} come from {_describe(key, width)}, and this head was trained with "
             f"{_describe(wanted, self.settings.input_width)}. Embed the pairs with the head's "
@@ -270,27 +263,16 @@ def _load_weights(file: Path, settings: HeadSettings) -> OmniVaT:
     tensors = tensors_in(file)
     with torch.device("meta"):
         model = OmniVaT(settings)
-    wanted = model.state_dict()
-    for name in (*wanted, *sorted(tensors.keys() - wanted.keys())):
-        if why := _misfit(name, tensors.get(name), wanted.get(name)):
-            raise DataError(f"'{file}' does not fit its settings: {name} {why}.")
-    model.load_state_dict(tensors, assign=True)
+    floating = {name: tensor.is_floating_point() for name, tensor in model.state_dict().items()}
+    try:
+        model.load_state_dict(tensors, assign=True)
+    except RuntimeError as error:
+        why = str(error).splitlines()[-1].strip()
+        raise DataError(f"'{file}' does not fit its settings: {why:.300}") from error
+    for name, tensor in tensors.items():
+        if tensor.is_floating_point() != floating[name] or not tensor.isfinite().all():
+            raise DataError(f"'{file}' holds no finite numbers as {name}; copy the head again.")
     return model
-
-
-def _misfit(name: str, tensor: Tensor | None, wanted: Tensor | None) -> str:
-    if tensor is None:
-        return "is missing"
-    if wanted is None:
-        return "is not part of such a head"
-    if tensor.shape != wanted.shape:
-        return f"has shape {tuple(tensor.shape)}, expected {tuple(wanted.shape)}"
-    if tensor.is_floating_point() != wanted.is_floating_point():
-        return f"is of type {tensor.dtype}, expected {wanted.dtype}"
-    if not tensor.isfinite().all():
-        return "holds NaN or infinite values"
-    far = name.endswith("order") and (tensor.abs() > LIMIT).any()
-    return f"is beyond {LIMIT:g} quarter turns" if far else ""
 
 
 def _require(file: Path) -> None:

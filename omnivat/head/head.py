@@ -145,9 +145,9 @@ class OmniVaT(Body):
             relu = factored.mean_channels(*expanded)
             found, weights = self.mffa.features(names, expanded)
         root = found.sum(0)
-        mean = self._mean(found, root, fold) if self.settings.tree_at_inference else None
-        f_hat = found if mean is None else found + mean
-        alone = f_hat if len(names) == 1 else self._alone(found, fold)
+        alone = f_hat = found + self._mean(found, root, fold)
+        if len(names) > 1:  # T is then the F-bar of each
+            alone = found + torch.stack([self._mean(bar[None], bar, fold) for bar in found])
         towards = self._folds.get(("directions",), self.directions) if fold else None
         logits = self.classify(torch.stack((f_hat, alone)), towards)
         grown = grow(self.dtg, self.settings, found, root) if nodes else None
@@ -173,27 +173,16 @@ class OmniVaT(Body):
 
     def _mean(
         self, features: Float[Tensor, "M B D"], root: Float[Tensor, "B D"], fold: bool
-    ) -> Float[Tensor, "B D"] | None:
-        """Return the mean over the nodes that grow from the features."""
-        if self.settings.generation == "none":
-            return None
+    ) -> Float[Tensor, "B D"]:
+        """Return the mean over the nodes that grow from the features; zeros without any."""
+        if not self.settings.tree_at_inference or self.settings.generation == "none":
+            return torch.zeros_like(root)
         if self.settings.generation == "interpolation":
             return root / len(features)  # points are evenly spaced between the features
         folded = (
             self._folds.get(("tree",), lambda: fold_tree(self.dtg)) if fold else self.dtg.fold()
         )
         return linear(root, *folded)
-
-    def _alone(self, features: Float[Tensor, "M B D"], fold: bool) -> Float[Tensor, "M B D"]:
-        """Return F-hat of each modality with the other image absent: T is its F-bar."""
-        if not self.settings.tree_at_inference:
-            return features
-        means = [self._mean(rows[None], rows, fold) for rows in features]
-        return (
-            features
-            if means[0] is None
-            else features + torch.stack([m for m in means if m is not None])
-        )
 
 
 def _rows(order: float | Tensor, rows: slice) -> float | Tensor:

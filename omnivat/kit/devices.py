@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from omnivat.kit.errors import SettingsError
+from omnivat.kit.errors import SettingsError, first_line
 
 if TYPE_CHECKING:
     import torch
@@ -29,20 +29,11 @@ def device_from(name: str) -> "torch.device":
     if name == "auto":
         return torch.device("cuda" if torch.cuda.is_available() else "cpu")
     try:
-        device = torch.device(name)
-    except RuntimeError as error:
-        raise SettingsError(f"No device is called '{name}'; use auto, cpu or cuda.") from error
-    if device.type == "cuda":
-        if not torch.cuda.is_available():
-            raise SettingsError(f"Device '{name}' needs a GPU, and none is usable here; use cpu.")
-        if device.index is not None and device.index >= torch.cuda.device_count():
-            raise SettingsError(
-                f"Device '{name}' does not exist; there are {torch.cuda.device_count()} GPUs,"
-                " counted from cuda:0."
-            )
-    if device.type == "mps" and not torch.backends.mps.is_available():
-        raise SettingsError(f"Device '{name}' is not usable here; use cpu.")
-    return device
+        return torch.empty(0, device=name).device
+    except (RuntimeError, AssertionError) as error:
+        raise SettingsError(
+            f"Device '{name}' is not usable here ({first_line(error)}); use auto, cpu or cuda."
+        ) from error
 
 
 def named() -> str:

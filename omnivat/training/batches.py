@@ -68,32 +68,38 @@ def batches(
     truth = labels[shuffled]
     lang_on = torch.from_numpy(random.random(count) >= settings.lang_drop)
     token_on = torch.from_numpy(random.random(count) >= settings.class_token_drop)
-    images = {n: _mirrored(source, n, shuffled, random) for n in settings.given}
+    tables = {n: (getattr(source, n), getattr(source, f"{n}_flip")) for n in settings.given}
+    mirrored = {
+        n: None if flipped is None else random.random(count) < 0.5
+        for n, (_, flipped) in tables.items()
+    }
     noise: dict[str, Array] = {}  # standard deviation of each channel
     if settings.noise:
         noise = {
             n: settings.noise * getattr(source, n).std(0, dtype=np.float32) for n in settings.given
         }
     spread = _spread(source, settings, random)
-    texts = None
+    style = None
     if bank is not None and settings.lang:  # a random style for every pair
-        _, styles, width = bank.embeddings.shape
-        drawn = random.integers(styles, size=count)
-        texts = _Drawn(bank.embeddings.reshape(-1, width), truth * styles + drawn)
+        style = random.integers(bank.embeddings.shape[1], size=count)
     targets = torch.from_numpy(truth)
     orders = None
     if settings.order_draw:
         orders = torch.from_numpy(random.uniform(*DRAWN, count))
     for start in range(0, count, settings.batch):
         rows = slice(start, start + settings.batch)
+        images, lang = {}, None
+        for name, (plain, flipped) in tables.items():
+            mirror = mirrored[name]
+            some = _rows(plain, flipped, shuffled[rows], None if mirror is None else mirror[rows])
+            some = _disturbed(some, noise.get(name), spread.get(name), random)
+            images[name] = torch.from_numpy(some)
+        if bank is not None and style is not None:
+            text = bank.embeddings[truth[rows], style[rows]]
+            lang = torch.from_numpy(text.astype(np.float32, copy=False))
         yield Batch(
-            images={
-                name: torch.from_numpy(
-                    _disturbed(held.rows(rows), noise.get(name), spread.get(name), random)
-                )
-                for name, held in images.items()
-            },
-            lang=None if texts is None else torch.from_numpy(texts.rows(rows)),
+            images=images,
+            lang=lang,
             labels=targets[rows],
             lang_on=lang_on[rows],
             token_on=token_on[rows],
@@ -130,29 +136,9 @@ def _disturbed(
     return rows
 
 
-@dataclass(frozen=True, slots=True)
-class _Drawn:
-    """Rows of two tables in a random order for the epoch, read batch by batch."""
-
-    plain: Array
-    index: Array
-    other: Array | None = None
-    from_other: Array | None = None  # bool, row by row
-
-    def rows(self, some: slice) -> Array:
-        """Return float32 rows of a batch."""
-        chosen: Array = self.plain[self.index[some]].astype(np.float32, copy=False)
-        if self.other is not None and self.from_other is not None:
-            mirror = self.from_other[some]
-            chosen[mirror] = self.other[self.index[some][mirror]]
-        return chosen
-
-
-def _mirrored(
-    source: Embeddings, name: str, shuffled: Array, random: np.random.Generator
-) -> _Drawn:
-    """Draw embeddings of VIS or TAC; each is mirrored with probability 1/2."""
-    plain, flipped = getattr(source, name), getattr(source, f"{name}_flip")
-    if flipped is None:
-        return _Drawn(plain, shuffled)
-    return _Drawn(plain, shuffled, flipped, random.random(len(shuffled)) < 0.5)
+def _rows(plain: Array, flipped: Array | None, index: Array, mirror: Array | None) -> Array:
+    """Return float32 rows of a table, those of `mirror` from the mirrored one."""
+    chosen: Array = plain[index].astype(np.float32, copy=False)
+    if flipped is not None and mirror is not None:
+        chosen[mirror] = flipped[index[mirror]]
+    return chosen

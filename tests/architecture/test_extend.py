@@ -70,20 +70,19 @@ def embeddings_file(make_embeddings, tmp_path):
 @pytest.mark.parametrize(
     ("place", "table", "words"),
     [
-        ("omnivat/study/baselines/prior.py", "omnivat.study.baselines.BASELINES", "protocol --seeds 0 --methods"),
-        ("omnivat/measure/gaps/medians.py", "omnivat.measure.gaps.GAPS", "gaps --stage raw --measure"),
-        ("omnivat/maps/projection/widest.py", "omnivat.maps.projection.PROJECTIONS", "project --stage raw --method"),
+        ("study/baselines/prior.py", "BASELINES", "protocol --seeds 0 --methods"),
+        ("measure/gaps/medians.py", "GAPS", "gaps --stage raw --measure"),
+        ("maps/projection/widest.py", "PROJECTIONS", "project --stage raw --method"),
     ],
-)  # fmt: skip
+)
 def test_one_file_and_one_line_are_in_a_command(
     place, table, words, added, monkeypatch, embeddings_file, capsys
 ):
     from omnivat.cli import main
 
-    added(place)
-    module, _, table = table.rpartition(".")
+    package = import_module(added(f"omnivat/{place}").rpartition(".")[0])
     name, target = entry(table)
-    monkeypatch.setitem(getattr(import_module(module), table), name, target)
+    monkeypatch.setitem(getattr(package, table), name, target)
     out = embeddings_file.with_name("map.csv" if table == "PROJECTIONS" else "protocol")
     more = ["--out", str(out)] if table != "GAPS" else []
     assert main([*words.split(), name, "--embeddings", str(embeddings_file), *more]) == 0

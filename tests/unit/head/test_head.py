@@ -25,16 +25,6 @@ def pairs(make_pairs):
     return make_pairs
 
 
-# counts: attention 3 (D² + D), FFN 8 D² + 5 D, tree (2^R - 2)(D² + D), θ_e 3 E, p 1, classifier 5 D
-@pytest.mark.parametrize("width", [64, 512, 768, 1024])
-@pytest.mark.parametrize("levels", [1, 2, 3, 4])
-def test_parameters_are_counted_as_the_paper_is_read(width, levels):
-    chosen = settings(width=width, input_width=width, lang_width=width, levels=levels)
-    square, tree = width**2, 2**levels - 2
-    wanted = 11 * square + 8 * width + tree * (square + width) + 5 * width + 3 * 4 + 1
-    assert parameter_count(chosen) == wanted
-
-
 def test_each_image_modality_has_a_projection_of_its_own_unless_they_share_one(pairs):
     """Changing TAC's map leaves VIS's features alone; a shared one is 16 (24 + 1) numbers less."""
     model, (vis, tac) = build_head(settings()).double(), pairs(3)

@@ -9,7 +9,6 @@ import sys
 import pytest
 import torch
 
-from omnivat.cli import COMMANDS, parser
 from omnivat.encoders import load_encoder
 from omnivat.fractional import dfrft
 from omnivat.head.checkpoint import load_head
@@ -18,26 +17,7 @@ from omnivat.kit.devices import VARIABLE, computing_on, current, device_from, na
 from omnivat.kit.errors import SettingsError
 from omnivat.training.batches import Batch
 
-COMPUTING = {
-    "predict",
-    "embed",
-    "train",
-    "evaluate",
-    "protocol",
-    "ablate",
-    "sweep",
-    "gaps",
-    "project",
-    "prompts",
-}
 META = torch.device("meta")
-
-
-@pytest.mark.parametrize("command", sorted(COMPUTING))
-def test_every_command_that_computes_takes_a_device(command):
-    assert command in COMMANDS
-    choices = parser()._subparsers._group_actions[0].choices
-    assert "--device" in choices[command]._option_string_actions
 
 
 def test_a_device_holds_inside_its_block_and_in_processes_started_there(monkeypatch):
@@ -51,15 +31,9 @@ def test_a_device_holds_inside_its_block_and_in_processes_started_there(monkeypa
     assert VARIABLE not in os.environ
 
 
-@pytest.mark.parametrize(
-    ("name", "match"),
-    [
-        ("gpu", "No device is called 'gpu'; use auto, cpu or cuda"),
-        ("cuda:99", "none is usable here|counted from cuda:0"),
-    ],
-)
-def test_a_device_that_is_not_there_is_refused(name, match):
-    with pytest.raises(SettingsError, match=match):
+@pytest.mark.parametrize("name", ["gpu", "cuda:99"])
+def test_a_device_that_is_not_there_is_refused(name):
+    with pytest.raises(SettingsError, match=f"Device '{name}' is not usable here .*; use auto"):
         device_from(name)
 
 

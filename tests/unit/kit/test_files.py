@@ -147,7 +147,6 @@ def test_an_error_of_the_system_is_one_sentence(monkeypatch, capsys):
 
 
 def test_what_a_killed_writer_left_is_swept_by_the_next_and_a_living_one_is_let_be(tmp_path):
-    import os
     import time
 
     file = tmp_path / "a[1].txt"
@@ -184,10 +183,7 @@ def test_two_embeds_to_one_file_do_not_take_one_anothers_parts(tmp_path):
 
 
 def test_a_pipe_in_place_of_a_table_is_refused_at_once(tmp_path):
-    import os
-
     from omnivat.data.readers.files import read_text
-    from omnivat.kit.errors import DataError
 
     os.mkfifo(tmp_path / "table.csv")
     with pytest.raises(DataError, match="pipe or device"):
@@ -304,15 +300,6 @@ def test_the_hidden_folder_of_a_killed_writer_goes_with_the_next_one(tmp_path):
     assert [file.name for file in tmp_path.iterdir()] == ["site"]
 
 
-def test_the_cache_folder_follows_the_environment(monkeypatch):
-    monkeypatch.setenv("OMNIVAT_CACHE", "/some/where")
-    assert cache_folder() == Path("/some/where")
-    monkeypatch.delenv("OMNIVAT_CACHE")
-    monkeypatch.setattr("sys.platform", "linux")
-    monkeypatch.setenv("XDG_CACHE_HOME", "/xdg")
-    assert cache_folder() == Path("/xdg/omnivat")
-
-
 def test_without_a_home_the_cache_is_in_the_temporary_folder(monkeypatch):
     def none():
         raise RuntimeError("Could not determine home directory.")
@@ -337,6 +324,11 @@ def test_the_cache_lies_where_the_platform_keeps_them(monkeypatch, tmp_path, pla
     monkeypatch.setattr(Path, "home", lambda: tmp_path)
     monkeypatch.setattr(sys, "platform", platform)
     assert cache_folder() == tmp_path / place
+    if platform == "linux":
+        monkeypatch.setenv("XDG_CACHE_HOME", "/xdg")
+        assert cache_folder() == Path("/xdg/omnivat")
+    monkeypatch.setenv("OMNIVAT_CACHE", "/some/where")
+    assert cache_folder() == Path("/some/where")
 
 
 def test_a_message_that_lists_thousands_of_names_is_shortened():

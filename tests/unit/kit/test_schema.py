@@ -54,8 +54,15 @@ def test_what_is_no_list_of_names_is_refused(value):
 
 @pytest.mark.parametrize(
     "content",
-    [b'{"a": "b"}', b'{"a": [1]}', b'{"a": ["\\ud800"]}', b"[]", b"[" * 99_999, b'{"a": [], "b": [], "c": []}'],
-)  # fmt: skip
+    [
+        b'{"a": "b"}',
+        b'{"a": [1]}',
+        b'{"a": ["\\ud800"]}',
+        b"[]",
+        b"[" * 99_999,
+        b'{"a": [], "b": [], "c": []}',
+    ],
+)
 def test_columns_that_are_no_texts_are_refused(content):
     with pytest.raises(DataError, match=r"'?rows'?"):
         columns_in(content, "rows", 2)

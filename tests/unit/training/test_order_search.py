@@ -1,9 +1,12 @@
 """The search for p: it finds the order of chirps from any start, and uses the source only."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
 
+from omnivat.fractional import dfrft
 from omnivat.head.settings import HeadSettings
 from omnivat.measure.evaluate import predicted_probabilities
 from omnivat.simulate.chirps import CLASSES, DOMAINS, ChirpSettings, chirp_embeddings
@@ -19,7 +22,6 @@ from omnivat.training.order_search import (
     search_steps,
     tied,
 )
-from tests.unit.training.other_chirps import Recipe, drawn, embeddings_of
 
 CHIRPS = ChirpSettings(order=0.62, seed=3)
 
@@ -77,29 +79,53 @@ def test_the_record_of_a_search_holds_its_curve_and_what_it_cost(trained):
     assert low <= search["start"] <= high < low + 4 / 64
 
 
-def of(recipe):
-    """Return the record of a search on the first domain of another program's chirps."""
-    made = embeddings_of(recipe)
-    source = made.select(np.flatnonzero(made.domain == 0))
-    width = recipe.width
-    settings = head(input_width=width, width=width, classes=made.header.classes, standardize=False)
-    return search_order(source, settings, TrainSettings(), seed=0, watch=Watch())
+@pytest.fixture(scope="module")
+def search_of(make_embeddings):
+    """Return a function: the record of a search on chirps at `order`, beside interference near
+    others, of VIS and of TAC. It shares no line with `omnivat.simulate.chirps`.
+    """
+    pairs = make_embeddings(domains=("a",), per_class=20)
+    rows, random = np.arange(len(pairs)), np.random.default_rng(0)
 
+    def spikes(places, order, width):
+        """Return rows of unit length that are spikes of random phase at an order."""
+        spectrum = np.zeros((len(rows), width), complex)
+        for place in places:
+            spectrum[rows, place] += np.exp(2j * np.pi * random.random(len(rows)))
+        signal = dfrft(torch.from_numpy(spectrum), -order).real.numpy()
+        return signal / np.linalg.norm(signal, axis=1, keepdims=True)
 
-@pytest.mark.parametrize("seed", range(4))
-def test_the_order_of_another_programs_chirps_is_found(seed):
-    """Interference from 0.1 of p*, other widths and numbers of spikes, one half without signal."""
-    recipe = drawn(seed)
-    assert of(recipe)["start"] == pytest.approx(recipe.order, abs=0.015)
+    def search(order, near, *, width=64, strength=2.0):
+        of_class = random.permutation(np.arange(1, width // 2))[pairs.label]
+        halves = {
+            name: spikes([of_class], order, width)
+            + strength * spikes(random.integers(0, width, (3, len(rows))), other, width)
+            + 0.05 * random.normal(size=(len(rows), width))
+            for name, other in zip(("vis", "tac"), near, strict=True)
+        }
+        source = replace(pairs, vis_flip=None, tac_flip=None, **halves)
+        classes = pairs.header.classes
+        settings = head(input_width=width, width=width, classes=classes, standardize=False)
+        return search_order(source, settings, TrainSettings(), seed=0, watch=Watch())
+
+    return search
 
 
 @pytest.mark.parametrize(
-    ("order", "near"),
-    [(0.0, (0.5, 0.6)), (1.0, (0.5, 0.6)), (0.88, (0.0, 1.0)), (0.05, (0.0, 0.0))],
+    ("order", "near", "width"),
+    [
+        (0.0, (0.5, 0.6), 64),
+        (1.0, (0.5, 0.6), 32),
+        (0.88, (0.0, 1.0), 64),
+        (0.4, (0.28, 0.55), 96),
+        (0.05, (0.0, 0.0), 64),
+    ],
 )
-def test_orders_at_both_ends_and_beside_interference_are_found(order, near):
+def test_orders_between_at_both_ends_and_beside_interference_are_found(
+    search_of, order, near, width
+):
     """0.05 from interference is closer than a valley is wide: tokens alone find 0 there."""
-    search = of(Recipe(order=order, near=(near,)))
+    search = search_of(order, near, width=width)
     coarse = [
         p for p, kind in zip(search["orders"], search["round"], strict=True) if kind == "coarse"
     ]
@@ -107,8 +133,8 @@ def test_orders_at_both_ends_and_beside_interference_are_found(order, near):
     assert (coarse[0], coarse[-1]) == (0.0, 1.0)
 
 
-def test_a_set_without_classes_in_its_signals_has_orders_that_tie():
-    search = of(Recipe(order=0.4, near=((0.0, 1.0),), strength=200.0))
+def test_a_set_without_classes_in_its_signals_has_orders_that_tie(search_of):
+    search = search_of(0.4, (0.0, 1.0), strength=200.0)
     assert len(search["ties"]) >= 3 and "does not tell them apart" in search["note"]
     assert all(abs(p - search["start"]) > 3 / 64 for p in search["ties"])
 
