@@ -12,8 +12,8 @@ import sys
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from threading import Lock, Thread
-from time import monotonic
+from threading import Timer
+from time import process_time
 from typing import TYPE_CHECKING, Any
 from weakref import finalize
 
@@ -24,11 +24,8 @@ from omnivat.kit.progress import checkpoint
 if TYPE_CHECKING:
     from PIL import Image
 
-KEPT = 2  # idle processes
 # glibc then returns what a large picture took
 MALLOC = dict.fromkeys(("MALLOC_MMAP_THRESHOLD_", "MALLOC_TRIM_THRESHOLD_"), "1000000")
-LOOK_S = 0.1  # seconds between two checkpoints of a request that waits
-READY = b"ready\n"
 Process = subprocess.Popen[bytes]
 
 
@@ -42,143 +39,87 @@ class Picture:
 
 
 class Decoder:
-    """Reads visitors' images; one instance for the server."""
+    """Reads visitors' images; one instance for the server. `close` ends its processes."""
 
     def __init__(self) -> None:
-        self._lock = Lock()
         self._idle: list[Process] = []
-        self._closed = False
-        finalize(self, _end_all, self._idle)  # at exit, too
+        self.close = finalize(self, _end_all, self._idle)
 
     def read(self, source: bytes | Path, name: str) -> Picture:
         """Return the picture in bytes or a file. Raises DataError with its `name` for an
         unsupported one.
         """
+        from PIL import Image
+
         checkpoint()
-        with self._lock:
-            process = self._idle.pop() if self._idle else None
-        process = process or _started()
-        reply: list[tuple[dict[str, Any], bytes]] = []
-        exchange = Thread(target=_exchange, args=(process, source, name, reply), daemon=True)
-        began, lasts = monotonic(), False
-        exchange.start()
-        try:
-            while True:
-                exchange.join(LOOK_S)
-                checkpoint()  # once at least, also after a reply that came at once
-                if not exchange.is_alive() or monotonic() - began >= DECODE_WAIT_S:
-                    break
-            lasts = bool(reply) and not self._closed
-        finally:
-            with self._lock:
-                if lasts and len(self._idle) < KEPT:
-                    self._idle.append(process)
-                else:
-                    _end(process)
-        exchange.join()
-        return _picture(
-            name, reply[0] if reply else None, late=monotonic() - began >= DECODE_WAIT_S
-        )
-
-    def close(self) -> None:
-        """End the idle processes."""
-        with self._lock:
-            self._closed = True
-            _end_all(self._idle)
+        content = source if isinstance(source, bytes) else source.read_bytes()
+        process = self._idle.pop() if self._idle else _started()
+        late = Timer(DECODE_WAIT_S, process.kill)
+        late.start()
+        reply, pixels = _exchanged(process, name, content)
+        late.cancel()
+        if reply:
+            self._idle.append(process)
+        else:
+            _end_all([process])
+        checkpoint()
+        if "size" not in reply:
+            raise DataError(
+                reply.get("error")
+                or f"'{name}' could not be read within the time and memory allowed; scale it down,"
+                " or save it as PNG or JPEG."
+            )
+        width, height = reply["of"]
+        image = Image.frombytes("RGB", reply["size"], pixels)
+        return Picture(image=image, width=width, height=height)
 
 
-def _picture(name: str, reply: tuple[dict[str, Any], bytes] | None, *, late: bool) -> Picture:
-    from PIL import Image
-
-    if reply is None and late:
-        raise DataError(
-            f"'{name}' takes longer than {DECODE_WAIT_S} s to read; save it as PNG or JPEG and try"
-            " again."
-        )
-    header, pixels = reply or ({}, b"")
-    wide, high = header.get("size", (0, 0))
-    if not wide or len(pixels) != 3 * wide * high:
-        killed = (
-            "could not be read within the time and memory allowed; scale it down, or save it as"
-            " JPEG."
-        )
-        raise DataError(header.get("error") or f"'{name}' {killed}")
-    width, height = header["of"]
-    image = Image.frombuffer("RGB", (wide, high), pixels, "raw", "RGB", 0, 1).copy()
-    return Picture(image=image, width=width, height=height)
-
-
-def _exchange(
-    process: Process, source: bytes | Path, name: str, reply: list[tuple[dict[str, Any], bytes]]
-) -> None:
-    """Send one picture to a process and take its reply; none if it dies."""
-    content = source if isinstance(source, bytes) else b""
-    question = {
-        "file": "" if isinstance(source, bytes) else str(source),
-        "size": len(content),
-        "name": name,
-    }
-    with suppress(OSError, ValueError):
-        assert process.stdin and process.stdout, "the process has pipes"
+def _exchanged(process: Process, name: str, content: bytes) -> tuple[dict[str, Any], bytes]:
+    """Send one picture to a process; return its reply and pixels, or nothing if it dies."""
+    assert process.stdin and process.stdout, "the process has pipes"
+    try:
+        question = {"size": len(content), "name": name}
         process.stdin.write(json.dumps(question).encode() + b"\n" + content)
         process.stdin.flush()
-        header = json.loads(process.stdout.readline())
-        wide, high = header.get("size", (0, 0))
-        reply.append((header, process.stdout.read(3 * wide * high)))
+        reply = json.loads(process.stdout.readline())
+        wide, high = reply.get("size", (0, 0))
+        pixels = process.stdout.read(3 * wide * high)
+    except (OSError, ValueError):
+        return {}, b""
+    return (reply, pixels) if len(pixels) == 3 * wide * high else ({}, b"")
 
 
 def _started() -> Process:
     path = os.pathsep.join(filter(None, [str(Path(__file__).parents[1]), *sys.path]))
-    process = subprocess.Popen(
+    return subprocess.Popen(
         [sys.executable, "-m", "app.decoder"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         env={**os.environ, **MALLOC, "PYTHONPATH": path, "OMP_NUM_THREADS": "1"},
     )
-    if process.stdout is None or process.stdout.readline() != READY:
-        _end(process)
-        raise DataError("No process can be started to read the image; try again in a minute.")
-    return process
 
 
 def _end_all(processes: list[Process]) -> None:
     while processes:
-        _end(processes.pop())
-
-
-def _end(process: Process) -> None:
-    process.kill()
-    process.wait()
-    for pipe in (process.stdin, process.stdout):
-        with suppress(OSError):
-            if pipe:
-                pipe.close()
+        with suppress(OSError), processes.pop() as process:
+            process.kill()
 
 
 def serve() -> None:
     """Read pictures in this process: requests on standard input, pixels on standard output."""
-    from omnivat.data.images import VISITORS, opened, upright
+    from omnivat.data.images import VISITORS, opened, read_bytes, upright
 
-    limit(memory=True)
-    for kind in ("Png", "Jpeg", "WebP", "Gif", "Bmp", "Tiff"):  # imported before a request arrives
-        __import__(f"PIL.{kind}ImagePlugin")
+    limit("RLIMIT_DATA", DECODER_BYTES)
     output = sys.stdout.buffer
-    output.write(READY)
-    output.flush()
     while line := sys.stdin.buffer.readline():  # nothing once the server is gone
-        limit()
+        limit("RLIMIT_CPU", int(process_time()) + 1 + DECODE_S)
         question = json.loads(line)
-        sent = sys.stdin.buffer.read(question["size"])
+        content, name = sys.stdin.buffer.read(question["size"]), question["name"]
         try:
-            content = sent or Path(question["file"]).read_bytes() if question["file"] else sent
-            if not content:
-                raise DataError(
-                    f"'{question['name']}' is empty (0 bytes); copy or save the image again."
-                )
-            held = opened(content, question["name"], limits=VISITORS)
-            of = held.size
-            image = upright(held, question["name"])
+            picture = opened(read_bytes(content, name), name, limits=VISITORS)
+            of = picture.size
+            image = upright(picture, name)
         except OmniVatError as error:
             output.write(json.dumps({"error": str(error)}).encode() + b"\n")
         else:
@@ -189,21 +130,13 @@ def serve() -> None:
         output.flush()
 
 
-def limit(*, memory: bool = False) -> None:
-    """Allow this process DECODE_S more seconds of a processor or, at its start, limit its
-    memory.
-    """
+def limit(kind: str, most: int) -> None:
+    """Limit what this process may use, where the system can."""
     with suppress(ImportError, ValueError, OSError):
         import resource
 
-        if memory:
-            resource.setrlimit(resource.RLIMIT_DATA, (DECODER_BYTES, DECODER_BYTES))
-        else:
-            used = resource.getrusage(resource.RUSAGE_SELF)
-            _, most = resource.getrlimit(resource.RLIMIT_CPU)
-            resource.setrlimit(
-                resource.RLIMIT_CPU, (int(used.ru_utime + used.ru_stime) + 1 + DECODE_S, most)
-            )
+        number = getattr(resource, kind)
+        resource.setrlimit(number, (most, resource.getrlimit(number)[1]))
 
 
 if __name__ == "__main__":

@@ -16,7 +16,6 @@ from PIL import Image
 from app.decoder import Decoder
 from omnivat.data.images import read_image
 from omnivat.kit.errors import DataError
-from omnivat.kit.progress import CHECK
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -132,29 +131,10 @@ def test_a_process_that_takes_too_long_is_killed_and_the_next_picture_is_read(de
     with monkeypatch.context() as patched:
         patched.setattr("app.decoder._started", made)
         patched.setattr("app.decoder.DECODE_WAIT_S", 0.3)
-        with pytest.raises(DataError, match="takes longer than 0.3 s"):
+        with pytest.raises(DataError, match="'slow' could not be read within the time and memory"):
             decoder.read(content, "slow")
         assert started[0].poll() is not None
     assert decoder.read(content, "good").image.size == (99, 99)
-
-
-def test_the_process_of_a_visitor_who_left_is_killed(decoder, monkeypatch):
-    made, started = standing_in("import time; time.sleep(600)")
-    monkeypatch.setattr("app.decoder._started", made)
-    checks = []
-
-    def leave():
-        checks.append(1)
-        if len(checks) > 2:
-            raise DataError("The visitor is gone.")
-
-    before = CHECK.set(leave)
-    try:
-        with pytest.raises(DataError, match="gone"):
-            decoder.read(b"x", "x")
-    finally:
-        CHECK.reset(before)
-    assert started[0].poll() is not None
 
 
 def test_a_process_that_dies_while_it_sends_gives_a_sentence(decoder, monkeypatch):
@@ -195,6 +175,5 @@ def test_the_process_ends_by_itself_when_the_server_is_gone():
         stdout=subprocess.PIPE,
         cwd=ROOT,
     )
-    assert process.stdout.readline() == b"ready\n"
     process.communicate(timeout=60)
     assert process.returncode == 0

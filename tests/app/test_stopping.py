@@ -6,7 +6,6 @@ import pytest
 
 from app.api import WORK
 from app.jobs import Jobs
-from app.limits import DECODE_WAIT_S
 from app.messages import BusyError, CancelledError
 from app.routes import FACTS, QUESTIONS, SENT, routes
 from omnivat.measure.evaluate import CHUNK
@@ -133,9 +132,7 @@ def test_work_ends_at_the_checkpoint_after_its_visitor_left_or_its_time(work, na
 
 
 @pytest.mark.parametrize("reply", ["image", "live", "occlusion"])
-def test_work_on_a_sent_picture_ends_so_too(resources, png, reply, monkeypatch):
-    # one checkpoint for each picture decoded, whatever the time that it takes
-    monkeypatch.setattr("app.decoder.LOOK_S", DECODE_WAIT_S)
+def test_work_on_a_sent_picture_ends_so_too(resources, png, reply):
     whole = Leaving()
     first, second = (
         partial(SENT[reply][0], resources, png(seed=seed), {"modality": "vis"}) for seed in (1, 2)
