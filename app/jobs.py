@@ -11,11 +11,12 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures import wait as ended
 from dataclasses import dataclass, field, replace
 from itertools import count
+from math import inf
 from threading import Condition
 from time import monotonic, sleep
 from typing import Any, Generic, Literal, TypeVar
 
-from app.limits import AGE_S, GIVE_WAY_S, SLOTS, WAITING_JOBS
+from app.limits import GIVE_WAY_S, SLOTS, WAITING_JOBS
 from app.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
 from app.state import VISITOR
 from omnivat.kit.errors import OmniVatError
@@ -32,21 +33,53 @@ class JobStopped(BaseException):
     """Raised in a cancelled job; not an Exception, so that no handler catches it."""
 
 
+class Lane:
+    """Jobs of one kind: at most `slots` running, and the waiting ones.
+
+    Smaller priorities go first; among equals, paused jobs, then the oldest. One of several slots is
+    for jobs of priority 0, so that a rush of uploads does not hold up drags.
+    """
+
+    def __init__(self, slots: int, threads: ThreadPoolExecutor) -> None:
+        self._slots, self._threads = slots, threads
+        self.running: set[Job[Any]] = set()
+        self.waiting: list[Job[Any]] = []
+        self.changed = Condition()  # a paused job was woken or stopped
+
+    def in_order(self) -> "list[Job[Any]]":
+        """Return the waiting jobs, the next one first."""
+        return sorted(self.waiting, key=lambda job: (job.priority, not job.begun, job.number))
+
+    def let_in(self) -> None:
+        """Start or wake the jobs that may run now; the caller holds the lock."""
+        for job in self.in_order():
+            later = sum(one.priority > 0 for one in self.running)
+            room = max(1, self._slots - 1) - later if job.priority > 0 else 1
+            if room < 1 or len(self.running) >= self._slots:
+                break
+            self.waiting.remove(job)
+            self.running.add(job)
+            job.since = monotonic()
+            if not job.begun:
+                job.begun = True
+                self._threads.submit(job.run)
+        self.changed.notify_all()
+
+
 @dataclass(eq=False)
 class Job(Generic[T]):
     """One job: its state and its result."""
 
-    jobs: "Jobs"
     work: "Callable[[Job[T]], T]"
-    lane: str
+    lane: Lane
+    requests: Lane  # to which it gives way
     owner: str
     visitor: str
     priority: int
-    left_s: float | None  # seconds of running that are left; None: no limit
+    left_s: float  # seconds of running that are left
     number: int
     future: Future[T] = field(default_factory=Future)
     cancelled: bool = False
-    queued: float = 0.0  # when it last started waiting
     since: float = 0.0  # when it last started running
     begun: bool = False  # it has a thread, running or paused
     step: Step | None = None
@@ -63,11 +96,36 @@ class Job(Generic[T]):
 
     def check(self) -> None:
         """Continue, or wait for a higher priority. Raises JobStopped or, out of time, BusyError."""
-        self.jobs.pause(self)
+        with self.lane.changed:
+            spent = monotonic() - self.since
+            if spent > self.left_s:
+                raise BusyError(
+                    "This took longer than allowed and was stopped; try something smaller."
+                )
+            better = any(one.priority < self.priority for one in self.lane.waiting)
+            if better and not self.cancelled:
+                self.left_s -= spent
+                self.lane.running.remove(self)
+                self.lane.waiting.append(self)
+                self.lane.let_in()
+                self.lane.changed.wait_for(lambda: self in self.lane.running or self.cancelled)
+        if self.cancelled:
+            raise JobStopped
 
     def give_way(self) -> None:
-        """Wait while requests run or wait, at most GIVE_WAY_S; for work in small steps."""
-        self.jobs.give_way(self)
+        """Wait while requests run or wait, at most GIVE_WAY_S, which is not the job's own time; for
+        work in small steps.
+
+        It looks every LOOK_S: a wait for `changed` would wake it twice for each request.
+        """
+        began, requests = monotonic(), self.requests
+        while (
+            (requests.running or requests.waiting)
+            and not self.cancelled
+            and monotonic() - began < GIVE_WAY_S
+        ):
+            sleep(LOOK_S)
+        self.since += monotonic() - began
 
     def go_on_at(self, priority: int) -> None:
         """Continue at another priority; raises the errors of `check`."""
@@ -76,12 +134,19 @@ class Job(Generic[T]):
 
     def cancel(self) -> None:
         """Stop the work: at once if it waits, at its next `check` if it runs."""
-        self.jobs.cancel(self)
+        with self.lane.changed:
+            self.cancelled = True
+            if self in self.lane.waiting:
+                self.lane.waiting.remove(self)
+                if not self.begun:
+                    self._stopped()
+            self.lane.changed.notify_all()
 
     @property
     def place(self) -> int:
         """The position in the queue, from 1; 0 if it does not wait."""
-        return self.jobs.place(self)
+        waiting = self.lane.in_order()
+        return waiting.index(self) + 1 if self in waiting else 0
 
     @property
     def problem(self) -> str:
@@ -100,68 +165,35 @@ class Job(Generic[T]):
         try:
             value = self.work(self)
         except JobStopped:
-            self.end("cancelled", CancelledError("This work was cancelled."))
+            self._stopped()
         except OmniVatError as error:
             log.info("a job was refused: %s", error)
-            self.end("failed", error.with_traceback(None))  # it would keep what the work held
+            self._end("failed", error.with_traceback(None))  # it would keep what the work held
         except BaseException:  # for any error: a caller waits for the end
             log.exception("a job failed")
-            self.end("failed", UnexpectedError(UNEXPECTED))
+            self._end("failed", UnexpectedError(UNEXPECTED))
         else:
             self.state = "done"
             self.future.set_result(value)
+        with self.lane.changed:
+            self.lane.running.discard(self)
+            self.lane.let_in()
 
-    def end(self, state: State, error: OmniVatError) -> None:
-        """End the job without a value."""
+    def _stopped(self) -> None:
+        self._end("cancelled", CancelledError("This work was cancelled."))
+
+    def _end(self, state: State, error: OmniVatError) -> None:
         self.state = state
         self.future.set_exception(error)
-
-
-class _Lane:
-    """Jobs of one kind: at most `slots` running, and the waiting ones.
-
-    Higher priority goes first; after `age_s` of waiting a job counts as of the next one. One of
-    several slots is for jobs of priority 0, so that a rush of uploads does not hold up drags. Among
-    equals, paused jobs go first, then the oldest.
-    """
-
-    def __init__(self, slots: int, age_s: float) -> None:
-        self.slots, self.age_s = slots, age_s
-        self.running: set[Job[Any]] = set()
-        self.waiting: list[Job[Any]] = []
-
-    def add(self, job: Job[Any]) -> None:
-        job.queued = monotonic()
-        self.waiting.append(job)
-
-    def rank(self, job: Job[Any]) -> tuple[int, bool, int]:
-        """Return the key by which waiting jobs are sorted."""
-        level = max(0, job.priority - int((monotonic() - job.queued) / self.age_s))
-        return level, not job.begun, job.number
-
-    def next(self) -> Job[Any] | None:
-        """Move the first waiting job to the running ones; None if there is no slot for any."""
-        if len(self.running) >= self.slots:
-            return None
-        later = sum(job.priority > 0 for job in self.running)
-        ready = [job for job in self.waiting if not job.priority or later < max(1, self.slots - 1)]
-        if not ready:
-            return None
-        job = min(ready, key=self.rank)
-        self.waiting.remove(job)
-        self.running.add(job)
-        return job
 
 
 class Jobs:
     """Runs jobs in lanes; lanes are independent of one another."""
 
     def __init__(self, slots: Mapping[str, int] = SLOTS) -> None:
-        self._lanes = {name: _Lane(number, AGE_S[name]) for name, number in slots.items()}
-        self._changed = Condition()  # a paused job was woken or stopped
         self._threads = ThreadPoolExecutor(MOST_THREADS, "job")
+        self._lanes = {name: Lane(number, self._threads) for name, number in slots.items()}
         self._numbers = count()
-        self._closed = False
 
     def start(
         self,
@@ -171,119 +203,40 @@ class Jobs:
         owner: str = "",
         visitor: str = "",
         priority: int = 0,
-        deadline_s: float | None = None,
+        deadline_s: float = inf,
     ) -> Job[T]:
         """Put work in the queue of a lane; return the job.
 
         owner       owner of the job, for `cancel_owner`
         visitor     whose pictures and heads the job finds; see `app.requests.visitor_of`
         priority    smaller numbers run first; a running job yields at its next check
-        deadline_s  seconds of running, without waiting; None: no limit
+        deadline_s  seconds of running, without waiting
 
         Raises BusyError if too many jobs are waiting.
         """
-        line = self._lanes[lane]
-        with self._changed:
-            if self._closed:
-                raise BusyError("The server is stopping; start it again.")
+        line, requests = self._lanes[lane], self._lanes["quick"]
+        with line.changed:
             if len(line.waiting) >= WAITING_JOBS:
                 raise BusyError("Too much is waiting here already; try again in a minute.")
-            job = Job(self, work, lane, owner, visitor, priority, deadline_s, next(self._numbers))
-            line.add(job)
-            self._let_in(line)
+            number = next(self._numbers)
+            job = Job(work, line, requests, owner, visitor, priority, deadline_s, number)
+            line.waiting.append(job)
+            line.let_in()
         return job
-
-    def pause(self, job: Job[Any]) -> None:
-        """Stop the job if it is cancelled or out of time; wait for jobs of higher priority."""
-        line = self._lanes[job.lane]
-        with self._changed:
-            spent = monotonic() - job.since
-            if job.left_s is not None and spent > job.left_s:
-                raise BusyError(
-                    "This took longer than allowed and was stopped; try something smaller."
-                )
-            better = any(one.priority < job.priority for one in line.waiting)
-            if better and job in line.running and not job.cancelled:
-                job.left_s = None if job.left_s is None else job.left_s - spent
-                line.running.discard(job)
-                line.add(job)
-                self._let_in(line)
-                self._changed.wait_for(lambda: job in line.running or job.cancelled)
-        if job.cancelled:
-            raise JobStopped
-
-    def give_way(self, job: Job[Any]) -> None:
-        """Wait while the quick lane has jobs, at most GIVE_WAY_S; the time is not the job's own.
-
-        It looks every LOOK_S: a wait for `_changed` would wake it twice for each request.
-        """
-        began, quick = monotonic(), self._lanes["quick"]
-        while (
-            (quick.running or quick.waiting)
-            and not job.cancelled
-            and monotonic() - began < GIVE_WAY_S
-        ):
-            sleep(LOOK_S)
-        job.since += monotonic() - began
-
-    def cancel(self, job: Job[Any]) -> None:
-        """Stop one job."""
-        line = self._lanes[job.lane]
-        with self._changed:
-            job.cancelled = True
-            unborn = job in line.waiting and not job.begun
-            if job in line.waiting:
-                line.waiting.remove(job)
-            self._changed.notify_all()
-        if unborn:
-            job.end("cancelled", CancelledError("This work was cancelled."))
 
     def cancel_owner(self, owner: str) -> None:
         """Stop every job of an owner."""
-        with self._changed:
-            theirs = [job for job in self._all() if job.owner == owner]
-        for job in theirs:
-            self.cancel(job)
+        for job in self._all():
+            if job.owner == owner:
+                job.cancel()
 
     def close(self, wait_s: float = 2.0) -> None:
-        """Stop all jobs, accept no more, and wait briefly for threads to end."""
-        with self._changed:
-            self._closed = True
-            everything = self._all()
+        """Stop all jobs, and wait briefly for threads to end."""
+        everything = self._all()
         for job in everything:
-            self.cancel(job)
+            job.cancel()
         ended([job.future for job in everything], wait_s)
         self._threads.shutdown(wait=False)
 
-    def place(self, job: Job[Any]) -> int:
-        """Return the job's position in its queue, from 1; 0 if it is not waiting."""
-        with self._changed:
-            line = self._lanes[job.lane]
-            return sorted(line.waiting, key=line.rank).index(job) + 1 if job in line.waiting else 0
-
     def _all(self) -> list[Job[Any]]:
         return [job for line in self._lanes.values() for job in (*line.running, *line.waiting)]
-
-    def _let_in(self, line: _Lane) -> None:
-        """Start or wake the jobs that may run now; the caller holds the lock."""
-        while job := line.next():
-            job.since = monotonic()
-            if job.begun:
-                self._changed.notify_all()
-                continue
-            job.begun = True
-            try:
-                self._threads.submit(self._run, job)
-            except RuntimeError:  # the system has no more threads
-                line.running.discard(job)
-                job.end("failed", BusyError("The server has no thread left; try again later."))
-
-    def _run(self, job: Job[Any]) -> None:
-        try:
-            if not job.future.done():
-                job.run()
-        finally:
-            line = self._lanes[job.lane]
-            with self._changed:
-                line.running.discard(job)
-                self._let_in(line)

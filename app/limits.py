@@ -19,7 +19,6 @@ WAITING_JOBS = 200  # in one lane; more are refused
 DRAWN_PAIRS = 20_000  # a larger set is sampled to this many pairs, and the page shows that
 MAPPED_BYTES = 1_000_000  # larger arrays of a set stay in its file
 LARGE_SET = 400  # from this many pairs on, the first maps are PCA at two stops
-AGE_S = {"quick": 1.0, "long": 600.0}  # seconds of waiting that count as one priority
 KEPT_DESKS = 16  # heads or sets loaded through the page
 DESKS_BYTES = 1_000_000_000  # total size of their files; one more may be above
 KEPT_PARTS = 1000  # uploaded files that are not loaded yet; the oldest are dropped

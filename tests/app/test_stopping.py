@@ -8,6 +8,7 @@ from app.api import WORK
 from app.jobs import Jobs
 from app.messages import BusyError, CancelledError
 from app.routes import FACTS, QUESTIONS, SENT, routes
+from omnivat.kit.progress import CHECK
 from omnivat.measure.evaluate import CHUNK
 
 from .conftest import LESSONS
@@ -82,17 +83,24 @@ class Leaving(Jobs):
         super().__init__()
         self.at, self.late, self.checks = at, late, 0
 
-    def pause(self, job):
-        self.checks += 1
-        if self.checks == self.at and self.late:
-            job.left_s = -1.0
-        elif self.checks == self.at:
-            job.cancelled = True
-        super().pause(job)
-
     def give(self, work):
         """Run work as the server does; return its result or raise its error."""
-        return self.start(lambda _: work(), lane="quick", deadline_s=1000).wait(300)
+
+        def counted(job):
+            check = job.check
+
+            def at_checkpoint():
+                self.checks += 1
+                if self.checks == self.at and self.late:
+                    job.left_s = -1.0
+                elif self.checks == self.at:
+                    job.cancelled = True
+                check()
+
+            CHECK.set(at_checkpoint)
+            return work()
+
+        return self.start(counted, lane="quick", deadline_s=1000).wait(300)
 
 
 @pytest.fixture(scope="module")
