@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import plotly.graph_objects as go
+from plotly.subplots import make_subplots
 
 from omnivat.figures.page import Figure, axis, figure, plain
 from omnivat.figures.theme import ACCENT, AREA, MARK, SERIES, SOFT
@@ -17,7 +18,6 @@ MEASURES = {
     "accuracy": "Unseen accuracy",
     "margin": "Cosine margin",
 }
-BOXES = [(0.0, 0.64), (0.56, 0.64), (0.0, 0.0), (0.56, 0.0)]  # left and lower end of four charts
 Values = Sequence[float | None]
 
 
@@ -88,48 +88,35 @@ def gap_curves(frames: FrameSet, *, stage: str = "f_hat", order: float | None = 
     """
     learned = frames.head.get("learned_order")
     at = order if order is not None else float(learned or 0.5)
-    traces: list[Any] = []
-    layout: dict[str, Any] = {"shapes": [], "annotations": []}
+    title = f"OmniVaT, {STAGE_TITLES.get(stage, stage)}, against p"
+    look: dict[str, Any] = {"showlegend": False, "margin": {"t": 88, "b": 32}, "height": 560}
+    found = figure([], title=title, caption=_caption(frames), **look)
+    make_subplots(2, 2, horizontal_spacing=0.12, vertical_spacing=0.28, figure=found)
     span = frames.orders[0], frames.orders[-1]
     low, high = _trained_for(frames, span)
     for k, (name, words) in enumerate(MEASURES.items()):
-        key, (left, below) = str(k + 1) if k else "", BOXES[k]
-        across, up = f"x{key}", f"y{key}"
-        layout[f"xaxis{key}"] = axis(
-            domain=[left, left + 0.44], anchor=up, range=list(span), showgrid=False
-        )
-        layout[f"yaxis{key}"] = axis(
-            domain=[below, below + 0.36], anchor=across, range=[0, _highest(frames, name)], nticks=5
-        )
-        upright = {"xref": across, "yref": f"{up} domain", "y0": 0, "y1": 1}
+        chart = {"row": k // 2 + 1, "col": k % 2 + 1}
+        found.add_traces(_chart(frames, name, words, stage), chart["row"], chart["col"])
+        found.update_xaxes(axis(range=list(span), showgrid=False), **chart)
+        found.update_yaxes(axis(range=[0, _highest(frames, name)], nticks=5), **chart)
+        every = {"exclude_empty_subplots": False, **chart}
         if low < high:
-            band = {"type": "rect", "fillcolor": AREA, "line_width": 0, "x0": low, "x1": high}
-            layout["shapes"].append(band | upright)
+            found.add_vrect(low, high, fillcolor=AREA, line_width=0, **every)
         raw = frames.curves.get(f"{name}/raw") or [None]
         level = 1 / len(frames.classes) if name == "accuracy" else raw[0]
         if level is not None:
-            dashes = {"type": "line", "line": {"color": SOFT, "dash": "dash"}, "xref": across}
-            ends = {"yref": up, "x0": span[0], "x1": span[1], "y0": level, "y1": level}
-            layout["shapes"].append(dashes | ends)
-        mark = {"type": "line", "line": {"color": MARK, "width": 1}, "x0": at, "x1": at}
-        layout["shapes"].append(mark | upright)
-        traces += _chart(frames, name, words, stage, {"xaxis": across, "yaxis": up})
-        layout["annotations"].append(
-            {
-                "text": f"{words}<br>{_value_at(frames, name, stage, at)}",
-                "xref": f"{across} domain",
-                "yref": f"{up} domain",
-                "x": 0,
-                "y": 1,
-                "showarrow": False,
-                "xanchor": "left",
-                "yanchor": "bottom",
-                "align": "left",
-            }
+            found.add_hline(level, line_color=SOFT, line_dash="dash", **every)
+        found.add_vline(at, line_color=MARK, line_width=1, **every)
+        place = {"xref": "x domain", "yref": "y domain", "x": 0, "y": 1, "align": "left"}
+        found.add_annotation(
+            text=f"{words}<br>{_value_at(frames, name, stage, at)}",
+            showarrow=False,
+            xanchor="left",
+            yanchor="bottom",
+            **place,
+            **chart,
         )
-    title = f"OmniVaT, {STAGE_TITLES.get(stage, stage)}, against p"
-    look: dict[str, Any] = {"showlegend": False, "margin": {"t": 88, "b": 32}, "height": 560}
-    return figure(traces, title=title, caption=_caption(frames), **look, **layout)
+    return found
 
 
 def _trained_for(frames: FrameSet, span: tuple[float, float]) -> tuple[float, float]:
@@ -139,9 +126,7 @@ def _trained_for(frames: FrameSet, span: tuple[float, float]) -> tuple[float, fl
     return (max(span[0], low), min(span[1], high)) if moved else (0.0, 0.0)
 
 
-def _chart(
-    frames: FrameSet, name: str, words: str, stage: str, axes: Mapping[str, str]
-) -> list[Any]:
+def _chart(frames: FrameSet, name: str, words: str, stage: str) -> list[Any]:
     """Return the span of several trainings, if any, and the curve."""
     traces, kind = [], frames.head.get("kind", "moved")
     stem = "seeds:accuracy/unseen" if name == "accuracy" else f"seeds:{name}/{stage}"
@@ -159,7 +144,6 @@ def _chart(
                 line_width=0,
                 mode="lines",
                 hoverinfo="skip",
-                **axes,
             )
         )
     own = _curve(frames, name, stage)
@@ -172,8 +156,7 @@ def _chart(
                 marker_size=5,
                 marker_color=ACCENT,
                 mode="lines+markers" if kind == "retrained" else "lines",
-                line_color=SOFT if kind == "moved" else ACCENT,
-                **axes,  # fixed weights: a what-if
+                line_color=SOFT if kind == "moved" else ACCENT,  # fixed weights: a what-if
             )
         )
     return traces

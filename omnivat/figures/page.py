@@ -138,10 +138,6 @@ class Figure(go.Figure):  # type: ignore[misc]  # plotly has no types
     def _repr_mimebundle_(self, *_: Any, **__: Any) -> dict[str, str]:
         return {"text/html": self._repr_html_()}
 
-    def show(self, *arguments: Any, config: Mapping[str, Any] | None = None, **more: Any) -> Any:
-        """Show it by a renderer of Plotly, without the button that uploads it."""
-        return super().show(*arguments, config={**CONFIG, **(config or {})}, **more)
-
 
 def figure(
     traces: Sequence[Any],

@@ -185,11 +185,15 @@ def _rect(ends: Sequence[Point], fill: str, opacity: float) -> Shape:
 
 
 def _marked(mark: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
-    """Draw a line or rectangle of the layout; upwards, "domain" spans the axis."""
-    plane = planes[(mark.xref or "x")[1:]]
-    low, high = plane.y if "domain" in (mark.yref or "") else (0.0, 1.0)
+    """Draw a line or rectangle of the layout; "domain" spans an axis."""
+    plane = planes[(mark.xref or "x").split()[0][1:]]
+    (left, right), (low, high) = (
+        ends if "domain" in (name or "") else (0.0, 1.0)
+        for ends, name in ((plane.x, mark.xref), (plane.y, mark.yref))
+    )
     ends = [
-        plane.at(x, low + y * (high - low)) for x, y in ((mark.x0, mark.y0), (mark.x1, mark.y1))
+        plane.at(left + x * (right - left), low + y * (high - low))
+        for x, y in ((mark.x0, mark.y0), (mark.x1, mark.y1))
     ]
     if mark.type == "line":
         stroke, dashed = mark.line.color, mark.line.dash is not None

@@ -99,14 +99,10 @@ def simulate(
     The same arguments give the same bytes. Complete images are kept, so an interrupted build
     resumes. Delete the folder to start again, for instance with another seed.
 
-    Raises DataError for an unknown domain or an invalid size or number, MissingPackageError if the
-    renderer or Taxim is not installed.
+    Raises DataError for an unknown domain or an invalid number, MissingPackageError if the renderer
+    or Taxim is not installed.
     """
     plan = list(_plan(domains, pairs_per_class))
-    if size < 32:
-        raise DataError(
-            f"Images of {size} pixels are too small to show a touch; ask for 32 or more."
-        )
     # Alternate between classes, so that an interrupted build has a mixed sample.
     in_turn = sorted(plan, key=lambda pair: int(pair.object.rsplit("-", 1)[1]))
     images = [(pair, kind) for pair in in_turn for kind in ("vis", "tac")]

@@ -113,13 +113,8 @@ def dots(x: Array, y: Array, *, pitch: float, radius: float, angle: float, edge:
 @field
 def diamonds(x: Array, y: Array, *, pitch: float, angle: float) -> Array:
     """Return pyramids from 0 to 1 between two crossing families of V grooves: knurl, cut glass."""
-    one = _triangle(turned(x, y, angle)[1] / pitch)
-    other = _triangle(turned(x, y, angle + np.pi / 3)[1] / pitch)
-    return np.minimum(one, other)
-
-
-def _triangle(t: Array) -> Array:
-    return 2.0 * np.abs(t - np.round(t))
+    sides = (turned(x, y, angle + lean)[1] / pitch for lean in (0.0, np.pi / 3))
+    return np.minimum(*(2.0 * np.abs(side - np.round(side)) for side in sides))
 
 
 @field
@@ -138,11 +133,8 @@ def treads(x: Array, y: Array, *, pitch: float, angle: float) -> Array:
 def tiles(x: Array, y: Array, *, pitch: float, joint: float, angle: float) -> Array:
     """Return 1 on square tiles and 0 in joints `joint` mm wide, with rounded rims."""
     u, v = turned(x, y, angle)
-    away = np.minimum(
-        np.abs(u - (np.floor(u / pitch) + 0.5) * pitch) * -1.0 + pitch / 2,
-        np.abs(v - (np.floor(v / pitch) + 0.5) * pitch) * -1.0 + pitch / 2,
-    )
-    return smoothstep(away, joint / 2, joint / 2 + 0.6)
+    across, along = (np.abs(w - (np.floor(w / pitch) + 0.5) * pitch) for w in (u, v))
+    return smoothstep(pitch / 2 - np.maximum(across, along), joint / 2, joint / 2 + 0.6)
 
 
 @field

@@ -24,16 +24,14 @@ def touch_surface(pair: Planned, *, seed: int) -> Surface:
     polish. Every surface has the micro-relief of its own material, or of the one it feels like.
     """
     rng = np.random.default_rng(derive_seed(seed, "skin", pair.material, pair.number))
-    if not pair.feels_like:
-        own, maker = (
-            surface(pair.material, pair.number, seed=seed),
-            recipe(pair.material, pair.number, seed=seed),
-        )
-        return skinned(own, pair.material, maker, rng)
-    maker = SMOOTH[pair.feels_like]
-    own = maker(rng)
-    spend(pair.feels_like, rng)
-    return skinned(own, pair.feels_like, maker, rng)
+    if pair.feels_like:
+        maker = SMOOTH[pair.feels_like]
+        own = maker(rng)
+        spend(pair.feels_like, rng)
+    else:
+        maker = recipe(pair.material, pair.number, seed=seed)
+        own = surface(pair.material, pair.number, seed=seed)
+    return skinned(own, pair.feels_like or pair.material, maker, rng)
 
 
 def touched_spot(solid: Solid, rng: Rng, *, edges: bool = True) -> Spot:

@@ -161,12 +161,17 @@ def turned(profile: Profile, *, power: float = 2.0, oblong: float = 1.0) -> Soli
     """
     line = outline(profile)
     radius, height = line[:, 0], line[:, 1]
-    angle = np.linspace(0.0, 2 * np.pi, AROUND + 1)
-    cos, sin = np.cos(angle), np.sin(angle)
-    plan = (np.abs(cos) ** power + np.abs(sin) ** power) ** (-1.0 / power)
+    angle, cos, sin, plan = _around(AROUND, power)
     reach = np.maximum(radius, 1e-3)[:, None]
     points = _spread(reach * plan * cos * oblong, reach * plan * sin, height[:, None])
     return grid(points, _spread(angle * 0.8 * radius.max(), _along(line)[:, None]))
+
+
+def _around(steps: int, power: float) -> tuple[Array, Array, Array, Array]:
+    """Return angles once around, their cosine and sine, and the reach of |x|^p + |y|^p = 1."""
+    angle = np.linspace(0.0, 2 * np.pi, steps + 1)
+    cos, sin = np.cos(angle), np.sin(angle)
+    return angle, cos, sin, (np.abs(cos) ** power + np.abs(sin) ** power) ** (-1.0 / power)
 
 
 def lathed(profile: Profile, *, power: float = 2.0, oblong: float = 1.0) -> Solid:
@@ -189,9 +194,7 @@ def swept(path: Array, half: Array, *, power: float = 2.0) -> Solid:
     side = aside - way * (way @ aside)[:, None]
     side /= np.linalg.norm(side, axis=1, keepdims=True)
     up = np.cross(way, side)
-    angle = np.linspace(0.0, 2 * np.pi, 33)
-    cos, sin = np.cos(angle), np.sin(angle)
-    plan = (np.abs(cos) ** power + np.abs(sin) ** power) ** (-1.0 / power)
+    angle, cos, sin, plan = _around(32, power)
     ends = np.ones((len(path), 1))  # each end falls to 0 like a quarter circle
     ends[[0, -1]], ends[[1, -2]] = 1e-3, 0.75
     wide, thick = half[:, :1] * ends, half[:, 1:] * ends

@@ -1,7 +1,7 @@
 """Public defaults have the values that the paper or a document states.
 
-docs/method.md, docs/gaps.md and docs/order.md give the reasons. A change of one is a decision: it is
-made here and in its document, too.
+docs/method.md, docs/gaps.md and docs/order.md give the reasons. A change of one is a decision: it
+is made here and in its document, too.
 """
 
 import inspect

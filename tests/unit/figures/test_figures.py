@@ -25,22 +25,24 @@ def some_map(columns=2, **more):
 
 
 def table():
+    apart = {"A": {"A": 0.0, "B": 0.2}, "B": {"A": 0.2, "B": 0.0}}
     return {
         "measure": "centroid",
         "stage": "raw",
         "pairs": 8,
         "modality_gap": {"all": 0.5},
         "floor": {"vis": 0.1, "tac": None},
-        "domain_gap": {m: {"A": {"A": 0.0, "B": 0.2}, "B": {"A": 0.2, "B": 0.0}} for m in ("vis", "tac")},
-    }  # fmt: skip
+        "domain_gap": {modality: apart for modality in ("vis", "tac")},
+    }
 
 
+RUNG = {"known": "nothing", "n": 0, "accuracy": 0.5, "low": 0.4, "high": 0.6, "method": "m"}
 EVERY = {
     "map": some_map,
     "lines": lambda: figures.lines({"a": ([0, 1], [1, math.nan], [0.1, math.nan])}, title="t"),
-    "ladder": lambda: figures.ladder([{"known": "nothing", "n": 0, "accuracy": 0.5, "low": 0.4, "high": 0.6, "method": "m"}]),
+    "ladder": lambda: figures.ladder([RUNG]),
     "gaps": lambda: figures.gap_tables(table()),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", EVERY)

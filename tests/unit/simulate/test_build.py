@@ -114,7 +114,6 @@ def test_a_domain_of_ones_own_renumbers_no_other(built, tmp_path):
     [
         ({"domains": ["TAGG"]}, "No domain is called 'TAGG'; there are TAG-sim"),
         ({"pairs_per_class": 0}, "choose 1 to 10,000"),
-        ({"size": 8}, "too small to show a touch"),
     ],
 )
 def test_what_makes_no_pair_is_refused(change, sentence, tmp_path):
