@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
+from PIL import Image, ImageColor, ImageDraw, ImageFont
+
 Point = tuple[float, float]
 INK, SOFT, GRID = "#0f172a", "#55637a", "#dbe2ea"
 SCALE = 2  # pixels of a PNG for one unit
@@ -13,7 +15,7 @@ FINE = 2  # a PNG is drawn this much larger and scaled down, for smooth edges
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shape:
-    """One shape, filled if `fill` is given, with an outline if `stroke` is given.
+    """One shape of one colour; all but lines are filled.
 
     kind    "circle" (one point and `size`), "line" (points), "area" (corners), "rect" (two
             corners) or "text" (one point and `text`)
@@ -22,8 +24,7 @@ class Shape:
 
     kind: str
     points: tuple[Point, ...]
-    fill: str = ""
-    stroke: str = ""
+    colour: str
     size: float = 1.0
     opacity: float = 1.0
     text: str = ""
@@ -41,9 +42,11 @@ class Picture:
     title: str
 
 
-def text(point: Point, words: str, size: float = 12, anchor: str = "start") -> Shape:
-    """Return a text in the ink of the page."""
-    return Shape(kind="text", points=(point,), text=words, size=size, anchor=anchor, fill=INK)
+def text(
+    point: Point, words: str, size: float = 12, anchor: str = "start", colour: str = INK
+) -> Shape:
+    """Return a text, in the ink of the page unless stated."""
+    return Shape(kind="text", points=(point,), text=words, size=size, anchor=anchor, colour=colour)
 
 
 def svg(picture: Picture) -> str:
@@ -59,8 +62,7 @@ def svg(picture: Picture) -> str:
 
 
 def _element(shape: Shape) -> str:
-    fill = shape.fill or "none"
-    paint = f'fill="{fill}"' + (f' stroke="{shape.stroke}"' if shape.stroke else "")
+    paint = f'fill="{shape.colour}"'
     if shape.opacity < 1:
         paint += f' opacity="{shape.opacity:g}"'
     (x, y), *rest = shape.points
@@ -76,13 +78,12 @@ def _element(shape: Shape) -> str:
     if shape.kind == "area":
         return f'<polygon points="{points}" {paint}/>'
     dashes = ' stroke-dasharray="4 3"' if shape.dashed else ""
+    paint = f'fill="none" stroke="{shape.colour}"'
     return f'<polyline points="{points}" {paint} stroke-width="{shape.size:g}"{dashes}/>'
 
 
 def png(picture: Picture) -> Any:
     """Return the picture as a Pillow image, SCALE pixels for one unit."""
-    from PIL import Image, ImageDraw
-
     factor = SCALE * FINE
     size = round(picture.width * factor), round(picture.height * factor)
     image = Image.new("RGB", size, "#ffffff")
@@ -93,28 +94,26 @@ def png(picture: Picture) -> Any:
 
 
 def _paint(draw: Any, shape: Shape, factor: float) -> None:
-    from PIL import ImageFont
-
-    fill, stroke = (_rgba(colour, shape.opacity) for colour in (shape.fill, shape.stroke))
+    fill = (*ImageColor.getrgb(shape.colour), round(255 * shape.opacity))
     points = [(x * factor, y * factor) for x, y in shape.points]
     size = shape.size * factor
     if shape.kind == "circle":
         x, y = points[0]
         box = (x - size, y - size, x + size, y + size)
-        draw.ellipse(box, fill=fill, outline=stroke, width=round(factor))
+        draw.ellipse(box, fill=fill)
     elif shape.kind == "area":
         draw.polygon(points, fill=fill)
     elif shape.kind == "rect":
-        draw.rectangle((*points[0], *points[1]), fill=fill, outline=stroke, width=round(factor))
+        draw.rectangle((*points[0], *points[1]), fill=fill)
     elif shape.kind == "text":
         anchor = {"start": "ls", "middle": "ms", "end": "rs"}[shape.anchor]
         font = ImageFont.load_default(size)
         draw.text(points[0], shape.text, fill=fill, font=font, anchor=anchor)
     elif shape.dashed:
         for a, b in _dashes(points, 5 * factor):
-            draw.line((a, b), fill=stroke, width=max(1, round(size)))
+            draw.line((a, b), fill=fill, width=max(1, round(size)))
     else:
-        draw.line(points, fill=stroke, width=max(1, round(size)), joint="curve")
+        draw.line(points, fill=fill, width=max(1, round(size)), joint="curve")
 
 
 def _dashes(points: Sequence[Point], length: float) -> Iterable[tuple[Point, Point]]:
@@ -124,11 +123,3 @@ def _dashes(points: Sequence[Point], length: float) -> Iterable[tuple[Point, Poi
     for k in range(int(span / length / 2) + 1):
         a, b = (min(1.0, (2 * k + end) * length / span) for end in (0, 1))
         yield (x0 + a * (x1 - x0), y0 + a * (y1 - y0)), (x0 + b * (x1 - x0), y0 + b * (y1 - y0))
-
-
-def _rgba(colour: str, opacity: float) -> tuple[int, ...] | None:
-    if not colour:
-        return None
-    from PIL import ImageColor
-
-    return (*ImageColor.getrgb(colour), round(255 * opacity))

@@ -7,7 +7,7 @@ and rectangles on axes, titles, ticks, legend and caption.
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from html import unescape
 from itertools import pairwise
 from textwrap import wrap
@@ -106,7 +106,7 @@ def _axes(figure: Any, key: str, plane: Plane) -> Iterator[Shape]:
         for value, label in _ticks(up, plane.y):
             y = plane.at(plane.x[0], value)[1]
             if up.showgrid is not False:
-                yield Shape(kind="line", points=((left, y), (right, y)), stroke=GRID)
+                yield Shape(kind="line", points=((left, y), (right, y)), colour=GRID)
             yield text((left - 6, y + 4), label, 11, "end")
         yield text((max(12, left - 46), high - 8), unescape(up.title.text or ""), 11)
 
@@ -142,7 +142,7 @@ def _scatter(trace: Any, index: int, plane: Plane) -> Iterator[Shape]:
         for first, last in pairwise([0, *gaps, len(known)]):
             if last - first > 1:
                 part = tuple(points[first:last])
-                yield Shape(kind="line", points=part, stroke=stroke, size=size)
+                yield Shape(kind="line", points=part, colour=stroke, size=size)
     ink = trace.marker.color or colour
     for (across, up), error in (((1, 0), trace.error_x), ((0, 1), trace.error_y)):
         high = error.array if error.array is not None else ()
@@ -151,7 +151,7 @@ def _scatter(trace: Any, index: int, plane: Plane) -> Iterator[Shape]:
             ends = [(x + across * by, y + up * by) for by in (-low[k], high[k])]
             if all(math.isfinite(v) for end in ends for v in end):
                 bar = tuple(plane.at(*end) for end in ends)
-                yield Shape(kind="line", points=bar, stroke=ink, size=1.6)
+                yield Shape(kind="line", points=bar, colour=ink, size=1.6)
     if "markers" in mode:
         size, share = trace.marker.size / 2, trace.marker.opacity or 1
         triangle = trace.marker.symbol == "triangle-up"  # looks as large as a circle
@@ -159,7 +159,7 @@ def _scatter(trace: Any, index: int, plane: Plane) -> Iterator[Shape]:
             left, right, low = x - 1.25 * size, x + 1.25 * size, y + size
             corners = ((x, y - 1.25 * size), (right, low), (left, low))
             kind, place = ("area", corners) if triangle else ("circle", ((x, y),))
-            yield Shape(kind=kind, points=place, fill=ink, size=size, opacity=share)
+            yield Shape(kind=kind, points=place, colour=ink, size=size, opacity=share)
 
 
 def _heat(trace: Any, plane: Plane) -> Iterator[Shape]:
@@ -175,13 +175,13 @@ def _heat(trace: Any, plane: Plane) -> Iterator[Shape]:
             yield rect
             (x0, y0), (x1, y1) = rect.points
             middle, ink = ((x0 + x1) / 2, (y0 + y1) / 2 + 4), "#ffffff" if share > 0.6 else INK
-            yield replace(text(middle, str(trace.text[row][column]), 11, "middle"), fill=ink)
+            yield text(middle, str(trace.text[row][column]), 11, "middle", ink)
 
 
-def _rect(ends: Sequence[Point], fill: str, opacity: float) -> Shape:
+def _rect(ends: Sequence[Point], colour: str, opacity: float) -> Shape:
     (x0, y0), (x1, y1) = ends
     corners = (x0, min(y0, y1)), (x1, max(y0, y1))
-    return Shape(kind="rect", points=corners, fill=fill, opacity=opacity)
+    return Shape(kind="rect", points=corners, colour=colour, opacity=opacity)
 
 
 def _marked(mark: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
@@ -197,7 +197,7 @@ def _marked(mark: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
     ]
     if mark.type == "line":
         stroke, dashed = mark.line.color, mark.line.dash is not None
-        yield Shape(kind="line", points=tuple(ends), stroke=stroke, dashed=dashed, size=1.4)
+        yield Shape(kind="line", points=tuple(ends), colour=stroke, dashed=dashed, size=1.4)
     else:
         yield _rect(ends, **_translucent(mark.fillcolor))
 
@@ -221,7 +221,7 @@ def _below(figure: Any, height: float) -> tuple[list[Shape], float]:
         if x + size > WIDTH and x > 14:
             x, y = 14.0, y + LINE
         fill = colour or SERIES[index % len(SERIES)]
-        shapes.append(Shape(kind="rect", points=((x, y - 10), (x + 11, y + 1)), fill=fill))
+        shapes.append(Shape(kind="rect", points=((x, y - 10), (x + 11, y + 1)), colour=fill))
         shapes.append(text((x + 16, y), name))
         x += size
     y += 8 if named else 0
@@ -235,4 +235,4 @@ def _below(figure: Any, height: float) -> tuple[list[Shape], float]:
 def _translucent(colour: str) -> dict[str, Any]:
     """Return "rgba(r,g,b,a)" as a fill and its opacity."""
     *parts, share = re.findall(r"[\d.]+", colour)
-    return {"fill": "#" + "".join(f"{int(part):02x}" for part in parts), "opacity": float(share)}
+    return {"colour": "#" + "".join(f"{int(part):02x}" for part in parts), "opacity": float(share)}

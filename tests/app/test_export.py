@@ -93,13 +93,24 @@ def test_a_map_that_is_not_there_is_refused(frames, tmp_path):
 
 
 def test_png_and_svg_show_the_same_shapes():
-    shapes = (Shape(kind="circle", points=((10, 10),), fill="#ff0000", size=5),)
+    red, blue = "#ff0000", "#0000ff"
+    shapes = (
+        Shape(kind="circle", points=((10, 10),), colour=red, size=5),
+        Shape(kind="area", points=((20, 5), (30, 5), (30, 15), (20, 15)), colour=blue, opacity=0.4),
+        Shape(kind="line", points=((0, 18), (40, 18)), colour=blue, size=2, dashed=True),
+    )
     picture = Picture(width=40, height=20, shapes=shapes, title="a < b")
     image = png(picture)
     assert image.size == (80, 40)
     assert image.getpixel((20, 20)) == (255, 0, 0)
+    assert image.getpixel((50, 20)) == (153, 153, 255)
     assert image.getpixel((70, 20)) == (255, 255, 255)
-    assert "<title>a &lt; b</title>" in svg(picture)
+    dashes = [image.getpixel((x, 36))[0] < 128 for x in range(5, 80, 10)]
+    assert dashes == 4 * [True, False]  # of five units
+    text = svg(picture)
+    assert "<title>a &lt; b</title>" in text
+    assert '<polygon points="20.00,5.00 30.00,5.00 30.00,15.00 20.00,15.00"' in text
+    assert text.count('stroke-dasharray="4 3"') == 1
 
 
 def test_every_script_of_the_saved_page_is_inside_and_names_no_file():
