@@ -40,11 +40,11 @@ class _Track:
     maps: list[Tensor] = field(default_factory=list)
     trust: list[float | None] = field(default_factory=list)
 
-    def add(self, points: Tensor, seed: int) -> None:
+    def add(self, points: Tensor) -> None:
         """Map the next stop, aligned with the one before it."""
         before = self.maps[-1] if self.maps else None
         if self.method == "umap":
-            flat = following(points, before, seed=seed)
+            flat = following(points, before)
         else:
             flat = pca.project(points)
             flat = flat if before is None else aligned(flat, before)
@@ -65,7 +65,6 @@ class FrameBuilder:
     """Collects the results of each stop, in the order of the stops.
 
     settings  of the heads; all have the same classes and widths. None: no head, the raw stage alone
-    still     stages that do not depend on p: one map for all stops
     """
 
     def __init__(
@@ -77,8 +76,6 @@ class FrameBuilder:
         maps: Mapping[str, int],
         measures: Sequence[str],
         source: str,
-        still: Sequence[str],
-        seed: int = 0,
     ) -> None:
         if not orders or any(after <= before for before, after in pairwise(orders)):
             raise SettingsError("orders must be one or more numbers, each above the one before it.")
@@ -90,9 +87,9 @@ class FrameBuilder:
                     f"{', '.join(METHODS)} and {', '.join(STAGES)}, with 1 stop or more."
                 )
         self.orders, self.embeddings, self.measures = tuple(orders), embeddings, measures
-        self.seed, self.still = seed, still
+        self.source = source
         projects, known = (settings.projects, settings.classes) if settings else (True, ())
-        self.tracks = _tracks(maps, len(orders), projects=projects, still=still)
+        self.tracks = _tracks(maps, len(orders), projects=projects)
         wanted = {track.stage for track in self.tracks.values()}
         self.stages = [stage for stage in STAGES if stage in wanted]
         self.unitary = {name.split("/")[1] for name in maps} - wanted  # frft, if it shares raw
@@ -102,7 +99,6 @@ class FrameBuilder:
                 f"Frames can have {MOST_NAMES} domains and classes; choose a smaller set."
             )
         self.curves: dict[str, list[float | None]] = {}
-        self.source = source
         self._label = label_map(known, embeddings.header.classes)[embeddings.label]
         self._counted = counted(embeddings, source) & (self._label >= 0)
         self._predictions: list[Any] = []
@@ -112,12 +108,12 @@ class FrameBuilder:
         """Add the next stop: features of the stages that depend on p, and predictions."""
         for track in set(self.tracks.values()):
             if at_order.index in track.stops:
-                track.add(stacked(at_order.features[track.stage]), self.seed)
+                track.add(stacked(at_order.features[track.stage]))
         count = len(self.orders)
         for stage, name, value in measured(at_order, self.facts, self.measures):
             curve = self.curves.setdefault(name, [None] * count)
             known = value if np.isfinite(value) else None
-            curve[:] = [known] * count if stage in self.still else curve
+            curve[:] = [known] * count if stage in STILL else curve
             curve[at_order.index] = known
         if "accuracy" in self.measures and self.source in self.embeddings.header.domains:
             for reading, shares in at_order.probabilities.items():
@@ -171,9 +167,7 @@ def spread(stops: int, count: int) -> tuple[int, ...]:
     return tuple(int(place) for place in np.rint(places))
 
 
-def _tracks(
-    maps: Mapping[str, int], count: int, *, projects: bool, still: Sequence[str]
-) -> dict[str, _Track]:
+def _tracks(maps: Mapping[str, int], count: int, *, projects: bool) -> dict[str, _Track]:
     """Map each map name to its track; the unitary raw DFrFT shares that of the raw embedding.
 
     If the head projects embeddings, the DFrFT has its own track, of the projected embeddings.
@@ -183,7 +177,7 @@ def _tracks(
     for name, stops in maps.items():
         method, stage = name.split("/")
         source = "raw" if stage == "frft" and not projects else stage
-        chosen = spread(1 if source in still else stops, count)
+        chosen = spread(1 if source in STILL else stops, count)
         tracks[name] = made.setdefault((method, source), _Track(method, source, chosen))
     return tracks
 
@@ -207,7 +201,6 @@ def build_frames(
     maps: Mapping[str, int] = DEFAULT_MAPS,
     measures: Sequence[str] = MEASURES,
     provenance: Mapping[str, Any] | None = None,
-    seed: int = 0,
     on_step: OnStep = ignore,
 ) -> FrameSet:
     """Compute the frames of a set of pairs, one order at a time.
@@ -224,14 +217,13 @@ def build_frames(
     known = dict(provenance or {})
     if model is None:
         orders, maps = (0.0,), {name: 1 for name in maps if name.endswith("/raw")}
-    more: dict[str, Any] = {
-        "measures": measures,
-        "source": str(known.get("source", "")),
-        "still": STILL,
-        "seed": seed,
-    }
     builder = FrameBuilder(
-        model.settings if model else None, embeddings, orders=orders, maps=maps, **more
+        model.settings if model else None,
+        embeddings,
+        orders=orders,
+        maps=maps,
+        measures=measures,
+        source=str(known.get("source", "")),
     )
     for found in walk(
         model, embeddings, orders, stages=builder.stages, predictions=model is not None

@@ -57,6 +57,7 @@ def nearest(points: Tensor, k: int, *, queries: Tensor | None = None) -> Neighbo
     return Neighbours(*(torch.cat(parts) for parts in zip(*found, strict=True)))
 
 
+PLACED_BY = 8  # neighbours of a new row
 EXACT = 1e-3  # of the map's radius; an affine map with smaller errors counts as the map
 
 
@@ -98,20 +99,20 @@ def affine(points: Tensor, flat: Tensor) -> Tensor | None:
     return found if bool(off <= EXACT * radius) else None
 
 
-def place(queries: Tensor, points: Tensor, flat: Tensor, *, k: int = 8) -> Tensor:
+def place(queries: Tensor, points: Tensor, flat: Tensor) -> Tensor:
     """Return the places of new rows between their neighbours on an existing map.
 
     queries  (Q, D) new features
     points   (N, D) the features of the map, at the same order
     flat     (N, 2) the map; a NaN row makes places next to it NaN
-    k        number of neighbours; small sets use all rows
-    return   (Q, 2) mean of the neighbours' places, weighted by exp(-(d - nearest) / mean excess)
+    return   (Q, 2) mean of the neighbours' places, weighted by exp(-(d - nearest) / mean excess);
+             of PLACED_BY neighbours, or of all rows of a small set
 
     A row of the map gets its own place. The map does not change. For a linear map (PCA), `placed`
     and `pca.Basis.place` are exact.
     """
     require_shapes(points=(points, "N D"), queries=(queries, "Q D"), flat=(flat, "N C"))
-    found = nearest(points, min(k, len(points)), queries=queries)
+    found = nearest(points, min(PLACED_BY, len(points)), queries=queries)
     beyond = found.distance - found.distance[:, :1]
     tiny = torch.finfo(points.dtype).tiny
     weight = (-beyond / beyond.mean(1, keepdim=True).clamp_min(tiny)).exp()

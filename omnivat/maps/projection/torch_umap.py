@@ -150,7 +150,7 @@ def project(
     return descend(graph, start, steps=steps, rate=rate, seed=seed)
 
 
-def following(points: Tensor, before: Tensor | None, *, seed: int = 0) -> Tensor:
+def following(points: Tensor, before: Tensor | None) -> Tensor:
     """Return the map (N, 2) of points (N, D), started from the map `before` if given.
 
     The start is almost right, so a later map takes only WARM_STEPS steps. The low rate WARM_RATE
@@ -158,8 +158,8 @@ def following(points: Tensor, before: Tensor | None, *, seed: int = 0) -> Tensor
     and move far less (`benchmarks.projection` at 527730d).
     """
     if before is None:
-        return project(points, seed=seed)
-    return project(points, seed=seed, steps=WARM_STEPS, rate=WARM_RATE, start=before)
+        return project(points)
+    return project(points, steps=WARM_STEPS, rate=WARM_RATE, start=before)
 
 
 def aligned(flat: Tensor, to: Tensor) -> Tensor:
