@@ -50,8 +50,8 @@ def test_pictures_unlike_anything_seen_are_called_a_guess(open_page: Callable[..
     page.wait_for_selector(".pair .familiar .look")
     if "has no record" in page.locator(".pair .familiar").inner_text():
         pytest.skip("the head that is shipped holds no familiarity")
-    page.wait_for_selector(".pair .reading[data-reading=both] .guessed")
-    for reading in ("both", "vis", "tac"):
+    page.wait_for_selector(".pair .reading[data-reading=fused] .guessed")
+    for reading in ("fused", "vis", "tac"):
         assert "This is a guess" in said(page, reading)
         assert "%" not in said(page, reading)
     assert page.locator(".pair .nearest button").count() == 6
@@ -94,7 +94,7 @@ def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(
     page = open_page(PAIR)
     page.wait_for_selector(ANSWERED)
     settle(page)
-    prediction = said(page, "both")
+    prediction = said(page, "fused")
     page.click(".pair .what-if-p summary")
     page.wait_for_selector(".pair .lines svg .band")
     before = page.locator(".pair .at-p").inner_text()
@@ -104,7 +104,7 @@ def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(
     page.wait_for_function(
         "before => document.querySelector('.pair .at-p').innerText !== before", arg=before
     )
-    assert said(page, "both") == prediction
+    assert said(page, "fused") == prediction
     assert "guessing" in page.locator(".pair .about-p").inner_text()
 
 

@@ -137,7 +137,7 @@ def test_after_one_visit_the_site_predicts_an_own_pair_without_a_network(
         picture = next(file for file in pictures if modality in file.name)
         page.set_input_files(f".slot[data-modality={modality}] input", picture)
         page.wait_for_selector(f".slot[data-modality={modality}] img[src^='data:image/jpeg']")
-    for reading in ("both", "vis", "tac"):
+    for reading in ("fused", "vis", "tac"):
         page.wait_for_selector(f".pair .reading[data-reading={reading}] .said")
     assert page.evaluate("crossOriginIsolated")
     context.close()

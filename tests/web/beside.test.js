@@ -4,7 +4,6 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./browser.js";
 import { counted, gaps, right, sentence } from "../../app/web/explore/beside.js";
-
 import { html } from "../../app/web/shared/text.js";
 
 const TRUTH = ["wood", "wood", "steel", "steel", "glass"];

@@ -1,27 +1,28 @@
 import assert from "node:assert/strict";
 import test from "node:test";
+import "./browser.js";
+import { headOf, LESSONS, startOf } from "../../app/web/explore/chapters.js";
+import { line } from "../../app/web/explore/curves.js";
+import { csv } from "../../app/web/explore/exports.js";
+import { histogram, ranged, shifted } from "../../app/web/explore/finder.js";
+import { modeWords } from "../../app/web/explore/modes.js";
+import { addressOf } from "../../app/web/explore/panels.js";
+import { inView } from "../../app/web/explore/pictures.js";
+import * as scenes from "../../app/web/explore/scene.js";
+import { barsOf } from "../../app/web/explore/split.js";
+import { levels, treads } from "../../app/web/explore/staircase.js";
+import { lookAlikes } from "../../app/web/explore/strangers.js";
+import { loadTags, tagOf, tagPairs, tagsCsv } from "../../app/web/explore/tags.js";
+import { chosen, pressOf, read } from "../../app/web/explore/touch.js";
+import { Scale } from "../../app/web/shared/chart.js";
+import { Cloud } from "../../app/web/shared/cloud.js";
+import { cell } from "../../app/web/shared/csv.js";
+import { colouring, colouringsOf } from "../../app/web/shared/palette.js";
+import { ofFrames } from "../../app/web/shared/provenance.js";
+import { setOf } from "../../app/web/shared/sets.js";
+import { change, openAt, openChapter, state } from "../../app/web/shared/store.js";
 import { frames } from "./browser.js";
 
-const { cell } = await import("../../app/web/shared/csv.js");
-const { levels, treads } = await import("../../app/web/explore/staircase.js");
-const { histogram, ranged, shifted } = await import("../../app/web/explore/finder.js");
-const { addressOf } = await import("../../app/web/explore/panels.js");
-const { inView } = await import("../../app/web/explore/pictures.js");
-const scenes = await import("../../app/web/explore/scene.js");
-const { LESSONS, headOf, startOf } = await import("../../app/web/explore/chapters.js");
-const { ofFrames } = await import("../../app/web/shared/provenance.js");
-const { loadTags, tagOf, tagPairs, tagsCsv } = await import("../../app/web/explore/tags.js");
-const { setOf } = await import("../../app/web/shared/sets.js");
-const { colouring, colouringsOf } = await import("../../app/web/shared/palette.js");
-const { csv } = await import("../../app/web/explore/exports.js");
-const { line } = await import("../../app/web/explore/curves.js");
-const { modeWords } = await import("../../app/web/explore/modes.js");
-const { Cloud } = await import("../../app/web/shared/cloud.js");
-const { Scale } = await import("../../app/web/shared/chart.js");
-const { chosen, pressOf, read } = await import("../../app/web/explore/touch.js");
-const { barsOf } = await import("../../app/web/explore/split.js");
-const { lookAlikes } = await import("../../app/web/explore/strangers.js");
-const { change, openAt, openChapter, state } = await import("../../app/web/shared/store.js");
 globalThis.history = { state: null, replaceState: () => {} };
 
 /** The scene of a set of two pairs, after transitions: (scene) => what changes. */

@@ -3,8 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./browser.js";
-
-const { cards, classTable, liveHtml, rivalsHtml, spoken } = await import("../../app/web/pair/verdict.js");
+import { cards, classTable, liveHtml, rivalsHtml, spoken } from "../../app/web/pair/verdict.js";
 
 const CLASSES = ["wood", "steel"];
 const READINGS = { fused: [0.9, 0.1], vis: [0.8, 0.2], tac: [0.3, 0.7] };

@@ -2,15 +2,15 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import "./browser.js";
+import { headOf, whence } from "../../app/web/explore/chapters.js";
+import { neighboursHtml } from "../../app/web/explore/grid.js";
+import { modeWords } from "../../app/web/explore/modes.js";
+import { START } from "../../app/web/pair/state.js";
+import { lineHtml } from "../../app/web/pair/steps.js";
+import { familiarHtml } from "../../app/web/pair/verdict.js";
+import { card } from "../../app/web/shared/card.js";
 import { frames } from "./browser.js";
-
-const { card } = await import("../../app/web/shared/card.js");
-const { neighboursHtml } = await import("../../app/web/explore/grid.js");
-const { familiarHtml } = await import("../../app/web/pair/verdict.js");
-const { lineHtml } = await import("../../app/web/pair/steps.js");
-const { START } = await import("../../app/web/pair/state.js");
-const { headOf, whence } = await import("../../app/web/explore/chapters.js");
-const { modeWords } = await import("../../app/web/explore/modes.js");
 
 const NAME = `"'><img src=x onerror=alert(1)>`;
 const set = {

@@ -3,8 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./browser.js";
-
-const { apart, settled } = await import("../../app/web/shared/means.js");
+import { apart, settled } from "../../app/web/shared/means.js";
 
 const VIEW = [300, 200];
 const label = (x, y) => ({ text: "a", x, y, wide: 60 });

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import test from "node:test";
+import "./browser.js";
+import { asText, axis, spread, values } from "../../app/web/shared/measures.js";
 import { frames } from "./browser.js";
-
-const { axis, asText, spread, values } = await import("../../app/web/shared/measures.js");
 
 test("accuracy of a head is of domains that it never saw", () => {
   const found = frames({

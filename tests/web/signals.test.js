@@ -2,13 +2,13 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import "./browser.js";
+import { modeWords } from "../../app/web/explore/modes.js";
+import { cards, speakOfSignals } from "../../app/web/pair/verdict.js";
+import { card } from "../../app/web/shared/card.js";
+import { explained, stageNamed } from "../../app/web/shared/stages.js";
+import { TABLES } from "../../app/web/shared/tables.js";
 import { frames } from "./browser.js";
-
-const { card } = await import("../../app/web/shared/card.js");
-const { TABLES } = await import("../../app/web/shared/tables.js");
-const { explained, stageNamed } = await import("../../app/web/shared/stages.js");
-const { modeWords } = await import("../../app/web/explore/modes.js");
-const { cards, speakOfSignals } = await import("../../app/web/pair/verdict.js");
 
 const SIGNALS = frames({
   signals: true,

@@ -3,9 +3,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./browser.js";
+import { theSet } from "../../app/web/shared/theset.js";
 
 globalThis.document.dispatchEvent ??= () => true;
-const { theSet } = await import("../../app/web/shared/theset.js");
 
 /** A frames file of one pair, without maps. */
 function file() {

@@ -1,8 +1,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import "./browser.js";
-
-const { answer, STEPS } = await import("../../app/web/header/steps.js");
+import { answer, STEPS } from "../../app/web/header/steps.js";
 
 const share = (share, low = share - 0.02, high = share + 0.02) => ({ share, low, high });
 const shares = (v) => [v, v - 0.03, v + 0.03];

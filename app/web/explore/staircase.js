@@ -41,6 +41,7 @@ export function showSteps() {
     )}</select><div class="treads heads" role="radiogroup" aria-label="Step of the head; opens its map">${heads}</div></div>
     <div class="stair" data-name="${chosen}"><span class="stair-name" title="${help}">${title} <small>${what}</small></span><div class="treads"><svg viewBox="0 0 ${steps.length} ${HIGH}" preserveAspectRatio="none" aria-hidden="true"><path class="under" d="${line}V${HIGH}H0Z"/><path class="tread" d="${line}"/></svg>${outputs}</div></div>`,
   );
+  $(".of-steps").value = chosen; // a visitor may have chosen one that these frames lack
 }
 
 /** Height of each step, from the top; a missing value keeps the previous height.

@@ -105,15 +105,10 @@ const DRAWN = [
 export function wire() {
   board.buildBar();
   onClick($(), CLICKS);
-  for (const [kind, pointed] of /** @type {const} */ ([
-    ["pointerover", true],
-    ["focusin", true],
-    ["pointerleave", false],
-    ["focusout", false],
-  ]))
-    $(".twin-pictures").addEventListener(kind, (/** @type {At} */ { target }) =>
-      touch.show(+((pointed && target.closest(".twin")?.dataset.domain) ?? -1)),
-    );
+  for (const kind of ["pointerover", "focusin"])
+    $().addEventListener(kind, (/** @type {At} */ { target }) => {
+      if (scene.chapter === "touch") touch.show(+(target.closest(".twin")?.dataset.domain ?? -1));
+    });
   for (const [kind, acts] of Object.entries(FIELDS))
     $().addEventListener(kind, (/** @type {{target: Found}} */ { target }) => {
       for (const [selector, act] of Object.entries(acts)) if (target.matches(selector)) act(target);

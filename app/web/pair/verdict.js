@@ -17,12 +17,9 @@ export const TERMS = {
 };
 /** @param {Reading} reading */
 export const titleOf = (reading) => (reading === "fused" ? "Both" : `${TERMS[reading].title} only`);
-/** @param {Reading} reading */
-const signOf = (reading) => (reading === "fused" ? "both" : reading);
 /** Words with the sign of a reading, which is that of its image; its title if there are none.
  * @param {Reading} reading */
-export const signed = (reading, words = titleOf(reading)) =>
-  html`<span class="sign ${signOf(reading)}"></span>${words}`;
+export const signed = (reading, words = titleOf(reading)) => html`<span class="sign ${reading}"></span>${words}`;
 
 /** @param {string} text */
 const capital = (text) => text[0].toUpperCase() + text.slice(1);
@@ -70,7 +67,7 @@ export const brief = ({ label, share, guess }) =>
 const cardsOf = (all, words) =>
   html`<div class="readings">${all.map((one) => {
     const absent = one.reading !== "fused" && html` title="The other image is absent"`;
-    return html`<article class="reading ${!one.label && "none"}" data-reading="${signOf(one.reading)}"><h3${absent}>${signed(one.reading)}</h3>${words(one)}</article>`;
+    return html`<article class="reading ${!one.label && "none"}" data-reading="${one.reading}"><h3${absent}>${signed(one.reading)}</h3>${words(one)}</article>`;
   })}</div>`;
 
 /** Three cards. `familiar`: familiarity of the images, null until it arrives; `truths`: the class of each image, if known.
@@ -152,7 +149,7 @@ export function classTable({ classes, exact }, familiar) {
   const rows = classes.map((name, k) => {
     const cells = columns.map(
       ({ reading, row, guess }) =>
-        html`<td data-reading="${reading}" class="${guess && "of-guess"}"><span class="bar ${signOf(reading)}" style="--share:${row[k]}"></span><span class="share">${percent(row[k], 1)}</span></td>`,
+        html`<td data-reading="${reading}" class="${guess && "of-guess"}"><span class="bar ${reading}" style="--share:${row[k]}"></span><span class="share">${percent(row[k], 1)}</span></td>`,
     );
     return html`<tr class="${name === winner && "best"}"><th scope="row"><i style="background:${classColour(k)}"></i>${name}</th>${cells}</tr>`;
   });
