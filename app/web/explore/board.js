@@ -32,7 +32,7 @@ const ANSWERS = ["Correctness", "Confidence"]; // colourings that change with p
 
 /** @type {ReturnType<typeof orderBar>} */
 let bar;
-/** @type {Record<"ride" | "curves" | "together", curves.Chart>} */
+/** What draws them. @type {Record<"ride" | "curves" | "together", () => void>} */
 let charts;
 /** @type {Pointing} */
 let pointing;
@@ -95,28 +95,23 @@ export function replace(frames) {
   annotate();
   bar.replace(frames);
   bar.learned(state.chapter === "analyse" ? scene.own.learned : NaN); // the mark would give the answer away
-  if (state.chapter === "where") charts.together.draw();
   fill($(".mode-words"), modeWords(frames));
   Object.assign($().dataset, { kind: frames.kind, can: modeOf(frames).can.join(" ") });
   $(".ride").classList.toggle("blind", !values(frames, "accuracy", "f_hat")?.some(Number.isFinite));
   showColours();
   showStage();
   showMeans();
-  showToy();
 }
 
 /** p has moved. */
 export function showOrder() {
-  const { dragged } = scene;
   take(moved(scene, state));
   const { frames, stop } = scene;
   bar.show(stop);
-  if (dragged === scene.dragged) charts.ride.mark();
-  else charts.ride.draw();
-  charts.curves.mark();
-  if (state.chapter === "where") charts.together.mark();
+  showCurves();
+  if (state.chapter === "where") charts.together();
   showSteps();
-  if (panelIsOpen("toy")) toy.show(frames.orders[stop]);
+  showToy();
   nodes.follow();
   if (state.chapter === "order") toy.showWave(frames.orders[stop]);
   if (ANSWERS.includes(colouring(frames, state.colour).label)) maps.showLayers();
@@ -153,13 +148,12 @@ export function showStage() {
   const stage = stageNamed(state.stage);
   fill($(".explain"), html`<b>${stage.title}.</b> ${explained(stage, frames)}`);
   maps.showKinds();
-  showCurves();
   return showOrder();
 }
 
 function showCurves() {
-  charts.ride.draw();
-  charts.curves.draw();
+  charts.ride();
+  charts.curves();
 }
 
 export function showColours() {
@@ -217,7 +211,7 @@ export function showReading() {
   showLesson();
 }
 
-const showToy = () => panelIsOpen("toy") && toy.open().then(() => toy.show(scene.frames.orders[scene.stop]));
+const showToy = () => panelIsOpen("toy") && toy.show(scene.frames.orders[scene.stop]);
 
 /** The card of the pair under the pointer, or of the pinned one. */
 export function showCard() {

@@ -4,7 +4,7 @@ import { dragged, Scale } from "../shared/chart.js";
 import { asText, axis, gapsOf, spread, values } from "../shared/measures.js";
 import { isLecture } from "../shared/palette.js";
 import { has, TABLES } from "../shared/tables.js";
-import { $, change, html, put, scene, state } from "./root.js";
+import { $, change, draw, html, scene, state } from "./root.js";
 import { loneDomain, whole } from "./scene.js";
 
 const LEAST = 150; // CSS pixels; charts are drawn at the width of their box, so text keeps its size
@@ -14,85 +14,75 @@ const LINES = [
   ["modality_gap", "modality gap"],
   ["domain_gap", "domain gap"],
 ];
-/** @typedef {{draw: () => void, mark: () => void}} Chart */
-
-/** Charts in a box, as wide as it: `draw` makes them of the frames, `mark` shows p. Each returns what it drew of a stop.
- * @param {string} selector @param {() => number} high @param {(box: Found, scale: Scale) => (stop: number) => void} make
- * @returns {Chart} */
+/** Charts in a box, as wide as it. Returns what draws them at the present stop.
+ * @param {string} selector @param {() => number} high @param {(scale: Scale) => Html} make */
 function charts(selector, high, make) {
   const box = $(selector);
-  const wide = () => Math.max(LEAST, Math.min(900, Math.floor(box.getBoundingClientRect().width))); // never smaller than its letters
-  let scale = new Scale({ wide: LEAST, high: high(), pad: PAD });
-  let markAt = (/** @type {number} */ _) => {};
-  const mark = () => markAt(scene.stop);
-  const draw = () => {
+  let wide = LEAST;
+  let scale = new Scale({ wide, high: high(), pad: PAD });
+  const show = () => {
     const { orders } = scene.frames;
     const xs = [Math.min(0, orders[0]), Math.max(1, orders[orders.length - 1])]; // whichever stops are ready
-    scale = new Scale({ wide: wide(), high: high(), pad: PAD, xs });
-    markAt = make(box, scale);
-    mark();
+    scale = new Scale({ wide, high: high(), pad: PAD, xs });
+    draw(box, make(scale));
   };
   dragged(box, (event, svg) => change({ p: scene.frames.orders[scene.frames.stop(scale.under(event, svg))] }));
-  new ResizeObserver(() => box.firstChild && wide() !== scale.wide && draw()).observe(box);
-  return { draw, mark };
+  new ResizeObserver(([{ contentRect }]) => {
+    const now = Math.max(LEAST, Math.min(900, Math.floor(contentRect.width))); // never smaller than its letters
+    if (now === wide) return;
+    wide = now;
+    if (box.firstChild) show();
+  }).observe(box);
+  return show;
 }
-
-/** A chart for each measure of the frames.
- * @param {string} selector @param {(frames: Frames) => Measure[]} measures @param {() => number} high */
-const single = (selector, measures, high) =>
-  charts(selector, high, (box, scale) => {
-    const rows = measures(scene.frames).map((row) => curve(row, scale));
-    put(box, html`${rows.map(({ figure }) => figure)}${rows.length > 1 && DASHED}`);
-    const roots = [...box.querySelectorAll("figure")];
-    return (stop) => roots.forEach((root, i) => markCurve(root, rows[i], stop));
-  });
 
 /** Accuracy against p, above the slider. */
 export const accuracy = () =>
-  single(
+  charts(
     ".over",
-    () => TABLES.measures.filter(({ id }) => id === "accuracy"),
     () => {
       if (innerWidth < 820) return 110;
       if (state.chapter !== "order") return 0.165 * innerHeight;
       if (isLecture()) return 0.4 * innerHeight;
       return Math.min(560, 0.24 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
     },
+    (scale) => html`${TABLES.measures.filter(({ id }) => id === "accuracy").map((row) => curve(row, scale))}`,
   );
 
 /** All measures of features against p. */
-export const features = () => single(".all", gapsOf, () => 108);
+export const features = () =>
+  charts(
+    ".all",
+    () => 108,
+    (scale) => html`${gapsOf(scene.frames).map((row) => curve(row, scale))}${DASHED}`,
+  );
 
 /** Accuracy and both gaps in one chart, each with its value at the present stop. */
 export const together = () =>
   charts(
     ".together",
     () => 112,
-    (box, scale) => {
-      const { frames } = scene;
-      const known = LINES.map(([name]) => values(frames, name, "f_hat"));
-      const key = LINES.map(([name, title]) => html`<span class="${name}">${title} <output></output></span>`);
+    (scale) => {
+      const { frames, stop } = scene;
+      const known = LINES.map(([name, title]) => ({ name, title, values: values(frames, name, "f_hat") }));
+      const key = known.map(
+        ({ name, title, values }) =>
+          html`<span class="${name}">${title} <output>${asText(name, values?.[stop], 2)}</output></span>`,
+      );
       const lines = known.map(
-        (curve, i) => curve && html`<path class="${LINES[i][0]}" d="${scale.line(zip(frames.orders, curve))}"/>`,
+        ({ name, values }) => values && html`<path class="${name}" d="${scale.line(zip(frames.orders, values))}"/>`,
       );
-      put(
-        box,
-        html`<p class="key">${key}</p>${scale.svg("Accuracy and both gaps against p", scale.grid([0, 1], String), scale.now(), lines)}`,
-      );
-      const outputs = box.querySelectorAll("output");
-      return (stop) => {
-        scale.mark(box, frames.orders[stop]);
-        LINES.forEach(([name], i) => (outputs[i].textContent = asText(name, known[i]?.[stop], 2)));
-      };
+      const drawn = scale.svg("Accuracy and both gaps against p", scale.grid([0, 1], String), nowOf(scale), lines);
+      return html`<p class="key">${key}</p>${drawn}`;
     },
   );
 
-/** @typedef {{name: string, scale: Scale, values: number[] | null, figure: Html}} Curve */
+/** The line at the present p. @param {Scale} scale */
+const nowOf = (scale) => scale.now(scene.frames.orders[scene.stop]);
 
-/** One curve of a stage, or of a single domain if only one is shown. @param {Measure} measure @param {Scale} box
- * @returns {Curve} */
+/** One curve of a stage, or of a single domain if only one is shown. @param {Measure} measure @param {Scale} box */
 function curve({ id: name, title, help }, box) {
-  const { frames } = scene;
+  const { frames, stop } = scene;
   const { stage } = state;
   const domain = loneDomain(scene, state);
   const scale = box.of(axis(frames, name));
@@ -106,6 +96,7 @@ function curve({ id: name, title, help }, box) {
     ? frames.orders.map(() => 1 / frames.classes.length)
     : stage !== "raw" && values(frames, name, "raw", only);
   const of = only || (together && domain ? "all domains" : accurate ? "unseen domains" : "");
+  const value = own?.[stop] ?? NaN;
   const [a, b] = scale.xs;
   const ends = [a, (a + b) / 2, b].map((p, i) => [p, i === 1 ? "p" : +p.toFixed(2)]);
   const path = (/** @type {string} */ kind, /** @type {string} */ d) => html`<path class="${kind}" d="${d}"/>`;
@@ -114,29 +105,16 @@ function curve({ id: name, title, help }, box) {
     scale.grid(scale.ys, (v) => (accurate ? `${100 * v} %` : +v.toFixed(2))),
     scale.ticks(ends),
     trained(scale),
-    scale.now(),
+    nowOf(scale),
     band && path("spread", area(band, scale)),
     ghost && path("ghost", line(ghost, scale)),
     accurate && pale(scale),
     known && path("own", line(known, scale)),
     known && has(frames, "heads") && html`<g class="dots">${dots(known, scale)}</g>`,
-    html`<circle class="now" r="4"/>`,
+    Number.isFinite(value) &&
+      html`<circle class="now" r="4" cx="${scale.x(frames.orders[stop])}" cy="${scale.y(value)}"/>`,
   );
-  const figure = html`<figure data-name="${name}"><figcaption class="${accurate && "sr"}" title="${help}"><span>${title} <small class="of">${of}</small></span><output></output></figcaption>${drawn}</figure>`;
-  return { name, scale, values: own, figure };
-}
-
-/** Mark one stop on a curve and write its value. @param {Found} root @param {Curve} curve @param {number} stop */
-function markCurve(root, { name, scale, values }, stop) {
-  const p = scene.frames.orders[stop];
-  const value = values?.[stop] ?? NaN;
-  const known = Number.isFinite(value);
-  const dot = root.querySelector("circle.now");
-  scale.mark(root, p);
-  dot.setAttribute("cx", scale.x(p));
-  dot.setAttribute("cy", known ? scale.y(value) : 0);
-  dot.setAttribute("visibility", known ? "visible" : "hidden");
-  root.querySelector("output").textContent = asText(name, value);
+  return html`<figure data-name="${name}"><figcaption class="${accurate && "sr"}" title="${help}"><span>${title} <small class="of">${of}</small></span><output>${asText(name, value)}</output></figcaption>${drawn}</figure>`;
 }
 
 /** The values that may be drawn: in the chapter of the order those between which p was dragged. @param {number[]} own */

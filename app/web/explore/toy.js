@@ -5,7 +5,7 @@ import { Scale } from "../shared/chart.js";
 import { toyFacts } from "../shared/facts.js";
 import { nearest, orderText } from "../shared/frames.js";
 import { TAC_COLOUR, VIS_COLOUR } from "../shared/palette.js";
-import { $, html, put } from "./root.js";
+import { $, draw, html } from "./root.js";
 
 const W = 300;
 const HALF = W / 2 - 6; // of two pictures side by side
@@ -34,27 +34,11 @@ const IMAGES = /** @type {const} */ ([
 ]);
 const CURVE = new Scale({ wide: W, high: 92, pad: { left: 30, right: 8, top: 8, bottom: 18 }, ys: [0, 2.2] });
 
-/** @type {Toy | undefined} */
-let toy;
+/** Draw the stop nearest to p; the first call fetches the toy. @param {number} p */
+export const show = (p) => attempt(async () => draw($(".toy"), toyHtml(await toyFacts(), p)), $(".toy"));
 
-/** Fetch the toy and draw; later calls only draw. */
-export const open = () =>
-  attempt(async () => {
-    if (toy) return;
-    toy = await toyFacts();
-    put(
-      $(".toy"),
-      html`<p>Two signals, <b class="vis">a photo’s</b> and <b class="tac">a touch’s</b>. <b>Drag p</b> above; now <output class="at-p"></output>.</p>
-<div class="toy-grid"></div>
-<h4>Distance against p</h4>
-${distances(toy)}
-<p class="hint">Solid: real part; dotted: imaginary part. Near p = 0.35 each signal becomes one spike. The clouds show one coefficient of 40 photos ● and 40 touches ▲; the transform rotates them by p quarter turns.</p>`,
-    );
-  }, $(".toy"));
-
-/** Draw the stop nearest to p. @param {number} p */
-export function show(p) {
-  if (!toy) return;
+/** @param {Toy} toy @param {number} p */
+function toyHtml(toy, p) {
   const { orders, signals, clouds, distances } = toy;
   const i = nearest(orders, p);
   const far = (/** @type {string} */ what, /** @type {"signals" | "clouds"} */ of) =>
@@ -72,12 +56,11 @@ export function show(p) {
     ({ act, cloud }) =>
       html`<svg class="chart plane ${act}-plane" viewBox="0 0 ${HALF} ${PLANE}" role="img" aria-label="two clouds${cloud}">${plane(clouds, i, act)}</svg>`,
   );
-  put(
-    $(".toy-grid"),
-    html`${ACTS.map(({ title }) => html`<h4>${title}</h4>`)}${waves}${far("distance", "signals")}${planes}${far("gap", "clouds")}`,
-  );
-  $(".at-p").textContent = `p = ${orderText(orders[i])}`;
-  CURVE.mark($(".toy"), orders[i]);
+  return html`<p>Two signals, <b class="vis">a photo’s</b> and <b class="tac">a touch’s</b>. <b>Drag p</b> above; now <output>p = ${orderText(orders[i])}</output>.</p>
+<div class="toy-grid">${ACTS.map(({ title }) => html`<h4>${title}</h4>`)}${waves}${far("distance", "signals")}${planes}${far("gap", "clouds")}</div>
+<h4>Distance against p</h4>
+${apart(toy, orders[i])}
+<p class="hint">Solid: real part; dotted: imaginary part. Near p = 0.35 each signal becomes one spike. The clouds show one coefficient of 40 photos ● and 40 touches ▲; the transform rotates them by p quarter turns.</p>`;
 }
 
 /** Real and imaginary part of one signal after an operation.
@@ -108,8 +91,8 @@ function plane(clouds, i, act) {
   return html`<path class="zero" d="M0 ${PLANE / 2}H${HALF}M${HALF / 2} 0V${PLANE}"/>${drawn.map(({ path }) => path)}<path class="gap-line" d="${drawn.map(({ middle }, k) => `${k ? "L" : "M"}${middle}`).join("")}"/>`;
 }
 
-/** Both distances against p, before and after the ReLU. @param {Toy} toy */
-function distances({ orders, distances }) {
+/** Both distances against p, before and after the ReLU. @param {Toy} toy @param {number} p */
+function apart({ orders, distances }, p) {
   const ends = [
     [0, 0],
     [0.5, "p"],
@@ -126,7 +109,7 @@ function distances({ orders, distances }) {
     CURVE.grid(CURVE.ys, (v) => v),
     CURVE.ticks(ends, 3),
     lines,
-    CURVE.now(),
+    CURVE.now(p),
   );
 }
 
@@ -142,7 +125,7 @@ export const showWave = (p) =>
     const stop = nearest(orders, p);
     const all = re[stop].map((v, k) => Math.hypot(v, im[stop][k]));
     const line = WAVE.line(all.map((v, k) => [k / (all.length - 1), v]));
-    put(
+    draw(
       $(".wave"),
       html`<svg class="chart" viewBox="0 0 300 74" preserveAspectRatio="none" role="img" aria-label="One chirp, turned by p: its sharpest sample has ${Math.max(...all).toFixed(2)} of 1"><path d="${line}"/></svg>`,
     );

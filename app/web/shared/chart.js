@@ -71,13 +71,8 @@ export class Scale {
     return html`<rect class="${kind}" x="${left}" y="${this.top}" width="${Math.max(0, right - left)}" height="${this.base - this.top}"/>`;
   }
 
-  /** A line at a value of the axis, and its move to another one. @param {number} [v] */
-  now = (v) =>
-    html`<line class="now" ${v !== undefined && html`x1="${this.x(v)}" x2="${this.x(v)}" `}y1="${this.top}" y2="${this.base}"/>`;
-  /** @param {Found} svg @param {number} v */
-  mark(svg, v) {
-    for (const end of ["x1", "x2"]) svg.querySelector("line.now").setAttribute(end, this.x(v));
-  }
+  /** A line at a value of the axis. @param {number} v */
+  now = (v) => html`<line class="now" x1="${this.x(v)}" x2="${this.x(v)}" y1="${this.top}" y2="${this.base}"/>`;
 
   /** A drawing of this size. @param {Markup} label @param {...unknown} parts */
   svg = (label, ...parts) =>
