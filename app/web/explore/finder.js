@@ -1,13 +1,12 @@
 /** Find pairs: by name, by look-alikes, and by histograms that filter. */
 
 import { dragged, Scale } from "../shared/chart.js";
+import { KEYS } from "../shared/order.js";
 import { onClick } from "../shared/view.js";
 import { shown } from "./maps.js";
 import { $, change, draw, html, scene, state } from "./root.js";
 import { HISTOGRAMS, rangesOf } from "./scene.js";
 
-/** @type {Record<string, number>} */
-const UP = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 };
 const BINS = 20;
 const HIGH = 34;
 const AREA = { wide: BINS, high: HIGH, pad: { left: 0, right: 0, top: 0, bottom: 0 } };
@@ -104,7 +103,7 @@ export function listen() {
     else keep([Math.min(from, to), Math.max(from, to)]);
   });
   box.onkeydown = (/** @type {Found} */ event) => {
-    const by = UP[event.key];
+    const by = KEYS[event.key];
     if (!by) return;
     event.preventDefault();
     const { name, ends, keep } = of(event.target);

@@ -6,8 +6,8 @@ import { html, put } from "./text.js";
 
 const FINE = 0.001; // step of the slider, fine enough for any learned p
 /** @typedef {{orders: number[], stop: (p: number) => number}} Stops */
-/** Stops that a key moves by. @type {Record<string, number>} */
-const KEYS = {
+/** Steps that a key moves by. @type {Record<string, number>} */
+export const KEYS = {
   ...{ ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 },
   ...{ PageUp: 10, PageDown: -10, Home: -Infinity, End: Infinity },
 };
