@@ -88,7 +88,7 @@ function show(figures) {
     if (!ask) return tell(null);
     rest(explore, true);
     const buttons = options.map((words) => html`<button data-option="${words}">${words}</button>`);
-    return lay(html`${ask}`, html`<span class="options">${buttons}</span>`, "h3");
+    return lay(html`${ask}`, html`<span class="row">${buttons}</span>`, "h3");
   };
 
   const end = () => {
