@@ -50,15 +50,6 @@ RECORD = _returned(
     **dict.fromkeys(("value", "low", "high"), MAYBE),
     n={"type": ["integer", "string"]},
 )
-FAULTS = {
-    "400": "a wrong value",
-    "403": "another site, or an unknown host name",
-    "405": "another method than POST",
-    "408": "the body did not arrive in time",
-    "410": "the server no longer has the image or set",
-    "413": "a body over the limit",
-    "503": "too much is waiting, or it took too long",
-}
 SHARES = _by_name(NUMBER)
 TABLE = _by_name(_by_name(_by_name(MAYBE)))
 
@@ -155,12 +146,12 @@ def document() -> Schema:
     def reply(of: Schema, what: str) -> Schema:
         return {"description": what, "content": {"application/json": {"schema": of}}}
 
-    fell = {status: reply(error, what) for status, what in FAULTS.items()}
+    refused = reply(error, "a refusal; docs/api.md lists the statuses")
 
     def posted(what: str, body: Schema, schema: Schema, **more: Any) -> Schema:
         content = {"required": True, "content": body}
-        good = {"200": reply(schema, "the result"), **fell}
-        return {"post": {"summary": what, "requestBody": content, "responses": good, **more}}
+        replies = {"200": reply(schema, "the result"), "default": refused}
+        return {"post": {"summary": what, "requestBody": content, "responses": replies, **more}}
 
     image = {"schema": {**TEXT, "format": "binary", "maxLength": MAX_IMAGE_BYTES}}
     sent = _returned(ref=TEXT, width=COUNT, height=COUNT, preview=TEXT)

@@ -1,6 +1,5 @@
 """Error messages of the page; tracebacks go to the log."""
 
-import errno
 import logging
 import re
 from collections.abc import Awaitable, Callable
@@ -20,7 +19,6 @@ UNEXPECTED = (
     "The page still works: try again, or choose another pair."
 )
 
-FULL = (errno.ENOSPC, errno.EDQUOT, errno.EMFILE, errno.ENFILE)  # disk, share of it, descriptors
 PLACE = re.compile(r"(?:/|[A-Za-z]:\\)(?:[^/\\'\"\n]+[/\\])+")  # a path without its last part
 
 
@@ -77,11 +75,8 @@ def in_sentences(handler: Handler) -> Handler:
             log.info("%s refused: %s", request.url.path, error)
             return refusal(str(error), status_of(error))
         except ClientDisconnect:
-            log.info("%s: the visitor went", request.url.path)
             return refusal("The request was not finished.", 499)
-        except Exception as error:
-            if isinstance(error, OSError) and error.errno in FULL:
-                return refusal("The server has no room for this now; try again in a minute.", 503)
+        except Exception:
             log.exception("%s failed", request.url.path)
             return refusal(UNEXPECTED, 500)
 

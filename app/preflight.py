@@ -108,6 +108,7 @@ def free_port(host: str, port: int | None) -> int:
             f"--host is '{host:.80}', which names no machine; leave it out, or give 0.0.0.0 to be"
             " reached by others."
         ) from error
+    why = ""
     for one in [port] if port else PORTS:
         with socket.socket(family, socket.SOCK_STREAM) as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -115,12 +116,9 @@ def free_port(host: str, port: int | None) -> int:
                 probe.bind((place[0], one, *place[2:]))
                 return one
             except OSError as error:
+                why = error.strerror or str(error)
                 if error.errno != errno.EADDRINUSE:
-                    why = error.strerror or str(error)
-                    raise SettingsError(
-                        f"Nothing can listen on '{host:.80}', port {one} ({why}); choose another"
-                        " --host or --port."
-                    ) from error
-    if port:
-        raise SettingsError(f"Port {port} is in use; choose another --port, or leave it out.")
-    raise SettingsError(f"No port from {PORTS[0]} to {PORTS[-1]} is free; name one with --port.")
+                    break
+    raise SettingsError(
+        f"Nothing can listen on '{host:.80}', port {one} ({why}); choose another --host or --port."
+    )

@@ -116,7 +116,6 @@ class Resources:
         self.coefficients: Lazy[PairCoefficients] = Lazy(self._coefficients)
         self._row_of: Lazy[dict[str, int]] = Lazy(self._rows_by_file)
         self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES, private=True)
-        self._shown: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES)  # of examples
 
     @property
     def holds(self) -> str:
@@ -160,14 +159,10 @@ class Resources:
             return self._from_set(int(ref.name), modality)
         if ref.kind == "example":
             file = self.example(ref.name, modality)
-            row = self._row_of().get(f"{ref.name}/{modality}")
+            row = self._row_of().get(ref.name)
             if row is not None:
                 return self._from_set(row, modality)
-            key = content_name(file.read_bytes())
-            found = self._shown.once(
-                key, lambda: self._embedded(self.shared.decoder.read(file, ref.name))
-            )
-            return _of(found, modality)
+            ref, _ = self.take_image(file, ref.name)
         kept = self._sent.get(ref.name)
         if kept is None:
             raise ForgottenError("The server no longer has this image; send it again.")
@@ -224,22 +219,20 @@ class Resources:
     def example_rows(self) -> dict[str, int]:
         """Return example -> row of the set, for the examples that are in it; nothing is encoded."""
         rows = self._row_of()
-        return {name: rows[f"{name}/vis"] for name in self.examples() if f"{name}/vis" in rows}
+        return {name: rows[name] for name in self.examples() if name in rows}
 
     def _rows_by_file(self) -> dict[str, int]:
-        """Return the row of each example in the set: "domain/class/stem/modality" -> row."""
+        """Return the row of each pair of the set by name: "domain/class/stem" -> row."""
         try:
             embeddings = self.embeddings()
             self.head().require_embeddings(embeddings)
         except DataError:
             return {}  # examples are then encoded like any image
-        found = {}
-        for modality in ("vis", "tac"):
-            for row, file in enumerate(embeddings.rows[modality]):
-                parts = Path(file).parts[-3:]
-                stem = Path(file).stem.removesuffix(f"_{modality}")
-                found["/".join([*parts[:-1], stem, modality])] = row
-        return found
+        photos = map(Path, embeddings.rows["vis"])
+        return {
+            "/".join([*photo.parts[-3:-1], photo.stem.removesuffix("_vis")]): row
+            for row, photo in enumerate(photos)
+        }
 
     def _coefficients(self) -> "PairCoefficients":
         from omnivat.maps.sweep.walk import coefficients_of

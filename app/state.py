@@ -102,6 +102,11 @@ class Recent(Generic[V]):
             self._values.move_to_end(key)
             return self._values[key][0]
 
+    def values(self) -> list[V]:
+        """Return what is kept, of all visitors."""
+        with self._lock:
+            return [value for value, _ in self._values.values()]
+
     def keep(self, name: str, value: V, size: int = 0) -> list[V]:
         """Keep `value` of `size` bytes; return the values that are dropped for it."""
         dropped: list[V] = []

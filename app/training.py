@@ -44,6 +44,7 @@ class Run:
     job: Job[None] = field(init=False)
     epochs: list[dict[str, Any]] = field(default_factory=list)
     head: "Head | None" = None
+    visitor: tuple[str, str] = ("", "")  # address, and name
     loaded: str = ""  # name of the visitor set with the finished head
     looked: float = field(default_factory=monotonic)  # when its visitor last requested its state
 
@@ -81,7 +82,6 @@ class Trainings:
         self._sets = sets
         self._runs: Recent[Run] = Recent(KEPT_RUNS)
         self._lock = Lock()
-        self._active: dict[tuple[str, str], Run] = {}  # by address and visitor: one at a time each
 
     def offers(self, resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
         """Return the choices and the defaults; nothing of the question counts."""
@@ -105,16 +105,15 @@ class Trainings:
         visitor = address, name
         embeddings = resources.embeddings()
         plan = plan_from(question, embeddings)
-        run = Run(plan=plan, rows=thinned(len(embeddings), MAP_PAIRS))
+        run = Run(plan=plan, rows=thinned(len(embeddings), MAP_PAIRS), visitor=visitor)
+        key = os.urandom(12).hex()
         with self._lock:
-            self._active = {
-                name: one for name, one in self._active.items() if not one.job.future.done()
-            }
-            if visitor in self._active:
+            active = [one.visitor for one in self._runs.values() if not one.job.future.done()]
+            if visitor in active:
                 raise DataError(
                     "Your training before this one still runs or waits; cancel it first."
                 )
-            if len(self._active) >= MOST_RUNS:
+            if len(active) >= MOST_RUNS:
                 raise BusyError(
                     f"{MOST_RUNS} trainings run or wait here already; try again in a few minutes."
                 )
@@ -125,11 +124,9 @@ class Trainings:
                 priority=PRIORITY,
                 deadline_s=DEADLINE_S,
             )
-            self._active[visitor] = run
-        name = os.urandom(12).hex()
-        self._runs.keep(name, run)
+            self._runs.keep(key, run)
         return {
-            "run": name,
+            "run": key,
             "total": plan.training.epochs,
             "source": plan.source,
             "left_out": plan.left_out,

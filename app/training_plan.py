@@ -25,7 +25,6 @@ RANGES: dict[str, tuple[float, float, float]] = {
     "epochs": (5, 150, 120),
     "seed": (0, 999, 0),
 }
-MOST_PAIRS = 20_000  # of the source
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,12 +79,6 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
 
     source = _one_of("source", question.get("source"), embeddings.header.domains)
     rows = embeddings.rows_of(source, split="train")
-    pairs = int(embeddings.labelled[rows].sum())
-    if pairs > MOST_PAIRS:
-        raise DataError(
-            f"'{source}' has {pairs:,} training pairs and at most {MOST_PAIRS:,} are trained on "
-            "here; use `python -m omnivat train`."
-        )
     order = _one_of("order", question.get("order", ORDERS[0]), ORDERS)
     number: dict[str, Any] = {name: _number(name, question.get(name)) for name in RANGES}
     training = TrainSettings(
@@ -109,7 +102,7 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
         training=training,
         seed=number["seed"],
         first="searching p" if order == "search" else "loading",
-        left_out=len(rows) - pairs,
+        left_out=len(rows) - int(embeddings.labelled[rows].sum()),
     )
 
 

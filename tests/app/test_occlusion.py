@@ -31,19 +31,6 @@ def test_a_cell_gets_the_mean_of_the_parts_that_covered_it():
     assert sum(cells[3]) == 0
 
 
-def test_parts_are_hidden_row_by_row_and_counted_row_by_row():
-    image = Image.new("RGB", (70, 70), "black")
-    image.paste("white", (0, 0, 70, 35))
-    second = list(hidden(image))[1]  # first row, second column
-    assert second.getpixel((5, 15)) == (255, 255, 255) != second.getpixel((25, 15))
-    steps = CELLS - PATCH + 1
-    falls = [[0.0] * steps for _ in range(steps)]
-    falls[0][4] = 1.0
-    cells = over_cells(falls)
-    assert cells[0][4] == 0.5 and cells[1][5] == 0.25
-    assert not any(cells[row][column] for row in range(2, CELLS) for column in range(CELLS))
-
-
 def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypatch):
     """A head that reads one cell: the mean brightness of row 0, column 5."""
 

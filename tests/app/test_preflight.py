@@ -46,7 +46,7 @@ def test_a_port_in_use_is_refused_in_a_sentence(capsys):
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
-        assert f"Port {port} is in use" in refusal(capsys, "--port", port)
+        assert f"port {port} (Address already in use)" in refusal(capsys, "--port", port)
 
 
 @pytest.mark.parametrize("host", ["nonsense.invalid", "a" * 300, "..", "1.2.3.4"])

@@ -3,7 +3,6 @@
 import base64
 import io
 import zipfile
-from contextlib import nullcontext
 from dataclasses import replace
 
 import numpy as np
@@ -127,15 +126,6 @@ def test_what_p_does_becomes_settings(resources, order, learned, searched, drawn
 def test_settings_that_cannot_be_are_refused_with_what_is_wanted(resources, wrong, sentence):
     with pytest.raises(DataError, match=sentence):
         plan_from({**SMALL, **wrong}, resources.embeddings())
-
-
-def test_a_source_of_as_many_pairs_as_stated_is_trained_on_and_no_larger_one(
-    resources, monkeypatch
-):
-    for most, taken in ((40, True), (39, False)):
-        monkeypatch.setattr("app.training_plan.MOST_PAIRS", most)
-        with nullcontext() if taken else pytest.raises(DataError, match="at most 39 are trained"):
-            plan_from(SMALL, resources.embeddings())
 
 
 def test_a_training_that_is_not_there_is_told_so(sets):
