@@ -7,6 +7,7 @@ familiarity, profile, …   of the first head, as its folder has them; own-…: 
 set-N.safetensors        embeddings of PART pairs each, in half precision
 ../encoder-HASH.onnx     one file for all sets of that encoder
 ../resize.onnx           a picture to another size
+../lessons.onnx          what labelled pairs teach a head
 
 Each but the script of the runtime is packed as NAME.gz; the browser unpacks it.
 """
@@ -47,10 +48,12 @@ def write_models(
     if a package of ONNX is not installed, DataError for a head or set that cannot be read.
     """
     from omnivat.encoders.onnx_runtime import write_resize
+    from omnivat.head.portable import write_lessons
 
     made = folder / "models"
     write_runtime(made / "runtime", runtime)
     write_resize(made / "resize.onnx")
+    write_lessons(made / "lessons.onnx")
     for done, (name, resources) in enumerate(desks.items()):
         on_step(Step(done=done, total=len(desks), text=f"models of {name}"))
         write_set(resources, made / name)
@@ -134,18 +137,19 @@ def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
     from omnivat.data.strips import ENCODER as STRIP
     from omnivat.encoders.base import for_modality
     from omnivat.encoders.efficientnet import NAME, EfficientNetLite0
+    from omnivat.encoders.running import SIDE
+    from omnivat.encoders.strip import StripReader
 
     wanted = resources.head().encoder
-    if wanted["name"] == STRIP:
-        return {"kind": "strip"}
-    if wanted["name"] != NAME:
+    sides = {NAME: SIDE, STRIP: 0}  # of the picture that it reads; 0: any
+    if wanted["name"] not in sides:
         return None
     file = folder / f"encoder-{wanted['weights_hash']}.onnx"
     encoder = for_modality(resources.encoder(), "vis")
-    if not file.is_file() and isinstance(encoder, EfficientNetLite0):
+    if not file.is_file() and isinstance(encoder, EfficientNetLite0 | StripReader):
         encoder.write_onnx(file)
     dots = dots_of(wanted["preprocessing"])
-    return {"kind": "onnx", "file": file.name, "dots": dots}
+    return {"file": file.name, "side": sides[wanted["name"]], "dots": dots}
 
 
 def _write_head(head: "Head", folder: Path, name: str) -> dict[str, Any]:

@@ -7,11 +7,11 @@ writes `app/web/site/rules.js`; a test holds both together.
 
 import json
 
-from app import familiar, pair_input, pictures
+from app import familiar, pictures
 from app.components import WEB
 from app.views import explore, pair
 from omnivat.data import dots, grid, images, profile
-from omnivat.head import calibration, ridge, teach
+from omnivat.head import calibration
 from omnivat.kit.files import write_text
 
 FILE = WEB / "site" / "rules.js"
@@ -23,6 +23,7 @@ TABLES = {
         **{name: getattr(grid, name) for name in DOTS},
         "FAINT": grid.FAINT,
         "SMALLEST": dots.SMALLEST,
+        "SWEEPS": dots.SWEEPS,
     },
     "PICTURE": {
         "MOST_JPEG": images.MAX_PIXELS,
@@ -43,14 +44,6 @@ TABLES = {
         "NEIGHBOURS": explore.NEIGHBOURS,
         "KNOWN": calibration.NEIGHBOURS,
         "UNLIKE": calibration.UNLIKE,
-    },
-    "TEACHING": {
-        "MOST_LESSONS": pair_input.MOST_LESSONS,
-        "LONGEST_LABEL": pair_input.LONGEST_LABEL,
-        "PENALTY": ridge.PENALTY,
-        "SHARPNESS": ridge.SHARPNESS,
-        "FOLDS": teach.FOLDS,
-        "FEWEST": teach.FEWEST,
     },
     "PROFILE": {
         "FORMAT": profile.FORMAT,

@@ -51,7 +51,7 @@ WANTED = 0.005
 MBIT, DELAY_S = 20, 0.02  # of the slow line
 WAITS = (
     ("", "first_chapter_s", ".explore.ready"),
-    ("?tab=pair", "first_prediction_s", ".pair .reading .said"),
+    ("?view=pair", "first_prediction_s", ".pair .reading .said"),
 )
 TOLD = """globalThis.told = 0; setInterval(() => {
   const text = document.querySelector('.on-its-way:not([hidden])')?.textContent ?? '';

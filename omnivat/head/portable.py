@@ -16,6 +16,8 @@ from omnivat.encoders.onnx_runtime import translate
 from omnivat.head.checkpoint import Head
 from omnivat.head.dtg import grow
 from omnivat.head.output import READINGS
+from omnivat.head.ridge import PENALTY, SHARPNESS
+from omnivat.head.teach import FOLDS
 from omnivat.head.transform import transform
 from omnivat.kit.files import replacing
 from omnivat.kit.stages import IMAGES, STAGES
@@ -131,3 +133,78 @@ def write_stages(file: Path, head: Head) -> None:
     )
     given = rows, rows.clone(), torch.rand(3, dtype=torch.float64)
     _write(file, head, PortableStages, given, (*IMAGES, "orders"), names, ({0: many},) * 3)
+
+
+TAUGHT = ("map", "bias", "factor", "share", "after")
+
+
+class PortableLessons(nn.Module):
+    """What lessons teach a head, each an object of its own: `omnivat.head.ridge` and the folds of
+    `omnivat.head.teach` as a graph. The inverse is found by Newton's iteration.
+
+    rows    (L, V) float64;  labels  (L,) int64;  before  (L, K) float64: the head's prediction
+    return  TAUGHT: W (K, V), b (K,) and t of the taught head, all times their sharpness; t; the
+            class (L,) of each lesson by what the other folds teach
+    """
+
+    def forward(self, rows: Tensor, labels: Tensor, before: Tensor) -> tuple[Tensor, ...]:
+        alike = labels[:, None] == labels
+        counts, places = alike.sum(1), alike.int().tril(-1).sum(1)
+        fold = places * counts.max().clamp(max=FOLDS) // counts
+        parts = torch.arange(FOLDS)[:, None] != fold
+        teach = torch.cat((torch.ones_like(parts[:1]), parts)).double()  # (1 + FOLDS, L)
+        products = rows @ rows.T + 1
+        rest = torch.diag_embed(1 + (PENALTY - 1) * teach)  # a lesson that does not teach has 1
+        inverse = inverted(products * teach[:, :, None] * teach[:, None] + rest)
+        targets = (labels[:, None] == torch.arange(before.shape[1])).double()
+        solved = inverse @ (torch.stack((targets, before))[:, None] * teach[..., None])
+        errors = solved / inverse.diagonal(dim1=-2, dim2=-1)[..., None]
+        size = errors[1].square().sum((1, 2))
+        one = size / teach.sum(1)
+        share = (((errors[0] * errors[1]).sum((1, 2)) + one) / (size + one)).clamp(0, 1)
+        weights = solved[0] - share[:, None, None] * solved[1]  # (1 + FOLDS, L, K)
+        scores = share[:, None, None] * before + products @ weights
+        after = scores.argmax(-1)[1:].gather(0, fold[None])[0]
+        apart = targets - errors[0, 0] + share[0] * errors[1, 0]
+        factor = sharpness_of(apart, targets)
+        taught = factor * weights[0]
+        return taught.T @ rows, taught.sum(0), factor * share[0], share[0], after
+
+
+def inverted(matrices: Tensor) -> Tensor:
+    """Return the inverses of positive definite matrices (B, L, L)."""
+    unit = torch.eye(matrices.shape[-1], dtype=matrices.dtype)
+    inverse = unit / matrices.abs().sum(-1).amax(-1)[:, None, None]
+    for _ in range(24):  # the error is squared each time: enough for conditions up to 1e5
+        inverse = 2 * inverse - inverse @ matrices @ inverse
+    return inverse
+
+
+def sharpness_of(scores: Tensor, targets: Tensor) -> Tensor:
+    """Return `omnivat.head.ridge.sharpness` of scores (L, K), labels one-hot."""
+    (low, high), own = SHARPNESS, (targets * scores).sum(1)
+    for _ in range(10):  # the slope of the loss rises with the factor
+        factors = low + (high - low) * torch.arange(17).double() / 16
+        mean = ((factors[:, None, None] * scores).softmax(-1) * scores).sum(-1)  # (17, L)
+        slopes = (mean - own).sum(1) + (mean - scores.mean(1)).mean(1)
+        above = (slopes < 0).sum().clamp(1, 16)
+        low, high = factors[above - 1], factors[above]
+    return torch.as_tensor(high)
+
+
+def write_lessons(file: Path) -> None:
+    """Write teaching as one ONNX file: inputs rows, labels and before, outputs TAUGHT.
+
+    Raises MissingPackageError if a package of ONNX is not installed.
+    """
+    lessons, classes, width = (torch.export.Dim(name) for name in ("lessons", "classes", "width"))
+    example = torch.rand(6, 8).double(), torch.arange(6) % 3, torch.rand(6, 4).double()
+    with replacing(file) as whole:
+        translate(
+            PortableLessons(),
+            example,
+            whole,
+            input_names=("rows", "labels", "before"),
+            output_names=TAUGHT,
+            dynamic_shapes=({0: lessons, 1: width}, {0: lessons}, {0: lessons, 1: classes}),
+        )

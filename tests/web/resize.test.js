@@ -1,10 +1,9 @@
-/** Reducing pictures and reading strips, against Pillow. */
+/** Reducing pictures, against Pillow. */
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { test } from "node:test";
 import { reduced } from "../../app/web/site/decode.js";
-import { signalOf } from "../../app/web/site/models.js";
 
 const SCRIPT = `
 import sys, json
@@ -12,12 +11,8 @@ from PIL import Image
 job = json.load(sys.stdin)
 image = Image.new("RGB", (job["width"], job["height"]))
 image.putdata([tuple(p) for p in job["rows"]])
-if job["what"] == "strip":
-    from omnivat.data.strips import strip_signal
-    print(json.dumps(strip_signal(image).tolist()))
-else:
-    image = image.reduce(job["to"])
-    print(json.dumps([image.size, list(image.tobytes())]))
+image = image.reduce(job["to"])
+print(json.dumps([image.size, list(image.tobytes())]))
 `;
 
 function picture(width, height) {
@@ -30,10 +25,10 @@ function picture(width, height) {
   return { pixels, width, height };
 }
 
-function pillow(one, what, to) {
+function pillow(one, to) {
   const rows = [];
   for (let i = 0; i < one.pixels.length; i += 3) rows.push([...one.pixels.subarray(i, i + 3)]);
-  const input = JSON.stringify({ width: one.width, height: one.height, rows, what, to });
+  const input = JSON.stringify({ width: one.width, height: one.height, rows, to });
   return JSON.parse(execFileSync("python3", ["-c", SCRIPT], { input, encoding: "utf-8", maxBuffer: 1e9 }));
 }
 
@@ -41,22 +36,7 @@ for (const by of [1, 2, 3, 7])
   test(`a picture of 101 × 67 divided by ${by} has every byte of Pillow's`, () => {
     const one = picture(101, 67);
     const found = reduced(one, by);
-    const [size, bytes] = pillow(one, "reduce", by);
+    const [size, bytes] = pillow(one, by);
     assert.deepEqual([found.width, found.height], size);
     assert.deepEqual([...found.pixels], bytes);
-  });
-
-for (const [width, height] of [
-  [256, 256],
-  [301, 257],
-  [64, 1],
-  [40, 30],
-  [1000, 9],
-])
-  test(`the signal of a picture of ${width} × ${height} is that of Python`, () => {
-    const one = picture(width, height);
-    const found = signalOf(one);
-    const wanted = pillow(one, "strip");
-    assert.equal(found.length, wanted.length);
-    found.forEach((value, at) => assert.ok(Math.abs(value - wanted[at]) < 1e-5, `${at}: ${value}, ${wanted[at]}`));
   });

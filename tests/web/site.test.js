@@ -1,11 +1,9 @@
 /** What a page without a server reads, and where it cannot run. */
 
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { factors, whole } from "../../app/web/site/decode.js";
 import { inTurn, runtime } from "../../app/web/site/runtime.js";
-import { afterOf, lessonsIn, ridge, sharpness, solved } from "../../app/web/site/teaching.js";
 import { tensors, written } from "../../app/web/site/tensors.js";
 
 globalThis.self ??= /** @type {any} */ ({});
@@ -66,30 +64,4 @@ test("a large picture is made smaller in the steps of the server", () => {
   assert.deepEqual(factors(false, 2000, 3000), [1, 1]);
   assert.deepEqual(factors(false, 3000, 4000), [2, 1]);
   assert.deepEqual(factors(true, 5472, 3648), [2, 1]);
-});
-
-test("teaching solves what the library solves: one table of cases holds both", () => {
-  const table = JSON.parse(readFileSync(new URL("teaching.json", import.meta.url), "utf8"));
-  const near = (found, wanted) =>
-    wanted.flat().forEach((value, i) => assert.ok(Math.abs(value - found.flatMap((row) => [...row])[i]) < 1e-8));
-  const { labels, before } = table;
-  const rows = table.rows.map((row) => Float64Array.from(row));
-  const targets = labels.map((label) => before[0].map((_, k) => Number(k === label)));
-  const both = [targets, before].map((values) => ridge(rows, values));
-  near(
-    both.flatMap((one) => one.solved),
-    table.solved.flat(),
-  );
-  near(
-    both.flatMap((one) => one.errors),
-    table.errors.flat(),
-  );
-  const { share, apart } = solved({ rows, targets, before });
-  near([[share, sharpness(apart, labels)]], [[table.share, table.sharpness]]);
-  assert.deepEqual(afterOf({ rows, targets, before }, labels), table.after);
-});
-
-test("lessons without a label are refused", () => {
-  assert.deepEqual(lessonsIn({}), []);
-  assert.throws(() => lessonsIn({ lessons: [{ vis: "image:a", label: " " }] }), /1 to 40 letters/);
 });

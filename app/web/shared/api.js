@@ -2,15 +2,9 @@
 
 import { base, fileOf, held, own, respond } from "./held.js";
 import { awaited } from "./ready.js";
+import { Refusal } from "./refusal.js";
 
-/** An error for the visitor; any other error is a bug and stays one. */
-export class Refusal extends Error {
-  /** @param {string} sentence */
-  constructor(sentence, status = 0) {
-    super(sentence);
-    this.status = status;
-  }
-}
+export { Refusal };
 
 /** Where a sentence goes: to a function, or into an element. @typedef {((sentence: string) => unknown) | Found} Say */
 

@@ -1,7 +1,7 @@
 /** A visitor's file to upright pixels RGB, by the browser's decoders, within the limits of the server. */
 
 import { drawingOn } from "../shared/canvas.js";
-import { Refused } from "./refusal.js";
+import { Refusal } from "../shared/refusal.js";
 import { PICTURE } from "./rules.js";
 
 const { MOST_JPEG, MOST, SHORT_SIDE, REDUCED, LEAST_SIDE, STRIP } = PICTURE;
@@ -47,9 +47,9 @@ export function whole(bytes) {
 }
 
 /** The mean of `by` × `by` pixels each, as Pillow's Image.reduce has it; the last ones may be of fewer.
- * @param {Raster} picture @param {number} by @returns {Raster} */
-export function reduced({ pixels, width, height }, by) {
-  if (by === 1) return { pixels, width, height };
+ * @param {{ pixels: ArrayLike<number>, width: number, height: number }} picture @param {number} by
+ * @param {number} step from one pixel to the next @returns {Raster} */
+export function reduced({ pixels, width, height }, by, step = 3) {
   const [wide, high] = [Math.ceil(width / by), Math.ceil(height / by)];
   const out = new Uint8Array(3 * wide * high);
   for (let to = 0; to < out.length; to++) {
@@ -59,7 +59,8 @@ export function reduced({ pixels, width, height }, by) {
     const count = (right - left) * (bottom - top);
     const share = Math.trunc(Math.fround(2 ** 32 / (256 * count)));
     let sum = Math.trunc(count / 2);
-    for (let y = top; y < bottom; y++) for (let x = left; x < right; x++) sum += pixels[3 * (y * width + x) + (to % 3)];
+    for (let y = top; y < bottom; y++)
+      for (let x = left; x < right; x++) sum += pixels[step * (y * width + x) + (to % 3)];
     out[to] = Math.floor((sum * share) / 2 ** 24);
   }
   return { pixels: out, width: wide, height: high };
@@ -68,39 +69,36 @@ export function reduced({ pixels, width, height }, by) {
 /** The pixels of a bitmap over white, strip by strip, their sides divided by `by`.
  * @param {ImageBitmap} bitmap @param {number} by @returns {Raster} */
 function pixelsOf(bitmap, by) {
-  const { width, height } = bitmap;
-  const step = by * Math.max(1, Math.floor(STRIP / (width * by)));
-  const brush = drawingOn(new OffscreenCanvas(width, Math.min(step, height)), { willReadFrequently: true });
+  const [width, height] = [Math.ceil(bitmap.width / by), Math.ceil(bitmap.height / by)];
+  const pixels = new Uint8Array(3 * width * height);
+  const rows = Math.max(1, Math.floor(STRIP / (bitmap.width * by))); // of the result, in a strip
+  const brush = drawingOn(new OffscreenCanvas(bitmap.width, rows * by), { willReadFrequently: true });
   brush.fillStyle = "white";
-  const [wide, tall] = [Math.ceil(width / by), Math.ceil(height / by)];
-  const out = new Uint8Array(3 * wide * tall);
-  for (let top = 0; top < height; top += step) {
-    const high = Math.min(step, height - top);
-    brush.fillRect(0, 0, width, high);
-    brush.drawImage(bitmap, 0, -top);
-    const { data } = brush.getImageData(0, 0, width, high);
-    const pixels = new Uint8Array(3 * width * high);
-    for (let at = 0; at < pixels.length; at++) pixels[at] = data[at + Math.floor(at / 3)];
-    out.set(reduced({ pixels, width, height: high }, by).pixels, (3 * wide * top) / by);
+  for (let row = 0; row < height; row += rows) {
+    const high = Math.min(rows * by, bitmap.height - row * by);
+    brush.fillRect(0, 0, bitmap.width, high);
+    brush.drawImage(bitmap, 0, -row * by);
+    const strip = brush.getImageData(0, 0, bitmap.width, high);
+    pixels.set(reduced({ pixels: strip.data, width: bitmap.width, height: high }, by, 4).pixels, 3 * width * row);
   }
-  return { pixels: out, width: wide, height: tall };
+  return { pixels, width, height };
 }
 
-/** The pixels of a file's bytes, and `full`, its size before; a Refused otherwise.
+/** The pixels of a file's bytes, and `full`, its size before; a Refusal otherwise.
  * @param {Uint8Array} bytes @returns {Promise<Raster & { full: [width: number, height: number] }>} */
 export async function decoded(bytes, name = "the image") {
   if (text(bytes, 8, 8) === "WEBPVP8X" && bytes[20] & 8)
-    throw new Refused(`'${name}' is a WebP with EXIF, which browsers turn differently; save it as PNG or JPEG.`);
+    throw new Refusal(`'${name}' is a WebP with EXIF, which browsers turn differently; save it as PNG or JPEG.`);
   const options = /** @type {ImageBitmapOptions} */ ({ colorSpaceConversion: "none", imageOrientation: "from-image" });
   const file = new Blob([/** @type {any} */ (bytes)]);
   const bitmap = whole(bytes) && (await createImageBitmap(file, options).catch(() => null));
-  if (!bitmap) throw new Refused(`'${name}' ${UNREAD}`);
+  if (!bitmap) throw new Refusal(`'${name}' ${UNREAD}`);
   const { width, height } = bitmap;
   const most = isJpeg(bytes) ? MOST_JPEG : MOST;
   if (width * height > most)
-    throw new Refused(`'${name}' has more than ${most / 1e6} megapixels; scale it down and try again.`);
+    throw new Refusal(`'${name}' has more than ${most / 1e6} megapixels; scale it down and try again.`);
   if (Math.min(width, height) < LEAST_SIDE)
-    throw new Refused(
+    throw new Refusal(
       `'${name}' is ${width} × ${height} pixels; a side needs ${LEAST_SIDE} or more for a surface to be seen.`,
     );
   const [first, second] = factors(isJpeg(bytes), width, height);

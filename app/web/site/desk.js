@@ -1,12 +1,12 @@
 /** What a visitor has given to one set, and what a question names; see app/pair_input.py. Runs in the worker. */
 
 import { IMAGES, imagesOf } from "../shared/images.js";
+import { Refusal } from "../shared/refusal.js";
 import { Models } from "./models.js";
 import { moved, profileFrom } from "./profiles.js";
-import { Refused } from "./refusal.js";
 import { PAIR } from "./rules.js";
-import { lessonsIn, teach, withLessons } from "./teaching.js";
-import { dot, mean, rounded, roundedRow, rowOf, unit } from "./tensors.js";
+import { teach, withLessons } from "./teaching.js";
+import { mean, nearest, rounded, roundedRow, rowOf, unit } from "./tensors.js";
 
 const READINGS = ["fused", "vis", "tac", "vis_branch", "tac_branch"];
 
@@ -22,104 +22,91 @@ export function nameOf(bytes) {
   return [a, b, length].map((part) => (part >>> 0).toString(16).padStart(8, "0")).join("");
 }
 
-/** The value kept under a name; the page sends again what is lost.
- * @template T @param {Map<string, T>} kept @param {string} name @param {string} sentence */
-function keptIn(kept, name, sentence) {
-  const value = kept.get(name);
-  if (!value) throw new Refused(`The page no longer has ${sentence}`, 410);
-  return value;
-}
-
 /** The models of a set, and what this visitor gave: nothing leaves the browser. */
 export class Desk extends Models {
-  /** @type {Map<string, Rows>} */ sent = new Map(); // reference -> its embeddings
-  /** @type {Map<string, SensorProfile>} */ profiles = new Map();
-  /** @type {Map<string, SiteHead>} */ taught = new Map();
-  /** @type {Map<string, { all: Floats[], done: number }>} */ features = new Map(); // of the set, by stage and order
+  /** Embeddings of pictures, profiles and taught heads, by the names that the page has. @type {Map<string, any>} */
+  given = new Map();
+  /** Stages of the whole set, as far as they are computed. @type {Map<string, Record<Modality, Floats[]>>} */
+  features = new Map();
+
+  /** What the page names; it sends again what is lost. @param {string} name @param {string} what */
+  keptAs(name, what) {
+    const value = this.given.get(name);
+    if (!value) throw new Refusal(`The page no longer has ${what}`, 410);
+    return value;
+  }
 
   /** What a question names. @param {any} question @param {Rows} rows of pictures that came with it
    * @returns {Promise<Asked>} */
   async asked(question, rows = {}) {
-    const before = await this.pairOf(question, rows);
-    const pair = await this.moved(question, before, rows);
-    const { order } = question;
-    const p = order === null || order === undefined || order === "" ? null : Number(order);
-    return { before, pair, order: p, head: await this.reader(question) };
+    const order = question.order ?? "";
+    const head = await this.reader(question);
+    return { ...(await this.pairOf(question, rows)), order: order === "" ? null : Number(order), head };
   }
 
-  /** Both embeddings of a question's pair, before any profile. @param {any} question @param {Rows} rows
-   * @returns {Promise<Rows>} */
+  /** The embeddings of a question's pair: `before` as they come, `pair` with own pictures moved by its profile.
+   * @param {any} question @param {Rows} rows */
   async pairOf(question, rows = {}) {
-    const each = IMAGES.map(
-      async (name) => rows[name] ?? (question[name] ? this.embedding(question[name], name) : null),
-    );
-    const [vis, tac] = await Promise.all(each);
-    return { vis, tac };
+    const profile = this.profileIn(question);
+    const source = profile && (await this.sourceProfile(question.head));
+    const [before, pair] = [/** @type {Rows} */ ({}), /** @type {Rows} */ ({})];
+    for (const name of IMAGES) {
+      const ref = question[name];
+      const row = rows[name] ?? (ref ? await this.embedding(ref, name) : null);
+      const [target, from] = [profile?.channels[name], source?.channels[name]];
+      const own = row && (rows[name] || ref.startsWith("image:"));
+      before[name] = row;
+      pair[name] = own && target && from ? moved(row, target, from, source?.step) : row;
+    }
+    return { before, pair };
   }
 
   /** The embedding of one reference. @param {Ref} ref @param {Modality} modality @returns {Promise<Floats>} */
   async embedding(ref, modality) {
     const [, kind, name] = /^(\w+):(.*)$/.exec(ref) ?? [];
-    if (kind === "row") return this.row(Number(name), modality);
-    if (kind === "example") return this.row((await this.about()).rows[name], modality);
-    return /** @type {Floats} */ (keptIn(this.sent, ref, "this image; send it again.")[modality]);
+    if (kind === "image") return this.keptAs(ref, "this image; send it again.")[modality];
+    return this.row(kind === "row" ? Number(name) : (await this.about()).rows[name], modality);
   }
 
-  /** A pair whose own pictures a question's profile moves. @param {any} question @param {Rows} pair @param {Rows} rows
-   * @returns {Promise<Rows>} */
-  async moved(question, pair, rows) {
-    const profile = this.profileIn(question);
-    if (!profile) return pair;
-    const { channels, step } = await this.sourceProfile(question.head);
-    const each = IMAGES.map((name) => {
-      const [row, target, source] = [pair[name], profile.channels[name], channels[name]];
-      const own = rows[name] || question[name]?.startsWith("image:");
-      return [name, row && own && target && source ? moved(row, target, source, step) : row];
-    });
-    return Object.fromEntries(each);
-  }
-
-  /** @param {{ profile?: string }} question */
+  /** @param {{ profile?: string }} question @returns {SensorProfile | null} */
   profileIn({ profile }) {
-    return profile ? keptIn(this.profiles, profile, "the profile of your sensor; load it again.") : null;
+    return profile ? this.keptAs(profile, "the profile of your sensor; load it again.") : null;
   }
 
   async sourceProfile(head = "") {
     const file = await this.part(head, "profile");
     if (!file)
-      throw new Refused("This head has no profile of its source, so no sensor's profile can be matched to it.");
+      throw new Refusal("This head has no profile of its source, so no sensor's profile can be matched to it.");
     return profileFrom(file);
   }
 
-  /** The head of a question, taught by its lessons. @param {any} question */
+  /** The head of a question, taught by its lessons. @param {any} question @returns {Promise<SiteHead>} */
   async reader(question) {
-    if (question.taught) return keptIn(this.taught, question.taught, "the taught head; press Teach again.");
-    if (!lessonsIn(question).length) return this.head(question.head);
-    const name = taughtName(question);
-    return this.taught.get(name) ?? (await this.learned(question)).made;
+    if (question.taught) return this.keptAs(question.taught, "the taught head; press Teach again.");
+    return question.lessons?.length ? (await this.learned(question)).made : this.head(question.head);
   }
 
-  /** What the lessons of a question teach its head, and what is said of each; the taught head is kept.
+  /** What the lessons of a question teach its head, what is said of each, and the name of the taught head.
    * @param {any} question */
   async learned(question) {
-    const head = await this.head(question.head);
-    const lessons = [];
-    for (const { label, ...pair } of lessonsIn(question)) {
-      const before = await this.pairOf(pair);
-      const after = await this.moved({ ...question, vis: pair.vis, tac: pair.tac }, before, {});
-      lessons.push({ label, before, pair: after });
-    }
-    const run = (/** @type {Rows} */ pair) => this.run(head, pair, [learnedOrders(head)]);
-    const { made, report } = await teach({ head, lessons, run });
-    /** @type {KnownImages} */
-    const known = {};
-    for (const name of IMAGES) {
-      const rows = lessons.flatMap(({ before }) => (before[name] ? [unit(before[name])] : []));
-      if (rows.length > 1) known[name] = { rows, quantiles: nearestOf(rows) };
-    }
-    const taught = { ...made, ...(imagesOf(known).length && { known }) };
-    this.taught.set(taughtName(question), taught);
-    return { made: taught, report };
+    const { head = "", profile = "", lessons } = question;
+    const name = nameOf(new TextEncoder().encode(JSON.stringify([head, profile, lessons])));
+    return this.once(name, async () => {
+      const pairs = [];
+      for (const { label, vis, tac } of lessons)
+        pairs.push({ label, ...(await this.pairOf({ ...question, vis, tac })) });
+      const { made, report } = await teach(this, await this.head(head), pairs);
+      /** @type {KnownImages} */
+      const known = {};
+      for (const image of IMAGES) {
+        const rows = pairs.flatMap(({ before }) => (before[image] ? [unit(before[image])] : []));
+        const among = rows.map((row, i) => mean(nearestCosines(rows, row, i)));
+        if (rows.length > 1) known[image] = { rows, quantiles: among.sort((a, b) => a - b) };
+      }
+      const taught = { ...made, ...(imagesOf(known).length && { known }) };
+      this.given.set(name, taught);
+      return { made: taught, report, name };
+    });
   }
 
   /** What the images of a head are compared with. @param {SiteHead} head @returns {Promise<KnownImages>} */
@@ -141,23 +128,21 @@ export class Desk extends Models {
     const known = await this.known(head);
     /** @type {Partial<Record<Modality, Familiarity>>} */
     const looks = {};
-    for (const name of IMAGES) {
-      const [row, others] = [before[name], known[name]];
-      if (!row || !others) continue;
-      const query = unit(row);
-      const near = nearestCosines(others.rows.map((other) => dot(query, other)));
-      const quantile = quantileOf(mean([...near]), others.quantiles);
+    for (const name of imagesOf(known)) {
+      const [row, others] = [before[name], /** @type {KnownImages[Modality] & {}} */ (known[name])];
+      if (!row) continue;
+      const near = nearestCosines(others.rows, unit(row));
+      const quantile = quantileOf(mean(near), others.quantiles);
       const guess = quantile < PAIR.UNLIKE;
       const words = guess ? "unlike the training images" : "familiar";
-      looks[name] = { cosine: rounded(near[near.length - 1], 4), quantile: rounded(quantile, 3), words, guess };
+      looks[name] = { cosine: rounded(near[0], 4), quantile: rounded(quantile, 3), words, guess };
     }
     return looks;
   }
 
   /** The readings of a pair at its p. @param {Asked} asked */
   async readings({ head, pair, order }) {
-    const out = await this.run(head, pair, [order === null ? learnedOrders(head) : [order, order]]);
-    return readingsOf(head, out, 0, pair);
+    return readingsOf(head, await this.run(head, pair, order === null ? undefined : [[order, order]]), 0, pair);
   }
 
   /** Readings, and the familiarity of each image. @param {Asked} asked */
@@ -170,25 +155,17 @@ export class Desk extends Models {
     const parts = Object.entries(profile.channels);
     const values = parts.flatMap(([, { mean, variance }]) => [...mean, ...variance]);
     const name = nameOf(new Uint8Array(Float32Array.from(values).buffer));
-    this.profiles.set(name, profile);
+    this.given.set(name, profile);
     return { profile: name, counts: Object.fromEntries(parts.map(([image, { count }]) => [image, count])) };
   }
 }
 
-/** @param {any} question */
-export const taughtName = ({ head = "", profile = "", lessons }) =>
-  nameOf(new TextEncoder().encode(JSON.stringify([head, profile, lessons])));
-
-/** @param {SiteHead} head @returns {[number, number]} */
-const learnedOrders = ({ orders }) => [orders.vis, orders.tac];
-
 /** The readings of a head's outputs at one stop; one image alone has its own reading as both.
  * @param {SiteHead} head @param {Tensors} out @param {number} stop @param {Rows} pair @returns {Record<string, number[]>} */
 export function readingsOf(head, out, stop, pair) {
-  const there = imagesOf(pair);
-  const names = there.length > 1 ? READINGS : ["fused", ...there];
-  const row = (/** @type {string} */ name) => [...rowOf(out[`p_${there.length > 1 ? name : there[0]}`], stop)];
-  const before = Object.fromEntries(names.map((name) => [name, row(name)]));
+  const [alone, other] = imagesOf(pair);
+  const names = other ? READINGS : ["fused", alone];
+  const before = Object.fromEntries(names.map((name) => [name, [...rowOf(out[`p_${other ? name : alone}`], stop)]]));
   return head.map ? withLessons(head.map, before, out) : before;
 }
 
@@ -196,23 +173,19 @@ export function readingsOf(head, out, stop, pair) {
 export const roundedAll = (readings) =>
   Object.fromEntries(Object.entries(readings).map(([name, row]) => [name, roundedRow(row)]));
 
-/** The largest cosines, ascending: N / 10 of N, at least 1 and at most KNOWN. @param {number[]} cosines */
-function nearestCosines(cosines) {
-  const count = Math.min(PAIR.KNOWN, Math.max(1, Math.floor(cosines.length / 10)));
-  return Float64Array.from(cosines).sort().subarray(-count);
+/** The largest cosines with N rows: N / 10, at least 1 and at most KNOWN.
+ * @param {Floats[]} rows @param {Floats} query @param {number} [own] its row among them */
+function nearestCosines(rows, query, own) {
+  const count = Math.min(PAIR.KNOWN, Math.max(1, Math.floor(rows.length / 10)));
+  return nearest(rows, query, count, own).map(({ cosine }) => cosine);
 }
-
-/** Their mean for each row among the others, ascending. @param {Floats[]} rows */
-const nearestOf = (rows) =>
-  rows
-    .map((row, i) => mean([...nearestCosines(rows.map((other, j) => (i === j ? -1 : dot(row, other))))]))
-    .sort((a, b) => a - b);
 
 /** The place of a value among ascending quantiles, 0 to 1. @param {number} value @param {ArrayLike<number>} quantiles */
 function quantileOf(value, quantiles) {
   const last = quantiles.length - 1;
-  let upper = 1;
-  while (upper < last && quantiles[upper] <= value) upper += 1;
-  const [low, high] = [quantiles[upper - 1], quantiles[upper]];
-  return (upper - 1 + Math.min(1, Math.max(0, (value - low) / Math.max(1e-12, high - low)))) / last;
+  const below = Array.from(quantiles)
+    .slice(1, last)
+    .filter((quantile) => quantile <= value).length;
+  const [low, high] = [quantiles[below], quantiles[below + 1]];
+  return (below + Math.min(1, Math.max(0, (value - low) / Math.max(1e-12, high - low)))) / last;
 }

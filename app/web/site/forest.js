@@ -1,10 +1,10 @@
 /** Tree, places on the map and neighbours, from the stages of many pairs at one order. Runs in the worker. */
 
 import { IMAGES, imagesOf } from "../shared/images.js";
-import { Refused } from "./refusal.js";
+import { Refusal } from "../shared/refusal.js";
 import { PAIR } from "./rules.js";
 import { quiet } from "./runtime.js";
-import { dot, mean, norm, rounded, roundedRow, rowOf, unit } from "./tensors.js";
+import { dot, mean, nearest, norm, rounded, roundedRow, rowOf, unit } from "./tensors.js";
 
 /** @typedef {import("./desk.js").Desk} Desk */
 const STEP = 32; // pairs of one run of the head: 30 ms, for which a question of the visitor may wait
@@ -15,15 +15,11 @@ const KEPT = 2; // stages of the whole set
  * @param {Desk} desk @param {Asked} asked @param {string[]} stages */
 async function single(desk, { head, pair, order }, stages = []) {
   const there = imagesOf(pair);
-  const alone = there.length === 1 ? `${there[0]}_` : "";
-  const names = head.parents.length ? [`${alone}nodes`, `${alone}shares`] : [];
   const any = /** @type {Floats} */ (pair[there[0]]);
-  const rows = { vis: [pair.vis ?? any], tac: [pair.tac ?? any] };
-  const out = await desk.stages(head, rows, order ?? head.learned, [...names, ...stages]);
-  const [nodes, shares] = names.map((name) => {
-    const [, count, width] = out[name].shape;
-    return head.parents.map((_, n) => rowOf({ shape: [count, width], values: out[name].values }, n));
-  });
+  const names = ["nodes", "shares"].map((name) => (there.length > 1 ? name : `${there[0]}_${name}`));
+  const wanted = head.parents.length ? [...names, ...stages] : stages;
+  const out = await desk.stages(head, { vis: [pair.vis ?? any], tac: [pair.tac ?? any] }, order, wanted);
+  const [nodes, shares] = names.map((name) => head.parents.map((_, n) => rowOf(out[name], n)));
   return { there, out, nodes, shares };
 }
 
@@ -37,35 +33,30 @@ function level(units, [start, stop]) {
 }
 
 /** Unit rows (2N, W) of the whole set at a stage, VIS first. What a withdrawn question has begun, the next one ends.
- * @param {Desk} desk @param {SiteHead} head @param {string} stage @param {number} order @param {() => boolean} stopped */
+ * @param {Desk} desk @param {SiteHead} head @param {string} stage @param {number | null} order
+ * @param {() => boolean} stopped @returns {Promise<Floats[]>} */
 async function featuresOf(desk, head, stage, order, stopped) {
-  const key = stage === "raw" ? stage : `${stage} ${order.toFixed(6)}`;
+  const key = stage === "raw" ? stage : `${stage} ${order}`;
   const { pairs } = await desk.about();
-  const walk = desk.features.get(key) ?? { all: new Array(2 * pairs), done: 0 };
-  if (!desk.features.has(key) && desk.features.size >= KEPT) desk.features.delete([...desk.features.keys()][0]);
+  /** @type {Record<Modality, Floats[]>} */
+  const walk = desk.features.get(key) ?? { vis: [], tac: [] };
+  desk.features.delete(key);
+  for (const old of [...desk.features.keys()].slice(KEPT - 1)) desk.features.delete(old);
   desk.features.set(key, walk);
-  while (walk.done < pairs) {
-    if (stopped()) throw new Refused("Another question came first.", 499);
-    const start = walk.done;
+  while (walk.vis.length < pairs) {
+    if (stopped()) throw new Refusal("Another question came first.", 499);
+    const start = walk.vis.length;
     const some = Array.from({ length: Math.min(STEP, pairs - start) }, (_, i) => start + i);
     const [vis, tac] = await Promise.all(IMAGES.map((name) => Promise.all(some.map((pair) => desk.row(pair, name)))));
     const wanted = IMAGES.map((name) => `${stage}_${name}`);
     const out = stage === "raw" ? null : await desk.stages(head, { vis, tac }, order, wanted);
-    for (const [i, pair] of some.entries()) {
-      walk.all[pair] = Float32Array.from(unit(out ? rowOf(out[wanted[0]], i) : vis[i]));
-      walk.all[pairs + pair] = Float32Array.from(unit(out ? rowOf(out[wanted[1]], i) : tac[i]));
+    for (const [k, rows] of [vis, tac].entries()) {
+      const units = rows.map((row, i) => unit(out ? rowOf(out[wanted[k]], i) : row));
+      walk[IMAGES[k]].splice(start, STEP, ...units); // two questions may walk at once
     }
-    walk.done = Math.max(walk.done, start + some.length);
     await quiet();
   }
-  return walk.all;
-}
-
-/** The points nearest to a row. @param {Floats[]} all @param {Floats} query @param {number} count */
-function nearest(all, query, count, own = -1) {
-  const cosines = all.map((row, i) => (i === own ? -2 : dot(query, row)));
-  const points = [...cosines.keys()].sort((a, b) => cosines[b] - cosines[a]).slice(0, count);
-  return points.map((point) => ({ point, cosine: cosines[point] }));
+  return [...walk.vis, ...walk.tac];
 }
 
 /** @type {Record<string, Route>} */
@@ -74,17 +65,12 @@ export const FOREST = {
   async tree(desk, question) {
     const asked = await desk.asked(question);
     const { head, order } = asked;
-    if (!head.parents.length) throw new Refused("This head generates no nodes: it was trained without DTG.");
+    if (!head.parents.length) throw new Refusal("This head generates no nodes: it was trained without DTG.");
     const { nodes, shares } = await single(desk, asked);
     const units = nodes.map(unit);
+    const { classes, learned, arrangement, in_use, source, parents } = head;
     return {
-      classes: head.classes,
-      order: order ?? head.learned,
-      learned: head.learned,
-      arrangement: head.arrangement,
-      in_use: head.in_use,
-      source: head.source,
-      parents: head.parents,
+      ...{ classes, order: order ?? learned, learned, arrangement, in_use, source, parents },
       nodes: nodes.map((row, n) => ({ norm: rounded(norm(row), 5), probabilities: roundedRow(shares[n]) })),
       layers: head.groups.map((group) => level(units, group)),
     };
@@ -94,19 +80,25 @@ export const FOREST = {
   async near(desk, question, { stopped }) {
     const asked = { ...(await desk.asked(question)), head: await desk.head() };
     const { head, order, pair } = asked;
-    const bars = imagesOf(pair).map((name) => `f_bar_${name}`);
-    const whole = bars.length > 1;
-    const { there, out, nodes = [] } = await single(desk, asked, whole ? IMAGES.map((name) => `f_hat_${name}`) : bars);
-    const grown = (/** @type {number} */ i) => (head.in_use && nodes.length ? mean(nodes.map((row) => row[i])) : 0);
-    const hat = (/** @type {Modality} */ name) =>
-      whole ? rowOf(out[`f_hat_${name}`], 0) : rowOf(out[`f_bar_${name}`], 0).map((value, i) => value + grown(i));
-    const all = await featuresOf(desk, head, "f_hat", order ?? head.learned, stopped);
-    return { points: Object.fromEntries(there.map((name) => [name, nearest(all, unit(hat(name)), AROUND)])) };
+    const stage = imagesOf(pair).length > 1 ? "f_hat" : "f_bar"; // to one image alone, its nodes are added here
+    const { there, out, nodes } = await single(
+      desk,
+      asked,
+      imagesOf(pair).map((name) => `${stage}_${name}`),
+    );
+    const grown = stage === "f_bar" && head.in_use && nodes.length > 0;
+    const all = await featuresOf(desk, head, "f_hat", order, stopped);
+    const points = there.map((name) => {
+      const row = rowOf(out[`${stage}_${name}`], 0).map(
+        (value, i) => value + (grown ? mean(nodes.map((node) => node[i])) : 0),
+      );
+      return [name, nearest(all, unit(row), AROUND)];
+    });
+    return { points: Object.fromEntries(points) };
   },
 
   async neighbours(desk, { point, stage, order }, { stopped }) {
-    const head = await desk.head();
-    const all = await featuresOf(desk, head, stage, order ?? head.learned, stopped);
+    const all = await featuresOf(desk, await desk.head(), stage, order, stopped);
     const near = nearest(all, all[point], PAIR.NEIGHBOURS, point);
     return { neighbours: near.map((one) => ({ ...one, cosine: rounded(one.cosine, 4) })) };
   },

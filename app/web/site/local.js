@@ -13,14 +13,11 @@ const DEAD = "The models cannot be started in this browser; reload the page, or 
 
 /** @type {Worker | null} */
 let worker = null;
-let last = 0;
-/** @type {Map<number, (reply: { status: number, value: any }) => void>} */
-const waiting = new Map();
 /** @type {Map<string, string>} */
 const coming = new Map(); // what is on its way -> megabytes of it
 
-/** Show what is being fetched, until it is there. @param {Step} step */
-function loading({ text, done, total }) {
+/** Show what is being fetched, until it is there. @param {{ data: Step }} message */
+function loading({ data: { text, done, total } }) {
   const known = total >= done; // a compressed file is longer than its header says
   if (known && done === total) coming.delete(text);
   else coming.set(text, `${text}, ${(done / 1e6).toFixed(1)}${known ? ` of ${(total / 1e6).toFixed(1)}` : ""} MB`);
@@ -30,35 +27,24 @@ function loading({ text, done, total }) {
   note.textContent = `Once for this browser: ${[...coming.values()].join("; ")}`;
 }
 
-function started() {
-  const made = new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
-  made.onmessage = ({ data }) => {
-    if (data.loading) return loading(data.loading);
-    waiting.get(data.id)?.(data);
-    waiting.delete(data.id);
-  };
-  made.onerror = () => {
-    for (const reply of waiting.values()) reply({ status: 503, value: { error: DEAD } });
-    waiting.clear();
-    worker = null;
-  };
-  return made;
-}
-
 /** @param {Record<string, any>} message @param {AbortSignal | null} [signal]
  * @returns {Promise<{ status: number, value: any }>} */
 function sent(message, signal) {
   return new Promise((resolve, reject) => {
     signal?.throwIfAborted();
-    worker ??= started();
-    const id = ++last;
-    waiting.set(id, resolve);
+    worker ??= new Worker(new URL("./worker.js", import.meta.url), { type: "module" });
+    worker.onmessage = loading;
+    const { port1: port, port2 } = new MessageChannel();
+    port.onmessage = ({ data }) => resolve(data);
+    worker.addEventListener("error", () => {
+      resolve({ status: 503, value: { error: DEAD } });
+      worker = null;
+    });
     signal?.addEventListener("abort", () => {
-      if (!waiting.delete(id)) return;
-      worker?.postMessage({ id, withdrawn: true });
+      port.postMessage("withdrawn");
       reject(signal.reason);
     });
-    worker.postMessage({ id, ...message });
+    worker.postMessage(message, [port2]);
   });
 }
 
@@ -76,10 +62,9 @@ export async function prepare() {
  * the address of the models.
  * @param {{ set: string, path: string, query: URLSearchParams, body?: any, signal?: AbortSignal | null, models: string }} asked */
 export async function respond({ set, path, query, body, signal, models }) {
-  const base = addressOf(models);
   const content = body instanceof Blob ? await body.arrayBuffer() : (body ?? "{}");
   const ask = (/** @type {string} */ name, /** @type {any} */ question) =>
-    sent({ base, set, path: name, query: `${query}`, body: question }, signal);
+    sent({ base: addressOf(models), set, path: name, query: `${query}`, body: question }, signal);
   const { status, value } = path === "place" ? await placed(set, content, ask) : await ask(path, content);
   if (value instanceof Uint8Array) return new Response(/** @type {any} */ (value), { status });
   return Response.json(value, { status });

@@ -2,10 +2,10 @@
 
 import { drawingOn } from "../shared/canvas.js";
 import { IMAGES, OTHER } from "../shared/images.js";
+import { Refusal } from "../shared/refusal.js";
 import { decoded } from "./decode.js";
 import { nameOf } from "./desk.js";
 import { loaded } from "./profiles.js";
-import { Refused } from "./refusal.js";
 import { PICTURE } from "./rules.js";
 import { best, mean, rounded } from "./tensors.js";
 
@@ -38,23 +38,17 @@ export const PICTURES = {
   async image(desk, { name = "" }, { body }) {
     const ref = `image:${nameOf(body)}`;
     const picture = await decoded(body, name.slice(0, 120) || "the image");
-    if (!desk.sent.has(ref)) desk.sent.set(ref, await desk.asEither(picture));
+    if (!desk.given.has(ref)) desk.given.set(ref, await desk.asEither(picture));
     const [width, height] = picture.full;
     return { ref, width, height, preview: await preview(desk, picture) };
   },
 
-  /** Fetch the encoder, and run once what a first pair needs: later ones wait for no file and no compiler. */
-  async warm(desk, _, sent) {
+  /** Fetch the encoder, and run what a first pair needs: later ones wait for no file and no compiler. */
+  async warm(desk) {
     await desk.runtime(); // with the head, before the encoder
-    const canvas = new OffscreenCanvas(320, 240);
-    drawingOn(canvas).fillRect(0, 0, 160, 120);
-    const blob = await canvas.convertToBlob({ type: "image/jpeg" });
-    const body = new Uint8Array(await blob.arrayBuffer());
-    for (let time = 0; time < WARM; time++) {
-      const { ref } = /** @type {{ ref: Ref }} */ (await PICTURES.image(desk, {}, { ...sent, body }));
-      await desk.predicted(await desk.asked({ vis: ref, tac: ref }));
-      desk.sent.delete(ref);
-    }
+    await desk.encoder();
+    const blank = { pixels: new Uint8Array(3 * 320 * 240), width: 320, height: 240 };
+    for (let time = 0; time < WARM; time++) await desk.predicted(await desk.asked({}, await desk.asEither(blank)));
     return {};
   },
 
@@ -85,27 +79,30 @@ export const PICTURES = {
     const { pixels, width, height } = picture;
     const { pixels: grey } = await desk.resized(picture, 1, 1);
     const predicted = async (/** @type {Raster} */ shown) => {
-      if (stopped()) throw new Refused("The request was withdrawn.", 499);
+      if (stopped()) throw new Refusal("The request was withdrawn.", 499);
       const row = await desk.encoded(await desk.seen(shown, modality));
       const asked = await desk.asked(beside(question), { [modality]: row });
       return { classes: asked.head.classes, fused: (await desk.readings(asked)).fused };
     };
     const { classes, fused } = await predicted(picture);
     const top = best(fused);
-    const falls = [];
+    /** @type {number[][][]} */
+    const cells = Array.from({ length: CELLS }, () => Array.from({ length: CELLS }, () => []));
     const edge = (/** @type {number} */ cell, /** @type {number} */ side) => Math.floor((cell * side) / CELLS);
     for (let at = 0; at < STEPS * STEPS; at++) {
       const [row, column] = [Math.floor(at / STEPS), at % STEPS];
       const copy = pixels.slice();
       for (let y = edge(row, height); y < edge(row + PATCH, height); y++)
         for (let x = edge(column, width); x < edge(column + PATCH, width); x++) copy.set(grey, 3 * (y * width + x));
-      falls.push(fused[top] - (await predicted({ pixels: copy, width, height })).fused[top]);
+      const fall = fused[top] - (await predicted({ pixels: copy, width, height })).fused[top];
+      for (const covered of cells.slice(row, row + PATCH))
+        for (const falls of covered.slice(column, column + PATCH)) falls.push(fall);
     }
     return {
       class: classes[top],
       probability: rounded(fused[top]),
       cells: CELLS,
-      drops: overCells(falls),
+      drops: cells.map((row) => row.map((falls) => rounded(mean(falls)))),
       seconds: rounded((performance.now() - began) / 1000, 2),
     };
   },
@@ -116,15 +113,3 @@ export const PICTURES = {
     return desk.keepProfile(profile);
   },
 };
-
-/** The mean decrease for each cell, over the parts that cover it. @param {number[]} falls */
-function overCells(falls) {
-  const cells = Array.from({ length: CELLS }, (_, i) => i);
-  const covers = (/** @type {number} */ part, /** @type {number} */ cell) => part <= cell && cell < part + PATCH;
-  return cells.map((row) =>
-    cells.map((column) => {
-      const over = falls.filter((_, at) => covers(Math.floor(at / STEPS), row) && covers(at % STEPS, column));
-      return rounded(mean(over));
-    }),
-  );
-}

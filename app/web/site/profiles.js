@@ -1,28 +1,24 @@
 /** Profiles: mean and variance of each embedding channel over pictures without labels. No DOM here. */
 
 import { IMAGES } from "../shared/images.js";
-import { Refused } from "./refusal.js";
+import { Refusal } from "../shared/refusal.js";
 import { PROFILE } from "./rules.js";
 import { mean as meanOf, tensors, written } from "./tensors.js";
 
 const { FORMAT, MEAN_PRIOR, VARIANCE_PRIOR, FLOOR } = PROFILE;
 
-/** The statistics of rows. @param {Floats[]} rows @returns {Channels} */
-export function channelsOf(rows) {
-  const channel = (/** @type {number} */ i) => rows.map((row) => row[i]);
-  const mean = Float64Array.from(rows[0], (_, i) => meanOf(channel(i)));
-  const variance = Float32Array.from(mean, (middle, i) => meanOf(channel(i).map((value) => (value - middle) ** 2)));
-  return { mean: Float32Array.from(mean), variance, count: rows.length };
-}
+/** The statistics of one picture. @param {Floats} row @returns {Channels} */
+export const channelsOf = (row) => ({ mean: Float64Array.from(row), variance: new Float64Array(row.length), count: 1 });
 
 /** The statistics of two sets of pictures together. @param {Channels} one @param {Channels} other @returns {Channels} */
 export function joined(one, other) {
   const count = one.count + other.count;
-  const shares = [one.count / count, other.count / count];
-  const mean = one.mean.map((value, i) => shares[0] * value + shares[1] * other.mean[i]);
-  const spread = (/** @type {Channels} */ part, /** @type {number} */ i) =>
-    part.variance[i] + (part.mean[i] - mean[i]) ** 2;
-  const variance = mean.map((_, i) => shares[0] * spread(one, i) + shares[1] * spread(other, i));
+  const share = other.count / count;
+  const mean = Float64Array.from(one.mean, (value, i) => value + share * (other.mean[i] - value));
+  const variance = mean.map((_, i) => {
+    const apart = (1 - share) * share * (one.mean[i] - other.mean[i]) ** 2;
+    return (1 - share) * one.variance[i] + share * other.variance[i] + apart;
+  });
   return { mean, variance, count };
 }
 
@@ -42,25 +38,27 @@ export function moved(row, target, source, step = 1) {
  * @param {Record<string, any>} file @param {Key | null} key @returns {SensorProfile} */
 export function profileFrom(file, key = null) {
   const about = file.__metadata__ ?? {};
-  if (about.format !== FORMAT) throw new Refused("The file is not a profile of a sensor; save one from this page.");
+  if (about.format !== FORMAT) throw new Refusal("The file is not a profile of a sensor; save one from this page.");
   const own = [about.encoder, about.weights_hash, about.preprocessing].join();
   if (key && own !== [key.name, key.weights_hash, key.preprocessing].join())
-    throw new Refused(
+    throw new Refusal(
       `The profile comes from ${about.encoder}, and this head's encoder is ${key.name} with other weights or preprocessing.`,
     );
   /** @type {SensorProfile["channels"]} */
   const channels = {};
-  const widths = new Set();
   for (const name of IMAGES.filter((image) => file[`${image}_mean`])) {
     const [mean, variance] = ["mean", "variance"].map((what) => file[`${name}_${what}`]?.values ?? []);
-    const count = Number(about[`${name}_count`]);
-    const sound =
-      mean.every(Number.isFinite) && variance.every((/** @type {number} */ one) => one >= 0 && one < Infinity);
-    widths.add(sound && mean.length === variance.length && count > 0 && count < 1e12 ? mean.length : 0);
-    channels[name] = { mean, variance, count };
+    channels[name] = { mean, variance, count: Number(about[`${name}_count`]) };
   }
-  if (widths.size !== 1 || widths.has(0))
-    throw new Refused("The file of the profile is damaged; save it again from this page.");
+  const parts = Object.values(channels);
+  const sound = parts.every(
+    ({ mean, variance, count }) =>
+      [mean, variance].every(({ length }) => length === parts[0].mean.length) &&
+      [...mean, ...variance].every(Number.isFinite) &&
+      Math.min(...variance, count - 1) >= 0 &&
+      count < 1e12,
+  );
+  if (!parts.length || !sound) throw new Refusal("The file of the profile is damaged; save it again from this page.");
   return { channels, step: Number(about.step ?? 1), domain: about.domain };
 }
 
@@ -71,7 +69,7 @@ export const loaded = (bytes, key) => profileFrom(tensors(bytes.slice().buffer, 
 export function saved({ channels, domain = "My sensor" }, { name, weights_hash, preprocessing }) {
   /** @type {Record<string, string>} */
   const metadata = { format: FORMAT, encoder: name, weights_hash, preprocessing, domain };
-  /** @type {Record<string, Float32Array>} */
+  /** @type {Record<string, Floats>} */
   const vectors = {};
   for (const [image, { mean, variance, count }] of Object.entries(channels)) {
     Object.assign(vectors, { [`${image}_mean`]: mean, [`${image}_variance`]: variance });

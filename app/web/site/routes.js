@@ -1,15 +1,17 @@
 /** The routes of Try a pair whose body is a question: the same reply as the server's. Runs in the worker. */
 
 import { IMAGES, imagesOf, OTHER } from "../shared/images.js";
+import { Refusal } from "../shared/refusal.js";
 import { base64 } from "../shared/text.js";
-import { readingsOf, roundedAll, taughtName } from "./desk.js";
+import { readingsOf, roundedAll } from "./desk.js";
 import { channelsOf, joined, saved } from "./profiles.js";
-import { Refused } from "./refusal.js";
 import { PAIR } from "./rules.js";
-import { lessonsIn, missing } from "./teaching.js";
-import { dot, rounded, roundedRow, unit } from "./tensors.js";
+import { nearest, rounded, roundedRow, unit } from "./tensors.js";
 
+/** @typedef {import("./desk.js").Desk} Desk */
 const STOPS = Array.from({ length: PAIR.STOPS }, (_, k) => k / (PAIR.STOPS - 1));
+/** @type {[number, number][]} */
+const EACH = STOPS.map((p) => [p, p]);
 const named = Object.fromEntries;
 
 /** Moduli (P, D) as a picture of bytes, of neighbours the largest. @param {Tensor} moduli @param {number} rows */
@@ -25,19 +27,14 @@ function spectrum({ shape: [, width], values }, rows) {
   return { rows, columns, width, top, pixels: base64(Uint8Array.from(joint, (v) => Math.round((v / top) * 255))) };
 }
 
-/** The nearest training pairs of the set by cosine, except the pair itself.
- * @param {import("./desk.js").Desk} desk @param {SiteHead} head @param {Modality} name @param {Floats} row
- * @param {number} own */
-async function nearest(desk, head, name, row, own) {
-  const trained = await desk.once(`training ${name} ${head.name}`, () =>
-    Promise.all(head.training.index.map(async (pair) => ({ pair, row: unit(await desk.row(pair, name)) }))),
+/** The nearest training pairs of the set, except the pair itself.
+ * @param {Desk} desk @param {SiteHead} head @param {Modality} name @param {Floats} row @param {number} own */
+async function nearestPairs(desk, { name: called, training: { index } }, name, row, own = -1) {
+  const rows = await desk.once(`training ${name} ${called}`, () =>
+    Promise.all(index.map(async (pair) => unit(await desk.row(pair, name)))),
   );
-  const query = unit(row);
-  const near = trained
-    .map((one) => ({ pair: one.pair, cosine: dot(query, one.row) }))
-    .filter(({ pair }) => pair !== own);
-  const sorted = near.sort((a, b) => b.cosine - a.cosine).slice(0, PAIR.NEAREST);
-  return sorted.map(({ pair, cosine }) => ({ pair, cosine: rounded(cosine, 4) }));
+  const near = nearest(rows, unit(row), PAIR.NEAREST, index.indexOf(own));
+  return near.map(({ point, cosine }) => ({ pair: index[point], cosine: rounded(cosine, 4) }));
 }
 
 /** @type {Record<string, Route>} */
@@ -46,11 +43,9 @@ export const QUESTIONS = {
   async pair(desk, question) {
     const { pair, order, head } = await desk.asked(question);
     const exact = order ?? head.learned;
-    /** @type {[number, number][]} */
-    const orders = [...STOPS, exact].map((p) => [p, p]);
-    const out = await desk.run(head, pair, orders);
-    const each = orders.map((_, stop) => readingsOf(head, out, stop, pair));
-    const last = each[STOPS.length];
+    const out = await desk.run(head, pair, [...EACH, [exact, exact]]);
+    const each = STOPS.map((_, stop) => readingsOf(head, out, stop, pair));
+    const last = readingsOf(head, out, STOPS.length, pair);
     const shown = ["fused", ...IMAGES].filter((name) => last[name]);
     return {
       classes: head.classes,
@@ -58,7 +53,7 @@ export const QUESTIONS = {
       learned: head.learned,
       span: head.span,
       linear: head.linear,
-      stops: named(shown.map((name) => [name, each.slice(0, -1).map((one) => roundedRow(one[name]))])),
+      stops: named(shown.map((name) => [name, each.map((one) => roundedRow(one[name]))])),
       exact: { order: exact, readings: roundedAll(last) },
       spectra: named(imagesOf(pair).map((name) => [name, spectrum(out[`${name}_size`], STOPS.length)])),
     };
@@ -67,8 +62,8 @@ export const QUESTIONS = {
   async many(desk, question) {
     const pairs = [];
     let classes;
-    for (const pair of question.pairs) {
-      const asked = await desk.asked({ ...question, vis: pair.vis, tac: pair.tac });
+    for (const { vis, tac } of question.pairs) {
+      const asked = await desk.asked({ ...question, vis, tac });
       pairs.push(await desk.predicted(asked));
       classes = asked.head.classes;
     }
@@ -78,21 +73,18 @@ export const QUESTIONS = {
   async attention(desk, question) {
     const { pair, head } = await desk.asked(question);
     const names = imagesOf(pair).filter((name) => head.tokens[name]);
-    if (!names.length) throw new Refused("This head has no MFFA, so there is no attention to show.");
-    const out = await desk.run(
-      head,
-      pair,
-      STOPS.map((p) => [p, p]),
-    );
-    const by = (/** @type {(name: Modality) => unknown} */ make) => named(names.map((name) => [name, make(name)]));
-    const count = (/** @type {Modality} */ name) => out[`${name}_attention`].shape[2];
-    const off = (/** @type {Modality} */ name) => [...out[`${name}_attention`].values].map((v) => v - 1 / count(name));
-    const scale = names.flatMap(off).reduce((top, value) => Math.max(top, Math.abs(value)), 0) || 1;
-    const coded = (/** @type {Modality} */ name) => Int8Array.from(off(name), (v) => Math.round((v / scale) * 127));
+    if (!names.length) throw new Refusal("This head has no MFFA, so there is no attention to show.");
+    const out = await desk.run(head, pair, EACH);
+    const maps = names.map((name) => {
+      const { shape, values } = out[`${name}_attention`];
+      return { name, count: shape[2], off: Array.from(values, (share) => share - 1 / shape[2]) };
+    });
+    const scale = maps.flatMap(({ off }) => off).reduce((top, value) => Math.max(top, Math.abs(value)), 0) || 1;
+    const coded = (/** @type {number[]} */ off) => Int8Array.from(off, (value) => Math.round((value / scale) * 127));
     return {
-      tokens: by((name) => head.tokens[name]),
-      count: by(count),
-      off: by((name) => base64(new Uint8Array(coded(name).buffer))),
+      tokens: named(names.map((name) => [name, head.tokens[name]])),
+      count: named(maps.map(({ name, count }) => [name, count])),
+      off: named(maps.map(({ name, off }) => [name, base64(new Uint8Array(coded(off).buffer))])),
       scale,
       learned: head.learned,
     };
@@ -104,12 +96,12 @@ export const QUESTIONS = {
     /** @type {Record<string, any>} */
     const images = {};
     for (const name of imagesOf(asked.before)) {
-      const row = /** @type {Floats} */ (asked.before[name]);
       const [kind, number] = question[name].split(":");
-      const near = await nearest(desk, head, name, row, kind === "row" ? Number(number) : -1);
+      const row = /** @type {Floats} */ (asked.before[name]);
+      const near = await nearestPairs(desk, head, name, row, kind === "row" ? Number(number) : -1);
       images[name] = { nearest: near, ...looks[name] };
       if (kind !== "image" || question.profile) continue;
-      const [there] = await nearest(desk, head, OTHER[name], await desk.embedding(question[name], OTHER[name]), -1);
+      const [there] = await nearestPairs(desk, head, OTHER[name], await desk.embedding(question[name], OTHER[name]));
       images[name].strays = there.cosine > near[0].cosine;
     }
     return { images, of: head.training.of };
@@ -119,32 +111,26 @@ export const QUESTIONS = {
   async profile(desk, question) {
     await desk.sourceProfile();
     const channels = { ...desk.profileIn(question)?.channels };
+    const refs = { vis: question.photos ?? [], tac: question.touches ?? [] };
     for (const name of IMAGES) {
-      /** @type {Ref[]} */
-      const refs = question[name === "vis" ? "photos" : "touches"] ?? [];
-      if (!refs.length) continue;
-      const fresh = channelsOf(await Promise.all(refs.map((ref) => desk.embedding(ref, name))));
-      const before = channels[name];
-      channels[name] = before ? joined(before, fresh) : fresh;
+      for (const ref of refs[name]) {
+        const [before, fresh] = [channels[name], channelsOf(await desk.embedding(ref, name))];
+        channels[name] = before ? joined(before, fresh) : fresh;
+      }
     }
     return desk.keepProfile({ channels });
   },
 
   async "save/sensor"(desk, question) {
-    const profile = /** @type {SensorProfile} */ (desk.profileIn(question));
-    return saved(profile, (await desk.about()).key);
+    return saved(/** @type {SensorProfile} */ (desk.profileIn(question)), (await desk.about()).key);
   },
 
   /** What the head says of each lesson before and after teaching. */
   async teach(desk, question) {
-    const lacking = missing(lessonsIn(question));
-    if (lacking) throw new Refused(lacking);
-    const { report, made } = await desk.learned(question);
-    return { ...report, classes: made.classes };
+    return (await desk.learned(question)).report;
   },
 
   async taught(desk, question) {
-    await desk.reader(question);
-    return { taught: taughtName(question) };
+    return { taught: (await desk.learned(question)).name };
   },
 };

@@ -12,6 +12,7 @@ export const DOTS = {
   STRAY: 0.24,
   FAINT: [0.35, 0.7],
   SMALLEST: 64,
+  SWEEPS: 2,
 };
 export const PICTURE = {
   MOST_JPEG: 64000000,
@@ -26,12 +27,4 @@ export const PICTURE = {
   PATCH: 2,
 };
 export const PAIR = { STOPS: 101, COLUMNS: 256, NEAREST: 3, NEIGHBOURS: 6, KNOWN: 10, UNLIKE: 0.05 };
-export const TEACHING = {
-  MOST_LESSONS: 60,
-  LONGEST_LABEL: 40,
-  PENALTY: 0.3,
-  SHARPNESS: [0.5, 50.0],
-  FOLDS: 10,
-  FEWEST: 2,
-};
 export const PROFILE = { FORMAT: "omnivat-profile-1", MEAN_PRIOR: 4, VARIANCE_PRIOR: 10, FLOOR: 1.0 };

@@ -1,23 +1,19 @@
 /** Files of numbers, `.safetensors`, and sums of rows. No DOM here. */
 
-import { Refused } from "./refusal.js";
+import { Refusal } from "../shared/refusal.js";
 
-/** @type {Float32Array | undefined} */
-let halves; // every number of half precision, by its bits
-const table = () =>
-  (halves ??= Float32Array.from({ length: 65536 }, (_, bits) => {
-    const [sign, power, rest] = [bits >> 15 ? -1 : 1, (bits >> 10) & 31, bits & 1023];
-    return sign * (power ? 2 ** (power - 15) * (1 + rest / 1024) : 2 ** -24 * rest);
-  }));
-
+const HALVES = Float32Array.from({ length: 65536 }, (_, bits) => {
+  const [sign, power, rest] = [bits >> 15 ? -1 : 1, (bits >> 10) & 31, bits & 1023];
+  return sign * (power ? 2 ** (power - 15) * (1 + rest / 1024) : 2 ** -24 * rest);
+});
 /** @type {Record<string, (bytes: ArrayBuffer) => ArrayLike<number>>} */
 const READ = {
   F32: (bytes) => new Float32Array(bytes),
-  F16: (bytes) => Float32Array.from(new Uint16Array(bytes), (bits) => table()[bits]),
+  F16: (bytes) => Float32Array.from(new Uint16Array(bytes), (bits) => HALVES[bits]),
   I64: (bytes) => Float64Array.from(new BigInt64Array(bytes), Number),
 };
 
-/** name -> {shape, values}, and `__metadata__`; a Refused for a file that is none.
+/** name -> {shape, values}, and `__metadata__`; a Refusal for a file that is none.
  * @param {ArrayBuffer} buffer @returns {Record<string, any>} */
 export function tensors(buffer, name = "the file") {
   try {
@@ -31,7 +27,7 @@ export function tensors(buffer, name = "the file") {
     }
     return { __metadata__, ...listed };
   } catch {
-    throw new Refused(`'${name}' cannot be read as a file of numbers; make it again.`);
+    throw new Refusal(`'${name}' cannot be read as a file of numbers; make it again.`);
   }
 }
 
@@ -48,13 +44,15 @@ export function written(vectors, metadata) {
   const out = new Uint8Array(8 + head.length + end);
   new DataView(out.buffer).setBigUint64(0, BigInt(head.length), true);
   out.set(head, 8);
-  const values = new Float32Array(out.buffer, 8 + head.length);
-  for (const [name, vector] of Object.entries(vectors)) values.set(vector, listed[name].data_offsets[0] / 4);
+  new Float32Array(out.buffer, 8 + head.length).set(Object.values(vectors).flatMap((vector) => Array.from(vector)));
   return out;
 }
 
-/** Rows of a matrix {shape: [N, W], values}. @type {(matrix: Tensor, row: number) => Float32Array} */
-export const rowOf = ({ shape, values }, row) => values.subarray(row * shape[1], (row + 1) * shape[1]);
+/** Rows of a tensor of rows, whatever is around them. @type {(rows: Tensor, row: number) => Float32Array} */
+export const rowOf = ({ shape, values }, row) => {
+  const width = shape[shape.length - 1];
+  return values.subarray(row * width, (row + 1) * width);
+};
 
 /** @param {ArrayLike<number>} a @param {ArrayLike<number>} b */
 export function dot(a, b) {
@@ -72,6 +70,14 @@ export function unit(row) {
   return Float64Array.from(row, (value) => value / length);
 }
 
+/** The unit rows nearest to another one, the nearest first. @param {Floats[]} rows @param {Floats} query
+ * @param {number} count @param {number} except a row that is left out */
+export function nearest(rows, query, count, except = -1) {
+  const all = rows.map((row, point) => ({ point, cosine: dot(query, row) }));
+  const others = all.filter(({ point }) => point !== except);
+  return others.sort((a, b) => b.cosine - a.cosine).slice(0, count);
+}
+
 /** @param {number[]} row */
 export function softmax(row) {
   const top = Math.max(...row);
@@ -84,8 +90,8 @@ export function softmax(row) {
 export const sum = (values) => values.reduce((total, value) => total + value, 0);
 /** @param {number[]} values */
 export const mean = (values) => sum(values) / values.length;
-/** @param {number[]} row */
-export const best = (row) => row.reduce((top, value, i) => (value > row[top] ? i : top), 0);
+/** @param {ArrayLike<number>} row */
+export const best = (row) => Array.from(row).reduce((top, value, i, all) => (value > all[top] ? i : top), 0);
 /** @param {number} value */
 export const rounded = (value, digits = 6) => Number(value.toFixed(digits));
 /** @param {ArrayLike<number>} row */

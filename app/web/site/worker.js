@@ -1,9 +1,9 @@
 /** The worker: all inference of a page without a server. */
 
+import { Refusal } from "../shared/refusal.js";
 import { Desk } from "./desk.js";
 import { FOREST } from "./forest.js";
 import { PICTURES } from "./pictures.js";
-import { Refused } from "./refusal.js";
 import { QUESTIONS } from "./routes.js";
 import { promptly } from "./runtime.js";
 
@@ -12,24 +12,20 @@ const ROUTES = { ...QUESTIONS, ...PICTURES, ...FOREST };
 const PATIENT = ["warm", ...Object.keys(FOREST)];
 /** @type {Map<string, Desk>} */
 const desks = new Map();
-/** @type {Set<number>} */
-const withdrawn = new Set();
 
-self.onmessage = async ({ data }) => {
-  const { id, base, set, path, query, body } = data;
-  if (data.withdrawn) return withdrawn.add(id);
+self.onmessage = async ({ data, ports: [port] }) => {
+  const { base, set, path, query, body } = data;
+  let stopped = false;
+  port.onmessage = () => (stopped = true);
   try {
-    const desk = desks.get(set) ?? new Desk(base, set, (loading) => postMessage({ loading }));
+    const desk = desks.get(set) ?? new Desk(base, set, (loading) => postMessage(loading));
     desks.set(set, desk);
     const question = typeof body === "string" ? JSON.parse(body) : Object.fromEntries(new URLSearchParams(query));
-    const sent = { body: new Uint8Array(body), stopped: () => withdrawn.has(id) };
-    const work = () => ROUTES[path](desk, question, sent);
-    postMessage({ id, status: 200, value: await (PATIENT.includes(path) ? work() : promptly(work)) });
+    const work = () => ROUTES[path](desk, question, { body: new Uint8Array(body), stopped: () => stopped });
+    port.postMessage({ status: 200, value: await (PATIENT.includes(path) ? work() : promptly(work)) });
   } catch (error) {
-    if (!(error instanceof Refused)) console.error(error);
-    const [sentence, status] = error instanceof Refused ? [error.message, error.status] : [FAILED, 500];
-    postMessage({ id, status, value: { error: sentence } });
-  } finally {
-    withdrawn.delete(id);
+    if (!(error instanceof Refusal)) console.error(error);
+    const [sentence, status] = error instanceof Refusal ? [error.message, error.status || 400] : [FAILED, 500];
+    port.postMessage({ status, value: { error: sentence } });
   }
 };

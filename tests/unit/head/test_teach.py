@@ -3,7 +3,6 @@
 import json
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,8 +15,6 @@ from omnivat.head.curve import curve, curve_in_words
 from omnivat.head.ridge import SHARPNESS, ridge, sharpness
 from omnivat.head.teach import Lesson, Work, judged, splits, taught
 from omnivat.kit.errors import DataError
-
-ROOT = Path(__file__).parents[3]
 
 
 @pytest.fixture(scope="module")
@@ -145,23 +142,6 @@ def test_the_probabilities_have_the_sharpness_of_least_loss():
     found = sharpness(scores, labels)
     assert loss(found) <= min(loss(0.99 * found), loss(1.01 * found))
     assert sharpness(np.eye(3), np.arange(3)) < SHARPNESS[1]  # all right, yet not without doubt
-
-
-def test_the_exported_sites_table_of_cases_holds_here_too():
-    """`tests/web/site.test.js` reads the same table."""
-    table = json.loads((ROOT / "tests" / "web" / "teaching.json").read_text())
-    rows, labels, before = (np.array(table[name]) for name in ("rows", "labels", "before"))
-    groups = [np.array([k]) for k in range(len(rows))]
-    whole = ridge(rows, np.eye(before.shape[1])[labels], before, groups)
-    for name in ("solved", "errors"):
-        np.testing.assert_allclose(getattr(whole, name), table[name], atol=1e-8)
-    share = whole.share(groups)
-    found = [share, sharpness(whole.apart(share), labels)]
-    np.testing.assert_allclose(found, [table["share"], table["sharpness"]], atol=1e-8)
-    work = Work.__new__(Work)
-    work.rows, work.labels, work.before, work.objects = rows, labels, before, groups
-    work.lessons, work.classes = list(labels), tuple("abcd")
-    assert work.after().tolist() == table["after"]
 
 
 def test_the_order_moves_the_part_of_the_head_alone(head, lessons):

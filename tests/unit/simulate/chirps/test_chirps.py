@@ -116,3 +116,16 @@ def test_options_of_the_other_set_are_refused(tmp_path, capsys):
     assert "--order does not apply to --set sensors" in capsys.readouterr().err
     assert main(["simulate", "--out", str(tmp_path), "--set", "chirps", "--workers", "2"]) == 1
     assert "--workers does not apply to --set chirps" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_the_exported_reader_has_the_signal_of_a_picture_of_any_size(tmp_path):
+    runtime = pytest.importorskip("onnxruntime", reason="the extra [onnx] is not installed")
+    load_encoder("strip").write_onnx(tmp_path / "strip.onnx")
+    session = runtime.InferenceSession(tmp_path / "strip.onnx", providers=["CPUExecutionProvider"])
+    random = np.random.default_rng(0)
+    for width, height in ((256, 256), (301, 257), (64, 1), (40, 30), (1000, 9)):
+        picture = random.integers(0, 256, (height, width, 3), dtype=np.uint8)
+        (found,) = session.run(None, {"picture": picture[None]})
+        wanted = strip_signal(Image.fromarray(picture))
+        np.testing.assert_allclose(found[0], wanted, atol=1e-6)
