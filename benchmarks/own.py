@@ -3,9 +3,9 @@
     python -m benchmarks.own EMBEDDINGS
 
 EMBEDDINGS are those of ObjectFolder Real (`omnivat fetch objectfolder-real`, `omnivat embed`). The
-profile is of all its pairs, without labels. Right readings and familiar pictures go into the record,
-and the former beside the head, where the page reads them. Odd pictures and the rules of familiarity
-in the record are those of 80a5f62.
+profile is of all its pairs, without labels. Right readings and familiar pictures go into the
+record, and the former beside the head, where the page reads them. Odd pictures and the rules of
+familiarity in the record are those of 80a5f62.
 """
 
 import argparse

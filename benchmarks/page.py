@@ -37,7 +37,8 @@ WATCH = """() => {
   const seen = window.seen = { waits: [], times: [], stops: 0, last: map.dataset.order, on: true };
   const heard = () => {
     const from = performance.now();
-    requestAnimationFrame(() => requestAnimationFrame((at) => seen.waits.push(performance.now() - from)));
+    const painted = () => seen.waits.push(performance.now() - from);
+    requestAnimationFrame(() => requestAnimationFrame(painted));
   };
   slider.addEventListener('input', heard);
   const look = (at) => {

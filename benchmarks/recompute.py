@@ -242,7 +242,8 @@ def check_good_for(count: Count) -> None:
             count.compare(f"good for, {where}", float(printed), mean_of(cells))
         count.text(f"good for, {where}", lead, drawn(minus(ours, theirs)))
     said = {
-        "README.md": rf"({NUMBER}) % with a search for p, ({NUMBER}) at p = 0, linear maps ({NUMBER})",
+        "README.md": rf"({NUMBER}) % with a search for p, ({NUMBER}) at p = 0,"
+        rf" linear maps ({NUMBER})",
         "paper/paper.md": rf"({NUMBER}) % where p = 0 has ({NUMBER}) % and linear maps ({NUMBER})",
     }
     for name, pattern in said.items():

@@ -14,7 +14,8 @@ known pairs.
 One line is written for each method, source and seed: the class predicted for every test pair, as a
 letter, on every rung, seconds of training and the number of parameters. `NAME@10` is a method that
 learned ten pairs of each class. When all seeds are there, one line more has the mean of their
-probabilities, as it comes: each seed knows other pairs of the target. Finished lines are kept, so a stopped run goes on.
+probabilities, as it comes: each seed knows other pairs of the target. Finished lines are kept, so a
+stopped run goes on.
 """
 
 import argparse
@@ -149,7 +150,10 @@ class Measured:
         return ridge(features, torch.from_numpy(labels), classes, weights, asked)
 
     def of_several(self, test: Array, target: int, count: int, *, profiled: bool) -> Tensor:
-        """Return nearest class means of several sources; `profiled`: each domain by its own profile."""
+        """Return nearest class means of several sources.
+
+        profiled  each domain by its own profile
+        """
         others = [d for d in range(len(self.set.header.domains)) if d not in (self.source, target)]
         random = np.random.default_rng([self.seed, target, 1])
         chosen = random.permutation(others)[: count - 1]

@@ -19,10 +19,10 @@ from omnivat.kit.files import require_writable
 from omnivat.kit.tables import suggestion
 
 NAMES = (  # in the order of the help; a command's file has its name, or that in FILES
-    "try", "fetch", "predict", "embed", "dots", "import", "train", "evaluate", "profile", "teach", "protocol",  # noqa: E501
-    "ablate", "report", "reproduce", "sweep", "gaps", "project", "thumbnails", "export", "simulate",
-    "prompts",
-)  # fmt: skip
+    *("try", "fetch", "predict", "embed", "dots", "import", "train", "evaluate", "profile"),
+    *("teach", "protocol", "ablate", "report", "reproduce", "sweep", "gaps", "project"),
+    *("thumbnails", "export", "simulate", "prompts"),
+)
 FILES = {"try": "try_pairs", "import": "imports"}  # two keywords of Python
 COMMANDS = {name: import_module(f"omnivat.cli.{FILES.get(name, name)}") for name in NAMES}
 

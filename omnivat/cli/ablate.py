@@ -7,7 +7,7 @@ import argparse
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from omnivat.cli.arguments import declare, listed, numbers, split_settings, text
+from omnivat.cli.arguments import declare, head_and_training, list_of
 from omnivat.cli.protocol import RUNS, add_running, work
 from omnivat.kit.files import require_writable
 
@@ -21,26 +21,24 @@ def add(parser: argparse.ArgumentParser) -> None:
     declare(
         parser,
         "only",
-        sources=text("instead of the paper's", "A,B"),
+        sources=list_of("instead of the paper's", "A,B"),
         set="a base setting of all rows, such as width=64",
     )
 
 
 def run(options: argparse.Namespace) -> None:
     """Run what is missing, then write tables and plots."""
-    from omnivat.head.settings import HeadSettings
     from omnivat.study.ablations import chosen
     from omnivat.study.protocol import records
     from omnivat.study.reports.ablation_report import write_ablations
-    from omnivat.training import TrainSettings
 
     require_writable(options.out / RUNS)
-    tables, sources = chosen(listed(options.only)), listed(options.sources)
-    if sources:
-        tables = {name: replace(table, sources=sources) for name, table in tables.items()}
+    tables = chosen(options.only)
+    if options.sources:
+        tables = {n: replace(table, sources=options.sources) for n, table in tables.items()}
     if not options.tables_only:
-        head, training = split_settings(options.set, HeadSettings, TrainSettings)
-        runs = planned_rows(tables, numbers(options.seeds), head, training)
+        head, training = head_and_training(options.set)
+        runs = planned_rows(tables, options.seeds, head, training)
         work(runs, options, lang=training.get("lang", True))
     print(write_ablations(records.read(options.out / RUNS), tables, options.out))
 

@@ -101,6 +101,11 @@ def path(words: str, metavar: str | None = None, **more: Any) -> Option:
     return {"type": Path, "metavar": metavar, "help": words, **more}
 
 
+def list_of(words: str, metavar: str | None = None) -> Option:
+    """Return an option of names with commas between them, () if it is left out."""
+    return {"type": listed, "default": (), "metavar": metavar, "help": words}
+
+
 def flag(words: str, **more: Any) -> Option:
     """Return an option without a value."""
     return {"action": "store_true", "help": words, **more}
@@ -135,13 +140,18 @@ def declare(parser: argparse._ActionsContainer, *names: str, **options: str | Op
         "jobs": count("parallel processes", default=1),
         "json": flag("print JSON"),
         "lang": path("LANG bank; default: the project's own"),
-        "only": text("some of the ablations", "a,b,c"),
+        "only": list_of("some of the ablations", "a,b,c"),
         "order": {"type": order, "metavar": "P", "help": ORDER},
         "out": path("the .safetensors file to write", required=True),
         "profile": several(PROFILE, "FILE", type=Path),
         "seed": {"type": int, "default": 0, "help": "seed of all random choices; default: 0"},
-        "seeds": {"default": "0,1,2", "metavar": "0,1,2", "help": "one run for each seed"},
-        "set": several("", "key=value"),
+        "seeds": {
+            "type": numbers,
+            "default": (0, 1, 2),
+            "metavar": "0,1,2",
+            "help": "a run for each",
+        },
+        "set": several("", "key=value", type=assigned),
         "tac_rest": {"metavar": "FILE|auto|all|none", "help": REST},
         "weights": path("checkpoint of the encoder"),
         "workers": count("threads; default: all cores"),
@@ -162,9 +172,9 @@ def download(parser: argparse.ArgumentParser) -> None:
 
 
 def figure(parser: argparse.ArgumentParser, of: str) -> None:
-    """Declare --figure, the file of an interactive figure; --html is another name for it."""
+    """Declare --figure, the file of an interactive figure."""
     words = f"also draw {of}: .html (interactive, opens offline), .svg, .png or .json (Plotly)"
-    parser.add_argument("--figure", "--html", type=Path, metavar="FILE", help=words)
+    declare(parser, figure=path(words, "FILE"))
 
 
 def head_and_set(
@@ -217,35 +227,49 @@ def whole(least: int, most: int | None = None) -> Callable[[str], int]:
     return checked
 
 
-def listed(names: str) -> tuple[str, ...]:
+def listed(text: str) -> tuple[str, ...]:
     """Return the parts of "a,b,c", stripped."""
-    return tuple(part.strip() for part in names.split(",") if part.strip())
+    return tuple(part.strip() for part in text.split(",") if part.strip())
 
 
-def numbers(text: str, *, name: str = "--seeds") -> tuple[int, ...]:
-    """Return the whole numbers of "0,1,2"; raises SettingsError for anything else."""
+def numbers(text: str) -> tuple[int, ...]:
+    """Return the whole numbers of "0,1,2", one or more, for argparse."""
+    wrong = argparse.ArgumentTypeError(f"'{text}'; give whole numbers such as 0,1,2")
     try:
-        found = tuple(int(part) for part in listed(text))
-    except ValueError as error:
-        raise SettingsError(f"{name} is '{text}'; give whole numbers such as 0,1,2.") from error
+        found = tuple(map(int, listed(text)))
+    except ValueError:
+        raise wrong from None
     if not found:
-        raise SettingsError(f"{name} is empty; give whole numbers such as 0,1,2.")
+        raise wrong
     return found
 
 
-def split_settings(texts: list[str], *kinds: type[Any]) -> tuple[dict[str, Any], ...]:
-    """Assign each `key=value` text to the settings record with that key.
+def assigned(text: str) -> str:
+    """Return a text of the form key=value, for argparse."""
+    if not all(text.partition("=")):
+        raise argparse.ArgumentTypeError(f"'{text}'; write it as key=value")
+    return text
+
+
+def head_and_training(texts: list[str]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the settings of a head, and those of its training, among `key=value` texts.
 
     Raises SettingsError for an unknown key.
     """
-    found: list[dict[str, Any]] = [{} for _ in kinds]
-    names = [field_names(kind) for kind in kinds]
+    from omnivat.head.settings import HeadSettings
+    from omnivat.training import TrainSettings
+
+    found: tuple[dict[str, Any], dict[str, Any]] = {}, {}
+    owners = {
+        name: (kind, into)
+        for kind, into in zip((HeadSettings, TrainSettings), found, strict=True)
+        for name in field_names(kind)
+    }
     for text in texts:
         key = text.partition("=")[0]
-        owner = next((i for i, own in enumerate(names) if key in own), None)
-        if owner is None:
-            known = [name for own in names for name in own]
-            hint = suggestion(key, known) or f" There are {', '.join(known)}."
+        if key not in owners:
+            hint = suggestion(key, owners) or f" There are {', '.join(owners)}."
             raise SettingsError(f"There is no setting '{key}'.{hint}")
-        found[owner] |= parse_assignments(kinds[owner], [text])
-    return tuple(found)
+        kind, into = owners[key]
+        into |= parse_assignments(kind, [text])
+    return found

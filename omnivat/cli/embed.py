@@ -63,10 +63,9 @@ def run(options: argparse.Namespace) -> None:
             f"--out is '{options.out}', and its table would replace '{options.pairs}'; choose"
             " another name."
         )
-    encoder = encoder_name(options.encoder, options.tac_encoder, options.tac_weights)
-    for text in options.set:
-        if "=" not in text:
-            raise SettingsError(f"--set got '{text}'; write it as key=value.")
+    if options.tac_weights and not options.tac_encoder:
+        raise SettingsError("--tac-weights needs --tac-encoder; without it both use --weights.")
+    encoder = JOINED.join(filter(None, (options.encoder, options.tac_encoder)))
     of_reader = dict(text.split("=", 1) for text in options.set)
     found = read_pairs(options.pairs, **passed(options, "reader", "strict", "seed"), **of_reader)
     found = with_rest(found, options.tac_rest or "none")
@@ -86,14 +85,3 @@ def run(options: argparse.Namespace) -> None:
         f"{report.embedded} pairs embedded{resumed} in {report.seconds:.0f} s, "
         f"{len(report.skipped)} skipped; written to {report.out}"
     )
-
-
-def encoder_name(vis: str, tac: str | None, tac_weights: Path | None) -> str:
-    """Return the name of one encoder, or of a pair. Raises SettingsError for weights without
-    one.
-    """
-    if tac is not None:
-        return JOINED.join((vis, tac))
-    if tac_weights is not None:
-        raise SettingsError("--tac-weights needs --tac-encoder; without it both use --weights.")
-    return vis

@@ -9,7 +9,7 @@ unlabelled pairs of each domain
 import argparse
 import math
 from collections.abc import Iterator, Sequence
-from statistics import fmean, pstdev
+from statistics import pstdev
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import as_json, count, declare, figure, flag, head_and_set, progress_bar
@@ -119,26 +119,22 @@ def averaged(draws: Sequence[list[dict[str, Any]]]) -> list[dict[str, Any]]:
 
 def summary(records: Sequence[dict[str, Any]], source: str) -> dict[str, Any]:
     """Return the records of `evaluate` as `omnivat.figures.strangers` takes them."""
-    from omnivat.measure.unseen import of_domains, wilson
+    from omnivat.measure.unseen import share_of
 
-    def share(mean: float, ends: tuple[float, float]) -> dict[str, float]:
-        return {"share": mean, "low": ends[0], "high": ends[1]}
-
+    tested = [one for one in records if one["scores"]]
     domains: list[dict[str, Any]] = []
     counts: dict[str, list[tuple[int, int]]] = {}  # right and tested pairs of each unseen domain
-    for record in (one for one in records if one["scores"]):
-        pairs, is_source = record["pairs"], record["is_source"]
-        domains.append({"name": record["domain"], "is_source": is_source, "pairs": pairs})
-        for name, scores in record["scores"].items():
-            right = round(scores["accuracy"] * pairs)
-            domains[-1][f"answers/{name}"] = share(right / pairs, wilson(right, pairs))
-            if not is_source:
-                counts.setdefault(f"answers/{name}", []).append((right, pairs))
-    unseen = {
-        name: share(fmean(right / pairs for right, pairs in some), of_domains(some))
-        for name, some in counts.items()
-    }
-    chance = next((1 / len(one["classes"]) for one in records if one["scores"]), None)
+    for record in tested:
+        own = {f"answers/{name}": one["accuracy"] for name, one in record["scores"].items()}
+        kept = {"name": record["domain"], **{n: record[n] for n in ("is_source", "pairs")}}
+        for name, accuracy in own.items():
+            right = round(accuracy * record["pairs"]), record["pairs"]
+            kept[name] = share_of([right])
+            if not record["is_source"]:
+                counts.setdefault(name, []).append(right)
+        domains.append(kept)
+    unseen = {name: share_of(some) for name, some in counts.items()}
+    chance = 1 / len(tested[0]["classes"]) if tested else None
     return {"source": source, "chance": chance, "domains": domains, "unseen": unseen}
 
 

@@ -1,7 +1,6 @@
 """Shared by `gaps` and `project`: the features of a set at one stage and one order."""
 
 import argparse
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -16,8 +15,6 @@ if TYPE_CHECKING:
 
     from omnivat.data.store import Embeddings
     from omnivat.head.checkpoint import Head
-
-LARGE = 50_000  # from this many pairs on, the cost is printed first
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -56,16 +53,7 @@ class StageFeatures:
 
         from omnivat.kit.devices import current
 
-        count, width, points = len(self.embeddings), self.embeddings.width, torch.empty(0, 0)
-        if count > LARGE:
-            # held once, and as much again while they are measured; twice as wide in the transform's
-            # two stages
-            text = (
-                f"{count:,} pairs of width {width}: about {2 * 2 * 4 * count * width / 1e9:.1f} GB"
-                " and some minutes (docs/scale.md has the times of one machine); --sample 20000"
-                " takes a random part"
-            )
-            print(text, file=sys.stderr, flush=True)
+        count, points = len(self.embeddings), torch.empty(0, 0)
         for rows, found in self.blocks():
             if not len(points):
                 points = torch.empty(2 * count, found["vis"].shape[1], device=current())

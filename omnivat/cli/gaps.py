@@ -4,13 +4,15 @@ python -m omnivat gaps [--stage S] [--order P] [--measure M] [--json] [--figure 
 """
 
 import argparse
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from omnivat.cli.arguments import as_json, declare, figure, one_of
-from omnivat.cli.features import LARGE, StageFeatures, add_stage, stage_features
+from omnivat.cli.features import StageFeatures, add_stage, stage_features
 from omnivat.measure.gaps import GAPS
+
+LARGE = 50_000  # pairs; more are not held in memory for an exact measure
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -59,38 +61,32 @@ def gaps_of(features: StageFeatures, measure: str) -> dict[str, Any]:
     Of a large set, exact measures come from moments, and the others from random pairs of each
     domain: then also "drawn" pairs and the largest "standard_error" of a value.
     """
-    from omnivat.kit.tables import load
     from omnivat.measure.gaps.domain import gap_record
     from omnivat.measure.gaps.large import ESTIMATES, MOMENT_GAPS, drawn, moments_of, parts_of
     from omnivat.measure.gaps.mmd import MOST_ROWS
 
     data, names = features.embeddings, features.embeddings.header.domains
-    more: dict[str, Any] = {}
-    sets: dict[str, dict[str, Any]]
-    every: Mapping[str, Any]
-    parts = None
-    gap: Callable[[Any, Any], Any]
     if measure in ESTIMATES and 2 * len(data) > MOST_ROWS:
         rows, alike = drawn(data.domain)
-        features = replace(features, embeddings=data.select(rows))
-        sets, every = parts_of(features.points(), data.domain[rows], names, alike)
-        more |= {"drawn": len(rows), "standard_error": 0.0}
+        some = replace(features, embeddings=data.select(rows))
+        sets, every = parts_of(some.points(), data.domain[rows], names, alike)
+        errors = []
 
         def estimated(a: Any, b: Any) -> Any:
-            one = ESTIMATES[measure](a, b)
-            more["standard_error"] = max(more["standard_error"], float(one.error))
-            return one.value
+            found = ESTIMATES[measure](a, b)
+            errors.append(float(found.error))
+            return found.value
 
-        gap = estimated
-    elif measure in MOMENT_GAPS and len(data) > LARGE:
-        sets, every, parts = moments_of(
-            features.blocks(), data.domain, names, squares=measure == "frechet"
+        record = gap_record(every, sets, estimated)
+        return record | {"drawn": len(rows), "standard_error": max(errors)}
+    if measure in MOMENT_GAPS and len(data) > LARGE:
+        squares = measure == "frechet"
+        of_domains, whole, halves = moments_of(
+            features.blocks(), data.domain, names, squares=squares
         )
-        gap = MOMENT_GAPS[measure]
-    else:
-        sets, every = parts_of(features.points(), data.domain, names)
-        gap = load(GAPS, measure, kind="gap")
-    return gap_record(every, sets, gap, parts) | more
+        return gap_record(whole, of_domains, MOMENT_GAPS[measure], halves)
+    sets, every = parts_of(features.points(), data.domain, names)
+    return gap_record(every, sets, measure)
 
 
 def matrix(table: Mapping[str, Mapping[str, float]]) -> str:

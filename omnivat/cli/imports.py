@@ -7,13 +7,14 @@ material=class] python -m omnivat import LEROBOT --out PAIRS [--frames 5] [--pic
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from omnivat.cli.arguments import (
+    assigned,
     count,
     declare,
     flag,
-    listed,
+    list_of,
     one_of,
     passed,
     path,
@@ -23,11 +24,6 @@ from omnivat.cli.arguments import (
 )
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from omnivat.data.pairs import Skipped
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -59,8 +55,8 @@ def add_foreign(parser: argparse.ArgumentParser) -> None:
     declare(
         parser,
         domain=text("of all pairs, if the file has none"),
-        classes=text("names of numbered materials, with commas"),
-        column=several(words, "OURS=THEIRS"),
+        classes=list_of("names of numbered materials, with commas"),
+        column=several(words, "OURS=THEIRS", type=assigned),
         simulated=flag("the pairs are simulated"),
     )
 
@@ -101,29 +97,17 @@ def _recordings(options: argparse.Namespace) -> None:
         made, skipped = write_pairs(
             clips, options.out, **passed(options, "frames", "pick"), on_step=show
         )
-    _tell(skipped)
+    for one in skipped[:3]:
+        print(f"left out: {one.what}: {one.why}")
+    if len(skipped) > 3:
+        print(f"left out: {len(skipped) - 3} more")
     print(
         f"{made} pairs of {len(clips) - len(skipped)} recordings; next: python -m omnivat try"
         f" {options.out}"
     )
 
 
-def _tell(skipped: "Sequence[Skipped]") -> None:
-    for one in skipped[:3]:
-        print(f"left out: {one.what}: {one.why}")
-    if len(skipped) > 3:
-        print(f"left out: {len(skipped) - 3} more")
-
-
 def foreign(options: argparse.Namespace) -> dict[str, Any]:
-    """Return what `add_foreign` declares, for a reader; raises SettingsError for a column in
-    another form.
-    """
-    for pair in options.column:
-        if not all(pair.partition("=")):
-            raise SettingsError(f"--column got '{pair}'; write it as OURS=THEIRS.")
+    """Return what `add_foreign` declares, for a reader."""
     columns = dict(pair.split("=", 1) for pair in options.column)
-    return passed(options, "domain", "simulated") | {
-        "classes": listed(options.classes),
-        "columns": columns,
-    }
+    return passed(options, "domain", "simulated", "classes") | {"columns": columns}

@@ -35,7 +35,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         parser,
         "out",
         "device",
-        classes={"default": ",".join(MATERIALS), "help": "names, with commas"},
+        classes={"type": listed, "default": tuple(MATERIALS), "help": "names, with commas"},
         encoder=one_of(TEXT_ENCODERS, "text encoder"),
         weights="checkpoint of a CLIP encoder",
         seed="of the learned styles",
@@ -50,9 +50,9 @@ def run(options: argparse.Namespace) -> None:
     """Embed one prompt for each class and style, write the bank."""
     from omnivat.encoders.lang.bank import save_bank
 
-    classes = listed(options.classes)
+    classes = options.classes
     if len(classes) < 2 or len(set(classes)) < len(classes):
-        raise SettingsError(f"--classes is '{options.classes}'; give two or more different names.")
+        raise SettingsError(f"--classes is {','.join(classes)}; give two or more different names.")
     require_writable(options.out)
     learned, clip = options.method == "promptstyler", None
     if learned and options.encoder == "minilm":

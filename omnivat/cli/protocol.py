@@ -9,13 +9,11 @@ from typing import TYPE_CHECKING
 from omnivat.cli.arguments import (
     declare,
     flag,
-    listed,
-    numbers,
+    head_and_training,
+    list_of,
     passed,
     path,
     progress_bar,
-    split_settings,
-    text,
 )
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import require_writable
@@ -34,8 +32,8 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     declare(
         parser,
-        methods=text("methods by name; default: all fast ones", "a,b,c"),
-        sources=text("domains to train on; default: all in the set", "A,B"),
+        methods=list_of("methods by name; default: all fast ones", "a,b,c"),
+        sources=list_of("domains to train on; default: all in the set", "A,B"),
         set="a setting of the head or of its training, such as width=64 or noise=4",
         images=path(images, "PAIRS"),
     )
@@ -60,13 +58,11 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.cli.thumbnails import start_of
     from omnivat.data.store import load_embeddings
     from omnivat.encoders.hub import images_key, remember
-    from omnivat.head.settings import HeadSettings
     from omnivat.study.protocol import records
     from omnivat.study.protocol.engine import planned
     from omnivat.study.protocol.methods import DEFAULT_METHODS, methods_named
     from omnivat.study.protocol.settings import available
     from omnivat.study.reports.protocol_report import write_report
-    from omnivat.training import TrainSettings
 
     require_writable(options.out / RUNS)
     if not options.tables_only:
@@ -77,16 +73,15 @@ def run(options: argparse.Namespace) -> None:
             remember(
                 images_key(set_of_pairs.header), start_of(options.images, set_of_pairs.rows["vis"])
             )
-        head, training = split_settings(options.set, HeadSettings, TrainSettings)
-        named = listed(options.methods) or DEFAULT_METHODS
-        methods = methods_named(named, head, training)
-        sources = listed(options.sources) or available(set_of_pairs)
+        head, training = head_and_training(options.set)
+        methods = methods_named(options.methods or DEFAULT_METHODS, head, training)
+        sources = options.sources or available(set_of_pairs)
         if not sources:
             raise DataError(
                 f"'{options.embeddings}' has no domain with pairs of two classes or more to learn"
                 " from."
             )
-        runs = planned(methods, sources, numbers(options.seeds))
+        runs = planned(methods, sources, options.seeds)
         work(runs, options, lang=training.get("lang", True))
     print(write_report(records.read(options.out / RUNS), options.out))
 
@@ -96,10 +91,8 @@ def work(runs: "list[Run]", options: argparse.Namespace, *, lang: bool = True) -
     from omnivat.encoders.lang.bank import DEFAULT_BANK
     from omnivat.study.protocol.engine import run_all
 
-    bank, how = (
-        (options.lang or DEFAULT_BANK) if lang else None,
-        passed(options, "embeddings", "jobs"),
-    )
+    bank = (options.lang or DEFAULT_BANK) if lang else None
+    how = passed(options, "embeddings", "jobs")
     with progress_bar(f"{len(runs)} runs") as show:
         done = run_all(runs, options.out / RUNS, bank=bank, **how, on_step=show)
     print(f"{done} runs done, {len(runs) - done} were there already")

@@ -12,7 +12,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli import ablate, prompts, protocol
-from omnivat.cli.arguments import count, declare, download, flag, passed, path, progress_bar, text
+from omnivat.cli.arguments import (
+    count,
+    declare,
+    download,
+    flag,
+    list_of,
+    passed,
+    path,
+    progress_bar,
+    text,
+)
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import write_json, write_text
 
@@ -35,7 +45,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "workers",
         data=path("folder of the data sets", required=True),
         encoder=text("clip with --weights, else clip-vit-b16", "NAME"),
-        methods=text("of the comparison", "a,b,c"),
+        methods=list_of("of the comparison", "a,b,c"),
         no_ablations=flag("skip the ablations"),
         styles=count("styles of PromptStyler", default=80),
         steps=count("steps for each style", default=100),
@@ -135,7 +145,8 @@ def _run(command: str, module: Any, **options: Any) -> None:
     arguments = []
     for name, values in options.items():
         for value in values if isinstance(values, list) else [values]:
-            arguments += [f"--{name}", str(value)] if value else []
+            words = ",".join(map(str, value)) if isinstance(value, tuple) else str(value or "")
+            arguments += [f"--{name}", words] if words else []
     print(f"\n$ omnivat {command} {' '.join(arguments)}", flush=True)
     parser = argparse.ArgumentParser(prog=f"omnivat {command}")
     module.add(parser)

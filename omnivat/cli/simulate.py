@@ -9,15 +9,10 @@ Chirps are synthetic signals whose class shows at one fractional order only (doc
 """
 
 import argparse
-from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import count, declare, one_of, passed, path, progress_bar
+from omnivat.cli.arguments import count, declare, listed, one_of, passed, path, progress_bar
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
-from omnivat.kit.progress import OnStep
-
-if TYPE_CHECKING:
-    from omnivat.data.pairs import PairSet
 
 CHIRP_OPTIONS = ("order", "strength", "shift")
 SETS = {  # name -> options of other sets
@@ -32,7 +27,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         parser,
         "seed",
         set=one_of(tuple(SETS), "the set to make"),
-        domains={"help": "only these, separated by commas"},
+        domains={"type": listed, "help": "only these, separated by commas"},
         pairs_per_class={"type": int, "help": "60 for sensors and twins, 40 for chirps"},
         examples=path("copy a few test pairs here, as JPEG"),
         examples_per_class=count(
@@ -49,7 +44,9 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Write a set of pairs; existing rendered files are kept."""
     from omnivat.data.pairs import summary_table
-    from omnivat.simulate.build import write_examples
+    from omnivat.simulate.build import simulate, write_examples
+    from omnivat.simulate.chirps import ChirpSettings, write_chirps
+    from omnivat.simulate.twins import simulate_twins
 
     for name in SETS[options.set]:
         if getattr(options, name) is not None:
@@ -57,38 +54,21 @@ def run(options: argparse.Namespace) -> None:
     require_writable(options.out / "pairs.csv")
     if options.examples:
         require_writable(options.examples / "pairs")
-    make = {"sensors": _sensors, "twins": _twins, "chirps": _chirps}[options.set]
-    with progress_bar(
-        "simulate" if options.set == "sensors" else f"simulate {options.set}"
-    ) as show:
-        made = make(options, show)
+    names = (*CHIRP_OPTIONS, "pairs_per_class")
+    given = {name: value for name in names if (value := getattr(options, name)) is not None}
+    how = passed(options, "seed", "workers")
+    with progress_bar(f"simulate {options.set}") as show:
+        if options.set == "chirps":
+            made = write_chirps(
+                options.out, ChirpSettings(seed=options.seed, **given), on_step=show
+            )
+        elif options.set == "twins":
+            each = given.get("pairs_per_class", 60)
+            made = simulate_twins(options.out, each=each, **how, on_step=show)
+        else:
+            made = simulate(options.out, domains=options.domains, **given, **how, on_step=show)
     print(summary_table(made))
     if options.examples:
         files = write_examples(made, options.examples, each=options.examples_per_class)
         size = sum(file.stat().st_size for file in files) / 1e6
         print(f"{len(files) // 2} example pairs in '{options.examples}', {size:.1f} MB")
-
-
-def _sensors(options: argparse.Namespace, show: OnStep) -> "PairSet":
-    from omnivat.simulate.build import simulate
-
-    domains = [name.strip() for name in options.domains.split(",")] if options.domains else None
-    count = {} if options.pairs_per_class is None else {"pairs_per_class": options.pairs_per_class}
-    return simulate(
-        options.out, domains=domains, **passed(options, "seed", "workers"), on_step=show, **count
-    )
-
-
-def _twins(options: argparse.Namespace, show: OnStep) -> "PairSet":
-    from omnivat.simulate.twins import simulate_twins
-
-    each = {} if options.pairs_per_class is None else {"each": options.pairs_per_class}
-    return simulate_twins(options.out, **passed(options, "seed", "workers"), on_step=show, **each)
-
-
-def _chirps(options: argparse.Namespace, show: OnStep) -> "PairSet":
-    from omnivat.simulate.chirps import ChirpSettings, write_chirps
-
-    names = (*CHIRP_OPTIONS, "pairs_per_class")
-    given = {name: value for name in names if (value := getattr(options, name)) is not None}
-    return write_chirps(options.out, ChirpSettings(seed=options.seed, **given), on_step=show)

@@ -19,15 +19,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import (
+    assigned,
     count,
     declare,
     figure,
     head_and_set,
+    head_and_training,
     numbers,
     path,
     progress_bar,
     several,
-    split_settings,
     text,
 )
 from omnivat.kit.errors import SettingsError
@@ -72,10 +73,10 @@ def add(parser: argparse.ArgumentParser) -> None:
         parser.add_argument_group("a head at each order, for --retrained"),
         "lang",
         source={"help": "domain to train on; default: that of --head"},
-        seeds={"help": "such as 0,1,2 (default); maps show the first one's heads"},
+        seeds={"type": numbers, "help": "default: 0,1,2; maps show the first one's heads"},
         jobs=count("processes; default: all cores", 1, 256),
         keep=path("folder of the heads; keeps them"),
-        set=several(setting, "key=value"),
+        set=several(setting, "key=value", type=assigned),
     )
     figure(parser, "the curves against p")
 
@@ -177,31 +178,28 @@ def _retrained(
 ) -> Any:
     """Train the missing heads, and return the frames of all."""
     from omnivat.encoders.embed.pairs import usable_cores
-    from omnivat.head.settings import HeadSettings
-    from omnivat.training import TrainSettings
     from omnivat.training.from_pairs import plan_like
     from omnivat.training.from_pairs.at_stops import heads_at_stops
     from omnivat.training.retrained import MAPS, retrained_frames
 
-    seeds = numbers(options.seeds or "0,1,2")
     plan = plan_like(head, embeddings, source=options.source or "", bank=options.lang)
-    changes = split_settings(options.set, HeadSettings, TrainSettings)
+    of_head, of_training = head_and_training(options.set)
     plan = replace(
         plan,
-        settings=replace(plan.settings, **changes[0]),
-        training=replace(plan.training, **changes[1]),
+        settings=replace(plan.settings, **of_head),
+        training=replace(plan.training, **of_training),
     )
     folder = options.keep or options.out.with_name(options.out.name + ".heads")
+    runs = {"seeds": options.seeds or (0, 1, 2)}
     with progress_bar("train a head at each order") as show:
-        heads_at_stops(
-            plan, orders, folder, seeds=seeds, jobs=options.jobs or usable_cores(), on_step=show
-        )
+        jobs = options.jobs or usable_cores()
+        heads_at_stops(plan, orders, folder, **runs, jobs=jobs, on_step=show)
     with progress_bar("map each head") as show:
         frames = retrained_frames(
             plan,
             orders,
             folder,
-            seeds=seeds,
+            **runs,
             maps=_of(MAPS, wanted),
             measures=wanted["measures"],
             on_step=show,

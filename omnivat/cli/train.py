@@ -9,7 +9,15 @@ the temperatures to the last quarter; --no-calibration skips it.
 
 import argparse
 
-from omnivat.cli.arguments import declare, flag, numbers, passed, progress_bar, split_settings, text
+from omnivat.cli.arguments import (
+    declare,
+    flag,
+    head_and_training,
+    numbers,
+    passed,
+    progress_bar,
+    text,
+)
 from omnivat.kit.errors import SettingsError
 
 
@@ -31,7 +39,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         out="folder for the head",
         seed="seed of weights and batches; default: 0",
         set="a setting of the head or of training, such as width=64 or lr=0.02",
-        repeat=text(repeat, "1,2"),
+        repeat={"type": numbers, "default": (), "metavar": "1,2", "help": repeat},
         no_calibration=flag("keep temperature 1: half the time"),
         resume=flag("resume a stopped training of --out"),
     )
@@ -42,22 +50,21 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.data.store import load_embeddings
     from omnivat.head.checkpoint import require_head_folder, save_head
     from omnivat.head.head import parameter_count
-    from omnivat.head.settings import HeadSettings
     from omnivat.training import STATE, TrainSettings, Watch
     from omnivat.training.from_pairs import plan_training, trained_head
 
-    repeat = numbers(options.repeat, name="--repeat") if options.repeat else ()
     require_head_folder(options.out, also=(STATE,))
-    head_values, train_values = split_settings(options.set, HeadSettings, TrainSettings)
+    head_values, train_values = head_and_training(options.set)
     if options.source == "all":
         _of_all(options)
         return
-    embeddings, how = (
-        load_embeddings(options.embeddings),
-        {**passed(options, "part", "seed"), "bank": options.lang},
-    )
     plan = plan_training(
-        embeddings, options.source, head=head_values, training=TrainSettings(**train_values), **how
+        load_embeddings(options.embeddings),
+        options.source,
+        head=head_values,
+        training=TrainSettings(**train_values),
+        bank=options.lang,
+        **passed(options, "part", "seed"),
     )
     without = f"; {plan.left_out} pairs without a class are left out" if plan.left_out else ""
     print(
@@ -66,12 +73,13 @@ def run(options: argparse.Namespace) -> None:
     if not options.resume:
         (options.out / STATE).unlink(missing_ok=True)
     with progress_bar(f"train on {options.source}") as show:
-        how = {
-            "repeat": repeat,
-            "calibrate": not options.no_calibration,
-            "resume": options.out / STATE,
-        }
-        head = trained_head(plan, **how, watch=Watch(on_step=show))
+        head = trained_head(
+            plan,
+            repeat=options.repeat,
+            calibrate=not options.no_calibration,
+            resume=options.out / STATE,
+            watch=Watch(on_step=show),
+        )
     save_head(options.out, head)
     from omnivat.cli.evaluate import table
 

@@ -29,7 +29,7 @@ from omnivat.kit.errors import DataError
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
 from omnivat.measure.evaluate import inputs_of, label_map, predicted_probabilities
-from omnivat.measure.unseen import counted, of_domains, wilson
+from omnivat.measure.unseen import counted, interval
 
 DRAWS = 10
 Array = NDArray[Any]
@@ -141,7 +141,7 @@ def record(right: Array, domain: NDArray[np.int64], names: Sequence[str]) -> dic
     mean = np.where(made, np.nan_to_num(right).sum(0) / np.maximum((~np.isnan(right)).sum(0), 1), 0)
     masks = {names[d]: made & (domain == d) for d in np.unique(domain[made])}
     counts = [(round(float(mean[rows].sum())), int(rows.sum())) for rows in masks.values()]
-    low, high = of_domains(counts) if len(counts) > 1 else wilson(*counts[0])
+    low, high = interval(counts)
     shares = {name: float(mean[rows].mean()) for name, rows in masks.items()}
     of_draws = [[row[rows] for rows in masks.values()] for row in right]
     each = [[np.nanmean(own) for own in row if not np.isnan(own).all()] for row in of_draws]

@@ -66,8 +66,7 @@ def write_ladder(head: Head, embeddings: Embeddings, place: Path) -> Path:
     """Write the head's ladder next to its set, the file `place`, so that the page need not
     compute it.
     """
-    if head.path is None:
-        raise DataError("Only the ladder of a saved head can be kept; save the head first.")
+    assert head.path is not None, "the ladder of a head that is not saved"
     write_json(
         ladder_file(place), {"of": ladder_key(head.path, place), "ladder": ladder(head, embeddings)}
     )

@@ -46,11 +46,12 @@ class Twins:
     >>> shipped.tac.shape
     (300, 8, 1280)
     >>> touch = shipped.tac / np.linalg.norm(shipped.tac, axis=-1, keepdims=True)
-    >>> gelsight, digit = (touch[:, shipped.header.domains.index(name)] for name in ("TAG-sim", "TQ-DIGIT-sim"))
+    >>> sensors = map(shipped.place, ("TAG-sim", "TQ-DIGIT-sim"))
+    >>> gelsight, digit = (touch[:, sensor] for sensor in sensors)
     >>> nearest = (gelsight @ digit.T).argmax(1)  # a press finds its own twin among 300
     >>> bool((nearest == np.arange(300)).mean() < 0.2)
     True
-    """  # noqa: E501
+    """
 
     vis: Array
     tac: Array

@@ -32,8 +32,6 @@ def wilson(right: float, total: int) -> tuple[float, float]:
     >>> round(low, 3), round(high, 3)
     (0.502, 0.691)
     """
-    if total < 1:
-        return 0.0, 1.0
     share, square = right / total, Z * Z / total
     middle = (share + square / 2) / (1 + square)
     half = Z * np.sqrt(share * (1 - share) / total + square / (4 * total)) / (1 + square)
@@ -52,6 +50,21 @@ def of_domains(counts: Sequence[tuple[int, int]]) -> tuple[float, float]:
     shares = random.binomial(total[drawn], right[drawn] / total[drawn]) / total[drawn]
     low, high = np.quantile(shares.mean(axis=1), [0.025, 0.975])
     return float(low), float(high)
+
+
+def interval(counts: Sequence[tuple[int, int]]) -> tuple[float, float]:
+    """Return the 95 % interval of the mean share over domains: `wilson` for one, else
+    `of_domains`.
+    """
+    return of_domains(counts) if len(counts) > 1 else wilson(*counts[0])
+
+
+def share_of(counts: Sequence[tuple[int, int]]) -> dict[str, float] | None:
+    """Return the mean over domains of (right, total), and its interval; None without domains."""
+    if not counts:
+        return None
+    low, high = interval(counts)
+    return {"share": float(np.mean([r / n for r, n in counts])), "low": low, "high": high}
 
 
 def counted(embeddings: Embeddings, source: str) -> Mask:
@@ -86,16 +99,13 @@ def mean_over_domains(
     return float(np.mean(shares)) if shares else None
 
 
-def judged(keep: NDArray[np.bool_], domain: NDArray[Any], most: int = MOST) -> NDArray[np.int64]:
-    """Return the rows for retrieval: at most `most` for each domain, evenly spaced, ascending."""
-    chosen = [np.zeros(0, dtype=np.int64)]
-    for name in np.unique(domain):
-        own = np.flatnonzero(keep & (domain == name))
-        chosen.append(
-            own
-            if len(own) <= most
-            else own[np.linspace(0, len(own) - 1, most).round().astype(np.int64)]
-        )
+def judged(keep: NDArray[np.bool_], domain: NDArray[Any]) -> NDArray[np.int64]:
+    """Return the rows for retrieval: at most MOST for each domain, evenly spaced, ascending."""
+    chosen = []
+    for index in np.unique(domain):
+        own = np.flatnonzero(keep & (domain == index))
+        even = np.linspace(0, len(own) - 1, min(len(own), MOST)).round().astype(np.int64)
+        chosen.append(own[even])
     return np.sort(np.concatenate(chosen))
 
 
@@ -162,14 +172,14 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
                 "name": name,
                 "is_source": name == head.source,
                 "pairs": int(mask.sum()),
-                **{key: _share(right[mask]) for key, right in shares.items()},
+                **{key: _over(right, mask) for key, right in shares.items()},
             }
             for name, mask in members.items()
         ],
-        "unseen": {name: _over_domains(away, right) for name, right in shares.items()},
+        "unseen": {name: _over(right, *away) for name, right in shares.items()},
         "look_alikes": {
             "pairs": int(alike.sum()),
-            **{key: _share(right[alike]) for key, right in shares.items()},
+            **{key: _over(right, alike) for key, right in shares.items()},
         }
         if alike.any()
         else None,
@@ -183,24 +193,10 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     }
 
 
-def _share(right: Array) -> dict[str, float] | None:
-    """Return a share with its interval, or None without pairs. NaN values are skipped."""
-    right = right[~np.isnan(right)]
-    if not len(right):
-        return None
-    low, high = wilson(int(right.sum()), len(right))
-    return {"share": float(right.mean()), "low": low, "high": high}
-
-
-def _over_domains(away: Sequence[Mask], right: Array) -> dict[str, float] | None:
-    """Return the mean over unseen domains with its interval, or None without any."""
-    known = ~np.isnan(right)
-    masks = [mask & known for mask in away if mask.any()]
-    counts = [(int(right[mask].sum()), int(mask.sum())) for mask in masks]
-    if not counts:
-        return None
-    low, high = of_domains(counts)
-    return {"share": float(np.mean([r / n for r, n in counts])), "low": low, "high": high}
+def _over(right: Array, *masks: Mask) -> dict[str, float] | None:
+    """Return `share_of` the pairs of each mask. NaN values are skipped."""
+    parts = [right[mask & ~np.isnan(right)] for mask in masks]
+    return share_of([(int(part.sum()), len(part)) for part in parts if len(part)])
 
 
 @torch.inference_mode()

@@ -19,8 +19,8 @@ from omnivat.kit.seeding import derive_seed
 from omnivat.measure.evaluate import label_map, predicted_probabilities
 from omnivat.measure.known import measured, pairs
 from omnivat.measure.unseen import wilson
-from omnivat.study.shift.probe import VIEWS, fitted_probe, raw_of
-from omnivat.study.shift.reading import Features
+from omnivat.study.shift.probe import fitted_probe, raw_of
+from omnivat.study.shift.reading import VIEWS, Features
 from omnivat.training import TrainSettings, Watch, train
 from omnivat.training.from_pairs import TrainingPlan, plan_training, trained_head
 from omnivat.training.training import steps_of
@@ -74,7 +74,7 @@ def try_pairs(
     plan = _plan(features, source, seed)
     each = plan.training.epochs * steps_of(len(plan.pairs), plan.training)
     watch, whole = Watch(on_step=on_step), (len(folds) + 1) * each
-    names = [name for view in _views(features) for name in (view, probe_of(view))]
+    names = [name for view in features.views for name in (view, probe_of(view))]
     said = {name: np.full(len(own), -1) for name in names}
     for k, out in enumerate(folds):
         fit = own[~out]
@@ -113,11 +113,6 @@ def try_pairs(
         )
     lines.append(conclusion(records, source))
     return Trial(head=head, lines=lines, records=records)
-
-
-def _views(features: Features) -> tuple[str, ...]:
-    """Return the readings of a set: one modality, or both and each alone."""
-    return tuple(VIEWS) if len(features.modalities) == 2 else features.modalities
 
 
 def _plan(features: Features, source: str, seed: int, rows: Rows | None = None) -> TrainingPlan:
@@ -164,7 +159,7 @@ def _answers(features: Features, model: Any, fit: Rows, rows: Rows) -> dict[str,
     """
     data = features.embeddings
     maps = fitted_probe(raw_of(features, fit), data.label[fit])(raw_of(features, rows))
-    return _predicted(model, data, rows, _views(features)) | {
+    return _predicted(model, data, rows, features.views) | {
         probe_of(view): labels for view, labels in maps.items()
     }
 

@@ -106,7 +106,7 @@ def test_a_gap_in_the_table_is_a_measure_of_the_sweep(added, monkeypatch):
             scored=torch.ones(4, dtype=torch.bool),
         )  # fmt: skip
         rows = {"vis": torch.eye(4), "tac": torch.eye(4)}
-        assert float(dict(measures.STAGE_MEASURES[name](rows, facts))[""]) >= 0
+        assert float(dict(measures.ROW_MEASURES[name](rows, facts))[""]) >= 0
     reload(measures)
 
 

@@ -17,7 +17,13 @@ from omnivat.kit.files import write_csv, write_json
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.stages import STILL
 from omnivat.maps.sweep.walk import AtOrder, require_known, walk
-from omnivat.measure.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES, SUM_MEASURES, Facts
+from omnivat.measure.gaps.measures import (
+    PREDICTION_MEASURES,
+    ROW_MEASURES,
+    STAGE_MEASURES,
+    SUM_MEASURES,
+    Facts,
+)
 from omnivat.measure.gaps.unit import unit
 
 Curves = Mapping[str, Sequence[float | None]]
@@ -99,7 +105,7 @@ def sweep(
         label=facts.labels.cpu().numpy(),
         probabilities=np.zeros((len(orders), count, len(model.settings.classes)), dtype=np.float32),
     )
-    summed = all(name in SUM_MEASURES for name in measures if name in STAGE_MEASURES)
+    summed = not any(name in ROW_MEASURES for name in measures)
     walked = walk(
         model,
         embeddings,
@@ -126,14 +132,14 @@ def measured(
         features, sums = at_order.features.get(stage, {}), at_order.sums.get(stage)
         if sums is None and any(name in SUM_MEASURES for name in measures):
             sums = facts.sums()
-            sums.add(features, facts.labels, facts.domains)
+            sums.add(features)
         units: dict[str, Tensor] = {}
         for name in (name for name in measures if name in STAGE_MEASURES):
             if name in SUM_MEASURES and sums is not None:
                 values = SUM_MEASURES[name](sums, facts)
             else:
                 units = units or {modality: unit(rows) for modality, rows in features.items()}
-                values = STAGE_MEASURES[name](units, facts)
+                values = ROW_MEASURES[name](units, facts)
             for suffix, value in values:
                 variant, _, domain = suffix.partition("/")
                 tail = f"/{domain}" if domain else ""

@@ -104,7 +104,7 @@ class _Found:
         """Add the features of some rows, or their predictions if the stage is ""."""
         if stage and (facts := self.facts) is not None:
             sums = self.sums.setdefault(stage, facts.sums())
-            sums.add(batch, facts.labels[rows], facts.domains[rows])
+            sums.add(batch, rows)
             return
         into = self.whole.setdefault(stage, {})
         for name, values in batch.items():

@@ -6,14 +6,13 @@ from torch import Tensor
 
 from omnivat.kit.shapes import require_shapes
 
+BINS = 15  # equal steps of confidence from 0 to 1; a border belongs to the lower bin
 
-def ece(
-    probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"], *, bins: int = 15
-) -> Float[Tensor, ""]:
+
+def ece(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float[Tensor, ""]:
     """Expected calibration error: mean over pairs of |accuracy - confidence| in the pair's bin.
 
     probabilities  rows that add up to 1; confidence is a row's largest entry
-    bins           equal steps of confidence from 0 to 1; a border belongs to the lower bin
     return         in [0, 1]; NaN for no pairs
 
     Source: Guo et al., ICML 2017.
@@ -27,9 +26,9 @@ def ece(
     if not len(labels):
         return probabilities.new_tensor(float("nan"))
     confidence, predicted = probabilities.max(1)
-    place = ((confidence * bins).ceil().long() - 1).clamp(0, bins - 1)
+    place = ((confidence * BINS).ceil().long() - 1).clamp(0, BINS - 1)
     surplus = (predicted == labels).to(confidence.dtype) - confidence
-    by_bin = confidence.new_zeros(bins).index_add_(0, place, surplus)
+    by_bin = confidence.new_zeros(BINS).index_add_(0, place, surplus)
     return by_bin.abs().sum() / len(labels)
 
 
@@ -45,29 +44,21 @@ def nll(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float
     return -own.clamp_min(1e-12).log().mean()
 
 
-def risk_coverage(
-    probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]
-) -> Float[Tensor, " N"]:
-    """Return the error rate of the n most confident pairs, n = 1 .. N.
-
-    Confidence is a row's largest entry. Pairs with equal confidence keep their order.
-    Source: Geifman and El-Yaniv, NeurIPS 2017.
-    """
-    require_shapes(probabilities=(probabilities, "N K"), labels=(labels, "N"))
-    confidence, predicted = probabilities.max(1)
-    order = confidence.argsort(descending=True, stable=True)
-    wrong = (predicted != labels)[order].to(confidence.dtype)
-    count = torch.arange(1, len(labels) + 1, dtype=confidence.dtype)
-    risk: Tensor = wrong.cumsum(0) / count
-    return risk
-
-
 def aurc(probabilities: Float[Tensor, "N K"], labels: Int[Tensor, " N"]) -> Float[Tensor, ""]:
-    """Area under the risk-coverage curve: its mean over coverage, in [0, 1]; NaN for no pairs.
+    """Area under the risk-coverage curve, in [0, 1]; NaN for no pairs.
+
+    The mean over n = 1 .. N of the error rate of the n most confident pairs. Confidence is a row's
+    largest entry; pairs with equal confidence keep their order. Source: Geifman and El-Yaniv,
+    NeurIPS 2017.
 
     >>> import torch
     >>> shares = torch.tensor([[0.9, 0.1], [0.6, 0.4]])  # the second one is wrong, and less sure
     >>> aurc(shares, torch.tensor([0, 1])), aurc(shares, torch.tensor([1, 0]))
     (tensor(0.2500), tensor(0.7500))
     """
-    return risk_coverage(probabilities, labels).mean()
+    require_shapes(probabilities=(probabilities, "N K"), labels=(labels, "N"))
+    confidence, predicted = probabilities.max(1)
+    order = confidence.argsort(descending=True, stable=True)
+    wrong = (predicted != labels)[order].to(confidence.dtype)
+    risks: Tensor = wrong.cumsum(0) / torch.arange(1, len(labels) + 1, dtype=confidence.dtype)
+    return risks.mean()

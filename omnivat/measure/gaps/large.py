@@ -36,7 +36,7 @@ class Moments:
     origin: Float64[Tensor, " W"]
     count: int
     sum: Float64[Tensor, " W"]
-    products: Float64[Tensor, "W W"] | None  # for covariances
+    products: Float64[Tensor, "W W"]  # for covariances; else empty
 
     @classmethod
     def of(
@@ -45,15 +45,16 @@ class Moments:
         """Return the moments of rows."""
         rows = rows - origin.to(rows)
         total = rows.sum(0, dtype=torch.float64)
-        products = (rows.T @ rows).double() if squares else None
+        products = (rows.T @ rows).double() if squares else total.new_zeros(0)
         return cls(origin=origin, count=len(rows), sum=total, products=products)
 
     def __add__(self, other: "Moments") -> "Moments":
-        products = self.products
-        if products is not None and other.products is not None:
-            products = products + other.products
-        count, total = self.count + other.count, self.sum + other.sum
-        return Moments(origin=self.origin, count=count, sum=total, products=products)
+        return Moments(
+            origin=self.origin,
+            count=self.count + other.count,
+            sum=self.sum + other.sum,
+            products=self.products + other.products,
+        )
 
     @property
     def mean(self) -> Float64[Tensor, " W"]:
@@ -62,7 +63,6 @@ class Moments:
     @cached_property
     def root(self) -> Float64[Tensor, "W W"]:
         """R with RᵀR the covariance."""
-        assert self.products is not None
         spread = self.products - torch.outer(self.sum, self.sum) / self.count
         values, axes = torch.linalg.eigh(spread / max(1, self.count - 1))
         root: Tensor = values.clamp_min(0).sqrt()[:, None] * axes.T
@@ -93,14 +93,12 @@ def moments_of(
     random = np.random.default_rng(derive_seed(0, "halves"))
     half = 2 * domain + random.integers(2, size=len(domain))
     found: dict[str, dict[int, Moments]] = {"vis": {}, "tac": {}}
-    origins: dict[str, Tensor] = {}
     for some, features in blocks:
         for name, into in found.items():
-            origin = origins.setdefault(name, features[name].double().mean(0))
+            rows = features[name]
+            origin = into[min(into)].origin if into else rows.double().mean(0)
             for index in np.unique(half[some]).tolist():
-                members = torch.from_numpy(np.flatnonzero(half[some] == index))
-                rows = features[name][members.to(features[name].device)]
-                moments = Moments.of(rows, origin, squares=squares)
+                moments = Moments.of(rows[half[some] == index], origin, squares=squares)
                 into[index] = into[index] + moments if index in into else moments
     parts = {
         name: {k: [of[h] for h in (2 * k, 2 * k + 1) if h in of] for k in np.unique(domain)}
@@ -113,15 +111,13 @@ def moments_of(
     return sets, {m: reduce(add, own.values()) for m, own in sets.items()}, halves
 
 
-def drawn(
-    domain: Index, *, seed: int = 0
-) -> tuple[Int64[np.ndarray, " M"], Int64[np.ndarray, " S"]]:
+def drawn(domain: Index) -> tuple[Int64[np.ndarray, " M"], Int64[np.ndarray, " S"]]:
     """Draw pairs of each domain; return their rows by domain, and which represent the whole set.
 
     A domain with at most DRAWN / domains (or LEAST) pairs is whole; the second result holds the
     same share of each domain.
     """
-    random = np.random.default_rng(derive_seed(seed, "drawn pairs"))
+    random = np.random.default_rng(derive_seed(0, "drawn pairs"))
     sizes = np.bincount(domain)
     most = max(LEAST, DRAWN // int(np.count_nonzero(sizes)))
     share = min(1.0, most / int(sizes.max()))
@@ -138,22 +134,14 @@ def parts_of(
     points: Float[Tensor, "_ W"],
     domain: Index,
     names: Sequence[str],
-    alike: Int64[np.ndarray, " S"] | None = None,
+    alike: Int64[np.ndarray, " S"] | slice = slice(None),
 ) -> tuple[Sets, dict[str, Float[Tensor, "_ W"]]]:
     """Return modality -> domain -> rows, and modality -> the rows that represent the set.
 
     points  VIS, then TAC
-    alike   of `drawn`; None: all rows
+    alike   of `drawn`; default: all rows
     """
     each = dict(zip(("vis", "tac"), points.chunk(2), strict=True))
-    members = {names[k]: np.flatnonzero(domain == k) for k in np.unique(domain).tolist()}
-    sets = {name: {n: _of(rows, own) for n, own in members.items()} for name, rows in each.items()}
-    if alike is None:
-        return sets, each
-    return sets, {name: _of(rows, alike) for name, rows in each.items()}
-
-
-def _of(rows: Float[Tensor, "_ W"], index: Index) -> Float[Tensor, "_ W"]:
-    """Return some rows, ascending; without a copy if they lie together."""
-    start, stop = int(index[0]), int(index[-1]) + 1
-    return rows[start:stop] if stop - start == len(index) else rows[torch.from_numpy(index)]
+    present = np.unique(domain).tolist()
+    sets = {name: {names[k]: rows[domain == k] for k in present} for name, rows in each.items()}
+    return sets, {name: rows[alike] for name, rows in each.items()}

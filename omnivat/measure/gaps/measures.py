@@ -49,8 +49,8 @@ class Facts:
         yield from ((k, name) for k, name in enumerate(self.domain_names) if sizes[k])
 
     def sums(self) -> Sums:
-        """Return empty sums; `Sums.add` takes the labels and domains of this record."""
-        return Sums(len(self.class_names), len(self.domain_names))
+        """Return empty sums of these pairs."""
+        return Sums(self.labels, self.domains)
 
 
 def modality_gaps(sums: Sums, facts: Facts) -> Values:
@@ -121,31 +121,21 @@ def scores(
             yield f":{name}/all", score(probabilities[name][kept], facts.labels[kept])
 
 
-Measure = Callable[[Features, Facts], Values]
-SumMeasure = Callable[[Sums, Facts], Values]
-
-
-def by_sums(features: Features, facts: Facts, *, measure: SumMeasure) -> Values:
-    sums = facts.sums()
-    sums.add(features, facts.labels, facts.domains)
-    yield from measure(sums, facts)
-
-
-# of the sums of a stage: rows need not be in memory together; `domain_gap` is the centroid gap
-SUM_MEASURES: dict[str, SumMeasure] = {
+# Curve names are measure[:variant]/stage[/domain]. Of the sums of a stage, whose rows need not be
+# in memory together; `domain_gap` is the centroid gap.
+SUM_MEASURES: dict[str, Callable[[Sums, Facts], Values]] = {
     "modality_gap": modality_gaps,
     "domain_gap": domain_gaps,
     "margin": margins,
 }
-
-# of the features of a stage: curve names are measure[:variant]/stage[/domain]
-STAGE_MEASURES: dict[str, Measure] = {
-    **{name: partial(by_sums, measure=measure) for name, measure in SUM_MEASURES.items()},
-    **{name: partial(mean_pairwise, gap=name) for name in GAPS if name != "centroid"},
+# of the unit rows of a stage
+ROW_MEASURES: dict[str, Callable[[Features, Facts], Values]] = {
+    name: partial(mean_pairwise, gap=name) for name in GAPS if name != "centroid"
 }
+STAGE_MEASURES = (*SUM_MEASURES, *ROW_MEASURES)
 
 # of predictions: curve names are measure[:modality]/all or measure/domain; confusion/truth>class
-PREDICTION_MEASURES: dict[str, Measure] = {
+PREDICTION_MEASURES: dict[str, Callable[[Features, Facts], Values]] = {
     "accuracy": partial(scores, score=lambda p, labels: accuracy(labels, p.argmax(1))),
     "macro_f1": partial(scores, score=lambda p, labels: macro_f1(labels, p.argmax(1))),
     "macro_f1_union": partial(

@@ -15,7 +15,7 @@ from omnivat.kit.shapes import require_shapes
 from omnivat.measure.gaps.centroid import centroid_gap
 from omnivat.measure.gaps.unit import Estimate, require_rows, unit
 
-BLOCK, ACROSS = 1024, 16_384  # rows and columns of a kernel matrix held at once
+BLOCK = 1024  # rows of a kernel matrix held at once
 MOST_ROWS = 20_000  # of both sets together, up to which the kernel is summed exactly
 GROUPS, FEATURES, SAMPLE = 16, 64, 2048  # of random Fourier features, and of rows, for more
 
@@ -34,58 +34,51 @@ def mmd_linear(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor
     return centroid_gap(a, b).square()
 
 
-def mmd_rbf(
-    a: Float[Tensor, "N D"], b: Float[Tensor, "M D"], *, gamma: float | None = None
-) -> Float[Tensor, ""]:
+def mmd_rbf(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, ""]:
     """Squared MMD with the kernel exp(-gamma |x - y|²), on unit rows.
 
-    gamma   inverse squared width; by default, one over the mean squared distance of two rows of
-            both sets together, which needs no kernel matrix and is symmetric in a and b
     return  in [0, 2]; 0 for equal sets. Unlike the linear kernel, it compares more than means
 
-    Costs O((N + M)² D) up to MOST_ROWS rows of both together, and holds BLOCK² numbers of the
-    kernel at once. Beyond, it is estimated by `mmd_rbf_estimate`, at a cost that does not depend on
-    N and M. Raises ShapeError for an empty set or differing widths. Source: Gretton et al., JMLR
-    13:723-773, 2012.
+    gamma is one over the mean squared distance of two rows of both sets together, which needs no
+    kernel matrix and is symmetric in a and b. Costs O((N + M)² D) up to MOST_ROWS rows of both
+    together, and holds BLOCK rows of the kernel at once. Beyond, it is estimated by
+    `mmd_rbf_estimate`, at a cost that does not depend on N and M. Raises ShapeError for an empty
+    set or differing widths. Source: Gretton et al., JMLR 13:723-773, 2012.
 
     >>> a, b = torch.tensor([[1.0, 0.0]] * 3), torch.tensor([[0.0, 1.0]] * 3)
     >>> round(float(mmd_rbf(a, a)), 3), round(float(mmd_rbf(a, b)), 3)
     (0.0, 1.729)
     """
+    if len(a) + len(b) > MOST_ROWS:
+        return mmd_rbf_estimate(a, b).value
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(1, a=a, b=b)
-    if len(a) + len(b) > MOST_ROWS:
-        return mmd_rbf_estimate(a, b, gamma=gamma).value
     a, b = unit(a), unit(b)
-    share = len(a) / (len(a) + len(b))
-    width = _gamma(a, b, share) if gamma is None else torch.as_tensor(gamma, dtype=a.dtype)
+    width = _gamma(a, b, len(a) / (len(a) + len(b)))
     same = _mean_kernel(a, a, width) + _mean_kernel(b, b, width)
     return (same - 2 * _mean_kernel(a, b, width)).clamp_min(0)
 
 
-def mmd_rbf_estimate(
-    a: Float[Tensor, "N D"], b: Float[Tensor, "M D"], *, gamma: float | None = None, seed: int = 0
-) -> Estimate:
+def mmd_rbf_estimate(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Estimate:
     """Estimate `mmd_rbf` by random Fourier features of random rows, with its standard error.
 
     return  the mean over GROUPS groups of FEATURES features and at most SAMPLE rows of each set.
             Groups share no rows, so they are independent also where the rows themselves were drawn
-            from a larger set, and their spread gives the error. The same seed gives the same value
+            from a larger set, and their spread gives the error. The same in every call
 
     For a frequency w and S of N rows, m the mean of exp(iwx) over them, (S|m|² - 1) / (S - 1) has
     the mean of (N|φ|² - 1) / (N - 1), where φ is the mean over all rows. At most SAMPLE rows are
-    all in each group. Without `gamma`, each group has that of its rows. Costs O(D GROUPS FEATURES
-    SAMPLE), however many rows there are, and holds SAMPLE rows. Source: Rahimi and Recht, NeurIPS
-    2007; Sutherland and Schneider, UAI 2015.
+    all in each group. Each group has the gamma of its rows. Costs O(D GROUPS FEATURES SAMPLE),
+    however many rows there are, and holds SAMPLE rows. Source: Rahimi and Recht, NeurIPS 2007;
+    Sutherland and Schneider, UAI 2015.
     """
     require_shapes(a=(a, "N D"), b=(b, "M D"))
     require_rows(1, a=a, b=b)
-    generator = torch.Generator().manual_seed(derive_seed(seed, "mmd features"))
+    generator = torch.Generator().manual_seed(derive_seed(0, "mmd features"))
     each = []
     for some in zip(_groups(a, generator), _groups(b, generator), strict=True):
         drawn = torch.randn(a.shape[1], FEATURES, generator=generator, dtype=a.dtype)
-        width = _gamma(*some, len(a) / (len(a) + len(b))) if gamma is None else gamma
-        waves = drawn.to(a.device) * (2 * torch.as_tensor(width, dtype=a.dtype)).sqrt()
+        waves = drawn.to(a.device) * (2 * _gamma(*some, len(a) / (len(a) + len(b)))).sqrt()
         of_a, square_a = _waves(some[0], waves, len(a))
         of_b, square_b = _waves(some[1], waves, len(b))
         each.append((square_a + square_b - 2 * (of_a * of_b).sum(0)).mean())
@@ -129,24 +122,16 @@ def _mean_kernel(
     x: Float[Tensor, "N D"], y: Float[Tensor, "M D"], gamma: Float[Tensor, ""]
 ) -> Float[Tensor, ""]:
     """Mean kernel of all rows of x with all rows of y; for one set, each pair of blocks once."""
+
+    def summed(rows: Tensor, others: Tensor) -> Tensor:
+        lengths = rows.square().sum(1, keepdim=True) + others.square().sum(1)
+        return (-gamma * (lengths - 2 * rows @ others.T).clamp_min(0)).exp().sum()
+
     total = x.new_zeros(())
     for start in range(0, len(x), BLOCK):
         rows = x[start : start + BLOCK]
         if x is y:
-            total = (
-                total + _summed(rows, rows, gamma) + 2 * _summed(rows, x[start + BLOCK :], gamma)
-            )
+            total += summed(rows, rows) + 2 * summed(rows, x[start + BLOCK :])
         else:
-            total = total + _summed(rows, y, gamma)
+            total += summed(rows, y)
     return total / (len(x) * len(y))
-
-
-def _summed(
-    x: Float[Tensor, "N D"], y: Float[Tensor, "M D"], gamma: Float[Tensor, ""]
-) -> Float[Tensor, ""]:
-    """Sum of the kernel over all rows of x and all rows of y."""
-    total, own = x.new_zeros(()), x.square().sum(1, keepdim=True)
-    for others in y.split(ACROSS):
-        distance = own + others.square().sum(1) - 2 * x @ others.T
-        total = total + (-gamma * distance.clamp_min(0)).exp().sum()
-    return total

@@ -20,67 +20,45 @@ Cosines = tuple[Float64[Tensor, ""], Float64[Tensor, ""]]
 
 
 class Sums:
-    """Sums over the added rows, for each cell: a class in a domain that has pairs.
+    """Sums over N pairs, for each cell: a class in a domain that has pairs.
 
-    cells    by "vis", "tac" and "pair", in the order in which the K cells appeared
-    sizes    pairs of each cell
+    labels, domains  of the pairs, whose features `add` takes some at a time
+    cells    by "vis", "tac" and "pair", (K, W), ascending by class, then domain
+    sizes    (K,) pairs of each cell
     squares  by the same names, sum of squared lengths; a row of zeros stays zero
     own      sum of the cosines between the two rows of each contact
     """
 
-    def __init__(self, classes: int, domains: int) -> None:
+    def __init__(self, labels: Int[Tensor, " N"], domains: Int[Tensor, " N"]) -> None:
+        most = int(domains.max()) + 1 if len(domains) else 1
+        names, self._cell, sizes = (labels * most + domains).unique(
+            return_inverse=True, return_counts=True
+        )
+        self._class, self._domain, self.sizes = names // most, names % most, sizes.double()
         self.cells: dict[str, Float64[Tensor, "K W"]] = {}
-        self.sizes: Float64[Tensor, " K"] = torch.zeros(0, dtype=torch.float64)
         self.squares: dict[str, Float64[Tensor, ""]] = {}
-        self.own: Float64[Tensor, ""] = torch.zeros((), dtype=torch.float64)
-        self._domains = domains
-        self._slots = torch.full((classes * domains,), -1)  # of class * domains + domain
-        self._names = torch.zeros(0, dtype=torch.long)  # (K,) that number of each cell
+        self.own = self.sizes.new_zeros(())
 
-    def add(
-        self,
-        features: Mapping[str, Float[Tensor, "B W"]],
-        labels: Int[Tensor, " B"],
-        domains: Int[Tensor, " B"],
-    ) -> None:
-        """Add pairs: "vis", "tac" or both, of any length."""
+    def add(self, features: Mapping[str, Float[Tensor, "B W"]], rows: slice = slice(None)) -> None:
+        """Add the features of the pairs `rows`: "vis", "tac" or both, of any length."""
+        parts = (values.split(AT_ONCE) for values in features.values())
         for some, cell in zip(
-            zip(*(rows.split(AT_ONCE) for rows in features.values()), strict=True),
-            (labels * self._domains + domains).split(AT_ONCE),
-            strict=True,
+            zip(*parts, strict=True), self._cell[rows].split(AT_ONCE), strict=True
         ):
-            self._add({name: unit(part) for name, part in zip(features, some, strict=True)}, cell)
-
-    def _add(self, rows: dict[str, Float[Tensor, "B W"]], cell: Int[Tensor, " B"]) -> None:
-        both = [*rows.values()]
-        if len(both) == 2:
-            rows[PAIR] = unit(both[0] + both[1])
-        if not self.cells:
-            device = cell.device
-            self.sizes, self.own = self.sizes.to(device), self.own.to(device)
-            self._slots, self._names = self._slots.to(device), self._names.to(device)
-            self.cells = {name: self.own.new_zeros(0, some.shape[1]) for name, some in rows.items()}
-            self.squares = {name: self.own.clone() for name in rows}
-        if (self._slots[cell] < 0).any():  # new cells get places at the end
-            new = cell[self._slots[cell] < 0].unique()
-            held = len(self._names)
-            self._slots[new] = torch.arange(held, held + len(new), device=new.device)
-            self._names = torch.cat([self._names, new])
-            self.sizes = torch.cat([self.sizes, self.sizes.new_zeros(len(new))])
-            for name, sums in self.cells.items():
-                self.cells[name] = torch.cat([sums, sums.new_zeros(len(new), sums.shape[1])])
-        slots = self._slots[cell]
-        for name, some in rows.items():
-            self.cells[name].index_add_(0, slots, some.double())
-            self.squares[name] += some.square().sum().double()
-        if len(both) == 2:
-            self.own += (both[0] * both[1]).sum().double()
-        self.sizes += torch.bincount(slots, minlength=len(self.sizes))
+            units = dict(zip(features, map(unit, some), strict=True))
+            if len(units) == 2:
+                self.own += (units["vis"] * units["tac"]).sum().double()
+                units[PAIR] = unit(units["vis"] + units["tac"])
+            for name, values in units.items():
+                if name not in self.cells:
+                    self.cells[name] = self.own.new_zeros(len(self.sizes), values.shape[1])
+                    self.squares[name] = self.own.new_zeros(())
+                self.cells[name].index_add_(0, cell, values.double())
+                self.squares[name] += values.square().sum().double()
 
     def centroid_gap(self, domain: int | None = None) -> Float64[Tensor, ""]:
         """Distance between the mean directions of VIS and TAC, of all pairs or of one domain."""
-        every = torch.ones_like(self._names, dtype=torch.bool)
-        chosen = every if domain is None else self._names % self._domains == domain
+        chosen = slice(None) if domain is None else self._domain == domain
         apart = (self.cells["vis"] - self.cells["tac"])[chosen].sum(0)
         gap: Tensor = (apart / self.sizes[chosen].sum()).norm()
         return gap
@@ -125,10 +103,10 @@ class Sums:
         or "all".
         """
         of_cell = {
-            "class": self._names // self._domains,
-            "domain": self._names % self._domains,
-            "cell": self._names,
-            "all": torch.zeros_like(self._names),
+            "class": self._class,
+            "domain": self._domain,
+            "cell": torch.arange(len(self.sizes), device=self.sizes.device),
+            "all": torch.zeros_like(self._class),
         }
         groups, group = of_cell[kind].unique(return_inverse=True)
         sums = self.cells[name].new_zeros(len(groups), self.cells[name].shape[1])
@@ -166,6 +144,6 @@ def sums_of(
     require_shapes(
         labels=(labels, "N"), domains=(domains, "N"), **{n: (x, "N D") for n, x in features.items()}
     )
-    sums = Sums(*(int(index.max()) + 1 if len(index) else 1 for index in (labels, domains)))
-    sums.add(features, labels, domains)
+    sums = Sums(labels, domains)
+    sums.add(features)
     return sums

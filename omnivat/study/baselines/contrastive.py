@@ -16,7 +16,7 @@ from torch.nn.functional import cross_entropy, normalize
 from omnivat.kit.stages import IMAGES
 from omnivat.study.baselines.contract import Fitted, Source, joined, sized
 from omnivat.study.baselines.descent import Descent, learned, size
-from omnivat.study.baselines.logistic import View, fit_logistic
+from omnivat.study.baselines.logistic import fit_logistic
 
 WIDTH, TEMPERATURE = 128, 0.07  # as published, in both
 HOW = Descent(lr=0.03, epochs=40, batch=128)
@@ -65,22 +65,15 @@ def fit_vt_cmc(source: Source) -> Fitted:
         seen, touched = _unit(maps["vis"], vis), _unit(maps["tac"], tac)
         return {"vis": seen, "tac": touched, "pair": torch.cat((seen, touched), dim=-1)}
 
-    def view(name: str) -> View:
-        return lambda pairs: features(pairs.vis, pairs.tac)[name]
+    def probe(name: str) -> Fitted:
+        return fit_logistic(source, lambda vis, tac: features(vis, tac)[name])
 
-    probes = {name: fit_logistic(source, view(name)) for name in (*IMAGES, "pair")}
-
-    def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
-        found = {
-            name: probes[name].probabilities(rows) for name, rows in features(vis, tac).items()
-        }
-        return {"fused": found.pop("pair"), **found}
-
-    both = probes["pair"]
+    seen, touched, both = map(probe, (*IMAGES, "pair"))
+    readings = {"fused": both, "vis": seen, "tac": touched}
     return Fitted(
-        predict=predict,
+        predict=lambda vis, tac: {n: one.predict(vis, tac)["fused"] for n, one in readings.items()},
         features=features,
-        chosen={"C": both.strength, "scaling": "unit"},
+        chosen={**both.chosen, "scaling": "unit"},
         parameters=size(maps) + both.parameters,
     )
 
@@ -97,16 +90,16 @@ def fit_sitr(source: Source) -> Fitted:
         )
 
     seen, touched = projection(0), projection(1)
-    of_vis = fit_logistic(source, lambda pairs: _unit(seen, pairs.vis))
-    of_tac = fit_logistic(source, lambda pairs: _unit(touched, pairs.tac))
+    of_vis = fit_logistic(source, lambda vis, tac: _unit(seen, vis))
+    of_tac = fit_logistic(source, lambda vis, tac: _unit(touched, tac))
 
     def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
-        felt = of_tac.probabilities(_unit(touched, tac))
-        return {"fused": felt, "vis": of_vis.probabilities(_unit(seen, vis)), "tac": felt}
+        felt = of_tac.predict(vis, tac)["fused"]
+        return {"fused": felt, "vis": of_vis.predict(vis, tac)["fused"], "tac": felt}
 
     return Fitted(
         predict=predict,
         features=lambda vis, tac: joined(_unit(seen, vis), _unit(touched, tac)),
-        chosen={"C of TAC": of_tac.strength},
+        chosen={"C of TAC": of_tac.chosen["C"]},
         parameters=size(touched) + of_tac.parameters,
     )

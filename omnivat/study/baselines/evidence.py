@@ -1,7 +1,6 @@
 """Source-side evidence: scores of candidate settings on held-out objects of the source."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import TypeVar
 
 import torch
@@ -33,28 +32,6 @@ def folds(source: Source, repeats: int = REPEATS) -> list[tuple[Tensor, Tensor]]
     return found
 
 
-@dataclass(slots=True)
-class Score:
-    """Held-out predictions, summed over folds."""
-
-    right: int = 0
-    loss: float = 0.0
-
-    def add(self, probabilities: Tensor, labels: Tensor) -> None:
-        """Add one fold's predictions: probabilities (B, K), labels (B,)."""
-        self.right += int((probabilities.argmax(-1) == labels).sum())
-        self.loss += float(nll(probabilities, labels))
-
-    @property
-    def rank(self) -> tuple[float, int]:
-        """The quantity to maximise: minus the log loss, which is finer near 100 %, then accuracy.
-
-        Few objects are held out, so accuracy ties or depends on one object. It would choose any of
-        seven powers of ten for a regression's C.
-        """
-        return -self.loss, self.right
-
-
 def best(
     source: Source,
     candidates: Mapping[str, C],
@@ -69,10 +46,15 @@ def best(
     """
     if found := [name for name in candidates if name in source.settled]:
         return found[0]
-    scores = {name: Score() for name in candidates}
+    # Minus the log loss, which is finer near 100 %, then right answers: few objects are held out,
+    # so accuracy ties, or depends on one object.
+    ranks = dict.fromkeys(candidates, (0.0, 0))
     for rows, held in folds(source, repeats) if len(candidates) > 1 else []:
         part, rest = source.select(rows), source.select(held)
         for name, candidate in candidates.items():
             checkpoint()
-            scores[name].add(fit(part, candidate).predict(rest.vis, rest.tac)["fused"], rest.labels)
-    return max(scores, key=lambda name: scores[name].rank)  # the first one of equals
+            shares = fit(part, candidate).predict(rest.vis, rest.tac)["fused"]
+            gain, right = ranks[name]
+            right += int((shares.argmax(-1) == rest.labels).sum())
+            ranks[name] = gain - float(nll(shares, rest.labels)), right
+    return max(ranks, key=ranks.__getitem__)  # the first one of equals

@@ -1,57 +1,37 @@
 """Logistic regression on a view of the source, its penalty chosen on held-out objects."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import replace
+from functools import partial
 
 from torch import Tensor
 from torch.nn.functional import linear
 
-from omnivat.kit.logistic import Problem, scaling, solve
-from omnivat.study.baselines.contract import Source
-from omnivat.study.baselines.evidence import Score, folds
+from omnivat.kit.logistic import scaling, solve
+from omnivat.study.baselines.contract import Fitted, Source
+from omnivat.study.baselines.evidence import best
 
-STRENGTHS = tuple(10.0**power for power in range(-5, 5))  # C: the inverse of the penalty
-View = Callable[[Source], Tensor]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Logistic:
-    """A fitted regression: scaling, weight (K, D) and bias (K,), all float64."""
-
-    scaling: Callable[[Tensor], Tensor]
-    weight: Tensor
-    bias: Tensor
-    strength: float
-
-    def probabilities(self, rows: Tensor) -> Tensor:
-        """Return class probabilities (B, K) of rows (B, D), in their precision."""
-        scaled = self.scaling(rows.double())
-        return linear(scaled, self.weight, self.bias).softmax(-1).to(rows.dtype)
-
-    @property
-    def parameters(self) -> int:
-        return self.weight.numel() + self.bias.numel()
+STRENGTHS = {f"{c:g}": c for c in (1.0, *(10.0**power for power in range(-5, 5)))}  # C
+View = Callable[[Tensor, Tensor], Tensor]  # VIS and TAC (B, D) -> rows (B, W)
 
 
-def fit_logistic(source: Source, view: View) -> Logistic:
-    """Fit one view of the source; held-out objects choose C, which is 1 without any.
-
-    view  Source -> rows (N, D): VIS, TAC or both concatenated
+def fit_logistic(source: Source, view: View) -> Fitted:
+    """Fit one view of the source; held-out objects choose C, the inverse of the penalty, which is 1
+    without any.
     """
-    scores: dict[float, Score] = {}
-    for fitted, held in folds(source):
-        part, rest = source.select(fitted).both_views(), source.select(held)
-        rows, test = view(part).double(), view(rest).double()
-        scale = scaling(rows)
-        problem = Problem.of(scale(rows), part.labels, len(source.classes))
-        found = problem.start()
-        for strength in STRENGTHS:  # each starts at the previous solution
-            found = problem.solved(strength, found)
-            predicted = linear(scale(test), *problem.parameters(found)).softmax(-1)
-            scores.setdefault(strength, Score()).add(predicted, rest.labels)
-    best = max(scores, key=lambda strength: scores[strength].rank) if scores else 1.0
+    fit = partial(_fitted, view=view)
+    strength = STRENGTHS[best(source, STRENGTHS, fit)]
+    return replace(fit(source, strength), chosen={"C": strength})
+
+
+def _fitted(source: Source, strength: float, view: View) -> Fitted:
     full = source.both_views()
-    rows = view(full).double()
+    rows = view(full.vis, full.tac).double()
     scale = scaling(rows)
-    weight, bias = solve(scale(rows), full.labels, len(source.classes), best)
-    return Logistic(scaling=scale, weight=weight, bias=bias, strength=best)
+    weight, bias = solve(scale(rows), full.labels, len(source.classes), strength)
+
+    def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+        some = view(vis, tac)
+        return {"fused": linear(scale(some.double()), weight, bias).softmax(-1).to(some.dtype)}
+
+    return Fitted(predict=predict, parameters=weight.numel() + bias.numel())

@@ -1,6 +1,6 @@
 """Run what is not finished yet: in sequence, or in parallel processes."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -11,7 +11,7 @@ from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.threads import in_processes, one_thread, pin_thread
 from omnivat.study.protocol import records
 from omnivat.study.protocol.methods import HEAD, Method
-from omnivat.study.protocol.run import Run, execute, resolved
+from omnivat.study.protocol.run import Run, execute, heading
 from omnivat.study.protocol.settings import task
 
 
@@ -44,18 +44,21 @@ def run_all(
     shared = records.provenance(pairs, texts)
     records.mend(out)
     known = {r["key"]: r for r in records.read(out) if r["format"] == records.FORMAT}
-    waiting = [run for run in runs if _key(run, pairs, texts, shared) not in known]
+
+    def key(run: Run) -> str:
+        return records.key(shared | heading(run, task(pairs, run.source), texts))
+
+    waiting = [run for run in runs if key(run) not in known]
     first, done = min((run.seed for run in runs), default=0), 0
     free = [run for run in waiting if run.seed == first or run.method.base == HEAD]
     bound = [run for run in waiting if run.seed != first and run.method.base != HEAD]
 
     def settled(run: Run) -> Run:  # the first seed of a baseline chooses for all
-        prior = known.get(_key(replace(run, seed=first), pairs, texts, shared), {})
-        chosen = prior.get("chosen", {}).values()
+        chosen = known.get(key(replace(run, seed=first)), {}).get("chosen", {}).values()
         return replace(run, settled=tuple(name for name in chosen if isinstance(name, str)))
 
     for part in (free, map(settled, bound)):
-        for record in _results(list(part), embeddings, bank, jobs):
+        for record in _results(list(part), pairs, texts, jobs, embeddings, bank):
             done += 1
             line = {"key": records.key(shared | record), **shared, **record}
             known[line["key"]] = line
@@ -65,34 +68,13 @@ def run_all(
     return done
 
 
-def _key(run: Run, pairs: Embeddings, bank: LangBank | None, shared: dict[str, Any]) -> str:
-    found = task(pairs, run.source)
-    return records.key(
-        shared
-        | {
-            "method": run.method.name,
-            "base": run.method.base,
-            "settings": resolved(run, found, bank),
-            "source": pairs.header.domains[int(found.train.domain[0])],
-            "part": found.setting.source.part,
-            "seed": run.seed,
-        }
-    )
-
-
 def _results(
-    runs: Sequence[Run], embeddings: Path, bank: Path | None, jobs: int
-) -> Iterable[dict[str, Any]]:
-    if jobs == 1 or len(runs) < 2:
-        return _one_by_one(runs, embeddings, bank)
-    return in_processes(_work, runs, jobs, _prepare, embeddings, bank)
-
-
-def _one_by_one(
-    runs: Sequence[Run], embeddings: Path, bank: Path | None
+    runs: Sequence[Run], pairs: Embeddings, texts: LangBank | None, jobs: int, *files: Path | None
 ) -> Iterator[dict[str, Any]]:
+    if jobs > 1 and len(runs) > 1:
+        yield from in_processes(_work, runs, jobs, _prepare, *files)
+        return
     with one_thread():  # as in a worker, because the number of threads changes the last bits
-        pairs, texts = _opened(embeddings, bank)
         for run in runs:
             yield execute(run, pairs, texts)
 

@@ -24,7 +24,7 @@ from omnivat.measure.evaluate import label_map, predicted_probabilities
 from omnivat.study.baselines import BASELINES
 from omnivat.study.baselines.contract import Fitted, Predict, Source
 from omnivat.study.protocol.images import inputs, live_of, require_own_images, tensor
-from omnivat.study.protocol.methods import HEAD, Method
+from omnivat.study.protocol.methods import Method
 from omnivat.study.protocol.settings import Task
 from omnivat.training import TrainSettings, train
 from omnivat.training.guard import lang_guard
@@ -65,7 +65,7 @@ def source_arrays(task: Task, bank: LangBank | None, seed: int) -> Source:
         **of_text,
         live=live,
         why_not_live=why_not_live,
-        seed=derive_seed(seed, "baselines", task.setting.source.domain),
+        seed=derive_seed(seed, "baselines", task.setting.domain),
     )
 
 
@@ -98,7 +98,11 @@ class Outcome:
 def fit_baseline(
     method: Method, task: Task, bank: LangBank | None, seed: int, settled: tuple[str, ...]
 ) -> Outcome:
-    """Fit a baseline, with settings chosen on held-out objects."""
+    """Fit a baseline, with settings chosen on held-out objects.
+
+    settled  names of candidates that another seed chose; they are not chosen again
+    Raises a child of OmniVatError if the method cannot run on these pairs.
+    """
     begin = load(BASELINES, method.base, kind="baseline")
     arrays = source_arrays(task, bank, seed)
     fitted: Fitted = begin(replace(arrays, **method.train, settled=settled))
@@ -136,15 +140,15 @@ def fit_head(
     head, training = head_settings(method, task, bank)
     texts = bank.for_classes(task.classes) if bank and training.lang else None
     model = train(task.train, head, training, bank=texts, seed=seed).model
-    guarded = texts is not None and len(method.modalities) > 1 and len(task.source_test) > 0
+    guard = None
+    if texts is not None and len(method.modalities) > 1 and len(task.source_test):
+        guard = lang_guard(model, task.source_test, texts, seed=seed)
     return Outcome(
         probabilities=partial(predicted_probabilities, model, modalities=method.modalities),
         features=partial(_head_features, model, method.modalities),
         chosen={"order": model.order},
         parameters=parameter_count(head),
-        guard=lang_guard(model, task.source_test, texts, seed=seed)
-        if guarded and texts is not None
-        else None,
+        guard=guard,
     )
 
 
@@ -159,15 +163,3 @@ def _head_features(
         for name in modalities
     }
     return {**alone, "pair": torch.cat(list(model(rows["vis"], rows["tac"]).f_hat.values()), -1)}
-
-
-def fit(
-    method: Method, task: Task, bank: LangBank | None, *, seed: int, settled: tuple[str, ...] = ()
-) -> Outcome:
-    """Fit a method on the task's training pairs.
-
-    settled  names of candidates that another seed of a baseline chose; they are not chosen again
-    Raises a child of OmniVatError if the method cannot run on these pairs.
-    """
-    fitted = fit_head if method.base == HEAD else fit_baseline
-    return fitted(method, task, bank, seed, settled)

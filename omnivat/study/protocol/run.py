@@ -8,7 +8,7 @@ from omnivat.data.domains import paper_name
 from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import LangBank
 from omnivat.kit.errors import OmniVatError
-from omnivat.study.protocol.fitting import fit, head_settings
+from omnivat.study.protocol.fitting import fit_baseline, fit_head, head_settings
 from omnivat.study.protocol.methods import HEAD, Method
 from omnivat.study.protocol.scoring import object_numbers, score
 from omnivat.study.protocol.settings import Task, task
@@ -31,23 +31,11 @@ def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> dict[str
     with the reason in one sentence.
     """
     found = task(embeddings, run.source)
-    record: dict[str, Any] = {
-        "method": run.method.name,
-        "label": run.method.label or run.method.name,
-        "note": run.method.note,
-        "base": run.method.base,
-        "ablated": run.method.ablated,
-        "source": embeddings.header.domains[int(found.train.domain[0])],
-        "part": found.setting.source.part,
-        "seed": run.seed,
-        "classes": list(found.classes),
-        "pairs": len(found.train),
-        "settings": resolved(run, found, bank),
-        "missing_targets": list(found.missing),
-    }
+    record = heading(run, found, bank)
     started = time.perf_counter()
     try:
-        outcome = fit(run.method, found, bank, seed=run.seed, settled=run.settled)
+        fit = fit_head if run.method.base == HEAD else fit_baseline
+        outcome = fit(run.method, found, bank, run.seed, run.settled)
     except OmniVatError as error:
         return record | {"skipped": str(error)}
     record |= {
@@ -60,10 +48,9 @@ def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> dict[str
     numbers = object_numbers(embeddings)
     if len(found.source_test):
         record["source_test"] = score(outcome, found.source_test, found.classes, numbers)
-    parts = {side.domain: side.part for side in found.setting.targets}
     record["targets"] = {
         name: {
-            "part": parts.get(paper_name(name), ""),
+            "part": found.setting.targets.get(paper_name(name), ""),
             **score(outcome, pairs, found.classes, numbers),
         }
         for name, pairs in found.targets.items()
@@ -71,7 +58,25 @@ def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> dict[str
     return record
 
 
-def resolved(run: Run, task: Task, bank: LangBank | None) -> dict[str, Any]:
+def heading(run: Run, task: Task, bank: LangBank | None) -> dict[str, Any]:
+    """Return what the record of a run begins with: all that is known before it is fitted."""
+    return {
+        "method": run.method.name,
+        "label": run.method.label or run.method.name,
+        "note": run.method.note,
+        "base": run.method.base,
+        "ablated": run.method.ablated,
+        "source": task.train.header.domains[int(task.train.domain[0])],
+        "part": task.setting.part,
+        "seed": run.seed,
+        "classes": list(task.classes),
+        "pairs": len(task.train),
+        "settings": _resolved(run, task, bank),
+        "missing_targets": list(task.missing),
+    }
+
+
+def _resolved(run: Run, task: Task, bank: LangBank | None) -> dict[str, Any]:
     """Return the settings of a run: all of a head; a baseline chooses its own."""
     if run.method.base != HEAD:
         return {"train": dict(run.method.train)} if run.method.train else {}

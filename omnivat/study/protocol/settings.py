@@ -1,5 +1,6 @@
 """The eight SDG-VTL settings: one seen domain, its unseen targets, parts and classes."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,23 +14,18 @@ SAME_SENSOR = frozenset({"OF 2.0 A", "OF 2.0 B"})  # both Taxim: never source an
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Side:
-    """A domain by the paper's name, and the part that is used ("" is all)."""
+class Setting:
+    """One row of the paper's table of settings, by its names.
+
+    part     of the source that is used ("" is all)
+    targets  domain -> its part
+    ceramic  True if that class is used
+    """
 
     domain: str
     part: str = ""
-
-    def __str__(self) -> str:
-        return f"{self.domain} ({self.part})" if self.part else self.domain
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Setting:
-    """One row of the paper's table of settings. `ceramic`: True if that class is used."""
-
-    source: Side
-    targets: tuple[Side, ...]
-    ceramic: bool
+    targets: Mapping[str, str]
+    ceramic: bool = True
 
 
 def _setting(source: str) -> Setting:
@@ -38,12 +34,12 @@ def _setting(source: str) -> Setting:
     learn, tested = ("outdoor", "indoor") if "outdoor" in domain.series else ("indoor", "outdoor")
     if not domain.series:
         learn = tested = ""
-    targets = tuple(
-        Side(domain=name, part=tested if other.series else "")
+    targets = {
+        name: tested if other.series else ""
         for name, other in DOMAINS.items()
         if name != source and {name, source} != SAME_SENSOR
-    )
-    return Setting(source=Side(domain=source, part=learn), targets=targets, ceramic=domain.ceramic)
+    }
+    return Setting(domain=source, part=learn, targets=targets, ceramic=domain.ceramic)
 
 
 SETTINGS = {name: _setting(name) for name in DOMAINS}
@@ -85,47 +81,41 @@ def task(embeddings: Embeddings, source: str) -> Task:
             raise DataError(
                 f"'{source}' is not one of the paper's domains, nor of these embeddings.{hint}"
             )
-        sides = tuple(Side(domain=paper_name(name)) for name in domains if name != source)
-        setting = Setting(source=Side(domain=paper_name(source)), targets=sides, ceramic=True)
+        others = {paper_name(name): "" for name in domains if name != source}
+        setting = Setting(domain=paper_name(source), targets=others)
     names = {paper_name(name): name for name in embeddings.header.domains}
-    if setting.source.domain not in names:
+    if setting.domain not in names:
         raise DataError(
-            f"The embeddings have no domain '{setting.source.domain}'; there are "
+            f"The embeddings have no domain '{setting.domain}'; there are "
             f"{', '.join(embeddings.header.domains)}."
         )
-    own = names[setting.source.domain]
     dropped = () if setting.ceramic else ("ceramic",)
-    train = _without(embeddings.in_domain(own, split="train", part=setting.source.part), dropped)
+
+    def pairs_of(domain: str, split: str, part: str) -> Embeddings:
+        pairs = embeddings.in_domain(names[domain], split=split, part=part)
+        index = [i for i, name in enumerate(pairs.header.classes) if name in dropped]
+        return pairs.select(~np.isin(pairs.label, index))
+
+    train = pairs_of(setting.domain, "train", setting.part)
     if not len(train):
-        raise DataError(f"'{own}' has no pairs of {setting.source} to train on.")
-    test = embeddings.in_domain(own, split="test", part=setting.source.part)
+        part = f" of its part '{setting.part}'" if setting.part else ""
+        raise DataError(f"'{names[setting.domain]}' has no pairs{part} to train on.")
+    test = pairs_of(setting.domain, "test", setting.part)
     present = set(train.label.tolist())
     targets, missing = {}, []
-    for side in setting.targets:
-        name = names.get(side.domain, "")
-        pairs = (
-            _without(embeddings.in_domain(name, split="test", part=side.part), dropped)
-            if name
-            else None
-        )
+    for domain, part in setting.targets.items():
+        pairs = pairs_of(domain, "test", part) if domain in names else None
         if pairs is None or present.isdisjoint(pairs.label.tolist()):
-            missing.append(str(side))
+            missing.append(f"{domain} ({part})" if part else domain)
         else:
-            targets[name] = pairs
+            targets[names[domain]] = pairs
     return Task(
         setting=setting,
         classes=tuple(
             name for index, name in enumerate(embeddings.header.classes) if index in present
         ),
         train=train,
-        source_test=_without(test, dropped)
-        if any(test.rows["split"])
-        else test.select(test.label < 0),
+        source_test=test if any(test.rows["split"]) else test.select(test.label < 0),
         targets=targets,
         missing=tuple(missing),
     )
-
-
-def _without(pairs: Embeddings, classes: tuple[str, ...]) -> Embeddings:
-    index = [i for i, name in enumerate(pairs.header.classes) if name in classes]
-    return pairs.select(~np.isin(pairs.label, index))

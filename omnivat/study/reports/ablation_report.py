@@ -117,5 +117,5 @@ def ablation_points(records: Sequence[Record], table: Ablation, source: str) -> 
         f"{value:g}": _spread(records, method, [source], "accuracy")
         for method, value in _placed(table).items()
     }
-    points = {p: [round(s.mean, 4), round(s.std, 4)] for p, s in spreads.items() if s.n > 1}
+    points = {p: [round(s.mean, 4), round(s.std, 4)] for p, s in spreads.items() if s.std == s.std}
     return json.dumps(points) + "\n"

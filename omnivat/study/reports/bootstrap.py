@@ -74,7 +74,7 @@ def complete_rows(records: Iterable[Record], readings: Sequence[str]) -> list[Ro
     return rows
 
 
-def draws_for(records: Sequence[Record], *, draws: int = DRAWS) -> Draws:
+def draws_for(records: Sequence[Record]) -> Draws:
     """Draw sources, seeds and objects, stratified by class, for records with stored predictions."""
     random = np.random.default_rng(0)
     sources, seeds = {r["source"] for r in records}, {r["seed"] for r in records}
@@ -82,13 +82,13 @@ def draws_for(records: Sequence[Record], *, draws: int = DRAWS) -> Draws:
     for domain, classes in sorted(_objects(records).items()):
         objects[domain] = sorted(classes)
         named = np.array([classes[number] for number in objects[domain]])
-        weights[domain] = np.zeros((draws, len(named)), dtype=np.float32)
+        weights[domain] = np.zeros((DRAWS, len(named)), dtype=np.float32)
         for label in np.unique(named):
             count = int((named == label).sum())
             weights[domain][:, named == label] = random.multinomial(
-                count, np.full(count, 1 / count), draws
+                count, np.full(count, 1 / count), DRAWS
             )
-    shape = (draws, len(sources))
+    shape = (DRAWS, len(sources))
     drawn = random.integers(len(sources), size=shape)
     again = random.integers(len(seeds), size=(*shape, len(seeds)))
     return Draws(sources=drawn, seeds=again, weights=weights, objects=objects)

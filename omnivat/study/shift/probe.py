@@ -17,7 +17,6 @@ from omnivat.study.shift.reading import Features
 FOLDS = 3  # of objects, for the accuracy at home
 PROFILE = 20  # pictures of the target without labels; they are not tested
 MEASURES = ("home", "away", "away, with a profile")
-VIEWS = {"vis": ("vis",), "tac": ("tac",), "both": ("vis", "tac")}
 Array = NDArray[Any]
 
 
@@ -63,8 +62,7 @@ def probes(features: Features, on_step: OnStep) -> list[Record]:
                     place = view, source, target
                     records.append(record("probe", measure, right, *place, n=len(kept)))
         on_step(Step(done=done + 1, total=len(names), text=f"probe of {source}"))
-    views = [view for view, parts in VIEWS.items() if set(parts) <= set(features.modalities)]
-    return records + [line for view in views for line in _means(records, view, names)]
+    return records + [line for view in features.views for line in _means(records, view, names)]
 
 
 def raw_of(features: Features, rows: NDArray[np.int64]) -> dict[str, Array]:

@@ -16,8 +16,10 @@ from omnivat.data.materials import NO_CLASS
 from omnivat.data.readers.files import modalities_of
 from omnivat.data.store import load_embeddings
 from omnivat.kit.errors import DataError
+from omnivat.kit.stages import IMAGES
 from omnivat.measure.gaps.unit import unit
 
+VIEWS = {"vis": ("vis",), "tac": ("tac",), "both": IMAGES}
 MOST = 4000  # pairs; more are drawn at random, and the report says so
 
 
@@ -35,6 +37,11 @@ class Features:
         """Names of the domains with pairs."""
         sizes = np.bincount(self.embeddings.domain, minlength=len(self.embeddings.header.domains))
         return [n for n, size in zip(self.embeddings.header.domains, sizes, strict=True) if size]
+
+    @property
+    def views(self) -> list[str]:
+        """The readings of a set: one modality, or each alone and both."""
+        return [view for view, parts in VIEWS.items() if set(parts) <= set(self.modalities)]
 
     @property
     def objects(self) -> NDArray[np.int64]:
@@ -76,13 +83,35 @@ def read_features(
              as may `material` and `domain`
     Raises DataError, one sentence with the file and the fault.
     """
-    own = file.suffix.lower() == ".safetensors" or file.is_dir()
-    read = (
-        (load_embeddings(file),)
-        if own
-        else _foreign(file, encoder, domain, classes, columns, simulated)
-    )
-    found = features_of(*read, seed=seed)
+    if file.suffix.lower() == ".safetensors" or file.is_dir():
+        found = features_of(load_embeddings(file), seed=seed)
+    else:
+        named: dict[str, str] = dict(columns or {})
+        columns_there = read_columns(file)
+        stems = {key for name in columns_there for key in (name, re.sub(r"_\d+$", "", name))}
+        there = tuple(name for name in IMAGES if named.get(name, name) in stems)
+        if len(there) == 1:  # one modality stands for both, and is reported once
+            named |= {name: named.get(there[0], there[0]) for name in IMAGES}
+        labels = next(
+            (
+                columns_there[name]
+                for name in (named.get("material", "material"), "label", "class")
+                if name in columns_there
+            ),
+            None,
+        )
+        if not classes and labels is not None and labels.dtype.kind in "iu" and labels.size:
+            classes = tuple(f"class {k}" for k in range(min(int(labels.max()), 10_000) + 1))
+        imported = import_embeddings(
+            file,
+            encoder=encoder or file.stem,
+            domain=domain or file.stem,
+            material=NO_CLASS,
+            classes=classes,
+            columns=named,
+            simulated=simulated,
+        )
+        found = features_of(imported, there or IMAGES, labels is not None, seed=seed)
     if found.drawn_of < 2:
         raise DataError(f"'{file}' has {found.drawn_of} pair(s); 2 or more are needed.")
     return found
@@ -94,37 +123,9 @@ def features_of(
     """Return the features of a set that is loaded; see `read_features`. modalities  (): by its
     pictures
     """
-    known, kinds = (
-        labelled and len(np.unique(data.label)) > 1,
-        modalities or modalities_of(data.rows["vis"], data.rows["tac"]),
-    )
     return Features(
         embeddings=data.sampled(MOST, seed=seed),
-        modalities=kinds,
-        labelled=known,
+        modalities=modalities or modalities_of(data.rows["vis"], data.rows["tac"]),
+        labelled=labelled and len(np.unique(data.label)) > 1,
         drawn_of=len(data),
     )
-
-
-def _foreign(
-    file: Path,
-    encoder: str,
-    domain: str,
-    classes: tuple[str, ...],
-    columns: Mapping[str, str] | None,
-    simulated: bool,
-) -> tuple[Embeddings, tuple[str, ...], bool]:
-    named: dict[str, str] = dict(columns or {})
-    found = read_columns(file)
-    stems = {key for name in found for key in (name, re.sub(r"_\d+$", "", name))}
-    there = tuple(name for name in ("vis", "tac") if named.get(name, name) in stems)
-    if len(there) == 1:  # one modality stands for both, and is reported once
-        named |= {name: named.get(there[0], there[0]) for name in ("vis", "tac")}
-    labels = found.get(named.get("material", "material"), found.get("label", found.get("class")))
-    if not classes and labels is not None and labels.dtype.kind in "iu" and labels.size:
-        classes = tuple(f"class {k}" for k in range(min(int(labels.max()), 10_000) + 1))
-    read = import_embeddings(
-        file, encoder=encoder or file.stem, domain=domain or file.stem, material=NO_CLASS, classes=classes,  # noqa: E501
-        columns=named, simulated=simulated,
-    )  # fmt: skip
-    return read, there or ("vis", "tac"), labels is not None

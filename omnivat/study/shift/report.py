@@ -110,25 +110,38 @@ def _charts(features: Features, records: Sequence[Record]) -> Drawn:
         names = dict.fromkeys(r["modality"] for r in ranked)
         rows += [{"row": n, "series": "chance", "value": depth / large[n]} for n in names]
         drawn["retrieval"] = figures.dots(
-            rows, title=f"Own partner among the {depth} nearest", across=f"recall@{depth}", percent=True,  # noqa: E501
-            colours={"chance": CHANCE}, caption="Within each domain, by cosine. Bars: 95 % intervals over objects.",  # noqa: E501
-        )  # fmt: skip
+            rows,
+            title=f"Own partner among the {depth} nearest",
+            across=f"recall@{depth}",
+            percent=True,
+            colours={"chance": CHANCE},
+            caption="Within each domain, by cosine. Bars: 95 % intervals over objects.",
+        )
     near = _among(records, measure=f"own domain among {NEAR} nearest")
     if near:
         mixing = _few([r for r in near if r["from"]], "from")
         drawn["neighbours"] = figures.dots(
             [{**r, "row": r["from"], "series": VIEWS[r["modality"]]} for r in mixing],
-            title="Neighbours from the own domain", across="share of the 10 nearest", percent=True, ends=(0, 1),  # noqa: E501
+            title="Neighbours from the own domain",
+            across="share of the 10 nearest",
+            percent=True,
+            ends=(0, 1),
             level=float(near[0]["note"].split()[0]),
-            caption="100 %: every neighbour is of the same domain. Dashed: the share if domains were mixed. Bars: 95 % intervals over objects.",  # noqa: E501
-        )  # fmt: skip
+            caption="100 %: every neighbour is of the same domain. Dashed: the share if domains"
+            " were mixed. Bars: 95 % intervals over objects.",
+        )
     means = [r for r in _means(records, "probe") if r["measure"] in MEASURES]
     if means:
         drawn["probe"] = figures.dots(
             [{**r, "row": VIEWS[r["modality"]], "series": r["measure"]} for r in means],
-            title="Linear maps at home and away", across="accuracy", percent=True, ends=(0, 1),
-            caption=f"Home: held-out objects of the same domain. Away: mean over other domains. Profile: {PROFILE} pictures of the target without labels. Bars: 95 % intervals over domains.",  # noqa: E501
-        )  # fmt: skip
+            title="Linear maps at home and away",
+            across="accuracy",
+            percent=True,
+            ends=(0, 1),
+            caption="Home: held-out objects of the same domain. Away: mean over other domains."
+            f" Profile: {PROFILE} pictures of the target without labels. Bars: 95 % intervals over"
+            " domains.",
+        )
     return drawn
 
 

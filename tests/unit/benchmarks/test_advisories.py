@@ -28,7 +28,10 @@ def test_a_lock_file_is_read_by_the_names_that_registries_compare():
 
 @pytest.mark.parametrize(
     ("version", "inside"),
-    [("0.9", False), ("1.0", True), ("1.4", True), ("1.5", False), ("2.0", True), ("2.1", True), ("2.2", False)],
+    [
+        *(("0.9", False), ("1.0", True), ("1.4", True), ("1.5", False)),
+        *(("2.0", True), ("2.1", True), ("2.2", False)),
+    ],
 )  # fmt: skip
 def test_ranges_are_read_from_introduced_to_fixed_or_last_affected(version, inside):
     events = [

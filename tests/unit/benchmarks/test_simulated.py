@@ -49,7 +49,8 @@ def made(*, ceramic_in_b=True):
     rows["split"] = ["test" if n < 3 else "train" for n in number]
     rows["looks_like"] = [CLASSES[c] if a else "" for c, a in zip(seen, alike, strict=True)]
     header = Header(
-        encoder="made", weights_hash="0", preprocessing="none", domains=("A-sim", "B-sim"), classes=CLASSES, simulated=True
+        encoder="made", weights_hash="0", preprocessing="none", domains=("A-sim", "B-sim"),
+        classes=CLASSES, simulated=True,
     )  # fmt: skip
     rows["feels_like"] = [""] * len(kept)
     return Embeddings(header=header, vis=vis, tac=tac, domain=domain, label=label, rows=rows)

@@ -44,6 +44,10 @@ def test_every_command_and_argument_has_a_help_text(command):
         (["simulate", "--out", "x", "--workers", "-1"], "-1; give a whole number, 1 or more"),
         (["simulate", "--out", "x", "--examples-per-class", "0"], "0; give a whole number, 1 or"),
         (["protocol", "--out", "x", "--jobs", "two"], "'two'; give a whole number, 1 or more"),
+        (["protocol", "--out", "x", "--seeds", ","], "','; give whole numbers such as 0,1,2"),
+        (["train", "--repeat", "a"], "'a'; give whole numbers such as 0,1,2"),
+        (["train", "--set", "width"], "'width'; write it as key=value"),
+        (["import", "x", "--column", "=b"], "'=b'; write it as key=value"),
         (["sweep", "--csv", "c", "--stops", "1"], "1; give a whole number, 2 to 1001"),
         (["sweep", "--orders", "1", "--stops", "3"], "not allowed with argument --orders"),
         (["sweep", "--retrained", "3", "--stops", "4"], "not allowed with argument --retrained"),
@@ -100,7 +104,6 @@ def test_a_file_in_the_place_of_an_output_folder_is_refused_before_any_work(
     ("changed", "sentence"),
     [
         ("--set widht=16", "There is no setting 'widht'. Did you mean 'width'?"),
-        ("--set width", "--set got 'width'; write it as key=value."),
         ("--set width=wide", "Setting 'width' is 'wide'; it must be int."),
         ("--set levels=9", "levels is 9; choose 1 to 6."),
         ("--set fusion=sum", "fusion is 'sum'; choose one of mean, product, confidence, feature."),

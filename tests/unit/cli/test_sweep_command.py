@@ -118,12 +118,8 @@ def test_names_come_once_and_in_the_order_of_the_table():
         names_of("raw,", STAGES, "stage")
 
 
-def test_without_orders_the_stops_go_from_0_to_1():
-    assert orders_of(None, 3) == [0, 0.5, 1]
-
-
-def test_as_many_orders_as_stated_are_swept_and_no_more(monkeypatch):
+def test_orders_are_those_listed_or_stops_from_0_to_1_and_no_more_than_stated(monkeypatch):
     monkeypatch.setattr("omnivat.cli.sweep.MOST_STOPS", 2)
-    assert orders_of("0,1", 101) == [0, 1]
+    assert orders_of(None, 3) == [0, 0.5, 1] and orders_of("0,1", 101) == [0, 1]
     with pytest.raises(SettingsError, match="write 1 to 2 numbers"):
         orders_of("0,1,2", 101)

@@ -25,10 +25,8 @@ def test_a_setting_is_the_papers_row(source):
     if source.startswith("TQ"):
         targets = {"TAG": "", "OF Real": "", "OF 2.0 A": "", "OF 2.0 B": "", **targets}
     setting = SETTINGS[source]
-    assert setting.source.part == part
-    assert {side.domain: side.part for side in setting.targets} == {
-        name: wanted or "" for name, wanted in targets.items()
-    }
+    assert setting.part == part
+    assert setting.targets == {name: wanted or "" for name, wanted in targets.items()}
     assert setting.ceramic != source.startswith("TQ")
 
 

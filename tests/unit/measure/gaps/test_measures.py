@@ -15,7 +15,8 @@ from omnivat.measure.gaps.confusion import accuracy, confusion, macro_f1
 from omnivat.measure.gaps.domain import floor, halves
 from omnivat.measure.gaps.frechet import frechet
 from omnivat.measure.gaps.mmd import mmd_linear, mmd_rbf
-from omnivat.measure.gaps.proxy_a import _fits, proxy_a, proxy_a_estimate
+from omnivat.measure.gaps.proxy_a import RIDGE, fits, proxy_a, proxy_a_estimate, wrong
+from omnivat.measure.gaps.unit import unit
 
 
 def cloud(seed, count=60, width=5, shift=0.0):
@@ -52,14 +53,15 @@ def test_rbf_mmd_sees_a_spread_that_the_mean_does_not():
     assert mmd_rbf(ring, poles) > 0.05
 
 
-def test_rbf_mmd_equals_the_full_kernel_matrix():
-    a, b = cloud(0, 20), cloud(1, 30, shift=0.5)
-    ua, ub = torch.nn.functional.normalize(a), torch.nn.functional.normalize(b)
+def test_rbf_mmd_equals_the_full_kernel_matrix_at_one_over_the_mean_squared_distance():
+    a, b = (unit(rows) for rows in (cloud(0, 20), cloud(1, 30, shift=0.5)))
+    every = torch.cat([a, b])
+    gamma = 1 / torch.cdist(every, every).square().mean()
     wanted = sum(
-        sign * (-0.7 * torch.cdist(x, y).square()).exp().mean()
-        for sign, x, y in ((1, ua, ua), (1, ub, ub), (-2, ua, ub))
+        sign * (-gamma * torch.cdist(x, y).square()).exp().mean()
+        for sign, x, y in ((1, a, a), (1, b, b), (-2, a, b))
     )
-    torch.testing.assert_close(mmd_rbf(a, b, gamma=0.7), wanted)
+    torch.testing.assert_close(mmd_rbf(3 * a, b), wanted)
 
 
 @pytest.mark.parametrize("count", [4, 60])
@@ -80,7 +82,9 @@ def test_frechet_equals_the_matrix_root_of_the_covariances(count):
 def test_proxy_a_counts_rows_that_the_classifier_has_not_seen():
     """With more columns than rows any labelling can be learnt, but not on unseen rows."""
     a, b = cloud(0, 40, 200), cloud(1, 40, 200)
-    assert proxy_a(a, b, ridge=1e-6) < 0.7
+    assert proxy_a(a, b) < 0.7
+    in_full = torch.cat(wrong(unit(a), unit(b), 200)).mean()  # not in the span of the rows
+    assert proxy_a(a, b) == pytest.approx(max(0.0, float(2 * (1 - 2 * in_full))), abs=1e-12)
 
 
 def test_proxy_a_is_one_where_a_quarter_of_each_set_lies_with_the_other():
@@ -94,13 +98,18 @@ def test_proxy_a_is_one_where_a_quarter_of_each_set_lies_with_the_other():
 
 @pytest.mark.parametrize("width", [5, 90])
 def test_proxy_a_penalises_by_a_share_of_the_mean_variance(width):
-    """Fisher's direction with a ridge of `ridge` mean variances, by another solver."""
-    a, b = cloud(0, 30, width).double(), cloud(1, 40, width, shift=0.5).double()
-    spread = sum(np.cov(x.numpy().T, bias=True) for x in (a, b))
-    penalty = 0.3 * np.trace(spread) / width
-    wanted = np.linalg.inv(spread / penalty + np.eye(width)) @ (a.mean(0) - b.mean(0)).numpy()
-    fits = _fits((a, torch.ones(30)), (b, torch.ones(40)), 2, 0.3)  # no row is in fold 0
-    np.testing.assert_allclose(next(fits)[0], wanted, rtol=1e-9)
+    """Fisher's direction with a ridge of `RIDGE` mean variances, by another solver."""
+    sets = [
+        (cloud(k, 30 + 10 * k, width, shift=k / 2), torch.arange(30 + 10 * k) % 5) for k in (0, 1)
+    ]
+    kept = [rows[fold != 2].numpy() for rows, fold in sets]
+    spread = sum(np.cov(x.T, bias=True) for x in kept)
+    penalty = RIDGE * np.trace(spread) / width
+    apart = kept[0].mean(0) - kept[1].mean(0)
+    direction, middle = [*fits(*sets, width=width)][2]
+    wanted = np.linalg.inv(spread / penalty + np.eye(width)) @ apart
+    np.testing.assert_allclose(direction, wanted, rtol=1e-8)
+    np.testing.assert_allclose(middle, (kept[0].mean(0) + kept[1].mean(0)) / 2)
 
 
 def test_confusion_has_truth_in_rows_and_answers_in_columns():
@@ -127,11 +136,4 @@ def test_calibration_error_is_the_distance_of_confidence_from_accuracy_in_each_b
     probabilities = torch.tensor([[0.9, 0.1], [0.9, 0.1], [0.6, 0.4], [0.4, 0.6]])
     labels = torch.tensor([0, 1, 0, 1])
     # bin of .9: accuracy 1/2 against .9, half of the pairs; bin of .6: 1 against .6
-    assert ece(probabilities, labels, bins=10).item() == pytest.approx(0.5 * 0.4 + 0.5 * 0.4)
-
-
-def test_rbf_mmd_takes_one_over_the_mean_squared_distance_where_no_width_is_given():
-    a, b = cloud(0, 20), cloud(1, 30, shift=0.5)
-    rows = torch.nn.functional.normalize(torch.cat([a, b]))
-    gamma = 1 / torch.cdist(rows, rows).square().mean()
-    torch.testing.assert_close(mmd_rbf(a, b), mmd_rbf(a, b, gamma=float(gamma)))
+    assert ece(probabilities, labels).item() == pytest.approx(0.5 * 0.4 + 0.5 * 0.4)

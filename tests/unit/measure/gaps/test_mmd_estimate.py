@@ -29,18 +29,15 @@ def test_large_sets_take_the_estimate_and_small_ones_the_exact_sum(monkeypatch):
     assert not torch.equal(mmd_rbf(a, b), exact)
 
 
-def test_blocks_across_do_not_change_the_exact_sum(monkeypatch):
+def test_blocks_do_not_change_the_exact_sum(monkeypatch):
     a, b = rows(200, 0.0, 1), rows(150, 0.6, 2)
     exact = mmd_rbf(a, b)
     monkeypatch.setattr(mmd, "BLOCK", 33)
-    monkeypatch.setattr(mmd, "ACROSS", 41)
     assert torch.allclose(mmd_rbf(a, b), exact, rtol=1e-5)
 
 
-def test_without_a_width_the_estimate_takes_that_of_all_rows_of_both_sets_whatever_their_sizes():
+def test_the_estimate_takes_the_width_of_all_rows_of_both_sets_whatever_their_sizes():
     """Weighted by the sets' sizes: the larger and more spread one counts more."""
-    a, b = rows(30, 0.0, 1), rows(90, 0.0, 2) + torch.linspace(0, 6, 16)
-    every = torch.nn.functional.normalize(torch.cat([a, b]))
-    width = float(1 / torch.cdist(every, every).square().mean())
-    free, fixed = (mmd_rbf_estimate(a, b, gamma=g, seed=3).value for g in (None, width))
-    torch.testing.assert_close(free, fixed, rtol=1e-4, atol=0)
+    a, b = rows(30, 0.0, 1), rows(900, 0.0, 2) + torch.linspace(0, 6, 16)
+    found = mmd_rbf_estimate(a, b)
+    assert abs(found.value - mmd_rbf(a, b)) < 2 * found.error < 0.05 * found.value

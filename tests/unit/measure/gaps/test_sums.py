@@ -23,10 +23,10 @@ def features(request):
 @pytest.mark.parametrize("size", [200, 64, 7])
 def test_what_is_added_in_parts_is_the_whole(features, size):
     rows, labels, domains = features
-    sums = Sums(3, 3)
+    sums = Sums(labels, domains)
     for start in range(0, 200, size):
         part = slice(start, start + size)
-        sums.add({name: values[part] for name, values in rows.items()}, labels[part], domains[part])
+        sums.add({name: values[part] for name, values in rows.items()}, part)
     whole, last = sums_of(labels, domains, **rows), domains == 2
     for one, wanted in ((sums, whole), (whole, sums)):
         torch.testing.assert_close(one.centroid_gap(), modality_gap(rows["vis"], rows["tac"]))
@@ -41,17 +41,14 @@ def test_what_is_added_in_parts_is_the_whole(features, size):
 
 
 def test_one_class_in_one_domain_has_no_margin_and_no_domain_gap():
-    sums = Sums(1, 1)
     zeros = torch.zeros(4, dtype=torch.long)
-    sums.add({"vis": torch.ones(4, 2), "tac": torch.ones(4, 2)}, zeros, zeros)
+    sums = sums_of(zeros, zeros, vis=torch.ones(4, 2), tac=torch.ones(4, 2))
     assert bool(sums.margin("vis").isnan()) and bool(sums.domain_gap("vis").isnan())
     assert float(sums.centroid_gap()) == 0
 
 
 def test_many_names_with_few_pairs_hold_only_the_cells_that_have_pairs():
-    sums, two = Sums(1000, 1000), torch.tensor([3, 999])
-    rows = {"vis": torch.eye(2, 50), "tac": torch.ones(2, 50)}
-    sums.add(rows, two, two)
-    sums.add(rows, two, torch.tensor([5, 999]))
+    labels, domains = torch.tensor([3, 999, 3, 999]), torch.tensor([3, 999, 5, 999])
+    sums = sums_of(labels, domains, vis=torch.eye(4, 50), tac=torch.ones(4, 50))
     assert {cells.shape for cells in sums.cells.values()} == {(3, 50)}
-    assert sums.sizes.tolist() == [1, 2, 1]
+    assert sums.sizes.tolist() == [1, 1, 2]

@@ -24,7 +24,7 @@ def test_the_headline_names_the_best_other_row_whichever_modality_it_uses():
 
 def test_resampled_metrics_are_those_of_the_records():
     found = grid("omnivat", 0.75)
-    drawn = draws_for(found, draws=200)
+    drawn = draws_for(found)
     values = resampled(found, ("omnivat", "fused"), drawn)
     assert values["accuracy"].value == pytest.approx(0.75)
     assert values["macro_f1"].value == pytest.approx(0.75)
@@ -34,12 +34,12 @@ def test_resampled_metrics_are_those_of_the_records():
 def test_test_objects_that_are_reused_count_once():
     """Six runs that share 40 objects are as uncertain as one: sd of a mean of 40 at 0.75."""
     found = grid("omnivat", 0.75)
-    draws = resampled(found, ("omnivat", "fused"), draws_for(found, draws=2000))["accuracy"].draws
+    draws = resampled(found, ("omnivat", "fused"), draws_for(found))["accuracy"].draws
     assert draws.std() == pytest.approx((0.75 * 0.25 / 40) ** 0.5, rel=0.1)
 
 
 def test_every_draw_holds_as_many_objects_of_each_class_as_the_domain():
-    drawn = draws_for(found := grid("omnivat", 0.75), draws=50)
+    drawn = draws_for(found := grid("omnivat", 0.75))
     for domain, classes in _objects(found).items():
         for label in set(classes.values()):
             columns = [
@@ -53,7 +53,7 @@ def test_simultaneous_intervals_are_wider_than_single_ones_and_grow_with_the_row
     found = grid("omnivat", 0.8)
     for number in range(12):
         found += grid(f"other {number}", 0.5 + 0.02 * number)
-    drawn = draws_for(found, draws=500)
+    drawn = draws_for(found)
     rows = complete_rows(found, ("fused", "tac"))
     values = {row: resampled(found, row, drawn)["accuracy"] for row in rows}
     ours = values.pop(("omnivat", "fused"))
