@@ -254,6 +254,8 @@ def test_robustvish_fits_a_few_steps(source):
     fitted = fit_robust_vish(few, Descent(lr=1e-3, epochs=1, batch=8, method="adam"))
     answers = fitted.predict(few.vis, few.tac)["fused"]
     torch.testing.assert_close(answers.sum(-1), torch.ones(len(few)))
+    alone = fitted.predict(few.vis[:1], few.tac[:1])["fused"]
+    torch.testing.assert_close(alone, answers[:1], atol=1e-5, rtol=1e-4)
 
 
 # The mathematics
@@ -278,6 +280,8 @@ def test_spg_has_the_size_and_the_clips_of_its_code():
     prompt = torch.randn(4, 512)
     nets = spg.Generator(512, (4, 512)), spg.Discriminator(512, (4, 512))
     assert sum(p.numel() for net in nets for p in net.parameters()) == 4_708_225
+    slopes = [getattr(layer, "negative_slope", 0.2) for net in nets for layer in net.layers]
+    assert set(slopes) == {0.2}
     optimisers = [torch.optim.AdamW(net.parameters(), lr=0.0) for net in nets]
     images = 1e3 * torch.randn(2, 8, 512)
     spg._gan_step(*nets, optimisers, *images, prompt)
