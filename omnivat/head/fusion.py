@@ -69,8 +69,10 @@ def fused_logs(
 
 
 def _confidence(logs: Float[Tensor, "2 *any K"]) -> Float[Tensor, "*any K"]:
-    weights = certainty(logs)
-    weights = weights / weights.sum(0).clamp_min(TINY)
+    # log K minus the entropy: 0 if uniform
+    certainty = math.log(logs.shape[-1]) + (logs.exp() * logs).sum(-1, keepdim=True)
+    weights = certainty.clamp_min(TINY)
+    weights = weights / weights.sum(0)
     return torch.logsumexp(logs + weights.clamp_min(TINY).log(), dim=0)
 
 
@@ -81,8 +83,3 @@ LATE: dict[str, Callable[[Float[Tensor, "2 *any K"]], Float[Tensor, "*any K"]]] 
     "confidence": _confidence,
 }
 FUSIONS = (*LATE, "feature")
-
-
-def certainty(logs: Float[Tensor, "*any K"]) -> Float[Tensor, "*any 1"]:
-    """Return log K minus the entropy of log-probabilities; 0 if uniform."""
-    return (math.log(logs.shape[-1]) + (logs.exp() * logs).sum(-1, keepdim=True)).clamp_min(TINY)

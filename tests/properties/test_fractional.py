@@ -57,15 +57,6 @@ def test_sums_go_to_sums(seed, size, order, kind):
     assert close(dfrft(2 * x - y, order), 2 * dfrft(x, order) - dfrft(y, order), kind, x)
 
 
-@given(SIZES, ORDERS)
-def test_the_trace_is_the_sum_of_the_phases(size, order):
-    f = dfrft(torch.eye(size, dtype=torch.float64), order)
-    k = [*range(size - 1), size if size % 2 == 0 else size - 1]
-    turns = [math.fmod(c * math.fmod(order, 4), 4) for c in k]
-    wanted = sum(complex(math.cos(t * math.pi / 2), -math.sin(t * math.pi / 2)) for t in turns)
-    assert abs(complex(f.trace()) - wanted) < 1e-14 * size
-
-
 @given(st.integers(6, 64), ORDERS)
 def test_eigenvectors_turn_by_their_own_index(size, order):
     vectors, k = basis(size)

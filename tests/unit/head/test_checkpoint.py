@@ -122,16 +122,20 @@ def test_weights_with_nan_are_refused(folder):
         load_head(folder)
 
 
-def test_embeddings_with_a_rest_picture_are_refused_in_words_of_their_own(folder):
-    with pytest.raises(DataError, match=r"made with a rest picture .* Embed the pairs without"):
-        load_head(folder).require(("test-encoder", "0" * 16, "none" + RESTED), 24, what="They")
-
-
-def test_embeddings_with_other_dots_are_refused_in_words_of_their_own(folder):
-    with pytest.raises(
-        DataError, match=r"with the dots of touch filled, and .* Embed the pairs with --dots keep"
-    ):
-        load_head(folder).require(("test-encoder", "0" * 16, "none" + FILLED), 24, what="They")
+@pytest.mark.parametrize(
+    ("mark", "sentence"),
+    [
+        (RESTED, "with a rest picture .* Embed the pairs without --tac-rest"),
+        (FILLED, "with the dots of touch filled, and .* Embed the pairs with --dots keep"),
+    ],
+)
+def test_embeddings_made_in_another_way_are_refused_in_words_of_their_own(folder, mark, sentence):
+    head = load_head(folder)
+    with pytest.raises(DataError, match=sentence):
+        head.require(("test-encoder", "0" * 16, "none" + mark), 24, what="They")
+    marked = replace(head, encoder=head.encoder | {"preprocessing": "none" + mark})
+    with pytest.raises(DataError, match="made without .* trained with.* pairs with "):
+        marked.require(("test-encoder", "0" * 16, "none"), 24, what="They")
 
 
 @pytest.mark.parametrize(

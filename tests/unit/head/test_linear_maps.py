@@ -33,13 +33,6 @@ def test_both_images_tell_what_neither_does_alone(raw):
         torch.testing.assert_close(values.sum(-1), torch.ones(60))
 
 
-def test_a_prediction_does_not_depend_on_the_other_pairs(raw):
-    rows, labels = raw
-    fitted = fit_maps(rows, labels, 3)
-    alone = fitted({n: x[:1] for n, x in rows.items()})["fused"]
-    torch.testing.assert_close(alone, fitted(rows)["fused"][:1])
-
-
 def test_equal_seeds_give_equal_maps_under_noise_and_leave_the_global_stream(raw):
     rows, labels = raw
     before = torch.random.get_rng_state()
