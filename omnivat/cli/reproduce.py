@@ -51,7 +51,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         steps=count("steps for each style", default=100),
         out="output folder",
         set="a setting of the head",
-        weights="checkpoint of CLIP, of any layout and size",
+        weights="checkpoint of CLIP, of any size",
     )
     download(parser)
 

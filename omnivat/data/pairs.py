@@ -86,10 +86,6 @@ class PairSet:
         """Return the classes: the five materials first, in their usual order, then the others."""
         return in_order({pair.material for pair in self.pairs})
 
-    def counts(self) -> Counter[tuple[str, str, str]]:
-        """Return the number of pairs of each (domain, split, material)."""
-        return Counter((pair.domain, pair.split, pair.material) for pair in self.pairs)
-
 
 def summary_table(pairs: PairSet) -> str:
     """Return the loaded pairs, and the skipped items with reasons, as lines of text."""

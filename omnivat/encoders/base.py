@@ -96,7 +96,7 @@ ENCODERS = {
     "clip-rn101": "omnivat.encoders.clip_towers:load",
     "clip": "omnivat.encoders.clip_towers:load",
     "sitr": "omnivat.encoders.sitr:load",
-    "strip": "omnivat.encoders.strip:load_strip",
+    "strip": "omnivat.encoders.strip:StripReader",
 }
 
 
@@ -257,8 +257,6 @@ def _imported(name: str, importer: Callable[[], Any]) -> Callable[..., Any]:
             f"The encoder '{name}' cannot be imported ({type(error).__name__}: {error}); check the "
             "module and the folder this command runs in."
         ) from error
-    if not callable(found):
-        raise DataError(f"'{name}' is no function; it must return an encoder when called.")
     return cast("Callable[..., Any]", found)
 
 

@@ -1,4 +1,4 @@
-"""Open a CLIP checkpoint of any layout: find it, read it, check its name."""
+"""Open a CLIP checkpoint: find it, read it, check its name."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,39 +12,32 @@ from omnivat.encoders.running import state_hash
 from omnivat.encoders.weights import Weights, count, read_weights
 from omnivat.kit.errors import DataError
 
+ANY = "clip"  # name for CLIP of any size
 _OPENAI = (
     "curl -L --create-dirs -o {folder}/%s.pt"
     " https://openaipublic.azureedge.net/clip/models/%s/%s.pt"
 )
-
-
-def _on_hub(name: str, repository: str, megabytes: int) -> Checkpoint:
-    fetch = f"hf download {repository} --local-dir {{folder}}"
-    return Checkpoint(name=name, hub=repository, fetch=fetch, megabytes=megabytes)
-
-
-def _at_openai(name: str, file: str, digest: str) -> Checkpoint:
-    return Checkpoint(name=name, fetch=_OPENAI % (file, digest, file))
-
-
-ANY = "clip"  # name for CLIP of any size
+_ON_HUB = {  # name -> repository, megabytes
+    "clip-vit-b32": ("openai/clip-vit-base-patch32", 605),
+    "clip-vit-b16": ("openai/clip-vit-base-patch16", 599),
+    "clip-vit-l14": ("openai/clip-vit-large-patch14", 1711),
+    "clip-vit-l14-336": ("openai/clip-vit-large-patch14-336", 1712),
+}
+_AT_OPENAI = {  # name -> file, hash in its address
+    "clip-rn50": ("RN50", "afeb0e10f9e5a86da6080e35cf09123aca3b358a0c3e3b6c78a7b63bc04b6762"),
+    "clip-rn101": ("RN101", "8fa8567bab74a42d41c5915025a8e4538c3bdbe8804a470a72f30b0d94fab599"),
+}
+_FETCH = "hf download %s --local-dir {folder}"
 CHECKPOINTS = {
-    checkpoint.name: checkpoint
-    for checkpoint in (
-        _on_hub("clip-vit-b32", "openai/clip-vit-base-patch32", 605),
-        _on_hub("clip-vit-b16", "openai/clip-vit-base-patch16", 599),
-        _on_hub("clip-vit-l14", "openai/clip-vit-large-patch14", 1711),
-        _on_hub("clip-vit-l14-336", "openai/clip-vit-large-patch14-336", 1712),
-        _at_openai(
-            "clip-rn50", "RN50", "afeb0e10f9e5a86da6080e35cf09123aca3b358a0c3e3b6c78a7b63bc04b6762"
-        ),
-        _at_openai(
-            "clip-rn101",
-            "RN101",
-            "8fa8567bab74a42d41c5915025a8e4538c3bdbe8804a470a72f30b0d94fab599",
-        ),
-        Checkpoint(name=ANY, fetch="hf download OWNER/NAME --local-dir {folder}"),
-    )
+    **{
+        name: Checkpoint(name=name, hub=hub, fetch=_FETCH % hub, megabytes=size)
+        for name, (hub, size) in _ON_HUB.items()
+    },
+    **{
+        name: Checkpoint(name=name, fetch=_OPENAI % (file, digest, file))
+        for name, (file, digest) in _AT_OPENAI.items()
+    },
+    ANY: Checkpoint(name=ANY, fetch=_FETCH % "OWNER/NAME"),
 }
 
 
@@ -64,12 +57,6 @@ class ImageShape:
     layers: tuple[int, ...]
     embed: int
     side: int
-
-    def __str__(self) -> str:
-        layers = "+".join(map(str, self.layers))
-        vit = f"a ViT of patch {self.patch}, {layers} layers of"
-        kind = vit if self.patch else f"a ResNet of {layers} blocks from"
-        return f"{kind} width {self.width}, D {self.embed}, {self.side} px"
 
 
 PUBLISHED = {
@@ -170,6 +157,6 @@ def require_name(name: str, shape: ImageShape, place: object) -> str:
     if name in (ANY, right):
         return right
     raise DataError(
-        f"'{place}' holds {shape}, and {name} is {PUBLISHED[name]}; use --encoder {right}"
+        f"'{place}' does not hold the weights of {name} but {shape}; use --encoder {right}"
         + (", which takes any size." if right == ANY else ".")
     )

@@ -1,8 +1,7 @@
 """Map the weights of all CLIP layouts to one set of names.
 
 Image tower of a ViT and text tower: the names of `transformers`. Image tower of a ResNet: the names
-of OpenAI without `visual.`. open_clip uses OpenAI's names; some of its models put `text.` before
-those of the text tower.
+of OpenAI without `visual.`. open_clip uses OpenAI's names.
 """
 
 import re
@@ -36,18 +35,6 @@ _NAMES = {
 }
 _TRANSPOSED = ("visual.proj", "text_projection")
 
-# One weight of each kind of tower, by which a CLIP is found inside another model.
-_ANCHORS = (
-    "vision_model.embeddings.class_embedding",
-    "visual.class_embedding",
-    "visual.attnpool.positional_embedding",
-    "text_model.final_layer_norm.weight",
-    "ln_final.weight",
-    "class_embedding",
-    "attnpool.positional_embedding",
-)
-_ALONE = _ANCHORS[-2:]  # of an image tower under OpenAI's names, without a text tower
-
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClipState:
@@ -66,23 +53,16 @@ class ClipState:
 
 def clip_state(weights: Weights) -> ClipState:
     """Return CLIP's weights under the names used here; no tower has any if this is not a CLIP."""
-    state: Mapping[str, Tensor] = weights.inside(*_ANCHORS)
-    if any(name in state for name in _ALONE):
-        state = {f"visual.{key}": value for key, value in state.items()}
-    resnet, scale = "visual.layer1.0.conv1.weight" in state, state.get("logit_scale")
-    image = {k.removeprefix("visual."): v for k, v in _pick(state, ("visual.",)).items()}
-    if not any(key.startswith((IMAGE[0], TEXT[0])) for key in state):
-        state = _renamed(state)
-    if not resnet:
-        image = _pick(state, IMAGE)
-    text = _pick(state, TEXT)
-    if text.keys() <= {"text_projection.weight"}:
-        text = {}
+    resnet, scale = "visual.layer1.0.conv1.weight" in weights, weights.get("logit_scale")
+    state = weights if _pick(weights, (*IMAGE, *TEXT)) else _renamed(weights)
+    image = _pick(state, IMAGE)
+    if resnet:
+        image = {k.removeprefix("visual."): v for k, v in _pick(weights, ("visual.",)).items()}
     return ClipState(
         resnet=resnet,
         image=weights.renamed(image),
-        text=weights.renamed(text),
-        logit_scale=None if scale is None or scale.numel() != 1 else float(scale),
+        text=weights.renamed(_pick(state, TEXT)),
+        logit_scale=None if scale is None else float(scale),
     )
 
 
@@ -94,8 +74,8 @@ def _renamed(state: Mapping[str, Tensor]) -> dict[str, Tensor]:
     """Return OpenAI's weights under the names, and in the shapes, of transformers."""
     renamed: dict[str, Tensor] = {}
     for key, value in state.items():
-        name = key.removeprefix("text.")  # as open_clip may have it
-        if name in _TRANSPOSED:
+        name = key
+        if key in _TRANSPOSED:
             value = value.T.contiguous()
         for old, new in _NAMES.items():
             name = re.sub(old, new, name)

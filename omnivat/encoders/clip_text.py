@@ -58,11 +58,11 @@ def _network(clip: Clip) -> Any:
         state[f"text_model.embeddings.{kind}_embedding.weight"] for kind in ("token", "position")
     )
     vocabulary, width = words.shape
-    sizes = {"hidden_size": width, "num_hidden_layers": count(state, "text_model.encoder.layers.")}
     return transformer(
         clip,
         "text",
-        sizes,
+        hidden_size=width,
+        num_hidden_layers=count(state, "text_model.encoder.layers."),
         vocab_size=vocabulary,
         max_position_embeddings=len(places),
         projection_dim=len(state["text_projection.weight"]),

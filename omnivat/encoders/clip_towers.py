@@ -6,7 +6,6 @@ that would have a stride, and attention instead of the last average. All sizes c
 weights.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -41,11 +40,10 @@ def image_encoder(clip: Clip, device: torch.device, precision: str) -> TorchEnco
         "num_hidden_layers": shape.layers[0],
         "patch_size": shape.patch,
         "image_size": shape.side,
+        "projection_dim": shape.embed,
     }
     return TorchEncoder(
-        Tower(clip.weights.image)
-        if resnet
-        else transformer(clip, "vision", sizes, projection_dim=shape.embed),
+        Tower(clip.weights.image) if resnet else transformer(clip, "vision", **sizes),
         side=shape.side,
         mean=clip.settings.mean,
         std=clip.settings.std,
@@ -59,12 +57,11 @@ def image_encoder(clip: Clip, device: torch.device, precision: str) -> TorchEnco
     )
 
 
-def transformer(clip: Clip, part: str, sizes: dict[str, int], **more: int) -> Any:
+def transformer(clip: Clip, part: str, *, hidden_size: int, **sizes: int) -> Any:
     """Return a tower of `transformers` with the checkpoint's weights.
 
     part   "vision" or "text"
-    sizes  settings of the weights, that the configuration beside them must state, too
-    more   settings of the weights that it need not state
+    sizes  settings that the weights tell
 
     Raises DataError for weights that are missing, or of other sizes.
     """
@@ -74,17 +71,18 @@ def transformer(clip: Clip, part: str, sizes: dict[str, int], **more: int) -> An
         if part == "text"
         else (clip.weights.image, clip.settings.image)
     )
-    for name, size in sizes.items():
-        if stated.get(name, size) != size:
-            raise DataError(
-                f"'{clip.file}' has {name} {size}, and the config.json beside it states "
-                f"{stated[name]}; put the weights and the settings of one model there."
-            )
+    heads = stated.get("num_attention_heads", hidden_size / HEAD_WIDTH)
+    if hidden_size % heads or heads % 1:
+        raise DataError(
+            f"'{clip.file}' has layers of width {hidden_size}, which {heads:g} attention heads"
+            " cannot divide; put the model's config.json beside the file."
+        )
     config = getattr(transformers, f"CLIP{part.title()}Config")(
-        **more
-        | {**stated, **sizes}
+        **stated
+        | sizes
         | {
-            "num_attention_heads": _heads(clip, sizes["hidden_size"], stated),
+            "hidden_size": hidden_size,
+            "num_attention_heads": int(heads),
             "intermediate_size": len(state[f"{part}_model.encoder.layers.0.mlp.fc1.weight"]),
             "hidden_act": clip.settings.activation,
         }
@@ -96,20 +94,6 @@ def transformer(clip: Clip, part: str, sizes: dict[str, int], **more: int) -> An
     numbers = torch.arange(places.position_ids.shape[-1])[None]
     places.register_buffer("position_ids", numbers, persistent=False)
     return network
-
-
-def _heads(clip: Clip, width: int, stated: Mapping[str, Any]) -> int:
-    """Return the number of attention heads: as stated, else one for every 64 channels.
-
-    Raises DataError if neither number divides the width.
-    """
-    number = int(stated.get("num_attention_heads", width / HEAD_WIDTH))
-    if number < 1 or width % number or ("num_attention_heads" not in stated and width % HEAD_WIDTH):
-        raise DataError(
-            f"'{clip.file}' has layers of width {width}, which {number} attention heads cannot"
-            " divide; put the model's config.json beside the file."
-        )
-    return number
 
 
 STRIDES = (1, 2, 2, 2)  # of the four stages

@@ -6,9 +6,7 @@ tower: CLIP, SigLIP, SigLIP 2); the class token (DINOv2, DINOv3, ViT); the model
 pooling.
 """
 
-import json
 from collections.abc import Callable, Mapping
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +17,7 @@ from omnivat.encoders import hub
 from omnivat.encoders.running import SIDE
 from omnivat.encoders.wrapping import IMAGENET_MEAN, IMAGENET_STD, TorchEncoder
 from omnivat.kit.errors import DataError, first_line
+from omnivat.kit.schema import read_object
 from omnivat.kit.tables import need
 
 FEATURES, CLASS_TOKEN = "projected image features", "class token"
@@ -43,25 +42,31 @@ def load(
     folder = _folder(weights or Path(model), model, download)
     network = _network(folder)
     side, mean, std = _image_settings(folder, network.config)
-    run, about = _run_and_pooling(network, side)
-    tower = _Tower(network, run)
+    about = _pooling(network, side)
     return TorchEncoder(
-        tower, side=side, mean=mean, std=std, about=about, device=device, precision=precision
+        _Tower(network),
+        side=side,
+        mean=mean,
+        std=std,
+        pool=POOLINGS[about],
+        about=about,
+        device=device,
+        precision=precision,
     )
 
 
 class _Tower(nn.Module):
     """The image part of a model: its state without the text tower."""
 
-    def __init__(self, network: nn.Module, run: Callable[[Tensor], Tensor]) -> None:
+    def __init__(self, network: nn.Module) -> None:
         super().__init__()
         if hasattr(network, "text_model"):
             del network.text_model
         self.network = network
-        self._run = run
 
-    def forward(self, images: Tensor) -> Tensor:
-        return self._run(images)
+    def forward(self, images: Tensor) -> Any:
+        """Return the model's output for images (B, 3, side, side)."""
+        return getattr(self.network, "get_image_features", self.network)(pixel_values=images)
 
 
 def _folder(place: Path, model: str, download: str) -> Path:
@@ -109,25 +114,8 @@ def _has_class_token(network: nn.Module) -> bool:
     return any(name.endswith("cls_token") for name, _ in network.named_parameters())
 
 
-def _run_and_pooling(network: Any, side: int) -> tuple[Callable[[Tensor], Tensor], str]:
-    """Return the function from images to (B, D), and the name of its pooling."""
-    config = getattr(network.config, "vision_config", network.config)
-    # A model whose input is patches (SigLIP 2 NaFlex) states their number.
-    inputs = partial(
-        _inputs, patch=int(config.patch_size) if hasattr(config, "num_patches") else None
-    )
-    if hasattr(network, "get_image_features"):
-
-        def features(images: Tensor) -> Tensor:
-            found = network.get_image_features(**inputs(images))
-            return found if isinstance(found, Tensor) else found.pooler_output
-
-        return features, FEATURES
-    pool = _pooling(network, inputs(torch.zeros(1, 3, side, side)))
-    return lambda images: POOLINGS[pool](network(**inputs(images))), pool
-
-
 POOLINGS: Mapping[str, Callable[[Any], Tensor]] = {
+    FEATURES: lambda output: getattr(output, "pooler_output", output),
     CLASS_TOKEN: lambda output: output.last_hidden_state[:, 0],
     POOLED: lambda output: output.pooler_output.flatten(1),
     MEAN_TOKEN: lambda output: (
@@ -138,12 +126,14 @@ POOLINGS: Mapping[str, Callable[[Any], Tensor]] = {
 }
 
 
-def _pooling(network: Any, example: dict[str, Tensor]) -> str:
+def _pooling(network: Any, side: int) -> str:
+    if hasattr(network, "get_image_features"):
+        return FEATURES
     if _has_class_token(network):
         return CLASS_TOKEN
     try:
         with torch.inference_mode():
-            output = network(**example)
+            output = network(pixel_values=torch.zeros(1, 3, side, side))
     except Exception as error:
         raise DataError(
             f"{type(network).__name__} does not take images alone ({str(error)[:120]}); wrap it in "
@@ -152,44 +142,19 @@ def _pooling(network: Any, example: dict[str, Tensor]) -> str:
     return POOLED if getattr(output, "pooler_output", None) is not None else MEAN_TOKEN
 
 
-def _inputs(images: Tensor, patch: int | None) -> dict[str, Tensor]:
-    """Return the arguments of the model for images (B, 3, side, side)."""
-    if patch is None:
-        return {"pixel_values": images}
-    # (B, 3, rows, patch, columns, patch)
-    grid = images.unflatten(3, (-1, patch)).unflatten(2, (-1, patch))
-    rows = grid.permute(0, 2, 4, 3, 5, 1).flatten(1, 2).flatten(2)  # (B, N, patch * patch * 3)
-    shape = torch.tensor([[grid.shape[2], grid.shape[4]]] * len(images), device=images.device)
-    mask = torch.ones(rows.shape[:2], dtype=torch.long, device=images.device)
-    return {"pixel_values": rows, "pixel_attention_mask": mask, "spatial_shapes": shape}
-
-
 def _image_settings(folder: Path, config: Any) -> tuple[int, tuple[float, ...], tuple[float, ...]]:
     """Return side, mean and std: of `preprocessor_config.json`, else of the model and ImageNet."""
     file = folder / "preprocessor_config.json"
-    try:
-        stated = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
-    except ValueError as error:
-        raise DataError(f"'{file}' is not readable JSON ({error}).") from error
+    stated = read_object(file) if file.is_file() else {}
     vision = getattr(config, "vision_config", config)
-    if hasattr(vision, "num_patches"):
-        side = round(vision.num_patches**0.5) * vision.patch_size
-    else:
-        crop = stated.get("crop_size") if stated.get("do_center_crop", True) else None
-        side = (
-            _side(crop) or _side(stated.get("size")) or _side(getattr(vision, "image_size", SIDE))
-        )
-    if stated.get("do_normalize", True) is False:
-        return side or SIDE, (0.0,) * 3, (1.0,) * 3
-    mean = tuple(map(float, stated.get("image_mean") or IMAGENET_MEAN))
-    std = tuple(map(float, stated.get("image_std") or IMAGENET_STD))
-    return side or SIDE, mean, std
+    crop = stated.get("crop_size") if stated.get("do_center_crop", True) else None
+    side = _side(crop) or _side(stated.get("size")) or _side(getattr(vision, "image_size", SIDE))
+    mean, std = stated.get("image_mean") or IMAGENET_MEAN, stated.get("image_std") or IMAGENET_STD
+    return side, tuple(mean), tuple(std)
 
 
-def _side(size: Any) -> int | None:
-    """Return the side of the square given by `size`, in any form that `transformers` uses."""
+def _side(size: Any) -> int:
+    """Return the side of the square given by `size`, a number or edges by name; 0 for none."""
     if isinstance(size, Mapping):
-        size = next((size[key] for key in ("shortest_edge", "height") if key in size), None)
-    if isinstance(size, list | tuple):
-        size = size[0] if size else None
-    return int(size) if size else None
+        size = size.get("shortest_edge") or size.get("height")
+    return int(size or 0)

@@ -12,7 +12,6 @@ from pathlib import Path
 import torch
 from PIL import Image
 from torch import Tensor, nn
-from torch.nn.functional import scaled_dot_product_attention
 
 from omnivat.data.images import read_image
 from omnivat.encoders.running import pixels
@@ -32,59 +31,45 @@ PRESSES = {
 }
 
 
-class Block(nn.Module):
-    """A layer of a ViT, under timm's names."""
-
-    def __init__(self, width: int, hidden: int) -> None:
-        super().__init__()
-        self.norm1, self.norm2 = nn.LayerNorm(width), nn.LayerNorm(width)
-        self.attn = nn.ModuleDict(
-            {"qkv": nn.Linear(width, 3 * width), "proj": nn.Linear(width, width)}
-        )
-        self.mlp = nn.ModuleDict({"fc1": nn.Linear(width, hidden), "fc2": nn.Linear(hidden, width)})
-
-    def forward(self, tokens: Tensor) -> Tensor:
-        """Return tokens (B, N, W)."""
-        batch, number, width = tokens.shape
-        parts = self.attn["qkv"](self.norm1(tokens)).reshape(batch, number, 3, -1, HEAD)
-        query, key, value = parts.permute(2, 0, 3, 1, 4)  # (B, heads, N, 64) each
-        seen = scaled_dot_product_attention(query, key, value).transpose(1, 2)
-        tokens = tokens + self.attn["proj"](seen.reshape(batch, number, width))
-        hidden = nn.functional.gelu(self.mlp["fc1"](self.norm2(tokens)))
-        found: Tensor = tokens + self.mlp["fc2"](hidden)
-        return found
+LAYER = {  # timm's names of a layer's parts -> those of torch
+    "attn.qkv.": "self_attn.in_proj_",
+    "attn.proj.": "self_attn.out_proj.",
+    "mlp.fc1.": "linear1.",
+    "mlp.fc2.": "linear2.",
+}
 
 
 class Sitr(nn.Module):
     """Differences (B, 3, side, side) to the sensor at rest -> class tokens (B, W).
 
+    state    the weights, which tell all sizes, under the authors' names
+    side     of a picture, pixels
     rest     (3, side, side) the sensor at rest, 0 to 255; stored here, so that the hash depends on
              it
     presses  (1, 3 P, side, side) normalised differences of the sensor's calibration; P may be 0
     """
 
-    def __init__(
-        self,
-        *,
-        width: int,
-        depth: int,
-        hidden: int,
-        patch: int,
-        places: int,
-        rest: Tensor,
-        presses: Tensor,
-    ) -> None:
+    def __init__(self, state: Weights, *, side: int, rest: Tensor, presses: Tensor) -> None:
         super().__init__()
-        self.patch_embed = nn.ModuleDict({"proj": nn.Conv2d(3, width, patch, patch)})
-        self.cls_token = nn.Parameter(torch.zeros(1, 1, width))
-        self.pos_embed = nn.Parameter(torch.zeros(1, places + 1, width))
+        width, channels, patch, _ = state["patch_embed.proj.weight"].shape
+        hidden, depth = len(state["blocks.0.mlp.fc1.weight"]), count(state, "blocks.")
+        places = (side // patch) ** 2
+        self.patch_embed = nn.ModuleDict({"proj": nn.Conv2d(channels, width, patch, patch)})
+        self.cls_token = nn.Parameter(torch.empty(1, 1, width))
+        self.pos_embed = nn.Parameter(torch.empty(1, places + 1, width))
         self.calibrated = bool(presses.shape[1])
         if self.calibrated:
-            self.c_patch_embed = nn.ModuleDict(
-                {"proj": nn.Conv2d(presses.shape[1], width, patch, patch)}
+            press = nn.Conv2d(presses.shape[1], width, patch, patch)
+            self.c_patch_embed = nn.ModuleDict({"proj": press})
+            self.c_pos_embed = nn.Parameter(torch.empty(1, places, width))
+        self.blocks = nn.Sequential(
+            *(
+                nn.TransformerEncoderLayer(
+                    width, width // HEAD, hidden, 0.0, "gelu", batch_first=True, norm_first=True
+                )
+                for _ in range(depth)
             )
-            self.c_pos_embed = nn.Parameter(torch.zeros(1, places, width))
-        self.blocks = nn.ModuleList(Block(width, hidden) for _ in range(depth))
+        )
         self.norm = nn.LayerNorm(width)
         self.presses: Tensor
         self.register_buffer("rest", rest)
@@ -97,10 +82,7 @@ class Sitr(nn.Module):
         if self.calibrated:
             own = self.c_patch_embed["proj"](self.presses).flatten(2).mT + self.c_pos_embed
             parts.append(own.expand(len(images), -1, -1))
-        tokens = torch.cat(parts, dim=1)
-        for block in self.blocks:
-            tokens = block(tokens)
-        found: Tensor = self.norm(tokens[:, 0])
+        found: Tensor = self.norm(self.blocks(torch.cat(parts, dim=1))[:, 0])
         return found
 
 
@@ -109,8 +91,7 @@ def load(
 ) -> TorchEncoder:
     """Load SITR from its weights, with the calibration next to them.
 
-    weights  a PyTorch or safetensors file, of the base model or of a classifier over it, or its
-             folder
+    weights  a PyTorch or safetensors file of the base model, or its folder
 
     Raises DataError if the file or a calibration picture is missing, or a shape differs.
     """
@@ -119,12 +100,11 @@ def load(
             "SITR needs its published weights; download them from the authors' data set on the hub,"
             " hgupt3/sitr_dataset, and pass --tac-weights FILE."
         )
-    state = read_weights(weights, NAME).inside("patch_embed.proj.weight")
-    side, sizes = _sizes(state)
-    number = _presses(state)
+    state = read_weights(weights, NAME)
+    side, number = _side(state), _presses(state)
     rest, presses = _calibration(state.file.parent / "calibration", number, side)
-    network = Sitr(**sizes, rest=rest, presses=presses)
-    state.fill(network)
+    network = Sitr(state, side=side, rest=rest, presses=presses)
+    state.renamed({_of_torch(name): value for name, value in state.items()}).fill(network)
 
     def prepare(image: Image.Image) -> Tensor:
         return _normalised(_raw(image, side) - rest)
@@ -138,8 +118,14 @@ def load(
     )
 
 
-def _sizes(state: Weights) -> tuple[int, dict[str, int]]:
-    """Return the side of the image, and the sizes of the network, from the shapes."""
+def _of_torch(name: str) -> str:
+    for old, new in LAYER.items():
+        name = name.replace(old, new)
+    return name
+
+
+def _side(state: Weights) -> int:
+    """Return the side of the image in pixels."""
     first = state["patch_embed.proj.weight"]
     width, patch = len(first), first.shape[-1]
     places = state["pos_embed"].numel() // width - 1
@@ -149,19 +135,13 @@ def _sizes(state: Weights) -> tuple[int, dict[str, int]]:
             f"'{state.file}' has layers of width {width} and {places} places; SITR's are a"
             f" multiple of {HEAD} and a square. Name the file that SITR's authors publish."
         )
-    return grid * patch, {
-        "width": width,
-        "depth": count(state, "blocks."),
-        "hidden": len(state["blocks.0.mlp.fc1.weight"]),
-        "patch": patch,
-        "places": places,
-    }
+    return grid * patch
 
 
 def _presses(state: Weights) -> int:
     """Return the number of presses of the checkpoint."""
     weight = state.get("c_patch_embed.proj.weight")
-    channels = 0 if weight is None or weight.ndim != 4 else weight.shape[1]
+    channels = 0 if weight is None else weight.shape[1]
     if channels % 3 or channels // 3 not in PRESSES:
         raise DataError(
             f"'{state.file}' takes {channels} channels of calibration; three for each of"
@@ -181,12 +161,8 @@ def _calibration(folder: Path, number: int, side: int) -> tuple[Tensor, Tensor]:
             " (docs/encoders.md)."
         )
     rest, *pressed = [_raw(read_image(file), side) for file in wanted]
-    return (
-        rest,
-        torch.cat([*(_normalised(one - rest) for one in pressed), torch.zeros(0, side, side)])[
-            None
-        ],
-    )
+    differences = [_normalised(one - rest) for one in pressed]
+    return rest, torch.cat([*differences, torch.zeros(0, side, side)])[None]
 
 
 def _raw(image: Image.Image, side: int) -> Tensor:

@@ -8,7 +8,6 @@ from torch import nn
 
 from omnivat.data.strips import ENCODER, MIDDLE, PREPROCESSING, READER, STRIPES, SWING, strip_signal
 from omnivat.encoders.onnx_runtime import translate
-from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import replacing
 from omnivat.kit.shapes import require_shapes
 
@@ -52,15 +51,3 @@ class _OfBytes(nn.Module):
         away = (torch.arange(width) + 0.5 - centres[:, None]) * STRIPES / max(width, STRIPES)
         bands = ((away > -0.5) & (away <= 0.5)).float()
         return ((bands @ columns / bands.sum(1) - MIDDLE) / SWING)[None]
-
-
-def load_strip(*, weights: Path | None, device: torch.device, precision: str) -> StripReader:
-    """Return the reader. It has no weights and uses fp32 on the device of its input.
-
-    Raises SettingsError for a checkpoint or another precision.
-    """
-    if weights is not None:
-        raise SettingsError(f"The encoder '{ENCODER}' has no weights; leave out '{weights}'.")
-    if precision != "fp32":
-        raise SettingsError(f"precision is '{precision}'; the encoder '{ENCODER}' has fp32 only.")
-    return StripReader()

@@ -77,10 +77,13 @@ def _picture(modality: str, path: Path) -> Picture:
 
 def _of_pairs(folder: Path, rest: str | None) -> list[Picture]:
     """Return the pictures of a table or a folder of pairs in a known layout; [] for another
-    folder.
+    folder, and for one whose pictures names alone tell.
     """
+    reader = recognised(folder)
+    if (reader, rest or "none") == ("folder", "none"):
+        return []
     try:
-        pairs = with_rest(read_pairs(folder, reader=recognised(folder)), rest or "none").pairs
+        pairs = with_rest(read_pairs(folder, reader=reader), rest or "none").pairs
     except OmniVatError:
         if not folder.is_dir():
             raise

@@ -22,7 +22,6 @@ READERS = {
     "objectfolder_real": "omnivat.data.readers.objectfolder_real:read",
     "touch_and_go": "omnivat.data.readers.touch_and_go:read",
     "folder": "omnivat.data.readers.folder:read",
-    "loose": "omnivat.data.readers.folder:read_loose",
 }
 
 
@@ -46,7 +45,7 @@ def read_pairs(
     """Return the pairs of a data set on disk, and the skipped items with reasons.
 
     source   a folder, or a CSV file with a row for each pair
-    reader   a name in READERS; "auto" recognises the layout, or takes names of files alone
+    reader   a name in READERS; "auto" recognises the layout
     strict   only the five materials under their own names: no iron as steel, no other classes
     seed     of the balanced subsampling, if the reader has one
     options  settings of that reader, such as by_folder for Touch-and-Go; a truth value may be the
@@ -66,16 +65,7 @@ def read_pairs(
         raise DataError(f"There is no folder or file at '{show(path)}'. Check the path.")
     name = recognised(path) if reader == "auto" else reader
     read = load(READERS, name, kind="reader")
-    checked = _checked(name, read, options)
-    try:
-        found: PairSet = read(path, strict=strict, seed=seed, **checked)
-    except DataError as error:
-        if (reader, name) != ("auto", "folder"):
-            raise
-        try:  # names of files alone may make pairs
-            found = load(READERS, "loose", kind="reader")(path)
-        except DataError:
-            raise error from None
+    found: PairSet = read(path, strict=strict, seed=seed, **_checked(name, read, options))
     require_domain_names(found.domains())
     simulated = found.simulated or any(map(is_simulated, found.domains()))
     return replace(found, simulated=simulated)

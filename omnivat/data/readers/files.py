@@ -1,14 +1,12 @@
 """Files of data sets: checks of names, frames in a folder, and small tables, JSON and lists."""
 
 import csv
-import json
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from io import StringIO
 from pathlib import Path
 from string import Formatter
-from typing import Any
 
 from omnivat.kit.errors import DataError, SettingsError, printable
 from omnivat.kit.files import read_whole
@@ -120,13 +118,6 @@ def folders_in(folder: Path) -> list[Path]:
     return [folder / entry.name for entry in sorted(found, key=os.DirEntry.is_symlink)]
 
 
-def leads_upwards(folder: Path) -> bool:
-    """True if a link leads to one of its own parent folders."""
-    return folder.is_symlink() and Path(os.path.realpath(folder.parent)).is_relative_to(
-        os.path.realpath(folder)
-    )
-
-
 def number_of(path: Path) -> int | None:
     """Return the number at the end of a file's stem, if any."""
     return int(number[0]) if (number := re.search(r"[0-9]+$", path.stem)) else None
@@ -169,20 +160,6 @@ def read_lines(file: Path) -> list[str]:
     return [line.strip() for line in read_text(file).splitlines()]
 
 
-def read_json(file: Path, kind: type) -> Any:
-    """Return the content of a JSON file; raises DataError for other content."""
-    try:
-        value = json.loads(read_text(file))
-    except (ValueError, RecursionError) as error:
-        raise DataError(f"'{show(file)}' is not JSON ({error}). Download it again.") from error
-    if not isinstance(value, kind):
-        raise DataError(
-            f"'{show(file)}' holds a {type(value).__name__}, expected a {kind.__name__}. "
-            "It may be another file of the same name."
-        )
-    return value
-
-
 def read_cells(file: Path) -> list[list[str]]:
     """Return the rows of a CSV with stripped cells, without empty rows."""
     try:
@@ -192,19 +169,43 @@ def read_cells(file: Path) -> list[list[str]]:
     return [row for row in rows if any(row)]
 
 
-def read_rows(file: Path, needed: Sequence[str]) -> list[dict[str, str]]:
-    """Return the rows of a CSV by the names in its first row. Raises DataError without a
-    `needed` one.
+def read_rows(file: Path, needed: Sequence[str] = ()) -> dict[int, dict[str, str]]:
+    """Return the rows of a person's own CSV, by their lines and the names in its first row.
+
+    Raises DataError without a `needed` name, for another encoding, for a quotation mark that is not
+    closed, and for a row with more cells than there are names.
     """
-    header, *cells = read_cells(file) or [[]]
-    header = [name.lower() for name in header]
+    text = read_text(file)
+    reader = csv.DictReader(StringIO(text, newline=""), restval="", strict=True)
+    try:
+        header = [name.strip().lower() for name in reader.fieldnames or ()]
+        reader.fieldnames = header
+        rows = [(reader.line_num, row) for row in reader]
+    except csv.Error as error:
+        raise DataError(
+            f"'{show(file)}' cannot be read as a CSV after line {reader.line_num} ({error}). "
+            "Look for a quotation mark that is not closed."
+        ) from error
+    if "\ufffd" in text:
+        raise DataError(f"'{show(file)}' is not UTF-8 text. Save it as 'CSV UTF-8'.")
     for name in needed:
         if name not in header:
             raise DataError(
-                f"'{show(file)}' has no column '{name}'; expected a first row with"
-                f" {', '.join(needed)}.{suggestion(name, header)}"
+                f"'{show(file)}' has no column '{name}'; its first row has"
+                f" {show(', '.join(header) or 'no names')}, expected {', '.join(needed)}, separated"
+                f" by commas.{suggestion(name, header)}"
             )
-    return [dict(zip(header, row, strict=False)) for row in cells]
+    for line, row in rows:
+        if None in row:
+            raise DataError(
+                f"'{show(file)}' has more cells in line {line} than in its first row; a comma"
+                " inside a name needs quotation marks."
+            )
+    return {
+        line: {name: cell.strip() for name, cell in row.items()}
+        for line, row in rows
+        if any(map(str.strip, row.values()))
+    }
 
 
 def read_names(file: Path, key: str, value: str) -> dict[str, str]:
@@ -213,8 +214,8 @@ def read_names(file: Path, key: str, value: str) -> dict[str, str]:
     Raises DataError if a column is missing, or a key has two values.
     """
     named: dict[str, str] = {}
-    for row in read_rows(file, (key, value)):
-        name, text = row.get(key, ""), row.get(value, "")
+    for row in read_rows(file, (key, value)).values():
+        name, text = row[key], row[value]
         if name and named.setdefault(name, text) != text:
             raise DataError(
                 f"'{show(file)}' gives '{show(name)}' two values for {value}. Keep one."

@@ -20,11 +20,11 @@ from omnivat.data.readers.files import (
     is_file,
     number_of,
     read_cells,
-    read_json,
     require_choice,
     show,
 )
 from omnivat.kit.errors import DataError
+from omnivat.kit.schema import read_object
 from omnivat.kit.seeding import derive_seed
 
 A, B = "OF 2.0 A", "OF 2.0 B"
@@ -70,7 +70,7 @@ def materials_of_objects(source: Path) -> dict[int, str]:
     number.
     """
     file, table = source / "label.json", source / "objects.csv"
-    listed = read_json(file, dict).items()
+    listed = read_object(file).items()
     try:
         labels = {int(thing): int(label) for thing, label in listed}
     except (TypeError, ValueError) as error:
@@ -86,8 +86,6 @@ def materials_of_objects(source: Path) -> dict[int, str]:
                     f"label.json gives {name} the label {label} and {both[1]} the label {both[0]}"
                     f" (object {thing} in '{show(table)}'). The two files do not belong together."
                 )
-    if not first:
-        raise DataError(f"label.json and '{show(table)}' have no object in common.")
     return {thing: materials.get(thing, "") for thing in labels}
 
 
@@ -97,12 +95,8 @@ def _materials(table: Path) -> dict[int, str]:
             f"No table of objects at '{show(table)}'. The release does not name the materials: "
             "copy objects.csv of the ObjectFolder repository there."
         )
-    found = {
-        int(r[0]): class_key(r[3]) for r in read_cells(table) if len(r) > 3 and r[0].isdecimal()
-    }
-    if not found:
-        raise DataError(f"'{show(table)}' has no rows of id,name,scale,Material,url.")
-    return found
+    rows = read_cells(table)
+    return {int(row[0]): class_key(row[3]) for row in rows if len(row) > 3 and row[0].isdecimal()}
 
 
 def _things(source: Path, raw: dict[int, str], strict: bool, left_out: Tally) -> dict[int, str]:
@@ -127,8 +121,6 @@ def _pairs(source: Path, thing: int, material: str, left_out: Tally) -> Iterator
     for half, other, missing in ((vis, tac, "touch"), (tac, vis, "vision")):
         if lone := len(half.keys() - other.keys()):
             left_out.add(f"object {thing}", f"no image in {missing}", lone)
-    if not vis and not tac:
-        left_out.add("objects", "no folder of images")
     for instance in sorted(vis.keys() & tac.keys()):
         yield Pair(
             vis=vis[instance],
@@ -143,7 +135,7 @@ def _pairs(source: Path, thing: int, material: str, left_out: Tally) -> Iterator
 def _released(source: Path, pairs: list[Pair], left_out: Tally) -> list[Pair]:
     """Return the pairs that split.json lists, with its splits."""
     file = source / "split.json"
-    listed = read_json(file, dict).items()
+    listed = read_object(file).items()
     try:
         where = {
             (str(int(thing)), int(k)): name for name, members in listed for thing, k in members

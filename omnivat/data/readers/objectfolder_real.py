@@ -17,7 +17,6 @@ from omnivat.data.readers.files import (
     folders_in,
     frames_in,
     is_file,
-    is_text,
     read_names,
     require_choice,
     show,
@@ -64,7 +63,7 @@ def read(
         pair
         for thing in folders_in(source)
         if (thing / "tactile_data").is_dir()
-        for material in _material(thing, named, strict, left_out)
+        if (material := _material(thing.name, named, strict, left_out))
         for pair in _pairs(thing, material, frames, camera, left_out)
     ]
     pairs = split_by_object(pairs, seed=seed, test=TEST_SHARE)
@@ -72,18 +71,15 @@ def read(
     return left_out.result("ObjectFolder Real", source, pairs, how)
 
 
-def _material(thing: Path, named: dict[str, str], strict: bool, left_out: Tally) -> Iterator[str]:
-    """Return the object's material if it is kept."""
-    raw = class_key(named.get(thing.name, ""))
+def _material(name: str, named: dict[str, str], strict: bool, left_out: Tally) -> str:
+    """Return the object's material, or "" if it is left out."""
+    raw = class_key(named.get(name, ""))
     material, why = ruled(rules("objectfolder").get(raw), raw, strict=strict)
-    if not is_text(thing.name):
-        left_out.add(show(thing.name), "its name is not UTF-8; rename it")
-    elif thing.name not in named:
-        left_out.add(f"object {show(thing.name)}", "the table of materials does not name it")
-    elif material:
-        yield material
-    else:
-        left_out.add(f"object {thing.name}", why)
+    if name not in named:
+        why = "the table of materials does not name it"
+    if why:
+        left_out.add(f"object {show(name)}", why)
+    return material
 
 
 def _pairs(thing: Path, material: str, choice: str, camera: str, left_out: Tally) -> Iterator[Pair]:

@@ -2,23 +2,18 @@
 optional ones.
 """
 
-import csv
 import os
-from collections.abc import Iterator
-from io import StringIO
 from pathlib import Path
 
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
 from omnivat.data.pairs import Pair, PairSet, Skipped
-from omnivat.data.readers.files import MOST_TEXT, is_file, is_text, modality_of, show
+from omnivat.data.readers.files import is_file, modality_of, read_rows, show
 from omnivat.kit.errors import DataError
-from omnivat.kit.files import read_whole
 from omnivat.kit.tables import suggestion
 
 NEEDED = ("vis", "tac", "domain", "material")  # in each row, but a table may lack some of them
 OPTIONAL = ("object", "split", "part", "looks_like", "feels_like")
 OTHER = {"vis": "tac", "tac": "vis"}  # one that is absent: the same picture stands for both
-SAME = {"class": "material", "label": "material"}  # other names of a column
 SPLITS = ("train", "val", "test")
 Row = dict[str, str]
 
@@ -44,7 +39,7 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     pairs: list[Pair] = []
     skipped: list[Skipped] = []
     first: dict[tuple[str, str], tuple[int, Pair]] = {}  # the two files -> row of first appearance
-    for number, row in _rows(file):
+    for number, row in _rows(file).items():
         why = _why_not(file, number, row, strict)
         if not why:
             pair = _pair(file.parent, row)
@@ -71,62 +66,33 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     return PairSet(pairs=tuple(pairs), skipped=tuple(skipped), origin=f"table '{file.name}'")
 
 
-def _rows(file: Path) -> Iterator[tuple[int, Row]]:
-    """Yield the rows with their spreadsheet numbers and stripped cells."""
-    try:
-        text = read_whole(file, MOST_TEXT, show(file)).decode("utf-8-sig")
-        reader = csv.reader(StringIO(text, newline=""), strict=True)
-        header = [name.strip().lower() for name in next(reader, [])]
-        if "material" not in header:
-            header = [SAME.get(name, name) for name in header]
-        _check_header(file, header)
-        rows = [(number, [*map(str.strip, cells)]) for number, cells in enumerate(reader, start=2)]
-        filled = {
-            name for _, cells in rows for name, cell in zip(header, cells, strict=False) if cell
-        }
-        absent = set(NEEDED) - filled
-        names = {"domain": file.resolve().parent.name or "pictures", "material": NO_CLASS}
-        for number, cells in rows:
-            if any(cells):
-                row = dict(zip(header, cells, strict=False))
-                row |= {name: names[name] for name in absent & names.keys()}
-                row |= {name: row.get(OTHER[name], "") for name in absent & OTHER.keys()}
-                row["alone"] = next((OTHER[name] for name in absent & OTHER.keys()), "")
-                row["more"] = "yes" if len(cells) > len(header) else ""
-                yield number, row
-    except csv.Error as error:
-        raise DataError(
-            f"'{show(file)}' cannot be read as a CSV after line {reader.line_num} ({error}). "
-            "Look for a quotation mark that is not closed."
-        ) from error
-    except UnicodeDecodeError as error:
-        raise DataError(
-            f"'{show(file)}' is not UTF-8 text (byte {error.start}). Save it as 'CSV UTF-8'."
-        ) from error
-
-
-def _check_header(file: Path, header: list[str]) -> None:
-    for separator, word in ((";", "semicolons"), ("\t", "tabs")):
-        if len(header) == 1 and separator in header[0]:
-            raise DataError(f"'{show(file)}' separates its columns by {word}. Save it with commas.")
-    twice = [name for name in (*NEEDED, *OPTIONAL) if header.count(name) > 1]
-    if twice:
-        raise DataError(f"'{show(file)}' has the column '{twice[0]}' twice. Remove one.")
-    others = [name for name in header if name not in (*NEEDED, *OPTIONAL)]
-    for name in NEEDED:
+def _rows(file: Path) -> dict[int, Row]:
+    """Return the rows by their lines, with what the table leaves to be known."""
+    rows = read_rows(file)
+    filled = {name for row in rows.values() for name, cell in row.items() if cell}
+    if "material" not in filled and (other := filled & {"class", "label"}):
+        (material, *_), filled = sorted(other), filled | {"material"}
+        rows = {line: row | {"material": row[material]} for line, row in rows.items()}
+    others = filled - {*NEEDED, *OPTIONAL}
+    absent = [name for name in NEEDED if name not in filled]
+    for name in absent if rows else ():
         meant = suggestion(name, others)
-        if name not in header and (meant or not OTHER.keys() & header):
-            there = show(", ".join(filter(None, header)) or "no names")
+        if meant or not OTHER.keys() & filled:
             raise DataError(
-                f"'{show(file)}' has no column '{name}'; its first row has {there}, expected vis"
-                f" and tac, and perhaps domain, material, {', '.join(OPTIONAL)}.{meant}"
+                f"'{show(file)}' has no column '{name}'; its first row has"
+                f" {show(', '.join(next(iter(rows.values()))))}, expected vis and tac, and perhaps"
+                f" domain, material, {', '.join(OPTIONAL)}, separated by commas.{meant}"
             )
+    known = {"domain": file.resolve().parent.name or "pictures", "material": NO_CLASS}
+    for row in rows.values():
+        for name in absent:
+            row[name] = known[name] if name in known else row[OTHER[name]]
+        row["alone"] = next((OTHER[name] for name in absent if name in OTHER), "")
+    return rows
 
 
 def _why_not(file: Path, number: int, row: Row, strict: bool) -> str:
     """Return why a row gives no pair, or ""."""
-    if row["more"]:
-        return "has more cells than the first row (a comma inside a name needs quotation marks)"
     for name in NEEDED:
         if not row.get(name):
             return f"'{name}' is empty"
@@ -138,8 +104,6 @@ def _why_not(file: Path, number: int, row: Row, strict: bool) -> str:
     touch = modality_of(_path(file.parent, row["tac"])) == "tac"
     if row["alone"] and touch != (row["alone"] == "tac"):
         return "a picture alone, whose name tells a touch: NAME_tac.png, or in a folder tac"
-    if not is_text(str(_path(file.parent, row["vis"])) + str(_path(file.parent, row["tac"]))):
-        return "the folder's name is not UTF-8; rename it"
     split = row.get("split", "").lower()
     if split and split not in SPLITS:
         raise DataError(

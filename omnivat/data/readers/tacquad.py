@@ -15,7 +15,7 @@ from random import Random
 
 from omnivat.data.materials import MATERIALS, class_key, ruled, rules_in_text
 from omnivat.data.pairs import Pair, PairSet, Tally
-from omnivat.data.readers.files import frames_in, is_file, is_text, read_cells, read_names, show
+from omnivat.data.readers.files import frames_in, is_file, read_cells, read_names, show
 from omnivat.data.splits import split_by_object
 from omnivat.data.tac3d import draw_all
 from omnivat.kit.errors import DataError
@@ -185,15 +185,14 @@ def _paired(
         left_out.add(contact.by(sensor), f"no images in img_{sensor.folder}", len(touch))
         return
     for number, file in touch.items():
-        if is_text(str(file)):
-            yield Pair(
-                vis=images[min(number * len(images) // recorded, len(images) - 1)],
-                tac=file,
-                domain=sensor.domain,
-                material=contact.material,
-                object=contact.item,
-                part=contact.part,
-            )
+        yield Pair(
+            vis=images[min(number * len(images) // recorded, len(images) - 1)],
+            tac=file,
+            domain=sensor.domain,
+            material=contact.material,
+            object=contact.item,
+            part=contact.part,
+        )
 
 
 def _with_splits(

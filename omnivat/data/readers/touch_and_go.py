@@ -11,7 +11,7 @@ from pathlib import Path
 
 from omnivat.data.materials import class_key, ruled, rules
 from omnivat.data.pairs import Pair, PairSet, Tally
-from omnivat.data.readers.files import folders_in, frames_in, is_file, is_text, read_lines, show
+from omnivat.data.readers.files import folders_in, frames_in, is_file, read_lines, show
 from omnivat.data.splits import balance, split_by_object
 from omnivat.kit.errors import DataError
 
@@ -165,7 +165,6 @@ def _unlisted(clips: Path) -> list[tuple[Frame, str]]:
     return [
         (Frame(clip.name, number, clip.name, ""), class_key(clip.name))
         for clip in folders_in(clips)
-        if is_text(clip.name)
         for number in sorted(frames_in(clip / TAC).keys() | frames_in(clip / VIS).keys())
     ]
 

@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.data.materials import NO_CLASS, class_key
-from omnivat.data.readers.files import filled, number_in, read_json, read_lines, read_rows, show
+from omnivat.data.readers.files import filled, number_in, read_lines, read_rows, show
 from omnivat.data.recordings.tracks import Clip, Track, parquet_rows
 from omnivat.kit.errors import DataError
+from omnivat.kit.schema import read_object
 
 INFO = Path("meta") / "info.json"
 MOST = 10**9  # episodes, frames, seconds
@@ -26,7 +27,7 @@ class LeRobot:
 
     def __init__(self, root: Path) -> None:
         self.root = root
-        self.info = read_json(root / INFO, dict)
+        self.info = read_object(root / INFO)
         self.version = str(self.info.get("codebase_version", ""))
         if not self.version.startswith(("v2.", "v3.")):
             raise DataError(
@@ -56,7 +57,7 @@ class LeRobot:
         episodes = self._episodes()
         tasks = {one.get("task") for one in episodes}
         table = (
-            {row["episode"]: row for row in read_rows(labels, ("episode", "material"))}
+            {row["episode"]: row for row in read_rows(labels, ("episode", "material")).values()}
             if labels
             else {}
         )

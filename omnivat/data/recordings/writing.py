@@ -46,7 +46,7 @@ def write_pairs(
         raise WriteError(f"'{out}' exists; name a new folder.")
     with replacing_folder(out) as work:
         rows, skipped = _written(clips, work, frames, pick, on_step)
-        if all(row[0] and row[1] for row in rows):  # else `loose` reads the one modality
+        if all(row[0] and row[1] for row in rows):  # else names tell the one modality
             write_csv(work / "pairs.csv", COLUMNS, rows)
     return len(rows), skipped
 

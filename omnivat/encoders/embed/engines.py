@@ -80,25 +80,18 @@ def run_on_ray(
     )
     if not chunks:
         return
-    started_here = not ray.is_initialized()
-    if started_here:
-        ray.init()
-    try:
-        data.DataContext.get_current().enable_progress_bars = False
-        rows = [{"index": i, "chunk": pickle.dumps(chunk)} for i, chunk in enumerate(chunks)]
-        finished = data.from_items(rows, override_num_blocks=len(rows)).map(
-            Worker,
-            fn_constructor_args=(job, encoder.weights_hash),
-            concurrency=min(workers, len(rows)),
-            num_cpus=1,
-        )
-        for row in finished.iter_rows():
-            chunk = chunks[row["index"]]
-            on_pairs(len(chunk.pairs))
-            yield chunk, row["part"]
-    finally:
-        if started_here:
-            ray.shutdown()
+    ray.init(ignore_reinit_error=True)
+    rows = [{"index": i, "chunk": pickle.dumps(chunk)} for i, chunk in enumerate(chunks)]
+    finished = data.from_items(rows, override_num_blocks=len(rows)).map(
+        Worker,
+        fn_constructor_args=(job, encoder.weights_hash),
+        concurrency=min(workers, len(rows)),
+        num_cpus=1,
+    )
+    for row in finished.iter_rows():
+        chunk = chunks[row["index"]]
+        on_pairs(len(chunk.pairs))
+        yield chunk, row["part"]
 
 
 class Worker:

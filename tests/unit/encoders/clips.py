@@ -155,27 +155,12 @@ def open_clip_folder(folder, model):
     return folder
 
 
-def open_clip_training(folder, model):
-    """Write a training checkpoint of open_clip, made on several GPUs."""
-    quick = model.config.vision_config.hidden_act == "quick_gelu"
-    state = {f"module.{k}": v for k, v in openai_names(model.state_dict()).items()}
-    record = {
-        "epoch": 3,
-        "name": "2024_01_01-model_small" + ("-quickgelu" if quick else ""),
-        "state_dict": state,
-        "optimizer": {"state": {}, "param_groups": [{"lr": 0.1}]},
-    }
-    torch.save(record, folder / "epoch_3.pt")
-    return folder / "epoch_3.pt"
-
-
 LAYOUTS = {
     "transformers folder": hf_folder,
     "bare safetensors": hf_bare,
     "OpenAI state dict": openai_state,
     "OpenAI TorchScript": openai_script,
     "open_clip folder": open_clip_folder,
-    "open_clip training checkpoint": open_clip_training,
 }
 
 

@@ -110,15 +110,3 @@ def test_an_encoder_without_a_text_tower_says_which_have_one(clips, tmp_path):
     torch.save(state, tmp_path / "a.pt")
     with pytest.raises(DataError, match="no text tower"):
         text_encoder("clip", weights=tmp_path / "a.pt")
-
-
-@pytest.mark.parametrize("kind", ["ViT", "ResNet"])
-def test_an_image_tower_alone_under_openais_names_loads(kind, clips, tmp_path):
-    whole = clips.openai_names(clips.small_model().state_dict())
-    if kind == "ResNet":
-        whole = clips.published_resnet(clips.rn50_state())
-    alone = {k.removeprefix("visual."): v for k, v in whole.items() if k.startswith("visual.")}
-    torch.save(alone, tmp_path / "alone.pt")
-    torch.save(whole, tmp_path / "whole.pt")
-    found = load_encoder("clip", weights=tmp_path / "alone.pt")
-    assert found.weights_hash == load_encoder("clip", weights=tmp_path / "whole.pt").weights_hash

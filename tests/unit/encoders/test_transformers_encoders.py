@@ -24,9 +24,6 @@ LETTERS = {"hidden_size": 32, "num_hidden_layers": 1, "num_attention_heads": 2, 
 DINO = {key: value for key, value in SIZES.items() if key != "intermediate_size"}
 
 
-NAFLEX = {key: value for key, value in SIZES.items() if key != "image_size"} | {"num_patches": 16}
-
-
 # Models of transformers
 
 
@@ -44,9 +41,6 @@ def vision_model(kind):
             vision_config=SIZES, text_config={**LETTERS, "intermediate_size": 48}
         ),
         "siglip tower": lambda: transformers.SiglipVisionConfig(**SIZES),
-        "siglip2 naflex": lambda: transformers.Siglip2Config(
-            vision_config=NAFLEX, text_config={**LETTERS, "intermediate_size": 48}
-        ),
     }
     torch.manual_seed(3)
     model = transformers.AutoModel.from_config(configs[kind]())
@@ -61,12 +55,6 @@ def reference(kind, model, pixels):
     with torch.inference_mode():
         if kind == "siglip":
             found = model.vision_model(pixel_values=pixels).pooler_output
-        elif kind == "siglip2 naflex":
-            rows = pixels.unfold(2, 16, 16).unfold(3, 16, 16)  # (1, 3, 4, 4, 16, 16)
-            rows = rows.permute(0, 2, 3, 4, 5, 1).reshape(1, 16, 768)
-            found = model.vision_model(
-                rows, torch.ones(1, 16, dtype=torch.long), torch.tensor([[4, 4]])
-            ).pooler_output
         elif kind in ("convnext", "siglip tower"):
             found = model(pixel_values=pixels).pooler_output
         elif kind == "i-jepa":
@@ -84,7 +72,6 @@ POOLING = {
     "convnext": "pooled output",
     "siglip": "projected image features",
     "siglip tower": "pooled output",
-    "siglip2 naflex": "projected image features",
 }
 
 
