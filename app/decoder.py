@@ -117,7 +117,7 @@ def serve() -> None:
         question = json.loads(line)
         content, name = sys.stdin.buffer.read(question["size"]), question["name"]
         try:
-            picture = opened(read_bytes(content, name), name, limits=VISITORS)
+            picture = opened(read_bytes(content, name), name, **VISITORS)
             of = picture.size
             image = upright(picture, name)
         except OmniVatError as error:

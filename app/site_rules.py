@@ -27,7 +27,7 @@ TABLES = {
     },
     "PICTURE": {
         "MOST_JPEG": images.MAX_PIXELS,
-        "MOST": images.VISITORS.pixels,
+        "MOST": images.VISITORS["pixels"],
         "SHORT_SIDE": images.SHORT_SIDE,
         "REDUCED": images.MOST_PIXELS,
         "LEAST_SIDE": images.MIN_SIDE,

@@ -3,7 +3,7 @@
 A printed dot darkens all three colours and repeats in a square grid. Relief is coloured on one
 side, or has no period. So: find dark spots in the brightest channel; let all pairs of spots vote
 for the two steps of the grid; keep the spots that have neighbours one step away; accept the grid
-only if few nodes are missing, the spots are alike, and the gel between them is plain.
+only if few nodes are missing, few other spots are as dark, and the gel between them is plain.
 """
 
 from collections.abc import Callable
@@ -80,7 +80,6 @@ def grid_of(dark: Array, points: Array, depths: Array) -> Grid | None:
     reach = np.ptp(points[node], axis=0) / shape[::-1]
     if (
         share < 0.8
-        or depths[node].std() > 0.45 * typical
         or others.sum() > node.sum()
         or reach.min() < 0.65
         or between(dark, points[node], steps) > 0.42 * typical

@@ -15,12 +15,12 @@ gets both here: the page reads visitors' files in a process that has little of e
 """
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from importlib import import_module
 from io import BytesIO
 from pathlib import Path
+from typing import Any
 
 from PIL import Image
 
@@ -30,7 +30,6 @@ from omnivat.kit.files import read_whole
 warnings.filterwarnings("ignore", category=UserWarning, module="PIL")  # of damaged notes in a file
 
 ORIENTATION = 0x0112  # tag of EXIF
-MOST_EXIF = 200_000  # bytes of EXIF that are read; its tables may unpack to gigabytes
 MAX_PIXELS = 64_000_000  # checked in the header, before decoding
 MAX_FILE_BYTES = 300_000_000
 MIN_SIDE, MAX_SIDE = 8, 65_535  # pixels; JPEG and GIF have no longer side
@@ -53,31 +52,15 @@ _UPRIGHT = {  # EXIF orientation -> rotation to upright
 }
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Limits:
-    """Accepted kinds, and most pixels of kinds that cannot be decoded at reduced size, as JPEG
-    can.
-    """
-
-    kinds: tuple[str, ...] = FORMATS
-    pixels: int = MAX_PIXELS
-
-
-OWN = Limits()  # the user's own files, on the command line
-VISITORS = Limits(kinds=COMMON, pixels=24_000_000)  # uploads
+VISITORS: dict[str, Any] = {"kinds": COMMON, "pixels": 24_000_000}  # of uploads, for `opened`
 
 
 def read_image(
-    source: str | Path | bytes | Image.Image,
-    name: str = "",
-    *,
-    limits: Limits = OWN,
-    reduced: bool = True,
+    source: str | Path | bytes | Image.Image, name: str = "", *, reduced: bool = True
 ) -> Image.Image:
     """Return the image in `source`, a path, a file's bytes or an open image, as upright RGB.
 
     name     its name in errors; None: the path
-    limits   accepted kinds and sizes
     reduced  True reduces a large picture; False keeps every pixel
 
     Raises DataError, with the file and the remedy, if it is missing, empty, truncated, not an
@@ -85,17 +68,22 @@ def read_image(
     """
     name = name or ("the image" if isinstance(source, bytes | Image.Image) else str(source))
     if not isinstance(source, Image.Image):
-        source = opened(read_bytes(source, name), name, limits=limits)
+        source = opened(read_bytes(source, name), name)
     return upright(source, name, reduced=reduced)
 
 
-def opened(content: bytes, name: str, *, limits: Limits = OWN) -> Image.Image:
+def opened(
+    content: bytes, name: str, *, kinds: Sequence[str] = FORMATS, pixels: int = MAX_PIXELS
+) -> Image.Image:
     """Return the image in a file's bytes, of which only the header is read.
+
+    kinds   accepted ones
+    pixels  most of a kind that cannot be decoded at reduced size, as JPEG can
 
     `Image.open` would warn about large images, so Pillow's readers are tried in turn.
     Raises DataError as `read_image` does.
     """
-    for kind in limits.kinds:
+    for kind in kinds:
         import_module(f"PIL.{_MODULES.get(kind, kind.capitalize() + 'ImagePlugin')}")
         opener, accepts = Image.OPEN[kind]
         if accepts and accepts(content[:16]):
@@ -105,10 +93,10 @@ def opened(content: bytes, name: str, *, limits: Limits = OWN) -> Image.Image:
     with _explained(name, f"is a damaged {kind} file"):
         image = opener(BytesIO(content), "")
     _check_size(*image.size, name)
-    if kind != "JPEG" and image.width * image.height > limits.pixels:
+    if kind != "JPEG" and image.width * image.height > pixels:
         raise DataError(
             f"'{name}' is {image.width} × {image.height} pixels; a {kind} file is read up to "
-            f"{limits.pixels / 1e6:.0f} megapixels here. Scale it down, or save it as JPEG."
+            f"{pixels / 1e6:.0f} megapixels here. Scale it down, or save it as JPEG."
         )
     return image
 
@@ -118,10 +106,8 @@ def _explained(name: str, what: str) -> Iterator[None]:
     """Turn any error of a decoder into a DataError."""
     try:
         yield
-    except MemoryError as error:
-        raise DataError(
-            f"'{name}' takes more memory to read than there is; scale it down, or save it as JPEG."
-        ) from error
+    except DataError:
+        raise
     except Exception as error:  # a decoder may raise any error for bad bytes
         raise DataError(f"'{name}' {what}; {REMEDY}.") from error
 
@@ -171,13 +157,8 @@ def upright(image: Image.Image, name: str, *, reduced: bool = True) -> Image.Ima
             scale = draft_scale(*image.size)
             image.draft(None, (image.width // scale, image.height // scale))  # only JPEG does
         image.load()
-    turned = _UPRIGHT.get(_turn(image))
-    try:
+        turned = _UPRIGHT.get(_turn(image))
         seen = _eight_bit_rgb(image, name, factor(*image.size) if reduced else 1)
-    except DataError:
-        raise
-    except ValueError as error:
-        raise DataError(f"'{name}' has colours of kind {image.mode}; {REMEDY}.") from error
     return seen if turned is None else seen.transpose(turned)
 
 
@@ -197,8 +178,6 @@ def _check_size(width: int, height: int, name: str) -> None:
 
 
 def _turn(image: Image.Image) -> int:
-    if len(image.info.get("exif", b"")) > MOST_EXIF:
-        return 1
     try:
         return int(image.getexif().get(ORIENTATION, 1))
     except Exception:  # damaged EXIF does not mean damaged pixels

@@ -26,7 +26,6 @@ from omnivat.kit.stages import IMAGES
 
 Array = NDArray[np.float32]
 FORMAT = "omnivat-profile-1"
-MOST_BYTES = 4_000_000  # of a profile file: two modalities of 65,536 channels take 1 MB
 KEY = ("encoder", "weights_hash", "preprocessing")
 MEAN_PRIOR, VARIANCE_PRIOR = 4, 10  # pictures that the source's mean and variance weigh
 STEP_SHIFTED = 0.875  # of a head trained with imitated sensors (docs/decisions/0009)
@@ -185,8 +184,6 @@ def profiled(
     for name, profile in profiles.items():
         require_key(profile, embeddings.header.key, embeddings.width)
         owners[embeddings.header.domains.index(name)] = profile
-    if not owners:
-        return embeddings
     moves: dict[str, Any] = {
         name: _moved_array(array, embeddings.domain, owners, name[:3], source)
         for name, array in embeddings.vectors.items()
@@ -292,20 +289,10 @@ def load_profile(file: str | Path) -> Profile:
     Raises DataError with the file name if it is missing, damaged, or of another kind.
     """
     path = Path(file)
-    if not path.is_file():
-        raise DataError(
-            f"No profile at '{path}'. Make one with `python -m omnivat profile PICTURES --out"
-            f" {path}`."
-        )
-    if path.stat().st_size > MOST_BYTES:
-        raise DataError(f"'{path}' is larger than {MOST_BYTES / 1e6:g} MB; it is no profile.")
     try:
         arrays, metadata = read_arrays(path)
         if metadata.get("format") != FORMAT:
-            raise DataError(
-                f"'{path}' is not a profile (format '{metadata.get('format', 'none'):.60}'). Make"
-                " one with `python -m omnivat profile`."
-            )
+            raise ValueError(f"format '{metadata.get('format', 'none'):.60}'")
         channels = {n: _channels(arrays, metadata, n) for n in IMAGES if f"{n}_mean" in arrays}
         if len({len(one.mean) for one in channels.values()}) != 1:
             raise ValueError("it needs one modality or two of equal width")
@@ -319,7 +306,8 @@ def load_profile(file: str | Path) -> Profile:
         )
     except (SafetensorError, OSError, ValueError, KeyError) as error:
         raise DataError(
-            f"'{path}' cannot be read as a profile ({error!s:.200}); make it again."
+            f"'{path}' is no profile ({error!s:.200}). Make one with `python -m omnivat profile"
+            f" PICTURES --out {path.name}`."
         ) from error
 
 

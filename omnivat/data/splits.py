@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omnivat.data.pairs import Pair, Tally
-from omnivat.kit.errors import DataError
 from omnivat.kit.seeding import derive_seed
 
 
@@ -25,25 +24,18 @@ def hold_out(
 
     objects   N names; "" is a separate object
     labels    N classes, texts or numbers
-    fraction  in [0, 1), of the pairs of each class
+    fraction  above 0 and below 1, of the pairs of each class
     seed      the same seed holds out the same pairs
     return    (N,) True where held out
 
     A class of two or more objects has pairs on both sides, unless objects of several classes
-    prevent it. A class of one object is never held out. Raises DataError if the fraction is out of
-    range or the lengths differ.
+    prevent it. A class of one object is never held out.
     """
-    if not 0 <= fraction < 1:
-        raise DataError(f"The fraction to hold out is {fraction}; choose 0 or more and below 1.")
-    if len(objects) != len(labels):
-        raise DataError(
-            f"There are {len(objects)} objects but {len(labels)} labels; expected as many."
-        )
     names: list[Hashable] = [name or number for number, name in enumerate(objects)]
     classes: dict[Hashable, Counter[Hashable]] = defaultdict(Counter)
     for name, label in zip(names, labels, strict=True):
         classes[name][label] += 1
-    held = _choose(classes, fraction, Random(seed)) if fraction else set()
+    held = _choose(classes, fraction, Random(seed))
     return np.fromiter((name in held for name in names), dtype=bool, count=len(names))
 
 

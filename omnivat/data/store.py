@@ -250,11 +250,9 @@ def _check(file: Path, embeddings: Embeddings) -> None:
             f" and their product may be {MOST_CELLS:,}; leave out names without pairs."
         )
     count, width = embeddings.vis.shape if embeddings.vis.ndim == 2 else (-1, -1)
-    if not width:
-        raise DataError(f"'{file}' holds rows without numbers (width 0); embed the pairs again.")
     flips = [a for a in (embeddings.vis_flip, embeddings.tac_flip) if a is not None]
     shapes_agree = (
-        count >= 0
+        width > 0
         and all(a.shape == (count, width) for a in (embeddings.tac, *flips))
         and embeddings.domain.shape == embeddings.label.shape == (count,)
         and all(len(embeddings.rows.get(name, ())) == count for name in ROW_NAMES)
@@ -271,8 +269,8 @@ def _check(file: Path, embeddings: Embeddings) -> None:
         released(vectors)  # read, not changed
 
 
-def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str = "csv") -> Path:
-    """Write named columns of text next to `path`, completely or not at all; return the file's path.
+def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str) -> None:
+    """Write named columns of text next to `path`, completely or not at all.
 
     Raises SettingsError for an unknown kind, MissingPackageError for Parquet without pyarrow,
     WriteError if another table would be lost.
@@ -281,14 +279,11 @@ def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str =
     require_own(place)
     if kind == "csv":
         write_csv(place, columns, zip(*columns.values(), strict=True))
-        return place
+        return
     pyarrow = need("pyarrow", purpose="a Parquet manifest")
     parquet = need("pyarrow.parquet", purpose="a Parquet manifest", install="pyarrow")
     with replacing(place) as temporary:
-        parquet.write_table(
-            pyarrow.table({name: list(values) for name, values in columns.items()}), temporary
-        )
-    return place
+        parquet.write_table(pyarrow.table(dict(columns)), temporary)
 
 
 def manifest_place(path: Path, kind: str) -> Path:

@@ -8,13 +8,11 @@ displacement, because markers are pressed in several times as far as they are dr
 from collections.abc import Iterable, Iterator, Sequence
 from hashlib import blake2b
 from pathlib import Path
-from tokenize import TokenError
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from omnivat.kit.errors import DataError, printable
 from omnivat.kit.files import replacing
 
 MARKERS = 20  # markers on each side
@@ -24,24 +22,19 @@ MOST_FOR_SCALE = 2000  # fields used for the scale, evenly spaced
 Field = NDArray[np.float64]
 
 
-def load_field(file: Path) -> Field:
+def load_field(file: Path) -> Field | None:
     """Return the displacements (20, 20, 3) of a `.npy` file with that shape or (400, 3).
 
-    Raises DataError for anything else: another shape, text, objects, NaN.
+    None for anything else: another shape, text, objects, NaN.
     """
     try:
         with file.open("rb") as handle:
-            field = np.lib.format.read_array(handle, allow_pickle=False)
-    except (OSError, ValueError, TypeError, TokenError, OverflowError, MemoryError) as error:
-        raise DataError(f"'{printable(str(file))}' is not a NumPy array ({error}).") from error
-    wanted = (MARKERS, MARKERS, 3)
-    if field.shape not in (wanted, (MARKERS**2, 3)):
-        raise DataError(
-            f"'{printable(str(file))}' has shape {field.shape}, expected {wanted} displacements."
-        )
-    if field.dtype.kind not in "fiu" or not np.isfinite(field).all():
-        raise DataError(f"'{printable(str(file))}' holds values that are not finite numbers.")
-    return field.astype(np.float64).reshape(wanted)
+            field = np.asarray(np.load(handle, allow_pickle=False), np.float64)
+        whole = field.reshape(MARKERS, MARKERS, 3)
+    except Exception:  # a damaged file may raise any error
+        return None
+    shaped = field.shape in (whole.shape, (MARKERS**2, 3))
+    return whole if shaped and np.isfinite(field).all() else None
 
 
 def robust_scale(fields: Iterable[Field]) -> Field:
@@ -94,8 +87,5 @@ def draw_all(files: Sequence[Path], folder: Path) -> dict[Path, Path]:
 
 def _fields(files: Sequence[Path]) -> Iterator[tuple[Path, Field]]:
     for file in files:
-        try:
-            field = load_field(file)
-        except DataError:
-            continue
-        yield file, field
+        if (field := load_field(file)) is not None:
+            yield file, field

@@ -13,7 +13,6 @@ from omnivat.encoders.clip import CHECKPOINTS, Clip, open_clip
 from omnivat.encoders.clip_towers import transformer
 from omnivat.encoders.weights import count
 from omnivat.kit.errors import DataError, MissingNameError
-from omnivat.kit.files import cache_folder
 from omnivat.kit.tables import need, suggestion
 from omnivat.kit.threads import one_thread
 
@@ -107,8 +106,8 @@ def load_tokenizer(place: Path, *, longest: int, vocabulary: int) -> Any:
     longest     longest text of the tower, in tokens
     vocabulary  number of token embeddings of the tower
 
-    It searches next to the checkpoint, then in the folders of other CLIPs in the cache, then in the
-    packages open_clip and clip. All CLIPs share one tokenizer.
+    It searches next to the checkpoint, then in the packages open_clip and clip. All CLIPs share one
+    tokenizer.
     Raises DataError if there is none, or if it does not fit the tower.
     """
     transformers = need("transformers", purpose="CLIP's tokenizer")
@@ -119,7 +118,7 @@ def load_tokenizer(place: Path, *, longest: int, vocabulary: int) -> Any:
         if spec
         for path in spec.submodule_search_locations or ()
     ]
-    for candidate in (folder, *sorted(cache_folder().glob("clip*")), *packages):
+    for candidate in (folder, *packages):
         if any(all((candidate / name).is_file() for name in names) for names in FILES):
             found = transformers.CLIPTokenizer.from_pretrained(candidate)
             break

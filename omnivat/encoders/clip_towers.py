@@ -77,16 +77,15 @@ def transformer(clip: Clip, part: str, *, hidden_size: int, **sizes: int) -> Any
             f"'{clip.file}' has layers of width {hidden_size}, which {heads:g} attention heads"
             " cannot divide; put the model's config.json beside the file."
         )
-    config = getattr(transformers, f"CLIP{part.title()}Config")(
-        **stated
-        | sizes
-        | {
-            "hidden_size": hidden_size,
-            "num_attention_heads": int(heads),
-            "intermediate_size": len(state[f"{part}_model.encoder.layers.0.mlp.fc1.weight"]),
-            "hidden_act": clip.settings.activation,
-        }
-    )
+    settings: dict[str, Any] = {
+        **stated,
+        **sizes,
+        "hidden_size": hidden_size,
+        "num_attention_heads": int(heads),
+        "intermediate_size": len(state[f"{part}_model.encoder.layers.0.mlp.fc1.weight"]),
+        "hidden_act": clip.settings.activation,
+    }
+    config = getattr(transformers, f"CLIP{part.title()}Config")(**settings)
     with torch.device("meta"):
         network = getattr(transformers, f"CLIP{part.title()}ModelWithProjection")(config)
     state.fill(network)

@@ -60,8 +60,6 @@ def explained(error: Exception, repository: str) -> str:
         return f"The hub refuses {repository} without a login ({kind}); run `hf auth login`."
     if status == 404 or "NotFound" in kind:
         return f"The hub has no complete model '{repository}' ({kind})."
-    if status == 407 or "Proxy" in kind:
-        return f"The proxy refused the connection to the hub ({kind}); check $HTTPS_PROXY."
     if status:
         return f"The hub at {constants.ENDPOINT} replied with status {status}; try again later."
     proxy = next((path for scheme in ("https", "http") if (path := getproxies().get(scheme))), "")

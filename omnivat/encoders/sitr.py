@@ -7,6 +7,7 @@ the last norm. Source: Gupta et al., ICLR 2025; names of weights, order of press
 statistics are those of its code. The decoder of normal maps and the contrastive head are left out.
 """
 
+from math import isqrt
 from pathlib import Path
 
 import torch
@@ -127,9 +128,9 @@ def _of_torch(name: str) -> str:
 def _side(state: Weights) -> int:
     """Return the side of the image in pixels."""
     first = state["patch_embed.proj.weight"]
-    width, patch = len(first), first.shape[-1]
+    width, patch = len(first), int(first.shape[-1])
     places = state["pos_embed"].numel() // width - 1
-    grid = round(places**0.5)
+    grid = isqrt(places)
     if width % HEAD or grid**2 != places:
         raise DataError(
             f"'{state.file}' has layers of width {width} and {places} places; SITR's are a"

@@ -137,18 +137,16 @@ def hapticmatch(names: Names, text: Text) -> Iterator[Item]:
             )
 
 
-def octopi(names: Names, text: Text) -> Iterator[Item]:
-    """Yield the clips, touch alone; the part of an object is the class, a clip the object."""
-    for name, match in _matches(names, r"dataset/(\w+)_(\d+)\.mov"):
-        part = match[1].replace("_", " ")
-        yield Item(vis="", tac=name, domain="Octopi", material=part, object=f"{part} {match[2]}")
+def touches(domain: str, pattern: str) -> Layout:
+    """Return the layout of touches alone: the part of an object is the class, a file the object."""
 
+    def items(names: Names, text: Text) -> Iterator[Item]:
+        for name, match in _matches(names, pattern):
+            part = match[1].replace("_", " ")
+            thing = f"{part} {match[2]}"
+            yield Item(vis="", tac=name, domain=domain, material=part, object=thing)
 
-def digit_parts(names: Names, text: Text) -> Iterator[Item]:
-    """Yield the pictures, touch alone; the part of an object is the class, a picture the object."""
-    for name, match in _matches(names, r"data/(\w+)/interaction_(\d+)\.jpg"):
-        part = match[1].replace("_", " ")
-        yield Item(vis="", tac=name, domain="DIGIT", material=part, object=f"{part} {match[2]}")
+    return items
 
 
 LAYOUTS: dict[str, Layout] = {
@@ -158,6 +156,6 @@ LAYOUTS: dict[str, Layout] = {
     "tag-samples": tag_samples,
     "touch-and-go": touch_and_go,
     "hapticmatch": hapticmatch,
-    "octopi": octopi,
-    "digit-parts": digit_parts,
+    "octopi": touches("Octopi", r"dataset/(\w+)_(\d+)\.mov"),
+    "digit-parts": touches("DIGIT", r"data/(\w+)/interaction_(\d+)\.jpg"),
 }

@@ -105,13 +105,7 @@ class Repository:
     def contents(self, hashes: Mapping[str, str]) -> Iterator[tuple[str, bytes]]:
         """Yield path and content of files that were brought, by path -> hash."""
         for path, name in hashes.items():
-            try:
-                content = self._run(self._command("cat-file", "blob", name))
-            except DataError as error:
-                raise DataError(
-                    f"'{printable(path)}' is damaged in '{self.folder}'; remove that folder."
-                ) from error
-            yield path, content
+            yield path, self._run(self._command("cat-file", "blob", name))
 
     def _present(self) -> set[str]:
         form = "--batch-check=%(objectname)"

@@ -3,10 +3,9 @@
 import csv
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from io import StringIO
 from pathlib import Path
-from string import Formatter
 
 from omnivat.kit.errors import DataError, SettingsError, printable
 from omnivat.kit.files import read_whole
@@ -16,7 +15,6 @@ from omnivat.kit.tables import suggestion
 MOST_TEXT = 1_000_000_000  # bytes of a table or list; a million pairs take 200 MB
 is_file = os.path.isfile  # unlike Path.is_file, it never raises for long names
 SUFFIXES = "png apng jpg jpeg jpe jfif webp bmp dib tif tiff gif ppm pgm pnm tga jp2 j2k avif"
-WIDTH = re.compile(r"(0?\d{1,2}d?)?")
 IMAGE_SUFFIXES = frozenset(f".{suffix}" for suffix in SUFFIXES.split())
 
 
@@ -42,12 +40,8 @@ def number_in(value: object, low: float, high: float, what: str) -> float:
     anything else.
     """
     try:
-        number = (
-            float(value)
-            if isinstance(value, int | float | str) and not isinstance(value, bool)
-            else float("nan")
-        )
-    except (ValueError, OverflowError):
+        number = float(value)  # type: ignore[arg-type]
+    except (TypeError, ValueError, OverflowError):
         number = float("nan")
     if not low <= number <= high:  # also true of NaN
         raise DataError(
@@ -55,28 +49,6 @@ def number_in(value: object, low: float, high: float, what: str) -> float:
             f" {high:g}."
         )
     return number
-
-
-def filled(template: object, names: Mapping[str, object], what: str) -> str:
-    """Return a path template with its named places filled: plain names, and widths below 100.
-
-    Raises DataError for anything else that Python's format would evaluate.
-    """
-    try:
-        places = [part[1:] for part in Formatter().parse(str(template)) if part[1] is not None]
-        known = all(
-            name in names and WIDTH.fullmatch(form or "") and not kind
-            for name, form, kind in places
-        )
-        if isinstance(template, str) and known:
-            return template.format(**names)
-    except (ValueError, TypeError):  # a brace that does not close; a number's form for a text
-        pass
-    allowed = ", ".join(f"{{{name}}}" for name in names)
-    raise DataError(
-        f"{what} is '{show(str(template)[:80])}'; it may hold {allowed}, and widths as in"
-        f" {{{[*names][-1]}:03d}}."
-    )
 
 
 def is_image_name(name: str) -> bool:

@@ -3,12 +3,13 @@ table of labels.
 """
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.readers.files import number_in, read_rows
 from omnivat.data.recordings.lerobot import INFO, LeRobot
-from omnivat.data.recordings.tracks import HALVES, Clip, Track
+from omnivat.data.recordings.tracks import HALVES, Clip, Track, clip_of
 from omnivat.data.recordings.writing import write_pairs
 from omnivat.kit.errors import DataError, SettingsError
 
@@ -58,21 +59,17 @@ def clips_of(
 
 def _videos(file: Path, domain: str) -> list[Clip]:
     """Return the recordings of a table: vis and tac name videos; start and end are seconds."""
-    clips = []
-    for number, row in read_rows(file, ("material",)).items():
-        labels = {
-            "name": f"row {number}",
-            "domain": row.get("domain") or domain or file.absolute().parent.name,
-            "material": class_key(row.get("material", "")) or NO_CLASS,
-            "object": row.get("object") or f"row {number}",
-            "split": row.get("split", ""),
-        }
-        try:
-            tracks, length = _filmed(file.parent, row)
-            clips.append(Clip(tracks=tracks, length=length, **labels))
-        except DataError as error:
-            clips.append(Clip(tracks={}, length=None, problem=str(error), **labels))
-    return clips
+    return [
+        clip_of(
+            partial(_filmed, file.parent, row),
+            name=f"row {number}",
+            domain=row.get("domain") or domain or file.absolute().parent.name,
+            material=class_key(row["material"]) or NO_CLASS,
+            object=row.get("object") or f"row {number}",
+            split=row.get("split", ""),
+        )
+        for number, row in read_rows(file, ("material",)).items()
+    ]
 
 
 def _filmed(folder: Path, row: dict[str, str]) -> tuple[dict[str, Track], float | None]:

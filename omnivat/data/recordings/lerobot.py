@@ -4,21 +4,22 @@ joined in files).
 https://huggingface.co/docs/lerobot/lerobot-dataset-v3 and its predecessor describe them.
 """
 
-import json
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from omnivat.data.materials import NO_CLASS, class_key
-from omnivat.data.readers.files import filled, number_in, read_lines, read_rows, show
-from omnivat.data.recordings.tracks import Clip, Track, parquet_rows
+from omnivat.data.readers.files import number_in, read_lines, read_rows, show
+from omnivat.data.recordings.tracks import Clip, Track, clip_of, parquet_rows
 from omnivat.kit.errors import DataError
-from omnivat.kit.schema import read_object
+from omnivat.kit.schema import object_in, read_object
 
 INFO = Path("meta") / "info.json"
 MOST = 10**9  # episodes, frames, seconds
+PLACE = re.compile(r"{(\w+):?(0?\d{0,2}d?)}")  # in the template of a path
 TOUCH = re.compile(r"tac|touch|gel|digit|finger", re.IGNORECASE)
 
 
@@ -63,32 +64,36 @@ class LeRobot:
         )
         clips = []
         for one in episodes:
-            number = one.get("episode_index")
+            number = one["episode_index"]
             row = table.get(str(number), {})
             if table and not row and "problem" not in one:
                 continue
             for touch, place in zip(touches, places, strict=True):
                 several = place if len(touches) > 1 else self.root.resolve().name
-                found = {
-                    "name": f"episode {number}" + (f" {place}" if len(touches) > 1 else ""),
-                    "domain": row.get("domain") or domain or several,
-                    "material": class_key(
-                        row.get("material") or (one["task"] if len(tasks) > 1 else NO_CLASS)
+                task = one["task"] if len(tasks) > 1 else NO_CLASS
+                clip = clip_of(
+                    partial(
+                        self._read, one, {"vis": photo, "tac": touch} if photo else {"tac": touch}
                     ),
-                    "object": row.get("object") or f"episode {number}",
-                    "split": row.get("split", ""),
-                }
-                wanted = {"vis": photo, "tac": touch} if photo else {"tac": touch}
-                try:
-                    if "problem" in one:
-                        raise DataError(one["problem"])
-                    tracks = {half: self._track(key, one) for half, key in wanted.items()}
-                    clips.append(Clip(tracks=tracks, length=one["length"] / self.fps, **found))
-                except DataError as error:
-                    clips.append(Clip(tracks={}, length=None, problem=str(error), **found))
+                    name=f"episode {number}" + (f" {place}" if len(touches) > 1 else ""),
+                    domain=row.get("domain") or domain or several,
+                    material=class_key(row.get("material") or task),
+                    object=row.get("object") or f"episode {number}",
+                    split=row.get("split", ""),
+                )
+                clips.append(clip)
         if not clips:
             raise DataError(f"No episode of '{show(self.root)}' is used; check --labels.")
         return clips
+
+    def _read(
+        self, episode: Mapping[str, Any], halves: Mapping[str, str]
+    ) -> tuple[dict[str, Track], float]:
+        """Return the tracks of an episode, and its length in seconds."""
+        if "problem" in episode:
+            raise DataError(episode["problem"])
+        tracks = {half: self._track(key, episode) for half, key in halves.items()}
+        return tracks, episode["length"] / self.fps
 
     def _chosen(self, vis: str, tac: Sequence[str]) -> tuple[str, list[str]]:
         """Return the camera of photos ("" without one) and those of touches."""
@@ -121,28 +126,19 @@ class LeRobot:
             ]
         else:
             rows = [_parsed(line) for line in read_lines(meta / "episodes.jsonl") if line]
-        if not rows:
-            raise DataError(f"'{show(meta)}' lists no episodes.")
         found: list[dict[str, Any]] = []
         seen: set[int] = set()
-        for at, row in enumerate(rows):
-            row = row if isinstance(row, dict) else {}
+        for line, row in enumerate(rows, start=1):
             number, length = row.get("episode_index"), row.get("length")
-            if not (
-                type(number) is int
-                and type(length) is int
-                and 0 <= number < MOST
-                and 0 <= length < MOST
-            ):
-                row = {
-                    "episode_index": f"in line {at + 1}",
-                    "problem": "It has no number or length.",
-                }
+            if not (type(number) is type(length) is int and 0 <= length < MOST):
+                number, problem = f"in line {line}", "It has no number or length."
             elif number in seen:
-                row = {"episode_index": number, "problem": "It is listed twice."}
+                problem = "It is listed twice."
             else:
                 seen.add(number)
-            found.append({**row, "task": _task(row.get("tasks"))})
+                found.append({**row, "task": _task(row.get("tasks"))})
+                continue
+            found.append({"episode_index": number, "problem": problem, "task": ""})
         return found
 
     def _track(self, key: str, episode: Mapping[str, Any]) -> Track:
@@ -168,17 +164,30 @@ class LeRobot:
         return replace(found, start=start) if film else found
 
 
-def _parsed(line: str) -> Any:
-    """Return the value of a line of JSON; None for anything else."""
+def _parsed(line: str) -> dict[str, Any]:
+    """Return the object in a line of JSON; {} for anything else."""
     try:
-        return json.loads(line)
-    except (ValueError, RecursionError):
-        return None
+        return object_in(line.encode(), "episode")
+    except DataError:
+        return {}
 
 
 def _task(tasks: Any) -> str:
-    """Return the first task of an episode, which may be a list, an array, a text or missing."""
-    if isinstance(tasks, str):
-        return tasks
-    first = next(iter(tasks), "") if isinstance(tasks, list | tuple) else ""
+    """Return the first task of an episode, which may be a list, a text or missing."""
+    first = next(iter(tasks), "") if isinstance(tasks, list) else tasks
     return first if isinstance(first, str) else ""
+
+
+def filled(template: object, names: Mapping[str, object], what: str) -> str:
+    """Return a path template with its places filled: known names, and widths below 100.
+
+    Raises DataError for another name.
+    """
+    try:
+        return PLACE.sub(lambda place: format(names[place[1]], place[2]), str(template))
+    except (KeyError, ValueError) as error:
+        allowed = ", ".join(f"{{{name}}}" for name in names)
+        raise DataError(
+            f"{what} is '{show(str(template)[:80])}'; it may hold {allowed}, and widths as in"
+            " {episode_index:03d}."
+        ) from error

@@ -2,12 +2,12 @@
 Parquet file.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.data.images import MAX_PIXELS, read_image
+from omnivat.data.images import read_image
 from omnivat.data.readers.files import show
 from omnivat.kit.errors import DataError, first_line
 from omnivat.kit.files import require_regular
@@ -45,6 +45,15 @@ class Clip:
     problem: str = ""  # why it cannot be read
 
 
+def clip_of(read: Callable[[], tuple[Mapping[str, Track], float | None]], **labels: str) -> Clip:
+    """Return a recording with the tracks and the length that `read` gives, or with its problem."""
+    try:
+        tracks, length = read()
+    except DataError as error:
+        return Clip(tracks={}, length=None, problem=str(error), **labels)
+    return Clip(tracks=tracks, length=length, **labels)
+
+
 def pictures(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:
     """Yield the picture of a track at each of the rising times; raises DataError if one is
     missing.
@@ -70,16 +79,11 @@ def _opened(file: Path) -> tuple[Any, Any]:
     require_regular(file, show(file))
     try:
         container = av.open(str(file))
-        if not container.streams.video:
-            raise DataError(f"'{show(file)}' holds no video.")
-        stream = container.streams.video[0]
-    except (av.error.FFmpegError, OSError) as error:
+        return container, container.streams.video[0]
+    except (av.error.FFmpegError, OSError, IndexError) as error:
         raise DataError(
             f"'{show(file)}' is no video that can be read; export it as MP4."
         ) from error
-    if stream.width * stream.height > MAX_PIXELS:
-        raise DataError(f"'{show(file)}' has pictures over {MAX_PIXELS // 1_000_000} megapixels.")
-    return container, stream
 
 
 def extent(track: Track) -> tuple[float, float]:
@@ -88,13 +92,9 @@ def extent(track: Track) -> tuple[float, float]:
         return 0.0, track.fps
     container, stream = _opened(track.file)
     with container:
-        try:
-            seconds = (
-                stream.duration * stream.time_base if stream.duration else container.duration / 1e6
-            )
-            return float(seconds), float(stream.average_rate or 30)
-        except (TypeError, ValueError, OverflowError) as error:
-            raise DataError(f"'{show(track.file)}' has no length; export it as MP4.") from error
+        whole = (container.duration or 0) / 1e6
+        seconds = stream.duration * stream.time_base if stream.duration else whole
+        return float(seconds), float(stream.average_rate or 30)
 
 
 def _filmed(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:

@@ -8,13 +8,12 @@ import numpy as np
 from PIL import Image
 
 from omnivat.data.pairs import Skipped
-from omnivat.data.readers.files import encodable, show
+from omnivat.data.readers.files import show
 from omnivat.data.recordings.tracks import HALVES, Clip, extent, pictures
-from omnivat.kit.errors import DataError, SettingsError, WriteError
+from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import replacing_folder, write_csv
 from omnivat.kit.progress import OnStep, Step, ignore
 
-PICKS = ("even", "contact")
 GRID = 16  # blocks along a side, of which contact changes some; other light changes all of them
 LOOKS = 60  # moments of a recording that are compared with its first one
 COLUMNS = ("vis", "tac", "domain", "material", "object", "split")
@@ -38,10 +37,6 @@ def write_pairs(
     The folder appears when it is complete. Raises WriteError if it exists with files, DataError if
     no recording can be read.
     """
-    if pick not in PICKS or frames < 1:
-        raise SettingsError(
-            f"frames is {frames} and pick is '{pick}'; give 1 or more, and {' or '.join(PICKS)}."
-        )
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
         raise WriteError(f"'{out}' exists; name a new folder.")
     with replacing_folder(out) as work:
@@ -60,8 +55,6 @@ def _written(
         try:
             if clip.problem:
                 raise DataError(clip.problem)
-            for name in ("domain", "material", "object", "split"):
-                encodable(getattr(clip, name), f"its {name}")
             times = moments(clip, frames, pick)
             shots = {half: list(pictures(track, times)) for half, track in clip.tracks.items()}
         except DataError as error:

@@ -105,32 +105,26 @@ def load_bank(path: str | Path = DEFAULT_BANK) -> LangBank:
 
     Raises DataError with the file name if it is missing or of another kind.
     """
-    file = Path(path)
-    if not file.is_file():
-        raise DataError(f"No LANG bank at '{file}'. Make one with `python -m omnivat prompts`.")
     try:
-        stored, metadata = read_arrays(file)
-        if metadata.get("format") != FORMAT:
-            raise DataError(
-                f"'{file}' is not a LANG bank. Make one with `python -m omnivat prompts`."
-            )
+        stored, metadata = read_arrays(Path(path))
         arrays = {name: array.astype(np.float32) for name, array in stored.items()}
         embeddings, plain = arrays["embeddings"], arrays.get("plain")
-    except (SafetensorError, OSError, KeyError) as error:
+        classes, scale = tuple(json.loads(metadata["classes"])), metadata.get("logit_scale")
+        plain_shape = (len(classes), embeddings.shape[-1])
+        if metadata["format"] != FORMAT or embeddings.shape[::2] != plain_shape:
+            raise ValueError(f"{len(classes)} classes and {embeddings.shape}")
+        if plain is not None and plain.shape != plain_shape:
+            raise ValueError(f"plain texts of shape {plain.shape}")
+        return LangBank(
+            embeddings=embeddings,
+            classes=classes,
+            origin=metadata["origin"],
+            plain=plain,
+            encoder=metadata.get("encoder", ""),
+            text_hash=metadata.get("text_hash", ""),
+            logit_scale=None if scale is None else float(scale),
+        )
+    except (SafetensorError, OSError, KeyError, ValueError) as error:
         raise DataError(
-            f"'{file}' cannot be read as a LANG bank ({error}); make it again."
+            f"'{path}' is no LANG bank ({error}). Make one with `python -m omnivat prompts`."
         ) from error
-    classes = tuple(json.loads(metadata["classes"]))
-    shaped = embeddings.ndim == 3 and len(embeddings) == len(classes)
-    if not shaped or (plain is not None and plain.shape != embeddings[:, 0].shape):
-        raise DataError(f"'{file}' names {len(classes)} classes and holds {embeddings.shape}.")
-    scale = metadata.get("logit_scale")
-    return LangBank(
-        embeddings=embeddings,
-        classes=classes,
-        origin=metadata["origin"],
-        plain=plain,
-        encoder=metadata.get("encoder", ""),
-        text_hash=metadata.get("text_hash", ""),
-        logit_scale=None if scale is None else float(scale),
-    )

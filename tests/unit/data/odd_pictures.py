@@ -1,4 +1,4 @@
-"""Pictures that a fill of printed dots must leave as they are: dark grain, letters, holes, relief.
+"""Pictures that a fill of printed dots must leave as they are: specks, meshes, letters, relief.
 
 Each function draws one kind, values (side, side, 3) from 0 to 255; equal seeds give equal pictures.
 Lengths are drawn for 224 pixels and grow with the side.
@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
-from scipy.ndimage import gaussian_filter, zoom
+from scipy.ndimage import zoom
 
 SIDE = 224
 Array = np.ndarray[Any, np.dtype[Any]]
@@ -55,30 +55,22 @@ def printed(
     return np.asarray(darkness * np.clip(radius + 0.5 - away, 0, 1) * there[i + 49, j + 49])
 
 
-def flat(side: int, seed: int) -> Array:
-    return np.full((side, side, 3), 128.0 + seed)
-
-
 def snow(side: int, seed: int) -> Array:
     return np.random.default_rng(seed).uniform(0, 255, (side, side, 3))
 
 
-def plain(side: int, seed: int) -> Array:
-    return gel(side, seed)
-
-
-def specks(side: int, seed: int) -> Array:
-    """Dark grain of many sizes, without a grid."""
-    random, shade = np.random.default_rng(seed), np.zeros((side, side))
+def dots_among_specks(side: int, seed: int) -> Array:
+    random, shade = np.random.default_rng(seed), printed(side)
     y, x = places(side)
-    for u, v, r in zip(*random.uniform(0, SIDE, (2, 90)), random.uniform(2, 6, 90), strict=True):
-        shade = np.maximum(shade, 0.8 * np.clip(r - np.hypot(x - u, y - v), 0, 1))
+    for u, v in random.uniform(0, SIDE, (140, 2)):
+        shade = np.maximum(shade, 0.8 * np.clip(5 - np.hypot(x - u, y - v), 0, 1))
     return gel(side, seed) * (1 - shade[..., None])
 
 
-def grey_frame(side: int, seed: int) -> Array:
-    noise = gaussian_filter(np.random.default_rng(seed).normal(size=(side, side)), 2.5)
-    return np.repeat((150 + 300 * noise)[..., None], 3, 2)
+def soft_lines(side: int, seed: int) -> Array:
+    """A mesh whose crossings are darkest."""
+    shade = sum(0.4 * np.exp(8 * (np.cos(2 * np.pi * at / 26) - 1)) for at in places(side))
+    return np.asarray(gel(side, seed) * (1 - shade)[..., None])
 
 
 def letters(side: int, seed: int) -> Array:
@@ -96,11 +88,6 @@ def stripes(side: int, seed: int) -> Array:
     return np.asarray(gel(side, seed) * (1 - 0.5 * (np.sin((x + 0.2 * y) / 3) > 0.6))[..., None])
 
 
-def weave(side: int, seed: int) -> Array:
-    y, x = places(side)
-    return gel(side, seed) * (0.75 + 0.25 * np.sin(x / 2.2) * np.sin(y / 2.2))[..., None]
-
-
 def knurl(side: int, seed: int) -> Array:
     """Lit relief in a grid: each side has its own colour."""
     y, x = places(side)
@@ -110,18 +97,6 @@ def knurl(side: int, seed: int) -> Array:
         -np.cos(x / 3.5) * np.sin(y / 3.5),
     ]
     return np.asarray(gel(side, seed) + 70 * np.stack(slopes, -1))
-
-
-def shell(side: int, seed: int) -> Array:
-    y, x = places(side)
-    rings = np.sin(np.hypot(x - 60 - seed, y - 240 + seed) / 3)
-    return np.repeat((140 + 50 * rings)[..., None], 3, 2)
-
-
-def row_of_holes(side: int, seed: int) -> Array:
-    shade, scale = printed(side, 26 * side / SIDE, 4.5 * side / SIDE, seed=seed), side / SIDE
-    shade[: round(90 * scale)] = shade[round(130 * scale) :] = 0
-    return np.asarray(gel(side, seed) * (1 - shade[..., None]))
 
 
 def corner(side: int, seed: int) -> Array:
@@ -139,11 +114,8 @@ def checkers(side: int, seed: int) -> Array:
 
 ODD: dict[str, Callable[[int, int], Array]] = {
     one.__name__.replace("_", " "): one
-    for one in (
-        plain, specks, grey_frame, letters, stripes, weave, knurl, shell, row_of_holes, corner,
-        checkers, flat, snow,
-    )
-}  # fmt: skip
+    for one in (gel, snow, dots_among_specks, soft_lines, letters, stripes, knurl, corner, checkers)
+}
 
 
 def picture(values: Array) -> Array:

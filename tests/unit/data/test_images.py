@@ -9,7 +9,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from omnivat.data.images import VISITORS, central_square, draft_scale, factor, read_image
+from omnivat.data.images import (
+    VISITORS,
+    central_square,
+    draft_scale,
+    factor,
+    opened,
+    read_image,
+    upright,
+)
 from omnivat.kit.errors import DataError
 
 RANDOM = np.random.default_rng(7)
@@ -205,12 +213,12 @@ def test_rare_kinds_are_for_a_person_and_not_for_visitors():
         content = encoded(Image.new("RGB", (64, 64)), kind)
         assert read_image(content).size == (64, 64)
         with pytest.raises(DataError, match="not an image of a known kind"):
-            read_image(content, limits=VISITORS)
+            opened(content, "a", **VISITORS)
 
 
 def test_a_photo_of_50_megapixels_is_read_reduced_within_a_visitors_limits():
     content = encoded(Image.new("RGB", (8160, 6120), (10, 120, 200)), "JPEG", quality=30)
-    image = read_image(content, limits=VISITORS)
+    image = upright(opened(content, "a", **VISITORS), "a")
     assert image.size == (2040, 1530)
     assert np.allclose(np.asarray(image)[::500, ::500], (10, 120, 200), atol=6)
 

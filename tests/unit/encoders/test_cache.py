@@ -1,7 +1,5 @@
 """The cache: an image is decoded and encoded once, and damage on disk costs time only."""
 
-import subprocess
-import sys
 from io import BytesIO
 from threading import Thread
 
@@ -129,30 +127,6 @@ def test_a_folder_that_cannot_be_written_costs_nothing_but_time(tmp_path):
     encoder = Counting()
     embed_image(encoder, png(), EmbeddingCache(tmp_path / "file" / "below"))
     assert encoder.calls == 1
-
-
-FILL = """
-import sys, time
-from pathlib import Path
-import numpy as np
-from omnivat.encoders.cache import EmbeddingCache
-
-for _ in range(20):
-    for number in range(12):
-        key = f"{number:040x}"
-        cache = EmbeddingCache(Path(sys.argv[1]), in_memory=0)
-        found = cache.embedding(key, lambda: np.full(300, number, np.float32))
-        assert (found == number).all(), (number, found)
-        cache._write(key, found)
-"""
-
-
-@pytest.mark.slow
-def test_two_processes_that_write_the_same_entries_never_read_half_of_one(tmp_path):
-    command = [sys.executable, "-c", FILL, str(tmp_path)]
-    processes = [subprocess.Popen(command) for _ in range(2)]
-    assert [process.wait() for process in processes] == [0, 0]
-    assert len(entries(tmp_path)) == 12
 
 
 def test_threads_share_a_cache(tmp_path):

