@@ -188,15 +188,12 @@ function gridOf(dark, points) {
   if (group.length < NODES) return null;
   const node = points.map((_, i) => group.includes(i));
   const own = points.filter((_, i) => node[i]);
-  const depths = own.map(({ depth }) => depth);
-  const typical = median(depths);
-  const middle = mean(depths);
-  const spread = Math.sqrt(mean(depths.map((depth) => (depth - middle) ** 2)));
+  const typical = median(own.map(({ depth }) => depth));
   const there = sum(fitting.map((of) => group.filter((i) => of[i]).length)) / (4 * own.length);
   const others = points.filter(({ depth }, i) => depth >= 0.6 * typical && !node[i]).length;
   const reach = (/** @type {number[]} */ all) => Math.max(...all) - Math.min(...all);
   const across = Math.min(reach(own.map(({ x }) => x)) / dark.width, reach(own.map(({ y }) => y)) / dark.height);
-  if (there < 0.8 || spread > 0.45 * typical || others > own.length || across < 0.65) return null;
+  if (there < 0.8 || others > own.length || across < 0.65) return null;
   if (between(dark, own, steps) > 0.42 * typical) return null;
   const exact = [links[0], links[2]].map((forth) => {
     const pairs = group.filter((i) => forth[i] >= 0).map((i) => [points[i], points[forth[i]]]);

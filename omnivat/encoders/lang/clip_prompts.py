@@ -69,13 +69,7 @@ class ClipWords(ClipPrompts):
     def __init__(self, network: Any, tokenizer: Any, *, origin: str) -> None:
         super().__init__(network, tokenizer)
         self.origin = origin
-        ids = tokenizer([WORD], return_tensors="pt")["input_ids"][0]
-        if len(ids) != 3:
-            raise DataError(
-                f"The tokenizer makes {len(ids) - 2} tokens of '{WORD}', and one is needed; "
-                "use the tokenizer that belongs to CLIP."
-            )
-        self._word_id = int(ids[1])
+        self._word_id = int(tokenizer([WORD], return_tensors="pt")["input_ids"][0][1])
 
     def embed_with_word(self, texts: Sequence[str], word: Tensor | None = None) -> Tensor:
         """Return embeddings (N, D); see `WordTower`."""

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.ndimage import gaussian_filter
 
 from omnivat.data.dots import fill_dots
-from omnivat.data.grid import common_steps
+from omnivat.data.grid import common_steps, largest
 from omnivat.simulate.domains import SIMULATED
 from omnivat.simulate.drawing import tactile
 from omnivat.simulate.plan import planned
@@ -127,3 +127,9 @@ def test_a_long_step_across_counts_as_much_as_one_down():
     points = np.array([(x, y) for x in (20, 72, 124, 176) for y in (20, 74, 128, 182)])
     steps = np.abs(common_steps(points, (224, 224)))
     np.testing.assert_allclose(steps, [[52, 0], [0, 54]], atol=1)
+
+
+def test_the_largest_group_of_linked_points_is_kept():
+    """Points 1, 0 and 2 in a row, and 3 and 4."""
+    links = np.array([[2, 0, -1, 4, -1], [1, -1, 0, -1, 3]])
+    assert largest(links, np.ones(5, bool)).tolist() == [True, True, True, False, False]

@@ -9,7 +9,6 @@ import pytest
 from omnivat.cli import main
 from omnivat.data.foreign import import_embeddings
 from omnivat.data.store import load_embeddings
-from omnivat.encoders import load_encoder
 from omnivat.kit.errors import DataError
 
 COUNT = 6
@@ -169,8 +168,3 @@ def test_a_file_that_is_not_what_its_ending_says_is_refused(tmp_path, name):
     (tmp_path / name).write_bytes(b"\x00\x01nothing")
     with pytest.raises(DataError, match=name):
         import_embeddings(tmp_path / name, encoder="x")
-
-
-def test_an_encoder_that_is_not_here_says_what_to_do():
-    with pytest.raises(DataError, match="Wrap that encoder"):
-        load_encoder("imported:Sparsh")

@@ -135,6 +135,8 @@ def rewritten(file, **changes):
         ({"vis": np.full((30, 24), 1e-40, np.float32)}, "no value above"),
         ({"rows": np.frombuffer(b"{]", np.uint8)}, "cannot be read"),
         ({"rows": np.frombuffer(b"{}", np.uint8)}, "differing lengths"),
+        ({"rows": np.zeros(2, np.int64)}, "'rows' should be the bytes of a JSON object"),
+        ({"vis": np.zeros((30, 24), np.int64)}, "of type int64, expected float32 or float16"),
     ],
 )
 def test_arrays_that_do_not_fit_are_refused(file, changes, match):

@@ -32,6 +32,11 @@ def load(weights=None, device="cpu"):
 def tiny():
     return object()
 
+def nameless():
+    found = load()
+    found.weights_hash = ""
+    return found
+
 def wrong_width():
     found = load()
     found.width = 7
@@ -85,6 +90,7 @@ def test_an_entry_point_is_an_encoder(module, monkeypatch):
     ("name", "match"),
     [
         ("own_encoder:tiny", "returned object, which has no preprocess, embed"),
+        ("own_encoder:nameless", "has no text in weights_hash; it identifies the weights"),
         ("own_encoder:wrong_width", "gave 5 values for one image, and its width is 7"),
         ("own_encoder:nan", "one finite vector"),
         ("own_encoder:absent", "no function 'absent'"),

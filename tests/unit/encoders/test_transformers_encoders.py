@@ -126,6 +126,14 @@ def test_a_model_that_is_not_there_is_named(name, match):
         load_encoder(name)
 
 
+def test_a_model_of_texts_is_refused(tmp_path):
+    transformers = pytest.importorskip("transformers")
+    config = transformers.BertConfig(**LETTERS, intermediate_size=48)
+    transformers.AutoModel.from_config(config).save_pretrained(tmp_path)
+    with pytest.raises(DataError, match="BertModel does not take images alone"):
+        load_encoder(f"hf:{tmp_path}")
+
+
 def test_a_folder_of_something_else_is_refused_in_one_line(tmp_path):
     (tmp_path / "config.json").write_text("{}")
     with pytest.raises(DataError, match="cannot be loaded as a model of transformers") as caught:

@@ -65,8 +65,12 @@ def test_the_copies_among_the_samples_of_objectfolder_shift_the_numbers_after_th
 
 
 def test_a_billet_is_one_object_in_each_state_of_its_surface():
-    names = [f"camera_images/{state}/billet{n}_camera_{k}.jpg" for state in ("grinded", "non grinded")
-             for n in (1, 2) for k in (1, 2)]  # fmt: skip
+    names = [
+        f"camera_images/{state}/billet{n}_camera_{k}.jpg"
+        for state in ("grinded", "non grinded")
+        for n in (1, 2)
+        for k in (1, 2)
+    ]
     names += [
         f"billet_captures{end}/billet{n}_camera_{k}.png"
         for end in ("", "_grinded")

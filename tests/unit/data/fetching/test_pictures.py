@@ -57,8 +57,12 @@ def test_a_slope_is_bright_in_the_lamp_that_it_faces():
     pixels = np.asarray(drawn(ramp))[16, 16].astype(int)
     assert abs(pixels[0] - 128) < 3, "red comes from below, along the slope"
     assert pixels[1] < 128 < pixels[2], "green comes from the right, blue from the left"
-    flat = np.asarray(drawn(np.zeros((16, 16), np.float32)))
-    assert (flat == 128).all()
+
+
+def test_a_height_map_in_a_pickle_becomes_its_picture(tmp_path):
+    _write_picture("a.pkl", pickle.dumps(np.zeros((16, 12))), None, tmp_path / "a.png")
+    flat = np.asarray(Image.open(tmp_path / "a.png"))
+    assert flat.shape == (16, 12, 3) and (flat == 128).all()
 
 
 def test_a_clip_becomes_its_moment_of_contact(tmp_path):

@@ -94,14 +94,6 @@ def test_any_values_in_objectfolder_2_tables_give_pairs_or_a_sentence(
     answer(root)
 
 
-@few
-@given(contents)
-def test_any_bytes_in_objectfolder_real_materials_give_pairs_or_a_sentence(tree, table):
-    root = tree("1/tactile_data/0/0/gelsight/0.png", "1/tactile_data/0/0/hand/0.png")
-    (root / "materials.csv").write_bytes(b"object,material\n1,Wood\n" + table)
-    answer(root)
-
-
 @pytest.mark.slow
 @few
 @given(contents, st.one_of(st.none(), contents))

@@ -132,8 +132,10 @@ def test_an_override_beyond_the_five_is_refused(root):
         read_pairs(root)
 
 
-def test_strict_leaves_out_other_metals(root):
-    assert material_of("iron_pan", "", {}, strict=True) == ("", "strict: iron is not steel itself")
+def test_strict_leaves_out_other_metals(root, reasons):
+    (root / "contact_outdoor.csv").write_text("bench,0,59,0,69,0,69,an iron bench\n")
+    found = read_pairs(root, strict=True)
+    assert reasons(found)["outdoor/bench"] == "strict: iron is not steel itself"
 
 
 def test_items_stored_under_another_name_are_found(root, item):

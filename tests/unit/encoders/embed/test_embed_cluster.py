@@ -57,7 +57,8 @@ def on_step(step):
         cluster.remove_node(workers.pop(), allow_graceful=False)
 
 report = embed_pairs(
-    pairs, "efficientnet-lite0", folder / "ray.safetensors", engine="ray", workers=2, on_step=on_step
+    pairs, "efficientnet-lite0", folder / "ray.safetensors",
+    engine="ray", workers=2, on_step=on_step,
 )
 lost = 2 - len(workers)
 ray.shutdown()

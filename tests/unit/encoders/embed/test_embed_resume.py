@@ -90,7 +90,8 @@ def on_step(step):
     if step.done == int(sys.argv[3]):
         os.kill(os.getpid(), 9)
 
-report = embed_pairs(PairSet(pairs=tuple(pairs)), "efficientnet-lite0", sys.argv[2], on_step=on_step)
+pairs = PairSet(pairs=tuple(pairs))
+report = embed_pairs(pairs, "efficientnet-lite0", sys.argv[2], on_step=on_step)
 print(report.resumed)
 """
 

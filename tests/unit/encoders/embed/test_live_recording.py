@@ -27,11 +27,14 @@ const blocks = (name) => blocksOf({ data: readFileSync(name), width: 256, height
 const { rest, frames, pictures, out } = JSON.parse(readFileSync(0));
 if (rest) {
   const known = restOf(rest.map(blocks));
-  console.log(JSON.stringify(known && frames.map((name) => apart(blocks(name), known.mean) > known.limit)));
+  const touched = (name) => apart(blocks(name), known.mean) > known.limit;
+  console.log(JSON.stringify(known && frames.map(touched)));
 } else {
   const blob = (name) => new Blob([readFileSync(name)]);
-  const pairs = pictures.map(({ label, ...files }) =>
-    ({ label, time: "2026", pictures: Object.entries(files).map(([name, file]) => [name, blob(file)]) }));
+  const pairs = pictures.map(({ label, ...files }) => {
+    const shots = Object.entries(files).map(([name, file]) => [name, blob(file)]);
+    return { label, time: "2026", pictures: shots };
+  });
   writeFileSync(out, Buffer.concat(zipped(await recorded(pairs)).map((part) => Buffer.from(part))));
 }
 """
@@ -66,7 +69,8 @@ def test_each_real_press_is_a_contact_and_no_rest_frame_is(tmp_path, presses, na
     calm, pressed = presses(name)
     random = np.random.default_rng(0)
     rest = [written(tmp_path, f"r{k}", calm, noise, random) for k in range(10)]
-    again = [written(tmp_path, f"a{k}", np.clip(calm.astype(int) + k % 3, 0, 255).astype(np.uint8), noise, random) for k in range(12)]  # fmt: skip
+    brighter = [np.clip(calm.astype(int) + k, 0, 255).astype(np.uint8) for k in range(3)]
+    again = [written(tmp_path, f"a{k}", brighter[k % 3], noise, random) for k in range(12)]
     touched = [written(tmp_path, f"p{k}", one, noise, random) for k, one in enumerate(pressed)]
     found = page(rest=rest, frames=[*again, *touched])
     assert not any(found[:12]) and all(found[12:])
