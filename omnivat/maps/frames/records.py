@@ -1,6 +1,5 @@
 """Records of frames: the maps of a stage, and all data of a set of pairs."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -105,19 +104,13 @@ class FrameSet:
 def require_fit(frames: FrameSet) -> None:
     """Raise ValueError if parts of the frames do not fit together; the message names the part."""
     stops, pairs = len(frames.orders), frames.pairs
-    for name, wanted in (
-        ("domain", (pairs,)),
-        ("prediction", (stops, pairs)),
-        ("confidence", (stops, pairs)),
-    ):
+    shapes = {"domain": (pairs,), "prediction": (stops, pairs), "confidence": (stops, pairs)}
+    for name, wanted in shapes.items():
         if getattr(frames, name).shape != wanted:
             raise ValueError(f"{name} has shape {getattr(frames, name).shape}, expected {wanted}")
-    for name, index, names in (
-        ("domain", frames.domain, frames.domains),
-        ("label", frames.label, frames.classes),
-        ("prediction", frames.prediction, frames.classes),
-    ):
-        if index.size and index.max() >= len(names):
+    named = {"domain": frames.domains, "label": frames.classes, "prediction": frames.classes}
+    for name, names in named.items():
+        if getattr(frames, name).max() >= len(names):
             raise ValueError(f"a {name} has no name")
     for name, values in frames.curves.items():
         if len(values) != stops:
@@ -128,8 +121,6 @@ def require_fit(frames: FrameSet) -> None:
             raise ValueError(f"map {name} has shape {frame.points.shape}, expected {wanted_shape}")
         if not all(0 <= stop < stops for stop in frame.orders) or not frame.orders:
             raise ValueError(f"map {name} has a frame for a stop that does not exist")
-        if not all(math.isfinite(x) for x in (*frame.low, *frame.high, frame.max_error)):
-            raise ValueError(f"map {name} has bounds that are not numbers")
 
 
 def quantised(

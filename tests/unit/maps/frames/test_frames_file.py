@@ -1,6 +1,7 @@
 """The frames file: what is written is read back, and damage is detected."""
 
 import json
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -89,7 +90,7 @@ def test_a_file_that_is_cut_short_is_refused(written, kept):
         (lambda r: r["arrays"]["label"].update(offset=10**9), "array 'label' does not fit"),
         (lambda r: r["arrays"]["label"].update(offset=-8), "array 'label' does not fit"),
         (lambda r: r["arrays"]["label"].update(shape=[-1]), "array 'label' does not fit"),
-        (lambda r: r["arrays"]["label"].update(dtype="f8"), "cannot be read"),
+        (lambda r: r["arrays"]["confidence"].update(shape=[5, 23]), "confidence has shape (5, 23)"),
         (lambda r: r["arrays"].pop("domain"), "cannot be read"),
         (lambda r: r.update(pairs=7), "7 pairs stated, 24 found"),
         (lambda r: r.update(classes=["wood"]), "has no name"),
@@ -97,12 +98,11 @@ def test_a_file_that_is_cut_short_is_refused(written, kept):
         (lambda r: r["maps"]["pca/f_hat"].update(orders=[0, 1]), "map pca/f_hat has shape"),
         (lambda r: r["maps"]["pca/raw"].update(orders=[99]), "a stop that does not exist"),
         (lambda r: r["maps"]["pca/raw"].update(array="label"), "map pca/raw has shape"),
-        (lambda r: r["maps"]["pca/raw"].update(bounds=[[0, 0]]), "cannot be read"),
     ],
 )
 def test_a_file_whose_parts_do_not_fit_is_refused(written, change, sentence):
     damaged(written, change)
-    with pytest.raises(DataError, match=sentence):
+    with pytest.raises(DataError, match=re.escape(sentence)):
         read_frames(written)
 
 
