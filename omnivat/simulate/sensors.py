@@ -59,7 +59,7 @@ class TaximSensor:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tac3DSensor:
-    """A grid of displacements, drawn as colours (`contact.felt`)."""
+    """A grid of displacements, drawn as colours (`contact.displacements`)."""
 
 
 SensorModel = Sensor | TaximSensor | Tac3DSensor

@@ -79,11 +79,10 @@ def sweep(
 
     orders    quarter turns, any real numbers
     stages    of `STAGES`; others are not kept
-    measures  of `STAGE_MEASURES` and `ANSWER_MEASURES`
-    chunk     pairs that pass the head at once. Memory holds one order's predictions, the
-              probabilities of all orders and, for measures that are not of `SUM_MEASURES`, one
-              order's features
+    measures  of `STAGE_MEASURES` and `PREDICTION_MEASURES`
 
+    Memory holds one order's predictions, the probabilities of all orders and, for measures that are
+    not of `SUM_MEASURES`, one order's features.
     Measures of the raw embedding and the raw DFrFT are computed once, because they do not depend on
     the order. Without prediction measures and other stages, the head runs at one order at most.
     Raises SettingsError for an unknown stage or measure, or an invalid order.
