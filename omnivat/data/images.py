@@ -106,7 +106,7 @@ def _explained(name: str, what: str) -> Iterator[None]:
     """Turn any error of a decoder into a DataError."""
     try:
         yield
-    except DataError:
+    except (DataError, MemoryError):  # the page's decoder ends, and tells of its memory
         raise
     except Exception as error:  # a decoder may raise any error for bad bytes
         raise DataError(f"'{name}' {what}; {REMEDY}.") from error
