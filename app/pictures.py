@@ -10,13 +10,14 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from app.familiar import predict_one
-from app.pair_input import OTHER, asked
+from app.pair_input import OTHER, asked, rounded
 from app.resources import Resources
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
 
 if TYPE_CHECKING:
     from PIL import Image
+    from torch import Tensor
 
 Content = bytes | Path  # a picture, or its file
 Question = Mapping[str, Any]
@@ -141,7 +142,7 @@ def occlusion(resources: Resources, content: Content, question: Question) -> dic
         "class": named.head.settings.classes[predicted],
         "probability": round(float(out.probabilities[0, predicted]), 6),
         "cells": CELLS,
-        "drops": over_cells(falls.reshape(steps, steps).tolist()),
+        "drops": over_cells(falls.reshape(steps, steps)),
         "seconds": round(perf_counter() - began, 2),
     }
 
@@ -159,13 +160,12 @@ def hidden(image: "Image.Image") -> Iterator["Image.Image"]:
             yield copy
 
 
-def over_cells(falls: list[list[float]]) -> list[list[float]]:
-    """Return the mean decrease for each cell, over the parts that cover it."""
-    covering = [range(max(0, k - PATCH + 1), min(len(falls), k + 1)) for k in range(CELLS)]
-    return [
-        [
-            round(sum(falls[r][c] for r in rows for c in columns) / (len(rows) * len(columns)), 6)
-            for columns in covering
-        ]
-        for rows in covering
-    ]
+def over_cells(falls: "Tensor") -> list[list[float]]:
+    """Return the mean decrease (CELLS, CELLS) of each cell, over the parts (S, S) that cover it."""
+    import torch
+    from torch.nn.functional import conv_transpose2d
+
+    part = torch.ones(1, 1, PATCH, PATCH)
+    rows = torch.stack((falls, torch.ones_like(falls)))[:, None]
+    sums, counts = conv_transpose2d(rows, part)[:, 0]
+    return rounded((sums / counts).numpy())

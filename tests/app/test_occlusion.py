@@ -22,8 +22,8 @@ def test_each_part_is_hidden_once_in_the_mean_colour_and_the_rest_is_left():
 
 def test_a_cell_gets_the_mean_of_the_parts_that_covered_it():
     steps = CELLS - PATCH + 1
-    falls = [[0.0] * steps for _ in range(steps)]
-    falls[0][0] = 1.0
+    falls = torch.zeros(steps, steps)
+    falls[0, 0] = 1.0
     cells = over_cells(falls)
     assert cells[0][0] == 1.0  # covered by that part alone
     assert cells[0][1] == 0.5

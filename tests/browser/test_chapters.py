@@ -280,17 +280,3 @@ def test_accuracy_is_drawn_as_far_as_p_was_dragged_and_the_sensors_only_at_the_e
     pull(page, box, 1.0)
     page.mouse.up()
     assert page.locator(".explore .over .pale").count() == 1
-
-
-def test_the_button_under_the_pointer_keeps_its_contrast_in_every_state(touch: Any) -> None:
-    touch.add_style_tag(content="* { transition: none !important; }")
-    for chosen in (
-        ".dots [aria-checked=true]",
-        ".dots [aria-checked=false]",
-        ".known [aria-checked=true]",
-    ):
-        touch.hover(f".explore {chosen}")
-        ink, ground = touch.locator(f".explore {chosen}").evaluate(
-            "one => [getComputedStyle(one).color, getComputedStyle(one).backgroundColor]"
-        )
-        assert ink != ground

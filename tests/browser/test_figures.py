@@ -64,18 +64,6 @@ def test_no_control_of_a_figure_leads_to_another_host(opened):
     assert [one for one in page.wrong if "example.org" not in one] == []
 
 
-def test_the_check_sees_the_upload_button_of_plotlys_defaults(opened):
-    page = opened()
-    page.evaluate(
-        "tip.insertAdjacentHTML('afterend', '<div id=bare></div>'), Plotly.newPlot('bare', [{ y:"
-        " [1, 2] }]).then(() => 0)"
-    )
-    titles = page.eval_on_selector_all(
-        "#bare .modebar-btn", "all => all.map((e) => (e.dataset.title ?? '') + (e.href ?? ''))"
-    )
-    assert [t for t in titles if "Share" in t] and [t for t in titles if "plotly.com" in t]
-
-
 def test_the_figure_follows_light_and_dark_and_its_own_switch(opened):
     ink = "getComputedStyle(document.querySelector('.gtitle')).fill"
     page = opened(color_scheme="dark")

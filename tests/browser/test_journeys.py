@@ -6,20 +6,9 @@ from typing import Any
 
 import pytest
 
-from .gestures import ANSWERED, MAP, TOOLS, grab, p_shown, pixels, place_of_a_point, pull
+from .gestures import ANSWERED, MAP, TOOLS, pixels, place_of_a_point
 
 pytestmark = pytest.mark.browser
-
-
-def test_dragging_p_changes_the_map_and_the_figures(open_page: Callable[..., Any]) -> None:
-    page = open_page(TOOLS)
-    page.wait_for_selector(MAP)
-    before, gap = pixels(page), page.locator(".explore .curves output").first.text_content()
-    pull(page, grab(page), 0.8, steps=5)
-    page.mouse.up()
-    assert pixels(page) != before
-    assert page.locator(".explore .curves output").first.text_content() != gap
-    page.wait_for_function(f"location.search.includes('p={float(p_shown(page)):g}')")
 
 
 def test_raw_stages_do_not_move_and_the_page_says_why(open_page: Callable[..., Any]) -> None:

@@ -246,11 +246,3 @@ def test_a_button_under_the_pointer_can_be_read_pressed_or_not(
         content=".ov button:hover { color: #ccd !important; background: #dde !important; }"
     )
     assert faint(page, "train")  # the check can see
-
-
-def test_a_printed_page_keeps_the_words_simulated_data(open_page: Callable[..., Any]) -> None:
-    page = open_page()
-    page.wait_for_selector(".top .badge:visible")
-    page.emulate_media(media="print")
-    assert page.locator(".top .badge").is_visible()
-    assert not page.locator(".top .tour-start").is_visible()

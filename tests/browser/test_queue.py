@@ -46,3 +46,4 @@ def test_four_visitors_see_their_places_and_cancelling_frees_one(
     shows(pages[2], "Training: epoch")
     pages[2].click(".train .stop")
     shows(pages[2], "Cancelled after")
+    assert pages[2].locator(".train .go").is_enabled()

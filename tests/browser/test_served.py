@@ -69,14 +69,6 @@ def test_no_path_gives_a_file_that_the_page_does_not_need(address: str) -> None:
     assert tried > 500
 
 
-def test_the_search_for_leaks_would_see_one(address: str) -> None:
-    script = ROOT / "app/web/explore/explore.js"
-    found = [
-        path for path in ways(script) if script.read_bytes()[:60] in asked(address, "GET", path)[1]
-    ]
-    assert "/omnivat/web/explore/explore.js" in found
-
-
 def test_fifty_visitors_at_once_are_all_answered_and_each_what_it_asked(address: str) -> None:
     def answer(row: int) -> list[float]:
         body = json.dumps({"vis": f"row:{row}", "tac": f"row:{row}", "order": 0.3}).encode()

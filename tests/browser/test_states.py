@@ -137,6 +137,7 @@ def test_paper_keeps_the_words_simulated_the_line_of_its_figure_and_the_names_of
     settle(page)
     page.emulate_media(media="print")
     assert page.locator(".top .badge").is_visible()
+    assert not page.locator(".top .tour-start").is_visible()
     assert page.locator(".explore .provenance >> visible=true").count()
     if chapter == "where":
         assert page.locator(".explore .sensors button >> visible=true").count() == 8

@@ -179,20 +179,6 @@ def test_a_head_is_trained_scrubbed_used_and_saved(open_page: Callable[..., Any]
     page.wait_for_selector(".explore .modes [data-key=moved][aria-checked=true]")
 
 
-def test_a_training_can_be_cancelled(open_page: Callable[..., Any]) -> None:
-    page = open_page("?view=train")
-    page.wait_for_selector(".train .go")
-    page.click(".train .choices details summary")
-    page.select_option(".train [name=width]", "16")
-    page.uncheck(".train [name=lang]")
-    page.fill(".train [name=epochs]", "100")
-    page.click(".train .go")
-    page.wait_for_selector(".train .status:has-text('Training: epoch')")
-    page.click(".train .stop")
-    page.wait_for_selector(".train .status:has-text('Cancelled after')")
-    assert page.locator(".train .go").is_enabled()
-
-
 def test_a_set_of_signals_offers_neither_camera_nor_sensor(open_page: Callable[..., Any]) -> None:
     page = open_page("?set=chirps&view=pair")
     page.wait_for_selector(".pair .of-signals:visible")
