@@ -182,6 +182,8 @@ def inverted(matrices: Tensor) -> Tensor:
 
 def sharpness_of(scores: Tensor, targets: Tensor) -> Tensor:
     """Return `omnivat.head.ridge.sharpness` of scores (L, K), labels one-hot."""
+    low: Tensor | float
+    high: Tensor | float
     (low, high), own = SHARPNESS, (targets * scores).sum(1)
     for _ in range(10):  # the slope of the loss rises with the factor
         factors = low + (high - low) * torch.arange(17).double() / 16

@@ -47,6 +47,7 @@ def retrained_frames(
         maps=maps,
         measures=measures,
         source=plan.source,
+        still=STILL,
     )
     over_seeds: dict[str, list[float | None]] = {}
     for index, order in enumerate(orders):

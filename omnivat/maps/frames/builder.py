@@ -65,6 +65,8 @@ class FrameBuilder:
     """Collects the results of each stop, in the order of the stops.
 
     settings  of the heads; all have the same classes and widths. None: no head, the raw stage alone
+    still     stages whose distances do not depend on p: one map for all stops. Heads with a
+              projection each share the raw one alone
     """
 
     def __init__(
@@ -76,6 +78,7 @@ class FrameBuilder:
         maps: Mapping[str, int],
         measures: Sequence[str],
         source: str,
+        still: Sequence[str] = STILL,
     ) -> None:
         if not orders or any(after <= before for before, after in pairwise(orders)):
             raise SettingsError("orders must be one or more numbers, each above the one before it.")
@@ -87,9 +90,9 @@ class FrameBuilder:
                     f"{', '.join(METHODS)} and {', '.join(STAGES)}, with 1 stop or more."
                 )
         self.orders, self.embeddings, self.measures = tuple(orders), embeddings, measures
-        self.source = source
+        self.source, self.still = source, still
         projects, known = (settings.projects, settings.classes) if settings else (True, ())
-        self.tracks = _tracks(maps, len(orders), projects=projects)
+        self.tracks = _tracks(maps, len(orders), projects=projects, still=still)
         wanted = {track.stage for track in self.tracks.values()}
         self.stages = [stage for stage in STAGES if stage in wanted]
         self.unitary = {name.split("/")[1] for name in maps} - wanted  # frft, if it shares raw
@@ -113,7 +116,7 @@ class FrameBuilder:
         for stage, name, value in measured(at_order, self.facts, self.measures):
             curve = self.curves.setdefault(name, [None] * count)
             known = value if np.isfinite(value) else None
-            curve[:] = [known] * count if stage in STILL else curve
+            curve[:] = [known] * count if stage in self.still else curve
             curve[at_order.index] = known
         if "accuracy" in self.measures and self.source in self.embeddings.header.domains:
             for reading, shares in at_order.probabilities.items():
@@ -167,7 +170,9 @@ def spread(stops: int, count: int) -> tuple[int, ...]:
     return tuple(int(place) for place in np.rint(places))
 
 
-def _tracks(maps: Mapping[str, int], count: int, *, projects: bool) -> dict[str, _Track]:
+def _tracks(
+    maps: Mapping[str, int], count: int, *, projects: bool, still: Sequence[str]
+) -> dict[str, _Track]:
     """Map each map name to its track; the unitary raw DFrFT shares that of the raw embedding.
 
     If the head projects embeddings, the DFrFT has its own track, of the projected embeddings.
@@ -177,7 +182,7 @@ def _tracks(maps: Mapping[str, int], count: int, *, projects: bool) -> dict[str,
     for name, stops in maps.items():
         method, stage = name.split("/")
         source = "raw" if stage == "frft" and not projects else stage
-        chosen = spread(1 if source in STILL else stops, count)
+        chosen = spread(1 if source in still else stops, count)
         tracks[name] = made.setdefault((method, source), _Track(method, source, chosen))
     return tracks
 

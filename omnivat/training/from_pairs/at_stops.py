@@ -69,7 +69,7 @@ def _carried_out(
     plan: TrainingPlan, stops: Sequence[Stop], folder: Path, jobs: int
 ) -> Iterator[Stop]:
     """Yield each stop when its head is written."""
-    if jobs > 1 and len(stops) > 1:
+    if jobs > 1:
         yield from in_processes(_work, stops, jobs, _prepare, plan, folder)
         return
     for stop in stops:
