@@ -169,7 +169,7 @@ def scores(truth: Tensor, predicted: Tensor) -> dict[str, float]:
     return {
         "accuracy": float(accuracy(truth, predicted)),
         "macro_f1": float(macro_f1(truth, predicted)),
-        "macro_f1_union": float(macro_f1(truth, predicted, average="union")),
+        "macro_f1_union": float(macro_f1(truth, predicted, union=True)),
     }
 
 

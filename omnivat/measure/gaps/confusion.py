@@ -4,10 +4,7 @@ import torch
 from jaxtyping import Float, Int, Int64
 from torch import Tensor
 
-from omnivat.kit.errors import SettingsError
 from omnivat.kit.shapes import require_shapes
-
-AVERAGES = ("present", "union")
 
 
 def confusion(
@@ -25,15 +22,15 @@ def accuracy(labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"]) -> Float[T
 
 
 def macro_f1(
-    labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"], *, average: str = "present"
+    labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"], *, union: bool = False
 ) -> Float[Tensor, ""]:
     """Mean over classes of F1 = 2 TP / (2 TP + FP + FN).
 
-    average  "present": classes among the labels. "union": classes among labels or predictions, so
-             predicting a class that the set lacks adds a zero (scikit-learn's default)
-    return   in [0, 1]; NaN for no pairs
+    union   False: over classes among the labels. True: over classes among labels or predictions, so
+            predicting a class that the set lacks adds a zero (scikit-learn's default)
+    return  in [0, 1]; NaN for no pairs
 
-    Raises ShapeError for other shapes, SettingsError for another average.
+    Raises ShapeError for other shapes.
 
     >>> import torch
     >>> labels, predicted = torch.tensor([0, 0, 0, 1]), torch.tensor([0, 0, 0, 0])
@@ -41,12 +38,10 @@ def macro_f1(
     (tensor(0.7500), tensor(0.4286))
     """
     require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
-    if average not in AVERAGES:
-        raise SettingsError(f"macro_f1 has no average '{average}'; use present or union.")
     if not len(labels):
         return torch.tensor(float("nan"))
     counts = confusion(labels, predicted, int(torch.maximum(labels.max(), predicted.max())) + 1)
     right, truth, predictions = counts.diagonal(), counts.sum(1), counts.sum(0)
-    kept = truth > 0 if average == "present" else truth + predictions > 0
+    kept = truth + predictions > 0 if union else truth > 0
     scores = 2 * right[kept] / (truth + predictions)[kept]
     return scores.mean()

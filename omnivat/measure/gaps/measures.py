@@ -139,7 +139,7 @@ PREDICTION_MEASURES: dict[str, Callable[[Features, Facts], Values]] = {
     "accuracy": partial(scores, score=lambda p, labels: accuracy(labels, p.argmax(1))),
     "macro_f1": partial(scores, score=lambda p, labels: macro_f1(labels, p.argmax(1))),
     "macro_f1_union": partial(
-        scores, score=lambda p, labels: macro_f1(labels, p.argmax(1), average="union")
+        scores, score=lambda p, labels: macro_f1(labels, p.argmax(1), union=True)
     ),
     "ece": partial(scores, score=ece),
     "confusion": confusions,

@@ -187,34 +187,6 @@ def test_the_page_opens_on_the_new_head_and_set(tmp_path, opened):
     assert places == [out / "head", out / "set.safetensors"]
 
 
-def parquet_of(columns, file):
-    arrow = pytest.importorskip("pyarrow")
-    table = arrow.table({name: list(values) for name, values in columns.items()})
-    pytest.importorskip("pyarrow.parquet").write_table(table, file)
-
-
-def hdf5_of(columns, file):
-    with pytest.importorskip("h5py").File(file, "w") as handle:
-        for name, values in columns.items():
-            handle[name] = values.astype("S") if values.dtype.kind == "U" else values
-
-
-@pytest.mark.parametrize("labelled", [True, False])
-@pytest.mark.parametrize(("ending", "write"), [("parquet", parquet_of), ("h5", hdf5_of)])
-def test_parquet_and_hdf5_are_tried_like_npz(tmp_path, tried, ending, write, labelled):
-    with np.load(vectors(tmp_path / "a.npz")) as data:
-        columns = {name: data[name] for name in data.files if labelled or name != "material"}
-    write(columns, tmp_path / f"b.{ending}")
-    if not labelled:
-        assert "No head was trained" in tried(tmp_path / f"b.{ending}")
-        return
-    tried(tmp_path / "a.npz")
-    tried(tmp_path / f"b.{ending}")
-    one, other = (load_embeddings(tmp_path / f"{k}-try" / "set.safetensors") for k in "ab")
-    assert np.allclose(one.vis, other.vis) and one.label.tolist() == other.label.tolist()
-    assert load_head(tmp_path / "b-try" / "head").settings.classes == ("a", "b", "c")
-
-
 def test_pairs_without_a_class_among_others_are_neither_learned_nor_tested(
     make_embeddings, without_classes, tmp_path, tried
 ):

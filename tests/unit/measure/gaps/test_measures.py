@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from omnivat.kit.errors import SettingsError, ShapeError
+from omnivat.kit.errors import ShapeError
 from omnivat.kit.tables import load
 from omnivat.measure.gaps import GAPS
 from omnivat.measure.gaps.calibration import ece
@@ -115,14 +115,6 @@ def test_proxy_a_penalises_by_a_share_of_the_mean_variance(width):
 def test_confusion_has_truth_in_rows_and_answers_in_columns():
     counts = confusion(torch.tensor([0, 0, 2]), torch.tensor([0, 1, 2]), 3)
     assert counts.tolist() == [[1, 1, 0], [0, 0, 0], [0, 0, 1]]
-
-
-def test_an_answer_that_the_set_does_not_have_costs_the_union_variant_more():
-    labels, predicted = torch.tensor([0, 0, 1, 1]), torch.tensor([0, 2, 1, 1])
-    assert macro_f1(labels, predicted).item() == pytest.approx((2 / 3 + 1) / 2)
-    assert macro_f1(labels, predicted, average="union").item() == pytest.approx((2 / 3 + 1) / 3)
-    with pytest.raises(SettingsError, match="no average 'micro'; use present or union"):
-        macro_f1(labels, predicted, average="micro")
 
 
 def test_scores_of_no_pairs_are_not_numbers():
