@@ -29,7 +29,8 @@ CAMERAS = """
       NAMES.map((label) => ({ kind, label, deviceId: label })));
   mediaDevices.getUserMedia = ({ video }) => {
     const { exact } = video.deviceId ?? {};
-    if (exact && !NAMES.includes(exact)) throw new DOMException("no such camera", "OverconstrainedError");
+    if (exact && !NAMES.includes(exact)) throw new DOMException("no such camera",
+      "OverconstrainedError");
     return open({ video: true });
   };
 """
@@ -60,7 +61,8 @@ class FakeSensor:
             page.evaluate(
                 """n => Promise.all(window.videos.filter((v) => v.srcObject).map((video) =>
                      new Promise((done) => {
-                       const next = () => (n-- > 0 ? video.requestVideoFrameCallback(next) : done());
+                       const next = () => (n-- > 0 ? video.requestVideoFrameCallback(next)
+                         : done());
                        next();
                      })))""",
                 2 * FRAMES,

@@ -5,7 +5,8 @@ LOOK = """() => {
   const seen = (e) => {
     const b = e.getBoundingClientRect();
     const shown = e.checkVisibility({ visibilityProperty: true, contentVisibilityAuto: true });
-    return shown && b.width > 1 && b.height > 1 && b.bottom > 0 && b.top < innerHeight && b.right > 0 && b.left < innerWidth;
+    return shown && b.width > 1 && b.height > 1 && b.bottom > 0 && b.top < innerHeight
+      && b.right > 0 && b.left < innerWidth;
   };
   const texts = [];
   const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
@@ -15,7 +16,8 @@ LOOK = """() => {
     const range = document.createRange();
     range.selectNodeContents(walk.currentNode);
     const b = range.getBoundingClientRect();
-    if (seen(of) && b.width > 1 && b.top < innerHeight && b.bottom > 0) texts.push([of, text.trim()]);
+    if (seen(of) && b.width > 1 && b.top < innerHeight && b.bottom > 0) texts.push([of,
+      text.trim()]);
   }
   const size = (e) => parseFloat(getComputedStyle(e).fontSize) * (e.ownerSVGElement?.getScreenCTM().a ?? 1);
   const seenOf = (parts) => [...document.querySelectorAll(parts)].find((e) => e.checkVisibility()).getBoundingClientRect();

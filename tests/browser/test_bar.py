@@ -20,7 +20,8 @@ OUTSIDE = """selectors => selectors.filter((one) => {
 
 # true if the button to the next chapter hides a part of the sentence that replies to the title
 COVERED = """() => {
-  const [remark, onward] = ['.remark', '.onward'].map((one) => document.querySelector(`.explore .stage ${one}`));
+  const [remark, onward] = ['.remark',
+    '.onward'].map((one) => document.querySelector(`.explore .stage ${one}`));
   return remark.getBoundingClientRect().bottom > onward.getBoundingClientRect().top + 1;
 }"""
 

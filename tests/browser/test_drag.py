@@ -22,7 +22,8 @@ READ = """async ({ stops, stages }) => {
   const { frames } = await fetchFrames(() => {});
   const place = (map, point) => {
     const [[x0, y0], [x1, y1]] = map.bounds;
-    return [x0 + map.points[2 * point] / 65535 * (x1 - x0), y0 + map.points[2 * point + 1] / 65535 * (y1 - y0)];
+    return [x0 + map.points[2 * point] / 65535 * (x1 - x0),
+      y0 + map.points[2 * point + 1] / 65535 * (y1 - y0)];
   };
   return stops.map((stop) => ({
     order: frames.orders[stop],
@@ -31,7 +32,8 @@ READ = """async ({ stops, stages }) => {
     gap: frames.meta.curves['modality_gap/f_hat'][stop],
     maps: Object.fromEntries(stages.map((stage) => {
       const map = frames.positions('pca', stage, stop);
-      return [stage, { drawn: map.drawn, places: Array.from({ length: 2 * frames.pairs }, (_, i) => place(map, i)) }];
+      return [stage, { drawn: map.drawn, places: Array.from({ length: 2 * frames.pairs }, (_,
+        i) => place(map, i)) }];
     })),
   }));
 }"""

@@ -20,7 +20,8 @@ COVERED = """() => {
   return ['.map', '.over', '.order', '.places', '.bars', '.twin-pictures'].filter((one) => {
     const part = document.querySelector(`.explore ${one}`);
     const b = part?.checkVisibility() && part.getBoundingClientRect();
-    return b && b.left < box.right && b.right > box.left && b.top < box.bottom && b.bottom > box.top;
+    return b && b.left < box.right && b.right > box.left && b.top < box.bottom
+      && b.bottom > box.top;
   });
 }"""
 

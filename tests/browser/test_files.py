@@ -172,7 +172,8 @@ def test_a_dropped_and_a_pasted_image_are_taken_like_a_chosen_one(pair_page: Any
               const canvas = new OffscreenCanvas(40, 30);
               canvas.getContext('2d').fillRect(0, 0, event === 'drop' ? 9 : 20, 30);
               const carried = new DataTransfer();
-              carried.items.add(new File([await canvas.convertToBlob()], `${event}.png`, { type: 'image/png' }));
+              carried.items.add(new File([await canvas.convertToBlob()], `${event}.png`,
+                { type: 'image/png' }));
               const made = event === 'drop'
                 ? new DragEvent(event, { [holder]: carried, bubbles: true, cancelable: true })
                 : new ClipboardEvent(event, { [holder]: carried, bubbles: true, cancelable: true });

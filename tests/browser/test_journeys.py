@@ -94,7 +94,8 @@ def test_the_map_works_by_keyboard_alone(open_page: Callable[..., Any]) -> None:
 
 # what a figure of the page looks like, where it can be seen
 FIGURES = """() => [...document.querySelectorAll('.explore :is(b, output, .said, .figure, .remark)')].filter((one) =>
-  !one.closest('.tour') && one.checkVisibility({ visibilityProperty: true }) && /[0-9✓✗]/.test(one.textContent)
+  !one.closest('.tour') && one.checkVisibility({ visibilityProperty: true })
+    && /[0-9✓✗]/.test(one.textContent)
   && !one.matches('.order-value')).map((one) => one.textContent)"""
 
 

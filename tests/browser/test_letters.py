@@ -14,11 +14,13 @@ pytestmark = pytest.mark.browser
 PAIR = "?vis=row:0&tac=row:0"
 SMALL = """() => [...document.querySelectorAll('.ov svg text')]
   .filter((text) => text.checkVisibility() && text.getBoundingClientRect().width)
-  .map((text) => [parseFloat(getComputedStyle(text).fontSize) * text.getScreenCTM().a, text.textContent])
+  .map((text) => [parseFloat(getComputedStyle(text).fontSize) * text.getScreenCTM().a,
+    text.textContent])
   .filter(([size]) => size < 10)"""
 # A caption for screen readers alone is one pixel wide.
 CUT = """() => [...document.querySelectorAll('.ov .map-title .where-at, .ov h3, .ov figcaption')]
-  .filter((one) => one.checkVisibility() && one.clientWidth > 1 && one.scrollWidth > one.clientWidth + 1)
+  .filter((one) => one.checkVisibility() && one.clientWidth > 1
+    && one.scrollWidth > one.clientWidth + 1)
   .map((one) => one.textContent)"""
 
 
@@ -79,6 +81,7 @@ def test_analyse_is_no_wider_than_its_column_and_no_axis_of_a_lecture_is_cut(
     page.keyboard.press("f")
     page.wait_for_selector("body.lecturing")
     cut = """() => [...document.querySelectorAll('.explore .over text')].filter((text) =>
-      text.checkVisibility() && text.getBoundingClientRect().left < document.querySelector('.side').getBoundingClientRect().left)
+      text.checkVisibility()
+        && text.getBoundingClientRect().left < document.querySelector('.side').getBoundingClientRect().left)
       .map((text) => text.textContent)"""
     assert page.evaluate(cut) == []

@@ -62,16 +62,19 @@ REACH = """view => {
   const root = document.querySelector(`.ov.${view}`);
   const name = (e) => `${e.tagName}.${e.className?.baseVal ?? e.className} ${e.getAttribute('aria-label') ?? e.textContent.slice(0, 30)}`;
   const usable = [...root.querySelectorAll('button, select, input, summary, a[href], [tabindex]')]
-    .filter((e) => !e.disabled && e.tabIndex >= 0 && e.checkVisibility({ visibilityProperty: true }));
+    .filter((e) => !e.disabled && e.tabIndex >= 0
+      && e.checkVisibility({ visibilityProperty: true }));
   const mute = [...root.querySelectorAll('[role=radio], button, select, input, summary')]
-    .filter((e) => e.tabIndex < 0 && !e.closest('[role=radiogroup], [role=tablist]'));  // arrow keys move inside
+    .filter((e) => e.tabIndex < 0
+      && !e.closest('[role=radiogroup], [role=tablist]'));  // arrow keys move inside
   window.toReach = new Set(usable);
   return { count: usable.length, mute: mute.map(name) };
 }"""
 PASSED = """() => {
   const now = document.activeElement;
   const style = getComputedStyle(now.closest('.choose') ?? now);
-  const seen = now.matches(':focus-visible') && style.outlineStyle !== 'none' && parseFloat(style.outlineWidth) > 0;
+  const seen = now.matches(':focus-visible') && style.outlineStyle !== 'none'
+    && parseFloat(style.outlineWidth) > 0;
   const wanted = window.toReach.delete(now);
   return { left: window.toReach.size, blind: wanted && !seen ? now.outerHTML.slice(0, 120) : null };
 }"""
@@ -184,12 +187,15 @@ HOVERED = """async () => {
     return text.startsWith('color(') ? all.map((v, i) => (i < 3 ? 255 * v : v)) : all;
   };
   const over = ([r, g, b, a = 1], below) => [r, g, b].map((v, i) => a * v + (1 - a) * below[i]);
-  const ground = (e) => (e ? over(parts(getComputedStyle(e).backgroundColor), ground(e.parentElement)) : [255, 255, 255]);
-  const light = (rgb) => rgb.map((v) => v / 255).map((v) => (v <= 0.03928 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4))
+  const ground = (e) => (e ? over(parts(getComputedStyle(e).backgroundColor),
+    ground(e.parentElement)) : [255, 255, 255]);
+  const light = (rgb) => rgb.map((v) => v / 255).map((v) => (v <= 0.03928 ? v / 12.92
+    : ((v + 0.055) / 1.055) ** 2.4))
     .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
   const now = document.querySelector('[data-hovered]');
   const back = ground(now);
-  const [high, low] = [light(over(parts(getComputedStyle(now).color), back)), light(back)].sort((a, b) => b - a);
+  const [high, low] = [light(over(parts(getComputedStyle(now).color), back)),
+    light(back)].sort((a, b) => b - a);
   return (high + 0.05) / (low + 0.05);
 }"""
 
@@ -199,7 +205,8 @@ KINDS = """view => {
   for (const one of document.querySelectorAll(`.ov.${view} button, .ov.${view} summary, .ov.top button`)) {
     if (one.disabled || !one.checkVisibility() || !one.textContent.trim()) continue;
     const style = getComputedStyle(one);
-    const key = [one.className, style.color, style.backgroundColor, one.ariaPressed, one.ariaChecked].join();
+    const key = [one.className, style.color, style.backgroundColor, one.ariaPressed,
+      one.ariaChecked].join();
     if (!seen.has(key)) seen.set(key, one);
   }
   window.toHover = [...seen.values()];

@@ -13,16 +13,19 @@ pytestmark = pytest.mark.browser
 SHARES = """() => {
   const shown = (e) => e.checkVisibility({ visibilityProperty: true });
   const about = '.side, .beside .pane, .panels details, .press';
-  const texts = document.createTreeWalker(document.querySelector('.ov.explore'), NodeFilter.SHOW_TEXT);
+  const texts = document.createTreeWalker(document.querySelector('.ov.explore'),
+    NodeFilter.SHOW_TEXT);
   const found = [], alone = [];
   while (texts.nextNode()) {
     const { parentElement: of, data } = texts.currentNode;
     // probabilities of one pair, axes and counts of neighbours are no accuracies
-    if (!/\\d\\s%/.test(data) || !shown(of) || of.closest('svg, .sr, .card, .legend, .provenance, .changed')) continue;
+    if (!/\\d\\s%/.test(data) || !shown(of)
+      || of.closest('svg, .sr, .card, .legend, .provenance, .changed')) continue;
     found.push(data);
     let box = of.closest(about);
     if (box?.matches('.press')) box = box.parentElement;
-    while (box && ![...box.querySelectorAll('.provenance')].some(shown)) box = box.parentElement?.closest(about);
+    while (box
+      && ![...box.querySelectorAll('.provenance')].some(shown)) box = box.parentElement?.closest(about);
     if (!box) alone.push(`${data} (${of.className || of.tagName})`);
   }
   return { found, alone };

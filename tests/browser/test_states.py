@@ -20,7 +20,8 @@ VIEWS = [
 ]
 # texts that leave their box, and parts that lie on one another
 CUT = """() => {
-  const seen = (e) => e.checkVisibility({ visibilityProperty: true }) && e.getBoundingClientRect().width > 1;
+  const seen = (e) => e.checkVisibility({ visibilityProperty: true })
+    && e.getBoundingClientRect().width > 1;
   const all = (of) => [...document.querySelectorAll(`.ov.explore :is(${of})`)].filter(seen);
   const textOf = (e) => {
     const range = document.createRange();
@@ -31,10 +32,13 @@ CUT = """() => {
   for (const e of all('button, figcaption, output, .figure, .provenance, .remark, .who')) {
     if (e.closest('.chapters, .presses, .sr') || !e.textContent.trim()) continue;
     const text = textOf(e);
-    const holders = [e.matches('button') && e, e.closest('.twin, .object, .lookers button'), e.closest('.segments'),
+    const holders = [e.matches('button') && e, e.closest('.twin, .object, .lookers button'),
+      e.closest('.segments'),
       e.closest('.side'), e.closest('.map-panel'), document.body];
-    const box = holders.find((one) => one && one.getBoundingClientRect().width > 1).getBoundingClientRect();
-    if (text.right > box.right + 1.5 || text.left < box.left - 1.5) found.push(`cut: ${e.textContent.trim().slice(0, 40)}`);
+    const box = holders.find((one) => one
+      && one.getBoundingClientRect().width > 1).getBoundingClientRect();
+    if (text.right > box.right + 1.5
+      || text.left < box.left - 1.5) found.push(`cut: ${e.textContent.trim().slice(0, 40)}`);
   }
   const parts = all('.tools > *, .pane, .changed, .kinds, .zooms, .tile, .lookers .thumb');
   parts.forEach((a, i) => parts.slice(i + 1).forEach((b) => {
@@ -42,7 +46,8 @@ CUT = """() => {
     const [p, q] = [a, b].map((e) => e.matches('.changed') ? textOf(e) : e.getBoundingClientRect());
     const over = Math.min(p.right, q.right) - Math.max(p.left, q.left);
     const deep = Math.min(p.bottom, q.bottom) - Math.max(p.top, q.top);
-    if (over > 1.5 && deep > 1.5) found.push(`${a.className || a.tagName} lies on ${b.className || b.tagName}`);
+    if (over > 1.5
+      && deep > 1.5) found.push(`${a.className || a.tagName} lies on ${b.className || b.tagName}`);
   }));
   if (document.scrollingElement.scrollWidth > innerWidth) found.push('wider than the window');
   return [...new Set(found)];

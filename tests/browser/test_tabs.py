@@ -78,7 +78,8 @@ def counts(page: Any) -> list[int]:
     ends = page.evaluate(
         """() => { const told = document.createRange();
           told.selectNodeContents(document.querySelector('.explore .changed'));
-          return [told.getBoundingClientRect().bottom, ...[...document.querySelectorAll('.explore .corner > *')]
+          return [told.getBoundingClientRect().bottom,
+            ...[...document.querySelectorAll('.explore .corner > *')]
             .filter((e) => e.textContent).map((e) => e.getBoundingClientRect().top)]; }"""
     )
     assert ends[0] <= min(ends[1:])  # it lies on nothing
@@ -113,9 +114,11 @@ def test_simulated_data_say_so_and_their_limits_open_there(open_page: Callable[.
 
 
 DEFINED = """() => {
-  const [text, box] = [document.querySelector('.explore .provenance'), document.querySelector('.definition')]
+  const [text, box] = [document.querySelector('.explore .provenance'),
+    document.querySelector('.definition')]
     .map((one) => one.getBoundingClientRect());
-  return !(box.top < text.bottom && text.top < box.bottom && box.left < text.right && text.left < box.right);
+  return !(box.top < text.bottom && text.top < box.bottom && box.left < text.right
+    && text.left < box.right);
 }"""
 
 
