@@ -108,6 +108,8 @@ def test_nothing_is_downloaded_without_consent(monkeypatch):
         monkeypatch.setattr(sys, stream, SimpleNamespace(isatty=lambda: True))
     assert hub._agreed("Download? ", lambda question: "y")
     assert not hub._agreed("Download? ", lambda question: "")
+    monkeypatch.setattr(sys, "stdin", SimpleNamespace(isatty=lambda: False))
+    assert not hub._agreed("Download? ", lambda question: "y")
     monkeypatch.undo()
     with pytest.raises(SettingsError, match="ask, yes, no"):
         hub.fetch("owner/name", download="maybe")
