@@ -34,8 +34,6 @@ STATED = {
         "shift": 0.0,
     },
     "omnivat.head.losses:joint_loss": {"mma_weight": 10.0, "nod_weight": 1.0},
-    "omnivat.measure.gaps.calibration:ece": {"bins": 15},
-    "omnivat.measure.gaps.proxy_a:proxy_a": {"folds": 5, "ridge": 0.01},
     "omnivat.maps.projection.torch_umap:project": {"steps": 200, "rate": 0.5},
 }
 
@@ -45,3 +43,11 @@ def test_a_parameter_has_its_stated_default(place):
     module, _, name = place.partition(":")
     parameters = inspect.signature(getattr(import_module(module), name)).parameters
     assert {name: parameters[name].default for name in STATED[place]} == STATED[place]
+
+
+@pytest.mark.parametrize(
+    ("module", "name", "value"),
+    [("calibration", "BINS", 15), ("proxy_a", "FOLDS", 5), ("proxy_a", "RIDGE", 0.01)],
+)
+def test_a_gap_is_measured_as_its_document_states(module, name, value):
+    assert getattr(import_module(f"omnivat.measure.gaps.{module}"), name) == value
