@@ -1,7 +1,6 @@
 """The map's frames: an existing file, or one computed in the background, coarse first."""
 
 import logging
-import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,7 +8,7 @@ from threading import Lock
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
-from app.jobs import Job, Jobs, JobStopped
+from app.jobs import Job, Jobs
 from app.limits import LARGE_SET
 from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import cache_folder, hash_of
@@ -25,7 +24,8 @@ FINE = tuple(k / 100 for k in range(101))
 RECIPE = 3  # version of the maps; those of other versions are computed again
 FIRST_LOOK, LAST_TOUCH = 0, 2  # priorities; training is between them
 LOADING = Step(done=0, total=0, text="loading the head")
-RETRY_S = 5.0  # seconds before a failed map is tried again
+RETRY_S = 5.0  # seconds after which a failed map is tried again
+ENDED = ("failed", "cancelled")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,10 +62,10 @@ class FramesJob:
     load_head: "Callable[[], Head]"
     load_embeddings: "Callable[[], Embeddings]"
     jobs: Jobs
+    spare: "Callable[[], Path]"  # a folder for frames that the cache cannot take
     owner: str = ""  # of the job
     ready: Path | None = None  # a file with all frames
     folder: Path | None = None  # of computed frames; None: the cache
-    spare: "Callable[[], Path] | None" = None  # a folder for frames that the cache cannot take
     drawn: int = 0  # pairs drawn at random of a larger set; 0 for all
     features: bool = False  # draw the features alone if the head is of another encoder
 
@@ -73,7 +73,6 @@ class FramesJob:
         self._file, self._whole = self.ready, self.ready is not None
         self._lock = Lock()
         self._job: Job[None] | None = None
-        self._failed_at = 0.0
 
     def state(self) -> FramesState:
         """Return the state; the first call starts the work if needed."""
@@ -85,7 +84,7 @@ class FramesJob:
             job, file, whole = self._job, self._file, self._whole
         if whole or job is None:
             return FramesState(file=file)
-        if job.state in ("failed", "cancelled"):
+        if job.state in ENDED:
             return FramesState(file=file, problem="" if file else job.problem)
         if place := job.place:
             text = f"waiting: number {place} in the queue"
@@ -101,14 +100,8 @@ class FramesJob:
 
     def _wanted(self) -> bool:
         """True if work must start: the first time, and some time after a failure."""
-        if self._job is None:
-            return True
-        if self._job.state not in ("failed", "cancelled"):
-            return False
-        self._failed_at = self._failed_at or monotonic()
-        again = monotonic() - self._failed_at > RETRY_S
-        self._failed_at = 0.0 if again else self._failed_at
-        return again
+        job = self._job
+        return job is None or (job.state in ENDED and monotonic() - job.since > RETRY_S)
 
     def _compute(self, job: Job[None]) -> None:
         folder = self.folder or cache_folder() / "frames"
@@ -125,6 +118,7 @@ class FramesJob:
                     raise
                 head = None
             passes = [(coarse, COARSE, False)] if head else []
+            passes.append((fine, FINE, False))
             if len(embeddings) > LARGE_SET and not readable(coarse):
                 stops = first_stops(head.model.order) if head else COARSE
                 passes.insert(0, (first, stops, True))
@@ -134,8 +128,9 @@ class FramesJob:
                     file if there else self._build(job, head, embeddings, orders, file, linear)
                 )
                 job.go_on_at(LAST_TOUCH)
-            fine = self._build(job, head, embeddings, FINE, fine)
-        self._file, self._whole = fine, True
+        else:
+            self._file = fine
+        self._whole = True
 
     def _build(
         self,
@@ -144,7 +139,7 @@ class FramesJob:
         embeddings: Any,
         orders: tuple[float, ...],
         to: Path,
-        linear: bool = False,
+        linear: bool,
     ) -> Path:
         """Compute the frames of some stops and write them to `to` or, if it cannot be written, to
         the spare folder.
@@ -173,17 +168,9 @@ class FramesJob:
         try:
             write_frames(to, frames)
         except WriteError as error:
-            if self.spare is None:
-                raise
             log.warning("%s The map is kept until the server stops.", error)
             to = self.spare() / to.name
             write_frames(to, frames)
-        try:
-            job.check()
-        except JobStopped:  # its folder may have been removed in the meantime
-            if self.folder is not None:
-                shutil.rmtree(self.folder, ignore_errors=True)
-            raise
         return to
 
 

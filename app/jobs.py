@@ -80,7 +80,7 @@ class Job(Generic[T]):
     number: int
     future: Future[T] = field(default_factory=Future)
     cancelled: bool = False
-    since: float = 0.0  # when it last started running
+    since: float = 0.0  # when it last started running, or ended without a result
     begun: bool = False  # it has a thread, running or paused
     step: Step | None = None
     state: State = "waiting"
@@ -183,6 +183,7 @@ class Job(Generic[T]):
         self._end("cancelled", CancelledError("This work was cancelled."))
 
     def _end(self, state: State, error: OmniVatError) -> None:
+        self.since = monotonic()
         self.state = state
         self.future.set_exception(error)
 

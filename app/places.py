@@ -24,13 +24,18 @@ class Places:
     head: Path
     embeddings: Path
     frames: Path | None
-    sprite: Path | None  # NAME.thumbnails.webp next to the embeddings, and its .json
     pairs: Path | None  # example images; None: the gallery shows pairs of the set
     compare: tuple[Path, ...] = ()  # folders of comparison heads
     own: Path | None = None  # the head for a visitor's own pictures, beside the project's head
     computed: Path | None = None  # folder of computed frames; None: the cache
     profile: Path | None = None  # of the visitor's sensor, in use from the start
     drawn: int = DRAWN_PAIRS  # of a larger set so many pairs are drawn at random
+
+    @property
+    def sheet(self) -> Path | None:
+        """The thumbnails next to the embeddings; None if they or their description are missing."""
+        sheet = self.embeddings.with_suffix(".thumbnails.webp")
+        return sheet if sheet.is_file() and sheet.with_suffix(".json").is_file() else None
 
 
 def places(
@@ -52,12 +57,11 @@ def shipped_places(name: str) -> Places:
 
 
 def _places(folder: Path, head: Path, embeddings: Path) -> Places:
-    frames, sheet = folder / "frames.bin", embeddings.with_suffix(".thumbnails.webp")
+    frames = folder / "frames.bin"
     return Places(
         head=head,
         embeddings=embeddings,
         frames=frames if frames.is_file() else None,
-        sprite=sheet if sheet.is_file() else None,
         pairs=folder / "pairs",
         own=own_head() if head == default_head() else None,
     )

@@ -9,13 +9,11 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from app.limits import MAX_IMAGE_BYTES
 from app.messages import readable
 from app.places import ENDINGS
 from omnivat.kit.errors import DataError
 
 SHOWN = 12  # pairs of a set, evenly spaced in its table
-TABLE_BYTES = 4_000_000  # of the 2,000 pairs that a set has at most
 TOLD = ("name", "title", "authors", "terms", "terms_from", "licence", "source", "changes")
 
 
@@ -24,9 +22,8 @@ class RealPairs:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._files: dict[
-            str, tuple[Path, bool]
-        ] = {}  # name -> picture, and whether all may see it
+        # name -> picture, and whether all may see it
+        self._files: dict[str, tuple[Path, bool]] = {}
 
     def listing(self, *, local: bool) -> dict[str, Any]:
         """Return the sets with their terms and pairs, and a sentence for each set left out.
@@ -63,12 +60,10 @@ def _read(folder: Path) -> tuple[dict[str, Any], dict[str, Path]]:
     """
     from omnivat.data.fetching import set_in
     from omnivat.data.readers import read_pairs
-    from omnivat.kit.files import read_whole
 
     held = set_in(folder)
     if held is None:
         raise DataError("it is no set as `python -m omnivat fetch` brings it now.")
-    read_whole(folder / "pairs.csv", TABLE_BYTES, "pairs.csv")
     pairs = read_pairs(folder, reader="csv").pairs
     shown = dict.fromkeys(pairs[k * len(pairs) // SHOWN] for k in range(SHOWN))
     pictures: dict[str, Path] = {}
@@ -78,17 +73,11 @@ def _read(folder: Path) -> tuple[dict[str, Any], dict[str, Path]]:
         if pair.vis == pair.tac:  # a set of touches alone
             del halves["vis"]
         for file in halves.values():
-            _check(file, folder)
+            inside = file.resolve().is_relative_to(folder.resolve())
+            if not inside or file.suffix.lower() not in ENDINGS:
+                raise DataError(f"'{file.name:.80}' is no picture inside of it.")
         names = {half: f"{held.name}/{number}/{half}{halves[half].suffix}" for half in halves}
         pictures |= {names[half]: file for half, file in halves.items()}
         rows.append({"class": pair.material, "pictures": names})
     told = {name: value for name, value in asdict(held).items() if name in TOLD}
     return told | {"count": len(pairs), "pairs": rows}, pictures
-
-
-def _check(file: Path, folder: Path) -> None:
-    """Raise DataError for a file that is no picture of this folder, or is too large to be read."""
-    if not file.resolve().is_relative_to(folder.resolve()) or file.suffix.lower() not in ENDINGS:
-        raise DataError(f"'{file.name:.80}' is no picture inside of it.")
-    if file.stat().st_size > MAX_IMAGE_BYTES:
-        raise DataError(f"'{file.name:.80}' has more than {MAX_IMAGE_BYTES // 1_000_000} MB.")

@@ -256,14 +256,13 @@ def frames_response(
 
 def thumbnails(resources: Resources, kind: str) -> Path | None:
     """Return the thumbnail sheet or its description; sets without one show names only."""
-    sprite = sheet(resources)
-    return sprite.with_suffix(f".{kind}") if sprite and kind in ("webp", "json") else None
+    found = sheet(resources)
+    return found.with_suffix(f".{kind}") if found and kind in ("webp", "json") else None
 
 
 def sheet(resources: Resources) -> Path | None:
     """Return the set's sheet of thumbnails; None if it has none."""
-    sprite = None if resources.drawn() else resources.where.sprite  # its pairs are in another order
-    return sprite if sprite and sprite.is_file() and sprite.with_suffix(".json").is_file() else None
+    return None if resources.drawn() else resources.where.sheet  # its pairs are in another order
 
 
 async def real(sets: VisitorSets, request: Request) -> Response:

@@ -71,7 +71,7 @@ def save_figure(resources: Resources, question: Mapping[str, Any]) -> bytes:
     order = order_from(question.get("order"))
     at = float(frames.head.get("learned_order") or 0.5) if order is None else order
     kind, colour = (str(question.get(k, v))[:20] for k, v in (("map", "pca"), ("colour", "domain")))
-    sheet = None if resources.drawn() else resources.where.sprite
+    sheet = None if resources.drawn() else resources.where.sheet
     tiles = pictures(sheet) if sheet else None
     parts = [frames_map(frames, order=at, stage=stage, kind=kind, colour=colour, pictures=tiles)]
     if frames.head.get("kind") != FEATURES:

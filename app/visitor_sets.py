@@ -34,7 +34,6 @@ HEAD = (
     "profile.safetensors",
 )
 SET = "embeddings.safetensors"
-SHEET = ("embeddings.thumbnails.webp", "embeddings.thumbnails.json")
 
 
 class VisitorSets:
@@ -154,33 +153,27 @@ class VisitorSets:
     def _placed(
         self, folder: Path, parts: Mapping[str, str], base: Places, compare: bool
     ) -> Places:
-        """Move the parts to their places under `folder`."""
-        for name, sent in parts.items():
-            kept = self._parts.get(sent)
+        """Put the parts in their places under `folder`."""
+        sent = [name for name in HEAD if name in parts]
+        if not sent and SET not in parts:
+            raise DataError("Choose the folder of a head, an embeddings file, or both.")
+        if sent and (missing := [name for name in HEAD[:2] if name not in parts]):
+            raise DataError(f"A head also has {' and '.join(missing)}; choose its whole folder.")
+        head = folder / (f"loaded-{len(base.compare) + 1}" if compare else "head")
+        for name, part in parts.items():
+            kept = self._parts.get(part)
             if name not in PARTS or kept is None:
                 raise DataError(f"'{name:.60}' has not arrived; choose the files again.")
-            target = folder / ("head" if name in HEAD else ".") / name
+            target = (head if name in HEAD else folder) / name
             target.parent.mkdir(exist_ok=True)
             linked(kept, target)
-        where = replace(base, computed=folder, frames=None)
-        if any(name in parts for name in HEAD):
-            if missing := [name for name in HEAD[:2] if name not in parts]:
-                raise DataError(
-                    f"A head also has {' and '.join(missing)}; choose its whole folder."
-                )
-            head = folder / "head"
-            if compare:
-                head = head.rename(folder / f"loaded-{len(where.compare) + 1}")
-                where = replace(where, compare=(*where.compare, head))
-            else:
-                where = replace(where, head=head, own=None)
+        where = replace(base, computed=folder)
+        if sent and compare:
+            where = replace(where, compare=(*where.compare, head))
+        elif sent:
+            where = replace(where, head=head, own=None, frames=None)
         if SET in parts:
-            sheet = folder / SHEET[0] if all(name in parts for name in SHEET) else None
-            where = replace(where, embeddings=folder / SET, pairs=None, sprite=sheet)
-        elif compare:
-            where = replace(where, frames=base.frames)
-        if not any(name in parts for name in (*HEAD, SET)):
-            raise DataError("Choose the folder of a head, an embeddings file, or both.")
+            where = replace(where, embeddings=folder / SET, pairs=None, frames=None)
         return self._alone(where, folder)
 
     def _alone(self, where: Places, folder: Path) -> Places:
@@ -192,16 +185,15 @@ class VisitorSets:
                 return path
             if path.is_dir():
                 return Path(shutil.copytree(path, folder / path.name, copy_function=linked))
-            for file in path.parent.glob(f"{path.stem}.*"):  # a sheet has a description beside it
-                if not (folder / file.name).exists():
-                    linked(file, folder / file.name)
+            for file in path.parent.glob(f"{path.stem}.*"):  # thumbnails are beside a set
+                (folder / file.name).unlink(missing_ok=True)
+                linked(file, folder / file.name)
             return folder / path.name
 
         return replace(
             where,
             head=here(where.head),
             embeddings=here(where.embeddings),
-            sprite=here(where.sprite) if where.sprite else None,
             compare=tuple(map(here, where.compare)),
         )
 

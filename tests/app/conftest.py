@@ -32,7 +32,6 @@ def small_places(head_folder, tmp_path_factory):
         head=head_folder,
         embeddings=head_folder.parent / "set.safetensors",
         frames=None,
-        sprite=None,
         pairs=pairs,
     )
 

@@ -25,6 +25,7 @@ from app.routes import routes
 
 ROOT = Path(__file__).resolve().parents[2]
 JSON_RPC = {"jsonrpc": "2.0", "id": 7}
+CALL = {**JSON_RPC, "method": "tools/call"}
 
 
 def application(resources, **more):
@@ -188,21 +189,23 @@ def test_mcp_gives_a_tool_s_refusal_as_a_result_that_a_model_can_read(client):
     ("message", "status", "code"),
     [
         ({**JSON_RPC, "method": "server/discover"}, 200, -32601),
-        ({**JSON_RPC, "method": "tools/call", "params": {"name": "shell"}}, 200, -32602),
-        ({**JSON_RPC, "method": "tools/call", "params": [1]}, 200, -32602),
-        ({**JSON_RPC, "method": "tools/call", "params": {"name": "about", "arguments": [1]}}, 200, -32602),
+        ({**CALL, "params": {"name": "shell"}}, 200, -32602),
+        ({**CALL, "params": [1]}, 200, -32602),
+        ({**CALL, "params": {"name": "about", "arguments": [1]}}, 200, -32602),
         ({**JSON_RPC, "method": 3}, 400, -32600),
         ({"id": 1, "method": "x"}, 400, -32600),
         ([], 400, -32700),
     ],
-)  # fmt: skip
+)
 def test_a_fault_of_the_protocol_is_an_error_of_json_rpc(client, message, status, code):
     got = client.post("/omnivat/mcp", content=json.dumps(message))
     sentence(got, status)
     assert got.json()["error"]["code"] == code
 
 
-@pytest.mark.parametrize("number", ["1e999", "-Infinity", "[1]", '"\\ud800"', "1" + "0" * 400, '"' + "x" * 999 + '"'])  # fmt: skip
+@pytest.mark.parametrize(
+    "number", ["1e999", "-Infinity", "[1]", '"\\ud800"', "1" + "0" * 400, '"' + "x" * 999 + '"']
+)
 def test_an_odd_id_is_no_fault_of_the_server(client, number):
     body = '{"jsonrpc": "2.0", "id": ' + number + ', "method": "ping"}'
     assert client.post("/omnivat/mcp", content=body).status_code == 200
@@ -235,7 +238,11 @@ def test_the_document_s_clients_run(address, kind, number):
     line = ["bash", "-ec"] if kind == "bash" else [sys.executable, "-c"]
     done = subprocess.run(
         [*line, source.replace("127.0.0.1:7860", address)],
-        cwd=ROOT, env={**os.environ, "PYTHONWARNINGS": "ignore"}, capture_output=True, text=True, timeout=600,
-    )  # fmt: skip
+        cwd=ROOT,
+        env={**os.environ, "PYTHONWARNINGS": "ignore"},
+        capture_output=True,
+        text=True,
+        timeout=600,
+    )
     assert done.returncode == 0, done.stderr
     assert any(name in done.stdout for name in ("wood", "steel", "plastic", "ceramic", "glass"))

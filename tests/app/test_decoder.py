@@ -87,7 +87,9 @@ def exif_table(entries, size):
 HOSTILE = {
     "a PNG of 4 GB": png(36_000),
     "a PNG of 48 megapixels": png(7000),
-    "a hundred megabytes of text in a PNG": png(64, chunk(b"zTXt", b"a\0\0" + zlib.compress(b"x" * 10**6)) * 100),
+    "a hundred megabytes of text in a PNG": png(
+        64, chunk(b"zTXt", b"a\0\0" + zlib.compress(b"x" * 10**6)) * 100
+    ),
     "a table of 20,000 notes in a PNG": png(64, chunk(b"eXIf", exif_table(20_000, 200_000))),
     "a GIF of 64 megapixels": encoded(Image.new("P", (8000, 7990)), "GIF"),
     "a TIFF of a huge tile": tiff({256: 64, 257: 64, 259: 5, 322: 65_536, 323: 65_536}),

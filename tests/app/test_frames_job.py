@@ -45,7 +45,7 @@ def building(monkeypatch):
 
 
 @pytest.fixture
-def source(small_places):
+def source(small_places, tmp_path):
     from omnivat.data.store import load_embeddings
     from omnivat.head.checkpoint import load_head
 
@@ -54,6 +54,7 @@ def source(small_places):
         "embeddings": small_places.embeddings,
         "load_head": lambda: load_head(small_places.head),
         "load_embeddings": lambda: load_embeddings(small_places.embeddings),
+        "spare": lambda: tmp_path / "spare",
     }
 
 
@@ -69,7 +70,7 @@ def test_a_cache_that_cannot_be_written_costs_time_and_not_frames(
 ):
     (tmp_path / "file").write_text("no folder")
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "file" / "cache"))
-    made = FramesJob(**source, jobs=jobs, spare=lambda: tmp_path / "spare").wait()
+    made = FramesJob(**source, jobs=jobs).wait()
     assert made.file.parent == tmp_path / "spare" and not made.problem
     assert read_frames(made.file).orders
 

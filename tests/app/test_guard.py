@@ -34,7 +34,8 @@ def client(rules_of=None, base="http://127.0.0.1:7860"):
 
 
 HOSTS = [
-    *((None, host, 200) for host in ("127.0.0.1:7860", "localhost:7860", "[::1]:7860", "LOCALHOST")),
+    *((None, host, 200) for host in ("127.0.0.1:7860", "localhost:7860", "[::1]:7860")),
+    (None, "LOCALHOST", 200),
     *((None, host, 403) for host in ("evil.example", "127.0.0.1.evil.example:7860", "192.168.0.3")),
     *((None, host, 403) for host in ("", "localhost@evil.example", "[", "a:b:c")),
     (DEMO, "demo.example", 200),

@@ -34,7 +34,8 @@ def _watch(event, given):
     elif event in ("os.mkdir", "os.rename", "os.remove", "os.truncate", "os.symlink"):
         path, writes = given[1 if event == "os.rename" else 0], True
         folder = given[-1]  # names may be relative to an open folder
-        if isinstance(folder, int) and folder >= 0 and event in ("os.mkdir", "os.rename", "os.remove"):
+        held = event in ("os.mkdir", "os.rename", "os.remove")
+        if held and isinstance(folder, int) and folder >= 0:
             path = os.path.join(os.readlink(f"/proc/self/fd/{folder}"), os.fsdecode(path))
     else:
         return

@@ -108,7 +108,12 @@ def test_a_paused_job_can_be_cancelled(jobs):
 
 @pytest.mark.parametrize(
     "error",
-    [ZeroDivisionError(), MemoryError(), UnicodeEncodeError("utf-8", "\udc80", 0, 1, "no"), SystemExit(3)],
+    [
+        ZeroDivisionError(),
+        MemoryError(),
+        UnicodeEncodeError("utf-8", "\udc80", 0, 1, "no"),
+        SystemExit(3),
+    ],
     ids=lambda error: type(error).__name__,
 )  # fmt: skip
 def test_whatever_is_raised_ends_in_a_sentence_and_the_lane_goes_on(jobs, error):

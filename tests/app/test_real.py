@@ -1,4 +1,4 @@
-"""Fetched sets of real pairs on the shelf: their terms, their pictures by name, and broken folders."""
+"""Fetched sets of real pairs on the shelf: their terms, their pictures by name, broken folders."""
 
 import json
 import os
@@ -77,10 +77,6 @@ def page(fetched):
     (fetched / "pairs.csv").write_text(table.replace("tree_vis.png", "tree_vis.html"))
 
 
-def huge(fetched):
-    os.truncate(fetched / "brick_tac.png", 30_000_000)
-
-
 def no_table(fetched):
     (fetched / "pairs.csv").unlink()
 
@@ -98,7 +94,7 @@ def another_commit(fetched):
     (fetched / "fetched.json").write_text('{"name": "touch-and-go", "commit": "0"}')
 
 
-BROKEN = (outside, link, page, huge, no_table, pipe, no_record, another_commit)
+BROKEN = (outside, link, page, no_table, pipe, no_record, another_commit)
 
 
 @pytest.mark.parametrize("harm", BROKEN)

@@ -20,11 +20,14 @@ from app.resources import Resources
 from app.server import build, launch
 resources = Resources(places())
 page = build()
-_, address, _ = launch(page, resources, parser().parse_args(["--no-browser"]), prevent_thread_lock=True, quiet=True)
-for path in ("", "omnivat/web/explore/explore.js", "omnivat/web/shared/page.css", "omnivat/examples"):
+chosen = parser().parse_args(["--no-browser"])
+_, address, _ = launch(page, resources, chosen, prevent_thread_lock=True, quiet=True)
+for path in ("", "web/explore/explore.js", "web/shared/page.css", "examples"):
+    path = path and f"omnivat/{path}"
     with urllib.request.urlopen(address + path) as answer:
         assert answer.status == 200 and answer.read()
-print("LOADED", *sorted({"torch", "umap", "plotly", "transformers", "sklearn", "scipy", "pandas"} & set(sys.modules)))
+heavy = {"torch", "umap", "plotly", "transformers", "sklearn", "scipy", "pandas"}
+print("LOADED", *sorted(heavy & set(sys.modules)))
 page.close()
 """
 
@@ -73,7 +76,8 @@ def create_window(title, address, **size):
     with urlopen(address) as answer:
         print("SEEN", title, answer.status)
 
-sys.modules["webview"] = SimpleNamespace(create_window=create_window, start=lambda: print("STARTED"))
+window = SimpleNamespace(create_window=create_window, start=lambda: print("STARTED"))
+sys.modules["webview"] = window
 from app.server import main
 raise SystemExit(main(["--desktop", "--port", sys.argv[1]]))
 """

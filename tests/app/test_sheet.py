@@ -17,9 +17,11 @@ def test_frames_tell_whether_a_sheet_of_thumbnails_can_be_requested(
 ):
     for name in (SHEET, "set.thumbnails.json") if files is None else files:
         (tmp_path / name).write_bytes(b"{}")
+    embeddings = tmp_path / "set.safetensors"
+    embeddings.hardlink_to(small_places.embeddings)
     frames = tmp_path / "frames.bin"
     frames.write_bytes(b"OVFRAMES")
-    resources = Resources(replace(small_places, frames=frames, sprite=tmp_path / SHEET))
+    resources = Resources(replace(small_places, frames=frames, embeddings=embeddings))
     client = served(resources)
     response = client.get("/omnivat/frames")
     while response.status_code == 202:

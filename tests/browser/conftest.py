@@ -28,7 +28,8 @@ FLAGS = [
     "--use-fake-ui-for-media-stream",
 ]
 PANELS = """localStorage['omnivat-panels'] ??= JSON.stringify(Object.fromEntries(
-  ['card', 'grid', 'domains', 'confusion', 'filters', 'curves', 'raw', 'step', 'toy'].map((name) => [name, true])))"""
+  ['card', 'grid', 'domains', 'confusion', 'filters', 'curves', 'raw', 'step', 'toy']
+    .map((name) => [name, true])))"""
 PATIENCE_MS = 150_000  # a journey fails by what it reads, not by the time
 DESK = {"viewport": {"width": 1440, "height": 900}}
 

@@ -19,8 +19,10 @@ LOOK = """() => {
     if (seen(of) && b.width > 1 && b.top < innerHeight && b.bottom > 0) texts.push([of,
       text.trim()]);
   }
-  const size = (e) => parseFloat(getComputedStyle(e).fontSize) * (e.ownerSVGElement?.getScreenCTM().a ?? 1);
-  const seenOf = (parts) => [...document.querySelectorAll(parts)].find((e) => e.checkVisibility()).getBoundingClientRect();
+  const size = (e) =>
+    parseFloat(getComputedStyle(e).fontSize) * (e.ownerSVGElement?.getScreenCTM().a ?? 1);
+  const seenOf = (parts) =>
+    [...document.querySelectorAll(parts)].find((e) => e.checkVisibility()).getBoundingClientRect();
   const map = seenOf('.explore :is(.map, .twin-pictures)');
   const all = seenOf('.explore > :is(.stage, .touch)');
   const high = Math.min(innerHeight, map.bottom) - Math.max(0, map.top);

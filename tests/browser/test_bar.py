@@ -63,8 +63,8 @@ def test_the_thumb_of_the_slider_stands_under_its_value_on_the_curve(
         page.keyboard.press(key)
         off = page.evaluate(
             """key => {
-              const mark = document.querySelector('.explore .over circle.now').getBoundingClientRect();
-              const track = document.querySelector('.explore .order').getBoundingClientRect();
+              const box = (of) => document.querySelector(`.explore ${of}`).getBoundingClientRect();
+              const [mark, track] = [box('.over circle.now'), box('.order')];
               const thumb = key === 'Home' ? track.left + 8 : track.right - 8;
               return Math.abs(mark.left + mark.width / 2 - thumb);
             }""",

@@ -32,14 +32,18 @@ def test_letters_of_charts_are_large_enough_on_a_projector(open_page: Callable[.
     page = open_page(MOVED, viewport={"width": 1280, "height": 720})
     page.wait_for_selector(MAP)
     small = page.evaluate(
-        """() => [...document.querySelectorAll('.explore svg text')].filter((t) => t.checkVisibility())
+        """() => [...document.querySelectorAll('.explore svg text')]
+          .filter((t) => t.checkVisibility())
           .map((t) => parseFloat(getComputedStyle(t).fontSize) * t.ownerSVGElement.getScreenCTM().a)
           .filter((size) => size < 11.4)"""
     )
     assert small == []
     cut = page.evaluate(
-        """() => [...document.querySelectorAll('.explore .filters .source')].filter((mark) =>
-          mark.getBoundingClientRect().right > mark.parentElement.getBoundingClientRect().right + 1)"""
+        """() => {
+          const right = (of) => of.getBoundingClientRect().right;
+          return [...document.querySelectorAll('.explore .filters .source')]
+            .filter((mark) => right(mark) > right(mark.parentElement) + 1);
+        }"""
     )
     assert cut == []
 

@@ -49,7 +49,7 @@ def opened(
 def empty_panels(page: Any) -> list[str]:
     """Return the names of panels of Explore that are shown and hold neither words nor a picture."""
     return page.evaluate(
-        """() => [...document.querySelectorAll('.explore .side > *, .explore .panels > *')].filter((one) =>
+        """() => [...document.querySelectorAll('.explore :is(.side, .panels) > *')].filter((one) =>
           one.checkVisibility() && !one.innerText.trim()
             && !one.querySelector('canvas, svg, input')).map((one) =>
           one.className)"""

@@ -93,13 +93,15 @@ def test_the_map_works_by_keyboard_alone(open_page: Callable[..., Any]) -> None:
 
 
 # what a figure of the page looks like, where it can be seen
-FIGURES = """() => [...document.querySelectorAll('.explore :is(b, output, .said, .figure, .remark)')].filter((one) =>
+FIGURES = """() => [
+  ...document.querySelectorAll('.explore :is(b, output, .said, .figure, .remark)'),
+].filter((one) =>
   !one.closest('.tour') && one.checkVisibility({ visibilityProperty: true })
     && /[0-9✓✗]/.test(one.textContent)
   && !one.matches('.order-value')).map((one) => one.textContent)"""
 
 
-def test_the_tour_asks_before_the_screen_answers_walks_four_chapters_and_ends_with_the_titles_answer(
+def test_the_tour_asks_before_it_answers_walks_four_chapters_and_ends_with_the_titles_answer(
     open_page: Callable[..., Any],
 ) -> None:
     page = open_page("?stage=relu&colour=class")

@@ -80,8 +80,10 @@ def test_analyse_is_no_wider_than_its_column_and_no_axis_of_a_lecture_is_cut(
     )
     page.keyboard.press("f")
     page.wait_for_selector("body.lecturing")
-    cut = """() => [...document.querySelectorAll('.explore .over text')].filter((text) =>
-      text.checkVisibility()
-        && text.getBoundingClientRect().left < document.querySelector('.side').getBoundingClientRect().left)
-      .map((text) => text.textContent)"""
+    cut = """() => {
+      const left = (of) => of.getBoundingClientRect().left;
+      return [...document.querySelectorAll('.explore .over text')].filter((text) =>
+        text.checkVisibility() && left(text) < left(document.querySelector('.side')))
+        .map((text) => text.textContent);
+    }"""
     assert page.evaluate(cut) == []

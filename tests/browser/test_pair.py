@@ -374,7 +374,8 @@ def test_another_crop_drops_the_rest_picture_and_says_so_until_it_is_taken_again
 def test_an_unplugged_camera_ends_live_in_a_sentence(live: Callable[..., Any]) -> None:
     page = live(vis={"device": "none"})
     page.evaluate(
-        """() => { for (const { srcObject } of window.videos) srcObject?.getTracks().forEach((track) => {
+        """() => { for (const { srcObject } of window.videos)
+          srcObject?.getTracks().forEach((track) => {
           track.stop();
           track.dispatchEvent(new Event('ended'));
         }); }"""

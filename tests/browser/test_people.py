@@ -60,7 +60,8 @@ def test_the_dark_page_has_contrast_enough_in_any_tab(audited: Any) -> None:
 # every element that a mouse can use, and whether keys come to it; a group of radios is one stop
 REACH = """view => {
   const root = document.querySelector(`.ov.${view}`);
-  const name = (e) => `${e.tagName}.${e.className?.baseVal ?? e.className} ${e.getAttribute('aria-label') ?? e.textContent.slice(0, 30)}`;
+  const label = (e) => e.getAttribute('aria-label') ?? e.textContent.slice(0, 30);
+  const name = (e) => `${e.tagName}.${e.className?.baseVal ?? e.className} ${label(e)}`;
   const usable = [...root.querySelectorAll('button, select, input, summary, a[href], [tabindex]')]
     .filter((e) => !e.disabled && e.tabIndex >= 0
       && e.checkVisibility({ visibilityProperty: true }));
@@ -160,7 +161,8 @@ def test_a_narrow_page_needs_no_scrolling_sideways(
         open_tab(page, view)
         page.wait_for_selector(READY[view])
         over = page.evaluate(
-            """wide => [...document.querySelectorAll('.ov *')].filter((e) => e.getClientRects().length
+            """wide => [...document.querySelectorAll('.ov *')].filter((e) =>
+                 e.getClientRects().length
                  && e.getBoundingClientRect().right > wide + 1
                  && !e.closest('.gallery, .scroll, .chapters, pre, .sr, svg, .thumb'))
                .map((e) => e.outerHTML.slice(0, 90))""",
@@ -202,7 +204,8 @@ HOVERED = """async () => {
 
 KINDS = """view => {
   const seen = new Map();
-  for (const one of document.querySelectorAll(`.ov.${view} button, .ov.${view} summary, .ov.top button`)) {
+  const parts = `.ov.${view} :is(button, summary), .ov.top button`;
+  for (const one of document.querySelectorAll(parts)) {
     if (one.disabled || !one.checkVisibility() || !one.textContent.trim()) continue;
     const style = getComputedStyle(one);
     const key = [one.className, style.color, style.backgroundColor, one.ariaPressed,

@@ -24,8 +24,8 @@ SHARES = """() => {
     found.push(data);
     let box = of.closest(about);
     if (box?.matches('.press')) box = box.parentElement;
-    while (box
-      && ![...box.querySelectorAll('.provenance')].some(shown)) box = box.parentElement?.closest(about);
+    while (box && ![...box.querySelectorAll('.provenance')].some(shown))
+      box = box.parentElement?.closest(about);
     if (!box) alone.push(`${data} (${of.className || of.tagName})`);
   }
   return { found, alone };

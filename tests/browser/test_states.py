@@ -1,4 +1,4 @@
-"""States of the page that people come to by clicking, at four sizes, in light and dark, and on paper."""
+"""States of the page that people come to by clicking: four sizes, light and dark, and on paper."""
 
 from collections.abc import Callable
 from typing import Any
