@@ -21,7 +21,7 @@ from app.messages import Handler, in_sentences, refusal
 from app.pair_input import pair_of
 from app.requests import done, question_from, received
 from app.resources import Resources
-from app.state import order_from
+from app.state import one_of, order_from
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
 
@@ -138,8 +138,8 @@ def checked(name: str, arguments: Arguments) -> Arguments:
         kind, names = takes[key]["type"], takes[key].get("enum")
         if value is not None and (isinstance(value, bool) or not isinstance(value, KINDS[kind])):
             raise DataError(f"{key} has to be a {kind}; '{type(value).__name__}' came.")
-        if value is not None and names and value not in names:
-            raise DataError(f"{key} is '{value:.40}'; it can be {', '.join(names)}.")
+        if value is not None and names:
+            one_of(key, value, names)
     return {key: value for key, value in arguments.items() if value is not None}
 
 

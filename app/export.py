@@ -13,7 +13,7 @@ from app.components import STYLES, WEB
 from app.modes import fitting_files, modes
 from app.places import Places, places
 from app.resources import Resources
-from app.routes import FACTS, sheet
+from app.routes import FACTS
 from app.tables import tables_html
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import write_text
@@ -139,7 +139,7 @@ def set_files(resources: Resources, frames: Path) -> dict[str, Path]:
     """Return the files of a set that the server serves unchanged, by request."""
     found = {"/frames": frames}
     found |= {f"/frames?mode={mode}": file for mode, file in fitting_files(resources).items()}
-    if (drawn := sheet(resources)) is not None:
+    if (drawn := resources.sheet) is not None:
         found |= {f"/thumbnails{kind}": drawn.with_suffix(kind) for kind in (".webp", ".json")}
     return found
 

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 
 from app.pair_input import OTHER, Asked, asked, rounded
 from app.resources import Resources
-from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -131,9 +130,6 @@ def _nearest(
     from omnivat.data.arrays import copied
     from omnivat.maps.projection.neighbours import nearest
     from omnivat.measure.gaps.unit import unit
-
-    if not len(index):
-        raise DataError("The set has no pairs to compare with.")
 
     def training() -> "Index":
         return unit(torch.from_numpy(copied(getattr(resources.embeddings(), name)[index]))).numpy()

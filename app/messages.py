@@ -59,7 +59,7 @@ def readable(sentence: str) -> str:
     return without_places(sentence).encode("utf-8", "replace").decode()
 
 
-def status_of(error: OmniVatError) -> int:
+def status_of(error: Exception) -> int:
     """Return the HTTP status of an error; 400 by default."""
     return int(getattr(error, "status", 400))
 
@@ -71,11 +71,9 @@ def in_sentences(handler: Handler) -> Handler:
     async def checked(request: Request) -> Response:
         try:
             return await handler(request)
-        except OmniVatError as error:
+        except (OmniVatError, ClientDisconnect) as error:  # who leaves sees no reply
             log.info("%s refused: %s", request.url.path, error)
             return refusal(str(error), status_of(error))
-        except ClientDisconnect:
-            return refusal("The request was not finished.", 499)
         except Exception:
             log.exception("%s failed", request.url.path)
             return refusal(UNEXPECTED, 500)

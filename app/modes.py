@@ -32,10 +32,10 @@ def fitting_files(resources: Resources) -> dict[str, Path]:
 
     fitting = {}
     for mode, file in mode_files(resources.where).items():
-        embeddings = resources.embeddings()
-        header = embeddings.header
-        wanted = (len(embeddings), header.domains, header.weights_hash, header.origin)
         try:
+            embeddings = resources.embeddings()
+            header = embeddings.header
+            wanted = (len(embeddings), header.domains, header.weights_hash, header.origin)
             record = frames_header(file)
             made = record["embeddings"]
             if (
@@ -60,11 +60,7 @@ def modes(resources: Resources, among: Container[str] | None = None) -> dict[str
             "twins": whether the project's twins are there}; `curve` is the accuracy of heads
             trained at each p, {"title", "orders", "share"} or None
     """
-    try:
-        fitting = fitting_files(resources)
-    except DataError as error:
-        log.warning("%s", error)
-        fitting = {}
+    fitting = fitting_files(resources)
     shown = resources.where.embeddings.resolve()
     sets = []
     listed = shipped_sets()

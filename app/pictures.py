@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from app.familiar import predict_one
 from app.pair_input import OTHER, asked, rounded
 from app.resources import Resources
+from app.state import one_of
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
 
@@ -94,11 +95,10 @@ def _beside(question: Question) -> Question:
 
 def _parts(content: Content, question: Question) -> dict[str, Content]:
     """Return modality -> content of each picture in a request."""
-    modality, split = str(question.get("modality", "")), str(question.get("split", ""))[:9]
-    if modality in OTHER:
-        return {modality: content}
+    modality = one_of("modality", question.get("modality"), (*OTHER, BOTH))
+    split = str(question.get("split", ""))[:9]
     if modality != BOTH:
-        raise DataError(f"modality is '{modality:.20}'; it is vis, tac or both.")
+        return {modality: content}
     whole = content.read_bytes() if isinstance(content, Path) else content
     end = int(split) if split.isdecimal() else 0
     if not 0 < end < len(whole):
@@ -119,10 +119,7 @@ def occlusion(resources: Resources, content: Content, question: Question) -> dic
 
     from omnivat.encoders.base import for_modality
 
-    modality = question.get("modality", "")
-    if modality not in OTHER:
-        raise DataError(f"modality is '{modality:.20}'; it is vis or tac.")
-    began = perf_counter()
+    modality = one_of("modality", question.get("modality"), OTHER)
     image = resources.shared.decoder.read(content, name_in(question)).image
     image.thumbnail((SIDE, SIDE))
     encoder = for_modality(resources.encoder(), modality)
@@ -143,16 +140,16 @@ def occlusion(resources: Resources, content: Content, question: Question) -> dic
         "probability": round(float(out.probabilities[0, predicted]), 6),
         "cells": CELLS,
         "drops": over_cells(falls.reshape(steps, steps)),
-        "seconds": round(perf_counter() - began, 2),
     }
 
 
 def hidden(image: "Image.Image") -> Iterator["Image.Image"]:
     """Yield the image with one part after the other filled with its mean colour, row by row."""
-    width, height = image.size
     mean: Any = image.resize((1, 1)).getpixel((0, 0))
-    across = [(k * width // CELLS, (k + PATCH) * width // CELLS) for k in range(CELLS - PATCH + 1)]
-    down = [(k * height // CELLS, (k + PATCH) * height // CELLS) for k in range(CELLS - PATCH + 1)]
+    across, down = (
+        [(k * side // CELLS, (k + PATCH) * side // CELLS) for k in range(CELLS - PATCH + 1)]
+        for side in image.size
+    )
     for top, bottom in down:
         for left, right in across:
             copy = image.copy()

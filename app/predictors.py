@@ -5,8 +5,8 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from app.resources import Resources
+from app.state import one_of
 from app.tables import tables
-from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -48,9 +48,7 @@ def predictions(resources: Resources, question: Mapping[str, Any]) -> dict[str, 
 
     Raises DataError for another method, or a set without the head's source domain.
     """
-    method = question.get("method")
-    if not isinstance(method, str) or method not in METHODS:
-        raise DataError(f"No method is called {method!r:.40}; there are {', '.join(METHODS)}.")
+    method = one_of("method", question.get("method"), METHODS)
     return resources.results.once(method, lambda: _fitted(resources, method))
 
 

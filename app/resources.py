@@ -123,6 +123,11 @@ class Resources:
         files = [self.where.embeddings, *(f / "weights.safetensors" for f in self.folders.values())]
         return content_name(repr([state_of(file) for file in files]).encode())
 
+    @property
+    def sheet(self) -> Path | None:
+        """The set's sheet of thumbnails; None if it has none, or its pairs are in another order."""
+        return None if self.drawn() else self.where.sheet
+
     def warm(self) -> None:
         """Load the head and the set, so that the first request is fast."""
         for part in (self.head, self.embeddings):

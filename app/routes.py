@@ -239,7 +239,7 @@ async def frames(sets: VisitorSets, request: Request) -> Response:
         return JSONResponse({"step": step, "ready": state.file is not None}, status_code=202)
     headers = {
         "X-Frames": "coarse" if state.step else "fine",
-        "X-Thumbnails": "sheet" if sheet(resources) else "none",
+        "X-Thumbnails": "sheet" if resources.sheet else "none",
     }
     return frames_response(
         request, resources, state.file, headers, background=BackgroundTask(resources.warm)
@@ -256,13 +256,8 @@ def frames_response(
 
 def thumbnails(resources: Resources, kind: str) -> Path | None:
     """Return the thumbnail sheet or its description; sets without one show names only."""
-    found = sheet(resources)
+    found = resources.sheet
     return found.with_suffix(f".{kind}") if found and kind in ("webp", "json") else None
-
-
-def sheet(resources: Resources) -> Path | None:
-    """Return the set's sheet of thumbnails; None if it has none."""
-    return None if resources.drawn() else resources.where.sheet  # its pairs are in another order
 
 
 async def real(sets: VisitorSets, request: Request) -> Response:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.modes import mode_files
 from app.resources import Resources
-from app.state import order_from
+from app.state import one_of, order_from
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -65,14 +65,11 @@ def save_figure(resources: Resources, question: Mapping[str, Any]) -> bytes:
     if file is None:
         raise DataError("The map is not ready yet; save it when it is shown.")
     frames = read_frames(file)
-    stage = question.get("stage", STAGES[-1])
-    if stage not in STAGES:
-        raise DataError(f"The step is '{stage!s:.20}'; there are {', '.join(STAGES)}.")
+    stage = one_of("stage", question.get("stage", STAGES[-1]), STAGES)
     order = order_from(question.get("order"))
     at = float(frames.head.get("learned_order") or 0.5) if order is None else order
     kind, colour = (str(question.get(k, v))[:20] for k, v in (("map", "pca"), ("colour", "domain")))
-    sheet = None if resources.drawn() else resources.where.sheet
-    tiles = pictures(sheet) if sheet else None
+    tiles = pictures(resources.sheet) if resources.sheet else None
     parts = [frames_map(frames, order=at, stage=stage, kind=kind, colour=colour, pictures=tiles)]
     if frames.head.get("kind") != FEATURES:
         parts += [gap_curves(frames, stage=stage, order=at), staircase(frames, order=at)]

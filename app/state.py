@@ -6,7 +6,7 @@ finds only what came from its own address.
 """
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import partial
@@ -57,6 +57,14 @@ def ref_from(value: Any) -> Ref | None:
         known = ", ".join(f"'{kind}:…'" for kind in KINDS)
         raise DataError(f"'{value}' names no image; expected one of {known}.")
     return Ref(kind, name)
+
+
+def one_of(name: str, value: Any, known: Collection[Any]) -> Any:
+    """Return a choice in a request. Raises DataError if it is none of `known`."""
+    if isinstance(value, bool) or not isinstance(value, str | int) or value not in known:
+        choices = ", ".join(str(choice) for choice in known if choice != "")
+        raise DataError(f"{name} is {value!r:.40}; choose one of {choices}.")
+    return value
 
 
 def content_name(content: bytes) -> str:

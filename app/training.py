@@ -16,7 +16,7 @@ from app.state import VISITOR, ForgottenError, Recent
 from app.training_plan import Plan, offers, plan_from, thinned
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
-from omnivat.kit.progress import Step
+from omnivat.kit.progress import CHECK, Step
 
 if TYPE_CHECKING:
     import numpy as np
@@ -174,29 +174,26 @@ class Trainings:
         return run
 
     def _work(self, job: Job[None], run: Run, embeddings: "Embeddings", beside: str) -> None:
-        from omnivat.training import TrainingCancelled, Watch
+        from omnivat.training import Watch
         from omnivat.training.from_pairs import plan_training, reporter, trained_head
 
-        def stopped() -> bool:  # called before each step
+        def check() -> None:
             job.give_way()
-            return job.cancelled
+            job.check()
 
+        CHECK.set(check)
         run.job = job
         run.require_visitor()
         job.report(Step(done=0, total=run.plan.training.epochs, text=run.plan.first))
-        try:
-            plan = plan_training(
-                embeddings,
-                run.plan.source,
-                head=run.plan.head,
-                training=run.plan.training,
-                seed=run.plan.seed,
-            )
-            shown = reporter(plan, run.take, every=MEASURE_EVERY)
-            run.head = trained_head(plan, watch=Watch(on_epoch=shown, cancelled=stopped))
-        except TrainingCancelled:
-            job.check()  # ends the job as cancelled
-            raise
+        plan = plan_training(
+            embeddings,
+            run.plan.source,
+            head=run.plan.head,
+            training=run.plan.training,
+            seed=run.plan.seed,
+        )
+        shown = reporter(plan, run.take, every=MEASURE_EVERY)
+        run.head = trained_head(plan, watch=Watch(on_epoch=shown))
         run.loaded = self._sets.adopt(run.head, beside=beside)
 
 

@@ -1,9 +1,10 @@
 """The choices of a training, and their check."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from app.state import one_of
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -77,9 +78,9 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
     """
     from omnivat.training import TrainSettings
 
-    source = _one_of("source", question.get("source"), embeddings.header.domains)
+    source = one_of("source", question.get("source"), embeddings.header.domains)
     rows = embeddings.rows_of(source, split="train")
-    order = _one_of("order", question.get("order", ORDERS[0]), ORDERS)
+    order = one_of("order", question.get("order", ORDERS[0]), ORDERS)
     number: dict[str, Any] = {name: _number(name, question.get(name)) for name in RANGES}
     training = TrainSettings(
         epochs=number["epochs"],
@@ -93,7 +94,7 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
     return Plan(
         source=source,
         head={
-            "width": _one_of("width", question.get("width", 64), WIDTHS),
+            "width": one_of("width", question.get("width", 64), WIDTHS),
             "expansion": number["expansion"],
             "levels": number["levels"],
             "order": number["p"],
@@ -111,12 +112,6 @@ def thinned(count: int, most: int) -> "np.ndarray[Any, Any]":
     import numpy as np
 
     return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.int64))
-
-
-def _one_of(name: str, value: Any, known: Sequence[Any]) -> Any:
-    if isinstance(value, bool) or not isinstance(value, str | int) or value not in known:
-        raise DataError(f"{name} is {value!r:.40}; choose one of {', '.join(map(str, known))}.")
-    return value
 
 
 def _number(name: str, value: Any) -> int | float:

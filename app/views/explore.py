@@ -9,7 +9,7 @@ import orjson
 
 from app.map_place import kept_features
 from app.resources import Resources
-from app.state import order_from
+from app.state import one_of, order_from
 from app.tables import tables
 from omnivat.data.packing import packed
 from omnivat.head.heads import EXAMPLES, kept_ladder
@@ -35,9 +35,7 @@ def neighbours(resources: Resources, question: Mapping[str, Any]) -> dict[str, A
     from omnivat.maps.sweep import STAGES
 
     embeddings = resources.embeddings()
-    stage, point = str(question.get("stage")), question.get("point")
-    if stage not in STAGES:
-        raise DataError(f"No stage is called '{stage:.40}'; there are {', '.join(STAGES)}.")
+    stage, point = one_of("stage", question.get("stage"), STAGES), question.get("point")
     if type(point) is not int or not 0 <= point < 2 * len(embeddings):
         raise DataError(f"No point has the number {point!r:.20}; choose one on the map.")
     order = order_from(question.get("order"))
@@ -84,9 +82,7 @@ def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     return    its rungs and sources, and "kept": true where they stand in the file next to the set
     """
     embeddings = resources.embeddings()
-    source, domains = question.get("source"), embeddings.header.domains
-    if not isinstance(source, str) or (source and source not in domains):
-        raise DataError(f"The set has no domain {source!r:.40}; there are {', '.join(domains)}.")
+    source = one_of("source", question.get("source"), ("", *embeddings.header.domains))
 
     def climbed() -> dict[str, Any]:
         from omnivat.measure.ladder import ladder
@@ -112,7 +108,6 @@ def known(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     from omnivat.measure.known import NOTHING, labels, measured
     from omnivat.measure.known import pairs as pictures
 
-    what = question.get("known")
     head, embeddings = resources.head(), resources.embeddings()
     names = embeddings.header.domains
     sizes = [len(embeddings.rows_of(name)) for name in names if name != head.source]
@@ -123,8 +118,7 @@ def known(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
         "pictures": pictures(count),
         "labels": labels(EACH_CLASS),
     }
-    if what not in steps:
-        raise DataError(f"known is {what!r:.40}; it is one of {', '.join(steps)}.")
+    what = one_of("known", question.get("known"), steps)
 
     def made() -> dict[str, Any]:
         home = what == "home"

@@ -36,11 +36,6 @@ def ignore(_: Step) -> None:
     """Ignore a progress report."""
 
 
-def never() -> bool:
-    """Return False: nobody cancels the work."""
-    return False
-
-
 def time_text(seconds: float) -> str:
     """Return a duration as text, in at most two units.
 

@@ -8,6 +8,6 @@ run may choose is a field of `TrainSettings`.
 from omnivat.training.settings import TrainSettings
 from omnivat.training.state import STATE
 from omnivat.training.training import Trained, train
-from omnivat.training.watch import TrainingCancelled, Watch
+from omnivat.training.watch import Watch
 
-__all__ = ["STATE", "TrainSettings", "Trained", "TrainingCancelled", "Watch", "train"]
+__all__ = ["STATE", "TrainSettings", "Trained", "Watch", "train"]

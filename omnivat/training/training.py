@@ -62,8 +62,7 @@ def train(
     if there is any; this head then learns their mean logits, without LANG.
 
     Raises DataError if there is nothing to learn, if `resume` belongs to another training, or if
-    `bank` belongs to another checkpoint than the images; OmniVatError if the loss is not finite;
-    TrainingCancelled if the watch stops it.
+    `bank` belongs to another checkpoint than the images; OmniVatError if the loss is not finite.
 
     >>> from omnivat import HeadSettings, default_embeddings, load_embeddings
     >>> source = load_embeddings(default_embeddings()).in_domain("TAG-sim", split="train")

@@ -1,17 +1,12 @@
-"""What a training reports, and how its caller stops it."""
+"""What a training reports."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from omnivat.head.head import OmniVaT
-from omnivat.kit.errors import OmniVatError
-from omnivat.kit.progress import OnStep, Step, ignore, never
+from omnivat.kit.progress import OnStep, Step, checkpoint, ignore
 
 OnEpoch = Callable[[dict[str, float], OmniVaT], None]
-
-
-class TrainingCancelled(OmniVatError):
-    """The caller cancelled the training. Nothing was written."""
 
 
 def _no_epoch(record: dict[str, float], model: OmniVaT) -> None: ...
@@ -21,23 +16,20 @@ def _no_epoch(record: dict[str, float], model: OmniVaT) -> None: ...
 class Watch:
     """Callbacks of one training.
 
-    on_step    called at every optimiser step
-    on_epoch   called with the record of every epoch and the model, in training mode
-    cancelled  called before every step; training stops when it returns True
-    done       steps finished before this training
-    whole      steps in total; 0 means those of this training
+    on_step   called at every optimiser step
+    on_epoch  called with the record of every epoch and the model, in training mode
+    done      steps finished before this training
+    whole     steps in total; 0 means those of this training
     """
 
     on_step: OnStep = ignore
     on_epoch: OnEpoch = _no_epoch
-    cancelled: Callable[[], bool] = never
     done: int = 0
     whole: int = 0
 
     def step(self, done: int, total: int, text: str) -> None:
-        """Report a step. Raises TrainingCancelled if the caller cancelled."""
-        if self.cancelled():
-            raise TrainingCancelled("Training was cancelled; nothing was written.")
+        """Report a step, at which the training can end (`omnivat.kit.progress.checkpoint`)."""
+        checkpoint()
         self.on_step(Step(done=self.done + done, total=self.whole or total, text=text))
 
     def part(self, done: int, whole: int) -> "Watch":

@@ -13,8 +13,11 @@ from app.views import pair
 def test_attention_adds_up_to_one_for_each_token_that_asks(resources):
     got = pair.attention(resources, {"vis": "row:1", "tac": "row:1"})
     count = got["count"]["vis"]
-    off = np.frombuffer(base64.b64decode(got["off"]["vis"]), dtype=np.int8)
-    sums = off.reshape(101, count, count).sum(-1) / 127 * got["scale"]
+    off = {
+        name: np.frombuffer(base64.b64decode(text), np.int8) for name, text in got["off"].items()
+    }
+    assert max(np.abs(one).max() for one in off.values()) == 127
+    sums = off["vis"].reshape(101, count, count).sum(-1) / 127 * got["scale"]
     assert np.abs(sums).max() < count / 127 * got["scale"]
     assert len(got["tokens"]["vis"]) == count
     assert got["tokens"]["vis"][0].startswith("Re × ")

@@ -40,6 +40,7 @@ def test_neighbours_after_the_relu_depend_on_the_order(resources):
 
 def test_as_many_pictures_are_known_as_half_of_the_smallest_unseen_domain(resources):
     embeddings = resources.embeddings()
+    assert known(resources, {"known": "labels"})["known"] == "3 labelled pairs of each class"
     home, away = (np.flatnonzero(embeddings.domain == k) for k in (0, 1))
     resources.embeddings._made[:] = [embeddings.select(np.concatenate([home, away[::4]]))]
     assert known(resources, {"known": "pictures"})["known"] == "5 pairs without labels"

@@ -34,7 +34,7 @@ def test_the_open_view_is_a_page_of_three_figures_that_loads_nothing(client):
 @pytest.mark.parametrize(
     ("view", "words"),
     [
-        ({"stage": "nothing"}, "The step is 'nothing'"),
+        ({"stage": "nothing"}, "stage is 'nothing'; choose one of raw"),
         ({"map": "umap", "stage": "relu"}, "There is no map 'umap/relu'"),
         ({"colour": "<b>"}, "The colour is '<b>'"),
         ({"order": "x"}, "p"),

@@ -39,18 +39,17 @@ def trained_head(
     repeat     train again with these seeds; their scores go into metrics["seeds"]
     calibrate  also fit temperatures to held-out source pairs (half as much time again)
     resume     file for the state after each epoch, from which a stopped training resumes
-    watch      callbacks of the first training; it can also cancel the others
+    watch      callbacks of the first training
 
-    Raises TrainingCancelled, and the errors of `train`.
+    Raises the errors of `train`.
     """
-    watch = watch or Watch()
     trained = plan.train(watch=watch, resume=resume)
-    model, quiet = trained.model, Watch(cancelled=watch.cancelled)
+    model = trained.model
     provenance = plan.provenance()
     if calibrate:
         how = "a quarter of the source's objects, as they are and under imitated sensors"
         try:
-            model.temperatures = calibration_of(plan.searched(model.order), quiet)
+            model.temperatures = calibration_of(plan.searched(model.order))
         except DataError as error:
             how = f"none: {error}"
         provenance["calibration"] = how
@@ -73,7 +72,7 @@ def trained_head(
     means = {name: value for name, value in summary.items() if name not in ("seed", "domains")}
     others = []
     for seed in repeat:
-        model = replace(plan, seed=seed).train(watch=quiet).model
+        model = replace(plan, seed=seed).train().model
         other = replace(head, model=model)
         others.append(_summary(seed, other, evaluate(other, plan.embeddings)))
     metrics = {
@@ -86,7 +85,7 @@ def trained_head(
     return replace(head, metrics=metrics)
 
 
-def calibration_of(plan: TrainingPlan, watch: Watch) -> Temperatures:
+def calibration_of(plan: TrainingPlan) -> Temperatures:
     """Fit temperatures to predictions for held-out pairs of the source.
 
     A head is trained on three quarters of the source's objects with the same settings. It predicts
@@ -96,7 +95,7 @@ def calibration_of(plan: TrainingPlan, watch: Watch) -> Temperatures:
     Raises DataError if no object can be held out.
     """
     fit, held = evidence(plan.pairs)
-    model, classes = replace(plan, pairs=fit).train(watch=watch).model, plan.settings.classes
+    model, classes = replace(plan, pairs=fit).train().model, plan.settings.classes
     parts = [predicted_logits(model, pairs, modalities=plan.training.given) for pairs in held]
     labels = [label_map(classes, pairs.header.classes)[pairs.label] for pairs in held]
     logits = {name: torch.cat([part[name] for part in parts]) for name in parts[0]}

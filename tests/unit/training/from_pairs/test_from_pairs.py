@@ -1,5 +1,7 @@
 """From pairs to a finished head in memory: what it reports, that it stops, that the CLI agrees."""
 
+from contextvars import copy_context
+
 import numpy as np
 import pytest
 
@@ -7,8 +9,9 @@ from omnivat.cli import main
 from omnivat.data.store import save_embeddings
 from omnivat.head.checkpoint import load_head
 from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.progress import CHECK
 from omnivat.maps.sweep import sweep
-from omnivat.training import TrainingCancelled, TrainSettings, Watch
+from omnivat.training import TrainSettings, Watch
 from omnivat.training.from_pairs import plan_like, plan_training, reporter, trained_head
 
 from ..conftest import equal_weights
@@ -90,23 +93,20 @@ def test_a_domain_whose_pairs_have_no_class_or_one_beside_none_is_refused(pairs,
         plan_training(one, "TAG-sim", head=SMALL, training=SHORT)
 
 
-def test_a_training_stops_when_it_is_cancelled(pairs):
-    steps = []
-    watch = Watch(on_step=steps.append, cancelled=lambda: len(steps) == 2)
-    with pytest.raises(TrainingCancelled):
-        trained_head(planned(pairs), watch=watch)
-    assert len(steps) == 2
-
-
-def test_a_training_also_stops_while_its_calibration_is_fitted(pairs):
+def test_a_training_can_be_stopped_while_its_calibration_is_fitted(pairs):
     steps, looked = [], []
 
-    def cancelled():
+    def check():
         looked.append(len(steps))
-        return looked.count(len(steps)) > 2  # the head's own steps are over
+        if looked.count(len(steps)) > 2:  # the head's own steps are over
+            raise KeyboardInterrupt
 
-    with pytest.raises(TrainingCancelled):
-        trained_head(planned(pairs), watch=Watch(on_step=steps.append, cancelled=cancelled))
+    def stopped():
+        CHECK.set(check)
+        trained_head(planned(pairs), watch=Watch(on_step=steps.append))
+
+    with pytest.raises(KeyboardInterrupt):
+        copy_context().run(stopped)
     assert steps[-1].done == steps[-1].total
 
 
