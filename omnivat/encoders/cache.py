@@ -1,9 +1,9 @@
 """Embed each image or pair once: a small cache in memory over files on disk, keyed by content.
 
-The key hashes the bytes of the image, the encoder, its weights, precision and preprocessing, the
-crop and the mirroring. An entry is one small file: a checksum, then float32 values. It is written
-to a temporary file and moved into place, so two processes cannot corrupt it. An entry with a wrong
-checksum is computed again.
+The key hashes the bytes of the image, the encoder, its weights, precision and preprocessing, what
+an encoder of one's own gives for a test picture, the crop and the mirroring. An entry is one small
+file: a checksum, then float32 values. It is written to a temporary file and moved into place, so
+two processes cannot corrupt it. An entry with a wrong checksum is computed again.
 """
 
 import threading
@@ -192,6 +192,7 @@ def _keys(
         encoder.weights_hash,
         encoder.precision,
         encoder.preprocessing,
+        getattr(encoder, "probe", ""),
     )
     contents = [blake2b(content).hexdigest() for content in ((calm, source) if calm else (source,))]
     texts = ("\x1f".join((*made_by, *contents, str(crop), str(flip))) for flip in flips)

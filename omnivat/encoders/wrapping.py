@@ -30,7 +30,9 @@ from omnivat.encoders.running import (
 )
 from omnivat.kit.errors import DataError
 
-GREY = Image.new("RGB", (64, 64), (128, 120, 110))  # a test picture
+NOISE = Image.fromarray(  # a test picture, on which two encoders differ
+    np.random.default_rng(0).integers(0, 256, (64, 64, 3), dtype=np.uint8)
+)
 IMAGENET_MEAN, IMAGENET_STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 
 
@@ -46,7 +48,7 @@ class TorchEncoder:
     device      device of the computation
     precision   "fp32", "bf16", or "fp32-onnx" where `onnx` allows it
     onnx        True if the network was checked in ONNX Runtime
-    width       D, if it is known; 0 finds and checks it by two runs on a grey picture
+    width       D, if it is known; 0 finds and checks it by two runs on a test picture
     name        its name; load_encoder replaces it by the name used for loading
     weights_hash, text_hash  hashes of its weights, "" for those of the network, and of a text tower
 
@@ -84,7 +86,7 @@ class TorchEncoder:
         self.network: Any = placed(network, self._device, self._type)
         if precision == ONNX:
             self.network = in_onnx_runtime(self.network, torch.zeros(1, 3, side, side))
-        self.width = width or probed(self)
+        self.width = width or len(probed(self))
 
     def preprocess(self, image: Image.Image) -> Tensor:
         """Convert an RGB image to the tensor (C, H, W) for `embed`."""
@@ -101,13 +103,13 @@ class TorchEncoder:
         return output if self._pool is None else self._pool(output)
 
 
-def probed(encoder: Any) -> int:
-    """Return the width of an encoder: two runs on a grey picture have to give one finite vector.
+def probed(encoder: Any) -> Tensor:
+    """Return an encoder's vector of a test picture: two runs have to give one that is finite.
 
     Raises DataError with what it gave instead.
     """
-    grey = encoder.preprocess(GREY)
-    first, second = (encoder.embed(grey[None]) for _ in range(2))
+    image = encoder.preprocess(NOISE)
+    first, second = (encoder.embed(image[None]) for _ in range(2))
     known = not first.is_meta  # a device without values
     if first.ndim != 2 or len(first) != 1 or (known and not first.isfinite().all()):
         raise DataError(
@@ -119,7 +121,7 @@ def probed(encoder: Any) -> int:
             f"'{encoder.name}' gives another embedding each time; switch off dropout, masks and "
             "other random parts of the network."
         )
-    return int(first.shape[1])
+    return first[0]
 
 
 TEXTS = ("preprocessing", "weights_hash")
@@ -138,10 +140,12 @@ def checked(encoder: Any, name: str) -> "NamedEncoder":
         if not isinstance(getattr(encoder, part), str) or not getattr(encoder, part):
             raise DataError(f"'{name}' has no text in {part}; it identifies the weights.")
     named = NamedEncoder(encoder, name)
-    if (width := probed(named)) != named.width:
+    vector = probed(named)
+    if len(vector) != named.width:
         raise DataError(
-            f"'{name}' gave {width} values for one image, and its width is {named.width}."
+            f"'{name}' gave {len(vector)} values for one image, and its width is {named.width}."
         )
+    named.probe = "" if vector.is_meta else state_hash({"probe": vector})
     return named
 
 
@@ -158,6 +162,7 @@ class NamedEncoder:
         self.preprocessing, self.weights_hash = inner.preprocessing + more, inner.weights_hash
         self.precision = str(getattr(inner, "precision", "fp32"))
         self.text_hash = str(getattr(inner, "text_hash", ""))
+        self.probe = str(getattr(inner, "probe", ""))  # tells apart versions of one's own code
 
     def preprocess(self, image: Image.Image) -> Tensor:
         """Convert an RGB image to the tensor (C, H, W) for `embed`."""

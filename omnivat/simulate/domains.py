@@ -1,6 +1,6 @@
 """The simulated domains: which sensor touches, which scene is photographed, where objects start.
 
-A new sensor is one row: a model of `sensors.py`, any scene, and a free `seed_base`.
+A new domain is one row: a model of `sensors.py`, any scene, and a free `seed_base`.
 """
 
 from dataclasses import dataclass

@@ -9,7 +9,7 @@ from torch import nn
 
 from omnivat.encoders import PairEncoder, TorchEncoder, base, load_encoder
 from omnivat.encoders.base import for_modality
-from omnivat.encoders.cache import embed_pair
+from omnivat.encoders.cache import EmbeddingCache, embed_image, embed_pair
 from omnivat.encoders.hub import recall
 from omnivat.kit.errors import DataError, MissingNameError, SettingsError
 
@@ -62,6 +62,16 @@ def test_a_function_of_a_module_or_of_a_file_loads(module, tmp_path):
     assert (by_module.name, by_module.width) == ("own_encoder:load", 5)
     assert by_module.preprocessing.endswith("std 0.229 0.224 0.225, a test")
     assert by_module.weights_hash == by_file.weights_hash
+
+
+def test_a_picture_is_embedded_again_once_the_code_of_its_encoder_has_changed(tmp_path, picture):
+    file, cache = tmp_path / "pooled.py", EmbeddingCache(tmp_path / "cache")
+    vectors = []
+    for pooling in ("Avg", "Max", "Avg"):
+        file.write_text(OWN.replace("AdaptiveAvgPool2d", f"Adaptive{pooling}Pool2d"))
+        vectors.append(embed_image(load_encoder(f"{file}:load"), picture, cache))
+    assert not np.array_equal(vectors[0], vectors[1])
+    np.testing.assert_array_equal(vectors[0], vectors[2])
 
 
 def test_weights_are_passed_on_and_found_again_by_their_hash(module, tmp_path):

@@ -99,7 +99,7 @@ def test_a_domain_of_ones_own_renumbers_no_other(built, tmp_path):
         name="Mine",
         sensor=replace(GELS["DIGIT"], gain=2.5),
         scene=SCENES["OF Real"],
-        seed_base=80_000,
+        seed_base=90_000,
     )
     pairs = simulate(tmp_path, **(SMALL | {"domains": [mine, "TAG"]}), workers=1)
 
