@@ -11,7 +11,7 @@ from typing import Any
 from app import about
 from app.components import STYLES, WEB
 from app.modes import fitting_files, modes
-from app.places import Places, places
+from app.places import Places
 from app.resources import Resources
 from app.routes import FACTS
 from app.tables import tables_html
@@ -46,11 +46,6 @@ start(document.querySelector("#view-explore"));
 </script>"""
 
 
-def where_from(head: Path | None, embeddings: Path | None) -> Places:
-    """Return the locations of head and set; None means the project's own."""
-    return places(head, embeddings)
-
-
 def frames_file(where: Places, on_step: OnStep = ignore) -> Path:
     """Return the frames of a head and a set; compute them if there is no file, or raise
     DataError with the reason.
@@ -60,7 +55,7 @@ def frames_file(where: Places, on_step: OnStep = ignore) -> Path:
         on_step(Step(done=0, total=1, text="frames, which may take minutes"))
     state = job.wait()
     if state.file is None:
-        raise DataError(state.problem or "The frames could not be computed.")
+        raise DataError(state.problem)
     return state.file
 
 

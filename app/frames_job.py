@@ -127,7 +127,8 @@ class FramesJob:
                 self._file = (
                     file if there else self._build(job, head, embeddings, orders, file, linear)
                 )
-                job.go_on_at(LAST_TOUCH)
+                job.priority = LAST_TOUCH
+                job.check()
         else:
             self._file = fine
         self._whole = True

@@ -6,7 +6,7 @@ priority.
 """
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures import wait as ended
 from dataclasses import dataclass, field, replace
@@ -127,11 +127,6 @@ class Job(Generic[T]):
             sleep(LOOK_S)
         self.since += monotonic() - began
 
-    def go_on_at(self, priority: int) -> None:
-        """Continue at another priority; raises the errors of `check`."""
-        self.priority = priority
-        self.check()
-
     def cancel(self) -> None:
         """Stop the work: at once if it waits, at its next `check` if it runs."""
         with self.lane.changed:
@@ -152,10 +147,6 @@ class Job(Generic[T]):
     def problem(self) -> str:
         """The reason of a failure, one sentence; else ""."""
         return str((self.future.done() and self.future.exception()) or "")
-
-    def wait(self, timeout_s: float | None = None) -> T:
-        """Return the result of the work; raises its OmniVatError, or TimeoutError."""
-        return self.future.result(timeout_s)
 
     def run(self) -> None:
         """Run the work and store its result; called in the job's own thread."""
@@ -191,9 +182,9 @@ class Job(Generic[T]):
 class Jobs:
     """Runs jobs in lanes; lanes are independent of one another."""
 
-    def __init__(self, slots: Mapping[str, int] = SLOTS) -> None:
+    def __init__(self) -> None:
         self._threads = ThreadPoolExecutor(MOST_THREADS, "job")
-        self._lanes = {name: Lane(number, self._threads) for name, number in slots.items()}
+        self._lanes = {name: Lane(number, self._threads) for name, number in SLOTS.items()}
         self._numbers = count()
 
     def start(

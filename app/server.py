@@ -7,7 +7,7 @@ import signal
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial, partialmethod
+from functools import partialmethod
 from importlib import import_module
 from threading import Lock
 from time import monotonic
@@ -69,7 +69,7 @@ def build() -> Any:
             for name in VIEWS:
                 view = import_module(f"app.views.{name}")
                 with gr.Tab(view.TITLE, id=name, elem_id=f"view-{name}"):
-                    getattr(view, "build", partial(component, name))()
+                    component(name)
     return page
 
 

@@ -60,12 +60,13 @@ def explore(
     """
     if not HEIGHTS[0] <= height <= HEIGHTS[1]:
         raise SettingsError(f"height is {height}; choose {HEIGHTS[0]} to {HEIGHTS[1]} pixels.")
-    from app.export import export_page, frames_file, where_from
+    from app.export import export_page, frames_file
+    from app.places import places
 
     with TemporaryDirectory(prefix="omnivat-notebook-") as temporary:
         place = Path(temporary)
         folder = _place(head, place / "head", "omnivat.head.checkpoint", "save_head")
-        where = where_from(
+        where = places(
             folder,
             _place(embeddings, place / "set.safetensors", "omnivat.data.store", "save_embeddings"),
         )

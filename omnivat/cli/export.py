@@ -44,10 +44,10 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Find or make the frames, then write."""
     if options.site:
-        from app.export import where_from
+        from app.places import places
         from app.site import export_site
 
-        where = where_from(options.head, options.embeddings)
+        where = places(options.head, options.embeddings)
         if options.frames:
             where = replace(where, frames=options.frames)
         with progress_bar("site") as show:
@@ -72,9 +72,10 @@ def run(options: argparse.Namespace) -> None:
             f"--out is '{options.out.name}'; for the {options.what} it ends in"
             f" {' or '.join(wanted)}."
         )
-    from app.export import export_page, export_picture, frames_file, where_from
+    from app.export import export_page, export_picture, frames_file
+    from app.places import places
 
-    where = where_from(options.head, options.embeddings)
+    where = places(options.head, options.embeddings)
     with progress_bar("export") as show:
         frames = options.frames or frames_file(where, show)
     if options.what == "page":

@@ -16,7 +16,7 @@ from .conftest import until
 
 @pytest.fixture
 def jobs():
-    jobs = Jobs({"long": 1, "quick": 2})
+    jobs = Jobs()
     yield jobs
     jobs.close()
 
@@ -45,23 +45,26 @@ def test_waiting_jobs_have_places_and_the_better_priority_goes_first(jobs):
     assert (first.place, soon.place, late.place) == (0, 1, 2)
     assert late.state == "waiting"
     go.set()
-    late.wait(60)
+    late.future.result(60)
     assert order == ["soon", "late"]
 
 
 def test_a_running_job_gives_way_to_a_better_one_and_goes_on_after_it(jobs):
     slow, go, there = held(jobs, priority=5)
     there.wait(60)
-    assert jobs.start(lambda job: "first look", lane="long", priority=0).wait(60) == "first look"
+    assert (
+        jobs.start(lambda job: "first look", lane="long", priority=0).future.result(60)
+        == "first look"
+    )
     assert slow.state == "running"
     go.set()
-    assert slow.wait(60) == "held"
+    assert slow.future.result(60) == "held"
 
 
 def test_lanes_do_not_wait_for_one_another(jobs):
     _, go, there = held(jobs)
     there.wait(60)
-    assert jobs.start(lambda job: 1, lane="quick").wait(60) == 1
+    assert jobs.start(lambda job: 1, lane="quick").future.result(60) == 1
     go.set()
 
 
@@ -76,7 +79,7 @@ def test_a_lane_runs_as_many_as_its_slots_and_no_more(jobs):
         inside.pop()
 
     for job in [jobs.start(work, lane="quick") for _ in range(10)]:
-        job.wait(60)
+        job.future.result(60)
     assert most == [2] * 10
 
 
@@ -87,10 +90,10 @@ def test_the_work_of_an_owner_who_is_gone_is_stopped_running_or_waiting(jobs):
     other, go, _ = held(jobs, owner="here")
     go.set()
     jobs.cancel_owner("gone")
-    assert other.wait(60) == "held"
+    assert other.future.result(60) == "held"
     for job in (running, waiting):
         with pytest.raises(CancelledError, match="was cancelled"):
-            job.wait(60)
+            job.future.result(60)
         assert job.state == "cancelled"
 
 
@@ -98,12 +101,12 @@ def test_a_paused_job_can_be_cancelled(jobs):
     slow, _, there = held(jobs, priority=5)
     there.wait(60)
     better, go, up = held(jobs, priority=0)
-    up.wait(60)
+    up.future.result(60)
     slow.cancel()
     with pytest.raises(CancelledError):
-        slow.wait(60)
+        slow.future.result(60)
     go.set()
-    assert better.wait(60) == "held"
+    assert better.future.result(60) == "held"
 
 
 @pytest.mark.parametrize(
@@ -122,10 +125,10 @@ def test_whatever_is_raised_ends_in_a_sentence_and_the_lane_goes_on(jobs, error)
 
     job = jobs.start(work, lane="long")
     with pytest.raises(UnexpectedError):
-        job.wait(60)
+        job.future.result(60)
     assert job.problem == UNEXPECTED
     assert job.state == "failed"
-    assert jobs.start(lambda job: 1, lane="long").wait(60) == 1
+    assert jobs.start(lambda job: 1, lane="long").future.result(60) == 1
 
 
 def test_a_refusal_keeps_its_own_sentence(jobs):
@@ -134,7 +137,7 @@ def test_a_refusal_keeps_its_own_sentence(jobs):
 
     job = jobs.start(work, lane="long")
     with pytest.raises(DataError):
-        job.wait(60)
+        job.future.result(60)
     assert job.problem == "The set is empty; choose another."
 
 
@@ -150,8 +153,8 @@ def test_a_job_past_its_time_is_stopped_in_a_sentence_and_waiting_does_not_count
     assert begun.wait(60)
     now[0] = 31
     with pytest.raises(BusyError, match="longer than allowed"):
-        late.wait(60)
-    assert slow.wait(60) == "held"
+        late.future.result(60)
+    assert slow.future.result(60) == "held"
 
 
 def test_progress_is_seen_while_the_job_runs(jobs):
@@ -166,7 +169,7 @@ def test_progress_is_seen_while_the_job_runs(jobs):
     told.wait(60)
     assert job.step == Step(done=1, total=3, text="epoch 1")
     go.set()
-    job.wait(60)
+    job.future.result(60)
 
 
 def test_a_full_queue_refuses_in_a_sentence(jobs, monkeypatch):
@@ -197,17 +200,17 @@ def test_work_in_small_steps_gives_way_to_requests_but_never_stops(jobs, monkeyp
     trained = jobs.start(training, lane="long")
     there.wait(60)
     go.set()
-    trained.wait(60)
+    trained.future.result(60)
     assert order == ["request", "step"]
     assert asked.state == "done"
     go.clear()
     there.clear()
     monkeypatch.setattr("app.jobs.GIVE_WAY_S", 0.01)
     busy = jobs.start(request, lane="quick")
-    jobs.start(training, lane="long").wait(60)
+    jobs.start(training, lane="long").future.result(60)
     assert order == ["request", "step", "step"]  # though the request still runs
     go.set()
-    busy.wait(60)
+    busy.future.result(60)
 
 
 def test_one_slot_stays_for_requests_of_the_first_priority(jobs):
@@ -220,11 +223,11 @@ def test_one_slot_stays_for_requests_of_the_first_priority(jobs):
 
     uploads = [jobs.start(upload, lane="quick", priority=1) for _ in range(3)]
     there.wait(60)
-    assert jobs.start(lambda job: "drag", lane="quick").wait(60) == "drag"
+    assert jobs.start(lambda job: "drag", lane="quick").future.result(60) == "drag"
     assert [one.state for one in uploads] == ["running", "waiting", "waiting"]
     go.set()
     for one in uploads:
-        one.wait(60)
+        one.future.result(60)
     assert len(running) == 3
 
 
@@ -250,7 +253,7 @@ def test_a_failed_job_keeps_nothing_that_its_work_held(jobs):
 
     job = jobs.start(work, lane="quick")
     with pytest.raises(DataError, match="cannot be shown"):
-        job.wait(60)
+        job.future.result(60)
     del work
     jobs.close(60)  # waits for the thread
     assert held[0]() is None

@@ -100,7 +100,7 @@ class Leaving(Jobs):
             CHECK.set(at_checkpoint)
             return work()
 
-        return self.start(counted, lane="quick", deadline_s=1000).wait(300)
+        return self.start(counted, lane="quick", deadline_s=1000).future.result(300)
 
 
 @pytest.fixture(scope="module")

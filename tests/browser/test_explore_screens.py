@@ -78,10 +78,10 @@ def test_on_a_phone_no_step_of_the_tour_covers_map_chart_or_slider(
 def test_the_saved_page_works_from_disk_with_its_toy_and_tour(
     chromium: Any, tmp_path: Path
 ) -> None:
-    from app.export import export_page, where_from
+    from app.export import export_page
+    from app.places import places
 
-    where = where_from(None, None)
-    export_page(where, EXAMPLES / "frames.bin", tmp_path / "page.html")
+    export_page(places(), EXAMPLES / "frames.bin", tmp_path / "page.html")
     page = chromium.new_page(viewport={"width": 1440, "height": 900})
     failed: list[str] = []
     page.on("pageerror", lambda error: failed.append(str(error)))
