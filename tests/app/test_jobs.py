@@ -101,7 +101,7 @@ def test_a_paused_job_can_be_cancelled(jobs):
     slow, _, there = held(jobs, priority=5)
     there.wait(60)
     better, go, up = held(jobs, priority=0)
-    up.future.result(60)
+    up.wait(60)
     slow.cancel()
     with pytest.raises(CancelledError):
         slow.future.result(60)

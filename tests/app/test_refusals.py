@@ -23,7 +23,11 @@ REFUSED = [
     ("pair", {"vis": "row:"}, "names no image"),
     ("pair", {"vis": "row:999"}, "No pair has the number '999'; there are 0 to 79"),
     ("pair", {"vis": "example:../../../etc/passwd"}, "No example is called"),
-    ("pair", {"vis": "row:1", "head": "ghost"}, "No head is called 'ghost'"),
+    (
+        "pair",
+        {"vis": "row:1", "head": "ghost"},
+        "No head is called 'ghost'; there are none beside the first",
+    ),
     *(("many", {"pairs": some}, "pairs") for some in ([], [{}] * (MOST_PAIRS + 1), "row:3", [3])),
     ("neighbours", {"point": 4, "stage": "nowhere"}, "stage is 'nowhere'; choose one of raw"),
     ("neighbours", {**RAW, "point": 4000}, "No point has the number 4000"),
