@@ -89,9 +89,9 @@ def test_the_encoder_reads_a_mirrored_picture_backwards():
 
 
 def test_the_encoder_refuses_weights_and_other_precisions(tmp_path):
-    with pytest.raises(SettingsError, match="has no weights"):
+    with pytest.raises(SettingsError, match="takes no weights"):
         load_encoder("strip", weights=tmp_path / "some.pt")
-    with pytest.raises(SettingsError, match="has fp32 only"):
+    with pytest.raises(SettingsError, match="takes no precision"):
         load_encoder("strip", precision="bf16")
 
 
