@@ -11,7 +11,7 @@ from app.components import WEB
 from app.export import export_page, export_picture, scripts
 from omnivat.cli import main
 from omnivat.figures import maps, theme
-from omnivat.figures.curves import gap_curves
+from omnivat.figures.curves import MEASURES, gap_curves
 from omnivat.figures.drawing import Picture, Shape, png, svg
 from omnivat.figures.still import svg_of
 from omnivat.kit.errors import SettingsError
@@ -65,7 +65,12 @@ def test_curves_of_retrained_heads_have_dots_and_the_span_of_trainings(frames):
     }
     head = {"kind": "retrained", "source": "TAG-sim", "learned_order": None}
     retrained = replace(found, head=head, curves={**found.curves, **spread})
-    text = svg_of(gap_curves(retrained, stage="f_hat", order=0.5))
+    curves = gap_curves(retrained, stage="f_hat", order=0.5)
+    tops = dict(zip(MEASURES, (axes.range[1] for axes in curves.select_yaxes()), strict=True))
+    assert tops["accuracy"] == 1
+    every = [values for name, values in found.curves.items() if name.startswith("modality_gap/")]
+    assert tops["modality_gap"] == pytest.approx(1.02 * max(map(max, every)))  # one axis for all
+    text = svg_of(curves)
     assert "each stop is a head trained at that p" in text
     assert text.count("<polygon points=") == 1
     assert text.count('opacity="0.2"') == 1  # the span, and no band of a learned p

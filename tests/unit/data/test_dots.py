@@ -38,6 +38,7 @@ def test_a_printed_grid_is_found_and_filled_near_the_gel_below(
     filled, dots = fill_dots(with_dots(clean, shade))
     assert dots is not None and not dots.light
     assert np.abs(np.array(dots.pitch) - pitch).max() <= 1.5
+    assert -0.5 <= dots.size - 2 * share * pitch <= 3
     below = shade > 0.1
     # grain alone: 4 × 2 / √π, and clipping
     assert np.abs(filled.astype(float) - clean)[below].mean() < 9

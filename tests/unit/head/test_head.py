@@ -123,8 +123,10 @@ def test_same_seed_gives_the_same_weights_and_leaves_global_randomness_alone():
     [
         ({"classes": ("wood",)}, "two or more different names"),
         ({"order": float("nan")}, "a number of quarter turns from -4 to 4"),
+        ({"width": 1}, "width is 1"),
     ],
 )
 def test_impossible_settings_are_refused_with_a_sentence(change, sentence):
     with pytest.raises(SettingsError, match=sentence):
         settings(**change)
+    assert settings(width=2).width == 2
