@@ -4,11 +4,9 @@ import json
 import shlex
 from collections.abc import Callable
 from math import isfinite
-from pathlib import Path
 from typing import Any
 
 from app.components import WEB
-from app.limits import MAX_IMAGE_BYTES, MAX_PIXELS
 from app.messages import without_places
 from app.resources import Resources
 from app.sensor import from_the_start
@@ -38,31 +36,17 @@ def glossary(_: Resources) -> dict[str, str]:
 
 def about(resources: Resources) -> dict[str, Any]:
     """Return facts about the loaded parts; a missing part gives a sentence."""
-    return {
-        "head": _or_problem(head_facts, resources),
-        "embeddings": _or_problem(embedding_facts, resources),
-        "sensor": _or_problem(from_the_start, resources),
-        "examples": len(resources.examples()),
-        "limits": {"image_bytes": MAX_IMAGE_BYTES, "image_pixels": MAX_PIXELS},
-    }
+    parts = {"head": head_facts, "embeddings": embedding_facts, "sensor": from_the_start}
+    return {name: _or_problem(facts, resources) for name, facts in parts.items()}
 
 
 def head_facts(resources: Resources) -> dict[str, Any]:
-    """Return facts from the head's folder."""
+    """Return the classes of the first head, and how it was trained."""
     head = resources.head()
-    settings = head.settings
     return {
-        "name": _place(resources.where.head),
-        "classes": list(settings.classes),
-        **{
-            name: getattr(settings, name)
-            for name in ("width", "input_width", "expansion", "levels")
-        },
-        "order": head.model.order,
-        "parameters": sum(p.numel() for p in head.model.parameters()),
-        "encoder": head.encoder,
-        "provenance": without_nan(head.provenance),
-        "metrics": without_nan(head.metrics),
+        "classes": list(head.settings.classes),
+        "source": head.source,
+        "epochs": without_nan(head.metrics.get("epochs", [])),
     }
 
 
@@ -76,25 +60,9 @@ def own(resources: Resources) -> dict[str, Any]:
 
 
 def embedding_facts(resources: Resources) -> dict[str, Any]:
-    """Return facts from the set's header, and the number of pairs in each domain and class."""
-    import numpy as np
-
-    embeddings = resources.embeddings()
-    header = embeddings.header
-    counts = np.zeros((len(header.domains), len(header.classes)), dtype=int)
-    np.add.at(counts, (embeddings.domain, embeddings.label), 1)
-    return {
-        "name": _place(resources.where.embeddings),
-        "pairs": len(embeddings),
-        "width": embeddings.width,
-        "domains": list(header.domains),
-        "classes": list(header.classes),
-        "counts": counts.tolist(),
-        **{
-            name: getattr(header, name)
-            for name in ("encoder", "weights_hash", "preprocessing", "simulated", "origin")
-        },
-    }
+    """Return the domains of the set, and whether it is simulated."""
+    header = resources.embeddings().header
+    return {"domains": list(header.domains), "simulated": header.simulated}
 
 
 def fit(resources: Resources) -> dict[str, str]:
@@ -126,11 +94,6 @@ def without_nan(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [without_nan(one) for one in value]
     return None if isinstance(value, float) and not isfinite(value) else value
-
-
-def _place(path: Path) -> str:
-    """Return a file's name without its folder on the server."""
-    return "/".join(path.parts[-2:])
 
 
 def _or_problem(

@@ -1,7 +1,6 @@
 """Limits of the page."""
 
 MAX_IMAGE_BYTES = 20_000_000  # a phone's photo is 3 to 12 MB
-MAX_PIXELS = 64_000_000  # the library's limit, shown in the page
 DECODE_S = 3  # CPU seconds to decode one picture
 DECODE_WAIT_S = 8  # seconds after which decoding is killed
 DECODER_BYTES = 220_000_000  # memory of such a process

@@ -19,8 +19,7 @@ def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     question  {"vis", "tac": references; "order": p or None; "head": name of a comparison head, the
               first one if left out}
     return    nodes with their parents (-1 for none), norms and class probabilities; `layers`: the
-              cosine matrix of each group of nodes, and its distance from the identity, which NOD
-              minimises
+              cosine matrix of each group of nodes
 
     Raises DataError if nothing is chosen or the head has no nodes.
     """
@@ -51,11 +50,7 @@ def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
             for norm, row in zip(norms, rounded(facts.probabilities.numpy()), strict=True)
         ],
         "layers": [
-            {
-                "nodes": list(level.nodes),
-                "cosines": rounded(level.cosines.numpy()),
-                "nod": round(level.nod, 5),
-            }
+            {"nodes": list(level.nodes), "cosines": rounded(level.cosines.numpy())}
             for level in facts.levels
         ],
     }

@@ -19,8 +19,8 @@ METHODS = {row["id"]: row["title"] for row in tables()["methods"]}  # fast to fi
 
 
 def heads(resources: Resources) -> list[dict[str, Any]]:
-    """Return name, structure, source and first order of each head, from settings.json; nothing
-    heavy is loaded.
+    """Return name, structure and source of each head, from settings.json; nothing heavy is
+    loaded.
     """
     found = []
     for name, folder in resources.folders.items():
@@ -28,10 +28,8 @@ def heads(resources: Resources) -> list[dict[str, Any]]:
             record = json.loads((folder / "settings.json").read_text(encoding="utf-8"))
             settings, provenance = record["head"], record["provenance"]
             facts = {
-                **{fact: settings[fact] for fact in ("generation", "mffa", "levels", "width")},
-                "start": settings["order"],
+                **{fact: settings[fact] for fact in ("generation", "mffa")},
                 "source": str(provenance.get("source", "")),
-                "seed": provenance.get("seed"),
             }
         except (OSError, ValueError, KeyError, TypeError):
             facts = {"problem": f"'{folder.name}' is not a head; load another one."}
@@ -70,7 +68,6 @@ def _fitted(resources: Resources, method: str) -> dict[str, Any]:
     return {
         "label": METHODS[method],
         "classes": list(task.classes),
-        "set_classes": list(embeddings.header.classes),
         "prediction": predicted.tolist(),
         "confidence": (255 * confidence).round().int().tolist(),
         "accuracy": scores_of(embeddings, task.classes, source, predicted.numpy()),

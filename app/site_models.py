@@ -22,7 +22,7 @@ from app.familiar import training_pairs
 from app.resources import Resources
 from app.site_runtime import write_runtime
 from app.state import content_name
-from app.views.pair import token_names, trained_span
+from app.views.pair import trained_span
 from omnivat.head.heads import OWN
 from omnivat.kit.files import replacing, write_json
 from omnivat.kit.progress import OnStep, Step, ignore
@@ -162,8 +162,6 @@ def _write_head(head: "Head", folder: Path, name: str) -> dict[str, Any]:
         write_stages(folder / f"{name}-stages.onnx", head)
     model, own = head.model, head.settings
     count = 0 if own.generation == "none" else 2**own.levels - 1
-    parts = 2 if own.complex_to_real == "tokens" else 1
-    tokens = {n: parts * len(model.mffa.theta[n]) for n in IMAGES} if own.mffa else {}
     return {
         "file": f"{name}.onnx",
         "stages": f"{name}-stages.onnx",
@@ -176,7 +174,7 @@ def _write_head(head: "Head", folder: Path, name: str) -> dict[str, Any]:
         "orders": {n: model.orders[n] for n in IMAGES},
         "span": trained_span(head),
         "linear": own.maps,
-        "tokens": {n: token_names(model, n, count) for n, count in tokens.items()},
+        "attends": own.mffa,
         "source": head.source,
         "parts": {},
     }

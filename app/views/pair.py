@@ -122,7 +122,7 @@ def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
     """Return FrATT's attention at every stop: the weights of each query over the tokens.
 
     question  as for `predicted`
-    return    `tokens`: a name for each of the T tokens, with its θ; `off`: modality -> bytes
+    return    `count`: modality -> the number T of its tokens; `off`: modality -> bytes
               (P, T, T) in base64, how far a weight lies from 1/T: 127 stands for `scale`, and
               bytes above 127 for negative values, as a signed byte has it
 
@@ -143,20 +143,7 @@ def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
         name: base64.b64encode(np.rint(one / scale * 127).astype(np.int8).tobytes()).decode()
         for name, one in off.items()
     }
-    return {
-        "tokens": {name: token_names(head.model, name, w.shape[-1]) for name, w in found.items()},
-        "count": {name: w.shape[-1] for name, w in found.items()},
-        "off": coded,
-        "scale": scale,
-        "learned": head.model.order,
-    }
-
-
-def token_names(model: "OmniVaT", modality: str, count: int) -> list[str]:
-    """Return "Re × 1.04" and the like for each token of a modality: its part and its θ."""
-    theta = model.mffa.theta[modality].tolist()
-    parts = ["Re", "Im"] if count == 2 * len(theta) else ["|F|" if count == len(theta) else "F"]
-    return [f"{part} × {value:.2f}" for part in parts for value in theta][:count]
+    return {"count": {name: w.shape[-1] for name, w in found.items()}, "off": coded, "scale": scale}
 
 
 def spectrum(magnitudes: "np.ndarray[Any, Any]") -> dict[str, Any]:

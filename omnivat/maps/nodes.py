@@ -10,7 +10,6 @@ from omnivat.data.store import Embeddings
 from omnivat.head.checkpoint import Head
 from omnivat.head.dtg import groups, parents
 from omnivat.head.head import OmniVaT
-from omnivat.head.losses import nod_loss
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
 from omnivat.maps.sweep.walk import coefficients_of
@@ -24,7 +23,6 @@ class Level:
 
     nodes: range
     cosines: Tensor  # (n, n), mean over pairs
-    nod: float  # its term of the NOD loss
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,15 +49,8 @@ def tree_facts(model: OmniVaT, nodes: Tensor) -> TreeFacts:
     kind = model.settings.generation
     levels = []
     for group in groups(kind, nodes.shape[1]):
-        own = nodes[:, group.start : group.stop]
-        units = normalize(own, dim=-1)
-        levels.append(
-            Level(
-                nodes=group,
-                cosines=(units @ units.mT).mean(0),
-                nod=float(nod_loss([own[:, :1], own])),
-            )
-        )
+        units = normalize(nodes[:, group.start : group.stop], dim=-1)
+        levels.append(Level(nodes=group, cosines=(units @ units.mT).mean(0)))
     return TreeFacts(
         parents=parents(kind, nodes.shape[1]),
         lengths=nodes.norm(dim=-1).mean(0),

@@ -19,8 +19,6 @@ def test_attention_adds_up_to_one_for_each_token_that_asks(resources):
     assert max(np.abs(one).max() for one in off.values()) == 127
     sums = off["vis"].reshape(101, count, count).sum(-1) / 127 * got["scale"]
     assert np.abs(sums).max() < count / 127 * got["scale"]
-    assert len(got["tokens"]["vis"]) == count
-    assert got["tokens"]["vis"][0].startswith("Re × ")
 
 
 def test_a_cameras_picture_is_answered_and_not_kept(resources, encoder, png):

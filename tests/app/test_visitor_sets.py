@@ -32,7 +32,7 @@ def test_a_loaded_head_answers_under_its_own_name_and_the_first_stays(client, sm
     question = {"vis": "row:1", "tac": "row:1"}
     loaded = client.post(f"/omnivat/pair?set={name}", json=question).json()
     assert loaded["stops"] == client.post("/omnivat/pair", json=question).json()["stops"]
-    assert client.get(f"/omnivat/about?set={name}").json()["head"]["name"].endswith("head")
+    assert client.get(f"/omnivat/about?set={name}").json()["head"]["source"] == "TAG-sim"
 
 
 def test_a_head_can_be_put_beside_the_first(client, small_places):

@@ -20,14 +20,13 @@ const ONE = {
   parents: [-1, 0, 0],
   nodes: [NODE, NODE, NODE],
   layers: [
-    { nodes: [0], cosines: [[1]], nod: 0 },
+    { nodes: [0], cosines: [[1]] },
     {
       nodes: [1, 2],
       cosines: [
         [1, 0.2],
         [0.2, 1],
       ],
-      nod: 0.28,
     },
   ],
 };

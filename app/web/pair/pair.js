@@ -228,7 +228,7 @@ export async function start(root) {
     () => {},
   ); // a set without a ladder: no gain is named
   loaded().then(
-    ({ head }) => send("arrived", { source: head.provenance.source }),
+    ({ head }) => send("arrived", { source: head.source }),
     () => {},
   ); // the page itself reports a lost set
   if (!held)

@@ -273,11 +273,9 @@ interface Spectrum {
   pixels: string;
 }
 interface Attention {
-  tokens: Record<Modality, string[]>;
   count: Record<Modality, number>;
   off: Record<Modality, string>;
   scale: number;
-  learned: number;
 }
 /** A visitor's sensor: the name of its profile, and the pictures in it. */
 interface Profile {
@@ -302,11 +300,7 @@ interface HeadRow {
   problem?: string;
   generation?: string;
   mffa?: boolean;
-  levels?: number;
-  width?: number;
-  start?: number;
   source?: string;
-  seed?: number;
 }
 interface Tree {
   classes: string[];
@@ -317,7 +311,7 @@ interface Tree {
   source: string;
   parents: number[];
   nodes: { norm: number; probabilities: number[] }[];
-  layers: { nodes: number[]; cosines: number[][]; nod: number }[];
+  layers: { nodes: number[]; cosines: number[][] }[];
 }
 /** What is known of a new sensor, and what then is right. */
 interface Rung {
@@ -336,37 +330,9 @@ interface Known extends Omit<Rung, "from"> {
 }
 /** What is loaded; a part with a `problem` has nothing else. */
 interface Facts {
-  head: {
-    problem?: string;
-    name: string;
-    classes: string[];
-    width: number;
-    input_width: number;
-    expansion: number;
-    levels: number;
-    order: number;
-    parameters: number;
-    encoder: Record<string, string>;
-    provenance: { source: string; [name: string]: unknown };
-    metrics: { epochs?: Omit<Epoch, "measures" | "map">[]; [name: string]: unknown };
-  };
-  embeddings: {
-    problem?: string;
-    name: string;
-    pairs: number;
-    width: number;
-    domains: string[];
-    classes: string[];
-    counts: number[][];
-    encoder: string;
-    weights_hash: string;
-    preprocessing: string;
-    simulated: boolean;
-    origin: string;
-  };
+  head: { problem?: string; classes: string[]; source: string; epochs?: Omit<Epoch, "measures" | "map">[] };
+  embeddings: { problem?: string; domains: string[]; simulated: boolean };
   sensor: Partial<Profile> & { problem?: string };
-  examples: number;
-  limits: { image_bytes: number; image_pixels: number };
 }
 /** Why the head does not fit the set, and what to do; "" if it fits. */
 interface Fit {

@@ -23,13 +23,12 @@ async function single(desk, { head, pair, order }, stages = []) {
   return { there, out, nodes, shares };
 }
 
-/** The nodes of a group: their cosines, and the distance of these from the identity.
+/** The nodes of a group, and their cosines.
  * @param {Floats[]} units @param {[number, number]} group */
 function level(units, [start, stop]) {
   const group = units.slice(start, stop);
   const cosines = group.map((a) => group.map((b) => dot(a, b)));
-  const off = cosines.flatMap((row, i) => row.map((value, j) => value - Number(i === j)));
-  return { nodes: group.map((_, i) => start + i), cosines: cosines.map(roundedRow), nod: rounded(norm(off), 5) };
+  return { nodes: group.map((_, i) => start + i), cosines: cosines.map(roundedRow) };
 }
 
 /** Unit rows (2N, W) of the whole set at a stage, VIS first. What a withdrawn question has begun, the next one ends.

@@ -72,8 +72,8 @@ export const QUESTIONS = {
 
   async attention(desk, question) {
     const { pair, head } = await desk.asked(question);
-    const names = imagesOf(pair).filter((name) => head.tokens[name]);
-    if (!names.length) throw new Refusal("This head has no MFFA, so there is no attention to show.");
+    const names = imagesOf(pair);
+    if (!head.attends) throw new Refusal("This head has no MFFA, so there is no attention to show.");
     const out = await desk.run(head, pair, EACH);
     const maps = names.map((name) => {
       const { shape, values } = out[`${name}_attention`];
@@ -82,11 +82,9 @@ export const QUESTIONS = {
     const scale = maps.flatMap(({ off }) => off).reduce((top, value) => Math.max(top, Math.abs(value)), 0) || 1;
     const coded = (/** @type {number[]} */ off) => Int8Array.from(off, (value) => Math.round((value / scale) * 127));
     return {
-      tokens: named(names.map((name) => [name, head.tokens[name]])),
       count: named(maps.map(({ name, count }) => [name, count])),
       off: named(maps.map(({ name, off }) => [name, base64(new Uint8Array(coded(off).buffer))])),
       scale,
-      learned: head.learned,
     };
   },
 

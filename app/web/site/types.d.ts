@@ -20,7 +20,7 @@ type SiteHead = {
   name: string;
   classes: string[];
   orders: Record<Modality, number>;
-  tokens: Partial<Record<Modality, string[]>>;
+  attends: boolean;
   training: { index: number[]; of: string };
   parents: number[];
   groups: [start: number, stop: number][];

@@ -49,7 +49,7 @@ function before(facts, unfit) {
     const { epochs, question, started } = last;
     return { title: `Your last run: ${inWords(question)}`, epochs, question, classes: started.classes.length };
   }
-  const epochs = facts?.head.metrics?.epochs ?? [];
+  const epochs = facts?.head.epochs ?? [];
   if (!facts || !epochs.length) return null;
   const title = `How ${unfit?.problem ? "a head for another set" : "the loaded head"} was trained; yours adds accuracy, gaps and a map`;
   const bare = epochs.map((one, i) => ({ ...one, epoch: i + 1, measures: {}, map: null }));

@@ -17,10 +17,10 @@ class Stub:
         return 10 * nodes[..., :2]
 
 
-def test_nodes_at_right_angles_have_no_nod_loss_and_equal_ones_have():
+def test_cosines_of_nodes_do_not_depend_on_their_lengths():
     apart, alike = torch.eye(2)[None], torch.ones(1, 2, 2)
-    assert tree_facts(Stub(), apart).levels[0].nod == 0
-    assert tree_facts(Stub(), alike).levels[0].nod == pytest.approx(2**0.5, abs=1e-4)
+    for nodes, cosines in ((apart, torch.eye(2)), (alike, torch.ones(2, 2))):
+        torch.testing.assert_close(tree_facts(Stub(), 3 * nodes).levels[0].cosines, cosines)
 
 
 @pytest.mark.parametrize("arrangement", ["tree", "series", "parallel", "interpolation", "none"])
