@@ -121,7 +121,8 @@ def probed(encoder: Any) -> Tensor:
             f"'{encoder.name}' gives another embedding each time; switch off dropout, masks and "
             "other random parts of the network."
         )
-    return first[0]
+    vector: Tensor = first[0]
+    return vector
 
 
 TEXTS = ("preprocessing", "weights_hash")
