@@ -1,4 +1,4 @@
-"""Map the weights of all CLIP layouts to one set of names.
+"""Map the weights of CLIP's layouts to one set of names.
 
 Image tower of a ViT and text tower: the names of `transformers`. Image tower of a ResNet: the names
 of OpenAI without `visual.`. open_clip uses OpenAI's names.

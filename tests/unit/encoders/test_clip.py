@@ -1,4 +1,4 @@
-"""CLIP in every layout: the same embeddings, and its name checked."""
+"""CLIP in its layouts: the same embeddings, and its name checked."""
 
 import json
 
