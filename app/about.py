@@ -60,9 +60,15 @@ def own(resources: Resources) -> dict[str, Any]:
 
 
 def embedding_facts(resources: Resources) -> dict[str, Any]:
-    """Return the domains of the set, and whether it is simulated."""
-    header = resources.embeddings().header
-    return {"domains": list(header.domains), "simulated": header.simulated}
+    """Return the number of pairs of the set, its domains and its origin."""
+    embeddings = resources.embeddings()
+    header = embeddings.header
+    return {
+        "pairs": len(embeddings),
+        "domains": list(header.domains),
+        "simulated": header.simulated,
+        "origin": header.origin,
+    }
 
 
 def fit(resources: Resources) -> dict[str, str]:

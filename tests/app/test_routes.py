@@ -144,7 +144,12 @@ def test_a_set_without_thumbnails_says_so(client):
 
 def test_about_says_what_is_loaded_and_tells_no_path_of_the_server(client, small_places):
     about = client.get("/omnivat/about").json()
-    assert about["embeddings"] == {"domains": ["TAG-sim", "OF Real-sim"], "simulated": True}
+    assert about["embeddings"] == {
+        "pairs": 80,
+        "domains": ["TAG-sim", "OF Real-sim"],
+        "simulated": True,
+        "origin": "made by a test",
+    }
     assert about["head"]["source"] == "TAG-sim"
     assert str(small_places.head.parent) not in json.dumps(about)
 
