@@ -51,8 +51,10 @@ class Decoder:
         """
         from PIL import Image
 
+        from omnivat.data.images import read_bytes
+
         checkpoint()
-        content = source if isinstance(source, bytes) else source.read_bytes()
+        content = read_bytes(source, name)
         process = self._idle.pop() if self._idle else _started()
         late = Timer(DECODE_WAIT_S, process.kill)
         late.start()
@@ -108,7 +110,7 @@ def _end_all(processes: list[Process]) -> None:
 
 def serve() -> None:
     """Read pictures in this process: requests on standard input, pixels on standard output."""
-    from omnivat.data.images import VISITORS, opened, read_bytes, upright
+    from omnivat.data.images import VISITORS, opened, upright
 
     limit("RLIMIT_DATA", DECODER_BYTES)
     output = sys.stdout.buffer
@@ -117,7 +119,7 @@ def serve() -> None:
         question = json.loads(line)
         content, name = sys.stdin.buffer.read(question["size"]), question["name"]
         try:
-            picture = opened(read_bytes(content, name), name, **VISITORS)
+            picture = opened(content, name, **VISITORS)
             of = picture.size
             image = upright(picture, name)
         except OmniVatError as error:

@@ -167,18 +167,23 @@ class Resources:
             row = self._row_of().get(ref.name)
             if row is not None:
                 return self._from_set(row, modality)
-            ref, _ = self.take_image(file, ref.name)
-        kept = self._sent.get(ref.name)
-        if kept is None:
+            content = file.read_bytes()
+            kept = self._sent.once(
+                content_name(content),
+                lambda: self._embedded(self.shared.decoder.read(content, ref.name)),
+            )
+            return _of(kept, modality)
+        sent = self._sent.get(ref.name)
+        if sent is None:
             raise ForgottenError("The server no longer has this image; send it again.")
-        return _of(kept, modality)
+        return _of(sent, modality)
 
     def take_image(self, source: bytes | Path, name: str) -> tuple[Ref, Picture]:
         """Embed an image from bytes or a file; return its reference and the decoded picture, as
         `Decoder.read` does.
         """
-        key = content_name(source if isinstance(source, bytes) else source.read_bytes())
-        found = self.shared.decoder.read(source, name)
+        content = source if isinstance(source, bytes) else source.read_bytes()
+        key, found = content_name(content), self.shared.decoder.read(content, name)
         self._sent.once(key, lambda: self._embedded(found))
         return Ref("image", key), found
 

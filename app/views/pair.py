@@ -97,10 +97,11 @@ def trained_span(head: "Head") -> list[float]:
     """Return the orders [low, high] that the head was trained for: the learned one twice if p
     was not drawn.
     """
+    if not head.provenance.get("train", {}).get("order_draw"):
+        return [head.model.order, head.model.order]
     from omnivat.training.settings import DRAWN
 
-    drawn = head.provenance.get("train", {}).get("order_draw")
-    return list(DRAWN) if drawn else [head.model.order, head.model.order]
+    return list(DRAWN)
 
 
 def at_orders(
