@@ -126,23 +126,29 @@ def _named(table: Columns, columns: Mapping[str, str], place: Path) -> Columns:
             raise DataError(
                 f"There is no column '{ours}' to fill; there are {', '.join(sorted(known))}."
             )
-        if _column(table, theirs) is None:
+        if _column(table, theirs, place) is None:
             raise DataError(f"'{place}' has no column '{theirs}'; it has {', '.join(table)}.")
-    named = {name: _column(table, columns.get(name, name)) for name in known}
+    named = {name: _column(table, columns.get(name, name), place) for name in known}
     for other in ("class", "label"):
         if named["material"] is None:
             named["material"] = table.get(other)
     return {name: array for name, array in named.items() if array is not None}
 
 
-def _column(table: Columns, name: str) -> NDArray[Any] | None:
+def _column(table: Columns, name: str, place: Path) -> NDArray[Any] | None:
     """Return a column, or `name_0`, `name_1`, ... as one array (N, D); None if there is neither."""
     if name in table:
         return table[name]
     numbers = sorted(
-        int(key[len(name) + 1 :]) for key in table if re.fullmatch(rf"{name}_\d+", key)
+        int(key[len(name) + 1 :]) for key in table if re.fullmatch(rf"{re.escape(name)}_\d+", key)
     )
-    return np.stack([table[f"{name}_{i}"] for i in numbers], axis=1) if numbers else None
+    if not numbers:
+        return None
+    if numbers != list(range(numbers[0], numbers[0] + len(numbers))):
+        raise DataError(
+            f"'{place}' lacks some of the columns {name}_{numbers[0]} to {name}_{numbers[-1]}."
+        )
+    return np.stack([table[f"{name}_{i}"] for i in numbers], axis=1)
 
 
 def _vectors(array: NDArray[Any], name: str, count: int, place: Path) -> Array:

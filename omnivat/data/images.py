@@ -106,8 +106,12 @@ def _explained(name: str, what: str) -> Iterator[None]:
     """Turn any error of a decoder into a DataError."""
     try:
         yield
-    except (DataError, MemoryError):  # the page's decoder ends, and tells of its memory
+    except DataError:
         raise
+    except MemoryError as error:
+        raise DataError(
+            f"'{name}' takes more memory to read than there is; scale it down, or save it as JPEG."
+        ) from error
     except Exception as error:  # a decoder may raise any error for bad bytes
         raise DataError(f"'{name}' {what}; {REMEDY}.") from error
 

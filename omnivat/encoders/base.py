@@ -85,6 +85,14 @@ def for_modality(encoder: "Encoder", modality: str) -> "Encoder":
     return encoder.vis if modality == "vis" else encoder.tac
 
 
+def made_by(encoder: "Encoder") -> tuple[str, ...]:
+    """Return what an embedding depends on beside its image, for caches and unfinished files."""
+    if isinstance(encoder, PairEncoder):
+        return made_by(encoder.vis) + made_by(encoder.tac)
+    probe = getattr(encoder, "probe", "")
+    return encoder.name, encoder.weights_hash, encoder.precision, encoder.preprocessing, probe
+
+
 DEFAULT_ENCODER = "efficientnet-lite0"
 ENCODERS = {
     "efficientnet-lite0": "omnivat.encoders.efficientnet:load_lite0",

@@ -21,7 +21,7 @@ from PIL import Image
 
 from omnivat.data.images import central_square, read_bytes, read_image
 from omnivat.data.rest import minus_rest
-from omnivat.encoders.base import Encoder, for_modality
+from omnivat.encoders.base import Encoder, for_modality, made_by
 from omnivat.kit.files import cache_folder, replacing
 
 if TYPE_CHECKING:
@@ -186,16 +186,10 @@ def _keys(
     if isinstance(source, Image.Image):
         upright = read_image(source)
         source = f"{upright.size}".encode() + upright.tobytes()
-    made_by = (
-        READING,
-        encoder.name,
-        encoder.weights_hash,
-        encoder.precision,
-        encoder.preprocessing,
-        getattr(encoder, "probe", ""),
-    )
     contents = [blake2b(content).hexdigest() for content in ((calm, source) if calm else (source,))]
-    texts = ("\x1f".join((*made_by, *contents, str(crop), str(flip))) for flip in flips)
+    texts = (
+        "\x1f".join((READING, *made_by(encoder), *contents, str(crop), str(flip))) for flip in flips
+    )
     return [blake2b(text.encode(), digest_size=20).hexdigest() for text in texts]
 
 

@@ -126,7 +126,8 @@ def _from_git(wanted: FetchedSet, out: Path, part: Path, source: str, on_step: O
         return [path for path in paths if hashes[path] in lacking]
 
     def text(path: str) -> str:
-        bring([path])
+        if path not in hashes or bring([path]):
+            raise DataError(f"'{source}' lacks the file {path}; name another copy with --from.")
         return next(repository.contents({path: hashes[path]}))[1].decode(errors="replace")
 
     listed = _once(LAYOUTS[wanted.name](list(hashes), text), hashes)

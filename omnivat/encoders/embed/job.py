@@ -22,7 +22,7 @@ from omnivat.data.pairs import Pair, PairSet, Skipped
 from omnivat.data.rest import RESTED, rests_of
 from omnivat.data.store import ROW_NAMES, Header, vector_type, write_columns
 from omnivat.encoders import Encoder, load_encoder
-from omnivat.encoders.base import for_modality
+from omnivat.encoders.base import for_modality, made_by
 from omnivat.encoders.cache import EmbeddingCache, embed_views
 from omnivat.encoders.hub import images_key, remember
 from omnivat.kit.errors import DataError, WriteError
@@ -81,13 +81,6 @@ def chunks_of(
     pairs: Sequence[Pair], encoder: Encoder, job: Job, size: int = CHUNK
 ) -> Iterator[Chunk]:
     """Split the pairs into chunks of `size`."""
-    made_by = [
-        encoder.name,
-        encoder.weights_hash,
-        encoder.preprocessing,
-        encoder.precision,
-        job.columns,
-    ]
     for index, start in enumerate(range(0, len(pairs), size)):
         part = tuple(pairs[start : start + size])
         rests = [_state(pair.tac_rest) if pair.tac_rest else () for pair in part]
@@ -95,7 +88,7 @@ def chunks_of(
             [*_state(p.vis), *_state(p.tac), p.tac_crop, *rest]
             for p, rest in zip(part, rests, strict=True)
         ]
-        text = json.dumps([made_by, files])
+        text = json.dumps([made_by(encoder), job.columns, files])
         yield Chunk(
             index=index, pairs=part, fingerprint=blake2b(text.encode(), digest_size=16).hexdigest()
         )

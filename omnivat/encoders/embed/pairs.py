@@ -102,7 +102,7 @@ def embed_pairs(
         ):
             parts.write(chunk, content)
         finished = [part for chunk in chunks if (part := parts.read(chunk)) is not None]
-        _require_some(finished, pairs, parts)
+        _require_all(finished, len(chunks), pairs, parts)
         header = merge(out, finished, pairs, encoder, job, dtype=dtype, manifest=manifest)
         parts.remove()
     return EmbedReport(
@@ -136,7 +136,12 @@ def usable_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def _require_some(finished: list[Part], pairs: PairSet, parts: Parts) -> None:
+def _require_all(finished: list[Part], wanted: int, pairs: PairSet, parts: Parts) -> None:
+    if len(finished) < wanted:
+        raise DataError(
+            f"Of {wanted} parts {len(finished)} can be read; their part files were removed or"
+            " damaged meanwhile. Run the same command again to embed the others."
+        )
     if not any(part.pairs for part in finished):
         first = finished[0].skipped[0]
         parts.remove()

@@ -163,6 +163,20 @@ def test_what_does_not_fit_is_refused_by_name(table, tmp_path, change, match):
     assert "a.npz" in str(caught.value)
 
 
+def test_numbered_columns_are_found_by_any_name_and_all_of_them_are_needed(tmp_path):
+    file = tmp_path / "a.csv"
+    for numbers, whole in ((range(3), True), ((0, 2, 3), False)):
+        names = [*(f"img(_{k}" for k in numbers), "tac_0", "domain", "material"]
+        rows = ["1,2,3,4,d,wood", "2,3,4,5,d,steel"]
+        file.write_text("\n".join([",".join(names), *rows]))
+        if whole:
+            found = import_embeddings(file, encoder="x", columns={"vis": "img("})
+            assert found.vis.tolist() == [[1, 2, 3], [2, 3, 4]]
+            continue
+        with pytest.raises(DataError, match=r"lacks some of the columns img\(_0 to img\(_3"):
+            import_embeddings(file, encoder="x", columns={"vis": "img("})
+
+
 @pytest.mark.parametrize("name", [*WRITERS, "set.txt", "set.hdf5"])
 def test_a_file_that_is_not_what_its_ending_says_is_refused(tmp_path, name):
     (tmp_path / name).write_bytes(b"\x00\x01nothing")

@@ -8,7 +8,7 @@ import torch
 from torch import nn
 
 from omnivat.encoders import PairEncoder, TorchEncoder, base, load_encoder
-from omnivat.encoders.base import for_modality
+from omnivat.encoders.base import for_modality, made_by
 from omnivat.encoders.cache import EmbeddingCache, embed_image, embed_pair
 from omnivat.encoders.hub import recall
 from omnivat.kit.errors import DataError, MissingNameError, SettingsError
@@ -66,12 +66,15 @@ def test_a_function_of_a_module_or_of_a_file_loads(module, tmp_path):
 
 def test_a_picture_is_embedded_again_once_the_code_of_its_encoder_has_changed(tmp_path, picture):
     file, cache = tmp_path / "pooled.py", EmbeddingCache(tmp_path / "cache")
-    vectors = []
+    vectors, keys = [], []
     for pooling in ("Avg", "Max", "Avg"):
         file.write_text(OWN.replace("AdaptiveAvgPool2d", f"Adaptive{pooling}Pool2d"))
-        vectors.append(embed_image(load_encoder(f"{file}:load"), picture, cache))
+        encoder = load_encoder(f"{file}:load")
+        vectors.append(embed_image(encoder, picture, cache))
+        keys.append(made_by(PairEncoder(encoder, encoder)))  # of unfinished parts of a set
     assert not np.array_equal(vectors[0], vectors[1])
     np.testing.assert_array_equal(vectors[0], vectors[2])
+    assert keys[0] == keys[2] != keys[1]
 
 
 def test_weights_are_passed_on_and_found_again_by_their_hash(module, tmp_path):
