@@ -7,7 +7,7 @@ writes `app/web/site/rules.js`; a test holds both together.
 
 import json
 
-from app import familiar, pictures
+from app import familiar, pair_input, pictures
 from app.components import WEB
 from app.views import explore, pair
 from omnivat.data import dots, grid, images, profile
@@ -44,6 +44,8 @@ TABLES = {
         "NEIGHBOURS": explore.NEIGHBOURS,
         "KNOWN": calibration.NEIGHBOURS,
         "UNLIKE": calibration.UNLIKE,
+        "MOST_LESSONS": pair_input.MOST_LESSONS,
+        "LONGEST_LABEL": pair_input.LONGEST_LABEL,
     },
     "PROFILE": {
         "FORMAT": profile.FORMAT,

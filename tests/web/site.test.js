@@ -3,7 +3,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { factors, whole } from "../../app/web/site/decode.js";
+import { PAIR } from "../../app/web/site/rules.js";
 import { inTurn, runtime } from "../../app/web/site/runtime.js";
+import { lessonsIn } from "../../app/web/site/teaching.js";
 import { tensors, written } from "../../app/web/site/tensors.js";
 
 globalThis.self ??= /** @type {any} */ ({});
@@ -64,4 +66,11 @@ test("a large picture is made smaller in the steps of the server", () => {
   assert.deepEqual(factors(false, 2000, 3000), [1, 1]);
   assert.deepEqual(factors(false, 3000, 4000), [2, 1]);
   assert.deepEqual(factors(true, 5472, 3648), [2, 1]);
+});
+
+test("lessons without a label, and more than the server takes, are refused", () => {
+  const lesson = { vis: "image:a", label: " cork " };
+  assert.deepEqual(lessonsIn({ lessons: [lesson] }), [{ vis: "image:a", label: "cork" }]);
+  assert.throws(() => lessonsIn({ lessons: [{ ...lesson, label: " " }] }), /1 to 40 letters/);
+  assert.throws(() => lessonsIn({ lessons: Array(PAIR.MOST_LESSONS + 1).fill(lesson) }), /at most 60 are taught/);
 });

@@ -5,7 +5,7 @@ import { Refusal } from "../shared/refusal.js";
 import { Models } from "./models.js";
 import { moved, profileFrom } from "./profiles.js";
 import { PAIR } from "./rules.js";
-import { teach, withLessons } from "./teaching.js";
+import { lessonsIn, teach, withLessons } from "./teaching.js";
 import { mean, nearest, rounded, roundedRow, rowOf, unit } from "./tensors.js";
 
 const READINGS = ["fused", "vis", "tac", "vis_branch", "tac_branch"];
@@ -93,7 +93,7 @@ export class Desk extends Models {
     const name = nameOf(new TextEncoder().encode(JSON.stringify([head, profile, lessons])));
     return this.once(name, async () => {
       const pairs = [];
-      for (const { label, vis, tac } of lessons)
+      for (const { label, vis, tac } of lessonsIn({ lessons }))
         pairs.push({ label, ...(await this.pairOf({ ...question, vis, tac })) });
       const { made, report } = await teach(this, await this.head(head), pairs);
       /** @type {KnownImages} */

@@ -26,5 +26,14 @@ export const PICTURE = {
   CELLS: 7,
   PATCH: 2,
 };
-export const PAIR = { STOPS: 101, COLUMNS: 256, NEAREST: 3, NEIGHBOURS: 6, KNOWN: 10, UNLIKE: 0.05 };
+export const PAIR = {
+  STOPS: 101,
+  COLUMNS: 256,
+  NEAREST: 3,
+  NEIGHBOURS: 6,
+  KNOWN: 10,
+  UNLIKE: 0.05,
+  MOST_LESSONS: 60,
+  LONGEST_LABEL: 40,
+};
 export const PROFILE = { FORMAT: "omnivat-profile-1", MEAN_PRIOR: 4, VARIANCE_PRIOR: 10, FLOOR: 1.0 };

@@ -1,7 +1,20 @@
 /** Teaching from a visitor's labelled pairs, which `lessons.onnx` solves; see omnivat/head/teach.py. No DOM here. */
 
 import { imagesOf } from "../shared/images.js";
+import { Refusal } from "../shared/refusal.js";
+import { PAIR } from "./rules.js";
 import { best, dot, rounded, rowOf, softmax } from "./tensors.js";
+
+/** The labelled pairs of a question, as the server takes them.
+ * @param {{ lessons: { label: string, vis?: Ref, tac?: Ref }[] }} question */
+export function lessonsIn({ lessons }) {
+  const all = lessons.map((one) => ({ ...one, label: one.label.trim() }));
+  if (all.length > PAIR.MOST_LESSONS)
+    throw new Refusal(`${all.length} pairs are labelled, and at most ${PAIR.MOST_LESSONS} are taught here.`);
+  const wrong = all.find(({ label }) => !label || label.length > PAIR.LONGEST_LABEL);
+  if (wrong) throw new Refusal(`A label is '${wrong.label}'; give a name of 1 to ${PAIR.LONGEST_LABEL} letters.`);
+  return all;
+}
 
 /** Readings with what lessons add, from the readings before any; one image alone counts twice.
  * @param {NonNullable<SiteHead["map"]>} map @param {Record<string, number[]>} before @param {Tensors} out */
