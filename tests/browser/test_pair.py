@@ -305,13 +305,26 @@ def test_a_slow_server_gets_the_newest_frame_and_none_in_between(
     page.click(".pair .cameras [data-send=camerasSwitched]")
 
 
+AFTER_FRAMES = """() => new Promise((done) => {
+  const [box, told, rate] = ['.label', '.guided', '.rate']
+    .map((name) => document.querySelector(`.pair .cameras ${name}`));
+  let frames = 0;
+  new MutationObserver(() => ++frames === 3
+    && done([box.value, box === document.activeElement, told.textContent])
+  ).observe(rate, { childList: true, characterData: true, subtree: true });
+})"""
+
+
 def test_live_pictures_join_the_labelled_pairs_and_teach(
     live: Callable[..., Any], sensor: FakeSensor, presses: Any
 ) -> None:
     pressed = presses("gelsight_mini")[1]
     page = live("gelsight_mini")
     page.click(".pair .cameras [data-what=label]")
-    page.wait_for_selector(".pair .cameras .rate:has-text('Type what it is')")
+    page.wait_for_selector(".pair .cameras .guided:has-text('Type what it is')")
+    page.focus(".pair .cameras .label")
+    page.keyboard.type("co")
+    assert page.evaluate(AFTER_FRAMES) == ["co", True, "Type what it is as the label first."]
     for k, label in enumerate(("cork", "cork", "felt", "felt")):
         sensor.see(pressed[6 * k], page=page)
         page.fill(".pair .cameras .label", label)

@@ -5,7 +5,7 @@ import { test } from "node:test";
 import "./browser.js";
 import { apart, blocksOf, CROPS, restOf } from "../../app/web/pair/feed.js";
 import { spread } from "../../app/web/pair/lines.js";
-import { recorded } from "../../app/web/pair/live.js";
+import { controlsHtml, recorded } from "../../app/web/pair/live.js";
 import { csv, manyHtml } from "../../app/web/pair/many.js";
 import { curveHtml, ownHtml } from "../../app/web/pair/own.js";
 import { named, paired } from "../../app/web/pair/pairing.js";
@@ -469,10 +469,14 @@ test("a recording takes a pair from time to time, and is saved when it or the ca
   }
 });
 
-test("what is guided at the cameras has their line for itself, and nothing second beside it", () => {
-  const { tab, next } = told(SHOWN, ["camerasSwitched"], ["guide", { what: "rest" }]);
-  assert.deepEqual(next, { guide: { what: "rest" } });
+test("no frame takes away what is told to do at the cameras, and nothing second is told beside it", () => {
+  const { tab, next } = told(SHOWN, ["camerasSwitched"], ["guide", { what: "label" }]);
+  assert.deepEqual(next, { guide: { what: "label" } });
   assert.deepEqual(after(tab, "guide", { what: "calibrate" }).next, {});
-  const { line } = after(tab, "arrived", { line: "Do not touch." }).tab;
-  assert.equal(after({ ...tab, line }, "framed", { frame: {}, line: "9 predictions/s" }).tab.line, line);
+  const ended = [
+    ["told", { live: "Type what it is." }],
+    ["doing", { guide: undefined }],
+  ];
+  const html = String(controlsHtml(told(tab, ...ended, ["framed", { frame: {}, line: "9 predictions/s" }]).tab));
+  assert.match(html, />Type what it is\.<.*>9 predictions\/s</);
 });

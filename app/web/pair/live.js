@@ -19,13 +19,13 @@ const AT_REST = { idle: true, classes: [], readings: {}, images: {} };
 const pause = (/** @type {number} */ ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 /** What is below the sources. @param {PairTab} tab */
-export function controlsHtml({ on, line, recording }) {
+export function controlsHtml({ on, line, recording, notes }) {
   const off = !on && " disabled";
   const guide = (/** @type {string} */ what, /** @type {string} */ words, /** @type {string} */ title) =>
     button("guide", words, html`data-what="${what}" title="${title}"${off}`);
   return html`<div class="row">${button("camerasSwitched", on ? "Stop" : "Start", html`class="main" ${pressed(on)}`)}${guide("rest", "Rest picture", "Do not touch: ten frames of the sensor at rest")}${guide("calibrate", "Calibrate", "Ten frames of different presses make the profile of My sensor")}</div>
     <div class="row"><label>Label <input type="text" class="label" maxlength="40" size="8"></label>${guide("label", "Add to my pairs", "The pictures of now join your labelled pairs")}${button("recordSwitched", "Record", html`${pressed(recording)}${off}`)}</div>
-    <p class="hint rate" role="status">${line}</p>`;
+    <p class="hint guided" role="status">${notes.live}</p><p class="hint rate" role="status">${line}</p>`;
 }
 
 /** Draw the newest frames. Returns the open sources, and whether the touch is pressed; null if nothing tells. @param {Desk} desk */
@@ -122,8 +122,8 @@ async function loop(desk, run, signal) {
   return "";
 }
 
-/** What has the line below the sources for itself: it tells there what to do.
- * @type {Record<string, (desk: Desk, tell: (line: string) => void) => Promise<unknown>>} */
+/** Each tells what to do in a line that no frame writes; what it returns stays there.
+ * @type {Record<string, (desk: Desk, tell: (sentence: string) => void) => Promise<string | void>>} */
 const GUIDES = {
   async rest({ feeds }, tell) {
     const touch = /** @type {Desk["feeds"][number]} */ (feeds.find(({ modality }) => modality === "tac"));
@@ -143,21 +143,22 @@ const GUIDES = {
     if (desk.tab.on) desk.send("sampled", { files, kind: "tac" });
   },
   /** The newest frames join the visitor's labelled pairs. */
-  async label(desk, tell) {
+  async label(desk) {
     const label = labelIn(desk);
-    if (!label) return tell("Type what it is as the label first.");
-    if (drawn(desk).touched === false) return tell("No contact, so no pair. Press the sensor.");
+    if (!label) return "Type what it is as the label first.";
+    if (drawn(desk).touched === false) return "No contact, so no pair. Press the sensor.";
     /** @type {Pair} */
     const pair = {};
     for (const [modality, file] of await filesOf(desk, "live")) pair[modality] = await upload(file);
     desk.send("counted", await counted({ ...pair, label, name: `live ${new Date().toLocaleTimeString()}` }));
-    tell(`Added as ${label}.`);
+    return `Added as ${label}.`;
   },
 };
 
 /** @param {Desk} desk @param {{what: string}} asked */
-export function guide(desk, { what }) {
-  return GUIDES[what](desk, (line) => desk.send("arrived", { line }));
+export async function guide(desk, { what }) {
+  const tell = (live = "") => desk.send("told", { live });
+  tell((await GUIDES[what](desk, tell)) ?? "");
 }
 
 /** Save a recording as a folder. @param {Desk} _ @param {Recorded[]} pairs */

@@ -23,7 +23,7 @@ export const START = {
   line: "Cameras or video files; no picture is kept unless you record.",
   ...{ profile: "", counts: null, rest: "tac", doubt: null, compared: null },
   ...{ pairs: [], taught: false, report: null, labels: null, rows: [], unnamed: null },
-  notes: { problem: "", own: "", sensor: "", many: "" },
+  notes: { problem: "", own: "", sensor: "", many: "", live: "" },
 };
 
 /** A pair is identified by its two images. @param {Pair} pair */
@@ -140,7 +140,7 @@ const EVENTS = {
       ? EVENTS.camerasOff(tab, "")
       : {
           ...{ on: true, line: "Opening the sources; the first picture also loads the encoder…" },
-          ...{ notes: { ...tab.notes, problem: "" }, next: { live: {} } },
+          ...{ notes: { ...tab.notes, problem: "", live: "" }, next: { live: {} } },
         },
   // the pair comes back in their place
   camerasOff: (tab, why) => {
@@ -148,9 +148,9 @@ const EVENTS = {
     const off = { on: false, frame: null, recording: null, line: why || tab.line };
     return { ...change, ...off, halt: ["live"], next: { ...next, ...recorded(tab) } };
   },
-  framed: ({ doing, line, recording }, { frame, pair, line: told }) => {
+  framed: ({ recording }, { frame, line, pair }) => {
     const due = recording && pair && recording.length < MOST && pair.time - (recording.at(-1)?.time ?? 0) >= APART;
-    return { frame, line: doing.guide ? line : told, recording: due ? [...recording, pair] : recording };
+    return { frame, line, recording: due ? [...recording, pair] : recording };
   },
   recordSwitched: (tab) => ({ recording: tab.recording ? null : [], next: recorded(tab) }),
   guide: ({ doing }, told) => (doing.guide ? {} : { doing: { ...doing, guide: told.what }, next: { guide: told } }),

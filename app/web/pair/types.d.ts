@@ -120,7 +120,7 @@ interface PairTab {
   labels: Labels | null; // what fewer labels of each class teach
   rows: Row[]; // of many pairs
   unnamed: { files: Chosen[]; count: number } | null; // files whose names do not tell photo from touch
-  notes: { problem: string; own: string; sensor: string; many: string };
+  notes: { problem: string; own: string; sensor: string; many: string; live: string };
 }
 /** What is told to the tab: an event and what goes with it. */
 interface PairEvents {

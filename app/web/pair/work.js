@@ -77,6 +77,7 @@ export const NOTES = {
   "": ["curve", "compare"],
   own: ["count", "teach", "save", "savePictures"],
   many: ["read", "rows"],
+  live: ["guide"],
   sensor: ["profileOf", "sample", "load", "keepProfile", "saveProfile"],
 };
 
