@@ -6,9 +6,7 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 from urllib.request import urlopen
 
 import pytest
@@ -34,10 +32,10 @@ PATIENCE_MS = 150_000  # a journey fails by what it reads, not by the time
 DESK = {"viewport": {"width": 1440, "height": 900}}
 
 
-def patient(make: Callable[..., Any]) -> Callable[..., Any]:
+def patient(make):
     """Return a maker of pages or profiles that wait as long as a busy machine takes."""
 
-    def made(**options: Any) -> Any:
+    def made(**options):
         target = make(**options)
         target.set_default_timeout(PATIENCE_MS)
         return target
@@ -45,7 +43,7 @@ def patient(make: Callable[..., Any]) -> Callable[..., Any]:
     return made
 
 
-def missing(what: str) -> None:
+def missing(what):
     """Skip without a browser; in CI, fail."""
     if os.environ.get("CI"):
         pytest.fail(f"{what}; CI has to run the browser tests.")
@@ -53,13 +51,13 @@ def missing(what: str) -> None:
 
 
 @pytest.fixture(scope="session")
-def sensor(tmp_path_factory: pytest.TempPathFactory) -> FakeSensor:
+def sensor(tmp_path_factory):
     """Return what Chromium's fake camera sees."""
     return FakeSensor(tmp_path_factory.mktemp("sensor") / "frames.y4m")
 
 
 @pytest.fixture(scope="session")
-def chromium(sensor: FakeSensor) -> Iterator[Any]:
+def chromium(sensor):
     """Return a running Chromium."""
     binary = next((path for name in BROWSERS if (path := shutil.which(name))), None)
     if binary is None:
@@ -75,7 +73,7 @@ def chromium(sensor: FakeSensor) -> Iterator[Any]:
 
 
 @pytest.fixture(scope="session")
-def desktop(chromium: Any) -> Iterator[Any]:
+def desktop(chromium):
     """Return the browser profile that most journeys share, so that scripts are fetched once."""
     context = chromium.new_context(**DESK)
     yield context
@@ -85,18 +83,16 @@ def desktop(chromium: Any) -> Iterator[Any]:
 class Server:
     """`python app.py` on the project's own data; it can be stopped and started again."""
 
-    def __init__(
-        self, folder: Path, host: str = "127.0.0.1", more: tuple[str, ...] = (), where: Path = ROOT
-    ) -> None:
+    def __init__(self, folder, host="127.0.0.1", more=(), where=ROOT):
         with socket.socket() as probe:
             probe.bind((host, 0))
             self.port = probe.getsockname()[1]
         self.address = f"http://{host}:{self.port}/"
         self.folder, self.more, self.script = folder, more, ROOT / "app.py"
         self.where = where
-        self.process: subprocess.Popen[bytes] | None = None
+        self.process = None
 
-    def start(self) -> None:
+    def start(self):
         """Start and wait until the page answers."""
         with (self.folder / "log").open("a") as log:
             self.process = subprocess.Popen(
@@ -123,19 +119,19 @@ class Server:
                     pytest.fail(f"The page did not start:\n{self.log()}")
                 time.sleep(0.05)
 
-    def stop(self) -> None:
+    def stop(self):
         """Stop at once, as a crash would."""
         if self.process:
             self.process.kill()
             self.process.wait()
 
-    def log(self) -> str:
+    def log(self):
         """Return what the server has written."""
         return (self.folder / "log").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="session")
-def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
+def server(tmp_path_factory):
     """Start one server for all journeys; it must not log a traceback."""
     server = Server(tmp_path_factory.mktemp("server"))
     try:
@@ -147,18 +143,18 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
 
 
 @pytest.fixture(scope="session")
-def address(server: Server) -> str:
+def address(server):
     """Return the page's address."""
     return server.address
 
 
-def note(problems: list[str], said: Any) -> None:
+def note(problems, said):
     """Record script errors; a refused request also counts as one, and is expected."""
     if said.type == "error" and not said.text.startswith("Failed to load resource"):
         problems.append(f"console: {said.text}")
 
 
-def watched(page: Any, address: str, problems: list[str]) -> Any:
+def watched(page, address, problems):
     """Return the page; `problems` then gets failed scripts and requests that leave the machine.
 
     Whoever waits for an element also waits until nothing is on its way to the page, so that no
@@ -166,13 +162,13 @@ def watched(page: Any, address: str, problems: list[str]) -> Any:
     """
     find, route = page.wait_for_selector, page.route
 
-    def settled(selector: str, **options: Any) -> Any:
+    def settled(selector, **options):
         found = find(selector, **options)
         if not page.held:
             find("body[data-ready]")
         return found
 
-    def hold(*arguments: Any, **options: Any) -> None:
+    def hold(*arguments, **options):
         page.held = True
         route(*arguments, **options)
 
@@ -192,15 +188,15 @@ def watched(page: Any, address: str, problems: list[str]) -> Any:
 
 
 @pytest.fixture
-def new_page(chromium: Any, desktop: Any, address: str) -> Iterator[Callable[..., Any]]:
+def new_page(chromium, desktop, address):
     """Return a maker of empty pages; afterwards checks that nothing went wrong unseen.
 
     Options such as a viewport give the page a profile of its own.
     """
-    pages: list[Any] = []
-    problems: list[str] = []
+    pages = []
+    problems = []
 
-    def made(**options: Any) -> Any:
+    def made(**options):
         page = chromium.new_page(**{**DESK, **options}) if options else desktop.new_page()
         pages.append(watched(page, address, problems))
         return page
@@ -212,10 +208,10 @@ def new_page(chromium: Any, desktop: Any, address: str) -> Iterator[Callable[...
 
 
 @pytest.fixture
-def open_page(new_page: Callable[..., Any], address: str) -> Callable[..., Any]:
+def open_page(new_page, address):
     """Return a function that opens the page in a tab of its own."""
 
-    def opened(query: str = "", **options: Any) -> Any:
+    def opened(query="", **options):
         page = new_page(**options)
         page.goto(address + query, wait_until="commit")
         return page

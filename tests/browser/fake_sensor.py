@@ -1,10 +1,6 @@
 """A video file that Chromium's fake camera plays; a test changes what it sees while it runs."""
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
 FRAMES, WIDE, HIGH = 8, 320, 240
@@ -41,11 +37,11 @@ class FakeSensor:
     written.
     """
 
-    def __init__(self, file: Path) -> None:
+    def __init__(self, file):
         self.file = file
         file.write_bytes(HEAD + FRAMES * (MARK + bytes(WIDE * HIGH * 3 // 2)))
 
-    def see(self, *pictures: NDArray[np.uint8], page: Any = None) -> None:
+    def see(self, *pictures, page=None):
         """Put pictures (H, W, 3), in turn and with a camera's noise, before the camera.
 
         Wait until `page` has them; the page needs `CAMERAS` as a script from its start.
@@ -69,7 +65,7 @@ class FakeSensor:
             )
 
 
-def _packed(picture: NDArray[np.float64]) -> bytes:
+def _packed(picture):
     """Return a picture as planes of Y, Cb and Cr (BT.601, 16 to 235), colours at half size."""
     planes = np.asarray(
         Image.fromarray(picture.clip(0, 255).astype(np.uint8)).convert("YCbCr"), float

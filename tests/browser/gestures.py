@@ -1,7 +1,6 @@
 """Shared by journeys: gestures, pictures to upload, and the state of the map."""
 
 from io import BytesIO
-from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -18,12 +17,12 @@ READY = {  # what each tab shows once it is there
 }
 
 
-def settle(page: Any) -> None:
+def settle(page):
     """Wait until every reply of the server, and what follows from it, has come to the page."""
     page.wait_for_selector("body[data-ready]")
 
 
-def texture(seed: int) -> dict[str, Any]:
+def texture(seed):
     """Return a picture as a file to upload."""
     random = np.random.default_rng(seed)
     with BytesIO() as handle:
@@ -31,7 +30,7 @@ def texture(seed: int) -> dict[str, Any]:
         return {"name": f"{seed}.png", "mimeType": "image/png", "buffer": handle.getvalue()}
 
 
-def pixels(page: Any, of: str = ".explore .map") -> str:
+def pixels(page, of=".explore .map"):
     """Return the map's points as they are drawn now, once drawing has settled."""
     return page.evaluate(
         """of => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() =>
@@ -40,7 +39,7 @@ def pixels(page: Any, of: str = ".explore .map") -> str:
     )
 
 
-def place_of_a_point(page: Any) -> tuple[float, float]:
+def place_of_a_point(page):
     """Return the position of some point on the page: hover until the card shows a pair."""
     box = page.locator(".explore .map").bounding_box()
     for share in np.linspace(0.3, 0.7, 9):
@@ -52,7 +51,7 @@ def place_of_a_point(page: Any) -> tuple[float, float]:
     raise AssertionError("no point was found on the map")
 
 
-def grab(page: Any, share: float = 0.5, of: str = ".explore .order") -> dict[str, float]:
+def grab(page, share=0.5, of=".explore .order"):
     """Press the mouse on the slider at a share of its length; return its box."""
     box = page.locator(of).bounding_box()
     page.mouse.move(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
@@ -60,17 +59,17 @@ def grab(page: Any, share: float = 0.5, of: str = ".explore .order") -> dict[str
     return box
 
 
-def pull(page: Any, box: dict[str, float], share: float, steps: int = 8) -> None:
+def pull(page, box, share, steps=8):
     """Move the pressed mouse along the slider to a share of its length."""
     page.mouse.move(box["x"] + share * box["width"], box["y"] + box["height"] / 2, steps=steps)
 
 
-def open_tab(page: Any, view: str) -> None:
+def open_tab(page, view):
     """Open a tab of the page at any width."""
     page.evaluate("id => document.getElementById(id).click()", f"view-{view}-button")
     page.wait_for_selector(f".ov.{view}:visible")
 
 
-def p_shown(page: Any) -> str:
+def p_shown(page):
     """Return the p that Explore shows, in figures."""
     return page.locator(".explore .order-value").inner_text()

@@ -2,10 +2,7 @@
 
 import json
 import re
-from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -32,7 +29,7 @@ raise SystemExit(main())
 """
 
 
-def row(kind: str) -> dict[str, Any]:
+def row(kind):
     """Return the row that the page of additions shows for a kind of table."""
     found = re.search(rf"row in `{kind}`.*?```json\n(.*?)```", PAGE, re.DOTALL)
     assert found, f"docs/extend.md shows no row of {kind}"
@@ -40,7 +37,7 @@ def row(kind: str) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module")
-def rows(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, dict[str, Any]]]:
+def rows(tmp_path_factory):
     """Return the folder of the plug-in, and its rows: a mode with its frames, a colour, a rung."""
     folder = tmp_path_factory.mktemp("plug_in")
     made = {kind: row(kind) for kind in ("modes", "colours", "rungs")}
@@ -55,10 +52,10 @@ def rows(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, dict
 
 
 @pytest.fixture(scope="module")
-def page(chromium: Any, rows: tuple[Path, dict[str, dict[str, Any]]]) -> Iterator[Any]:
+def page(chromium, rows):
     """Return the page of a server with the plug-in."""
     folder, _ = rows
-    problems: list[str] = []
+    problems = []
     server = Server(folder)
     server.script = folder / "plug_in.py"
     page = watched(chromium.new_page(), server.address, problems)
@@ -74,9 +71,7 @@ def page(chromium: Any, rows: tuple[Path, dict[str, dict[str, Any]]]) -> Iterato
     assert problems == []
 
 
-def test_a_mode_and_a_gap_of_its_frames_are_on_the_screen(
-    page: Any, rows: tuple[Path, dict[str, dict[str, Any]]]
-) -> None:
+def test_a_mode_and_a_gap_of_its_frames_are_on_the_screen(page, rows):
     mode = rows[1]["modes"]
     page.click(f".explore .modes button:has-text('{mode['title']}')")
     page.wait_for_selector(f".explore[data-kind='{mode['id']}']")
@@ -87,18 +82,14 @@ def test_a_mode_and_a_gap_of_its_frames_are_on_the_screen(
     assert stair.inner_text() == "0.25"
 
 
-def test_a_colour_of_a_column_paints_the_map_and_names_its_values(
-    page: Any, rows: tuple[Path, dict[str, dict[str, Any]]]
-) -> None:
+def test_a_colour_of_a_column_paints_the_map_and_names_its_values(page, rows):
     before = pixels(page)
     page.select_option(".explore .colouring", label=rows[1]["colours"]["title"])
     settle(page)
     assert pixels(page) != before
 
 
-def test_a_rung_is_named_with_its_gain_in_the_line_of_own_pictures(
-    page: Any, rows: tuple[Path, dict[str, dict[str, Any]]]
-) -> None:
+def test_a_rung_is_named_with_its_gain_in_the_line_of_own_pictures(page, rows):
     page.evaluate("document.getElementById('view-pair-button').click()")
     page.wait_for_selector(".pair .slots input[type=file]", state="attached")
     page.set_input_files(".pair .slots input[type=file] >> nth=0", texture(1))

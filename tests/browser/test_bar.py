@@ -2,9 +2,6 @@
 value.
 """
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 
 from .gestures import MAP, READY
@@ -30,9 +27,7 @@ LOW, READINGS = ([], [".order", ".together svg"]), ([], [".readings"])  # a phon
 
 
 @pytest.mark.parametrize("size", SIZES, ids=str)
-def test_map_chart_and_control_of_each_chapter_need_no_scrolling(
-    open_page: Callable[..., Any], size: tuple[int, int]
-) -> None:
+def test_map_chart_and_control_of_each_chapter_need_no_scrolling(open_page, size):
     page = open_page("?chapter=order", viewport=dict(zip(("width", "height"), size, strict=True)))
     page.wait_for_selector(MAP)
     assert page.evaluate(OUTSIDE, [".map", ".over svg", ".order", ".stage .title"]) == []
@@ -53,9 +48,7 @@ def test_map_chart_and_control_of_each_chapter_need_no_scrolling(
     assert page.evaluate(COVERED) is False
 
 
-def test_the_thumb_of_the_slider_stands_under_its_value_on_the_curve(
-    open_page: Callable[..., Any],
-) -> None:
+def test_the_thumb_of_the_slider_stands_under_its_value_on_the_curve(open_page):
     page = open_page("?chapter=order")
     page.wait_for_selector(MAP)
     for key in ("Home", "End"):
@@ -73,9 +66,7 @@ def test_the_thumb_of_the_slider_stands_under_its_value_on_the_curve(
         assert off <= 2
 
 
-def test_on_a_phone_the_tabs_are_one_row_of_large_targets_and_each_can_be_reached(
-    open_page: Callable[..., Any],
-) -> None:
+def test_on_a_phone_the_tabs_are_one_row_of_large_targets_and_each_can_be_reached(open_page):
     page = open_page("", viewport={"width": 400, "height": 800}, has_touch=True)
     page.wait_for_selector(READY["explore"])
     tabs = page.locator("[role=tablist]:visible [role=tab]")

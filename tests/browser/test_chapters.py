@@ -1,8 +1,6 @@
 """The four chapters of Explore in a real Chromium, used as a person uses them."""
 
 import json
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -28,43 +26,41 @@ FIRST = {  # what a chapter shows last
 
 
 @pytest.fixture(scope="module")
-def twins() -> dict[str, Any]:
+def twins():
     """Return what the heads predict of the twins."""
     return json.loads((EXAMPLES / "twins.json").read_text(encoding="utf-8"))
 
 
-def said(page: Any) -> list[str]:
+def said(page):
     """Return the verdict under each picture."""
     return [one.replace("\xa0", " ") for one in page.locator(SAID).all_inner_texts()]
 
 
-def percents(page: Any) -> list[str]:
+def percents(page):
     """Return the share at each bar of the first chapter, then the large one."""
     shown = page.locator(".explore .twin output").all_inner_texts()
     return [one.replace("\xa0", " ") for one in [*shown, page.inner_text(".explore .touch .large")]]
 
 
-def percent(share: float) -> str:
+def percent(share):
     """Return a share as the page writes it."""
     return f"{int(100 * share + 0.5)} %"
 
 
-def pressed(page: Any) -> int:
+def pressed(page):
     """Return the number of the chosen press among those shown."""
     return int(page.locator(".explore .presses [aria-checked=true]").get_attribute("data-key"))
 
 
 @pytest.fixture
-def touch(open_page: Callable[..., Any]) -> Any:
+def touch(open_page):
     """Return the page as it opens."""
     page = open_page("")
     page.wait_for_selector(SAID)
     return page
 
 
-def test_the_page_opens_with_one_press_by_eight_sensors_and_a_verdict_under_each(
-    touch: Any, twins: dict[str, Any]
-) -> None:
+def test_the_page_opens_with_one_press_by_eight_sensors_and_a_verdict_under_each(touch, twins):
     assert touch.locator(".explore").get_attribute("data-chapter") == "touch"
     press = pressed(touch)
     said_now = twins["verdicts"]["touch"][0][0][0][8 * press : 8 * press + 8]
@@ -84,8 +80,8 @@ def test_the_page_opens_with_one_press_by_eight_sensors_and_a_verdict_under_each
     ids=str,
 )
 def test_the_pictures_of_a_press_are_in_view_at_once_and_nothing_is_wider_than_the_window(
-    open_page: Callable[..., Any], size: tuple[int, int], pictures: int
-) -> None:
+    open_page, size, pictures
+):
     page = open_page(TOUCH, viewport=dict(zip(("width", "height"), size, strict=True)))
     page.wait_for_selector(SAID)
     assert page.evaluate(WHOLE, ".explore .twin-pictures .tile") >= pictures
@@ -94,7 +90,7 @@ def test_the_pictures_of_a_press_are_in_view_at_once_and_nothing_is_wider_than_t
 
 
 @pytest.mark.parametrize("button", [".dots [data-key='1']", ".known [data-key='200']"])
-def test_filled_dots_or_200_pictures_turn_at_least_two_verdicts(touch: Any, button: str) -> None:
+def test_filled_dots_or_200_pictures_turn_at_least_two_verdicts(touch, button):
     before = said(touch)
     touch.click(f".explore {button}")
     turned = [old for old, new in zip(before, said(touch), strict=True) if old != new]
@@ -104,9 +100,7 @@ def test_filled_dots_or_200_pictures_turn_at_least_two_verdicts(touch: Any, butt
     )
 
 
-def test_dots_and_pictures_combine_and_every_sensor_can_be_the_one_that_was_learned(
-    touch: Any, twins: dict[str, Any]
-) -> None:
+def test_dots_and_pictures_combine_and_every_sensor_can_be_the_one_that_was_learned(touch, twins):
     touch.click(".explore .dots [data-key='1']")
     touch.click(".explore .known [data-key='20']")
     rung = 1 + twins["pictures"].index(20)
@@ -123,9 +117,7 @@ def test_dots_and_pictures_combine_and_every_sensor_can_be_the_one_that_was_lear
     assert percents(touch)[-1] == percent(twins["away"]["both"][source][1][rung][0])
 
 
-def test_keys_choose_press_dots_and_pictures_and_a_focused_sensor_is_described(
-    touch: Any, twins: dict[str, Any]
-) -> None:
+def test_keys_choose_press_dots_and_pictures_and_a_focused_sensor_is_described(touch, twins):
     press = pressed(touch)
     touch.focus(".explore .presses [aria-checked=true]")
     touch.keyboard.press("ArrowRight")
@@ -139,7 +131,7 @@ def test_keys_choose_press_dots_and_pictures_and_a_focused_sensor_is_described(
     assert touch.inner_text(".explore .twin-pictures .legend") == twins["domains"][4]["about"]
 
 
-def test_a_link_brings_back_press_sensor_dots_and_pictures(open_page: Callable[..., Any]) -> None:
+def test_a_link_brings_back_press_sensor_dots_and_pictures(open_page):
     page = open_page(f"{TOUCH}&press=3&from=2&dots=1&known=50&reading=fused")
     page.wait_for_selector(SAID)
     before = (said(page), percents(page))
@@ -156,8 +148,8 @@ def test_a_link_brings_back_press_sensor_dots_and_pictures(open_page: Callable[.
 
 
 def test_printed_or_in_a_lecture_the_first_chapter_keeps_its_pictures_and_says_that_it_is_simulated(
-    touch: Any,
-) -> None:
+    touch,
+):
     touch.keyboard.press("f")
     touch.wait_for_selector("body.lecturing")
     assert touch.locator(f"{SAID} >> visible=true").count() == 8
@@ -173,8 +165,8 @@ def test_printed_or_in_a_lecture_the_first_chapter_keeps_its_pictures_and_says_t
 @pytest.mark.parametrize("chapter", ["touch", "where", "order", "fooled"])
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_an_audit_finds_no_fault_in_a_chapter_and_its_first_view_has_few_words(
-    new_page: Callable[..., Any], address: str, chapter: str, theme: str
-) -> None:
+    new_page, address, chapter, theme
+):
     from axe_playwright_python.base import AXE_SCRIPT
 
     size = {"width": 1280, "height": 720}
@@ -194,9 +186,7 @@ def test_an_audit_finds_no_fault_in_a_chapter_and_its_first_view_has_few_words(
     assert seen["map"] >= 0.4
 
 
-def test_every_press_is_threaded_and_points_glide_through_three_places(
-    open_page: Callable[..., Any],
-) -> None:
+def test_every_press_is_threaded_and_points_glide_through_three_places(open_page):
     page = open_page(WHERE)
     page.wait_for_selector(".explore .places button")
     drawn, figures = [], []
@@ -217,9 +207,7 @@ def test_every_press_is_threaded_and_points_glide_through_three_places(
     assert page.locator(".explore .sensors [aria-pressed=true]").count() == 1
 
 
-def test_what_is_lost_is_split_by_reading_with_or_without_dots(
-    open_page: Callable[..., Any], twins: dict[str, Any]
-) -> None:
+def test_what_is_lost_is_split_by_reading_with_or_without_dots(open_page, twins):
     from playwright.sync_api import expect
 
     loss = twins["split"]["loss"]
@@ -240,9 +228,7 @@ def test_what_is_lost_is_split_by_reading_with_or_without_dots(
             assert ("another scene" in rows) == (reading != "touch")
 
 
-def test_p_moves_points_and_both_gaps_while_accuracy_stays_within_a_few_points(
-    open_page: Callable[..., Any],
-) -> None:
+def test_p_moves_points_and_both_gaps_while_accuracy_stays_within_a_few_points(open_page):
     page = open_page(WHERE)
     page.wait_for_selector(".explore .together path")
     shown = {name: set() for name in ("accuracy", "modality_gap", "domain_gap")}
@@ -263,9 +249,7 @@ def test_p_moves_points_and_both_gaps_while_accuracy_stays_within_a_few_points(
     page.wait_for_selector(".explore .threads:visible")
 
 
-def test_accuracy_is_drawn_as_far_as_p_was_dragged_and_the_sensors_only_at_the_end(
-    open_page: Callable[..., Any],
-) -> None:
+def test_accuracy_is_drawn_as_far_as_p_was_dragged_and_the_sensors_only_at_the_end(open_page):
     page = open_page("?chapter=order")
     page.wait_for_selector(".explore .wave path")
     line, wave = ".explore .over .own", ".explore .wave path"

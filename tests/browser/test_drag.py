@@ -1,15 +1,12 @@
 """Dragging p: handled in the browser, exact at every stop, during any other activity."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from omnivat.head.heads import EXAMPLES, default_embeddings, default_head
-from omnivat.maps.frames import FrameSet, read_frames, write_frames
+from omnivat.maps.frames import read_frames, write_frames
 
 from .gestures import MAP, grab, open_tab, p_shown, pixels, pull, settle
 
@@ -39,7 +36,7 @@ READ = """async ({ stops, stages }) => {
 }"""
 
 
-def test_a_drag_asks_nothing_of_the_server(open_page: Callable[..., Any]) -> None:
+def test_a_drag_asks_nothing_of_the_server(open_page):
     page = open_page("?chapter=analyse&map=pca&vis=row:0&tac=row:0")
     page.wait_for_selector(MAP)
     for view, shown in (("pair", ".reading"), ("explore", ".map")):
@@ -48,7 +45,7 @@ def test_a_drag_asks_nothing_of_the_server(open_page: Callable[..., Any]) -> Non
         if view != "explore":  # the place on the map comes last
             page.wait_for_selector(f".{view} .where-note:has-text('Click a point')")
     page.wait_for_load_state("networkidle")
-    asked: list[str] = []
+    asked = []
     page.on("request", lambda request: asked.append(request.url))
     before = pixels(page)
     box = grab(page)
@@ -60,7 +57,7 @@ def test_a_drag_asks_nothing_of_the_server(open_page: Callable[..., Any]) -> Non
     assert asked == []
 
 
-def test_every_stop_is_what_the_library_computes_now(open_page: Callable[..., Any]) -> None:
+def test_every_stop_is_what_the_library_computes_now(open_page):
     """The browser's own decoding against the head run again, not against the file."""
     import torch
 
@@ -95,7 +92,7 @@ def test_every_stop_is_what_the_library_computes_now(open_page: Callable[..., An
                 assert off <= 2 * frames.maps[f"pca/{stage}"].max_error
 
 
-def test_the_figures_beside_the_map_are_those_of_the_stop(open_page: Callable[..., Any]) -> None:
+def test_the_figures_beside_the_map_are_those_of_the_stop(open_page):
     frames = read_frames(EXAMPLES / "frames.bin")
     page = open_page("?mode=moved&p=0.2&map=pca")
     page.wait_for_selector(MAP)
@@ -109,7 +106,7 @@ def test_the_figures_beside_the_map_are_those_of_the_stop(open_page: Callable[..
     assert shown == f"{frames.curves['modality_gap/f_hat'][stop]:.3f}"
 
 
-def thinned(frames: FrameSet, every: int) -> FrameSet:
+def thinned(frames, every):
     """Return the same set at fewer stops, like the first, coarse frames."""
     kept = list(range(0, len(frames.orders), every))
     maps = {}
@@ -131,13 +128,13 @@ def thinned(frames: FrameSet, every: int) -> FrameSet:
 
 
 def test_finer_frames_take_the_place_of_coarse_ones_in_the_middle_of_a_drag(
-    new_page: Callable[..., Any], address: str, tmp_path: Path
-) -> None:
+    new_page, address, tmp_path
+):
     write_frames(tmp_path / "coarse.bin", thinned(read_frames(EXAMPLES / "frames.bin"), 10))
     page = new_page()
-    ready: list[bool] = []
+    ready = []
 
-    def answer(route: Any) -> None:
+    def answer(route):
         if "progress" in route.request.url:
             step = None if ready else {"done": 40, "total": 101, "text": "map at order 0.40"}
             route.fulfill(status=202, json={"step": step, "ready": True})
@@ -168,9 +165,7 @@ def test_finer_frames_take_the_place_of_coarse_ones_in_the_middle_of_a_drag(
     assert page.locator(MAP).get_attribute("data-order") == str(float(p_shown(page)))
 
 
-def test_a_browser_without_webgl_shows_and_moves_the_map(
-    new_page: Callable[..., Any], address: str
-) -> None:
+def test_a_browser_without_webgl_shows_and_moves_the_map(new_page, address):
     page = new_page()
     page.add_init_script("""window.refused = 0;
         for (const kind of [HTMLCanvasElement, OffscreenCanvas]) {
@@ -191,20 +186,20 @@ def test_a_browser_without_webgl_shows_and_moves_the_map(
     assert page.evaluate("window.refused") == 1  # the page itself never asked
 
 
-def touches(session: Any, kind: str, *at: tuple[float, float]) -> None:
+def touches(session, kind, *at):
     """Send one touch event with a finger at each place."""
     fingers = [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(at)]
     session.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": fingers})
 
 
-def test_fingers_pan_pinch_and_pin_on_the_map_and_drag_p(open_page: Callable[..., Any]) -> None:
+def test_fingers_pan_pinch_and_pin_on_the_map_and_drag_p(open_page):
     page = open_page(
         "?mode=moved", viewport={"width": 400, "height": 800}, has_touch=True, is_mobile=True
     )
     page.wait_for_selector(MAP)
     finger = page.context.new_cdp_session(page)
 
-    def swipe(*ways: tuple[tuple[float, float], tuple[float, float]]) -> None:
+    def swipe(*ways):
         touches(finger, "touchStart", *(start for start, _ in ways))
         for part in np.linspace(0.2, 1, 5):
             places = [(a[0] + part * (b[0] - a[0]), a[1] + part * (b[1] - a[1])) for a, b in ways]

@@ -1,8 +1,6 @@
 """Every p, the third mode, in a real Chromium: its curves follow the shipped frames."""
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -18,8 +16,8 @@ pytestmark = pytest.mark.browser
     ("query", "folder"), [("", EXAMPLES), ("&set=chirps", EXAMPLES / "chirps")]
 )
 def test_one_head_for_every_order_is_the_third_mode_and_its_curves_follow_p(
-    open_page: Callable[..., Any], query: str, folder: Path
-) -> None:
+    open_page, query, folder
+):
     frames = read_frames(folder / "every.bin")
     for order in (0.2, 0.8):
         page = open_page(f"?mode=every&map=pca&p={order}{query}")

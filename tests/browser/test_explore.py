@@ -1,9 +1,6 @@
 """Explore's story in a real Chromium: modes of p, staircase, unseen domains, toy, finder."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -16,7 +13,7 @@ pytestmark = pytest.mark.browser
 
 
 @pytest.fixture(scope="module")
-def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def trained(tmp_path_factory):
     """Return frames that imitate heads trained at three stops."""
     frames = read_frames(EXAMPLES / "frames.bin")
     stops = [0, len(frames.orders) // 2, len(frames.orders) - 1]
@@ -44,7 +41,7 @@ def trained(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def two_modes(new_page: Callable[..., Any], address: str, trained: Path) -> Any:
+def two_modes(new_page, address, trained):
     """Return the page of a set with frames of heads trained at each stop."""
     page = new_page()
     listed = {"modes": ["retrained", "moved"], "sets": []}
@@ -56,13 +53,13 @@ def two_modes(new_page: Callable[..., Any], address: str, trained: Path) -> Any:
     return page
 
 
-def words(page: Any, selector: str) -> str:
+def words(page, selector):
     """Return the text of the first element of Explore that matches."""
-    text: str = page.locator(f".explore {selector}").first.inner_text()
+    text = page.locator(f".explore {selector}").first.inner_text()
     return text.replace("\xa0", " ")
 
 
-def test_the_first_mode_is_a_head_for_each_stop_and_the_other_a_what_if(two_modes: Any) -> None:
+def test_the_first_mode_is_a_head_for_each_stop_and_the_other_a_what_if(two_modes):
     page = two_modes
     assert "A head for each stop" in words(page, ".mode-words")
     assert "3 trainings for each stop" in words(page, ".mode-words")
@@ -78,9 +75,7 @@ def test_the_first_mode_is_a_head_for_each_stop_and_the_other_a_what_if(two_mode
     page.wait_for_function("location.search.includes('mode=moved')")
 
 
-def test_the_learned_p_is_a_stop_of_its_own_and_is_not_taken_for_a_round_one(
-    open_page: Callable[..., Any],
-) -> None:
+def test_the_learned_p_is_a_stop_of_its_own_and_is_not_taken_for_a_round_one(open_page):
     learned = read_frames(EXAMPLES / "frames.bin").head["learned_order"]
     page = open_page(f"{MOVED}&map=pca&p=0.5")
     page.wait_for_selector(MAP)
@@ -93,9 +88,7 @@ def test_the_learned_p_is_a_stop_of_its_own_and_is_not_taken_for_a_round_one(
     assert abs(float(page.locator(MAP).get_attribute("data-order")) - learned) < 1e-9
 
 
-def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(
-    open_page: Callable[..., Any],
-) -> None:
+def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(open_page):
     frames = read_frames(EXAMPLES / "frames.bin")
     page = open_page(f"{MOVED}&p=0.3")
     page.wait_for_selector(MAP)
@@ -111,15 +104,13 @@ def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(
     page.wait_for_function("!location.search.includes('stage=')")
 
 
-def test_there_is_one_accuracy_on_the_screen(two_modes: Any) -> None:
+def test_there_is_one_accuracy_on_the_screen(two_modes):
     shown = two_modes.locator(".explore .stage .side").inner_text().replace("\xa0", " ")
     assert [line for line in shown.split("\n") if "% right in" in line] != []
     assert shown.count("62 %") == 1
 
 
-def test_strangers_have_a_bar_each_and_a_cell_of_the_matrix_filters_the_map(
-    open_page: Callable[..., Any],
-) -> None:
+def test_strangers_have_a_bar_each_and_a_cell_of_the_matrix_filters_the_map(open_page):
     frames = read_frames(EXAMPLES / "frames.bin")
     page = open_page("?chapter=fooled")
     page.wait_for_selector(".explore .bar-row")
@@ -140,9 +131,7 @@ def test_strangers_have_a_bar_each_and_a_cell_of_the_matrix_filters_the_map(
     page.wait_for_selector(".explore .pictures h4:has-text('look like another class')")
 
 
-def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(
-    open_page: Callable[..., Any],
-) -> None:
+def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(open_page):
     page = open_page(f"{MOVED}&p=0.1")
     page.wait_for_selector(".explore .toy .plane path")
     before = [words(page, f".toy .{name}") for name in ("d-turned", "d-clipped", "g-clipped")]
@@ -154,9 +143,7 @@ def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(
     assert after[2] != before[2]
 
 
-def test_pairs_are_found_by_class_and_hidden_points_leave_the_selection(
-    open_page: Callable[..., Any],
-) -> None:
+def test_pairs_are_found_by_class_and_hidden_points_leave_the_selection(open_page):
     page = open_page(MOVED)
     page.wait_for_selector(MAP)
     page.wait_for_selector(".explore .histograms svg")
@@ -172,7 +159,7 @@ def test_pairs_are_found_by_class_and_hidden_points_leave_the_selection(
     assert words(page, '.menu [data-save="csv"]') == f"The {left} selected points as CSV"
 
 
-def test_a_histogram_filters_by_dragging_and_by_keys(open_page: Callable[..., Any]) -> None:
+def test_a_histogram_filters_by_dragging_and_by_keys(open_page):
     page = open_page(MOVED)
     page.wait_for_selector(MAP)
     page.wait_for_selector(".explore .histograms svg")
@@ -184,7 +171,7 @@ def test_a_histogram_filters_by_dragging_and_by_keys(open_page: Callable[..., An
     assert words(page, ".finder .found") == ""
 
 
-def test_a_filter_changes_title_and_curves_alike(open_page: Callable[..., Any]) -> None:
+def test_a_filter_changes_title_and_curves_alike(open_page):
     frames = read_frames(EXAMPLES / "frames.bin")
     lone, others = frames.domains[1], [n for i, n in enumerate(frames.domains) if i != 1]
     page = open_page(f"{MOVED}&p=0.3&domain={'~'.join(others)}")
@@ -195,16 +182,14 @@ def test_a_filter_changes_title_and_curves_alike(open_page: Callable[..., Any]) 
     assert lone in words(page, ".curves [data-name=modality_gap] .of")
 
 
-def test_the_step_names_the_method_of_its_map(open_page: Callable[..., Any]) -> None:
+def test_the_step_names_the_method_of_its_map(open_page):
     page = open_page(f"{MOVED}&map=umap")
     page.wait_for_selector(MAP)
     assert words(page, "[data-panel=step] .map-title small") == "UMAP"
     assert "scale have no meaning" in words(page, ".approximate")
 
 
-def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(
-    open_page: Callable[..., Any],
-) -> None:
+def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(open_page):
     page = open_page(MOVED)
     page.wait_for_selector(MAP)
     x, _ = place_of_a_point(page)
@@ -217,9 +202,7 @@ def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(
     page.wait_for_selector(".explore .map.pictured")
 
 
-def test_a_link_of_a_forgotten_set_says_so_and_leads_home(
-    new_page: Callable[..., Any], address: str
-) -> None:
+def test_a_link_of_a_forgotten_set_says_so_and_leads_home(new_page, address):
     page = new_page()
     page.goto(f"{address}?set=forgotten", wait_until="commit")
     page.wait_for_selector(".explore .wait.problem")

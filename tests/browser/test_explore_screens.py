@@ -1,9 +1,6 @@
 """Explore on a projector, on a phone and as a saved page, in a real Chromium."""
 
 import re
-from collections.abc import Callable
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -28,7 +25,7 @@ COVERED = """() => {
 PHONE = {"viewport": {"width": 400, "height": 800}, "has_touch": True, "is_mobile": True}
 
 
-def test_letters_of_charts_are_large_enough_on_a_projector(open_page: Callable[..., Any]) -> None:
+def test_letters_of_charts_are_large_enough_on_a_projector(open_page):
     page = open_page(MOVED, viewport={"width": 1280, "height": 720})
     page.wait_for_selector(MAP)
     small = page.evaluate(
@@ -48,7 +45,7 @@ def test_letters_of_charts_are_large_enough_on_a_projector(open_page: Callable[.
     assert cut == []
 
 
-def test_a_chapter_opens_with_few_words_and_large_letters(open_page: Callable[..., Any]) -> None:
+def test_a_chapter_opens_with_few_words_and_large_letters(open_page):
     for size in ((1280, 720), (1440, 900), (2560, 1440)):
         page = open_page(TOUCH, viewport=dict(zip(("width", "height"), size, strict=True)))
         page.wait_for_selector(READY["explore"])
@@ -60,9 +57,7 @@ def test_a_chapter_opens_with_few_words_and_large_letters(open_page: Callable[..
         assert abs(seen["left"] - seen["right"]) <= 2
 
 
-def test_on_a_phone_no_step_of_the_tour_covers_map_chart_or_slider(
-    new_page: Callable[..., Any], address: str
-) -> None:
+def test_on_a_phone_no_step_of_the_tour_covers_map_chart_or_slider(new_page, address):
     page = new_page(**PHONE)
     page.goto(address, wait_until="commit")
     page.wait_for_selector(READY["explore"])
@@ -75,15 +70,13 @@ def test_on_a_phone_no_step_of_the_tour_covers_map_chart_or_slider(
         page.tap(".tour .next-step")
 
 
-def test_the_saved_page_works_from_disk_with_its_toy_and_tour(
-    chromium: Any, tmp_path: Path
-) -> None:
+def test_the_saved_page_works_from_disk_with_its_toy_and_tour(chromium, tmp_path):
     from app.export import export_page
     from app.places import places
 
     export_page(places(), EXAMPLES / "frames.bin", tmp_path / "page.html")
     page = chromium.new_page(viewport={"width": 1440, "height": 900})
-    failed: list[str] = []
+    failed = []
     page.on("pageerror", lambda error: failed.append(str(error)))
     page.on(
         "request", lambda r: None if r.url.startswith(("file:", "data:")) else failed.append(r.url)
@@ -108,9 +101,7 @@ INK = """() => {
 }"""
 
 
-def test_paper_is_light_and_has_the_points_of_the_map_as_shapes(
-    open_page: Callable[..., Any],
-) -> None:
+def test_paper_is_light_and_has_the_points_of_the_map_as_shapes(open_page):
     page = open_page("?chapter=order", color_scheme="dark")
     page.wait_for_selector(MAP)
     page.wait_for_selector("body.dark")
@@ -125,7 +116,7 @@ def test_paper_is_light_and_has_the_points_of_the_map_as_shapes(
     page.wait_for_selector("body.dark")
 
 
-def test_a_printed_chapter_has_no_tabs_and_no_buttons(open_page: Callable[..., Any]) -> None:
+def test_a_printed_chapter_has_no_tabs_and_no_buttons(open_page):
     page = open_page("?chapter=fooled", viewport={"width": 718, "height": 1047})
     page.wait_for_selector(MAP)
     page.wait_for_selector(".explore .tiles button")
@@ -142,7 +133,7 @@ def test_a_printed_chapter_has_no_tabs_and_no_buttons(open_page: Callable[..., A
     assert page.locator(".explore .readings .scale >> visible=true").count() == 3
 
 
-def test_share_shows_the_address_of_the_view(open_page: Callable[..., Any]) -> None:
+def test_share_shows_the_address_of_the_view(open_page):
     page = open_page("?chapter=where&rung=1")
     page.wait_for_selector(READY["explore"])
     page.click(".explore .share")
@@ -151,9 +142,7 @@ def test_share_shows_the_address_of_the_view(open_page: Callable[..., Any]) -> N
     assert "rung=1" in field.input_value()
 
 
-def test_a_lecture_leaves_map_chart_and_control_in_large_letters(
-    open_page: Callable[..., Any],
-) -> None:
+def test_a_lecture_leaves_map_chart_and_control_in_large_letters(open_page):
     page = open_page("?chapter=order", viewport={"width": 1280, "height": 720})
     page.wait_for_selector(MAP)
     page.keyboard.press("f")

@@ -2,8 +2,6 @@
 pointer.
 """
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from PIL import Image
@@ -14,7 +12,7 @@ pytestmark = pytest.mark.browser
 
 
 @pytest.fixture(scope="module")
-def file(tmp_path_factory) -> Path:
+def file(tmp_path_factory):
     """A page with a map in two and in three dimensions, and a sheet of thumbnails."""
     folder = tmp_path_factory.mktemp("figures")
     Image.new("RGB", (256, 192), "#336699").save(folder / "s.webp")

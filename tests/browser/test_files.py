@@ -1,10 +1,7 @@
 """Files of every kind through the real page: read correctly, or refused in a sentence."""
 
 import json
-from collections.abc import Callable, Iterator
 from io import BytesIO
-from pathlib import Path
-from typing import Any
 from urllib.request import Request, urlopen
 
 import numpy as np
@@ -20,28 +17,28 @@ TAC = '.pair .slot[data-modality="tac"]'
 CHOOSE = f"{TAC} input[type=file]"
 
 
-def saved(image: Image.Image, kind: str = "PNG", **options: Any) -> bytes:
+def saved(image, kind="PNG", **options):
     """Return the bytes of an image file."""
     with BytesIO() as handle:
         image.save(handle, kind, **options)
         return handle.getvalue()
 
 
-def opened(content: bytes) -> Image.Image:
+def opened(content):
     """Return the picture in a file's bytes."""
     image = Image.open(BytesIO(content))
     image.load()
     return image
 
 
-def picture(seed: int = 1, size: tuple[int, int] = (96, 64)) -> Image.Image:
+def picture(seed=1, size=(96, 64)):
     """Return a colourful picture without any symmetry."""
     random = np.random.default_rng(seed)
     small = random.integers(0, 255, (size[1] // 8, size[0] // 8, 3), dtype=np.uint8)
     return Image.fromarray(small).resize(size)
 
 
-def turned() -> tuple[bytes, Image.Image]:
+def turned():
     """Return a rotated photo, and the upright one."""
     exif = Image.Exif()
     exif[0x0112] = 6
@@ -49,26 +46,26 @@ def turned() -> tuple[bytes, Image.Image]:
     return content, picture().transpose(Image.Transpose.ROTATE_270)
 
 
-def sixteen() -> tuple[bytes, Image.Image]:
+def sixteen():
     """Return a 16-bit grey picture and the matching 8-bit one."""
     grey = np.asarray(picture().convert("L"))
     return saved(Image.fromarray(grey.astype(np.uint16) * 256 + 77)), Image.fromarray(grey)
 
 
-def animated() -> tuple[bytes, Image.Image]:
+def animated():
     """Return an animation and its first frame."""
     frames = [picture(seed).quantize() for seed in range(3)]
     content = saved(frames[0], "GIF", save_all=True, append_images=frames[1:], duration=50)
     return content, opened(content).convert("RGB")
 
 
-def same(image: Image.Image, kind: str = "PNG", **options: Any) -> tuple[bytes, Image.Image]:
+def same(image, kind="PNG", **options):
     """Return a file of a picture and the picture as 8-bit colours."""
     content = saved(image, kind, **options)
     return content, opened(content).convert("RGB")
 
 
-TAKEN: dict[str, Callable[[], tuple[bytes, Image.Image]]] = {
+TAKEN = {
     "20,000 x 10": lambda: same(picture(size=(20_000, 16)).crop((0, 0, 20_000, 10))),
     "grey": lambda: same(picture().convert("L")),
     "RGBA": lambda: same(picture().convert("RGBA")),
@@ -88,9 +85,9 @@ REFUSED = {
 
 
 @pytest.fixture(scope="module")
-def pair_page(desktop: Any, address: str) -> Iterator[Any]:
+def pair_page(desktop, address):
     """Return one open Pair tab that all these files go through, one after the other."""
-    problems: list[str] = []
+    problems = []
     page = watched(desktop.new_page(), address, problems)
     page.goto(address + "?view=pair&vis=row:0&tac=row:0&p=0.5", wait_until="commit")
     page.wait_for_selector(ANSWERED)
@@ -99,26 +96,24 @@ def pair_page(desktop: Any, address: str) -> Iterator[Any]:
     assert problems == []
 
 
-def choose(page: Any, name: str, content: bytes) -> None:
+def choose(page, name, content):
     """Choose a file as TAC."""
     page.set_input_files(CHOOSE, {"name": name, "mimeType": "image/png", "buffer": content})
 
 
-def shares(page: Any) -> list[str]:
+def shares(page):
     """Return the probabilities that the touch alone has in the page, shown or folded away."""
     return page.locator(".pair .bars td[data-reading=tac] .share").all_text_contents()
 
 
-def posted(address: str, path: str, content: bytes) -> Any:
+def posted(address, path, content):
     """Return the server's own answer, without the page."""
     with urlopen(Request(f"{address}omnivat/{path}", data=content)) as answer:
         return json.load(answer)
 
 
 @pytest.mark.parametrize("kind", TAKEN)
-def test_an_odd_image_is_answered_as_the_plain_picture_that_it_shows(
-    pair_page: Any, address: str, kind: str
-) -> None:
+def test_an_odd_image_is_answered_as_the_plain_picture_that_it_shows(pair_page, address, kind):
     content, plain = TAKEN[kind]()
     name = f"{kind}.png"
     choose(pair_page, name, content)
@@ -138,9 +133,7 @@ def test_an_odd_image_is_answered_as_the_plain_picture_that_it_shows(
 
 
 @pytest.mark.parametrize("kind", REFUSED)
-def test_a_bad_file_is_one_sentence_that_names_it_and_the_page_stays_usable(
-    pair_page: Any, kind: str
-) -> None:
+def test_a_bad_file_is_one_sentence_that_names_it_and_the_page_stays_usable(pair_page, kind):
     content, wanted = REFUSED[kind]
     before = shares(pair_page)
     choose(pair_page, f"{kind}.png", content)
@@ -156,16 +149,16 @@ def test_a_bad_file_is_one_sentence_that_names_it_and_the_page_stays_usable(
     pair_page.wait_for_selector(ANSWERED)
 
 
-def test_a_file_over_the_limit_is_refused_before_it_is_sent(pair_page: Any, tmp_path: Path) -> None:
+def test_a_file_over_the_limit_is_refused_before_it_is_sent(pair_page, tmp_path):
     (tmp_path / "huge.png").write_bytes(bytes(20_000_001))
-    asked: list[str] = []
+    asked = []
     pair_page.on("request", lambda request: asked.append(request.url))
     pair_page.set_input_files(CHOOSE, tmp_path / "huge.png")
     pair_page.wait_for_selector(".pair .problem:has-text('huge.png'):has-text('20')")
     assert [url for url in asked if "omnivat/image" in url] == []
 
 
-def test_a_dropped_and_a_pasted_image_are_taken_like_a_chosen_one(pair_page: Any) -> None:
+def test_a_dropped_and_a_pasted_image_are_taken_like_a_chosen_one(pair_page):
     for event, holder in (("drop", "dataTransfer"), ("paste", "clipboardData")):
         pair_page.evaluate(
             """async ([slot, event, holder]) => {

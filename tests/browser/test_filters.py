@@ -1,8 +1,5 @@
 """Explore: filters by histogram and by a cell of the confusion matrix."""
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 
 from .gestures import MAP, TOOLS, pixels, settle
@@ -12,7 +9,7 @@ pytestmark = pytest.mark.browser
 TITLE = ".explore [data-panel=step] .map-title"
 
 
-def drag_over(page: Any, name: str) -> None:
+def drag_over(page, name):
     """Drag over the middle of a histogram."""
     histogram = page.locator(f'.explore .histograms [data-name="{name}"] svg')
     histogram.scroll_into_view_if_needed()
@@ -25,8 +22,8 @@ def drag_over(page: Any, name: str) -> None:
 
 
 def test_a_range_is_named_in_the_title_kept_in_the_address_and_put_aside_by_other_chapters(
-    open_page: Callable[..., Any],
-) -> None:
+    open_page,
+):
     page = open_page(TOOLS)
     page.wait_for_selector(".explore .histograms svg")
     drag_over(page, "cosine")
@@ -44,9 +41,7 @@ def test_a_range_is_named_in_the_title_kept_in_the_address_and_put_aside_by_othe
     page.wait_for_selector(f".explore .finder .found:has-text('{found}')")
 
 
-def test_a_link_to_a_cell_of_the_confusion_matrix_shows_its_pairs(
-    open_page: Callable[..., Any],
-) -> None:
+def test_a_link_to_a_cell_of_the_confusion_matrix_shows_its_pairs(open_page):
     page = open_page("?chapter=fooled")
     page.wait_for_selector(MAP)
     page.click(".explore .confusion .hit button:not([disabled])")

@@ -1,9 +1,6 @@
 """A set of another encoder, and one without classes, in a real Chromium."""
 
-from collections.abc import Callable, Iterator
 from dataclasses import replace
-from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -18,16 +15,14 @@ HEADLESS = "() => document.querySelector('.explore')?.dataset.kind === 'features
 
 
 @pytest.fixture
-def opened(
-    chromium: Any, tmp_path: Path, make_embeddings: Callable[..., Any]
-) -> Iterator[Callable[..., Any]]:
+def opened(chromium, tmp_path, make_embeddings):
     """Return a function that serves a set of another encoder and opens its page; afterwards
     neither page nor server has failed.
     """
-    servers: list[Server] = []
-    problems: list[str] = []
+    servers = []
+    problems = []
 
-    def serve(query: str = "", **options: Any) -> Any:
+    def serve(query="", **options):
         made = make_embeddings(width=12, per_class=12, **options)
         made = replace(made, header=replace(made.header, encoder="other-encoder"))
         file = tmp_path / "mine.safetensors"
@@ -46,7 +41,7 @@ def opened(
         assert "Traceback" not in server.log(), server.log()
 
 
-def empty_panels(page: Any) -> list[str]:
+def empty_panels(page):
     """Return the names of panels of Explore that are shown and hold neither words nor a picture."""
     return page.evaluate(
         """() => [...document.querySelectorAll('.explore :is(.side, .panels) > *')].filter((one) =>
@@ -56,9 +51,7 @@ def empty_panels(page: Any) -> list[str]:
     )
 
 
-def test_a_set_without_a_head_opens_with_maps_gaps_neighbours_and_the_command(
-    opened: Callable[..., Any],
-) -> None:
+def test_a_set_without_a_head_opens_with_maps_gaps_neighbours_and_the_command(opened):
     page = opened()
     page.wait_for_selector(MAP)
     page.wait_for_function(HEADLESS)
@@ -92,9 +85,7 @@ def test_a_set_without_a_head_opens_with_maps_gaps_neighbours_and_the_command(
     page.close()
 
 
-def test_a_set_without_classes_and_with_one_domain_says_what_is_missing(
-    opened: Callable[..., Any],
-) -> None:
+def test_a_set_without_classes_and_with_one_domain_says_what_is_missing(opened):
     page = opened(domains=("my-sensor",), classes=("unlabelled",))
     page.wait_for_selector(MAP)
     page.wait_for_selector(".explore .score pre:has-text('omnivat report')")
@@ -103,7 +94,7 @@ def test_a_set_without_classes_and_with_one_domain_says_what_is_missing(
     page.close()
 
 
-def train(page: Any) -> None:
+def train(page):
     """Train a small head to its end."""
     page.wait_for_selector(".train .go")
     page.click(".train .choices details summary")
@@ -113,9 +104,7 @@ def train(page: Any) -> None:
     page.wait_for_selector(".train .actions .use")
 
 
-def test_a_head_trained_on_a_set_of_one_domain_shows_what_is_known_of_it(
-    opened: Callable[..., Any],
-) -> None:
+def test_a_head_trained_on_a_set_of_one_domain_shows_what_is_known_of_it(opened):
     page = opened("?view=train", domains=("my-sensor",))
     page.wait_for_selector(".train .preview h3:has-text('a head for another set')")
     assert "The set has no other" in page.inner_text(".train .task")
@@ -133,9 +122,7 @@ def test_a_head_trained_on_a_set_of_one_domain_shows_what_is_known_of_it(
     page.close()
 
 
-def test_a_set_without_classes_says_what_to_do_instead_of_training(
-    opened: Callable[..., Any],
-) -> None:
+def test_a_set_without_classes_says_what_to_do_instead_of_training(opened):
     page = opened("?view=train", classes=("unlabelled",))
     page.wait_for_selector(".train .problem:has-text('No domain has pairs of two classes')")
     assert "omnivat report" in page.inner_text(".train .headless pre")

@@ -1,8 +1,6 @@
 """A visitor's actions in a real Chromium: one journey for each tab, by mouse and by keyboard."""
 
 import re
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -11,7 +9,7 @@ from .gestures import ANSWERED, MAP, TOOLS, pixels, place_of_a_point
 pytestmark = pytest.mark.browser
 
 
-def test_raw_stages_do_not_move_and_the_page_says_why(open_page: Callable[..., Any]) -> None:
+def test_raw_stages_do_not_move_and_the_page_says_why(open_page):
     page = open_page("?mode=moved&stage=frft&p=0.2")
     page.wait_for_selector(MAP)
     assert "unitary" in page.locator(".explore .explain").inner_text()
@@ -23,9 +21,7 @@ def test_raw_stages_do_not_move_and_the_page_says_why(open_page: Callable[..., A
     assert pixels(page) == before
 
 
-def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(
-    open_page: Callable[..., Any],
-) -> None:
+def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(open_page):
     page = open_page(TOOLS)
     page.wait_for_selector(MAP)
     at = place_of_a_point(page)
@@ -37,7 +33,7 @@ def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(
     assert re.search(r"pair \d+", page.locator(".pair .slot .what").first.inner_text())
 
 
-def test_a_lasso_selects_points_and_saves_them_as_csv(open_page: Callable[..., Any]) -> None:
+def test_a_lasso_selects_points_and_saves_them_as_csv(open_page):
     page = open_page(TOOLS)
     page.wait_for_selector(MAP)
     page.click(".explore .tool.lasso")
@@ -60,7 +56,7 @@ def test_a_lasso_selects_points_and_saves_them_as_csv(open_page: Callable[..., A
     assert page.locator(".explore .pictures .clear").count() == 0
 
 
-def test_the_keyboard_selects_all_that_is_in_view(open_page: Callable[..., Any]) -> None:
+def test_the_keyboard_selects_all_that_is_in_view(open_page):
     page = open_page(TOOLS)
     page.wait_for_selector(MAP)
     page.focus(".explore .map canvas + canvas")
@@ -77,7 +73,7 @@ def test_the_keyboard_selects_all_that_is_in_view(open_page: Callable[..., Any])
     assert counts[0] > counts[1] > 0
 
 
-def test_the_map_works_by_keyboard_alone(open_page: Callable[..., Any]) -> None:
+def test_the_map_works_by_keyboard_alone(open_page):
     page = open_page(TOOLS)
     page.wait_for_selector(MAP)
     page.focus(".explore .map canvas + canvas")
@@ -102,8 +98,8 @@ FIGURES = """() => [
 
 
 def test_the_tour_asks_before_it_answers_walks_four_chapters_and_ends_with_the_titles_answer(
-    open_page: Callable[..., Any],
-) -> None:
+    open_page,
+):
     page = open_page("?stage=relu&colour=class")
     page.wait_for_selector(MAP)
     page.click(".tour-start")

@@ -1,8 +1,5 @@
 """Letters of every tab can be read: none is smaller than 10 pixels, no title is cut off."""
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 
 from app.views import VIEWS
@@ -25,9 +22,7 @@ CUT = """() => [...document.querySelectorAll('.ov .map-title .where-at, .ov h3, 
 
 
 @pytest.mark.parametrize("width", [400, pytest.param(1024, marks=pytest.mark.long)])
-def test_no_letter_of_a_drawing_is_too_small_and_no_title_is_cut(
-    open_page: Callable[..., Any], width: int
-) -> None:
+def test_no_letter_of_a_drawing_is_too_small_and_no_title_is_cut(open_page, width):
     page = open_page(PAIR, viewport={"width": width, "height": 800})
     for view in VIEWS:
         if view != "explore":
@@ -39,9 +34,7 @@ def test_no_letter_of_a_drawing_is_too_small_and_no_title_is_cut(
 
 @pytest.mark.parametrize("name", ["sensors", "chirps"])
 @pytest.mark.parametrize("width", [400, 1440])
-def test_no_part_of_explore_is_wider_than_the_window(
-    open_page: Callable[..., Any], name: str, width: int
-) -> None:
+def test_no_part_of_explore_is_wider_than_the_window(open_page, name, width):
     page = open_page(f"?set={name}&chapter=analyse", viewport={"width": width, "height": 800})
     page.wait_for_selector(".explore .score b")
     assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
@@ -49,9 +42,7 @@ def test_no_part_of_explore_is_wider_than_the_window(
     assert box["width"] > 200, "the score has room beside the map"
 
 
-def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(
-    open_page: Callable[..., Any],
-) -> None:
+def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(open_page):
     page = open_page("?chapter=analyse")
     page.wait_for_selector(READY["explore"])
     for measure, between in (
@@ -63,9 +54,7 @@ def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(
     assert "Dashed: the raw embedding" in page.locator(".explore .all.curves").text_content()
 
 
-def test_analyse_is_no_wider_than_its_column_and_no_axis_of_a_lecture_is_cut(
-    open_page: Callable[..., Any],
-) -> None:
+def test_analyse_is_no_wider_than_its_column_and_no_axis_of_a_lecture_is_cut(open_page):
     page = open_page(
         "?chapter=analyse&mode=moved&beside=1", viewport={"width": 1280, "height": 720}
     )

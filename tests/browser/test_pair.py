@@ -2,11 +2,8 @@
 
 import json
 import re
-from collections.abc import Callable
 from io import BytesIO
-from pathlib import Path
 from shutil import copyfile
-from typing import Any
 from zipfile import ZipFile
 
 import numpy as np
@@ -17,7 +14,7 @@ from omnivat.cli import main
 from omnivat.data.store import load_embeddings
 from omnivat.head.heads import EXAMPLES
 
-from .fake_sensor import CAMERAS, FakeSensor
+from .fake_sensor import CAMERAS
 from .gestures import ANSWERED, settle, texture
 
 pytestmark = pytest.mark.browser
@@ -29,7 +26,7 @@ SLOT = '.pair .slot[data-modality="{}"]'
 PAIR = "?view=pair&vis=row:0&tac=row:0"
 
 
-def send(page: Any, modality: str, seed: int) -> None:
+def send(page, modality, seed):
     """Choose a picture of noise as photo or touch and wait for its prediction."""
     slot = SLOT.format(modality)
     page.set_input_files(f"{slot} input[type=file]", texture(seed))
@@ -37,12 +34,12 @@ def send(page: Any, modality: str, seed: int) -> None:
     page.wait_for_selector(ANSWERED)
 
 
-def said(page: Any, reading: str) -> str:
+def said(page, reading):
     """Return what one reading predicts, in the words of the page."""
     return str(page.locator(f".pair .reading[data-reading={reading}]").inner_text())
 
 
-def test_pictures_unlike_anything_seen_are_called_a_guess(open_page: Callable[..., Any]) -> None:
+def test_pictures_unlike_anything_seen_are_called_a_guess(open_page):
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
     for seed, modality in enumerate(("vis", "tac")):
@@ -57,7 +54,7 @@ def test_pictures_unlike_anything_seen_are_called_a_guess(open_page: Callable[..
     assert page.locator(".pair .nearest button").count() == 6
 
 
-def test_touch_only_does_not_depend_on_the_photo(open_page: Callable[..., Any]) -> None:
+def test_touch_only_does_not_depend_on_the_photo(open_page):
     page = open_page(PAIR)
     page.wait_for_selector(ANSWERED)
     cells = page.locator(".pair .bars td[data-reading=tac] .share")
@@ -74,7 +71,7 @@ def test_touch_only_does_not_depend_on_the_photo(open_page: Callable[..., Any]) 
     assert page.locator(".pair .bars td[data-reading=fused] .share").all_text_contents() != both
 
 
-def test_no_letter_of_the_chart_over_p_is_cut_off(open_page: Callable[..., Any]) -> None:
+def test_no_letter_of_the_chart_over_p_is_cut_off(open_page):
     page = open_page(PAIR, viewport={"width": 1280, "height": 720})
     page.wait_for_selector(ANSWERED)
     page.click(".pair .what-if-p summary")
@@ -88,9 +85,7 @@ def test_no_letter_of_the_chart_over_p_is_cut_off(open_page: Callable[..., Any])
     assert cut == []
 
 
-def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(
-    open_page: Callable[..., Any],
-) -> None:
+def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(open_page):
     page = open_page(PAIR)
     page.wait_for_selector(ANSWERED)
     settle(page)
@@ -108,9 +103,7 @@ def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(
     assert "guessing" in page.locator(".pair .about-p").inner_text()
 
 
-def test_a_csv_that_names_one_file_twice_is_refused_and_its_folder_is_read(
-    open_page: Callable[..., Any], tmp_path: Path
-) -> None:
+def test_a_csv_that_names_one_file_twice_is_refused_and_its_folder_is_read(open_page, tmp_path):
     for seed, folder in enumerate(("visual", "tactile")):
         for number in range(2):
             file = tmp_path / "own" / folder / f"{number}.png"
@@ -135,7 +128,7 @@ def test_a_csv_that_names_one_file_twice_is_refused_and_its_folder_is_read(
     assert shown[0] != shown[1]
 
 
-def test_own_pairs_are_counted_taught_and_saved(open_page: Callable[..., Any]) -> None:
+def test_own_pairs_are_counted_taught_and_saved(open_page):
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
     for seed, label in ((20, "wood"), (21, "wood"), (22, "cork"), (23, "cork")):
@@ -162,7 +155,7 @@ def test_own_pairs_are_counted_taught_and_saved(open_page: Callable[..., Any]) -
         assert saved.value.path().read_bytes()[:2] == b"PK"
 
 
-def test_a_second_click_while_the_camera_opens_leaves_it_off(open_page: Callable[..., Any]) -> None:
+def test_a_second_click_while_the_camera_opens_leaves_it_off(open_page):
     page = open_page(PAIR, permissions=["camera"])
     page.wait_for_selector(ANSWERED)
     page.evaluate("""() => {
@@ -190,10 +183,10 @@ def test_a_second_click_while_the_camera_opens_leaves_it_off(open_page: Callable
 
 
 @pytest.fixture
-def live(open_page: Callable[..., Any], sensor: FakeSensor, presses: Any) -> Callable[..., Any]:
+def live(open_page, sensor, presses):
     """Return an opener of Live: two cameras see a real sensor at rest, and Live is started."""
 
-    def opened(name: str = "gelsight", **kept: Any) -> Any:
+    def opened(name="gelsight", **kept):
         sensor.see(presses(name)[0])
         page = open_page(PAIR, permissions=["camera"])
         page.add_init_script(f"{{{CAMERAS}}}")
@@ -213,7 +206,7 @@ def live(open_page: Callable[..., Any], sensor: FakeSensor, presses: Any) -> Cal
     return opened
 
 
-def take_rest(page: Any) -> None:
+def take_rest(page):
     """Take the rest picture."""
     page.click(".pair .cameras [data-what=rest]")
     page.wait_for_selector(".pair .feed[data-modality=tac] .state:has-text('mean of 10 frames')")
@@ -229,8 +222,8 @@ IDLE = ".pair .verdict:has-text('No contact')"
 
 @pytest.mark.parametrize("name", ["gelsight", "gelsight_mini"])
 def test_live_gives_a_class_to_a_real_press_and_none_to_a_sensor_at_rest(
-    live: Callable[..., Any], sensor: FakeSensor, presses: Any, name: str
-) -> None:
+    live, sensor, presses, name
+):
     calm, pressed = presses(name)
     page = live(name)
     assert page.evaluate(SIDE_BY_SIDE)
@@ -249,9 +242,7 @@ def test_live_gives_a_class_to_a_real_press_and_none_to_a_sensor_at_rest(
     page.click(".pair .cameras [data-send=camerasSwitched]")
 
 
-def test_no_rest_picture_is_made_of_a_sensor_that_is_touched_meanwhile(
-    live: Callable[..., Any], sensor: FakeSensor, presses: Any
-) -> None:
+def test_no_rest_picture_is_made_of_a_sensor_that_is_touched_meanwhile(live, sensor, presses):
     calm, pressed = presses("gelsight")
     page = live(vis={"device": "none"})
     sensor.see(calm, calm, pressed[0], page=page)
@@ -264,7 +255,7 @@ def test_no_rest_picture_is_made_of_a_sensor_that_is_touched_meanwhile(
     page.click(".pair .cameras [data-send=camerasSwitched]")
 
 
-def shown(body: bytes, pictures: list[Any]) -> int:
+def shown(body, pictures):
     """Return which picture a request shows."""
     with Image.open(BytesIO(body)) as image:
         sent = np.asarray(image.convert("RGB").resize((64, 48)), float)
@@ -275,17 +266,15 @@ def shown(body: bytes, pictures: list[Any]) -> int:
     return int(np.argmin(apart))
 
 
-def test_a_slow_server_gets_the_newest_frame_and_none_in_between(
-    live: Callable[..., Any], sensor: FakeSensor, presses: Any
-) -> None:
+def test_a_slow_server_gets_the_newest_frame_and_none_in_between(live, sensor, presses):
     pressed = presses("gelsight")[1]
     scenes = [presses("gelsight")[0], pressed[0], pressed[24], presses("gelsight_mini")[0]]
     page = live(vis={"device": "none"})
-    held: list[Any] = []
-    sent: list[int] = []
+    held = []
+    sent = []
     waits = True
 
-    def take(route: Any) -> None:
+    def take(route):
         sent.append(shown(route.request.post_data_buffer, scenes))
         held.append(route) if waits else route.continue_()
 
@@ -315,9 +304,7 @@ AFTER_FRAMES = """() => new Promise((done) => {
 })"""
 
 
-def test_live_pictures_join_the_labelled_pairs_and_teach(
-    live: Callable[..., Any], sensor: FakeSensor, presses: Any
-) -> None:
+def test_live_pictures_join_the_labelled_pairs_and_teach(live, sensor, presses):
     pressed = presses("gelsight_mini")[1]
     page = live("gelsight_mini")
     page.click(".pair .cameras [data-what=label]")
@@ -335,9 +322,7 @@ def test_live_pictures_join_the_labelled_pairs_and_teach(
     page.click(".pair .cameras [data-send=camerasSwitched]")
 
 
-def test_live_calibrates_and_records_pairs_that_embed_reads(
-    live: Callable[..., Any], sensor: FakeSensor, presses: Any, tmp_path: Path
-) -> None:
+def test_live_calibrates_and_records_pairs_that_embed_reads(live, sensor, presses, tmp_path):
     calm, pressed = presses("gelsight_mini")
     page = live("gelsight_mini")
     take_rest(page)
@@ -369,9 +354,7 @@ def test_live_calibrates_and_records_pairs_that_embed_reads(
     page.wait_for_selector(ANSWERED)
 
 
-def test_another_crop_drops_the_rest_picture_and_says_so_until_it_is_taken_again(
-    live: Callable[..., Any],
-) -> None:
+def test_another_crop_drops_the_rest_picture_and_says_so_until_it_is_taken_again(live):
     page = live(vis={"device": "none"})
     take_rest(page)
     page.wait_for_selector(IDLE)
@@ -384,7 +367,7 @@ def test_another_crop_drops_the_rest_picture_and_says_so_until_it_is_taken_again
     page.click(".pair .cameras [data-send=camerasSwitched]")
 
 
-def test_an_unplugged_camera_ends_live_in_a_sentence(live: Callable[..., Any]) -> None:
+def test_an_unplugged_camera_ends_live_in_a_sentence(live):
     page = live(vis={"device": "none"})
     page.evaluate(
         """() => { for (const { srcObject } of window.videos)
@@ -398,7 +381,7 @@ def test_an_unplugged_camera_ends_live_in_a_sentence(live: Callable[..., Any]) -
     page.wait_for_selector(ANSWERED)
 
 
-def test_where_tells_whether_any_part_matters(open_page: Callable[..., Any]) -> None:
+def test_where_tells_whether_any_part_matters(open_page):
     page = open_page("?view=pair&vis=row:0")
     page.wait_for_selector(ANSWERED)
     send(page, "tac", 3)
@@ -414,12 +397,12 @@ def test_where_tells_whether_any_part_matters(open_page: Callable[..., Any]) -> 
     assert ("no single part matters" in told) == (shown == 0)
 
 
-def named(name: str, seed: int) -> dict[str, Any]:
+def named(name, seed):
     """Return a picture of noise as a file of this name."""
     return texture(seed) | {"name": name}
 
 
-def test_many_pairs_become_a_table_and_a_csv(open_page: Callable[..., Any]) -> None:
+def test_many_pairs_become_a_table_and_a_csv(open_page):
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
     files = [
@@ -443,9 +426,7 @@ def test_many_pairs_become_a_table_and_a_csv(open_page: Callable[..., Any]) -> N
     page.wait_for_selector(f"{SLOT.format('tac')} .picture img")
 
 
-def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(
-    open_page: Callable[..., Any],
-) -> None:
+def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(open_page):
     page = open_page("?view=pair", viewport={"width": 1440, "height": 900})
     page.wait_for_selector(ANSWERED)
     send(page, "tac", 70)
@@ -464,7 +445,7 @@ def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(
     page.wait_for_selector(".pair .sensor:has-text('no labels')")
 
 
-def own_folder(to: Path, domains: tuple[str, ...]) -> list[str]:
+def own_folder(to, domains):
     """Write example pairs of two classes as a folder without classes; return their labels by
     number.
     """
@@ -484,8 +465,8 @@ FOLDER = ".pair .pairs label:has-text('Folder') input"
 
 
 def test_a_folder_goes_from_a_drop_to_predictions_of_the_next_pictures_by_the_taught_head(
-    open_page: Callable[..., Any], tmp_path: Path
-) -> None:
+    open_page, tmp_path
+):
     labels = own_folder(tmp_path / "first", ("TQ-DIGIT", "OF Real"))
     own_folder(tmp_path / "next", ("TQ-GelMini",))
     page = open_page("?view=pair")
@@ -520,8 +501,8 @@ def test_a_folder_goes_from_a_drop_to_predictions_of_the_next_pictures_by_the_ta
 
 
 def test_photos_given_as_touches_are_asked_about_and_their_profile_can_be_taken_away_where_it_acts(
-    open_page: Callable[..., Any], tmp_path: Path
-) -> None:
+    open_page, tmp_path
+):
     own_folder(tmp_path / "own", ("TQ-DIGIT", "OF Real"))
     photos = tmp_path / "photos"
     photos.mkdir()
@@ -540,7 +521,7 @@ def test_photos_given_as_touches_are_asked_about_and_their_profile_can_be_taken_
     page.wait_for_selector(".pair .profile-now", state="hidden")
 
 
-def test_pictures_whose_names_tell_nothing_are_asked_about(open_page: Callable[..., Any]) -> None:
+def test_pictures_whose_names_tell_nothing_are_asked_about(open_page):
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
     page.set_input_files(".pair .pairs input >> nth=0", [named("7.png", 7), named("8.png", 8)])
@@ -549,7 +530,7 @@ def test_pictures_whose_names_tell_nothing_are_asked_about(open_page: Callable[.
     assert page.locator(".pair .many tbody tr").count() == 2
 
 
-def test_reading_many_pairs_can_be_cancelled(open_page: Callable[..., Any]) -> None:
+def test_reading_many_pairs_can_be_cancelled(open_page):
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
     page.route("**/omnivat/image?*", lambda route: None)  # the server never replies
@@ -563,7 +544,7 @@ def test_reading_many_pairs_can_be_cancelled(open_page: Callable[..., Any]) -> N
     page.unroute("**/omnivat/image?*")
 
 
-def test_a_photo_is_shown_whole(open_page: Callable[..., Any]) -> None:
+def test_a_photo_is_shown_whole(open_page):
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
     fits = page.evaluate(

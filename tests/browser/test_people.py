@@ -1,8 +1,5 @@
 """Accessibility: keyboard only, screen readers, phones, large text, light and dark."""
 
-from collections.abc import Callable, Iterator
-from typing import Any
-
 import pytest
 
 from app.views import VIEWS
@@ -16,7 +13,7 @@ PAIR = "?vis=row:0&tac=row:0&pin=3"
 COLOURS = {"runOnly": ["color-contrast"]}  # what alone differs between light and dark
 
 
-def faults(page: Any, options: dict[str, Any] | None = None) -> list[str]:
+def faults(page, options=None):
     """Return the axe audit's findings for the current page."""
     found = page.evaluate("options => axe.run(document, options)", options or {})
     return [
@@ -27,7 +24,7 @@ def faults(page: Any, options: dict[str, Any] | None = None) -> list[str]:
 
 
 @pytest.fixture
-def audited(open_page: Callable[..., Any]) -> Any:
+def audited(open_page):
     """Return the open page with the audit's script in it."""
     from axe_playwright_python.base import AXE_SCRIPT
 
@@ -37,7 +34,7 @@ def audited(open_page: Callable[..., Any]) -> Any:
     return page
 
 
-def test_an_audit_finds_nothing_wrong_with_any_tab(audited: Any) -> None:
+def test_an_audit_finds_nothing_wrong_with_any_tab(audited):
     for view in VIEWS:
         open_tab(audited, view)
         audited.wait_for_selector(READY[view])
@@ -47,7 +44,7 @@ def test_an_audit_finds_nothing_wrong_with_any_tab(audited: Any) -> None:
 
 
 @pytest.mark.long
-def test_the_dark_page_has_contrast_enough_in_any_tab(audited: Any) -> None:
+def test_the_dark_page_has_contrast_enough_in_any_tab(audited):
     light = pixels(audited)
     audited.click(".ov.top .theme")
     assert pixels(audited) != light
@@ -82,9 +79,9 @@ PASSED = """() => {
 
 
 @pytest.fixture(scope="module")
-def walked(desktop: Any, address: str) -> Iterator[Any]:
+def walked(desktop, address):
     """Return one page for visiting all tabs by keyboard."""
-    problems: list[str] = []
+    problems = []
     page = watched(desktop.new_page(), address, problems)
     page.goto(address + PAIR, wait_until="commit")
     page.wait_for_selector(MAP)
@@ -94,7 +91,7 @@ def walked(desktop: Any, address: str) -> Iterator[Any]:
 
 
 @pytest.mark.parametrize("view", VIEWS)
-def test_the_tab_key_comes_to_everything_and_shows_where_it_is(walked: Any, view: str) -> None:
+def test_the_tab_key_comes_to_everything_and_shows_where_it_is(walked, view):
     page = walked
     open_tab(page, view)
     page.wait_for_selector(READY[view])
@@ -115,9 +112,7 @@ def test_the_tab_key_comes_to_everything_and_shows_where_it_is(walked: Any, view
     assert blind == []
 
 
-def test_a_visitor_without_a_mouse_goes_from_tab_to_tab_and_chooses_a_pair(
-    open_page: Callable[..., Any],
-) -> None:
+def test_a_visitor_without_a_mouse_goes_from_tab_to_tab_and_chooses_a_pair(open_page):
     page = open_page("?chapter=analyse&vis=row:0&tac=row:0")
     page.wait_for_selector(MAP)
     page.focus("#view-explore-button")
@@ -132,7 +127,7 @@ def test_a_visitor_without_a_mouse_goes_from_tab_to_tab_and_chooses_a_pair(
     )
 
 
-def test_where_p_has_come_to_is_said_aloud(open_page: Callable[..., Any]) -> None:
+def test_where_p_has_come_to_is_said_aloud(open_page):
     page = open_page("?mode=moved&p=0.3")
     page.wait_for_selector(MAP)
     page.focus(".explore .order")
@@ -151,9 +146,7 @@ def test_where_p_has_come_to_is_said_aloud(open_page: Callable[..., Any]) -> Non
     ],
     ids=["a phone", "200 % zoom"],
 )
-def test_a_narrow_page_needs_no_scrolling_sideways(
-    open_page: Callable[..., Any], options: dict[str, Any]
-) -> None:
+def test_a_narrow_page_needs_no_scrolling_sideways(open_page, options):
     page = open_page(PAIR, **options)
     page.wait_for_selector(READY["explore"])
     wide = options["viewport"]["width"]
@@ -172,7 +165,7 @@ def test_a_narrow_page_needs_no_scrolling_sideways(
         assert page.evaluate("document.scrollingElement.scrollWidth") <= wide, view
 
 
-def test_a_dark_system_gets_the_dark_page(open_page: Callable[..., Any]) -> None:
+def test_a_dark_system_gets_the_dark_page(open_page):
     page = open_page("?chapter=analyse", color_scheme="dark")
     page.wait_for_selector(MAP)
     assert page.evaluate("document.body.classList.contains('dark')")
@@ -221,7 +214,7 @@ NEXT = """n => {
 }"""
 
 
-def faint(page: Any, view: str) -> list[str]:
+def faint(page, view):
     """Return the buttons of a view, one of each look, whose text is too faint under the pointer."""
     found = []
     for number, name in enumerate(page.evaluate(KINDS, view)):
@@ -233,9 +226,7 @@ def faint(page: Any, view: str) -> list[str]:
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
-def test_a_button_under_the_pointer_can_be_read_pressed_or_not(
-    open_page: Callable[..., Any], theme: str
-) -> None:
+def test_a_button_under_the_pointer_can_be_read_pressed_or_not(open_page, theme):
     page = open_page("?chapter=analyse&beside=1&vis=row:0&tac=row:0", color_scheme=theme)
     page.wait_for_selector(MAP)
     page.add_style_tag(content="* { transition: none !important; }")

@@ -1,8 +1,6 @@
 """Under every accuracy stands one line: which head, from what, over which pairs, what was known."""
 
 import re
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -46,9 +44,7 @@ VIEWS = [
 
 
 @pytest.mark.parametrize("view", VIEWS)
-def test_every_accuracy_on_the_screen_has_a_line_that_tells_where_it_comes_from(
-    open_page: Callable[..., Any], view: str
-) -> None:
+def test_every_accuracy_on_the_screen_has_a_line_that_tells_where_it_comes_from(open_page, view):
     page = open_page(f"?{view}")
     page.wait_for_selector(".explore .provenance >> visible=true")
     settle(page)
@@ -61,7 +57,7 @@ def test_every_accuracy_on_the_screen_has_a_line_that_tells_where_it_comes_from(
     assert page.evaluate(SHARES)["alone"]  # the search can see
 
 
-def test_one_head_has_one_accuracy_in_all_chapters(open_page: Callable[..., Any]) -> None:
+def test_one_head_has_one_accuracy_in_all_chapters(open_page):
     page = open_page("?chapter=analyse&mode=moved")
     page.wait_for_selector(".explore .score .provenance")
     score = page.locator(".explore .score .large").inner_text()

@@ -1,8 +1,5 @@
 """Train here: four visitors, each with a browser profile of their own."""
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 
 from .conftest import DESK
@@ -10,7 +7,7 @@ from .conftest import DESK
 pytestmark = pytest.mark.browser
 
 
-def press_train(page: Any) -> None:
+def press_train(page):
     """Start a long training."""
     page.wait_for_selector(".train .go")
     page.click(".train .choices details summary")
@@ -20,14 +17,12 @@ def press_train(page: Any) -> None:
     page.click(".train .go")
 
 
-def shows(page: Any, words: str) -> None:
+def shows(page, words):
     """Wait until the state of the training contains these words."""
     page.wait_for_selector(f".train .status:has-text('{words}')")
 
 
-def test_four_visitors_see_their_places_and_cancelling_frees_one(
-    open_page: Callable[..., Any],
-) -> None:
+def test_four_visitors_see_their_places_and_cancelling_frees_one(open_page):
     pages = [open_page("?view=train", **DESK) for _ in range(4)]
     for number, page in enumerate(pages):
         press_train(page)

@@ -1,9 +1,6 @@
 """The shelf of real pairs, beside a server that runs where a set was fetched."""
 
 import csv
-from collections.abc import Callable, Iterator
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -24,14 +21,14 @@ PRESSED = ".pair .real button[aria-pressed=true]"
 
 
 @pytest.fixture
-def opened(chromium: Any, tmp_path: Path, fetched: Path) -> Iterator[Callable[..., Any]]:
+def opened(chromium, tmp_path, fetched):
     """Return a function that starts a server in the folder of a fetched set, with arguments, and
     gives an empty page; afterwards neither has failed.
     """
-    servers: list[Server] = []
-    problems: list[str] = []
+    servers = []
+    problems = []
 
-    def start(*more: str) -> Any:
+    def start(*more):
         servers.append(Server(tmp_path, more=more, where=fetched.parent))
         servers[0].start()
         page = watched(chromium.new_page(), servers[0].address, problems)
@@ -46,7 +43,7 @@ def opened(chromium: Any, tmp_path: Path, fetched: Path) -> Iterator[Callable[..
 
 
 @pytest.fixture
-def two_sensors(tmp_path: Path) -> tuple[Path, Path]:
+def two_sensors(tmp_path):
     """Return embeddings and a head of a set as it is fetched: two sensors, two classes, a split."""
     random, folder = np.random.default_rng(0), tmp_path / "pairs"
     folder.mkdir()
@@ -70,9 +67,7 @@ def two_sensors(tmp_path: Path) -> tuple[Path, Path]:
     return file, head
 
 
-def test_a_real_pair_is_read_as_if_it_had_been_dropped_and_names_its_authors(
-    opened: Callable[..., Any], fetched: Path
-) -> None:
+def test_a_real_pair_is_read_as_if_it_had_been_dropped_and_names_its_authors(opened, fetched):
     page = opened()
     away = fetched.rename(fetched.parent / ".away")
     page.goto(page.address + "?view=pair")
@@ -99,9 +94,7 @@ def test_a_real_pair_is_read_as_if_it_had_been_dropped_and_names_its_authors(
     assert dropped == clicked and "guess" in dropped[0]
 
 
-def test_two_real_sensors_open_chapter_two_with_home_away_pictures_and_labels(
-    opened: Callable[..., Any], two_sensors: tuple[Path, Path]
-) -> None:
+def test_two_real_sensors_open_chapter_two_with_home_away_pictures_and_labels(opened, two_sensors):
     file, head = two_sensors
     page = opened("--embeddings", str(file), "--head", str(head))
     page.goto(page.address + "?chapter=where")

@@ -1,7 +1,6 @@
 """What the server serves and accepts, over plain HTTP, in a real process."""
 
 import json
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from http.client import HTTPConnection
 from pathlib import Path
@@ -35,9 +34,7 @@ DOORS = [  # where Gradio and we serve files
 UPWARDS = ["", "/", "../", "../../../../../../../../../../", "..%2f", "%2e%2e/", "....//", "..\\"]
 
 
-def asked(
-    address: str, method: str, path: str, body: bytes | None = None, kind: str = ""
-) -> tuple[int, bytes]:
+def asked(address, method, path, body=None, kind=""):
     """Return status and body; the path is sent unchanged, with dots."""
     parts = urlsplit(address)
     connection = HTTPConnection(str(parts.hostname), parts.port, timeout=150)
@@ -49,7 +46,7 @@ def asked(
         connection.close()
 
 
-def ways(file: Path) -> Iterator[str]:
+def ways(file):
     """Yield paths that an attacker might try."""
     for door in DOORS:
         for up in UPWARDS:
@@ -57,7 +54,7 @@ def ways(file: Path) -> Iterator[str]:
                 yield f"/{door}{up}{quote(name)}"
 
 
-def test_no_path_gives_a_file_that_the_page_does_not_need(address: str) -> None:
+def test_no_path_gives_a_file_that_the_page_does_not_need(address):
     tried = 0
     for file in OUTSIDE:
         secret = file.read_bytes()[:60]
@@ -69,12 +66,12 @@ def test_no_path_gives_a_file_that_the_page_does_not_need(address: str) -> None:
     assert tried > 500
 
 
-def test_fifty_visitors_at_once_are_all_answered_and_each_what_it_asked(address: str) -> None:
-    def answer(row: int) -> list[float]:
+def test_fifty_visitors_at_once_are_all_answered_and_each_what_it_asked(address):
+    def answer(row):
         body = json.dumps({"vis": f"row:{row}", "tac": f"row:{row}", "order": 0.3}).encode()
         status, text = asked(address, "POST", "/omnivat/pair", body, "application/json")
         assert status == 200, text
-        found: list[float] = json.loads(text)["exact"]["readings"]["fused"]
+        found = json.loads(text)["exact"]["readings"]["fused"]
         return found
 
     rows = [7 * (visitor % 25) for visitor in range(50)]

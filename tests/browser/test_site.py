@@ -1,9 +1,6 @@
 """The page as a folder, served by a plain file server, in a real Chromium."""
 
-from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import Any
 from urllib.parse import quote
 
 import pytest
@@ -23,7 +20,7 @@ FOLDER = "Kurs é 100% #1"
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def folder(tmp_path_factory):
     """Return the chirps' site, in a folder of an odd name inside the one that is served."""
     root = tmp_path_factory.mktemp("served")
     out = root / "lab" / FOLDER
@@ -35,31 +32,31 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @contextmanager
-def site(folder: Path) -> Iterator[str]:
+def site(folder):
     """Yield the site's address."""
     with served(folder.parents[1]) as address:
         yield f"{address}lab/{quote(FOLDER)}/"
 
 
-def visit(context: Any) -> tuple[Any, list[str]]:
+def visit(context):
     """Return a page, and a list of its errors."""
     page = context.new_page()
-    problems: list[str] = []
+    problems = []
     page.on("pageerror", lambda error: problems.append(str(error)))
     page.on("console", lambda said: said.type == "error" and problems.append(said.text))
     return page, problems
 
 
 def test_a_plain_file_server_is_enough_for_p_nodes_a_second_map_and_a_pair_by_its_address(
-    desktop: Any, folder: Path
-) -> None:
+    desktop, folder
+):
     with site(folder) as address:
         chapters_analyse_and_a_pair(desktop, address, folder)
 
 
-def chapters_analyse_and_a_pair(context: Any, address: str, folder: Path) -> None:
+def chapters_analyse_and_a_pair(context, address, folder):
     page, problems = visit(context)
-    sizes: list[int] = []
+    sizes = []
     page.on(
         "request", lambda r: r.url.startswith((address, "data:", "blob:")) or problems.append(r.url)
     )
@@ -97,8 +94,8 @@ def chapters_analyse_and_a_pair(context: Any, address: str, folder: Path) -> Non
     "lack", ["globalThis.WebAssembly = undefined;", "WebAssembly.validate = () => false;"]
 )
 def test_a_browser_that_cannot_run_the_models_gets_a_sentence_and_the_chapters(
-    chromium: Any, folder: Path, lack: str
-) -> None:
+    chromium, folder, lack
+):
     context = chromium.new_context(service_workers="block")
     script = next(folder.glob("web-*/site/worker.js")).read_text(encoding="utf-8")
     context.route(
@@ -117,9 +114,7 @@ def test_a_browser_that_cannot_run_the_models_gets_a_sentence_and_the_chapters(
     assert problems == []
 
 
-def test_after_one_visit_the_site_predicts_an_own_pair_without_a_network(
-    chromium: Any, folder: Path
-) -> None:
+def test_after_one_visit_the_site_predicts_an_own_pair_without_a_network(chromium, folder):
     kept = sum(len(file.relative_to(folder).parts) > 1 for file in files_in(folder))
     pictures = [file for file in files_in(folder) if "-example-" in file.name]
     context = chromium.new_context()

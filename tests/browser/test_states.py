@@ -1,8 +1,5 @@
 """States of the page that people come to by clicking: four sizes, light and dark, and on paper."""
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 
 from .gestures import pixels, settle
@@ -55,9 +52,7 @@ CUT = """() => {
 
 
 @pytest.mark.parametrize("size", SIZES, ids=str)
-def test_no_text_is_cut_and_no_part_lies_on_another(
-    open_page: Callable[..., Any], size: tuple[int, int]
-) -> None:
+def test_no_text_is_cut_and_no_part_lies_on_another(open_page, size):
     page = open_page("", viewport=dict(zip(("width", "height"), size, strict=True)))
     home = page.url.split("?")[0]
     for view in VIEWS:
@@ -72,8 +67,8 @@ def test_no_text_is_cut_and_no_part_lies_on_another(
 
 
 def test_each_button_of_the_first_chapter_alone_is_marked_in_its_group_and_all_figures_follow(
-    open_page: Callable[..., Any],
-) -> None:
+    open_page,
+):
     page = open_page("?chapter=touch")
     page.wait_for_selector(".explore .twin .said")
     seen = set()
@@ -99,9 +94,7 @@ def test_each_button_of_the_first_chapter_alone_is_marked_in_its_group_and_all_f
     assert len(seen) > 13
 
 
-def test_each_reading_has_an_interval_and_changes_the_map_and_what_is_right_on_it(
-    open_page: Callable[..., Any],
-) -> None:
+def test_each_reading_has_an_interval_and_changes_the_map_and_what_is_right_on_it(open_page):
     page = open_page("?chapter=fooled")
     page.wait_for_selector(".explore .stage .remark .provenance")
     settle(page)
@@ -115,9 +108,7 @@ def test_each_reading_has_an_interval_and_changes_the_map_and_what_is_right_on_i
     assert len(drawn) == 3
 
 
-def test_what_is_shared_while_p_plays_is_what_stays_on_the_screen(
-    open_page: Callable[..., Any],
-) -> None:
+def test_what_is_shared_while_p_plays_is_what_stays_on_the_screen(open_page):
     page = open_page("?chapter=analyse&mode=moved")
     page.wait_for_selector(".explore .score .provenance")
     before = page.locator(".explore .order").input_value()
@@ -135,8 +126,8 @@ def test_what_is_shared_while_p_plays_is_what_stays_on_the_screen(
 
 @pytest.mark.parametrize("chapter", ["touch", "where", "order", "fooled", "analyse"])
 def test_paper_keeps_the_words_simulated_the_line_of_its_figure_and_the_names_of_its_colours(
-    open_page: Callable[..., Any], chapter: str
-) -> None:
+    open_page, chapter
+):
     page = open_page(f"?chapter={chapter}", viewport={"width": 718, "height": 1047})
     page.wait_for_selector(".explore .provenance >> visible=true")
     settle(page)

@@ -1,8 +1,6 @@
 """The second map, nodes, limits and Train here: one journey for each action."""
 
 import re
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -14,9 +12,7 @@ pytestmark = pytest.mark.browser
 SECOND = "?chapter=analyse&mode=moved&beside=1"
 
 
-def test_the_nodes_of_the_pinned_pair_follow_p_and_tell_which_are_constant(
-    open_page: Callable[..., Any],
-) -> None:
+def test_the_nodes_of_the_pinned_pair_follow_p_and_tell_which_are_constant(open_page):
     page = open_page("?chapter=analyse&mode=moved&pin=0&panel=nodes")
     page.wait_for_selector(".explore .worth:has-text('nodes')")
     settle(page)
@@ -33,9 +29,7 @@ def test_the_nodes_of_the_pinned_pair_follow_p_and_tell_which_are_constant(
     assert page.locator(".explore .tree-view").text_content() != before
 
 
-def test_a_second_map_shows_both_gaps_of_another_step_and_moves_with_the_first(
-    open_page: Callable[..., Any],
-) -> None:
+def test_a_second_map_shows_both_gaps_of_another_step_and_moves_with_the_first(open_page):
     page = open_page("?chapter=analyse&mode=moved")
     page.wait_for_selector(".explore .map[data-order]")
     page.click(".explore .second")
@@ -56,7 +50,7 @@ def test_a_second_map_shows_both_gaps_of_another_step_and_moves_with_the_first(
     assert page.locator(".explore .beside").is_hidden()
 
 
-def test_a_second_map_has_a_step_a_method_and_a_p_of_its_own(open_page: Callable[..., Any]) -> None:
+def test_a_second_map_has_a_step_a_method_and_a_p_of_its_own(open_page):
     page = open_page(SECOND)
     page.wait_for_selector(".explore .beside .map[data-order]")
     page.select_option(".explore .beside .step", "f_hat")
@@ -70,7 +64,7 @@ def test_a_second_map_has_a_step_a_method_and_a_p_of_its_own(open_page: Callable
     assert counts(page) != of_p
 
 
-def counts(page: Any) -> list[int]:
+def counts(page):
     """Return what the page counts of changed predictions, and check that it adds up."""
     page.wait_for_selector(".explore .changed:has-text('predictions change')")
     text = page.locator(".explore .changed").inner_text().replace(",", "")
@@ -98,14 +92,12 @@ def counts(page: Any) -> list[int]:
     ],
     ids=["nodes", "beside", "loading"],
 )
-def test_an_address_opens_the_part_of_a_tab_that_it_names(
-    open_page: Callable[..., Any], query: str, shown: str
-) -> None:
+def test_an_address_opens_the_part_of_a_tab_that_it_names(open_page, query, shown):
     page = open_page(query)
     page.wait_for_selector(f"{shown} >> visible=true")
 
 
-def test_simulated_data_say_so_and_their_limits_open_there(open_page: Callable[..., Any]) -> None:
+def test_simulated_data_say_so_and_their_limits_open_there(open_page):
     page = open_page()
     page.click(".top .badge:has-text('simulated data')")
     page.wait_for_selector(".top .limits:has-text('No figure here is about a real sensor')")
@@ -123,9 +115,7 @@ DEFINED = """() => {
 
 
 @pytest.mark.parametrize("way", ["point", "tap", "key"])
-def test_a_word_of_the_field_has_its_sentence_where_it_stands_and_not_over_the_text(
-    open_page: Callable[..., Any], way: str
-) -> None:
+def test_a_word_of_the_field_has_its_sentence_where_it_stands_and_not_over_the_text(open_page, way):
     page = open_page("?chapter=analyse", **({"has_touch": True} if way == "tap" else {}))
     word = page.locator(".explore .provenance dfn:has-text('head')")
     word.wait_for()
@@ -139,9 +129,7 @@ def test_a_word_of_the_field_has_its_sentence_where_it_stands_and_not_over_the_t
     assert page.locator(".definition").is_hidden()
 
 
-def test_the_accuracy_of_analyse_names_its_head_its_source_its_pairs_and_what_was_known(
-    open_page: Callable[..., Any],
-) -> None:
+def test_the_accuracy_of_analyse_names_its_head_its_source_its_pairs_and_what_was_known(open_page):
     page = open_page("?chapter=analyse&mode=moved")
     page.wait_for_selector(".explore .score .provenance")
     assert re.fullmatch(
@@ -151,7 +139,7 @@ def test_the_accuracy_of_analyse_names_its_head_its_source_its_pairs_and_what_wa
     )
 
 
-def test_a_head_is_trained_scrubbed_used_and_saved(open_page: Callable[..., Any]) -> None:
+def test_a_head_is_trained_scrubbed_used_and_saved(open_page):
     page = open_page("?view=train")
     page.wait_for_selector(".train .go")
     page.click(".train .choices details summary")
@@ -182,7 +170,7 @@ def test_a_head_is_trained_scrubbed_used_and_saved(open_page: Callable[..., Any]
     page.wait_for_selector(".explore .modes [data-key=moved][aria-checked=true]")
 
 
-def test_a_set_of_signals_offers_neither_camera_nor_sensor(open_page: Callable[..., Any]) -> None:
+def test_a_set_of_signals_offers_neither_camera_nor_sensor(open_page):
     page = open_page("?set=chirps&view=pair")
     page.wait_for_selector(".pair .of-signals:visible")
     page.wait_for_selector(".pair .slot .where:visible")

@@ -1,8 +1,5 @@
 """Try a pair: what a taught head and a guess look like in every part of the tab."""
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 
 from .gestures import ANSWERED, texture
@@ -12,7 +9,7 @@ pytestmark = pytest.mark.browser
 SLOT = '.pair .slot[data-modality="{}"]'
 
 
-def photo(page: Any, seed: int) -> None:
+def photo(page, seed):
     """Choose a picture of noise as the photo and wait for its prediction."""
     slot = SLOT.format("vis")
     page.set_input_files(f"{slot} input[type=file]", texture(seed))
@@ -21,7 +18,7 @@ def photo(page: Any, seed: int) -> None:
 
 
 @pytest.fixture
-def taught(open_page: Callable[..., Any]) -> Any:
+def taught(open_page):
     """Return the page with two photos in each of two classes, predicted by the taught head."""
     page = open_page("?view=pair&vis=row:0")
     page.wait_for_selector(ANSWERED)
@@ -33,7 +30,7 @@ def taught(open_page: Callable[..., Any]) -> Any:
     return page
 
 
-def test_where_explains_the_taught_head_while_it_makes_the_headline(taught: Any) -> None:
+def test_where_explains_the_taught_head_while_it_makes_the_headline(taught):
     headline = taught.locator(".pair .reading[data-reading=vis] .said").inner_text()
     with taught.expect_request(lambda request: "/occlusion?" in request.url) as sent:
         taught.click(f"{SLOT.format('vis')} .where")
@@ -48,7 +45,7 @@ def test_where_explains_the_taught_head_while_it_makes_the_headline(taught: Any)
     assert "taught" not in what.inner_text()
 
 
-def test_every_class_of_a_guess_is_grey_and_called_one(open_page: Callable[..., Any]) -> None:
+def test_every_class_of_a_guess_is_grey_and_called_one(open_page):
     page = open_page("?view=pair&vis=row:0")
     page.wait_for_selector(ANSWERED)
     photo(page, 9)

@@ -1,8 +1,5 @@
 """Links, history, several visitors, no network, and a server that crashes and restarts."""
 
-from collections.abc import Callable
-from typing import Any
-
 import pytest
 
 from .conftest import watched
@@ -11,7 +8,7 @@ from .gestures import ANSWERED, MAP, READY, WHERE, grab, open_tab, p_shown, pixe
 pytestmark = pytest.mark.browser
 
 
-def test_a_link_brings_back_what_was_seen(open_page: Callable[..., Any]) -> None:
+def test_a_link_brings_back_what_was_seen(open_page):
     query = "?mode=moved&p=0.31&stage=relu&colour=class&domain=TAG-sim&pin=3"
     page = open_page(query)
     page.wait_for_selector(MAP)
@@ -22,9 +19,7 @@ def test_a_link_brings_back_what_was_seen(open_page: Callable[..., Any]) -> None
     assert page.locator(".explore .card h3").inner_text().startswith("Pair 3")
 
 
-def test_the_tab_of_a_link_opens_even_where_gradio_loses_the_first_clicks(
-    new_page: Callable[..., Any], address: str
-) -> None:
+def test_the_tab_of_a_link_opens_even_where_gradio_loses_the_first_clicks(new_page, address):
     page = new_page()
     page.add_init_script("""{
             const click = HTMLElement.prototype.click;
@@ -39,11 +34,9 @@ def test_the_tab_of_a_link_opens_even_where_gradio_loses_the_first_clicks(
     page.wait_for_selector(READY["explore"])
 
 
-def test_nothing_but_maps_waits_for_a_map_that_takes_long(
-    new_page: Callable[..., Any], address: str
-) -> None:
+def test_nothing_but_maps_waits_for_a_map_that_takes_long(new_page, address):
     page = new_page()
-    ready: list[bool] = []
+    ready = []
     step = {"step": {"done": 1, "total": 9, "text": "p = 0.1"}, "ready": False}
     page.route(
         "**/omnivat/frames*",
@@ -63,9 +56,7 @@ def test_nothing_but_maps_waits_for_a_map_that_takes_long(
     page.wait_for_selector(".top .limits:has-text('Map positions')")
 
 
-def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(
-    open_page: Callable[..., Any],
-) -> None:
+def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(open_page):
     page = open_page("?mode=moved")
     page.wait_for_selector(MAP)
     plain = pixels(page)
@@ -86,7 +77,7 @@ def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(
     assert pixels(other) == drawn
 
 
-def test_junk_in_the_address_is_left_out_and_the_page_opens(open_page: Callable[..., Any]) -> None:
+def test_junk_in_the_address_is_left_out_and_the_page_opens(open_page):
     page = open_page(
         "?p=abc&stage=%3Cimg%20src=x%3E&colour=constructor&pin=-4&view=nowhere&map=x&class=~~&p2=1e9"
     )
@@ -99,9 +90,7 @@ def test_junk_in_the_address_is_left_out_and_the_page_opens(open_page: Callable[
     assert pixels(page) != before
 
 
-def test_going_back_shows_what_was_left_and_a_drag_leaves_one_step_not_hundreds(
-    open_page: Callable[..., Any], address: str
-) -> None:
+def test_going_back_shows_what_was_left_and_a_drag_leaves_one_step_not_hundreds(open_page, address):
     page = open_page("?chapter=order")
     page.wait_for_selector(MAP)
     steps = page.evaluate("history.length")
@@ -122,9 +111,7 @@ def test_going_back_shows_what_was_left_and_a_drag_leaves_one_step_not_hundreds(
     assert pixels(page) != before  # alive, not a picture of itself
 
 
-def test_back_steps_through_chapters_and_the_chosen_theme_outlives_a_reload(
-    open_page: Callable[..., Any],
-) -> None:
+def test_back_steps_through_chapters_and_the_chosen_theme_outlives_a_reload(open_page):
     page = open_page(WHERE)
     page.wait_for_selector(READY["explore"])
     page.click('.explore [data-chapter="fooled"]')
@@ -141,7 +128,7 @@ def test_back_steps_through_chapters_and_the_chosen_theme_outlives_a_reload(
     page.click(".ov.top .theme")  # this profile is shared
 
 
-def test_two_visitors_do_not_disturb_one_another(open_page: Callable[..., Any]) -> None:
+def test_two_visitors_do_not_disturb_one_another(open_page):
     own = {"viewport": {"width": 1440, "height": 900}}
     one, two = (open_page("?mode=moved&p=0.3", **own) for _ in range(2))
     for page in (one, two):
@@ -165,8 +152,8 @@ def test_two_visitors_do_not_disturb_one_another(open_page: Callable[..., Any]) 
     assert said[0] != said[1]
 
 
-def test_the_watch_for_outside_requests_sees_one(desktop: Any, address: str) -> None:
-    problems: list[str] = []
+def test_the_watch_for_outside_requests_sees_one(desktop, address):
+    problems = []
     page = watched(desktop.browser.new_page(bypass_csp=True), address, problems)
     page.goto(address + "omnivat/about")
     page.evaluate("fetch('http://elsewhere.invalid/').catch(() => 0)")
@@ -174,7 +161,7 @@ def test_the_watch_for_outside_requests_sees_one(desktop: Any, address: str) -> 
     assert problems == ["outside request: http://elsewhere.invalid/"]
 
 
-def test_a_camera_gives_a_picture_that_is_answered(open_page: Callable[..., Any]) -> None:
+def test_a_camera_gives_a_picture_that_is_answered(open_page):
     page = open_page("?view=pair&vis=row:0&tac=row:0", permissions=["camera"])
     page.wait_for_selector(ANSWERED)
     slot = '.pair .slot[data-modality="tac"]'
@@ -187,8 +174,8 @@ def test_a_camera_gives_a_picture_that_is_answered(open_page: Callable[..., Any]
 
 
 def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_images_again(
-    desktop: Any, server: Any
-) -> None:
+    desktop, server
+):
     page = desktop.new_page()
     page.goto(server.address + "?chapter=analyse&vis=row:0&tac=row:0", wait_until="commit")
     page.wait_for_selector(MAP)
@@ -213,13 +200,11 @@ def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_i
     page.close()
 
 
-def test_a_server_started_again_with_another_head_is_told_of_and_not_mixed_in(
-    open_page: Callable[..., Any],
-) -> None:
+def test_a_server_started_again_with_another_head_is_told_of_and_not_mixed_in(open_page):
     page = open_page("?view=pair")
     page.wait_for_selector(ANSWERED)
 
-    def as_another(route: Any) -> None:
+    def as_another(route):
         answer = route.fetch()
         route.fulfill(response=answer, headers={**answer.headers, "x-holds": "another"})
 

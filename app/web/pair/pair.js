@@ -187,7 +187,7 @@ class PairView extends View {
       const { vis, tac } = state;
       if (vis !== this.tab.vis || tac !== this.tab.tac) send("opened", { vis, tac });
     });
-    watchIn("pair", ["p"], () => this.whatIf.mark());
+    watchIn("pair", ["p"], () => this.whatIf.show());
     watch(["view"], () => this.tab.on && send("camerasOff", ""));
     onTheme(() => this.whatIf.repaint());
   }

@@ -4,77 +4,80 @@ import { ask, attempt } from "../shared/api.js";
 import { HUNDREDTHS, orderBar } from "../shared/order.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
-import { draw, html, percent, put } from "../shared/text.js";
+import { draw, html, percent } from "../shared/text.js";
 import { onClick, View } from "../shared/view.js";
 import { Lines } from "./lines.js";
 import { Attention, Spectra } from "./rasters.js";
 import { readingsOf, titleOf } from "./verdict.js";
 
 export class WhatIf extends View {
+  /** @type {PairTab | null} */
+  tab = null;
+  /** @type {Reading} */
+  reading = "fused";
+  /** The prediction that p was set for. @type {Predicted | null} */
+  known = null;
+  /** The one whose pictures are drawn. @type {Predicted | null} */
+  drawn = null;
+
   /** @param {HTMLDetailsElement} box */
   constructor(box) {
     super(box);
-    this.details = box;
-    /** @type {PairTab | null} */
-    this.tab = null;
-    /** @type {Reading} */
-    this.reading = "fused";
     this.bar = orderBar(this.$(".order-bar"));
     this.lines = new Lines(this.$(".lines"), (p) => change({ p }));
     this.spectra = new Spectra(this.$(".pictures"));
     this.attention = new Attention(this.$(".looks"));
-    /** @type {Question | null} */
-    this.looked = null; // the request whose attention is shown
-    box.ontoggle = () => this.paint();
+    box.ontoggle = () => this.show();
     onClick(this.$(".which"), {
       button: ({ dataset }) => {
         this.reading = dataset.key;
-        this.paint();
+        this.show();
       },
     });
   }
 
-  /** Show the prediction of the tab; nothing without one. @param {PairTab} tab */
-  show(tab) {
-    const before = this.tab;
+  /** Show the prediction of the tab at the present p; nothing without one. What is folded away is not drawn.
+   * @param {PairTab | null} tab */
+  show(tab = this.tab) {
     this.tab = tab;
-    const { answer } = tab;
+    const { answer, question, familiar, set } = tab ?? {};
     this.box.hidden = !answer;
-    if (!answer) return;
-    if (answer !== before?.answer) {
-      if (state.p === null) state.p = answer.learned;
-      this.bar.learned(answer.learned);
+    if (!answer || !question) return;
+    const { classes, stops, learned, span, spectra } = answer;
+    if (answer !== this.known) {
+      this.known = answer;
+      state.p ??= learned;
+      this.bar.learned(learned);
       this.$(".about-p").textContent = aboutP(answer);
     }
-    if (answer !== before?.answer || tab.set !== before.set) this.paint();
-    else if (tab.familiar !== before.familiar) this.mark();
-  }
-
-  /** What the readings say at a stop. @param {Predicted} answer @param {number} stop */
-  at({ classes, stops }, stop) {
+    const stop = HUNDREDTHS.stop(state.p);
+    this.bar.show(stop);
+    if (!this.box.open) return;
+    if (answer !== this.drawn) {
+      this.drawn = answer;
+      this.spectra.show(spectra);
+      this.look(question);
+    }
     const readings = Object.fromEntries(Object.entries(stops).map(([name, rows]) => [name, rows[stop]]));
-    return readingsOf({ classes, readings, images: this.tab?.familiar?.images }).filter(({ label }) => label);
-  }
-
-  /** Draw only while the section is open. */
-  paint() {
-    const { answer, question } = this.tab ?? {};
-    if (!answer || !question || !this.details.open) return;
-    const there = this.at(answer, 0).map(({ reading }) => reading);
-    if (!there.includes(this.reading)) [this.reading] = there;
-    const readings = there.map((key) => ({ key, label: titleOf(key) }));
-    draw(this.$(".which"), radios(readings, this.reading));
-    this.spectra.show(answer.spectra);
-    this.look(question);
-    this.mark();
+    const all = readingsOf({ classes, readings, images: familiar?.images }).filter(({ label }) => label);
+    const { reading, label, share, guess } = all.find((said) => said.reading === this.reading) ?? all[0];
+    this.reading = reading;
+    const p = HUNDREDTHS.orders[stop];
+    const choices = all.map((said) => ({ key: said.reading, label: titleOf(said.reading) }));
+    draw(this.$(".which"), radios(choices, reading));
+    this.lines.show({ classes, p, rows: stops[reading], learned, band: band(span, set?.frames?.fits) });
+    for (const one of [this.spectra, this.attention]) one.mark(stop);
+    const words = guess
+      ? html`<b>${label}?</b> A guess at every p, because an image is unlike anything seen.`
+      : html`<b>${label} ${percent(share)}</b>.`;
+    draw(this.$(".at-p"), html`With p = ${p.toFixed(2)}, ${titleOf(reading).toLowerCase()}: ${words}`);
   }
 
   /** @param {Question} question */
   async look(question) {
-    if (this.looked === question) return;
-    this.looked = question;
+    const { drawn } = this;
     /** @type {Attention["show"]} */
-    const show = (...reply) => this.looked === question && this.attention.show(...reply);
+    const show = (...reply) => this.drawn === drawn && this.attention.show(...reply);
     show(null);
     await attempt(
       async () => show(await ask("attention", question)),
@@ -82,28 +85,9 @@ export class WhatIf extends View {
     );
   }
 
-  /** Show the current p. */
-  mark() {
-    const { answer, set } = this.tab ?? {};
-    if (!answer || state.p === null) return;
-    const stop = HUNDREDTHS.stop(state.p);
-    this.bar.show(stop);
-    if (!this.details.open) return;
-    const { classes, stops, learned, span } = answer;
-    const p = HUNDREDTHS.orders[stop];
-    this.lines.show({ classes, p, rows: stops[this.reading], learned, band: band(span, set?.frames?.fits) });
-    for (const one of [this.spectra, this.attention]) one.mark(stop);
-    const [said] = this.at(answer, stop).filter(({ reading }) => reading === this.reading);
-    const words = said.guess
-      ? html`<b>${said.label}?</b> A guess at every p, because an image is unlike anything seen.`
-      : html`<b>${said.label} ${percent(said.share)}</b>.`;
-    put(this.$(".at-p"), html`With p = ${p.toFixed(2)}, ${titleOf(this.reading).toLowerCase()}: ${words}`);
-  }
-
   repaint() {
     this.spectra.paint();
-    this.attention.mark();
-    this.mark();
+    this.show();
   }
 }
 
