@@ -85,7 +85,7 @@ def scores_of(
     Pairs of other classes than `classes` are left out, and training pairs from "unseen". None if no
     pair remains.
     """
-    from omnivat.measure.evaluate import label_map
+    from omnivat.measure.predictions import label_map
     from omnivat.measure.unseen import counted, mean_over_domains
 
     label = label_map(list(classes), embeddings.header.classes)[embeddings.label]

@@ -26,7 +26,7 @@ from omnivat.head.teach import Lesson
 from omnivat.kit.files import write_json
 from omnivat.kit.schema import read_object
 from omnivat.kit.stages import IMAGES
-from omnivat.measure.evaluate import label_map, predicted_probabilities
+from omnivat.measure.predictions import label_map, predicted_probabilities
 
 OUT = Path("docs/benchmarks/own.json")
 READINGS = ("fused", *IMAGES)

@@ -1,14 +1,13 @@
 """Evaluate a head on every domain of an embeddings file.
 
 python -m omnivat evaluate --head DIR --embeddings FILE [--order P] [--profile FILE] [--json]
-[--figure FILE] python -m omnivat evaluate --ladder    the page's ladder, as a file next to the
-embeddings python -m omnivat evaluate --unlabelled N [--draws K] [--seed N]    profiles of N
-unlabelled pairs of each domain
+python -m omnivat evaluate --unlabelled N [--draws K]  N pairs of each domain known, no labels
+python -m omnivat evaluate --ladder  the page's ladder, as a file next to the embeddings
 """
 
 import argparse
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from statistics import pstdev
 from typing import TYPE_CHECKING, Any
 
@@ -16,8 +15,7 @@ from omnivat.cli.arguments import as_json, count, declare, figure, flag, head_an
 from omnivat.kit.errors import SettingsError
 
 if TYPE_CHECKING:
-    from omnivat.data.store import Embeddings
-    from omnivat.head.checkpoint import Head
+    pass
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -51,7 +49,8 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Load both, score every domain, print a table."""
-    from omnivat.measure.evaluate import evaluate
+    from omnivat.data.profile import domain_of, load_profile
+    from omnivat.measure.known import NOTHING, evaluate, pairs
 
     head, embeddings = head_and_set(options, profiled=False)
     if options.ladder:
@@ -59,62 +58,28 @@ def run(options: argparse.Namespace) -> None:
 
         print(f"written: {write_ladder(head, embeddings, options.embeddings)}")
         return
+    if options.profile and options.unlabelled is not None:
+        raise SettingsError("Give --profile or --unlabelled, not both.")
+    loaded = [load_profile(file) for file in options.profile]
     with progress_bar("evaluate") as show:
-        draws = [
-            [
-                {**record, "unlabelled": counts.get(record["domain"], 0)}
-                for record in evaluate(head, given, order=options.order, on_step=show)
-            ]
-            for given, counts in _known(options, head, embeddings)
-        ]
-    records = averaged(draws)
+        records = evaluate(
+            head,
+            head.profiled(embeddings, loaded) if loaded else embeddings,
+            NOTHING if options.unlabelled is None else pairs(options.unlabelled),
+            draws=options.draws,
+            seed=options.seed,
+            order=options.order,
+            on_step=show,
+        )
+    by_name = {record["domain"]: record for record in records}
+    for profile in loaded:
+        domain = domain_of(profile, embeddings.header.domains, head.source)
+        by_name[domain]["known_pairs"] = max(profile.counts.values())
     if options.figure:
         from omnivat.figures import strangers, write
 
         write(options.figure, strangers(summary(records, head.source)))
     print(as_json(records) if options.json else table(records))
-
-
-def _known(
-    options: argparse.Namespace, head: "Head", embeddings: "Embeddings"
-) -> Iterator[tuple["Embeddings", dict[str, int]]]:
-    """Yield, for each draw, profiled embeddings without the pairs of profiles, and pictures by
-    domain.
-    """
-    from omnivat.data.profile import domain_of, load_profile
-    from omnivat.measure.known import drawn
-
-    if options.unlabelled is None:
-        domains = embeddings.header.domains
-        loaded = [load_profile(file) for file in options.profile]
-        yield (
-            head.profiled(embeddings, loaded) if loaded else embeddings,
-            {domain_of(p, domains, head.source): max(p.counts.values()) for p in loaded},
-        )
-        return
-    if options.profile:
-        raise SettingsError("Give --profile or --unlabelled, not both.")
-    for k in range(options.draws if options.unlabelled else 1):
-        draw = drawn(head, embeddings, options.unlabelled, seed=options.seed + k)
-        yield draw.embeddings, draw.pictures
-
-
-def averaged(draws: Sequence[list[dict[str, Any]]]) -> list[dict[str, Any]]:
-    """Return the records of several draws as one: mean scores, and `draws`, the ACC of each.
-
-    Counts and confusions are those of the first draw. A domain without drawn pairs stays as it is.
-    """
-    first, *_ = draws
-    for k, record in enumerate(first):
-        if len(draws) > 1 and record["unlabelled"]:
-            own = [one[k]["scores"] for one in draws if one[k]["scores"]]
-            scores = {
-                reading: {m: sum(s[reading][m] for s in own) / len(own) for m in values}
-                for reading, values in record["scores"].items()
-            }
-            each = [s["fused"]["accuracy"] for s in own]
-            first[k] = {**record, "scores": scores, "draws": each}
-    return first
 
 
 def summary(records: Sequence[dict[str, Any]], source: str) -> dict[str, Any]:
@@ -161,7 +126,7 @@ def table(records: Sequence[dict[str, Any]]) -> str:
             f"{name:<18} {record['pairs']:>6} {100 * fused['accuracy']:>6.1f} "
             f"{100 * fused['macro_f1']:>6.1f} {' '.join(alone)}"
         )
-    from omnivat.measure.evaluate import target_mean, target_scores
+    from omnivat.measure.known import target_mean, target_scores
 
     targets = target_scores(records)
     mean, f1 = target_mean(targets), target_mean(targets, "macro_f1")
@@ -171,7 +136,7 @@ def table(records: Sequence[dict[str, Any]]) -> str:
         )
     else:
         lines.append(f"{'mean of targets':<18} {'':>6} {100 * mean:>6.1f} {100 * f1:>6.1f}")
-    if most := max((record.get("unlabelled", 0) for record in records), default=0):
+    if most := max((record["known_pairs"] for record in records), default=0):
         lines.append(
             f"Known of the profiled targets: up to {most} pictures without labels (their pairs are "
             "not predicted). Not comparable with strict domain generalisation."

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from omnivat.data.embeddings import Embeddings
 from omnivat.head.checkpoint import Head
-from omnivat.measure.evaluate import blocks, label_map, predicted_probabilities
 from omnivat.measure.gaps.confusion import confusion
 from omnivat.measure.gaps.unit import unit
+from omnivat.measure.predictions import blocks, label_map, predicted_probabilities
 
 READINGS = ("fused", "vis", "tac")
 UNSEEN = "unseen"  # the name of all unseen domains together

@@ -13,8 +13,8 @@ from omnivat.head.training import training_pass
 from omnivat.kit.errors import DataError
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
-from omnivat.measure.evaluate import CHUNK, label_map, predicted_probabilities
 from omnivat.measure.gaps.confusion import accuracy
+from omnivat.measure.predictions import CHUNK, label_map, predicted_probabilities
 
 
 def lang_guard(model: OmniVaT, pairs: Embeddings, bank: LangBank, *, seed: int) -> dict[str, float]:

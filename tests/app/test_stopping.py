@@ -9,7 +9,7 @@ from app.jobs import Jobs
 from app.messages import BusyError, CancelledError
 from app.routes import FACTS, QUESTIONS, SENT, routes
 from omnivat.kit.progress import CHECK
-from omnivat.measure.evaluate import CHUNK
+from omnivat.measure.predictions import CHUNK
 
 from .conftest import LESSONS
 

@@ -20,8 +20,8 @@ from omnivat.maps.projection import pca
 from omnivat.maps.projection.quality import trust
 from omnivat.maps.projection.torch_umap import aligned, following
 from omnivat.maps.sweep import MEASURES, STAGES, STILL, AtOrder, Features, facts_of, measured, walk
-from omnivat.measure.evaluate import label_map
 from omnivat.measure.gaps.unit import unit
+from omnivat.measure.predictions import label_map
 from omnivat.measure.unseen import counted, mean_over_domains
 
 METHODS = ("pca", "umap")

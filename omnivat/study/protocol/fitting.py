@@ -20,7 +20,7 @@ from omnivat.kit.config import settings_from
 from omnivat.kit.errors import DataError
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.tables import load
-from omnivat.measure.evaluate import label_map, predicted_probabilities
+from omnivat.measure.predictions import label_map, predicted_probabilities
 from omnivat.study.baselines import BASELINES
 from omnivat.study.baselines.contract import Fitted, Predict, Source
 from omnivat.study.protocol.images import inputs, live_of, require_own_images, tensor

@@ -16,9 +16,9 @@ import torch
 from omnivat.data.packing import DIGITS, compact, digits, odds
 from omnivat.data.store import Embeddings
 from omnivat.head.output import READINGS
-from omnivat.measure.evaluate import label_map, scores
 from omnivat.measure.gaps.calibration import aurc, ece, nll
 from omnivat.measure.gaps.sums import cosine_margin
+from omnivat.measure.predictions import label_map, scores
 from omnivat.study.protocol.fitting import Outcome
 
 

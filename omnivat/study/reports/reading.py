@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
-from omnivat.measure.evaluate import target_mean
+from omnivat.measure.known import target_mean
 
 Record = Mapping[str, Any]
 METRICS = {"accuracy": "ACC", "macro_f1": "Macro-F1", "macro_f1_union": "Macro-F1 (union)"}

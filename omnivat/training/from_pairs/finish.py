@@ -14,13 +14,8 @@ from omnivat.head.calibration import familiarity_of, fit_calibration
 from omnivat.head.checkpoint import Head
 from omnivat.head.fusion import Temperatures
 from omnivat.kit.errors import DataError
-from omnivat.measure.evaluate import (
-    evaluate,
-    label_map,
-    predicted_logits,
-    target_mean,
-    target_scores,
-)
+from omnivat.measure.known import evaluate, target_mean, target_scores
+from omnivat.measure.predictions import label_map, predicted_logits
 from omnivat.training import Watch
 from omnivat.training.from_pairs.plan import TrainingPlan
 from omnivat.training.selection import evidence

@@ -14,8 +14,8 @@ from omnivat.kit.stages import IMAGES
 from omnivat.maps.projection import pca
 from omnivat.maps.projection.torch_umap import aligned
 from omnivat.maps.sweep import AtOrder, facts_of, measured, walk
-from omnivat.measure.evaluate import label_map
 from omnivat.measure.gaps.unit import unit
+from omnivat.measure.predictions import label_map
 from omnivat.measure.unseen import counted, mean_over_domains
 from omnivat.training.from_pairs.plan import TrainingPlan
 from omnivat.training.watch import OnEpoch

@@ -36,9 +36,9 @@ def evaluated(run, head_folder):
 def test_unlabelled_pairs_are_counted_and_the_source_stays(evaluated, two):
     plain = evaluated(two)
     assert plain == evaluated(two, "--unlabelled", 0)
-    assert {r["unlabelled"] for r in plain.values()} == {0}
+    assert {r["known_pairs"] for r in plain.values()} == {0}
     some = evaluated(two, "--unlabelled", 5, "--seed", 1)
-    assert [some[d]["unlabelled"] for d in some] == [0, 5, 5]
+    assert [some[d]["known_pairs"] for d in some] == [0, 5, 5]
     assert some["TAG-sim"] == plain["TAG-sim"]
     assert some["OF Real-sim"]["pairs"] == plain["OF Real-sim"]["pairs"]  # test objects
 
@@ -70,7 +70,7 @@ def test_without_a_split_the_drawn_pairs_are_not_predicted(evaluated, tmp_path, 
 
 def test_a_profile_file_serves_the_domain_that_it_names(evaluated, two):
     plain, some = evaluated(two), evaluated(two, "--profile", two / "p.safetensors")
-    assert some["OF Real-sim"]["unlabelled"] == 20
+    assert some["OF Real-sim"]["known_pairs"] == 20
     assert some["TQ-DIGIT-sim"] == plain["TQ-DIGIT-sim"]
 
 

@@ -10,7 +10,7 @@ from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.head.head import build_head
 from omnivat.head.settings import HeadSettings
 from omnivat.maps.sweep import STAGES, facts_of, measured, sweep, walk
-from omnivat.measure.evaluate import predicted_probabilities
+from omnivat.measure.predictions import predicted_probabilities
 from omnivat.study.protocol.records import fingerprint
 
 

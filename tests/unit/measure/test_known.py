@@ -4,9 +4,17 @@ import numpy as np
 import pytest
 
 from omnivat.kit.errors import DataError
-from omnivat.measure import known
-from omnivat.measure.evaluate import evaluate, target_mean, target_scores
-from omnivat.measure.known import NOTHING, drawn, labels, measured, pairs, record
+from omnivat.measure.known import (
+    NOTHING,
+    evaluate,
+    labels,
+    measured,
+    pairs,
+    parts,
+    record,
+    target_mean,
+    target_scores,
+)
 
 
 def test_nothing_known_is_what_evaluate_says(head, shifted):
@@ -35,9 +43,9 @@ def test_pictures_and_labels_bring_a_shifted_sensor_back(head, shifted):
 
 def test_a_known_pair_is_never_tested(head, make_embeddings):
     whole = make_embeddings(per_class=8)  # without a split all pairs are test pairs
-    draw = drawn(head, whole, 5, seed=3)
-    assert draw.pictures == {"OF Real-sim": 5} and len(draw.rows) == len(whole) - 5
     there = (whole.domain == 1).sum()
+    home, away = parts(head, whole, pairs(5), seed=3)
+    assert (home.known_pairs, away.known_pairs, len(away.rows)) == (0, 5, there - 5)
     assert measured(head, whole, draws=1)["pairs"] == there
     assert measured(head, whole, pairs(5), draws=1)["pairs"] == there - 5
     assert measured(head, whole, labels(2), draws=1)["pairs"] == there - 10
@@ -74,11 +82,20 @@ def test_what_cannot_be_measured_has_its_reason(head, make_embeddings):
         measured(head, make_embeddings(per_class=4), home=True)
 
 
-def test_seeds_draw_other_pairs(head, shifted):
-    first, again, other = (measured(head, shifted, pairs(2), draws=1, seed=k) for k in (0, 0, 1))
-    assert first == again
-    assert (
-        known.drawn(head, shifted, 2, seed=0).rows.tolist()
-        != known.drawn(head, shifted, 2, seed=1).rows.tolist()
+def test_seeds_draw_other_pairs(head, make_embeddings):
+    whole = make_embeddings(per_class=8)  # without a split: a drawn pair is missing from the test
+    first, again, other = (
+        [part.places.tolist() for part in parts(head, whole, pairs(2), seed=seed)]
+        for seed in (0, 0, 1)
     )
-    assert first["rung"] == other["rung"] == "n2"
+    assert first == again != other
+    assert first[0] == other[0]  # the source
+
+
+def test_an_evaluation_averages_draws_and_keeps_the_source(head, shifted):
+    home, away = evaluate(head, shifted, labels(2), draws=2, seed=3)
+    single = [evaluate(head, shifted, labels(2), draws=1, seed=seed)[1] for seed in (3, 4)]
+    each = [record["scores"]["fused"]["accuracy"] for record in single]
+    assert away["draws"] == each and away["known_pairs"] == 10
+    assert away["scores"]["fused"]["accuracy"] == pytest.approx(np.mean(each))
+    assert home == evaluate(head, shifted)[0] and home["known_pairs"] == 0

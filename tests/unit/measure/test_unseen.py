@@ -11,7 +11,7 @@ from omnivat.head.head import build_head
 from omnivat.head.settings import HeadSettings
 from omnivat.maps.frames.builder import NAMES, build_frames
 from omnivat.maps.frames.records import with_learned
-from omnivat.measure.evaluate import evaluate
+from omnivat.measure.known import evaluate
 from omnivat.measure.unseen import (
     counted,
     judged,

@@ -8,7 +8,7 @@ import torch
 
 from omnivat.fractional import dfrft
 from omnivat.head.settings import HeadSettings
-from omnivat.measure.evaluate import predicted_probabilities
+from omnivat.measure.predictions import predicted_probabilities
 from omnivat.simulate.chirps import CLASSES, DOMAINS, ChirpSettings, chirp_embeddings
 from omnivat.training import TrainSettings, Watch, order_search, train
 from omnivat.training.order_search import (

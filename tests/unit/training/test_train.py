@@ -9,7 +9,7 @@ import torch
 
 from omnivat.encoders.lang.bank import load_bank
 from omnivat.kit.errors import DataError, OmniVatError
-from omnivat.measure.evaluate import predicted_probabilities
+from omnivat.measure.predictions import predicted_probabilities
 from omnivat.training import TrainSettings, train
 from omnivat.training.batches import batches
 from omnivat.training.guard import lang_guard

@@ -10,7 +10,7 @@ from omnivat.head.head import build_head
 from omnivat.head.losses import joint_loss
 from omnivat.head.output import TrainingOutput
 from omnivat.kit.errors import SettingsError
-from omnivat.measure.evaluate import predicted_probabilities
+from omnivat.measure.predictions import predicted_probabilities
 from omnivat.training import TrainSettings, Watch, train
 from omnivat.training.batches import batches
 from omnivat.training.steps import learn, make_optimiser

@@ -10,7 +10,7 @@ from omnivat.head.checkpoint import load_head, save_head
 from omnivat.kit.errors import SettingsError
 from omnivat.maps.frames import read_frames
 from omnivat.maps.sweep import sweep
-from omnivat.measure.evaluate import predicted_probabilities
+from omnivat.measure.predictions import predicted_probabilities
 from omnivat.training import TrainSettings
 from omnivat.training.from_pairs import plan_training, trained_head
 from omnivat.training.from_pairs.at_stops import heads_at_stops, stop_folder

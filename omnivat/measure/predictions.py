@@ -1,6 +1,6 @@
-"""Evaluate a head on sets of embeddings: accuracy and macro-F1 for each domain."""
+"""Predict the pairs of a set with a head, some at a time, and score predictions."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,9 @@ from omnivat.data.store import Embeddings
 from omnivat.head.checkpoint import Head
 from omnivat.head.head import OmniVaT
 from omnivat.kit.errors import DataError
-from omnivat.kit.progress import OnStep, Step, checkpoint, ignore
+from omnivat.kit.progress import checkpoint
 from omnivat.kit.stages import IMAGES
-from omnivat.measure.gaps.confusion import accuracy, confusion, macro_f1
+from omnivat.measure.gaps.confusion import accuracy, macro_f1
 
 Rows = NDArray[np.int64]
 CHUNK = 512  # pairs in a forward pass; it bounds the memory for any set
@@ -104,64 +104,6 @@ def inputs_of(head: Head) -> tuple[str, ...]:
     return tuple(head.provenance.get("train", {}).get("modalities", "vis+tac").split("+"))
 
 
-def evaluate(
-    head: Head, embeddings: Embeddings, *, order: float | None = None, on_step: OnStep = ignore
-) -> list[dict[str, Any]]:
-    """Return one record for each domain: counts, ACC and macro-F1 of every reading.
-
-    order  quarter turns; None: the learned one
-
-    If the data have a split, only the test part counts. "trained_on" is true when evaluated on
-    training pairs. Pairs of classes that the head lacks are left out and counted. F1 averages the
-    classes present in the domain; the "union" variant also averages classes that were only
-    predicted. Raises DataError if the embeddings are from another encoder.
-
-    >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
-    >>> head, pairs = load_head(default_head()), load_embeddings(default_embeddings())
-    >>> home, away = evaluate(head, pairs)[:2]
-    >>> home["domain"], home["is_source"], away["domain"]
-    ('TAG-sim', True, 'OF Real-sim')
-    >>> home["scores"]["fused"]["accuracy"] > away["scores"]["fused"]["accuracy"]
-    True
-    """
-    head.require_embeddings(embeddings)
-    records, done = [], 0
-    for index, name in enumerate(embeddings.header.domains):
-        records.append(_evaluate_domain(head, embeddings, name, order))
-        done += int((embeddings.domain == index).sum())
-        on_step(Step(done=done, total=len(embeddings), text=name))
-    return records
-
-
-def _evaluate_domain(
-    head: Head, embeddings: Embeddings, domain: str, order: float | None
-) -> dict[str, Any]:
-    classes = head.settings.classes
-    rows = embeddings.rows_of(domain, split="test")
-    labels = label_map(classes, embeddings.header.classes)[embeddings.label[rows]]
-    known = labels >= 0
-    split = embeddings.rows["split"]
-    record: dict[str, Any] = {
-        "domain": domain,
-        "is_source": domain == head.source,
-        "trained_on": domain == head.source and not any(split[row] for row in rows),
-        "order": head.model.order if order is None else order,
-        "pairs": int(known.sum()),
-        "left_out": int((~known).sum()),
-    }
-    if not known.any():
-        return record | {"scores": {}}
-    truth = torch.from_numpy(labels[known])
-    probabilities = predicted_probabilities(
-        head.model, embeddings, order=order, modalities=inputs_of(head), rows=rows[known]
-    )
-    predicted = {name: values.argmax(-1) for name, values in probabilities.items()}
-    record["scores"] = {name: scores(truth, labels) for name, labels in predicted.items()}
-    record["classes"] = list(classes)
-    record["confusion"] = confusion(truth, predicted["fused"], len(classes)).tolist()
-    return record
-
-
 def scores(truth: Tensor, predicted: Tensor) -> dict[str, float]:
     """Return ACC and macro-F1 of predicted classes (N,), and F1 over the union with the
     predicted ones.
@@ -171,16 +113,3 @@ def scores(truth: Tensor, predicted: Tensor) -> dict[str, float]:
         "macro_f1": float(macro_f1(truth, predicted)),
         "macro_f1_union": float(macro_f1(truth, predicted, union=True)),
     }
-
-
-def target_scores(records: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Return the fused scores of the records of `evaluate` whose domain is not the source."""
-    return [r["scores"]["fused"] for r in records if not r["is_source"] and r["scores"]]
-
-
-def target_mean(scores: Iterable[Mapping[str, Any]], metric: str = "accuracy") -> float:
-    """Return the unweighted mean of a metric over targets, one mapping each; NaN without
-    targets.
-    """
-    values = [found[metric] for found in scores]
-    return sum(values) / len(values) if values else float("nan")
