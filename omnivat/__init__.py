@@ -35,6 +35,7 @@ _PUBLIC = {
     "judged": "omnivat.head.teach:judged",
     # what it is worth
     "measured": "omnivat.measure.known:measured",
+    "evaluate": "omnivat.measure.known:evaluate",
     "gap_record": "omnivat.measure.gaps.domain:gap_record",
     "centroid_gap": "omnivat.measure.gaps.centroid:centroid_gap",
     "modality_gap": "omnivat.measure.gaps.centroid:modality_gap",
