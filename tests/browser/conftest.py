@@ -191,12 +191,14 @@ def watched(page, address, problems):
 def new_page(chromium, desktop, address):
     """Return a maker of empty pages; afterwards checks that nothing went wrong unseen.
 
-    Options such as a viewport give the page a profile of its own.
+    Options such as a size of the window (width, height) give the page a profile of its own.
     """
     pages = []
     problems = []
 
-    def made(**options):
+    def made(size=None, **options):
+        if size:
+            options["viewport"] = dict(zip(("width", "height"), size, strict=True))
         page = chromium.new_page(**{**DESK, **options}) if options else desktop.new_page()
         pages.append(watched(page, address, problems))
         return page
@@ -209,11 +211,13 @@ def new_page(chromium, desktop, address):
 
 @pytest.fixture
 def open_page(new_page, address):
-    """Return a function that opens the page in a tab of its own."""
+    """Return a function that opens the page in a tab of its own, and waits for what it shows."""
 
-    def opened(query="", **options):
+    def opened(query="", shows=None, **options):
         page = new_page(**options)
         page.goto(address + query, wait_until="commit")
+        if shows:
+            page.wait_for_selector(shows)
         return page
 
     return opened

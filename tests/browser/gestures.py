@@ -10,6 +10,7 @@ ANSWERED = ".pair .results[aria-busy=false] .reading"
 MOVED = "?chapter=analyse&mode=moved"  # the workbench, frames of one head at every stop
 TOOLS = "?chapter=analyse"
 TOUCH, WHERE = "?chapter=touch", "?chapter=where"
+SLOT = '.pair .slot[data-modality="{}"]'
 READY = {  # what each tab shows once it is there
     "explore": ".ov.explore.ready",
     "pair": ANSWERED,
@@ -28,6 +29,23 @@ def texture(seed):
     with BytesIO() as handle:
         Image.fromarray(random.integers(0, 255, (96, 96, 3), dtype=np.uint8)).save(handle, "PNG")
         return {"name": f"{seed}.png", "mimeType": "image/png", "buffer": handle.getvalue()}
+
+
+def choose(page, modality, file):
+    """Choose a file as photo or touch."""
+    page.set_input_files(f"{SLOT.format(modality)} input[type=file]", file)
+
+
+def holds(page, modality, words):
+    """Wait until a slot says this of its picture."""
+    page.wait_for_selector(f"{SLOT.format(modality)} .what:has-text({words!r})")
+
+
+def send(page, modality, seed):
+    """Choose a picture of noise as photo or touch and wait for its prediction."""
+    choose(page, modality, texture(seed))
+    holds(page, modality, f"{seed}.png")
+    page.wait_for_selector(ANSWERED)
 
 
 def pixels(page, of=".explore .map"):

@@ -28,8 +28,7 @@ LOW, READINGS = ([], [".order", ".together svg"]), ([], [".readings"])  # a phon
 
 @pytest.mark.parametrize("size", SIZES, ids=str)
 def test_map_chart_and_control_of_each_chapter_need_no_scrolling(open_page, size):
-    page = open_page("?chapter=order", viewport=dict(zip(("width", "height"), size, strict=True)))
-    page.wait_for_selector(MAP)
+    page = open_page("?chapter=order", MAP, size=size)
     assert page.evaluate(OUTSIDE, [".map", ".over svg", ".order", ".stage .title"]) == []
     page.click('.explore .chapters [data-chapter="where"]')
     page.wait_for_selector(".explore .together path")
@@ -49,8 +48,7 @@ def test_map_chart_and_control_of_each_chapter_need_no_scrolling(open_page, size
 
 
 def test_the_thumb_of_the_slider_stands_under_its_value_on_the_curve(open_page):
-    page = open_page("?chapter=order")
-    page.wait_for_selector(MAP)
+    page = open_page("?chapter=order", MAP)
     for key in ("Home", "End"):
         page.focus(".explore .order")
         page.keyboard.press(key)
@@ -67,8 +65,7 @@ def test_the_thumb_of_the_slider_stands_under_its_value_on_the_curve(open_page):
 
 
 def test_on_a_phone_the_tabs_are_one_row_of_large_targets_and_each_can_be_reached(open_page):
-    page = open_page("", viewport={"width": 400, "height": 800}, has_touch=True)
-    page.wait_for_selector(READY["explore"])
+    page = open_page("", READY["explore"], size=(400, 800), has_touch=True)
     tabs = page.locator("[role=tablist]:visible [role=tab]")
     boxes = [tabs.nth(i).bounding_box() for i in range(tabs.count())]
     assert len(boxes) == 3

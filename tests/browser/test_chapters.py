@@ -55,8 +55,7 @@ def pressed(page):
 @pytest.fixture
 def touch(open_page):
     """Return the page as it opens."""
-    page = open_page("")
-    page.wait_for_selector(SAID)
+    page = open_page("", SAID)
     return page
 
 
@@ -82,8 +81,7 @@ def test_the_page_opens_with_one_press_by_eight_sensors_and_a_verdict_under_each
 def test_the_pictures_of_a_press_are_in_view_at_once_and_nothing_is_wider_than_the_window(
     open_page, size, pictures
 ):
-    page = open_page(TOUCH, viewport=dict(zip(("width", "height"), size, strict=True)))
-    page.wait_for_selector(SAID)
+    page = open_page(TOUCH, SAID, size=size)
     assert page.evaluate(WHOLE, ".explore .twin-pictures .tile") >= pictures
     assert page.evaluate(WHOLE, ".explore .dots button") == 2
     assert page.evaluate("document.scrollingElement.scrollWidth <= innerWidth")
@@ -132,11 +130,9 @@ def test_keys_choose_press_dots_and_pictures_and_a_focused_sensor_is_described(t
 
 
 def test_a_link_brings_back_press_sensor_dots_and_pictures(open_page):
-    page = open_page(f"{TOUCH}&press=3&from=2&dots=1&known=50&reading=fused")
-    page.wait_for_selector(SAID)
+    page = open_page(f"{TOUCH}&press=3&from=2&dots=1&known=50&reading=fused", SAID)
     before = (said(page), percents(page))
-    other = open_page(page.evaluate("location.search"))
-    other.wait_for_selector(SAID)
+    other = open_page(page.evaluate("location.search"), SAID)
     assert (said(other), percents(other)) == before
     page.click('.explore .chapters [data-chapter="analyse"]')
     page.wait_for_selector('.explore.ready[data-chapter="analyse"]')
@@ -187,8 +183,7 @@ def test_an_audit_finds_no_fault_in_a_chapter_and_its_first_view_has_few_words(
 
 
 def test_every_press_is_threaded_and_points_glide_through_three_places(open_page):
-    page = open_page(WHERE)
-    page.wait_for_selector(".explore .places button")
+    page = open_page(WHERE, ".explore .places button")
     drawn, figures = [], []
     for key in ("0", "1", "2"):
         page.click(f".explore .places [data-key='{key}']")
@@ -212,8 +207,9 @@ def test_what_is_lost_is_split_by_reading_with_or_without_dots(open_page, twins)
 
     loss = twins["split"]["loss"]
     for dots in (0, 1):
-        page = open_page(f"?chapter=where&dots={dots or ''}")
-        page.wait_for_selector('.explore.ready[data-chapter="where"]')
+        page = open_page(
+            f"?chapter=where&dots={dots or ''}", '.explore.ready[data-chapter="where"]'
+        )
         if not page.locator(".split").is_visible():  # the page remembers an open panel
             page.click("[data-panel=split] summary")
         for key, reading in (("tac", "touch"), ("vis", "photo"), ("fused", "both")):
@@ -229,8 +225,7 @@ def test_what_is_lost_is_split_by_reading_with_or_without_dots(open_page, twins)
 
 
 def test_p_moves_points_and_both_gaps_while_accuracy_stays_within_a_few_points(open_page):
-    page = open_page(WHERE)
-    page.wait_for_selector(".explore .together path")
+    page = open_page(WHERE, ".explore .together path")
     shown = {name: set() for name in ("accuracy", "modality_gap", "domain_gap")}
     pull(page, grab(page), 0.9)
     page.mouse.up()
@@ -250,8 +245,7 @@ def test_p_moves_points_and_both_gaps_while_accuracy_stays_within_a_few_points(o
 
 
 def test_accuracy_is_drawn_as_far_as_p_was_dragged_and_the_sensors_only_at_the_end(open_page):
-    page = open_page("?chapter=order")
-    page.wait_for_selector(".explore .wave path")
+    page = open_page("?chapter=order", ".explore .wave path")
     line, wave = ".explore .over .own", ".explore .wave path"
     length = "one => one.getTotalLength()"
     first, turned = page.locator(line).evaluate(length), page.locator(wave).get_attribute("d")

@@ -37,8 +37,7 @@ READ = """async ({ stops, stages }) => {
 
 
 def test_a_drag_asks_nothing_of_the_server(open_page):
-    page = open_page("?chapter=analyse&map=pca&vis=row:0&tac=row:0")
-    page.wait_for_selector(MAP)
+    page = open_page("?chapter=analyse&map=pca&vis=row:0&tac=row:0", MAP)
     for view, shown in (("pair", ".reading"), ("explore", ".map")):
         open_tab(page, view)
         page.wait_for_selector(f".{view} {shown}")
@@ -68,8 +67,7 @@ def test_every_stop_is_what_the_library_computes_now(open_page):
     from omnivat.maps.projection.torch_umap import aligned
     from omnivat.maps.sweep import walk
 
-    page = open_page("?chapter=analyse")
-    page.wait_for_selector(MAP)
+    page = open_page("?chapter=analyse", MAP)
     decoded = page.evaluate(READ, {"stops": STOPS, "stages": STAGES})
     frames = read_frames(EXAMPLES / "frames.bin")
     head, embeddings = load_head(default_head()), load_embeddings(default_embeddings())
@@ -94,8 +92,7 @@ def test_every_stop_is_what_the_library_computes_now(open_page):
 
 def test_the_figures_beside_the_map_are_those_of_the_stop(open_page):
     frames = read_frames(EXAMPLES / "frames.bin")
-    page = open_page("?mode=moved&p=0.2&map=pca")
-    page.wait_for_selector(MAP)
+    page = open_page("?mode=moved&p=0.2&map=pca", MAP)
     box = grab(page, 0.2)
     pull(page, box, 0.73, steps=20)
     page.mouse.up()
@@ -193,10 +190,7 @@ def touches(session, kind, *at):
 
 
 def test_fingers_pan_pinch_and_pin_on_the_map_and_drag_p(open_page):
-    page = open_page(
-        "?mode=moved", viewport={"width": 400, "height": 800}, has_touch=True, is_mobile=True
-    )
-    page.wait_for_selector(MAP)
+    page = open_page("?mode=moved", MAP, size=(400, 800), has_touch=True, is_mobile=True)
     finger = page.context.new_cdp_session(page)
 
     def swipe(*ways):

@@ -20,8 +20,7 @@ def test_one_head_for_every_order_is_the_third_mode_and_its_curves_follow_p(
 ):
     frames = read_frames(folder / "every.bin")
     for order in (0.2, 0.8):
-        page = open_page(f"?mode=every&map=pca&p={order}{query}")
-        page.wait_for_selector(".explore[data-kind=every]")
+        page = open_page(f"?mode=every&map=pca&p={order}{query}", ".explore[data-kind=every]")
         page.wait_for_selector(f'{MAP}[data-order="{order}"]')
         modes = page.locator(".explore .modes [data-key]")
         assert modes.evaluate_all("all => all.map((one) => one.dataset.key)") == [

@@ -77,8 +77,7 @@ def test_the_first_mode_is_a_head_for_each_stop_and_the_other_a_what_if(two_mode
 
 def test_the_learned_p_is_a_stop_of_its_own_and_is_not_taken_for_a_round_one(open_page):
     learned = read_frames(EXAMPLES / "frames.bin").head["learned_order"]
-    page = open_page(f"{MOVED}&map=pca&p=0.5")
-    page.wait_for_selector(MAP)
+    page = open_page(f"{MOVED}&map=pca&p=0.5", MAP)
     assert "moved to p = 0.50" in words(page, ".score")
     page.click(".explore .learned")
     page.wait_for_function(
@@ -90,8 +89,7 @@ def test_the_learned_p_is_a_stop_of_its_own_and_is_not_taken_for_a_round_one(ope
 
 def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(open_page):
     frames = read_frames(EXAMPLES / "frames.bin")
-    page = open_page(f"{MOVED}&p=0.3")
-    page.wait_for_selector(MAP)
+    page = open_page(f"{MOVED}&p=0.3", MAP)
     stop = frames.orders.index(0.3)
     for stage in ("raw", "frft", "relu", "f_bar", "f_hat"):
         for name in ("modality_gap", "domain_gap", "margin"):
@@ -112,8 +110,7 @@ def test_there_is_one_accuracy_on_the_screen(two_modes):
 
 def test_strangers_have_a_bar_each_and_a_cell_of_the_matrix_filters_the_map(open_page):
     frames = read_frames(EXAMPLES / "frames.bin")
-    page = open_page("?chapter=fooled")
-    page.wait_for_selector(".explore .bar-row")
+    page = open_page("?chapter=fooled", ".explore .bar-row")
     assert page.locator(".explore .bar-row .range").count() >= len(frames.domains)
     assert page.locator(".explore .bar-row.source").count() == 1
     both, drawn = page.locator(".explore .bar-row output").all_inner_texts(), pixels(page)
@@ -132,8 +129,7 @@ def test_strangers_have_a_bar_each_and_a_cell_of_the_matrix_filters_the_map(open
 
 
 def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(open_page):
-    page = open_page(f"{MOVED}&p=0.1")
-    page.wait_for_selector(".explore .toy .plane path")
+    page = open_page(f"{MOVED}&p=0.1", ".explore .toy .plane path")
     before = [words(page, f".toy .{name}") for name in ("d-turned", "d-clipped", "g-clipped")]
     page.focus(".explore .order")
     for _ in range(6):
@@ -144,8 +140,7 @@ def test_on_the_toy_the_transform_keeps_the_distance_and_the_relu_does_not(open_
 
 
 def test_pairs_are_found_by_class_and_hidden_points_leave_the_selection(open_page):
-    page = open_page(MOVED)
-    page.wait_for_selector(MAP)
+    page = open_page(MOVED, MAP)
     page.wait_for_selector(".explore .histograms svg")
     page.focus(".explore .map canvas + canvas")
     page.keyboard.press("s")
@@ -160,8 +155,7 @@ def test_pairs_are_found_by_class_and_hidden_points_leave_the_selection(open_pag
 
 
 def test_a_histogram_filters_by_dragging_and_by_keys(open_page):
-    page = open_page(MOVED)
-    page.wait_for_selector(MAP)
+    page = open_page(MOVED, MAP)
     page.wait_for_selector(".explore .histograms svg")
     page.focus(".explore .histograms svg")
     for _ in range(8):
@@ -174,8 +168,7 @@ def test_a_histogram_filters_by_dragging_and_by_keys(open_page):
 def test_a_filter_changes_title_and_curves_alike(open_page):
     frames = read_frames(EXAMPLES / "frames.bin")
     lone, others = frames.domains[1], [n for i, n in enumerate(frames.domains) if i != 1]
-    page = open_page(f"{MOVED}&p=0.3&domain={'~'.join(others)}")
-    page.wait_for_selector(MAP)
+    page = open_page(f"{MOVED}&p=0.3&domain={'~'.join(others)}", MAP)
     value = frames.curves[f"modality_gap/f_hat/{lone}"][frames.orders.index(0.3)]
     assert words(page, ".curves [data-name=modality_gap] output") == f"{value:.3f}"
     assert f"modality gap in {lone} {value:.2f}" in words(page, "[data-panel=step] .map-title")
@@ -183,15 +176,13 @@ def test_a_filter_changes_title_and_curves_alike(open_page):
 
 
 def test_the_step_names_the_method_of_its_map(open_page):
-    page = open_page(f"{MOVED}&map=umap")
-    page.wait_for_selector(MAP)
+    page = open_page(f"{MOVED}&map=umap", MAP)
     assert words(page, "[data-panel=step] .map-title small") == "UMAP"
     assert "scale have no meaning" in words(page, ".approximate")
 
 
 def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(open_page):
-    page = open_page(MOVED)
-    page.wait_for_selector(MAP)
+    page = open_page(MOVED, MAP)
     x, _ = place_of_a_point(page)
     page.wait_for_selector(".explore .peek:visible")
     box = page.locator(".explore .peek").bounding_box()

@@ -22,12 +22,11 @@ COVERED = """() => {
   });
 }"""
 
-PHONE = {"viewport": {"width": 400, "height": 800}, "has_touch": True, "is_mobile": True}
+PHONE = {"size": (400, 800), "has_touch": True, "is_mobile": True}
 
 
 def test_letters_of_charts_are_large_enough_on_a_projector(open_page):
-    page = open_page(MOVED, viewport={"width": 1280, "height": 720})
-    page.wait_for_selector(MAP)
+    page = open_page(MOVED, MAP, size=(1280, 720))
     small = page.evaluate(
         """() => [...document.querySelectorAll('.explore svg text')]
           .filter((t) => t.checkVisibility())
@@ -47,8 +46,7 @@ def test_letters_of_charts_are_large_enough_on_a_projector(open_page):
 
 def test_a_chapter_opens_with_few_words_and_large_letters(open_page):
     for size in ((1280, 720), (1440, 900), (2560, 1440)):
-        page = open_page(TOUCH, viewport=dict(zip(("width", "height"), size, strict=True)))
-        page.wait_for_selector(READY["explore"])
+        page = open_page(TOUCH, READY["explore"], size=size)
         page.wait_for_selector(".explore .twin .said")
         seen = page.evaluate(LOOK)
         assert seen["words"] <= 120
@@ -102,8 +100,7 @@ INK = """() => {
 
 
 def test_paper_is_light_and_has_the_points_of_the_map_as_shapes(open_page):
-    page = open_page("?chapter=order", color_scheme="dark")
-    page.wait_for_selector(MAP)
+    page = open_page("?chapter=order", MAP, color_scheme="dark")
     page.wait_for_selector("body.dark")
     page.wait_for_function(f"() => ({INK})() > 0")
     before = page.evaluate(INK)
@@ -117,8 +114,7 @@ def test_paper_is_light_and_has_the_points_of_the_map_as_shapes(open_page):
 
 
 def test_a_printed_chapter_has_no_tabs_and_no_buttons(open_page):
-    page = open_page("?chapter=fooled", viewport={"width": 718, "height": 1047})
-    page.wait_for_selector(MAP)
+    page = open_page("?chapter=fooled", MAP, size=(718, 1047))
     page.wait_for_selector(".explore .tiles button")
     page.emulate_media(media="print")
     for gone in (
@@ -134,8 +130,7 @@ def test_a_printed_chapter_has_no_tabs_and_no_buttons(open_page):
 
 
 def test_share_shows_the_address_of_the_view(open_page):
-    page = open_page("?chapter=where&rung=1")
-    page.wait_for_selector(READY["explore"])
+    page = open_page("?chapter=where&rung=1", READY["explore"])
     page.click(".explore .share")
     field = page.locator(".explore .shared:popover-open input")
     assert field.input_value() == page.evaluate("location.href")
@@ -143,8 +138,7 @@ def test_share_shows_the_address_of_the_view(open_page):
 
 
 def test_a_lecture_leaves_map_chart_and_control_in_large_letters(open_page):
-    page = open_page("?chapter=order", viewport={"width": 1280, "height": 720})
-    page.wait_for_selector(MAP)
+    page = open_page("?chapter=order", MAP, size=(1280, 720))
     page.keyboard.press("f")
     page.wait_for_selector("body.lecturing")
     for there in (".map", ".over svg", ".order"):

@@ -9,12 +9,9 @@ import pytest
 from PIL import Image
 
 from .conftest import watched
-from .gestures import ANSWERED, texture
+from .gestures import ANSWERED, SLOT, choose, holds, texture
 
 pytestmark = pytest.mark.browser
-
-TAC = '.pair .slot[data-modality="tac"]'
-CHOOSE = f"{TAC} input[type=file]"
 
 
 def saved(image, kind="PNG", **options):
@@ -96,9 +93,9 @@ def pair_page(desktop, address):
     assert problems == []
 
 
-def choose(page, name, content):
-    """Choose a file as TAC."""
-    page.set_input_files(CHOOSE, {"name": name, "mimeType": "image/png", "buffer": content})
+def give(page, name, content):
+    """Choose bytes as touch."""
+    choose(page, "tac", {"name": name, "mimeType": "image/png", "buffer": content})
 
 
 def shares(page):
@@ -116,9 +113,9 @@ def posted(address, path, content):
 def test_an_odd_image_is_answered_as_the_plain_picture_that_it_shows(pair_page, address, kind):
     content, plain = TAKEN[kind]()
     name = f"{kind}.png"
-    choose(pair_page, name, content)
+    give(pair_page, name, content)
     width, height = plain.size
-    pair_page.wait_for_selector(f"{TAC} .what:has-text('{name} · {width} × {height}')")
+    holds(pair_page, "tac", f"{name} · {width} × {height}")
     pair_page.wait_for_selector(ANSWERED)
     ref = posted(address, "image", saved(plain))["ref"]
     wanted = posted(address, "pair", json.dumps({"tac": ref, "head": "own"}).encode())
@@ -136,16 +133,16 @@ def test_an_odd_image_is_answered_as_the_plain_picture_that_it_shows(pair_page, 
 def test_a_bad_file_is_one_sentence_that_names_it_and_the_page_stays_usable(pair_page, kind):
     content, wanted = REFUSED[kind]
     before = shares(pair_page)
-    choose(pair_page, f"{kind}.png", content)
+    give(pair_page, f"{kind}.png", content)
     pair_page.wait_for_selector(".pair .problem:visible")
     text = pair_page.locator(".pair .problem").inner_text()
     assert f"{kind}.png" in text
     assert wanted in text
     assert text.count(". ") == 0 and text.endswith(".")
     assert shares(pair_page) == before  # what was there still is
-    choose(pair_page, "good.png", texture(len(kind))["buffer"])
+    give(pair_page, "good.png", texture(len(kind))["buffer"])
     pair_page.wait_for_selector(".pair .problem", state="hidden")
-    pair_page.wait_for_selector(f"{TAC} .what:has-text('good.png')")
+    holds(pair_page, "tac", "good.png")
     pair_page.wait_for_selector(ANSWERED)
 
 
@@ -153,7 +150,7 @@ def test_a_file_over_the_limit_is_refused_before_it_is_sent(pair_page, tmp_path)
     (tmp_path / "huge.png").write_bytes(bytes(20_000_001))
     asked = []
     pair_page.on("request", lambda request: asked.append(request.url))
-    pair_page.set_input_files(CHOOSE, tmp_path / "huge.png")
+    choose(pair_page, "tac", tmp_path / "huge.png")
     pair_page.wait_for_selector(".pair .problem:has-text('huge.png'):has-text('20')")
     assert [url for url in asked if "omnivat/image" in url] == []
 
@@ -172,6 +169,6 @@ def test_a_dropped_and_a_pasted_image_are_taken_like_a_chosen_one(pair_page):
                 : new ClipboardEvent(event, { [holder]: carried, bubbles: true, cancelable: true });
               document.querySelector(slot).dispatchEvent(made);
             }""",
-            [TAC, event, holder],
+            [SLOT.format("tac"), event, holder],
         )
-        pair_page.wait_for_selector(f"{TAC} .what:has-text('{event}.png · 40 × 30')")
+        holds(pair_page, "tac", f"{event}.png · 40 × 30")

@@ -24,8 +24,7 @@ def drag_over(page, name):
 def test_a_range_is_named_in_the_title_kept_in_the_address_and_put_aside_by_other_chapters(
     open_page,
 ):
-    page = open_page(TOOLS)
-    page.wait_for_selector(".explore .histograms svg")
+    page = open_page(TOOLS, ".explore .histograms svg")
     drag_over(page, "cosine")
     page.wait_for_selector(f"{TITLE}:has-text('photo–touch cosine')")
     pixels(page)  # the last move of the mouse is drawn
@@ -42,8 +41,7 @@ def test_a_range_is_named_in_the_title_kept_in_the_address_and_put_aside_by_othe
 
 
 def test_a_link_to_a_cell_of_the_confusion_matrix_shows_its_pairs(open_page):
-    page = open_page("?chapter=fooled")
-    page.wait_for_selector(MAP)
+    page = open_page("?chapter=fooled", MAP)
     page.click(".explore .confusion .hit button:not([disabled])")
     page.wait_for_function("location.search.includes('cell=')")
     found = page.locator(".explore .pictures h4").inner_text()

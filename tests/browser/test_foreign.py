@@ -72,8 +72,7 @@ def named_browser(chromium):
 
 
 def test_every_tab_works_under_the_pages_own_policy(open_page):
-    page = open_page("?vis=row:0&tac=row:0")
-    page.wait_for_selector(READY["explore"])
+    page = open_page("?vis=row:0&tac=row:0", READY["explore"])
     for view in VIEWS:
         open_tab(page, view)
         page.wait_for_selector(READY[view])

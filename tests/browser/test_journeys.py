@@ -10,8 +10,7 @@ pytestmark = pytest.mark.browser
 
 
 def test_raw_stages_do_not_move_and_the_page_says_why(open_page):
-    page = open_page("?mode=moved&stage=frft&p=0.2")
-    page.wait_for_selector(MAP)
+    page = open_page("?mode=moved&stage=frft&p=0.2", MAP)
     assert "unitary" in page.locator(".explore .explain").inner_text()
     before = pixels(page)
     page.focus(".explore .order")
@@ -22,8 +21,7 @@ def test_raw_stages_do_not_move_and_the_page_says_why(open_page):
 
 
 def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(open_page):
-    page = open_page(TOOLS)
-    page.wait_for_selector(MAP)
+    page = open_page(TOOLS, MAP)
     at = place_of_a_point(page)
     page.mouse.click(*at)
     page.wait_for_selector(".explore .card .tag")
@@ -34,8 +32,7 @@ def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(open_page):
 
 
 def test_a_lasso_selects_points_and_saves_them_as_csv(open_page):
-    page = open_page(TOOLS)
-    page.wait_for_selector(MAP)
+    page = open_page(TOOLS, MAP)
     page.click(".explore .tool.lasso")
     box = page.locator(".explore .map").bounding_box()
     page.mouse.move(box["x"] + 4, box["y"] + 4)
@@ -57,8 +54,7 @@ def test_a_lasso_selects_points_and_saves_them_as_csv(open_page):
 
 
 def test_the_keyboard_selects_all_that_is_in_view(open_page):
-    page = open_page(TOOLS)
-    page.wait_for_selector(MAP)
+    page = open_page(TOOLS, MAP)
     page.focus(".explore .map canvas + canvas")
     heading = page.locator(".explore .pictures h4")
     counts = []
@@ -74,8 +70,7 @@ def test_the_keyboard_selects_all_that_is_in_view(open_page):
 
 
 def test_the_map_works_by_keyboard_alone(open_page):
-    page = open_page(TOOLS)
-    page.wait_for_selector(MAP)
+    page = open_page(TOOLS, MAP)
     page.focus(".explore .map canvas + canvas")
     before = pixels(page)
     page.keyboard.press("+")
@@ -100,8 +95,7 @@ FIGURES = """() => [
 def test_the_tour_asks_before_it_answers_walks_four_chapters_and_ends_with_the_titles_answer(
     open_page,
 ):
-    page = open_page("?stage=relu&colour=class")
-    page.wait_for_selector(MAP)
+    page = open_page("?stage=relu&colour=class", MAP)
     page.click(".tour-start")
     chapters = []
     for step in range(1, 8):

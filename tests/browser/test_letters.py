@@ -23,7 +23,7 @@ CUT = """() => [...document.querySelectorAll('.ov .map-title .where-at, .ov h3, 
 
 @pytest.mark.parametrize("width", [400, pytest.param(1024, marks=pytest.mark.long)])
 def test_no_letter_of_a_drawing_is_too_small_and_no_title_is_cut(open_page, width):
-    page = open_page(PAIR, viewport={"width": width, "height": 800})
+    page = open_page(PAIR, size=(width, 800))
     for view in VIEWS:
         if view != "explore":
             open_tab(page, view)
@@ -35,16 +35,14 @@ def test_no_letter_of_a_drawing_is_too_small_and_no_title_is_cut(open_page, widt
 @pytest.mark.parametrize("name", ["sensors", "chirps"])
 @pytest.mark.parametrize("width", [400, 1440])
 def test_no_part_of_explore_is_wider_than_the_window(open_page, name, width):
-    page = open_page(f"?set={name}&chapter=analyse", viewport={"width": width, "height": 800})
-    page.wait_for_selector(".explore .score b")
+    page = open_page(f"?set={name}&chapter=analyse", ".explore .score b", size=(width, 800))
     assert page.evaluate("document.documentElement.scrollWidth - innerWidth") <= 0
     box = page.locator(".explore .score").bounding_box()
     assert box["width"] > 200, "the score has room beside the map"
 
 
 def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(open_page):
-    page = open_page("?chapter=analyse")
-    page.wait_for_selector(READY["explore"])
+    page = open_page("?chapter=analyse", READY["explore"])
     for measure, between in (
         ("modality_gap", "photo to touch"),
         ("domain_gap", "domain to domain"),
@@ -55,10 +53,7 @@ def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(open_page
 
 
 def test_analyse_is_no_wider_than_its_column_and_no_axis_of_a_lecture_is_cut(open_page):
-    page = open_page(
-        "?chapter=analyse&mode=moved&beside=1", viewport={"width": 1280, "height": 720}
-    )
-    page.wait_for_selector(READY["explore"])
+    page = open_page("?chapter=analyse&mode=moved&beside=1", READY["explore"], size=(1280, 720))
     settle(page)
     assert (
         page.evaluate(

@@ -15,23 +15,12 @@ from omnivat.data.store import load_embeddings
 from omnivat.head.heads import EXAMPLES
 
 from .fake_sensor import CAMERAS
-from .gestures import ANSWERED, settle, texture
+from .gestures import ANSWERED, SLOT, holds, send, settle, texture
 
 pytestmark = pytest.mark.browser
 
 
-SLOT = '.pair .slot[data-modality="{}"]'
-
-
 PAIR = "?view=pair&vis=row:0&tac=row:0"
-
-
-def send(page, modality, seed):
-    """Choose a picture of noise as photo or touch and wait for its prediction."""
-    slot = SLOT.format(modality)
-    page.set_input_files(f"{slot} input[type=file]", texture(seed))
-    page.wait_for_selector(f"{slot} .what:has-text('{seed}.png')")
-    page.wait_for_selector(ANSWERED)
 
 
 def said(page, reading):
@@ -40,8 +29,7 @@ def said(page, reading):
 
 
 def test_pictures_unlike_anything_seen_are_called_a_guess(open_page):
-    page = open_page("?view=pair")
-    page.wait_for_selector(ANSWERED)
+    page = open_page("?view=pair", ANSWERED)
     for seed, modality in enumerate(("vis", "tac")):
         send(page, modality, seed)
     page.wait_for_selector(".pair .familiar .look")
@@ -55,8 +43,7 @@ def test_pictures_unlike_anything_seen_are_called_a_guess(open_page):
 
 
 def test_touch_only_does_not_depend_on_the_photo(open_page):
-    page = open_page(PAIR)
-    page.wait_for_selector(ANSWERED)
+    page = open_page(PAIR, ANSWERED)
     cells = page.locator(".pair .bars td[data-reading=tac] .share")
     before, both = (
         cells.all_text_contents(),
@@ -64,7 +51,7 @@ def test_touch_only_does_not_depend_on_the_photo(open_page):
     )
     send(page, "vis", 7)
     page.click(".pair .started button")  # the touch that the new photo took away
-    page.wait_for_selector(f"{SLOT.format('tac')} .what:has-text('pair 0')")
+    holds(page, "tac", "pair 0")
     page.wait_for_selector(ANSWERED)
     page.wait_for_function("document.querySelectorAll('.pair .bars th').length > 6")
     assert cells.all_text_contents() == before
@@ -72,8 +59,7 @@ def test_touch_only_does_not_depend_on_the_photo(open_page):
 
 
 def test_no_letter_of_the_chart_over_p_is_cut_off(open_page):
-    page = open_page(PAIR, viewport={"width": 1280, "height": 720})
-    page.wait_for_selector(ANSWERED)
+    page = open_page(PAIR, ANSWERED, size=(1280, 720))
     page.click(".pair .what-if-p summary")
     page.wait_for_selector(".pair .what-if-p .lines text")
     cut = page.evaluate(
@@ -86,8 +72,7 @@ def test_no_letter_of_the_chart_over_p_is_cut_off(open_page):
 
 
 def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(open_page):
-    page = open_page(PAIR)
-    page.wait_for_selector(ANSWERED)
+    page = open_page(PAIR, ANSWERED)
     settle(page)
     prediction = said(page, "fused")
     page.click(".pair .what-if-p summary")
@@ -111,8 +96,7 @@ def test_a_csv_that_names_one_file_twice_is_refused_and_its_folder_is_read(open_
             file.write_bytes(texture(10 * seed + number)["buffer"])
     table = tmp_path / "own" / "pairs.csv"
     table.write_text("vis,tac\n" + "".join(f"visual/{n}.png,tactile/{n}.png\n" for n in range(2)))
-    page = open_page("?view=pair")
-    page.wait_for_selector(ANSWERED)
+    page = open_page("?view=pair", ANSWERED)
     files = [*sorted((tmp_path / "own" / "visual").iterdir()), table]
     page.set_input_files(".pair .pairs label:has-text('Files') input", files)
     page.wait_for_selector(".pair .many:has-text('would be one file')")
@@ -120,7 +104,7 @@ def test_a_csv_that_names_one_file_twice_is_refused_and_its_folder_is_read(open_
     page.set_input_files(".pair .pairs label:has-text('Folder') input", tmp_path / "own")
     page.click(".pair .many .link >> nth=1")
     for modality in ("vis", "tac"):
-        page.wait_for_selector(f"{SLOT.format(modality)} .what:has-text('1.png')")
+        holds(page, modality, "1.png")
     settle(page)
     shown = [
         page.locator(f"{SLOT.format(m)} .picture img").get_attribute("src") for m in ("vis", "tac")
@@ -129,8 +113,7 @@ def test_a_csv_that_names_one_file_twice_is_refused_and_its_folder_is_read(open_
 
 
 def test_own_pairs_are_counted_taught_and_saved(open_page):
-    page = open_page("?view=pair")
-    page.wait_for_selector(ANSWERED)
+    page = open_page("?view=pair", ANSWERED)
     for seed, label in ((20, "wood"), (21, "wood"), (22, "cork"), (23, "cork")):
         send(page, "vis", seed)
         send(page, "tac", seed + 10)
@@ -156,8 +139,7 @@ def test_own_pairs_are_counted_taught_and_saved(open_page):
 
 
 def test_a_second_click_while_the_camera_opens_leaves_it_off(open_page):
-    page = open_page(PAIR, permissions=["camera"])
-    page.wait_for_selector(ANSWERED)
+    page = open_page(PAIR, ANSWERED, permissions=["camera"])
     page.evaluate("""() => {
           const open = navigator.mediaDevices.getUserMedia.bind(navigator.mediaDevices);
           window.streams = [];
@@ -184,7 +166,10 @@ def test_a_second_click_while_the_camera_opens_leaves_it_off(open_page):
 
 @pytest.fixture
 def live(open_page, sensor, presses):
-    """Return an opener of Live: two cameras see a real sensor at rest, and Live is started."""
+    """Return an opener of Live: two cameras see a real sensor at rest, and Live is started. It is
+    stopped afterwards.
+    """
+    pages = []
 
     def opened(name="gelsight", **kept):
         sensor.see(presses(name)[0])
@@ -201,9 +186,12 @@ def live(open_page, sensor, presses):
         page.click(".pair .cameras [data-send=camerasSwitched]")
         page.wait_for_selector(".pair .verdict .tag:has-text('live')")
         page.wait_for_selector(".pair .verdict .reading[data-reading=tac]")  # no rest picture yet
+        pages.append(page)
         return page
 
-    return opened
+    yield opened
+    for page in pages:
+        page.evaluate("document.querySelector('.cameras [aria-pressed=true].main')?.click()")
 
 
 def take_rest(page):
@@ -239,7 +227,6 @@ def test_live_gives_a_class_to_a_real_press_and_none_to_a_sensor_at_rest(
         assert page.locator(".pair .verdict .reading").count() == 3
         sensor.see(calm, page=page)
         page.wait_for_selector(IDLE)
-    page.click(".pair .cameras [data-send=camerasSwitched]")
 
 
 def test_no_rest_picture_is_made_of_a_sensor_that_is_touched_meanwhile(live, sensor, presses):
@@ -252,7 +239,6 @@ def test_no_rest_picture_is_made_of_a_sensor_that_is_touched_meanwhile(live, sen
     sensor.see(calm, page=page)
     take_rest(page)
     page.wait_for_selector(IDLE)
-    page.click(".pair .cameras [data-send=camerasSwitched]")
 
 
 def shown(body, pictures):
@@ -291,7 +277,6 @@ def test_a_slow_server_gets_the_newest_frame_and_none_in_between(live, sensor, p
         page.wait_for_timeout(20)
     page.unroute("**/omnivat/live?*")
     assert sent[2:4] == [3, 3]
-    page.click(".pair .cameras [data-send=camerasSwitched]")
 
 
 AFTER_FRAMES = """() => new Promise((done) => {
@@ -319,7 +304,6 @@ def test_live_pictures_join_the_labelled_pairs_and_teach(live, sensor, presses):
         page.wait_for_selector(f".pair .own .chips li:nth-child({k + 1})")
     page.click(".pair .own [data-send=teach]")
     page.wait_for_selector(".pair .verdict:has-text('felt')")
-    page.click(".pair .cameras [data-send=camerasSwitched]")
 
 
 def test_live_calibrates_and_records_pairs_that_embed_reads(live, sensor, presses, tmp_path):
@@ -364,7 +348,6 @@ def test_another_crop_drops_the_rest_picture_and_says_so_until_it_is_taken_again
     assert "Take it again" in page.locator(STATE.format("was dropped")).inner_text()
     take_rest(page)
     page.wait_for_selector(IDLE)
-    page.click(".pair .cameras [data-send=camerasSwitched]")
 
 
 def test_an_unplugged_camera_ends_live_in_a_sentence(live):
@@ -382,8 +365,7 @@ def test_an_unplugged_camera_ends_live_in_a_sentence(live):
 
 
 def test_where_tells_whether_any_part_matters(open_page):
-    page = open_page("?view=pair&vis=row:0")
-    page.wait_for_selector(ANSWERED)
+    page = open_page("?view=pair&vis=row:0", ANSWERED)
     send(page, "tac", 3)
     slot = SLOT.format("tac")
     page.click(f"{slot} .where")
@@ -403,8 +385,7 @@ def named(name, seed):
 
 
 def test_many_pairs_become_a_table_and_a_csv(open_page):
-    page = open_page("?view=pair")
-    page.wait_for_selector(ANSWERED)
+    page = open_page("?view=pair", ANSWERED)
     files = [
         named(f"{k}_{m}.png", 60 + k + 10 * i)
         for k in range(3)
@@ -422,13 +403,12 @@ def test_many_pairs_become_a_table_and_a_csv(open_page):
     lines = saved.value.path().read_text(encoding="utf-8").splitlines()
     assert len(lines) == 5
     page.click(".pair .many .link >> nth=1")
-    page.wait_for_selector(f"{SLOT.format('tac')} .what:has-text('1_tac.png')")
+    holds(page, "tac", "1_tac.png")
     page.wait_for_selector(f"{SLOT.format('tac')} .picture img")
 
 
 def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(open_page):
-    page = open_page("?view=pair", viewport={"width": 1440, "height": 900})
-    page.wait_for_selector(ANSWERED)
+    page = open_page("?view=pair", ANSWERED, size=(1440, 900))
     send(page, "tac", 70)
     files = [named(f"{k}_tac.png", 71 + k) for k in range(6)]
     broken = {"name": "9_tac.png", "mimeType": "image/png", "buffer": b"no picture"}
@@ -469,8 +449,7 @@ def test_a_folder_goes_from_a_drop_to_predictions_of_the_next_pictures_by_the_ta
 ):
     labels = own_folder(tmp_path / "first", ("TQ-DIGIT", "OF Real"))
     own_folder(tmp_path / "next", ("TQ-GelMini",))
-    page = open_page("?view=pair")
-    page.wait_for_selector(ANSWERED)
+    page = open_page("?view=pair", ANSWERED)
     line = page.locator(".pair .line")
     assert "Drop photos" in line.inner_text()
     page.set_input_files(FOLDER, tmp_path / "first")
@@ -508,8 +487,7 @@ def test_photos_given_as_touches_are_asked_about_and_their_profile_can_be_taken_
     photos.mkdir()
     for file in (tmp_path / "own").glob("*_vis.jpg"):
         copyfile(file, photos / file.name.replace("_vis", ""))
-    page = open_page("?view=pair", viewport={"width": 1440, "height": 900})
-    page.wait_for_selector(ANSWERED)
+    page = open_page("?view=pair", ANSWERED, size=(1440, 900))
     page.set_input_files(".pair .sensor label:has-text('Folder') input", photos)
     page.wait_for_selector(".pair .sensor [role=status]:has-text('look more like photos')")
     page.click(".pair .sensor [data-kind=vis]")
@@ -522,8 +500,7 @@ def test_photos_given_as_touches_are_asked_about_and_their_profile_can_be_taken_
 
 
 def test_pictures_whose_names_tell_nothing_are_asked_about(open_page):
-    page = open_page("?view=pair")
-    page.wait_for_selector(ANSWERED)
+    page = open_page("?view=pair", ANSWERED)
     page.set_input_files(".pair .pairs input >> nth=0", [named("7.png", 7), named("8.png", 8)])
     page.click(".pair .many [data-kind=tac]")
     page.wait_for_selector(".pair .many table")
@@ -531,8 +508,7 @@ def test_pictures_whose_names_tell_nothing_are_asked_about(open_page):
 
 
 def test_reading_many_pairs_can_be_cancelled(open_page):
-    page = open_page("?view=pair")
-    page.wait_for_selector(ANSWERED)
+    page = open_page("?view=pair", ANSWERED)
     page.route("**/omnivat/image?*", lambda route: None)  # the server never replies
     page.set_input_files(
         ".pair .pairs input >> nth=0", [named("a_vis.png", 1), named("b_vis.png", 2)]
@@ -545,8 +521,7 @@ def test_reading_many_pairs_can_be_cancelled(open_page):
 
 
 def test_a_photo_is_shown_whole(open_page):
-    page = open_page("?view=pair")
-    page.wait_for_selector(ANSWERED)
+    page = open_page("?view=pair", ANSWERED)
     fits = page.evaluate(
         "[...document.querySelectorAll('.pair .picture img')].map((e) =>"
         " getComputedStyle(e).objectFit)"

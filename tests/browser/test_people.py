@@ -28,8 +28,7 @@ def audited(open_page):
     """Return the open page with the audit's script in it."""
     from axe_playwright_python.base import AXE_SCRIPT
 
-    page = open_page(f"{PAIR}&chapter=analyse")
-    page.wait_for_selector(MAP)
+    page = open_page(f"{PAIR}&chapter=analyse", MAP)
     page.evaluate(AXE_SCRIPT)
     return page
 
@@ -113,8 +112,7 @@ def test_the_tab_key_comes_to_everything_and_shows_where_it_is(walked, view):
 
 
 def test_a_visitor_without_a_mouse_goes_from_tab_to_tab_and_chooses_a_pair(open_page):
-    page = open_page("?chapter=analyse&vis=row:0&tac=row:0")
-    page.wait_for_selector(MAP)
+    page = open_page("?chapter=analyse&vis=row:0&tac=row:0", MAP)
     page.focus("#view-explore-button")
     page.keyboard.press("Tab")
     page.keyboard.press("Enter")
@@ -128,8 +126,7 @@ def test_a_visitor_without_a_mouse_goes_from_tab_to_tab_and_chooses_a_pair(open_
 
 
 def test_where_p_has_come_to_is_said_aloud(open_page):
-    page = open_page("?mode=moved&p=0.3")
-    page.wait_for_selector(MAP)
+    page = open_page("?mode=moved&p=0.3", MAP)
     page.focus(".explore .order")
     page.keyboard.press("ArrowRight")
     page.wait_for_selector(".explore .sr:has-text('p 0.31'):has-text('modality gap')")
@@ -138,18 +135,14 @@ def test_where_p_has_come_to_is_said_aloud(open_page):
 @pytest.mark.parametrize(
     "options",
     [
-        {"viewport": {"width": 400, "height": 800}},
-        pytest.param(
-            {"viewport": {"width": 720, "height": 450}, "device_scale_factor": 2},
-            marks=pytest.mark.long,
-        ),
+        {"size": (400, 800)},
+        pytest.param({"size": (720, 450), "device_scale_factor": 2}, marks=pytest.mark.long),
     ],
     ids=["a phone", "200 % zoom"],
 )
 def test_a_narrow_page_needs_no_scrolling_sideways(open_page, options):
-    page = open_page(PAIR, **options)
-    page.wait_for_selector(READY["explore"])
-    wide = options["viewport"]["width"]
+    page = open_page(PAIR, READY["explore"], **options)
+    wide = options["size"][0]
     for view in VIEWS:
         open_tab(page, view)
         page.wait_for_selector(READY[view])
@@ -166,8 +159,7 @@ def test_a_narrow_page_needs_no_scrolling_sideways(open_page, options):
 
 
 def test_a_dark_system_gets_the_dark_page(open_page):
-    page = open_page("?chapter=analyse", color_scheme="dark")
-    page.wait_for_selector(MAP)
+    page = open_page("?chapter=analyse", MAP, color_scheme="dark")
     assert page.evaluate("document.body.classList.contains('dark')")
     ground = page.evaluate(
         "[...document.querySelector('.explore .map canvas').getContext('2d').getImageData(3, 3, 1,"
@@ -227,8 +219,7 @@ def faint(page, view):
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_a_button_under_the_pointer_can_be_read_pressed_or_not(open_page, theme):
-    page = open_page("?chapter=analyse&beside=1&vis=row:0&tac=row:0", color_scheme=theme)
-    page.wait_for_selector(MAP)
+    page = open_page("?chapter=analyse&beside=1&vis=row:0&tac=row:0", MAP, color_scheme=theme)
     page.add_style_tag(content="* { transition: none !important; }")
     chapters = page.locator(".chapters [data-chapter]").evaluate_all(
         "all => all.map((one) => one.dataset.chapter)"

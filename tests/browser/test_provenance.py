@@ -45,8 +45,7 @@ VIEWS = [
 
 @pytest.mark.parametrize("view", VIEWS)
 def test_every_accuracy_on_the_screen_has_a_line_that_tells_where_it_comes_from(open_page, view):
-    page = open_page(f"?{view}")
-    page.wait_for_selector(".explore .provenance >> visible=true")
+    page = open_page(f"?{view}", ".explore .provenance >> visible=true")
     settle(page)
     seen = page.evaluate(SHARES)
     assert seen["found"]
@@ -58,8 +57,7 @@ def test_every_accuracy_on_the_screen_has_a_line_that_tells_where_it_comes_from(
 
 
 def test_one_head_has_one_accuracy_in_all_chapters(open_page):
-    page = open_page("?chapter=analyse&mode=moved")
-    page.wait_for_selector(".explore .score .provenance")
+    page = open_page("?chapter=analyse&mode=moved", ".explore .score .provenance")
     score = page.locator(".explore .score .large").inner_text()
     page.click('.explore .chapters [data-chapter="fooled"]')
     page.wait_for_selector(".explore .stage .remark .provenance")

@@ -12,11 +12,10 @@ from omnivat.head.checkpoint import load_head
 from omnivat.measure.known import NOTHING, labels, measured, pairs
 
 from .conftest import Server, watched
-from .gestures import ANSWERED
+from .gestures import ANSWERED, SLOT, choose, holds
 
 pytestmark = pytest.mark.browser
 
-SLOT = '.pair .slot[data-modality="{}"]'
 PRESSED = ".pair .real button[aria-pressed=true]"
 
 
@@ -87,8 +86,8 @@ def test_a_real_pair_is_read_as_if_it_had_been_dropped_and_names_its_authors(ope
     page.goto(page.address + "?view=pair")
     page.wait_for_selector(ANSWERED)
     for half in ("vis", "tac"):
-        page.set_input_files(f"{SLOT.format(half)} input[type=file]", fetched / f"tree_{half}.png")
-        page.wait_for_selector(f"{SLOT.format(half)} .what:has-text('tree_{half}.png')")
+        choose(page, half, fetched / f"tree_{half}.png")
+        holds(page, half, f"tree_{half}.png")
     page.wait_for_selector(ANSWERED)
     dropped = [page.locator(f".pair .{part}").inner_text() for part in ("verdict", "familiar")]
     assert dropped == clicked and "guess" in dropped[0]

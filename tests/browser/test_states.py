@@ -53,7 +53,7 @@ CUT = """() => {
 
 @pytest.mark.parametrize("size", SIZES, ids=str)
 def test_no_text_is_cut_and_no_part_lies_on_another(open_page, size):
-    page = open_page("", viewport=dict(zip(("width", "height"), size, strict=True)))
+    page = open_page("", size=size)
     home = page.url.split("?")[0]
     for view in VIEWS:
         page.goto(f"{home}?{view}", wait_until="commit")
@@ -69,8 +69,7 @@ def test_no_text_is_cut_and_no_part_lies_on_another(open_page, size):
 def test_each_button_of_the_first_chapter_alone_is_marked_in_its_group_and_all_figures_follow(
     open_page,
 ):
-    page = open_page("?chapter=touch")
-    page.wait_for_selector(".explore .twin .said")
+    page = open_page("?chapter=touch", ".explore .twin .said")
     seen = set()
     for group in (".dots", ".known", ".given"):
         for button in page.locator(f".explore .touch {group} [role=radio]").all():
@@ -95,8 +94,7 @@ def test_each_button_of_the_first_chapter_alone_is_marked_in_its_group_and_all_f
 
 
 def test_each_reading_has_an_interval_and_changes_the_map_and_what_is_right_on_it(open_page):
-    page = open_page("?chapter=fooled")
-    page.wait_for_selector(".explore .stage .remark .provenance")
+    page = open_page("?chapter=fooled", ".explore .stage .remark .provenance")
     settle(page)
     drawn = set()
     for button in page.locator(".explore .readings [role=radio]").all():
@@ -109,8 +107,7 @@ def test_each_reading_has_an_interval_and_changes_the_map_and_what_is_right_on_i
 
 
 def test_what_is_shared_while_p_plays_is_what_stays_on_the_screen(open_page):
-    page = open_page("?chapter=analyse&mode=moved")
-    page.wait_for_selector(".explore .score .provenance")
+    page = open_page("?chapter=analyse&mode=moved", ".explore .score .provenance")
     before = page.locator(".explore .order").input_value()
     page.click(".explore .play")
     page.wait_for_function(
@@ -128,8 +125,9 @@ def test_what_is_shared_while_p_plays_is_what_stays_on_the_screen(open_page):
 def test_paper_keeps_the_words_simulated_the_line_of_its_figure_and_the_names_of_its_colours(
     open_page, chapter
 ):
-    page = open_page(f"?chapter={chapter}", viewport={"width": 718, "height": 1047})
-    page.wait_for_selector(".explore .provenance >> visible=true")
+    page = open_page(
+        f"?chapter={chapter}", ".explore .provenance >> visible=true", size=(718, 1047)
+    )
     settle(page)
     page.emulate_media(media="print")
     assert page.locator(".top .badge").is_visible()

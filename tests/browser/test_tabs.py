@@ -13,8 +13,9 @@ SECOND = "?chapter=analyse&mode=moved&beside=1"
 
 
 def test_the_nodes_of_the_pinned_pair_follow_p_and_tell_which_are_constant(open_page):
-    page = open_page("?chapter=analyse&mode=moved&pin=0&panel=nodes")
-    page.wait_for_selector(".explore .worth:has-text('nodes')")
+    page = open_page(
+        "?chapter=analyse&mode=moved&pin=0&panel=nodes", ".explore .worth:has-text('nodes')"
+    )
     settle(page)
     assert page.locator(".explore .nodes .disc").count() == 7
     told = page.locator(".explore .worth").inner_text()
@@ -30,8 +31,7 @@ def test_the_nodes_of_the_pinned_pair_follow_p_and_tell_which_are_constant(open_
 
 
 def test_a_second_map_shows_both_gaps_of_another_step_and_moves_with_the_first(open_page):
-    page = open_page("?chapter=analyse&mode=moved")
-    page.wait_for_selector(".explore .map[data-order]")
+    page = open_page("?chapter=analyse&mode=moved", ".explore .map[data-order]")
     page.click(".explore .second")
     page.wait_for_selector(".explore .beside .map[data-order]")
     for pane in (".now", ".beside"):
@@ -51,8 +51,7 @@ def test_a_second_map_shows_both_gaps_of_another_step_and_moves_with_the_first(o
 
 
 def test_a_second_map_has_a_step_a_method_and_a_p_of_its_own(open_page):
-    page = open_page(SECOND)
-    page.wait_for_selector(".explore .beside .map[data-order]")
+    page = open_page(SECOND, ".explore .beside .map[data-order]")
     page.select_option(".explore .beside .step", "f_hat")
     page.focus(".explore .beside .its-p")
     for _ in range(200):
@@ -93,8 +92,7 @@ def counts(page):
     ids=["nodes", "beside", "loading"],
 )
 def test_an_address_opens_the_part_of_a_tab_that_it_names(open_page, query, shown):
-    page = open_page(query)
-    page.wait_for_selector(f"{shown} >> visible=true")
+    open_page(query, f"{shown} >> visible=true")
 
 
 def test_simulated_data_say_so_and_their_limits_open_there(open_page):
@@ -130,8 +128,7 @@ def test_a_word_of_the_field_has_its_sentence_where_it_stands_and_not_over_the_t
 
 
 def test_the_accuracy_of_analyse_names_its_head_its_source_its_pairs_and_what_was_known(open_page):
-    page = open_page("?chapter=analyse&mode=moved")
-    page.wait_for_selector(".explore .score .provenance")
+    page = open_page("?chapter=analyse&mode=moved", ".explore .score .provenance")
     assert re.fullmatch(
         r"By the loaded head at its learned p = 0\.503, from TAG-sim; mean of 7 unseen domains, "
         r"\d+ pairs; known: nothing\.",
@@ -140,8 +137,7 @@ def test_the_accuracy_of_analyse_names_its_head_its_source_its_pairs_and_what_wa
 
 
 def test_a_head_is_trained_scrubbed_used_and_saved(open_page):
-    page = open_page("?view=train")
-    page.wait_for_selector(".train .go")
+    page = open_page("?view=train", ".train .go")
     page.click(".train .choices details summary")
     page.select_option(".train [name=width]", "16")
     page.fill(".train [name=epochs]", "6")
@@ -171,8 +167,7 @@ def test_a_head_is_trained_scrubbed_used_and_saved(open_page):
 
 
 def test_a_set_of_signals_offers_neither_camera_nor_sensor(open_page):
-    page = open_page("?set=chirps&view=pair")
-    page.wait_for_selector(".pair .of-signals:visible")
+    page = open_page("?set=chirps&view=pair", ".pair .of-signals:visible")
     page.wait_for_selector(".pair .slot .where:visible")
     for gone in (".slot .camera", ".cameras", ".panel.sensor"):
         assert page.locator(f".pair {gone}").count()

@@ -2,28 +2,17 @@
 
 import pytest
 
-from .gestures import ANSWERED, texture
+from .gestures import ANSWERED, SLOT, send
 
 pytestmark = pytest.mark.browser
-
-SLOT = '.pair .slot[data-modality="{}"]'
-
-
-def photo(page, seed):
-    """Choose a picture of noise as the photo and wait for its prediction."""
-    slot = SLOT.format("vis")
-    page.set_input_files(f"{slot} input[type=file]", texture(seed))
-    page.wait_for_selector(f"{slot} .what:has-text('{seed}.png')")
-    page.wait_for_selector(ANSWERED)
 
 
 @pytest.fixture
 def taught(open_page):
     """Return the page with two photos in each of two classes, predicted by the taught head."""
-    page = open_page("?view=pair&vis=row:0")
-    page.wait_for_selector(ANSWERED)
+    page = open_page("?view=pair&vis=row:0", ANSWERED)
     for seed, label in enumerate(("wood", "wood", "glass", "glass")):
-        photo(page, seed)
+        send(page, "vis", seed)
         page.click(f'.pair .labels [data-label="{label}"]')
     page.click(".pair [data-send=teach]")
     page.wait_for_selector(".pair .taught-now")
@@ -46,9 +35,8 @@ def test_where_explains_the_taught_head_while_it_makes_the_headline(taught):
 
 
 def test_every_class_of_a_guess_is_grey_and_called_one(open_page):
-    page = open_page("?view=pair&vis=row:0")
-    page.wait_for_selector(ANSWERED)
-    photo(page, 9)
+    page = open_page("?view=pair&vis=row:0", ANSWERED)
+    send(page, "vis", 9)
     page.wait_for_selector(".pair .reading[data-reading=vis] .guessed")
     if not page.locator(".pair .all-classes[open]").count():
         page.click(".pair .all-classes summary")

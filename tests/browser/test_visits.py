@@ -3,15 +3,29 @@
 import pytest
 
 from .conftest import watched
-from .gestures import ANSWERED, MAP, READY, WHERE, grab, open_tab, p_shown, pixels, pull, texture
+from .gestures import (
+    ANSWERED,
+    MAP,
+    READY,
+    SLOT,
+    WHERE,
+    choose,
+    grab,
+    holds,
+    open_tab,
+    p_shown,
+    pixels,
+    pull,
+    send,
+    texture,
+)
 
 pytestmark = pytest.mark.browser
 
 
 def test_a_link_brings_back_what_was_seen(open_page):
     query = "?mode=moved&p=0.31&stage=relu&colour=class&domain=TAG-sim&pin=3"
-    page = open_page(query)
-    page.wait_for_selector(MAP)
+    page = open_page(query, MAP)
     assert p_shown(page) == "0.31"
     assert page.locator('[data-stage="relu"]').get_attribute("aria-checked") == "true"
     assert page.locator(".explore .colouring").input_value() == "class"
@@ -57,8 +71,7 @@ def test_nothing_but_maps_waits_for_a_map_that_takes_long(new_page, address):
 
 
 def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(open_page):
-    page = open_page("?mode=moved")
-    page.wait_for_selector(MAP)
+    page = open_page("?mode=moved", MAP)
     plain = pixels(page)
     page.click('[data-stage="f_bar"]')
     page.select_option(".explore .colouring", "modality")
@@ -71,17 +84,16 @@ def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(
     page.mouse.move(1, 1)
     drawn = pixels(page)
     assert drawn != plain
-    other = open_page(page.evaluate("location.search"), viewport={"width": 1440, "height": 900})
-    other.wait_for_selector(MAP)
+    other = open_page(page.evaluate("location.search"), MAP, size=(1440, 900))
     assert p_shown(other) == "0.04"
     assert pixels(other) == drawn
 
 
 def test_junk_in_the_address_is_left_out_and_the_page_opens(open_page):
     page = open_page(
-        "?p=abc&stage=%3Cimg%20src=x%3E&colour=constructor&pin=-4&view=nowhere&map=x&class=~~&p2=1e9"
+        "?p=abc&stage=%3Cimg%20src=x%3E&colour=constructor&pin=-4&view=nowhere&map=x&class=~~&p2=1e9",
+        MAP,
     )
-    page.wait_for_selector(MAP)
     assert 0 <= float(p_shown(page)) <= 1
     before = pixels(page)
     page.focus(".explore .order")
@@ -91,8 +103,7 @@ def test_junk_in_the_address_is_left_out_and_the_page_opens(open_page):
 
 
 def test_going_back_shows_what_was_left_and_a_drag_leaves_one_step_not_hundreds(open_page, address):
-    page = open_page("?chapter=order")
-    page.wait_for_selector(MAP)
+    page = open_page("?chapter=order", MAP)
     steps = page.evaluate("history.length")
     pull(page, grab(page), 0.85, steps=20)
     page.mouse.up()
@@ -112,8 +123,7 @@ def test_going_back_shows_what_was_left_and_a_drag_leaves_one_step_not_hundreds(
 
 
 def test_back_steps_through_chapters_and_the_chosen_theme_outlives_a_reload(open_page):
-    page = open_page(WHERE)
-    page.wait_for_selector(READY["explore"])
+    page = open_page(WHERE, READY["explore"])
     page.click('.explore [data-chapter="fooled"]')
     page.wait_for_selector('.explore[data-chapter="fooled"]')
     page.go_back(wait_until="commit")
@@ -129,10 +139,7 @@ def test_back_steps_through_chapters_and_the_chosen_theme_outlives_a_reload(open
 
 
 def test_two_visitors_do_not_disturb_one_another(open_page):
-    own = {"viewport": {"width": 1440, "height": 900}}
-    one, two = (open_page("?mode=moved&p=0.3", **own) for _ in range(2))
-    for page in (one, two):
-        page.wait_for_selector(MAP)
+    one, two = (open_page("?mode=moved&p=0.3", MAP, size=(1440, 900)) for _ in range(2))
     one.focus(".explore .order")
     one.keyboard.press("ArrowRight")
     assert p_shown(one) == "0.31"
@@ -141,9 +148,7 @@ def test_two_visitors_do_not_disturb_one_another(open_page):
     for page, seed in ((one, 11), (two, 12)):
         open_tab(page, "pair")
         page.wait_for_selector(ANSWERED)
-        page.set_input_files('.pair .slot[data-modality="vis"] input[type=file]', texture(seed))
-        page.wait_for_selector(f".pair .slot .what:has-text('{seed}.png')")
-        page.wait_for_selector(ANSWERED)
+        send(page, "vis", seed)
     for page, seed in ((one, 12), (two, 11)):
         assert f"{seed}.png" not in page.locator(".pair .slots").inner_text()
     said = [
@@ -162,13 +167,12 @@ def test_the_watch_for_outside_requests_sees_one(desktop, address):
 
 
 def test_a_camera_gives_a_picture_that_is_answered(open_page):
-    page = open_page("?view=pair&vis=row:0&tac=row:0", permissions=["camera"])
-    page.wait_for_selector(ANSWERED)
-    slot = '.pair .slot[data-modality="tac"]'
+    page = open_page("?view=pair&vis=row:0&tac=row:0", ANSWERED, permissions=["camera"])
+    slot = SLOT.format("tac")
     page.click(f"{slot} .camera")
     page.wait_for_function("document.querySelector('.pair .slot video')?.videoWidth > 0")
     page.click(f"{slot} button:has-text('Take it')")
-    page.wait_for_selector(f"{slot} .what:has-text('camera')")
+    holds(page, "tac", "camera")
     page.wait_for_selector(ANSWERED)
     assert page.evaluate("document.querySelector('.pair .slot video')") is None
 
@@ -181,11 +185,11 @@ def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_i
     page.wait_for_selector(MAP)
     open_tab(page, "pair")
     page.wait_for_selector(ANSWERED)
-    page.set_input_files('.pair .slot[data-modality="tac"] input[type=file]', texture(4))
+    choose(page, "tac", texture(4))
     page.wait_for_function("location.search.includes('tac=image')")
     page.wait_for_selector(ANSWERED)
     server.stop()
-    page.set_input_files('.pair .slot[data-modality="vis"] input[type=file]', texture(5))
+    choose(page, "vis", texture(5))
     page.wait_for_selector(".pair .problem:has-text('does not respond')")
     open_tab(page, "explore")
     before = pixels(page)
@@ -194,15 +198,14 @@ def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_i
     assert pixels(page) != before
     server.start()
     open_tab(page, "pair")
-    page.set_input_files('.pair .slot[data-modality="vis"] input[type=file]', texture(6))
+    choose(page, "vis", texture(6))
     page.wait_for_selector(".pair .bars td[data-reading=tac]", state="attached")
     assert page.locator(".pair .problem").is_hidden()
     page.close()
 
 
 def test_a_server_started_again_with_another_head_is_told_of_and_not_mixed_in(open_page):
-    page = open_page("?view=pair")
-    page.wait_for_selector(ANSWERED)
+    page = open_page("?view=pair", ANSWERED)
 
     def as_another(route):
         answer = route.fetch()
@@ -210,5 +213,5 @@ def test_a_server_started_again_with_another_head_is_told_of_and_not_mixed_in(op
 
     page.route("**/omnivat/pair*", as_another)
     page.held = False  # every reply comes
-    page.click('.pair .slot[data-modality="vis"] .clear')
+    page.click(f"{SLOT.format('vis')} .clear")
     page.wait_for_selector(".pair .problem:has-text('another head or set. Reload the page')")

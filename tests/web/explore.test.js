@@ -5,6 +5,7 @@ import { headOf, LESSONS, startOf } from "../../app/web/explore/chapters.js";
 import { line } from "../../app/web/explore/curves.js";
 import { csv } from "../../app/web/explore/exports.js";
 import { histogram, ranged, shifted } from "../../app/web/explore/finder.js";
+import { neighboursHtml } from "../../app/web/explore/grid.js";
 import { modeWords } from "../../app/web/explore/modes.js";
 import { addressOf } from "../../app/web/explore/panels.js";
 import { inView } from "../../app/web/explore/pictures.js";
@@ -149,6 +150,7 @@ test("neighbours are those of the pinned pair at this step and p, and of no othe
   assert.equal(scenes.near(scene, address), points);
   assert.deepEqual(scenes.near({ ...scene, stop: 2 }, address), []);
   assert.deepEqual(scenes.near(scene, { ...address, pin: 0 }), []);
+  assert.match(`${neighboursHtml(points, scene)}`, /title="VIS of pair 0, wood, A, cosine 0\.500"/);
 });
 
 test("an accuracy names its head, and a learned p is not a round one", () => {

@@ -24,11 +24,11 @@ test("only markup that html made is written into the page", () => {
   assert.ok(html`x` instanceof Html);
 });
 
-test("markup is written in one place", () => {
+test("markup is made and written in one place, and a value in a tag stands in quotes", () => {
   const web = new URL("../../app/web/", import.meta.url);
-  const scripts = readdirSync(web, { recursive: true, encoding: "utf8" }).filter((name) => name.endsWith(".js"));
-  const writers = scripts.filter((name) =>
-    /innerHTML|outerHTML|insertAdjacentHTML/.test(readFileSync(new URL(name, web), "utf8")),
-  );
-  assert.deepEqual(writers, ["shared/text.js"]);
+  const names = readdirSync(web, { recursive: true, encoding: "utf8" }).filter((name) => name.endsWith(".js"));
+  const scripts = names.map((name) => [name, readFileSync(new URL(name, web), "utf8")]);
+  const having = (pattern) => scripts.flatMap(([name, text]) => (pattern.test(text) ? [name] : []));
+  assert.deepEqual(having(/innerHTML|outerHTML|insertAdjacentHTML|new Html/), ["shared/text.js"]);
+  assert.deepEqual(having(/<[a-z][^<>`]*[\w-]=\$\{/), []);
 });

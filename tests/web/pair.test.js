@@ -25,19 +25,35 @@ import {
   START,
   tally,
 } from "../../app/web/pair/state.js";
-import { cards, classTable, judged, madeOf, sentence, swapHtml, verdictHtml } from "../../app/web/pair/verdict.js";
+import { lineHtml } from "../../app/web/pair/steps.js";
+import {
+  cards,
+  classTable,
+  familiarHtml,
+  judged,
+  liveHtml,
+  madeOf,
+  rivalsHtml,
+  sentence,
+  spoken,
+  swapHtml,
+  verdictHtml,
+} from "../../app/web/pair/verdict.js";
 import { aboutP, band } from "../../app/web/pair/what-if.js";
 import { changed, told as explained } from "../../app/web/pair/where.js";
 import { readerOf, visit } from "../../app/web/shared/api.js";
 import { cells } from "../../app/web/shared/csv.js";
+import { frames } from "./browser.js";
 
 const CLASSES = ["wood", "steel"];
 const PAIR = {
   classes: CLASSES,
+  learned: 0.5,
   exact: {
     readings: { fused: [0.9, 0.1], vis: [0.8, 0.2], tac: [0.3, 0.7], vis_branch: [0.9, 0.1], tac_branch: [0.85, 0.15] },
   },
 };
+const STRANGE = { images: { vis: { guess: true }, tac: { guess: false } } };
 const LABELLED = [
   { vis: "image:a", tac: "image:b", label: "wood", name: "a", said: { fused: "wood", vis: "wood", tac: "steel" } },
   { vis: "image:c", tac: null, label: "steel", name: "c", said: { vis: "wood" } },
@@ -54,15 +70,36 @@ test("touch only is the touch with the photo absent, never a branch inside the p
   assert.ok(!html.includes("85"));
 });
 
-test("an image unlike the training images makes every reading that uses it a guess, without a figure", () => {
-  const html = String(cards(PAIR, { images: { vis: { guess: true }, tac: { guess: false } } }, {}));
-  const [both, photo, touch] = html.split("<article").slice(1);
-  for (const guessed of [both, photo]) {
-    assert.match(guessed, /This is a guess/);
-    assert.match(guessed, /The photo is unlike anything it has seen/);
-    assert.ok(!guessed.includes("%"));
+test("an image unlike the training images makes every reading that uses it a guess, without a figure, of files and cameras", () => {
+  const live = { classes: CLASSES, readings: PAIR.exact.readings, ...STRANGE };
+  for (const html of [cards(PAIR, STRANGE, {}), liveHtml(live)].map(String)) {
+    const [both, photo, touch] = html.split("<article").slice(1);
+    for (const guessed of [both, photo]) {
+      assert.match(guessed, /This is a guess.*The photo is unlike anything it has seen/);
+      assert.ok(!guessed.includes("%"));
+    }
+    assert.match(touch, /steel <b>70/);
   }
-  assert.match(touch, /steel <b>70/);
+});
+
+test("the list of classes and the other heads have grey columns and no figures for guesses", () => {
+  const html = String(classTable(PAIR, STRANGE));
+  const grey = [...html.matchAll(/<td data-reading="(\w+)" class="of-guess"/g)].map(([, reading]) => reading);
+  assert.deepEqual(grey, ["fused", "vis", "fused", "vis"]);
+  assert.equal(html.match(/\(guess\)/g).length, 2);
+  assert.match(html, /Grey: figures for a guess/);
+  assert.doesNotMatch(String(classTable(PAIR, { images: { vis: { guess: false } } })), /guess/);
+  const [, , own, other] = String(rivalsHtml(PAIR, [{ ...PAIR, label: "other" }], STRANGE)).split("<tr>");
+  for (const row of [own, other]) {
+    assert.equal(row.match(/wood\?/g).length, 2);
+    assert.match(row, /steel <b>70/);
+  }
+});
+
+test("no figure is shown or read out before the familiarity is known", () => {
+  assert.doesNotMatch(String(cards(PAIR, null, {})), /%/);
+  assert.equal(spoken(PAIR, STRANGE), "wood? This is a guess.");
+  assert.match(spoken(PAIR, { images: {} }), /^wood, 90/);
 });
 
 test("with one image there is no reading of both", () => {
@@ -85,14 +122,7 @@ test("a prediction is judged by the class of the images that it used", () => {
     /a class this head has not learned/,
   );
   assert.equal(judged({ label: "wood", used: ["vis"] }, {}, CLASSES), null);
-});
-
-test("names from files cannot become markup", () => {
-  assert.doesNotMatch(String(madeOf({ vis: "<img>", tac: "steel" })), /<img/);
-  assert.doesNotMatch(
-    String(classTable({ classes: ["<b>", "steel"], exact: { readings: { fused: [1, 0], vis: [1, 0] } } })),
-    /<b>/,
-  );
+  assert.match(String(madeOf({ vis: "wood", tac: "steel" })), /Photo: <b>wood<\/b>\. Touch: <b>steel<\/b>/);
 });
 
 test("familiarity is said in words and as a share of the training images", () => {
@@ -101,6 +131,9 @@ test("familiarity is said in words and as a share of the training images", () =>
   assert.match(sentence("tac", { words: "familiar", quantile: 0.25 }), /^Familiar: 25 of 100/); // an ordinary rank
   assert.match(sentence("vis", { words: "familiar", quantile: 1, cosine: 1 }), /one of the training photos/);
   assert.match(sentence("tac", {}), /has no record/);
+  const images = { vis: { ...image, nearest: [{ pair: 1, cosine: 0.5 }] } };
+  const html = String(familiarHtml({ images, of: "A" }, { frames: frames(), sprite: null }));
+  assert.match(html, /title="Open this pair of B".*<b>steel<\/b> 0\.50/);
 });
 
 test("each reading is counted over the pairs that had its images", () => {
@@ -116,6 +149,10 @@ test("teaching waits for two pairs of each of two classes and names what is ther
   assert.match(missing([]), /none yet/);
   assert.match(missing(LABELLED), /wood 1, steel 1/);
   assert.equal(missing([...LABELLED, ...LABELLED]), "");
+  const line = (pairs) => String(lineHtml({ ...START, pairs }));
+  assert.match(line([]), /<li aria-current="step">Drop/);
+  assert.match(line(LABELLED), /✓ See<\/li><li aria-current="step">Label/);
+  assert.match(line([...LABELLED, ...LABELLED]), /<li aria-current="step">Teach.*Teach it your 4 pairs/);
 });
 
 test("a pair is never predicted from its own label", () => {
