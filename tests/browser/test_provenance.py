@@ -39,7 +39,7 @@ VIEWS = [
     "chapter=analyse&mode=moved",
     "chapter=analyse&mode=every",
     "chapter=analyse&mode=moved&beside=1&stage2=f_hat&head2=method:nearest_mean",
-    "chapter=analyse&mode=moved&sel=0.z",
+    "chapter=analyse&mode=moved&sel=0.35",
 ]
 
 

@@ -7,7 +7,6 @@ import { framesBy, headLabel, heads, isMethod, methodsFor } from "../shared/head
 import { axes, axisNames, lassoLine } from "../shared/marks.js";
 import { means } from "../shared/means.js";
 import { values } from "../shared/measures.js";
-import { onTheme } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { stageNamed, stepsOf } from "../shared/stages.js";
 import { options } from "../shared/text.js";
@@ -58,7 +57,6 @@ function build(on) {
   ];
   cloud.onView = (view) => map.setView(view, true);
   map.onView = (view) => cloud.setView(view, true);
-  onTheme(() => cloud.redraw());
 }
 
 /** Move its own p. @param {number} p */

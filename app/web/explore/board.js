@@ -1,5 +1,6 @@
-/** What Explore shows of a set: its parts, drawn from the scene and the address. */
+/** What Explore shows of a set: its parts, drawn from the scene and the address, and what visitors do on the map. */
 
+import { ask, inSet, refused } from "../shared/api.js";
 import { card } from "../shared/card.js";
 import { showFilters } from "../shared/filters.js";
 import { orderText } from "../shared/frames.js";
@@ -19,10 +20,21 @@ import * as maps from "./maps.js";
 import { modeWords } from "./modes.js";
 import * as nodes from "./nodes.js";
 import { openPanel, panelIsOpen, rememberPanels } from "./panels.js";
-import { listen } from "./pictures.js";
+import { listen, peek } from "./pictures.js";
 import { $, change, fill, html, put, scene, state, take } from "./root.js";
 import { labelCsv } from "./saving.js";
-import { answers, cellChosen, filtered, isDouble, moved, packed, unpacked } from "./scene.js";
+import {
+  answers,
+  cellChosen,
+  filtered,
+  isDouble,
+  moved,
+  nearKey,
+  nearStage,
+  nextPoint,
+  packed,
+  unpacked,
+} from "./scene.js";
 import { showSteps } from "./staircase.js";
 import * as strangers from "./strangers.js";
 import * as threads from "./threads.js";
@@ -35,15 +47,23 @@ let bar;
 /** What draws them. @type {Record<"ride" | "curves" | "together", () => void>} */
 let charts;
 /** @type {Pointing} */
-let pointing;
+const pointing = {
+  wanted: maps.shown,
+  hover: (point) => hover(point, true),
+  pick: (point) => pick(point),
+  lasso: (points) => select(points),
+  next: (by) => hover(nextPoint(scene, by)),
+  lassoMode: () => scene.lasso,
+  current: () => scene.hovered,
+};
 
 /** Make the bar that moves p, which stands there before the set does. */
 export const buildBar = () => (bar = orderBar($(".order-bar")));
 
-/** Make the parts. @param {Pointing} on */
-export function build(on) {
-  pointing = on;
-  maps.build(on);
+/** Make the parts with the first set. */
+export function build() {
+  if (maps.map) return;
+  maps.build(pointing);
   listen();
   finder.listen();
   rememberPanels(() => {
@@ -221,6 +241,46 @@ export function showCard() {
   $('[data-panel="card"]').hidden = state.chapter !== "analyse" && state.pin === null;
   put($(".card"), card(frames, sprite, pair, stop, pinned, sample, facts.pairs));
   if (pinned) showNeighbours();
+}
+
+/** `pointed`: by the pointer, at which the pictures then are. @param {number} point */
+function hover(point, pointed = false) {
+  if (point === scene.hovered) return;
+  take({ hovered: point });
+  maps.map.marks.style.cursor = point >= 0 ? "pointer" : scene.lasso ? "crosshair" : "grab";
+  paintMarks();
+  showCard();
+  peek(point < 0 ? -1 : point % scene.frames.pairs, pointed);
+}
+
+/** Pin the pair of a point, for the other tabs too if it is of their set, and find its neighbours.
+ * @param {number} point */
+export function pick(point) {
+  take({ nearest: null });
+  if (point < 0) return change({ pin: null });
+  const { pairs } = scene.frames;
+  const pin = point % pairs;
+  change({ pin, ...(scene.set ? {} : { vis: `row:${pin}`, tac: `row:${pin}` }) });
+  return findNear(point < pairs ? 0 : 1);
+}
+
+/** Find the neighbours of the pinned pair's photo, 0, or touch, 1. @param {number} half */
+export async function findNear(half) {
+  const { set, frames, stop } = scene;
+  const key = nearKey(scene, state);
+  const box = $(".card .found");
+  if (box) box.textContent = "Computing this stage for the whole set…";
+  try {
+    const point = Number(state.pin) + frames.pairs * half;
+    const question = { point, stage: nearStage(scene, state), order: frames.orders[stop] };
+    const { neighbours } = await ask(inSet("neighbours", set), question);
+    if (key !== nearKey(scene, state)) return;
+    take({ nearest: { key, points: neighbours } });
+    showNeighbours();
+    paintMarks();
+  } catch (error) {
+    refused(error, (/** @type {string} */ sentence) => box && (box.textContent = sentence));
+  }
 }
 
 export function showMeans() {

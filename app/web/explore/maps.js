@@ -6,7 +6,7 @@ import { layersOf } from "../shared/layers.js";
 import { axes, axisNames, lassoLine, neighbourRings, pairLine, shapes } from "../shared/marks.js";
 import { means, names } from "../shared/means.js";
 import { asText, values } from "../shared/measures.js";
-import { colouring, colouringsOf, isDark, onTheme } from "../shared/palette.js";
+import { colouring, colouringsOf, isDark } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { isStill, stageNamed } from "../shared/stages.js";
 import { modeOf } from "../shared/tables.js";
@@ -56,7 +56,6 @@ export function build(on) {
     (x, cloud) => cloud.view.zoom < 3 && named(x, cloud),
     (x) => lassoLine(x, drawing.polygon),
   ];
-  onTheme(() => map.redraw());
 }
 
 /** Another set or chapter: room for its points, the whole map in view. */

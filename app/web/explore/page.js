@@ -1,13 +1,12 @@
 /** Explore's chapters: each opens with its set, its frames and its view. */
 
-import { attempt, once, refused } from "../shared/api.js";
+import { attempt, once } from "../shared/api.js";
 import { choices, fit, pairNames, unseen } from "../shared/facts.js";
 import { whenFine } from "../shared/frames.js";
 import { setOf } from "../shared/sets.js";
 import { openAt, openChapter } from "../shared/store.js";
 import { theSet } from "../shared/theset.js";
 import { making, tell } from "../shared/view.js";
-import { buildBoard } from "./acts.js";
 import * as board from "./board.js";
 import { LESSONS, startOf } from "./chapters.js";
 import { framesOfMode, isOtherWanted } from "./modes.js";
@@ -72,7 +71,7 @@ export async function enter() {
     const data = await dataOf(setOf(chapter, scene.sets), (step) => !scene.chapter && telling(step));
     if (late()) return;
     if (scene.own !== data.own) take(loaded(data));
-    buildBoard();
+    board.build();
     const frames = await framesOfMode(say);
     if (late() || !frames) return;
     opened(chapter);
@@ -108,14 +107,18 @@ function layOut(chapter) {
 /** Fetch what is known of a set, and show it. @param {SetData} data */
 function learnAll({ set, own }) {
   const { facts } = scene;
-  const learn = (/** @type {keyof SetFacts} */ name) => (/** @type {SetFacts[keyof SetFacts]} */ fact) => {
+  /** @param {keyof SetFacts} name @param {Promise<SetFacts[keyof SetFacts]>} coming
+   * @param {import("../shared/api.js").Say} say */
+  const learn = async (name, coming, say = () => {}) => {
+    const fact = await attempt(() => coming, say);
+    if (!fact) return;
     take(learned(scene, set, { [name]: fact }));
     if (set === scene.set && scene.chapter) board.learned();
   };
   if (facts.unseen && facts.pairs) return board.learned();
-  pairNames(set).then(learn("pairs"), () => {});
-  if (own.headless) return fit(set).then(learn("fit"), () => {});
-  return unseen(set).then(learn("unseen"), (error) => refused(error, $(".strangers .hint")));
+  learn("pairs", pairNames(set));
+  if (own.headless) return learn("fit", fit(set));
+  return learn("unseen", unseen(set), $(".strangers .hint"));
 }
 
 /** Finer frames of the head itself are computed: wait for them. @param {SetData} data */

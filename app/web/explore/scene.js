@@ -19,8 +19,22 @@ export const HISTOGRAMS = [
 
 const UNKNOWN = { unseen: null, pairs: null, fit: null };
 const START = {
-  ...{ sets: [], first: "", chapter: "", mode: "", wanted: "", facts: UNKNOWN, known: {}, dragged: new Map() },
-  ...{ halves: [true, true], sample: -1, lasso: false, stairs: "", other: null, votes: null, twin: -1, alone: -1 },
+  sets: [],
+  first: "",
+  chapter: "",
+  mode: "",
+  wanted: "",
+  facts: UNKNOWN,
+  known: {},
+  dragged: new Map(),
+  halves: [true, true],
+  sample: -1,
+  lasso: false,
+  stairs: "",
+  other: null,
+  votes: null,
+  twin: -1,
+  alone: -1,
 };
 
 /** The state; its set and frames are there once a chapter with a map was opened.
@@ -32,8 +46,20 @@ export const take = (patch) => Object.assign(scene, patch);
 
 /** Another set: nothing of the one before stays. @type {(data: SetData) => Partial<Scene>} */
 export const loaded = ({ set, own, sprite, modes }) => ({
-  ...{ set, own, sprite, modes, frames: own, facts: UNKNOWN, stop: 0, hovered: -1, nearest: null, cell: null },
-  ...{ stranger: UNSEEN, selected: new Set(), highlight: null, mask: new Uint8Array(2 * own.pairs).fill(1) },
+  set,
+  own,
+  sprite,
+  modes,
+  frames: own,
+  facts: UNKNOWN,
+  stop: 0,
+  hovered: -1,
+  nearest: null,
+  cell: null,
+  stranger: UNSEEN,
+  selected: new Set(),
+  highlight: null,
+  mask: new Uint8Array(2 * own.pairs).fill(1),
 });
 
 /** A fact about a set has come; one of another set changes nothing.
@@ -202,7 +228,7 @@ export const isDouble = ({ frames }, { beside, chapter }) =>
 
 const MOST = 4000; // letters; a longer selection is left out of the address
 
-/** Selected points as a text for the address: runs of neighbours in base 36. @param {Iterable<number>} points */
+/** Selected points as a text for the address: runs of neighbours, each by its ends. @param {Iterable<number>} points */
 export function packed(points) {
   /** @type {Span[]} */
   const runs = [];
@@ -211,11 +237,8 @@ export function packed(points) {
     if (last && last[1] === point - 1) last[1] = point;
     else runs.push([point, point]);
   }
-  const text = runs.map(([from, to], i) => {
-    const gap = (from - (i && runs[i - 1][1])).toString(36);
-    return to > from ? `${gap}.${(to - from).toString(36)}` : gap;
-  });
-  return text.join("-").length > MOST ? "" : text.join("-");
+  const text = runs.map(([from, to]) => (to > from ? `${from}.${to}` : from)).join("-");
+  return text.length > MOST ? "" : text;
 }
 
 /** The points of a packed text below `count`; what is not such a text has none.
@@ -223,13 +246,11 @@ export function packed(points) {
 export function unpacked(text, count) {
   /** @type {number[]} */
   const points = [];
-  let at = 0;
-  for (const run of text ? text.split("-") : []) {
-    const [gap, more = 0] = run.split(".").map((part) => Number.parseInt(part, 36));
-    if (!(gap >= 0 && more >= 0) || at + gap + more >= count) return points;
-    at += gap;
-    for (let i = 0; i <= more; i++) points.push(at + i);
-    at += more;
+  let next = 0;
+  for (const run of text.split("-")) {
+    const [from, to = from] = run.split(".").map((part) => Number.parseInt(part, 10));
+    if (!(from >= next && to < count)) return points;
+    for (next = from; next <= to; next++) points.push(next);
   }
   return points;
 }

@@ -4,7 +4,7 @@ import { address, ask, attempt } from "../shared/api.js";
 import { Cloud } from "../shared/cloud.js";
 import { twinsMap as fetchMap, twins as fetchTwins } from "../shared/facts.js";
 import { held } from "../shared/held.js";
-import { domainColour, isDark, onTheme } from "../shared/palette.js";
+import { domainColour, isDark } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { provenance } from "../shared/provenance.js";
 import { awaited } from "../shared/ready.js";
@@ -73,7 +73,6 @@ function build() {
   });
   cloud.painters = [thread];
   sheet = Object.assign(new Image(), { onload: () => cloud.paintMarks() });
-  onTheme(() => cloud.redraw());
 }
 
 /** The number of the shown press, and its point by the sensor that the first chapter learned from. */

@@ -3,7 +3,6 @@
 import { openChapter, watch, watchIn, writeAddress } from "../shared/store.js";
 import { openTab } from "../shared/tabs.js";
 import { onClick, press } from "../shared/view.js";
-import { findNear, pick } from "./acts.js";
 import * as beside from "./beside.js";
 import * as board from "./board.js";
 import { tagListed } from "./grid.js";
@@ -46,10 +45,10 @@ const CLICKS = {
   "[data-switch]": ({ dataset }) => toggle(dataset.switch),
   "[data-save]": ({ dataset }) => saveAs(dataset.save),
   ".card .open": () => openTab("pair"),
-  ".unpin": () => pick(-1),
-  ".find": ({ dataset }) => findNear(+dataset.of),
-  "[data-pair]": ({ dataset }) => pick(+dataset.pair),
-  "[data-point]": ({ dataset }) => pick(+dataset.point),
+  ".unpin": () => board.pick(-1),
+  ".find": ({ dataset }) => board.findNear(+dataset.of),
+  "[data-pair]": ({ dataset }) => board.pick(+dataset.pair),
+  "[data-point]": ({ dataset }) => board.pick(+dataset.point),
   ".clear": () => board.select([]),
   "[data-truth]": ({ dataset }) => chooseCell(+dataset.truth, +dataset.answer),
   ".sensors button": ({ dataset }) => threads.chooseSensor(+dataset.domain),

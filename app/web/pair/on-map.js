@@ -7,7 +7,7 @@ import { orderText } from "../shared/frames.js";
 import { IMAGES } from "../shared/images.js";
 import { layersOf } from "../shared/layers.js";
 import { axes, axisNames, pairLine } from "../shared/marks.js";
-import { isDark, onTheme } from "../shared/palette.js";
+import { isDark } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { change, state, watch } from "../shared/store.js";
 
@@ -37,7 +37,6 @@ export function pairMap(panel, frames) {
     cloud.layers = layersOf(frames, stop, shown, () => false, 0.34);
     cloud.show(frames.positions(kind(), STAGE, stop));
   }
-  onTheme(() => cloud.redraw());
   watch(["colour"], () => points(state.p));
   points(state.p); // a canvas without a drawing is black
 

@@ -2,7 +2,7 @@
 
 import { drawingOn } from "./canvas.js";
 import { density } from "./density.js";
-import { isDark, isLecture } from "./palette.js";
+import { isDark, isLecture, onTheme } from "./palette.js";
 import { Pixels, stampShape } from "./points.js";
 
 const GROUND = { light: "#ffffff", dark: "#0f172a" };
@@ -43,6 +43,7 @@ export class Cloud {
     this.pixels = new Pixels(drawingOn(this.ground, { alpha: false }));
     this.hold(count);
     addEventListener("beforeprint", () => this.print());
+    onTheme(() => this.redraw());
     new ResizeObserver(() => this.resize()).observe(box);
     this.resize();
   }

@@ -21,7 +21,7 @@ const DEFAULTS = {
   find: "",
   range: "", // histogram:from:to, joined by ~
   cell: "", // of the confusion matrix: truth~predicted~domain
-  sel: "", // selected points, see acts.js
+  sel: "", // selected points, see scene.js
   rung: "0", // what is moved in the second chapter: "1" the mean, "2" the spread too, "p" the order
   p: /** @type {any} */ (null), // until the frames are there
   stage: "f_hat",
