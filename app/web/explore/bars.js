@@ -1,6 +1,6 @@
 /** Bars of shares, one below the other. */
 
-import { html } from "../shared/text.js";
+import { html } from "./root.js";
 
 /** A scale with an interval and its mean; a line where guessing is. @param {Share | undefined} share @param {number} chance */
 export const scaleOf = (share, chance) =>

@@ -9,11 +9,10 @@ import { means } from "../shared/means.js";
 import { values } from "../shared/measures.js";
 import { listen } from "../shared/pointer.js";
 import { stageNamed, stepsOf } from "../shared/stages.js";
-import { options } from "../shared/text.js";
 import { making, tell } from "../shared/view.js";
 import { whence } from "./chapters.js";
 import { figure, kindOf, map, pairLines, showLayers, shown } from "./maps.js";
-import { $, change, fill, html, put, scene, state, take } from "./root.js";
+import { $, change, fill, html, options, put, scene, state, take } from "./root.js";
 import { isDouble } from "./scene.js";
 
 /** The two gaps of frames at a stop. @type {(frames: Frames, stage: string, stop: number) => (Html | null | string)[]} */

@@ -10,9 +10,8 @@ import { colouring, colouringsOf, isDark } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { isStill, stageNamed } from "../shared/stages.js";
 import { modeOf } from "../shared/tables.js";
-import { options } from "../shared/text.js";
 import { pictures } from "./pictures.js";
-import { $, choice, html, put, scene, state } from "./root.js";
+import { $, choice, html, options, put, scene, state } from "./root.js";
 import { filtering, isDouble, lit, loneDomain, near } from "./scene.js";
 
 /** @type {Record<string, string>} */

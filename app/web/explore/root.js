@@ -5,7 +5,7 @@ import { state } from "../shared/store.js";
 import { draw } from "../shared/text.js";
 
 export { change, state } from "../shared/store.js";
-export { draw, fill, html, percent, put } from "../shared/text.js";
+export { draw, fill, html, options, percent, put } from "../shared/text.js";
 export { scene, take } from "./scene.js";
 
 /** The first part of Explore that fits a selector; Explore itself without one. @type {(selector?: string) => Found} */

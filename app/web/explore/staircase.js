@@ -3,8 +3,7 @@
 import { asText, axis, gapsOf, values } from "../shared/measures.js";
 import { checked } from "../shared/radios.js";
 import { stepsOf } from "../shared/stages.js";
-import { options } from "../shared/text.js";
-import { $, draw, html, scene, state } from "./root.js";
+import { $, draw, html, options, scene, state } from "./root.js";
 
 const HIGH = 33; // CSS pixels of a row of stairs
 const WORDS = 16; // of these, above the highest step, for its figure

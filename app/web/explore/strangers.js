@@ -2,11 +2,10 @@
 
 import { thumbnail } from "../shared/card.js";
 import { unseenPairs } from "../shared/provenance.js";
-import { options } from "../shared/text.js";
 import { barRow, scaleOf } from "./bars.js";
 import { ofOwn } from "./chapters.js";
 import { marked } from "./grid.js";
-import { $, change, choice, html, percent, put, scene, state, take } from "./root.js";
+import { $, change, choice, html, options, percent, put, scene, state, take } from "./root.js";
 import { UNSEEN } from "./scene.js";
 
 /** @type {{key: Reading, label: string, title?: string}[]} */

@@ -2,9 +2,8 @@
 
 import { address } from "../shared/api.js";
 import { twins as fetchTwins } from "../shared/facts.js";
-import { options } from "../shared/text.js";
 import { marked } from "./grid.js";
-import { $, choice, draw, fill, html, percent, scene, state, take } from "./root.js";
+import { $, choice, draw, fill, html, options, percent, scene, state, take } from "./root.js";
 
 /** @type {{key: Reading, label: string, table: Input, title: string}[]} */
 export const READINGS = [

@@ -3,10 +3,9 @@
 import { Refusal, refused } from "../shared/api.js";
 import { drawingOn } from "../shared/canvas.js";
 import { keep, keptJson } from "../shared/memory.js";
-import { html, options, put } from "../shared/text.js";
 import { View } from "../shared/view.js";
 import { camera } from "./own-pictures.js";
-import { signed, TERMS } from "./verdict.js";
+import { html, options, put, signed, TERMS } from "./parts.js";
 
 const KEPT = "omnivat-live-";
 const SIDE = 256; // pixels of the longer side sent; encoders use 224

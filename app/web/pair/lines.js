@@ -2,8 +2,8 @@
 
 import { dragged, Scale } from "../shared/chart.js";
 import { classColour } from "../shared/palette.js";
-import { draw, html } from "../shared/text.js";
 import { View } from "../shared/view.js";
+import { draw, html } from "./parts.js";
 
 const WIDE = { least: 320, most: 900 }; // CSS pixels: as wide as its place, so that letters keep their size
 const H = 250;

@@ -2,10 +2,9 @@
 
 import { askOfImage, refused } from "../shared/api.js";
 import { csv } from "../shared/csv.js";
-import { html } from "../shared/text.js";
 import { FRAMES } from "./feed.js";
 import { camera, upload } from "./own-pictures.js";
-import { button, pressed } from "./parts.js";
+import { button, html, pressed } from "./parts.js";
 import { lessonsOf } from "./state.js";
 import { contentOf, counted, folderOf, saveZip, taughtBy } from "./work.js";
 

@@ -1,12 +1,10 @@
 /** Many pairs at once: a table of predictions with guess marks, and a CSV. */
 
 import { csv as written } from "../shared/csv.js";
-import { IMAGES } from "../shared/images.js";
-import { html, table } from "../shared/text.js";
 import { asTrained } from "./own.js";
-import { button, opener, plural } from "./parts.js";
+import { button, html, IMAGES, opener, plural, READINGS, TERMS, table, titleOf } from "./parts.js";
 import { tally } from "./state.js";
-import { brief, READINGS, readingsOf, TERMS, titleOf } from "./verdict.js";
+import { brief, readingsOf } from "./verdict.js";
 
 /** The panel; null without pairs. @param {PairTab} tab */
 export function manyHtml(tab) {

@@ -4,12 +4,12 @@ import { ask, attempt } from "../shared/api.js";
 import { Cloud } from "../shared/cloud.js";
 import { shownBy } from "../shared/filters.js";
 import { orderText } from "../shared/frames.js";
-import { IMAGES } from "../shared/images.js";
 import { layersOf } from "../shared/layers.js";
 import { axes, axisNames, pairLine } from "../shared/marks.js";
 import { isDark } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { change, state, watch } from "../shared/store.js";
+import { IMAGES } from "./parts.js";
 
 const STAGE = "f_hat";
 

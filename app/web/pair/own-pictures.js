@@ -2,10 +2,8 @@
 
 import { attempt, Refusal, sendImage } from "../shared/api.js";
 import { drawingOn } from "../shared/canvas.js";
-import { IMAGES } from "../shared/images.js";
 import { links, state } from "../shared/store.js";
-import { NO_CLASS } from "../shared/text.js";
-import { TERMS } from "./verdict.js";
+import { IMAGES, NO_CLASS, TERMS } from "./parts.js";
 
 const LARGEST = 20e6; // bytes
 /** What was sent, by its reference: its name and size, an address to show it from, who made it if somebody else.

@@ -2,10 +2,8 @@
 
 import { Scale } from "../shared/chart.js";
 import { provenance } from "../shared/provenance.js";
-import { html, percent, row, table } from "../shared/text.js";
-import { button, hint, opener, pressed } from "./parts.js";
+import { button, hint, html, opener, percent, pressed, READINGS, row, signed, table, titleOf } from "./parts.js";
 import { isHeld, isOwn, keyOf, labelOf, missing, tally } from "./state.js";
-import { READINGS, signed, titleOf } from "./verdict.js";
 
 /** What the head that reads own pictures learned from. @param {PairTab} tab */
 const sourceOf = ({ head, source }) => (head ? "all simulated sensors" : source);

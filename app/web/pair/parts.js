@@ -1,6 +1,33 @@
-/** Small pieces of markup that several parts of the tab share, and how a part is drawn. */
+/** What all parts of Try a pair use: the words for images and readings, small pieces of markup, and how a part is drawn. */
 
+import { IMAGES } from "../shared/images.js";
 import { draw, html } from "../shared/text.js";
+
+export { IMAGES, imagesOf, OTHER } from "../shared/images.js";
+export { draw, fill, html, NO_CLASS, options, percent, put, row, table } from "../shared/text.js";
+
+/** A branch inside a pair is not a reading. @type {Reading[]} */
+export const READINGS = ["fused", "vis", "tac"];
+/** The two images of a pair, in words. @type {Record<Modality, {title: string, one: string, many: string}>} */
+export const TERMS = {
+  vis: { title: "Photo", one: "photo", many: "photos" },
+  tac: { title: "Touch", one: "touch", many: "touch images" },
+};
+/** @param {Reading} reading */
+export const titleOf = (reading) => (reading === "fused" ? "Both" : `${TERMS[reading].title} only`);
+/** Words with the sign of a reading, which is that of its image; its title if there are none.
+ * @param {Reading} reading */
+export const signed = (reading, words = titleOf(reading)) => html`<span class="sign ${reading}"></span>${words}`;
+
+/** @param {string} text */
+export const capital = (text) => text[0].toUpperCase() + text.slice(1);
+
+/** In a set of signals, a pair is two recordings of one signal: no photo and no touch. */
+export function speakOfSignals() {
+  ["first", "second"].forEach((which, i) =>
+    Object.assign(TERMS[IMAGES[i]], { title: capital(which), one: `${which} recording`, many: `${which} recordings` }),
+  );
+}
 
 /** A button that tells an event, with what its data attributes say.
  * @param {string} event @param {unknown} words @param {Html | string} [attributes] */

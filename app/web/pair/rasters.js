@@ -1,12 +1,10 @@
 /** Pictures of numbers: the fractional spectrum of an image, and the attention among its tokens. */
 
 import { drawingOn, paintCells } from "../shared/canvas.js";
-import { imagesOf } from "../shared/images.js";
 import { isDark, ramp, rgb, TAC_COLOUR, VIS_COLOUR } from "../shared/palette.js";
-import { bytesOf, html, put } from "../shared/text.js";
+import { bytesOf } from "../shared/text.js";
 import { View } from "../shared/view.js";
-import { hint } from "./parts.js";
-import { signed, TERMS } from "./verdict.js";
+import { hint, html, imagesOf, put, signed, TERMS } from "./parts.js";
 
 const COLOURS = { vis: VIS_COLOUR, tac: TAC_COLOUR };
 const NAMES = { vis: "● VIS", tac: "▲ TAC" };

@@ -1,9 +1,6 @@
 /** Which head reads the visitor's own pictures, and what it reads right in sensors that it has not seen. */
 
-import { IMAGES } from "../shared/images.js";
-import { html, percent, row, table } from "../shared/text.js";
-import { button, hint } from "./parts.js";
-import { READINGS, signed } from "./verdict.js";
+import { button, hint, html, IMAGES, percent, READINGS, row, signed, table } from "./parts.js";
 
 const MANY = "20"; // pictures without labels of the record
 

@@ -1,9 +1,7 @@
 /** Real pairs of others, which the owner of the server has fetched: with their terms, and read like dropped pictures. */
 
 import { address } from "../shared/api.js";
-import { imagesOf } from "../shared/images.js";
-import { html } from "../shared/text.js";
-import { button, hint, pressed } from "./parts.js";
+import { button, hint, html, imagesOf, pressed } from "./parts.js";
 import { framed, pictured } from "./slots.js";
 
 /** Title without its subtitle. @param {RealSet} set */

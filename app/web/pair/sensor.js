@@ -1,9 +1,21 @@
 /** My sensor: a profile of unlabelled pictures, which predictions, familiarity and the map then follow. */
 
-import { IMAGES, imagesOf, OTHER } from "../shared/images.js";
-import { html, options, row, table } from "../shared/text.js";
-import { button, chooser, hint, plural } from "./parts.js";
-import { brief, readingsOf, TERMS, titleOf } from "./verdict.js";
+import {
+  button,
+  chooser,
+  hint,
+  html,
+  IMAGES,
+  imagesOf,
+  OTHER,
+  options,
+  plural,
+  row,
+  TERMS,
+  table,
+  titleOf,
+} from "./parts.js";
+import { brief, readingsOf } from "./verdict.js";
 
 /** What a profile was made of, in words. @param {NonNullable<PairTab["counts"]>} counts */
 export const madeOf = (counts) =>

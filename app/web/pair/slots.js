@@ -2,12 +2,9 @@
 
 import { address } from "../shared/api.js";
 import { thumbnail } from "../shared/card.js";
-import { IMAGES, OTHER } from "../shared/images.js";
 import { shelf } from "../shared/pick.js";
-import { html } from "../shared/text.js";
 import { describe, partsOf, sent } from "./own-pictures.js";
-import { button, chooser, hint, opener, pressed } from "./parts.js";
-import { signed, TERMS } from "./verdict.js";
+import { button, chooser, hint, html, IMAGES, OTHER, opener, pressed, signed, TERMS } from "./parts.js";
 import { changed, told } from "./where.js";
 
 /** The picture of an example. @param {string} name @param {Modality} modality */

@@ -1,7 +1,7 @@
 /** The line from dropped pictures to saved results: where the visitor is, and what one more step brings. */
 
 import { TABLES } from "../shared/tables.js";
-import { html, percent } from "../shared/text.js";
+import { html, percent } from "./parts.js";
 import { gainOf } from "./reader.js";
 import { isOwn, missing } from "./state.js";
 

@@ -1,35 +1,26 @@
 /** The prediction of one pair in words: both, photo only, touch only. Data in, markup out. */
 
-import { IMAGES, imagesOf, OTHER } from "../shared/images.js";
 import { classColour } from "../shared/palette.js";
-import { html, NO_CLASS, percent, row, table } from "../shared/text.js";
 import { describe } from "./own-pictures.js";
-import { button, hint, opener } from "./parts.js";
+import {
+  button,
+  capital,
+  hint,
+  html,
+  IMAGES,
+  imagesOf,
+  NO_CLASS,
+  OTHER,
+  opener,
+  percent,
+  READINGS,
+  row,
+  signed,
+  TERMS,
+  table,
+} from "./parts.js";
 import { tileOf } from "./slots.js";
 import { labelOf, mixed } from "./state.js";
-
-/** A branch inside a pair is not a reading. @type {Reading[]} */
-export const READINGS = ["fused", "vis", "tac"];
-/** The two images of a pair, in words. @type {Record<Modality, {title: string, one: string, many: string}>} */
-export const TERMS = {
-  vis: { title: "Photo", one: "photo", many: "photos" },
-  tac: { title: "Touch", one: "touch", many: "touch images" },
-};
-/** @param {Reading} reading */
-export const titleOf = (reading) => (reading === "fused" ? "Both" : `${TERMS[reading].title} only`);
-/** Words with the sign of a reading, which is that of its image; its title if there are none.
- * @param {Reading} reading */
-export const signed = (reading, words = titleOf(reading)) => html`<span class="sign ${reading}"></span>${words}`;
-
-/** @param {string} text */
-const capital = (text) => text[0].toUpperCase() + text.slice(1);
-
-/** In a set of signals, a pair is two recordings of one signal: no photo and no touch. */
-export function speakOfSignals() {
-  ["first", "second"].forEach((which, i) =>
-    Object.assign(TERMS[IMAGES[i]], { title: capital(which), one: `${which} recording`, many: `${which} recordings` }),
-  );
-}
 
 /** The class with the largest probability, and that probability. @param {string[]} classes @param {number[]} row */
 function best(classes, row) {

@@ -4,11 +4,11 @@ import { ask, attempt } from "../shared/api.js";
 import { HUNDREDTHS, orderBar } from "../shared/order.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
-import { draw, html, percent } from "../shared/text.js";
 import { onClick, View } from "../shared/view.js";
 import { Lines } from "./lines.js";
+import { draw, html, percent, titleOf } from "./parts.js";
 import { Attention, Spectra } from "./rasters.js";
-import { readingsOf, titleOf } from "./verdict.js";
+import { readingsOf } from "./verdict.js";
 
 export class WhatIf extends View {
   /** @type {PairTab | null} */

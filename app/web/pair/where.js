@@ -1,7 +1,7 @@
 /** Which parts of an image the prediction depends on: a tint, and words. */
 
 import { paintCells } from "../shared/canvas.js";
-import { html, percent } from "../shared/text.js";
+import { html, percent } from "./parts.js";
 
 /** @type {Rgb} */
 const NEEDED = [213, 94, 0]; // hiding it lowers the probability

@@ -4,7 +4,6 @@
 import { ask, askOfImage, attempt, bytesOf, get, made, Refusal, readerOf, visit } from "../shared/api.js";
 import { loaded } from "../shared/facts.js";
 import { headLabel } from "../shared/headsets.js";
-import { imagesOf, OTHER } from "../shared/images.js";
 import { keep, kept } from "../shared/memory.js";
 import { awaited } from "../shared/ready.js";
 import { save } from "../shared/save.js";
@@ -14,7 +13,7 @@ import { guide, live, saveRecording } from "./live.js";
 import { csv } from "./many.js";
 import { camera, describe, sent, snapshot, upload } from "./own-pictures.js";
 import { isPicture, named, paired, sorted } from "./pairing.js";
-import { plural } from "./parts.js";
+import { imagesOf, OTHER, plural } from "./parts.js";
 import { credit, short } from "./real.js";
 import { lessonsFor, lessonsOf, READING } from "./state.js";
 import { said } from "./verdict.js";
