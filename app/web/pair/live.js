@@ -103,7 +103,10 @@ async function loop(desk, run, signal) {
     const both = there.length > 1;
     const taught = await taughtBy(lessonsOf(desk.tab), number <= AT_ONCE);
     const answer = await askOfImage("live", new Blob(blobs), {
-      ...{ modality: both ? "both" : there[0].modality, split: both ? blobs[0].size : 0, taught, head: desk.tab.head },
+      modality: both ? "both" : there[0].modality,
+      split: both ? blobs[0].size : 0,
+      taught,
+      head: desk.tab.head,
     });
     if (number < run.shown) continue;
     run.shown = number;

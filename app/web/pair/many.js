@@ -2,7 +2,7 @@
 
 import { csv as written } from "../shared/csv.js";
 import { asTrained } from "./own.js";
-import { button, html, IMAGES, opener, plural, READINGS, TERMS, table, titleOf } from "./parts.js";
+import { button, html, IMAGES, opener, plural, READINGS, row, TERMS, table, titleOf } from "./parts.js";
 import { tally } from "./state.js";
 import { brief, readingsOf } from "./verdict.js";
 
@@ -50,15 +50,17 @@ function tableHtml(tab, close) {
 /** What each reading of a row says. @param {Row} row */
 const saidOf = ({ classes = [], readings = {}, images }) => readingsOf({ classes, readings, images });
 
-/** @param {Row} row @param {number} i @param {boolean} taught */
-function rowHtml(row, i, taught) {
-  const { name, label, vis, tac, said } = row;
-  if (!said) return html`<tr><th scope="row">${name}</th><td colspan="4" class="wrong">${row.problem}</td></tr>`;
-  const cells = saidOf(row).map((one) => {
-    const mark = label && one.label && (label === one.label ? "right" : "wrong");
-    return html`<td class="${mark}">${brief(one)}</td>`;
+/** @param {Row} one @param {number} i @param {boolean} taught */
+function rowHtml(one, i, taught) {
+  const { name, label, vis, tac, said } = one;
+  if (!said) return row(html`${name}`, [html`<td colspan="4" class="wrong">${one.problem}</td>`]);
+  const cells = saidOf(one).map((said) => {
+    const mark = label && said.label && (label === said.label ? "right" : "wrong");
+    return html`<td class="${mark}">${brief(said)}</td>`;
   });
-  return html`<tr data-pair="${i}"><th scope="row">${opener(name, { vis, tac }, html`class="link"`)} ${taught && label && html`<small>taught with it</small>`}</th><td><input type="text" list="ov-classes" maxlength="40" size="9" name="value" data-send="rowLabelled" data-label="${i}" aria-label="Label of ${name}" value="${label}"></td>${cells}</tr>`;
+  const open = opener(name, { vis, tac }, html`class="link"`);
+  const field = html`<input type="text" list="ov-classes" maxlength="40" size="9" name="value" data-send="rowLabelled" data-label="${i}" aria-label="Label of ${name}" value="${label}">`;
+  return row(html`${open} ${taught && label && html`<small>taught with it</small>`}`, [field, ...cells]);
 }
 
 /** One line for each pair: label, and class, probability and guess of each reading. @param {Row[]} rows */

@@ -14,15 +14,42 @@ const NOTHING = { busy: false, slow: false, answer: null, familiar: null, rivals
 
 /** @type {PairTab} */
 export const START = {
-  ...{ facts: {}, examples: [], set: { frames: null, sprite: null }, heads: [], rungs: [], real: null },
-  ...{ source: "its own training pairs", head: "" },
-  ...{ vis: null, tac: null, lost: "", away: null, take: "both", doing: {}, filming: "", explained: {}, reals: {} },
+  facts: {},
+  examples: [],
+  set: { frames: null, sprite: null },
+  heads: [],
+  rungs: [],
+  real: null,
+  source: "its own training pairs",
+  head: "",
+  vis: null,
+  tac: null,
+  lost: "",
+  away: null,
+  take: "both",
+  doing: {},
+  filming: "",
+  explained: {},
+  reals: {},
   ...NOTHING,
-  ...{ question: null, classes: [], allClasses: false },
-  ...{ on: false, frame: null, recording: null },
+  question: null,
+  classes: [],
+  allClasses: false,
+  on: false,
+  frame: null,
+  recording: null,
   line: "Cameras or video files; no picture is kept unless you record.",
-  ...{ profile: "", counts: null, rest: "tac", doubt: null, compared: null },
-  ...{ pairs: [], taught: false, report: null, labels: null, rows: [], unnamed: null },
+  profile: "",
+  counts: null,
+  rest: "tac",
+  doubt: null,
+  compared: null,
+  pairs: [],
+  taught: false,
+  report: null,
+  labels: null,
+  rows: [],
+  unnamed: null,
   notes: { problem: "", own: "", sensor: "", many: "", live: "" },
 };
 
@@ -99,7 +126,10 @@ function counted(tab, more) {
 
 /** No table. @param {PairTab} tab @returns {Change} */
 const closed = ({ notes, doing }) => ({
-  ...{ rows: [], unnamed: null, notes: { ...notes, many: "" }, doing: { ...doing, read: undefined } },
+  rows: [],
+  unnamed: null,
+  notes: { ...notes, many: "" },
+  doing: { ...doing, read: undefined },
   halt: ["read", "rows"],
 });
 
@@ -128,7 +158,10 @@ const EVENTS = {
     asked(tab, { ...pair, lost: "", reals: { ...tab.reals, [key]: pair.tac ?? pair.vis ?? "" } }),
   explained: ({ explained }, parts) => ({ explained: { ...explained, ...parts } }),
   predicted: (tab, { answer, question }) => ({
-    ...{ ...NOTHING, answer, question, classes: answer.classes },
+    ...NOTHING,
+    answer,
+    question,
+    classes: answer.classes,
     notes: { ...tab.notes, problem: tab.lost },
     next: { familiar: {}, rivals: {}, place: {}, compare: {} },
   }),
@@ -139,8 +172,10 @@ const EVENTS = {
     tab.on
       ? EVENTS.camerasOff(tab, "")
       : {
-          ...{ on: true, line: "Opening the sources; the first picture also loads the encoder…" },
-          ...{ notes: { ...tab.notes, problem: "", live: "" }, next: { live: {} } },
+          on: true,
+          line: "Opening the sources; the first picture also loads the encoder…",
+          notes: { ...tab.notes, problem: "", live: "" },
+          next: { live: {} },
         },
   // the pair comes back in their place
   camerasOff: (tab, why) => {
@@ -199,7 +234,8 @@ const EVENTS = {
   // my sensor
   sampled: ({ doubt }, { files = doubt?.files ?? [], kind }) => ({ doubt: null, next: { sample: { files, kind } } }),
   samplingStopped: ({ notes, doing }) => ({
-    ...{ notes: { ...notes, sensor: "Cancelled; nothing was changed." }, doing: { ...doing, sample: undefined } },
+    notes: { ...notes, sensor: "Cancelled; nothing was changed." },
+    doing: { ...doing, sample: undefined },
     halt: ["sample"],
   }),
   profiled: (tab, { profile, counts, note = "" }) => {
