@@ -1,16 +1,17 @@
 """OmniVaT as the paper has it, from top to bottom, in plain torch. Read this first.
 
-A photo (vis) and a touch image (tac) of one surface come as vectors of encoders that are never
-trained. The head names the surface's class. It is trained in one domain, the pictures of one
-sensor, and predicts in others; a text of the class (lang) takes part in training alone.
+A photo (vis) and a touch image (tac) of one surface come as vectors of frozen encoders. The head
+predicts the surface's class. It is trained in one domain, the images of one sensor, and tested in
+others. A text of the class (lang) is used in training only. One image of a pair may be missing.
 
-    vector -> E -> F_p(E) -> tokens -> F̄, one for each modality       MFFA, Eq. 2 to 6
-    root = sum of all F̄ -> seven nodes -> F̂ = F̄ + the nodes' mean    DTG, Eq. 8 to 11
-    F̂ -> its cosine to each class -> probabilities, mean of both modalities
+    vector -> E -> its transform F_p(E) -> tokens -> F̄, for each modality    MFFA, Eq. 2 to 6
+    root = sum of all F̄ -> seven nodes -> F̂ = F̄ + the nodes' mean           DTG, Eq. 8
+    F̂ -> ten times its cosine to each class -> softmax -> mean over images    Eq. 11
 
 Equations are numbered as in the paper (Qiu et al., README.md). Beside a line is the shape of its
-result: B pairs, W and L widths of the image and text encoders, D of the head, T tokens, N nodes,
-K classes. "Ours" marks what the paper leaves open (docs/method.md). `head.py` is the fast form.
+result: B pairs, W and L widths of the image and text encoders, D of the head, T = 2 x expansion
+tokens, N nodes, K classes. "Ours" marks what the paper leaves open (docs/method.md). `head.py` is
+the fast form; training (omnivat/training) fills the bank and draws the masks `on` and `token_on`.
 """
 
 import torch
@@ -26,14 +27,14 @@ def dfrft(x: Tensor, p: Tensor) -> tuple[Tensor, Tensor]:
 
     p is in quarter turns from a signal x (B, D) to its spectrum: p = 0 leaves it, p = 1 is its
     Fourier transform. V holds the transform's eigenvectors: a bell in column k = 0, then waves with
-    k changes of sign. The transform multiplies column k by (-i)^k, a quarter turn k times. So x is
-    split into columns, column k is turned by p k quarter turns, and all are added again.
+    k changes of sign; for even D the last k is D. The transform multiplies column k by (-i)^k. Its
+    power p multiplies column k by exp(-i p k π/2).
 
     >>> pulse = torch.tensor([[1.0, 0.0, 0.0, 0.0]])
     >>> dfrft(pulse, torch.tensor(1.0))[0]  # the spectrum of a pulse is flat
     tensor([[0.5000, 0.5000, 0.5000, 0.5000]])
     """
-    v, k = basis(x.shape[-1], dtype=x.dtype)  # V (D, D), orthonormal; (D,)
+    v, k = basis(x.shape[-1], dtype=x.dtype)  # V (D, D), orthonormal; k (D,)
     angle = torch.pi / 2 * p * k  # (D,)
     shares = x @ v  # (B, D)
     real, imaginary = shares * angle.cos().to(x), shares * -angle.sin().to(x)  # times exp(-i angle)
@@ -50,9 +51,9 @@ class FrATT(nn.Module):
         self.ffn = nn.Sequential(nn.Linear(width, wide), nn.GELU(), nn.Linear(wide, width))
 
     def forward(self, queries: Tensor, tokens: Tensor) -> Tensor:
-        """Return F̄ (B, D), of length 1 (ours): what queries read from tokens (B, T, D). Eq. 4."""
+        """Return F̄ (B, D), of length 1 (ours), of queries and tokens (B, T, D). Eq. 4."""
         scores = self.query(queries) @ self.key(tokens).mT / tokens.shape[-1] ** 0.5  # (B, T, T)
-        weights = softmax(scores, dim=-1)  # the paper has √D outside of it
+        weights = softmax(scores, dim=-1)  # (B, T, T); the paper has √D outside (ours: inside)
         read = (weights @ self.value(tokens)).mean(1)  # (B, D)
         return normalize(self.ffn(read), dim=-1)
 
@@ -63,34 +64,34 @@ class MFFA(nn.Module):
     def __init__(self, width: int, expansion: int, classes: int) -> None:
         super().__init__()
         self.order = nn.Parameter(torch.tensor(0.5, dtype=torch.float64))  # p, learned
-        spread = torch.linspace(0.5, 1.5, expansion)  # ours: θ that start equal stay so
+        spread = torch.linspace(0.5, 1.5, expansion)  # ours: equal θ would stay equal
         self.theta = nn.ParameterDict({m: nn.Parameter(spread.clone()) for m in MODALITIES})
         self.fratt = FrATT(width)
-        self.register_buffer("bank", torch.zeros(3, classes, width))  # a mean token for
-        self.register_buffer("bank_seen", torch.zeros(classes).bool())  # each class, from training
+        self.register_buffer("bank", torch.zeros(3, classes, width))  # F_g of each class,
+        self.register_buffer("bank_seen", torch.zeros(classes).bool())  # kept from training
 
     def tokens(self, name: str, embedding: Tensor) -> Tensor:
         """Return tokens: the real and imaginary part of F_p(E), times each θ, then ReLU. Eq. 3."""
         parts = stack(dfrft(embedding, self.order), dim=1)  # (B, 2, D)
         return relu(self.theta[name][:, None] * parts[:, :, None]).flatten(1, 2)  # (B, T, D)
 
-    def class_token(self, name: str) -> Tensor:
-        """Return F_g (D,), a class's mean token; of an unknown class the mean of all (ours)."""
+    def mean_token(self, name: str) -> Tensor:
+        """Return F_g (D,) where the class is not known: its mean over the classes (ours)."""
         bank, seen = self.get_buffer("bank"), self.get_buffer("bank_seen").double()
         return seen.to(bank) @ bank[MODALITIES.index(name)] / seen.sum().clamp_min(1).to(bank)
 
     def forward(self, name: str, embedding: Tensor) -> Tensor:
-        """Return F̄ (B, D) of E without a text: the tokens (B, T, D) are the queries themselves."""
+        """Return F̄ (B, D) of E at prediction, without a text: the tokens are the queries."""
         tokens = self.tokens(name, embedding)
-        return self.fratt.forward(tokens, tokens + self.class_token(name))  # F_g: key and value
+        return self.fratt.forward(tokens, tokens + self.mean_token(name))  # in key and value
 
 
 class DTG(nn.Module):
-    """Discrete tree generation, of linear maps: the root, its two children, their four children."""
+    """Discrete tree generation: root (node 0), its children (1, 2), leaves (3 to 6)."""
 
     def __init__(self, width: int, levels: int) -> None:
         super().__init__()
-        self.weight = nn.Parameter(linalg.qr(torch.randn(2**levels - 2, width, width)).Q)  # (ours)
+        self.weight = nn.Parameter(linalg.qr(torch.randn(2**levels - 2, width, width)).Q)  # ours: Q
         self.bias = nn.Parameter(torch.zeros(self.weight.shape[:2]))
 
     def forward(self, root: Tensor) -> Tensor:
@@ -104,13 +105,13 @@ class DTG(nn.Module):
 class Reference(nn.Module):
     """The head. W = `image`, L = `text` and D = `width`; each modality has `expansion` θ.
 
-    >>> head = Reference(classes=3, image=12, text=10, width=8).requires_grad_(False)
+    >>> head = Reference(classes=3, image=12, text=10, width=6).requires_grad_(False)
     >>> pair = {"vis": torch.randn(1, 12), "tac": torch.randn(1, 12)}
     >>> head.mffa.tokens("vis", head.embedded("vis", pair["vis"])).shape  # two parts, four θ
-    torch.Size([1, 8, 8])
+    torch.Size([1, 8, 6])
     >>> bars = [head.mffa(name, head.embedded(name, vector)) for name, vector in pair.items()]
     >>> head.dtg(bars[0] + bars[1]).shape  # seven nodes
-    torch.Size([1, 7, 8])
+    torch.Size([1, 7, 6])
     >>> head(pair).shape, round(float(head(pair).sum()), 5)
     (torch.Size([1, 3]), 1.0)
     """
@@ -126,7 +127,7 @@ class Reference(nn.Module):
         self.classifier = nn.Parameter(torch.randn(classes, width) / self.length)
 
     def embedded(self, name: str, vector: Tensor) -> Tensor:
-        """Return E (B, D) of an encoder's vectors (B, W): projected, of length √D (ours)."""
+        """Return E (B, D) of vectors (B, W), of a text (B, L): projected, of length √D (ours)."""
         layers = {"lang": self.project_lang, "vis": self.project_image, "tac": self.project_tac}
         return normalize(layers[name](vector), dim=-1) * self.length
 
@@ -135,7 +136,7 @@ class Reference(nn.Module):
         return 10 * normalize(hat, dim=-1) @ normalize(self.classifier, dim=-1).mT
 
     def forward(self, images: dict[str, Tensor]) -> Tensor:
-        """Return probabilities (B, K) of "vis", "tac" or both (B, W). Alg. 2, plus a tree."""
+        """Return probabilities (B, K) of "vis", "tac" or both, (B, W). Alg. 2, tree: ours."""
         bars = [self.mffa(name, self.embedded(name, vector)) for name, vector in images.items()]
         mean = self.dtg(stack(bars).sum(0)).mean(1)  # (B, D), of the tree that grows from F̄ᵛ + F̄ᵗ
         return stack([softmax(self.classify(bar + mean), dim=-1) for bar in bars]).mean(0)  # Eq. 11
@@ -146,27 +147,27 @@ class Reference(nn.Module):
         """Return the loss of a batch, L_CE + 10 L_MMA + L_NOD. Eq. 12, Alg. 1.
 
         lang      (B, L) vector of a text of each pair's class; the classes are `labels` (B,)
-        on        (B,) pairs that the text guides, drawn at random: the others learn without (ours)
-        token_on  (B,) pairs that see F_g of their class, drawn at random, too (ours)
+        on        (B,) bool, random: pairs whose E, queries and root receive the text (ours)
+        token_on  (B,) bool, random: pairs that get F_g of their class; others the mean F_g (ours)
 
-        L_MMA aligns photo and touch with the text; L_NOD drives the nodes of a level apart.
+        L_MMA pulls F̄ of every image towards the text's; L_NOD makes a level's nodes orthogonal.
         """
         same = (labels[:, None] == labels).to(lang)  # (B, B)
 
         def with_class(name: str, tokens: Tensor) -> Tensor:  # (B, T, D), each plus F_g
             of_class = (same / same.sum(1, keepdim=True)) @ tokens.mean(1)  # (B, D), in this batch
-            token = where(token_on[:, None], of_class, self.mffa.class_token(name))
+            token = where(token_on[:, None], of_class, self.mffa.mean_token(name))
             return tokens + token[:, None]
 
         tokens = self.mffa.tokens("lang", self.embedded("lang", lang))  # (B, T, D)
         text = self.mffa.fratt(tokens, with_class("lang", tokens))  # F̄ of the text, (B, D)
         guide, bars = self.length * text, []  # (B, D), as long as E (ours)
         for name, vector in images.items():
-            embedding = self.embedded(name, vector) + guide * on[:, None]  # Eq. 5: the text joins E
+            embedding = self.embedded(name, vector) + guide * on[:, None]  # Eq. 5: text joins E
             tokens = self.mffa.tokens(name, embedding)  # (B, T, D)
-            queries = where(on[:, None, None], guide[:, None], tokens)  # Eq. 6: it is the query
+            queries = where(on[:, None, None], guide[:, None], tokens)  # Eq. 6: text as query
             bars.append(self.mffa.fratt(queries, with_class(name, tokens)))  # (B, D)
-        nodes = self.dtg(stack(bars).sum(0) + text * on[:, None])  # (B, N, D): it joins the root
+        nodes = self.dtg(stack(bars).sum(0) + text * on[:, None])  # (B, N, D); text joins root
         goal, total = log_softmax(text, dim=-1), torch.zeros(()).to(text)  # goal (B, D) of L_MMA
         for bar in bars:
             total = total + cross_entropy(self.classify(bar + nodes.mean(1)), labels) / len(bars)
