@@ -12,6 +12,7 @@ from scipy.ndimage import gaussian_filter
 
 from omnivat.data.tac3d import MARKERS, field_to_rgb
 from omnivat.simulate.noise import Array, turned
+from omnivat.simulate.sensors import Gel
 from omnivat.simulate.shapes.spots import contact_height
 from omnivat.simulate.things import Thing
 
@@ -24,6 +25,10 @@ class Press:
     lean: Sequence[float]  # x, y: slope of the sensor against the surface, mm a mm
     depth: float  # 0 to 1 of the sensor's range
     shear: Sequence[float]  # x, y: mm that the gel is dragged sideways
+
+    def depth_in(self, least: float, most: float) -> float:
+        """Return the depth in mm within a sensor's range."""
+        return least + self.depth * (most - least)
 
 
 def plane(field: float, size: int) -> tuple[Array, Array]:
@@ -65,8 +70,13 @@ def draped(indent: Array, *, field: float, give: float, skin: float) -> Array:
     return gaussian_filter(sheet, skin / pixel, mode="nearest")
 
 
-FIELD = 16.0  # mm across the markers
-DEPTH = (0.4, 0.85)  # mm
+def pressed_gel(thing: Thing, press: Press, gel: Gel, *, size: int) -> Array:
+    """Return the displacement (size, size) of a gel in mm, into the sensor."""
+    height = pressed_height(thing, press, field=gel.field, size=size)
+    indent = indentation(height, field=gel.field, depth=press.depth_in(*gel.depth), dome=gel.dome)
+    return draped(indent, field=gel.field, give=gel.give, skin=gel.skin)
+
+
 _BULGE = 0.45  # mm sideways for a slope of 1: the gel moves aside
 _DRAG = 0.5  # share of the drag that reaches the markers
 # mm for full colour: `robust_scale` of 60 pairs of the shipped set; fixed, so an image does not
@@ -75,13 +85,10 @@ SCALE = np.array([0.14, 0.14, 0.74])
 _GRID = 160  # resolution of the gel before sampling at the markers
 
 
-def displacements(thing: Thing, press: Press, *, seed: int) -> Array:
+def displacements(thing: Thing, press: Press, gel: Gel, *, seed: int) -> Array:
     """Return the markers' displacements (20, 20, 3) in mm: right, up, and into the sensor."""
-    height = pressed_height(thing, press, field=FIELD, size=_GRID)
-    depth = DEPTH[0] + press.depth * (DEPTH[1] - DEPTH[0])
-    indent = indentation(height, field=FIELD, depth=depth, dome=0.25)
-    sheet = draped(indent, field=FIELD, give=0.8, skin=0.22)
-    pixel = FIELD / _GRID
+    sheet = pressed_gel(thing, press, gel, size=_GRID)
+    pixel = gel.field / _GRID
     down, right = np.gradient(sheet, pixel)
     held = gaussian_filter(sheet, 1.0 / pixel, mode="nearest")
     held = held / max(float(held.max()), 1e-6)

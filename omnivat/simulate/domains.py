@@ -24,26 +24,24 @@ class SimulatedDomain:
     ceramic: bool = True  # False: without ceramic objects
 
 
-def _of_paper(name: str, sensor: str, seed_base: int) -> SimulatedDomain:
-    own = DOMAINS[name]
-    return SimulatedDomain(
+_SENSORS = {  # name of the paper's domain -> its sensor
+    "TAG": "GelSight",
+    "OF Real": "GelSlim",
+    "OF 2.0 A": "Taxim GelSight",  # two calibrations
+    "OF 2.0 B": "Taxim GelSight Mini",
+    "TQ-DIGIT": "DIGIT",
+    "TQ-GelMini": "GelSight Mini",
+    "TQ-DuraGel": "DuraGel",
+    "TQ-T3D": "Tac3D",
+}
+SIMULATED = {
+    name: SimulatedDomain(
         name=name,
         sensor=SENSORS[sensor],
         scene=SCENES[name],
-        seed_base=seed_base,
-        series=own.series,
-        ceramic=own.ceramic,
+        seed_base=NUMBERS * number,
+        series=DOMAINS[name].series,
+        ceramic=DOMAINS[name].ceramic,
     )
-
-
-_PAPER = (
-    _of_paper("TAG", "GelSight", 0),
-    _of_paper("OF Real", "GelSlim", 10_000),
-    _of_paper("OF 2.0 A", "Taxim GelSight", 20_000),  # two calibrations
-    _of_paper("OF 2.0 B", "Taxim GelSight Mini", 30_000),
-    _of_paper("TQ-DIGIT", "DIGIT", 40_000),
-    _of_paper("TQ-GelMini", "GelSight Mini", 50_000),
-    _of_paper("TQ-DuraGel", "DuraGel", 60_000),
-    _of_paper("TQ-T3D", "Tac3D", 70_000),
-)
-SIMULATED = {domain.name: domain for domain in _PAPER}
+    for number, (name, sensor) in enumerate(_SENSORS.items())
+}

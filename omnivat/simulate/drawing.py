@@ -40,9 +40,8 @@ def calibrated(thing: Thing, press: Press, calibration: str, *, size: int) -> Ar
     Raises MissingPackageError without taxim and jax.
     """
     square = pressed_height(thing, press, field=_WIDTH * _PIXEL, size=_WIDTH)
-    depth = DEPTH[0] + press.depth * (DEPTH[1] - DEPTH[0])
     # Taxim measures distance from the gel: the highest point has the smallest.
-    return _seen(calibration, -square[_SQUARE], depth, size)
+    return _seen(calibration, -square[_SQUARE], press.depth_in(*DEPTH), size)
 
 
 def _seen(calibration: str, distance: Array, depth: float | None, size: int) -> Array:
@@ -77,7 +76,7 @@ def tactile(thing: Thing, sensor: SensorModel, stream: int, *, size: int) -> Arr
         return calibrated(thing, press, sensor.calibration, size=size)
     if isinstance(sensor, Sensor):
         return touch(thing, press, sensor, size=size, seed=noise)
-    return coloured(displacements(thing, press, seed=noise), size=size)
+    return coloured(displacements(thing, press, sensor, seed=noise), size=size)
 
 
 def resting(sensor: SensorModel, *, size: int) -> Array:

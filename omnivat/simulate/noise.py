@@ -12,6 +12,7 @@ from scipy.ndimage import map_coordinates, spline_filter
 
 Array = NDArray[np.float64]
 Rng = np.random.Generator
+Colour = tuple[float, float, float]  # linear, 0 to 1
 
 _CELLS = 512  # period of the noise in wavelengths
 

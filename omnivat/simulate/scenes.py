@@ -7,7 +7,7 @@ in view (TacQuad).
 
 from dataclasses import dataclass
 
-Colour = tuple[float, float, float]
+from omnivat.simulate.noise import Colour
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,7 +7,7 @@ not calibrated colour.
 
 from dataclasses import dataclass
 
-Colour = tuple[float, float, float]
+from omnivat.simulate.noise import Colour
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -32,14 +32,20 @@ class Markers:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Sensor:
-    """Mechanics and appearance of a gel that a camera sees (`tactile.py`)."""
+class Gel:
+    """Mechanics of a gel."""
 
-    field: float  # mm across the square image
+    field: float  # mm across the square image, or the markers
     depth: tuple[float, float]  # press depth, mm
     skin: float  # mm: the gel's coat smooths narrower relief
     give: float  # mm: reach of the gel's deformation around a contact
     dome: float  # mm: height of the gel's middle over its rim
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sensor(Gel):
+    """A gel that a camera sees (`tactile.py`)."""
+
     base: Colour  # mean colour of the untouched gel
     lamps: tuple[Lamp, ...]
     gain: float = 1.0  # strength of the colour of slopes
@@ -58,7 +64,7 @@ class TaximSensor:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Tac3DSensor:
+class Tac3DSensor(Gel):
     """A grid of displacements, drawn as colours (`contact.displacements`)."""
 
 
@@ -116,5 +122,5 @@ SENSORS: dict[str, SensorModel] = {
     **GELS,
     "Taxim GelSight": TaximSensor(calibration="CALIB_GELSIGHT"),
     "Taxim GelSight Mini": TaximSensor(calibration="CALIB_GELSIGHT_MINI"),
-    "Tac3D": Tac3DSensor(),
+    "Tac3D": Tac3DSensor(field=16.0, depth=(0.4, 0.85), skin=0.22, give=0.8, dome=0.25),
 }

@@ -12,9 +12,9 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from omnivat.kit.seeding import derive_seed
-from omnivat.simulate.contact import Press, draped, indentation, plane, pressed_height
-from omnivat.simulate.noise import Array, Rng, noise, smoothstep, turned
-from omnivat.simulate.sensors import Colour, Lamp, Markers, Sensor
+from omnivat.simulate.contact import Press, plane, pressed_gel
+from omnivat.simulate.noise import Array, Colour, Rng, noise, smoothstep, turned
+from omnivat.simulate.sensors import Lamp, Markers, Sensor
 from omnivat.simulate.things import Thing
 
 
@@ -23,11 +23,8 @@ def touch(thing: Thing, press: Press, sensor: Sensor, *, size: int, seed: int) -
 
     `seed` fixes the gel, its wear, and the noise.
     """
-    height = pressed_height(thing, press, field=sensor.field, size=size)
     sensor = used(sensor, np.random.default_rng(derive_seed(seed, "gel")))
-    depth = sensor.depth[0] + press.depth * (sensor.depth[1] - sensor.depth[0])
-    indent = indentation(height, field=sensor.field, depth=depth, dome=sensor.dome)
-    sheet = draped(indent, field=sensor.field, give=sensor.give, skin=sensor.skin)
+    sheet = pressed_gel(thing, press, sensor, size=size)
     image = blotted(untouched(sensor, size=size) + lit(sheet, sensor), sensor, seed=seed)
     image = _marked(image, sheet, sensor, press.shear)
     return photographed(image, blur=sensor.blur, grain=sensor.noise, seed=seed)

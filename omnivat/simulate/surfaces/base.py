@@ -8,8 +8,6 @@ import numpy as np
 from omnivat.simulate.fields import Field
 from omnivat.simulate.noise import Rng
 
-Colour = tuple[float, float, float]  # linear, 0 to 1
-
 
 @dataclass(frozen=True, slots=True)
 class Surface:
@@ -22,11 +20,6 @@ class Surface:
     roughness: float  # microfacet width alpha of the shiny layer, 0.01 mirror to 0.6 dull
     brushing: float = 0.0  # 0 to 1: how much wider highlights are across `angle`
     angle: float = 0.0  # rad, direction of grain or brushing
-
-
-def pick(rng: Rng, low: float, high: float) -> float:
-    """Draw evenly between two bounds."""
-    return float(rng.uniform(low, high))
 
 
 def pick_log(rng: Rng, low: float, high: float) -> float:

@@ -14,7 +14,7 @@ from omnivat.simulate.fields import (
     tinted,
 )
 from omnivat.simulate.noise import Array, Rng, cells
-from omnivat.simulate.surfaces.base import Surface, pick, pick_log, stream
+from omnivat.simulate.surfaces.base import Surface, pick_log, stream
 
 _TINTS = (
     (0.93, 0.96, 0.95), (0.95, 0.96, 0.96), (0.62, 0.86, 0.70), (0.80, 0.52, 0.20),
@@ -25,7 +25,7 @@ _TINTS = (
 def _glass(rng: Rng, relief: Field, *, vessel: bool = False, dull: bool = False) -> Surface:
     """Return glass of one tint with this relief."""
     rng.random(2 + (rng.random() >= 0.6) if vessel else 1)  # once a curvature; keeps shipped bytes
-    skin = pick(rng, 0.25, 0.4) if dull else 0.02
+    skin = rng.uniform(0.25, 0.4) if dull else 0.02
     tint, seed = _TINTS[rng.integers(len(_TINTS))], stream(rng)
     colour = tinted(tint, 0.01 * orange_peel(seed, size=30.0))
     return Surface(relief, colour, gloss="glass", roughness=skin)
@@ -41,13 +41,13 @@ def float_glass(rng: Rng) -> Surface:
 
 def rippled(rng: Rng) -> Surface:
     """Return old or rippled glass: smooth, long, gentle waves."""
-    seed, size, rise = stream(rng), pick(rng, 4.0, 9.0), pick(rng, 0.06, 0.18)
+    seed, size, rise = stream(rng), rng.uniform(4.0, 9.0), rng.uniform(0.06, 0.18)
     return _glass(rng, rise * orange_peel(seed, size=size))
 
 
 def reeded(rng: Rng) -> Surface:
     """Return fluted glass: exact, smooth ribs, which plastic has too."""
-    angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 3.0, 7.0), pick(rng, 0.25, 0.5)
+    angle, pitch, rise = rng.uniform(0, np.pi), rng.uniform(3.0, 7.0), rng.uniform(0.25, 0.5)
     return _glass(
         rng, rise * ribs(angle=angle, pitch=pitch, sharpness=0.6), vessel=rng.random() >= 0.5
     )
@@ -55,7 +55,7 @@ def reeded(rng: Rng) -> Surface:
 
 def pebbled(rng: Rng) -> Surface:
     """Return hammered glass: round smooth cushions, close together."""
-    seed, size, rise = stream(rng), pick(rng, 3.0, 6.0), pick(rng, 0.10, 0.28)
+    seed, size, rise = stream(rng), rng.uniform(3.0, 6.0), rng.uniform(0.10, 0.28)
 
     @field
     def cushions(x: Array, y: Array) -> Array:
@@ -74,13 +74,13 @@ def frosted(rng: Rng) -> Surface:
 
 def cut(rng: Rng) -> Surface:
     """Return cut crystal: crossing V grooves, sharp and smooth."""
-    angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 4.0, 8.0), pick(rng, 0.5, 0.9)
+    angle, pitch, rise = rng.uniform(0, np.pi), rng.uniform(4.0, 8.0), rng.uniform(0.5, 0.9)
     return _glass(rng, rise * diamonds(pitch=pitch, angle=angle), vessel=rng.random() < 0.5)
 
 
 def pressed(rng: Rng) -> Surface:
     """Return pressed glass: smooth hobnails in rows."""
-    angle, pitch, rise = pick(rng, 0, np.pi), pick(rng, 4.5, 9.0), pick(rng, 0.3, 0.6)
+    angle, pitch, rise = rng.uniform(0, np.pi), rng.uniform(4.5, 9.0), rng.uniform(0.3, 0.6)
     relief = rise * dots(pitch=pitch, radius=0.3 * pitch, angle=angle, edge=0.22 * pitch)
     return _glass(rng, relief, vessel=rng.random() < 0.5)
 

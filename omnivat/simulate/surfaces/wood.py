@@ -17,7 +17,7 @@ from omnivat.simulate.fields import (
     tinted,
 )
 from omnivat.simulate.noise import Array, Rng, smoothstep, turned
-from omnivat.simulate.surfaces.base import Surface, pick, pick_log, stream
+from omnivat.simulate.surfaces.base import Surface, pick_log, stream
 
 _SPECIES = (  # linear reflectance of early wood; late wood is darker
     (0.62, 0.44, 0.27), (0.50, 0.31, 0.16), (0.36, 0.19, 0.09), (0.19, 0.10, 0.055),
@@ -31,14 +31,14 @@ class _Grain:
     """
 
     def __init__(self, rng: Rng) -> None:
-        self.angle, pitch = pick(rng, 0, np.pi), pick_log(rng, 2.0, 9.0)
+        self.angle, pitch = rng.uniform(0, np.pi), pick_log(rng, 2.0, 9.0)
         wave, fibre, pore = stream(rng), stream(rng), stream(rng)
         self.species = _SPECIES[rng.integers(len(_SPECIES))]
         bend = streaks(wave, angle=self.angle, width=4 * pitch, length=60 * pitch)
         self.rings = _late(self.angle, pitch, bend)
         self.fibres = streaks(fibre, angle=self.angle, width=0.9, length=25.0)
         self.pores = smooth(streaks(pore, angle=self.angle, width=0.55, length=7.0), 1.2, 1.9)
-        shade = -pick(rng, 0.25, 0.6) * self.rings + 0.10 * self.fibres
+        shade = -rng.uniform(0.25, 0.6) * self.rings + 0.10 * self.fibres
         self.colour = tinted(self.species, shade - 0.45 * self.pores)
 
     def surface(self, relief: Field, *, roughness: float) -> Surface:
@@ -55,9 +55,9 @@ def _late(x: Array, y: Array, angle: float, pitch: float, bend: Field) -> Array:
 
 def sawn(rng: Rng) -> Surface:
     """Return rough lumber: fibres torn up, and the teeth of the saw across them."""
-    wood, saw_pitch = _Grain(rng), pick(rng, 0.9, 2.6)
-    lean = wood.angle + np.pi / 2 + pick(rng, -0.3, 0.3)
-    rough, teeth = pick(rng, 0.03, 0.07), pick(rng, 0.02, 0.06)
+    wood, saw_pitch = _Grain(rng), rng.uniform(0.9, 2.6)
+    lean = wood.angle + np.pi / 2 + rng.uniform(-0.3, 0.3)
+    rough, teeth = rng.uniform(0.03, 0.07), rng.uniform(0.02, 0.06)
     torn = grain(stream(rng), coarsest=1.2, finest=0.15)
     relief = (
         rough * (wood.fibres - 1.4 * wood.pores)
@@ -98,16 +98,16 @@ def weathered(rng: Rng) -> Surface:
 def varnished(rng: Rng) -> Surface:
     """Return furniture: grain under a coat that almost levels it."""
     wood, coat = _Grain(rng), stream(rng)
-    left, soft = pick(rng, 0.008, 0.018), pick(rng, 0.003, 0.006)
+    left, soft = rng.uniform(0.008, 0.018), rng.uniform(0.003, 0.006)
     relief = left * (wood.fibres - 2.5 * wood.pores) + soft * orange_peel(coat, size=2.5)
-    return replace(wood.surface(relief, roughness=pick(rng, 0.08, 0.25)), gloss="coated")
+    return replace(wood.surface(relief, roughness=rng.uniform(0.08, 0.25)), gloss="coated")
 
 
 def end_grain(rng: Rng) -> Surface:
     """Return a cross-cut: year rings as circles, radial checks, saw marks."""
     wood, seed = _Grain(rng), stream(rng)
-    centre = (pick(rng, -25, 25), pick(rng, -25, 25))
-    pitch, saw = pick(rng, 2.0, 4.5), pick(rng, 0.01, 0.04)
+    centre = (rng.uniform(-25, 25), rng.uniform(-25, 25))
+    pitch, saw = rng.uniform(2.0, 4.5), rng.uniform(0.01, 0.04)
     even, warp = arcs(centre=centre, pitch=pitch), 1.0 + 0.03 * orange_peel(seed, size=20.0)
     rings = smooth(Field(lambda x, y: even(x * (bent := warp(x, y)), y * bent)), -0.4, 0.8)
     torn = 0.022 * grain(seed + 1, coarsest=0.8, finest=0.15)
@@ -119,7 +119,7 @@ def end_grain(rng: Rng) -> Surface:
 def skin(rng: Rng, angle: float) -> Field:
     """Return fibres, and pores as short open slits along the grain."""
     seed, fibre, pore = stream(rng), pick_log(rng, 0.018, 0.035), pick_log(rng, 0.07, 0.13)
-    width, length, level = pick(rng, 0.35, 0.6), pick(rng, 3.0, 6.0), pick(rng, 0.9, 1.3)
+    width, length, level = rng.uniform(0.35, 0.6), rng.uniform(3.0, 6.0), rng.uniform(0.9, 1.3)
     fibres = streaks(seed, angle=angle, width=0.7, length=22.0)
     slits = streaks(seed + 7, angle=angle, width=width, length=length)
     return fibre * fibres - pore * smooth(slits, level, level + 0.6)
