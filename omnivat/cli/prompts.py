@@ -90,16 +90,19 @@ def _phrases(classes: tuple[str, ...], clip: "ClipText | None") -> "LangBank":
 
 def _learned(options: argparse.Namespace, classes: tuple[str, ...], clip: "ClipText") -> "LangBank":
     """Learn styles through CLIP's text tower."""
-    from omnivat.encoders.lang.clip_prompts import ClipWords
+    from omnivat.encoders.lang.clip_prompts import ClipPrompts
     from omnivat.encoders.lang.promptstyler import learn_styles, styled_bank
 
-    origin = f"{clip.name} (weights {clip.weights_hash[:12]})"
-    tower = ClipWords(clip.network, clip.tokenizer, origin=origin)
+    tower = ClipPrompts(clip.network, clip.tokenizer)
     with progress_bar("learn styles") as show:
         words = learn_styles(
             tower, classes, **passed(options, "styles", "steps", "seed"), on_step=show
         )
-    return styled_bank(tower, classes, words, how=f" of {options.steps} steps, seed {options.seed}")
+    origin = (
+        f"PromptStyler stage 1, {len(words)} styles of {options.steps} steps, seed {options.seed},"
+        f" through {clip.name} (weights {clip.weights_hash[:12]})"
+    )
+    return styled_bank(tower, classes, words, origin=origin)
 
 
 def _of_clip(bank: "LangBank", clip: "ClipText") -> "LangBank":

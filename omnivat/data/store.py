@@ -41,7 +41,6 @@ _WANTED = (
 MANIFESTS = ("csv", "parquet")
 COLUMNS = ("domain", "material", *ROW_NAMES)
 DTYPES = ("float32", "float16")
-BLOCK = 4096  # rows written at once
 MOST_NAMES = 65_536  # domains or classes
 MOST_CELLS = 1_000_000  # domains times classes: entries of the table of counts
 
@@ -67,7 +66,7 @@ def save_embeddings(path: str | Path, embeddings: Embeddings, *, dtype: str = "f
     if set(vectors) != set(VECTORS):
         vectors = {name: vectors[name] for name in ("vis", "tac")}
     columns = {
-        name: Column(dtype=vector_type(dtype), shape=array.shape, blocks=_blocks(array))
+        name: Column(dtype=vector_type(dtype), shape=array.shape, blocks=walked(array))
         for name, array in vectors.items()
     }
     domain, label = embeddings.domain, embeddings.label
@@ -127,11 +126,6 @@ def vector_type(dtype: str) -> np.dtype[Any]:
     if dtype not in DTYPES:
         raise SettingsError(f"dtype is '{dtype}'; choose {' or '.join(DTYPES)}.")
     return np.dtype(dtype)
-
-
-def _blocks(array: NDArray[Any]) -> Iterator[NDArray[Any]]:
-    for start in range(0, len(array), BLOCK):
-        yield array[start : start + BLOCK]
 
 
 def _checked(path: str | Path, name: str, vector: Column) -> Iterator[NDArray[Any]]:

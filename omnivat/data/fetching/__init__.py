@@ -16,7 +16,7 @@ from omnivat.data.fetching.heights import drawn, load_heights
 from omnivat.data.fetching.layouts import LAYOUTS, Box, Item
 from omnivat.data.fetching.repository import Repository
 from omnivat.data.images import read_image
-from omnivat.data.recordings.tracks import Clip, Track, pictures
+from omnivat.data.recordings.tracks import Track, pictures
 from omnivat.data.recordings.writing import moments, plain
 from omnivat.kit.errors import DataError, SettingsError, WriteError, first_line
 from omnivat.kit.files import (
@@ -197,10 +197,7 @@ def _write_picture(path: str, content: bytes, box: Box | None, target: Path) -> 
         film.write_bytes(content)
         try:
             track = Track(file=film)
-            clip = Clip(
-                name=path, tracks={"tac": track}, length=None, domain="", material="", object=""
-            )
-            next(pictures(track, moments(clip, 1, "contact"))).save(target)
+            next(pictures(track, moments(track, None, 1, "contact"))).save(target)
         finally:
             film.unlink()
     elif box:

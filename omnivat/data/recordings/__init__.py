@@ -9,7 +9,7 @@ from pathlib import Path
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.readers.files import number_in, read_rows
 from omnivat.data.recordings.lerobot import INFO, LeRobot
-from omnivat.data.recordings.tracks import HALVES, Clip, Track, clip_of
+from omnivat.data.recordings.tracks import HALVES, Clip, Track
 from omnivat.data.recordings.writing import write_pairs
 from omnivat.kit.errors import DataError, SettingsError
 
@@ -60,8 +60,8 @@ def clips_of(
 def _videos(file: Path, domain: str) -> list[Clip]:
     """Return the recordings of a table: vis and tac name videos; start and end are seconds."""
     return [
-        clip_of(
-            partial(_filmed, file.parent, row),
+        Clip(
+            read=partial(_filmed, file.parent, row),
             name=f"row {number}",
             domain=row.get("domain") or domain or file.absolute().parent.name,
             material=class_key(row["material"]) or NO_CLASS,

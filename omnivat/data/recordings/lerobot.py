@@ -13,7 +13,7 @@ from typing import Any
 
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.readers.files import number_in, read_lines, read_rows, show
-from omnivat.data.recordings.tracks import Clip, Track, clip_of, parquet_rows
+from omnivat.data.recordings.tracks import Clip, Track, parquet_rows
 from omnivat.kit.errors import DataError
 from omnivat.kit.schema import object_in, read_object
 
@@ -71,10 +71,9 @@ class LeRobot:
             for touch, place in zip(touches, places, strict=True):
                 several = place if len(touches) > 1 else self.root.resolve().name
                 task = one["task"] if len(tasks) > 1 else NO_CLASS
-                clip = clip_of(
-                    partial(
-                        self._read, one, {"vis": photo, "tac": touch} if photo else {"tac": touch}
-                    ),
+                halves = {"vis": photo, "tac": touch} if photo else {"tac": touch}
+                clip = Clip(
+                    read=partial(self._read, one, halves),
                     name=f"episode {number}" + (f" {place}" if len(touches) > 1 else ""),
                     domain=row.get("domain") or domain or several,
                     material=class_key(row.get("material") or task),

@@ -33,25 +33,17 @@ class Track:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Clip:
-    """One recording of one contact: its tracks by modality, and its labels."""
+    """One recording of one contact, and its labels.
+
+    read  gives its tracks by modality and its seconds (None: the video's), or raises DataError
+    """
 
     name: str
-    tracks: Mapping[str, Track]
-    length: float | None  # seconds; None: the video's
+    read: Callable[[], tuple[Mapping[str, Track], float | None]]
     domain: str
     material: str
     object: str
     split: str = ""
-    problem: str = ""  # why it cannot be read
-
-
-def clip_of(read: Callable[[], tuple[Mapping[str, Track], float | None]], **labels: str) -> Clip:
-    """Return a recording with the tracks and the length that `read` gives, or with its problem."""
-    try:
-        tracks, length = read()
-    except DataError as error:
-        return Clip(tracks={}, length=None, problem=str(error), **labels)
-    return Clip(tracks=tracks, length=length, **labels)
 
 
 def pictures(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:

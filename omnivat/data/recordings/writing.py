@@ -9,7 +9,7 @@ from PIL import Image
 
 from omnivat.data.pairs import Skipped
 from omnivat.data.readers.files import show
-from omnivat.data.recordings.tracks import HALVES, Clip, extent, pictures
+from omnivat.data.recordings.tracks import HALVES, Clip, Track, extent, pictures
 from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import replacing_folder, write_csv
 from omnivat.kit.progress import OnStep, Step, ignore
@@ -53,10 +53,9 @@ def _written(
     for done, clip in enumerate(clips):
         on_step(Step(done=done, total=len(clips), text=clip.name))
         try:
-            if clip.problem:
-                raise DataError(clip.problem)
-            times = moments(clip, frames, pick)
-            shots = {half: list(pictures(track, times)) for half, track in clip.tracks.items()}
+            tracks, length = clip.read()
+            times = moments(tracks.get("tac") or tracks["vis"], length, frames, pick)
+            shots = {half: list(pictures(track, times)) for half, track in tracks.items()}
         except DataError as error:
             skipped.append(Skipped(what=clip.name, why=str(error)))
             continue
@@ -76,11 +75,11 @@ def _written(
     return rows, skipped
 
 
-def moments(clip: Clip, frames: int, pick: str) -> list[float]:
-    """Return the moments of a recording, in seconds from its start."""
-    track = clip.tracks["tac" if "tac" in clip.tracks else "vis"]
+def moments(track: Track, length: float | None, frames: int, pick: str) -> list[float]:
+    """Return the moments of a recording of `length` seconds (None: the video's), in seconds from
+    its start."""
     seconds, fps = extent(track)
-    length = clip.length if clip.length is not None else seconds - track.start
+    length = seconds - track.start if length is None else length
     there = int(length * fps + 0.5)
     if there < frames:
         raise DataError(

@@ -1,29 +1,23 @@
 """Embed on this machine with threads, or on a Ray cluster."""
 
 import pickle
-from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from itertools import islice
-from typing import Any, TypeVar
+from typing import Any
 
 from omnivat.encoders import Encoder
 from omnivat.encoders.cache import EmbeddingCache
-from omnivat.encoders.embed.job import Chunk, Job, embed_one, part_bytes
+from omnivat.encoders.embed.job import Chunk, embed_one, part_bytes
 from omnivat.kit.errors import DataError
 from omnivat.kit.tables import need
 from omnivat.kit.threads import pin_thread
 
-A = TypeVar("A")
-B = TypeVar("B")
-AHEAD = 4  # waiting pairs for each worker; bounds the memory
-
 
 def run_local(
     chunks: Sequence[Chunk],
-    job: Job,
     encoder: Encoder,
+    load: Callable[[], Encoder],
     *,
     workers: int,
     on_pairs: Callable[[int], None],
@@ -33,38 +27,23 @@ def run_local(
     While one worker reads or decodes, the others encode. An image that recurs soon, such as one
     photo for many touches, is encoded once.
     """
-    work = partial(embed_one, encoder, job, cache=EmbeddingCache(in_memory=1024))
-    pairs = (pair for chunk in chunks for pair in chunk.pairs)
+    cache = EmbeddingCache(in_memory=1024)
     pool = ThreadPoolExecutor(workers, "embed", initializer=pin_thread)
     try:
-        results = in_order(pool, work, pairs, window=AHEAD * workers)
         for chunk in chunks:
             found = []
-            for result in islice(results, len(chunk.pairs)):
+            for result in pool.map(partial(embed_one, encoder, chunk.flips, cache), chunk.pairs):
                 found.append(result)
                 on_pairs(1)
-            yield chunk, part_bytes(chunk, job, found)
+            yield chunk, part_bytes(chunk, found)
     finally:
         pool.shutdown(cancel_futures=True)  # of what has not started
 
 
-def in_order(
-    pool: ThreadPoolExecutor, work: Callable[[A], B], items: Iterable[A], *, window: int
-) -> Iterator[B]:
-    """Yield `work(item)` for each item in order, with at most `window` items in progress."""
-    under_way: deque[Future[B]] = deque()
-    for item in items:
-        under_way.append(pool.submit(work, item))
-        if len(under_way) == window:
-            yield under_way.popleft().result()
-    while under_way:
-        yield under_way.popleft().result()
-
-
 def run_on_ray(
     chunks: Sequence[Chunk],
-    job: Job,
     encoder: Encoder,
+    load: Callable[[], Encoder],
     *,
     workers: int,
     on_pairs: Callable[[int], None],
@@ -84,7 +63,7 @@ def run_on_ray(
     rows = [{"index": i, "chunk": pickle.dumps(chunk)} for i, chunk in enumerate(chunks)]
     finished = data.from_items(rows, override_num_blocks=len(rows)).map(
         Worker,
-        fn_constructor_args=(job, encoder.weights_hash),
+        fn_constructor_args=(load, encoder.weights_hash),
         concurrency=min(workers, len(rows)),
         num_cpus=1,
     )
@@ -97,13 +76,12 @@ def run_on_ray(
 class Worker:
     """One process of the cluster: loads the encoder once, then turns chunks into part files."""
 
-    def __init__(self, job: Job, weights_hash: str) -> None:
-        self._job = job
-        self._encoder = job.load()
+    def __init__(self, load: Callable[[], Encoder], weights_hash: str) -> None:
+        self._encoder = load()
         self._cache = EmbeddingCache(in_memory=1024)
         if self._encoder.weights_hash != weights_hash:
             raise DataError(
-                f"A worker has other weights of {job.encoder} than the machine that asked"
+                f"A worker has other weights of {self._encoder.name} than the machine that asked"
                 f" ({self._encoder.weights_hash}, not {weights_hash}); put the same checkpoint on"
                 " both."
             )
@@ -111,5 +89,5 @@ class Worker:
     def __call__(self, row: dict[str, Any]) -> dict[str, Any]:
         """Return the content of the part file of the chunk in `row`."""
         chunk: Chunk = pickle.loads(row["chunk"])  # sent by `run_on_ray` above, not from a file
-        results = [embed_one(self._encoder, self._job, pair, self._cache) for pair in chunk.pairs]
-        return {"index": row["index"], "part": part_bytes(chunk, self._job, results)}
+        work = partial(embed_one, self._encoder, chunk.flips, self._cache)
+        return {"index": row["index"], "part": part_bytes(chunk, [*map(work, chunk.pairs)])}

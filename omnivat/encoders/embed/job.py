@@ -21,51 +21,16 @@ from omnivat.data.embeddings import Array, indices
 from omnivat.data.pairs import Pair, PairSet, Skipped
 from omnivat.data.rest import RESTED, rests_of
 from omnivat.data.store import ROW_NAMES, Header, vector_type, write_columns
-from omnivat.encoders import Encoder, load_encoder
+from omnivat.encoders import Encoder
 from omnivat.encoders.base import for_modality, made_by
 from omnivat.encoders.cache import EmbeddingCache, embed_views
 from omnivat.encoders.hub import images_key, remember
 from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import locked, replacing, writing
+from omnivat.kit.stages import IMAGES
 
 IN_USE = "in-use"
 CHUNK = 128  # pairs in one part file, the most that an interruption loses
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Job:
-    """Settings of the embedding, as plain values that can be sent to another machine."""
-
-    encoder: str  # "VIS | TAC" for two encoders
-    weights: Path | None = None
-    tac_weights: Path | None = None
-    device: str = "cpu"
-    precision: str = "fp32"
-    flips: bool = True
-    dots: str = "fill"
-    download: str = "ask"
-
-    @property
-    def views(self) -> tuple[bool, ...]:
-        """The views of an image: False unchanged, True mirrored."""
-        return (False, True) if self.flips else (False,)
-
-    @property
-    def columns(self) -> tuple[str, ...]:
-        """The names of each pair's vectors."""
-        return ("vis", "vis_flip", "tac", "tac_flip") if self.flips else ("vis", "tac")
-
-    def load(self) -> Encoder:
-        """Load the encoder of this job."""
-        return load_encoder(
-            self.encoder,
-            weights=self.weights,
-            tac_weights=self.tac_weights,
-            device=self.device,
-            precision=self.precision,
-            download=self.download,
-            dots=self.dots,
-        )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,24 +39,26 @@ class Chunk:
 
     index: int
     pairs: tuple[Pair, ...]
+    flips: tuple[bool, ...]  # the views of an image: False unchanged, True mirrored
     fingerprint: str
 
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """The names of each pair's vectors."""
+        return tuple(name + "_flip" * flip for name in IMAGES for flip in self.flips)
 
-def chunks_of(
-    pairs: Sequence[Pair], encoder: Encoder, job: Job, size: int = CHUNK
-) -> Iterator[Chunk]:
-    """Split the pairs into chunks of `size`."""
-    for index, start in enumerate(range(0, len(pairs), size)):
-        part = tuple(pairs[start : start + size])
-        rests = [_state(pair.tac_rest) if pair.tac_rest else () for pair in part]
+
+def chunks_of(pairs: Sequence[Pair], encoder: Encoder, flips: tuple[bool, ...]) -> Iterator[Chunk]:
+    """Split the pairs into chunks."""
+    for index, start in enumerate(range(0, len(pairs), CHUNK)):
+        part = tuple(pairs[start : start + CHUNK])
         files = [
-            [*_state(p.vis), *_state(p.tac), p.tac_crop, *rest]
-            for p, rest in zip(part, rests, strict=True)
+            [p.tac_crop, *(_state(file) for file in (p.vis, p.tac, p.tac_rest) if file)]
+            for p in part
         ]
-        text = json.dumps([made_by(encoder), job.columns, files])
-        yield Chunk(
-            index=index, pairs=part, fingerprint=blake2b(text.encode(), digest_size=16).hexdigest()
-        )
+        text = json.dumps([made_by(encoder), flips, files])
+        fingerprint = blake2b(text.encode(), digest_size=16).hexdigest()
+        yield Chunk(index=index, pairs=part, flips=flips, fingerprint=fingerprint)
 
 
 def _state(path: Path) -> tuple[str, int, int]:
@@ -103,14 +70,14 @@ def _state(path: Path) -> tuple[str, int, int]:
 
 
 def embed_one(
-    encoder: Encoder, job: Job, pair: Pair, cache: EmbeddingCache | None = None
+    encoder: Encoder, flips: tuple[bool, ...], cache: EmbeddingCache, pair: Pair
 ) -> list[Array] | Skipped:
-    """Return a pair's vectors (D,) in the order of `job.columns`, or the reason of a failure."""
+    """Return a pair's vectors (D,) in the order of the columns, or the reason of a failure."""
     photos, touches = for_modality(encoder, "vis"), for_modality(encoder, "tac")
     try:
-        vis = embed_views(photos, pair.vis, cache, flips=job.views)
+        vis = embed_views(photos, pair.vis, cache, flips=flips)
         tac = embed_views(
-            touches, pair.tac, cache, flips=job.views, crop=pair.tac_crop, rest=pair.tac_rest
+            touches, pair.tac, cache, flips=flips, crop=pair.tac_crop, rest=pair.tac_rest
         )
     except DataError as error:
         return Skipped(what=f"{pair.vis} + {pair.tac}", why=str(error))
@@ -126,14 +93,16 @@ class Part:
     skipped: tuple[Skipped, ...]
 
 
-def part_bytes(chunk: Chunk, job: Job, results: Sequence[list[Array] | Skipped]) -> bytes:
+def part_bytes(chunk: Chunk, results: Sequence[list[Array] | Skipped]) -> bytes:
     """Return the content of a chunk's part file from the results of `embed_one`."""
     skipped = [asdict(result) for result in results if isinstance(result, Skipped)]
     vectors = {
         index: result for index, result in enumerate(results) if not isinstance(result, Skipped)
     }
     arrays: dict[str, NDArray[Any]] = {"kept": np.array(list(vectors), np.int64)}
-    for name, column in zip(job.columns, zip(*vectors.values(), strict=True), strict=bool(vectors)):
+    for name, column in zip(
+        chunk.columns, zip(*vectors.values(), strict=True), strict=bool(vectors)
+    ):
         arrays[name] = np.stack(column)
     return bytes(
         save(arrays, metadata={"fingerprint": chunk.fingerprint, "skipped": json.dumps(skipped)})
@@ -202,7 +171,7 @@ def merge(
     parts: Sequence[Part],
     source: PairSet,
     encoder: Encoder,
-    job: Job,
+    columns: Sequence[str],
     *,
     dtype: str,
     manifest: str,
@@ -224,7 +193,7 @@ def merge(
     )
     kind, shape = vector_type(dtype), (len(found.pairs), encoder.width)
     vectors = {
-        name: Column(dtype=kind, shape=shape, blocks=_vectors(parts, name)) for name in job.columns
+        name: Column(dtype=kind, shape=shape, blocks=_vectors(parts, name)) for name in columns
     }
     files = [path.absolute() for pair in found.pairs for path in (pair.vis, pair.tac)]
     root = _shared_folder(files)

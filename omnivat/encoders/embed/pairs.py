@@ -5,11 +5,13 @@ import os
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from omnivat.data.pairs import PairSet, Skipped
 from omnivat.data.store import Header, manifest_place, require_own, vector_type
-from omnivat.encoders.embed.job import Job, Part, Parts, chunks_of, merge
+from omnivat.encoders import load_encoder
+from omnivat.encoders.embed.job import Part, Parts, chunks_of, merge
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.files import require_writable
 from omnivat.kit.progress import OnStep, Step, ignore, time_text
@@ -78,32 +80,34 @@ def embed_pairs(
     out = Path(out)
     _require_sound(pairs, out, workers, dtype, manifest)
     run = load(ENGINES, engine, kind="engine")
-    job = Job(
-        encoder=encoder_name,
+    load_here = partial(
+        load_encoder,
+        encoder_name,
         weights=weights,
         tac_weights=tac_weights,
         device=device,
         precision=precision,
-        flips=flips,
-        dots=dots,
         download=download,
+        dots=dots,
     )
     begun = time.monotonic()
-    encoder, parts, total = job.load(), Parts(out), len(pairs.pairs)
+    encoder, parts, total = load_here(), Parts(out), len(pairs.pairs)
     with parts.claimed():
-        chunks = list(chunks_of(pairs.pairs, encoder, job))
+        chunks = list(chunks_of(pairs.pairs, encoder, (False, True) if flips else (False,)))
         waiting = [chunk for chunk in chunks if parts.read(chunk) is None]
         resumed = total - sum(len(chunk.pairs) for chunk in waiting)
         if resumed:
             _log.info("%d pairs were embedded by an earlier run", resumed)
         on_pairs = _progress(total, resumed, on_step)
         for chunk, content in run(
-            waiting, job, encoder, workers=workers or usable_cores(), on_pairs=on_pairs
+            waiting, encoder, load_here, workers=workers or usable_cores(), on_pairs=on_pairs
         ):
             parts.write(chunk, content)
         finished = [part for chunk in chunks if (part := parts.read(chunk)) is not None]
         _require_all(finished, len(chunks), pairs, parts)
-        header = merge(out, finished, pairs, encoder, job, dtype=dtype, manifest=manifest)
+        header = merge(
+            out, finished, pairs, encoder, chunks[0].columns, dtype=dtype, manifest=manifest
+        )
         parts.remove()
     return EmbedReport(
         out=out,

@@ -7,17 +7,16 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from omnivat.encoders.lang.promptstyler import WORD
 from omnivat.kit.errors import DataError
 
-FILLER = "x"  # a token whose vector is replaced
+WORD = "x"  # a token whose vector is replaced
 
 
 class ClipPrompts:
-    """A `CLIPTextModelWithProjection` of transformers and its tokenizer, as a `PromptTower`.
+    """A `CLIPTextModelWithProjection` of transformers and its tokenizer, frozen.
 
-    A prompt is CONTEXT CLASS and a full stop. The context vectors are given; everything else is
-    CLIP's and frozen.
+    In a text, a word vector replaces a word; in a prompt, which is CONTEXT CLASS and a full stop,
+    the context's vectors are given.
     """
 
     def __init__(self, network: Any, tokenizer: Any) -> None:
@@ -35,7 +34,7 @@ class ClipPrompts:
     def embed_contexts(self, contexts: Tensor, classes: Sequence[str]) -> Tensor:
         """Return text embeddings (B, K, D) of contexts (B, T, W) with each class."""
         batch, length, _ = contexts.shape
-        ids, mask = self._tokens([f"{' '.join([FILLER] * length)} {name}." for name in classes])
+        ids, mask = self._tokens([f"{' '.join([WORD] * length)} {name}." for name in classes])
         vectors = contexts.to(ids.device).repeat_interleave(len(classes), dim=0)
 
         def put_in(words: Tensor) -> Tensor:  # behind the first token of each text
@@ -62,23 +61,16 @@ class ClipPrompts:
             found: Tensor = self._network(input_ids=ids, attention_mask=mask).text_embeds
         return found
 
-
-class ClipWords(ClipPrompts):
-    """The same as a `WordTower`: the word vector replaces the token embedding at its position."""
-
-    def __init__(self, network: Any, tokenizer: Any, *, origin: str) -> None:
-        super().__init__(network, tokenizer)
-        self.origin = origin
-        self._word_id = int(tokenizer([WORD], return_tensors="pt")["input_ids"][0][1])
-
     def embed_with_word(self, texts: Sequence[str], word: Tensor | None = None) -> Tensor:
-        """Return embeddings (N, D); see `WordTower`."""
+        """Return embeddings (N, D) of texts, differentiable in `word`.
+
+        word  (W,) replaces the token embedding of the first `WORD` of every text; None changes
+              nothing
+        """
         ids, mask = self._tokens(texts)
         if word is None:
             return self._embedded(ids, mask)
-        places = ids == self._word_id
-        if not bool(places.any(1).all()):
-            raise DataError(f"A prompt has no '{WORD}' for a word vector to replace.")
+        places = ids == self._tokenizer([WORD])["input_ids"][0][1]
         first = (places & (places.cumsum(1) == 1))[..., None]
         return self._embedded(
             ids, mask, lambda words: torch.where(first, word.to(words.dtype), words)

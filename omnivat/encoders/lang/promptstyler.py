@@ -1,32 +1,17 @@
 """PromptStyler, stage 1: word vectors of distinct styles that keep the class readable."""
 
 from collections.abc import Sequence
-from typing import Protocol
 
 import torch
 from torch import Tensor
 from torch.nn.functional import cross_entropy, normalize
 
 from omnivat.encoders.lang.bank import LangBank
+from omnivat.encoders.lang.clip_prompts import WORD, ClipPrompts
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.seeding import derive_seed
 
-WORD = "x"  # placeholder of the word vector in a prompt
 STYLE = f"a {WORD} style of a"
-
-
-class WordTower(Protocol):
-    """A text encoder that accepts a word vector."""
-
-    origin: str  # name and weights, for the record
-    word_width: int  # W, the length of a word vector
-
-    def embed_with_word(self, texts: Sequence[str], word: Tensor | None = None) -> Tensor:
-        """Return embeddings (N, D) of texts, differentiable in `word`.
-
-        word  (W,) replaces the first `WORD` of every text; None changes nothing
-        """
-        ...
 
 
 def style_loss(style: Tensor, earlier: Tensor) -> Tensor:
@@ -46,7 +31,7 @@ def content_loss(styled: Tensor, contents: Tensor) -> Tensor:
 
 
 def learn_styles(
-    tower: WordTower,
+    tower: ClipPrompts,
     classes: Sequence[str],
     *,
     styles: int = 80,
@@ -86,13 +71,12 @@ def learn_styles(
 
 
 def styled_bank(
-    tower: WordTower, classes: Sequence[str], words: Tensor, *, how: str = ""
+    tower: ClipPrompts, classes: Sequence[str], words: Tensor, *, origin: str
 ) -> LangBank:
-    """Return the LANG bank of all classes in the styles `words` (S, W); `how` ends its origin."""
+    """Return the LANG bank of all classes in the styles `words` (S, W)."""
     texts = styled_texts(classes)
     with torch.no_grad():
         rows = [tower.embed_with_word(texts, word) for word in words]
-    origin = f"PromptStyler stage 1, {len(words)} styles{how}, through {tower.origin}"
     embeddings = torch.stack(rows, dim=1).float().cpu().numpy()
     return LangBank(embeddings=embeddings, classes=tuple(classes), origin=origin)
 

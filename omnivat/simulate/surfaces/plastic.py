@@ -16,7 +16,7 @@ from omnivat.simulate.fields import (
     smooth,
     tinted,
 )
-from omnivat.simulate.noise import Colour, Array, Rng, smoothstep, turned
+from omnivat.simulate.noise import Array, Colour, Rng, smoothstep, turned
 from omnivat.simulate.surfaces.base import Surface, pick_log, stream
 
 

@@ -20,8 +20,8 @@ def test_styles_are_learned_through_clip_and_the_bank_says_so(tmp_path, monkeypa
     class Words:
         word_width = 4
 
-        def __init__(self, network, tokenizer, *, origin):
-            self.origin = origin
+        def __init__(self, network, tokenizer):
+            pass
 
         def embed_with_word(self, texts, word=None):
             random = [torch.Generator().manual_seed(len(text)) for text in texts]
@@ -39,7 +39,7 @@ def test_styles_are_learned_through_clip_and_the_bank_says_so(tmp_path, monkeypa
         embed_texts=lambda texts: torch.ones(len(texts), 4),
     )
     monkeypatch.setattr("omnivat.encoders.clip_text.load_text_encoder", lambda name, **_: clip)
-    monkeypatch.setattr("omnivat.encoders.lang.clip_prompts.ClipWords", Words)
+    monkeypatch.setattr("omnivat.encoders.lang.clip_prompts.ClipPrompts", Words)
     out = tmp_path / "bank.safetensors"
     command = ["prompts", "--out", str(out), "--encoder", "clip-vit-b16", "--styles", "3"]
     assert main([*command, "--method", "promptstyler", "--steps", "2", "--seed", "7"]) == 0

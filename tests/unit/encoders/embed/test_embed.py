@@ -1,7 +1,6 @@
 """Embedding a set of pairs: bad images are skipped, settings are checked, files are complete."""
 
 import os
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,6 @@ from omnivat.data.pairs import Pair, PairSet
 from omnivat.data.rest import RESTED, minus_rest, with_rest
 from omnivat.data.store import load_embeddings
 from omnivat.encoders.cache import embed_image, embed_views
-from omnivat.encoders.embed.engines import in_order
 from omnivat.kit.errors import DataError, MissingNameError, SettingsError
 
 from .small_pairs import MeanColour, embed, make_pairs, png
@@ -149,20 +147,6 @@ def test_progress_counts_every_pair_with_rate_and_time_left(tmp_path):
     assert [step.done for step in steps] == list(range(11))
     assert {step.total for step in steps} == {10}
     assert all("pairs/s" in step.text and "left" in step.text for step in steps[1:])
-
-
-def test_results_come_in_order_with_few_under_way():
-    drawn = []
-
-    def items():
-        for i in range(50):
-            drawn.append(i)
-            yield i
-
-    with ThreadPoolExecutor(3) as pool:
-        for i, result in enumerate(in_order(pool, lambda x: x * x, items(), window=5)):
-            assert result == i * i
-            assert len(drawn) <= i + 5
 
 
 @pytest.mark.parametrize(

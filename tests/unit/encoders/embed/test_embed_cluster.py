@@ -35,7 +35,7 @@ from pathlib import Path
 import ray
 from ray.cluster_utils import Cluster
 from omnivat.encoders.embed import job
-job.chunks_of.__defaults__ = (4,)
+job.CHUNK = 4
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.encoders.embed import embed_pairs
 

@@ -8,7 +8,6 @@ import pytest
 
 from omnivat.data.store import load_embeddings
 from omnivat.encoders.cache import embed_image
-from omnivat.encoders.embed import job as job_module
 from omnivat.kit.errors import DataError
 
 from .small_pairs import MeanColour, embed, make_pairs, png
@@ -18,10 +17,7 @@ pytestmark = pytest.mark.usefixtures("mean_encoder")
 
 @pytest.fixture
 def small_chunks(monkeypatch):
-    original = job_module.chunks_of
-    monkeypatch.setattr(
-        "omnivat.encoders.embed.pairs.chunks_of", lambda *arguments: original(*arguments, size=4)
-    )
+    monkeypatch.setattr("omnivat.encoders.embed.job.CHUNK", 4)
 
 
 class StopError(Exception):
@@ -91,7 +87,6 @@ import os, sys
 from pathlib import Path
 from omnivat.encoders.embed import job
 job.CHUNK = 4
-job.chunks_of.__defaults__ = (4,)
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.encoders.embed import embed_pairs
 

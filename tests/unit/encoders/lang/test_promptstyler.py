@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from omnivat.encoders.lang.clip_prompts import ClipWords
+from omnivat.encoders.lang.clip_prompts import ClipPrompts
 from omnivat.encoders.lang.promptstyler import (
     STYLE,
     content_loss,
@@ -13,7 +13,6 @@ from omnivat.encoders.lang.promptstyler import (
     styled_bank,
     styled_texts,
 )
-from omnivat.kit.errors import DataError
 
 CLASSES = ("wood", "steel", "glass")
 WORDS = ["<pad>", "x", "a", "style", "of", *CLASSES, "<bos>", "<eos>"]
@@ -55,7 +54,7 @@ def network():
 
 @pytest.fixture(scope="module")
 def tower(network):
-    return ClipWords(network, Tokenizer(), origin="tiny random CLIP")
+    return ClipPrompts(network, Tokenizer())
 
 
 def test_putting_in_another_words_vector_is_reading_that_word(network, tower):
@@ -68,11 +67,6 @@ def test_the_tower_is_as_before_afterwards(tower):
     before = tower.embed_with_word([STYLE])
     tower.embed_with_word([STYLE], torch.ones(16))
     torch.testing.assert_close(tower.embed_with_word([STYLE]), before)
-
-
-def test_a_prompt_without_a_place_for_the_word_is_refused(tower):
-    with pytest.raises(DataError, match="no 'x' for a word vector"):
-        tower.embed_with_word(["wood"], torch.ones(16))
 
 
 def test_only_the_word_vector_gets_a_gradient(network, tower):
@@ -122,16 +116,14 @@ def test_same_seed_gives_the_same_styles_and_a_longer_list_starts_alike(tower):
     assert not torch.equal(short, other)
 
 
-def test_the_bank_holds_every_class_in_every_style_and_says_where_it_is_from(tower):
+def test_the_bank_holds_every_class_in_every_style(tower):
     """Eighty styles a class are learned where nothing else is asked."""
     steps = []
     words = learn_styles(tower, CLASSES, steps=1, on_step=steps.append)
     assert [(step.done, step.total) for step in steps] == [(k, 80) for k in range(1, 81)]
-    bank = styled_bank(tower, CLASSES, words, how=" of 1 step, seed 0")
+    bank = styled_bank(tower, CLASSES, words, origin="tiny")
     assert bank.embeddings.shape == (3, 80, 12)
     wanted = tower.embed_with_word(["a x style of a steel"], words[1])[0]
     np.testing.assert_allclose(bank.embeddings[1, 1], wanted.detach().numpy(), rtol=1e-5)
     assert len(np.unique(bank.embeddings[0].round(6), axis=0)) == 80
-    assert (
-        bank.origin == "PromptStyler stage 1, 80 styles of 1 step, seed 0, through tiny random CLIP"
-    )
+    assert bank.origin == "tiny"
