@@ -106,7 +106,7 @@ function curve({ id: name, title, help }, box) {
     scale.ticks(ends),
     trained(scale),
     nowOf(scale),
-    band && path("spread", area(band, scale)),
+    band && path("spread", scale.area(zip(frames.orders, band.low), zip(frames.orders, band.high))),
     ghost && path("ghost", line(ghost, scale)),
     accurate && pale(scale),
     known && path("own", line(known, scale)),
@@ -149,13 +149,6 @@ export function line(own, scale, frames = scene.frames) {
   const points = zip(frames.orders, own);
   if (!frames.coarse) return scale.line(points);
   return points.map(([p, v]) => `M${scale.x(p)} ${scale.y(v)}h.01`).join("");
-}
-
-/** Between the lowest and the highest of several trainings.
- * @param {{low: number[], high: number[]}} band @param {Scale} scale */
-function area({ low, high }, scale) {
-  const [there, back] = [low, high].map((all) => zip(scene.frames.orders, all));
-  return `${scale.line(there)}${scale.line(back.reverse()).replace("M", "L")}Z`;
 }
 
 /** A dot for each stop that has a head of its own. @param {number[]} own @param {Scale} scale */

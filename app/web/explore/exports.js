@@ -3,6 +3,7 @@
 import { drawingOn } from "../shared/canvas.js";
 import { verdict } from "../shared/card.js";
 import { csv as written } from "../shared/csv.js";
+import { OUTLINES } from "../shared/points.js";
 import { html } from "./root.js";
 
 /** @typedef {import("../shared/cloud.js").Cloud} Cloud */
@@ -80,15 +81,12 @@ export function png(cloud, caption, legend) {
  * @param {Cloud} cloud @param {string} caption @param {Legend} legend @param {ReturnType<typeof import("../shared/marks.js").axisNames>} names */
 export function svg(cloud, caption, legend, names) {
   const [width, height] = [cloud.width, cloud.height].map((side) => Math.round(side / cloud.ratio));
-  const shapes = cloud.layers.map(({ style, at, count }, i) => {
-    const r = style.radius;
+  const shapes = cloud.layers.map(({ style: { shape, colour, radius, alpha }, at, count }, i) => {
     const drawn = [...at.subarray(0, count)].map((point) => {
       const [x, y] = cloud.place(point).map((v) => +v.toFixed(1));
-      return style.shape === "circle"
-        ? `M${x - r} ${y}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0z`
-        : `M${x} ${y - 1.25 * r}l${1.25 * r} ${2.25 * r}h${-2.5 * r}z`;
+      return OUTLINES[shape](x, y, radius);
     });
-    return html`${i > 0 && "\n"}<path fill="${style.colour}" fill-opacity="${style.alpha}" d="${drawn.join("")}"/>`;
+    return html`${i > 0 && "\n"}<path fill="${colour}" fill-opacity="${alpha}" d="${drawn.join("")}"/>`;
   });
   const { placed, height: band } = keys(legend, width);
   const legends = placed.map(

@@ -43,11 +43,7 @@ export function ranged(kept, name, [low, high], range) {
 
 /** The ends of a histogram. @param {ArrayLike<number>} all @returns {Span} */
 export function span(all) {
-  let [low, high] = [Infinity, -Infinity];
-  for (let i = 0; i < all.length; i++) {
-    low = Math.min(low, all[i]);
-    high = Math.max(high, all[i]);
-  }
+  const [low, high] = [Math.min, Math.max].map((end) => Array.from(all).reduce((a, b) => end(a, b)));
   return [Math.floor(20 * low) / 20, Math.ceil(20 * high) / 20];
 }
 

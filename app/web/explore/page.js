@@ -25,15 +25,7 @@ export function say(/** @type {string} */ sentence) {
 }
 
 /** Show the server's progress; null for none. @param {Step | null} step */
-const telling = (step) =>
-  tell(
-    $(".wait"),
-    step === null
-      ? ""
-      : step?.text && !step.total
-        ? `Computing maps: ${step.text}. Pair works meanwhile.`
-        : making(step),
-  );
+const telling = (step) => tell($(".wait"), step === null ? "" : making(step));
 
 /** Show the mode in the address if another one is shown. */
 export async function followMode() {

@@ -216,10 +216,13 @@ export const near = (scene, address) =>
 /** Whether a point is drawn in full colour. @type {(scene: Scene, point: number) => boolean} */
 export function lit({ frames, highlight, selected }, point) {
   if (!highlight) return !selected.size || selected.has(point);
-  const { kind, name } = highlight;
   const pair = point % frames.pairs;
-  if (kind === "modality") return (point < frames.pairs ? "VIS" : "TAC") === name;
-  return kind === "domain" ? frames.domains[frames.domain[pair]] === name : frames.classes[frames.label[pair]] === name;
+  const names = {
+    domain: frames.domains[frames.domain[pair]],
+    class: frames.classes[frames.label[pair]],
+    modality: point < frames.pairs ? "VIS" : "TAC",
+  };
+  return names[highlight.kind] === highlight.name;
 }
 
 /** Whether the second map is open. @type {(scene: Scene, address: Pick<State, "beside" | "chapter">) => boolean} */

@@ -5,13 +5,13 @@ import { Scale } from "../shared/chart.js";
 import { toyFacts } from "../shared/facts.js";
 import { nearest, orderText } from "../shared/frames.js";
 import { TAC_COLOUR, VIS_COLOUR } from "../shared/palette.js";
+import { OUTLINES } from "../shared/points.js";
 import { $, draw, html } from "./root.js";
 
 const W = 300;
 const HALF = W / 2 - 6; // of two pictures side by side
 const SIGNAL = 66;
 const PLANE = 146;
-const REACH = 2.1; // of the plane, from its middle
 /** The two operations: what each does, in words after "signal" and "clouds", and to a number. */
 const ACTS = /** @type {const} */ ([
   { act: "turned", title: "1 · The transform turns", signal: ", transformed", cloud: ", turned", when: "at every p" },
@@ -26,13 +26,16 @@ const ACTS = /** @type {const} */ ([
 /** @typedef {"turned" | "clipped"} Act */
 /** @type {(act: Act, v: number) => number} */
 const after = (act, v) => (act === "turned" ? v : Math.max(0, v));
-const CIRCLE = (/** @type {Point} */ [x, y]) => `M${x - 2} ${y}a2 2 0 1 0 4 0a2 2 0 1 0 -4 0`;
-const TRIANGLE = (/** @type {Point} */ [x, y]) => `M${x} ${y - 2.6}l2.6 4.6h-5.2z`;
 const IMAGES = /** @type {const} */ ([
-  { name: "vis", what: "photo", colour: VIS_COLOUR, dot: CIRCLE },
-  { name: "tac", what: "touch", colour: TAC_COLOUR, dot: TRIANGLE },
+  { name: "vis", what: "photo", colour: VIS_COLOUR, shape: "circle" },
+  { name: "tac", what: "touch", colour: TAC_COLOUR, shape: "triangle" },
 ]);
 const CURVE = new Scale({ wide: W, high: 92, pad: { left: 30, right: 8, top: 8, bottom: 18 }, ys: [0, 2.2] });
+const NONE = { left: 0, right: 0, top: 0, bottom: 0 };
+const WAVES = new Scale({ wide: HALF, high: SIGNAL, pad: NONE, ys: [-0.87, 0.87] });
+const REACH = 2.1; // of the plane upwards, from its middle; as far to the side for its width
+const ASIDE = (REACH * HALF) / PLANE;
+const PLANES = new Scale({ wide: HALF, high: PLANE, pad: NONE, xs: [-ASIDE, ASIDE], ys: [-REACH, REACH] });
 
 /** Draw the stop nearest to p; the first call fetches the toy. @param {number} p */
 export const show = (p) => attempt(async () => draw($(".toy"), toyHtml(await toyFacts(), p)), $(".toy"));
@@ -49,12 +52,11 @@ function toyHtml(toy, p) {
   const waves = IMAGES.map(({ name, what, colour }) =>
     ACTS.map(({ act, signal }) => {
       const { re, im } = signals[name];
-      return html`<svg class="chart ${act} ${name}" viewBox="0 0 ${HALF} ${SIGNAL}" role="img" aria-label="the ${what}’s signal${signal}">${wave(re[i], im[i], colour, act)}</svg>`;
+      return WAVES.svg(`the ${what}’s signal${signal}`, wave(re[i], im[i], colour, act));
     }),
   );
   const planes = ACTS.map(
-    ({ act, cloud }) =>
-      html`<svg class="chart plane ${act}-plane" viewBox="0 0 ${HALF} ${PLANE}" role="img" aria-label="two clouds${cloud}">${plane(clouds, i, act)}</svg>`,
+    ({ act, cloud }) => html`<div class="plane">${PLANES.svg(`two clouds${cloud}`, plane(clouds, i, act))}</div>`,
   );
   return html`<p>Two signals, <b class="vis">a photo’s</b> and <b class="tac">a touch’s</b>. <b>Drag p</b> above; now <output>p = ${orderText(orders[i])}</output>.</p>
 <div class="toy-grid">${ACTS.map(({ title }) => html`<h4>${title}</h4>`)}${waves}${far("distance", "signals")}${planes}${far("gap", "clouds")}</div>
@@ -66,27 +68,18 @@ ${apart(toy, orders[i])}
 /** Real and imaginary part of one signal after an operation.
  * @param {number[]} re @param {number[]} im @param {string} colour @param {Act} act */
 function wave(re, im, colour, act) {
-  const line = (/** @type {number[]} */ all) =>
-    all
-      .map(
-        (v, k) =>
-          `${k ? "L" : "M"}${((k / (all.length - 1)) * HALF).toFixed(1)} ${(SIGNAL / 2 - after(act, v) * 38).toFixed(1)}`,
-      )
-      .join("");
+  const line = (/** @type {number[]} */ all) => WAVES.line(all.map((v, k) => [k / (all.length - 1), after(act, v)]));
   return html`<path class="zero" d="M0 ${SIGNAL / 2}H${HALF}"/><path d="${line(im)}" style="stroke:${colour}" class="im"/><path d="${line(re)}" style="stroke:${colour}"/>`;
 }
 
 /** Two clouds in the plane, and the line between their means.
  * @param {Toy["clouds"]} clouds @param {number} i @param {Act} act */
 function plane(clouds, i, act) {
-  const drawn = IMAGES.map(({ name, colour, dot }) => {
-    /** @type {Point[]} */
-    const places = clouds[name][i].map(([x, y]) => [
-      HALF / 2 + (after(act, x) / REACH) * (PLANE / 2),
-      PLANE / 2 - (after(act, y) / REACH) * (PLANE / 2),
-    ]);
+  const drawn = IMAGES.map(({ name, colour, shape }) => {
+    const places = clouds[name][i].map(([x, y]) => [PLANES.x(after(act, x)), PLANES.y(after(act, y))]);
     const middle = [0, 1].map((axis) => places.reduce((sum, place) => sum + place[axis] / places.length, 0));
-    return { middle, path: html`<path d="${places.map(dot).join("")}" style="fill:${colour}"/>` };
+    const dots = places.map(([x, y]) => OUTLINES[shape](x, y, 2)).join("");
+    return { middle, path: html`<path d="${dots}" style="fill:${colour}"/>` };
   });
   return html`<path class="zero" d="M0 ${PLANE / 2}H${HALF}M${HALF / 2} 0V${PLANE}"/>${drawn.map(({ path }) => path)}<path class="gap-line" d="${drawn.map(({ middle }, k) => `${k ? "L" : "M"}${middle}`).join("")}"/>`;
 }

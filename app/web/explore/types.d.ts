@@ -59,7 +59,7 @@ interface Scene extends Omit<SetData, "coarse"> {
   /** points */
   selected: Set<number>;
   /** the filter under the pointer */
-  highlight: { kind: string; name: string } | null;
+  highlight: { kind: Filter; name: string } | null;
   cell: Cell | null;
   /** the domain of the confusion matrix */
   stranger: string;

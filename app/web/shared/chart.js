@@ -41,6 +41,9 @@ export class Scale {
       .join("");
   }
 
+  /** The shape between two lines. @param {number[][]} above @param {number[][]} below */
+  area = (above, below) => `${this.line(above)}${this.line(below.toReversed()).replace("M", "L")}Z`;
+
   /** A line across at a value. @param {string} kind @param {number} v */
   across = (kind, v) =>
     html`<line class="${kind}" x1="${this.left}" x2="${this.right}" y1="${this.y(v)}" y2="${this.y(v)}"/>`;

@@ -16,6 +16,12 @@ export const SHAPES = {
     context.closePath();
   },
 };
+/** The same as paths of SVG.
+ * @type {Record<Style["shape"], (x: number, y: number, radius: number) => string>} */
+export const OUTLINES = {
+  circle: (x, y, r) => `M${x - r} ${y}a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0z`,
+  triangle: (x, y, r) => `M${x} ${y - 1.25 * r}l${1.25 * r} ${2.25 * r}h${-2.5 * r}z`,
+};
 /** @typedef {ReturnType<typeof made>} Stamp */
 /** @type {Map<string, Stamp>} */
 const stamps = new Map();

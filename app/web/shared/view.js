@@ -21,8 +21,10 @@ export function tell(wait, sentence, problem = false) {
 }
 
 /** What to say while the server makes maps. @param {Step | null} step */
-export const making = (step) =>
-  step?.total ? `Computing maps, ${step.done} of ${step.total}. Pair works meanwhile.` : "Computing the map…";
+export const making = (step) => {
+  const far = step?.total ? `, ${step.done} of ${step.total}` : step?.text && `: ${step.text}`;
+  return far ? `Computing maps${far}. Pair works meanwhile.` : "Computing the map…";
+};
 
 /** Handle the clicks in a box: selector -> what a click in such an element does.
  * @param {Found} box @param {Record<string, (element: Found) => unknown>} acts */
