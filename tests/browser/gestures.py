@@ -64,7 +64,7 @@ def place_of_a_point(page):
         for height in np.linspace(0.3, 0.7, 9):
             at = box["x"] + share * box["width"], box["y"] + height * box["height"]
             page.mouse.move(*at)
-            if "Pair" in page.locator(".explore .card h3").inner_text():
+            if "Pair" in page.inner_text(".explore .card h3"):
                 return at
     raise AssertionError("no point was found on the map")
 
@@ -90,4 +90,4 @@ def open_tab(page, view):
 
 def p_shown(page):
     """Return the p that Explore shows, in figures."""
-    return page.locator(".explore .order-value").inner_text()
+    return page.inner_text(".explore .order-value")

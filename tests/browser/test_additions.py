@@ -75,7 +75,7 @@ def test_a_mode_and_a_gap_of_its_frames_are_on_the_screen(page, rows):
     mode = rows[1]["modes"]
     page.click(f".explore .modes button:has-text('{mode['title']}')")
     page.wait_for_selector(f".explore[data-kind='{mode['id']}']")
-    line = page.locator(".explore .score .provenance").inner_text()
+    line = page.inner_text(".explore .score .provenance")
     assert line.startswith("By " + mode["who"].partition("{")[0].strip())
     page.select_option(".explore .of-steps", label="distance of medians")
     stair = page.locator(".explore .stair[data-name=medians] output.open")

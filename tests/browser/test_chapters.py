@@ -49,7 +49,7 @@ def percent(share):
 
 def pressed(page):
     """Return the number of the chosen press among those shown."""
-    return int(page.locator(".explore .presses [aria-checked=true]").get_attribute("data-key"))
+    return int(page.get_attribute(".explore .presses [aria-checked=true]", "data-key"))
 
 
 @pytest.fixture
@@ -60,7 +60,7 @@ def touch(open_page):
 
 
 def test_the_page_opens_with_one_press_by_eight_sensors_and_a_verdict_under_each(touch, twins):
-    assert touch.locator(".explore").get_attribute("data-chapter") == "touch"
+    assert touch.get_attribute(".explore", "data-chapter") == "touch"
     press = pressed(touch)
     said_now = twins["verdicts"]["touch"][0][0][0][8 * press : 8 * press + 8]
     truth = twins["shown"][press]["class"]
@@ -109,7 +109,7 @@ def test_dots_and_pictures_combine_and_every_sensor_can_be_the_one_that_was_lear
         assert home.count() == 1
         assert domain["sensor"] in home.inner_text()
     touch.click(".explore .given [data-key='vis']")
-    assert not touch.locator(".explore .dots").is_visible()  # a photo has none
+    assert not touch.is_visible(".explore .dots")  # a photo has none
     assert percents(touch)[-1] == percent(twins["away"]["photo"][source][0][rung][0])
     touch.click(".explore .given [data-key='fused']")
     assert percents(touch)[-1] == percent(twins["away"]["both"][source][1][rung][0])
@@ -155,7 +155,7 @@ def test_printed_or_in_a_lecture_the_first_chapter_keeps_its_pictures_and_says_t
     touch.emulate_media(media="print")
     assert touch.locator(f"{SAID} >> visible=true").count() == 8
     assert touch.locator(".explore .from-where >> visible=true").count() == 1
-    assert not touch.locator(".explore .stage").is_visible()  # the map of another chapter
+    assert not touch.is_visible(".explore .stage")  # the map of another chapter
 
 
 @pytest.mark.parametrize("chapter", ["touch", "where", "order", "fooled"])
@@ -210,7 +210,7 @@ def test_what_is_lost_is_split_by_reading_with_or_without_dots(open_page, twins)
         page = open_page(
             f"?chapter=where&dots={dots or ''}", '.explore.ready[data-chapter="where"]'
         )
-        if not page.locator(".split").is_visible():  # the page remembers an open panel
+        if not page.is_visible(".split"):  # the page remembers an open panel
             page.click("[data-panel=split] summary")
         for key, reading in (("tac", "touch"), ("vis", "photo"), ("fused", "both")):
             page.click(f".split [data-key={key}]")

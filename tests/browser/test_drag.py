@@ -99,7 +99,7 @@ def test_the_figures_beside_the_map_are_those_of_the_stop(open_page):
     shown_p = float(p_shown(page))
     assert shown_p != 0.2
     stop = min(range(len(frames.orders)), key=lambda i: abs(frames.orders[i] - shown_p))
-    shown = page.locator(".explore .curves figure[data-name=modality_gap] output").inner_text()
+    shown = page.inner_text(".explore .curves figure[data-name=modality_gap] output")
     assert shown == f"{frames.curves['modality_gap/f_hat'][stop]:.3f}"
 
 
@@ -159,7 +159,7 @@ def test_finer_frames_take_the_place_of_coarse_ones_in_the_middle_of_a_drag(
         "/^0\\.\\d[1-9]\\d?$/.test(document.querySelector('.explore .order-value').innerText)"
     )
     page.mouse.up()
-    assert page.locator(MAP).get_attribute("data-order") == str(float(p_shown(page)))
+    assert page.get_attribute(MAP, "data-order") == str(float(p_shown(page)))
 
 
 def test_a_browser_without_webgl_shows_and_moves_the_map(new_page, address):

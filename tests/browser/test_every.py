@@ -28,7 +28,7 @@ def test_one_head_for_every_order_is_the_third_mode_and_its_curves_follow_p(
             "moved",
             "every",
         ]
-        shown = page.locator(".explore .curves [data-name=accuracy] output").first.text_content()
+        shown = page.text_content(".explore .curves [data-name=accuracy] output")
         value = frames.curves["accuracy/unseen"][frames.orders.index(order)]
         assert shown.replace("\xa0", " ") == f"{100 * value:.1f} %"
-        assert "One head for every p" in page.locator(".explore .mode-words").inner_text()
+        assert "One head for every p" in page.inner_text(".explore .mode-words")

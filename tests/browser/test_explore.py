@@ -55,7 +55,7 @@ def two_modes(new_page, address, trained):
 
 def words(page, selector):
     """Return the text of the first element of Explore that matches."""
-    text = page.locator(f".explore {selector}").first.inner_text()
+    text = page.inner_text(f".explore {selector}")
     return text.replace("\xa0", " ")
 
 
@@ -69,7 +69,7 @@ def test_the_first_mode_is_a_head_for_each_stop_with_one_accuracy_and_the_other_
         page, ".score"
     )
     assert words(page, ".stage .side").count("62 %") == 1
-    assert page.locator(".explore .curves [data-name=accuracy] .spread").get_attribute("d")
+    assert page.get_attribute(".explore .curves [data-name=accuracy] .spread", "d")
     page.click('.explore .modes [data-key="moved"]')
     page.wait_for_selector(".explore[data-kind=moved]")
     assert "What if only p moved?" in words(page, ".mode-words")
@@ -87,7 +87,7 @@ def test_the_learned_p_is_a_stop_of_its_own_and_is_not_taken_for_a_round_one(ope
         "document.querySelector('.explore .score').textContent.includes('learned')"
     )
     assert f"at its learned p = {learned:.3f}" in words(page, ".score")
-    assert abs(float(page.locator(MAP).get_attribute("data-order")) - learned) < 1e-9
+    assert abs(float(page.get_attribute(MAP, "data-order")) - learned) < 1e-9
 
 
 def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(open_page):
@@ -195,7 +195,7 @@ def test_a_link_of_a_forgotten_set_says_so_and_leads_home(new_page, address):
     page.goto(f"{address}?set=forgotten", wait_until="commit")
     page.wait_for_selector(".explore .wait.problem")
     assert "no longer has" in words(page, ".wait")
-    assert not page.locator(".explore .order").is_visible()
+    assert not page.is_visible(".explore .order")
     open_tab(page, "pair")
     page.wait_for_selector(".pair .problem:has-text('no longer has')")
     open_tab(page, "explore")

@@ -126,7 +126,7 @@ def test_an_odd_image_is_answered_as_the_plain_picture_that_it_shows(pair_page, 
         arg=told,
     )
     assert shares(pair_page) == told
-    assert pair_page.locator(".pair .problem").is_hidden()
+    assert pair_page.is_hidden(".pair .problem")
 
 
 @pytest.mark.parametrize("kind", REFUSED)
@@ -135,7 +135,7 @@ def test_a_bad_file_is_one_sentence_that_names_it_and_the_page_stays_usable(pair
     before = shares(pair_page)
     give(pair_page, f"{kind}.png", content)
     pair_page.wait_for_selector(".pair .problem:visible")
-    text = pair_page.locator(".pair .problem").inner_text()
+    text = pair_page.inner_text(".pair .problem")
     assert f"{kind}.png" in text
     assert wanted in text
     assert text.count(". ") == 0 and text.endswith(".")

@@ -30,7 +30,7 @@ def test_a_range_is_named_in_the_title_kept_in_the_address_and_put_aside_by_othe
     pixels(page)  # the last move of the mouse is drawn
     settle(page)
     assert "range=" in page.url
-    found = page.locator(".explore .finder .found").inner_text()
+    found = page.inner_text(".explore .finder .found")
     page.reload()
     page.wait_for_selector(f".explore .finder .found:has-text('{found}')")
     page.click('.explore [data-chapter="order"]')
@@ -44,7 +44,7 @@ def test_a_link_to_a_cell_of_the_confusion_matrix_shows_its_pairs(open_page):
     page = open_page("?chapter=fooled", MAP)
     page.click(".explore .confusion .hit button:not([disabled])")
     page.wait_for_function("location.search.includes('cell=')")
-    found = page.locator(".explore .pictures h4").inner_text()
+    found = page.inner_text(".explore .pictures h4")
     assert "points selected" in found
     page.reload()
     page.wait_for_selector(f".explore .pictures h4:has-text('{found}')")

@@ -62,8 +62,8 @@ def test_a_set_without_a_head_opens_with_maps_gaps_neighbours_and_the_command(op
         "Cosine margin",
     ]
     assert page.locator(".explore .kinds button").all_inner_texts() == ["PCA", "UMAP"]
-    assert not page.locator(".explore .staircase").is_visible()
-    assert not page.locator(".explore .order").is_visible()
+    assert not page.is_visible(".explore .staircase")
+    assert not page.is_visible(".explore .order")
     colours = page.locator(".explore .colouring option").all_inner_texts()
     assert colours == ["Domain", "Class", "Modality"]
     page.focus(".explore .map canvas + canvas")
@@ -79,7 +79,7 @@ def test_a_set_without_a_head_opens_with_maps_gaps_neighbours_and_the_command(op
             arg=chapter,
         )
         assert empty_panels(page) == []
-    assert not page.locator(".explore .second").is_visible()
+    assert not page.is_visible(".explore .second")
     page.evaluate("document.getElementById('view-pair-button').click()")
     page.wait_for_selector(".ov.pair .headless pre")
     page.close()
@@ -126,5 +126,5 @@ def test_a_set_without_classes_says_what_to_do_instead_of_training(opened):
     page = opened("?view=train", classes=("unlabelled",))
     page.wait_for_selector(".train .problem:has-text('No domain has pairs of two classes')")
     assert "omnivat report" in page.inner_text(".train .headless pre")
-    assert not page.locator(".train .bench, .train .explain").first.is_visible()
+    assert not page.is_visible(".train .bench, .train .explain")
     page.close()

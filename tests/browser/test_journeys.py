@@ -11,12 +11,12 @@ pytestmark = pytest.mark.browser
 
 def test_raw_stages_do_not_move_and_the_page_says_why(open_page):
     page = open_page("?mode=moved&stage=frft&p=0.2", MAP)
-    assert "unitary" in page.locator(".explore .explain").inner_text()
+    assert "unitary" in page.inner_text(".explore .explain")
     before = pixels(page)
     page.focus(".explore .order")
     for _ in range(5):
         page.keyboard.press("ArrowRight")
-    assert page.locator(".explore .order-value").inner_text() == "0.25"
+    assert page.inner_text(".explore .order-value") == "0.25"
     assert pixels(page) == before
 
 
@@ -28,7 +28,7 @@ def test_a_point_shows_its_pair_and_pins_it_for_the_other_tabs(open_page):
     page.wait_for_function("/pin=\\d+/.test(location.search)")
     page.click(".explore .card .open")
     page.wait_for_selector(ANSWERED)
-    assert re.search(r"pair \d+", page.locator(".pair .slot .what").first.inner_text())
+    assert re.search(r"pair \d+", page.inner_text(".pair .slot .what"))
 
 
 def test_a_lasso_selects_points_and_saves_them_as_csv(open_page):
@@ -40,7 +40,7 @@ def test_a_lasso_selects_points_and_saves_them_as_csv(open_page):
     for dx, dy in ((0.99, 0.01), (0.99, 0.99), (0.01, 0.99), (0.01, 0.05)):
         page.mouse.move(box["x"] + dx * box["width"], box["y"] + dy * box["height"], steps=3)
     page.mouse.up()
-    heading = page.locator(".explore .pictures h4").inner_text()
+    heading = page.inner_text(".explore .pictures h4")
     count = int(heading.split()[0])
     assert count > 10
     with page.expect_download() as saved:
@@ -78,9 +78,9 @@ def test_the_map_works_by_keyboard_alone(open_page):
     page.keyboard.press("0")
     assert pixels(page) == before
     page.keyboard.press("n")
-    assert "Pair" in page.locator(".explore .card h3").inner_text()
+    assert "Pair" in page.inner_text(".explore .card h3")
     page.keyboard.press("Enter")
-    assert page.locator(".explore .card .tag").is_visible()
+    assert page.is_visible(".explore .card .tag")
 
 
 # what a figure of the page looks like, where it can be seen
@@ -107,12 +107,12 @@ def test_the_tour_asks_before_it_answers_walks_four_chapters_and_ends_with_the_t
         page.keyboard.press("Tab")
         page.keyboard.press("Enter")
         page.wait_for_selector(".tour .next-step")
-        told = page.locator(".tour p").inner_text()
+        told = page.inner_text(".tour p")
         assert "As you predicted" in told or "Not so" in told
         assert not re.search("NaN|undefined", told)
         page.keyboard.press("Enter")  # the next button has the focus
     assert chapters == ["touch"] * 3 + ["where"] * 2 + ["order", "fooled"]
-    assert len(re.findall(r"\d+\s%", page.locator(".tour p").inner_text())) >= 4
+    assert len(re.findall(r"\d+\s%", page.inner_text(".tour p"))) >= 4
     page.keyboard.press("Enter")
     page.wait_for_selector(".tour", state="detached")
     page.wait_for_function("location.search.includes('stage=relu')")

@@ -48,8 +48,8 @@ def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(open_page
         ("domain_gap", "domain to domain"),
     ):
         page.select_option(".explore .of-steps", measure)
-        assert between in page.locator(".explore .stair-name").text_content()
-    assert "Dashed: the raw embedding" in page.locator(".explore .all.curves").text_content()
+        assert between in page.text_content(".explore .stair-name")
+    assert "Dashed: the raw embedding" in page.text_content(".explore .all.curves")
 
 
 def test_analyse_is_no_wider_than_its_column_and_no_axis_of_a_lecture_is_cut(open_page):

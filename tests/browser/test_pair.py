@@ -25,7 +25,7 @@ PAIR = "?view=pair&vis=row:0&tac=row:0"
 
 def said(page, reading):
     """Return what one reading predicts, in the words of the page."""
-    return str(page.locator(f".pair .reading[data-reading={reading}]").inner_text())
+    return page.inner_text(f".pair .reading[data-reading={reading}]")
 
 
 def test_pictures_unlike_anything_seen_are_called_a_guess(open_page):
@@ -33,7 +33,7 @@ def test_pictures_unlike_anything_seen_are_called_a_guess(open_page):
     for seed, modality in enumerate(("vis", "tac")):
         send(page, modality, seed)
     page.wait_for_selector(".pair .familiar .look")
-    if "has no record" in page.locator(".pair .familiar").inner_text():
+    if "has no record" in page.inner_text(".pair .familiar"):
         pytest.skip("the head that is shipped holds no familiarity")
     page.wait_for_selector(".pair .reading[data-reading=fused] .guessed")
     for reading in ("fused", "vis", "tac"):
@@ -77,7 +77,7 @@ def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(open_page)
     prediction = said(page, "fused")
     page.click(".pair .what-if-p summary")
     page.wait_for_selector(".pair .lines svg .band")
-    before = page.locator(".pair .at-p").inner_text()
+    before = page.inner_text(".pair .at-p")
     page.focus(".pair .order")
     for _ in range(10):
         page.keyboard.press("ArrowLeft")
@@ -85,7 +85,7 @@ def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(open_page)
         "before => document.querySelector('.pair .at-p').innerText !== before", arg=before
     )
     assert said(page, "fused") == prediction
-    assert "guessing" in page.locator(".pair .about-p").inner_text()
+    assert "guessing" in page.inner_text(".pair .about-p")
 
 
 def test_a_csv_that_names_one_file_twice_is_refused_and_its_folder_is_read(open_page, tmp_path):
@@ -106,9 +106,7 @@ def test_a_csv_that_names_one_file_twice_is_refused_and_its_folder_is_read(open_
     for modality in ("vis", "tac"):
         holds(page, modality, "1.png")
     settle(page)
-    shown = [
-        page.locator(f"{SLOT.format(m)} .picture img").get_attribute("src") for m in ("vis", "tac")
-    ]
+    shown = [page.get_attribute(f"{SLOT.format(m)} .picture img", "src") for m in ("vis", "tac")]
     assert shown[0] != shown[1]
 
 
@@ -124,10 +122,10 @@ def test_own_pairs_are_counted_taught_and_saved(open_page):
             page.fill(".pair .labels input", label)
             page.keyboard.press("Enter")
         page.wait_for_selector(f".pair .chips li:has-text('{seed}.png')")
-    assert "of 4" in page.locator(".pair .tally").inner_text()
+    assert "of 4" in page.inner_text(".pair .tally")
     page.click(".pair .own [data-send=teach]")
     page.wait_for_selector(".pair .taught table")
-    report = page.locator(".pair .taught p").first.inner_text()
+    report = page.inner_text(".pair .taught p")
     assert re.search(r"Right before: \d of 4\. After: \d of 4\.", report)
     page.wait_for_selector(".pair .taught-now")
     page.wait_for_selector(ANSWERED)
@@ -158,8 +156,7 @@ def test_a_second_click_while_the_camera_opens_leaves_it_off(open_page):
         "window.streams.every((one) => one.getTracks().every((t) => t.readyState === 'ended'))"
     )
     assert (
-        page.locator(".pair .cameras [data-send=camerasSwitched]").get_attribute("aria-pressed")
-        == "false"
+        page.get_attribute(".pair .cameras [data-send=camerasSwitched]", "aria-pressed") == "false"
     )
     page.wait_for_selector(ANSWERED)
 
@@ -374,7 +371,7 @@ def test_where_tells_whether_any_part_matters(open_page):
         "slot => !document.querySelector(slot + ' .what').innerText.includes('one part after')",
         arg=slot,
     )
-    told = page.locator(f"{slot} .what").inner_text()
+    told = page.inner_text(f"{slot} .what")
     shown = page.locator(f"{slot} .picture canvas").count()
     assert ("no single part matters" in told) == (shown == 0)
 
@@ -395,9 +392,9 @@ def test_many_pairs_become_a_table_and_a_csv(open_page):
     page.set_input_files(".pair .pairs input >> nth=0", [*files, broken, named("alone.png", 1)])
     page.wait_for_selector(".pair .many table")
     assert page.locator(".pair .many tbody tr").count() == 4
-    assert "3 guesses" in page.locator(".pair .many h3").inner_text()
-    assert "1 picture left out" in page.locator(".pair .many .hint").inner_text()
-    assert "3_vis.png" in page.locator(".pair .many td.wrong").inner_text()
+    assert "3 guesses" in page.inner_text(".pair .many h3")
+    assert "1 picture left out" in page.inner_text(".pair .many .hint")
+    assert "3_vis.png" in page.inner_text(".pair .many td.wrong")
     with page.expect_download() as saved:
         page.click(".pair .many [data-send=csv]")
     lines = saved.value.path().read_text(encoding="utf-8").splitlines()
@@ -414,7 +411,7 @@ def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(open_page):
     broken = {"name": "9_tac.png", "mimeType": "image/png", "buffer": b"no picture"}
     page.set_input_files(".pair .sensor input >> nth=0", [*files, broken])
     page.wait_for_selector(".pair .sensor:has-text('profile of 6 touch images')")
-    assert "1 picture was left out" in page.locator(".pair .sensor").inner_text()
+    assert "1 picture was left out" in page.inner_text(".pair .sensor")
     page.wait_for_selector(".pair .sensor table")
     with page.expect_download() as saved:
         page.click(".pair .sensor [data-send=saveProfile]")
@@ -457,7 +454,7 @@ def test_a_folder_goes_from_a_drop_to_predictions_of_the_next_pictures_by_the_ta
     settle(page)
     assert "20 pictures without labels bring" in line.inner_text()
     assert page.locator(".pair .own:has-text('What is it really?')").count() == 1  # the first opens
-    before = page.locator(".pair .many tbody").inner_text()
+    before = page.inner_text(".pair .many tbody")
     names = page.locator(".pair .many .link").all_inner_texts()
     for row, name in enumerate(names):
         page.fill(f".pair .many [data-label='{row}']", labels[int(name.split("/")[-1])])
@@ -467,8 +464,8 @@ def test_a_folder_goes_from_a_drop_to_predictions_of_the_next_pictures_by_the_ta
     page.wait_for_selector(".pair .taught table")
     settle(page)
     assert "of your pairs are right with each left out" in line.inner_text()
-    assert page.locator(".pair .many tbody").inner_text() != before
-    assert "objects a class" in page.locator(".pair .labels-bring p").first.inner_text()
+    assert page.inner_text(".pair .many tbody") != before
+    assert "objects a class" in page.inner_text(".pair .labels-bring p")
     assert page.locator(".pair .labels-bring .mean").count() == 1
     assert page.locator(".pair .many small:has-text('taught with it')").count() == len(labels)
     with page.expect_request(lambda request: request.url.endswith("/omnivat/many")) as sent:
@@ -514,7 +511,7 @@ def test_reading_many_pairs_can_be_cancelled(open_page):
         ".pair .pairs input >> nth=0", [named("a_vis.png", 1), named("b_vis.png", 2)]
     )
     page.wait_for_selector(".pair .many [data-send=stopped]")
-    assert "1 of 2" in page.locator(".pair .many").inner_text()
+    assert "1 of 2" in page.inner_text(".pair .many")
     page.click(".pair .many [data-send=stopped]")
     page.wait_for_selector(".pair .many:has-text('Cancelled after 0 of 2 pairs')")
     page.unroute("**/omnivat/image?*")

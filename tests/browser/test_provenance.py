@@ -58,9 +58,9 @@ def test_every_accuracy_on_the_screen_has_a_line_that_tells_where_it_comes_from(
 
 def test_one_head_has_one_accuracy_in_all_chapters(open_page):
     page = open_page("?chapter=analyse&mode=moved", ".explore .score .provenance")
-    score = page.locator(".explore .score .large").inner_text()
+    score = page.inner_text(".explore .score .large")
     page.click('.explore .chapters [data-chapter="fooled"]')
     page.wait_for_selector(".explore .stage .remark .provenance")
-    assert f"both {score}." in page.locator(".explore .stage .remark").inner_text()
+    assert f"both {score}." in page.inner_text(".explore .stage .remark")
     page.evaluate("document.querySelector('[data-panel=domains]').open = true")
-    assert page.locator(".explore .each-domain .mean-row output").inner_text() == score
+    assert page.inner_text(".explore .each-domain .mean-row output") == score

@@ -74,22 +74,22 @@ def test_a_real_pair_is_read_as_if_it_had_been_dropped_and_names_its_authors(ope
     away.rename(fetched)
     page.reload()
     page.wait_for_selector(".pair .real button:has-text('tree')")
-    shown = page.locator(".pair .real").inner_text()
+    shown = page.inner_text(".pair .real")
     assert "Andrew Owens" in shown and "CC BY 4.0" in shown and "each still is cut" in shown
     page.click(".pair .real button:has-text('tree')")
     page.wait_for_selector(PRESSED)
     page.wait_for_selector(ANSWERED)
     for half in ("vis", "tac"):
-        words = page.locator(f"{SLOT.format(half)} .what").inner_text()
+        words = page.inner_text(f"{SLOT.format(half)} .what")
         assert words.startswith("tree, Touch and Go · 60 × 40") and "Fengyu Yang" in words
-    clicked = [page.locator(f".pair .{part}").inner_text() for part in ("verdict", "familiar")]
+    clicked = [page.inner_text(f".pair .{part}") for part in ("verdict", "familiar")]
     page.goto(page.address + "?view=pair")
     page.wait_for_selector(ANSWERED)
     for half in ("vis", "tac"):
         choose(page, half, fetched / f"tree_{half}.png")
         holds(page, half, f"tree_{half}.png")
     page.wait_for_selector(ANSWERED)
-    dropped = [page.locator(f".pair .{part}").inner_text() for part in ("verdict", "familiar")]
+    dropped = [page.inner_text(f".pair .{part}") for part in ("verdict", "familiar")]
     assert dropped == clicked and "guess" in dropped[0]
 
 
@@ -105,6 +105,6 @@ def test_two_real_sensors_open_chapter_two_with_home_away_pictures_and_labels(op
     assert [one.replace("\xa0", " ") for one in shares] == [
         f"{int(100 * one['accuracy'] + 0.5)} %" for one in wanted
     ]
-    words = page.locator(".explore .split.own .provenance").inner_text()
+    words = page.inner_text(".explore .split.own .provenance")
     assert "from GelSight; away is DIGIT, 8 pairs; known: nothing; 8 pairs without" in words
-    assert "the project’s simulated touches" in page.locator(".explore .lead").inner_text()
+    assert "the project’s simulated touches" in page.inner_text(".explore .lead")

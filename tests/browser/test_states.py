@@ -83,7 +83,7 @@ def test_each_button_of_the_first_chapter_alone_is_marked_in_its_group_and_all_f
     assert len(seen) > 6
     for number in range(page.locator(".explore .touch .from option").count()):
         page.select_option(".explore .touch .from", str(number))
-        name = page.locator(f".explore .touch .from option >> nth={number}").inner_text()
+        name = page.inner_text(f".explore .touch .from option >> nth={number}")
         home = page.locator(".explore .twin.home")
         assert name in home.inner_text()
         assert home.locator("output").inner_text() in page.inner_text(
@@ -108,16 +108,16 @@ def test_each_reading_has_an_interval_and_changes_the_map_and_what_is_right_on_i
 
 def test_what_is_shared_while_p_plays_is_what_stays_on_the_screen(open_page):
     page = open_page("?chapter=analyse&mode=moved", ".explore .score .provenance")
-    before = page.locator(".explore .order").input_value()
+    before = page.input_value(".explore .order")
     page.click(".explore .play")
     page.wait_for_function(
         "before => document.querySelector('.explore .order').value !== before", arg=before
     )
     page.click(".explore .share")
-    link = page.locator(".explore .shared:popover-open input").input_value()
-    assert page.locator(".explore .play").get_attribute("aria-pressed") == "false"
+    link = page.input_value(".explore .shared:popover-open input")
+    assert page.get_attribute(".explore .play", "aria-pressed") == "false"
     settle(page)
-    shown = float(page.locator(".explore .order").input_value())
+    shown = float(page.input_value(".explore .order"))
     assert abs(float(link.split("p=")[-1].split("&")[0]) - shown) < 1e-3
 
 
@@ -130,8 +130,8 @@ def test_paper_keeps_the_words_simulated_the_line_of_its_figure_and_the_names_of
     )
     settle(page)
     page.emulate_media(media="print")
-    assert page.locator(".top .badge").is_visible()
-    assert not page.locator(".top .tour-start").is_visible()
+    assert page.is_visible(".top .badge")
+    assert not page.is_visible(".top .tour-start")
     assert page.locator(".explore .provenance >> visible=true").count()
     if chapter == "where":
         assert page.locator(".explore .sensors button >> visible=true").count() == 8

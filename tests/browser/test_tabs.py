@@ -18,16 +18,16 @@ def test_the_nodes_of_the_pinned_pair_follow_p_and_tell_which_are_constant(open_
     )
     settle(page)
     assert page.locator(".explore .nodes .disc").count() == 7
-    told = page.locator(".explore .worth").inner_text()
+    told = page.inner_text(".explore .worth")
     number = re.search(r"(\d) of 7 nodes \(dashed\)", told)
     assert page.locator(".explore .nodes .disc.fixed").count() == (int(number[1]) if number else 0)
-    assert "its learned p" in page.locator(".explore .nodes p").first.inner_text()
-    before = page.locator(".explore .tree-view").text_content()
+    assert "its learned p" in page.inner_text(".explore .nodes p")
+    before = page.text_content(".explore .tree-view")
     page.focus(".explore .order")
     for _ in range(20):
         page.keyboard.press("ArrowRight")
     page.wait_for_selector(".explore .nodes p:has-text('moved from its learned p')")
-    assert page.locator(".explore .tree-view").text_content() != before
+    assert page.text_content(".explore .tree-view") != before
 
 
 def test_a_second_map_shows_both_gaps_of_another_step_and_moves_with_the_first(open_page):
@@ -35,10 +35,10 @@ def test_a_second_map_shows_both_gaps_of_another_step_and_moves_with_the_first(o
     page.click(".explore .second")
     page.wait_for_selector(".explore .beside .map[data-order]")
     for pane in (".now", ".beside"):
-        told = page.locator(f".explore {pane} .pane").inner_text()
+        told = page.inner_text(f".explore {pane} .pane")
         assert "modality gap" in told
         assert "domain gap" in told
-    assert page.locator(".explore .changed").is_hidden()  # one head at one p predicts the same
+    assert page.is_hidden(".explore .changed")  # one head at one p predicts the same
     before = [pixels(page, f".explore {pane} .map") for pane in (".now", ".beside")]
     page.focus(".explore .beside .map canvas + canvas")
     page.keyboard.press("+")
@@ -47,7 +47,7 @@ def test_a_second_map_shows_both_gaps_of_another_step_and_moves_with_the_first(o
         for p, old in zip((".now", ".beside"), before, strict=True)
     )
     page.click(".explore .second")
-    assert page.locator(".explore .beside").is_hidden()
+    assert page.is_hidden(".explore .beside")
 
 
 def test_a_second_map_has_a_step_a_method_and_a_p_of_its_own(open_page):
@@ -66,7 +66,7 @@ def test_a_second_map_has_a_step_a_method_and_a_p_of_its_own(open_page):
 def counts(page):
     """Return what the page counts of changed predictions, and check that it adds up."""
     page.wait_for_selector(".explore .changed:has-text('predictions change')")
-    text = page.locator(".explore .changed").inner_text().replace(",", "")
+    text = page.inner_text(".explore .changed").replace(",", "")
     changed, everything = (int(n) for n in re.search(r"(\d+) of (\d+)", text).groups())
     ends = page.evaluate(
         """() => { const told = document.createRange();
@@ -100,7 +100,7 @@ def test_simulated_data_say_so_and_their_limits_open_there(open_page):
     page.click(".top .badge:has-text('simulated data')")
     page.wait_for_selector(".top .limits:has-text('No figure here is about a real sensor')")
     page.keyboard.press("Escape")
-    assert page.locator(".top .limits").is_hidden()
+    assert page.is_hidden(".top .limits")
 
 
 DEFINED = """() => {
@@ -124,7 +124,7 @@ def test_a_word_of_the_field_has_its_sentence_where_it_stands_and_not_over_the_t
     )
     assert page.evaluate(DEFINED)
     page.keyboard.press("Escape")
-    assert page.locator(".definition").is_hidden()
+    assert page.is_hidden(".definition")
 
 
 def test_the_accuracy_of_analyse_names_its_head_its_source_its_pairs_and_what_was_known(open_page):
@@ -153,7 +153,7 @@ def test_a_head_is_trained_scrubbed_used_and_saved(open_page):
     page.focus(".train .scrubber input")
     for _ in range(4):
         page.keyboard.press("ArrowLeft")
-    assert page.locator(".train .scrubber output").inner_text() == "2 of 6"
+    assert page.inner_text(".train .scrubber output") == "2 of 6"
     page.wait_for_function(
         "last => document.querySelector('.train .map canvas').toDataURL() !== last", arg=last
     )

@@ -20,7 +20,7 @@ def taught(open_page):
 
 
 def test_where_explains_the_taught_head_while_it_makes_the_headline(taught):
-    headline = taught.locator(".pair .reading[data-reading=vis] .said").inner_text()
+    headline = taught.inner_text(".pair .reading[data-reading=vis] .said")
     with taught.expect_request(lambda request: "/occlusion?" in request.url) as sent:
         taught.click(f"{SLOT.format('vis')} .where")
     assert "taught=" in sent.value.url
@@ -41,4 +41,4 @@ def test_every_class_of_a_guess_is_grey_and_called_one(open_page):
     if not page.locator(".pair .all-classes[open]").count():
         page.click(".pair .all-classes summary")
     assert page.locator(".pair .bars td").count() == page.locator(".pair .bars td.of-guess").count()
-    assert "(guess)" in page.locator(".pair .bars thead").inner_text()
+    assert "(guess)" in page.inner_text(".pair .bars thead")

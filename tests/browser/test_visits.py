@@ -27,10 +27,10 @@ def test_a_link_brings_back_what_was_seen(open_page):
     query = "?mode=moved&p=0.31&stage=relu&colour=class&domain=TAG-sim&pin=3"
     page = open_page(query, MAP)
     assert p_shown(page) == "0.31"
-    assert page.locator('[data-stage="relu"]').get_attribute("aria-checked") == "true"
-    assert page.locator(".explore .colouring").input_value() == "class"
-    assert not page.locator('[data-name="TAG-sim"] input').is_checked()
-    assert page.locator(".explore .card h3").inner_text().startswith("Pair 3")
+    assert page.get_attribute('[data-stage="relu"]', "aria-checked") == "true"
+    assert page.input_value(".explore .colouring") == "class"
+    assert not page.is_checked('[data-name="TAG-sim"] input')
+    assert page.inner_text(".explore .card h3").startswith("Pair 3")
 
 
 def test_the_tab_of_a_link_opens_even_where_gradio_loses_the_first_clicks(new_page, address):
@@ -59,9 +59,9 @@ def test_nothing_but_maps_waits_for_a_map_that_takes_long(new_page, address):
     page.goto(f"{address}?view=pair&chapter=analyse", wait_until="commit")
     page.wait_for_selector(".top .badge:visible")
     page.wait_for_selector(ANSWERED)
-    assert not page.locator(".pair .on-map").is_visible()
+    assert not page.is_visible(".pair .on-map")
     open_tab(page, "explore")
-    assert "1 of 9" in page.locator(".explore .wait").inner_text()
+    assert "1 of 9" in page.inner_text(".explore .wait")
     ready.append(True)
     page.wait_for_selector(MAP)
     open_tab(page, "pair")
@@ -150,7 +150,7 @@ def test_two_visitors_do_not_disturb_one_another(open_page):
         page.wait_for_selector(ANSWERED)
         send(page, "vis", seed)
     for page, seed in ((one, 12), (two, 11)):
-        assert f"{seed}.png" not in page.locator(".pair .slots").inner_text()
+        assert f"{seed}.png" not in page.inner_text(".pair .slots")
     said = [
         page.locator(".pair .bars td[data-reading=vis]").all_text_contents() for page in (one, two)
     ]
@@ -200,7 +200,7 @@ def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_i
     open_tab(page, "pair")
     choose(page, "vis", texture(6))
     page.wait_for_selector(".pair .bars td[data-reading=tac]", state="attached")
-    assert page.locator(".pair .problem").is_hidden()
+    assert page.is_hidden(".pair .problem")
     page.close()
 
 
