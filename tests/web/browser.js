@@ -1,5 +1,6 @@
 /** The few things of a browser that scripts touch when they are imported; each test file has its own. */
 
+import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 
 const rows = readFileSync(new URL("../../app/web/shared/tables.json", import.meta.url), "utf8");
@@ -15,6 +16,11 @@ globalThis.OffscreenCanvas ??= class {
 globalThis.MutationObserver ??= class {
   observe() {}
 };
+
+/** Whether markup says all of these, each a pattern. */
+export function says(markup, ...patterns) {
+  for (const pattern of patterns) assert.match(String(markup), pattern);
+}
 
 /** Frames of two pairs at three stops, with what a test needs changed. */
 export function frames({ curves = {}, head = {}, orders = [0, 0.5, 1], ...more } = {}) {

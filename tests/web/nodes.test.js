@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./browser.js";
 import { constant, nodesHtml, worth } from "../../app/web/explore/nodes.js";
+import { says } from "./browser.js";
 
 const VOTES = [
   { class: "wood", share: 0.4 },
@@ -37,7 +38,7 @@ test("of nodes with one class for nearly every pair, the page says that and conc
   assert.match(said, /2 of 3 nodes/);
   assert.match(said, /alone predict <i>wood<\/i> or <i>glass<\/i> for at least 95/);
   assert.ok(!/shift|direction/.test(said)); // equal classes do not show equal shifts
-  assert.match(`${worth([VOTES[0]], 10)}`, /different classes for different pairs/);
+  says(worth([VOTES[0]], 10), /different classes for different pairs/);
 });
 
 test("constant nodes are drawn dashed once the set has been looked at, and only then", () => {
@@ -46,6 +47,6 @@ test("constant nodes are drawn dashed once the set has been looked at, and only 
 });
 
 test("the mean cosine of each layer stands beside the right angles that NOD pushes it to", () => {
-  assert.match(`${nodesHtml(ONE, {})}`, /NOD pushes it to 0.*nodes 2–3: 0\.20/);
-  assert.match(`${nodesHtml({ ...ONE, order: 0.2 }, {})}`, /moved from its learned p/);
+  says(nodesHtml(ONE, {}), /NOD pushes it to 0.*nodes 2–3: 0\.20/);
+  says(nodesHtml({ ...ONE, order: 0.2 }, {}), /moved from its learned p/);
 });

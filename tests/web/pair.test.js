@@ -43,7 +43,7 @@ import { aboutP, band } from "../../app/web/pair/what-if.js";
 import { changed, told as explained } from "../../app/web/pair/where.js";
 import { readerOf, visit } from "../../app/web/shared/api.js";
 import { cells } from "../../app/web/shared/csv.js";
-import { frames } from "./browser.js";
+import { frames, says } from "./browser.js";
 
 const CLASSES = ["wood", "steel"];
 const PAIR = {
@@ -111,18 +111,12 @@ test("with one image there is no reading of both", () => {
 });
 
 test("a prediction is judged by the class of the images that it used", () => {
-  assert.match(String(judged({ label: "wood", used: ["vis"] }, { vis: "wood", tac: "steel" }, CLASSES)), /right/);
-  assert.match(String(judged({ label: "wood", used: ["tac"] }, { vis: "wood", tac: "steel" }, CLASSES)), /it is steel/);
-  assert.match(
-    String(judged({ label: "wood", used: ["vis", "tac"] }, { vis: "wood", tac: "steel" }, CLASSES)),
-    /follows the photo/,
-  );
-  assert.match(
-    String(judged({ label: "wood", used: ["vis"] }, { vis: "cork" }, CLASSES)),
-    /a class this head has not learned/,
-  );
+  says(judged({ label: "wood", used: ["vis"] }, { vis: "wood", tac: "steel" }, CLASSES), /right/);
+  says(judged({ label: "wood", used: ["tac"] }, { vis: "wood", tac: "steel" }, CLASSES), /it is steel/);
+  says(judged({ label: "wood", used: ["vis", "tac"] }, { vis: "wood", tac: "steel" }, CLASSES), /follows the photo/);
+  says(judged({ label: "wood", used: ["vis"] }, { vis: "cork" }, CLASSES), /a class this head has not learned/);
   assert.equal(judged({ label: "wood", used: ["vis"] }, {}, CLASSES), null);
-  assert.match(String(madeOf({ vis: "wood", tac: "steel" })), /Photo: <b>wood<\/b>\. Touch: <b>steel<\/b>/);
+  says(madeOf({ vis: "wood", tac: "steel" }), /Photo: <b>wood<\/b>\. Touch: <b>steel<\/b>/);
 });
 
 test("familiarity is said in words and as a share of the training images", () => {
@@ -188,13 +182,13 @@ test("a pair of two origins is mixed, and no visitor's pair", () => {
 
 test("a visitor's photo beside an example's touch is not judged by the example's class", () => {
   assert.equal(judged({ label: "wood", used: ["vis", "tac"] }, { vis: "", tac: "wood" }, CLASSES), null);
-  assert.match(String(judged({ label: "wood", used: ["tac"] }, { vis: "", tac: "wood" }, CLASSES)), /right/);
+  says(judged({ label: "wood", used: ["tac"] }, { vis: "", tac: "wood" }, CLASSES), /right/);
 });
 
 test("pictures nearer to the other side are asked about only if all of them are", () => {
-  assert.match(String(swapHtml({ vis: { strays: true }, tac: { strays: true } }, OWN)), /Are these two swapped\?/);
+  says(swapHtml({ vis: { strays: true }, tac: { strays: true } }, OWN), /Are these two swapped\?/);
   assert.equal(swapHtml({ vis: { strays: true }, tac: { strays: false } }, OWN), null);
-  assert.match(String(swapHtml({ vis: { strays: true } }, OWN)), /Is this a touch\?/);
+  says(swapHtml({ vis: { strays: true } }, OWN), /Is this a touch\?/);
   assert.equal(swapHtml({}, OWN), null);
 });
 
@@ -271,9 +265,9 @@ test("the table as CSV marks guesses and holds no formula", () => {
 test("parts that change nothing are not shown", () => {
   const nothing = [[0.004, -0.001]];
   assert.equal(changed(nothing).any, false);
-  assert.match(String(explained({ class: "wood", drops: nothing })), /no single part matters/);
-  assert.match(
-    String(explained({ class: "<wood>", drops: [[0.2, 0]], taught: true })),
+  says(explained({ class: "wood", drops: nothing }), /no single part matters/);
+  says(
+    explained({ class: "<wood>", drops: [[0.2, 0]], taught: true }),
     /taught<\/b> <b>&lt;wood&gt;<\/b>: orange supports <i>&lt;wood&gt;<\/i>\. Hiding a part changes its probability by at most 20/,
   );
 });
@@ -358,8 +352,8 @@ test("own pictures are read by the head for them, and nothing else is", () => {
 test("the page says what pictures without labels bring, and where touch is at chance", () => {
   assert.deepEqual(atChance(FACTS), ["tac"]);
   assert.match(gainOf(FACTS), /bring 5\.0 points/);
-  assert.match(String(readerHtml(FACTS, true, "A")), /touch is at chance/);
-  assert.match(String(readerHtml(FACTS, false, "A")), /learned from A alone/);
+  says(readerHtml(FACTS, true, "A"), /touch is at chance/);
+  says(readerHtml(FACTS, false, "A"), /learned from A alone/);
 });
 
 const SHOWN = { vis: "row:0", tac: "row:0", answer: PAIR, classes: CLASSES };
@@ -395,7 +389,7 @@ test("a label waits until uploads and predictions are there, and goes to no exam
   assert.deepEqual(upload, { upload: { modality: "vis", file } });
   const sending = told(OWN, ["doing", { vis: READING }]).tab;
   assert.ok(isHeld(sending));
-  assert.match(String(ownHtml(sending)), /data-label="wood" disabled/);
+  says(ownHtml(sending), /data-label="wood" disabled/);
   assert.deepEqual(after(sending, "answered", { label: "wood" }).next, {});
 });
 
@@ -427,9 +421,9 @@ test("many pairs are read in turn, the first opens in place of an example, and n
   const { tab, next } = told(SHOWN, ...begun, ["allRead"]);
   assert.deepEqual([pairOf(tab), tab.rows.length, next], [["image:a", null], 2, { predict: {} }]);
   assert.deepEqual(pairOf(told(OWN, ...begun, ["allRead"]).tab), pairOf(OWN));
-  assert.match(String(manyHtml(told(SHOWN, ...begun).tab)), /Reading pair 1 of 3/);
+  says(manyHtml(told(SHOWN, ...begun).tab), /Reading pair 1 of 3/);
   const stopped = told(SHOWN, ...begun, ["stopped"]);
-  assert.match(String(manyHtml(stopped.tab)), / Cancelled after 2 of 3 pairs. 1 picture left out\./);
+  says(manyHtml(stopped.tab), / Cancelled after 2 of 3 pairs. 1 picture left out\./);
   assert.deepEqual([pairOf(stopped.tab), stopped.halt], [pairOf(SHOWN), ["read"]]);
   const none = after(stopped.tab, "closed", {});
   assert.deepEqual([manyHtml(none.tab), none.halt], [null, ["read", "rows"]]);
@@ -467,7 +461,7 @@ test("a profile is kept, followed by the pair and the table, and dropped without
 test("pictures that look like the other kind are asked about, and read as what was said", () => {
   const files = [{ path: "7.png" }];
   const { tab } = told(OWN, ["arrived", { doubt: { files, strange: 3, of: 3 } }]);
-  assert.match(String(sensorHtml(tab)), /3 of 3 look more like photos than like touch images/);
+  says(sensorHtml(tab), /3 of 3 look more like photos than like touch images/);
   assert.deepEqual(after(tab, "sampled", { kind: "vis" }).next, { sample: { files, kind: "vis" } });
 });
 
@@ -477,7 +471,7 @@ test("the pair comes back in place of the cameras, once", () => {
     ["camerasSwitched"],
     ["framed", { frame: { idle: true, readings: {} }, line: "No contact." }],
   );
-  assert.match(String(verdictHtml(tab)), /No contact/);
+  says(verdictHtml(tab), /No contact/);
   const off = after(tab, "camerasSwitched", {});
   assert.deepEqual([off.tab.on, off.tab.frame, off.next, off.halt], [false, null, { predict: {} }, ["live"]]);
   assert.deepEqual(told(SHOWN, ["camerasSwitched"], ["camerasOff", "No source."]).next, {});

@@ -9,7 +9,7 @@ import { cards } from "../../app/web/pair/verdict.js";
 import { card } from "../../app/web/shared/card.js";
 import { explained, stageNamed } from "../../app/web/shared/stages.js";
 import { TABLES } from "../../app/web/shared/tables.js";
-import { frames } from "./browser.js";
+import { frames, says } from "./browser.js";
 
 const SIGNALS = frames({
   signals: true,
@@ -17,9 +17,9 @@ const SIGNALS = frames({
 });
 
 test("a set of signals has neither photos nor sensors", () => {
-  assert.match(String(card(SIGNALS, null, -1, 0, false)), /Two recordings of one signal/);
-  assert.match(String(card(frames(), null, -1, 0, false)), /A photo and a touch/);
-  assert.match(`${modeWords(SIGNALS)}`, /two recordings of one signal/);
+  says(card(SIGNALS, null, -1, 0, false), /Two recordings of one signal/);
+  says(card(frames(), null, -1, 0, false), /A photo and a touch/);
+  says(modeWords(SIGNALS), /two recordings of one signal/);
   assert.doesNotMatch(`${modeWords(frames())}`, /signal/);
 });
 
