@@ -19,7 +19,6 @@ from omnivat.fractional.workers import side_by_side
 from omnivat.kit.threads import one_blas_thread
 
 _KEPT = 16
-_WORTH_THREADS = 128  # size of a parity block; smaller ones are not worth a second thread
 
 _building = threading.RLock()
 T = TypeVar("T")
@@ -51,8 +50,7 @@ def build_split(size: int, like: Tensor) -> Split:
 
 def _both(refine: Callable[[Tridiagonal], T], blocks: tuple[Tridiagonal, Tridiagonal]) -> list[T]:
     """Compute even and odd eigenvectors in parallel; they are independent."""
-    calls = [functools.partial(refine, block) for block in blocks]
-    return side_by_side(calls, spread=len(blocks[0]) > _WORTH_THREADS)
+    return side_by_side([functools.partial(refine, block) for block in blocks])
 
 
 @functools.lru_cache(maxsize=_KEPT)

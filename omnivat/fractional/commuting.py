@@ -42,7 +42,7 @@ class Tridiagonal:
     @property
     def beside(self) -> Array:
         """The n - 1 entries next to the diagonal, rounded to float64."""
-        values = np.ones(max(len(self) - 1, 0))
+        values = np.ones(len(self) - 1)
         values[:1] = SQRT2.high if self.root_first else values[:1]
         values[-1:] = SQRT2.high if self.root_last else values[-1:]
         return values
@@ -62,7 +62,7 @@ class Tridiagonal:
         y = Pair(high, low)
         if self.root_first:
             _exchange(y, x, 0, 1)
-        if self.root_last and (len(self) > 2 or not self.root_first):
+        if self.root_last:
             _exchange(y, x, -1, -2)
         return y
 
@@ -119,12 +119,11 @@ def _shift_last(values: Pair, by: float) -> Pair:
 def parity_blocks(size: int) -> tuple[Tridiagonal, Tridiagonal]:
     """Return S on even vectors, of size N//2 + 1, and on odd vectors, of size (N-1)//2; N ≠ 2."""
     cosines = doubled_cosines(size)
-    half = (size - 1) // 2
-    odd = cosines.part(slice(1, half + 1))
     if size % 2 == 0:
+        odd = cosines.part(slice(1, -1))
         return Tridiagonal(cosines, root_first=True, root_last=True), Tridiagonal(odd)
     # For odd N the two middle samples are both neighbours and mirror images.
     return (
         Tridiagonal(_shift_last(cosines, 1.0), root_first=True),
-        Tridiagonal(_shift_last(odd, -1.0)),
+        Tridiagonal(_shift_last(cosines.part(slice(1, None)), -1.0)),
     )

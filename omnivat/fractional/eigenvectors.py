@@ -12,7 +12,6 @@ to one side. Derivation: docs/fractional.md.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,14 +27,6 @@ from omnivat.fractional.double_double import (
     excess_norm,
     multiply,
 )
-
-_COLUMNS = 128  # double-double makes dozens of passes; this many columns stay in the cache
-
-
-def blocks_of_columns(count: int) -> Iterator[slice]:
-    """Return slices of `count` columns; each slice fits the cache."""
-    for start in range(0, count, _COLUMNS):
-        yield slice(start, min(start + _COLUMNS, count))
 
 
 def lapack_spectrum(
@@ -78,14 +69,10 @@ def refined_spectrum(block: Tridiagonal) -> Float64[np.ndarray, "n n"]:
     values, x = lapack_spectrum(block)
     if len(block) < 2:
         return x
-    off, excess = np.empty_like(x), np.empty(len(block))
-    for columns in blocks_of_columns(len(block)):
-        part = x[:, columns]
-        off[:, columns] = residual(block.times(part), values[columns], part)
-        excess[columns] = excess_norm(part)
+    off = residual(block.times(x), values, x)
     shift = (x * off).sum(0)
     mixing = (x.T @ (off - x * shift)) * inverse_gaps(values + shift)
-    return np.asarray(x + (x @ mixing - x * excess))
+    return np.asarray(x + (x @ mixing - x * excess_norm(x)))
 
 
 @dataclass(frozen=True)
@@ -112,13 +99,12 @@ def _rough(block: Tridiagonal) -> tuple[Array, QuarterFactor]:
     """Return singular values (m) and vectors from LAPACK's eigenvectors of the whole block."""
     m = len(block) // 2
     values, vectors = lapack_spectrum(block)
-    vectors = vectors[:, : m + 1]
-    top, middle = vectors[:m], np.sqrt(2.0) * vectors[m : m + 1, :m]
-    mirrored = alternating(m)[:, None] * vectors[:m:-1]
-    plus, minus = (top + mirrored)[:, :m], (top - mirrored)[:, :m]
-    null = np.append(np.sqrt(2.0) * top[:, m], vectors[m, m])[:, None]
+    pairs = vectors[:, :m]
+    null = np.append(np.sqrt(2.0) * vectors[:m, m], vectors[m, m])[:, None]
+    mirrored = alternating(m)[:, None] * pairs[:m:-1]
+    plus, minus = pairs[:m] + mirrored, pairs[:m] - mirrored
     large, small = (plus, minus) if m % 2 == 0 else (minus, plus)
-    large = np.hstack([np.vstack([large, middle]), null])
+    large = np.hstack([np.vstack([large, np.sqrt(2.0) * pairs[m]]), null])
     return values[:m], QuarterFactor(large, small, m % 2 == 0)
 
 
@@ -142,13 +128,8 @@ def refined_quarter(block: Tridiagonal) -> QuarterFactor:
     values, rough = _rough(block)
     leading = block.leading(len(values))
     w, u, null = rough.large[:, :-1], rough.small, rough.large[:, -1:]
-    off_w, off_u = np.empty_like(w), np.empty_like(u)
-    excess_w, excess_u = np.empty_like(values), np.empty_like(values)
-    for columns in blocks_of_columns(len(values)):
-        some_w, some_u, sigma = w[:, columns], u[:, columns], values[columns]
-        off_u[:, columns] = residual(_to_small(leading, some_w), sigma, some_u)
-        off_w[:, columns] = residual(_to_large(leading, some_u), sigma, some_w)
-        excess_w[columns], excess_u[columns] = excess_norm(some_w), excess_norm(some_u)
+    off_u = residual(_to_small(leading, w), values, u)
+    off_w = residual(_to_large(leading, u), values, w)
     shift = 0.5 * ((u * off_u).sum(0) + (w * off_w).sum(0))
     sigma = values + shift
     off_u -= u * shift
@@ -159,8 +140,8 @@ def refined_quarter(block: Tridiagonal) -> QuarterFactor:
     sums = sigma[None, :] + sigma[:, None]
     np.fill_diagonal(sums, np.inf)  # it would only rescale w against u: see `excess`
     mirror = 0.5 * (with_w - with_u) / sums
-    new_w = w + (w @ (same + mirror) + null * ((null.T @ off_w) / sigma) - w * excess_w)
-    new_u = u + (u @ (same - mirror) - u * excess_u)
+    new_w = w + (w @ (same + mirror) + null * ((null.T @ off_w) / sigma) - w * excess_norm(w))
+    new_u = u + (u @ (same - mirror) - u * excess_norm(u))
     leak = _to_small(leading, null)
     away = w @ ((u.T @ (leak.high + leak.low)) / sigma[:, None])
     new_null = null - (away + null * excess_norm(null))

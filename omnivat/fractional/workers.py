@@ -54,10 +54,10 @@ def _pool(count: int) -> ThreadPoolExecutor:
         return _pools[count]
 
 
-def side_by_side(calls: Sequence[Callable[[], T]], *, spread: bool = True) -> list[T]:
+def side_by_side(calls: Sequence[Callable[[], T]]) -> list[T]:
     """Return the results of the calls, run in parallel if torch may use several threads."""
     count = torch.get_num_threads()
-    if not spread or count == 1:
+    if count == 1:
         return [call() for call in calls]
     pool = _pool(count)
     running = [pool.submit(call) for call in calls]

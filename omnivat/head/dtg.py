@@ -34,8 +34,7 @@ def groups(arrangement: str, count: int) -> list[range]:
     [range(0, 1), range(1, 3), range(3, 7)]
     """
     if arrangement == "tree":
-        levels = (count + 1).bit_length() - 1
-        return [range(2**level - 1, 2 ** (level + 1) - 1) for level in range(levels)]
+        return [range(2**level - 1, 2 ** (level + 1) - 1) for level in range(count.bit_length())]
     if arrangement == "parallel":
         return [range(1), range(1, count)]
     return [range(count)]

@@ -4,11 +4,9 @@ A token is ReLU(θ x) = ReLU(θ) ReLU(x) + ReLU(-θ) ReLU(-x), so the tokens of 
 of r base vectors. For C channels (Re and Im), r = C if no θ is negative, else 2 C. The r x r scores
 between base vectors determine the scores between tokens.
 
-Axes here: r base vectors, C channels, M modalities, B pairs, D width, T = C E tokens. Complex
-tokens, T = E, are two real ones each: scores add up Re Re and Im Im, as in Re(Q Kᴴ).
+Axes here: r base vectors, C channels, M modalities, B pairs, D width, T = C E tokens.
 """
 
-from functools import reduce
 from typing import NamedTuple
 
 import torch
@@ -21,8 +19,8 @@ VECTOR = 16  # numbers that a processor takes at once
 class Tables(NamedTuple):
     """Coefficients of tokens in base vectors; they depend on θ only."""
 
-    # token t is the sum over s of tokens[s, t] times base vector s; its Re and Im if complex
-    tokens: tuple[Float[Tensor, "M r T"], ...]
+    # token t is the sum over s of tokens[s, t] times base vector s
+    tokens: Float[Tensor, "M r T"]
     pairs: Float[Tensor, "M r*r T*T"]  # the same for pairs of tokens, query first
     columns: Float[Tensor, "M r T*T"]  # for the part of a score that depends on the key only
     halves: Float[Tensor, "M h"]  # mean over θ of ReLU(θ), and of ReLU(-θ) if any θ < 0
@@ -34,18 +32,14 @@ def base_vectors(channels: Float[Tensor, "C M B D"], halves: int) -> Float[Tenso
     return positive if halves == 1 else torch.cat((positive, torch.relu(-channels)))
 
 
-def tables(theta: Float[Tensor, "M E"], channels: int, *, whole: bool) -> Tables:
-    """Return the tables for θ; `whole`: tokens are complex. Without negative θ, they need half the
-    work.
-    """
+def tables(theta: Float[Tensor, "M E"], channels: int) -> Tables:
+    """Return the tables for θ. Without negative θ, they need half the work."""
     signs = (theta, -theta) if bool((theta < 0).any()) else (theta,)
     weights = torch.relu(torch.stack(signs, dim=1))  # (M, h, E)
     eye = torch.eye(channels, dtype=weights.dtype, device=weights.device)
-    each = torch.einsum("mhe,cd->mhcde", weights, eye)
-    parts = each.unbind(3) if whole else (each.flatten(3),)
-    tokens = tuple(part.flatten(1, 2) for part in parts)  # (M, r, T)
-    pairs = reduce(torch.add, [torch.einsum("mri,msj->mrsij", one, one) for one in tokens])
-    columns = tokens[0][:, :, None].expand(-1, -1, tokens[0].shape[-1], -1)
+    tokens = torch.einsum("mhe,cd->mhcde", weights, eye).flatten(3).flatten(1, 2)  # (M, r, T)
+    pairs = torch.einsum("mri,msj->mrsij", tokens, tokens)
+    columns = tokens[:, :, None].expand(-1, -1, tokens.shape[-1], -1)
     return Tables(tokens, pairs.flatten(3).flatten(1, 2), columns.flatten(2), weights.mean(-1))
 
 
@@ -68,7 +62,7 @@ def attention(
     key_scores  of base vectors as keys with the bias of the queries
     root        divisor of the scores
     """
-    count = table.tokens[0].shape[-1]
+    count = table.tokens.shape[-1]
     full = scores.flatten(2) @ table.pairs + key_scores @ table.columns  # (M, B, T * T)
     full = full.reshape(*full.shape[:-1], count, count) / root
     if count < VECTOR and not full.requires_grad:  # torch takes short rows number by number
@@ -76,13 +70,6 @@ def attention(
         return beside.mean(-1).movedim(0, -1), beside.movedim(0, -1)
     weights = torch.softmax(full, dim=-1)
     return weights.mean(-2), weights
-
-
-def mixed(
-    base: Float[Tensor, "r M B D"], weights: Float[Tensor, "M B T"], table: Tables
-) -> list[Float[Tensor, "M B D"]]:
-    """Return the weighted sum of tokens; its Re and Im if they are complex."""
-    return [combined(base, weights @ tokens.mT) for tokens in table.tokens]
 
 
 def combined(

@@ -44,13 +44,10 @@ class FoldedMFFA:
         scores = factored.dots(base @ self.scores, base)
         key_scores = (base @ self.key_scores).movedim(0, -1)
         weights, each = factored.attention(scores, key_scores, self.table, fratt.roots[0])
-        pooled = factored.mixed(base, weights, self.table)
+        pooled = factored.combined(base, weights @ self.table.tokens.mT)
         if self.token is not None:
-            pooled[0] = pooled[0] + self.token
-        if len(pooled) == 1:
-            feature = fratt.ffn[2](gelu(linear(pooled[0], self.first, self.first_bias)))
-        else:  # a modulus is between θ_V and the first layer
-            feature = fratt.ffn(fratt.values(pooled))
+            pooled = pooled + self.token
+        feature = fratt.ffn[2](gelu(linear(pooled, self.first, self.first_bias)))
         return self.mffa.finished(feature), factored.mean_channels(base, self.table), each
 
 

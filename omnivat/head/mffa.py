@@ -33,17 +33,6 @@ class FrATT(nn.Module):
         root = float(width**0.5)  # √D divides the scores, or as printed the values
         self.roots = (root, 1.0) if scale == "inside" else (1.0, root)
 
-    def values(self, pooled: Sequence[Float[Tensor, "*any D"]]) -> Float[Tensor, "*any D"]:
-        """Return the values of a sum of tokens; of its Re and Im, to which no bias belongs, the
-        modulus.
-        """
-        real: Tensor = self.value(pooled[0]) / self.roots[1]
-        if len(pooled) == 1:
-            return real
-        imaginary = linear(pooled[1], self.value.weight) / self.roots[1]
-        modulus: Tensor = torch.linalg.vector_norm(torch.stack((real, imaginary)), dim=0)
-        return modulus
-
 
 class Expanded(NamedTuple):
     """The base vectors of the tokens, and their coefficients."""
@@ -153,11 +142,11 @@ class MFFA(nn.Module):
     def tables(self, names: Sequence[str]) -> factored.Tables:
         """Return the coefficients of the tokens."""
         count = 1 if self.real in ("magnitude", "real") else 2
-        return factored.tables(self.thetas(names), count, whole=self.real == "hermitian")
+        return factored.tables(self.thetas(names), count)
 
     def mean_tokens(self, expanded: Expanded) -> Float[Tensor, "M B D"]:
-        """Return the mean over the tokens of each sample; of complex ones, its real part."""
-        shares = expanded.table.tokens[0].mean(-1)
+        """Return the mean over the tokens of each sample."""
+        shares = expanded.table.tokens.mean(-1)
         return factored.combined(expanded.base, shares[:, None])
 
     # ---- attention ---------------------------------------------------------------------------
@@ -178,21 +167,21 @@ class MFFA(nn.Module):
         token   class tokens; None: the class-agnostic ones
         """
         fratt, (base, table) = self.fratt, expanded
-        score_root, _ = fratt.roots
+        score_root, value_root = fratt.roots
         keys = linear(base, fratt.key.weight)
         scores = factored.dots(linear(base, fratt.query.weight), keys)
         bias_scores = (keys @ fratt.query.bias).movedim(0, -1)
         weights, each = factored.attention(scores, bias_scores, table, score_root)
         if guide is not None and guided is not None:
             guide_query = fratt.query(guide).expand(1, *keys.shape[1:])
-            theirs = factored.dots(guide_query, keys).squeeze(-2) @ table.tokens[0]
+            theirs = factored.dots(guide_query, keys).squeeze(-2) @ table.tokens
             theirs = torch.softmax(theirs / score_root, dim=-1)
             weights = torch.where(guided[:, None], theirs, weights)
-        pooled = factored.mixed(base, weights, table)
+        pooled = factored.combined(base, weights @ table.tokens.mT)
         if self.class_token:
             token = self.class_agnostic_tokens(names)[:, None] if token is None else token
-            pooled[0] = pooled[0] + token
-        return self.finished(fratt.ffn(fratt.values(pooled))), each
+            pooled = pooled + token
+        return self.finished(fratt.ffn(fratt.value(pooled) / value_root)), each
 
     def finished(self, feature: Float[Tensor, "*any D"]) -> Float[Tensor, "*any D"]:
         """Return F-bar: of unit length, or as the network gives it."""

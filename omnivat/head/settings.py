@@ -14,7 +14,7 @@ ThetaInit = Annotated[str, OneOf(("spread", "ones", "signed", "normal"))]
 Guide = Annotated[str, OneOf(("both", "added", "query"))]
 GuideLength = Annotated[str, OneOf(("embedding", "unit"))]
 Generation = Annotated[str, OneOf(("tree", "series", "parallel", "interpolation", "none"))]
-ComplexToReal = Annotated[str, OneOf(("tokens", "hermitian", "magnitude", "real"))]
+ComplexToReal = Annotated[str, OneOf(("tokens", "magnitude", "real"))]
 Fusion = Annotated[str, OneOf(FUSIONS)]
 
 
@@ -44,7 +44,7 @@ class HeadSettings:
     logit_scale: Annotated[float, Within(1e-3, 1e4)] = 10.0  # of the cosine classifier
     generation: Generation = "tree"  # of nodes; series and parallel have as many matrices
     mffa: bool = True  # off: the tree grows from the embeddings
-    complex_to_real: ComplexToReal = "tokens"  # Re and Im, |F|, Re alone, or complex attention
+    complex_to_real: ComplexToReal = "tokens"  # Re and Im, |F| or Re alone
     order_per_modality: bool = False  # separate p for LANG, VIS and TAC
     guide: Guide = "both"  # F-bar of LANG in training: added to embeddings (Eq. 5), query (Eq. 6)
     guide_length: GuideLength = "embedding"  # of that F-bar: √D like embeddings, or 1 as printed

@@ -73,7 +73,7 @@ def counted(embeddings: Embeddings, source: str) -> Mask:
     If a domain has a split, its test part counts; otherwise all its pairs do. A source without a
     split has no test pairs, because the head may have been trained on all of them.
     """
-    split = np.array(embeddings.rows.get("split") or [""] * len(embeddings), dtype=object)
+    split = np.array(embeddings.rows["split"], dtype=object)
     keep = np.zeros(len(embeddings), dtype=bool)
     for index, name in enumerate(embeddings.header.domains):
         own = embeddings.domain == index
@@ -153,8 +153,7 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     shares["retrieval"] = np.full(len(label), np.nan)  # of photos that are not tested
     shares["retrieval"][rows] = label[nearest_touch(vis, tac, domain, rows)] == label[rows]
     # unseen pairs that look like another class
-    looks = embeddings.rows.get("looks_like", []) or [""] * len(label)
-    alike = np.array([bool(name) for name in looks], bool) & unseen
+    alike = np.array([bool(name) for name in embeddings.rows["looks_like"]], bool) & unseen
 
     def confusions(values: Array) -> dict[str, list[list[int]]]:
         """Return counts (K, K), true class by predicted class, of each domain and all unseen."""

@@ -10,12 +10,12 @@ from torch import Tensor
 
 from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import LangBank
+from omnivat.head.linear_maps import SPREAD_ROWS
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError
 from omnivat.training.settings import DRAWN, TrainSettings
 
 Array = np.ndarray[Any, Any]
-SPREAD_ROWS = 512  # pairs that span the offsets of imitated sensors
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,12 +2,11 @@
 
 import numpy as np
 import torch
-from torch import Tensor
 
 from omnivat.data.arrays import copied
 from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import LangBank
-from omnivat.head.fusion import fuse
+from omnivat.head.fusion import fused_logs
 from omnivat.head.head import OmniVaT
 from omnivat.head.training import training_pass
 from omnivat.kit.errors import DataError
@@ -17,6 +16,7 @@ from omnivat.measure.gaps.confusion import accuracy
 from omnivat.measure.predictions import CHUNK, label_map, predicted_probabilities
 
 
+@torch.no_grad()
 def lang_guard(model: OmniVaT, pairs: Embeddings, bank: LangBank, *, seed: int) -> dict[str, float]:
     """Return ACC on pairs "with" the text of their class, "without" it, and the "gap".
 
@@ -31,30 +31,16 @@ def lang_guard(model: OmniVaT, pairs: Embeddings, bank: LangBank, *, seed: int) 
     pairs, truth = pairs.select(known), torch.from_numpy(labels[known])
     random = np.random.default_rng(derive_seed(seed, "guard"))
     styles = random.integers(bank.embeddings.shape[1], size=len(truth))
-    texts = torch.from_numpy(bank.embeddings[truth.numpy(), styles])
-    guided = guided_probabilities(model, pairs, texts, truth)
-    plain = predicted_probabilities(model, pairs)["fused"]
-    found = {
-        "with": float(accuracy(truth, guided.argmax(-1))),
-        "without": float(accuracy(truth, plain.argmax(-1))),
-    }
-    return found | {"gap": found["with"] - found["without"]}
-
-
-@torch.no_grad()
-def guided_probabilities(
-    model: OmniVaT, pairs: Embeddings, texts: Tensor, labels: Tensor
-) -> Tensor:
-    """Return fused probabilities (N, K) of pairs guided by texts (N, lang_width), as in training.
-
-    labels  (N,) not used by the head: class tokens are the class-agnostic ones
-    """
-    found = []
+    texts = torch.from_numpy(bank.embeddings[truth.numpy(), styles]).to(model.dtype)
+    guided = []
     for rows in torch.arange(len(pairs)).split(CHUNK):
         images = {n: torch.from_numpy(copied(getattr(pairs, n)[rows.numpy()])) for n in IMAGES}
         on = torch.ones(len(rows), dtype=torch.bool)
-        output = training_pass(
-            model, images, texts[rows].to(model.dtype), labels[rows], lang_on=on, token_on=~on
-        )
-        found.append(fuse("mean", output.logits, None, model.temperatures["fused"]))
-    return torch.cat(found)
+        output = training_pass(model, images, texts[rows], truth[rows], lang_on=on, token_on=~on)
+        guided.append(fused_logs("mean", **output.logits).argmax(-1))
+    plain = predicted_probabilities(model, pairs)["fused"].argmax(-1)
+    found = {
+        "with": float(accuracy(truth, torch.cat(guided))),
+        "without": float(accuracy(truth, plain)),
+    }
+    return found | {"gap": found["with"] - found["without"]}

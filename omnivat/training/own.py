@@ -38,7 +38,7 @@ READINGS = ("fused", *IMAGES)
 Raw = dict[str, Tensor]
 
 
-def own_head(embeddings: Embeddings, *, seed: int = 0, on_step: OnStep = ignore) -> Head:
+def own_head(embeddings: Embeddings, *, seed: int, on_step: OnStep = ignore) -> Head:
     """Return a head that learned from the training pairs of all domains of a set.
 
     `metrics["left_out"]` has what such a head reads right in domains left out of its training:
@@ -159,7 +159,8 @@ def _left_out(
         truth = torch.from_numpy(test.label)
         for count in PICTURES:
             for draw in range(DRAWS if count else 1):
-                raw = _raw(_moved(embeddings, test, name, count, draw, base))
+                profiles, _ = drawn_profiles(embeddings, "", count, seed=draw)
+                raw = _raw(profiled(test, {name: profiles[name]}, base) if count else test)
                 shares = fitted(raw)
                 right[count].append(
                     {n: float((shares[n].argmax(-1) == truth).double().mean()) for n in READINGS}
@@ -176,13 +177,3 @@ def _left_out(
 def _mean(each: list[dict[str, float]]) -> dict[str, float]:
     """Return the mean of each reading; every domain has as many draws."""
     return {name: round(float(np.mean([one[name] for one in each])), 4) for name in READINGS}
-
-
-def _moved(
-    embeddings: Embeddings, test: Embeddings, name: str, count: int, draw: int, base: Profile
-) -> Embeddings:
-    """Return test pairs of a domain, moved by a profile of `count` of its training pairs."""
-    if not count:
-        return test
-    profiles, _ = drawn_profiles(embeddings, "", count, seed=draw)
-    return profiled(test, {name: profiles[name]}, base)

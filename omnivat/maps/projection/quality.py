@@ -90,10 +90,9 @@ def row_squares(points: Tensor, middle: Tensor) -> Tensor:
 
 
 def distances(points: Tensor, rows: Tensor, middle: Tensor, squares: Tensor) -> Tensor:
-    """Squared distances of rows (B, D) to points (N, D), minus each row's square: (B, N).
+    """Squared distances of rows (B, D) to points (N, D), up to a constant of each row: (B, N).
 
     squares  of the points from `middle`, from `row_squares`
     """
-    rows = rows - middle
-    # (x - m)·(y - m) = x·(y - m) - m·(y - m): the points themselves are not copied
-    return squares - 2 * (rows @ points.T - (rows @ middle)[:, None])
+    # (x - m)·(y - m) = x·(y - m), less what all points share: the points are not copied
+    return squares - 2 * ((rows - middle) @ points.T)

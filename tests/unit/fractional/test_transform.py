@@ -2,59 +2,31 @@
 
 from pathlib import Path
 
-import mpmath
 import numpy as np
 import pytest
 import torch
 
 from omnivat.fractional import basis, coefficients, dfrft, synthesise, transform
+from tests.golden.make_fractional import ORDERS, transform_by_mpmath, vector
 
 GOLDEN = Path(__file__).parents[2] / "golden"
-GOLDEN_ORDERS = (0.3, 1.0, 1.7, -0.5, 1000.3, 1e6 + 0.37)
-
-
-def golden_vector(size):
-    state, samples = 12345, []
-    for _ in range(size):
-        state = (1103515245 * state + 12345) % 2**31
-        samples.append(state / 2**30 - 1.0)
-    return torch.tensor(samples, dtype=torch.float64)
 
 
 @pytest.mark.parametrize("size", [1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 14, 20])
 @pytest.mark.parametrize("order", [1000.3, -1.5])
 def test_it_agrees_with_forty_digits(size, order):
-    x = golden_vector(size)
-    with mpmath.workdps(40):
-        s = mpmath.zeros(size)
-        for n in range(size):
-            s[n, n] += 2 * mpmath.cos(2 * mpmath.pi * n / size)
-            s[n, (n + 1) % size] += 1
-            s[n, (n - 1) % size] += 1
-            # a multiple of the reversal tells even from odd: it separates all eigenvalues
-        for n in range(size):
-            s[n, -n % size] += 16
-        values, vectors = mpmath.eigsy(s)
-        falling = sorted(range(size), key=lambda i: -values[i])
-        even, odd = falling[: size // 2 + 1], falling[size // 2 + 1 :]
-        exact = [mpmath.mpc(0)] * size
-        for k, i in [(2 * c, i) for c, i in enumerate(even)] + [
-            (2 * c + 1, i) for c, i in enumerate(odd)
-        ]:
-            weight = sum(vectors[n, i] * mpmath.mpf(float(x[n])) for n in range(size))
-            phase = mpmath.expjpi(-mpmath.mpf(order) * k / 2)
-            exact = [y + phase * weight * vectors[n, i] for n, y in enumerate(exact)]
-        wanted = np.array([complex(y) for y in exact])
-    assert np.abs(dfrft(x, order).numpy() - wanted).max() < 2e-15
+    x = vector(size)
+    wanted = np.array([complex(y) for y in transform_by_mpmath(x, order)])
+    assert np.abs(dfrft(torch.from_numpy(x), order).numpy() - wanted).max() < 2e-15
 
 
 @pytest.mark.parametrize("size", [63, 64, 65, 511, 512, 513, 768, 1024, 2048])
 @pytest.mark.parametrize(("dtype", "bound"), [(torch.float64, 4e-15), (torch.float32, 1.5e-6)])
 def test_it_agrees_with_eighty_bits(size, dtype, bound):
-    x = golden_vector(size)
+    x = torch.from_numpy(vector(size))
     with np.load(GOLDEN / "fractional.npz") as arrays:
         wanted = torch.from_numpy(arrays[str(size)])
-    for order, exact in zip(GOLDEN_ORDERS, wanted, strict=True):
+    for order, exact in zip(ORDERS, wanted, strict=True):
         for rows in (1, 40):  # few rows and many take different splits
             found = dfrft(x.to(dtype).expand(rows, size), order)[-1].to(torch.complex128)
             assert (found - exact).norm() / exact.norm() < bound, order

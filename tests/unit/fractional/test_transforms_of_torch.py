@@ -4,7 +4,6 @@ import warnings
 
 import pytest
 import torch
-from torch.autograd import forward_ad
 from torch.func import functional_call, grad, jacfwd, jacrev, jvp, vmap
 
 from omnivat.fractional import FractionalTransform, dfrft
@@ -43,13 +42,6 @@ def test_vmap_over_vectors_orders_or_both_is_the_batched_transform(x, orders, pl
 def test_vmap_over_an_axis_that_is_not_the_first(x, orders):
     found = vmap(lambda v, p: dfrft(v, p), (1, 0))(x.T.contiguous(), orders)
     torch.testing.assert_close(found, dfrft(x, orders))
-
-
-def test_a_tangent_of_the_vector_is_its_transform(x):
-    with forward_ad.dual_level():
-        dual = forward_ad.make_dual(x, x.flip(-1))
-        found = forward_ad.unpack_dual(dfrft(dual, 0.3)).tangent
-    torch.testing.assert_close(found, dfrft(x.flip(-1), 0.3))
 
 
 @pytest.mark.parametrize("order", [0.3, 1.0])

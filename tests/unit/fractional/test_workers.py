@@ -6,13 +6,11 @@ import threading
 import warnings
 
 import pytest
-import threadpoolctl
 import torch
 
 from omnivat.fractional import coefficients, dfrft, synthesise
 from omnivat.fractional.build import build_split
 from omnivat.fractional.workers import for_each, side_by_side
-from omnivat.kit.threads import one_blas_thread
 
 
 @pytest.fixture(autouse=True)
@@ -127,25 +125,3 @@ def test_a_forked_child_has_workers_of_its_own():
     if not child:
         os._exit(0 if side_by_side([lambda: 1, lambda: 2]) == wanted else 1)
     assert os.waitpid(child, 0)[1] == 0
-
-
-def test_builds_at_once_leave_the_limit_of_blas_as_it_was():
-    def counts():
-        return [
-            i["num_threads"] for i in threadpoolctl.threadpool_info() if i["user_api"] == "blas"
-        ]
-
-    with one_blas_thread():
-        assert set(counts()) == {1}
-    before, meet = counts(), threading.Barrier(4)
-
-    def build():
-        meet.wait(120)
-        build_split(64, torch.empty(0))
-
-    threads = [threading.Thread(target=build) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert counts() == before

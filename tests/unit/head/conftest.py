@@ -23,6 +23,8 @@ def make_head():
                     tensor.copy_(torch.randn(tensor.shape, generator=random))
             if model.settings.mffa:
                 model.mffa.bank_seen.fill_(True)
+            if model.settings.order_per_modality:
+                model.mffa.order.copy_(torch.tensor([0.9, 0.2, 0.7]))
         return model
 
     return make

@@ -1,4 +1,4 @@
-"""Any setting of the head, token by token in complex numbers: the fast head is compared with it."""
+"""Any setting of the head, token by token: the fast head is compared with it."""
 
 import torch
 from torch.nn.functional import cross_entropy, normalize
@@ -21,22 +21,15 @@ class Slow:
         return rows if self.literal else self.head.length * normalize(rows, dim=-1)
 
     def tokens(self, name, embedding, order):
-        """Return F_p(E), complex (B, D), and its tokens (B, T, D), complex or of zero imaginary
-        part.
-        """
+        """Return F_p(E), complex (B, D), and its tokens (B, T, D)."""
         if order is None:
             order = self.own.order.expand(3)[MODALITIES.index(name)]
         turned = torch.complex(*dfrft(embedding, order.reshape(-1, 1)))
         theta = self.own.theta[name] if self.settings.mffa else torch.ones(1)
         each = theta.to(turned)[:, None] * turned[:, None]  # (B, E, D)
         real, imaginary = each.real.relu(), each.imag.relu()
-        kinds = {
-            "tokens": torch.cat((real, imaginary), 1),
-            "real": real,
-            "magnitude": each.abs(),
-            "hermitian": torch.complex(real, imaginary),
-        }
-        return turned, kinds[self.settings.complex_to_real].to(turned)
+        kinds = {"tokens": torch.cat((real, imaginary), 1), "real": real, "magnitude": each.abs()}
+        return turned, kinds[self.settings.complex_to_real]
 
     def bar(self, name, embedding, order=None, guide=None, guided=None, token=None):
         """Return F-bar (B, D); `token` maps the mean token to F_g."""
@@ -46,19 +39,14 @@ class Slow:
         inside = self.settings.attention_scale == "inside"
         queries = tokens = self.tokens(name, embedding, order)[1]
         if guide is not None:
-            queries = torch.where(guided[:, None, None], guide[:, None].to(tokens), tokens)
+            queries = torch.where(guided[:, None, None], guide[:, None], tokens)
         if self.settings.class_token:
             agnostic = self.own.class_agnostic_tokens([name])
-            added = agnostic if token is None else token(tokens.real.mean(1), agnostic)
+            added = agnostic if token is None else token(tokens.mean(1), agnostic)
             tokens = tokens + added[:, None]
-        query, key, value = (
-            rows @ layer.weight.T.to(rows) + layer.bias
-            for layer, rows in ((fratt.query, queries), (fratt.key, tokens), (fratt.value, tokens))
-        )
-        weights = torch.softmax((query @ key.mH).real / (root if inside else 1), dim=-1)
-        mixed = (weights.to(value) @ value).mean(1) / (1 if inside else root)
-        whole = self.settings.complex_to_real == "hermitian"
-        feature = fratt.ffn(mixed.abs() if whole else mixed.real)
+        scores = fratt.query(queries) @ fratt.key(tokens).mT
+        weights = torch.softmax(scores / (root if inside else 1), dim=-1)
+        feature = fratt.ffn((weights @ fratt.value(tokens)).mean(1) / (1 if inside else root))
         return feature if self.literal else normalize(feature, dim=-1)
 
     def nodes(self, bars, root):

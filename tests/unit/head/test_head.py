@@ -67,15 +67,6 @@ def test_coefficients_give_the_output_of_a_full_pass_at_any_order(head, pairs):
         torch.testing.assert_close(part, head(vis[2:4], tac[2:4], order=0.3).probabilities)
 
 
-@pytest.mark.parametrize("chunk", [2, 4])  # three chunks, and two
-def test_pairs_predicted_in_chunks_are_those_predicted_at_once(head, pairs, monkeypatch, chunk):
-    with torch.inference_mode():
-        kept = head.coefficients(*pairs(6))
-        whole = head.from_coefficients(kept, 0.3).probabilities
-        monkeypatch.setattr("omnivat.head.head.CHUNK", chunk)
-        torch.testing.assert_close(head.from_coefficients(kept, 0.3).probabilities, whole)
-
-
 def test_one_order_a_pair_equals_one_pass_an_order(head, pairs):
     vis, tac = pairs(3)
     orders = torch.tensor([0.1, 0.5, 0.9], dtype=torch.float64)

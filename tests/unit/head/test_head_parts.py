@@ -1,25 +1,12 @@
-"""The transform, unit rows and lessons, each by itself."""
+"""Unit rows and lessons, each by itself."""
 
-import numpy as np
 import torch
 
-from omnivat.head.transform import transform
 from omnivat.kit.shapes import unit
 
 
 def draw(*shape):
     return torch.randn(shape, dtype=torch.float64)
-
-
-def test_the_transform_is_the_printed_sum_over_eigenvectors():
-    """Against numpy's FFT at order 1, and by its law p + q."""
-    x, one = draw(3, 16), torch.ones((), dtype=torch.float64)
-    found = torch.complex(*transform(x, one))
-    wanted = torch.from_numpy(np.fft.fft(x.numpy(), norm="ortho"))
-    torch.testing.assert_close(found, wanted)
-    half = transform(x, one / 2)
-    again = [torch.complex(*transform(part, one / 2)) for part in half]
-    torch.testing.assert_close(again[0] + 1j * again[1], wanted)
 
 
 def test_unit_rows_agree_with_finite_differences_and_zero_stays_zero():

@@ -12,7 +12,7 @@ from omnivat.head.output import TrainingOutput
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError
 from omnivat.training import TrainSettings, train
-from omnivat.training.guard import guided_probabilities, lang_guard
+from omnivat.training.guard import lang_guard
 
 
 def trained(source, lang=True, epochs=2, training=None, **head):
@@ -33,27 +33,6 @@ def trained(source, lang=True, epochs=2, training=None, **head):
 @pytest.fixture(scope="module")
 def source(make_embeddings):
     return make_embeddings(domains=("TAG-sim",), per_class=6)
-
-
-@torch.no_grad()
-def predicted(model, source):
-    return model(torch.from_numpy(source.vis), torch.from_numpy(source.tac)).readings["fused"]
-
-
-def test_four_tokens_are_not_four_copies_of_one(source):
-    """With θ_e = ones E = 4 is E = 1; the default start breaks the symmetry."""
-    for init, differs in (("ones", False), ("spread", True)):
-        one, four = (trained(source, expansion=e, theta_init=init) for e in (1, 4))
-        apart = (predicted(one, source) - predicted(four, source)).abs().max()
-        assert bool(apart > 1e-3) is differs
-        assert (four.mffa.theta["vis"].detach().std() > 1e-3) == differs
-
-
-def test_the_default_start_of_theta_is_spread_around_one(make_head):
-    assert HeadSettings(classes=("a", "b"), input_width=4).theta_init == "spread"
-    theta = make_head(theta="spread").mffa.theta["vis"].detach()
-    torch.testing.assert_close(theta.float(), torch.tensor([0.5, 5 / 6, 7 / 6, 1.5]))
-    assert make_head(theta="spread", expansion=1).mffa.theta["vis"].tolist() == [1.0]
 
 
 def test_mma_acts_on_the_chosen_pairs_alone():
@@ -94,16 +73,6 @@ def test_the_guard_finds_a_head_that_reads_the_label_off_the_text(source):
     leaning = lang_guard(model, fresh, bank, seed=0)
     assert leaning["gap"] > 0.3
     assert leaning["gap"] == pytest.approx(leaning["with"] - leaning["without"])
-
-
-def test_text_of_another_class_changes_a_guided_prediction(source):
-    model, bank = trained(source), load_bank().for_classes(source.header.classes)
-    labels = torch.from_numpy(source.label)
-    own, other = (
-        guided_probabilities(model, source, torch.from_numpy(bank.embeddings[rows, 0]), labels)
-        for rows in (source.label, (source.label + 1) % 5)
-    )
-    assert not torch.allclose(own, other, atol=1e-3)
 
 
 def test_a_guard_without_pairs_is_refused(source):

@@ -1,7 +1,5 @@
 """A head as ONNX gives the fast head's readings at any order."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import torch
@@ -54,8 +52,8 @@ def plain(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def other(tmp_path_factory):
-    """A head of complex attention, of embeddings as they come, and its file."""
-    changes = {"complex_to_real": "hermitian", "fusion": "product", "generation": "series"}
+    """A head of moduli, of embeddings as they come, and its file."""
+    changes = {"complex_to_real": "magnitude", "fusion": "product", "generation": "series"}
     head, file = head_of(standardize=False, **changes), tmp_path_factory.mktemp("other") / "o.onnx"
     write_head(file, head)
     return head, file
@@ -93,34 +91,6 @@ def test_a_portable_head_gives_every_reading_of_the_fast_head_at_any_order(which
         for name, wanted in out.frft.items():
             assert torch.allclose(found[f"{name}_size"], wanted.norm(dim=0), atol=1e-5)
     assert torch.allclose(found["vis_standing"], head.model.standing("vis", vis), atol=1e-6)
-
-
-def test_a_profile_moves_embeddings_before_a_portable_head_as_before_the_head(plain):
-    from omnivat.data.profile import Channels, Profile
-    from omnivat.head.predict import predict_embeddings
-
-    random = np.random.default_rng(0)
-
-    def profile(count):
-        parts = {
-            name: Channels(
-                mean=random.normal(size=24).astype("f4"),
-                variance=random.uniform(size=24).astype("f4"),
-                count=count,
-            )
-            for name in ("vis", "tac")
-        }
-        return Profile(channels=parts, key=("e", "w", "p"))
-
-    head, file = plain
-    head, own = replace(head, profile=replace(profile(200), step=0.75)), profile(9)
-    vis, tac = torch.randn(2, 1, 24)
-    near = [head.moved(name, rows, own) for name, rows in (("vis", vis), ("tac", tac))]
-    found = run(file, *near, (0.31, 0.5))
-    wanted = predict_embeddings(head, vis, tac, order=0.31, profile=own)[0]
-    assert found["p_fused"][0].tolist() == pytest.approx(
-        list(wanted["probabilities"].values()), abs=2e-6
-    )
 
 
 def test_the_stages_and_trees_of_many_pairs_are_those_of_the_fast_head(tmp_path):

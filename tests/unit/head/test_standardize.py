@@ -92,17 +92,12 @@ def test_moved_rows_of_the_head_are_those_of_the_arrays(head, make_embeddings):
     assert np.abs(found.numpy() - moved(rows, profile.channels["vis"], source)).max() > 1e-3
 
 
-def test_rows_for_teaching_have_length_one_side_by_side(head, make_embeddings):
+def test_rows_have_half_the_root_of_their_width_as_length_and_for_teaching_one_side_by_side(
+    head, make_embeddings
+):
     source = make_embeddings().in_domain("TAG-sim")
-    rows = [
-        head.model.standing(name, torch.from_numpy(getattr(source, name)))
-        for name in ("vis", "tac")
-    ]
-    length = torch.cat(rows, dim=1).norm(dim=1)
-    torch.testing.assert_close(length, torch.ones(len(length)))
-
-
-def test_standardised_rows_have_half_the_root_of_their_width_as_length(head, make_embeddings):
-    source = make_embeddings().in_domain("TAG-sim")
-    rows = head.model.standardised("tac", torch.from_numpy(source.tac))
-    torch.testing.assert_close(rows.norm(dim=1), torch.full((len(rows),), 0.5 * 24**0.5))
+    raw = {name: torch.from_numpy(getattr(source, name)) for name in ("vis", "tac")}
+    length = head.model.standardised("tac", raw["tac"]).norm(dim=1)
+    torch.testing.assert_close(length, torch.full_like(length, 0.5 * 24**0.5))
+    rows = [head.model.standing(name, values) for name, values in raw.items()]
+    torch.testing.assert_close(torch.cat(rows, dim=1).norm(dim=1), torch.ones(len(length)))

@@ -4,8 +4,8 @@ import pytest
 import torch
 
 from omnivat.head.dtg import DTG
-from omnivat.head.head import parameter_count
-from omnivat.head.losses import joint_loss, nod_loss
+from omnivat.head.head import build_head, parameter_count
+from omnivat.head.losses import joint_loss
 from omnivat.head.settings import HeadSettings
 from omnivat.head.training import training_pass
 from omnivat.kit.stages import IMAGES
@@ -46,7 +46,6 @@ def test_every_profile_has_the_parameters_that_were_counted(profile, count, with
         ({"mffa": False}, 11 * 512**2 + 8 * 512 + 12 + 1),
         ({"order_per_modality": True}, -2),
         ({"learn_order": False}, 1),
-        ({"complex_to_real": "hermitian"}, 0),
         ({"complex_to_real": "magnitude"}, 0),
         ({"complex_to_real": "real"}, 0),
     ],
@@ -64,8 +63,6 @@ CHANGES = [
     {},
     {"complex_to_real": "real"},
     {"complex_to_real": "magnitude"},
-    {"complex_to_real": "hermitian"},
-    {"complex_to_real": "hermitian", "attention_scale": "outside"},
     {"order_per_modality": True},
     {"class_token": False},
     {"feature_scale": "literal"},
@@ -116,11 +113,9 @@ def test_f_is_the_mean_of_the_tokens_of_each_part(make_head, make_pairs, theta, 
     with torch.no_grad():
         output = model(vis, tac)
         turned, tokens = slow.tokens("vis", slow.embedded("vis", vis), None)
-    parts = {"tokens": 2, "hermitian": 0}.get(model.settings.complex_to_real, 1)
-    split = tokens.real.unflatten(1, (parts, -1)) if parts else torch.view_as_real(tokens)
-    means = split.mean(2).unbind(1) if parts else split.mean(1).unbind(-1)
+    parts = 2 if model.settings.complex_to_real == "tokens" else 1
     torch.testing.assert_close(torch.complex(*output.frft["vis"]), turned)
-    for part, mean in enumerate(means):
+    for part, mean in enumerate(tokens.unflatten(1, (parts, -1)).mean(2).unbind(1)):
         torch.testing.assert_close(output.relu["vis"][part], mean)
 
 
@@ -168,32 +163,7 @@ def test_a_step_at_orders_of_the_batch_is_that_of_the_slow_head(make_head, order
 # ---- generation ----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("arrangement", ["tree", "series", "parallel"])
-@pytest.mark.parametrize("levels", [1, 2, 4])
-def test_every_arrangement_folds_into_its_mean(arrangement, levels):
-    torch.manual_seed(0)
-    tree = DTG(8, levels=levels, arrangement=arrangement).double()
-    torch.nn.init.normal_(tree.bias)
-    root = torch.randn(5, 8, dtype=torch.float64)
-    matrix, offset = tree.fold()
-    assert tree.grow(root).nodes.shape == (5, 2**levels - 1, 8)
-    torch.testing.assert_close(root @ matrix.T + offset, tree.grow(root).nodes.mean(1))
-    assert nod_loss(tree.grow(root).groups).isfinite()
-
-
 # ---- orders --------------------------------------------------------------------------------------
-
-
-def test_an_order_a_modality_turns_each_by_its_own(make_head, make_pairs):
-    model, given = make_head(order_per_modality=True), make_pairs(4)
-    with torch.no_grad():
-        model.mffa.order.copy_(torch.tensor([0.9, 0.2, 0.7]))
-        own = model(*given)
-        vis, tac = (model(*given, order=p) for p in (0.2, 0.7))
-    torch.testing.assert_close(own.f_bar["vis"], vis.f_bar["vis"])
-    torch.testing.assert_close(own.f_bar["tac"], tac.f_bar["tac"])
-    assert model.orders == pytest.approx({"lang": 0.9, "vis": 0.2, "tac": 0.7})
-    assert model.order == pytest.approx(0.45)
 
 
 # ---- starts of θ_e and of the tree ---------------------------------------------------------------
@@ -209,5 +179,8 @@ def test_theta_starts_as_its_name_says(make_head):
     starts = {name: make_head(theta=name).mffa.theta["vis"] for name in ("ones", "signed")}
     assert starts["ones"].tolist() == [1, 1, 1, 1]
     assert starts["signed"].tolist() == [1, -1, 1, -1]
+    spread = build_head(HeadSettings(**CORE)).mffa.theta["vis"]  # the default
+    torch.testing.assert_close(spread, torch.tensor([0.5, 5 / 6, 7 / 6, 1.5]))
+    assert make_head(theta="spread", expansion=1).mffa.theta["vis"].tolist() == [1.0]
     normal = make_head(theta="normal").mffa.theta
     assert normal["vis"].tolist() != normal["tac"].tolist()

@@ -5,11 +5,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import torch
 from hypothesis import given
 from hypothesis import strategies as st
+from omnivat.measure.evaluate import evaluate, target_mean, target_scores
 
-from omnivat.data.profile import FLOOR
+from omnivat.data.profile import profile_of
 from omnivat.data.store import save_embeddings
 from omnivat.head.checkpoint import load_head, save_head
 from omnivat.head.heads import EXAMPLES, default_embeddings, default_head, kept_ladder
@@ -72,22 +72,10 @@ def test_records_of_other_domains_say_nothing_about_a_set(head, shifted, monkeyp
 
 
 def test_predictions_of_rungs_are_those_of_profiled_embeddings(head, shifted):
-    """An oracle by hand: the mean of all training pairs moved onto the source's."""
-    test = shifted.rows_of("OF Real-sim", split="test")
     train = shifted.rows_of("OF Real-sim", split="train")
-    pair = []
-    for name in ("vis", "tac"):
-        rows, own = getattr(shifted, name), head.profile.channels[name]
-        n = len(train)
-        mean = own.mean + n / (n + 4) * (rows[train].mean(0) - own.mean)
-        variance = own.variance + n / (n + 10) * (rows[train].var(0) - own.variance)
-        floor = FLOOR * np.sqrt(own.variance).mean()
-        ratio = (np.sqrt(own.variance) + floor) / (np.sqrt(variance) + floor)
-        pair.append(torch.from_numpy((rows[test] - mean) * ratio + own.mean).float())
-    said = head.model(*pair).probabilities.argmax(1).numpy()
-    wanted = (said == shifted.label[test]).mean()
+    near = head.profiled(shifted, [profile_of(shifted, train, domain="OF Real-sim")])
     found = {one["rung"]: one["accuracy"] for one in rungs(head, shifted)}
-    assert found["all"] == pytest.approx(wanted)
+    assert found["all"] == pytest.approx(target_mean(target_scores(evaluate(head, near))))
 
 
 def test_a_kept_ladder_is_of_exactly_its_head_and_its_set(head, shifted, tmp_path):

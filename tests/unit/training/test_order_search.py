@@ -55,12 +55,6 @@ def test_the_order_of_chirps_is_found_from_a_far_start(chirps, trained):
     assert (answers == unseen.label).mean() >= 0.97
 
 
-def test_the_gradient_alone_stays_where_it_starts(chirps):
-    source = chirps.in_domain(DOMAINS[0], split="train")
-    trained = train(source, head(order=0.2), TrainSettings(epochs=10, lang=False))
-    assert abs(trained.model.order - 0.2) < 0.05
-
-
 @pytest.mark.slow
 def test_the_record_of_a_search_holds_its_curve_and_what_it_cost(trained):
     search = trained.search
@@ -158,16 +152,22 @@ def test_a_valleys_bottom_between_two_orders_is_found(bottom):
     assert lowest_point(points) == pytest.approx(bottom)
 
 
+def test_orders_outside_a_valley_hardly_move_its_bottom():
+    orders = np.linspace(0, 0.6, 17)
+    scores = 1 - np.exp(-(((orders - 0.27) / 0.08) ** 2)) + 0.5 * (orders > 0.5)
+    assert lowest_point([*zip(orders, scores, strict=True)]) == pytest.approx(0.27, abs=0.01)
+
+
 def test_orders_fold_into_the_first_quarter_turn():
     assert [folded(p) for p in (-0.1, 0.4, 1.2, 2.3)] == pytest.approx([0.1, 0.4, 0.8, 0.3])
 
 
-def test_inner_products_do_not_depend_on_the_length_of_the_tokens():
+def test_inner_products_of_each_modality_and_their_mean_do_not_depend_on_the_tokens_length():
     tokens = torch.from_numpy(np.random.default_rng(0).normal(size=(2, 6, 4)))
-    grams = _grams(1e-4 * tokens)
-    for gram, other in zip(grams, _grams(3.0 * tokens), strict=True):
-        torch.testing.assert_close(gram, other)
-        assert float(gram.trace()) / 6 == pytest.approx(1.0)
+    vis, tac, both = _grams(1e-4 * tokens)
+    torch.testing.assert_close([vis, tac, (vis + tac) / 2], _grams(3.0 * tokens))
+    assert float(both.trace()) / 6 == pytest.approx(1.0)
+    assert len(_grams(tokens[:1])) == 1
 
 
 def test_the_spread_of_a_score_is_the_standard_error_of_its_mean():
@@ -231,13 +231,6 @@ def test_a_resumed_training_searches_again_and_ends_at_the_same_weights(chirps, 
     assert not list(tmp_path.iterdir())
 
 
-def test_a_source_of_one_object_a_class_is_searched_without_a_held_out_part(chirps):
-    source = chirps.in_domain(DOMAINS[0], split="train")
-    one = source.select(np.array([int(np.flatnonzero(source.label == k)[0]) for k in range(5)]))
-    settings = TrainSettings(epochs=1, lang=False, order_search=True)
-    assert np.isfinite(train(one, head(), settings).model.order)
-
-
 def test_three_standard_errors_of_the_paired_difference_are_the_limit_of_a_tie():
     """The difference has the mean 0.3 over 9 pairs; its standard error is 0.3 / doubt."""
     base = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
@@ -280,10 +273,3 @@ def test_errors_left_out_are_those_of_a_ridge_fitted_to_the_rest(sizes):
         )
         wanted = ((targets[group] - wide[group] @ weights) ** 2).sum(1)
         np.testing.assert_allclose(found[group], wanted)
-
-
-def test_one_modality_has_one_matrix_of_inner_products_and_two_have_their_mean_too():
-    tokens = torch.from_numpy(np.random.default_rng(0).normal(size=(2, 6, 4)))
-    assert len(_grams(tokens[:1])) == 1
-    vis, tac, both = _grams(tokens)
-    torch.testing.assert_close(both, (vis + tac) / 2)

@@ -32,7 +32,7 @@ def head(shifted):
         patch.setattr(own, "BODY", {"width": 16})
         patch.setattr(own, "TRAINING", TrainSettings(epochs=2, lang=False))
         patch.setattr(own, "DRAWS", 2)
-        return own_head(shifted)
+        return own_head(shifted, seed=0)
 
 
 def pairs(embeddings, rows):
@@ -55,6 +55,8 @@ def test_pictures_without_labels_bring_back_a_domain_left_out(head):
     assert set(found) == {"0", "5", "20"}
     assert found["20"]["fused"] > found["0"]["fused"] + 0.2
     assert found["20"]["fused"] > 0.8
+    # calibrated with 20 pictures: without any, the maps would be wrong and hot
+    assert max(head.provenance["maps"]["temperature"].values()) < 1
 
 
 def test_a_profile_moves_pictures_of_one_domain_where_the_head_reads_them(head, shifted):
@@ -110,4 +112,4 @@ def test_it_is_an_ordinary_head_on_disk_and_can_be_taught(head, shifted, tmp_pat
 
 def test_two_domains_are_too_few(make_embeddings):
     with pytest.raises(DataError, match="has 2 domain.* needs three or more"):
-        own_head(make_embeddings())
+        own_head(make_embeddings(), seed=0)

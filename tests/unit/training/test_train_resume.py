@@ -1,5 +1,7 @@
 """A stopped training resumes to the weights that it would have given."""
 
+from functools import partial
+
 import pytest
 
 from omnivat.encoders.lang.bank import load_bank
@@ -24,25 +26,13 @@ def stopped_after(share):
 
 
 def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_path):
-    settings = TrainSettings(epochs=4)
-    whole = train(source, head(), settings, bank=load_bank(), seed=3)
-    state = tmp_path / "training.safetensors"
-
+    run = partial(train, source, head(), TrainSettings(epochs=4), bank=load_bank(), seed=3)
+    whole, state = run(), tmp_path / "training.safetensors"
     with pytest.raises(Stop):
-        train(
-            source,
-            head(),
-            settings,
-            bank=load_bank(),
-            seed=3,
-            resume=state,
-            on_step=stopped_after(0.6),
-        )
+        run(resume=state, on_step=stopped_after(0.6))
     assert state.is_file()
     steps = []
-    resumed = train(
-        source, head(), settings, bank=load_bank(), seed=3, resume=state, on_step=steps.append
-    )
+    resumed = run(resume=state, on_step=steps.append)
     assert steps[0].done == steps[0].total // 2 + 1  # two of four epochs were not done again
     assert equal_weights(whole.model, resumed.model)
     assert whole.epochs == resumed.epochs
@@ -51,18 +41,11 @@ def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_p
 
 def test_the_state_of_another_training_is_refused(source, tmp_path):
     state = tmp_path / "training.safetensors"
-
+    run = partial(train, source, head(), TrainSettings(epochs=2), bank=load_bank(), resume=state)
     with pytest.raises(Stop):
-        train(
-            source,
-            head(),
-            TrainSettings(epochs=2),
-            bank=load_bank(),
-            resume=state,
-            on_step=stopped_after(0.5),
-        )
+        run(on_step=stopped_after(0.5))
     with pytest.raises(DataError, match="state of another training"):
-        train(source, head(), TrainSettings(epochs=2), bank=load_bank(), seed=9, resume=state)
+        run(seed=9)
     state.write_bytes(b"cut short")
     with pytest.raises(DataError, match="cannot be read .*remove it to start again"):
-        train(source, head(), TrainSettings(epochs=2), bank=load_bank(), resume=state)
+        run()

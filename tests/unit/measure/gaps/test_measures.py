@@ -14,6 +14,7 @@ from omnivat.measure.gaps.centroid import modality_gap
 from omnivat.measure.gaps.confusion import accuracy, confusion, macro_f1
 from omnivat.measure.gaps.domain import floor, halves
 from omnivat.measure.gaps.frechet import frechet
+from omnivat.measure.gaps.measures import PREDICTION_MEASURES, Facts
 from omnivat.measure.gaps.mmd import mmd_linear, mmd_rbf
 from omnivat.measure.gaps.proxy_a import RIDGE, fits, proxy_a, proxy_a_estimate, wrong
 from omnivat.measure.gaps.unit import unit
@@ -115,6 +116,24 @@ def test_proxy_a_penalises_by_a_share_of_the_mean_variance(width):
 def test_confusion_has_truth_in_rows_and_answers_in_columns():
     counts = confusion(torch.tensor([0, 0, 2]), torch.tensor([0, 1, 2]), 3)
     assert counts.tolist() == [[1, 1, 0], [0, 0, 0], [0, 0, 1]]
+
+
+def test_scores_and_confusion_are_shares_of_the_pairs_whose_class_the_head_has():
+    facts = Facts(
+        labels=torch.tensor([0, 0, 0, 0, 1, 2]),
+        class_names=("a", "b"),
+        domains=torch.tensor([0, 0, 2, 2, 2, 2]),
+        domain_names=("x", "none", "y"),
+        scored=torch.tensor([True] * 5 + [False]),
+    )
+    said = {"fused": torch.eye(2)[[0, 0, 0, 1, 1, 1]], "vis": torch.eye(2)[[1, 0, 1, 1, 0, 0]]}
+
+    def found(name):
+        return {key: float(value) for key, value in PREDICTION_MEASURES[name](said, facts)}
+
+    assert found("confusion") == {"/a>a": 0.75, "/a>b": 0.25, "/b>a": 0, "/b>b": 1}
+    wanted = {"/all": 4 / 5, "/x": 1, "/y": 2 / 3, ":vis/all": 1 / 5}
+    assert found("accuracy") == pytest.approx(wanted)
 
 
 def test_scores_of_no_pairs_are_not_numbers():
