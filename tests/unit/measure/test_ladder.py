@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from omnivat.measure.evaluate import evaluate, target_mean, target_scores
 
 from omnivat.data.profile import profile_of
 from omnivat.data.store import save_embeddings
 from omnivat.head.checkpoint import load_head, save_head
 from omnivat.head.heads import EXAMPLES, default_embeddings, default_head, kept_ladder
 from omnivat.measure import ladder
+from omnivat.measure.known import evaluate, target_mean, target_scores
 from omnivat.measure.ladder import FORMAT, METHOD, lettered, letters, recorded, rungs, write_ladder
 
 
