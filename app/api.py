@@ -18,12 +18,13 @@ from app.jobs import Job
 from app.limits import MAX_API_BYTES, REPORT_S
 from app.map_place import kept_features
 from app.messages import Handler, in_sentences, refusal
-from app.pair_input import pair_of
+from app.pair_input import asked
 from app.requests import done, question_from, received
 from app.resources import Resources
 from app.state import one_of, order_from
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
+from omnivat.kit.stages import IMAGES
 
 Arguments = Mapping[str, Any]
 Work = Callable[[Resources, Arguments, Job[Any]], dict[str, Any]]
@@ -56,15 +57,14 @@ def predict(resources: Resources, arguments: Arguments, job: Job[Any]) -> dict[s
     """Return the record of `omnivat.head.predict` for one pair, and the names of its images."""
     from omnivat.head.predict import predict_embeddings
 
-    order, head = order_from(arguments.get("order")), resources.head_named(arguments.get("head"))
-    named = {name: _image(resources, arguments.get(name), name) for name in ("vis", "tac")}
-    _, _, pair = pair_of(resources, named)
-    found = predict_embeddings(head, pair["vis"], pair["tac"], order=order)[0]
+    images = {name: _image(resources, arguments.get(name), name) for name in IMAGES}
+    named = asked(resources, {**arguments, **images})
+    found = predict_embeddings(named.head, *named.pair.values(), order=named.order)[0]
     found.pop("profile")
     return {
         **found,
-        "source": head.source,
-        "images": {name: ref for name, ref in named.items() if ref},
+        "source": named.head.source,
+        "images": {name: ref for name, ref in images.items() if ref},
     }
 
 

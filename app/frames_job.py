@@ -1,20 +1,22 @@
 """The map's frames: an existing file, or one computed in the background, coarse first."""
 
 import logging
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from app.jobs import Job, Jobs
+from app.jobs import Job
 from app.limits import LARGE_SET
 from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import cache_folder, hash_of
 from omnivat.kit.progress import Step
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from app.resources import Resources
     from omnivat.data.store import Embeddings
     from omnivat.head.checkpoint import Head
 
@@ -37,9 +39,9 @@ class FramesState:
     problem: str = ""
 
 
-def cache_name(head: Path, embeddings: Path, drawn: int = 0) -> str:
-    """Return a hash of both files and of `drawn`, as `FramesJob` has it. Raises DataError if a
-    file is missing.
+def cache_name(head: Path, embeddings: Path, drawn: int) -> str:
+    """Return a hash of both files and of `drawn`, as `Places` has it. Raises DataError if a file
+    is missing.
     """
     from omnivat.maps.frames.file import VERSION
 
@@ -53,24 +55,17 @@ def cache_name(head: Path, embeddings: Path, drawn: int = 0) -> str:
     return hash_of(*files, start=f"frames {VERSION}, recipe {RECIPE}, {drawn}")[:24]
 
 
-@dataclass(eq=False, kw_only=True)
 class FramesJob:
-    """The frames of a head and a set, computed as a job if there is no file."""
+    """The frames of one of the heads and its set, computed as a job if there is no file.
 
-    head: Path
-    embeddings: Path
-    load_head: "Callable[[], Head]"
-    load_embeddings: "Callable[[], Embeddings]"
-    jobs: Jobs
-    spare: "Callable[[], Path]"  # a folder for frames that the cache cannot take
-    owner: str = ""  # of the job
-    ready: Path | None = None  # a file with all frames
-    folder: Path | None = None  # of computed frames; None: the cache
-    drawn: int = 0  # pairs drawn at random of a larger set; 0 for all
-    features: bool = False  # draw the features alone if the head is of another encoder
+    name  of the head, "" for the first one: its set may be of another encoder, and then the
+          features alone are drawn
+    """
 
-    def __post_init__(self) -> None:
-        self._file, self._whole = self.ready, self.ready is not None
+    def __init__(self, resources: "Resources", name: str) -> None:
+        self._of, self._name = resources, name
+        self._file = None if name else resources.where.frames
+        self._whole = self._file is not None
         self._lock = Lock()
         self._job: Job[None] | None = None
 
@@ -78,8 +73,8 @@ class FramesJob:
         """Return the state; the first call starts the work if needed."""
         with self._lock:
             if not self._whole and self._wanted():
-                self._job = self.jobs.start(
-                    self._compute, lane="long", owner=self.owner, priority=FIRST_LOOK
+                self._job = self._of.jobs.start(
+                    self._compute, lane="long", owner=self._of.owner, priority=FIRST_LOOK
                 )
             job, file, whole = self._job, self._file, self._whole
         if whole or job is None:
@@ -104,56 +99,62 @@ class FramesJob:
         return job is None or (job.state in ENDED and monotonic() - job.since > RETRY_S)
 
     def _compute(self, job: Job[None]) -> None:
-        folder = self.folder or cache_folder() / "frames"
-        name = cache_name(self.head, self.embeddings, self.drawn)
+        from omnivat.maps.frames.builder import DEFAULT_MAPS
+
+        where = self._of.where
+        folder = where.computed or cache_folder() / "frames"
+        name = cache_name(self._of.folders[self._name], where.embeddings, where.drawn)
         fine, coarse, first = (folder / f"{name}{kind}.bin" for kind in ("", "-coarse", "-first"))
-        if not readable(fine):
+        if readable(fine):
+            self._file = fine
+        else:
             job.report(LOADING)
-            embeddings, loaded = self.load_embeddings(), self.load_head()
-            head: Head | None = loaded
-            try:
-                loaded.require_embeddings(embeddings)
-            except DataError:
-                if not self.features:
-                    raise
-                head = None
-            passes = [(coarse, COARSE, False)] if head else []
-            passes.append((fine, FINE, False))
+            embeddings = self._of.embeddings()
+            head = self._fitting(embeddings)
+            passes = [(coarse, COARSE, DEFAULT_MAPS)] if head else []
+            passes.append((fine, FINE, DEFAULT_MAPS))
             if len(embeddings) > LARGE_SET and not readable(coarse):
+                linear = {n: k for n, k in DEFAULT_MAPS.items() if n.startswith("pca/")}
                 stops = first_stops(head.model.order) if head else COARSE
-                passes.insert(0, (first, stops, True))
-            for file, orders, linear in passes:
+                passes.insert(0, (first, stops, linear))
+            for file, orders, maps in passes:
                 there = readable(file)
                 self._file = (
-                    file if there else self._build(job, head, embeddings, orders, file, linear)
+                    file if there else self._build(job, head, embeddings, orders, maps, file)
                 )
                 job.priority = LAST_TOUCH
                 job.check()
-        else:
-            self._file = fine
         self._whole = True
+
+    def _fitting(self, embeddings: "Embeddings") -> "Head | None":
+        """Return the head; None if it is the first one and of another encoder than the set."""
+        head = self._of.heads[self._name]()
+        try:
+            head.require_embeddings(embeddings)
+        except DataError:
+            if self._name:
+                raise
+            return None
+        return head
 
     def _build(
         self,
         job: Job[None],
         head: "Head | None",
-        embeddings: Any,
+        embeddings: "Embeddings",
         orders: tuple[float, ...],
+        maps: "Mapping[str, int]",
         to: Path,
-        linear: bool,
     ) -> Path:
         """Compute the frames of some stops and write them to `to` or, if it cannot be written, to
-        the spare folder.
-
-        `linear` computes PCA only. Return the file.
+        the server's temporary folder. Return the file.
         """
         from omnivat.head.checkpoint import head_hash
         from omnivat.maps.frames import build_frames, write_frames
-        from omnivat.maps.frames.builder import DEFAULT_MAPS
         from omnivat.maps.frames.records import kind_of, with_learned
 
         provenance = head and {
-            "hash": head_hash(self.head),
+            "hash": head_hash(self._of.folders[self._name]),
             "source": head.source,
             "kind": kind_of(head),
         }
@@ -161,7 +162,7 @@ class FramesJob:
             head.model if head else None,
             embeddings,
             orders=with_learned(orders, head.model.order if head else None),
-            maps={n: k for n, k in DEFAULT_MAPS.items() if not linear or n.startswith("pca/")},
+            maps=maps,
             provenance=provenance,
             on_step=job.report,
         )
@@ -170,7 +171,7 @@ class FramesJob:
             write_frames(to, frames)
         except WriteError as error:
             log.warning("%s The map is kept until the server stops.", error)
-            to = self.spare() / to.name
+            to = self._of.shared.scratch.folder("maps") / to.name
             write_frames(to, frames)
         return to
 

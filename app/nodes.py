@@ -3,9 +3,8 @@
 from collections.abc import Mapping
 from typing import Any
 
-from app.pair_input import pair_of, rounded
+from app.pair_input import asked, rounded
 from app.resources import Resources
-from app.state import order_from
 from app.training_plan import thinned
 from omnivat.kit.errors import DataError
 
@@ -27,10 +26,9 @@ def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
 
     from omnivat.maps.nodes import tree_facts
 
-    order = order_from(question.get("order"))
-    head = resources.head_named(question.get("head"))
-    _, _, pair = pair_of(resources, question)
-    order = head.model.order if order is None else order
+    named = asked(resources, question)
+    head, pair = named.head, named.pair
+    order = head.model.order if named.order is None else named.order
     with torch.inference_mode():
         nodes = head.model(pair["vis"], pair["tac"], order=order, nodes=True).nodes
         if nodes is None:

@@ -9,18 +9,16 @@ import errno
 import os
 import socket
 from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 
 from app.limits import DRAWN_PAIRS
+from omnivat.kit.config import whole
 from omnivat.kit.errors import DataError, SettingsError
 
 PORTS = range(7860, 7960)  # tried in turn by default
 MOST_PAIRS = 50_000  # 100,000 points: what the map draws smoothly
 NAME, PORT = "GRADIO_SERVER_NAME", "GRADIO_SERVER_PORT"  # variables of the environment
 CALLED = ("SPACE_HOST", "OMNIVAT_ALLOW_HOST")  # allowed host names, comma-separated
-NO_PORT = "'{:.20}' is not a port; give a number from 1 to {}"
-NO_COUNT = "'{:.20}' is not a number of pairs; give one from 1 to {:,}"
 FRAMED = "SPACE_ID"  # set by a service that frames the page
 
 
@@ -32,19 +30,13 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
     add("--embeddings", type=Path, help="embeddings file to show")
     add("--profile", type=Path, metavar="FILE", help="profile of your sensor (`omnivat profile`)")
     text = f"draw N pairs of a set that has more; {DRAWN_PAIRS:,} if left out"
-    add(
-        "--sample",
-        type=partial(whole, MOST_PAIRS, NO_COUNT),
-        default=DRAWN_PAIRS,
-        metavar="N",
-        help=text,
-    )
+    add("--sample", type=whole(1, MOST_PAIRS), default=DRAWN_PAIRS, metavar="N", help=text)
     text = "a head to compare with the first; can be given several times"
     add("--compare", type=Path, action="append", default=[], metavar="DIR", help=text)
     text = f"address to listen on; ${NAME}, or this machine alone"
     add("--host", default=environ.get(NAME) or "127.0.0.1", help=text)
     text = f"port; ${PORT}, or the first free one from {PORTS[0]}"
-    add("--port", type=partial(whole, 65535, NO_PORT), default=environ.get(PORT) or None, help=text)
+    add("--port", type=whole(1, 65535), default=environ.get(PORT) or None, help=text)
     listed = ",".join(environ.get(key, "") for key in CALLED)
     names = [name.strip() for name in listed.split(",") if name.strip()]
     text = "an additional allowed host name; can be given several times"
@@ -64,15 +56,6 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
 def keeps_nothing(environ: Mapping[str, str]) -> bool:
     """True if maps go to the temporary folder: a service's disk may be read-only."""
     return bool(environ.get(NAME) or environ.get(FRAMED)) and not environ.get("OMNIVAT_CACHE")
-
-
-def whole(most: int, wrong: str, text: str) -> int:
-    """Return a number of the command line from 1 to `most`; raises ArgumentTypeError for
-    anything else.
-    """
-    if not (text.isascii() and text.isdigit() and len(text) < 10 and 1 <= int(text) <= most):
-        raise argparse.ArgumentTypeError(wrong.format(text, most))
-    return int(text)
 
 
 def require_files(chosen: argparse.Namespace) -> None:

@@ -90,22 +90,7 @@ class Resources:
         self.examples: Lazy[dict[str, dict[str, Path]]] = Lazy(
             lambda: find_examples(where.pairs) if where.pairs else {}
         )
-        self.frame_jobs = {
-            name: FramesJob(
-                head=folder,
-                embeddings=where.embeddings,
-                load_head=self.heads[name],
-                load_embeddings=self.embeddings,
-                jobs=self.jobs,
-                owner=owner,
-                ready=None if name else where.frames,
-                folder=where.computed,
-                spare=partial(self.shared.scratch.folder, "maps"),
-                drawn=where.drawn,
-                features=not name,
-            )
-            for name, folder in self.folders.items()
-        }
+        self.frame_jobs = {name: FramesJob(self, name) for name in self.folders}
         self.frames = self.frame_jobs[""]
         self.features: Recent[np.ndarray[Any, Any]] = Recent(KEPT_FEATURES)  # by stage and order
         self.results: Recent[dict[str, Any]] = Recent(KEPT_FEATURES)  # by method or tree

@@ -1,9 +1,8 @@
 """What the page saves: heads and sets as zip files, the open view as an interactive figure."""
 
-import zipfile
 from collections.abc import Callable, Mapping
-from io import BytesIO
 from pathlib import Path
+from shutil import make_archive
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
@@ -78,12 +77,8 @@ def save_figure(resources: Resources, question: Mapping[str, Any]) -> bytes:
 
 def _zipped(save: Callable[[Path], Any], name: str, note: str) -> bytes:
     """Return a zip of the folder `name` that `save` writes, with a note."""
-    with TemporaryDirectory(prefix="omnivat-save-") as home, BytesIO() as out:
+    with TemporaryDirectory(prefix="omnivat-save-") as home:
         folder = Path(home) / name
         save(folder)
-        with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
-            for file in sorted(folder.rglob("*")):
-                if file.is_file():
-                    archive.write(file, file.relative_to(home))
-            archive.writestr(f"{name}/README.txt", note.format(name=name))
-        return out.getvalue()
+        (folder / "README.txt").write_text(note.format(name=name), encoding="utf-8")
+        return Path(make_archive(str(folder), "zip", home, name)).read_bytes()

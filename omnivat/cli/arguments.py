@@ -4,14 +4,14 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from omnivat.encoders.base import DEFAULT_ENCODER
 from omnivat.head.heads import default_embeddings, default_head, head_named
-from omnivat.kit.config import field_names, parse_assignments
+from omnivat.kit.config import field_names, parse_assignments, whole
 from omnivat.kit.devices import named
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.progress import OnStep, Pace, Step
@@ -122,10 +122,21 @@ def count(words: str, least: int = 1, most: int | None = None, **more: Any) -> O
 
 
 def one_of(choices: Sequence[Any], words: str = "", first: Any = None) -> Option:
-    """Return an option that is one of `choices`; the default is `first`, or the first of them."""
+    """Return an option that is one of `choices`; the default is `first`, or the first of them.
+
+    Another text is refused with the nearest choice.
+    """
     default = choices[0] if first is None else first
     told = f"{words}; default: {default}".removeprefix("; ")
-    return {"type": type(default), "choices": choices, "default": default, "help": told}
+    named = {str(choice): choice for choice in choices}
+
+    def chosen(text: str) -> Any:
+        if text not in named:
+            known = f"give one of {', '.join(named)}.{suggestion(text, named)}"
+            raise argparse.ArgumentTypeError(f"'{text}'; {known}")
+        return named[text]
+
+    return {"type": chosen, "metavar": f"{{{','.join(named)}}}", "default": default, "help": told}
 
 
 def declare(parser: argparse._ActionsContainer, *names: str, **options: str | Option) -> None:
@@ -209,22 +220,6 @@ def order(text: str) -> float:
         return checked_order(float(text))
     except SettingsError as error:
         raise argparse.ArgumentTypeError(str(error)) from None
-
-
-def whole(least: int, most: int | None = None) -> Callable[[str], int]:
-    """Return a type for argparse: a whole number from `least` to `most`."""
-    wanted = f"{least} or more" if most is None else f"{least} to {most}"
-
-    def checked(text: str) -> int:
-        try:
-            number = int(text)
-        except ValueError:
-            raise argparse.ArgumentTypeError(f"'{text}'; give a whole number, {wanted}") from None
-        if number < least or (most is not None and number > most):
-            raise argparse.ArgumentTypeError(f"{number}; give a whole number, {wanted}")
-        return number
-
-    return checked
 
 
 def listed(text: str) -> tuple[str, ...]:

@@ -1,7 +1,8 @@
 """Frozen settings, made from JSON or `key=value` texts; unknown names are errors."""
 
 import json
-from collections.abc import Mapping, Sequence
+from argparse import ArgumentTypeError
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields
 from functools import cache
 from typing import Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
@@ -56,7 +57,8 @@ def require_declared(settings: object) -> None:
         value = getattr(settings, name)
         if not limit.allows(value):
             shown = f"'{value}'" if isinstance(value, str) else f"{value}"
-            raise SettingsError(f"{name} is {shown}; choose {limit}.")
+            near = suggestion(str(value), limit.names) if isinstance(limit, OneOf) else ""
+            raise SettingsError(f"{name} is {shown}; choose {limit}.{near}")
 
 
 def settings_from(kind: type[S], values: Mapping[str, Any]) -> S:
@@ -119,3 +121,19 @@ def _fit_one(hint: Any, value: Any) -> Any:
         return float(value)
     plain = hint in (int, bool, str) and isinstance(value, hint)
     return value if plain and (hint is bool or not boolean) else _NO
+
+
+def whole(least: int, most: int | None = None) -> Callable[[str], int]:
+    """Return a type for argparse: a whole number from `least` to `most`."""
+    wanted = f"{least} or more" if most is None else f"{least} to {most}"
+
+    def checked(text: str) -> int:
+        try:
+            number = int(text)
+        except ValueError:
+            raise ArgumentTypeError(f"'{text}'; give a whole number, {wanted}") from None
+        if number < least or (most is not None and number > most):
+            raise ArgumentTypeError(f"{number}; give a whole number, {wanted}")
+        return number
+
+    return checked

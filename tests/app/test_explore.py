@@ -3,6 +3,7 @@
 from base64 import b64decode
 
 import numpy as np
+import pytest
 
 from app.views.explore import known, nearest, neighbours, twins, twins_map
 
@@ -14,28 +15,13 @@ def test_the_nearest_row_by_cosine_comes_first_and_never_the_point_itself():
     assert [one["point"] for one in nearest(rows, 0)][:2] == [2, 1]
 
 
-def test_raw_neighbours_do_not_depend_on_the_order(resources):
-    at = [
-        neighbours(resources, {"point": 4, "stage": "raw", "order": order}) for order in (0.1, 0.9)
-    ]
-    assert at[0] == at[1]
-
-
-def test_the_map_of_the_transform_has_the_neighbours_of_its_input_when_nothing_is_projected(
-    resources,
-):
-    """The head of this test projects, so the two differ; the transform itself keeps distances."""
-    at = [
-        neighbours(resources, {"point": 4, "stage": "frft", "order": order}) for order in (0.1, 0.9)
-    ]
-    assert [n["point"] for n in at[0]["neighbours"]] == [n["point"] for n in at[1]["neighbours"]]
-
-
-def test_neighbours_after_the_relu_depend_on_the_order(resources):
-    at = [
-        neighbours(resources, {"point": 4, "stage": "relu", "order": order}) for order in (0.1, 0.9)
-    ]
-    assert at[0] != at[1]
+@pytest.mark.parametrize(("stage", "moves"), [("raw", False), ("frft", False), ("relu", True)])
+def test_neighbours_depend_on_the_order_from_the_relu_on(resources, stage, moves):
+    first, last = (
+        neighbours(resources, {"point": 4, "stage": stage, "order": order})["neighbours"]
+        for order in (0.1, 0.9)
+    )
+    assert ([n["point"] for n in first] != [n["point"] for n in last]) is moves
 
 
 def test_as_many_pictures_are_known_as_half_of_the_smallest_unseen_domain(resources):

@@ -1,22 +1,23 @@
 """The map's frames as a job: shown early, cached, retried and cancelled."""
 
-from pathlib import Path
+from dataclasses import replace
 from threading import Event
 
 import pytest
 
 from app import frames_job
-from app.frames_job import FramesJob, cache_name
-from app.jobs import Jobs
+from app.frames_job import cache_name
+from app.resources import Resources, Shared
 from omnivat.kit.errors import DataError
 from omnivat.maps.frames import read_frames
 
 
 @pytest.fixture
-def jobs():
-    jobs = Jobs()
-    yield jobs
-    jobs.close()
+def new(small_places):
+    """Return a function that makes a new job for the frames of the small set."""
+    shared = Shared()
+    yield lambda **more: Resources(replace(small_places, **more), shared, owner="own").frames
+    shared.close()
 
 
 @pytest.fixture(autouse=True)
@@ -44,50 +45,37 @@ def building(monkeypatch):
     return watch
 
 
-@pytest.fixture
-def source(small_places, tmp_path):
-    from omnivat.data.store import load_embeddings
-    from omnivat.head.checkpoint import load_head
-
-    return {
-        "head": small_places.head,
-        "embeddings": small_places.embeddings,
-        "load_head": lambda: load_head(small_places.head),
-        "load_embeddings": lambda: load_embeddings(small_places.embeddings),
-        "spare": lambda: tmp_path / "spare",
-    }
-
-
-def test_frames_are_kept_where_the_cache_was_named(source, jobs, tmp_path):
-    state = FramesJob(**source, jobs=jobs).wait()
+def test_frames_are_computed_once_and_kept_where_the_cache_was_named(new, tmp_path, building):
+    built = []
+    building(built.append)
+    state = new().wait()
     assert state.problem == ""
     assert state.file.parent == tmp_path / "cache" / "frames"
+    assert new().wait() == state and len(built) == 2
     assert read_frames(state.file).orders == (0.0, 0.1, 0.2)
 
 
-def test_a_cache_that_cannot_be_written_costs_time_and_not_frames(
-    source, jobs, tmp_path, monkeypatch
-):
+def test_a_cache_that_cannot_be_written_costs_time_and_not_frames(new, tmp_path, monkeypatch):
     (tmp_path / "file").write_text("no folder")
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "file" / "cache"))
-    made = FramesJob(**source, jobs=jobs).wait()
-    assert made.file.parent == tmp_path / "spare" and not made.problem
+    made = (job := new()).wait()
+    assert made.file.parent == job._of.shared.scratch.folder("maps") and not made.problem
     assert read_frames(made.file).orders
 
 
-def test_one_stop_is_exactly_the_learned_order(source, jobs, monkeypatch):
+def test_one_stop_is_exactly_the_learned_order(new, resources, monkeypatch):
     monkeypatch.setattr(frames_job, "FINE", (0.0, 0.25, 1.0))
-    learned = source["load_head"]().model.order
-    frames = read_frames(FramesJob(**source, jobs=jobs).wait().file)
+    learned = resources.head().model.order
+    frames = read_frames(new().wait().file)
     assert learned in frames.orders
     assert frames.head["learned_order"] == learned
     assert None not in frames.curves["accuracy/unseen"]
 
 
-def test_the_coarse_map_is_shown_before_the_fine_one_makes_a_step(source, jobs, building):
+def test_the_coarse_map_is_shown_before_the_fine_one_makes_a_step(new, building):
     seen, go = Event(), Event()
     building(lambda options: len(options["orders"]) < 3 or (seen.set(), go.wait(300)))
-    job = FramesJob(**source, jobs=jobs)
+    job = new()
     job.state()
     assert seen.wait(300)
     state = job.state()
@@ -97,33 +85,34 @@ def test_the_coarse_map_is_shown_before_the_fine_one_makes_a_step(source, jobs, 
     assert read_frames(job.wait().file).orders == (0.0, 0.1, 0.2)
 
 
-def test_a_damaged_file_is_made_again(source, jobs):
-    file = FramesJob(**source, jobs=jobs).wait().file
+def test_a_damaged_file_is_made_again(new):
+    file = new().wait().file
     good = file.read_bytes()
     file.write_bytes(good[:-9])
-    assert FramesJob(**source, jobs=jobs).wait().file == file
+    assert new().wait().file == file
     assert file.read_bytes() == good
 
 
 def test_the_name_changes_with_the_part_of_the_set_the_version_of_the_file_and_the_recipe(
-    source, monkeypatch
+    small_places, monkeypatch
 ):
-    names = {cache_name(source["head"], source["embeddings"], part) for part in (0, 20_000)}
+    files = small_places.head, small_places.embeddings
+    names = {cache_name(*files, part) for part in (0, 20_000)}
     monkeypatch.setattr("omnivat.maps.frames.file.VERSION", 99)
-    names.add(cache_name(source["head"], source["embeddings"]))
+    names.add(cache_name(*files, 0))
     monkeypatch.setattr(frames_job, "RECIPE", 99)
-    names.add(cache_name(source["head"], source["embeddings"]))
+    names.add(cache_name(*files, 0))
     assert len(names) == 4
 
 
 @pytest.mark.parametrize(
     "error", [DataError("No such set."), UnicodeEncodeError("utf-8", "\udc80", 0, 1, "surrogate")]
 )
-def test_a_first_failure_is_told_and_then_tried_again(source, jobs, monkeypatch, error):
+def test_a_first_failure_is_told_and_then_tried_again(new, monkeypatch, error):
     def fails(*_):
         raise error
 
-    job = FramesJob(**source, jobs=jobs)
+    job = new()
     with monkeypatch.context() as patched:
         patched.setattr(frames_job, "cache_name", fails)
         assert job.wait().problem.endswith(".")
@@ -132,7 +121,7 @@ def test_a_first_failure_is_told_and_then_tried_again(source, jobs, monkeypatch,
     assert job.wait().file is not None
 
 
-def test_nothing_is_tried_again_at_once(source, jobs, monkeypatch):
+def test_nothing_is_tried_again_at_once(new, monkeypatch):
     tried = []
 
     def fails(*_):
@@ -140,48 +129,44 @@ def test_nothing_is_tried_again_at_once(source, jobs, monkeypatch):
         raise DataError("No.")
 
     monkeypatch.setattr(frames_job, "cache_name", fails)
-    job = FramesJob(**source, jobs=jobs)
+    job = new()
     for _ in range(20):
         assert job.wait().problem == "No."
     assert len(tried) == 1
 
 
-def test_a_map_that_waits_says_its_place(source, jobs):
+def test_a_map_that_waits_says_its_place(new):
     go, there = Event(), Event()
 
     def work(_):
         there.set()
         go.wait(300)
 
-    jobs.start(work, lane="long", priority=-1)
+    job = new()
+    job._of.jobs.start(work, lane="long", priority=-1)
     there.wait(300)
-    job = FramesJob(**source, jobs=jobs)
     assert "number 1 in the queue" in job.state().step.text
     go.set()
     assert job.wait().file is not None
 
 
-def test_a_cancelled_map_writes_nothing(source, jobs, tmp_path, building):
-    folder = tmp_path / "set"
-    folder.mkdir()
+def test_a_cancelled_map_writes_nothing(new, tmp_path, building):
     seen, go = Event(), Event()
     building(lambda _: (seen.set(), go.wait(300)))
-    job = FramesJob(**source, folder=folder, jobs=jobs, owner="gone")
+    job = new(computed=tmp_path)
     job.state()
     assert seen.wait(300)
-    jobs.cancel_owner("gone")
+    job._of.jobs.cancel_owner("own")
     go.set()
     assert "cancelled" in job.wait().problem
-    assert [Path(file).name for file in folder.iterdir()] == []
+    assert not [*tmp_path.glob("*.bin")]
 
 
-def test_a_large_set_is_first_shown_by_its_principal_components_alone(
-    source, jobs, monkeypatch, building
-):
+def test_a_large_set_is_first_shown_by_its_principal_components_alone(new, monkeypatch, building):
     monkeypatch.setattr(frames_job, "LARGE_SET", 10)
     seen = []
     building(seen.append, maps={"pca/f_hat": 3})
-    assert FramesJob(**source, jobs=jobs).wait().problem == ""
+    assert new().wait().problem == ""
     assert len(seen[0]["orders"]) == 2
     kinds = [{name.split("/")[0] for name in options["maps"]} for options in seen]
     assert kinds == [{"pca"}, {"pca", "umap"}, {"pca", "umap"}]

@@ -68,7 +68,7 @@ def test_arguments_are_above_the_environment_and_without_a_service_nothing_is_op
 def test_a_port_that_is_none_is_refused(capsys):
     with pytest.raises(SystemExit):
         parser({**SPACE, "GRADIO_SERVER_PORT": "many"}).parse_args([])
-    assert "'many' is not a port" in capsys.readouterr().err
+    assert "'many'; give a whole number, 1 to 65535" in capsys.readouterr().err
 
 
 class Demo:
@@ -136,6 +136,8 @@ class Demo:
         """Stop as a service does."""
         self.process.send_signal(signal.SIGTERM)
         self.process.wait(timeout=240)
+        self.log.seek(0)
+        assert "Traceback" not in self.log.read()
         self.log.close()
 
 

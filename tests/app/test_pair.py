@@ -55,13 +55,6 @@ def test_touch_only_is_read_with_the_photo_absent(resources):
     assert set(alone["exact"]["readings"]) == {"fused", "tac"}
 
 
-def test_another_photo_does_not_change_what_touch_only_reads(resources):
-    own = predicted(resources, {"vis": "row:0", "tac": "row:30"})
-    other = predicted(resources, {"vis": "row:9", "tac": "row:30"})
-    assert own["exact"]["readings"]["tac"] == other["exact"]["readings"]["tac"]
-    assert own["exact"]["readings"]["tac_branch"] != other["exact"]["readings"]["tac_branch"]
-
-
 def test_a_head_is_trained_for_its_learned_order_or_for_the_range_that_was_drawn(resources):
     head = resources.head()
     assert trained_span(head) == [head.model.order, head.model.order]

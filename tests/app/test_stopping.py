@@ -151,11 +151,6 @@ def test_work_on_a_sent_picture_ends_so_too(resources, png, reply):
         jobs.give(second)
 
 
-def test_the_tools_of_the_api_are_known():
-    # they call what is tested above, and `job.report`
-    assert set(WORK) == {"about", "predict", "gaps", "report"}
-
-
 def test_a_large_set_is_checked_for_each_block(work, resources):
     """The pairs between two checkpoints are bounded, whatever the size of the set."""
     jobs = Leaving()

@@ -42,6 +42,8 @@ def test_a_training_is_watched_to_its_end_and_its_head_is_loaded_and_saved(sets,
     state = until_ended(trainings, started["run"])
     assert (state["state"], state["problem"]) == ("done", "")
     assert [one["epoch"] for one in state["epochs"]] == [1, 2, 3, 4, 5]
+    later = trainings.state({"run": started["run"], "since": 3})["epochs"]  # only new ones
+    assert later == state["epochs"][3:]
     last = state["epochs"][-1]
     assert last["loss"] > 0
     assert 0 <= last["measures"]["accuracy/unseen"] <= 1
@@ -73,13 +75,6 @@ def test_every_step_of_a_training_gives_way_to_requests(sets, monkeypatch):
     monkeypatch.setattr("app.jobs.Job.give_way", lambda job: ways.append(job))
     until_ended(trainings := Trainings(sets), trainings.start(sets.first, SMALL)["run"])
     assert len(ways) >= SMALL["epochs"]
-
-
-def test_only_new_epochs_are_sent(sets):
-    trainings = Trainings(sets)
-    run = trainings.start(sets.first, SMALL)["run"]
-    until_ended(trainings, run)
-    assert [one["epoch"] for one in trainings.state({"run": run, "since": 3})["epochs"]] == [4, 5]
 
 
 def test_what_is_offered_can_be_trained(resources):

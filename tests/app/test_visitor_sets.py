@@ -85,12 +85,6 @@ def test_junk_that_names_parts_is_refused(client, parts):
     assert client.post("/omnivat/load", json={"parts": parts}).status_code == 400
 
 
-def test_a_name_that_the_server_does_not_have_is_told_so(client):
-    got = client.post("/omnivat/pair?set=feedbeef", json={"vis": "row:1"})
-    assert got.status_code == 410
-    assert "Load it again" in got.json()["error"]
-
-
 def keep(sets, tmp_path, name, content):
     """Keep a file of a head or set; return its name."""
     file = tmp_path / "sent"

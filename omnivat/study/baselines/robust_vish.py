@@ -62,7 +62,7 @@ class RobustVisH(nn.Module):
         return logits
 
 
-def fit(source: Source, how: Descent = HOW) -> Fitted:
+def fit(source: Source) -> Fitted:
     """Train with AdamW and a cosine rate from 1e-3, the middle of the published cyclic rate."""
     scale_vis, scale_tac = scaling(source.vis, "standard"), scaling(source.tac, "standard")
 
@@ -70,7 +70,7 @@ def fit(source: Source, how: Descent = HOW) -> Fitted:
         vis, tac = source.drawn(rows)
         return cross_entropy(model(scale_vis(vis), scale_tac(tac)), source.labels[rows])
 
-    model = learned(source, lambda: RobustVisH(len(source.classes)), how, loss, "robust-vish")
+    model = learned(source, lambda: RobustVisH(len(source.classes)), HOW, loss, "robust-vish")
 
     def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
         seen, touched = scale_vis(vis), scale_tac(tac)

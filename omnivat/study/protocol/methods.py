@@ -53,11 +53,6 @@ class Method:
         if self.base != HEAD and self.base not in BASELINES:
             known = (HEAD, *VARIANTS, *ABLATED, *BASELINES)
             raise MissingNameError(unknown(self.base, known, kind="method"))
-        if self.base != HEAD and (self.head or not self.train.keys() <= set(NOISY)):
-            raise SettingsError(
-                f"'{self.base}' takes no settings but noise and epochs: it chooses its own on the "
-                f"source. Settings are for {HEAD}."
-            )
 
 
 def methods_named(

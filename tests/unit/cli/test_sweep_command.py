@@ -92,7 +92,7 @@ def test_frames_are_made_for_the_orders_stages_and_measures_asked_for(head_folde
     [
         ((), "There is no output; give --out, --json, --csv or --figure."),
         (("--csv", "c", "--json", "./c"), "--csv and --figure name the same file; give each its"),
-        (("--csv", "c", "--stages", "f_hut"), "No stage is called 'f_hut'"),
+        (("--csv", "c", "--stages", "f_hut"), "Did you mean 'f_hat'?"),
         (("--csv", "c", "--measures", "mmd"), "No measure is called 'mmd'"),
         (("--csv", "c", "--orders", "0,x"), "--orders is '0,x'; write numbers"),
         (("--csv", "c", "--orders", "0,nan"), "numbers, each above the last"),

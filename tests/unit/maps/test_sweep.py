@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 import torch
 
-from omnivat.kit.errors import DataError, SettingsError, ShapeError
+from omnivat.kit.errors import SettingsError, ShapeError
 from omnivat.maps.sweep import STAGES, sweep, walk
 from omnivat.measure.gaps.centroid import modality_gap
 from omnivat.measure.gaps.confusion import accuracy, macro_f1
-from omnivat.measure.gaps.measures import PREDICTION_MEASURES, STAGE_MEASURES
 from omnivat.measure.gaps.sums import cosine_margin
 from omnivat.measure.gaps.unit import unit
 
@@ -113,13 +112,6 @@ def test_the_raw_embedding_needs_no_head_at_all(monkeypatch):
     assert count.calls == []
 
 
-@pytest.mark.parametrize("name", [*STAGE_MEASURES, *PREDICTION_MEASURES])
-def test_every_measure_has_a_curve_of_numbers(name):
-    found = sweep(head(), pairs(count=60), (0.2, 0.7), measures=(name,))
-    assert found.curves
-    assert all(np.isfinite(curve).all() and curve.shape == (2,) for curve in found.curves.values())
-
-
 def test_a_class_that_the_head_does_not_know_counts_in_gaps_and_not_in_scores():
     data = pairs(classes=("steel", "felt", "wood"))
     found = sweep(head(), data, (0.5,))
@@ -148,25 +140,11 @@ def test_a_domain_too_small_for_a_measure_is_named():
         sweep(head(), pairs(count=8), (0.5,), measures=("proxy_a",))
 
 
-def test_a_set_without_pairs_is_refused():
-    with pytest.raises(DataError, match="no pairs in these embeddings"):
-        sweep(head(), pairs().select(np.array([], dtype=np.int64)), (0.5,))
-
-
 def test_a_projecting_head_measures_its_own_transform():
     found = sweep(head(width=8), pairs(), ORDERS, stages=("raw", "frft"))
     assert found.curves["modality_gap/frft"][0] != found.curves["modality_gap/raw"][0]
 
 
-@pytest.mark.parametrize(
-    ("wrong", "sentence"),
-    [
-        ({"stages": ("f_hut",)}, "No stage is called 'f_hut'; .*Did you mean 'f_hat'"),
-        ({"measures": ("margins",)}, "No measure is called 'margins'.*Did you mean 'margin'"),
-        ({"orders": (float("nan"),)}, "Every order must be a finite number"),
-    ],
-)
-def test_what_cannot_be_swept_is_refused(wrong, sentence):
-    arguments = {"orders": ORDERS, **wrong}
-    with pytest.raises(SettingsError, match=sentence):
-        sweep(head(), pairs(), arguments.pop("orders"), **arguments)
+def test_an_order_that_is_no_number_is_refused():
+    with pytest.raises(SettingsError, match="Every order must be a finite number"):
+        sweep(head(), pairs(), (float("nan"),))

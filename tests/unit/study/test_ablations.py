@@ -32,12 +32,6 @@ def test_the_tables_and_figures_of_the_paper_are_all_there():
     assert [r.value for r in ABLATIONS["levels"].rows.values()] == [1, 2, 3, 4, 5]
 
 
-def test_order_is_fixed_at_zero_and_one_and_learned_elsewhere():
-    for row in ABLATIONS["order"].rows.values():
-        if row.value is not None:
-            assert row.head["learn_order"] == (row.value not in (0.0, 1.0))
-
-
 def test_rows_of_several_tables_are_run_once():
     tables = chosen(("components", "generation"))
     runs = planned_rows(tables, (0,), {"width": 16}, {})

@@ -12,7 +12,7 @@ from omnivat.cli import main
 from omnivat.data.packing import unpacked
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.encoders.lang.bank import DEFAULT_BANK, load_bank
-from omnivat.kit.errors import DataError, MissingNameError, SettingsError
+from omnivat.kit.errors import DataError, MissingNameError
 from omnivat.study.protocol import records
 from omnivat.study.protocol.engine import planned, run_all
 from omnivat.study.protocol.methods import Method, methods_named
@@ -170,11 +170,6 @@ def test_a_method_that_cannot_run_leaves_its_reason(file, tmp_path):
 def test_an_unknown_method_is_refused_with_the_nearest():
     with pytest.raises(MissingNameError, match="Did you mean 'linear_maps'"):
         methods_named(["linear_map"], {}, {})
-
-
-def test_a_baseline_takes_no_settings():
-    with pytest.raises(SettingsError, match="chooses its own on the source"):
-        Method(name="x", base="erm_mlp", train={"lr": 1.0})
 
 
 def test_a_line_that_is_no_record_is_named(tmp_path):

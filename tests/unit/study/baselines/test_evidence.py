@@ -44,15 +44,7 @@ def test_where_nothing_can_be_held_out_the_first_candidate_is_taken(source):
 
 def test_the_flipped_copies_of_held_out_objects_are_not_fitted(source):
     flipped = torch.randn(24, 3)
-    both = Source(
-        vis=source.vis,
-        tac=source.tac,
-        vis_flip=flipped,
-        tac_flip=flipped,
-        labels=source.labels,
-        objects=source.objects,
-        classes=source.classes,
-    )
+    both = replace(source, vis_flip=flipped, tac_flip=flipped)
     rows, held = folds(both)[0]
     part = both.select(rows).both_views()
     assert len(part) == 2 * len(rows)

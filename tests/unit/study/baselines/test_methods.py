@@ -14,12 +14,11 @@ from omnivat.encoders.lang.clip_prompts import ClipPrompts
 from omnivat.encoders.running import CLIP_MEAN, CLIP_STD, pixels
 from omnivat.kit.errors import DataError
 from omnivat.kit.tables import load
-from omnivat.study.baselines import BASELINES, LABELS, ldc, mmrl, spg
+from omnivat.study.baselines import BASELINES, LABELS, ldc, mmrl, robust_vish, spg
 from omnivat.study.baselines.contract import Live, Source
 from omnivat.study.baselines.contrastive import contrastive_loss, supcon_loss
-from omnivat.study.baselines.descent import Descent, descend, rate
+from omnivat.study.baselines.descent import descend, rate
 from omnivat.study.baselines.mmrl import PROMPT
-from omnivat.study.baselines.robust_vish import fit as fit_robust_vish
 from omnivat.study.baselines.text import PAPER, SCALE, arcface, scaled_cosines
 
 BY_TEXT = ("zero_shot", "promptstyler", "spg")
@@ -139,6 +138,7 @@ def short():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(mmrl, "HOW", replace(mmrl.HOW, epochs=12))
         patch.setattr(ldc, "LEAST", 130)
+        patch.setattr(robust_vish, "HOW", replace(robust_vish.HOW, epochs=1))
         for name in ("PROMPT_EPOCHS", "GAN_EPOCHS"):
             patch.setattr(spg, name, 8)
         yield
@@ -162,7 +162,7 @@ def right(fitted, source):
     return (answers == source.labels).double().mean().item()
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", [*ALL, "robust_vish"])
 def test_it_gives_probabilities_alike_alone_and_in_a_batch(name, learned):
     fitted, source, (vis, tac) = learned(name)
     found = fitted.predict(vis, tac)
@@ -247,15 +247,6 @@ def test_every_baseline_loads_and_those_of_others_say_exact_or_surrogate():
     assert set(LABELS) == set(BASELINES)
     assert all(callable(load(BASELINES, name, kind="baseline")) for name in BASELINES)
     assert all(LABELS[name].note.startswith(("exact", "surrogate")) for name in OF_CLIP)
-
-
-def test_robustvish_fits_a_few_steps(source):
-    few = source.select(torch.arange(0, len(source), 4))
-    fitted = fit_robust_vish(few, Descent(lr=1e-3, epochs=1, batch=8, method="adam"))
-    answers = fitted.predict(few.vis, few.tac)["fused"]
-    torch.testing.assert_close(answers.sum(-1), torch.ones(len(few)))
-    alone = fitted.predict(few.vis[:1], few.tac[:1])["fused"]
-    torch.testing.assert_close(alone, answers[:1], atol=1e-5, rtol=1e-4)
 
 
 # The mathematics
