@@ -17,7 +17,6 @@ from typing import Any, Generic, TypeVar
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
 from omnivat.kit.stages import optional_order
-from omnivat.kit.tables import suggestion
 
 
 class ForgottenError(DataError):
@@ -64,8 +63,7 @@ def one_of(name: str, value: Any, known: Collection[Any]) -> Any:
     """Return a choice in a request. Raises DataError if it is none of `known`."""
     if isinstance(value, bool) or not isinstance(value, str | int) or value not in known:
         choices = ", ".join(str(choice) for choice in known if choice != "")
-        near = suggestion(f"{value!s:.40}", map(str, known))
-        raise DataError(f"{name} is {value!r:.40}; choose one of {choices}.{near}")
+        raise DataError(f"{name} is {value!r:.40}; choose one of {choices}.")
     return value
 
 

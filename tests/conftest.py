@@ -44,6 +44,19 @@ def clips():
 
 
 @pytest.fixture(scope="session")
+def paint():
+    """Return a function that writes a picture of noise, another one for each name and folder."""
+    from PIL import Image
+
+    def write(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        random = np.random.default_rng([*"/".join(path.parts[-4:]).encode()])
+        Image.fromarray(random.integers(0, 256, (32, 32, 3), dtype=np.uint8)).save(path)
+
+    return write
+
+
+@pytest.fixture(scope="session")
 def presses():
     """Return a reader of real frames: "gelsight" or "gelsight_mini" -> the rest picture, presses of
     a ball.

@@ -17,17 +17,14 @@ LESSONS = [
 
 
 @pytest.fixture(scope="session")
-def small_places(head_folder, tmp_path_factory):
+def small_places(head_folder, tmp_path_factory, paint):
     """Return the locations of a small head, its set and two example pairs; there are no frames
     yet.
     """
     pairs = tmp_path_factory.mktemp("pairs")
-    random = np.random.default_rng(0)
     for name in ("TAG-sim/wood/0", "OF Real-sim/steel/new"):
         for modality in ("vis", "tac"):
-            file = pairs / f"{name}_{modality}.png"
-            file.parent.mkdir(parents=True, exist_ok=True)
-            Image.fromarray(random.integers(0, 255, (32, 32, 3), dtype=np.uint8)).save(file)
+            paint(pairs / f"{name}_{modality}.png")
     return Places(
         head=head_folder,
         embeddings=head_folder.parent / "set.safetensors",
@@ -100,14 +97,14 @@ def png():
     return make
 
 
-def served(resources, **more):
+def served(resources, *, api=False, **more):
     """Return a client of the page's routes."""
     from starlette.applications import Starlette
     from starlette.testclient import TestClient
 
     from app.routes import routes
 
-    return TestClient(Starlette(routes=routes(resources)), **more)
+    return TestClient(Starlette(routes=routes(resources, api=api)), **more)
 
 
 @pytest.fixture

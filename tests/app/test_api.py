@@ -13,29 +13,21 @@ import threading
 from pathlib import Path
 
 import pytest
-from starlette.applications import Starlette
-from starlette.middleware import Middleware
-from starlette.testclient import TestClient
 
 from app.api import WORK
 from app.api_schema import TOOLS, document
-from app.guard import Guard, rules
 from app.limits import MAX_API_BYTES
-from app.routes import routes
+
+from .conftest import served
 
 ROOT = Path(__file__).resolve().parents[2]
 JSON_RPC = {"jsonrpc": "2.0", "id": 7}
 CALL = {**JSON_RPC, "method": "tools/call"}
 
 
-def application(resources, **more):
-    guarded = [Middleware(Guard, rules=rules("127.0.0.1"))]
-    return Starlette(routes=routes(resources, **more), middleware=guarded)
-
-
 @pytest.fixture
 def client(resources):
-    with TestClient(application(resources, api=True), base_url="http://127.0.0.1") as client:
+    with served(resources, api=True) as client:
         yield client
     resources.shared.close()
 
@@ -106,7 +98,7 @@ def test_gaps_are_those_of_the_command(client, resources, capsys):
 
 
 def test_without_api_every_address_refuses_and_says_how_to_open_it(resources):
-    with TestClient(application(resources), base_url="http://127.0.0.1") as client:
+    with served(resources) as client:
         for name in (*(f"api/{tool}" for tool in TOOLS), "mcp"):
             assert "--api" in sentence(client.post(f"/omnivat/{name}", json={}), 404)
         assert "--api" in sentence(client.get("/omnivat/api/schema"), 404)
@@ -115,17 +107,10 @@ def test_without_api_every_address_refuses_and_says_how_to_open_it(resources):
 HOSTILE = [
     ("predict", b'{"vis": "row:3", "order": 9}', 400, "-4 to 4"),
     ("predict", b'{"vis": "row:3", "order": "x"}', 400, "order has to be a number"),
-    ("predict", b'{"vis": "row:3", "order": NaN}', 400, "-4 to 4"),
-    ("predict", b'{"vis": "row:3", "order": 1e999}', 400, "-4 to 4"),
     ("predict", b'{"vis": 3}', 400, "vis has to be a string"),
     ("predict", b'{"vis": "row:3", "p": 0.5}', 400, "takes no 'p'"),
-    ("predict", b'{"vis": {"path": "/etc/passwd"}}', 400, "vis has to be a string"),
-    ("predict", b'{"vis": "example:../../etc/passwd"}', 400, "No example"),
-    ("predict", b'{"vis": "image:0"}', 410, "send it again"),
     ("predict", b'{"vis": "data:image/png;base64,!!!"}', 400, "no data address"),
     ("predict", b'{"vis": "data:image/png;base64,aGFsbG8="}', 400, "not an image"),
-    ("predict", b'{"vis": "row:3", "head": "other"}', 400, "No head"),
-    ("predict", b"{}", 400, "Choose a pair"),
     ("gaps", b'{"stage": "tree"}', 400, "choose one of raw"),
     ("gaps", b'{"measure": "__import__"}', 400, "choose one of centroid"),
     ("gaps", b'{"\\ud800": 1}', 400, "takes no"),
@@ -144,17 +129,14 @@ def test_a_hostile_call_is_refused_in_a_sentence(client, name, body, status, wor
     assert words in sentence(client.post(f"/omnivat/api/{name}", content=body), status)
 
 
-def test_a_broken_picture_and_a_foreign_page_are_refused(client, png):
+def test_a_broken_picture_another_address_and_another_method_are_refused(client, png):
     cut = data(png()[:200])
     assert "'vis'" in sentence(client.post("/omnivat/api/predict", json={"vis": cut}), 400)
-    for name in ("api/predict", "api/schema", "mcp"):
-        foreign = client.post(f"/omnivat/{name}", headers={"origin": "https://evil.example"})
-        sentence(foreign, 403)
-        sentence(client.get(f"/omnivat/{name}", headers={"host": "evil.example"}), 403)
-        assert "predict" in sentence(client.post("/omnivat/api/shell"), 404)
+    assert "predict" in sentence(client.post("/omnivat/api/shell"), 404)
+    for name, method in {"api/predict": "POST", "api/schema": "GET", "mcp": "POST"}.items():
         wrong = client.put(f"/omnivat/{name}")
         sentence(wrong, 405)
-        assert wrong.headers["allow"] in ("GET", "POST")
+        assert wrong.headers["allow"] == method
 
 
 def call(client, method, params=None, **more):
@@ -216,7 +198,7 @@ def address(resources):
     """Return the address of a server of the small set."""
     import uvicorn
 
-    config = uvicorn.Config(application(resources, api=True), port=0, log_level="error")
+    config = uvicorn.Config(served(resources, api=True).app, port=0, log_level="error")
     server = uvicorn.Server(config)
     thread = threading.Thread(target=lambda: asyncio.run(server.serve()), daemon=True)
     thread.start()

@@ -8,9 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
-from PIL import Image
 
 from omnivat.cli import main
 from omnivat.kit import files
@@ -77,15 +75,12 @@ def killed(command, after, names):
 
 
 @pytest.fixture(scope="module")
-def names(tmp_path_factory, head_folder):
+def names(tmp_path_factory, head_folder, paint):
     """Return what the arguments name: a small head and set, frames, and a folder of pairs."""
     folder = tmp_path_factory.mktemp("kills")
-    random = np.random.default_rng(0)
     for k in range(6):
         for modality in ("vis", "tac"):
-            file = folder / "pairs" / f"TAG-sim/wood/{k}_{modality}.png"
-            file.parent.mkdir(parents=True, exist_ok=True)
-            Image.fromarray(random.integers(0, 255, (40, 40, 3), dtype=np.uint8)).save(file)
+            paint(folder / "pairs" / f"TAG-sim/wood/{k}_{modality}.png")
     embedded = folder / "embedded.safetensors"
     assert main(["embed", str(folder / "pairs"), "--encoder", "strip", "--out", str(embedded)]) == 0
     return {

@@ -4,7 +4,6 @@ import json
 from pathlib import Path
 from shutil import copytree
 
-import numpy as np
 import pytest
 from PIL import Image
 
@@ -13,15 +12,11 @@ from omnivat.head.heads import default_head
 
 
 @pytest.fixture
-def folder(tmp_path):
+def folder(tmp_path, paint):
     """A folder of three pairs in a path with a space and a letter beyond ASCII."""
-    random = np.random.default_rng(0)
-    place = tmp_path / "mine ü" / "lab" / "wood"
-    place.mkdir(parents=True)
     for name in ("a", "b", "c"):
         for half in ("vis", "tac"):
-            pixels = random.integers(0, 256, (24, 32, 3), dtype=np.uint8)
-            Image.fromarray(pixels).save(place / f"{name}_{half}.png")
+            paint(tmp_path / "mine ü" / "lab" / "wood" / f"{name}_{half}.png")
     return tmp_path / "mine ü"
 
 
@@ -60,7 +55,7 @@ def test_a_head_of_rest_pictures_uses_the_one_given_and_tells_when_it_needs_one(
     (head / "settings.json").write_text(json.dumps(settings))
     place = folder / "lab" / "wood"
     rest = place.parent / "rest.png"
-    Image.new("RGB", (32, 24), (90, 120, 150)).save(rest)
+    Image.new("RGB", (32, 32), (90, 120, 150)).save(rest)
     base = "predict", "--json", "--no-cache"
     pair = place / "a_vis.png", place / "a_tac.png"
 

@@ -5,7 +5,6 @@ import shutil
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from omnivat.data.profile import drawn_profiles, load_profile, profile_of, save_profile
 from omnivat.data.store import load_embeddings, save_embeddings
@@ -115,16 +114,10 @@ def test_a_set_gives_the_profile_of_one_domain(run, tmp_path, two):
     np.testing.assert_allclose(found, wanted, rtol=1e-6)
 
 
-def picture(path, value):
-    path.parent.mkdir(parents=True, exist_ok=True)
-    pixels = np.random.default_rng(value).integers(0, 255, (32, 32, 3), np.uint8)
-    Image.fromarray(pixels).save(path)
-
-
-def test_pictures_are_profiled_without_labels_and_a_broken_one_is_named(run, tmp_path):
+def test_pictures_are_profiled_without_labels_and_a_broken_one_is_named(run, tmp_path, paint):
     for k in range(3):
-        picture(tmp_path / "new" / f"press{k}_tac.png", k)
-        picture(tmp_path / "new" / "vis" / f"{k}.png", 9 + k)
+        paint(tmp_path / "new" / f"press{k}_tac.png")
+        paint(tmp_path / "new" / "vis" / f"{k}.png")
     (tmp_path / "new" / "broken_tac.png").write_bytes(b"no picture")
     out = tmp_path / "p.safetensors"
     said = run("profile", tmp_path / "new", "--out", out, "--domain", "my DIGIT")
@@ -133,8 +126,8 @@ def test_pictures_are_profiled_without_labels_and_a_broken_one_is_named(run, tmp
     assert load_profile(out).counts == {"vis": 3, "tac": 3}
 
 
-def test_a_folder_of_touches_alone_makes_a_profile_of_touch(run, tmp_path):
-    picture(tmp_path / "presses" / "a.png", 1)
+def test_a_folder_of_touches_alone_makes_a_profile_of_touch(run, tmp_path, paint):
+    paint(tmp_path / "presses" / "a.png")
     out = tmp_path / "p.safetensors"
     run("profile", "--tac", tmp_path / "presses", "--out", out)
     assert load_profile(out).counts == {"tac": 1}

@@ -2,9 +2,7 @@
 
 import json
 
-import numpy as np
 import pytest
-from PIL import Image
 
 from omnivat.data.paper_sets import find_paper_sets, read_paper_sets
 from omnivat.data.store import load_embeddings
@@ -12,53 +10,40 @@ from omnivat.kit.errors import DataError
 
 
 @pytest.fixture
-def put():
-    """Write an image whose colours are told by its path."""
-
-    def write(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        seed = sum(str(path).encode())
-        pixels = np.random.default_rng(seed).integers(0, 256, (16, 16, 3), dtype=np.uint8)
-        Image.fromarray(pixels).save(path)
-
-    return write
-
-
-@pytest.fixture
-def root(tmp_path, put, monkeypatch):
+def root(tmp_path, paint, monkeypatch):
     """A folder with each data set, small, at other depths and under other names."""
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
     folder = tmp_path / "data"
-    touch_and_go(folder / "downloads" / "TAG", put)
-    objectfolder_real(folder / "OF_Real", put)
-    objectfolder_2(folder / "DATA_new", put)
-    tacquad(folder / "tq" / "tacquad", put)
+    touch_and_go(folder / "downloads" / "TAG", paint)
+    objectfolder_real(folder / "OF_Real", paint)
+    objectfolder_2(folder / "DATA_new", paint)
+    tacquad(folder / "tq" / "tacquad", paint)
     return folder
 
 
-def touch_and_go(root, put):
+def touch_and_go(root, paint):
     lines = {"train": [], "test": []}
     for number, (split, label) in enumerate(
         (split, label) for split in lines for label in (3, 4, 1) for _ in range(2)
     ):
         for side in ("video_frame", "gelsight_frame"):
-            put(root / "dataset" / "20220101_000000" / side / f"{number:010d}.jpg")
+            paint(root / "dataset" / "20220101_000000" / side / f"{number:010d}.jpg")
         lines[split].append(f"20220101_000000/{number:010d}.jpg,{label}\n")
     for split, rows in lines.items():
         (root / f"{split}.txt").write_text("".join(rows))
 
 
-def objectfolder_real(root, put):
+def objectfolder_real(root, paint):
     names = ("Wood", "Wood", "Steel", "Steel", "Plastic", "Plastic")
     for thing in range(1, 7):
         recording = root / str(thing) / "tactile_data" / "0" / "0"
         for camera in ("gelsight", "in_hand"):
-            put(recording / camera / "0.png")
+            paint(recording / camera / "0.png")
     rows = "".join(f"{i},{name}\n" for i, name in enumerate(names, start=1))
     (root / "materials.csv").write_text("object,material\n" + rows)
 
 
-def objectfolder_2(root, put):
+def objectfolder_2(root, paint):
     order = ("Ceramic", "Glass", "Wood", "Plastic", "Iron", "Polycarbonate", "Steel")
     objects = {}
     for start in (1, 101):  # A, then B
@@ -66,14 +51,14 @@ def objectfolder_2(root, put):
             objects[start + k] = ("Wood", "Steel", "Plastic")[k % 3]
     for thing in objects:
         for side in ("vision", "touch"):
-            put(root / side / str(thing) / "0.png")
+            paint(root / side / str(thing) / "0.png")
     labels = {str(thing): order.index(name) for thing, name in objects.items()}
     (root / "label.json").write_text(json.dumps(labels))
     rows = [f"{thing},name,1.0,{name},http" for thing, name in objects.items()]
     (root / "objects.csv").write_text("\n".join(rows))
 
 
-def tacquad(root, put):
+def tacquad(root, paint):
     for part, items in (
         ("indoor", ("wood_block", "steel_cup")),
         ("outdoor", ("wood_bench", "steel_rail")),
@@ -81,8 +66,8 @@ def tacquad(root, put):
         for name in items:
             for sensor in ("gelsight", "digit", "duragel"):
                 for number in range(3):
-                    put(root / f"data_{part}" / name / sensor / f"{number}.png")
-                    put(root / f"data_{part}" / name / f"img_{sensor}" / f"{number}.png")
+                    paint(root / f"data_{part}" / name / sensor / f"{number}.png")
+                    paint(root / f"data_{part}" / name / f"img_{sensor}" / f"{number}.png")
         rows = "".join(f"{name},0,2,0,2,0,2\n" for name in items)
         (root / f"contact_{part}.csv").write_text(rows)
 
@@ -106,8 +91,8 @@ def test_what_is_not_there_is_named(root, tmp_path):
         find_paper_sets(tmp_path / "nowhere")
 
 
-def test_a_set_that_is_there_twice_is_refused_with_both_places(root, put):
-    objectfolder_real(root / "copy", put)
+def test_a_set_that_is_there_twice_is_refused_with_both_places(root, paint):
+    objectfolder_real(root / "copy", paint)
     with pytest.raises(DataError, match=r"ObjectFolder Real is there twice.*OF_Real.*copy"):
         find_paper_sets(root)
 

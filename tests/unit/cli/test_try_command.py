@@ -5,7 +5,6 @@ from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from app.server import parser
 from omnivat.cli import try_pairs
@@ -24,16 +23,6 @@ def short(monkeypatch):
 @pytest.fixture
 def tried(run):
     return lambda place: run("try", place, "--no-page").out
-
-
-def pictures(root, names):
-    random = np.random.default_rng(0)
-    for name in names:
-        path = root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        pixels = random.integers(0, 255, (32, 32, 3), dtype=np.uint8)
-        Image.fromarray(pixels).save(path)
-    return root
 
 
 def vectors(file, count=24, **columns):
@@ -204,11 +193,10 @@ def test_pairs_without_a_class_among_others_are_neither_learned_nor_tested(
     assert (home["pairs"], home["classes"], away["pairs"]) == (24, 3, 24)
 
 
-def test_pictures_with_names_alone_get_thumbnails(tmp_path, tried):
-    root = pictures(
-        tmp_path / "p", [f"{k}_{half}.png" for k in range(2) for half in ("vis", "tac")]
-    )
-    said = tried(root)
+def test_pictures_with_names_alone_get_thumbnails(tmp_path, tried, paint):
+    for name in ("0_vis", "0_tac", "1_vis", "1_tac"):
+        paint(tmp_path / "p" / f"{name}.png")
+    said = tried(tmp_path / "p")
     assert "no classes" in said and "No thumbnails" not in said
     assert (tmp_path / "p-try" / "set.thumbnails.webp").is_file()
 

@@ -4,7 +4,6 @@ import json
 import shutil
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from PIL import Image
 
@@ -20,22 +19,19 @@ METHODS = "mmrl,ldc,nearest_mean"
 
 
 @pytest.fixture
-def folder(clips, tmp_path, monkeypatch):
+def folder(clips, tmp_path, monkeypatch, paint):
     """Two domains of two materials, a small CLIP, and both methods cut to one epoch."""
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
     for module in (mmrl, ldc):
         monkeypatch.setattr(module, "HOW", replace(module.HOW, epochs=1))
     monkeypatch.setattr(ldc, "LEAST", 1)
-    random = np.random.default_rng(0)
     lines = ["vis,tac,domain,material,object"]
     for domain in ("lab", "field"):
         for material in ("wood", "steel"):
             for number in range(4):
                 names = [f"{domain}/{material}/{number}_{side}.png" for side in ("vis", "tac")]
                 for name in names:
-                    (tmp_path / "pairs" / name).parent.mkdir(parents=True, exist_ok=True)
-                    values = random.integers(0, 256, (20, 30, 3), dtype=np.uint8)
-                    Image.fromarray(values).save(tmp_path / "pairs" / name)
+                    paint(tmp_path / "pairs" / name)
                 lines.append(",".join([*names, domain, material, f"{domain}{material}{number}"]))
     (tmp_path / "pairs" / "pairs.csv").write_text("\n".join(lines) + "\n")
     weights = clips.write("OpenAI state dict", tmp_path / "clip", clips.small_model())
