@@ -12,6 +12,7 @@ from app.limits import LARGE_SET
 from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import cache_folder, hash_of
 from omnivat.kit.progress import Step
+from omnivat.kit.stages import STOPS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,8 +22,7 @@ if TYPE_CHECKING:
     from omnivat.head.checkpoint import Head
 
 log = logging.getLogger(__name__)
-COARSE = tuple(k / 10 for k in range(11))
-FINE = tuple(k / 100 for k in range(101))
+COARSE = STOPS[::10]
 RECIPE = 3  # version of the maps; those of other versions are computed again
 FIRST_LOOK, LAST_TOUCH = 0, 2  # priorities; training is between them
 LOADING = Step(done=0, total=0, text="loading the head")
@@ -112,7 +112,7 @@ class FramesJob:
             embeddings = self._of.embeddings()
             head = self._fitting(embeddings)
             passes = [(coarse, COARSE, DEFAULT_MAPS)] if head else []
-            passes.append((fine, FINE, DEFAULT_MAPS))
+            passes.append((fine, STOPS, DEFAULT_MAPS))
             if len(embeddings) > LARGE_SET and not readable(coarse):
                 linear = {n: k for n, k in DEFAULT_MAPS.items() if n.startswith("pca/")}
                 stops = first_stops(head.model.order) if head else COARSE

@@ -13,6 +13,7 @@ from app.views import explore, pair
 from omnivat.data import dots, grid, images, profile
 from omnivat.head import calibration
 from omnivat.kit.files import write_text
+from omnivat.kit.stages import STOPS
 
 FILE = WEB / "site" / "rules.js"
 WIDTH = 120  # of a line of a script
@@ -38,7 +39,7 @@ TABLES = {
         "PATCH": pictures.PATCH,
     },
     "PAIR": {
-        "STOPS": len(pair.STOPS),
+        "STOPS": len(STOPS),
         "COLUMNS": pair.COLUMNS,
         "NEAREST": familiar.NEAREST,
         "NEIGHBOURS": explore.NEIGHBOURS,

@@ -14,6 +14,7 @@ from app.tables import tables
 from omnivat.data.packing import packed
 from omnivat.head.heads import EXAMPLES, kept_ladder
 from omnivat.kit.errors import DataError
+from omnivat.kit.stages import STOPS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -176,4 +177,4 @@ def mechanism(_: Resources) -> dict[str, Any]:
 def _toy() -> dict[str, Any]:
     from omnivat.simulate.toy import toy
 
-    return toy([k / 100 for k in range(101)])
+    return toy(STOPS)

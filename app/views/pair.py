@@ -9,6 +9,7 @@ from app.pair_input import asked, rounded, within
 from app.resources import Resources
 from omnivat.data.domains import is_simulated
 from omnivat.kit.errors import DataError
+from omnivat.kit.stages import STOPS
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,7 +21,6 @@ if TYPE_CHECKING:
 
 TITLE = "Try a pair"
 READINGS = ("fused", "vis", "tac")  # both, photo only, touch only
-STOPS = tuple(k / 100 for k in range(101))
 MOST_AT_ONCE = 25  # pairs of one request; a page with more sends several
 COLUMNS = 256  # columns of the spectrum; each shows the maximum of its entries
 

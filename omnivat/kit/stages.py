@@ -12,6 +12,7 @@ STAGES = ("raw", "frft", "relu", "f_bar", "f_hat")
 STILL = ("raw", "frft")
 TITLES = ("raw embedding E", "raw DFrFT", "F after ReLU", "F after FrATT", "F after DTG")
 STAGE_TITLES = dict(zip(STAGES, TITLES, strict=True))
+STOPS = tuple(k / 100 for k in range(101))  # of p on the page
 LIMIT = 4.0  # quarter turns; the transform repeats after 4
 RANGE = "a number of quarter turns from -4 to 4"
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from app.familiar import familiar, first
+from app.familiar import familiar, first, training_pairs
 from app.resources import Resources
 from omnivat.data.store import save_embeddings
 from omnivat.head.calibration import familiarity_of
@@ -77,6 +77,22 @@ def test_an_image_nearer_to_the_other_modality_strays_and_one_of_its_own_does_no
     assert [swapped[name]["strays"] for name in ("vis", "tac")] == [True, True]
     assert [right[name]["strays"] for name in ("vis", "tac")] == [False, False]
     assert "strays" not in familiar(resources, {"vis": "row:3"})["images"]["vis"]
+
+
+def test_without_a_domain_that_the_head_learned_from_all_pairs_of_the_set_are_compared(resources):
+    head, embeddings = resources.head(), resources.embeddings()
+    own, _ = training_pairs(resources, head)
+    assert own.tolist() == np.flatnonzero(embeddings.domain == 0).tolist()
+    elsewhere = replace(head, provenance={**head.provenance, "domains": ["TAG-sim", "TAG"]})
+    every, of = training_pairs(resources, elsewhere)
+    assert (len(every), of) == (len(embeddings), "the loaded set")
+
+
+def test_pairs_that_test_the_head_are_not_among_those_it_learned_from(resources, make_embeddings):
+    split = make_embeddings(split=True)
+    resources.embeddings._made[:] = [split]
+    own, _ = training_pairs(resources, resources.head())
+    assert own.tolist() == split.rows_of("TAG-sim", split="train").tolist()
 
 
 def with_quantiles(resources, cosine):

@@ -24,7 +24,7 @@ def new(small_places):
 def few_stops(monkeypatch, tmp_path):
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
     # the learned order lies outside, so that no stop is added at it
-    monkeypatch.setattr(frames_job, "FINE", (0.0, 0.1, 0.2))
+    monkeypatch.setattr(frames_job, "STOPS", (0.0, 0.1, 0.2))
     monkeypatch.setattr(frames_job, "COARSE", (0.0, 0.2))
 
 
@@ -64,7 +64,7 @@ def test_a_cache_that_cannot_be_written_costs_time_and_not_frames(new, tmp_path,
 
 
 def test_one_stop_is_exactly_the_learned_order(new, resources, monkeypatch):
-    monkeypatch.setattr(frames_job, "FINE", (0.0, 0.25, 1.0))
+    monkeypatch.setattr(frames_job, "STOPS", (0.0, 0.25, 1.0))
     learned = resources.head().model.order
     frames = read_frames(new().wait().file)
     assert learned in frames.orders

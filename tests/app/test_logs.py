@@ -18,6 +18,9 @@ def test_a_flood_of_lines_is_cut_for_a_minute(caplog, monkeypatch):
         log.warning("line %d", number)
     assert len(caplog.records) == logs.LINES
     assert "leaves out the rest" in caplog.records[-1].getMessage()
+    said(caplog, 1.99, monkeypatch)
+    log.warning("in the same minute")
+    assert len(caplog.records) == logs.LINES
     said(caplog, 2, monkeypatch)
     log.warning("one more")
     assert caplog.records[-1].getMessage() == "one more"

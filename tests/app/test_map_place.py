@@ -35,6 +35,17 @@ def test_a_picture_with_the_vector_of_a_pair_is_placed_where_the_pair_is(with_fr
     np.testing.assert_allclose(sent["points"]["vis"], there["points"]["vis"], atol=1e-3)
 
 
+def test_a_pair_is_placed_at_the_stop_nearest_to_its_order_and_the_learned_one_by_default(
+    with_frames,
+):
+    asked = {"vis": "row:7", "stage": "f_hat", "map": "umap"}
+    orders = [place(with_frames, {**asked, "order": order})["order"] for order in (0.0, 0.56, 1.0)]
+    assert orders == pytest.approx([0.0, 0.55, 1.0], abs=0.011)
+    learned = with_frames.head().model.order
+    found = place(with_frames, {**asked, "map": "pca"})
+    assert found["order"] == learned and set(found["points"]) == {"vis"}
+
+
 def test_a_map_that_is_not_there_is_refused(with_frames):
     with pytest.raises(DataError, match="There is no map 'tsne/f_hat'"):
         place(with_frames, {"vis": "row:1", "stage": "f_hat", "map": "tsne"})

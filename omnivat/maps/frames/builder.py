@@ -14,7 +14,7 @@ from omnivat.head.head import OmniVaT
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.progress import OnStep, Step, ignore
-from omnivat.kit.stages import fitting
+from omnivat.kit.stages import STOPS, fitting
 from omnivat.maps.frames.records import FEATURES, FrameSet, MapFrames, quantised
 from omnivat.maps.projection import pca
 from omnivat.maps.projection.quality import trust
@@ -188,7 +188,6 @@ def _tracks(
 
 
 PCA_STOPS, UMAP_STOPS = 128, 21  # PCA: more than 101 round stops and the learned order
-DEFAULT_ORDERS = tuple(k / 100 for k in range(101))
 # maps, and the largest number of evenly spaced stops of each
 DEFAULT_MAPS: Mapping[str, int] = {
     **{f"pca/{stage}": PCA_STOPS for stage in STAGES},
@@ -202,7 +201,7 @@ def build_frames(
     model: OmniVaT | None,
     embeddings: Embeddings,
     *,
-    orders: Sequence[float] = DEFAULT_ORDERS,
+    orders: Sequence[float] = STOPS,
     maps: Mapping[str, int] = DEFAULT_MAPS,
     measures: Sequence[str] = MEASURES,
     provenance: Mapping[str, Any] | None = None,

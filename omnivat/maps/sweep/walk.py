@@ -124,14 +124,12 @@ def stage_blocks(
 ) -> Iterator[tuple[slice, Features]]:
     """Yield the features of one stage at one order, `chunk` pairs at a time, with their slice.
 
-    model  may be None at "raw"; order  None: the learned one
-    Raises SettingsError for an unknown stage, DataError if there are no pairs.
+    model, order  None at "raw"
+    Raises DataError if there are no pairs.
     """
-    require_known([stage], STAGES, "stage")
-    if model is None or stage == "raw":
+    if model is None or order is None:
         yield from _raw_chunks(model, embeddings, chunk)
         return
-    order = model.order if order is None else order
     for rows, output in _outputs(model, embeddings, None, order, chunk):
         yield rows, stage_features(output, stage)
 
