@@ -51,22 +51,22 @@ def planned_rows(
 ) -> "list[Run]":
     """Return the runs of all tables; a row in several tables runs once."""
     from omnivat.study.ablations import method_name
-    from omnivat.study.protocol.engine import planned
     from omnivat.study.protocol.methods import HEAD, Method
+    from omnivat.study.protocol.run import Run
 
     runs: dict[tuple[str, str, int], Run] = {}
-    for table in tables.values():
-        methods = [
-            Method(
-                name=method_name(row),
-                label=one.label,
-                base=one.base,
-                head={**head, **one.head} if one.base == HEAD else {},
-                train={**training, **one.train} if one.base == HEAD else {},
-                modalities=one.modalities,
-            )
-            for row, one in table.rows.items()
-        ]
-        for run in planned(methods, table.sources, seeds):
-            runs[run.method.name, run.source, run.seed] = run
-    return sorted(runs.values(), key=lambda run: seeds.index(run.seed))
+    for seed in seeds:
+        for table in tables.values():
+            for source in table.sources:
+                for row, one in table.rows.items():
+                    ours = one.base == HEAD
+                    method = Method(
+                        name=method_name(row),
+                        label=one.label,
+                        base=one.base,
+                        head={**head, **one.head} if ours else {},
+                        train={**training, **one.train} if ours else {},
+                        modalities=one.modalities,
+                    )
+                    runs[row, source, seed] = Run(method=method, source=source, seed=seed)
+    return list(runs.values())

@@ -114,6 +114,15 @@ def client(resources):
         yield client
 
 
+def loaded(client, files, **more):
+    """Upload files of a head or set and load them; return the reply."""
+    parts = {
+        name: client.post(f"/omnivat/part?name={name}", content=file.read_bytes()).json()["part"]
+        for name, file in files.items()
+    }
+    return client.post("/omnivat/load", json={"parts": parts, **more})
+
+
 def sentence(response, status=400):
     """Return the sentence of an error."""
     assert response.status_code == status, response.text

@@ -11,7 +11,7 @@ from app.resources import Resources
 from omnivat.data.store import save_embeddings
 from omnivat.maps.frames import read_frames
 
-from .conftest import served
+from .conftest import loaded, served
 
 
 @pytest.fixture
@@ -28,10 +28,6 @@ def foreign(resources, make_embeddings, tmp_path, monkeypatch):
     return make
 
 
-def asked(resources):
-    return served(resources)
-
-
 def test_a_set_that_the_head_does_not_fit_has_maps_and_both_gaps_of_its_features(foreign):
     resources = foreign()
     frames = read_frames(resources.frames.wait().file)
@@ -43,7 +39,7 @@ def test_a_set_that_the_head_does_not_fit_has_maps_and_both_gaps_of_its_features
 
 
 def test_raw_neighbours_need_no_head_and_other_steps_name_both_encoders(foreign):
-    with asked(foreign()) as client:
+    with served(foreign()) as client:
         near = client.post("/omnivat/neighbours", json={"point": 0, "stage": "raw"}).json()
         assert len(near["neighbours"]) == 6
         for path, question in (
@@ -55,7 +51,7 @@ def test_raw_neighbours_need_no_head_and_other_steps_name_both_encoders(foreign)
 
 
 def test_the_page_names_the_command_that_trains_a_head(foreign):
-    with asked(foreign()) as client:
+    with served(foreign()) as client:
         found = client.get("/omnivat/fit").json()
     assert "other-encoder" in found["problem"] and "/" not in found["command"]
     assert found["command"] == "python -m omnivat try 'my set.safetensors'"
@@ -66,33 +62,22 @@ def test_a_set_without_classes_is_measured_and_nothing_offers_to_train_on_it(for
     frames = read_frames(resources.frames.wait().file)
     assert np.isfinite(frames.curves["modality_gap/raw"]).all()
     assert frames.curves["domain_gap/raw"] == frames.curves["margin/raw"] == [None]
-    with asked(resources) as client:
+    with served(resources) as client:
         assert "omnivat report" in client.get("/omnivat/fit").json()["command"]
         refused = client.post("/omnivat/trainings", json={})
         assert "two classes" in refused.json()["error"]
 
 
 def test_a_head_that_fits_needs_no_remedy(resources):
-    with asked(resources) as client:
+    with served(resources) as client:
         assert client.get("/omnivat/fit").json() == {"problem": "", "remedy": "", "command": ""}
 
 
 def test_a_visitor_may_load_a_set_of_another_encoder_but_no_head_beside_it(foreign, resources):
-    other = foreign().where.embeddings.read_bytes()
+    other = foreign().where.embeddings
     files = {"embeddings.safetensors": other}
-    head = {
-        name: (resources.where.head / name).read_bytes()
-        for name in ("weights.safetensors", "settings.json")
-    }
-    with asked(resources) as client:
-
-        def load(files):
-            parts = {
-                name: client.post(f"/omnivat/part?name={name}", content=content).json()["part"]
-                for name, content in files.items()
-            }
-            return client.post("/omnivat/load", json={"parts": parts})
-
-        name = load(files).json()["set"]
+    head = {name: resources.where.head / name for name in ("weights.safetensors", "settings.json")}
+    with served(resources) as client:
+        name = loaded(client, files).json()["set"]
         assert client.get(f"/omnivat/fit?set={name}").json()["command"]
-        assert "other-encoder" in load(files | head).json()["error"]
+        assert "other-encoder" in loaded(client, files | head).json()["error"]

@@ -11,13 +11,7 @@ from app.visitor_sets import VisitorSets
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.kit.errors import DataError
 
-
-def send(client, files):
-    """Upload files; return their names."""
-    return {
-        name: client.post(f"/omnivat/part?name={name}", content=file.read_bytes()).json()["part"]
-        for name, file in files.items()
-    }
+from .conftest import loaded, sentence
 
 
 def head_files(folder):
@@ -27,57 +21,48 @@ def head_files(folder):
 
 
 def test_a_loaded_head_answers_under_its_own_name_and_the_first_stays(client, small_places):
-    parts = send(client, head_files(small_places.head))
-    name = client.post("/omnivat/load", json={"parts": parts}).json()["set"]
+    name = loaded(client, head_files(small_places.head)).json()["set"]
     question = {"vis": "row:1", "tac": "row:1"}
-    loaded = client.post(f"/omnivat/pair?set={name}", json=question).json()
-    assert loaded["stops"] == client.post("/omnivat/pair", json=question).json()["stops"]
+    own = client.post(f"/omnivat/pair?set={name}", json=question).json()
+    assert own["stops"] == client.post("/omnivat/pair", json=question).json()["stops"]
     assert client.get(f"/omnivat/about?set={name}").json()["head"]["source"] == "TAG-sim"
 
 
 def test_a_head_can_be_put_beside_the_first(client, small_places):
-    parts = send(client, head_files(small_places.head))
-    name = client.post("/omnivat/load", json={"parts": parts, "compare": True}).json()["set"]
+    name = loaded(client, head_files(small_places.head), compare=True).json()["set"]
     assert len(client.get(f"/omnivat/heads?set={name}").json()) == 2
     assert len(client.get("/omnivat/heads").json()) == 1
 
 
 def test_the_same_files_make_the_same_desk(client, small_places):
-    parts = send(client, head_files(small_places.head))
-    names = {client.post("/omnivat/load", json={"parts": parts}).json()["set"] for _ in range(2)}
+    files = head_files(small_places.head)
+    names = {loaded(client, files).json()["set"] for _ in range(2)}
     assert len(names) == 1
 
 
 def test_a_head_without_weights_is_refused_in_a_sentence(client, small_places):
-    parts = send(client, {"settings.json": small_places.head / "settings.json"})
-    got = client.post("/omnivat/load", json={"parts": parts})
-    assert got.status_code == 400
-    assert got.json()["error"] == "A head also has weights.safetensors; choose its whole folder."
+    got = loaded(client, {"settings.json": small_places.head / "settings.json"})
+    assert sentence(got) == "A head also has weights.safetensors; choose its whole folder."
 
 
 def test_junk_in_place_of_weights_is_refused_and_nothing_is_kept(client, small_places, tmp_path):
     junk = tmp_path / "junk"
     junk.write_bytes(b"junk")
-    parts = send(client, head_files(small_places.head) | {"weights.safetensors": junk})
-    got = client.post("/omnivat/load", json={"parts": parts})
-    assert got.status_code == 400
-    assert "weights.safetensors" in got.json()["error"]
+    got = loaded(client, head_files(small_places.head) | {"weights.safetensors": junk})
+    assert "weights.safetensors" in sentence(got)
 
 
 def test_a_set_without_pairs_is_refused(client, small_places, tmp_path):
     pairs = load_embeddings(small_places.embeddings)
     save_embeddings(tmp_path / "set.safetensors", pairs.select(np.zeros(0, np.int64)))
-    parts = send(client, {"embeddings.safetensors": tmp_path / "set.safetensors"})
-    got = client.post("/omnivat/load", json={"parts": parts})
-    assert got.status_code == 400
-    assert "'embeddings.safetensors' holds no pairs" in got.json()["error"]
+    got = loaded(client, {"embeddings.safetensors": tmp_path / "set.safetensors"})
+    assert "'embeddings.safetensors' holds no pairs" in sentence(got)
 
 
 @pytest.mark.parametrize("name", ["../x", "app.py", "", "weights.pt"])
 def test_a_file_of_another_name_is_refused(client, name):
     got = client.post("/omnivat/part", params={"name": name}, content=b"x")
-    assert got.status_code == 400
-    assert "is no file of a head or set" in got.json()["error"]
+    assert "is no file of a head or set" in sentence(got)
 
 
 @pytest.mark.parametrize("parts", [None, [], {"settings.json": 3}, {"settings.json": "../../x"}])

@@ -1,8 +1,8 @@
 """The commands take the same things: pairs, one modality, tables, other classes, none."""
 
-import numpy as np
+from itertools import product
+
 import pytest
-from PIL import Image
 
 from omnivat.cli import main
 from omnivat.study import trial
@@ -23,20 +23,20 @@ TABLES = {  # kind -> its columns
 BARE = ("folders vis and tac", "no classes")
 
 
-def pictures(root, names, classes=("wood", "steel")):
-    random = np.random.default_rng(0)
-    for at, c in enumerate(classes):
-        for k in range(3):
-            for name in names:
-                file = root / name.format(c=c, k=k)
-                file.parent.mkdir(parents=True, exist_ok=True)
-                pixels = random.integers(0, 100, (32, 32, 3), dtype=np.uint8) + 100 * at
-                Image.fromarray(pixels.astype(np.uint8)).save(file)
-    return root
+@pytest.fixture(scope="module")
+def pictures(paint):
+    """Return a maker of a folder with three pictures of each class for each name."""
+
+    def make(root, names, classes=("wood", "steel")):
+        for c, k, name in product(classes, range(3), names):
+            paint(root / name.format(c=c, k=k))
+        return root
+
+    return make
 
 
 @pytest.fixture(scope="module")
-def places(tmp_path_factory):
+def places(tmp_path_factory, pictures):
     """Return kind -> (pictures, their embeddings by `embed`)."""
     found = {}
     for kind in (*FOLDERS, *TABLES):
@@ -99,7 +99,9 @@ def test_pictures_in_place_of_embeddings_end_in_the_command_that_makes_them(
 
 
 @pytest.mark.parametrize("command", ["embed", "try", "profile", "predict"])
-def test_pictures_whose_names_tell_nothing_end_in_the_names_that_would(command, tmp_path, run):
+def test_pictures_whose_names_tell_nothing_end_in_the_names_that_would(
+    command, tmp_path, run, pictures
+):
     place = pictures(tmp_path / "mine", ["IMG_{c}{k}.png"])
     line = ["--pairs", place] if command == "predict" else [place]
     more = ["--out", tmp_path / "out.safetensors"] if command in ("embed", "profile") else []
@@ -107,7 +109,7 @@ def test_pictures_whose_names_tell_nothing_end_in_the_names_that_would(command, 
     assert "_vis.png" in said and "_tac.png" in said and said.count("\n") == 1
 
 
-def test_touches_in_a_table_have_to_be_named_as_such(tmp_path, run):
+def test_touches_in_a_table_have_to_be_named_as_such(tmp_path, run, pictures):
     place = pictures(tmp_path / "mine", ["{c}{k}.png"]) / "list.csv"
     place.write_text("tac\nwood0.png\n")
     said = run("embed", place, "--out", tmp_path / "out.safetensors", code=1).err
