@@ -10,6 +10,7 @@ from app.components import WEB
 from app.messages import without_places
 from app.resources import Resources
 from app.sensor import from_the_start
+from app.state import Reply
 from omnivat.kit.errors import DataError
 from omnivat.kit.schema import read_object
 
@@ -34,13 +35,13 @@ def glossary(_: Resources) -> dict[str, str]:
     return terms
 
 
-def about(resources: Resources) -> dict[str, Any]:
+def about(resources: Resources) -> Reply:
     """Return facts about the loaded parts; a missing part gives a sentence."""
     parts = {"head": head_facts, "embeddings": embedding_facts, "sensor": from_the_start}
     return {name: _or_problem(facts, resources) for name, facts in parts.items()}
 
 
-def head_facts(resources: Resources) -> dict[str, Any]:
+def head_facts(resources: Resources) -> Reply:
     """Return the classes of the first head, and how it was trained."""
     head = resources.head()
     return {
@@ -50,16 +51,16 @@ def head_facts(resources: Resources) -> dict[str, Any]:
     }
 
 
-def own(resources: Resources) -> dict[str, Any]:
+def own(resources: Resources) -> Reply:
     """Return what the head for one's own pictures reads right in sensors that it has not seen; {}
     without such a head. The head is not loaded.
     """
     folder = resources.where.own
-    found: dict[str, Any] = without_nan(read_object(folder / "metrics.json")) if folder else {}
+    found: Reply = without_nan(read_object(folder / "metrics.json")) if folder else {}
     return found
 
 
-def embedding_facts(resources: Resources) -> dict[str, Any]:
+def embedding_facts(resources: Resources) -> Reply:
     """Return the number of pairs of the set, its domains and its origin."""
     embeddings = resources.embeddings()
     header = embeddings.header
@@ -102,9 +103,7 @@ def without_nan(value: Any) -> Any:
     return None if isinstance(value, float) and not isfinite(value) else value
 
 
-def _or_problem(
-    facts: Callable[[Resources], dict[str, Any]], resources: Resources
-) -> dict[str, Any]:
+def _or_problem(facts: Callable[[Resources], Reply], resources: Resources) -> Reply:
     try:
         return facts(resources)
     except DataError as error:

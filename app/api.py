@@ -4,7 +4,7 @@ It obeys the page's rules (`app.guard`), limits (`app.limits`) and queue (`app.j
 """
 
 from base64 import b64decode
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -21,20 +21,19 @@ from app.messages import Handler, in_sentences, refusal
 from app.pair_input import asked
 from app.requests import done, question_from, received
 from app.resources import Resources
-from app.state import one_of, order_from
+from app.state import Question, Reply, one_of, order_from
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 
-Arguments = Mapping[str, Any]
-Work = Callable[[Resources, Arguments, Job[Any]], dict[str, Any]]
-KINDS: dict[str, Any] = {"string": str, "number": int | float}
+Work = Callable[[Resources, Question, Job[Any]], Reply]
+KINDS: Reply = {"string": str, "number": int | float}
 CLOSED = "The API is off; whoever runs this page can open it with --api."
 UNKNOWN = f"There is no such tool; there are {', '.join(TOOLS)}, and schema."
 ONE_AT_A_TIME = ("report",)  # tools of the long lane
 
 
-def about(resources: Resources, _: Arguments, job: Job[Any]) -> dict[str, Any]:
+def about(resources: Resources, _: Question, job: Job[Any]) -> Reply:
     """Return the names that the other tools take."""
     from omnivat.head.heads import shipped_sets
 
@@ -53,7 +52,7 @@ def about(resources: Resources, _: Arguments, job: Job[Any]) -> dict[str, Any]:
     }
 
 
-def predict(resources: Resources, arguments: Arguments, job: Job[Any]) -> dict[str, Any]:
+def predict(resources: Resources, arguments: Question, job: Job[Any]) -> Reply:
     """Return the record of `omnivat.head.predict` for one pair, and the names of its images."""
     from omnivat.head.predict import predict_embeddings
 
@@ -82,7 +81,7 @@ def _image(resources: Resources, value: Any, name: str) -> Any:
     return str(resources.take_image(content, name)[0])
 
 
-def gaps(resources: Resources, arguments: Arguments, job: Job[Any]) -> dict[str, Any]:
+def gaps(resources: Resources, arguments: Question, job: Job[Any]) -> Reply:
     """Return the record of `omnivat gaps --json`."""
     import torch
 
@@ -104,13 +103,13 @@ def gaps(resources: Resources, arguments: Arguments, job: Job[Any]) -> dict[str,
     }
 
 
-def report(resources: Resources, _: Arguments, job: Job[Any]) -> dict[str, Any]:
+def report(resources: Resources, _: Question, job: Job[Any]) -> Reply:
     """Return the numbers of `omnivat report`; they are computed once for a set."""
     from omnivat.study.shift.reading import features_of
     from omnivat.study.shift.report import numbers
     from omnivat.study.shift.words import methods, notes
 
-    def made() -> dict[str, Any]:
+    def made() -> Reply:
         found = features_of(resources.embeddings())
         return {
             "pairs": len(found.embeddings),
@@ -127,7 +126,7 @@ def report(resources: Resources, _: Arguments, job: Job[Any]) -> dict[str, Any]:
 WORK: dict[str, Work] = {"about": about, "predict": predict, "gaps": gaps, "report": report}
 
 
-def checked(name: str, arguments: Arguments) -> Arguments:
+def checked(name: str, arguments: Question) -> Question:
     """Return the arguments of a tool without nulls; raises DataError for one that it does not
     take.
     """
@@ -144,8 +143,8 @@ def checked(name: str, arguments: Arguments) -> Arguments:
 
 
 async def used(
-    sets: VisitorSets, request: Request, read: Callable[[bytes], tuple[str, Arguments] | None]
-) -> dict[str, Any] | None:
+    sets: VisitorSets, request: Request, read: Callable[[bytes], tuple[str, Question] | None]
+) -> Reply | None:
     """Run the tool that `read` finds in a request's body; None if it finds none.
 
     The body waits on the disk and is read in turn, so that many large ones hold no memory.

@@ -1,10 +1,10 @@
 """Familiarity of a pair's images, and their nearest training pairs."""
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from app.pair_input import OTHER, Asked, asked, rounded
 from app.resources import Resources
+from app.state import Question, Reply
 
 if TYPE_CHECKING:
     import numpy as np
@@ -18,7 +18,7 @@ NEAREST = 3
 MOST_LOOKED_AT = 2000  # pairs of the set among which the first one is chosen
 
 
-def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def familiar(resources: Resources, question: Question) -> Reply:
     """Return the familiarity of each image of a pair.
 
     question  {"vis", "tac": references; "lessons": the visitor's labelled pairs, with which images
@@ -36,7 +36,7 @@ def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
     named = asked(resources, {**question, "profile": ""})
     index, of = training_pairs(resources, named.head)
     looked = looked_at(named)
-    images: dict[str, dict[str, Any]] = {}
+    images: dict[str, Reply] = {}
     for name, ref in named.refs.items():
         raw = named.before[name]
         if ref is None or raw is None:
@@ -51,7 +51,7 @@ def familiar(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any
     return {"images": images, "of": of}
 
 
-def looked_at(named: Asked) -> dict[str, dict[str, Any]]:
+def looked_at(named: Asked) -> dict[str, Reply]:
     """Return modality -> cosine, quantile, words and guess of a request's images before any
     profile.
 
@@ -66,7 +66,7 @@ def looked_at(named: Asked) -> dict[str, dict[str, Any]]:
     return {name: {**one, "guess": one["quantile"] < UNLIKE} for name, one in looks.items()}
 
 
-def predict_one(named: Asked) -> dict[str, Any]:
+def predict_one(named: Asked) -> Reply:
     """Return `readings`, the class probabilities, and `images`, the familiarity, of a request's
     pair.
     """
@@ -75,7 +75,7 @@ def predict_one(named: Asked) -> dict[str, Any]:
     return {"readings": readings, "images": looked_at(named)}
 
 
-def first(resources: Resources) -> dict[str, Any]:
+def first(resources: Resources) -> Reply:
     """Return the pair to open with: the most familiar one that the head was not trained on.
 
     return  `ref` of an example, or else of a pair of the set; None if each would be a guess
@@ -123,7 +123,7 @@ def training_pairs(resources: Resources, head: "Head") -> "tuple[Index, str]":
 
 def _nearest(
     resources: Resources, name: str, raw: "torch.Tensor", index: "Index", own_row: int = -1
-) -> list[dict[str, Any]]:
+) -> list[Reply]:
     """Return the training pairs whose image is nearest by cosine in E, except the pair itself."""
     import torch
 

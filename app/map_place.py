@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.pair_input import pair_of
 from app.resources import Resources, state_of
-from app.state import order_from
+from app.state import Question, Reply, order_from
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     Array = np.ndarray[Any, Any]
 
 
-def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def place(resources: Resources, question: Question) -> Reply:
     """Place a pair on one map of the first head.
 
     question  {"vis", "tac": references, "order": p, "stage": …, "map": "pca" or "umap"}
@@ -47,7 +47,7 @@ def place(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     return {"points": points, "order": order, "exact": found.exact}
 
 
-def _drawn(resources: Resources, question: Mapping[str, Any]) -> "tuple[str, float, Array]":
+def _drawn(resources: Resources, question: Question) -> "tuple[str, float, Array]":
     """Return the requested map at its stop nearest to the requested order: stage, order,
     positions (2N, 2).
     """

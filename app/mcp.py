@@ -6,7 +6,6 @@ Gradio has an MCP server, too. It reaches its tools through Gradio's queue and e
 """
 
 import json
-from collections.abc import Mapping
 from typing import Any, TypeGuard
 
 from starlette.requests import Request
@@ -16,6 +15,7 @@ from app.api import used
 from app.api_schema import TOOLS
 from app.messages import UNEXPECTED, log, readable, status_of
 from app.requests import question_from
+from app.state import Question, Reply
 from app.visitor_sets import VisitorSets
 from omnivat import __version__
 from omnivat.kit.errors import DataError, OmniVatError
@@ -38,7 +38,7 @@ async def mcp(sets: VisitorSets, request: Request) -> Response:
     """Reply to one JSON-RPC message."""
     asked: dict[str, Any] = {}
 
-    def read(body: bytes) -> tuple[str, Mapping[str, Any]] | None:
+    def read(body: bytes) -> tuple[str, Question] | None:
         try:
             asked.update(question_from(body))
         except DataError as error:
@@ -68,7 +68,7 @@ async def mcp(sets: VisitorSets, request: Request) -> Response:
     return JSONResponse({"jsonrpc": "2.0", "id": _name(asked.get("id")), "result": found})
 
 
-def replied(asked: Mapping[str, Any]) -> dict[str, Any]:
+def replied(asked: Question) -> Reply:
     """Return the result of a request that uses no tool; raises RpcError for an unknown one."""
     method, params = asked.get("method"), asked.get("params")
     if method == "ping":

@@ -6,10 +6,10 @@ A mode without a file of its own is the loaded head's; its frames are computed i
 import logging
 from collections.abc import Container
 from pathlib import Path
-from typing import Any
 
 from app.places import Places
 from app.resources import Resources
+from app.state import Reply
 from app.tables import tables
 from omnivat.head.heads import EXAMPLES, shipped_sets
 from omnivat.kit.errors import DataError
@@ -52,7 +52,7 @@ def fitting_files(resources: Resources) -> dict[str, Path]:
     return fitting
 
 
-def modes(resources: Resources, among: Container[str] | None = None) -> dict[str, Any]:
+def modes(resources: Resources, among: Container[str] | None = None) -> Reply:
     """Return the choices of a visitor: the modes of p and the sets of the project.
 
     among   names of the sets to list; None: all
@@ -79,7 +79,7 @@ def modes(resources: Resources, among: Container[str] | None = None) -> dict[str
     }
 
 
-def _curve(file: Path, title: str) -> dict[str, Any] | None:
+def _curve(file: Path, title: str) -> Reply | None:
     """Return the accuracy in unseen domains of the heads trained at each p, if there are any."""
     from omnivat.maps.frames.file import frames_header
 

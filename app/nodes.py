@@ -1,10 +1,8 @@
 """The nodes that DTG grows from a pair, and their cosines."""
 
-from collections.abc import Mapping
-from typing import Any
-
 from app.pair_input import asked, rounded
 from app.resources import Resources
+from app.state import Question, Reply
 from app.training_plan import thinned
 from omnivat.kit.errors import DataError
 
@@ -12,7 +10,7 @@ from omnivat.kit.errors import DataError
 MOST_PAIRS = 5000
 
 
-def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def tree(resources: Resources, question: Question) -> Reply:
     """Return the tree of one pair at one order.
 
     question  {"vis", "tac": references; "order": p or None; "head": name of a comparison head, the
@@ -54,7 +52,7 @@ def tree(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def votes(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def votes(resources: Resources, question: Question) -> Reply:
     """Return each node's most frequent class over the set, at the learned p.
 
     return  {"votes": [{"class", "share"}, …], "pairs": number of pairs}
@@ -64,7 +62,7 @@ def votes(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     name = question.get("head") or ""
     head, embeddings = resources.head_named(name), resources.embeddings()
 
-    def counted() -> dict[str, Any]:
+    def counted() -> Reply:
         some = embeddings.select(thinned(len(embeddings), MOST_PAIRS))
         votes = [
             {"class": one.label, "share": round(one.share, 4)} for one in node_votes(head, some)

@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from app.resources import Resources
-from app.state import ForgottenError, Ref, content_name, order_from, ref_from
+from app.state import ForgottenError, Question, Ref, content_name, order_from, ref_from
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
 from omnivat.kit.stages import IMAGES
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from omnivat.head.checkpoint import Head
     from omnivat.head.teach import Lesson
 
-Question = Mapping[str, Any]
 Pair = dict[str, "Tensor | None"]
 OTHER = {"vis": "tac", "tac": "vis"}
 MOST_LESSONS = 60

@@ -3,7 +3,7 @@ occlusion.
 """
 
 import base64
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
 from time import perf_counter
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from app.familiar import predict_one
 from app.pair_input import OTHER, asked, rounded
 from app.resources import Resources
-from app.state import one_of
+from app.state import Question, Reply, one_of
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
 
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from torch import Tensor
 
 Content = bytes | Path  # a picture, or its file
-Question = Mapping[str, Any]
 BOTH = "both"
 PREVIEW_SIDE = 320  # pixels of the preview
 CELLS = 7  # of occlusion, for each side of the picture shown
@@ -30,7 +29,7 @@ AT_ONCE = 8  # images embedded between two checks for a cancelled request
 SIDE = 448  # pixels; the image is first scaled down to this, encoders use 224
 
 
-def taken(resources: Resources, content: Content, question: Question) -> dict[str, Any]:
+def taken(resources: Resources, content: Content, question: Question) -> Reply:
     """Embed an image; return its name and a small preview. The picture itself is not kept."""
     ref, found = resources.take_image(content, name_in(question))
     return {
@@ -55,7 +54,7 @@ def preview(image: "Image.Image") -> str:
         return "data:image/jpeg;base64," + base64.b64encode(handle.getvalue()).decode()
 
 
-def live(resources: Resources, content: Content, question: Question) -> dict[str, Any]:
+def live(resources: Resources, content: Content, question: Question) -> Reply:
     """Predict one picture with the other image of the pair if given, or a photo and a touch.
 
     question  {"modality": "vis", "tac" or "both"; "other": reference of the other image; "split":
@@ -106,7 +105,7 @@ def _parts(content: Content, question: Question) -> dict[str, Content]:
     return {"vis": whole[:end], "tac": whole[end:]}
 
 
-def occlusion(resources: Resources, content: Content, question: Question) -> dict[str, Any]:
+def occlusion(resources: Resources, content: Content, question: Question) -> Reply:
     """Hide each part of an image in turn, predict again, and measure the change of the probability.
 
     question  as for `live`, with the modality "vis" or "tac"

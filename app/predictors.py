@@ -1,11 +1,11 @@
 """What predicts the set: the loaded heads, and a method that is fitted on the source."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from app.resources import Resources
-from app.state import one_of
+from app.state import Question, Reply, one_of
 from app.tables import tables
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 METHODS = {row["id"]: row["title"] for row in tables()["methods"]}  # fast to fit
 
 
-def heads(resources: Resources) -> list[dict[str, Any]]:
+def heads(resources: Resources) -> list[Reply]:
     """Return name, structure and source of each head, from settings.json; nothing heavy is
     loaded.
     """
@@ -37,7 +37,7 @@ def heads(resources: Resources) -> list[dict[str, Any]]:
     return found
 
 
-def predictions(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def predictions(resources: Resources, question: Question) -> Reply:
     """Return the predictions of a comparison method, fitted on the head's source, for every pair.
 
     question  {"method": a name of METHODS}
@@ -50,7 +50,7 @@ def predictions(resources: Resources, question: Mapping[str, Any]) -> dict[str, 
     return resources.results.once(method, lambda: _fitted(resources, method))
 
 
-def _fitted(resources: Resources, method: str) -> dict[str, Any]:
+def _fitted(resources: Resources, method: str) -> Reply:
     import torch
 
     from omnivat.data.arrays import copied

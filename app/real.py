@@ -7,10 +7,10 @@ request. Other machines see only the sets whose licence lets them be passed on.
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 from app.messages import readable
 from app.places import ENDINGS
+from app.state import Reply
 from omnivat.kit.errors import DataError
 
 SHOWN = 12  # pairs of a set, evenly spaced in its table
@@ -25,13 +25,13 @@ class RealPairs:
         # name -> picture, and whether all may see it
         self._files: dict[str, tuple[Path, bool]] = {}
 
-    def listing(self, *, local: bool) -> dict[str, Any]:
+    def listing(self, *, local: bool) -> Reply:
         """Return the sets with their terms and pairs, and a sentence for each set left out.
 
         local  whether the visitor sits at this machine
         """
         files: dict[str, tuple[Path, bool]] = {}
-        sets: dict[str, dict[str, Any]] = {}
+        sets: dict[str, Reply] = {}
         left_out = []
         for record in sorted(self._folder.glob("[!.]*/fetched.json")):
             try:
@@ -53,7 +53,7 @@ class RealPairs:
         return file
 
 
-def _read(folder: Path) -> tuple[dict[str, Any], dict[str, Path]]:
+def _read(folder: Path) -> tuple[Reply, dict[str, Path]]:
     """Return a fetched set as the page shows it, and its pictures by name.
 
     Raises DataError if its files are not those that were fetched.

@@ -5,12 +5,12 @@ its visitor leaves.
 import asyncio
 import json
 import os
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from ipaddress import IPv4Address, ip_address, ip_network
 from pathlib import Path
 from time import monotonic
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from starlette.requests import Request
 
@@ -18,6 +18,7 @@ from app.jobs import Job, Jobs
 from app.limits import BODY_S, IDLE_S, MAX_QUESTION_BYTES
 from app.resources import Resources
 from app.scratch import Scratch
+from app.state import Question
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
 
@@ -88,13 +89,13 @@ async def blocks(request: Request, limit: int, what: str) -> AsyncIterator[bytes
         yield block
 
 
-async def question_of(request: Request) -> Mapping[str, Any]:
+async def question_of(request: Request) -> Question:
     """Return the JSON object of a request; raises the errors of `blocks` and `question_from`."""
     content = [block async for block in blocks(request, MAX_QUESTION_BYTES, "The question")]
     return question_from(b"".join(content))
 
 
-def question_from(content: bytes) -> Mapping[str, Any]:
+def question_from(content: bytes) -> Question:
     """Return the JSON object in `content`. Raises DataError if it is anything else."""
     try:
         question = json.loads(content)

@@ -4,7 +4,6 @@ The first page needs none of them: the browser fetches frames and thumbnails as 
 """
 
 import logging
-from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from threading import Lock
@@ -17,7 +16,7 @@ from app.limits import MAPPED_BYTES
 from app.places import Places, find_examples, head_names
 from app.real import RealPairs
 from app.scratch import Scratch
-from app.state import ForgottenError, Lazy, Recent, Ref, content_name
+from app.state import ForgottenError, Lazy, Question, Recent, Ref, Reply, content_name
 from omnivat.head.heads import OWN
 from omnivat.kit.errors import DataError
 
@@ -93,7 +92,7 @@ class Resources:
         self.frame_jobs = {name: FramesJob(self, name) for name in self.folders}
         self.frames = self.frame_jobs[""]
         self.features: Recent[np.ndarray[Any, Any]] = Recent(KEPT_FEATURES)  # by stage and order
-        self.results: Recent[dict[str, Any]] = Recent(KEPT_FEATURES)  # by method or tree
+        self.results: Recent[Reply] = Recent(KEPT_FEATURES)  # by method or tree
         self.drawn_frames: Recent[FrameSet] = Recent(1)  # of the map, by file
         # from visitors' labelled pairs, and of their sensors
         self.taught: Recent[tuple[Head, Familiarity | None]] = Recent(KEPT_TAUGHT, private=True)
@@ -245,7 +244,7 @@ class Resources:
         return encoder
 
 
-def require_name(name: Any, known: Mapping[str, Any]) -> None:
+def require_name(name: Any, known: Question) -> None:
     """Raise DataError for a head that is not loaded; None and "" are the first one."""
     if name is not None and (not isinstance(name, str) or name not in known):
         others = ", ".join(f"'{other}'" for other in known if other) or "none beside the first"

@@ -1,6 +1,6 @@
 """What the page saves: heads and sets as zip files, the open view as an interactive figure."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from shutil import make_archive
 from tempfile import TemporaryDirectory
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.modes import mode_files
 from app.resources import Resources
-from app.state import one_of, order_from
+from app.state import Question, one_of, order_from
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def set_zip(embeddings: "Embeddings", name: str) -> bytes:
     )
 
 
-def save_figure(resources: Resources, question: Mapping[str, Any]) -> bytes:
+def save_figure(resources: Resources, question: Question) -> bytes:
     """Return the open map, the curves against p and the staircase as one HTML page without a
     server.
 

@@ -4,14 +4,13 @@ A profile is mean and variance of each embedding channel; no picture is in it. R
 `app.pair_input` then moves uploaded images onto the statistics of the head's source.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from app.pair_input import profile_in
 from app.resources import Resources
-from app.state import content_name, ref_from
+from app.state import Question, Reply, content_name, ref_from
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -21,7 +20,7 @@ MOST_AT_ONCE = 100  # pictures of one request; a page with more sends several
 DOMAIN = "My sensor"
 
 
-def profile(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def profile(resources: Resources, question: Question) -> Reply:
     """Make a profile of uploaded images, or add them to one.
 
     question  {"photos", "touches": references, at most MOST_AT_ONCE; "profile": one to add to}
@@ -66,7 +65,7 @@ def joined(first: "Channels", other: "Channels") -> "Channels":
     return Channels(mean=mean.astype(np.float32), variance=variance, count=sum(counts))
 
 
-def save_sensor(resources: Resources, question: Mapping[str, Any]) -> bytes:
+def save_sensor(resources: Resources, question: Question) -> bytes:
     """Return the profile named in a request as a file for the page and for `--profile`."""
     from omnivat.data.profile import save_profile
 
@@ -79,7 +78,7 @@ def save_sensor(resources: Resources, question: Mapping[str, Any]) -> bytes:
         return file.read_bytes()
 
 
-def load_sensor(resources: Resources, file: Path, _: Mapping[str, Any]) -> dict[str, Any]:
+def load_sensor(resources: Resources, file: Path, _: Question) -> Reply:
     """Keep a saved profile; return as `profile` does. Raises DataError if it does not fit the
     head.
     """
@@ -91,12 +90,12 @@ def load_sensor(resources: Resources, file: Path, _: Mapping[str, Any]) -> dict[
     return _kept(resources, found)
 
 
-def from_the_start(resources: Resources) -> dict[str, Any]:
+def from_the_start(resources: Resources) -> Reply:
     """Return the profile of --profile as `load_sensor` does; {} without one."""
     return load_sensor(resources, resources.where.profile, {}) if resources.where.profile else {}
 
 
-def _kept(resources: Resources, profile: "Profile") -> dict[str, Any]:
+def _kept(resources: Resources, profile: "Profile") -> Reply:
     parts = [(one.mean.tobytes(), one.variance.tobytes()) for one in profile.channels.values()]
     name = content_name(repr([profile.counts, *parts]).encode())
     resources.profiles.keep(name, profile)

@@ -6,7 +6,7 @@ finds only what came from its own address.
 """
 
 from collections import OrderedDict
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import partial
@@ -25,6 +25,8 @@ class ForgottenError(DataError):
     status = 410
 
 
+Question = Mapping[str, Any]  # a request
+Reply = dict[str, Any]  # a JSON object
 KINDS = ("row", "example", "image")
 LONGEST_NAME = 200
 V = TypeVar("V")

@@ -1,12 +1,12 @@
 """A visitor's labelled pairs: teach a head from them, test it, save both."""
 
-from collections.abc import Mapping
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from app.pair_input import lessons_in, lessons_of, reader_of, taught_name
 from app.resources import Resources
 from app.saving import head_zip, set_zip
+from app.state import Question, Reply
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 DOMAIN = "My pairs"
 
 
-def taught(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def taught(resources: Resources, question: Question) -> Reply:
     """Teach a head and return its name, `taught`, for requests whose body is an image."""
     _require_lessons(question)
     reader_of(resources, question)
     return {"taught": taught_name(question)}
 
 
-def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def teach(resources: Resources, question: Question) -> Reply:
     """Predict the visitor's labelled pairs before and after teaching.
 
     question  {"lessons": […], "head": the head to teach, the first one if left out}
@@ -45,7 +45,7 @@ def teach(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def curve(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def curve(resources: Resources, question: Question) -> Reply:
     """Return what labels bring: `points` (objects of a class, share of right pairs, least and most
     over draws), and `words`. The question is that of `teach`.
     """
@@ -56,7 +56,7 @@ def curve(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     return asdict(labels.curve(head, lessons))
 
 
-def own_set(resources: Resources, question: Mapping[str, Any]) -> "Embeddings":
+def own_set(resources: Resources, question: Question) -> "Embeddings":
     """Return the visitor's labelled pairs as a set of one domain; raises DataError if none has
     both images.
     """
@@ -93,17 +93,17 @@ def own_set(resources: Resources, question: Mapping[str, Any]) -> "Embeddings":
     )
 
 
-def save_set(resources: Resources, question: Mapping[str, Any]) -> bytes:
+def save_set(resources: Resources, question: Question) -> bytes:
     """Return a zip of the visitor's labelled pairs as a set."""
     return set_zip(own_set(resources, question), "my-pairs")
 
 
-def save_taught(resources: Resources, question: Mapping[str, Any]) -> bytes:
+def save_taught(resources: Resources, question: Question) -> bytes:
     """Return a zip of the taught head. Raises DataError without labelled pairs."""
     _require_lessons(question)
     return head_zip(reader_of(resources, question)[0], "taught-head")
 
 
-def _require_lessons(question: Mapping[str, Any]) -> None:
+def _require_lessons(question: Question) -> None:
     if not lessons_in(question):
         raise DataError("No pair is labelled yet, so no head can be taught. Label two or more.")

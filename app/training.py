@@ -2,7 +2,6 @@
 
 import base64
 import os
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from threading import Lock
 from time import monotonic
@@ -12,7 +11,7 @@ from app.jobs import Job
 from app.messages import BusyError
 from app.resources import Resources
 from app.saving import head_zip
-from app.state import VISITOR, ForgottenError, Recent
+from app.state import VISITOR, ForgottenError, Question, Recent, Reply
 from app.training_plan import Plan, offers, plan_from, thinned
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
@@ -42,7 +41,7 @@ class Run:
     plan: Plan
     rows: "np.ndarray[Any, Any]"  # pairs on the maps
     job: Job[None] = field(init=False)
-    epochs: list[dict[str, Any]] = field(default_factory=list)
+    epochs: list[Reply] = field(default_factory=list)
     head: "Head | None" = None
     visitor: tuple[str, str] = ("", "")  # address, and name
     loaded: str = ""  # name of the visitor set with the finished head
@@ -83,11 +82,11 @@ class Trainings:
         self._runs: Recent[Run] = Recent(KEPT_RUNS)
         self._lock = Lock()
 
-    def offers(self, resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    def offers(self, resources: Resources, question: Question) -> Reply:
         """Return the choices and the defaults; nothing of the question counts."""
         return offers(resources.embeddings(), resources.head().source)
 
-    def start(self, resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+    def start(self, resources: Resources, question: Question) -> Reply:
         """Queue a training on a set; return its name and the pairs on its maps.
 
         question  {"visitor": name, "source", "width", …}: see `app.training_plan`
@@ -137,7 +136,7 @@ class Trainings:
             "label": embeddings.label[run.rows].tolist(),
         }
 
-    def state(self, question: Mapping[str, Any]) -> dict[str, Any]:
+    def state(self, question: Question) -> Reply:
         """Return the state of a training, and its epochs from number `since` on."""
         run = self._run(question)
         since = question.get("since", 0)
@@ -155,19 +154,19 @@ class Trainings:
             "set": run.loaded,
         }
 
-    def cancel(self, question: Mapping[str, Any]) -> dict[str, Any]:
+    def cancel(self, question: Question) -> Reply:
         """Stop a training."""
         self._run(question).job.cancel()
         return self.state(question)
 
-    def saved(self, question: Mapping[str, Any]) -> bytes:
+    def saved(self, question: Question) -> bytes:
         """Return a zip of a finished head. Raises DataError before it is finished."""
         run = self._run(question)
         if run.head is None:
             raise DataError("This training has not finished, so there is no head to save.")
         return head_zip(run.head, "trained-head")
 
-    def _run(self, question: Mapping[str, Any]) -> Run:
+    def _run(self, question: Question) -> Run:
         run = self._runs.get(str(question.get("run", ""))[:64])
         if run is None:
             raise ForgottenError("The server no longer has this training; start it again.")

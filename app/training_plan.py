@@ -1,10 +1,9 @@
 """The choices of a training, and their check."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from app.state import one_of
+from app.state import Question, Reply, one_of
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -33,14 +32,14 @@ class Plan:
     """One training, checked."""
 
     source: str
-    head: dict[str, Any]
+    head: Reply
     training: "TrainSettings"
     seed: int
     first: str  # the step before the first epoch, in words
     left_out: int = 0  # training pairs of the source without a class
 
 
-def offers(embeddings: "Embeddings", source: str) -> dict[str, Any]:
+def offers(embeddings: "Embeddings", source: str) -> Reply:
     """Return the choices and the defaults; LANG is off if its bank lacks a class of the set.
 
     Raises DataError for a set in which no domain has pairs of two classes.
@@ -68,7 +67,7 @@ def offers(embeddings: "Embeddings", source: str) -> dict[str, Any]:
     }
 
 
-def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
+def plan_from(question: Question, embeddings: "Embeddings") -> Plan:
     """Return the plan of a request; missing settings have their defaults. Raises DataError for a
     wrong one.
 
@@ -81,7 +80,7 @@ def plan_from(question: Mapping[str, Any], embeddings: "Embeddings") -> Plan:
     source = one_of("source", question.get("source"), embeddings.header.domains)
     rows = embeddings.rows_of(source, split="train")
     order = one_of("order", question.get("order", ORDERS[0]), ORDERS)
-    number: dict[str, Any] = {name: _number(name, question.get(name)) for name in RANGES}
+    number: Reply = {name: _number(name, question.get(name)) for name in RANGES}
     training = TrainSettings(
         epochs=number["epochs"],
         mma_weight=number["mma"],

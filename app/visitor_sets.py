@@ -12,12 +12,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from threading import Lock
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from app.limits import DESKS_BYTES, KEPT_DESKS, KEPT_PARTS, PARTS, PARTS_BYTES
 from app.places import Places, shipped_places
 from app.resources import Resources
-from app.state import ForgottenError, Recent, content_name
+from app.state import ForgottenError, Question, Recent, content_name
 from omnivat.head.heads import shipped_sets
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import hash_of
@@ -67,7 +67,7 @@ class VisitorSets:
             "Try a pair, or go back to the page without `set` in its address."
         )
 
-    def take_part(self, _: Resources, file: Path, question: Mapping[str, Any]) -> dict[str, str]:
+    def take_part(self, _: Resources, file: Path, question: Question) -> dict[str, str]:
         """Keep one file of a head or set until it is loaded; return its name, `part`. Raises
         DataError for another file or one that is too large.
         """
@@ -87,7 +87,7 @@ class VisitorSets:
             old.unlink(missing_ok=True)
         return {"part": part}
 
-    def load(self, beside: Resources, question: Mapping[str, Any]) -> dict[str, str]:
+    def load(self, beside: Resources, question: Question) -> dict[str, str]:
         """Make a visitor set from uploaded files; return its name, `set`.
 
         beside    the visitor set that provides what is not among the parts

@@ -1,6 +1,5 @@
 """Explore: the whole set on a map that follows p."""
 
-from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,7 +8,7 @@ import orjson
 
 from app.map_place import kept_features
 from app.resources import Resources
-from app.state import one_of, order_from
+from app.state import Question, Reply, one_of, order_from
 from app.tables import tables
 from omnivat.data.packing import packed
 from omnivat.head.heads import EXAMPLES, kept_ladder
@@ -27,7 +26,7 @@ MOST_PICTURES, EACH_CLASS = 20, 3  # in `known`
 STEPS = 10_000  # of a share or a cosine: four digits
 
 
-def neighbours(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def neighbours(resources: Resources, question: Question) -> Reply:
     """Return the points nearest to one point by cosine, in full width, not on the map.
 
     question  {"point": 0..2N-1 (VIS first, then TAC), "stage": …, "order": p}
@@ -43,7 +42,7 @@ def neighbours(resources: Resources, question: Mapping[str, Any]) -> dict[str, A
     return {"neighbours": nearest(kept_features(resources, stage, order), point)}
 
 
-def nearest(features: "Array", point: int) -> list[dict[str, Any]]:
+def nearest(features: "Array", point: int) -> list[Reply]:
     """Return the NEIGHBOURS rows of `features` (2N, D), of unit length, with the largest cosine
     to another one.
     """
@@ -55,14 +54,14 @@ def nearest(features: "Array", point: int) -> list[dict[str, Any]]:
     return [{"point": int(i), "cosine": round(float(cosines[i]), 4)} for i in best]
 
 
-def unseen(resources: Resources) -> dict[str, Any]:
+def unseen(resources: Resources) -> Reply:
     """Return the accuracy of the first head in unseen domains, as `omnivat.measure.unseen` has it.
 
     Values of each pair are `packed`: a list of numbers would need five times as many bytes.
     """
     from omnivat.measure.unseen import unseen_summary
 
-    def made() -> dict[str, Any]:
+    def made() -> Reply:
         found = unseen_summary(resources.head(), resources.embeddings())
         known, width = found["pairs"], "u1" if len(found["classes"]) <= 256 else "u2"
         pairs = {
@@ -76,7 +75,7 @@ def unseen(resources: Resources) -> dict[str, Any]:
     return resources.results.once("unseen", made)
 
 
-def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def ladder(resources: Resources, question: Question) -> Reply:
     """Return the ladder of a source domain, as `omnivat.measure.ladder` has it.
 
     question  {"source": a domain, "" for the head's}
@@ -85,7 +84,7 @@ def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     embeddings = resources.embeddings()
     source = one_of("source", question.get("source"), ("", *embeddings.header.domains))
 
-    def climbed() -> dict[str, Any]:
+    def climbed() -> Reply:
         from omnivat.measure.ladder import ladder
 
         recorded = not source and not resources.drawn()
@@ -97,7 +96,7 @@ def ladder(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     return resources.results.once(f"ladder {source}", climbed)
 
 
-def known(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def known(resources: Resources, question: Question) -> Reply:
     """Return what the head reads right at home, or in other domains by what is known of them.
 
     question  {"known": "home", "nothing", "pictures" or "labels"}
@@ -121,7 +120,7 @@ def known(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
     }
     what = one_of("known", question.get("known"), steps)
 
-    def made() -> dict[str, Any]:
+    def made() -> Reply:
         home = what == "home"
         found = measured(head, embeddings, steps[what], home=home)
         return {**found, "source": head.source}
@@ -139,22 +138,22 @@ def pairs(resources: Resources) -> dict[str, list[str]]:
     return {"name": names} | {name: rows[name] for name in ("looks_like", "feels_like", *columns)}
 
 
-def twins(_: Resources) -> dict[str, Any]:
+def twins(_: Resources) -> Reply:
     """Return what heads predict of the project's twins, as `python -m benchmarks.twins --page`
     wrote it.
     """
     return _written("twins.json")
 
 
-def twins_map(_: Resources) -> dict[str, Any]:
+def twins_map(_: Resources) -> Reply:
     """Return the positions of the twins' touches, as they come and with mean and spread moved."""
     return _written("twins.map.json")
 
 
 @cache
-def _written(name: str) -> dict[str, Any]:
+def _written(name: str) -> Reply:
     try:
-        written: dict[str, Any] = orjson.loads((EXAMPLES / name).read_bytes())
+        written: Reply = orjson.loads((EXAMPLES / name).read_bytes())
     except OSError as error:
         raise DataError(
             f"The file '{name}' is not beside the project's sets; make it with `python -m"
@@ -168,13 +167,13 @@ def twin_pictures() -> dict[str, Path]:
     return {file.name: file for file in sorted((EXAMPLES / "twins").glob("*.webp"))}
 
 
-def mechanism(_: Resources) -> dict[str, Any]:
+def mechanism(_: Resources) -> Reply:
     """Return the toy for the transform and the ReLU, which is the same for every set."""
     return _toy()
 
 
 @cache
-def _toy() -> dict[str, Any]:
+def _toy() -> Reply:
     from omnivat.simulate.toy import toy
 
     return toy(STOPS)

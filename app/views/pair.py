@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from app.familiar import predict_one
 from app.pair_input import asked, rounded, within
 from app.resources import Resources
+from app.state import Question, Reply
 from omnivat.data.domains import is_simulated
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import STOPS
@@ -25,7 +26,7 @@ MOST_AT_ONCE = 25  # pairs of one request; a page with more sends several
 COLUMNS = 256  # columns of the spectrum; each shows the maximum of its entries
 
 
-def gallery(resources: Resources) -> list[dict[str, Any]]:
+def gallery(resources: Resources) -> list[Reply]:
     """Return the examples to choose from."""
     return [
         {"name": name, "domain": domain, "class": material, "simulated": is_simulated(domain)}
@@ -34,7 +35,7 @@ def gallery(resources: Resources) -> list[dict[str, Any]]:
     ]
 
 
-def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def predicted(resources: Resources, question: Question) -> Reply:
     """Predict one pair at the learned order, and at every stop with the same weights.
 
     question  {"vis": reference or None, "tac": reference or None, "order": p or None,
@@ -71,7 +72,7 @@ def predicted(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
     }
 
 
-def many(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def many(resources: Resources, question: Question) -> Reply:
     """Return the head's predictions for several pairs, at its learned order if none is named.
 
     question  {"pairs": [{"vis", "tac": references}, …], at most MOST_AT_ONCE; "lessons"}
@@ -119,7 +120,7 @@ def at_orders(
     return model.from_coefficients(many, torch.tensor(orders), attention=attention)
 
 
-def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, Any]:
+def attention(resources: Resources, question: Question) -> Reply:
     """Return FrATT's attention at every stop: the weights of each query over the tokens.
 
     question  as for `predicted`
@@ -147,7 +148,7 @@ def attention(resources: Resources, question: Mapping[str, Any]) -> dict[str, An
     return {"count": {name: w.shape[-1] for name, w in found.items()}, "off": coded, "scale": scale}
 
 
-def spectrum(magnitudes: "np.ndarray[Any, Any]") -> dict[str, Any]:
+def spectrum(magnitudes: "np.ndarray[Any, Any]") -> Reply:
     """Return |F_p| (P, D) as a picture of bytes, row by row, with what 255 stands for.
 
     If D exceeds the picture's width, neighbouring entries are reduced to their maximum.
