@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock
 from time import monotonic
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from app.jobs import Job
 from app.limits import LARGE_SET
@@ -17,7 +17,6 @@ from omnivat.kit.stages import STOPS
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from app.resources import Resources
     from omnivat.data.store import Embeddings
     from omnivat.head.checkpoint import Head
 
@@ -58,13 +57,14 @@ def cache_name(head: Path, embeddings: Path, drawn: int) -> str:
 class FramesJob:
     """The frames of one of the heads and its set, computed as a job if there is no file.
 
-    name  of the head, "" for the first one: its set may be of another encoder, and then the
-          features alone are drawn
+    resources  their `app.resources.Resources`, which makes the job
+    name       of the head, "" for the first one: its set may be of another encoder, and then the
+               features alone are drawn
     """
 
-    def __init__(self, resources: "Resources", name: str) -> None:
+    def __init__(self, resources: Any, name: str) -> None:
         self._of, self._name = resources, name
-        self._file = None if name else resources.where.frames
+        self._file: Path | None = None if name else resources.where.frames
         self._whole = self._file is not None
         self._lock = Lock()
         self._job: Job[None] | None = None
@@ -128,7 +128,7 @@ class FramesJob:
 
     def _fitting(self, embeddings: "Embeddings") -> "Head | None":
         """Return the head; None if it is the first one and of another encoder than the set."""
-        head = self._of.heads[self._name]()
+        head: Head = self._of.heads[self._name]()
         try:
             head.require_embeddings(embeddings)
         except DataError:

@@ -9,13 +9,10 @@ import argparse
 import math
 from collections.abc import Sequence
 from statistics import pstdev
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from omnivat.cli.arguments import as_json, count, declare, figure, flag, head_and_set, progress_bar
 from omnivat.kit.errors import SettingsError
-
-if TYPE_CHECKING:
-    pass
 
 
 def add(parser: argparse.ArgumentParser) -> None:

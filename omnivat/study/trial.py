@@ -35,6 +35,7 @@ NO_CLASSES = (
     " `python -m omnivat report` measures them."
 )
 Rows = NDArray[np.int64]
+Record = dict[str, Any]  # of a domain
 Labels = NDArray[np.int64]
 
 
@@ -44,7 +45,7 @@ class Trial:
 
     head: Head | None
     lines: list[str]
-    records: list[dict[str, Any]] = field(default_factory=list)
+    records: list[Record] = field(default_factory=list)
 
 
 def try_pairs(
@@ -179,7 +180,7 @@ def probe_of(view: str) -> str:
     return f"{PROBE}, {view}"
 
 
-def _record(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels]) -> dict[str, Any]:
+def _record(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels]) -> Record:
     """Return the tested pairs' counts, and the share right of each reading with its interval, by
     objects.
     """
@@ -200,7 +201,7 @@ def _record(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels])
 
 def _in_target(
     features: Features, head: Head, home: Rows, rows: Rows, name: str
-) -> tuple[dict[str, Any] | None, str]:
+) -> tuple[Record | None, str]:
     """Return the record of a target domain, plain and with a profile of its pictures, and a
     sentence.
     """
@@ -240,7 +241,7 @@ def _about(plan: TrainingPlan, source: str) -> str:
     )
 
 
-def _sentence(record: dict[str, Any]) -> str:
+def _sentence(record: Record) -> str:
     """Return the figures of a record; the interval counts objects, since pairs of one are alike."""
     views = [name for name in ("both", "vis", "tac") if name in record]
     main = record[views[0]]
@@ -261,7 +262,7 @@ def _sentence(record: dict[str, Any]) -> str:
     return text
 
 
-def conclusion(records: Sequence[dict[str, Any]], source: str) -> str:
+def conclusion(records: Sequence[Record], source: str) -> str:
     """Return in one sentence what predicts best: in other domains than the source if there are any.
 
     A lead counts if it exceeds half the width of the head's interval.

@@ -20,6 +20,10 @@ if TYPE_CHECKING:
     from omnivat.encoders.lang.clip_prompts import ClipPrompts
 
 
+Rows = dict[str, Tensor]  # by modality or reading
+Predict = Callable[[Tensor, Tensor], Rows]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Live:
     """The images of a source's embeddings, and the CLIP that made them."""
@@ -104,7 +108,7 @@ class Source:
         return self.vis.shape[1]
 
     @property
-    def images(self) -> dict[str, Tensor]:
+    def images(self) -> Rows:
         """VIS and TAC (N, D) by name."""
         return {"vis": self.vis, "tac": self.tac}
 
@@ -159,10 +163,7 @@ class Source:
         return rows + self.noise * every.std(0, correction=0) * torch.randn_like(rows)
 
 
-Predict = Callable[[Tensor, Tensor], dict[str, Tensor]]
-
-
-def embeddings_themselves(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+def embeddings_themselves(vis: Tensor, tac: Tensor) -> Rows:
     """Return unit embeddings by modality and concatenated, for methods without features."""
     seen, felt = normalize(vis, dim=-1), normalize(tac, dim=-1)
     return {"vis": seen, "tac": felt, "pair": torch.cat((seen, felt), dim=-1)}
@@ -193,7 +194,7 @@ def late(alone: Callable[[str, Tensor], Tensor]) -> Predict:
     alone  ("vis" or "tac", rows (B, D)) -> probabilities (B, K)
     """
 
-    def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+    def predict(vis: Tensor, tac: Tensor) -> Rows:
         seen, felt = alone("vis", vis), alone("tac", tac)
         return {"fused": torch.stack((seen, felt)).mean(0), "vis": seen, "tac": felt}
 
@@ -205,7 +206,7 @@ def sized(rows: Tensor) -> Tensor:
     return normalize(rows, dim=-1) * math.sqrt(rows.shape[1])
 
 
-def joined(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+def joined(vis: Tensor, tac: Tensor) -> Rows:
     """Return features (B, W) by modality, and concatenated at unit length as "pair"."""
     pair = torch.cat((normalize(vis, dim=-1), normalize(tac, dim=-1)), dim=-1)
     return {"vis": vis, "tac": tac, "pair": pair}

@@ -14,7 +14,7 @@ from torch import Tensor, nn
 from torch.nn.functional import cross_entropy, normalize
 
 from omnivat.kit.stages import IMAGES
-from omnivat.study.baselines.contract import Fitted, Source, joined, sized
+from omnivat.study.baselines.contract import Fitted, Rows, Source, joined, sized
 from omnivat.study.baselines.descent import Descent, learned, size
 from omnivat.study.baselines.logistic import fit_logistic
 
@@ -61,7 +61,7 @@ def fit_vt_cmc(source: Source) -> Fitted:
         "vt-cmc",
     )
 
-    def features(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+    def features(vis: Tensor, tac: Tensor) -> Rows:
         seen, touched = _unit(maps["vis"], vis), _unit(maps["tac"], tac)
         return {"vis": seen, "tac": touched, "pair": torch.cat((seen, touched), dim=-1)}
 
@@ -93,7 +93,7 @@ def fit_sitr(source: Source) -> Fitted:
     of_vis = fit_logistic(source, lambda vis, tac: _unit(seen, vis))
     of_tac = fit_logistic(source, lambda vis, tac: _unit(touched, tac))
 
-    def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+    def predict(vis: Tensor, tac: Tensor) -> Rows:
         felt = of_tac.predict(vis, tac)["fused"]
         return {"fused": felt, "vis": of_vis.predict(vis, tac)["fused"], "tac": felt}
 

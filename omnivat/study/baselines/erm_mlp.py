@@ -11,7 +11,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import cross_entropy
 
-from omnivat.study.baselines.contract import Fitted, Source, joined, sized
+from omnivat.study.baselines.contract import Fitted, Rows, Source, joined, sized
 from omnivat.study.baselines.descent import Descent, learned, size
 from omnivat.study.baselines.evidence import best
 
@@ -66,10 +66,10 @@ def _fitted(source: Source, choice: tuple[float, float], inputs: Inputs) -> Fitt
         for name, own in inputs.items()
     }
 
-    def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+    def predict(vis: Tensor, tac: Tensor) -> Rows:
         return {name: model(vis, tac).softmax(-1) for name, model in models.items()}
 
-    def features(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+    def features(vis: Tensor, tac: Tensor) -> Rows:
         own = {name: model.features(vis, tac) for name, model in models.items()}
         return {**joined(own["vis"], own["tac"]), "pair": own["fused"]}
 

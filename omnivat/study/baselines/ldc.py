@@ -22,7 +22,7 @@ from torch.nn.functional import cross_entropy, l1_loss, normalize
 
 from omnivat.encoders.clip_live import LiveClip
 from omnivat.kit.stages import IMAGES
-from omnivat.study.baselines.contract import Fitted, Source, joined, late, live_towers, sized
+from omnivat.study.baselines.contract import Fitted, Rows, Source, joined, late, live_towers, sized
 from omnivat.study.baselines.descent import Descent, learned, size
 from omnivat.study.baselines.evidence import best
 from omnivat.study.baselines.mmrl import PROMPT
@@ -113,7 +113,7 @@ class DeConfused(nn.Module):
         self.gate = _perceptron(width, width, 1)
         self.to(clip.device)
 
-    def forward(self, images: Tensor) -> dict[str, Tensor]:
+    def forward(self, images: Tensor) -> Rows:
         """Return "base", "own", "clear" and "mixed" logits (B, K), and "joined" features (B, D)."""
         (clip,) = self._towers
         plain, levels = self.levels(clip, images)
@@ -195,7 +195,7 @@ class PooledDeConfusion(nn.Module):
         return base, own, clear, gate * own + (1 - gate) * clear
 
 
-def _prototypes(source: Source) -> dict[str, Tensor]:
+def _prototypes(source: Source) -> Rows:
     if source.lang is not None and source.lang_of_images:
         texts = normalize(normalize(source.lang, dim=-1).mean(1), dim=-1)
         return {"vis": texts, "tac": texts}

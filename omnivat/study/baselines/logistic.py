@@ -8,7 +8,7 @@ from torch import Tensor
 from torch.nn.functional import linear
 
 from omnivat.kit.logistic import scaling, solve
-from omnivat.study.baselines.contract import Fitted, Source
+from omnivat.study.baselines.contract import Fitted, Rows, Source
 from omnivat.study.baselines.evidence import best
 
 STRENGTHS = {f"{c:g}": c for c in (1.0, *(10.0**power for power in range(-5, 5)))}  # C
@@ -30,7 +30,7 @@ def _fitted(source: Source, strength: float, view: View) -> Fitted:
     scale = scaling(rows)
     weight, bias = solve(scale(rows), full.labels, len(source.classes), strength)
 
-    def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+    def predict(vis: Tensor, tac: Tensor) -> Rows:
         some = view(vis, tac)
         return {"fused": linear(scale(some.double()), weight, bias).softmax(-1).to(some.dtype)}
 

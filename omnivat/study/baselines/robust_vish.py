@@ -10,7 +10,7 @@ from torch import Tensor, nn
 from torch.nn.functional import cross_entropy
 
 from omnivat.kit.logistic import scaling
-from omnivat.study.baselines.contract import Fitted, Source
+from omnivat.study.baselines.contract import Fitted, Rows, Source
 from omnivat.study.baselines.descent import Descent, learned, size
 
 WIDTH, KERNELS, HEADS = (128, 256, 128), (8, 5, 3), 3
@@ -72,7 +72,7 @@ def fit(source: Source) -> Fitted:
 
     model = learned(source, lambda: RobustVisH(len(source.classes)), HOW, loss, "robust-vish")
 
-    def predict(vis: Tensor, tac: Tensor) -> dict[str, Tensor]:
+    def predict(vis: Tensor, tac: Tensor) -> Rows:
         seen, touched = scale_vis(vis), scale_tac(tac)
         no_photo, no_touch = torch.zeros_like(seen), torch.zeros_like(touched)
         given = {"fused": (seen, touched), "vis": (seen, no_touch), "tac": (no_photo, touched)}

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from omnivat.data.store import Embeddings, load_embeddings
 from omnivat.encoders.lang.bank import LangBank, load_bank
@@ -70,7 +69,7 @@ def run_all(
 
 def _results(
     runs: Sequence[Run], pairs: Embeddings, texts: LangBank | None, jobs: int, *files: Path | None
-) -> Iterator[dict[str, Any]]:
+) -> Iterator[records.Record]:
     if jobs > 1 and len(runs) > 1:
         yield from in_processes(_work, runs, jobs, _prepare, *files)
         return
@@ -87,7 +86,7 @@ def _prepare(embeddings: Path, bank: Path | None) -> None:
     _OPEN.append(_opened(embeddings, bank))
 
 
-def _work(run: Run) -> dict[str, Any]:
+def _work(run: Run) -> records.Record:
     return execute(run, *_OPEN[0])
 
 

@@ -9,7 +9,6 @@ from functools import partial
 from typing import Any, TypeVar
 
 import torch
-from torch import Tensor
 
 from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import LangBank
@@ -22,7 +21,7 @@ from omnivat.kit.seeding import derive_seed
 from omnivat.kit.tables import load
 from omnivat.measure.predictions import label_map, predicted_probabilities
 from omnivat.study.baselines import BASELINES
-from omnivat.study.baselines.contract import Fitted, Predict, Source
+from omnivat.study.baselines.contract import Fitted, Predict, Rows, Source
 from omnivat.study.protocol.images import inputs, live_of, require_own_images, tensor
 from omnivat.study.protocol.methods import Method
 from omnivat.study.protocol.settings import Task
@@ -76,7 +75,7 @@ def _or_why(get: Callable[[], T]) -> tuple[T | None, str]:
         return None, str(error)
 
 
-Probabilities = Callable[[Embeddings], dict[str, Tensor]]
+Probabilities = Callable[[Embeddings], Rows]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,7 +116,7 @@ def fit_baseline(
     )
 
 
-def _joined(read: Predict, fitted: Fitted, pairs: Embeddings) -> dict[str, Tensor]:
+def _joined(read: Predict, fitted: Fitted, pairs: Embeddings) -> Rows:
     """Return what `read`, of a fitted method, returns for all pairs."""
     found = [read(*given) for given in inputs(fitted, pairs)]
     return {name: torch.cat([part[name] for part in found]) for name in found[0]}
@@ -153,9 +152,7 @@ def fit_head(
 
 
 @torch.no_grad()
-def _head_features(
-    model: OmniVaT, modalities: tuple[str, ...], pairs: Embeddings
-) -> dict[str, Tensor]:
+def _head_features(model: OmniVaT, modalities: tuple[str, ...], pairs: Embeddings) -> Rows:
     """Return F-hat of each modality alone, and both branches concatenated as "pair"."""
     rows = {n: tensor(getattr(pairs, n)) if n in modalities else None for n in ("vis", "tac")}
     alone = {

@@ -17,6 +17,7 @@ from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import LangBank
 from omnivat.kit.lines import lines
 
+Record = dict[str, Any]  # of one run
 FORMAT = "omnivat-run-2"
 FORMATS = ("omnivat-run-1", FORMAT)  # 1: no odds, and "fused" is the chosen fusion
 
@@ -34,7 +35,7 @@ def fingerprint(embeddings: Embeddings) -> str:
     return digest.hexdigest()
 
 
-def provenance(embeddings: Embeddings, bank: LangBank | None) -> dict[str, Any]:
+def provenance(embeddings: Embeddings, bank: LangBank | None) -> Record:
     """Return the facts shared by all records of a file: data, text, versions."""
     header = embeddings.header
     return {
@@ -71,7 +72,7 @@ def append(path: Path, record: Mapping[str, Any]) -> None:
         os.fsync(handle.fileno())
 
 
-def read(path: Path) -> list[dict[str, Any]]:
+def read(path: Path) -> list[Record]:
     """Return the records of a file, which may be compressed (.gz); an incomplete last line is
     ignored.
 

@@ -2,7 +2,6 @@
 
 import time
 from dataclasses import asdict, dataclass
-from typing import Any
 
 from omnivat.data.domains import paper_name
 from omnivat.data.store import Embeddings
@@ -10,6 +9,7 @@ from omnivat.encoders.lang.bank import LangBank
 from omnivat.kit.errors import OmniVatError
 from omnivat.study.protocol.fitting import fit_baseline, fit_head, head_settings
 from omnivat.study.protocol.methods import HEAD, Method
+from omnivat.study.protocol.records import Record
 from omnivat.study.protocol.scoring import object_numbers, score
 from omnivat.study.protocol.settings import Task, task
 
@@ -24,7 +24,7 @@ class Run:
     settled: tuple[str, ...] = ()  # names of candidates that a baseline's first seed chose here
 
 
-def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> dict[str, Any]:
+def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> Record:
     """Return the record of a run: resolved settings, scores on the source's test and each target.
 
     If a method cannot run on these embeddings, or its training fails, the record has "skipped"
@@ -58,7 +58,7 @@ def execute(run: Run, embeddings: Embeddings, bank: LangBank | None) -> dict[str
     return record
 
 
-def heading(run: Run, task: Task, bank: LangBank | None) -> dict[str, Any]:
+def heading(run: Run, task: Task, bank: LangBank | None) -> Record:
     """Return what the record of a run begins with: all that is known before it is fitted."""
     return {
         "method": run.method.name,
@@ -76,7 +76,7 @@ def heading(run: Run, task: Task, bank: LangBank | None) -> dict[str, Any]:
     }
 
 
-def _resolved(run: Run, task: Task, bank: LangBank | None) -> dict[str, Any]:
+def _resolved(run: Run, task: Task, bank: LangBank | None) -> Record:
     """Return the settings of a run: all of a head; a baseline chooses its own."""
     if run.method.base != HEAD:
         return {"train": dict(run.method.train)} if run.method.train else {}

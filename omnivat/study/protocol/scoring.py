@@ -8,7 +8,6 @@
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 import torch
@@ -20,11 +19,12 @@ from omnivat.measure.gaps.calibration import aurc, ece, nll
 from omnivat.measure.gaps.sums import cosine_margin
 from omnivat.measure.predictions import label_map, scores
 from omnivat.study.protocol.fitting import Outcome
+from omnivat.study.protocol.records import Record
 
 
 def score(
     outcome: Outcome, pairs: Embeddings, classes: tuple[str, ...], numbers: Mapping[str, int]
-) -> dict[str, Any]:
+) -> Record:
     """Return counts, scores by reading, margins and every prediction.
 
     numbers  object -> its number (`object_numbers`)
@@ -32,7 +32,7 @@ def score(
     """
     labels = label_map(classes, pairs.header.classes)[pairs.label]
     known = np.flatnonzero(labels >= 0)
-    record: dict[str, Any] = {"pairs": len(known), "left_out": len(labels) - len(known)}
+    record: Record = {"pairs": len(known), "left_out": len(labels) - len(known)}
     if not len(known):
         return record | {"scores": {}}
     pairs, truth = pairs.select(known), torch.from_numpy(labels[known])
