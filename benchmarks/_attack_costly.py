@@ -21,27 +21,29 @@ def costly() -> dict[str, bytes]:
     soft = Image.fromarray(np.stack([slope, slope[::-1], slope[:, ::-1]], -1))
     plain = Image.new
     return {
-        "WebP, 34 bytes, 64 megapixels": _file(plain("RGBA", (8000, 8000)), "WEBP", lossless=True),
-        "WebP, noise": _file(noise, "WEBP", quality=100, method=0),
-        "WebP, lossless noise": _file(noise, "WEBP", lossless=True, method=0, quality=0),
-        "JPEG, progressive noise": _file(noise.resize((3200, 2800)), "JPEG", progressive=True),
-        "JPEG, 64 megapixels": _file(plain("RGB", (8000, 8000), 1), "JPEG"),
-        "JPEG, 64 megapixels, progressive": _file(
+        "WebP, 34 bytes, 64 megapixels": encoded(
+            plain("RGBA", (8000, 8000)), "WEBP", lossless=True
+        ),
+        "WebP, noise": encoded(noise, "WEBP", quality=100, method=0),
+        "WebP, lossless noise": encoded(noise, "WEBP", lossless=True, method=0, quality=0),
+        "JPEG, progressive noise": encoded(noise.resize((3200, 2800)), "JPEG", progressive=True),
+        "JPEG, 64 megapixels": encoded(plain("RGB", (8000, 8000), 1), "JPEG"),
+        "JPEG, 64 megapixels, progressive": encoded(
             plain("RGB", (8000, 8000), 1), "JPEG", progressive=True
         ),
-        "JPEG, CMYK": _file(plain("CMYK", (7000, 7000), 1), "JPEG"),
-        "PNG, soft": _file(soft, "PNG", compress_level=1),
-        "PNG, transparent": _file(plain("RGBA", (3500, 3500), (1, 2, 3, 4)), "PNG"),
-        "PNG, 16 bits grey": _file(Image.fromarray(np.zeros((4890, 4890), np.uint16)), "PNG"),
+        "JPEG, CMYK": encoded(plain("CMYK", (7000, 7000), 1), "JPEG"),
+        "PNG, soft": encoded(soft, "PNG", compress_level=1),
+        "PNG, transparent": encoded(plain("RGBA", (3500, 3500), (1, 2, 3, 4)), "PNG"),
+        "PNG, 16 bits grey": encoded(Image.fromarray(np.zeros((4890, 4890), np.uint16)), "PNG"),
         "PNG, interlaced, 16 bits RGBA": interlaced(2820, 2820),
-        "TIFF, deflate": _file(soft, "TIFF", compression="tiff_adobe_deflate"),
-        "TIFF, LZW": _file(noise, "TIFF", compression="tiff_lzw"),
-        "TIFF, floating": _file(
+        "TIFF, deflate": encoded(soft, "TIFF", compression="tiff_adobe_deflate"),
+        "TIFF, LZW": encoded(noise, "TIFF", compression="tiff_lzw"),
+        "TIFF, floating": encoded(
             Image.fromarray(np.zeros((3500, 3500), np.float32)), "TIFF", compression="tiff_lzw"
         ),
-        "GIF": _file(plain("P", (4000, 4000), 1), "GIF"),
-        "BMP": _file(soft.resize((2500, 2600)), "BMP"),
-        "JPEG 2000": _file(plain("RGB", (4000, 4000)), "JPEG2000"),
+        "GIF": encoded(plain("P", (4000, 4000), 1), "GIF"),
+        "BMP": encoded(soft.resize((2500, 2600)), "BMP"),
+        "JPEG 2000": encoded(plain("RGB", (4000, 4000)), "JPEG2000"),
         "PPM, a comment of 19 MB": b"P6\n#" + b"x" * 19_000_000 + b"\n9 9\n255\n" + bytes(243),
         **_noted(),
     }
@@ -50,30 +52,32 @@ def costly() -> dict[str, bytes]:
 def _noted() -> dict[str, bytes]:
     """Return small pictures with large notes: EXIF tables, comments, fill bytes."""
     small = Image.new("RGB", (600, 600), 5)
-    jpeg, png = _file(small, "JPEG"), _file(small, "PNG")
-    gif = _file(small.convert("P"), "GIF")
+    jpeg, png = encoded(small, "JPEG"), encoded(small, "PNG")
+    gif = encoded(small.convert("P"), "GIF")
     entries = b"".join(struct.pack("<HHII", k, 2, 200_000, 8) for k in range(65_000))
     table = b"II*\0\x08\0\0\0" + struct.pack("<H", 65_000) + entries + bytes(200_000)
     at = png.index(b"IDAT") - 4
     part = b"\xff\xe1" + struct.pack(">H", 65_008) + b"Exif\0\0" + bytes(65_000)
     return {
-        "PNG, 1 MB of EXIF entries": png[:at] + _chunk(b"eXIf", table) + png[at:],
+        "PNG, 1 MB of EXIF entries": png[:at] + chunk(b"eXIf", table) + png[at:],
         "JPEG, 300 EXIF parts": jpeg[:2] + part * 300 + jpeg[2:],
         "JPEG, 19 MB of fill bytes": jpeg[:2] + b"\xff" * 19_000_000 + jpeg[2:],
-        "JPEG, 9 million starts of a scan": _file(small, "JPEG", progressive=True)
+        "JPEG, 9 million starts of a scan": encoded(small, "JPEG", progressive=True)
         + b"\xff\xda" * 9_000_000,
         "GIF, 1.2 MB of comments": gif.replace(
             b"\x2c", b"\x21\xfe" + (b"\xff" + bytes(255)) * 4_900 + b"\0\x2c", 1
         ),
-        "PNG, 8 x 1.9 million": _file(Image.new("RGBA", (8, 1_900_000)), "PNG"),
+        "PNG, 8 x 1.9 million": encoded(Image.new("RGBA", (8, 1_900_000)), "PNG"),
     }
 
 
-def _chunk(name: bytes, body: bytes) -> bytes:
+def chunk(name: bytes, body: bytes) -> bytes:
+    """Return a part of a PNG."""
     return struct.pack(">I", len(body)) + name + body + struct.pack(">I", zlib.crc32(name + body))
 
 
-def _file(image: Image.Image, kind: str, **options: Any) -> bytes:
+def encoded(image: Image.Image, kind: str, **options: Any) -> bytes:
+    """Return a picture as a file."""
     with BytesIO() as handle:
         image.save(handle, kind, **options)
         return handle.getvalue()
@@ -88,7 +92,7 @@ def interlaced(width: int, height: int) -> bytes:
         parts += [packer.compress(row) for _ in range(-(-(height - top) // down))]
     head = struct.pack(">IIBBBBB", width, height, 16, 6, 0, 0, 1)
     chunks = ((b"IHDR", head), (b"IDAT", b"".join(parts) + packer.flush()), (b"IEND", b""))
-    return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(name, body) for name, body in chunks)
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(name, body) for name, body in chunks)
 
 
 def decoded(decoder: Any) -> Iterator[tuple[str, bool]]:
@@ -105,6 +109,6 @@ def decoded(decoder: Any) -> Iterator[tuple[str, bool]]:
             return str(error).endswith(".") and monotonic() - began < MOST_S
         return monotonic() - began < MOST_S
 
-    plain = _file(Image.new("RGB", (99, 99)), "PNG")
+    plain = encoded(Image.new("RGB", (99, 99)), "PNG")
     for name, content in costly().items():
         yield name, ends(content) and decoder.read(plain, "plain").width == 99

@@ -6,7 +6,6 @@ import sys
 import tracemalloc
 import zlib
 from contextlib import suppress
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
@@ -14,16 +13,11 @@ import pytest
 from PIL import Image
 
 from app.decoder import Decoder
+from benchmarks._attack_costly import chunk, encoded
 from omnivat.data.images import read_image
 from omnivat.kit.errors import DataError
 
 ROOT = Path(__file__).resolve().parents[2]
-
-
-def encoded(image, kind, **options):
-    with BytesIO() as handle:
-        image.save(handle, kind, **options)
-        return handle.getvalue()
 
 
 @pytest.fixture
@@ -58,11 +52,6 @@ def test_a_large_photo_says_the_size_that_it_had_and_lies_upright(decoder):
 def test_what_cannot_be_read_is_refused_in_a_sentence_with_its_name(decoder, content):
     with pytest.raises(DataError, match=r"'touch' .*\."):
         decoder.read(content, "touch")
-
-
-def chunk(name, content):
-    check = struct.pack(">I", zlib.crc32(name + content))
-    return struct.pack(">I", len(content)) + name + content + check
 
 
 def png(side, *parts):

@@ -72,7 +72,8 @@ def test_a_map_has_a_mark_for_every_point_and_one_name_a_group():
 
 
 def test_higher_values_are_higher_and_bars_reach_as_far_as_their_error():
-    found = figures.lines({"s": ([0, 1], [50, 60], [2, 0])}, title="p & q")
+    found = figures.lines({"s": ([0, 2], [50, 60], [2, 0])}, title="p & q")
+    assert found.layout.xaxis.range == pytest.approx((-0.06, 2.06))
     root = ElementTree.fromstring(svg_of(found))
     low, high = (float(e.get("cy")) for e in root.iter(f"{SVG}circle"))
     assert high < low

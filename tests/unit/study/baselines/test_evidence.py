@@ -85,7 +85,7 @@ def test_noise_reaches_every_drawn_row_and_the_copies_of_a_solved_method(source)
     vis, tac = wide.drawn(torch.arange(36))
     for rows, plain in ((vis, wide.vis), (tac, wide.tac)):
         size = ((rows - plain) / plain.std(0, correction=0)).std()
-        assert size == pytest.approx(2.0, rel=0.03)
+        assert size == pytest.approx(2.0, rel=0.01)
     full = wide.both_views()
     assert len(full) == len(full.objects) == len(full.vis) == 36 * COPIES
     assert not torch.equal(full.vis[:36], full.vis[36:72])
