@@ -29,6 +29,7 @@ from app.modes import mode_files, modes
 from app.requests import done, number_from, question_of, received, set_of, visitor_of
 from app.resources import Resources, require_name
 from app.saving import save_figure
+from app.state import VISITOR, Reply
 from app.training import Trainings
 from app.views import explore, pair
 from app.visitor_sets import VisitorSets
@@ -105,9 +106,8 @@ def routes(first: Resources, *, api: bool = False) -> list[Route]:
     gets: dict[str, Handler] = {
         **{name: partial(file, sets, *row) for name, row in files.items()},
         "frames": partial(frames, sets),
-        "real": partial(real, sets),
         "real/{name:path}": partial(real_picture, sets),
-        **{name: partial(compute, sets, work) for name, work in FACTS.items()},
+        **{name: partial(compute, sets, work) for name, work in [*FACTS.items(), ("real", real)]},
     }
     questions = {**QUESTIONS, "trainings": trainings.offers, "train": trainings.start}
     about_training = {
@@ -220,38 +220,30 @@ async def frames(sets: VisitorSets, request: Request) -> Response:
     request is fast.
     """
     resources = set_of(sets, request)
+    headers, after = {HOLDS: resources.holds, "X-Frames": "fine"}, None
     if mode := request.query_params.get("mode", ""):  # another one than the loaded head's
         file = mode_files(resources.where).get(mode)
         if file is None:
             return refusal(f"There are no frames of the kind '{mode:.20}' beside this set.", 404)
-        return frames_response(request, resources, file, {"X-Frames": "fine"})
-    name = request.query_params.get("head", "")
-    require_name(name, resources.frame_jobs)
-    state = resources.frame_jobs[name].state()
-    if state.problem:
-        return refusal(state.problem, 404)
-    if state.file is None or "progress" in request.query_params:
-        step = state.step and {
-            "done": state.step.done,
-            "total": state.step.total,
-            "text": ", ".join(filter(None, (state.step.text, state.step.left))),
-        }
-        return JSONResponse({"step": step, "ready": state.file is not None}, status_code=202)
-    headers = {
-        "X-Frames": "coarse" if state.step else "fine",
-        "X-Thumbnails": "sheet" if resources.sheet else "none",
-    }
-    return frames_response(
-        request, resources, state.file, headers, background=BackgroundTask(resources.warm)
-    )
-
-
-def frames_response(
-    request: Request, resources: Resources, file: Path, headers: Mapping[str, str], **options: Any
-) -> Response:
-    """Serve frames under the name of head and set."""
-    headers = {HOLDS: resources.holds, **headers}
-    return file_response(request, file, headers, media_type="application/octet-stream", **options)
+    else:
+        name = request.query_params.get("head", "")
+        require_name(name, resources.frame_jobs)
+        state = resources.frame_jobs[name].state()
+        if state.problem:
+            return refusal(state.problem, 404)
+        file = state.file
+        if file is None or "progress" in request.query_params:
+            step = state.step and {
+                "done": state.step.done,
+                "total": state.step.total,
+                "text": ", ".join(filter(None, (state.step.text, state.step.left))),
+            }
+            return JSONResponse({"step": step, "ready": file is not None}, status_code=202)
+        headers["X-Frames"] = "coarse" if state.step else "fine"
+        headers["X-Thumbnails"] = "sheet" if resources.sheet else "none"
+        after = BackgroundTask(resources.warm)
+    binary = "application/octet-stream"
+    return file_response(request, file, headers, media_type=binary, background=after)
 
 
 def thumbnails(resources: Resources, kind: str) -> Path | None:
@@ -260,11 +252,9 @@ def thumbnails(resources: Resources, kind: str) -> Path | None:
     return found.with_suffix(f".{kind}") if found and kind in ("webp", "json") else None
 
 
-async def real(sets: VisitorSets, request: Request) -> Response:
+def real(resources: Resources) -> Reply:
     """Return the fetched sets of real pairs with their terms."""
-    local = is_loopback(visitor_of(request))
-    listing = sets.shared.real.listing
-    return as_sent(await done(request, sets.shared.jobs, lambda _: listing(local=local)))
+    return resources.shared.real.listing(local=is_loopback(VISITOR.get()))
 
 
 async def real_picture(sets: VisitorSets, request: Request) -> Response:
