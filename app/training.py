@@ -12,7 +12,7 @@ from app.messages import BusyError
 from app.resources import Resources
 from app.saving import head_zip
 from app.state import VISITOR, ForgottenError, Question, Recent, Reply
-from app.training_plan import Plan, offers, plan_from, thinned
+from app.training_plan import offers, plan_from, thinned
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import CHECK, Step
@@ -38,7 +38,7 @@ LONGEST_VISITOR = 40
 class Run:
     """One training: its plan and its results so far."""
 
-    plan: Plan
+    plan: Reply  # as `plan_from` has it
     rows: "np.ndarray[Any, Any]"  # pairs on the maps
     job: Job[None] = field(init=False)
     epochs: list[Reply] = field(default_factory=list)
@@ -68,7 +68,7 @@ class Run:
         self.job.report(
             Step(
                 done=int(report.epoch),
-                total=self.plan.training.epochs,
+                total=self.plan["training"].epochs,
                 text=f"epoch {report.epoch}",
             )
         )
@@ -104,6 +104,7 @@ class Trainings:
         visitor = address, name
         embeddings = resources.embeddings()
         plan = plan_from(question, embeddings)
+        learned = embeddings.labelled[embeddings.rows_of(plan["source"], split="train")]
         run = Run(plan=plan, rows=thinned(len(embeddings), MAP_PAIRS), visitor=visitor)
         key = os.urandom(12).hex()
         with self._lock:
@@ -126,9 +127,9 @@ class Trainings:
             self._runs.keep(key, run)
         return {
             "run": key,
-            "total": plan.training.epochs,
-            "source": plan.source,
-            "left_out": plan.left_out,
+            "total": plan["training"].epochs,
+            "source": plan["source"],
+            "left_out": int((~learned).sum()),  # without a class
             "reach": REACH,
             "domains": list(embeddings.header.domains),
             "classes": list(embeddings.header.classes),
@@ -183,14 +184,10 @@ class Trainings:
         CHECK.set(check)
         run.job = job
         run.require_visitor()
-        job.report(Step(done=0, total=run.plan.training.epochs, text=run.plan.first))
-        plan = plan_training(
-            embeddings,
-            run.plan.source,
-            head=run.plan.head,
-            training=run.plan.training,
-            seed=run.plan.seed,
-        )
+        training = run.plan["training"]
+        first = "searching p" if training.order_search else "loading"
+        job.report(Step(done=0, total=training.epochs, text=first))
+        plan = plan_training(embeddings, **run.plan)
         shown = reporter(plan, run.take, every=MEASURE_EVERY)
         run.head = trained_head(plan, watch=Watch(on_epoch=shown))
         run.loaded = self._sets.adopt(run.head, beside=beside)

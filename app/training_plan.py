@@ -1,6 +1,5 @@
 """The choices of a training, and their check."""
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from app.state import Question, Reply, one_of
@@ -10,7 +9,6 @@ if TYPE_CHECKING:
     import numpy as np
 
     from omnivat.data.store import Embeddings
-    from omnivat.training import TrainSettings
 
 WIDTHS = (16, 32, 64, 128)
 ORDERS = ("gradient", "fixed", "search", "every")  # what p does
@@ -25,18 +23,6 @@ RANGES: dict[str, tuple[float, float, float]] = {
     "epochs": (5, 150, 120),
     "seed": (0, 999, 0),
 }
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
-    """One training, checked."""
-
-    source: str
-    head: Reply
-    training: "TrainSettings"
-    seed: int
-    first: str  # the step before the first epoch, in words
-    left_out: int = 0  # training pairs of the source without a class
 
 
 def offers(embeddings: "Embeddings", source: str) -> Reply:
@@ -67,9 +53,9 @@ def offers(embeddings: "Embeddings", source: str) -> Reply:
     }
 
 
-def plan_from(question: Question, embeddings: "Embeddings") -> Plan:
-    """Return the plan of a request; missing settings have their defaults. Raises DataError for a
-    wrong one.
+def plan_from(question: Question, embeddings: "Embeddings") -> Reply:
+    """Return what a request says of `omnivat.training.from_pairs.plan_training`, checked; missing
+    settings have their defaults. Raises DataError for a wrong one.
 
     question  {"source": domain, "width", "order": what p does, "p": initial value, "mma": λ,
               "levels": R, "expansion": E, "noise", "shift", "lang": true to use LANG, "epochs",
@@ -78,7 +64,6 @@ def plan_from(question: Question, embeddings: "Embeddings") -> Plan:
     from omnivat.training import TrainSettings
 
     source = one_of("source", question.get("source"), embeddings.header.domains)
-    rows = embeddings.rows_of(source, split="train")
     order = one_of("order", question.get("order", ORDERS[0]), ORDERS)
     number: Reply = {name: _number(name, question.get(name)) for name in RANGES}
     training = TrainSettings(
@@ -90,20 +75,14 @@ def plan_from(question: Question, embeddings: "Embeddings") -> Plan:
         noise=number["noise"],
         shift=number["shift"],
     )
-    return Plan(
-        source=source,
-        head={
-            "width": one_of("width", question.get("width", 64), WIDTHS),
-            "expansion": number["expansion"],
-            "levels": number["levels"],
-            "order": number["p"],
-            "learn_order": order in ("gradient", "search"),
-        },
-        training=training,
-        seed=number["seed"],
-        first="searching p" if order == "search" else "loading",
-        left_out=len(rows) - int(embeddings.labelled[rows].sum()),
-    )
+    head = {
+        "width": one_of("width", question.get("width", 64), WIDTHS),
+        "expansion": number["expansion"],
+        "levels": number["levels"],
+        "order": number["p"],
+        "learn_order": order in ("gradient", "search"),
+    }
+    return {"source": source, "head": head, "training": training, "seed": number["seed"]}
 
 
 def thinned(count: int, most: int) -> "np.ndarray[Any, Any]":

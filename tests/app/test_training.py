@@ -81,8 +81,9 @@ def test_what_is_offered_can_be_trained(resources):
     embeddings = resources.embeddings()
     found = offers(embeddings, resources.head().source)
     plan = plan_from(found["first"], embeddings)
-    assert (plan.source, plan.head["width"], plan.training.mma_weight) == ("TAG-sim", 64, 10.0)
-    assert plan.head["learn_order"]
+    width, weight = plan["head"]["width"], plan["training"].mma_weight
+    assert (plan["source"], width, weight) == ("TAG-sim", 64, 10.0)
+    assert plan["head"]["learn_order"]
     header = replace(embeddings.header, classes=(*embeddings.header.classes, "fabric"))
     other = replace(embeddings, header=header)
     assert found["first"]["lang"] and not offers(other, "")["first"]["lang"]
@@ -99,8 +100,8 @@ def test_what_is_offered_can_be_trained(resources):
 )
 def test_what_p_does_becomes_settings(resources, order, learned, searched, drawn):
     plan = plan_from({**SMALL, "order": order, "p": 0.3}, resources.embeddings())
-    assert (plan.head["learn_order"], plan.head["order"]) == (learned, 0.3)
-    assert (plan.training.order_search, plan.training.order_draw) == (searched, drawn)
+    assert (plan["head"]["learn_order"], plan["head"]["order"]) == (learned, 0.3)
+    assert (plan["training"].order_search, plan["training"].order_draw) == (searched, drawn)
 
 
 @pytest.mark.parametrize(
