@@ -19,9 +19,9 @@ def parents(arrangement: str, count: int) -> list[int]:
     [-1, 0, 0, 1, 1, 2, 2]
     """
     if arrangement == "tree":
-        return [-1, *((node - 1) // 2 for node in range(1, count))]
+        return [(node - 1) // 2 for node in range(count)]
     if arrangement == "series":
-        return list(range(-1, count - 1))
+        return [node - 1 for node in range(count)]
     if arrangement == "parallel":
         return [-1, *([0] * (count - 1))]
     return [-1] * count

@@ -77,19 +77,6 @@ def fold_tree(tree: DTG) -> tuple[Float[Tensor, "D D"], Float[Tensor, " D"]]:
     return matrix.to(dtype), offset.to(dtype)
 
 
-def versions(module: nn.Module) -> list[tuple[int, int, torch.dtype]]:
-    """Return a value that changes with any weight: in place, by loading or conversion."""
-    found, left = [], [module]
-    while left:  # `Module.modules` takes twice as long, and this runs at every prediction
-        part = left.pop()
-        for tensor in (*part._parameters.values(), *part._buffers.values()):
-            if tensor is not None:
-                version = -1 if tensor.is_inference() else tensor._version
-                found.append((tensor.data_ptr(), version, tensor.dtype))
-        left += [child for child in part._modules.values() if child is not None]
-    return found
-
-
 class Folds:
     """Cache of folded weights, valid until a weight changes."""
 
@@ -98,8 +85,13 @@ class Folds:
         self._versions: object = None
 
     def refresh(self, module: nn.Module) -> None:
-        """Clear the cache if a weight of `module` has changed."""
-        current = versions(module)
+        """Clear the cache if a weight has changed: in place, by loading or conversion."""
+        current = [
+            (tensor.data_ptr(), -1 if tensor.is_inference() else tensor._version, tensor.dtype)
+            for part in module.modules()
+            for tensor in (*part._parameters.values(), *part._buffers.values())
+            if tensor is not None
+        ]
         if self._versions != current:
             self._kept, self._versions = {}, current
 

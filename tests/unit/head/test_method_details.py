@@ -11,6 +11,7 @@ from omnivat.head.losses import joint_loss, mma_loss
 from omnivat.head.output import TrainingOutput
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError
+from omnivat.measure.predictions import predicted_probabilities
 from omnivat.training import TrainSettings, train
 from omnivat.training.guard import lang_guard
 
@@ -73,6 +74,8 @@ def test_the_guard_finds_a_head_that_reads_the_label_off_the_text(source):
     leaning = lang_guard(model, fresh, bank, seed=0)
     assert leaning["gap"] > 0.3
     assert leaning["gap"] == pytest.approx(leaning["with"] - leaning["without"])
+    said = predicted_probabilities(model, fresh)["fused"].argmax(-1).numpy()
+    assert leaning["without"] == pytest.approx((said == fresh.label).mean())
 
 
 def test_a_guard_without_pairs_is_refused(source):

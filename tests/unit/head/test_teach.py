@@ -169,13 +169,14 @@ def many_lessons(head_folder, count):
     return lessons_of(head_folder, "OF Real-sim", np.arange(0, 40, 40 // count)[:count])
 
 
-@pytest.mark.parametrize("count", [1, 2, 5, 12])
-def test_every_lesson_is_tested_once_by_objects_of_others(count):
+@pytest.mark.parametrize(("count", "folds"), [(1, 2), (2, 2), (5, 4), (12, 10)])
+def test_every_lesson_is_tested_once_by_objects_of_others(count, folds):
     random = np.random.default_rng(count)
     labels = np.repeat([0, 1, 2], (13, 4, 1))
     objects = [np.array([0, 1]), *(np.array([k]) for k in range(2, 18))]
-    tested = []
-    for test, teach in splits(objects, labels, count, random.permutation(len(objects))):
+    tested, made = [], [*splits(objects, labels, count, random.permutation(len(objects)))]
+    assert len(made) == folds  # as few as leave `count` objects of a class, at most ten
+    for test, teach in made:
         tested += test.tolist()
         assert not set(test) & set(np.concatenate(teach))
         classes = [labels[group[0]] for group in teach]

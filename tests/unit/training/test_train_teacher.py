@@ -86,7 +86,8 @@ def test_progress_counts_the_steps_of_the_teachers_too(source):
     assert len(epochs) == EVERY.epochs
 
 
-def test_teachers_hold_evenly_spaced_orders_and_only_they_use_lang(source, monkeypatch):
+@pytest.mark.parametrize("orders", [(0.5,), (0.0, 1.0), (0.0, 0.5, 1.0)])
+def test_teachers_hold_evenly_spaced_orders_and_only_they_use_lang(source, monkeypatch, orders):
     from omnivat.training import training
 
     made, start = [], training.train
@@ -96,10 +97,10 @@ def test_teachers_hold_evenly_spaced_orders_and_only_they_use_lang(source, monke
         return start(pairs, settings, training, **more)
 
     monkeypatch.setattr(training, "train", noted)
-    settings = replace(EVERY, lang=True, epochs=1, order_teachers=3, batch=8, lr=0.01)
+    settings = replace(EVERY, lang=True, epochs=1, order_teachers=len(orders), batch=8, lr=0.01)
     own = train(source, head(), settings, bank=load_bank())
     teacher = TrainSettings(epochs=1)  # with the batch and rate of any teacher
-    assert made == [(order, teacher, True) for order in (0.0, 0.5, 1.0)]
+    assert made == [(order, teacher, True) for order in orders]
     assert own.epochs[-1]["mma"] == 0  # the head itself has no text
     assert own.model.order == 0.5
 
