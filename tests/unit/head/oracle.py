@@ -71,8 +71,8 @@ class Slow:
         hats = torch.stack(bars) + mean
         return torch.stack(bars), hats, self.head.classify(hats).softmax(-1).mean(0)
 
-    def loss(self, images, lang, labels, *, lang_on, token_on, order=None):
-        """Return 10 MMA + NOD + cross-entropy of a batch."""
+    def loss(self, images, lang, labels, *, lang_on, token_on, aligned, order=None):
+        """Return 3 MMA + 2 NOD + cross-entropy of a batch; MMA acts on the pairs `aligned`."""
         same, on = (labels[:, None] == labels).to(self.head.dtype), lang_on[:, None]
 
         def token(mean, agnostic):
@@ -94,7 +94,8 @@ class Slow:
         total = total / len(bars)
         for bar in bars if guide is not None else ():
             goal = text.log_softmax(-1)
-            total = total + 10 * (goal.exp() * (goal - bar.log_softmax(-1))).sum(-1).mean()
+            gap = (goal.exp() * (goal - bar.log_softmax(-1))).sum(-1)
+            total = total + 3 * gap[aligned].mean()
         every = range(2**self.settings.levels - 1)
         groups = {
             "tree": [every[2**r - 1 : 2 ** (r + 1) - 1] for r in range(1, self.settings.levels)],
@@ -104,5 +105,5 @@ class Slow:
         for group in groups.get(self.settings.generation, ()) if self.settings.edges else ():
             units = normalize(nodes[:, group.start : group.stop], dim=-1)
             excess = units @ units.mT - torch.eye(len(group)).to(units)
-            total = total + torch.linalg.matrix_norm(excess).mean()
+            total = total + 2 * torch.linalg.matrix_norm(excess).mean()
         return total

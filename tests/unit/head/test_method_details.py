@@ -7,8 +7,6 @@ import pytest
 import torch
 
 from omnivat.encoders.lang.bank import load_bank
-from omnivat.head.losses import joint_loss, mma_loss
-from omnivat.head.output import TrainingOutput
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError
 from omnivat.measure.predictions import predicted_probabilities
@@ -34,16 +32,6 @@ def trained(source, lang=True, epochs=2, training=None, **head):
 @pytest.fixture(scope="module")
 def source(make_embeddings):
     return make_embeddings(domains=("TAG-sim",), per_class=6)
-
-
-def test_mma_acts_on_the_chosen_pairs_alone():
-    features = {n: torch.randn(4, 6, dtype=torch.float64) for n in ("lang", "vis", "tac")}
-    some, labels = torch.tensor([True, False, True, False]), torch.zeros(4, dtype=torch.long)
-    root = [torch.zeros(4, 1, 6, dtype=torch.float64)]
-    logits = {"vis": torch.zeros(4, 3)}
-    output = TrainingOutput(features=features, layers=root, logits=logits, tokens={})
-    wanted = mma_loss(**{n: x[some] for n, x in features.items()})
-    torch.testing.assert_close(joint_loss(output, labels, aligned=some).mma, wanted)
 
 
 def bank_distance(source, kind):

@@ -27,31 +27,20 @@ from omnivat.kit.files import (
 ROW = {name: ["x"] for name in COLUMNS}
 
 
-def test_a_failure_half_way_leaves_the_old_file_and_nothing_beside_it(tmp_path):
+@pytest.mark.parametrize(
+    ("error", "wanted", "sentence"),
+    [
+        (RuntimeError("stopped"), RuntimeError, "stopped"),
+        (OSError(28, "No space left on device"), WriteError, "a.txt' was not written .No space"),
+    ],
+)
+def test_a_failure_half_way_leaves_the_old_file_and_nothing_beside_it(
+    tmp_path, error, wanted, sentence
+):
     file = tmp_path / "a.txt"
     write_text(file, "old")
-
-    def fail_half_way():
-        with replacing(file) as temporary:
-            temporary.write_text("half")
-            raise RuntimeError
-
-    with pytest.raises(RuntimeError):
-        fail_half_way()
-    assert file.read_text() == "old"
-    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
-
-
-def test_a_full_disk_is_a_sentence_and_leaves_the_old_file(tmp_path):
-    file = tmp_path / "a.txt"
-    write_text(file, "old")
-
-    def fill_the_disk():
-        with replacing(file):
-            raise OSError(28, "No space left on device")
-
-    with pytest.raises(WriteError, match="a.txt' was not written .No space left"):
-        fill_the_disk()
+    with pytest.raises(wanted, match=sentence), replacing(file):
+        raise error
     assert file.read_text() == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
 

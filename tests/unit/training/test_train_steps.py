@@ -149,10 +149,14 @@ def test_a_record_has_the_mean_losses_of_its_epoch(source):
         assert 0.3 < record["loss"] < 3
 
 
-def test_a_report_of_a_step_names_the_epoch_the_loss_and_its_place_in_the_work(source):
-    seen = []
+def test_a_step_has_the_rate_of_its_place_and_a_report_names_epoch_and_loss(source, monkeypatch):
+    from omnivat.training import training
+
+    seen, rates = [], []
+    monkeypatch.setattr(training, "set_rate", lambda *given: rates.append(given[2:]))
     train(source, head(), TrainSettings(epochs=2), bank=load_bank(), on_step=seen.append)
     assert [one.text.split(", ")[0] for one in seen] == ["epoch 1 of 2"] * 5 + ["epoch 2 of 2"] * 5
+    np.testing.assert_allclose(rates, [(k / 5, 1 / 5) for k in range(10)])
     part = Watch(on_step=seen.append).part(7, 100)
     part.step(3, 10, "x")
     assert (seen[-1].done, seen[-1].total) == (10, 100)
