@@ -73,7 +73,8 @@ def chapters_analyse_and_a_pair(context, address, folder):
         page.press(".explore .order", "ArrowRight")
     page.wait_for_selector(f".explore .stage .figure:not(:text-is('{before}'))")
 
-    page.goto(f"{address}?chapter=analyse&pin=3&panel=nodes&beside=1&head2=method:nearest_mean")
+    page.goto(f"{address}?chapter=analyse&pin=3&beside=1&head2=method:nearest_mean")
+    page.click(".explore [data-panel=nodes] summary")
     page.wait_for_selector(".explore .nodes .disc >> nth=6")
     page.wait_for_selector(".explore .changed:has-text('predictions change')")
     page.click("#view-train-button")

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from .gestures import pixels, settle
+from .gestures import MAP, pixels, settle
 
 pytestmark = pytest.mark.browser
 
@@ -13,10 +13,9 @@ SECOND = "?chapter=analyse&mode=moved&beside=1"
 
 
 def test_the_nodes_of_the_pinned_pair_follow_p_and_tell_which_are_constant(open_page):
-    page = open_page(
-        "?chapter=analyse&mode=moved&pin=0&panel=nodes", ".explore .worth:has-text('nodes')"
-    )
-    settle(page)
+    page = open_page("?chapter=analyse&mode=moved&pin=0", MAP)
+    page.click(".explore [data-panel=nodes] summary")
+    page.wait_for_selector(".explore .worth:has-text('nodes')")
     assert page.locator(".explore .nodes .disc").count() == 7
     told = page.inner_text(".explore .worth")
     number = re.search(r"(\d) of 7 nodes \(dashed\)", told)
@@ -31,7 +30,7 @@ def test_the_nodes_of_the_pinned_pair_follow_p_and_tell_which_are_constant(open_
 
 
 def test_a_second_map_shows_both_gaps_of_another_step_and_moves_with_the_first(open_page):
-    page = open_page("?chapter=analyse&mode=moved", ".explore .map[data-order]")
+    page = open_page("?chapter=analyse&mode=moved", MAP)
     page.click(".explore .second")
     page.wait_for_selector(".explore .beside .map[data-order]")
     for pane in (".now", ".beside"):
@@ -80,19 +79,6 @@ def counts(page):
     assert changed == sum(parts) > 0
     assert everything > changed
     return parts
-
-
-@pytest.mark.parametrize(
-    ("query", "shown"),
-    [
-        ("?chapter=analyse&panel=nodes&pin=4", ".explore .nodes .disc >> nth=6"),
-        ("?chapter=analyse&beside=1&stage2=relu", ".explore .beside .map[data-order]"),
-        ("?view=pair&panel=loading", ".pair .loading[open] .go"),
-    ],
-    ids=["nodes", "beside", "loading"],
-)
-def test_an_address_opens_the_part_of_a_tab_that_it_names(open_page, query, shown):
-    open_page(query, f"{shown} >> visible=true")
 
 
 def test_simulated_data_say_so_and_their_limits_open_there(open_page):

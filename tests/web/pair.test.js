@@ -5,19 +5,17 @@ import { test } from "node:test";
 import "./browser.js";
 import { apart, blocksOf, CROPS, restOf } from "../../app/web/pair/feed.js";
 import { spread } from "../../app/web/pair/lines.js";
-import { controlsHtml, recorded } from "../../app/web/pair/live.js";
+import { controlsHtml } from "../../app/web/pair/live.js";
 import { csv, manyHtml } from "../../app/web/pair/many.js";
 import { curveHtml, ownHtml } from "../../app/web/pair/own.js";
 import { named, paired } from "../../app/web/pair/pairing.js";
 import { about } from "../../app/web/pair/rasters.js";
 import { atChance, gainOf, readerHtml } from "../../app/web/pair/reader.js";
-import { sensorHtml } from "../../app/web/pair/sensor.js";
 import {
   after,
   isHeld,
   isOwn,
   keyOf,
-  lessonsFor,
   lessonsOf,
   missing,
   mixed,
@@ -147,10 +145,6 @@ test("teaching waits for two pairs of each of two classes and names what is ther
   assert.match(line([]), /<li aria-current="step">Drop/);
   assert.match(line(LABELLED), /✓ See<\/li><li aria-current="step">Label/);
   assert.match(line([...LABELLED, ...LABELLED]), /<li aria-current="step">Teach.*Teach it your 4 pairs/);
-});
-
-test("a pair is never predicted from its own label", () => {
-  assert.deepEqual(lessonsFor(LABELLED, LABELLED[0]), [{ vis: "image:c", tac: null, label: "steel" }]);
 });
 
 test("a pair labelled again keeps its last label", () => {
@@ -305,19 +299,6 @@ test("crops keep a 4:3 middle or cut the border", () => {
   assert.deepEqual(CROPS.border[1](100, 100), [0.7, 0.7]);
 });
 
-test("a recording is a folder of pairs and a table", async () => {
-  const blob = new Blob(["x"]);
-  const pictures = [
-    ["vis", blob],
-    ["tac", blob],
-  ];
-  const files = await recorded([{ label: "a/b", time: "2026", pictures }]);
-  assert.deepEqual(
-    files.map(([name]) => name),
-    ["recording/My sensor/a_b/0_vis.jpg", "recording/My sensor/a_b/0_tac.jpg", "recording/pairs.csv"],
-  );
-});
-
 const SHARES = { fused: 0.7, vis: 0.5, tac: 0.6 };
 const FACTS = {
   left_out: { 0: SHARES, 20: { ...SHARES, fused: 0.75 } },
@@ -397,7 +378,7 @@ test("teaching predicts the pair and the table again, and another label takes it
   const report = { judged: [], right: { before: 0, after: 0 }, share: 1 };
   const { tab, next } = told({ ...OWN, pairs: LABELLED }, ["taught", report]);
   assert.deepEqual(Object.keys(next), ["predict", "rows", "curve"]);
-  assert.deepEqual(lessonsOf(tab, OWN).lessons.length, 1); // never from its own label
+  assert.deepEqual(lessonsOf(tab, OWN), { lessons: [{ vis: "image:c", tac: null, label: "steel" }] }); // not its own
   const fewer = after(tab, "forgotten", { key: keyOf(LABELLED[1]) });
   assert.deepEqual([fewer.tab.taught, fewer.tab.report, Object.keys(fewer.next)], [false, null, ["predict", "rows"]]);
   assert.deepEqual(fewer.halt, ["curve"]);
@@ -456,13 +437,6 @@ test("a profile is kept, followed by the pair and the table, and dropped without
   );
   const gone = after(tab, "profileDropped", {}).tab;
   assert.deepEqual([gone.profile, gone.counts, gone.notes.sensor], ["", null, ""]);
-});
-
-test("pictures that look like the other kind are asked about, and read as what was said", () => {
-  const files = [{ path: "7.png" }];
-  const { tab } = told(OWN, ["arrived", { doubt: { files, strange: 3, of: 3 } }]);
-  says(sensorHtml(tab), /3 of 3 look more like photos than like touch images/);
-  assert.deepEqual(after(tab, "sampled", { kind: "vis" }).next, { sample: { files, kind: "vis" } });
 });
 
 test("the pair comes back in place of the cameras, once", () => {

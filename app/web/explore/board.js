@@ -99,7 +99,6 @@ export function start(frames) {
   replace(frames);
   const points = unpacked(state.sel, 2 * frames.pairs).filter(maps.shown);
   if (points.length) select(points);
-  if (state.panel === "nodes") openPanel("nodes");
 }
 
 /** Show the whole map, or both. */
@@ -296,7 +295,7 @@ export function paintMarks() {
 }
 
 /** The pictures of what is selected or found. */
-export function showPictures() {
+function showPictures() {
   showGrid();
   labelCsv();
 }

@@ -7,7 +7,7 @@ import { TABLES } from "../shared/tables.js";
 import { html, percent } from "./root.js";
 import { whole } from "./scene.js";
 
-export const CLEAR = 0.1; // of accuracy: a smaller change over p is called small
+const CLEAR = 0.1; // of accuracy: a smaller change over p is called small
 const AWAY = 0.8; // the order at which the first chapter opens if p decides: most heads fail there
 const NUMBERS = "no one two three four five six seven eight nine ten eleven twelve".split(" ");
 const inWords = (/** @type {number} */ n) => NUMBERS[n] ?? String(n);

@@ -42,7 +42,7 @@ export function ranged(kept, name, [low, high], range) {
 }
 
 /** The ends of a histogram. @param {ArrayLike<number>} all @returns {Span} */
-export function span(all) {
+function span(all) {
   const [low, high] = [Math.min, Math.max].map((end) => Array.from(all).reduce((a, b) => end(a, b)));
   return [Math.floor(20 * low) / 20, Math.ceil(20 * high) / 20];
 }

@@ -43,7 +43,7 @@ function elsewhere(frames) {
 const wantedMode = () => (scene.modes.includes(state.mode) ? state.mode : scene.modes[0]);
 
 /** The choice between the modes of a set. */
-export function showModes() {
+function showModes() {
   const { modes, own } = scene;
   const options = modes.map((key) => {
     const { title = "", help } = modeOf({ kind: key === OWN_MODE ? own.kind : key }); // the loaded head may be one for every p

@@ -13,8 +13,8 @@ const AWAY = 18; // CSS pixels from the pointer
 /** Address -> image, once it has loaded. @type {Map<string, HTMLImageElement>} */
 const sheets = new Map();
 
-/** @param {Sprite} sprite @param {() => void} onLoad */
-function sheet({ url }, onLoad) {
+/** A sheet of pictures; null until it has loaded. @param {string} url @param {() => void} onLoad */
+export function sheet(url, onLoad) {
   const image = sheets.get(url) ?? Object.assign(new Image(), { onload: onLoad, src: url });
   sheets.set(url, image);
   return image.complete && image.naturalWidth ? image : null;
@@ -38,7 +38,7 @@ export function pictures(context, cloud) {
   cloud.box.classList.remove("pictured");
   if (!sprite || cloud.view.zoom < NEAR) return;
   const points = inView(cloud, (point) => mask[point] === 1);
-  const image = points && sheet(sprite, () => cloud.paintMarks());
+  const image = points && sheet(sprite.url, () => cloud.paintMarks());
   if (!image) return;
   cloud.box.classList.add("pictured");
   const chosen = colouring(frames, state.colour);

@@ -17,5 +17,8 @@ export const all = (selector) => [...document.querySelectorAll(`.ov.explore ${se
 /** Draw buttons of which one is chosen: a value of the address.
  * @param {string} selector @param {"map" | "mode" | "press" | "dots" | "known" | "reading" | "rung"} name
  * @param {Parameters<typeof radios>[0]} options */
-export const choice = (selector, name, options, chosen = state[name]) =>
-  draw($(selector), radios(options, chosen, name));
+export function choice(selector, name, options, chosen = state[name]) {
+  const group = $(selector);
+  group.setAttribute("role", "radiogroup");
+  draw(group, radios(options, chosen, name));
+}

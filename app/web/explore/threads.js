@@ -11,6 +11,7 @@ import { awaited } from "../shared/ready.js";
 import { bytesOf } from "../shared/text.js";
 import { showWords } from "./board.js";
 import { decided, whence } from "./chapters.js";
+import { sheet } from "./pictures.js";
 import { $, change, choice, draw, fill, html, percent, scene, state, take } from "./root.js";
 import { OWN_ROWS, ownHtml, splitHtml } from "./split.js";
 import { chosen, READINGS } from "./touch.js";
@@ -38,8 +39,6 @@ const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 export let cloud;
 /** Method -> positions of each place. @type {Record<string, Uint16Array[]>} */
 const places = {};
-/** The pictures of the shown press. @type {HTMLImageElement} */
-let sheet;
 let moving = 0;
 let arrived = (/** @type {number} */ _) => {}; // of a glide that has ended
 let shownAt = ""; // the place and method that the map shows
@@ -72,7 +71,6 @@ function build() {
     current: () => scene.twin,
   });
   cloud.painters = [thread];
-  sheet = Object.assign(new Image(), { onload: () => cloud.paintMarks() });
 }
 
 /** The number of the shown press, and its point by the sensor that the first chapter learned from. */
@@ -106,14 +104,13 @@ export function chooseSensor(domain) {
 export function show() {
   if (!cloud) return;
   const { twins } = scene;
-  const { table, dots, press } = chosen(twins, state);
+  const { table, dots } = chosen(twins, state);
   $().dataset.rung = state.rung;
   choice(".places", "rung", PLACES);
   choice(".split.twins .segments", "reading", READINGS);
   showSensors();
   showLayers();
   glide();
-  sheet.src = address(`twins/${twins.shown[press].sheet}`);
   cloud.paintMarks();
   fill($(".split.twins .bars"), splitHtml(twins, table, dots));
   tell();
@@ -185,7 +182,8 @@ function glide() {
 
 /** Draw the thread of the press under the pointer, or of the chosen one with its pictures. @type {Painter} */
 function thread(context) {
-  const { length } = scene.twins.domains;
+  const { domains, shown } = scene.twins;
+  const { length } = domains;
   const home = pointOf(pressShown());
   const point = scene.twin >= 0 ? scene.twin : home;
   const first = point - (point % length);
@@ -198,18 +196,19 @@ function thread(context) {
     context.lineTo(x, y);
   }
   context.stroke();
-  const pictured = first === home && sheet.complete && sheet.naturalWidth;
-  twins.forEach(([x, y], i) => (pictured ? tile(context, x, y, i) : dot(context, x, y, domainColour(i))));
+  const pictures = first === home && sheet(address(`twins/${shown[pressShown()].sheet}`), () => cloud.paintMarks());
+  twins.forEach(([x, y], i) => (pictures ? tile(context, pictures, x, y, i) : dot(context, x, y, domainColour(i))));
 }
 
-/** @param {CanvasRenderingContext2D} context @param {number} x @param {number} y @param {number} domain */
-function tile(context, x, y, domain) {
-  const side = sheet.naturalWidth / scene.twins.domains.length;
+/** @param {CanvasRenderingContext2D} context @param {HTMLImageElement} pictures @param {number} x @param {number} y
+ * @param {number} domain */
+function tile(context, pictures, x, y, domain) {
+  const side = pictures.naturalWidth / scene.twins.domains.length;
   const size = Math.min(TILE, cloud.box.clientWidth / 14);
   const [left, top] = [x - size / 2, y - size / 2];
   context.fillStyle = domainColour(domain);
   context.fillRect(left - 3, top - 3, size + 6, size + 6);
-  context.drawImage(sheet, domain * side, TOUCH * side, side, side, left, top, size, size);
+  context.drawImage(pictures, domain * side, TOUCH * side, side, side, left, top, size, size);
 }
 
 /** @param {CanvasRenderingContext2D} context @param {number} x @param {number} y @param {string} colour */

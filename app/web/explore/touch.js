@@ -54,7 +54,7 @@ export function chosen(twins, address) {
 
 /** The figures at what is chosen: `away` and each target's [share, low, high], and the class read in each image.
  * @param {Twins} twins @param {Chosen} at */
-export function read({ away, accuracy, verdicts, domains, shown, learned }, { table, from, dots, rung, press }) {
+function read({ away, accuracy, verdicts, domains, shown, learned }, { table, from, dots, rung, press }) {
   const count = domains.length;
   return {
     away: away[table][from][dots][rung],

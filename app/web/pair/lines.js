@@ -8,11 +8,12 @@ import { draw, html } from "./parts.js";
 const WIDE = { least: 320, most: 900 }; // CSS pixels: as wide as its place, so that letters keep their size
 const H = 250;
 const PAD = { left: 54, right: 86, top: 10, bottom: 30 };
+const LEAST = 14; // from one label to the next
 const scaleOf = (/** @type {number} */ wide) => new Scale({ wide, high: H, pad: PAD });
 
 /** Labels at the ends of lines, moved apart so that none covers another and all stay inside. @param {number[]} ends */
-export function spread(ends, low = PAD.top, high = H - PAD.bottom, least = 14) {
-  const gap = Math.min(least, (high - low) / Math.max(1, ends.length - 1));
+export function spread(ends, low = PAD.top, high = H - PAD.bottom) {
+  const gap = Math.min(LEAST, (high - low) / Math.max(1, ends.length - 1));
   const sorted = ends.map((y, k) => ({ y, k })).sort((a, b) => a.y - b.y);
   let limit = low;
   for (const end of sorted) {

@@ -82,7 +82,6 @@ class PairView extends View {
     /** @type {Desk["map"]} */
     this.map = null;
     loading(this.$(".loading"));
-    this.$(".loading").open = state.panel === "loading";
     this.listen();
     this.draw();
   }

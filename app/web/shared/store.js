@@ -37,7 +37,6 @@ const DEFAULTS = {
   stage2: "raw",
   head2: "",
   beside: "", // whether the second map is open
-  panel: "", // one that a link opens
   means: "",
 };
 /** The chapters of Explore, and what each opens with where it differs from the workbench.
@@ -50,7 +49,7 @@ const CHAPTERS = {
   analyse: {},
 };
 /** What is the same in all chapters; each has the rest for itself. */
-const SHARED = ["view", "chapter", "vis", "tac", "p2", "stage2", "head2", "beside", "panel"];
+const SHARED = ["view", "chapter", "vis", "tac", "p2", "stage2", "head2", "beside"];
 const OWN = Object.keys(DEFAULTS).filter((name) => !SHARED.includes(name));
 const LONGEST = 4000; // letters of a value in the address
 const NUMBERS = new Set(["p", "p2", "pin"]);

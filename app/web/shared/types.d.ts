@@ -203,7 +203,6 @@ interface State {
   stage2: string;
   head2: string;
   beside: string;
-  panel: string;
   means: string;
   /** the order at which the chapter opened */
   opened?: number;
