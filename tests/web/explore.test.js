@@ -103,7 +103,7 @@ test("pairs are found by name, class and domain, and look-alikes by what they im
   assert.deepEqual(kept(), [1]);
   change({ find: "", alike: "1" });
   assert.deepEqual(kept(), [1]);
-  change({ alike: "", range: "confidence:0:0.5" });
+  change({ alike: "", range: "confidence:0.2:0.2" });
   assert.deepEqual(kept(), [0]);
   change({ range: "" });
 });
@@ -212,6 +212,7 @@ test("a confidence is a colour only where it has a temperature, and a number in 
 });
 
 test("a selection comes back from its text, and what is no selection selects nothing", () => {
+  assert.equal(scenes.packed([7, 5, 6, 9]), "5.7-9");
   for (const points of [[], [0], [5, 6, 7, 40, 41, 99], [0, 1, 2, 3]])
     assert.deepEqual(scenes.unpacked(scenes.packed(new Set(points)), 100), points);
   assert.equal(scenes.packed(Array.from({ length: 9000 }, (_, i) => 7 * i)), "");

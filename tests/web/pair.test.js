@@ -8,6 +8,7 @@ import { spread } from "../../app/web/pair/lines.js";
 import { controlsHtml } from "../../app/web/pair/live.js";
 import { csv, manyHtml } from "../../app/web/pair/many.js";
 import { curveHtml, ownHtml } from "../../app/web/pair/own.js";
+import { describe } from "../../app/web/pair/own-pictures.js";
 import { named, paired } from "../../app/web/pair/pairing.js";
 import { about } from "../../app/web/pair/rasters.js";
 import { atChance, gainOf, readerHtml } from "../../app/web/pair/reader.js";
@@ -105,7 +106,7 @@ test("with one image there is no reading of both", () => {
     cards({ classes: CLASSES, exact: { readings: { fused: [0.3, 0.7], tac: [0.3, 0.7] } } }, null, {}),
   );
   assert.match(html, /Add the photo to see both together/);
-  assert.match(html, /No photo here/);
+  assert.match(html, /class="reading none" data-reading="vis">.*No photo here/);
 });
 
 test("a prediction is judged by the class of the images that it used", () => {
@@ -125,7 +126,7 @@ test("familiarity is said in words and as a share of the training images", () =>
   assert.match(sentence("tac", {}), /has no record/);
   const images = { vis: { ...image, nearest: [{ pair: 1, cosine: 0.5 }] } };
   const html = String(familiarHtml({ images, of: "A" }, { frames: frames(), sprite: null }));
-  assert.match(html, /title="Open this pair of B".*<b>steel<\/b> 0\.50/);
+  assert.match(html, /<i class="right" style="--at:0\.01">.*title="Open this pair of B".*<b>steel<\/b> 0\.50/s);
 });
 
 test("each reading is counted over the pairs that had its images", () => {
@@ -143,8 +144,15 @@ test("teaching waits for two pairs of each of two classes and names what is ther
   assert.equal(missing([...LABELLED, ...LABELLED]), "");
   const line = (pairs) => String(lineHtml({ ...START, pairs }));
   assert.match(line([]), /<li aria-current="step">Drop/);
+  says(lineHtml({ ...START, ...OWN }), /<li aria-current="step">Label.*Or make a profile/);
+  says(lineHtml({ ...START, ...OWN, counts: { tac: 5 } }), /So far: none yet/);
   assert.match(line(LABELLED), /✓ See<\/li><li aria-current="step">Label/);
-  assert.match(line([...LABELLED, ...LABELLED]), /<li aria-current="step">Teach.*Teach it your 4 pairs/);
+  assert.match(line([...LABELLED, ...LABELLED]), /<li aria-current="step">Teach.*Teach it your 4 pairs\.</);
+  const rungs = [0.5, 0.625].map((accuracy, i) => ({ rung: ["none", "k3"][i], accuracy }));
+  says(
+    lineHtml({ ...START, pairs: [...LABELLED, ...LABELLED], rungs }),
+    /On simulated sensors three labels .* bring 12\.5 points\./,
+  );
 });
 
 test("a pair labelled again keeps its last label", () => {
@@ -177,6 +185,14 @@ test("a pair of two origins is mixed, and no visitor's pair", () => {
 test("a visitor's photo beside an example's touch is not judged by the example's class", () => {
   assert.equal(judged({ label: "wood", used: ["vis", "tac"] }, { vis: "", tac: "wood" }, CLASSES), null);
   says(judged({ label: "wood", used: ["tac"] }, { vis: "", tac: "wood" }, CLASSES), /right/);
+});
+
+test("a picture is called by its pair of the set, by its example or by its file", () => {
+  const tab = { examples: [{ name: "x/y", class: "wood", domain: "A" }], set: { frames: frames() } };
+  assert.deepEqual(describe(tab, "row:1"), { text: "pair 1 · steel · B", truth: "steel" });
+  assert.deepEqual(describe(tab, "row:2"), { text: "pair 2", truth: "" });
+  assert.deepEqual(describe(tab, "example:x/y"), { text: "wood · A", truth: "wood" });
+  assert.deepEqual(describe(tab, "image:7"), { text: "image:7" });
 });
 
 test("pictures nearer to the other side are asked about only if all of them are", () => {
@@ -425,8 +441,9 @@ test("a label of the table is counted at once, and a new prediction keeps labels
 test("labels of the table are counted with a line on where the count comes from", () => {
   const rows = [{ ...READ[0], classes: CLASSES, label: "wood" }];
   const html = String(manyHtml({ ...START, rows, source: "A" }));
-  assert.match(html, /Right: photo only 1 of 1\./);
+  assert.match(html, /1 pair: 0 guesses.*Right: photo only 1 of 1\./s);
   assert.match(html, /By the head as trained, from A; 1 labelled of your 1 pair; known: nothing\./);
+  assert.doesNotMatch(String(manyHtml({ ...START, rows: READ })), /as trained/);
 });
 
 test("a profile is kept, followed by the pair and the table, and dropped without a trace", () => {
@@ -468,6 +485,8 @@ test("a recording takes a pair from time to time, and is saved when it or the ca
     tab.recording.map(({ time }) => time),
     times,
   );
+  const full = Array.from({ length: 500 }, () => tab.recording[0]);
+  assert.equal(after({ ...tab, recording: full }, ...at(9000)).tab.recording.length, 500);
   for (const end of ["recordSwitched", "camerasSwitched"]) {
     const { tab: ended, next } = after(tab, end, {});
     assert.deepEqual([ended.recording, next.saveRecording.map(({ time }) => time)], [null, times]);
