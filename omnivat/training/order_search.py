@@ -203,9 +203,8 @@ class _Scores:
         seed: int,
         watch: Watch,
     ) -> None:
-        if len(source) > MOST:
-            random = np.random.default_rng(derive_seed(seed, "order-search"))
-            source = source.select(np.sort(random.permutation(len(source))[:MOST]))
+        random = np.random.default_rng(derive_seed(seed, "order-search"))
+        source = source.select(np.sort(random.permutation(len(source))[:MOST]))
         self.model: OmniVaT = build_head(head, seed=derive_seed(seed, "weights")).eval()
         self.targets = np.eye(len(head.classes))[labels_of(source, head)]
         self.targets -= self.targets.mean(0)

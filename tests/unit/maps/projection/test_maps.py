@@ -90,11 +90,12 @@ def test_pca_wants_two_columns():
         pca.project(torch.ones(3, 1))
 
 
-def test_fuzzy_weights_of_a_row_add_up_to_log2_of_its_neighbours():
+@pytest.mark.parametrize("total", [3.9, 12.0])  # narrower and far wider than the mean
+def test_fuzzy_weights_of_a_row_add_up_to_what_is_asked(total):
     found = nearest(noise(60, 5, dtype=torch.float64), 14)
     beyond = found.distance - found.distance[:, :1]
-    weights = (-beyond / torch_umap._widths(beyond, 3.9)).exp().sum(1)
-    torch.testing.assert_close(weights, torch.full_like(weights, 3.9), atol=1e-6, rtol=0)
+    weights = (-beyond / torch_umap._widths(beyond, total)).exp().sum(1)
+    torch.testing.assert_close(weights, torch.full_like(weights, total), atol=1e-6, rtol=0)
 
 
 def test_forces_are_the_gradients_of_the_layouts_likelihood():

@@ -30,8 +30,13 @@ def pairs(make_embeddings):
 
 
 @pytest.fixture(scope="module")
-def watched(pairs):
-    reports, plan = [], planned(pairs)
+def parted(make_embeddings):
+    return make_embeddings(split=True)
+
+
+@pytest.fixture(scope="module")
+def watched(parted):
+    reports, plan = [], planned(parted)
     watch = Watch(on_epoch=reporter(plan, reports.append, every=2))
     return trained_head(plan, watch=watch), reports
 
@@ -44,19 +49,22 @@ def test_every_epoch_is_reported_and_the_last_one_is_measured(watched):
     assert all(set(report.losses) == {"loss", "mma", "nod", "cross_entropy"} for report in reports)
 
 
-def test_the_last_report_agrees_with_the_finished_head(watched, pairs):
+def test_the_last_report_agrees_with_the_finished_head(watched, parted):
     head, reports = watched
     measures = reports[-1].measures
     assert measures["accuracy/unseen"] == pytest.approx(head.metrics["target_accuracy"])
-    curves = sweep(head.model, pairs, [head.model.order]).curves
+    home = head.metrics["domains"][0]["scores"]
+    assert measures["accuracy/source_test"] == pytest.approx(home["fused"]["accuracy"])
+    assert measures["accuracy:tac/source_test"] == pytest.approx(home["tac"]["accuracy"])
+    curves = sweep(head.model, parted, [head.model.order]).curves
     for name in ("modality_gap/f_hat", "domain_gap/f_hat", "margin/f_hat"):
         assert measures[name] == pytest.approx(float(curves[name][0]), abs=1e-5)
-    assert reports[-1].map.shape == (2 * len(pairs), 2)
+    assert reports[-1].map.shape == (2 * len(parted), 2)
     assert reports[-1].order == head.model.order
 
 
-def test_the_command_writes_the_head_that_the_function_returns(watched, pairs, tmp_path):
-    save_embeddings(tmp_path / "set.safetensors", pairs)
+def test_the_command_writes_the_head_that_the_function_returns(watched, parted, tmp_path):
+    save_embeddings(tmp_path / "set.safetensors", parted)
     command = ["train", "--embeddings", str(tmp_path / "set.safetensors"), "--source", "TAG-sim"]
     assert (
         main(
@@ -118,9 +126,9 @@ def test_a_domain_without_pairs_of_a_part_is_refused(pairs):
         plan_training(empty, "TAG-sim")
 
 
-def test_a_plan_like_a_head_has_its_settings_and_source(watched, pairs):
+def test_a_plan_like_a_head_has_its_settings_and_source(watched, parted):
     head, _ = watched
-    plan = plan_like(head, pairs)
+    plan = plan_like(head, parted)
     assert plan.settings == head.settings and plan.training == SHORT
     assert (plan.source, plan.seed) == ("TAG-sim", 0)
     held = plan.at(0.3, 5)
