@@ -5,15 +5,8 @@ import { dot, mean, norm, sum } from "./tensors.js";
 
 const { SMALLEST, SIDE, WIDEST, LONGEST, SHORTEST, MOST, FAINTEST, NODES, SUPPORT, STRAY, FAINT, SWEEPS } = DOTS;
 /** @typedef {{ width: number, height: number, values: Float64Array }} Plane
- * @typedef {{ x: number, y: number, depth: number }} Spot @typedef {{ nodes: Spot[], steps: number[][], darkness: number }} Grid
- * @typedef {(a: number, b: number) => number} Fold */
+ * @typedef {{ x: number, y: number, depth: number }} Spot @typedef {{ nodes: Spot[], steps: number[][], darkness: number }} Grid */
 
-/** @type {Fold} */
-const largest = (a, b) => Math.max(a, b);
-/** @type {Fold} */
-const smallest = (a, b) => Math.min(a, b);
-/** @type {Fold} */
-const added = (a, b) => a + b;
 /** As Python rounds. @param {number} x */
 const even = (x) => (Math.abs(x % 1) === 0.5 ? 2 * Math.round(x / 2) : Math.round(x));
 /** @param {number[]} values */
@@ -21,6 +14,8 @@ const median = (values) => {
   const sorted = Float64Array.from(values).sort();
   return (sorted[(sorted.length - 1) >> 1] + sorted[sorted.length >> 1]) / 2;
 };
+/** @param {ArrayLike<number>} values */
+const largest = (values) => Array.from(values).reduce((a, b) => Math.max(a, b));
 
 /** A plane of numbers, each made from its place. @param {number} width @param {number} height
  * @param {(x: number, y: number, at: number) => number} make @returns {Plane} */
@@ -30,32 +25,38 @@ function plane(width, height, make) {
   return { width, height, values };
 }
 
-/** The fold of the square of `size` (odd) pixels around each pixel; the edge repeats.
- * @param {Plane} one @param {number} size @param {Fold} fold */
-function square({ width, height, values }, size, fold) {
-  const reach = size >> 1;
-  const inside = (/** @type {number} */ place, /** @type {number} */ length) =>
-    Math.min(Math.max(place - reach, 0), length - 1);
-  const padded = plane(
-    width + 2 * reach,
-    height + 2 * reach,
-    (x, y) => values[inside(y, height) * width + inside(x, width)],
-  );
-  /** @param {Plane} from @param {number} right @param {number} down */
-  const along = (from, right, down) => {
-    let now = from;
-    for (let done = 1, step = 1; done < size; done += step) {
-      step = fold === added ? 1 : Math.min(done, size - done);
-      const [here, there] = fold === added ? [now, from] : [now, now];
-      const ahead = fold === added ? done : step;
-      const shift = ahead * (right + down * there.width);
-      now = plane(now.width - right * step, now.height - down * step, (x, y) =>
-        fold(here.values[y * here.width + x], there.values[y * there.width + x + shift]),
+/** The value at a place; beyond the edge, that of the edge. @param {Plane} one @param {number} x @param {number} y */
+const valueAt = ({ width, height, values }, x, y) =>
+  values[Math.min(Math.max(y, 0), height - 1) * width + Math.min(Math.max(x, 0), width - 1)];
+
+/** The sum of a square of pixels, by its first pixel. @param {Plane} one @param {number} left @param {number} top
+ * @param {number} size */
+function sumOf(one, left, top, size) {
+  let total = 0;
+  for (let y = top; y < top + size; y++) for (let x = left; x < left + size; x++) total += valueAt(one, x, y);
+  return total;
+}
+
+/** The sums of the squares that are up to `reach` around each pixel. @param {Plane} one @param {number} reach */
+const sums = (one, reach) => plane(one.width, one.height, (x, y) => sumOf(one, x - reach, y - reach, 2 * reach + 1));
+
+/** The largest or smallest value of the square of pixels that are at most `reach` from each pixel.
+ * @param {Plane} one @param {number} reach @param {(...values: number[]) => number} fold */
+function extremes(one, reach, fold = Math.max) {
+  let now = one;
+  for (let done = 0, step = 0; done < reach; done += step) {
+    step = Math.min(2 * done + 1, reach - done);
+    for (const [right, down] of [
+      [step, 0],
+      [0, step],
+    ]) {
+      const from = now;
+      now = plane(one.width, one.height, (x, y, at) =>
+        fold(from.values[at], valueAt(from, x - right, y - down), valueAt(from, x + right, y + down)),
       );
     }
-    return now;
-  };
-  return along(along(padded, 1, 0), 0, 1);
+  }
+  return now;
 }
 
 /** The groups of linked places that are good. @param {ArrayLike<unknown>} good
@@ -77,35 +78,32 @@ function groups(good, links) {
   return all;
 }
 
-/** The pixels that share an edge with one. @param {number} width @returns {(at: number) => number[]} */
+/** The pixels that share an edge with one; -1 beyond the rim. @param {number} width @returns {(at: number) => number[]} */
 const edges = (width) => (at) => [at - width, at + width, at % width ? at - 1 : -1, (at + 1) % width ? at + 1 : -1];
 
 /** @param {Plane} one */
 const reduction = ({ width, height }) => Math.max(1, even(Math.min(width, height) / SIDE));
 
-/** The means of blocks of `scale` pixels. @param {Plane} one @param {number} scale */
-const reduced = ({ width, height, values }, scale) =>
-  plane(Math.floor(width / scale), Math.floor(height / scale), (x, y) => {
-    let total = 0;
-    for (let j = 0; j < scale; j++)
-      for (let i = 0; i < scale; i++) total += values[(y * scale + j) * width + x * scale + i];
-    return Math.floor(total / scale ** 2);
-  });
+/** The means of squares of `scale` pixels. @param {Plane} one @param {number} scale */
+const reduced = (one, scale) =>
+  plane(Math.floor(one.width / scale), Math.floor(one.height / scale), (x, y) =>
+    Math.floor(sumOf(one, x * scale, y * scale, scale) / scale ** 2),
+  );
 
 /** How dark each pixel is beside what is around it, 0 to 255. @param {Plane} brightest */
 function darkness(brightest) {
   const { width, height, values } = brightest;
-  const widest = Math.floor((WIDEST * Math.min(width, height)) / 2) * 2 + 1;
-  const closed = square(square(brightest, widest, largest), widest, smallest).values;
+  const reach = Math.floor((WIDEST * Math.min(width, height)) / 2);
+  const closed = extremes(extremes(brightest, reach), reach, Math.min).values;
   return plane(width, height, (_, __, at) => Math.floor(((closed[at] - values[at]) * 255) / Math.max(closed[at], 24)));
 }
 
 /** The darkest spots, darkest first. @param {Plane} dark @returns {Spot[]} */
 function spots(dark) {
   const { width } = dark;
-  const total = square(dark, 5, added);
-  const rank = square(total, 3, added); // a wide dot is flat: smoothed again, it has a middle
-  const highest = square(rank, 7, largest).values;
+  const total = sums(dark, 2);
+  const rank = sums(total, 1); // a wide dot is flat: smoothed again, it has a middle
+  const highest = extremes(rank, 3).values;
   const top = rank.values.map((value, at) => +(value === highest[at] && total.values[at] >= FAINTEST * 25));
   const found = groups(top, edges(width)).map((group) => {
     const [x, y] = [mean(group.map((at) => at % width)), mean(group.map((at) => Math.floor(at / width)))].map(
@@ -119,28 +117,31 @@ function spots(dark) {
 /** The two steps [x, y] that most pairs of points share, or null. @param {Spot[]} points @param {Plane} dark */
 function commonSteps(points, { width, height }) {
   const reach = Math.trunc(LONGEST * Math.min(width, height));
-  const side = 2 * reach + 7; // with what sums reach beyond
-  const stepAt = (/** @type {number} */ at) => [at % side, Math.floor(at / side)].map((place) => place - reach - 3);
+  const middle = reach + 3; // of the planes below, where the step is zero; sums reach 3 beyond
+  const side = 2 * middle + 1;
   const counts = plane(side, side, () => 0);
   for (const a of points) {
     for (const b of points) {
-      const [x, y] = [a.x - b.x + reach + 3, a.y - b.y + reach + 3];
+      const [x, y] = [a.x - b.x + middle, a.y - b.y + middle];
       if (Math.min(x, y) >= 0 && Math.max(x, y) < side) counts.values[y * side + x]++;
     }
   }
-  const votes = square(square(counts, 5, added), 3, added).values;
-  const score = plane(side, side, (_, __, at) => {
-    const [x, y] = stepAt(at);
-    if (Math.max(Math.abs(x), Math.abs(y)) > reach || x * x + y * y < SHORTEST ** 2) return 0;
-    return votes[at] / (9 * ((1 - Math.abs(y) / height) * (1 - Math.abs(x) / width) * points.length));
+  const votes = sums(sums(counts, 2), 1).values;
+  const score = plane(side, side, (column, row, at) => {
+    const [x, y] = [Math.abs(column - middle), Math.abs(row - middle)];
+    if (Math.max(x, y) > reach || x * x + y * y < SHORTEST ** 2) return 0;
+    return votes[at] / (9 * ((1 - y / height) * (1 - x / width) * points.length));
   });
-  const highest = square(score, 9, largest).values;
-  const best = highest.reduce(largest);
+  const highest = extremes(score, 4).values;
+  const best = largest(highest);
   if (best < SUPPORT) return null;
   const peaks = [...score.values.keys()].filter(
     (at) => score.values[at] >= 0.5 * best && score.values[at] === highest[at],
   );
-  const steps = peaks.map((at) => ({ value: score.values[at], step: stepAt(at) }));
+  const steps = peaks.map((at) => ({
+    value: score.values[at],
+    step: [(at % side) - middle, Math.floor(at / side) - middle],
+  }));
   steps.sort((a, b) => dot(a.step, a.step) - dot(b.step, b.step));
   const first = steps.find(({ value }) => value >= 0.7 * best)?.step ?? [0, 0];
   const turned = [-first[1], first[0]];
@@ -158,13 +159,17 @@ function commonSteps(points, { width, height }) {
  * it is there, or does not fit in. @param {Spot[]} points @param {number[][]} steps @param {Plane} dark */
 function neighbours(points, steps, { width, height }) {
   const limit = STRAY ** 2 * dot(steps[0], steps[0]);
-  const links = steps.flatMap(([dx, dy]) => {
-    /** @type {Fold} */
-    const away = (i, j) => (points[j].x - points[i].x - dx) ** 2 + (points[j].y - points[i].y - dy) ** 2;
-    const nearest = (/** @type {Fold} */ of) =>
-      points.map((_, i) => points.reduce((best, __, j) => (of(i, j) < of(i, best) ? j : best), 0));
-    const back = nearest((j, i) => away(i, j));
-    const forth = nearest(away).map((j, i) => (back[j] === i && away(i, j) <= limit ? j : -1));
+  /** The distance of point `j`, squared, from a place beside point `i`; and the point nearest to that place.
+   * @param {number} i @param {number} j @param {number[]} step */
+  const away = (i, j, [dx, dy]) => (points[j].x - points[i].x - dx) ** 2 + (points[j].y - points[i].y - dy) ** 2;
+  const nearest = (/** @type {number} */ i, /** @type {number[]} */ step) =>
+    points.reduce((best, _, j) => (away(i, j, step) < away(i, best, step) ? j : best), 0);
+  const links = steps.flatMap((step) => {
+    const back = step.map((length) => -length);
+    const forth = points.map((_, i) => {
+      const j = nearest(i, step);
+      return nearest(j, back) === i && away(i, j, step) <= limit ? j : -1;
+    });
     return [forth, points.map((_, i) => forth.indexOf(i))];
   });
   const inside = (/** @type {number} */ at, /** @type {number} */ length) => at > 3 && at < length - 4;
@@ -207,11 +212,10 @@ function gridOf(dark, points) {
 /** The median darkness halfway between nodes. @param {Plane} dark @param {Spot[]} nodes @param {number[][]} steps */
 function between(dark, nodes, [a, b]) {
   const { width, height } = dark;
-  const total = square(dark, 3, added).values;
   const halves = [a, b, [a[0] + b[0], a[1] + b[1]]].map((step) => step.map((length) => Math.floor(length / 2)));
   const places = halves.flatMap(([dx, dy]) => nodes.map(({ x, y }) => [x + dx, y + dy]));
   const inside = places.filter(([x, y]) => x > 0 && y > 0 && x < width - 1 && y < height - 1);
-  return median(inside.map(([x, y]) => Math.floor(total[y * width + x] / 9)));
+  return median(inside.map(([x, y]) => Math.floor(sumOf(dark, x - 1, y - 1, 3) / 9)));
 }
 
 /** @param {Plane} brightest @returns {Grid | null} */
@@ -250,7 +254,7 @@ function dotted(brightest, { nodes, steps, darkness: typical }) {
   const [inky, core] = [new Uint8Array(width * height), new Uint8Array(width * height)];
   for (const node of nodes) {
     const inner = near(node, middle);
-    const depth = inner.map((at) => dark[at]).reduce(largest);
+    const depth = largest(inner.map((at) => dark[at]));
     const least = Math.max(0.35 * depth, 64 * typical);
     for (const at of near(node, reach)) if (dark[at] >= least) inky[at] = 1;
     for (const at of inner) core[at] = 1;
@@ -259,35 +263,28 @@ function dotted(brightest, { nodes, steps, darkness: typical }) {
   const dots = groups(inky, edges(width)).filter((group) => group.some((at) => core[at]));
   const hole = plane(width, height, () => 0);
   for (const at of dots.flat()) hole.values[at] = 1;
-  return square(hole, 2 * reduction(brightest) + 1, largest);
+  return extremes(hole, reduction(brightest));
 }
 
 /** Laplace's equation in the holes of a channel: at half the size, then a few sweeps.
  * @param {Plane} channel @param {Plane} hole @returns {Float32Array} */
 function membrane({ width, height, values }, hole) {
-  const empty = plane(Math.ceil(width / 2), Math.ceil(height / 2), () => 0);
-  const half = plane(empty.width, empty.height, (x, y, to) => {
-    let [total, known] = [0, 0];
-    for (let j = 2 * y; j < Math.min(2 * y + 2, height); j++) {
-      for (let i = 2 * x; i < Math.min(2 * x + 2, width); i++) {
-        known += 1 - hole.values[j * width + i];
-        total += (1 - hole.values[j * width + i]) * values[j * width + i];
-      }
-    }
-    empty.values[to] = +!known;
-    return Math.fround(total / Math.max(1, known));
-  });
+  const known = plane(width, height, (_, __, at) => 1 - hole.values[at]);
+  const there = plane(width, height, (_, __, at) => known.values[at] * values[at]);
+  const [wide, high] = [Math.ceil(width / 2), Math.ceil(height / 2)];
+  const weight = plane(wide, high, (x, y) => sumOf(known, 2 * x, 2 * y, 2));
+  const half = plane(wide, high, (x, y, at) =>
+    Math.fround(sumOf(there, 2 * x, 2 * y, 2) / Math.max(1, weight.values[at])),
+  );
+  const empty = plane(wide, high, (_, __, at) => +!weight.values[at]);
   const solved = !empty.values.includes(1) || !empty.values.includes(0);
   const coarse = solved ? half.values : membrane(half, empty);
   const out = Float32Array.from(values);
   const here = [...hole.values.keys()].filter((at) => hole.values[at]);
   for (const at of here) out[at] = coarse[(Math.floor(at / width) >> 1) * half.width + ((at % width) >> 1)];
+  const beside = edges(width);
   for (let sweep = 0; sweep < SWEEPS; sweep++) {
-    const next = here.map((at) => {
-      const [up, down] = [at < width ? at : at - width, at + width < out.length ? at + width : at];
-      const [left, right] = [at % width ? at - 1 : at, (at + 1) % width ? at + 1 : at];
-      return (out[up] + out[down] + out[left] + out[right]) / 4;
-    });
+    const next = here.map((at) => sum(beside(at).map((to) => out[to] ?? out[at])) / 4);
     here.forEach((at, i) => (out[at] = next[i]));
   }
   return out;
@@ -296,7 +293,7 @@ function membrane({ width, height, values }, hole) {
 /** The picture with its holes filled from their rims, and grain from half a cell of the grid away.
  * @param {Raster} picture @param {Plane} hole @param {number[][]} steps @returns {Raster} */
 function filled({ pixels, width, height }, hole, [a, b]) {
-  const nearHole = square(hole, 3, largest).values;
+  const nearHole = extremes(hole, 1).values;
   const shifts = [a.map((step, i) => (step + b[i]) / 2), a.map((step, i) => (step - b[i]) / 2)].flatMap(([x, y]) =>
     [1, -1].map((sign) => [sign * even(x), sign * even(y)]),
   );
@@ -311,10 +308,10 @@ function filled({ pixels, width, height }, hole, [a, b]) {
   const out = Uint8ClampedArray.from(pixels); // it rounds as Python does
   for (let c = 0; c < 3; c++) {
     const channel = plane(width, height, (_, __, at) => pixels[3 * at + c]);
-    const around = square(channel, 3, added).values;
     const smooth = membrane(channel, hole);
     here.forEach((at, i) => {
-      const grain = from[i] && Math.fround(channel.values[from[i]] - Math.fround(around[from[i]] / 9));
+      const [x, y] = [from[i] % width, Math.floor(from[i] / width)];
+      const grain = from[i] && Math.fround(channel.values[from[i]] - Math.fround(sumOf(channel, x - 1, y - 1, 3) / 9));
       out[3 * at + c] = Math.fround(smooth[at] + grain);
     });
   }
