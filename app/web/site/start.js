@@ -17,8 +17,11 @@ async function open(view) {
   }
   if (started.has(view)) return;
   started.add(view);
-  if (view === "pair" && held?.local)
-    line.models = import("./local.js").then(({ prepare }) => prepare()).catch(() => {});
+  if (view === "pair" && held?.local) {
+    const coming = import("./local.js").then(({ prepare }) => prepare()).catch(() => {});
+    document.body.classList.add("fetching");
+    line.models = coming.then(() => document.body.classList.remove("fetching"));
+  }
   const { start } = await import(`../${view}/${view}.js`);
   await start(document.getElementById(`view-${view}`));
 }
