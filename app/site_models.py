@@ -2,7 +2,6 @@
 
 models.json              classes, orders and files of each head; rows of the examples
 NAME.onnx                a head (`omnivat/head/portable.py`); "first" is the page's own
-NAME-stages.onnx         its stages and trees for many pairs at one order
 familiarity, profile, …   of the first head, as its folder has them; own-…: of that for own pictures
 set-N.safetensors        embeddings of PART pairs each, in half precision
 ../encoder-HASH.onnx     one file for all sets of that encoder
@@ -155,16 +154,13 @@ def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
 def _write_head(head: "Head", folder: Path, name: str) -> dict[str, Any]:
     """Write one head; return what the page has to know of it."""
     from omnivat.head.dtg import groups, parents
-    from omnivat.head.portable import write_head, write_stages
+    from omnivat.head.portable import write_head
 
     write_head(folder / f"{name}.onnx", head)
-    if name != OWN:  # maps and trees are of the other heads
-        write_stages(folder / f"{name}-stages.onnx", head)
     model, own = head.model, head.settings
     count = 0 if own.generation == "none" else 2**own.levels - 1
     return {
         "file": f"{name}.onnx",
-        "stages": f"{name}-stages.onnx",
         "parents": parents(own.generation, count) if count else [],
         "groups": [[g.start, g.stop] for g in groups(own.generation, count)] if count else [],
         "arrangement": own.generation,

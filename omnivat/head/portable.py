@@ -3,7 +3,6 @@
 The head is the fast one as it stands, with folded weights; p is an input of the transform.
 """
 
-from collections.abc import Sequence
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
@@ -23,43 +22,50 @@ from omnivat.kit.files import replacing
 from omnivat.kit.stages import IMAGES, STAGES
 
 INPUTS = (*IMAGES, "orders")
-OUTPUTS = (
-    *(f"p_{name}" for name in READINGS),
-    *(f"{name}_{what}" for name in IMAGES for what in ("size", "standing", "attention")),
-)
+STAGED = STAGES[1:]  # all but the raw embedding
 
 
-class _Portable(nn.Module):
+class PortableHead(nn.Module):
+    """A head's predictions of B pairs, each at orders of its own, as a graph of tensors alone.
+
+    vis, tac  (B, input_width) raw embeddings
+    orders    (2, B) float64: the order of VIS and of TAC, quarter turns
+    return    by name: p_READING, class probabilities (B, K); of each modality, as vis_…, the moduli
+              of the transform (B, D), the row for teaching (B, input_width), attention (B, Q, T)
+              and F-hat with the other image absent (B, D), and as …_vis STAGED (B, D) or (B, 2D),
+              Re before Im; if the head has a tree, of the pair, of VIS alone and of TAC alone
+              nodes (B, N, D) and their probabilities (B, N, K), "shares"
+    """
+
     def __init__(self, model: nn.Module) -> None:
         super().__init__()
         self.model: Any = model
 
-
-class PortableHead(_Portable):
-    """A head's prediction of one pair at P orders, as a graph of tensors alone.
-
-    vis, tac  (1, input_width) raw embeddings
-    orders    (2, P) float64: the order of VIS and of TAC, quarter turns
-    return    OUTPUTS: class probabilities (P, K) of each reading; of each modality the moduli of
-              the transform (P, D), the row for teaching (1, input_width) and attention (P, Q, T)
-    """
-
-    def forward(self, vis: Tensor, tac: Tensor, orders: Tensor) -> tuple[Tensor, ...]:
+    def forward(self, vis: Tensor, tac: Tensor, orders: Tensor) -> dict[str, Tensor]:
         head, raw = self.model, {"vis": vis, "tac": tac}
-        embedding = head.embedded(raw)  # (2, 1, D)
-        parts = transform(embedding, orders)  # (2, 2, P, D)
-        many = embedding.expand(-1, orders.shape[1], -1)
-        out = head.output(IMAGES, parts, many, nodes=False, attention=True)
-        maps = {n: rows.expand(orders.shape[1], -1) for n, rows in head.map_logits(raw).items()}
-        out = replace(out, maps=maps, lessons=head.lessons(raw))
-        rest = []
+        embedding = head.embedded(raw)  # (2, B, D)
+        parts = transform(embedding, orders)  # (2, 2, B, D)
+        out = head.output(IMAGES, parts, embedding, nodes=True, attention=True)
+        out = replace(out, maps=head.map_logits(raw), lessons=head.lessons(raw))
+        found = {f"p_{name}": out.reading(name) for name in READINGS}
+        trees = {"": out.nodes}
         for name in IMAGES:
-            rest += [
-                torch.linalg.vector_norm(out.frft[name], dim=0),
-                head.standing(name, raw[name]),
-            ]
-            rest += [out.attention[name] if out.attention else torch.zeros(1)]
-        return (*(out.reading(name) for name in READINGS), *rest)
+            found[f"{name}_size"] = torch.linalg.vector_norm(out.frft[name], dim=0)
+            found[f"{name}_standing"] = head.standing(name, raw[name])
+            for stage in STAGED:
+                rows = getattr(out, stage)[name]
+                found[f"{stage}_{name}"] = rows.movedim(-2, 0).flatten(1)
+            bar = out.f_bar[name]
+            tree = grow(head.dtg, head.settings, bar[None], bar)
+            trees[f"{name}_"] = tree and tree.nodes
+            found[f"{name}_f_hat"] = bar
+            if tree and head.settings.tree_at_inference:
+                found[f"{name}_f_hat"] = bar + tree.nodes.mean(1)
+        found |= {f"{name}_attention": weights for name, weights in out.attention.items()}
+        for of, nodes in trees.items():
+            if nodes is not None:
+                found |= {f"{of}nodes": nodes, f"{of}shares": head.classify(nodes).softmax(-1)}
+        return found
 
 
 def write_head(file: Path, head: Head) -> None:
@@ -67,72 +73,22 @@ def write_head(file: Path, head: Head) -> None:
 
     Raises MissingPackageError if a package of ONNX is not installed.
     """
-    row, orders = torch.ones(1, head.settings.input_width), torch.rand(2, 3, dtype=torch.float64)
-    many = torch.export.Dim("stops", min=2, max=4096)
-    given = row, row.clone(), orders
-    _write(file, head, PortableHead, given, INPUTS, OUTPUTS, (None, None, {1: many}))
-
-
-def _write(
-    file: Path,
-    head: Head,
-    portable: type[_Portable],
-    example: tuple[Tensor, ...],
-    inputs: Sequence[str],
-    outputs: Sequence[str],
-    shapes: tuple[Any, ...],
-) -> None:
-    model = portable(deepcopy(head.model).float())
+    model = PortableHead(deepcopy(head.model).float())
+    rows = torch.rand(2, 3, head.settings.input_width)
+    example = *rows, torch.rand(2, 3, dtype=torch.float64)
     with torch.no_grad():  # folded weights and V become constants of the graph
         model.model(*example[:2])
-        model(*example)
+        names = list(model(*example))
+    many = torch.export.Dim("pairs", min=2, max=4096)
     with replacing(file) as whole:
         translate(
-            model, example, whole, input_names=inputs, output_names=outputs, dynamic_shapes=shapes
+            model,
+            example,
+            whole,
+            input_names=INPUTS,
+            output_names=names,
+            dynamic_shapes=({0: many}, {0: many}, {1: many}),
         )
-
-
-STAGED = STAGES[1:]  # all but the raw embedding
-
-
-class PortableStages(_Portable):
-    """Every stage of B pairs at orders of their own, and the nodes of their trees.
-
-    vis, tac  (B, input_width) raw embeddings
-    orders    (B,) float64, quarter turns
-    return    STAGED of each modality (B, D) or (B, 2D), Re before Im; then, if the head has a tree,
-              of the pair, of VIS alone and of TAC alone: nodes (B, N, D) and their probabilities
-              (B, N, K)
-    """
-
-    def forward(self, vis: Tensor, tac: Tensor, orders: Tensor) -> tuple[Tensor, ...]:
-        head = self.model
-        embedding = head.embedded({"vis": vis, "tac": tac})  # (2, B, D)
-        parts = transform(embedding, orders)
-        out = head.output(IMAGES, parts, embedding, nodes=True, attention=False)
-        stages = [getattr(out, stage)[name] for stage in STAGED for name in IMAGES]
-        rows = [stage.movedim(-2, 0).flatten(1) for stage in stages]
-        alone = [grow(head.dtg, head.settings, bar[None], bar) for bar in out.f_bar.values()]
-        trees = [out.nodes, *(tree and tree.nodes for tree in alone)]
-        grown = [(nodes, head.classify(nodes).softmax(-1)) for nodes in trees if nodes is not None]
-        return (*rows, *(tensor for pair in grown for tensor in pair))
-
-
-def write_stages(file: Path, head: Head) -> None:
-    """Write the stages of a head as one ONNX file: STAGED_vis, STAGED_tac, [vis_|tac_]nodes and
-    shares.
-
-    Raises MissingPackageError if a package of ONNX is not installed.
-    """
-    names = [f"{stage}_{name}" for stage in STAGED for name in IMAGES]
-    if head.settings.generation != "none":
-        names += [f"{of}{what}" for of in ("", "vis_", "tac_") for what in ("nodes", "shares")]
-    many, rows = (
-        torch.export.Dim("pairs", min=2, max=4096),
-        torch.rand(3, head.settings.input_width),
-    )
-    given = rows, rows.clone(), torch.rand(3, dtype=torch.float64)
-    _write(file, head, PortableStages, given, (*IMAGES, "orders"), names, ({0: many},) * 3)
 
 
 TAUGHT = ("map", "bias", "factor", "share", "after")

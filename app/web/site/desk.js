@@ -142,7 +142,7 @@ export class Desk extends Models {
 
   /** The readings of a pair at its p. @param {Asked} asked */
   async readings({ head, pair, order }) {
-    return readingsOf(head, await this.run(head, pair, order === null ? undefined : [[order, order]]), 0, pair);
+    return readingsOf(head, await this.run(head, [pair], [order]), 0, pair);
   }
 
   /** Readings, and the familiarity of each image. @param {Asked} asked */

@@ -1,5 +1,6 @@
 /** The models of one set: the encoder, the heads and the embeddings, each fetched when it is first used. */
 
+import { IMAGES } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";
 import { withoutDots } from "./dots.js";
 import { inTurn, LOST, runtime } from "./runtime.js";
@@ -93,32 +94,24 @@ export class Models {
     );
   }
 
-  /** Rows as a graph takes them: `count`, a missing one of zeros.
-   * @param {(Floats | null | undefined)[]} rows @param {number} count */
-  async rows(rows, count) {
+  /** Run a head: many pairs of embeddings at one stop of p, or one pair at many. A missing embedding is of zeros; a stop
+   * of null is what the head learned. @param {SiteHead} head @param {Rows[]} pairs @param {(number | null)[]} stops
+   * @param {string[]} [wanted] */
+  async run({ file, orders }, pairs, stops, wanted) {
     const { width } = await this.about();
-    const values = new Float32Array(count * width);
-    rows.forEach((row, i) => row && values.set(row, i * width));
-    return ["float32", values, [count, width]];
-  }
-
-  /** Run a head on one pair of embeddings, at what it learned or at several orders of VIS and of TAC.
-   * @param {SiteHead} head @param {Rows} pair @param {[number, number][]} [orders] */
-  async run({ file, orders: learned }, { vis, tac }, orders = [[learned.vis, learned.tac]]) {
-    const stops = orders.length === 1 ? [...orders, ...orders] : orders; // the graph takes two or more
-    const both = Float64Array.from([...stops.map(([p]) => p), ...stops.map(([, p]) => p)]);
-    const rows = { vis: await this.rows([vis], 1), tac: await this.rows([tac], 1) };
-    return this.ran(file, "the head", { ...rows, orders: ["float64", both, [2, stops.length]] });
-  }
-
-  /** The outputs `wanted` of a head's stages, for many pairs of embeddings at one order.
-   * @param {SiteHead} head @param {Record<Modality, Floats[]>} pairs @param {number | null} order
-   * @param {string[]} wanted */
-  async stages({ stages, learned }, { vis, tac }, order, wanted) {
-    const count = Math.max(2, vis.length); // the graph takes two or more
-    const rows = { vis: await this.rows(vis, count), tac: await this.rows(tac, count) };
-    const orders = ["float64", new Float64Array(count).fill(order ?? learned), [count]];
-    return this.ran(stages, "the tree", { ...rows, orders }, wanted);
+    const count = Math.max(2, pairs.length, stops.length); // the graph takes two or more
+    const both = new Float64Array(2 * count);
+    /** @type {Record<string, any[]>} */
+    const feeds = { orders: ["float64", both, [2, count]] };
+    for (const [k, name] of IMAGES.entries()) {
+      const rows = new Float32Array(count * width);
+      for (let i = 0; i < count; i++) {
+        rows.set(pairs[i % pairs.length][name] ?? [], i * width);
+        both[k * count + i] = stops[i % stops.length] ?? orders[name];
+      }
+      feeds[name] = ["float32", rows, [count, width]];
+    }
+    return this.ran(file, "the head", feeds, wanted);
   }
 
   /** The encoder, which is on its way then. */

@@ -10,8 +10,6 @@ import { nearest, rounded, roundedRow, unit } from "./tensors.js";
 
 /** @typedef {import("./desk.js").Desk} Desk */
 const STOPS = Array.from({ length: PAIR.STOPS }, (_, k) => k / (PAIR.STOPS - 1));
-/** @type {[number, number][]} */
-const EACH = STOPS.map((p) => [p, p]);
 const named = Object.fromEntries;
 
 /** Moduli (P, D) as a picture of bytes, of neighbours the largest. @param {Tensor} moduli @param {number} rows */
@@ -43,7 +41,7 @@ export const QUESTIONS = {
   async pair(desk, question) {
     const { pair, order, head } = await desk.asked(question);
     const exact = order ?? head.learned;
-    const out = await desk.run(head, pair, [...EACH, [exact, exact]]);
+    const out = await desk.run(head, [pair], [...STOPS, exact]);
     const each = STOPS.map((_, stop) => readingsOf(head, out, stop, pair));
     const last = readingsOf(head, out, STOPS.length, pair);
     const shown = ["fused", ...IMAGES].filter((name) => last[name]);
@@ -74,7 +72,7 @@ export const QUESTIONS = {
     const { pair, head } = await desk.asked(question);
     const names = imagesOf(pair);
     if (!head.attends) throw new Refusal("This head has no MFFA, so there is no attention to show.");
-    const out = await desk.run(head, pair, EACH);
+    const out = await desk.run(head, [pair], STOPS);
     const maps = names.map((name) => {
       const { shape, values } = out[`${name}_attention`];
       return { name, count: shape[2], off: Array.from(values, (share) => share - 1 / shape[2]) };

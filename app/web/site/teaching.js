@@ -1,6 +1,6 @@
 /** Teaching from a visitor's labelled pairs, which `lessons.onnx` solves; see omnivat/head/teach.py. No DOM here. */
 
-import { imagesOf } from "../shared/images.js";
+import { IMAGES, imagesOf } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";
 import { PAIR } from "./rules.js";
 import { best, dot, rounded, rowOf, softmax } from "./tensors.js";
@@ -31,10 +31,8 @@ export function withLessons({ rows, bias, share }, before, out) {
 /** VIS and TAC of a head's outputs side by side; the part of a missing image is zero.
  * @param {Tensors} out @param {string[]} there */
 function standing(out, there) {
-  const width = out.vis_standing.values.length;
-  const row = new Float64Array(2 * width);
-  for (const name of there) row.set(out[`${name}_standing`].values, name === "vis" ? 0 : width);
-  return row;
+  const [vis, tac] = IMAGES.map((name) => rowOf(out[`${name}_standing`], 0).map((v) => (there.includes(name) ? v : 0)));
+  return Float64Array.of(...vis, ...tac);
 }
 
 /** Teach lessons: the taught head, and the report, what is said of each lesson before and after teaching by the others.
@@ -44,7 +42,7 @@ export async function teach(models, head, lessons) {
   const classes = [...new Set([...head.classes, ...names])];
   const [rows, before] = [/** @type {Float64Array[]} */ ([]), /** @type {number[][]} */ ([])];
   for (const { pair } of lessons) {
-    const [out, there] = [await models.run(head, pair), imagesOf(pair)];
+    const [out, there] = [await models.run(head, [pair], [null]), imagesOf(pair)];
     const shown = rowOf(out[there.length > 1 ? "p_fused" : `p_${there[0]}`], 0);
     rows.push(standing(out, there));
     before.push(classes.map((_, k) => shown[k] ?? 0));
