@@ -1,6 +1,7 @@
 /** Requests to the server. Every failure becomes a Refusal with a one-sentence message. */
 
 import { base, fileOf, held, own, respond } from "./held.js";
+import { keeper } from "./once.js";
 import { awaited } from "./ready.js";
 import { Refusal } from "./refusal.js";
 
@@ -82,21 +83,8 @@ const replied = (response) => awaited(response.then((found) => found.json()));
 /** @template {string} Path @param {Path} path @returns {Promise<ReplyTo<Path>>} */
 export const json = (path) => replied(get(path));
 
-/** @type {Map<string, Promise<any>>} */
-const kept = new Map();
-
-/** The promise called `name`, made once; after a failure the next call tries again.
- * @template T @param {string} name @param {() => Promise<T>} make @returns {Promise<T>} */
-export function once(name, make) {
-  const before = kept.get(name);
-  if (before) return before;
-  const made = make().catch((error) => {
-    kept.delete(name);
-    throw error;
-  });
-  kept.set(name, made);
-  return made;
-}
+/** Make what the page needs once. */
+export const once = keeper();
 
 /** @type {Map<Ref, [content: Blob, name: string]>} */
 const files = new Map(); // uploaded, to send again to a restarted server

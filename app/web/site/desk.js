@@ -26,8 +26,8 @@ export function nameOf(bytes) {
 export class Desk extends Models {
   /** Embeddings of pictures, profiles and taught heads, by the names that the page has. @type {Map<string, any>} */
   given = new Map();
-  /** Stages of the whole set, as far as they are computed. @type {Map<string, Record<Modality, Floats[]>>} */
-  features = new Map();
+  /** A stage of the whole set, as far as it is computed. @type {{ key: string } & Record<Modality, Floats[]>} */
+  walk = { key: "", vis: [], tac: [] };
 
   /** What the page names; it sends again what is lost. @param {string} name @param {string} what */
   keptAs(name, what) {

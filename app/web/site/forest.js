@@ -9,7 +9,6 @@ import { dot, nearest, norm, rounded, roundedRow, rowOf, unit } from "./tensors.
 /** @typedef {import("./desk.js").Desk} Desk */
 const STEP = 32; // pairs of one run of the head: 30 ms, for which a question of the visitor may wait
 const AROUND = 8; // points of the map between which a new one is placed
-const KEPT = 2; // stages of the whole set
 
 /** The nodes of a group, and their cosines.
  * @param {Floats[]} units @param {[number, number]} group */
@@ -25,11 +24,8 @@ function level(units, [start, stop]) {
 async function featuresOf(desk, head, stage, order, stopped) {
   const key = stage === "raw" ? stage : `${stage} ${order}`;
   const { pairs } = await desk.about();
-  /** @type {Record<Modality, Floats[]>} */
-  const walk = desk.features.get(key) ?? { vis: [], tac: [] };
-  desk.features.delete(key);
-  for (const old of [...desk.features.keys()].slice(KEPT - 1)) desk.features.delete(old);
-  desk.features.set(key, walk);
+  if (desk.walk.key !== key) desk.walk = { key, vis: [], tac: [] };
+  const { walk } = desk;
   while (walk.vis.length < pairs) {
     if (stopped()) throw new Refusal("Another question came first.", 499);
     const start = walk.vis.length;

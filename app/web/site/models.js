@@ -1,6 +1,7 @@
 /** The models of one set: the encoder, the heads and the embeddings, each fetched when it is first used. */
 
 import { IMAGES } from "../shared/images.js";
+import { keeper } from "../shared/once.js";
 import { Refusal } from "../shared/refusal.js";
 import { withoutDots } from "./dots.js";
 import { inTurn, LOST, runtime } from "./runtime.js";
@@ -10,8 +11,7 @@ const NOT_HERE =
   "Pictures for this head's encoder need Python: run `python -m pip install -r requirements.txt`, then `python app.py`.";
 
 export class Models {
-  /** @type {Map<string, Promise<any>>} */
-  kept = new Map();
+  once = keeper();
 
   /** @param {string | URL} base address of the models @param {string} set its folder
    * @param {(step: Step) => void} told receives a download on its way */
@@ -19,15 +19,6 @@ export class Models {
     this.base = base;
     this.folder = new URL(`${set}/`, base);
     this.told = told;
-  }
-
-  /** Make what is called `key` once; a failure is tried again.
-   * @template T @param {string} key @param {() => Promise<T>} make @returns {Promise<T>} */
-  once(key, make) {
-    const made = this.kept.get(key) ?? make();
-    this.kept.set(key, made);
-    made.catch(() => this.kept.delete(key));
-    return made;
   }
 
   runtime = () => runtime(this.base, this.fetch);

@@ -1,0 +1,14 @@
+/** Make something once. */
+
+/** A function that makes what is called `key` once, and after a failure again.
+ * @returns {<T>(key: string, make: () => Promise<T>) => Promise<T>} */
+export function keeper() {
+  /** @type {Map<string, Promise<any>>} */
+  const kept = new Map();
+  return (key, make) => {
+    const made = kept.get(key) ?? make();
+    kept.set(key, made);
+    made.catch(() => kept.delete(key));
+    return made;
+  };
+}
