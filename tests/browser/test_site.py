@@ -56,7 +56,8 @@ def test_a_plain_file_server_is_enough_for_p_nodes_a_second_map_and_a_pair_by_it
 
 def chapters_analyse_and_a_pair(context, address, folder):
     page, problems = visit(context)
-    sizes = []
+    sizes, asked = [], []
+    page.on("request", lambda r: asked.append(r.url))
     page.on(
         "request", lambda r: r.url.startswith((address, "data:", "blob:")) or problems.append(r.url)
     )
@@ -77,7 +78,8 @@ def chapters_analyse_and_a_pair(context, address, folder):
     page.click(".explore [data-panel=nodes] summary")
     page.wait_for_selector(".explore .nodes .disc >> nth=6")
     page.wait_for_selector(".explore .changed:has-text('predictions change')")
-    page.click("#view-train-button")
+    page.press("#view-explore-button", "ArrowLeft")
+    page.wait_for_selector("#view-train-button:focus")
     page.wait_for_selector(".train .problem:has-text('python app.py')")
 
     picture = next(
@@ -87,6 +89,10 @@ def chapters_analyse_and_a_pair(context, address, folder):
     page.wait_for_selector(".pair .reading[data-reading=vis] .said")
     assert "not on this page's host" in page.inner_text(".pair .problem")
     assert picture.name in page.url
+    page.wait_for_selector("body:not(.fetching)")
+    encoder = next(i for i, url in enumerate(asked) if "/encoder-" in url)
+    assert sum("-example-" in url for url in asked[:encoder]) <= 32  # the shelf shows 15 pairs
+    page.wait_for_selector(".gallery button:nth-child(40) img >> nth=0", state="visible")
     page.close()
     assert problems == []
 

@@ -69,11 +69,13 @@ test("a refused second run leaves the first on the screen, and news of a run tha
   assert.equal(next(second, news("done", EPOCHS)), second);
 });
 
-test("the form offers what the server offers and cannot carry markup", () => {
-  const html = String(formHtml(OFFERS));
-  assert.match(html, /learn p by gradient/);
-  assert.match(html, /name="epochs" min="5" max="100"/);
-  assert.ok(!html.includes("<OF>"));
+test("the form offers what the server offers, three controls first, and cannot carry markup", () => {
+  const [first, advanced] = String(formHtml(OFFERS)).split("<details");
+  assert.match(first, /learn p by gradient/);
+  assert.ok(!first.includes("<OF>"));
+  assert.deepEqual(first.match(/<select|<input|submit/g), ["<select", "<select", "submit"]);
+  assert.match(advanced, /name="epochs" min="5" max="100" step="1" value="40"/);
+  assert.equal(advanced.match(/<(select|input)/g).length, 10);
 });
 
 test("the form becomes a question of numbers", () => {
@@ -86,21 +88,22 @@ test("the form becomes a question of numbers", () => {
   );
 });
 
-test("a waiting training tells its place, a running one its epoch", () => {
-  assert.equal(standing(run("waiting")), "Waiting.");
-  assert.match(standing(run("waiting", { place: 2 })), /place 2 in the queue/);
-  assert.equal(standing(run("running", { text: "searching p" })), "Starting: searching p.");
+test("a training tells its place or its epoch, its end, and how many pairs have no class", () => {
   const third = { text: "epoch 3", left: "9 s left", epochs: [1, 2, 3] };
-  assert.equal(standing(run("running", third)), "Training: epoch 3 of 40, 9 s left.");
-  assert.equal(standing(run("failed", { problem: "The loss is nan." })), "The loss is nan.");
-  assert.equal(standing(run("cancelled", { epochs: [1] })), "Cancelled after 1 of 40 epochs.");
-});
-
-test("pairs without a class are counted as left out while a training waits, runs and ends", () => {
-  assert.match(standing(run("waiting", { place: 2 }, 12)), /12 pairs without a class are left out\.$/);
-  assert.equal(standing(run("done", {}, 12)), "Done: 40 epochs. 12 pairs without a class are left out.");
-  assert.match(standing(run("done", {}, 1)), /1 pair without a class is left out\.$/);
-  assert.equal(standing(run("failed", { problem: "The loss is nan." }, 12)), "The loss is nan.");
+  for (const [state, words, more, leftOut] of [
+    ["waiting", "Waiting."],
+    ["waiting", /place 2 in the queue.* 12 pairs without a class are left out\.$/, { place: 2 }, 12],
+    ["running", "Starting: searching p.", { text: "searching p" }],
+    ["running", "Training: epoch 3 of 40, 9 s left.", third],
+    ["running", "Calibrating probabilities on held-out pairs.", { epochs: Array(40) }],
+    ["failed", "The loss is nan.", { problem: "The loss is nan." }, 12],
+    ["cancelled", "Cancelled after 1 of 40 epochs.", { epochs: [1] }],
+    ["done", "Done: 40 epochs. 1 pair without a class is left out.", {}, 1],
+  ]) {
+    const found = standing(run(state, more, leftOut));
+    if (words instanceof RegExp) assert.match(found, words);
+    else assert.equal(found, words);
+  }
 });
 
 test("scrubbing back shows the newest map up to that epoch, and a result the newest measures", () => {
@@ -122,16 +125,6 @@ test("values stay inside the chart and missing measures leave no gap in the page
   const heights = [...svg.matchAll(/[ML][\d.]+ ([\d.]+)/g)].map((found) => +found[1]);
   assert.ok(heights.length === 2 && heights.every((y) => y >= 0 && y <= 120));
   assert.match(String(charts(EPOCHS, 5, FRAME)), /unseen domains <b>30\.0 %/);
-});
-
-test("the form shows three controls; the rest is under Advanced", () => {
-  const [first, advanced] = String(formHtml(OFFERS)).split("<details");
-  assert.deepEqual(first.match(/<(select|input|button type="submit")/g), [
-    "<select",
-    "<select",
-    '<button type="submit"',
-  ]);
-  assert.equal(advanced.match(/<(select|input)/g).length, 10);
 });
 
 test("two runs are compared, and one is not", () => {

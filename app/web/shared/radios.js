@@ -16,14 +16,14 @@ export const radios = (options, chosen, name = "") =>
       html`<button role="radio" data-choice="${name}" data-key="${key}" title="${title}" ${checked(key === chosen)}>${label}</button>`,
   )}`;
 
-/** Let arrow keys choose the next button of a group, or the one before. */
+/** Let arrow keys choose the next button of a group, or the one before; tabs that are not Gradio's are one, too. */
 export function followArrows() {
   document.addEventListener("keydown", (event) => {
     const button = /** @type {Found} */ (event.target);
     const by = ARROWS[event.key];
-    if (!by || !button.matches(".ov [role=radio]")) return;
+    if (!by || !button.matches(".ov [role=radio], .site [role=tab]")) return;
     event.preventDefault();
-    const group = [...button.closest("[role=radiogroup]").querySelectorAll("[role=radio]")];
+    const group = [...button.closest("[role=radiogroup], [role=tablist]").querySelectorAll("[role=radio], [role=tab]")];
     const next = group.at((group.indexOf(button) + by) % group.length);
     next.click();
     next.focus();

@@ -34,16 +34,7 @@ async function keep() {
   if (!(/** @type {any} */ (navigator).connection?.saveData)) active?.postMessage("keep");
 }
 
-for (const tab of tabs) {
-  tab.onclick = () => open(tab.id.split("-")[1]);
-  tab.onkeydown = ({ key }) => {
-    const step = { ArrowRight: 1, ArrowLeft: -1 }[key] ?? 0;
-    const next = tabs.at((tabs.indexOf(tab) + step) % tabs.length) ?? tab;
-    if (next === tab) return;
-    next.click();
-    next.focus();
-  };
-}
+for (const tab of tabs) tab.onclick = () => open(tab.id.split("-")[1]);
 document.body.classList.toggle("dark", matchMedia("(prefers-color-scheme: dark)").matches);
 document.querySelector(".unstarted")?.remove();
 startHeader(document.querySelector("#omnivat-header"));
