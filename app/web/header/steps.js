@@ -5,7 +5,8 @@ import { html, percent } from "../shared/text.js";
 const CLEAR = 0.1; // of accuracy: a smaller change over p is called small
 const NEAR = 0.05; // quarter turns between an option and the best order
 const ORDERS = [0.1, 0.35, 0.6]; // the options of the best order
-const near = (/** @type {number} */ p) => `Near ${p}`;
+/** How many bounds a value reaches. @param {number} value @param {...number} bounds */
+const steps = (value, ...bounds) => bounds.filter((bound) => value >= bound).length;
 const MOST = 200; // pictures without labels
 /** What a step about one press opens with. @type {Partial<State>} */
 const PRESS = { press: "", from: "0", dots: "", known: "0", reading: "tac" };
@@ -48,10 +49,7 @@ export const STEPS = [
     set: PRESS,
     ask: "A model learned materials from the first sensor’s touches. Seven others image the same presses. Of what it reads right at home, how much does it still read?",
     options: ["Nearly all", "More than half", "Less than half"],
-    right: (at) => {
-      const left = away(at)[0] / home(at);
-      return [left > 0.9 ? "Nearly all" : left < 0.5 ? "Less than half" : "More than half"];
-    },
+    right: (at) => [2 - steps(away(at)[0] / home(at), 0.5, 0.9)],
     reveal: (at) =>
       html`${b(home(at))} on its own sensor, ${b(away(at)[0])} on the seven others. Only the sensor changed.`,
   },
@@ -62,7 +60,7 @@ export const STEPS = [
     set: PRESS,
     ask: "Dots are printed on some gels. Now each dot takes the colours around it, in training too. How much of the loss comes back?",
     options: ["Hardly any", "Less than half", "More than half"],
-    right: (at) => [mended(at) < 0.1 ? "Hardly any" : mended(at) < 0.5 ? "Less than half" : "More than half"],
+    right: (at) => [steps(mended(at), 0.1, 0.5)],
     after: () => ({ dots: "1" }),
     reveal: (at) =>
       html`${b(away(at, 1)[0])} in place of ${b(away(at)[0])}: the head had learned the dots. Nothing was known of the new sensors.`,
@@ -76,7 +74,7 @@ export const STEPS = [
     options: ["More", "About as much", "Less"],
     right: (at) => {
       const [few, filled] = [away(at, 0, MOST), away(at, 1)];
-      return [few[1] > filled[2] ? "More" : few[2] < filled[1] ? "Less" : "About as much"];
+      return [few[1] > filled[2] ? 0 : few[2] < filled[1] ? 2 : 1];
     },
     after: () => ({ known: String(MOST) }),
     reveal: (at) =>
@@ -89,9 +87,7 @@ export const STEPS = [
     set: { rung: "0" },
     ask: "Each colour is a sensor, and a thread joins one press. Suppose each sensor’s mean is taken away. Does the head read its touches again?",
     options: ["Mostly", "Not yet"],
-    right: ({ places: { accuracy } }) => [
-      accuracy[1] - accuracy[0] > 0.5 * (accuracy[2] - accuracy[0]) ? "Mostly" : "Not yet",
-    ],
+    right: ({ places: { accuracy } }) => [accuracy[1] - accuracy[0] > 0.5 * (accuracy[2] - accuracy[0]) ? 0 : 1],
     after: () => ({ rung: "2" }),
     reveal: ({ places: { accuracy } }) =>
       html`${b(accuracy[0])} as they come, ${b(accuracy[1])} with the mean moved, ${b(accuracy[2])} with mean and spread: sensors shift features and stretch them.`,
@@ -103,7 +99,7 @@ export const STEPS = [
     set: { rung: "0" },
     ask: "The slider turns all features by an order p; each stop has heads of its own. How far does accuracy on new sensors range?",
     options: ["Over ten points", "Less"],
-    right: ({ pale }) => [range(pale) >= CLEAR ? "Over ten points" : "Less"],
+    right: ({ pale }) => [range(pale) >= CLEAR ? 0 : 1],
     after: () => ({ rung: "p" }),
     reveal: ({ pale }) => html`It lies ${within(pale)}. Drag p: the points and both gaps move all the same.`,
   },
@@ -111,9 +107,9 @@ export const STEPS = [
     title: "When does p decide?",
     chapter: "order",
     ask: "Each colour is a kind of signal, each stop of the slider a head trained at that p. Where do the colours come apart?",
-    options: [...ORDERS.map(near), "Everywhere alike"],
+    options: [...ORDERS.map((p) => `Near ${p}`), "Everywhere alike"],
     right: (at) =>
-      range(at.curve) < CLEAR ? ["Everywhere alike"] : ORDERS.filter((p) => Math.abs(p - best(at)) <= NEAR).map(near),
+      range(at.curve) < CLEAR ? [3] : [...ORDERS.keys()].filter((i) => Math.abs(ORDERS[i] - best(at)) <= NEAR),
     after: (at) => (known(at.curve).length ? { p: best(at) } : {}),
     reveal: (at) =>
       known(at.curve).length
@@ -127,7 +123,7 @@ export const STEPS = [
     options: ["The photo", "The touch"],
     right: (at) => {
       const found = alone(at);
-      return !found || found.doubt ? [] : [found.photo.share > found.touch.share ? "The photo" : "The touch"];
+      return !found || found.doubt ? [] : [found.photo.share > found.touch.share ? 0 : 1];
     },
     after: () => ({ reading: "tac" }),
     reveal: (at) => {

@@ -41,8 +41,8 @@ function rest(explore, on) {
 
 /** What is said of a prediction; nothing if the data cannot decide.
  * @param {TourStep} step @param {string} option @param {Figures} figures */
-function verdictOf({ right = () => [] }, option, figures) {
-  const words = right(figures);
+function verdictOf({ right = () => [], options = [] }, option, figures) {
+  const words = right(figures).map((i) => options[i]);
   if (words.includes(option)) return html`<b class="right">As you predicted.</b> `;
   return words.length ? html`<b class="wrong">Not so. Correct: “${words.join("”, “")}”.</b> ` : null;
 }

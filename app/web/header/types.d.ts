@@ -22,7 +22,7 @@ interface TourStep {
   after?: (at: Figures) => Partial<State>;
   ask?: string;
   options?: string[];
-  /** the options that are right; none if the data cannot decide */
-  right?: (at: Figures) => string[];
+  /** places of the options that are right; none if the data cannot decide */
+  right?: (at: Figures) => number[];
   reveal: (at: Figures) => Html;
 }
