@@ -29,14 +29,20 @@ def held(out):
 def test_every_address_is_relative_and_of_a_file_in_the_folder(written):
     text = (written / "index.html").read_text(encoding="utf-8")
     named = [*re.findall(r'(?:src|href)="([^"]+)"', text), *held(written)["files"].values()]
-    kept = json.loads(
-        re.match(r"globalThis.omnivatSite = (.*);", (written / "sw.js").read_text())[1]
-    )
-    for address in [*named, *kept["first"], *kept["rest"]]:
+    for address in named:
         parts = urlsplit(address)
         assert not parts.scheme and not parts.netloc and not address.startswith("/"), address
         assert (written / address).is_file(), address
     assert len(named) > 30
+
+
+def test_the_worker_keeps_every_file_below_the_page_and_examples_last(written):
+    script = (written / "sw.js").read_text()
+    kept = json.loads(re.match(r"globalThis.omnivatSite = (.*);", script)[1])
+    files = [file.relative_to(written).as_posix() for file in files_in(written)]
+    assert sorted(kept["first"] + kept["rest"]) == [name for name in files if "/" in name]
+    assert {name.split("-")[0] for name in kept["first"]} == {"web"}
+    assert [name for name in kept["rest"] if "-example-" in name] == kept["rest"][-4:]
 
 
 def test_no_file_of_the_page_names_another_host(written):
