@@ -3,7 +3,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./browser.js";
-import { counted, gaps, right, sentence } from "../../app/web/explore/beside.js";
+import { counted, right, sentence } from "../../app/web/explore/beside.js";
+import { gaps } from "../../app/web/explore/maps.js";
 import { html } from "../../app/web/shared/text.js";
 
 const TRUTH = ["wood", "wood", "steel", "steel", "glass"];

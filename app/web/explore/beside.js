@@ -11,16 +11,9 @@ import { listen } from "../shared/pointer.js";
 import { stageNamed, stepsOf } from "../shared/stages.js";
 import { making, tell } from "../shared/view.js";
 import { whence } from "./chapters.js";
-import { figure, kindOf, map, pairLines, showLayers, shown } from "./maps.js";
+import { figure, gaps, kindOf, map, pairLines, showLayers, shown } from "./maps.js";
 import { $, change, fill, html, options, put, scene, state, take } from "./root.js";
 import { isDouble } from "./scene.js";
-
-/** The two gaps of frames at a stop. @type {(frames: Frames, stage: string, stop: number) => (Html | null | string)[]} */
-export const gaps = (frames, stage, stop) => [
-  figure("modality gap", "modality_gap", values(frames, "modality_gap", stage), stop),
-  " ",
-  figure("domain gap", "domain_gap", values(frames, "domain_gap", stage), stop),
-];
 
 /** The accuracy of frames at a stop, and whose it is; only where the head predicts.
  * @type {(frames: Frames, stage: string, stop: number, unseen: Unseen | null) => Html[] | null} */

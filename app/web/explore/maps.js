@@ -114,18 +114,22 @@ export const figure = (words, measure, values, stop) =>
     ? html`<span class="gap">${words} <b>${asText(measure, values?.[stop], 2)}</b></span>`
     : null;
 
+/** Both gaps of frames at a stop, or that between the images of one domain. @param {Frames} frames @param {string} stage
+ * @param {number} stop */
+export function gaps(frames, stage, stop, domain = "") {
+  const gap = (/** @type {string} */ measure, /** @type {string} */ words) =>
+    figure(words, measure, values(frames, measure, stage, domain), stop);
+  if (domain) return [gap("modality_gap", `modality gap in ${domain}`)];
+  return [gap("modality_gap", "modality gap"), " ", gap("domain_gap", "domain gap")];
+}
+
 /** The title of the map: its step, its method, and the gaps of the points shown. @param {string} kind */
 function title(kind) {
   const { frames, stop } = scene;
   const domain = loneDomain(scene, state);
   const hides = filtering(scene, state);
-  const gap = (/** @type {string} */ measure, /** @type {string} */ words) =>
-    figure(words, measure, values(frames, measure, state.stage, domain), stop);
-  const gaps = domain
-    ? gap("modality_gap", `modality gap in ${domain}`)
-    : [gap("modality_gap", "modality gap"), gap("domain_gap", "domain gap")];
   const partly = hides.length && !(domain && hides.length === 1);
-  return html`<span class="where-at">${stageNamed(state.stage).title}, p = ${orderText(frames.orders[stop])} <small>${METHODS[kind] ?? kind}</small></span>${gaps}${
+  return html`<span class="where-at">${stageNamed(state.stage).title}, p = ${orderText(frames.orders[stop])} <small>${METHODS[kind] ?? kind}</small></span>${gaps(frames, state.stage, stop, domain)}${
     partly ? html`<span>${hides.join(" · ")}: gaps are of ${domain ? "the whole domain" : "all pairs"}</span>` : null
   }`;
 }
