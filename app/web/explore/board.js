@@ -12,7 +12,7 @@ import { explained, featuresOf, stageNamed, stepsOf } from "../shared/stages.js"
 import { modeOf } from "../shared/tables.js";
 import { press } from "../shared/view.js";
 import * as beside from "./beside.js";
-import { featuresHtml, headOf, LESSONS, whence } from "./chapters.js";
+import { featuresHtml, headOf, LESSONS, rightAt, whence } from "./chapters.js";
 import * as curves from "./curves.js";
 import * as finder from "./finder.js";
 import { showGrid, showNeighbours } from "./grid.js";
@@ -303,7 +303,7 @@ function showPictures() {
 const announceSoon = afterwards(() => {
   const { frames, stop } = scene;
   const gap = values(frames, "modality_gap", featuresOf(state.stage))?.[stop];
-  const right = values(frames, "accuracy", "f_hat")?.[stop];
+  const right = rightAt(frames, stop);
   $(".announcement").textContent = [
     `p ${orderText(frames.orders[stop])}`,
     Number.isFinite(gap) && `modality gap ${asText("modality_gap", gap)}`,

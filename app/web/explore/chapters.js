@@ -32,10 +32,13 @@ export function startOf(chapter, frames, own) {
   return frames.orders[frames.stop(clear ? AWAY : Number.isFinite(own.learned) ? own.learned : 0.5)];
 }
 
-/** The accuracy at one stop; one sentence on a screen. @param {Frames} frames @param {number} stop */
+/** The accuracy at one stop; NaN if it is not known. @param {Frames} frames @param {number} stop */
+export const rightAt = (frames, stop) => values(frames, "accuracy", "f_hat")?.[stop] ?? NaN;
+
+/** The same in one sentence on a screen. @param {Frames} frames @param {number} stop */
 export function headOf(frames, stop) {
-  const right = values(frames, "accuracy", "f_hat")?.[stop];
-  return right !== undefined && Number.isFinite(right)
+  const right = rightAt(frames, stop);
+  return Number.isFinite(right)
     ? html`<b class="large">${percent(right)}</b> <span>right in ${unseenDomains(frames)}</span>`
     : html`<small>Unseen accuracy is unknown here: ${blind(frames)}</small>`;
 }
@@ -53,9 +56,7 @@ const blind = ({ source, domains, labelled }) =>
 /** Where the accuracy at one stop comes from; null if it is not known.
  * @param {Frames} frames @param {number} stop @param {Unseen | null} [unseen] */
 export const whence = (frames, stop, unseen) =>
-  Number.isFinite(values(frames, "accuracy", "f_hat")?.[stop])
-    ? ofFrames(frames, stop, unseenPairs(frames, unseen))
-    : null;
+  Number.isFinite(rightAt(frames, stop)) ? ofFrames(frames, stop, unseenPairs(frames, unseen)) : null;
 
 /** The same for the loaded head at its own p, over some pairs.
  * @type {(own: Frames, pairs: string) => Html} */

@@ -1,6 +1,7 @@
 /** The nodes that the head's tree grows from the pinned pair: what each alone predicts, at the p on the screen. */
 
 import { ask, refused } from "../shared/api.js";
+import { keys } from "../shared/filters.js";
 import { classColour, rgb } from "../shared/palette.js";
 import { awaited } from "../shared/ready.js";
 import { panelIsOpen } from "./panels.js";
@@ -46,12 +47,9 @@ function show(tree) {
 /** tree: the server's reply; votes: of each node over the set, once known.
  * @param {Tree} tree @param {Partial<Replies["votes"]>} set */
 export function nodesHtml(tree, { votes, pairs }) {
-  const keys = tree.classes.map(
-    (name, k) => html`<span class="key"><i style="background:${classColour(k)}"></i>${name}</span>`,
-  );
   const moved = Math.abs(tree.order - tree.learned) > 1e-3 ? ", moved from its learned p" : ", its learned p";
   return html`<p class="hint">The loaded head at p = ${tree.order.toFixed(3)}${moved}.${!tree.in_use && " This head predicts without its tree."}</p>${drawTree(tree, constant(votes))}
-    <p class="hint">${keys} Area: norm. Bar: what the node alone predicts.</p><p class="worth">${worth(votes, pairs)}</p>${angles(tree)}`;
+    <p class="hint">${keys(tree.classes.map((name, k) => [name, classColour(k)]))} Area: norm. Bar: what the node alone predicts.</p><p class="worth">${worth(votes, pairs)}</p>${angles(tree)}`;
 }
 
 /** Which nodes are constant. @param {Votes | undefined} votes */

@@ -121,9 +121,11 @@ async function measure() {
   const showKnown = () => fill($(".split.own .bars"), ownHtml(scene.known));
   showKnown();
   for (const known of Object.keys(OWN_ROWS)) {
+    const learn = (/** @type {Scene["known"][string]} */ record) =>
+      take({ known: { ...scene.known, [known]: record } });
     await attempt(
-      async () => take({ known: { ...scene.known, [known]: await ask("known", { known }) } }),
-      (/** @type {string} */ problem) => take({ known: { ...scene.known, [known]: { problem } } }),
+      async () => learn(await ask("known", { known })),
+      (/** @type {string} */ problem) => learn({ problem }),
     );
     showKnown();
   }

@@ -3,7 +3,7 @@
 import { csv as written } from "../shared/csv.js";
 import { asTrained } from "./own.js";
 import { button, html, IMAGES, opener, plural, READINGS, row, TERMS, table, titleOf } from "./parts.js";
-import { tally } from "./state.js";
+import { labelledOf, tally } from "./state.js";
 import { brief, readingsOf } from "./verdict.js";
 
 /** The panel; null without pairs. @param {PairTab} tab */
@@ -26,7 +26,7 @@ export function manyHtml(tab) {
 function tableHtml(tab, close) {
   const { rows, taught, notes } = tab;
   const guesses = rows.filter((row) => saidOf(row).some(({ guess }) => guess));
-  const labelled = /** @type {OwnPair[]} */ (rows.filter(({ label, said }) => label && said));
+  const labelled = labelledOf(rows);
   const scores = READINGS.flatMap((reading) => {
     const { right, of } = tally(labelled, reading);
     return of ? `${titleOf(reading).toLowerCase()} ${right} of ${of}` : [];

@@ -117,9 +117,12 @@ function labelled(tab, pairs) {
   return { ...(tab.taught ? again(tab, change) : change), halt: ["curve"] };
 }
 
+/** Rows with a label and a prediction. @param {Row[]} rows */
+export const labelledOf = (rows) => /** @type {OwnPair[]} */ (rows.filter(({ label, said }) => label && said));
+
 /** Count pairs that have a label and a prediction, each by its last label. @param {PairTab} tab @param {Row[]} more */
 function counted(tab, more) {
-  const fresh = /** @type {OwnPair[]} */ (more.filter(({ label, said }) => label && said));
+  const fresh = labelledOf(more);
   const pairs = fresh.reduce((all, one) => [...without(all, keyOf(one)), one], tab.pairs);
   return fresh.length ? labelled(tab, pairs) : {};
 }
