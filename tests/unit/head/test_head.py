@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from omnivat.head.head import CHUNK, build_head, parameter_count
+from omnivat.head.head import CHUNK, build_head
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError, SettingsError, ShapeError
 
@@ -23,20 +23,6 @@ def head(make_head):
 @pytest.fixture
 def pairs(make_pairs):
     return make_pairs
-
-
-def test_each_image_modality_has_a_projection_of_its_own_unless_they_share_one(pairs):
-    """Changing TAC's map leaves VIS's features alone; a shared one is 16 (24 + 1) numbers less."""
-    model, (vis, tac) = build_head(settings()).double(), pairs(3)
-    before = model.embedded({"vis": vis, "tac": tac})
-    with torch.no_grad():
-        model.project_tac.weight.neg_()
-    after = model.embedded({"vis": vis, "tac": tac})
-    assert torch.equal(before[0], after[0])
-    assert not torch.allclose(before[1], after[1])
-    torch.testing.assert_close(after[1], model.embedded({"tac": tac})[0])
-    apart, shared = (parameter_count(settings(shared_projection=s)) for s in (False, True))
-    assert apart - shared == 16 * 25
 
 
 def test_no_modality_at_all_is_refused(head):

@@ -210,27 +210,6 @@ def test_valleys_are_apart_and_as_many_as_are_refined():
     assert [one.order for one in lowest_valleys(orders, 2.0)] == [0.1, 0.12, 0.5]
 
 
-def test_a_resumed_training_searches_again_and_ends_at_the_same_weights(chirps, tmp_path):
-    source = chirps.in_domain(DOMAINS[0], split="train")
-    settings = TrainSettings(epochs=2, lang=False, order_search=True)
-    whole = train(source, head(), settings)
-    state = tmp_path / "training.safetensors"
-    first = []
-
-    def stop(step):
-        first.append(step)
-        if len(first) > search_steps(head()) + 10:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        train(source, head(), settings, resume=state, on_step=stop)
-    again = []
-    resumed = train(source, head(), settings, resume=state, on_step=again.append)
-    assert len(again) == search_steps(head()) + 7  # batches of the second epoch
-    assert resumed.model.order == whole.model.order
-    assert not list(tmp_path.iterdir())
-
-
 def test_three_standard_errors_of_the_paired_difference_are_the_limit_of_a_tie():
     """The difference has the mean 0.3 over 9 pairs; its standard error is 0.3 / doubt."""
     base = np.array([0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
