@@ -8,6 +8,7 @@ from omnivat.kit.config import OneOf, Within, require_declared
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.stages import LIMIT, checked_order
 
+Width = Annotated[int, Within(1, 65536)]
 AttentionScale = Annotated[str, OneOf(("inside", "outside"))]
 FeatureScale = Annotated[str, OneOf(("unit", "literal"))]
 ThetaInit = Annotated[str, OneOf(("spread", "ones", "signed", "normal"))]
@@ -23,8 +24,8 @@ class HeadSettings:
     """How an OmniVaT head is built; docs/method.md explains letters and defaults."""
 
     classes: tuple[str, ...]
-    input_width: Annotated[int, Within(1, 65536)]  # of the image encoder
-    lang_width: Annotated[int, Within(1, 65536)] = 384  # of the LANG bank
+    input_width: Width  # of the image encoder
+    lang_width: Width = 384  # of the LANG bank
     width: Annotated[int, Within(2, 8192)] = 512  # D
     project: bool = False  # learn input projections even if widths agree
     shared_projection: bool = False  # one map for VIS and TAC (docs/decisions/0004)

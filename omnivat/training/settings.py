@@ -9,6 +9,7 @@ from omnivat.kit.errors import SettingsError
 Inputs = Annotated[str, OneOf(("vis+tac", "vis", "tac"))]
 Pairs = Annotated[str, OneOf(("unguided", "guided", "all"))]  # by the use of LANG in a step
 Share = Annotated[float, Within(0.0, 1.0)]
+Amount = Annotated[float, Within(0.0, 100.0)]
 Weight = Annotated[float, Within(0.0, 1e6)]
 DRAWN = (-0.1, 1.1)  # where p is drawn: a little more than a quarter turn
 
@@ -19,9 +20,9 @@ class TrainSettings:
 
     epochs: Annotated[int, Within(1, 100_000)] = 20
     batch: Annotated[int, Within(1, 65_536)] = 16
-    lr: Annotated[float, Within(0.0, 100.0)] = 0.05
+    lr: Amount = 0.05
     momentum: Annotated[float, Within(0.0, 0.9999)] = 0.9
-    weight_decay: Annotated[float, Within(0.0, 100.0)] = 5e-4  # not on p and θ_e
+    weight_decay: Amount = 5e-4  # not on p and θ_e
     warmup_epochs: Annotated[float, Within(0.0, 100_000)] = 1.0
     clip: Annotated[float, Within(1e-6, 1e6)] = 1.0  # gradient norm of all but p
     order_lr_scale: Annotated[float, Within(0.0, 1000.0)] = 0.01  # p's gradient is far larger
@@ -37,8 +38,8 @@ class TrainSettings:
     order_search: bool = False  # search for p in closed form, then use the gradient
     order_draw: bool = False  # draw p anew for every pair, from DRAWN: a head for every order
     order_teachers: Annotated[int, Within(0, 100)] = 0  # heads at one order each, to learn from
-    noise: Annotated[float, Within(0.0, 100.0)] = 0.0  # on embeddings, in std of each channel
-    shift: Annotated[float, Within(0.0, 100.0)] = 0.0  # an offset a batch: an imitated sensor
+    noise: Amount = 0.0  # on embeddings, in std of each channel
+    shift: Amount = 0.0  # an offset a batch: an imitated sensor
 
     def __post_init__(self) -> None:
         require_declared(self)

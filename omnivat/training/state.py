@@ -36,7 +36,7 @@ def run_name(
         digest.update(b"none" if array is None else array.tobytes())
     names = [asdict(head), asdict(settings), bank.hash if bank else None, seed]
     digest.update(json.dumps([names, list(source.rows["object"])]).encode())
-    return digest.hexdigest()[:16]
+    return digest.hexdigest()
 
 
 def save_state(
