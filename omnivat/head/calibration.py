@@ -21,6 +21,7 @@ from torch.nn.functional import nll_loss, normalize
 
 from omnivat.head.fusion import UNFITTED, Temperatures, fused_logs
 from omnivat.kit.errors import DataError
+from omnivat.kit.files import replacing
 from omnivat.kit.schema import tensor_table
 from omnivat.kit.stages import IMAGES
 
@@ -184,8 +185,8 @@ def save_familiarity(file: Path, familiarity: Familiarity) -> None:
     """Write the rows in half precision, and the quantiles."""
     tensors = {name: rows.half().contiguous() for name, rows in familiarity.rows.items()}
     tensors |= {f"{name}_quantiles": q.contiguous() for name, q in familiarity.quantiles.items()}
-    file.write_bytes(save(tensors, metadata={"format": "omnivat-familiarity-1"}))
-    file.chmod(0o644)
+    with replacing(file) as whole:
+        whole.write_bytes(save(tensors, metadata={"format": "omnivat-familiarity-1"}))
 
 
 def tensors_in(file: Path) -> dict[str, Tensor]:

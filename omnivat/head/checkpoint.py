@@ -32,7 +32,7 @@ from omnivat.head.settings import HeadSettings
 from omnivat.kit.config import settings_from
 from omnivat.kit.devices import current
 from omnivat.kit.errors import DataError, SettingsError
-from omnivat.kit.files import hash_of, replacing_folder, require_writable, write_json
+from omnivat.kit.files import hash_of, replacing, replacing_folder, require_writable, write_json
 from omnivat.kit.schema import read_object, texts
 from omnivat.kit.stages import IMAGES
 
@@ -153,8 +153,8 @@ def save_head(folder: str | Path, head: Head) -> Path:
     }
     with replacing_folder(target) as folder:
         tensors = {name: t.detach().contiguous() for name, t in head.model.state_dict().items()}
-        (folder / WEIGHTS).write_bytes(save(tensors, metadata={"format": FORMAT}))
-        (folder / WEIGHTS).chmod(0o644)
+        with replacing(folder / WEIGHTS) as file:
+            file.write_bytes(save(tensors, metadata={"format": FORMAT}))
         write_json(folder / SETTINGS, record)
         write_json(folder / METRICS, head.metrics)
         if head.familiarity is not None:

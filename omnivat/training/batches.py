@@ -68,11 +68,8 @@ def batches(
     truth = labels[shuffled]
     lang_on = torch.from_numpy(random.random(count) >= settings.lang_drop)
     token_on = torch.from_numpy(random.random(count) >= settings.class_token_drop)
-    tables = {n: (getattr(source, n), getattr(source, f"{n}_flip")) for n in settings.given}
-    mirrored = {
-        n: None if flipped is None else random.random(count) < 0.5
-        for n, (_, flipped) in tables.items()
-    }
+    flips = {n: getattr(source, f"{n}_flip") for n in settings.given}
+    mirrored = {n: random.random(count) < 0.5 for n in flips if flips[n] is not None}
     noise: dict[str, Array] = {}  # standard deviation of each channel
     if settings.noise:
         noise = {
@@ -89,9 +86,12 @@ def batches(
     for start in range(0, count, settings.batch):
         rows = slice(start, start + settings.batch)
         images, lang = {}, None
-        for name, (plain, flipped) in tables.items():
-            mirror = mirrored[name]
-            some = _rows(plain, flipped, shuffled[rows], None if mirror is None else mirror[rows])
+        for name in settings.given:
+            index = shuffled[rows]
+            some = getattr(source, name)[index].astype(np.float32, copy=False)
+            if name in mirrored:
+                mirror = mirrored[name][rows]
+                some[mirror] = flips[name][index[mirror]]
             some = _disturbed(some, noise.get(name), spread.get(name), random)
             images[name] = torch.from_numpy(some)
         if bank is not None and style is not None:
@@ -134,11 +134,3 @@ def _disturbed(
     if spread is not None:
         rows = rows + random.standard_normal(len(spread), dtype=np.float32) @ spread
     return rows
-
-
-def _rows(plain: Array, flipped: Array | None, index: Array, mirror: Array | None) -> Array:
-    """Return float32 rows of a table, those of `mirror` from the mirrored one."""
-    chosen: Array = plain[index].astype(np.float32, copy=False)
-    if flipped is not None and mirror is not None:
-        chosen[mirror] = flipped[index[mirror]]
-    return chosen

@@ -32,8 +32,8 @@ class TrainingPlan:
     settings: HeadSettings
     training: TrainSettings
     bank: LangBank | None
-    seed: int = 0
-    left_out: int = 0  # training pairs of the source without a class
+    seed: int
+    left_out: int  # training pairs of the source without a class
 
     def at(self, order: float, seed: int) -> "TrainingPlan":
         """Return the same plan with p fixed at `order`, and another seed."""
