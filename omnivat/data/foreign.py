@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from omnivat.data.arrays import require_range
 from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header, indices
 from omnivat.data.materials import in_order
+from omnivat.data.pairs import TEXTS
 from omnivat.data.readers.files import encodable
 from omnivat.data.store import ROW_NAMES
 from omnivat.kit.errors import DataError, OmniVatError, first_line
@@ -28,7 +29,7 @@ from omnivat.kit.files import require_regular
 from omnivat.kit.tables import need
 
 PREFIX = "imported:"  # prefix of the encoder's name for imported embeddings
-TEXTS = ("domain", "material", "object", "split", "part", "looks_like", "feels_like")
+LABELS = ("domain", "material", *TEXTS)
 FILES = ("vis_file", "tac_file")
 SPLITS = ("train", "val", "test", "")
 Columns = dict[str, NDArray[Any]]
@@ -77,7 +78,7 @@ def import_embeddings(
     texts = {
         name: [text] * count for name, text in (("domain", domain), ("material", material)) if text
     }
-    texts |= {name: _texts(found[name], name, count, place) for name in TEXTS if name in found}
+    texts |= {name: _texts(found[name], name, count, place) for name in LABELS if name in found}
     _require_names(texts, place)
     texts["material"] = _materials(texts["material"], classes, place)
     widths = {name: array.shape[1] for name, array in vectors.items()}
@@ -120,7 +121,7 @@ def _rows(columns: Columns, texts: Mapping[str, list[str]], place: Path) -> dict
 
 def _named(table: Columns, columns: Mapping[str, str], place: Path) -> Columns:
     """Return the columns under the names used here, `columns` being their names in the file."""
-    known = (*VECTORS, *TEXTS, *FILES)
+    known = (*VECTORS, *LABELS, *FILES)
     for ours, theirs in columns.items():
         if ours not in known:
             raise DataError(

@@ -225,14 +225,11 @@ def _levels(image: Image.Image, name: str) -> Callable[[Image.Image], Image.Imag
             (values.min(), values.max())
             for values in (np.asarray(image.crop(box)) for box in boxes)
         ]
-        low, high = float(np.min(ends)), float(np.max(ends))
-        if floating and not (low >= 0 and high <= 1):  # also true of NaN
-            what = f"floating values from {low:g} to {high:g}, expected 0 to 1"
-            raise DataError(f"'{name}' holds {what}; save it as 8- or 16-bit PNG.")
-        if low < 0 or high > 65535:
+        low, high, most = float(np.min(ends)), float(np.max(ends)), 1 if floating else 65535
+        if not (low >= 0 and high <= most):  # also true of NaN
             raise DataError(
-                f"'{name}' holds values from {int(low)} to {int(high)}; save it as 8- or 16-bit"
-                " PNG."
+                f"'{name}' holds values from {low:.9g} to {high:.9g}, expected 0 to {most}; save it"
+                " as 8- or 16-bit PNG."
             )
 
     def eight_bits(strip: Image.Image) -> Image.Image:

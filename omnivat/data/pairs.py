@@ -8,6 +8,7 @@ from pathlib import Path
 from omnivat.data.materials import in_order
 from omnivat.kit.errors import DataError, printable
 
+TEXTS = ("object", "split", "part", "looks_like", "feels_like")  # of a pair, or ""
 NAMED = 3  # reasons in an error; skipped items named for a reason
 
 

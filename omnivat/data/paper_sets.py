@@ -78,14 +78,14 @@ def find_paper_sets(root: Path) -> dict[str, Path]:
     return {name: found[name] for name in SETS if name in found}
 
 
-def read_paper_sets(root: Path, *, seed: int = 0) -> PaperSets:
+def read_paper_sets(root: Path) -> PaperSets:
     """Read every data set of the paper in `root`, with the default options of its reader.
 
     ObjectFolder 2.0 counts as in the paper: its rendered touch is not marked as simulated.
     Raises DataError as `find_paper_sets` and the readers do.
     """
     places = find_paper_sets(root)
-    parts = {name: read_pairs(place, reader=name, seed=seed) for name, place in places.items()}
+    parts = {name: read_pairs(place, reader=name) for name, place in places.items()}
     pairs = tuple(pair for part in parts.values() for pair in part.pairs)
     skipped = tuple(one for part in parts.values() for one in part.skipped)
     origin = "; ".join(part.origin or SETS[name] for name, part in parts.items())

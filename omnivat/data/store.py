@@ -27,13 +27,14 @@ from omnivat.data.arrays import (
 )
 from omnivat.data.domains import require_domain_names
 from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header
+from omnivat.data.pairs import TEXTS
 from omnivat.kit.errors import DataError, SettingsError, WriteError
 from omnivat.kit.files import replacing, write_csv
 from omnivat.kit.schema import columns_in, json_in, name_list, object_in
 from omnivat.kit.tables import need
 
 FORMAT = "omnivat-embeddings-1"
-ROW_NAMES = ("vis", "tac", "object", "split", "part", "looks_like", "feels_like")
+ROW_NAMES = ("vis", "tac", *TEXTS)
 _WANTED = (
     "and embeddings are wanted; of pictures, make them with `python -m omnivat embed {} --out"
     " SET.safetensors`."

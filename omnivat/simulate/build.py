@@ -14,7 +14,7 @@ from PIL import Image
 
 from omnivat.data.domains import paper_name, simulated
 from omnivat.data.images import read_image
-from omnivat.data.pairs import Pair, PairSet
+from omnivat.data.pairs import TEXTS, Pair, PairSet
 from omnivat.data.rest import REST
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import replacing
@@ -190,13 +190,12 @@ def write_image(path: Path, image: Array) -> None:
 
 def on_disk(out: Path, plan: Sequence[Planned], origin: str) -> PairSet:
     """Write the table of a drawn set; return its pairs with the paths of their images."""
-    same = ("material", "object", "split", "part", "looks_like", "feels_like")
     pairs = tuple(
         Pair(
             vis=image_path(out, pair, "vis"),
             tac=image_path(out, pair, "tac"),
             domain=simulated(pair.domain),
-            **{name: getattr(pair, name) for name in same},
+            **{name: getattr(pair, name) for name in ("material", *TEXTS)},
         )
         for pair in plan
     )

@@ -3,7 +3,6 @@
 A class is a spike at order p*, interference is spikes at other orders. On disk, a set is two
 pictures of stripes for each pair, and pairs.csv."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -14,10 +13,9 @@ import torch
 from numpy.typing import NDArray
 
 from omnivat.data.domains import SIMULATED_SUFFIX
-from omnivat.data.embeddings import Embeddings, Header
 from omnivat.data.pairs import Pair, PairSet
-from omnivat.data.store import COLUMNS, ROW_NAMES
-from omnivat.data.strips import ENCODER, PREPROCESSING, READER, STRIPES, strip_picture
+from omnivat.data.store import COLUMNS
+from omnivat.data.strips import STRIPES, strip_picture
 from omnivat.fractional import dfrft
 from omnivat.kit.config import Within, require_declared
 from omnivat.kit.files import replacing, require_writable
@@ -50,26 +48,25 @@ class ChirpSettings:
         require_declared(self)
 
 
-def chirp_embeddings(settings: ChirpSettings) -> Embeddings:
-    """Return the whole set in memory: VIS and TAC are signals (N, D).
+def signals(settings: ChirpSettings) -> dict[str, NDArray[np.float32]]:
+    """Return VIS and TAC (N, D) of the whole set, in the order of `pairs_of`.
 
-    The same settings give the same numbers. The largest magnitude of a signal is 1, as after
-    reading its picture.
+    The same settings give the same numbers; a domain does not depend on the others. The largest
+    magnitude of a signal is 1, as after reading its picture.
     """
-    header = Header(
-        encoder=ENCODER, weights_hash=READER, preprocessing=PREPROCESSING, simulated=True,
-        domains=DOMAINS, classes=CLASSES, origin=origin(settings),
-    )  # fmt: skip
     label = np.repeat(np.arange(len(CLASSES)), settings.pairs_per_class)
-    vis, tac = (np.concatenate(signals) for signals in zip(*_signals(settings, label), strict=True))
-    return Embeddings(
-        header=header,
-        vis=vis,
-        tac=tac,
-        domain=np.repeat(np.arange(len(DOMAINS)), len(label)),
-        label=np.tile(label, len(DOMAINS)),
-        rows=pair_names(settings),
-    )
+    orders = zip(*interference_orders(settings), strict=True)
+    return {
+        name: np.concatenate(
+            [
+                _modality(
+                    settings, label, order, derive_seed(settings.seed, "chirps", domain, name)
+                )
+                for domain, order in enumerate(own)
+            ]
+        )
+        for name, own in zip(IMAGES, orders, strict=True)
+    }
 
 
 def origin(settings: ChirpSettings) -> str:
@@ -79,18 +76,6 @@ def origin(settings: ChirpSettings) -> str:
         f"made-up chirps: a class is a spike at order {settings.order:g}, {louder}, seed"
         f" {settings.seed}"
     )
-
-
-def _signals(
-    settings: ChirpSettings, label: NDArray[np.int64]
-) -> Iterator[list[NDArray[np.float32]]]:
-    """Yield VIS and TAC (N, D) of each domain; a domain does not depend on the others."""
-    for domain, orders in enumerate(interference_orders(settings)):
-        seeds = (derive_seed(settings.seed, "chirps", domain, name) for name in IMAGES)
-        yield [
-            _modality(settings, label, order, np.random.default_rng(seed))
-            for order, seed in zip(orders, seeds, strict=True)
-        ]
 
 
 def interference_orders(settings: ChirpSettings) -> list[tuple[float, float]]:
@@ -123,10 +108,10 @@ def places(settings: ChirpSettings) -> NDArray[np.int64]:
 
 
 def _modality(
-    settings: ChirpSettings, label: NDArray[np.int64], order: float, random: Rng
+    settings: ChirpSettings, label: NDArray[np.int64], order: float, seed: int
 ) -> NDArray[np.float32]:
     """Return one modality's signals (N, D) of classes (N,): spike, interference and noise."""
-    count, rows = len(label), np.arange(len(label))
+    count, rows, random = len(label), np.arange(len(label)), np.random.default_rng(seed)
     own, other = np.zeros((2, count, STRIPES), complex)
     own[rows, places(settings)[label]] = _phases(random, count)
     for _ in range(SPIKES):
@@ -152,17 +137,23 @@ def _unit(rows: NDArray[np.float64]) -> NDArray[np.float64]:
     return rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12)
 
 
-def pair_names(settings: ChirpSettings) -> dict[str, list[str]]:
-    """Return the columns of the set's table, in the order of `chirp_embeddings`."""
+def pairs_of(settings: ChirpSettings, folder: Path) -> tuple[Pair, ...]:
+    """Return the pairs of the set in a folder, domain by domain and class by class."""
     count = settings.pairs_per_class
-    test, every = round(TEST_SHARE * count), list(product(DOMAINS, CLASSES, range(count)))
-    stems = [
-        f"{domain}/{kind}/{kind.replace(' ', '-')}-{number:03d}" for domain, kind, number in every
-    ]
-    found = {name: [""] * len(every) for name in ROW_NAMES}
-    found |= {name: [f"{stem}_{name}.png" for stem in stems] for name in IMAGES}
-    found["object"] = [f"{domain} {kind} {number}" for domain, kind, number in every]
-    return found | {"split": ["test" if number < test else "train" for *_, number in every]}
+    test, found = round(TEST_SHARE * count), []
+    for domain, kind, number in product(DOMAINS, CLASSES, range(count)):
+        stem = f"{domain}/{kind}/{kind.replace(' ', '-')}-{number:03d}"
+        found.append(
+            Pair(
+                vis=folder / f"{stem}_vis.png",
+                tac=folder / f"{stem}_tac.png",
+                domain=domain,
+                material=kind,
+                object=f"{domain} {kind} {number}",
+                split="test" if number < test else "train",
+            )
+        )
+    return tuple(found)
 
 
 def write_chirps(out: Path, settings: ChirpSettings, *, on_step: OnStep = ignore) -> PairSet:
@@ -174,17 +165,11 @@ def write_chirps(out: Path, settings: ChirpSettings, *, on_step: OnStep = ignore
     Raises WriteError if the folder is not writable.
     """
     require_writable(out / "pairs.csv")
-    made = chirp_embeddings(settings)
-    for row in range(len(made)):
+    pairs, drawn = pairs_of(settings, out), signals(settings)
+    for row, pair in enumerate(pairs):
         for name in IMAGES:
-            with replacing(out / made.rows[name][row]) as temporary:
-                strip_picture(getattr(made, name)[row]).save(temporary, format="PNG")
-        on_step(Step(done=row + 1, total=len(made), text=made.rows["object"][row]))
-    columns = {**made.rows, **{name: [out / file for file in made.rows[name]] for name in IMAGES}}
-    columns["domain"] = [made.header.domains[k] for k in made.domain]
-    columns["material"] = [made.header.classes[k] for k in made.label]
-    pairs = tuple(
-        Pair(**dict(zip(columns, row, strict=True))) for row in zip(*columns.values(), strict=True)
-    )
+            with replacing(getattr(pair, name)) as temporary:
+                strip_picture(drawn[name][row]).save(temporary, format="PNG")
+        on_step(Step(done=row + 1, total=len(pairs), text=pair.object))
     write_table(out, pairs, COLUMNS)
     return PairSet(pairs=pairs, origin=origin(settings), simulated=True)

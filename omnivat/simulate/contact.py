@@ -11,7 +11,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from omnivat.data.tac3d import MARKERS, field_to_rgb
-from omnivat.simulate.noise import Array, turned
+from omnivat.simulate.noise import Array, plane, turned
 from omnivat.simulate.sensors import Gel
 from omnivat.simulate.shapes.spots import contact_height
 from omnivat.simulate.things import Thing
@@ -29,13 +29,6 @@ class Press:
     def depth_in(self, least: float, most: float) -> float:
         """Return the depth in mm within a sensor's range."""
         return least + self.depth * (most - least)
-
-
-def plane(field: float, size: int) -> tuple[Array, Array]:
-    """Return x and y (size, size) in mm over a square of `field` mm; y grows upwards."""
-    axis = (np.arange(size) + 0.5) / size * field - field / 2
-    x, y = np.meshgrid(axis, -axis)
-    return x, y
 
 
 def pressed_height(thing: Thing, press: Press, *, field: float, size: int) -> Array:

@@ -17,6 +17,13 @@ Colour = tuple[float, float, float]  # linear, 0 to 1
 _CELLS = 512  # period of the noise in wavelengths
 
 
+def plane(field: float, size: int) -> tuple[Array, Array]:
+    """Return x and y (size, size) in mm over a square of `field` mm; y grows upwards."""
+    axis = (np.arange(size) + 0.5) / size * field - field / 2
+    x, y = np.meshgrid(axis, -axis)
+    return x, y
+
+
 @lru_cache(maxsize=1)
 def _table() -> Array:
     """Return spline coefficients of one sheet of white noise, scaled so that noise has unit

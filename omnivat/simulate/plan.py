@@ -10,21 +10,11 @@ from pathlib import Path
 
 from omnivat.data.domains import simulated
 from omnivat.data.materials import MATERIALS
-from omnivat.data.pairs import Pair
+from omnivat.data.pairs import TEXTS, Pair
 from omnivat.kit.files import write_text
 from omnivat.simulate.domains import SimulatedDomain
 
-COLUMNS = (
-    "vis",
-    "tac",
-    "domain",
-    "material",
-    "object",
-    "split",
-    "part",
-    "looks_like",
-    "feels_like",
-)
+COLUMNS = ("vis", "tac", "domain", "material", *TEXTS)
 PAIRS = 60  # of each class of each domain in the shipped set
 TEST_EVERY = 3  # one object of three is a test object
 LOOK_ALIKES = 0.25  # of the objects imitate another class by sight

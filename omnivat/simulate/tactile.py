@@ -12,8 +12,8 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from omnivat.kit.seeding import derive_seed
-from omnivat.simulate.contact import Press, plane, pressed_gel
-from omnivat.simulate.noise import Array, Colour, Rng, noise, smoothstep, turned
+from omnivat.simulate.contact import Press, pressed_gel
+from omnivat.simulate.noise import Array, Colour, Rng, noise, plane, smoothstep, turned
 from omnivat.simulate.sensors import Lamp, Markers, Sensor
 from omnivat.simulate.things import Thing
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from omnivat.kit.seeding import derive_seed
-from omnivat.simulate.noise import Rng
+from omnivat.simulate.noise import Rng, plane
 from omnivat.simulate.plan import EMBOSSED, OTHER_SHAPE, Planned
 from omnivat.simulate.shapes import KINDS, OBJECTS, PARTS, Solid, Spot, kind_of, made_of, spot
 from omnivat.simulate.shapes.spots import contact_height
@@ -54,8 +54,7 @@ def touched_spot(solid: Solid, rng: Rng, *, edges: bool = True) -> Spot:
 def _beside(solid: Solid, place: Spot) -> float:
     """Return the height (mm) of the object beside the middle of the gel, over the middle."""
     height = contact_height(solid, place, field=_FIELD, size=_PIXELS)
-    axis = (np.arange(_PIXELS) + 0.5) / _PIXELS * _FIELD - _FIELD / 2
-    near = np.hypot(*np.meshgrid(axis, axis)) <= _NEAR
+    near = np.hypot(*plane(_FIELD, _PIXELS)) <= _NEAR
     return float(height.max() - height[near].max())
 
 

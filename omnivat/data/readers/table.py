@@ -4,15 +4,15 @@ optional ones.
 
 import os
 from pathlib import Path
+from typing import Any
 
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
-from omnivat.data.pairs import Pair, PairSet, Skipped
+from omnivat.data.pairs import TEXTS, Pair, PairSet, Skipped
 from omnivat.data.readers.files import is_file, modality_of, read_rows, show
 from omnivat.kit.errors import DataError
 from omnivat.kit.tables import suggestion
 
 NEEDED = ("vis", "tac", "domain", "material")  # in each row, but a table may lack some of them
-OPTIONAL = ("object", "split", "part", "looks_like", "feels_like")
 OTHER = {"vis": "tac", "tac": "vis"}  # one that is absent: the same picture stands for both
 SPLITS = ("train", "val", "test")
 Row = dict[str, str]
@@ -40,9 +40,16 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     skipped: list[Skipped] = []
     first: dict[tuple[str, str], tuple[int, Pair]] = {}  # the two files -> row of first appearance
     for number, row in _rows(file).items():
-        why = _why_not(file, number, row, strict)
+        texts: dict[str, Any] = {name: class_key(row.get(name, "")) for name in TEXTS}
+        pair = Pair(
+            vis=_path(file.parent, row["vis"]),
+            tac=_path(file.parent, row["tac"]),
+            domain=row["domain"],
+            material=class_key(row["material"]),
+            **texts | {"object": row.get("object", "")},
+        )
+        why = _why_not(file, number, row, pair, strict)
         if not why:
-            pair = _pair(file.parent, row)
             files = (os.path.abspath(pair.vis), os.path.abspath(pair.tac))
             earlier, same = first.setdefault(files, (number, pair))
             if earlier == number:
@@ -73,7 +80,7 @@ def _rows(file: Path) -> dict[int, Row]:
     if "material" not in filled and (other := filled & {"class", "label"}):
         (material, *_), filled = sorted(other), filled | {"material"}
         rows = {line: row | {"material": row[material]} for line, row in rows.items()}
-    others = filled - {*NEEDED, *OPTIONAL}
+    others = filled - {*NEEDED, *TEXTS}
     absent = [name for name in NEEDED if name not in filled]
     for name in absent if rows else ():
         meant = suggestion(name, others)
@@ -81,7 +88,7 @@ def _rows(file: Path) -> dict[int, Row]:
             raise DataError(
                 f"'{show(file)}' has no column '{name}'; its first row has"
                 f" {show(', '.join(next(iter(rows.values()))))}, expected vis and tac, and perhaps"
-                f" domain, material, {', '.join(OPTIONAL)}, separated by commas.{meant}"
+                f" domain, material, {', '.join(TEXTS)}, separated by commas.{meant}"
             )
     known = {"domain": file.resolve().parent.name or "pictures", "material": NO_CLASS}
     for row in rows.values():
@@ -91,24 +98,23 @@ def _rows(file: Path) -> dict[int, Row]:
     return rows
 
 
-def _why_not(file: Path, number: int, row: Row, strict: bool) -> str:
+def _why_not(file: Path, number: int, row: Row, pair: Pair, strict: bool) -> str:
     """Return why a row gives no pair, or ""."""
     for name in NEEDED:
-        if not row.get(name):
+        if not row[name]:
             return f"'{name}' is empty"
-    if strict and class_key(row["material"]) not in MATERIALS:
+    if strict and pair.material not in MATERIALS:
         return f"strict: not one of {', '.join(MATERIALS)}"
-    for name in ("vis", "tac"):
-        if not is_file(_path(file.parent, row[name])):
+    for name in OTHER:
+        if not is_file(getattr(pair, name)):
             return f"the {name} image is not there"
-    touch = modality_of(_path(file.parent, row["tac"])) == "tac"
+    touch = modality_of(pair.tac) == "tac"
     if row["alone"] and touch != (row["alone"] == "tac"):
         return "a picture alone, whose name tells a touch: NAME_tac.png, or in a folder tac"
-    split = row.get("split", "").lower()
-    if split and split not in SPLITS:
+    if pair.split and pair.split not in SPLITS:
         raise DataError(
             f"'{show(file)}', row {number}: there is no split '{show(row['split'])}'; "
-            f"expected {', '.join(SPLITS)} or nothing.{suggestion(split, SPLITS)}"
+            f"expected {', '.join(SPLITS)} or nothing.{suggestion(pair.split, SPLITS)}"
         )
     return ""
 
@@ -117,17 +123,3 @@ def _path(folder: Path, cell: str) -> Path:
     """Return the path in a cell; backslashes work, too."""
     path = folder / cell
     return path if is_file(path) else folder / cell.replace("\\", "/")
-
-
-def _pair(folder: Path, row: Row) -> Pair:
-    return Pair(
-        vis=_path(folder, row["vis"]),
-        tac=_path(folder, row["tac"]),
-        domain=row["domain"],
-        material=class_key(row["material"]),
-        object=row.get("object", ""),
-        split=row.get("split", "").lower(),
-        part=row.get("part", "").lower(),
-        looks_like=class_key(row.get("looks_like", "")),
-        feels_like=class_key(row.get("feels_like", "")),
-    )

@@ -18,9 +18,9 @@ from safetensors.numpy import save
 
 from omnivat.data.arrays import Column, read_arrays
 from omnivat.data.embeddings import Array, indices
-from omnivat.data.pairs import Pair, PairSet, Skipped
+from omnivat.data.pairs import TEXTS, Pair, PairSet, Skipped
 from omnivat.data.rest import RESTED, rests_of
-from omnivat.data.store import ROW_NAMES, Header, vector_type, write_columns
+from omnivat.data.store import Header, vector_type, write_columns
 from omnivat.encoders import Encoder
 from omnivat.encoders.base import for_modality, made_by
 from omnivat.encoders.cache import EmbeddingCache, embed_views
@@ -227,7 +227,7 @@ def _names(pairs: Sequence[Pair], files: Sequence[Path], root: str) -> dict[str,
         if any(pair.tac_crop for pair in pairs)
         else {}
     )
-    others = {name: [_text(getattr(pair, name)) for pair in pairs] for name in ROW_NAMES[2:]}
+    others = {name: [_text(getattr(pair, name)) for pair in pairs] for name in TEXTS}
     return {"vis": short[::2], "tac": short[1::2], **others, **crops}
 
 

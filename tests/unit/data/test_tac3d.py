@@ -29,20 +29,6 @@ def test_axes_are_colours_and_signs_are_bright_and_dark():
     assert (field_to_rgb(field, 2 * ONE)[112, 112] == (191, 128, 64)).all()
 
 
-def test_a_wild_marker_is_drawn_as_full_colour_and_no_further():
-    field = np.zeros((20, 20, 3))
-    field[10, 10] = 1.0
-    np.testing.assert_array_equal(field_to_rgb(field * 1000, ONE), field_to_rgb(field, ONE))
-
-
-def test_rows_stay_rows():
-    field = np.zeros((20, 20, 3))
-    field[:10, :, 1] = 1.0
-    image = field_to_rgb(field, ONE)
-    assert image[40, 100, 1] == 255
-    assert image[180, 100, 1] == 128
-
-
 def test_the_scale_covers_99_percent_and_ignores_a_wild_value():
     field = np.ones((20, 20, 3))
     field[0, 0, 0] = 1000.0
@@ -78,13 +64,10 @@ def test_a_list_of_400_markers_is_the_same_field(tmp_path):
     ],
 )
 def test_another_array_is_no_field(tmp_path, array):
-    assert load_field(save(tmp_path / "a.npy", array)) is None
-
-
-@pytest.mark.parametrize("content", [b"", b"\x93NUMPY", b"not an array", b"PK\x03\x04"])
-def test_another_file_is_no_field(tmp_path, content):
-    (tmp_path / "a.npy").write_bytes(content)
-    assert load_field(tmp_path / "a.npy") is None
+    file = save(tmp_path / "a.npy", array)
+    assert load_field(file) is None
+    file.write_bytes(file.read_bytes()[:9])
+    assert load_field(file) is None
 
 
 def test_one_scale_serves_all_fields(tmp_path):

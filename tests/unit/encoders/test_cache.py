@@ -1,7 +1,6 @@
 """The cache: an image is decoded and encoded once, and damage on disk costs time only."""
 
 from io import BytesIO
-from threading import Thread
 
 import numpy as np
 import pytest
@@ -89,14 +88,6 @@ def test_both_views_decode_the_image_once(monkeypatch):
     assert len(decoded) == 2
 
 
-def test_a_path_its_bytes_and_the_open_image_agree(tmp_path):
-    (tmp_path / "a.png").write_bytes(png())
-    sources = (tmp_path / "a.png", png(), Image.open(tmp_path / "a.png"))
-    path, content, image = (embed_image(Counting(), s, EmbeddingCache()) for s in sources)
-    assert np.array_equal(path, content)
-    assert np.array_equal(path, image)
-
-
 @pytest.mark.parametrize(
     "damaged",
     [lambda _: b"", lambda _: b"\0" * 40, lambda good: good[:-1] + bytes([good[-1] ^ 1])],
@@ -127,24 +118,6 @@ def test_a_folder_that_cannot_be_written_costs_nothing_but_time(tmp_path):
     encoder = Counting()
     embed_image(encoder, png(), EmbeddingCache(tmp_path / "file" / "below"))
     assert encoder.calls == 1
-
-
-def test_threads_share_a_cache(tmp_path):
-    cache = EmbeddingCache(tmp_path, in_memory=2)
-    wanted = [embed_image(Counting(), png(seed)) for seed in range(6)]
-    wrong = []
-
-    def work():
-        for seed in range(6):
-            if not np.array_equal(embed_image(Counting(), png(seed), cache), wanted[seed]):
-                wrong.append(seed)
-
-    threads = [Thread(target=work) for _ in range(4)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    assert wrong == []
 
 
 def test_only_the_tactile_image_of_a_pair_is_cut_and_either_may_lack():

@@ -16,9 +16,9 @@ import pytest
 
 from omnivat.data.images import read_image
 from omnivat.simulate import drawing, vision
-from omnivat.simulate.contact import plane
 from omnivat.simulate.domains import SIMULATED
 from omnivat.simulate.grounds import GROUNDS, ground
+from omnivat.simulate.noise import plane
 from omnivat.simulate.plan import PAIRS, classes, planned
 from omnivat.simulate.sensors import Sensor, TaximSensor
 from omnivat.simulate.shapes import KINDS, made_of

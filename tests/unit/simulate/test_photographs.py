@@ -11,7 +11,6 @@ from omnivat.simulate.photograph import framed
 from omnivat.simulate.plan import planned
 from omnivat.simulate.scenes import SCENES
 from omnivat.simulate.things import thing
-from omnivat.simulate.vision import panorama
 
 
 def thing_of(domain, material="wood", index=1):
@@ -34,16 +33,6 @@ def test_the_contact_lies_in_the_picture_and_faces_the_camera(domain):
         assert np.arccos(min(cos, 1.0)) < 0.75 * framing.lens
         assert -sight @ made.spot.normal > 0
         assert framing.eye[2] > 0
-
-
-def test_the_key_light_gives_the_same_power_small_or_large():
-    framing = framing_of("OF 2.0 A", thing_of("OF 2.0 A"))
-    weight = np.sin((np.arange(64) + 0.5) / 64 * np.pi)[:, None, None]
-    small, large = (
-        (panorama(framing, least_softness=width) * weight).sum() for width in (0.25, 0.7)
-    )
-
-    assert small == pytest.approx(large, rel=0.02)
 
 
 def gone(name, **said):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from omnivat.data.materials import MATERIALS
-from omnivat.simulate.shapes import KINDS, OBJECTS, PARTS, blocked, made_of, spot
+from omnivat.simulate.shapes import KINDS, OBJECTS, PARTS, blocked, made_of
 from omnivat.simulate.shapes.solid import block
 
 
@@ -41,27 +41,6 @@ def test_every_kind_stands_on_the_ground_and_faces_outwards(kind):
     assert 60 < np.ptp(solid.vertices, axis=0).max() < 1000
     assert np.isfinite(solid.normals()).all()
     assert solid.faces.max() < len(solid.vertices) == len(solid.uv)
-
-
-def test_the_corners_of_a_block_are_rounded_by_its_bevel():
-    solid = block((40.0, 30.0, 20.0), bevel=4.0)
-    corner = np.array([20.0, 15.0, 10.0])
-    nearest = np.linalg.norm(solid.vertices - corner, axis=1).min()
-
-    assert nearest == pytest.approx(4.0 * (np.sqrt(3) - 1), rel=0.05)
-
-
-def test_a_touched_place_lies_on_the_solid_and_has_room_for_a_sensor():
-    for seed in range(6):
-        cup = made("cup", seed=seed)
-        place = spot(cup, np.random.default_rng(seed))
-        away = np.linalg.norm(cup.vertices - place.point, axis=1).min()
-
-        assert away < 6.0
-        assert np.linalg.norm(place.normal) == pytest.approx(1.0)
-        assert place.tangent @ place.normal == pytest.approx(0.0, abs=1e-9)
-        start = place.point + 0.05 * place.normal
-        assert not blocked(cup, start, start + 60 * place.normal)
 
 
 def test_what_lies_behind_a_wall_is_blocked():

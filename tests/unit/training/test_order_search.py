@@ -9,7 +9,7 @@ import torch
 from omnivat.fractional import dfrft
 from omnivat.head.settings import HeadSettings
 from omnivat.measure.predictions import predicted_probabilities
-from omnivat.simulate.chirps import CLASSES, DOMAINS, ChirpSettings, chirp_embeddings
+from omnivat.simulate.chirps import CLASSES, DOMAINS, ChirpSettings
 from omnivat.training import TrainSettings, Watch, order_search, train
 from omnivat.training.order_search import (
     Scored,
@@ -22,6 +22,7 @@ from omnivat.training.order_search import (
     search_steps,
     tied,
 )
+from tests.unit.simulate.chirps.sets import chirp_embeddings
 
 CHIRPS = ChirpSettings(order=0.62, seed=3)
 

@@ -2,15 +2,8 @@
 
 import pytest
 
-from omnivat.data.readers import READERS, read_pairs, recognised
+from omnivat.data.readers import read_pairs, recognised
 from omnivat.kit.errors import DataError, MissingNameError, SettingsError
-from omnivat.kit.tables import load
-
-
-@pytest.mark.parametrize("name", READERS)
-def test_every_reader_loads_and_can_be_strict_and_seeded(name):
-    parameters = load(READERS, name, kind="reader").__annotations__
-    assert {"source", "strict", "seed", "return"} <= parameters.keys()
 
 
 @pytest.mark.parametrize(

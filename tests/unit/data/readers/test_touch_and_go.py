@@ -70,13 +70,6 @@ def test_a_missing_half_is_counted_by_clip(lists):
     }
 
 
-def test_frames_saved_in_another_format_are_found(lists):
-    root = lists([(1, 0, WOOD)])
-    file = root / "dataset/1/gelsight_frame/0000000000.jpg"
-    file.rename(file.with_suffix(".png"))
-    assert read_pairs(root).pairs[0].tac.suffix == ".png"
-
-
 def test_classes_are_balanced_to_the_smallest_in_each_split(lists):
     train = [(1, i, WOOD) for i in range(8)] + [(2, i, GLASS) for i in range(3)]
     test = [(1, i, WOOD) for i in range(8, 12)] + [(3, 0, GLASS)]
