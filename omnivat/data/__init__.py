@@ -3,5 +3,5 @@ embeddings.
 
 Imports `kit` alone. A new layout is a module in `readers/` and a line in its table;
 a new paper data set is a line in `paper_sets`; a set to fetch is a row of `fetching/sets.json` and
-a function in `fetching/layouts.py`.
+a layout in `fetching/layouts.py`.
 """

@@ -84,38 +84,6 @@ def objectfolder_real(names: Names, text: Text) -> Iterator[Item]:
             )
 
 
-def billets(names: Names, text: Text) -> Iterator[Item]:
-    """Yield the places of each billet, with the two states of its surface as classes."""
-    for vis, match in _matches(
-        names, r"camera_images/(non )?grinded/(billet\d+)_(camera_\d+)\.jpg"
-    ):
-        state = "unground" if match[1] else "ground"
-        tac = f"billet_captures{'' if match[1] else '_grinded'}/{match[2]}_{match[3]}.png"
-        if tac in names:
-            thing = f"{state} {match[2]}"
-            yield Item(
-                vis=vis, tac=tac, domain="Billets", material=state, object=thing, named="metal"
-            )
-
-
-def tag_samples(names: Names, text: Text) -> Iterator[Item]:
-    """Yield the frames of each recording; its class is its folder's name without a number."""
-    for tac, match in _matches(names, r"(data/([a-z]+)\d*)/gelsight_frame/touch_image_(\d+)\.png"):
-        vis = f"{match[1]}/video_frame/rgb_image_{match[3]}.png"
-        if vis in names:
-            clip = match[1].removeprefix("data/")
-            yield Item(vis=vis, tac=tac, domain="Touch and Go", material=match[2], object=clip)
-
-
-def touch_and_go(names: Names, text: Text) -> Iterator[Item]:
-    """Yield the stills of the page: a framed touch on the left, a framed photo on the right."""
-    for name, match in _matches(names, r".*/([a-z]+)_eg\.png"):
-        boxes, word = (STILL_PHOTO, STILL_TOUCH), match[1]
-        yield Item(
-            vis=name, tac=name, domain="Touch and Go", material=word, object=word, boxes=boxes
-        )
-
-
 def hapticmatch(names: Names, text: Text) -> Iterator[Item]:
     """Yield the spots of each swatch. Its class is its name, or the material that the name
     contains.
@@ -137,25 +105,69 @@ def hapticmatch(names: Names, text: Text) -> Iterator[Item]:
             )
 
 
-def touches(domain: str, pattern: str) -> Layout:
-    """Return the layout of touches alone: the part of an object is the class, a file the object."""
+def files(
+    domain: str,
+    tac: str,
+    *,
+    vis: str = "",
+    material: str = r"\1",
+    thing: str = r"\1 \2",
+    named: str = "",
+    boxes: tuple[Box, Box] | None = None,
+) -> Layout:
+    """Return the layout of touches whose names match `tac`; the other texts are templates of its
+    groups. A touch whose photo is not there is left out.
+    """
 
     def items(names: Names, text: Text) -> Iterator[Item]:
-        for name, match in _matches(names, pattern):
-            part = match[1].replace("_", " ")
-            thing = f"{part} {match[2]}"
-            yield Item(vis="", tac=name, domain=domain, material=part, object=thing)
+        for name, match in _matches(names, tac):
+            photo = match.expand(vis)
+            kind, whole = (match.expand(one).replace("_", " ") for one in (material, thing))
+            if not photo or photo in names:
+                yield Item(
+                    vis=photo, tac=name, domain=domain, material=kind, object=whole, named=named,
+                    boxes=boxes,
+                )  # fmt: skip
 
     return items
+
+
+def billets(names: Names, text: Text) -> Iterator[Item]:
+    """Yield the places of each billet, with the two states of its surface as classes."""
+    for state, photos, end in (("ground", "", "_grinded"), ("unground", "non ", "")):
+        layout = files(
+            "Billets",
+            rf"billet_captures{end}/(billet\d+)_(camera_\d+)\.png",
+            vis=rf"camera_images/{photos}grinded/\1_\2.jpg",
+            material=state,
+            thing=rf"{state} \1",
+            named="metal",
+        )
+        yield from layout(names, text)
 
 
 LAYOUTS: dict[str, Layout] = {
     "vt60": vt60,
     "objectfolder-real": objectfolder_real,
     "billets": billets,
-    "tag-samples": tag_samples,
-    "touch-and-go": touch_and_go,
+    # the frames of each recording; its class is its folder's name without a number
+    "tag-samples": files(
+        "Touch and Go",
+        r"data/(([a-z]+)\d*)/gelsight_frame/touch_image_(\d+)\.png",
+        vis=r"data/\1/video_frame/rgb_image_\3.png",
+        material=r"\2",
+        thing=r"\1",
+    ),
+    # the stills of the page: a framed touch on the left, a framed photo on the right
+    "touch-and-go": files(
+        "Touch and Go",
+        r".*/([a-z]+)_eg\.png",
+        vis=r"\g<0>",
+        thing=r"\1",
+        boxes=(STILL_PHOTO, STILL_TOUCH),
+    ),
     "hapticmatch": hapticmatch,
-    "octopi": touches("Octopi", r"dataset/(\w+)_(\d+)\.mov"),
-    "digit-parts": touches("DIGIT", r"data/(\w+)/interaction_(\d+)\.jpg"),
+    # touches alone: the part of an object is the class, a file the object
+    "octopi": files("Octopi", r"dataset/(\w+)_(\d+)\.mov"),
+    "digit-parts": files("DIGIT", r"data/(\w+)/interaction_(\d+)\.jpg"),
 }

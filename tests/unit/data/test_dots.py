@@ -50,6 +50,7 @@ def test_dots_are_filled_at_every_size_of_a_picture(side):
     shade = printed(side, pitch=side / 9, radius=side / 60)
     filled, dots = fill_dots(with_dots(clean, shade))
     assert dots is not None and dots.number >= 70
+    assert -0.5 <= dots.size - side / 30 <= 3
     assert np.abs(filled.astype(float) - clean)[shade > 0.1].mean() < 9
 
 

@@ -11,6 +11,7 @@ from PIL import Image
 from omnivat.data.fetching import _write_picture
 from omnivat.data.fetching.heights import drawn, load_heights
 from omnivat.kit.errors import DataError
+from tests.unit.data.films import film
 
 
 @pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
@@ -66,18 +67,9 @@ def test_a_height_map_in_a_pickle_becomes_its_picture(tmp_path):
 
 
 def test_a_clip_becomes_its_moment_of_contact(tmp_path):
-    av = pytest.importorskip("av")
-    content = io.BytesIO()
-    with av.open(content, "w", format="mov") as container:
-        stream = container.add_stream("libx264", rate=10, options={"crf": "4"})
-        stream.width = stream.height = 48
-        stream.pix_fmt = "yuv420p"
-        for k in range(20):
-            pixels = np.full((48, 48, 3), 50, np.uint8)
-            pixels[10:20, 10:20] = 220 if k == 13 else 50 + k
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(pixels, format="rgb24")))
-        container.mux(stream.encode())
-    _write_picture("a.mov", content.getvalue(), None, tmp_path / "a.png")
+    film(tmp_path / "a.mov", [220 if k == 13 else 50 + k for k in range(20)], slice(10, 20))
+    content = (tmp_path / "a.mov").read_bytes()
+    _write_picture("a.mov", content, None, tmp_path / "a.png")
     assert abs(int(np.asarray(Image.open(tmp_path / "a.png"))[15, 15, 0]) - 220) < 12
     assert [path.name for path in tmp_path.iterdir()] == ["a.png"]
 
