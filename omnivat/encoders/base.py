@@ -290,7 +290,7 @@ def _attribute(name: str) -> Any:
 
 
 def text_encoder(
-    name: str, *, weights: Path | None = None, device: str = "cpu"
+    name: str, *, weights: Path | None = None
 ) -> "Callable[[Sequence[str]], np.ndarray[Any, Any]]":
     """Return a function that embeds texts (B) as float32 (B, D) in the space of encoder `name`.
 
@@ -299,5 +299,5 @@ def text_encoder(
     """
     from omnivat.encoders.clip_text import load_text_encoder
 
-    tower = load_text_encoder(name, weights=weights, device=device)
+    tower = load_text_encoder(name, weights=weights)
     return lambda texts: tower.embed_texts(texts).cpu().numpy()

@@ -65,12 +65,8 @@ class LiveClip:
 
     def embed(self, images: Tensor) -> Tensor:
         """Return the model's own embeddings (B, D) of images (B, 3, side, side)."""
-        if not self.is_vit:
-            return cast("Tensor", self.image(images))
-        tokens = self.image_tokens(images)
-        for layer in self.image_layers:
-            tokens = layer(tokens, None)
-        return self.image_end(tokens[:, 0])
+        found = self.image(images)
+        return cast("Tensor", found.image_embeds if self.is_vit else found)
 
     def text_tokens(self, texts: Sequence[str]) -> tuple[Tensor, Tensor]:
         """Return the input of the first layer, (K, T, W), and the index (K,) of each text's end."""

@@ -58,11 +58,11 @@ class Pace:
         self._last, self._begun = 0, 0.0
 
     def left(self, step: Step) -> str:
-        """Return "6 min 40 s left"; "" at the start, without a total, or where the text has it."""
+        """Return "6 min 40 s left"; "" at the start or without a total."""
         now = time.monotonic()
         if self._first is None or step.done < self._last:
             self._first, self._begun = step.done, now
         self._last, done = step.done, step.done - self._first
-        if not step.total or done <= 0 or " left" in step.text:
+        if not step.total or done <= 0:
             return ""
         return f"{time_text((now - self._begun) * (step.total - step.done) / done)} left"

@@ -18,7 +18,7 @@ from omnivat.data.store import COLUMNS
 from omnivat.data.strips import STRIPES, strip_picture
 from omnivat.fractional import dfrft
 from omnivat.kit.config import Within, require_declared
-from omnivat.kit.files import replacing, require_writable
+from omnivat.kit.files import replacing
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
@@ -161,10 +161,7 @@ def write_chirps(out: Path, settings: ChirpSettings, *, on_step: OnStep = ignore
 
     The same settings give the same bytes. `omnivat embed OUT --encoder strip --no-flips` reads the
     signals back.
-
-    Raises WriteError if the folder is not writable.
     """
-    require_writable(out / "pairs.csv")
     pairs, drawn = pairs_of(settings, out), signals(settings)
     for row, pair in enumerate(pairs):
         for name in IMAGES:

@@ -43,31 +43,30 @@ def pressed_height(thing: Thing, press: Press, *, field: float, size: int) -> Ar
     return relief + form + press.lean[0] * x + press.lean[1] * y
 
 
-def indentation(height: Array, *, field: float, depth: float, dome: float) -> Array:
+def indentation(height: Array, gel: Gel, depth: float) -> Array:
     """Return the indentation (mm) of the undeformed gel; 0 without contact."""
-    x, y = plane(field, len(height))
-    meeting = height + dome * (1.0 - 2.0 * (x**2 + y**2) / field**2)
+    x, y = plane(gel.field, len(height))
+    meeting = height + gel.dome * (1.0 - 2.0 * (x**2 + y**2) / gel.field**2)
     return np.maximum(meeting - np.quantile(meeting, 0.998) + depth, 0.0)
 
 
-def draped(indent: Array, *, field: float, give: float, skin: float) -> Array:
+def draped(indent: Array, gel: Gel) -> Array:
     """Return the gel's displacement (mm): it follows the object and is drawn down nearby.
 
     From coarse to fine, the sheet is smoothed and pushed out of the object again, like an elastic
-    skin. Finally it is smoothed by its own thickness `skin`.
+    skin. Finally it is smoothed by its own thickness.
     """
-    pixel = field / len(indent)
-    sheet = indent
+    pixel = gel.field / len(indent)
+    sheet, give = indent, gel.give
     for width in (give, give / 2, give / 4, give / 8):
         sheet = np.maximum(indent, gaussian_filter(sheet, width / pixel, mode="nearest"))
-    return gaussian_filter(sheet, skin / pixel, mode="nearest")
+    return gaussian_filter(sheet, gel.skin / pixel, mode="nearest")
 
 
 def pressed_gel(thing: Thing, press: Press, gel: Gel, *, size: int) -> Array:
     """Return the displacement (size, size) of a gel in mm, into the sensor."""
     height = pressed_height(thing, press, field=gel.field, size=size)
-    indent = indentation(height, field=gel.field, depth=press.depth_in(*gel.depth), dome=gel.dome)
-    return draped(indent, field=gel.field, give=gel.give, skin=gel.skin)
+    return draped(indentation(height, gel, press.depth_in(*gel.depth)), gel)
 
 
 _BULGE = 0.45  # mm sideways for a slope of 1: the gel moves aside

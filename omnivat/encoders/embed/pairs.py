@@ -1,9 +1,7 @@
 """Embed every pair of a set into one file: resumable, in bounded memory."""
 
-import logging
 import os
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -14,14 +12,13 @@ from omnivat.encoders import load_encoder
 from omnivat.encoders.embed.job import Part, Parts, chunks_of, merge
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.files import require_writable
-from omnivat.kit.progress import OnStep, Step, ignore, time_text
+from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.tables import load
 
 ENGINES = {
     "local": "omnivat.encoders.embed.engines:run_local",
     "ray": "omnivat.encoders.embed.engines:run_on_ray",
 }
-_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,9 +93,14 @@ def embed_pairs(
         chunks = list(chunks_of(pairs.pairs, encoder, (False, True) if flips else (False,)))
         waiting = [chunk for chunk in chunks if parts.read(chunk) is None]
         resumed = total - sum(len(chunk.pairs) for chunk in waiting)
-        if resumed:
-            _log.info("%d pairs were embedded by an earlier run", resumed)
-        on_pairs = _progress(total, resumed, on_step)
+        done = resumed
+
+        def on_pairs(count: int) -> None:
+            nonlocal done
+            done += count
+            on_step(Step(done=done, total=total, text="pairs"))
+
+        on_pairs(0)
         for chunk, content in run(
             waiting, encoder, load_here, workers=workers or usable_cores(), on_pairs=on_pairs
         ):
@@ -150,18 +152,3 @@ def _require_all(finished: list[Part], wanted: int, pairs: PairSet, parts: Parts
         first = finished[0].skipped[0]
         parts.remove()
         raise DataError(f"None of {len(pairs.pairs)} pairs could be read; the first: {first.why}")
-
-
-def _progress(total: int, done: int, on_step: OnStep) -> Callable[[int], None]:
-    """Return a function of the number of new pairs; it reports rate and time left."""
-    begun, at_start = time.monotonic(), done
-
-    def on_pairs(count: int) -> None:
-        nonlocal done
-        done += count
-        rate = (done - at_start) / max(time.monotonic() - begun, 1e-9)
-        left = time_text((total - done) / rate)
-        on_step(Step(done=done, total=total, text=f"{rate:.1f} pairs/s, {left} left"))
-
-    on_step(Step(done=done, total=total, text="embedding pairs"))
-    return on_pairs

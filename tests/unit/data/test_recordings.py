@@ -133,9 +133,9 @@ def test_each_layout_gives_the_pictures_of_the_same_moments(tmp_path, version, k
 
 def test_contact_picks_the_moments_whose_touch_differs_most(tmp_path):
     touch = [50] * 12 + [200, 210, 220] + [50] * 5
-    film(tmp_path / "t.mp4", touch, spot=slice(12, 24))
+    film(tmp_path / "t.mkv", touch, spot=slice(12, 24))  # which has no length of its own
     film(tmp_path / "v.mp4", range(100, 120))
-    (tmp_path / "videos.csv").write_text("vis,tac,material\nv.mp4,t.mp4,wood\n")
+    (tmp_path / "videos.csv").write_text("vis,tac,material\nv.mp4,t.mkv,wood\n")
     write_pairs(clips_of(tmp_path), tmp_path / "out", frames=3, pick="contact")
     pairs = read_pairs(tmp_path / "out").pairs
     assert [pair.tac.name for pair in pairs] == ["000_tac.png", "001_tac.png", "002_tac.png"]

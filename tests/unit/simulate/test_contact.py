@@ -4,6 +4,7 @@ import numpy as np
 
 from omnivat.simulate.contact import indentation
 from omnivat.simulate.noise import plane
+from omnivat.simulate.sensors import Gel
 
 
 def ball(field, size, radius):
@@ -13,7 +14,8 @@ def ball(field, size, radius):
 
 def test_a_ball_touches_in_a_disc_of_the_radius_that_geometry_gives():
     field, size, radius, depth = 16.0, 160, 6.0, 0.5
-    indent = indentation(ball(field, size, radius), field=field, depth=depth, dome=0.0)
+    gel = Gel(field=field, depth=(depth, depth), skin=0.1, give=0.8, dome=0.0)
+    indent = indentation(ball(field, size, radius), gel, depth)
     area = (indent > 0).sum() * (field / size) ** 2
 
     np.testing.assert_allclose(area, np.pi * (2 * radius * depth - depth**2), rtol=0.07)

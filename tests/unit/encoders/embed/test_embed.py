@@ -141,12 +141,11 @@ def test_the_number_of_workers_changes_nothing(tmp_path, workers):
     assert torch.get_num_threads() == before
 
 
-def test_progress_counts_every_pair_with_rate_and_time_left(tmp_path):
+def test_progress_counts_every_pair(tmp_path):
     steps = []
     embed(make_pairs(tmp_path), tmp_path / "set.safetensors", on_step=steps.append)
     assert [step.done for step in steps] == list(range(11))
     assert {step.total for step in steps} == {10}
-    assert all("pairs/s" in step.text and "left" in step.text for step in steps[1:])
 
 
 @pytest.mark.parametrize(
