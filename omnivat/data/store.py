@@ -28,10 +28,10 @@ from omnivat.data.arrays import (
 from omnivat.data.domains import require_domain_names
 from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header
 from omnivat.data.pairs import TEXTS
-from omnivat.kit.errors import DataError, SettingsError, WriteError
+from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import replacing, write_csv
 from omnivat.kit.schema import columns_in, json_in, name_list, object_in
-from omnivat.kit.tables import need
+from omnivat.kit.tables import need, require_choice
 
 FORMAT = "omnivat-embeddings-1"
 ROW_NAMES = ("vis", "tac", *TEXTS)
@@ -124,8 +124,7 @@ def _written(path: str | Path, rows: Mapping[str, Sequence[str]]) -> bytes:
 
 def vector_type(dtype: str) -> np.dtype[Any]:
     """Return numpy's "float32" or "float16"; raises SettingsError for another."""
-    if dtype not in DTYPES:
-        raise SettingsError(f"dtype is '{dtype}'; choose {' or '.join(DTYPES)}.")
+    require_choice("dtype", dtype, DTYPES)
     return np.dtype(dtype)
 
 
@@ -283,8 +282,7 @@ def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str) 
 
 def manifest_place(path: Path, kind: str) -> Path:
     """Return the path of the table next to `path`. Raises SettingsError for an unknown kind."""
-    if kind not in MANIFESTS:
-        raise SettingsError(f"manifest is '{kind}'; choose {' or '.join(MANIFESTS)}.")
+    require_choice("manifest", kind, MANIFESTS)
     return path.with_suffix(f".{kind}")
 
 

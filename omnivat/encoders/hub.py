@@ -14,8 +14,9 @@ from pathlib import Path
 from urllib.request import getproxies
 
 from omnivat.data.embeddings import Header
-from omnivat.kit.errors import DataError, SettingsError, WriteError
+from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import cache_folder, write_json
+from omnivat.kit.tables import require_choice
 
 POLICIES = ("ask", "yes", "no")
 SMALL_FILES = ("*.json", "*.txt")
@@ -33,8 +34,7 @@ def fetch(repository: str, *, megabytes: int = 0, download: str = "ask") -> Path
     mirror, $HTTPS_PROXY a proxy, and $HF_HUB_OFFLINE=1 forbids every download.
     Raises SettingsError for another value of `download`.
     """
-    if download not in POLICIES:
-        raise SettingsError(f"download is '{download}'; choose {', '.join(POLICIES)}.")
+    require_choice("download", download, POLICIES)
     from huggingface_hub import constants, try_to_load_from_cache
 
     for name in WEIGHTS:

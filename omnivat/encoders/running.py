@@ -11,6 +11,7 @@ from torch.nn.functional import conv2d
 
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.shapes import require_shapes
+from omnivat.kit.tables import require_choice
 from omnivat.kit.threads import one_thread
 
 M = TypeVar("M", bound=torch.nn.Module)
@@ -68,8 +69,7 @@ def precision_type(precision: str, device: torch.device, *, onnx: bool = False) 
     Raises SettingsError for an unknown name, for "bf16" on a CPU that only emulates it, and for
     "fp32-onnx" if it is not supported.
     """
-    if precision not in PRECISIONS:
-        raise SettingsError(f"precision is '{precision}'; choose {' or '.join(PRECISIONS)}.")
+    require_choice("precision", precision, PRECISIONS)
     if precision == ONNX and not (onnx and device.type == "cpu"):
         raise SettingsError(
             f"precision is '{ONNX}', which is for efficientnet-lite0 on a CPU; use fp32 or bf16."

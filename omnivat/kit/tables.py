@@ -6,7 +6,7 @@ from importlib import import_module
 from types import ModuleType
 from typing import Any, TypeVar
 
-from omnivat.kit.errors import MissingNameError, MissingPackageError
+from omnivat.kit.errors import MissingNameError, MissingPackageError, SettingsError
 
 T = TypeVar("T")
 
@@ -21,6 +21,14 @@ def unknown(name: str, known: Iterable[str], *, kind: str) -> str:
     """Return the sentence for an unknown name: the known ones, and the nearest."""
     known = list(known)
     return f"No {kind} is called '{name}'; there are {', '.join(known)}.{suggestion(name, known)}"
+
+
+def require_choice(name: str, value: str, choices: Iterable[str]) -> None:
+    """Raise SettingsError if an option has none of its values."""
+    if value not in (known := list(choices)):
+        raise SettingsError(
+            f"{name} is '{value}'; choose {', '.join(known)}.{suggestion(value, known)}"
+        )
 
 
 def entry(table: Mapping[str, T], name: str, *, kind: str) -> T:

@@ -12,7 +12,7 @@ from omnivat.data.domains import is_simulated, require_domain_names
 from omnivat.data.pairs import PairSet
 from omnivat.data.readers.files import show
 from omnivat.kit.errors import DataError, SettingsError
-from omnivat.kit.tables import load, suggestion
+from omnivat.kit.tables import load, require_choice, suggestion
 
 # Tried in this order if no reader is named. A reader is a module with `read` and `recognises`.
 READERS = {
@@ -86,7 +86,6 @@ def _checked(name: str, read: Callable[..., PairSet], options: dict[str, Any]) -
                 f"The reader '{name}' has no option '{option}'; {known}.{suggestion(option, own)}"
             )
         if isinstance(own[option], bool) and not isinstance(value, bool):
-            if str(value).lower() not in ("true", "false"):
-                raise SettingsError(f"{option} is '{value}'; choose true or false.")
+            require_choice(option, str(value).lower(), ("true", "false"))
             checked[option] = str(value).lower() == "true"
     return checked

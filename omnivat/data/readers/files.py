@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from io import StringIO
 from pathlib import Path
 
-from omnivat.kit.errors import DataError, SettingsError, printable
+from omnivat.kit.errors import DataError, printable
 from omnivat.kit.files import read_whole
 from omnivat.kit.stages import IMAGES
 from omnivat.kit.tables import suggestion
@@ -117,14 +117,6 @@ def frames_in(folder: Path, suffixes: frozenset[str] = IMAGE_SUFFIXES) -> dict[i
 def read_text(file: Path) -> str:
     """Return a file as text, with any bytes; raises DataError if it cannot be read."""
     return read_whole(file, MOST_TEXT, show(file)).decode("utf-8-sig", errors="replace")
-
-
-def require_choice(name: str, value: str, choices: Sequence[str]) -> None:
-    """Raise SettingsError if an option has none of its values."""
-    if value not in choices:
-        raise SettingsError(
-            f"{name} is '{value}'; choose {', '.join(choices)}.{suggestion(value, choices)}"
-        )
 
 
 def read_lines(file: Path) -> list[str]:

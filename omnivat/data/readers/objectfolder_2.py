@@ -14,18 +14,11 @@ from random import Random
 
 from omnivat.data.materials import class_key, ruled, rules
 from omnivat.data.pairs import Pair, PairSet, Tally
-from omnivat.data.readers.files import (
-    folders_in,
-    frames_in,
-    is_file,
-    number_of,
-    read_cells,
-    require_choice,
-    show,
-)
+from omnivat.data.readers.files import folders_in, frames_in, is_file, number_of, read_cells, show
 from omnivat.kit.errors import DataError
 from omnivat.kit.schema import read_object
 from omnivat.kit.seeding import derive_seed
+from omnivat.kit.tables import require_choice
 
 A, B = "OF 2.0 A", "OF 2.0 B"
 LAST_OF_A = 100

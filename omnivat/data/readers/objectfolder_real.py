@@ -13,16 +13,10 @@ from pathlib import Path
 
 from omnivat.data.materials import class_key, ruled, rules
 from omnivat.data.pairs import Pair, PairSet, Tally
-from omnivat.data.readers.files import (
-    folders_in,
-    frames_in,
-    is_file,
-    read_names,
-    require_choice,
-    show,
-)
+from omnivat.data.readers.files import folders_in, frames_in, is_file, read_names, show
 from omnivat.data.splits import split_by_object
 from omnivat.kit.errors import DataError
+from omnivat.kit.tables import require_choice
 
 DOMAIN = "OF Real"
 TOUCH = "gelsight"

@@ -117,7 +117,7 @@ def test_bf16_counts_as_there_only_where_the_processor_has_instructions_for_it(
 def test_unknown_names_are_refused_with_those_there_are():
     with pytest.raises(MissingNameError, match="Did you mean 'clip-vit-b16'"):
         load_encoder("clip-vit-b-16")
-    with pytest.raises(SettingsError, match="fp32 or bf16"):
+    with pytest.raises(SettingsError, match="choose fp32, bf16"):
         load_encoder("efficientnet-lite0", precision="fp16")
 
 

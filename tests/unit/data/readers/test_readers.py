@@ -43,5 +43,5 @@ def test_a_truth_value_may_be_text(tree):
     assert len(read_pairs(root, keep_labels="true").pairs) == 1
     with pytest.raises(DataError, match="No labels for the clips"):
         read_pairs(root, keep_labels="False")
-    with pytest.raises(SettingsError, match="keep_labels is 'perhaps'; choose true or false"):
+    with pytest.raises(SettingsError, match="keep_labels is 'perhaps'; choose true, false"):
         read_pairs(root, keep_labels="perhaps")
