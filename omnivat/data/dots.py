@@ -143,9 +143,8 @@ def grain(picture: Array) -> Array:
     """
     rows = picture[:-2].astype(np.uint16) + picture[1:-1] + picture[2:]
     around = rows[:, :-2] + rows[:, 1:-1] + rows[:, 2:]
-    result = np.zeros(picture.shape, np.float32)
-    result[1:-1, 1:-1] = picture[1:-1, 1:-1] - around / np.float32(9)
-    return result
+    fine = picture[1:-1, 1:-1] - around / np.float32(9)
+    return np.pad(fine, ((1, 1), (1, 1), (0, 0)))
 
 
 def membrane(picture: Array, hole: Array) -> Array:
@@ -156,10 +155,8 @@ def membrane(picture: Array, hole: Array) -> Array:
     here = np.flatnonzero(hole)
     known, values = (~hole)[..., None].astype(picture.dtype), picture.copy()
     values.reshape(height * width, -1)[here] = 0
-    if height % 2 or width % 2:
-        rim = ((0, height % 2), (0, width % 2), (0, 0))
-        known, values = np.pad(known, rim), np.pad(values, rim)
-    weight, total = halved(known), halved(values)
+    rim = ((0, height % 2), (0, width % 2), (0, 0))
+    weight, total = halved(np.pad(known, rim)), halved(np.pad(values, rim))
     empty = weight[..., 0] == 0
     half = total / np.maximum(weight, 1)
     if empty.any() and not empty.all():

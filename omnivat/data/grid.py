@@ -7,7 +7,7 @@ only if few nodes are missing, few other spots are as dark, and the gel between 
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -48,13 +48,8 @@ def find_grid(brightest: Array) -> Grid | None:
         kept = depths >= share * depths[NODES - 1]
         grid = grid_of(dark, points[kept], depths[kept])
         if grid is not None:
-            return Grid(
-                dark=dark,
-                nodes=grid.nodes * scale + scale // 2,
-                steps=grid.steps * scale,
-                darkness=grid.darkness,
-                share=grid.share,
-            )
+            nodes = grid.nodes * scale + scale // 2
+            return replace(grid, nodes=nodes, steps=grid.steps * scale)
     return None
 
 
