@@ -43,11 +43,10 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     partner, and a duplicate, is skipped and listed.
     Raises DataError without pairs, or for two classes or domains of the same name.
     """
-    walk = _Walk(source)
-    walk.enter(source)
-    alone = len({half for halves in walk.pictures.values() for half in halves}) == 1
-    pairs, skipped = [], walk.skipped
-    for (*parts, name), halves in walk.pictures.items():
+    pictures, skipped = _walked(source)
+    alone = len({half for halves in pictures.values() for half in halves}) == 1
+    pairs = []
+    for (*parts, name), halves in pictures.items():
         material = class_key(parts[1]) if len(parts) > 1 else NO_CLASS
         if why := _why_not(halves, material, alone=alone, strict=strict):
             skipped.append(Skipped(what=show("/".join((*parts, name))), why=why))
@@ -71,48 +70,46 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     )
 
 
-class _Walk:
-    """The walk through the folders: pictures by folders, name and modality."""
+Pictures = dict[tuple[str, ...], dict[str, list[Path]]]  # by folders and name, and modality
 
-    def __init__(self, root: Path) -> None:
-        self.root = root
-        self.pictures: dict[tuple[str, ...], dict[str, list[Path]]] = defaultdict(dict)
-        self.skipped: list[Skipped] = []
-        self._seen: set[str] = set()  # real folders
 
-    def enter(self, folder: Path, *parts: str) -> None:
-        """Read a folder and those below it; `parts` are its domain, class and object."""
+def _walked(root: Path) -> tuple[Pictures, list[Skipped]]:
+    """Return the pictures in a folder and in those below it, and what was skipped."""
+    pictures: Pictures = defaultdict(dict)
+    skipped: list[Skipped] = []
+    seen: set[str] = set()  # real folders; links may lead to them again
+
+    def skip(path: Path, why: str) -> None:
+        skipped.append(Skipped(what=show(path.relative_to(root)), why=why))
+
+    def enter(folder: Path, *parts: str) -> None:
+        """Read a folder; `parts` are its domain, class and object."""
         for entry in visible(folder):
             path = folder / entry.name
             half = modality_of(path)
             if path.is_dir() or path.name == REST or not (half or is_image_name(path.name)):
                 continue
             if why := _no_picture(path, half):
-                self._skip(path, why)
+                skip(path, why)
             else:
-                halves = self.pictures[(*parts, HALF.sub("", path.stem))]
+                halves = pictures[(*parts, HALF.sub("", path.stem))]
                 halves.setdefault(half, []).append(path)
         inner = folders_in(folder)
         if len(parts) < 2:
             _require_names(inner, ("domains", "classes")[len(parts)])
-        for child in filter(self._is_new, inner):
-            name = child.name.strip()
-            self.enter(child, *parts, *(() if name.lower() in IMAGES else (name,)))
+        for child in inner:
+            real = os.path.realpath(child)
+            if real in seen or Path(os.path.realpath(root)).is_relative_to(real):
+                skip(child, "leads to a folder that is read already")
+            elif not os.access(child, os.R_OK | os.X_OK):
+                skip(child, "may not be opened: its permissions forbid it")
+            else:
+                seen.add(real)
+                name = child.name.strip()
+                enter(child, *parts, *(() if name.lower() in IMAGES else (name,)))
 
-    def _skip(self, path: Path, why: str) -> None:
-        self.skipped.append(Skipped(what=show(path.relative_to(self.root)), why=why))
-
-    def _is_new(self, folder: Path) -> bool:
-        """True if a folder is visited for the first time; links may lead to it again."""
-        real = os.path.realpath(folder)
-        if real in self._seen or Path(os.path.realpath(self.root)).is_relative_to(real):
-            self._skip(folder, "leads to a folder that is read already")
-        elif not os.access(folder, os.R_OK | os.X_OK):
-            self._skip(folder, "may not be opened: its permissions forbid it")
-        else:
-            self._seen.add(real)
-            return True
-        return False
+    enter(root)
+    return pictures, skipped
 
 
 def _no_picture(path: Path, half: str) -> str:

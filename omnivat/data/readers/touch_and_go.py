@@ -6,7 +6,8 @@
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 from omnivat.data.materials import class_key, ruled, rules
@@ -27,7 +28,7 @@ class Frame:
 
     clip: str
     number: int
-    label: str
+    label: str  # of the list, then the class
     split: str
 
 
@@ -143,45 +144,43 @@ def _label_names(places: tuple[Path, ...]) -> dict[str, str]:
 
 def _materials(
     frames: list[Frame], names: dict[str, str], strict: bool, keep: bool, left_out: Tally
-) -> list[tuple[Frame, str]]:
-    """Return the frames with their classes."""
+) -> list[Frame]:
+    """Return the frames with their classes as labels."""
     known = rules("touch_and_go")
     kept = []
     for frame in frames:
         rule = known.get(frame.label)
         name = rule.named if rule else names.get(frame.label, "")
         material, why = ruled(rule, "labels of other materials", strict=strict)
+        if not material and keep:
+            material = name or f"label {frame.label}"
         if material:
-            kept.append((frame, material))
-        elif keep:
-            kept.append((frame, name or f"label {frame.label}"))
+            kept.append(replace(frame, label=material))
         else:
             left_out.add(f"label {frame.label}" + (f" ({name})" if name else ""), why)
     return kept
 
 
-def _unlisted(clips: Path) -> list[tuple[Frame, str]]:
+def _unlisted(clips: Path) -> list[Frame]:
     """Return every frame of every clip, with the clip's name as the class."""
     return [
-        (Frame(clip.name, number, clip.name, ""), class_key(clip.name))
+        Frame(clip.name, number, class_key(clip.name), "")
         for clip in folders_in(clips)
         for number in sorted(frames_in(clip / TAC).keys() | frames_in(clip / VIS).keys())
     ]
 
 
-def _pairs(frames: list[tuple[Frame, str]], clips: Path, left_out: Tally) -> Iterator[Pair]:
-    halves: dict[str, tuple[dict[int, Path], dict[int, Path]]] = {}
-    for frame, material in frames:
-        if frame.clip not in halves:
-            folder = clips / frame.clip
-            halves[frame.clip] = (frames_in(folder / VIS), frames_in(folder / TAC))
-        vis, tac = (half.get(frame.number) for half in halves[frame.clip])
+def _pairs(frames: list[Frame], clips: Path, left_out: Tally) -> Iterator[Pair]:
+    listed = cache(frames_in)
+    for frame in frames:
+        folder = clips / frame.clip
+        vis, tac = (listed(folder / half).get(frame.number) for half in (VIS, TAC))
         if vis and tac:
             yield Pair(
                 vis=vis,
                 tac=tac,
                 domain=DOMAIN,
-                material=material,
+                material=frame.label,
                 object=frame.clip,
                 split=frame.split,
             )
