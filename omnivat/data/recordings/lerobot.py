@@ -52,9 +52,10 @@ class LeRobot:
     def clips(self, vis: str, tac: Sequence[str], domain: str, labels: Path | None) -> list[Clip]:
         """Return each episode, once for each tactile camera."""
         photo, touches = self._chosen(vis, tac)
-        endings = [name.rpartition(".")[2] for name in touches]
-        # left.tac and right.tac end alike
-        places = endings if len(set(endings)) == len(touches) else touches
+        places = [""]
+        if len(touches) > 1:  # left.tac and right.tac end alike
+            endings = [name.rpartition(".")[2] for name in touches]
+            places = endings if len(set(endings)) == len(touches) else touches
         episodes = self._episodes()
         tasks = {one.get("task") for one in episodes}
         table = (
@@ -69,13 +70,12 @@ class LeRobot:
             if table and not row and "problem" not in one:
                 continue
             for touch, place in zip(touches, places, strict=True):
-                several = place if len(touches) > 1 else self.root.resolve().name
                 task = one["task"] if len(tasks) > 1 else NO_CLASS
                 halves = {"vis": photo, "tac": touch} if photo else {"tac": touch}
                 clip = Clip(
                     read=partial(self._read, one, halves),
-                    name=f"episode {number}" + (f" {place}" if len(touches) > 1 else ""),
-                    domain=row.get("domain") or domain or several,
+                    name=f"episode {number} {place}".rstrip(),
+                    domain=row.get("domain") or domain or place or self.root.resolve().name,
                     material=class_key(row.get("material") or task),
                     object=row.get("object") or f"episode {number}",
                     split=row.get("split", ""),
@@ -131,13 +131,12 @@ class LeRobot:
             number, length = row.get("episode_index"), row.get("length")
             if not (type(number) is type(length) is int and 0 <= length < MOST):
                 number, problem = f"in line {line}", "It has no number or length."
+                row = {"episode_index": number, "problem": problem}
             elif number in seen:
-                problem = "It is listed twice."
+                row = {"episode_index": number, "problem": "It is listed twice."}
             else:
                 seen.add(number)
-                found.append({**row, "task": _task(row.get("tasks"))})
-                continue
-            found.append({"episode_index": number, "problem": problem, "task": ""})
+            found.append(row | {"task": _task(row.get("tasks"))})
         return found
 
     def _track(self, key: str, episode: Mapping[str, Any]) -> Track:
