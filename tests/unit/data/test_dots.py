@@ -23,8 +23,8 @@ def with_dots(clean, shade):
 
 @settings(max_examples=20)
 @given(
-    pitch=st.floats(16, 40),
-    share=st.floats(0.12, 0.2),
+    pitch=st.floats(16, 38),
+    share=st.floats(0.12, 0.17),
     turn=st.floats(-0.12, 0.12),
     darkness=st.floats(0.35, 0.95),
     square=st.booleans(),
