@@ -46,8 +46,8 @@ def tree(resources: Resources, question: Question) -> Reply:
             for norm, row in zip(norms, rounded(facts.probabilities.numpy()), strict=True)
         ],
         "layers": [
-            {"nodes": list(level.nodes), "cosines": rounded(level.cosines.numpy())}
-            for level in facts.levels
+            {"nodes": list(group), "cosines": rounded(cosines.numpy())}
+            for group, cosines in facts.levels
         ],
     }
 
@@ -65,7 +65,7 @@ def votes(resources: Resources, question: Question) -> Reply:
     def counted() -> Reply:
         some = embeddings.select(thinned(len(embeddings), MOST_PAIRS))
         votes = [
-            {"class": one.label, "share": round(one.share, 4)} for one in node_votes(head, some)
+            {"class": label, "share": round(share, 4)} for label, share in node_votes(head, some)
         ]
         return {"votes": votes, "pairs": len(some)}
 

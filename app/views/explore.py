@@ -167,13 +167,8 @@ def twin_pictures() -> dict[str, Path]:
     return {file.name: file for file in sorted((EXAMPLES / "twins").glob("*.webp"))}
 
 
-def mechanism(_: Resources) -> Reply:
+def mechanism(resources: Resources) -> Reply:
     """Return the toy for the transform and the ReLU, which is the same for every set."""
-    return _toy()
-
-
-@cache
-def _toy() -> Reply:
     from omnivat.simulate.toy import toy
 
-    return toy(STOPS)
+    return resources.results.once("toy", lambda: toy(STOPS))

@@ -7,11 +7,10 @@ and rectangles on axes, titles, ticks, legend and caption.
 import math
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from html import unescape
 from itertools import pairwise
 from textwrap import wrap
-from typing import Any
+from typing import Any, NamedTuple
 
 from omnivat.figures.drawing import GRID, INK, Picture, Point, Shape, svg, text
 from omnivat.figures.theme import MARGIN, SERIES, THEMES
@@ -20,8 +19,7 @@ from omnivat.kit.errors import SettingsError
 WIDTH, LINE, LETTER = 760.0, 17.0, 6.6
 
 
-@dataclass(frozen=True, slots=True)
-class Plane:
+class Plane(NamedTuple):
     """One pair of axes: the ranges, and the pixels of left, right, bottom and top."""
 
     x: tuple[float, float]

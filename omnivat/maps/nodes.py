@@ -18,29 +18,13 @@ CHUNK = 512  # pairs with nodes in memory at once
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Level:
-    """One group of nodes for NOD."""
-
-    nodes: range
-    cosines: Tensor  # (n, n), mean over pairs
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class TreeFacts:
     """The N nodes of a head's tree, means over B pairs."""
 
     parents: list[int]  # -1 for none
     lengths: Tensor  # (N,)
     probabilities: Tensor  # (N, K)
-    levels: list[Level]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class NodeVote:
-    """The most frequent class of a node over a set, and its share of the pairs."""
-
-    label: str
-    share: float
+    levels: list[tuple[range, Tensor]]  # a group for NOD, and its cosines (n, n), mean over pairs
 
 
 @torch.no_grad()
@@ -50,7 +34,7 @@ def tree_facts(model: OmniVaT, nodes: Tensor) -> TreeFacts:
     levels = []
     for group in groups(kind, nodes.shape[1]):
         units = normalize(nodes[:, group.start : group.stop], dim=-1)
-        levels.append(Level(nodes=group, cosines=(units @ units.mT).mean(0)))
+        levels.append((group, (units @ units.mT).mean(0)))
     return TreeFacts(
         parents=parents(kind, nodes.shape[1]),
         lengths=nodes.norm(dim=-1).mean(0),
@@ -60,8 +44,8 @@ def tree_facts(model: OmniVaT, nodes: Tensor) -> TreeFacts:
 
 
 @torch.no_grad()
-def node_votes(head: Head, embeddings: Embeddings) -> list[NodeVote]:
-    """Return each node's most frequent class over a set, at the learned p.
+def node_votes(head: Head, embeddings: Embeddings) -> list[tuple[str, float]]:
+    """Return each node's most frequent class over a set, at the learned p, and its share of pairs.
 
     A node with a share near 1 gives the same class for almost every pair.
     Raises DataError if the head has no nodes or does not fit the embeddings.
@@ -77,6 +61,6 @@ def node_votes(head: Head, embeddings: Embeddings) -> list[NodeVote]:
         # (N, K)
         counts = counts + one_hot(head.model.classify(nodes).argmax(-1), len(classes)).sum(0)
     return [
-        NodeVote(label=classes[best], share=int(count) / len(kept))
+        (classes[best], int(count) / len(kept))
         for count, best in zip(*(one.tolist() for one in counts.max(dim=1)), strict=True)
     ]

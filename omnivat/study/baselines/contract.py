@@ -41,12 +41,9 @@ class Live:
 
     def drawn(self, rows: Tensor) -> Tensor:
         """Return VIS, then TAC of the pairs (2 B, 3, side, side), each mirrored at random."""
-        return _mirrored(torch.cat([self.images(name, rows) for name in IMAGES]))
-
-
-def _mirrored(images: Tensor) -> Tensor:
-    mirror = torch.rand(len(images), 1, 1, 1) < 0.5
-    return torch.where(mirror, images.flip(-1), images)
+        images = torch.cat([self.images(name, rows) for name in IMAGES])
+        mirror = torch.rand(len(images), 1, 1, 1) < 0.5
+        return torch.where(mirror, images.flip(-1), images)
 
 
 def live_towers(source: "Source", what: str) -> "tuple[Live, LiveClip]":

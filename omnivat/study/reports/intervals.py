@@ -1,13 +1,12 @@
 """Means, spreads and confidence intervals of paired differences."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Spread:
+class Spread(NamedTuple):
     """Mean and standard deviation (n - 1) of values; NaN for too few of them."""
 
     mean: float
@@ -21,8 +20,7 @@ def spread(values: Sequence[float]) -> Spread:
     return Spread(mean=mean, std=float(array.std(ddof=1)) if n > 1 else float("nan"))
 
 
-@dataclass(frozen=True, slots=True)
-class Interval:
+class Interval(NamedTuple):
     """A mean paired difference with its confidence interval."""
 
     mean: float

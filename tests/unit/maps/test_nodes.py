@@ -20,7 +20,7 @@ class Stub:
 def test_cosines_of_nodes_do_not_depend_on_their_lengths():
     apart, alike = torch.eye(2)[None], torch.ones(1, 2, 2)
     for nodes, cosines in ((apart, torch.eye(2)), (alike, torch.ones(2, 2))):
-        torch.testing.assert_close(tree_facts(Stub(), 3 * nodes).levels[0].cosines, cosines)
+        torch.testing.assert_close(tree_facts(Stub(), 3 * nodes).levels[0][1], cosines)
 
 
 @pytest.mark.parametrize("arrangement", ["tree", "series", "parallel", "interpolation", "none"])
