@@ -243,19 +243,20 @@ def _check(file: Path, embeddings: Embeddings) -> None:
             f"'{file}' names {len(header.domains):,} domains and {len(header.classes):,} classes,"
             f" and their product may be {MOST_CELLS:,}; leave out names without pairs."
         )
-    count, width = embeddings.vis.shape if embeddings.vis.ndim == 2 else (-1, -1)
+    shape = embeddings.vis.shape
     flips = [a for a in (embeddings.vis_flip, embeddings.tac_flip) if a is not None]
     shapes_agree = (
-        width > 0
-        and all(a.shape == (count, width) for a in (embeddings.tac, *flips))
-        and embeddings.domain.shape == embeddings.label.shape == (count,)
-        and all(len(embeddings.rows.get(name, ())) == count for name in ROW_NAMES)
+        len(shape) == 2
+        and shape[1] > 0
+        and all(a.shape == shape for a in (embeddings.tac, *flips))
+        and embeddings.domain.shape == embeddings.label.shape == shape[:1]
+        and all(len(embeddings.rows.get(name, ())) == shape[0] for name in ROW_NAMES)
     )
     if not shapes_agree or not embeddings.domain.dtype == embeddings.label.dtype == np.int64:
         raise DataError(f"'{file}' holds arrays of differing lengths; make it again.")
     for name, names in (("domain", header.domains), ("label", header.classes)):
         index = getattr(embeddings, name)
-        if count and not (index.min() >= 0 and index.max() < len(names)):
+        if len(index) and not (index.min() >= 0 and index.max() < len(names)):
             raise DataError(f"'{file}' has a {name} index without a name; make it again.")
     for vectors in (embeddings.vis, embeddings.tac, *flips):
         for _ in require_range(walked(vectors), f"'{file}'"):
