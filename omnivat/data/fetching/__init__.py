@@ -92,9 +92,8 @@ def fetch(name: str, out: Path, *, source: str = "", on_step: OnStep = ignore) -
     part = out.absolute().with_name(f".{out.absolute().name}.part")
     with writing(out):
         part.mkdir(parents=True, exist_ok=True)
-    free = shutil.disk_usage(part).free // 1_000_000
-    if free < 2 * wanted.megabytes and not source:
-        need_mb = 2 * wanted.megabytes
+    free, need_mb = shutil.disk_usage(part).free // 1_000_000, 2 * wanted.megabytes
+    if free < need_mb and not source:
         raise WriteError(
             f"{name} needs {need_mb:,} MB while it is fetched, and '{part.parent}' has {free:,} MB"
             " free."

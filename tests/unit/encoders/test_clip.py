@@ -78,8 +78,10 @@ def test_an_embedding_is_the_same_alone_and_in_any_batch(clips, tmp_path, images
     ("change", "right"),
     [
         (ImageShape(32, 768, (12,), 512, 224), "clip-vit-b32"),
+        (ImageShape(14, 1024, (24,), 768, 224), "clip-vit-l14"),
         (ImageShape(14, 1024, (24,), 768, 336), "clip-vit-l14-336"),
         (ImageShape(0, 64, (3, 4, 6, 3), 1024, 224), "clip-rn50"),
+        (ImageShape(0, 64, (3, 4, 23, 3), 512, 224), "clip-rn101"),
         (ImageShape(32, 256, (12,), 512, 224), "clip, which takes any size"),
     ],
 )
@@ -89,6 +91,7 @@ def test_weights_of_another_size_than_their_name_says_are_refused(change, right)
         DataError, match=f"not hold the weights of clip-vit-b16 .*use --encoder {right}"
     ):
         require_name("clip-vit-b16", change, "some file")
+    assert require_name("clip", ImageShape(16, 768, (12,), 512, 224), "") == "clip-vit-b16"
 
 
 def test_pixel_statistics_beside_the_weights_are_used(clips, tmp_path):
