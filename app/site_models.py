@@ -85,7 +85,6 @@ def write_set(resources: Resources, folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     first, embeddings = resources.head(), resources.embeddings()
     first.require_embeddings(embeddings)
-    files = {name: name or "first" for name in resources.heads}
     for start in range(0, len(embeddings), PART):
         rows = {
             n: np.asarray(getattr(embeddings, n)[start : start + PART]).astype(np.float16)
@@ -93,10 +92,11 @@ def write_set(resources: Resources, folder: Path) -> None:
         }
         with replacing(folder / f"set-{start // PART}.safetensors") as file:
             save_file(rows, file)
-    heads = {name: _write_head(resources.head_named(name), folder, files[name]) for name in files}
-    for name, own in heads.items():
+    heads = {}
+    for name in resources.heads:
+        head = resources.head_named(name)
+        heads[name] = own = _write_head(head, folder, name or "first")
         if name in PARTED:
-            head = resources.head_named(name)
             index, of = training_pairs(resources, head)
             own["parts"] = _copied(head, folder, name)
             own["training"] = {"index": index.tolist(), "of": of}
@@ -108,12 +108,6 @@ def write_set(resources: Resources, folder: Path) -> None:
         "pairs": len(embeddings),
         "part": PART,
         "rows": resources.example_rows(),
-        "set": {
-            "domains": embeddings.header.domains,
-            "classes": embeddings.header.classes,
-            "domain": embeddings.domain.tolist(),
-            "label": embeddings.label.tolist(),
-        },
     }
     write_json(folder / "models.json", record)
 

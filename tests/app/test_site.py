@@ -4,11 +4,15 @@ import json
 import re
 from urllib.parse import urlsplit
 
+import numpy as np
 import pytest
+from safetensors.numpy import load_file
 
 from app import site, site_rules
+from app.resources import Resources
+from app.routes import FACTS, QUESTIONS
 from app.site import MARK, OWN, Files, export_site
-from app.site_models import files_in
+from app.site_models import files_in, write_set
 from omnivat.cli import main
 from omnivat.kit.errors import DataError, SettingsError, WriteError
 
@@ -66,9 +70,6 @@ def test_names_suit_any_file_system_and_follow_the_content(written, framed, tmp_
 
 
 def test_replies_are_those_of_the_server(written, framed):
-    from app.resources import Resources
-    from app.routes import FACTS, QUESTIONS
-
     index, resources = held(written), Resources(framed)
     assert index["home"] == OWN and index["sets"] == [OWN]
     for name in ("about", "unseen", "pairs", "examples", "first"):
@@ -82,6 +83,21 @@ def test_replies_are_those_of_the_server(written, framed):
     assert (written / picture).read_bytes() == resources.examples()["OF Real-sim/steel/new"][
         "tac"
     ].read_bytes()
+
+
+def test_the_models_of_a_set_are_its_embeddings_in_parts_and_a_record_of_its_heads(
+    framed, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("omnivat.head.portable.write_head", lambda file, _: file.touch())
+    resources = Resources(framed)
+    write_set(resources, tmp_path)
+    record = json.loads((tmp_path / "models.json").read_text())
+    assert {name: head["file"] for name, head in record["heads"].items()} == {"": "first.onnx"}
+    names = [f"set-{k}.safetensors" for k in range(-(-record["pairs"] // record["part"]))]
+    assert {*names, "first.onnx"} < {file.name for file in tmp_path.iterdir()} and len(names) > 1
+    for image in ("vis", "tac"):
+        parts = np.concatenate([load_file(tmp_path / name)[image] for name in names])
+        assert (parts == getattr(resources.embeddings(), image).astype("f2")).all()
 
 
 def test_a_reply_that_is_a_refusal_is_held_as_its_sentence(framed, tmp_path, monkeypatch):
