@@ -43,18 +43,14 @@ const sums = (one, reach) => plane(one.width, one.height, (x, y) => sumOf(one, x
 /** The largest or smallest value of the square of pixels that are at most `reach` from each pixel.
  * @param {Plane} one @param {number} reach @param {(...values: number[]) => number} fold */
 function extremes(one, reach, fold = Math.max) {
+  const wider = (/** @type {Plane} */ from, /** @type {number} */ right, /** @type {number} */ down) =>
+    plane(one.width, one.height, (x, y, at) =>
+      fold(from.values[at], valueAt(from, x - right, y - down), valueAt(from, x + right, y + down)),
+    );
   let now = one;
   for (let done = 0, step = 0; done < reach; done += step) {
     step = Math.min(2 * done + 1, reach - done);
-    for (const [right, down] of [
-      [step, 0],
-      [0, step],
-    ]) {
-      const from = now;
-      now = plane(one.width, one.height, (x, y, at) =>
-        fold(from.values[at], valueAt(from, x - right, y - down), valueAt(from, x + right, y + down)),
-      );
-    }
+    now = wider(wider(now, step, 0), 0, step);
   }
   return now;
 }
@@ -106,9 +102,8 @@ function spots(dark) {
   const highest = extremes(rank, 3).values;
   const top = rank.values.map((value, at) => +(value === highest[at] && total.values[at] >= FAINTEST * 25));
   const found = groups(top, edges(width)).map((group) => {
-    const [x, y] = [mean(group.map((at) => at % width)), mean(group.map((at) => Math.floor(at / width)))].map(
-      Math.floor,
-    );
+    const x = Math.floor(mean(group.map((at) => at % width)));
+    const y = Math.floor(mean(group.map((at) => Math.floor(at / width))));
     return { x, y, depth: Math.floor(total.values[y * width + x] / 25) };
   });
   return found.sort((a, b) => b.depth - a.depth).slice(0, MOST);
@@ -135,24 +130,20 @@ function commonSteps(points, { width, height }) {
   const highest = extremes(score, 4).values;
   const best = largest(highest);
   if (best < SUPPORT) return null;
-  const peaks = [...score.values.keys()].filter(
-    (at) => score.values[at] >= 0.5 * best && score.values[at] === highest[at],
-  );
-  const steps = peaks.map((at) => ({
-    value: score.values[at],
-    step: [(at % side) - middle, Math.floor(at / side) - middle],
-  }));
+  /** @type {{ value: number, step: number[] }[]} */
+  const steps = [];
+  score.values.forEach((value, at) => {
+    const step = [(at % side) - middle, Math.floor(at / side) - middle];
+    if (value >= 0.5 * best && value === highest[at]) steps.push({ value, step });
+  });
   steps.sort((a, b) => dot(a.step, a.step) - dot(b.step, b.step));
   const first = steps.find(({ value }) => value >= 0.7 * best)?.step ?? [0, 0];
   const turned = [-first[1], first[0]];
   const second = steps.find(({ step }) => Math.abs(dot(turned, step)) > 0.75 * (norm(first) * norm(step)))?.step;
   if (!second) return null;
-  const leaning = [first, second].filter((step) => {
-    const [low, high] = step.map(Math.abs).sort((a, b) => a - b);
-    return low > 0.36 * high;
-  });
+  const leans = (/** @type {number[]} */ [x, y]) => Math.min(Math.abs(x / y), Math.abs(y / x)) > 0.36;
   const share = (norm(first) * norm(second)) / dot(first, first);
-  return share >= 0.6 && share <= 1.8 && leaning.length < 2 ? [first, second] : null;
+  return share >= 0.6 && share <= 1.8 && !(leans(first) && leans(second)) ? [first, second] : null;
 }
 
 /** For each point, its neighbour one step forth and back along both steps (-1: none), and whether none is missing:
@@ -226,10 +217,8 @@ function findGrid(brightest) {
   if (points.length < NODES) return null;
   const whole = (/** @type {number} */ place) => place * scale + (scale >> 1);
   for (const share of FAINT) {
-    const grid = gridOf(
-      dark,
-      points.filter(({ depth }) => depth >= share * points[NODES - 1].depth),
-    );
+    const kept = points.filter(({ depth }) => depth >= share * points[NODES - 1].depth);
+    const grid = gridOf(dark, kept);
     if (!grid) continue;
     const nodes = grid.nodes.map(({ x, y, depth }) => ({ x: whole(x), y: whole(y), depth }));
     return { ...grid, nodes, steps: grid.steps.map((step) => step.map((length) => length * scale)) };
@@ -277,8 +266,8 @@ function membrane({ width, height, values }, hole) {
     Math.fround(sumOf(there, 2 * x, 2 * y, 2) / Math.max(1, weight.values[at])),
   );
   const empty = plane(wide, high, (_, __, at) => +!weight.values[at]);
-  const solved = !empty.values.includes(1) || !empty.values.includes(0);
-  const coarse = solved ? half.values : membrane(half, empty);
+  const open = empty.values.includes(1) && empty.values.includes(0);
+  const coarse = open ? membrane(half, empty) : half.values;
   const out = Float32Array.from(values);
   const here = [...hole.values.keys()].filter((at) => hole.values[at]);
   for (const at of here) out[at] = coarse[(Math.floor(at / width) >> 1) * half.width + ((at % width) >> 1)];

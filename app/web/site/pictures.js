@@ -66,9 +66,9 @@ export const PICTURES = {
     const embedded = performance.now();
     const asked = await desk.asked(beside(question), rows);
     const reply = await desk.predicted(asked);
-    const ms = { read: read - began, encoder: embedded - read, head: performance.now() - embedded };
-    const shown = Object.entries(ms).map(([part, one]) => [part, rounded(one, 1)]);
-    return { classes: asked.head.classes, ...reply, ms: Object.fromEntries(shown) };
+    const since = (/** @type {number} */ from, to = performance.now()) => rounded(to - from, 1);
+    const ms = { read: since(began, read), encoder: since(read, embedded), head: since(embedded) };
+    return { classes: asked.head.classes, ...reply, ms };
   },
 
   /** Hide each part of a picture in turn, and predict again. */

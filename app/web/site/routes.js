@@ -78,10 +78,10 @@ export const QUESTIONS = {
       return { name, count: shape[2], off: Array.from(values, (share) => share - 1 / shape[2]) };
     });
     const scale = maps.flatMap(({ off }) => off).reduce((top, value) => Math.max(top, Math.abs(value)), 0) || 1;
-    const coded = (/** @type {number[]} */ off) => Int8Array.from(off, (value) => Math.round((value / scale) * 127));
+    const coded = (/** @type {number[]} */ off) => Uint8Array.from(off, (value) => Math.round((value / scale) * 127));
     return {
       count: named(maps.map(({ name, count }) => [name, count])),
-      off: named(maps.map(({ name, off }) => [name, base64(new Uint8Array(coded(off).buffer))])),
+      off: named(maps.map(({ name, off }) => [name, base64(coded(off))])),
       scale,
     };
   },

@@ -31,8 +31,9 @@ export function withLessons({ rows, bias, share }, before, out) {
 /** VIS and TAC of a head's outputs side by side; the part of a missing image is zero.
  * @param {Tensors} out @param {string[]} there */
 function standing(out, there) {
-  const [vis, tac] = IMAGES.map((name) => rowOf(out[`${name}_standing`], 0).map((v) => (there.includes(name) ? v : 0)));
-  return Float64Array.of(...vis, ...tac);
+  return IMAGES.flatMap((name) =>
+    Array.from(rowOf(out[`${name}_standing`], 0), (value) => (there.includes(name) ? value : 0)),
+  );
 }
 
 /** Teach lessons: the taught head, and the report, what is said of each lesson before and after teaching by the others.
@@ -40,7 +41,7 @@ function standing(out, there) {
 export async function teach(models, head, lessons) {
   const names = lessons.map(({ label }) => label);
   const classes = [...new Set([...head.classes, ...names])];
-  const [rows, before] = [/** @type {Float64Array[]} */ ([]), /** @type {number[][]} */ ([])];
+  const [rows, before] = [/** @type {number[][]} */ ([]), /** @type {number[][]} */ ([])];
   for (const { pair } of lessons) {
     const [out, there] = [await models.run(head, [pair], [null]), imagesOf(pair)];
     const shown = rowOf(out[there.length > 1 ? "p_fused" : `p_${there[0]}`], 0);
@@ -48,10 +49,8 @@ export async function teach(models, head, lessons) {
     before.push(classes.map((_, k) => shown[k] ?? 0));
   }
   const labels = BigInt64Array.from(names, (name) => BigInt(classes.indexOf(name)));
-  const matrix = (/** @type {ArrayLike<number>[]} */ all) => [
-    ...["float64", Float64Array.from(all.flatMap((row) => Array.from(row)))],
-    [all.length, all[0].length],
-  ];
+  /** @param {number[][]} all @returns {any[]} */
+  const matrix = (all) => ["float64", Float64Array.from(all.flat()), [all.length, all[0].length]];
   const feeds = { rows: matrix(rows), labels: ["int64", labels, [names.length]], before: matrix(before) };
   const out = await models.ran("../lessons.onnx", "", feeds);
   const after = Array.from(out.after.values, Number);
