@@ -221,6 +221,20 @@ def test_three_standard_errors_of_the_paired_difference_are_the_limit_of_a_tie()
         assert (neighbours([best, other], best) == (0.5, 0.51)) is ties
 
 
+def test_an_order_is_scored_by_tokens_and_energies_of_photo_touch_and_both(chirps):
+    source = chirps.in_domain(DOMAINS[0], split="train")
+    scores = order_search._Scores(source, head(), TrainSettings(), 0, Watch())
+    images = {name: torch.from_numpy(np.array(getattr(source, name))) for name in ("vis", "tac")}
+    turned = dfrft(scores.model.embedded(images).detach(), 0.3)
+    parts = [part.relu() for x in (turned.real, turned.imag) for part in (x, -x)]
+    rows = torch.cat(parts, -1), turned.abs().square()
+    grams = [gram for some in rows for gram in _grams(some)]
+    wanted = [order_search._left_out(gram, scores.targets, scores.groups) for gram in grams]
+    found = scores.at(0.3, "coarse").losses * (scores.targets**2).sum(1).mean()
+    np.testing.assert_allclose(found, wanted, rtol=1e-3, atol=1e-4)
+    assert found.shape == (6, len(source))
+
+
 def test_the_grid_is_as_fine_as_the_width_and_bounded():
     counts = [search_steps(head(width=width)) - 3 * 17 for width in (8, 64, 4096)]
     assert counts == [21, 65, 2001]
