@@ -2,6 +2,7 @@
 
 import json
 import re
+import shutil
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -30,6 +31,10 @@ def held(out):
     return json.loads(re.search(r'id="omnivat-held">(.*?)</script>', text)[1])
 
 
+def names_in(out):
+    return [file.relative_to(out).as_posix() for file in files_in(out)]
+
+
 def test_every_address_is_relative_and_of_a_file_in_the_folder(written):
     text = (written / "index.html").read_text(encoding="utf-8")
     named = [*re.findall(r'(?:src|href)="([^"]+)"', text), *held(written)["files"].values()]
@@ -43,8 +48,7 @@ def test_every_address_is_relative_and_of_a_file_in_the_folder(written):
 def test_the_worker_keeps_every_file_below_the_page_and_examples_last(written):
     script = (written / "sw.js").read_text()
     kept = json.loads(re.match(r"globalThis.omnivatSite = (.*);", script)[1])
-    files = [file.relative_to(written).as_posix() for file in files_in(written)]
-    assert sorted(kept["first"] + kept["rest"]) == [name for name in files if "/" in name]
+    assert sorted(kept["first"] + kept["rest"]) == [n for n in names_in(written) if "/" in n]
     assert {name.split("-")[0] for name in kept["first"]} == {"web"}
     assert [name for name in kept["rest"] if "-example-" in name] == kept["rest"][-4:]
 
@@ -58,15 +62,6 @@ def test_no_file_of_the_page_names_another_host(written):
     }
     assert {host for _, host in found} <= {"www.w3.org"}  # the name of SVG, never fetched
     assert "default-src 'none'" in (written / "index.html").read_text()
-
-
-def test_names_suit_any_file_system_and_follow_the_content(written, framed, tmp_path):
-    names = [file.relative_to(written).as_posix() for file in files_in(written)]
-    assert all(re.fullmatch(r"[\w./-]+", name, re.ASCII) for name in names)
-    export_site(framed, tmp_path / "again", sets=(), models=False)
-    assert names == [
-        p.relative_to(tmp_path / "again").as_posix() for p in files_in(tmp_path / "again")
-    ]
 
 
 def test_replies_are_those_of_the_server(written, framed):
@@ -109,16 +104,18 @@ def test_a_reply_that_is_a_refusal_is_held_as_its_sentence(framed, tmp_path, mon
     assert held(tmp_path / "site")["refused"] == {f"{OWN}/toy": "The set has no map."}
 
 
-def test_a_new_export_replaces_the_old_files_and_leaves_what_was_added(framed, tmp_path):
-    out = tmp_path / "site"
-    export_site(framed, out, sets=(), models=False)
+def test_a_new_export_replaces_old_files_under_the_same_names_and_leaves_what_was_added(
+    written, framed, tmp_path
+):
+    out = shutil.copytree(written, tmp_path / "site")
+    listed = json.loads((out / MARK).read_text())["files"]
+    (out / MARK).write_text(json.dumps({"files": [*listed, "data/stale.json"]}))
     (out / "data" / "stale.json").write_text("{}")
-    mark = json.loads((out / MARK).read_text())
-    (out / MARK).write_text(json.dumps({"files": [*mark["files"], "data/stale.json"]}))
     (out / "README.md").write_text("sdk: static")
     export_site(framed, out, sets=(), models=False)
+    assert names_in(out) == sorted([*names_in(written), "README.md"])
     assert (out / "README.md").read_text() == "sdk: static"
-    assert not (out / "data" / "stale.json").exists()
+    assert all(re.fullmatch(r"[\w./-]+", name, re.ASCII) for name in listed)
 
 
 @pytest.mark.parametrize("kind", ["folder", "file"])
