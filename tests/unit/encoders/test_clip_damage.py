@@ -7,6 +7,7 @@ from safetensors.torch import load_file, save_file
 from omnivat.encoders import load_encoder, text_encoder
 from omnivat.encoders.clip import PUBLISHED
 from omnivat.encoders.hub import Checkpoint, find
+from omnivat.encoders.weights import weights_file
 from omnivat.kit.errors import DataError
 
 pytest.importorskip("transformers")
@@ -37,6 +38,14 @@ def test_the_environment_and_the_default_folder_are_looked_at(tmp_path, monkeypa
     assert find(checkpoint, None) == tmp_path / "cache" / "clip-rn50"
     monkeypatch.setenv("OMNIVAT_CLIP_RN50", str(tmp_path))
     assert find(checkpoint, None) == tmp_path
+
+
+def test_a_file_of_a_known_name_is_taken_before_another_alone(tmp_path):
+    for name in ("other.pt", WEIGHTS):
+        (tmp_path / name).touch()
+    assert weights_file(tmp_path, "clip").name == WEIGHTS
+    (tmp_path / WEIGHTS).unlink()
+    assert weights_file(tmp_path, "clip").name == "other.pt"
 
 
 @pytest.mark.parametrize(
