@@ -56,7 +56,7 @@ def own(resources: Resources) -> Reply:
     without such a head. The head is not loaded.
     """
     folder = resources.where.own
-    found: Reply = without_nan(read_object(folder / "metrics.json")) if folder else {}
+    found: dict[str, Any] = without_nan(read_object(folder / "metrics.json")) if folder else {}
     return found
 
 

@@ -27,7 +27,7 @@ from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 
 Work = Callable[[Resources, Question, Job[Any]], Reply]
-KINDS: Reply = {"string": str, "number": int | float}
+KINDS: dict[str, Any] = {"string": str, "number": int | float}
 CLOSED = "The API is off; whoever runs this page can open it with --api."
 UNKNOWN = f"There is no such tool; there are {', '.join(TOOLS)}, and schema."
 ONE_AT_A_TIME = ("report",)  # tools of the long lane

@@ -4,6 +4,7 @@ The first page needs none of them: the browser fetches frames and thumbnails as 
 """
 
 import logging
+from collections.abc import Collection
 from functools import partial
 from pathlib import Path
 from threading import Lock
@@ -16,7 +17,7 @@ from app.limits import MAPPED_BYTES
 from app.places import Places, find_examples, head_names
 from app.real import RealPairs
 from app.scratch import Scratch
-from app.state import ForgottenError, Lazy, Question, Recent, Ref, Reply, content_name
+from app.state import ForgottenError, Lazy, Recent, Ref, Reply, content_name
 from omnivat.head.heads import OWN
 from omnivat.kit.errors import DataError
 
@@ -244,7 +245,7 @@ class Resources:
         return encoder
 
 
-def require_name(name: Any, known: Question) -> None:
+def require_name(name: Any, known: Collection[str]) -> None:
     """Raise DataError for a head that is not loaded; None and "" are the first one."""
     if name is not None and (not isinstance(name, str) or name not in known):
         others = ", ".join(f"'{other}'" for other in known if other) or "none beside the first"

@@ -38,7 +38,7 @@ LONGEST_VISITOR = 40
 class Run:
     """One training: its plan and its results so far."""
 
-    plan: Reply  # as `plan_from` has it
+    plan: dict[str, Any]  # as `plan_from` has it
     rows: "np.ndarray[Any, Any]"  # pairs on the maps
     job: Job[None] = field(init=False)
     epochs: list[Reply] = field(default_factory=list)

@@ -53,7 +53,7 @@ def offers(embeddings: "Embeddings", source: str) -> Reply:
     }
 
 
-def plan_from(question: Question, embeddings: "Embeddings") -> Reply:
+def plan_from(question: Question, embeddings: "Embeddings") -> dict[str, Any]:
     """Return what a request says of `omnivat.training.from_pairs.plan_training`, checked; missing
     settings have their defaults. Raises DataError for a wrong one.
 
@@ -65,7 +65,7 @@ def plan_from(question: Question, embeddings: "Embeddings") -> Reply:
 
     source = one_of("source", question.get("source"), embeddings.header.domains)
     order = one_of("order", question.get("order", ORDERS[0]), ORDERS)
-    number: Reply = {name: _number(name, question.get(name)) for name in RANGES}
+    number = {name: _number(name, question.get(name)) for name in RANGES}
     training = TrainSettings(
         epochs=number["epochs"],
         mma_weight=number["mma"],

@@ -3,6 +3,7 @@
 import json
 import re
 import shutil
+from pathlib import Path
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -33,6 +34,13 @@ def held(out):
 
 def names_in(out):
     return [file.relative_to(out).as_posix() for file in files_in(out)]
+
+
+def test_buttons_that_need_python_are_hidden_by_what_the_page_calls_them():
+    web = Path(site.__file__).parent / "web"
+    hidden = re.findall(r'\[data-path="(.+?)"\]', (web / "site/site.css").read_text("utf-8"))
+    own = (web / "pair/own.js").read_text("utf-8")
+    assert hidden and "data-path=" in own and all(f'"{path}"' in own for path in hidden)
 
 
 def test_every_address_is_relative_and_of_a_file_in_the_folder(written):

@@ -229,7 +229,7 @@ export function lit({ frames, highlight, selected }, point) {
 export const isDouble = ({ frames }, { beside, chapter }) =>
   beside === "1" && chapter === "analyse" && !frames.headless;
 
-const MOST = 4000; // letters; a longer selection is left out of the address
+const MOST = 8000; // letters; a longer selection is left out of the address
 
 /** Selected points as a text for the address: runs of neighbours, each by its ends. @param {Iterable<number>} points */
 export function packed(points) {
