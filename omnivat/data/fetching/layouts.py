@@ -125,9 +125,14 @@ def files(
             kind, whole = (match.expand(one).replace("_", " ") for one in (material, thing))
             if not photo or photo in names:
                 yield Item(
-                    vis=photo, tac=name, domain=domain, material=kind, object=whole, named=named,
+                    vis=photo,
+                    tac=name,
+                    domain=domain,
+                    material=kind,
+                    object=whole,
+                    named=named,
                     boxes=boxes,
-                )  # fmt: skip
+                )
 
     return items
 
