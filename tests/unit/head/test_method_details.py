@@ -51,6 +51,18 @@ def test_a_bank_of_unguided_pairs_lies_near_what_prediction_sees(source):
     assert bank_distance(source, "unguided") < 0.6 * bank_distance(source, "all")
 
 
+def test_the_bank_moves_a_tenth_of_the_way_to_a_batch_and_keeps_absent_classes(make_head):
+    mffa = make_head().mffa
+    mffa.bank_seen.fill_(False)
+    before, tokens = mffa.bank.clone(), torch.randn(2, 3, 16, dtype=torch.float64)
+    for one in tokens:
+        mffa.update_bank({"vis": one}, torch.tensor([0, 0, 3]))
+    first, then = (torch.stack((one[:2].mean(0), one[2])) for one in tokens)
+    before[1, [0, 3]] = 0.9 * first + 0.1 * then
+    torch.testing.assert_close(mffa.bank, before)
+    assert mffa.bank_seen.tolist() == [True, False, False, True, False]
+
+
 def test_the_guard_finds_a_head_that_reads_the_label_off_the_text(source):
     """Always guided, a head of noise is right with text and guesses without."""
     random = np.random.default_rng(0)

@@ -156,7 +156,8 @@ def test_a_valleys_bottom_between_two_orders_is_found(bottom):
 def test_orders_outside_a_valley_hardly_move_its_bottom():
     orders = np.linspace(0, 0.6, 17)
     scores = 1 - np.exp(-(((orders - 0.27) / 0.08) ** 2)) + 0.5 * (orders > 0.5)
-    assert lowest_point([*zip(orders, scores, strict=True)]) == pytest.approx(0.27, abs=0.01)
+    found, shifted = (lowest_point([*zip(orders, scores + by, strict=True)]) for by in (0, 5))
+    assert found == pytest.approx(0.27, abs=0.01) and shifted == pytest.approx(found)
 
 
 def test_orders_fold_into_the_first_quarter_turn():
