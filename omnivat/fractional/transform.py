@@ -5,7 +5,6 @@ basis.
 from __future__ import annotations
 
 import functools
-import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -156,11 +155,9 @@ def whole_turns(order: float | Shaped[Tensor, "..."]) -> int | None:
         if order.dim() or order.is_complex() or not readable(order):
             return None
         order = order.item()
-    if isinstance(order, int):
-        return order % 4
-    if isinstance(order, float) and math.isfinite(order) and order.is_integer():
-        return int(math.fmod(order, 4.0)) % 4
-    return None
+    if isinstance(order, float) and order.is_integer():
+        order = int(order)
+    return order % 4 if isinstance(order, int) else None
 
 
 @functools.lru_cache(maxsize=1024)
