@@ -41,7 +41,7 @@ def familiar(resources: Resources, question: Question) -> Reply:
         raw = named.before[name]
         if ref is None or raw is None:
             continue
-        near = _nearest(resources, name, raw, index, int(ref.name) if ref.kind == "row" else -1)
+        near = _nearest(resources, name, raw, index, int(ref.name) if ref.kind == "row" else None)
         images[name] = {"nearest": near, **looked.get(name, {})}
         if ref.kind == "image" and not question.get("profile"):
             raw = torch.from_numpy(resources.embedding(ref, OTHER[name]).copy())[None]
@@ -122,7 +122,7 @@ def training_pairs(resources: Resources, head: "Head") -> "tuple[Index, str]":
 
 
 def _nearest(
-    resources: Resources, name: str, raw: "torch.Tensor", index: "Index", own_row: int = -1
+    resources: Resources, name: str, raw: "torch.Tensor", index: "Index", own_row: int | None = None
 ) -> list[Reply]:
     """Return the training pairs whose image is nearest by cosine in E, except the pair itself."""
     import torch
