@@ -20,7 +20,7 @@ from omnivat.maps.projection import pca
 from omnivat.maps.projection.neighbours import Neighbours, nearest, place
 
 BISECTIONS = 32
-NEIGHBOURS = 15  # of each row, itself included as in umap-learn; small sets use all rows
+NEIGHBOURS = 15  # of each row, itself included; umap-learn's default. Small sets use all rows
 
 
 @dataclass(frozen=True, slots=True)

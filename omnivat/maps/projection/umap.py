@@ -5,6 +5,7 @@ from torch import Tensor
 
 from omnivat.kit.tables import need
 from omnivat.maps.projection import pca
+from omnivat.maps.projection.torch_umap import NEIGHBOURS
 
 
 def project(points: Tensor, *, seed: int = 0, dimensions: int = 2) -> Tensor:
@@ -18,7 +19,7 @@ def project(points: Tensor, *, seed: int = 0, dimensions: int = 2) -> Tensor:
     if len(points) < dimensions + 2:
         return pca.project(points, dimensions=dimensions)
     umap = need("umap", purpose="the umap-learn projection", install="umap-learn")
-    k = min(15, len(points) - 1)
+    k = min(NEIGHBOURS, len(points) - 1)
     model = umap.UMAP(n_neighbors=k, n_components=dimensions, random_state=seed % 2**32, n_jobs=1)
     flat = model.fit_transform(points.detach().cpu().numpy())
     return torch.as_tensor(flat, dtype=points.dtype, device=points.device)
