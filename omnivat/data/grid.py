@@ -235,7 +235,7 @@ def largest(links: Array, good: Array) -> Array:
 
 def between(dark: Array, nodes: Array, steps: Array) -> float:
     """Return the median darkness halfway between nodes."""
-    halves = (steps[0] // 2, steps[1] // 2, steps.sum(0) // 2)
+    halves = np.vstack([steps, steps.sum(0)]) // 2
     columns, rows = np.concatenate([nodes + half for half in halves]).T
     inside = (columns > 0) & (rows > 0) & (columns < dark.shape[1] - 1) & (rows < dark.shape[0] - 1)
     columns, rows = columns[inside], rows[inside]

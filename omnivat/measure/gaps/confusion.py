@@ -33,9 +33,11 @@ def macro_f1(
     Raises ShapeError for other shapes.
 
     >>> import torch
-    >>> labels, predicted = torch.tensor([0, 0, 0, 1]), torch.tensor([0, 0, 0, 0])
-    >>> accuracy(labels, predicted), macro_f1(labels, predicted)
-    (tensor(0.7500), tensor(0.4286))
+    >>> labels, predicted = torch.tensor([0, 0, 0, 1]), torch.tensor([0, 0, 0, 2])
+    >>> accuracy(labels, predicted)
+    tensor(0.7500)
+    >>> macro_f1(labels, predicted), macro_f1(labels, predicted, union=True)
+    (tensor(0.5000), tensor(0.3333))
     """
     require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
     if not len(labels):

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.ndimage import gaussian_filter
 
-from omnivat.data.dots import fill_dots
-from omnivat.data.grid import common_steps, largest
+from omnivat.data.dots import fill_dots, filled
+from omnivat.data.grid import between, common_steps, largest
 from omnivat.simulate.domains import SIMULATED
 from omnivat.simulate.drawing import tactile
 from omnivat.simulate.plan import planned
@@ -135,3 +135,23 @@ def test_the_largest_group_of_linked_points_is_kept():
     """Points 1, 0 and 2 in a row, and 3 and 4."""
     links = np.array([[2, 0, -1, 4, -1], [1, -1, 0, -1, 3]])
     assert largest(links, np.ones(5, bool)).tolist() == [True, True, True, False, False]
+
+
+def test_the_gel_between_nodes_is_looked_at_halfway():
+    dark = np.zeros((40, 40), np.uint8)
+    dark[19:22, 9:12] = dark[9:12, 19:22] = dark[19:22, 19:22] = 90
+    assert between(dark, np.array([[10, 10]]), np.array([[20, 0], [0, 20]])) == 90
+
+
+def test_a_hole_takes_the_grain_half_a_cell_away_that_lies_inside_the_picture():
+    """The places of the first two lie on the rim of the picture, or beyond it."""
+    flat, hole = np.full((40, 40, 3), 100, np.uint8), np.zeros((40, 40), bool)
+    for row, column, right, down in (
+        (36, 4, 4, -3),
+        (20, 35, -4, -3),
+        (3, 35, -4, 3),
+        (20, 20, 4, 3),
+    ):
+        hole[row, column] = True
+        flat[row + down, column + right] = 190
+    assert (filled(flat, hole, np.array([[8, 0], [0, 6]]))[hole] == 180).all()

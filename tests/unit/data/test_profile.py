@@ -62,6 +62,8 @@ def test_standardising_moved_rows_equals_standardising_by_the_target_profile():
     floor = np.sqrt(source.variance).mean()
     wanted = np.tanh((some - target.mean) / (np.sqrt(target.variance) + floor))
     np.testing.assert_allclose(standardised(moved(some, target, source), source), wanted, atol=1e-5)
+    still = replace(source, variance=0 * source.variance)
+    np.testing.assert_allclose(standardised(some, still), np.tanh(some - still.mean), atol=1e-6)
 
 
 # rows, target and source of six pictures; tests/web/profiles.test.js has the same

@@ -30,8 +30,11 @@ def plan(make_embeddings):
 
 @pytest.fixture(scope="module")
 def folder(plan, tmp_path_factory):
-    path = tmp_path_factory.mktemp("stops")
-    assert heads_at_stops(plan, ORDERS, path, seeds=(0, 1)) == 6
+    path, done = tmp_path_factory.mktemp("stops"), []
+    count = heads_at_stops(
+        plan, ORDERS, path, seeds=(0, 1), on_step=lambda step: done.append(step.done)
+    )
+    assert count == 6 and done == [*range(7)]
     return path
 
 
