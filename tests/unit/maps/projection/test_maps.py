@@ -96,6 +96,8 @@ def test_fuzzy_weights_of_a_row_add_up_to_what_is_asked(total):
     beyond = found.distance - found.distance[:, :1]
     weights = (-beyond / torch_umap._widths(beyond, total)).exp().sum(1)
     torch.testing.assert_close(weights, torch.full_like(weights, total), atol=1e-6, rtol=0)
+    beyond[0] = 0  # neighbours at one distance: a thousandth of the mean
+    torch.testing.assert_close(torch_umap._widths(5 * beyond, total)[0, 0], 5e-3 * beyond.mean())
 
 
 def test_forces_are_the_gradients_of_the_layouts_likelihood():

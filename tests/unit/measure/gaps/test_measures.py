@@ -148,3 +148,4 @@ def test_calibration_error_is_the_distance_of_confidence_from_accuracy_in_each_b
     labels = torch.tensor([0, 1, 0, 1])
     # bin of .9: accuracy 1/2 against .9, half of the pairs; bin of .6: 1 against .6
     assert ece(probabilities, labels).item() == pytest.approx(0.5 * 0.4 + 0.5 * 0.4)
+    assert ece(torch.tensor([[1.000001, 0.0]]), labels[:1]).item() < 1e-5  # a rounded sum
