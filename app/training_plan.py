@@ -65,7 +65,7 @@ def plan_from(question: Question, embeddings: "Embeddings") -> dict[str, Any]:
 
     source = one_of("source", question.get("source"), embeddings.header.domains)
     order = one_of("order", question.get("order", ORDERS[0]), ORDERS)
-    number = {name: _number(name, question.get(name)) for name in RANGES}
+    number: dict[str, Any] = {name: _number(name, question.get(name)) for name in RANGES}
     training = TrainSettings(
         epochs=number["epochs"],
         mma_weight=number["mma"],
