@@ -163,9 +163,14 @@ export async function guide(desk, { what }) {
   tell((await GUIDES[what](desk, tell)) ?? "");
 }
 
-/** Save a recording: pictures in folders that `omnivat embed` reads, and a table.
- * @param {Desk} _ @param {Recorded[]} pairs */
+/** Save a recording as a folder. @param {Desk} _ @param {Recorded[]} pairs */
 export async function saveRecording(_, pairs) {
+  saveZip("recording.zip", await recorded(pairs));
+}
+
+/** Files of a recording: pictures in folders that `omnivat embed` reads, and a table.
+ * @param {Recorded[]} pairs @returns {Promise<[string, Uint8Array][]>} */
+export async function recorded(pairs) {
   /** @type {[string, Uint8Array][]} */
   const files = [];
   const lines = [["vis", "tac", "domain", "material", "time"]];
@@ -177,8 +182,7 @@ export async function saveRecording(_, pairs) {
     }
     lines.push([paths.vis, paths.tac, "My sensor", label, new Date(time).toISOString()]);
   }
-  files.push(["recording/pairs.csv", new TextEncoder().encode(csv(lines))]);
-  saveZip("recording.zip", files);
+  return [...files, ["recording/pairs.csv", new TextEncoder().encode(csv(lines))]];
 }
 
 /** Pictures a second over the last moments; adds `now` to `times`. @param {number[]} times @param {number} now */
