@@ -9,8 +9,8 @@ from omnivat.kit.errors import SettingsError
 Inputs = Annotated[str, OneOf(("vis+tac", "vis", "tac"))]
 Pairs = Annotated[str, OneOf(("unguided", "guided", "all"))]  # by the use of LANG in a step
 Share = Annotated[float, Within(0.0, 1.0)]
-Amount = Annotated[float, Within(0.0, 1e12)]
-Count = Annotated[int, Within(1, 100_000)]
+Amount = Annotated[float, Within(0.0, 100.0)]
+Weight = Annotated[float, Within(0.0, 1e6)]
 DRAWN = (-0.1, 1.1)  # where p is drawn: a little more than a quarter turn
 
 
@@ -18,17 +18,17 @@ DRAWN = (-0.1, 1.1)  # where p is drawn: a little more than a quarter turn
 class TrainSettings:
     """How a head is trained; docs/method.md gives reasons, docs/order.md those for the order."""
 
-    epochs: Count = 20
-    batch: Count = 16
+    epochs: Annotated[int, Within(1, 100_000)] = 20
+    batch: Annotated[int, Within(1, 65_536)] = 16
     lr: Amount = 0.05
-    momentum: Share = 0.9
+    momentum: Annotated[float, Within(0.0, 0.9999)] = 0.9
     weight_decay: Amount = 5e-4  # not on p and θ_e
-    warmup_epochs: Amount = 1.0
-    clip: Amount = 1.0  # gradient norm of all but p
-    order_lr_scale: Amount = 0.01  # p's gradient is far larger
-    order_clip: Amount = 1.0  # p's gradient, by value
-    mma_weight: Amount = 10.0  # λ
-    nod_weight: Amount = 1.0
+    warmup_epochs: Annotated[float, Within(0.0, 100_000)] = 1.0
+    clip: Annotated[float, Within(1e-6, 1e6)] = 1.0  # gradient norm of all but p
+    order_lr_scale: Annotated[float, Within(0.0, 1000.0)] = 0.01  # p's gradient is far larger
+    order_clip: Annotated[float, Within(0.0, 1e12)] = 1.0  # p's gradient, by value
+    mma_weight: Weight = 10.0  # λ
+    nod_weight: Weight = 1.0
     lang: bool = True
     lang_drop: Share = 0.5  # share of pairs that train without LANG, as in prediction
     class_token_drop: Share = 0.5  # share of pairs with the class-agnostic token
