@@ -96,7 +96,7 @@ def simulate(
     workers          processes; None means one for each core
     renderer         by Mitsuba, or `photograph.plain`: flat surfaces without dependencies
 
-    The same arguments give the same bytes. Images that are there are kept, so an interrupted build
+    The same arguments give the same bytes. Complete images are kept, so an interrupted build
     resumes. Delete the folder to start again, for instance with another seed.
 
     Raises DataError for an unknown domain or an invalid number, MissingPackageError if the renderer
@@ -124,11 +124,11 @@ def draw_missing(
     renderer: Renderer,
     on_step: OnStep,
 ) -> None:
-    """Draw the images that are not yet on disk: the first one here, so that a missing
+    """Draw the images that are not yet complete on disk: the first one here, so that a missing
     package ends the build before anything is written, then the others in processes.
     """
     work = partial(draw_to, out=out, seed=seed, size=size, renderer=renderer)
-    todo = [image for image in images if not image_path(out, *image).is_file()]
+    todo = [image for image in images if not is_whole(image_path(out, *image), size)]
     done = len(images) - len(todo)
     on_step(Step(done=done, total=len(images), text="already there"))
     first, rest = todo[:1], todo[1:]
@@ -168,6 +168,16 @@ def _plan(
 def image_path(out: Path, pair: Planned, kind: str) -> Path:
     """Return the file of a pair's "vis" or "tac" image."""
     return out / pair.folder() / f"{pair.stem}_{kind}.png"
+
+
+def is_whole(path: Path, size: int) -> bool:
+    """True if a file decodes to an image of the right size."""
+    try:
+        with Image.open(path) as image:
+            image.load()
+            return image.size == (size, size)
+    except (OSError, SyntaxError):  # Pillow raises SyntaxError on a broken PNG chunk
+        return False
 
 
 def write_image(path: Path, image: Array) -> None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from hashlib import sha256
 
 import pytest
+from PIL import Image
 
 from omnivat.data.readers import read_pairs
 from omnivat.data.rest import with_rest
@@ -73,18 +74,19 @@ def test_the_folder_of_every_domain_has_the_rest_picture_that_its_images_are_fou
     }
 
 
-def test_a_stopped_build_draws_only_what_is_missing(tmp_path):
+def test_a_stopped_build_draws_only_what_is_missing_broken_or_of_another_size(tmp_path):
     one = SMALL | {"domains": ["TAG"]}
     steps = []
     simulate(tmp_path, **one, workers=1)
     before = hashes(tmp_path)
     images = sorted(tmp_path.rglob("*.png"))
     images[0].unlink()
-    images[5].unlink()
+    images[5].write_bytes(images[5].read_bytes()[:200])
+    Image.new("RGB", (8, 8)).save(images[7])
     simulate(tmp_path, **one, workers=1, on_step=steps.append)
 
     assert hashes(tmp_path) == before
-    assert [step.done for step in steps] == [18, 19, 20]
+    assert [step.done for step in steps] == [17, 18, 19, 20]
 
 
 def test_two_workers_give_what_one_gives(built, tmp_path):
