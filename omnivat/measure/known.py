@@ -47,6 +47,10 @@ class Known:
     pairs: int = 0  # without labels
     labels: int = 0  # labelled pairs of each class
 
+    def seeds(self, first: int, draws: int) -> range:
+        """Return the seed of each draw; of one where nothing is drawn."""
+        return range(first, first + (draws if self.pairs or self.labels else 1))
+
 
 NOTHING = Known("none", "nothing: pictures as they come")
 
@@ -161,9 +165,8 @@ def measured(
     3 labelled pairs of each class True
     """
     head.require_embeddings(embeddings)
-    once = not (known.pairs or known.labels)
     right = np.stack(
-        [_right(head, embeddings, known, seed + k, home) for k in range(1 if once else draws)]
+        [_right(head, embeddings, known, one, home) for one in known.seeds(seed, draws)]
     )
     if np.isnan(right).all():
         where = f"of '{head.source}', which needs a split" if home else "of any other domain"
@@ -206,15 +209,15 @@ def evaluate(
     True
     """
     head.require_embeddings(embeddings)
-    total, of_draws = len(embeddings), []
-    for k in range(draws if known.pairs or known.labels else 1):
-        records, done = [], 0
-        for part in parts(head, embeddings, known, seed=seed + k):
-            records.append(_record(head, part, order))
-            done += int((embeddings.domain == len(records) - 1).sum())
-            on_step(Step(done=done, total=total, text=part.domain))
-        of_draws.append(records)
-    return [_averaged(records) for records in zip(*of_draws, strict=True)]
+    sizes = np.bincount(embeddings.domain, minlength=len(embeddings.header.domains)).cumsum()
+    records: dict[str, list[dict[str, Any]]] = {name: [] for name in embeddings.header.domains}
+    for one in known.seeds(seed, draws):
+        drawn = parts(head, embeddings, known, seed=one)
+        for part, done in zip(drawn, sizes.tolist(), strict=True):
+            if part.known_pairs or not records[part.domain]:  # without draws, all are alike
+                records[part.domain].append(_record(head, part, order))
+            on_step(Step(done=done, total=len(embeddings), text=part.domain))
+    return [_averaged(of_draws) for of_draws in records.values()]
 
 
 def _record(head: Head, part: Part, order: float | None) -> dict[str, Any]:
@@ -238,11 +241,11 @@ def _record(head: Head, part: Part, order: float | None) -> dict[str, Any]:
 
 
 def _averaged(draws: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return the records of one domain as one; a domain of which nothing was known as it is."""
-    first, *_ = draws
-    tested = [record["scores"] for record in draws if record["scores"]]
-    if len(draws) == 1 or not first["known_pairs"]:
+    """Return the records of one domain as one."""
+    first, *others = draws
+    if not others:
         return first
+    tested = [record["scores"] for record in draws if record["scores"]]
     means = {
         reading: {m: sum(scores[reading][m] for scores in tested) / len(tested) for m in values}
         for reading, values in first["scores"].items()
