@@ -6,7 +6,9 @@ export function keeper() {
   /** @type {Map<string, Promise<any>>} */
   const kept = new Map();
   return (key, make) => {
-    const made = kept.get(key) ?? make();
+    const before = kept.get(key);
+    if (before) return before;
+    const made = make();
     kept.set(key, made);
     made.catch(() => kept.delete(key));
     return made;
