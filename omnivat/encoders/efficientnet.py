@@ -11,7 +11,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn.functional import conv2d, pad, relu6
 
-from omnivat.encoders.onnx_runtime import in_half, translate
+from omnivat.encoders.onnx_runtime import pack_weights, translate
 from omnivat.encoders.running import SIDE, FoldedConv, pixels, state_hash
 from omnivat.encoders.wrapping import TorchEncoder
 from omnivat.kit.errors import DataError
@@ -118,7 +118,7 @@ class EfficientNetLite0(TorchEncoder):
         )
 
     def write_onnx(self, file: Path) -> None:
-        """Write the network as ONNX, with weights in 16 bits: one resized picture (1, 224, 224, 3)
+        """Write the network as ONNX, with weights in 14 bits: one resized picture (1, 224, 224, 3)
         uint8 -> (1, 1280).
 
         Raises MissingPackageError if a package of ONNX is not installed.
@@ -127,7 +127,7 @@ class EfficientNetLite0(TorchEncoder):
         example = torch.zeros(1, SIDE, SIDE, 3, dtype=torch.uint8)
         with replacing(file) as whole:
             translate(network, example, whole, input_names=["picture"])
-            in_half(whole)
+            pack_weights(whole)
 
 
 def load_lite0(

@@ -1,5 +1,6 @@
 """EfficientNet-Lite0: the published network, and embeddings independent of the batch."""
 
+import gzip
 import sys
 from concurrent.futures import ThreadPoolExecutor
 
@@ -9,6 +10,7 @@ import torch
 from PIL import Image
 
 from omnivat.encoders import load_encoder
+from omnivat.encoders.efficientnet import MEAN, STD
 from omnivat.encoders.running import cpu_has_bf16, precision_type
 from omnivat.kit.errors import DataError, MissingNameError, MissingPackageError, SettingsError
 
@@ -143,6 +145,22 @@ def test_onnx_runtime_gives_an_image_one_embedding_whatever_stands_beside_it(in_
     with ThreadPoolExecutor(3) as pool:
         beside = list(pool.map(in_onnx.embed, images.split(1)))
     assert torch.equal(torch.cat(beside), together)
+
+
+@pytest.mark.slow
+def test_the_exported_network_packs_to_6_mb_and_keeps_embeddings_to_two_thousandths(
+    encoder, images, tmp_path
+):
+    onnxruntime = pytest.importorskip("onnxruntime", reason="the extra [onnx] is not installed")
+    encoder.write_onnx(tmp_path / "encoder.onnx")
+    assert len(gzip.compress((tmp_path / "encoder.onnx").read_bytes())) < 6e6
+    session = onnxruntime.InferenceSession(tmp_path / "encoder.onnx")
+    pixels = (images * torch.tensor(STD)[:, None, None] + torch.tensor(MEAN)[:, None, None]) * 255
+    pictures = pixels.round().byte().permute(0, 2, 3, 1).numpy()
+    found = [session.run(None, {"picture": picture[None]})[0][0] for picture in pictures]
+    wanted = encoder.embed(images).numpy()
+    apart = np.linalg.norm(found - wanted, axis=1) / np.linalg.norm(wanted, axis=1)
+    assert 0 < apart.max() < 0.002
 
 
 def test_onnx_runtime_is_refused_where_it_is_not_there(monkeypatch):
