@@ -5,13 +5,12 @@ predicts the surface's class. It is trained in one domain, the images of one sen
 others. A text of the class (lang) is used in training only. One image of a pair may be missing.
 
     vector -> E -> its transform F_p(E) -> tokens -> F̄, for each modality    MFFA, Eq. 2 to 6
-    root = sum of all F̄ -> seven nodes -> F̂ = F̄ + the nodes' mean           DTG, Eq. 8
-    F̂ -> ten times its cosine to each class -> softmax -> mean over images    Eq. 11
+    root = sum of all F̄ -> seven nodes -> F̂ = F̄ + the nodes' mean           DTG, Eq. 8, 11
+    F̂ -> ten times its cosine to each class -> softmax -> mean over vis, tac       ours
 
-Equations are numbered as in the paper (Qiu et al., README.md). Beside a line is the shape of its
-result: B pairs, W and L widths of the image and text encoders, D of the head, T = 2 x expansion
-tokens, N nodes, K classes. "Ours" marks what the paper leaves open (docs/method.md). `head.py` is
-the fast form; training (omnivat/training) fills the bank and draws the masks `on` and `token_on`.
+Equations have the paper's numbers (README.md). "Ours" marks what it leaves open (docs/method.md).
+Beside a line is the shape of its result: B pairs, M images of each, widths W (image), L (text) and
+D (head), T = 2 x expansion tokens, N nodes, K classes. omnivat/training fills `bank`, draws masks.
 """
 
 import torch
@@ -25,13 +24,12 @@ from omnivat.kit.stages import MODALITIES  # lang, vis, tac
 def dfrft(x: Tensor, p: Tensor) -> tuple[Tensor, Tensor]:
     """Return the fractional Fourier transform of order p, its real and imaginary part. Eq. 2.
 
-    p is in quarter turns from a signal x (B, D) to its spectrum: p = 0 leaves it, p = 1 is its
-    Fourier transform. V holds the transform's eigenvectors: a bell in column k = 0, then waves with
-    k changes of sign; for even D the last k is D. The transform multiplies column k by (-i)^k. Its
-    power p multiplies column k by exp(-i p k π/2).
+    It acts on each row of x (B, D). p is in quarter turns: p = 0 leaves the row, p = 1 is its
+    Fourier transform. V holds the transform's eigenvectors: a bell around entry 0 in column k = 0,
+    then ever faster waves; for even D the last k is D, not D - 1. The transform multiplies the
+    row's share of column k by (-i)^k. Its power p multiplies that share by exp(-i p k π/2).
 
-    >>> pulse = torch.tensor([[1.0, 0.0, 0.0, 0.0]])
-    >>> dfrft(pulse, torch.tensor(1.0))[0]  # the spectrum of a pulse is flat
+    >>> dfrft(torch.tensor([[1.0, 0, 0, 0]]), torch.tensor(1.0))[0]  # a pulse: a flat spectrum
     tensor([[0.5000, 0.5000, 0.5000, 0.5000]])
     """
     v, k = basis(x.shape[-1], dtype=x.dtype)  # V (D, D), orthonormal; k (D,)
@@ -46,7 +44,7 @@ class FrATT(nn.Module):
 
     def __init__(self, width: int) -> None:
         super().__init__()
-        wide = 4 * width
+        wide = 4 * width  # ours, as are GELU and every bias
         self.query, self.key, self.value = (nn.Linear(width, width) for _ in range(3))
         self.ffn = nn.Sequential(nn.Linear(width, wide), nn.GELU(), nn.Linear(wide, width))
 
@@ -67,11 +65,11 @@ class MFFA(nn.Module):
         spread = torch.linspace(0.5, 1.5, expansion)  # ours: equal θ would stay equal
         self.theta = nn.ParameterDict({m: nn.Parameter(spread.clone()) for m in MODALITIES})
         self.fratt = FrATT(width)
-        self.register_buffer("bank", torch.zeros(3, classes, width))  # F_g of each class,
-        self.register_buffer("bank_seen", torch.zeros(classes).bool())  # kept from training
+        self.register_buffer("bank", torch.zeros(3, classes, width))  # F_g: mean tokens of
+        self.register_buffer("bank_seen", torch.zeros(classes).bool())  # classes, kept in training
 
     def tokens(self, name: str, embedding: Tensor) -> Tensor:
-        """Return tokens: the real and imaginary part of F_p(E), times each θ, then ReLU. Eq. 3."""
+        """Return real tokens (ours): ReLU of each θ times Re F_p(E), then times Im. Eq. 3."""
         parts = stack(dfrft(embedding, self.order), dim=1)  # (B, 2, D)
         return relu(self.theta[name][:, None] * parts[:, :, None]).flatten(1, 2)  # (B, T, D)
 
@@ -81,9 +79,9 @@ class MFFA(nn.Module):
         return seen.to(bank) @ bank[MODALITIES.index(name)] / seen.sum().clamp_min(1).to(bank)
 
     def forward(self, name: str, embedding: Tensor) -> Tensor:
-        """Return F̄ (B, D) of E at prediction, without a text: the tokens are the queries."""
+        """Return F̄ (B, D) of E at prediction: no text, so the tokens are the queries (ours)."""
         tokens = self.tokens(name, embedding)
-        return self.fratt.forward(tokens, tokens + self.mean_token(name))  # in key and value
+        return self.fratt.forward(tokens, tokens + self.mean_token(name))  # no F_g in queries
 
 
 class DTG(nn.Module):
@@ -92,10 +90,10 @@ class DTG(nn.Module):
     def __init__(self, width: int, levels: int) -> None:
         super().__init__()
         self.weight = nn.Parameter(linalg.qr(torch.randn(2**levels - 2, width, width)).Q)  # ours: Q
-        self.bias = nn.Parameter(torch.zeros(self.weight.shape[:2]))
+        self.bias = nn.Parameter(torch.zeros(self.weight.shape[:2]))  # ours
 
     def forward(self, root: Tensor) -> Tensor:
-        """Return the nodes (B, N, D) of a root (B, D); edge e leads to node e + 1. Eq. 8."""
+        """Return nodes (B, N, D): node e + 1 is a linear map of one parent, node e // 2. Eq. 8."""
         nodes = [root]
         for edge, (weight, bias) in enumerate(zip(self.weight, self.bias, strict=True)):
             nodes.append(linear(nodes[edge // 2], weight, bias))  # (B, D)
@@ -103,18 +101,7 @@ class DTG(nn.Module):
 
 
 class Reference(nn.Module):
-    """The head. W = `image`, L = `text` and D = `width`; each modality has `expansion` θ.
-
-    >>> head = Reference(classes=3, image=12, text=10, width=6).requires_grad_(False)
-    >>> pair = {"vis": torch.randn(1, 12), "tac": torch.randn(1, 12)}
-    >>> head.mffa.tokens("vis", head.embedded("vis", pair["vis"])).shape  # two parts, four θ
-    torch.Size([1, 8, 6])
-    >>> bars = [head.mffa(name, head.embedded(name, vector)) for name, vector in pair.items()]
-    >>> head.dtg(bars[0] + bars[1]).shape  # seven nodes
-    torch.Size([1, 7, 6])
-    >>> head(pair).shape, round(float(head(pair).sum()), 5)
-    (torch.Size([1, 3]), 1.0)
-    """
+    """The head; `head.py` is its fast form. Each modality has `expansion` θ."""
 
     def __init__(
         self, classes: int, image: int, text: int, width: int, expansion: int = 4, levels: int = 3
@@ -122,12 +109,12 @@ class Reference(nn.Module):
         super().__init__()
         self.length, self.levels = float(width**0.5), levels
         self.project_image, self.project_tac = nn.Linear(image, width), nn.Linear(image, width)
-        self.project_lang = nn.Linear(text, width)
+        self.project_lang = nn.Linear(text, width)  # ours; project_image is for vis
         self.mffa, self.dtg = MFFA(width, expansion, classes), DTG(width, levels)
         self.classifier = nn.Parameter(torch.randn(classes, width) / self.length)
 
     def embedded(self, name: str, vector: Tensor) -> Tensor:
-        """Return E (B, D) of vectors (B, W), of a text (B, L): projected, of length √D (ours)."""
+        """Return E (B, D) of vectors (B, W), of a text (B, L): projected, length √D (both ours)."""
         layers = {"lang": self.project_lang, "vis": self.project_image, "tac": self.project_tac}
         return normalize(layers[name](vector), dim=-1) * self.length
 
@@ -136,10 +123,10 @@ class Reference(nn.Module):
         return 10 * normalize(hat, dim=-1) @ normalize(self.classifier, dim=-1).mT
 
     def forward(self, images: dict[str, Tensor]) -> Tensor:
-        """Return probabilities (B, K) of "vis", "tac" or both, (B, W). Alg. 2, tree: ours."""
-        bars = [self.mffa(name, self.embedded(name, vector)) for name, vector in images.items()]
-        mean = self.dtg(stack(bars).sum(0)).mean(1)  # (B, D), of the tree that grows from F̄ᵛ + F̄ᵗ
-        return stack([softmax(self.classify(bar + mean), dim=-1) for bar in bars]).mean(0)  # Eq. 11
+        """Return probabilities (B, K). Keys: "vis", "tac" or both. Alg. 2; with a tree (ours)."""
+        bars = stack([self.mffa(name, self.embedded(name, x)) for name, x in images.items()])
+        hats = bars + self.dtg(bars.sum(0)).mean(1)  # (M, B, D), Eq. 11; root = sum over images
+        return softmax(self.classify(hats), dim=-1).mean(0)  # (B, K), mean over images (ours)
 
     def loss(
         self, images: dict[str, Tensor], lang: Tensor, labels: Tensor, on: Tensor, token_on: Tensor
@@ -147,17 +134,17 @@ class Reference(nn.Module):
         """Return the loss of a batch, L_CE + 10 L_MMA + L_NOD. Eq. 12, Alg. 1.
 
         lang      (B, L) vector of a text of each pair's class; the classes are `labels` (B,)
-        on        (B,) bool, random: pairs whose E, queries and root receive the text (ours)
-        token_on  (B,) bool, random: pairs that get F_g of their class; others the mean F_g (ours)
+        on        (B,) bool: pairs whose E, queries and root receive the text: half (ours)
+        token_on  (B,) bool: pairs with F_g of their class: half; others get the mean (ours)
 
-        L_MMA pulls F̄ of every image towards the text's; L_NOD makes a level's nodes orthogonal.
+        L_CE is the mean over images (ours). L_MMA, a sum over images, draws F̄ of image and text
+        together in all pairs, `on` or not. L_NOD makes a level's nodes orthogonal.
         """
         same = (labels[:, None] == labels).to(lang)  # (B, B)
 
         def with_class(name: str, tokens: Tensor) -> Tensor:  # (B, T, D), each plus F_g
-            of_class = (same / same.sum(1, keepdim=True)) @ tokens.mean(1)  # (B, D), in this batch
-            token = where(token_on[:, None], of_class, self.mffa.mean_token(name))
-            return tokens + token[:, None]
+            of_class = (same / same.sum(1, keepdim=True)) @ tokens.mean(1)  # F_g (B, D), batch
+            return tokens + where(token_on[:, None], of_class, self.mffa.mean_token(name))[:, None]
 
         tokens = self.mffa.tokens("lang", self.embedded("lang", lang))  # (B, T, D)
         text = self.mffa.fratt(tokens, with_class("lang", tokens))  # F̄ of the text, (B, D)
@@ -169,12 +156,24 @@ class Reference(nn.Module):
             bars.append(self.mffa.fratt(queries, with_class(name, tokens)))  # (B, D)
         nodes = self.dtg(stack(bars).sum(0) + text * on[:, None])  # (B, N, D); text joins root
         goal, total = log_softmax(text, dim=-1), torch.zeros(()).to(text)  # goal (B, D) of L_MMA
-        for bar in bars:
+        for bar in bars:  # F̂ = bar + mean of nodes, Eq. 11
             total = total + cross_entropy(self.classify(bar + nodes.mean(1)), labels) / len(bars)
-            gap = goal.exp() * (goal - log_softmax(bar, dim=-1))  # (B, D), Eq. 7: KL divergence
+            gap = goal.exp() * (goal - log_softmax(bar, dim=-1))  # (B, D), Eq. 7: KL(text, image)
             total = total + 10 * gap.sum(-1).mean()
-        for level in nodes.split([2**r for r in range(self.levels)], dim=1)[1:]:  # not the root
+        for level in nodes.split([2**r for r in range(self.levels)], dim=1)[1:]:  # no root: ours
             unit = normalize(level, dim=-1)  # (B, 2^r, D)
             excess = unit @ unit.mT - eye(level.shape[1]).to(unit)  # (B, 2^r, 2^r), Eq. 9
             total = total + linalg.matrix_norm(excess).mean()  # Eq. 10
         return total
+
+
+__test__ = {
+    "a worked pair": """
+    >>> head = Reference(classes=3, image=12, text=10, width=6).requires_grad_(False)
+    >>> pair = {"vis": torch.randn(1, 12), "tac": torch.randn(1, 12)}
+    >>> head.dtg(head.mffa("tac", head.embedded("tac", pair["tac"]))).shape  # nodes of a touch
+    torch.Size([1, 7, 6])
+    >>> [round(float(head(some).sum()), 5) for some in (pair, {"tac": pair["tac"]})]  # no photo
+    [1.0, 1.0]
+    """
+}
