@@ -1,6 +1,8 @@
 """Laws of the gap measures: symmetry, zero for equal sets, what they ignore, slow oracles."""
 
 from itertools import product
+from math import log
+from statistics import mean
 
 import pytest
 import torch
@@ -9,6 +11,7 @@ from hypothesis import strategies as st
 
 from omnivat.kit.tables import load
 from omnivat.measure.gaps import GAPS
+from omnivat.measure.gaps.calibration import BINS, aurc, ece, nll
 from omnivat.measure.gaps.confusion import macro_f1
 from omnivat.measure.gaps.domain import pairwise_gaps
 from omnivat.measure.gaps.sums import sums_of
@@ -137,3 +140,20 @@ def test_unit_rows_have_length_one_at_any_scale(seed, length):
     torch.testing.assert_close(
         unit(rows / rows.abs().max() * length).norm(dim=1), torch.ones(6, dtype=torch.float64)
     )
+
+
+@few
+@given(seed=seeds, count=st.integers(1, 60))
+def test_calibration_measures_are_those_of_a_walk_over_bins_ranks_and_pairs(seed, count):
+    generator = torch.Generator().manual_seed(seed)
+    shares = torch.rand(count, 4, generator=generator, dtype=torch.float64) ** 3
+    shares, (labels, _) = shares / shares.sum(1, keepdim=True), labelled(seed, count)
+    rows = zip(shares.tolist(), labels.tolist(), strict=True)
+    pairs = [(max(row), row.index(max(row)) == k, row[k]) for row, k in rows]
+    gains = [(BINS * sure, right - sure) for sure, right, _ in pairs]
+    bins = [sum(gain for place, gain in gains if b < place <= b + 1) for b in range(BINS)]
+    assert float(ece(shares, labels)) == pytest.approx(sum(map(abs, bins)) / count)
+    wrong = [not right for _, right, _ in sorted(pairs, reverse=True)]
+    risks = [mean(wrong[:n]) for n in range(1, count + 1)]
+    assert float(aurc(shares, labels)) == pytest.approx(mean(risks))
+    assert float(nll(shares, labels)) == pytest.approx(-mean(log(share) for *_, share in pairs))

@@ -1,13 +1,11 @@
 """Temperatures and scores of confidence, against figures worked out by hand."""
 
-import math
-
 import pytest
 import torch
 
 from omnivat.head.calibration import fit_calibration, fit_temperature
 from omnivat.kit.errors import DataError
-from omnivat.measure.gaps.calibration import aurc, nll
+from omnivat.measure.gaps.calibration import nll
 
 
 def sampled(logits, seed=0):
@@ -55,17 +53,3 @@ def test_a_head_of_one_modality_is_calibrated_for_that_one(honest):
     assert found["vis"] == pytest.approx(3, rel=0.03)
     assert found["fused"] == found["vis"]
     assert found["tac"] == 1
-
-
-def test_risk_is_averaged_over_the_most_confident_first():
-    probabilities = torch.tensor([[0.6, 0.4], [0.9, 0.1], [0.3, 0.7], [0.8, 0.2]])
-    labels = torch.tensor([1, 0, 1, 1])  # in order of confidence: right, wrong, right, wrong
-    assert float(aurc(probabilities, labels)) == pytest.approx((1 / 2 + 1 / 3 + 1 / 2) / 4)
-
-
-def test_nll_is_the_mean_log_of_the_true_class():
-    probabilities = torch.tensor([[0.5, 0.5], [0.1, 0.9]])
-    assert float(nll(probabilities, torch.tensor([0, 1]))) == pytest.approx(
-        -(math.log(0.5) + math.log(0.9)) / 2
-    )
-    assert math.isnan(nll(probabilities[:0], torch.zeros(0, dtype=torch.long)))
