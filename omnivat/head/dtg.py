@@ -44,7 +44,7 @@ class Grown(NamedTuple):
     """Nodes, and their groups for NOD."""
 
     nodes: Float[Tensor, "B N D"]  # the root first
-    groups: list[Float[Tensor, "B _ D"]]  # the root, then the groups for NOD
+    groups: list[Float[Tensor, "B _ D"]]  # for NOD
 
 
 class DTG(nn.Module):
@@ -76,8 +76,8 @@ class DTG(nn.Module):
         for parent, weight, bias in edges:
             rows.append(linear(rows[parent], weight, bias))
         nodes = torch.stack(rows, dim=1)
-        found = [nodes[:, group.start : group.stop] for group in groups(self.arrangement, count)]
-        return Grown(nodes, [nodes[:, :1], *found] if self.arrangement == "series" else found)
+        own = groups(self.arrangement, count)
+        return Grown(nodes, [nodes[:, group.start : group.stop] for group in own])
 
     def fold(
         self, dtype: torch.dtype | None = None

@@ -39,15 +39,15 @@ EPS = 1e-12  # below this length a node has no direction
 def nod_loss(layers: Sequence[Float[Tensor, "B _ D"]]) -> Float[Tensor, ""]:
     """Node diversity (NOD): the distance of each level's cosine matrix from the identity.
 
-    layers  the levels r = 1..R, of 2^(r-1) nodes each
+    layers  the levels r = 1..R, of 2^(r-1) nodes each; at least one
     return  >= 0: Frobenius norms summed over levels, mean over the batch
 
-    Level 1 has one node and is left out, because the gradient of a norm at zero would be NaN.
+    A level of one node is left out, because the gradient of a norm at zero would be NaN.
     Negative and positive cosines count equally, as printed.
     Source: paper, Eq. 9 and 10.
     """
     total = layers[0].new_zeros(())
-    for nodes in layers[1:]:
+    for nodes in (level for level in layers if level.shape[1] > 1):
         units = normalize(nodes, dim=-1, eps=EPS)
         cosines = units @ units.mT
         apart = cosines - torch.diag_embed(cosines.diagonal(dim1=-2, dim2=-1))

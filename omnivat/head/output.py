@@ -116,7 +116,7 @@ class TrainingOutput:
     """What the losses need from one forward pass in training."""
 
     features: dict[str, Float[Tensor, "B D"]]  # F-bar: "vis", "tac", and "lang" if present
-    layers: list[Float[Tensor, "B _ D"]]  # groups for NOD: the tree's levels, root first
+    layers: list[Float[Tensor, "B _ D"]]  # groups for NOD: the tree's levels
     logits: dict[str, Float[Tensor, "B K"]]
     # mean token of each modality, for the bank of class tokens
     tokens: dict[str, Float[Tensor, "B D"]]

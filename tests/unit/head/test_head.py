@@ -92,6 +92,11 @@ def test_the_size_of_embeddings_does_not_matter_even_where_squares_overflow(fact
     assert (plain.probabilities - scaled.probabilities).abs().max() < 1e-6
 
 
+def test_classes_start_as_random_vectors_of_about_length_one():
+    lengths = build_head(settings(width=256), seed=0).classifier.detach().norm(dim=1)
+    assert 0.8 < float(lengths.min()) < float(lengths.max()) < 1.2
+
+
 def test_same_seed_gives_the_same_weights_and_leaves_global_randomness_alone():
     torch.manual_seed(7)
     expected = torch.rand(1)
