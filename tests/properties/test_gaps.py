@@ -120,7 +120,7 @@ def test_the_domain_gap_is_the_mean_over_every_two_domains(seed, count, width):
 
 
 @few
-@given(seed=seeds, count=counts)
+@given(seed=seeds, count=st.integers(1, 14))  # of few pairs a class is in neither
 def test_macro_f1_agrees_with_scikit_learn(seed, count):
     from sklearn.metrics import f1_score
 
