@@ -3,12 +3,10 @@
 python -m examples.two_gaps
 """
 
-import omnivat
-from omnivat.head.heads import default_embeddings, default_head
-from omnivat.maps.sweep import sweep
+from omnivat import default_embeddings, default_head, load_embeddings, load_head, sweep
 
-head = omnivat.load_head(default_head())
-embeddings = omnivat.load_embeddings(default_embeddings())
+head = load_head(default_head())
+embeddings = load_embeddings(default_embeddings())
 orders = [0.0, head.model.order, 1.0]
 found = sweep(head.model, embeddings, orders, stages=("frft", "relu", "f_hat"))
 

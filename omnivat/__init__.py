@@ -12,41 +12,70 @@ _PUBLIC = {
     "dfrft": "omnivat.fractional:dfrft",
     "coefficients": "omnivat.fractional:coefficients",
     "synthesise": "omnivat.fractional:synthesise",
+    "basis": "omnivat.fractional:basis",
+    "FractionalTransform": "omnivat.fractional:FractionalTransform",
     # from pairs of images to embeddings
+    "PairSet": "omnivat.data.pairs:PairSet",
     "read_pairs": "omnivat.data.readers:read_pairs",
+    "with_rest": "omnivat.data.rest:with_rest",
     "load_encoder": "omnivat.encoders:load_encoder",
+    "TorchEncoder": "omnivat.encoders.wrapping:TorchEncoder",
     "embed_pairs": "omnivat.encoders.embed:embed_pairs",
     "Embeddings": "omnivat.data.embeddings:Embeddings",
+    "import_embeddings": "omnivat.data.foreign:import_embeddings",
     "load_embeddings": "omnivat.data.store:load_embeddings",
     "save_embeddings": "omnivat.data.store:save_embeddings",
+    # what is shipped
+    "EXAMPLES": "omnivat.head.heads:EXAMPLES",
     "default_embeddings": "omnivat.head.heads:default_embeddings",
+    "default_head": "omnivat.head.heads:default_head",
+    "twins": "omnivat.measure.twins:twins",
     # the head
     "OmniVaT": "omnivat.head.head:OmniVaT",
     "HeadSettings": "omnivat.head.settings:HeadSettings",
     "TrainSettings": "omnivat.training:TrainSettings",
     "train": "omnivat.training:train",
+    "plan_training": "omnivat.training.from_pairs:plan_training",
+    "trained_head": "omnivat.training.from_pairs:trained_head",
     "load_head": "omnivat.head.checkpoint:load_head",
     "save_head": "omnivat.head.checkpoint:save_head",
-    "default_head": "omnivat.head.heads:default_head",
     "predict_embeddings": "omnivat.head.predict:predict_embeddings",
+    # a new sensor: its profile, lessons, and what more of them would bring
     "profile_of": "omnivat.data.profile:profile_of",
+    "profiled": "omnivat.data.profile:profiled",
+    "load_profile": "omnivat.data.profile:load_profile",
+    "save_profile": "omnivat.data.profile:save_profile",
     "Lesson": "omnivat.head.teach:Lesson",
     "taught": "omnivat.head.teach:taught",
     "judged": "omnivat.head.teach:judged",
+    "curve": "omnivat.head.curve:curve",
     # what it is worth
     "measured": "omnivat.measure.known:measured",
     "evaluate": "omnivat.measure.known:evaluate",
+    "NOTHING": "omnivat.measure.known:NOTHING",
+    "pairs": "omnivat.measure.known:pairs",
+    "labels": "omnivat.measure.known:labels",
+    "ladder": "omnivat.measure.ladder:ladder",
+    "try_pairs": "omnivat.study.trial:try_pairs",
     "gap_record": "omnivat.measure.gaps.domain:gap_record",
     "centroid_gap": "omnivat.measure.gaps.centroid:centroid_gap",
     "modality_gap": "omnivat.measure.gaps.centroid:modality_gap",
     "frechet": "omnivat.measure.gaps.frechet:frechet",
     "mmd_rbf": "omnivat.measure.gaps.mmd:mmd_rbf",
     "proxy_a": "omnivat.measure.gaps.proxy_a:proxy_a",
-    "twins": "omnivat.measure.twins:twins",
-    # to look at; `omnivat.figures` draws what a paper prints
+    # to look at
     "sweep": "omnivat.maps.sweep:sweep",
+    "build_frames": "omnivat.maps.frames:build_frames",
     "read_frames": "omnivat.maps.frames:read_frames",
     "explore": "omnivat.notebook:explore",
+    "figures": "omnivat.figures",
+    # features of any encoder, without a head
+    "read_features": "omnivat.study.shift:read_features",
+    "write_report": "omnivat.study.shift:write_report",
 }
 __all__ = ["__version__", *_PUBLIC]
 __getattr__ = late(__name__, _PUBLIC)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -57,6 +57,10 @@ def explore(
 
     The page is complete: it needs no server, and a saved notebook keeps it.
     Raises SettingsError for another height, DataError if head and set do not fit.
+
+    >>> cell = explore()  # as the value of a notebook cell it shows itself; `save` writes a file
+    >>> cell.page[:15], cell.height
+    ('<!doctype html>', 900)
     """
     if not HEIGHTS[0] <= height <= HEIGHTS[1]:
         raise SettingsError(f"height is {height}; choose {HEIGHTS[0]} to {HEIGHTS[1]} pixels.")

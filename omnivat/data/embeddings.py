@@ -47,6 +47,14 @@ class Embeddings:
     domain, label       (N,) indices into header.domains and header.classes
     rows                column name -> N texts: vis, tac (file names), object, split, part,
                         looks_like, feels_like (classes that a pair imitates, or "")
+
+    >>> from omnivat import EXAMPLES, load_embeddings
+    >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
+    >>> len(pairs), pairs.width, pairs.header.domains[0]
+    (800, 64, 'Chirps A-sim')
+    >>> source = pairs.in_domain("Chirps A-sim", split="train")
+    >>> source.tac.shape, source.header.classes[source.label[0]]
+    ((100, 64), 'chirp 1')
     """
 
     header: Header

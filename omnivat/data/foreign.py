@@ -59,6 +59,15 @@ def import_embeddings(
 
     If the widths differ, the narrower vectors are padded with zeros.
     Raises DataError, one sentence with the file and the fault.
+
+    >>> from tempfile import TemporaryDirectory
+    >>> vectors, material = np.eye(4, dtype=np.float32), ["wood", "wood", "steel", "steel"]
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "mine.npz"
+    ...     np.savez(file, vis=vectors, touch=vectors, material=material)
+    ...     mine = import_embeddings(file, encoder="mine", domain="A", columns={"tac": "touch"})
+    >>> len(mine), mine.header.encoder, mine.header.classes
+    (4, 'imported:mine', ('wood', 'steel'))
     """
     place = Path(file)
     table = read_columns(place)

@@ -16,20 +16,12 @@ DIGITS = string.digits + string.ascii_lowercase + string.ascii_uppercase
 
 
 def digits(labels: Iterable[int]) -> str:
-    """Return class indices below 62 as one character each.
-
-    >>> digits([0, 9, 10])
-    '09a'
-    """
+    """Return class indices below 62 as one character each."""
     return "".join(DIGITS[label] for label in labels)
 
 
 def compact(numbers: Sequence[int]) -> str:
-    """Return integers as text: ascending runs as "3-7", others one by one.
-
-    >>> compact([3, 4, 5, 9, 9, 1])
-    '3-5 9 9 1'
-    """
+    """Return integers as text: ascending runs as "3-7", others one by one."""
     parts: list[list[int]] = []
     for number in numbers:
         if parts and number == parts[-1][1] + 1:
@@ -40,11 +32,7 @@ def compact(numbers: Sequence[int]) -> str:
 
 
 def unpacked(text: str) -> list[int]:
-    """Return the numbers that `compact` wrote.
-
-    >>> unpacked("3-5 9 9 1")
-    [3, 4, 5, 9, 9, 1]
-    """
+    """Return the numbers that `compact` wrote."""
     found: list[int] = []
     for part in text.split():
         first, _, last = part.partition("-")
@@ -53,12 +41,7 @@ def unpacked(text: str) -> list[int]:
 
 
 def odds(logs: ArrayLike) -> str:
-    """Return logits (N, K) in half precision: each less that of the last class, as base64.
-
-    >>> from base64 import b64decode
-    >>> np.frombuffer(b64decode(odds([[2.0, 1.0, 0.0]])), "<f2")
-    array([2., 1.], dtype=float16)
-    """
+    """Return logits (N, K) in half precision: each less that of the last class, as base64."""
     values = np.asarray(logs, dtype=np.float64)
     return b64encode(
         (values[:, :-1] - values[:, -1:]).clip(-6e4, 6e4).astype("<f2").tobytes()

@@ -72,7 +72,14 @@ class Tally:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PairSet:
-    """The result of a reader: pairs, skipped items, and their origin."""
+    """The result of a reader: pairs, skipped items, and their origin.
+
+    >>> wood = Pair(vis=Path("1_vis.png"), tac=Path("1_tac.png"), domain="TAG", material="wood")
+    >>> glass = Pair(vis=Path("2_vis.png"), tac=Path("2_tac.png"), domain="TAG", material="glass")
+    >>> mine = PairSet(pairs=(glass, wood), origin="my bench")
+    >>> mine.domains(), mine.materials()
+    (('TAG',), ('wood', 'glass'))
+    """
 
     pairs: tuple[Pair, ...]
     skipped: tuple[Skipped, ...] = field(default=())

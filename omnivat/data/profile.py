@@ -179,6 +179,15 @@ def profiled(
     source    the profile of the head's training pairs
 
     Raises DataError for a profile of another encoder.
+
+    >>> from omnivat import EXAMPLES, load_embeddings
+    >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
+    >>> source, target = (
+    ...     profile_of(pairs, pairs.rows_of(name)) for name in ("Chirps A-sim", "Chirps B-sim")
+    ... )
+    >>> near = profiled(pairs, {"Chirps B-sim": target}, source)
+    >>> [rows.rows_of("Chirps B-sim").size for rows in (pairs, near)]
+    [200, 200]
     """
     owners = {}
     for name, profile in profiles.items():
@@ -271,7 +280,16 @@ def drawn_profiles(
 
 
 def save_profile(file: str | Path, profile: Profile) -> None:
-    """Write a profile, completely or not at all."""
+    """Write a profile, completely or not at all.
+
+    >>> from tempfile import TemporaryDirectory
+    >>> from omnivat import EXAMPLES, load_profile
+    >>> profile = load_profile(EXAMPLES / "head" / "profile.safetensors")
+    >>> with TemporaryDirectory() as folder:
+    ...     save_profile(Path(folder) / "copy.safetensors", profile)
+    ...     load_profile(Path(folder) / "copy.safetensors").counts == profile.counts
+    True
+    """
     header = dict(zip(KEY, profile.key, strict=True)) | {"domain": profile.domain}
     columns: dict[str, Column] = {}
     for name, one in profile.channels.items():
@@ -287,6 +305,15 @@ def load_profile(file: str | Path) -> Profile:
     """Read a profile.
 
     Raises DataError with the file name if it is missing, damaged, or of another kind.
+
+    >>> from tempfile import TemporaryDirectory
+    >>> from omnivat import EXAMPLES, load_embeddings
+    >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "mine.safetensors"
+    ...     save_profile(file, profile_of(pairs, domain="mine"))
+    ...     load_profile(file).domain
+    'mine'
     """
     path = Path(file)
     try:

@@ -38,6 +38,15 @@ def with_rest(loaded: PairSet, choice: str) -> PairSet:
             sensors with markers; "all": also for those; otherwise the file to use for every pair
 
     Raises DataError if no pair has one, or the file cannot be read.
+
+    >>> from tempfile import TemporaryDirectory
+    >>> from omnivat import EXAMPLES, read_pairs
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "untouched.png"
+    ...     Image.new("RGB", (8, 8)).save(file)
+    ...     rested = with_rest(read_pairs(EXAMPLES / "pairs"), str(file))
+    >>> rested.pairs[0].tac_rest.name  # what `embed_pairs` subtracts from the touch
+    'untouched.png'
     """
     if choice == "none":
         return loaded

@@ -1,6 +1,6 @@
 """Wrap any torch network as an encoder, in a few lines of code, or check an encoder of one's own.
 
-    from omnivat.encoders import TorchEncoder
+    from omnivat import TorchEncoder
 
     def load(weights, device):
         network = TheirModel()
@@ -53,6 +53,12 @@ class TorchEncoder:
     weights_hash, text_hash  hashes of its weights, "" for those of the network, and of a text tower
 
     Raises DataError if the network does not return one finite vector for each image.
+
+    >>> network = nn.Sequential(nn.Conv2d(3, 8, 4, 4), nn.AdaptiveAvgPool2d(1), nn.Flatten())
+    >>> encoder = TorchEncoder(network, side=32)
+    >>> picture = encoder.preprocess(Image.new("RGB", (64, 48)))
+    >>> encoder.width, tuple(encoder.embed(picture[None]).shape)
+    (8, (1, 8))
     """
 
     def __init__(

@@ -16,3 +16,7 @@ _ROOMS = {
 _PUBLIC = {n: f"omnivat.figures.{room}:{n}" for room, names in _ROOMS.items() for n in names}
 __all__ = [*_PUBLIC]
 __getattr__ = late(__name__, _PUBLIC)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -85,6 +85,11 @@ def gap_curves(frames: FrameSet, *, stage: str = "f_hat", order: float | None = 
 
     For fixed weights, a pale band shows the orders that the head was trained for. For retrained
     heads, it spans the lowest to the highest training, and dots mark the stops.
+
+    >>> from omnivat import EXAMPLES, read_frames
+    >>> figure = gap_curves(read_frames(EXAMPLES / "chirps" / "frames.bin"), order=0.35)
+    >>> [words.text.split("<br>")[0] for words in figure.layout.annotations]
+    ['Modality gap', 'Domain gap', 'Unseen accuracy', 'Cosine margin']
     """
     learned = frames.head.get("learned_order")
     at = order if order is not None else float(learned or 0.5)
@@ -202,7 +207,13 @@ def _caption(frames: FrameSet) -> str:
 
 
 def staircase(frames: FrameSet, *, order: float | None = None) -> Figure:
-    """Return both gaps and the margin at each stage of the head, at the stop nearest to `order`."""
+    """Return both gaps and the margin at each stage of the head, at the stop nearest to `order`.
+
+    >>> from omnivat import EXAMPLES, read_frames
+    >>> figure = staircase(read_frames(EXAMPLES / "chirps" / "frames.bin"), order=0.35)
+    >>> figure.layout.title.text, [trace.name for trace in figure.data]
+    ('Gaps at each step, p = 0.35', ['Modality gap', 'Domain gap', 'Cosine margin'])
+    """
     at = order if order is not None else float(frames.head.get("learned_order") or 0.5)
     stop = min(range(len(frames.orders)), key=lambda i: abs(frames.orders[i] - at))
     traces, words = [], list(STAGE_TITLES.values())

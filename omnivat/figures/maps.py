@@ -125,6 +125,12 @@ def frames_map(
     colour  of COLOURS
 
     Raises SettingsError for an unknown map or colouring.
+
+    >>> from omnivat import EXAMPLES, read_frames
+    >>> frames = read_frames(EXAMPLES / "chirps" / "frames.bin")
+    >>> figure = frames_map(frames, order=0.35, colour="class")
+    >>> figure.layout.title.text, figure.data[0].name
+    ('OmniVaT, F after DTG, p = 0.35', 'chirp 1')
     """
     drawn = frames.maps.get(f"{kind}/{stage}")
     if drawn is None:
@@ -172,6 +178,13 @@ def _grouped(
 def pictures(sheet: str | Path) -> dict[str, Any] | None:
     """Return a sheet from `omnivat thumbnails` for `pictures=`; None without one, or above 16
     MB.
+
+    >>> from omnivat import EXAMPLES, read_frames
+    >>> sheet = pictures(EXAMPLES / "chirps" / "chirps.thumbnails.webp")
+    >>> frames = read_frames(EXAMPLES / "chirps" / "frames.bin")
+    >>> figure = frames_map(frames, order=0.35, pictures=sheet)  # a pair's picture at the pointer
+    >>> figure.layout.meta["pictures"]["columns"]
+    40
     """
     file = Path(sheet)
     if not file.is_file() or not file.with_suffix(".json").is_file() or file.stat().st_size > LIMIT:

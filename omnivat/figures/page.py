@@ -42,6 +42,12 @@ def html_page(title: str, parts: Sequence[Any]) -> str:
     """Return one HTML page of figures and texts; it needs no network and makes no request.
 
     parts  figures, with their captions below, and finished HTML
+
+    >>> from omnivat.figures import lines
+    >>> figure = lines({"loss": ([1, 2, 3], [1.6, 0.9, 0.7])}, title="Training")
+    >>> page = html_page("Two parts", [figure, "<p>It learns.</p>"])
+    >>> page.count("<figure>"), "<h1>Two parts</h1>" in page
+    (1, True)
     """
     figures = [part for part in parts if isinstance(part, go.Figure)]
     body = "".join(_section(p) if isinstance(p, go.Figure) else p for p in parts)

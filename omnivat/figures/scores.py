@@ -37,6 +37,14 @@ def dots(
     percent  the values are shares
 
     Raises DataError without any value.
+
+    >>> records = [
+    ...     {"row": "TAG", "series": "photo", "value": 0.6, "low": 0.5, "high": 0.7},
+    ...     {"row": "TAG", "series": "touch", "value": 0.4, "low": 0.3, "high": 0.5},
+    ... ]
+    >>> figure = dots(records, title="One sensor", across="accuracy", level=0.2, percent=True)
+    >>> [(trace.name, trace.x) for trace in figure.data]
+    [('photo', (0.6,)), ('touch', (0.4,))]
     """
     known = [r for r in records if r.get("value") is not None and math.isfinite(r["value"])]
     if not known:
@@ -110,6 +118,13 @@ def strangers(summary: Record) -> Figure:
 
     summary  from `omnivat.measure.unseen.unseen_summary`, or with the same keys "domains",
              "chance", "unseen"
+
+    >>> from omnivat import EXAMPLES, load_embeddings, load_head
+    >>> from omnivat.measure.unseen import unseen_summary
+    >>> head = load_head(EXAMPLES / "chirps" / "head")
+    >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
+    >>> strangers(unseen_summary(head, pairs)).layout.yaxis.ticktext[:2]
+    ('Chirps A-sim (source)', 'Chirps B-sim')
     """
     records = []
     for domain in (
@@ -136,6 +151,11 @@ def ladder(records: Sequence[Record]) -> Figure:
     """Return accuracy against what is known of the target, with intervals, one colour a method.
 
     records  {"known": words, "n": number of target pairs, "accuracy", "low", "high", "method"}
+
+    >>> nothing = {"known": "nothing", "accuracy": 0.6, "low": 0.5, "high": 0.7, "method": "ERM"}
+    >>> profile = {"known": "a profile", "n": 20, "accuracy": 0.7, "method": "ERM"}
+    >>> ladder([nothing, profile]).layout.yaxis.ticktext
+    ('nothing', 'a profile, 20')
     """
     rows = [f"{r['known']}, {r['n']}" if r.get("n") else str(r["known"]) for r in records]
     told = zip(rows, records, strict=True)
@@ -154,6 +174,12 @@ def gap_tables(record: Record) -> Figure:
     colour.
 
     record  as `omnivat gaps --json` prints it
+
+    >>> table = {"A": {"A": 0.0, "B": 0.4}, "B": {"A": 0.4, "B": 0.0}}
+    >>> record = {"domain_gap": {"tac": table}, "modality_gap": {"all": None}, "pairs": 8}
+    >>> record |= {"measure": "centroid", "stage": "raw", "floor": {"tac": 0.1}}
+    >>> gap_tables(record).data[0].text
+    (['', '0.400'], ['0.400', ''])
     """
     tables = record["domain_gap"]
     names = list(next(iter(tables.values())))

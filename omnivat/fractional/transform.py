@@ -196,6 +196,11 @@ class FractionalTransform(nn.Module):
     is exactly zero at 0 and 2, so do not start there. The order stays float64 when the layer is
     cast, because rounding it to float32 changes the result by 1e-5. learnable: True makes the
     order a parameter, False a buffer. dim, centered, planar: as in `dfrft`.
+
+    >>> layer = FractionalTransform(0.3)
+    >>> layer(torch.randn(5, 64)).real.relu().sum().backward()  # its order learns like any weight
+    >>> layer, layer.order.grad.isfinite().item()
+    (FractionalTransform(order=0.3, dim=-1, centered=False), True)
     """
 
     order: Float64[Tensor, ""]
@@ -251,6 +256,14 @@ def basis(
     The transform of order p is vectors · diag(exp(-iπp·indices/2)) · vectorsᵀ.
 
     Raises ShapeError when the size is below 1 or the dtype is not float32 or float64.
+
+    >>> vectors, indices = basis(8)
+    >>> indices.tolist()
+    [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0]
+    >>> x = torch.randn(8, dtype=torch.float64)
+    >>> phases = torch.exp(-0.5j * torch.pi * 0.3 * indices)
+    >>> torch.allclose((vectors * phases * (x @ vectors)).sum(-1), dfrft(x, 0.3))
+    True
     """
     if size < 1 or dtype not in (torch.float32, torch.float64):
         raise ShapeError(

@@ -48,6 +48,18 @@ def curve(head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> Cu
     out. The last point is `judged`.
 
     Raises DataError if fewer than two classes have two objects or more.
+
+    >>> import torch
+    >>> from omnivat import EXAMPLES, load_embeddings, load_head
+    >>> head = load_head(EXAMPLES / "chirps" / "head")
+    >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
+    >>> lessons = [
+    ...     Lesson(label=str(pairs.label[row]), vis=None, tac=torch.tensor(pairs.tac[row])[None])
+    ...     for row in pairs.rows_of("Chirps B-sim")[::10]
+    ... ]
+    >>> found = curve(head, lessons)  # twenty touches of five classes
+    >>> [point.objects for point in found.points], found.words[:22]
+    ([1, 2, 3], 'Too few labels to tell')
     """
     if lacking := missing(lessons):
         raise DataError(lacking)

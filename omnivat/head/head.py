@@ -46,6 +46,14 @@ class OmniVaT(Body):
     A call with VIS and TAC embeddings predicts. LANG is used only in `omnivat.head.training`.
     The prediction for a pair does not depend on the other pairs of its batch.
     Source: paper, Fig. 2; docs/method.md lists the choices that the paper leaves open.
+
+    >>> head = build_head(HeadSettings(classes=("wood", "steel"), input_width=8, width=16))
+    >>> vis, tac = torch.randn(2, 5, 8)
+    >>> tuple(head(vis, tac).probabilities.shape), tuple(head(vis, None).f_hat["vis"].shape)
+    ((5, 2), (5, 16))
+    >>> kept = head.coefficients(vis, tac)  # once; then each order is one product
+    >>> [tuple(head.from_coefficients(kept, p).probabilities.shape) for p in (0.2, 0.8)]
+    [(5, 2), (5, 2)]
     """
 
     def __init__(self, settings: HeadSettings) -> None:

@@ -40,13 +40,23 @@ def shipped_sets() -> dict[str, tuple[Path, Path]]:
 
 
 def default_head() -> Path:
-    """Return the folder of the project's own head."""
+    """Return the folder of the project's own head.
+
+    >>> from omnivat import load_head
+    >>> head = load_head(default_head())
+    >>> head.source, head.settings.classes
+    ('TAG-sim', ('wood', 'steel', 'plastic', 'ceramic', 'glass'))
+    """
     return EXAMPLES / "head"
 
 
 def own_head() -> Path:
     """Return the folder of the head for one's own pictures: it learned from all simulated
     domains.
+
+    >>> from omnivat import load_head
+    >>> load_head(own_head()).source
+    'all domains'
     """
     return EXAMPLES / OWN
 
@@ -61,7 +71,13 @@ def head_named(text: str) -> Path:
 
 
 def default_embeddings() -> Path:
-    """Return the project's own embeddings file (simulated domains)."""
+    """Return the project's own embeddings file (simulated domains).
+
+    >>> from omnivat import load_embeddings
+    >>> pairs = load_embeddings(default_embeddings())
+    >>> pairs.header.encoder, pairs.header.simulated, len(pairs.header.domains)
+    ('efficientnet-lite0', True, 8)
+    """
     return EXAMPLES / "simulated.safetensors"
 
 

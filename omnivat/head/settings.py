@@ -21,7 +21,15 @@ Fusion = Annotated[str, OneOf(FUSIONS)]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HeadSettings:
-    """How an OmniVaT head is built; docs/method.md explains letters and defaults."""
+    """How an OmniVaT head is built; docs/method.md explains letters and defaults.
+
+    >>> settings = HeadSettings(classes=("wood", "steel"), input_width=1280)
+    >>> settings.width, settings.order, settings.edges
+    (512, 0.5, 6)
+    >>> HeadSettings(classes=("wood", "steel"), input_width=1280, levels=9)
+    Traceback (most recent call last):
+    omnivat.kit.errors.SettingsError: levels is 9; choose 1 to 6.
+    """
 
     classes: tuple[str, ...]
     input_width: Width  # of the image encoder

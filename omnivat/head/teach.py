@@ -30,7 +30,15 @@ FOLDS = 10  # of the objects of a class, at most; those of a fold are tested by 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lesson:
-    """One labelled pair as raw embeddings (1, input_width); one of the two may be None."""
+    """One labelled pair as raw embeddings (1, input_width); one of the two may be None.
+
+    >>> from omnivat import EXAMPLES, load_embeddings
+    >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
+    >>> touch = torch.tensor(pairs.tac[:1])
+    >>> lesson = Lesson(label="a new class", vis=None, tac=touch, object="my first chirp")
+    >>> lesson.label, tuple(lesson.tac.shape)
+    ('a new class', (1, 64))
+    """
 
     label: str
     vis: Tensor | None

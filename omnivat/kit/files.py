@@ -53,11 +53,7 @@ def replacing(path: str | Path) -> Iterator[Path]:
 
 
 def safe_cell(value: object) -> object:
-    """Return a cell of a table that no spreadsheet takes for a formula; numbers stay numbers.
-
-    >>> safe_cell("=1+2"), safe_cell("-0.5"), safe_cell(-0.5), safe_cell("wood")
-    ("'=1+2", '-0.5', -0.5, 'wood')
-    """
+    """Return a cell of a table that no spreadsheet takes for a formula; numbers stay numbers."""
     if not isinstance(value, str) or not value.lstrip(" ").startswith(FORMULA):
         return value
     try:

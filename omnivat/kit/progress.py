@@ -37,11 +37,7 @@ def ignore(_: Step) -> None:
 
 
 def time_text(seconds: float) -> str:
-    """Return a duration as text, in at most two units.
-
-    >>> time_text(5), time_text(200), time_text(7300)
-    ('5 s', '3 min 20 s', '2 h 1 min')
-    """
+    """Return a duration as text, in at most two units."""
     whole = round(seconds)
     if whole < 60:
         return f"{whole} s"

@@ -39,9 +39,12 @@ def entry(table: Mapping[str, T], name: str, *, kind: str) -> T:
 
 
 def load(table: Mapping[str, str], name: str, *, kind: str) -> Any:
-    """Return the object of `table[name]`, a "module:attribute" text; errors as in `entry`."""
-    module, attribute = entry(table, name, kind=kind).split(":")
-    return getattr(import_module(module), attribute)
+    """Return the object of `table[name]`, a "module:attribute" text, or the module of a "module"
+    text; errors as in `entry`.
+    """
+    module, _, attribute = entry(table, name, kind=kind).partition(":")
+    loaded = import_module(module)
+    return getattr(loaded, attribute) if attribute else loaded
 
 
 def late(module: str, table: Mapping[str, str]) -> Callable[[str], Any]:

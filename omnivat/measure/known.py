@@ -56,13 +56,21 @@ NOTHING = Known("none", "nothing: pictures as they come")
 
 
 def pairs(count: int, *, every: bool = False) -> Known:
-    """Return `count` training pairs of each target without labels; `every`: all that there are."""
+    """Return `count` training pairs of each target without labels; `every`: all that there are.
+
+    >>> pairs(5).words, pairs(1_000_000, every=True).words
+    ('5 pairs without labels', 'all pairs without labels')
+    """
     name, number = ("all", "all") if every else (f"n{count}", str(count))
     return Known(name, f"{number} pair{'s' * (count != 1)} without labels", pairs=count)
 
 
 def labels(count: int) -> Known:
-    """Return `count` labelled training pairs of each class of each target."""
+    """Return `count` labelled training pairs of each class of each target.
+
+    >>> labels(3).words
+    '3 labelled pairs of each class'
+    """
     words = f"{count} labelled pair{'s' * (count != 1)} of each class"
     return Known(f"k{count}", words, labels=count)
 

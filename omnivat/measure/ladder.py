@@ -55,7 +55,16 @@ def rungs(head: Head, embeddings: Embeddings, *, source: str = "") -> list[Rung]
 
 
 def ladder(head: Head, embeddings: Embeddings, *, source: str = "") -> dict[str, Any]:
-    """Return `rungs`, and as `sources` the domains that have a ladder, the head's first."""
+    """Return `rungs`, and as `sources` the domains that have a ladder, the head's first.
+
+    >>> from omnivat import EXAMPLES, load_embeddings, load_head
+    >>> head = load_head(EXAMPLES / "chirps" / "head")
+    >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
+    >>> for rung in ladder(head, pairs)["rungs"]:
+    ...     print(rung["known"], rung["accuracy"] > 0.9)
+    its own sensor True
+    nothing: pictures as they come True
+    """
     domains = embeddings.header.domains
     own = [head.source] if head.source in domains else []
     others = [name for name in domains if name != head.source and recorded(name, domains)]

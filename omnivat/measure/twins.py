@@ -133,6 +133,10 @@ def write_twins(path: Path, made: Twins) -> None:
 def twins(path: str | Path | None = None) -> Twins:
     """Load twins (None: the shipped ones). Raises DataError if the file is missing or of another
     kind.
+
+    >>> presses = twins()
+    >>> presses.header.domains[:2], len(presses.objects)
+    (('TAG-sim', 'OF Real-sim'), 300)
     """
     file = Path(path) if path else EXAMPLES / "twins.npz"
     try:

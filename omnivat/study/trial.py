@@ -57,6 +57,16 @@ def try_pairs(
     source  "": the domain with the most pairs among those with two classes or more
 
     Raises DataError for a source without two classes.
+
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from omnivat import read_features
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "mine.npz"
+    ...     np.savez(file, tac=np.eye(4), domain=["A", "A", "B", "B"])
+    ...     trial = try_pairs(read_features(file))
+    >>> trial.head, trial.lines[0][:47]  # with classes: a head, and what it reads right
+    (None, 'No head was trained: the pairs have no classes,')
     """
     data = features.embeddings
     able = data.learnable

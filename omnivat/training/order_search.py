@@ -177,11 +177,7 @@ def folded(order: float) -> float:
 
 
 def lowest_point(points: Sequence[tuple[float, float]]) -> float:
-    """Return the minimum of a parabola through (order, score), or the best order if it has none.
-
-    >>> round(lowest_point([(0.2, 1.0), (0.3, 0.5), (0.4, 1.0)]), 6)
-    0.3
-    """
+    """Return the minimum of a parabola through (order, score), or the best order if it has none."""
     orders, scores = np.array(points, dtype=float).T
     best = float(orders[scores.argmin()])
     depth = float(np.median(scores) - scores.min()) or 1.0

@@ -16,7 +16,15 @@ DRAWN = (-0.1, 1.1)  # where p is drawn: a little more than a quarter turn
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrainSettings:
-    """How a head is trained; docs/method.md gives reasons, docs/order.md those for the order."""
+    """How a head is trained; docs/method.md gives reasons, docs/order.md those for the order.
+
+    >>> settings = TrainSettings(epochs=5, lang=False)
+    >>> settings.epochs, settings.batch, settings.lr, settings.given
+    (5, 16, 0.05, ('vis', 'tac'))
+    >>> TrainSettings(epochs=0)
+    Traceback (most recent call last):
+    omnivat.kit.errors.SettingsError: epochs is 0; choose 1 to 100000.
+    """
 
     epochs: Annotated[int, Within(1, 100_000)] = 20
     batch: Annotated[int, Within(1, 65_536)] = 16

@@ -60,7 +60,8 @@ def test_every_table_entry_loads():
         assert hasattr(importlib.import_module(module), attribute), target
 
 
-def test_every_public_name_loads():
+def test_every_public_name_is_offered_and_loads():
+    assert dir(omnivat) == sorted(omnivat.__all__)
     for name in omnivat.__all__:
         assert getattr(omnivat, name) is not None
 

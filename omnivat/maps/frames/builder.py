@@ -217,6 +217,13 @@ def build_frames(
     measures    curves to compute, for the stages with a map; see docs/gaps.md
     provenance  facts about the head, apart from its learned order: hash, source domain
     Raises SettingsError for an unknown map or order, DataError for too many domains or classes.
+
+    >>> from omnivat import EXAMPLES, load_embeddings, load_head
+    >>> head = load_head(EXAMPLES / "chirps" / "head")
+    >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors").sampled(40)
+    >>> frames = build_frames(head.model, pairs, orders=(0, 0.5, 1), maps={"pca/f_hat": 3})
+    >>> frames.pairs, frames.orders, [*frames.maps]
+    (40, (0.0, 0.5, 1.0), ['pca/f_hat'])
     """
     known = dict(provenance or {})
     if model is None:

@@ -82,6 +82,14 @@ def read_features(
     columns  name here -> name in the file, as for `omnivat import`; `vis` or `tac` may be absent,
              as may `material` and `domain`
     Raises DataError, one sentence with the file and the fault.
+
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "mine.npz"
+    ...     np.savez(file, tac=np.eye(4), domain=["A", "A", "B", "B"])
+    ...     mine = read_features(file, encoder="my encoder")
+    >>> mine.domains, mine.modalities, mine.labelled
+    (['A', 'B'], ('tac',), False)
     """
     if file.suffix.lower() == ".safetensors" or file.is_dir():
         found = features_of(load_embeddings(file), seed=seed)

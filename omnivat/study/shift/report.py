@@ -34,6 +34,16 @@ def write_report(
     them.
 
     Raises WriteError if a file cannot be written. Each file is complete or absent.
+
+    >>> from tempfile import TemporaryDirectory
+    >>> import numpy as np
+    >>> from omnivat import read_features
+    >>> with TemporaryDirectory() as folder:
+    ...     file = Path(folder) / "mine.npz"
+    ...     np.savez(file, tac=np.eye(12), domain=["A", "B"] * 6)
+    ...     files = write_report(read_features(file), Path(folder) / "report")
+    >>> [file.name for file in files if file.suffix != ".svg"]
+    ['numbers.csv', 'methods.txt', 'report.html']
     """
     records = numbers(features, on_step)
     on_step(Step(done=0, total=0, text="maps"))

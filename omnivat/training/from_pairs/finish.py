@@ -37,6 +37,14 @@ def trained_head(
     watch      callbacks of the first training
 
     Raises the errors of `train`.
+
+    >>> from omnivat import EXAMPLES, TrainSettings, load_embeddings, plan_training
+    >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
+    >>> light = TrainSettings(epochs=1, lang=False)
+    >>> plan = plan_training(pairs, "Chirps A-sim", head={"width": 16}, training=light)
+    >>> head = trained_head(plan, calibrate=False)  # `save_head` writes it
+    >>> head.source, len(head.metrics["domains"]), head.profile.counts
+    ('Chirps A-sim', 4, {'vis': 100, 'tac': 100})
     """
     trained = plan.train(watch=watch, resume=resume)
     model = trained.model

@@ -115,6 +115,13 @@ def plan_training(
 
     Raises DataError if there is nothing to learn, or if the bank lacks a class; SettingsError for
     invalid settings.
+
+    >>> from omnivat import EXAMPLES, load_embeddings
+    >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
+    >>> light = TrainSettings(epochs=2, lang=False)
+    >>> plan = plan_training(pairs, "Chirps A-sim", head={"width": 16}, training=light)
+    >>> len(plan.pairs), plan.settings.input_width, plan.settings.width
+    (100, 64, 16)
     """
     training = training or TrainSettings()
     pairs = embeddings.in_domain(source, split="train", part=part)

@@ -1,0 +1,37 @@
+"""Whoever looks up a public name finds a worked example, which the tests run."""
+
+import doctest
+import inspect
+import tomllib
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+import omnivat
+from omnivat import figures
+
+OF_LIBRARY = [getattr(omnivat, name) for name in omnivat.__all__]
+OF_FIGURES = [getattr(figures, name) for name in figures.__all__]
+PUBLIC = [
+    one for one in [*OF_LIBRARY, *OF_FIGURES] if inspect.isroutine(one) or inspect.isclass(one)
+]
+
+
+@pytest.mark.parametrize("shown", PUBLIC, ids=lambda one: f"{one.__module__}.{one.__qualname__}")
+def test_a_public_function_or_class_shows_an_example_that_is_run(shown):
+    run = [
+        example
+        for test in doctest.DocTestFinder().find(import_module(shown.__module__))
+        if test.name == f"{shown.__module__}.{shown.__qualname__}"
+        for example in test.examples
+        if doctest.SKIP not in example.options
+    ]
+    assert run
+
+
+def test_every_example_of_the_library_is_run():
+    root = Path(omnivat.__file__).parents[1]
+    pytests = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["pytest"]
+    assert "--doctest-modules" in pytests["ini_options"]["addopts"].split()
+    assert "omnivat" in pytests["ini_options"]["testpaths"]
