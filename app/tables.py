@@ -1,7 +1,8 @@
 """What the page offers, as rows: modes of p, measures, steps, colours, methods, rungs.
 
 Each row has an id, a title and what it can do; scripts ask for the ability, never for a name.
-`app/web/shared/tables.json` has them; a gap of `omnivat.measure.gaps` is a measure, too.
+`app/web/shared/tables.json` has them, but for two: a gap of `omnivat.measure.gaps` is a measure,
+too, and the rungs are those of `omnivat.measure.rungs`.
 """
 
 import json
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.measure.gaps import GAPS, NAMES
+from omnivat.measure.rungs import RUNGS
 
 Row = dict[str, Any]
 FILE = Path(__file__).parent / "web" / "shared" / "tables.json"
@@ -17,7 +19,7 @@ FILE = Path(__file__).parent / "web" / "shared" / "tables.json"
 
 @cache
 def tables() -> dict[str, list[Row]]:
-    """Return the rows by kind: "modes", "measures", "stages", "colours", "methods", "rungs"."""
+    """Return the rows by kind: "modes", "measures", "stages", "colours", "methods"."""
     rows: dict[str, list[Row]] = json.loads(FILE.read_bytes())
     return rows
 
@@ -29,6 +31,6 @@ def tables_html() -> str:
         | {"help": "mean over pairs of domains and both modalities; dashed: the raw embedding"}
         for name in GAPS
     ]
-    rows = tables() | {"measures": [*tables()["measures"], *gaps]}
+    rows = tables() | {"measures": [*tables()["measures"], *gaps], "rungs": RUNGS}
     text = json.dumps(rows, ensure_ascii=False).replace("<", "\\u003c")  # no tag ends the element
     return f'<script type="application/json" id="omnivat-tables">{text}</script>'

@@ -34,7 +34,8 @@ from omnivat.figures.still import svg_of
 from omnivat.head.heads import LADDERS
 from omnivat.kit.files import write_text
 from omnivat.kit.lines import lines
-from omnivat.measure.ladder import FORMAT, KNOWN, letters, marks
+from omnivat.measure.ladder import FORMAT, letters, marks
+from omnivat.measure.rungs import RUNGS as ROWS
 from omnivat.study.protocol.records import FORMAT as RUN
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -319,7 +320,7 @@ def gains(record: Record) -> list[str]:
         "| --- |" + " ---: |" * len(names),
     ]
     base = record.cells("none")
-    for rung, words in KNOWN.items():
+    for rung, words in ((row["id"], row["words"]) for row in ROWS):
         cells = record.cells(rung)
         row = []
         for name in names:

@@ -52,9 +52,9 @@ _PUBLIC = {
     # what it is worth
     "measured": "omnivat.measure.known:measured",
     "evaluate": "omnivat.measure.known:evaluate",
-    "NOTHING": "omnivat.measure.known:NOTHING",
-    "pairs": "omnivat.measure.known:pairs",
-    "labels": "omnivat.measure.known:labels",
+    "NOTHING": "omnivat.measure.rungs:NOTHING",
+    "pairs": "omnivat.measure.rungs:pairs",
+    "labels": "omnivat.measure.rungs:labels",
     "ladder": "omnivat.measure.ladder:ladder",
     "try_pairs": "omnivat.study.trial:try_pairs",
     "gap_record": "omnivat.measure.gaps.domain:gap_record",

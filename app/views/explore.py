@@ -14,6 +14,8 @@ from omnivat.data.packing import packed
 from omnivat.head.heads import EXAMPLES, kept_ladder
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import STOPS
+from omnivat.measure.rungs import NOTHING, RUNGS, known_of
+from omnivat.measure.rungs import pairs as pictures
 
 if TYPE_CHECKING:
     import numpy as np
@@ -22,7 +24,6 @@ if TYPE_CHECKING:
 
 TITLE = "Explore"
 NEIGHBOURS = 6
-MOST_PICTURES, EACH_CLASS = 20, 3  # in `known`
 STEPS = 10_000  # of a share or a cosine: four digits
 
 
@@ -89,9 +90,11 @@ def ladder(resources: Resources, question: Question) -> Reply:
 
         recorded = not source and not resources.drawn()
         kept = kept_ladder(resources.where.head, resources.where.embeddings) if recorded else None
-        return (
-            {**kept, "kept": True} if kept else ladder(resources.head(), embeddings, source=source)
-        )
+        if kept and {one["rung"] for one in kept["rungs"]} >= {
+            row["id"] for row in RUNGS if known_of(row)
+        }:
+            return {**kept, "kept": True}
+        return ladder(resources.head(), embeddings, source=source)
 
     return resources.results.once(f"ladder {source}", climbed)
 
@@ -99,30 +102,25 @@ def ladder(resources: Resources, question: Question) -> Reply:
 def known(resources: Resources, question: Question) -> Reply:
     """Return what the head reads right at home, or in other domains by what is known of them.
 
-    question  {"known": "home", "nothing", "pictures" or "labels"}
+    question  {"known": the id of a rung that has a bar}
     return    the record of `omnivat.measure.known.measured`, and the head's "source"
 
-    Pictures are 20 of each domain, or half of the smallest one; labels are three of each class.
+    Pairs without labels are at most half of the smallest domain.
     Raises DataError with the reason if that cannot be measured on this set.
     """
-    from omnivat.measure.known import NOTHING, labels, measured
-    from omnivat.measure.known import pairs as pictures
+    from omnivat.measure.known import measured
 
+    rows = {row["id"]: row for row in RUNGS if "bar" in row}
+    what = one_of("known", question.get("known"), rows)
     head, embeddings = resources.head(), resources.embeddings()
     names = embeddings.header.domains
     sizes = [len(embeddings.rows_of(name)) for name in names if name != head.source]
-    count = max(1, min([MOST_PICTURES, *(size // 2 for size in sizes if size)]))
-    steps = {
-        "home": NOTHING,
-        "nothing": NOTHING,
-        "pictures": pictures(count),
-        "labels": labels(EACH_CLASS),
-    }
-    what = one_of("known", question.get("known"), steps)
+    step = known_of(rows[what]) or NOTHING
+    if step.pairs:
+        step = pictures(max(1, min([step.pairs, *(size // 2 for size in sizes if size)])))
 
     def made() -> Reply:
-        home = what == "home"
-        found = measured(head, embeddings, steps[what], home=home)
+        found = measured(head, embeddings, step, home=rows[what].get("home", False))
         return {**found, "source": head.source}
 
     return resources.results.once(f"known {what}", made)

@@ -47,7 +47,8 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Load both, score every domain, print a table."""
     from omnivat.data.profile import domain_of, load_profile
-    from omnivat.measure.known import NOTHING, evaluate, pairs
+    from omnivat.measure.known import evaluate
+    from omnivat.measure.rungs import NOTHING, pairs
 
     head, embeddings = head_and_set(options, profiled=False)
     if options.ladder:

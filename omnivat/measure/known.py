@@ -4,6 +4,8 @@ them.
 Known pairs are drawn and left out of the test; results are averaged over draws. `measured` gives
 one figure with its interval, `evaluate` every reading in each domain:
 
+    from omnivat.measure.rungs import labels, pairs
+
     measured(head, embeddings)                      # nothing is known
     measured(head, embeddings, pairs(5), draws=10)  # five pairs without labels: a profile
     evaluate(head, embeddings, labels(3))           # three labelled pairs of each class: taught
@@ -32,47 +34,11 @@ from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
 from omnivat.measure.gaps.confusion import confusion
 from omnivat.measure.predictions import inputs_of, label_map, predicted_probabilities, scores
+from omnivat.measure.rungs import NOTHING, Known
 from omnivat.measure.unseen import counted, interval
 
 DRAWS = 10
 Array = NDArray[Any]
-
-
-@dataclass(frozen=True, slots=True)
-class Known:
-    """What is known of every target domain; `pairs`, `labels` and `NOTHING` make it."""
-
-    name: str  # short, for records
-    words: str
-    pairs: int = 0  # without labels
-    labels: int = 0  # labelled pairs of each class
-
-    def seeds(self, first: int, draws: int) -> range:
-        """Return the seed of each draw; of one where nothing is drawn."""
-        return range(first, first + (draws if self.pairs or self.labels else 1))
-
-
-NOTHING = Known("none", "nothing: pictures as they come")
-
-
-def pairs(count: int, *, every: bool = False) -> Known:
-    """Return `count` training pairs of each target without labels; `every`: all that there are.
-
-    >>> pairs(5).words, pairs(1_000_000, every=True).words
-    ('5 pairs without labels', 'all pairs without labels')
-    """
-    name, number = ("all", "all") if every else (f"n{count}", str(count))
-    return Known(name, f"{number} pair{'s' * (count != 1)} without labels", pairs=count)
-
-
-def labels(count: int) -> Known:
-    """Return `count` labelled training pairs of each class of each target.
-
-    >>> labels(3).words
-    '3 labelled pairs of each class'
-    """
-    words = f"{count} labelled pair{'s' * (count != 1)} of each class"
-    return Known(f"k{count}", words, labels=count)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,6 +87,7 @@ def parts(
     its source's profile where pairs without labels are known.
 
     >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
+    >>> from omnivat.measure.rungs import pairs
     >>> head, embeddings = load_head(default_head()), load_embeddings(default_embeddings())
     >>> [part.known_pairs for part in parts(head, embeddings, pairs(5))][:3]
     [0, 5, 5]
@@ -164,6 +131,7 @@ def measured(
     pair to predict.
 
     >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
+    >>> from omnivat.measure.rungs import labels, pairs
     >>> head, embeddings = load_head(default_head()), load_embeddings(default_embeddings())
     >>> for known in (NOTHING, pairs(20), labels(3)):
     ...     found = measured(head, embeddings, known, draws=1)

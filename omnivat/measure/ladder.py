@@ -20,21 +20,12 @@ from omnivat.head.heads import LADDERS, ladder_file, ladder_key
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import write_json
 from omnivat.kit.lines import lines
-from omnivat.measure.known import NOTHING, labels, measured, pairs, record
+from omnivat.measure.known import measured, record
+from omnivat.measure.rungs import RUNGS, Row, known_of
 
 FORMAT = "omnivat-ladder-1"
 METHOD = "omnivat"  # in the records: the light head, trained as the default one
 OTHERS = {"logistic": "logistic regression", "nearest_mean": "nearest class mean"}  # for the rest
-COUNTS = (1, 2, 5, 10, 20, 50)  # pairs without labels
-LABELLED = (1, 3, 5)  # of each class
-ALL = 1_000_000
-PROFILES = (*map(pairs, COUNTS), pairs(ALL, every=True), *map(labels, LABELLED))
-KNOWN = {
-    "home": "its own sensor",
-    **{known.name: known.words for known in (NOTHING, *PROFILES)},
-    **{f"m{m}": f"{m} source domains" for m in (2, 4, 7)},
-    **{f"m{m}+": f"{m} source domains and all pairs without labels" for m in (2, 4, 7)},
-}
 # one step: shares of right predictions, mean over unseen domains with a 95 % interval
 Rung = dict[str, Any]
 
@@ -51,7 +42,7 @@ def rungs(head: Head, embeddings: Embeddings, *, source: str = "") -> list[Rung]
     found = {one["rung"]: one for one in recorded(source or head.source, embeddings.header.domains)}
     if own:
         found |= {one["rung"]: one for one in _of_head(head, embeddings)}
-    return [found[name] for name in KNOWN if name in found]
+    return [found[row["id"]] for row in RUNGS if row["id"] in found]
 
 
 def ladder(head: Head, embeddings: Embeddings, *, source: str = "") -> dict[str, Any]:
@@ -84,18 +75,20 @@ def write_ladder(head: Head, embeddings: Embeddings, place: Path) -> Path:
 
 def _of_head(head: Head, embeddings: Embeddings) -> Iterator[Rung]:
     """Yield the rungs that need no training; without a profile, home and away only."""
-    for known in (NOTHING, *(PROFILES if head.profile is not None else ())):
-        for home in (True, False) if known == NOTHING else (False,):
-            try:
-                step = measured(head, embeddings, known, home=home)
-            except DataError:  # no test pair of the source, or no other domain
-                continue
-            yield _rung("home" if home else known.name, step, head.source, "this head")
+    for row in RUNGS:
+        known = known_of(row)
+        if known is None or ((known.pairs or known.labels) and head.profile is None):
+            continue
+        try:
+            step = measured(head, embeddings, known, home=row.get("home", False))
+        except DataError:  # no test pair of the source, or no other domain
+            continue
+        yield _rung(row, step, head.source, "this head")
 
 
-def _rung(name: str, step: Mapping[str, Any], source: str, origin: str) -> Rung:
+def _rung(row: Row, step: Mapping[str, Any], source: str, origin: str) -> Rung:
     kept = {key: step[key] for key in ("accuracy", "low", "high")}
-    return {"rung": name, "known": KNOWN[name], **kept, "source": source, "from": origin}
+    return {"rung": row["id"], "known": row["words"], **kept, "source": source, "from": origin}
 
 
 @cache
@@ -123,7 +116,8 @@ def recorded(source: str, domains: Sequence[str]) -> list[Rung]:
     truth = letters(first["truth"])
     taught = np.isin(truth, truth[domain == home])  # others are left out, as in `evaluate`
     found = []
-    for name, words in KNOWN.items():
+    for row in RUNGS:
+        name, words = row["id"], row["words"]
         for method in (METHOD, *OTHERS):
             rows = [
                 np.where(taught, marks(answers, truth), np.nan)
@@ -136,7 +130,7 @@ def recorded(source: str, domains: Sequence[str]) -> list[Rung]:
                 right = np.stack(rows)
                 right[:, (domain == home) != (name == "home")] = np.nan
                 step = record(right, domain, first["domains"])
-                found.append(_rung(name, step, source, "records") | {"known": known})
+                found.append(_rung(row, step, source, "records") | {"known": known})
                 break
     return found
 

@@ -16,8 +16,9 @@ from omnivat.head.head import parameter_count
 from omnivat.kit.errors import DataError, printable
 from omnivat.kit.progress import OnStep, ignore
 from omnivat.kit.seeding import derive_seed
-from omnivat.measure.known import measured, pairs
+from omnivat.measure.known import measured
 from omnivat.measure.predictions import label_map, predicted_probabilities
+from omnivat.measure.rungs import pairs
 from omnivat.measure.unseen import wilson
 from omnivat.study.shift.probe import fitted_probe, raw_of
 from omnivat.study.shift.reading import VIEWS, Features

@@ -26,10 +26,10 @@ def test_neighbours_depend_on_the_order_from_the_relu_on(resources, stage, moves
 
 def test_as_many_pictures_are_known_as_half_of_the_smallest_unseen_domain(resources):
     embeddings = resources.embeddings()
-    assert known(resources, {"known": "labels"})["known"] == "3 labelled pairs of each class"
+    assert known(resources, {"known": "k3"})["known"] == "3 labelled pairs of each class"
     home, away = (np.flatnonzero(embeddings.domain == k) for k in (0, 1))
     resources.embeddings._made[:] = [embeddings.select(np.concatenate([home, away[::4]]))]
-    assert known(resources, {"known": "pictures"})["known"] == "5 pairs without labels"
+    assert known(resources, {"known": "n20"})["known"] == "5 pairs without labels"
 
 
 def test_only_the_sheets_of_the_twins_are_served(resources):

@@ -28,7 +28,7 @@ WORKING = {
     "votes": ({}, 1),
     "neighbours": ({"stage": "f_hat", "point": 0}, 1),
     "ladder": ({"source": ""}, 1),
-    "known": ({"known": "nothing"}, 1),
+    "known": ({"known": "none"}, 1),
     "place": (PLACE, 1),
     "predictions": ({"method": "nearest_mean"}, 1),
     "familiar": (PAIR, 2),

@@ -185,7 +185,7 @@ def test_an_audit_finds_no_fault_in_a_chapter_and_its_first_view_has_few_words(
 def test_every_press_is_threaded_and_points_glide_through_three_places(open_page):
     page = open_page(WHERE, ".explore .places button")
     drawn, figures = [], []
-    for key in ("0", "1", "2"):
+    for key in ("none", "mean", "spread"):
         page.click(f".explore .places [data-key='{key}']")
         settle(page)
         drawn.append(pixels(page, ".explore .threads"))
@@ -229,7 +229,7 @@ def test_p_moves_points_and_both_gaps_while_accuracy_stays_within_a_few_points(o
     shown = {name: set() for name in ("accuracy", "modality_gap", "domain_gap")}
     pull(page, grab(page), 0.9)
     page.mouse.up()
-    page.wait_for_selector(".explore[data-rung=p]")
+    page.wait_for_selector(".explore[data-moved=order]")
     drawn = set()
     for _ in range(6):
         page.keyboard.press("ArrowLeft")
@@ -240,7 +240,7 @@ def test_p_moves_points_and_both_gaps_while_accuracy_stays_within_a_few_points(o
     assert len(drawn) > 4
     assert min(len(shown["modality_gap"]), len(shown["domain_gap"])) > 2
     assert max(shown["accuracy"]) - min(shown["accuracy"]) < 6
-    page.click(".explore .places [data-key='0']")
+    page.click(".explore .places [data-key='none']")
     page.wait_for_selector(".explore .threads:visible")
 
 

@@ -130,11 +130,11 @@ def test_a_printed_chapter_has_no_tabs_and_no_buttons(open_page):
 
 
 def test_share_shows_the_address_of_the_view(open_page):
-    page = open_page("?chapter=where&rung=1", READY["explore"])
+    page = open_page("?chapter=where&rung=mean", READY["explore"])
     page.click(".explore .share")
     field = page.locator(".explore .shared:popover-open input")
     assert field.input_value() == page.evaluate("location.href")
-    assert "rung=1" in field.input_value()
+    assert "rung=mean" in field.input_value()
 
 
 def test_a_lecture_leaves_map_chart_and_control_in_large_letters(open_page):

@@ -31,7 +31,7 @@ SHARES = """() => {
 VIEWS = [
     "chapter=touch",
     "chapter=touch&dots=1&known=50&reading=fused",
-    "chapter=where&rung=2",
+    "chapter=where&rung=spread",
     "chapter=where&rung=p",
     "chapter=order",
     "chapter=fooled&reading=tac",

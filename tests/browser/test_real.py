@@ -9,7 +9,8 @@ from PIL import Image
 from omnivat.cli import main
 from omnivat.data.store import load_embeddings
 from omnivat.head.checkpoint import load_head
-from omnivat.measure.known import NOTHING, labels, measured, pairs
+from omnivat.measure.known import measured
+from omnivat.measure.rungs import NOTHING, labels, pairs
 
 from .conftest import Server, watched
 from .gestures import ANSWERED, SLOT, choose, holds

@@ -148,11 +148,17 @@ test("teaching waits for two pairs of each of two classes and names what is ther
   says(lineHtml({ ...START, ...OWN, counts: { tac: 5 } }), /So far: none yet/);
   assert.match(line(LABELLED), /✓ See<\/li><li aria-current="step">Label/);
   assert.match(line([...LABELLED, ...LABELLED]), /<li aria-current="step">Teach.*Teach it your 4 pairs\.</);
-  const rungs = [0.5, 0.625].map((accuracy, i) => ({ rung: ["none", "k3"][i], accuracy }));
-  says(
-    lineHtml({ ...START, pairs: [...LABELLED, ...LABELLED], rungs }),
-    /On simulated sensors three labels .* bring 12\.5 points\./,
-  );
+});
+
+test("a gain is told as it was measured, and none of another head than the one that reads", () => {
+  const measured = { rung: "k3", known: "three labels a class", accuracy: 0.625, from: "this head" };
+  const nothing = { rung: "none", known: "nothing", accuracy: 0.5, from: "this head" };
+  const line = (more, third = measured) =>
+    lineHtml({ ...START, pairs: [...LABELLED, ...LABELLED], rungs: [nothing, third], ...more });
+  says(line({}), /On simulated sensors three labels a class bring 12\.5 points \(this head\)\./);
+  says(line({ simulated: false }), /On this set’s unseen sensors three/);
+  for (const other of [line({ head: "own" }), line({}, { ...measured, from: "records" })])
+    assert.doesNotMatch(String(other), /bring/);
 });
 
 test("a pair labelled again keeps its last label", () => {

@@ -1,6 +1,7 @@
 /** Chapter 2: what heads lose on another domain, split into sensor, scene and other objects; and on the page's own set. */
 
 import { provenance } from "../shared/provenance.js";
+import { TABLES } from "../shared/tables.js";
 import { barOf, barRow } from "./bars.js";
 import { html, percent } from "./root.js";
 
@@ -55,20 +56,20 @@ export function splitHtml({ split, presses }, reading, dots) {
   return html`${list(barsOf(split.loss[reading][dots]))}${provenance({ head: split.head, source: "one domain each", pairs })}`;
 }
 
-/** What is known of another domain, in the server's words, and what a bar is called. */
-export const OWN_ROWS = { home: "at home", nothing: "away", pictures: "away, pictures", labels: "away, labels" };
+/** The rungs with a bar of the page's own set. */
+export const OWN_ROWS = TABLES.rungs.filter(({ bar }) => bar);
 
 /** What the loaded head reads right on the page's own set, by what is known; a row that is not there yet is on its way.
  * @param {Scene["known"]} known */
 export function ownHtml(known) {
-  const rows = Object.entries(OWN_ROWS).map(([key, name]) => {
-    const { accuracy, low = 0, high = 0, problem } = known[key] ?? {};
+  const rows = OWN_ROWS.map(({ id, bar: name = "" }) => {
+    const { accuracy, low = 0, high = 0, problem } = known[id] ?? {};
     const text = problem ? "–" : accuracy === undefined ? "…" : percent(accuracy);
     const title = problem ?? (accuracy === undefined ? "" : `95 % interval ${percent(low)} to ${percent(high)}`);
     return { name, ends: [0, accuracy ?? 0], text, title };
   });
-  const { pictures, labels } = known;
-  const away = [known.nothing, pictures, labels].find((record) => record?.domains);
+  const others = OWN_ROWS.filter(({ home }) => !home);
+  const away = others.map(({ id }) => known[id]).find((record) => record?.domains);
   const missing = [...new Set(Object.values(known).flatMap(({ problem }) => problem ?? []))];
   const from =
     away &&
@@ -76,7 +77,7 @@ export function ownHtml(known) {
       head: "the loaded head",
       source: away.source ?? "",
       pairs: `away is ${Object.keys(away.domains ?? {}).join(", ")}, ${away.pairs?.toLocaleString("en-US")} pairs`,
-      known: ["nothing", pictures?.known, labels?.known].filter(Boolean).join("; "),
+      known: others.flatMap(({ id, brief }) => brief ?? known[id]?.known ?? []).join("; "),
     });
   return html`${list(rows)}${missing.map((problem) => html`<p class="hint">Not known: ${problem}</p>`)}${from && from}`;
 }

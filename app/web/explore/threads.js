@@ -8,6 +8,7 @@ import { domainColour, isDark } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { provenance } from "../shared/provenance.js";
 import { awaited } from "../shared/ready.js";
+import { PLACES, rungOf, worded } from "../shared/tables.js";
 import { bytesOf } from "../shared/text.js";
 import { showWords } from "./board.js";
 import { decided, whence } from "./chapters.js";
@@ -16,12 +17,7 @@ import { $, change, choice, draw, fill, html, percent, scene, state, take } from
 import { OWN_ROWS, ownHtml, splitHtml } from "./split.js";
 import { chosen, READINGS } from "./touch.js";
 
-const PLACES = [
-  { key: "0", label: "As they come" },
-  { key: "1", label: "Mean moved", title: "Each sensor’s mean becomes the mean of all" },
-  { key: "2", label: "Mean and spread", title: "Each feature’s spread becomes that of all, too" },
-];
-const KNOWN = ["nothing", "each sensor’s mean", "each sensor’s mean and spread"];
+const CHOICES = PLACES.map(({ id, title = "", help }) => ({ key: id, label: title, title: help }));
 const GLIDE = 700; // milliseconds
 const TILE = 46; // CSS pixels of a picture on the map; less on a small one
 const TOUCH = 1; // row of a sheet of pictures
@@ -105,8 +101,8 @@ export function show() {
   if (!cloud) return;
   const { twins } = scene;
   const { table, dots } = chosen(twins, state);
-  $().dataset.rung = state.rung;
-  choice(".places", "rung", PLACES);
+  $().dataset.moved = rungOf(state).order ? "order" : "twins";
+  choice(".places", "rung", CHOICES);
   choice(".split.twins .segments", "reading", READINGS);
   showSensors();
   showLayers();
@@ -120,7 +116,7 @@ export function show() {
 async function measure() {
   const showKnown = () => fill($(".split.own .bars"), ownHtml(scene.known));
   showKnown();
-  for (const known of Object.keys(OWN_ROWS)) {
+  for (const { id: known } of OWN_ROWS) {
     const learn = (/** @type {Scene["known"][string]} */ record) =>
       take({ known: { ...scene.known, [known]: record } });
     await attempt(
@@ -132,7 +128,7 @@ async function measure() {
 }
 
 /** The place that the figures are of; the order p moves the points of another map. */
-const placeNow = () => (state.rung === "p" ? 0 : Number(state.rung));
+const placeNow = () => rungOf(state).map ?? 0;
 
 function showSensors() {
   const { twins, twinsMap, alone } = scene;
@@ -230,13 +226,9 @@ export function tell() {
   const share = (/** @type {number} */ v) => html`<b>${percent(v)}</b>`;
   const apart = gap[at].toFixed(2);
   const gain = `The heads gain ${Math.round(100 * (accuracy[at] - accuracy[0]))} points.`;
-  const remarks = [
-    html`One press is threaded. Sensors lie ${apart} apart.`,
-    html`The offset is gone: sensors lie ${apart} apart, not ${gap[0].toFixed(2)}. ${gain}`,
-    html`Sensors shift <i>and stretch</i> features; both are undone. ${gain}`,
-  ];
+  const { order, words, brief = words, remark = "" } = rungOf(state);
   const title = `Where do ${own ? "the project’s simulated touches" : "the touches"} go?`;
-  if (state.rung === "p") {
+  if (order) {
     const { frames, stop, facts, chapter } = scene;
     const ends = chapter === "where" ? decided(frames) : null; // else they are on their way
     return showWords({
@@ -251,12 +243,12 @@ export function tell() {
   return showWords({
     title,
     figure: html`${share(accuracy[at])} right on another sensor. ${share(nearest[at])} lie nearest to their own twin; by sensor:`,
-    remark: remarks[at],
+    remark: worded(remark, { apart, first: gap[0].toFixed(2), gain }),
     whence: provenance({
       head: "eight logistic regressions",
       source: "one sensor each",
       pairs: "the seven others’ twins",
-      known: KNOWN[at],
+      known: brief,
     }),
   });
 }

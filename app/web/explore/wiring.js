@@ -1,6 +1,7 @@
 /** Controls of Explore, connected to what they do; and what is drawn when the address changes. */
 
 import { openChapter, watch, watchIn, writeAddress } from "../shared/store.js";
+import { BY_ORDER, rungOf } from "../shared/tables.js";
 import { openTab } from "../shared/tabs.js";
 import { onClick, press } from "../shared/view.js";
 import * as beside from "./beside.js";
@@ -18,7 +19,7 @@ import * as threads from "./threads.js";
 import * as touch from "./touch.js";
 
 /** Whether the board's map is on the screen; the first chapter has none, the second another one until p moves. */
-const isMapped = () => state.chapter !== "touch" && (state.chapter !== "where" || state.rung === "p");
+const isMapped = () => state.chapter !== "touch" && (state.chapter !== "where" || Boolean(rungOf(state).order));
 const shownMap = () => (isMapped() ? map : threads.cloud);
 
 /** What a click does, by what is clicked. @type {Record<string, (button: Found) => unknown>} */
@@ -84,7 +85,7 @@ function lecture() {
 
 /** The names whose change draws something on the board, and what. @type {[string[], () => unknown][]} */
 const DRAWN = [
-  [["p"], () => state.chapter === "where" && change({ rung: "p" })],
+  [["p"], () => state.chapter === "where" && change({ rung: BY_ORDER })],
   [["stage", "map"], board.showStage],
   [["colour", "domain", "class", "modality"], board.showColours],
   [["find", "alike", "range"], board.refilter],

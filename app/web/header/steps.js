@@ -1,5 +1,6 @@
 /** The tour: a question in each chapter, options, and what is then told. Every figure is one of the page's own. */
 
+import { BY_ORDER, PLACES } from "../shared/tables.js";
 import { html, percent } from "../shared/text.js";
 
 const CLEAR = 0.1; // of accuracy: a smaller change over p is called small
@@ -7,7 +8,10 @@ const NEAR = 0.05; // quarter turns between an option and the best order
 const ORDERS = [0.1, 0.35, 0.6]; // the options of the best order
 /** How many bounds a value reaches. @param {number} value @param {...number} bounds */
 const steps = (value, ...bounds) => bounds.filter((bound) => value >= bound).length;
-const MOST = 200; // pictures without labels
+/** The most pictures without labels that were measured. @param {Figures} at */
+const most = ({ twins }) => Math.max(...twins.pictures);
+/** The second chapter at one of its places. @param {number} place @returns {Partial<State>} */
+const placed = (place) => ({ rung: PLACES.find(({ map }) => map === place)?.id });
 /** What a step about one press opens with. @type {Partial<State>} */
 const PRESS = { press: "", from: "0", dots: "", known: "0", reading: "tac" };
 
@@ -46,8 +50,9 @@ export const STEPS = [
     title: "One touch",
     chapter: "touch",
     needs: "twins",
-    set: PRESS,
-    ask: "A model learned materials from the first sensor’s touches. Seven others image the same presses. Of what it reads right at home, how much does it still read?",
+    set: () => PRESS,
+    ask: () =>
+      "A model learned materials from the first sensor’s touches. Seven others image the same presses. Of what it reads right at home, how much does it still read?",
     options: ["Nearly all", "More than half", "Less than half"],
     right: (at) => [2 - steps(away(at)[0] / home(at), 0.5, 0.9)],
     reveal: (at) =>
@@ -57,8 +62,9 @@ export const STEPS = [
     title: "The dots",
     chapter: "touch",
     needs: "twins",
-    set: PRESS,
-    ask: "Dots are printed on some gels. Now each dot takes the colours around it, in training too. How much of the loss comes back?",
+    set: () => PRESS,
+    ask: () =>
+      "Dots are printed on some gels. Now each dot takes the colours around it, in training too. How much of the loss comes back?",
     options: ["Hardly any", "Less than half", "More than half"],
     right: (at) => [steps(mended(at), 0.1, 0.5)],
     after: () => ({ dots: "1" }),
@@ -69,26 +75,28 @@ export const STEPS = [
     title: "Without one label",
     chapter: "touch",
     needs: "twins",
-    set: PRESS,
-    ask: `Instead, ${MOST} pictures of each new sensor give the mean and spread of each feature; no label is used. Does that bring more than filled dots?`,
+    set: () => PRESS,
+    ask: (at) =>
+      `Instead, ${most(at)} pictures of each new sensor give the mean and spread of each feature; no label is used. Does that bring more than filled dots?`,
     options: ["More", "About as much", "Less"],
     right: (at) => {
-      const [few, filled] = [away(at, 0, MOST), away(at, 1)];
+      const [few, filled] = [away(at, 0, most(at)), away(at, 1)];
       return [few[1] > filled[2] ? 0 : few[2] < filled[1] ? 2 : 1];
     },
-    after: () => ({ known: String(MOST) }),
+    after: (at) => ({ known: `${most(at)}` }),
     reveal: (at) =>
-      html`${b(away(at, 0, MOST)[0])}; filled dots bring ${b(away(at, 1)[0])}, and both together ${b(away(at, 1, MOST)[0])}.`,
+      html`${b(away(at, 0, most(at))[0])}; filled dots bring ${b(away(at, 1)[0])}, and both together ${b(away(at, 1, most(at))[0])}.`,
   },
   {
     title: "Where they go",
     chapter: "where",
     needs: "places",
-    set: { rung: "0" },
-    ask: "Each colour is a sensor, and a thread joins one press. Suppose each sensor’s mean is taken away. Does the head read its touches again?",
+    set: () => placed(0),
+    ask: () =>
+      "Each colour is a sensor, and a thread joins one press. Suppose each sensor’s mean is taken away. Does the head read its touches again?",
     options: ["Mostly", "Not yet"],
     right: ({ places: { accuracy } }) => [accuracy[1] - accuracy[0] > 0.5 * (accuracy[2] - accuracy[0]) ? 0 : 1],
-    after: () => ({ rung: "2" }),
+    after: () => placed(2),
     reveal: ({ places: { accuracy } }) =>
       html`${b(accuracy[0])} as they come, ${b(accuracy[1])} with the mean moved, ${b(accuracy[2])} with mean and spread: sensors shift features and stretch them.`,
   },
@@ -96,17 +104,19 @@ export const STEPS = [
     title: "The order p on touch",
     chapter: "where",
     needs: "pale",
-    set: { rung: "0" },
-    ask: "The slider turns all features by an order p; each stop has heads of its own. How far does accuracy on new sensors range?",
+    set: () => placed(0),
+    ask: () =>
+      "The slider turns all features by an order p; each stop has heads of its own. How far does accuracy on new sensors range?",
     options: ["Over ten points", "Less"],
     right: ({ pale }) => [range(pale) >= CLEAR ? 0 : 1],
-    after: () => ({ rung: "p" }),
+    after: () => ({ rung: BY_ORDER }),
     reveal: ({ pale }) => html`It lies ${within(pale)}. Drag p: the points and both gaps move all the same.`,
   },
   {
     title: "When does p decide?",
     chapter: "order",
-    ask: "Each colour is a kind of signal, each stop of the slider a head trained at that p. Where do the colours come apart?",
+    ask: () =>
+      "Each colour is a kind of signal, each stop of the slider a head trained at that p. Where do the colours come apart?",
     options: [...ORDERS.map((p) => `Near ${p}`), "Everywhere alike"],
     right: (at) =>
       range(at.curve) < CLEAR ? [3] : [...ORDERS.keys()].filter((i) => Math.abs(ORDERS[i] - best(at)) <= NEAR),
@@ -119,7 +129,7 @@ export const STEPS = [
   {
     title: "When is touch needed?",
     chapter: "fooled",
-    ask: "Some things look like another class. For them, which is right more often on its own?",
+    ask: () => "Some things look like another class. For them, which is right more often on its own?",
     options: ["The photo", "The touch"],
     right: (at) => {
       const found = alone(at);
@@ -137,7 +147,7 @@ export const STEPS = [
     title: "Why does it fail on the next sensor?",
     chapter: "touch",
     needs: "twins",
-    set: { ...PRESS, dots: "1", known: String(MOST) },
+    set: (at) => ({ ...PRESS, dots: "1", known: `${most(at)}` }),
     reveal: (at) => answer(at),
   },
 ];
@@ -147,7 +157,7 @@ export const STEPS = [
 export const answer = (at) =>
   html`It had learned its sensor together with the materials: on another one it reads ${b(away(at)[0])} instead of ${b(home(at))}. ${
     mended(at) > 0.5 ? "Most of that were the dots printed on its gel: filled" : "With the printed dots filled"
-  }, it reads ${b(away(at, 1)[0])}, and with ${MOST} pictures without labels ${b(away(at, 1, MOST)[0])}.${
+  }, it reads ${b(away(at, 1)[0])}, and with ${most(at)} pictures without labels ${b(away(at, 1, most(at))[0])}.${
     known(at.pale).length > 0 &&
     html` Over all orders p, accuracy lies ${within(at.pale)} on the sensors, ${within(at.curve)} on the chirps.`
   }`;

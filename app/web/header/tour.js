@@ -83,12 +83,12 @@ function show(figures) {
     at += by;
     if (at === steps.length) return end();
     const { chapter, set, ask, options = [] } = steps[at];
-    openChapter(chapter, set);
+    openChapter(chapter, set?.(figures));
     explore.querySelector(chapter === "touch" ? ".touch .side" : ".stage .side")?.prepend(box); // in the flow
     if (!ask) return tell(null);
     rest(explore, true);
     const buttons = options.map((words) => html`<button data-option="${words}">${words}</button>`);
-    return lay(html`${ask}`, html`<span class="row">${buttons}</span>`, "h3");
+    return lay(html`${ask(figures)}`, html`<span class="row">${buttons}</span>`, "h3");
   };
 
   const end = () => {

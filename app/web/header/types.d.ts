@@ -18,9 +18,9 @@ interface TourStep {
   /** the figure without which it is left out */
   needs?: "twins" | "places" | "pale";
   /** what the chapter opens with, and what is shown with the result */
-  set?: Partial<State>;
+  set?: (at: Figures) => Partial<State>;
   after?: (at: Figures) => Partial<State>;
-  ask?: string;
+  ask?: (at: Figures) => string;
   options?: string[];
   /** places of the options that are right; none if the data cannot decide */
   right?: (at: Figures) => number[];

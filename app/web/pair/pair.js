@@ -225,7 +225,7 @@ export async function start(root) {
     () => {},
   ); // a set without a ladder: no gain is named
   loaded().then(
-    ({ head }) => send("arrived", { source: head.source }),
+    ({ head, embeddings }) => send("arrived", { source: head.source, simulated: embeddings.simulated }),
     () => {},
   ); // the page itself reports a lost set
   if (!held)

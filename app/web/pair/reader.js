@@ -2,12 +2,14 @@
 
 import { button, hint, html, IMAGES, percent, READINGS, row, signed, table } from "./parts.js";
 
-const MANY = "20"; // pictures without labels of the record
+/** The most pictures without labels that the record has. @param {Partial<OwnReader>} facts */
+const mostOf = ({ left_out: shares = {} }) => Math.max(...Object.keys(shares).map(Number));
 
 /** What pictures without labels bring, in words. @param {Partial<OwnReader>} facts */
-export function gainOf({ left_out: shares = {} }) {
-  const [none, some] = ["0", MANY].map((count) => shares[count].fused);
-  return `${MANY} pictures without labels bring ${(100 * (some - none)).toFixed(1)} points on simulated sensors that it has not seen: ${percent(some)} of pairs right, ${percent(none)} without.`;
+export function gainOf(facts) {
+  const most = mostOf(facts);
+  const [none, some] = [0, most].map((count) => facts.left_out?.[count].fused ?? NaN);
+  return `${most} pictures without labels bring ${(100 * (some - none)).toFixed(1)} points on simulated sensors that it has not seen: ${percent(some)} of pairs right, ${percent(none)} without.`;
 }
 
 /** The modalities that are no better than naming the most frequent class on real pairs, even with a profile.
@@ -21,14 +23,15 @@ export function readerHtml(facts, on, source) {
   if (!on)
     return html`${hint(`Your pictures are read by the head of the chapters, which learned from ${source} alone.`)}${other("Use the head for own pictures")}`;
   const { left_out: shares = {}, real } = facts;
+  const most = mostOf(facts);
   const rows = READINGS.map((reading) =>
     row(signed(reading), [
       percent(shares[0][reading]),
-      percent(shares[MANY][reading]),
+      percent(shares[most][reading]),
       ...(real ? [String(real["as they come"][reading]), `${real.profile[reading]} of ${real.pairs}`] : []),
     ]),
   );
-  const heads = ["It reads right", "simulated, as they come", `with ${MANY} pictures`];
+  const heads = ["It reads right", "simulated, as they come", `with ${most} pictures`];
   if (real) heads.push("real, as they come", "with a profile");
   const chance = atChance(facts).map((name) => (name === "tac" ? "touch" : "photo"));
   const note =

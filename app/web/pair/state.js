@@ -21,6 +21,7 @@ export const START = {
   rungs: [],
   real: null,
   source: "its own training pairs",
+  simulated: true,
   head: "",
   vis: null,
   tac: null,

@@ -1,6 +1,6 @@
 /** The line from dropped pictures to saved results: where the visitor is, and what one more step brings. */
 
-import { TABLES } from "../shared/tables.js";
+import { PLACES, TABLES } from "../shared/tables.js";
 import { html, percent } from "./parts.js";
 import { gainOf } from "./reader.js";
 import { isOwn, missing } from "./state.js";
@@ -15,15 +15,23 @@ function stepOf({ rows, pairs, report, taught, vis, tac }) {
   return pairs.length || rows.length || isOwn({ vis, tac }) ? 2 : 0;
 }
 
-/** What the next step is and what it brings, in a sentence. The rungs are those of the ladder, measured on simulated
- * sensors. @param {number} at @param {PairTab} tab */
-function nextStep(at, { pairs, report, counts, head, facts, rungs }) {
-  /** @param {string} id */
-  const of = (id) => rungs.find(({ rung }) => rung === id)?.accuracy ?? NaN;
-  const gains = TABLES.rungs
-    .filter(({ step, id }) => step === at && Number.isFinite(of(id) - of("none")))
-    .map(({ id, title }) => `${title} bring ${(100 * (of(id) - of("none"))).toFixed(1)} points`);
-  const points = gains.length ? ` On simulated sensors ${gains.join(", ")}.` : "";
+/** What the rungs of a step bring beside nothing, in words. The ladder is that of the head of the chapters; what another
+ * head reads, or was measured with, is no gain of it. @param {number} at @param {PairTab} tab */
+function gains(at, { head, rungs, simulated }) {
+  const nothing = rungs.find(({ rung }) => rung === PLACES[0].id);
+  const own = new Set(TABLES.rungs.flatMap(({ step, id }) => (step === at ? id : [])));
+  const climbed = rungs.filter(({ rung, from }) => own.has(rung) && from === nothing?.from);
+  if (head || !nothing || !climbed.length) return "";
+  const words = climbed.map(
+    ({ known, accuracy }) => `${known} bring ${(100 * (accuracy - nothing.accuracy)).toFixed(1)} points`,
+  );
+  return ` On ${simulated ? "simulated" : "this set’s unseen"} sensors ${words.join(", ")} (${nothing.from}).`;
+}
+
+/** What the next step is and what it brings, in a sentence. @param {number} at @param {PairTab} tab */
+function nextStep(at, tab) {
+  const { pairs, report, counts, head, facts } = tab;
+  const points = gains(at, tab);
   if (at === 0)
     return "Drop photos, touches, a folder or a CSV anywhere here. As they come, expect guesses: the head has not seen your sensor.";
   if (at === 2 && !pairs.length && !counts)

@@ -82,6 +82,7 @@ interface PairTab {
   heads: HeadRow[]; // compared with the first one
   rungs: Rung[];
   source: string; // what the head of the chapters learned from
+  simulated: boolean; // whether the set of the chapters is
   real: Replies["real"] | null;
 
   vis: Ref | null;

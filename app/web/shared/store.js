@@ -2,7 +2,7 @@
 
 import { COLOURINGS } from "./palette.js";
 import { afterwards } from "./ready.js";
-import { OWN_MODE, TABLES } from "./tables.js";
+import { BY_ORDER, OWN_MODE, PLACES, TABLES } from "./tables.js";
 
 /** The tabs from the server; a saved page has Explore only. */
 const VIEWS = document.querySelector("meta[name=omnivat-views]")?.getAttribute("content")?.split(" ") ?? ["explore"];
@@ -22,7 +22,7 @@ const DEFAULTS = {
   range: "", // histogram:from:to, joined by ~
   cell: "", // of the confusion matrix: truth~predicted~domain
   sel: "", // selected points, see scene.js
-  rung: "0", // what is moved in the second chapter: "1" the mean, "2" the spread too, "p" the order
+  rung: PLACES[0]?.id ?? "", // what is moved in the second chapter
   p: /** @type {any} */ (null), // until the frames are there
   stage: "f_hat",
   map: "umap",
@@ -61,8 +61,7 @@ const CHOICES = {
   reading: ["fused", "vis", "tac"],
   alike: ["", "1"],
   dots: ["", "1"],
-  rung: ["0", "1", "2", "p"],
-  known: ["0", "5", "20", "50", "200"],
+  rung: [...PLACES.map(({ id }) => id), BY_ORDER],
   stage: KEYS,
   stage2: KEYS,
   map: ["pca", "umap"],

@@ -19,6 +19,13 @@ export const has = (frames, ability) => modeOf(frames).can.includes(ability);
 /** The mode whose frames are the loaded head's own. */
 export const OWN_MODE = TABLES.modes.find(({ can }) => can.includes("own"))?.id ?? "";
 
+/** The rungs that have a map of the twins' touches, the first as they come; and the one whose map is the set's own, by p. */
+export const PLACES = TABLES.rungs.filter(({ map }) => map !== undefined);
+export const BY_ORDER = TABLES.rungs.find(({ order }) => order)?.id ?? "";
+
+/** The rung that the second chapter draws. @param {{rung: string}} address @returns {Partial<RungRow>} */
+export const rungOf = ({ rung }) => TABLES.rungs.find(({ id }) => id === rung) ?? {};
+
 /** A row's sentence with the values in place of {names}.
  * @param {string} text @param {Record<string, unknown>} values */
 export const worded = (text, values) => text.replace(/\{(\w+)\}/g, (_, name) => String(values[name] ?? ""));

@@ -60,13 +60,27 @@ interface ColourRow {
   needs?: string[];
   column?: string;
 }
+/** What may be known of a new sensor, as `omnivat/measure/rungs.py` has it. */
+interface RungRow {
+  id: string;
+  words: string;
+  brief?: string;
+  home?: boolean;
+  bar?: string;
+  step?: number;
+  map?: number;
+  order?: boolean;
+  title?: string;
+  help?: string;
+  remark?: string;
+}
 interface Tables {
   modes: Mode[];
   measures: Measure[];
   stages: Stage[];
   colours: ColourRow[];
   methods: { id: string; title: string }[];
-  rungs: { id: string; step: number; title: string }[];
+  rungs: RungRow[];
 }
 
 // ---- frames ----

@@ -4,17 +4,8 @@ import numpy as np
 import pytest
 
 from omnivat.kit.errors import DataError
-from omnivat.measure.known import (
-    NOTHING,
-    evaluate,
-    labels,
-    measured,
-    pairs,
-    parts,
-    record,
-    target_mean,
-    target_scores,
-)
+from omnivat.measure.known import evaluate, measured, parts, record, target_mean, target_scores
+from omnivat.measure.rungs import NOTHING, labels, pairs
 
 
 def test_nothing_known_is_what_evaluate_says(head, shifted):

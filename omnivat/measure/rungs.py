@@ -1,0 +1,110 @@
+"""What may be known of a new sensor, as rows: the rungs of the ladder.
+
+A row is all that there is to a rung: what is known, in words and numbers, and where the page shows
+it. The page receives the rows (`app/tables.py`), and no script names one of them.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """What is known of every target domain; `pairs`, `labels` and `NOTHING` make it."""
+
+    name: str  # short, for records
+    words: str
+    pairs: int = 0  # without labels
+    labels: int = 0  # labelled pairs of each class
+
+    def seeds(self, first: int, draws: int) -> range:
+        """Return the seed of each draw; of one where nothing is drawn."""
+        return range(first, first + (draws if self.pairs or self.labels else 1))
+
+
+NOTHING = Known("none", "nothing: pictures as they come")
+
+
+def pairs(count: int, *, every: bool = False) -> Known:
+    """Return `count` training pairs of each target without labels; `every`: all that there are.
+
+    >>> pairs(5).words, pairs(1_000_000, every=True).words
+    ('5 pairs without labels', 'all pairs without labels')
+    """
+    name, number = ("all", "all") if every else (f"n{count}", str(count))
+    return Known(name, f"{number} pair{'s' * (count != 1)} without labels", pairs=count)
+
+
+def labels(count: int) -> Known:
+    """Return `count` labelled training pairs of each class of each target.
+
+    >>> labels(3).words
+    '3 labelled pairs of each class'
+    """
+    words = f"{count} labelled pair{'s' * (count != 1)} of each class"
+    return Known(f"k{count}", words, labels=count)
+
+
+def _row(known: Known, **more: Any) -> Row:
+    """Return the row of what a head is measured with."""
+    own = {"id": known.name, "words": known.words, "pairs": known.pairs, "labels": known.labels}
+    return own | more
+
+
+def known_of(row: Row) -> Known | None:
+    """Return what a head is measured with; None for a row that no head of one source climbs."""
+    if not row.keys() & {"pairs", "labels"}:
+        return None
+    return Known(row["id"], row["words"], row.get("pairs", 0), row.get("labels", 0))
+
+
+# id, words      in records and addresses; what is known, `brief` in a line of several
+# pairs, labels  of each target, as in `Known`; a row that has neither is read from records
+# home           measured on the source in place of the targets
+# bar            its name among the bars of a visitor's own set
+# step           of the line of *Try a pair* that names its gain: 2 before labels, 3 before teaching
+# map            the number of the twins' map that it draws; `order`: the set's own map, by p
+# title, help    of its button above the map, and `remark` below: {apart} of sensors, {first} as
+#                they come, {gain} in points
+RUNGS: list[Row] = [
+    _row(NOTHING, id="home", words="its own sensor", home=True, bar="at home"),
+    _row(
+        NOTHING,
+        brief="nothing",
+        bar="away",
+        map=0,
+        title="As they come",
+        remark="One press is threaded. Sensors lie {apart} apart.",
+    ),
+    {
+        "id": "mean",
+        "words": "each sensor’s mean",
+        "map": 1,
+        "title": "Mean moved",
+        "help": "Each sensor’s mean becomes the mean of all",
+        "remark": "The offset is gone: sensors lie {apart} apart, not {first}. {gain}",
+    },
+    {
+        "id": "spread",
+        "words": "each sensor’s mean and spread",
+        "map": 2,
+        "title": "Mean and spread",
+        "help": "Each feature’s spread becomes that of all, too",
+        "remark": "Sensors shift and stretch features; both are undone. {gain}",
+    },
+    {"id": "p", "words": "nothing", "order": True},
+    *(_row(pairs(count)) for count in (1, 2, 5, 10)),
+    _row(pairs(20), step=2, bar="away, pictures"),
+    _row(pairs(50)),
+    _row(pairs(1_000_000, every=True)),
+    _row(labels(1)),
+    _row(labels(3), step=3, bar="away, labels"),
+    _row(labels(5)),
+    *({"id": f"m{m}", "words": f"{m} source domains"} for m in (2, 4, 7)),
+    *(
+        {"id": f"m{m}+", "words": f"{m} source domains and all pairs without labels"}
+        for m in (2, 4, 7)
+    ),
+]
