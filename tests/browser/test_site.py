@@ -1,14 +1,32 @@
 """The page as a folder, served by a plain file server, in a real Chromium."""
 
+import base64
+import json
 from contextlib import contextmanager
+from io import BytesIO
 from urllib.parse import quote
 
 import pytest
+import torch
+from PIL import Image
 
 from app.places import shipped_places
+from app.resources import Resources
 from app.site import export_site
 from app.site_models import files_in
+from app.views.explore import unseen
+from app.views.pair import predicted
 from benchmarks.site import served
+from omnivat import (
+    load_embeddings,
+    load_encoder,
+    load_head,
+    measured,
+    modality_gap,
+    predict_embeddings,
+    read_frames,
+)
+from omnivat.cli import main
 from omnivat.kit.errors import OmniVatError
 
 pytestmark = pytest.mark.browser
@@ -144,3 +162,70 @@ def test_after_one_visit_the_site_predicts_an_own_pair_without_a_network(chromiu
     assert page.evaluate("crossOriginIsolated")
     context.close()
     assert problems == []
+
+
+FIGURES = """async ([web, p, ...pictures]) => {
+  const shared = (name) => import(new URL(`${web}/shared/${name}.js`, document.baseURI));
+  const [{ ask, json, sendImage }, { fetchFrames }, { values }] =
+    await Promise.all(["api", "frames", "measures"].map(shared));
+  const [vis, tac] = await Promise.all(pictures.map(async (text) => {
+    const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    return (await sendImage(new Blob([bytes]), "a picture")).ref;
+  }));
+  const { frames } = await fetchFrames(() => {});
+  const gap = values(frames, "modality_gap", "f_hat")[frames.orders.indexOf(p)];
+  return [await json("unseen"), await ask("pair", { vis, tac }), gap];
+}"""
+
+
+def test_python_the_commands_the_page_and_the_site_give_the_same_figures(desktop, folder, capsys):
+    """Accuracy in each unseen domain, probabilities of two pictures, the modality gap at F̂."""
+    where = shipped_places("chirps")
+    head, embeddings = load_head(where.head), load_embeddings(where.embeddings)
+    resources, encoder = Resources(where), load_encoder("strip")
+    files = [*next(iter(resources.examples().values())).values()]
+    pictures = [file.read_bytes() for file in files]
+    with torch.inference_mode():
+        photos, touches = torch.from_numpy(embeddings.vis), torch.from_numpy(embeddings.tac)
+        hats = head.model(photos, touches).f_hat
+        rows = [encoder.embed(encoder.preprocess(Image.open(BytesIO(p)))[None]) for p in pictures]
+    python = [
+        measured(head, embeddings)["domains"],
+        [*predict_embeddings(head, *rows)[0]["probabilities"].values()],
+        float(modality_gap(hats["vis"], hats["tac"])),
+    ]
+
+    def command(name, *more):
+        assert main([name, "--head", str(where.head), "--json", *map(str, more)]) == 0
+        return json.loads(capsys.readouterr().out)
+
+    evaluated = command("evaluate", "--embeddings", where.embeddings)
+    commands = [
+        {row["domain"]: row["scores"]["fused"]["accuracy"] for row in evaluated},
+        [*command("predict", *files)["probabilities"].values()],
+        command("gaps", "--embeddings", where.embeddings)["modality_gap"]["all"],
+    ]
+
+    def on_screen(unseen, pair, gap):
+        accuracies = {row["name"]: row["answers/fused"]["share"] for row in unseen["domains"]}
+        return [accuracies, pair["exact"]["readings"]["fused"], gap]
+
+    vis, tac = (str(resources.take_image(content, "a picture")[0]) for content in pictures)
+    frames = read_frames(where.frames)
+    gaps = dict(zip(frames.orders, frames.curves["modality_gap/f_hat"], strict=True))
+    reply = predicted(resources, {"vis": vis, "tac": tac})
+    page = on_screen(unseen(resources), reply, float(gaps[head.model.order]))
+
+    with site(folder) as address:
+        tab, problems = visit(desktop)
+        tab.goto(f"{address}?view=pair")
+        tab.wait_for_selector(".pair .reading .said")
+        encoded = [base64.b64encode(content).decode() for content in pictures]
+        web = next(folder.glob("web-*")).name
+        in_browser = on_screen(*tab.evaluate(FIGURES, [web, head.model.order, *encoded]))
+    assert problems == []
+    for accuracies, probabilities, gap in (commands, page, in_browser):
+        for name, accuracy in python[0].items():
+            assert accuracies[name] == pytest.approx(accuracy, abs=1e-6)
+        assert probabilities == pytest.approx(python[1], abs=0.001)
+        assert gap == pytest.approx(python[2], abs=1e-4)
