@@ -43,16 +43,6 @@ def slices(rows: Inexact[Tensor, "R N"]) -> Iterator[slice]:
         yield slice(start, min(start + step, count))
 
 
-def leading_shape(values: Inexact[Tensor, "... N"], order: Float64[Tensor, "..."]) -> torch.Size:
-    """Return the batch shape: leading axes of the values and axes of the order, broadcast."""
-    lead = values.shape[:-1]
-    # broadcast_shapes is written in Python and slow
-    if not order.dim() or order.shape == lead[-order.dim() :]:
-        return lead
-    shape: torch.Size = torch.broadcast_shapes(lead, order.shape)
-    return shape
-
-
 def _planar_phases(
     order: Float64[Tensor, " b"], indices: Float64[Tensor, " N"], like: Tensor
 ) -> Float[Tensor, "2 b N"]:
@@ -62,13 +52,16 @@ def _planar_phases(
 
 
 def pieces(
-    values: Inexact[Tensor, "... N"], order: Float64[Tensor, "..."], indices: Float64[Tensor, " N"]
+    values: Inexact[Tensor, "... N"],
+    order: Float64[Tensor, "..."],
+    lead: torch.Size,
+    indices: Float64[Tensor, " N"],
 ) -> Iterator[Piece]:
-    """Yield all rows of the broadcast batch in order.
+    """Yield all rows of the batch of shape `lead`, to which values and order broadcast, in order.
 
     If many rows share an order, its phases are computed once; otherwise for each row.
     """
-    lead, size = leading_shape(values, order), values.shape[-1]
+    size = values.shape[-1]
     if not math.prod(lead):
         return
     rows = values.expand(*lead, size)
@@ -124,11 +117,16 @@ def product_rows(
 
 
 def synthesise_rows(
-    split: Split, values: Inexact[Tensor, "... N"], order: Float64[Tensor, "..."], *, planar: bool
+    split: Split,
+    values: Inexact[Tensor, "... N"],
+    order: Float64[Tensor, "..."],
+    lead: torch.Size,
+    *,
+    planar: bool,
 ) -> Inexact[Tensor, "... N"]:
-    """(λ^p ⊙ values) Vᵀ: planar real (2, ..., N), else complex (..., N)."""
+    """(λ^p ⊙ values) Vᵀ: planar real (2, *lead, N), else complex (*lead, N)."""
     size, kind = values.shape[-1], values.dtype
-    shape = (*leading_shape(values, order), size)
+    shape = (*lead, size)
     whole, kind = ((2, *shape), kind.to_real()) if planar else (shape, kind.to_complex())
     result = torch.empty(whole, dtype=kind, device=values.device)
     flat = result.view(2, -1, size) if planar else result.view(-1, size)
@@ -142,7 +140,7 @@ def synthesise_rows(
             split.restore(z, z)
             torch.complex(*z, out=flat[piece.rows])
 
-    for_each(work, pieces(values, order, split.indices), spread=_spread(result))
+    for_each(work, pieces(values, order, lead, split.indices), spread=_spread(result))
     return result
 
 
@@ -159,7 +157,8 @@ def turned_back(
     With G = Vᵀ grad and U = conj(λ^p) ⊙ G, they are U for the values (its real part if they are
     real) and Σ (π/2) k Im(conj(U) ⊙ values) for the order.
     """
-    size, shape = values.shape[-1], (*leading_shape(values, order), values.shape[-1])
+    shape = grad.shape[1:] if planar else grad.shape
+    lead, size = shape[:-1], shape[-1]
     to_values = values.new_empty(shape).view(-1, size)
     to_order = order.new_empty(len(to_values))
     grad = grad.reshape(2, -1, size) if planar else grad.reshape(-1, size)
@@ -181,8 +180,7 @@ def turned_back(
             density = minus * c
         to_order[piece.rows] = density @ slope
 
-    for_each(work, pieces(values, order, split.indices), spread=_spread(to_values))
-    lead = shape[:-1]
+    for_each(work, pieces(values, order, lead, split.indices), spread=_spread(to_values))
     return (
         to_values.view(shape).sum_to_size(values.shape),
         to_order.view(lead).sum_to_size(order.shape),

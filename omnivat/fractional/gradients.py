@@ -44,16 +44,20 @@ def _applied(x: Inexact[Tensor, "*lead N"], split: Split, back: bool) -> Inexact
 
 
 def synthesise(
-    values: Inexact[Tensor, "... N"], order: Float64[Tensor, "..."], split: Split, planar: bool
+    values: Inexact[Tensor, "... N"],
+    order: Float64[Tensor, "..."],
+    lead: torch.Size,
+    split: Split,
+    planar: bool,
 ) -> Inexact[Tensor, "... N"]:
-    """(λ^p ⊙ values) Vᵀ on the last axis; the order broadcasts against the leading axes."""
+    """(λ^p ⊙ values) Vᵀ on the last axis; values and order broadcast to the leading axes `lead`."""
     if torch.compiler.is_exporting() or under_transform(values, order):
         phases = smooth_phases(order, split.indices).to(values.dtype.to_complex())
         whole = restore(phases * values, split)
         return torch.stack([whole.real, whole.imag]) if planar else whole
     if not _wants_gradient(values, order):
-        return synthesise_rows(split, values, order, planar=planar)
-    return _Synthesise.apply(values, order, split, planar)  # type: ignore[no-any-return,no-untyped-call]
+        return synthesise_rows(split, values, order, lead, planar=planar)
+    return _Synthesise.apply(values, order, lead, split, planar)  # type: ignore[no-any-return,no-untyped-call]
 
 
 def _wants_gradient(*tensors: Tensor) -> bool:
@@ -88,17 +92,19 @@ class _Apply(Function):
 
 class _Synthesise(Function):
     @staticmethod
-    def forward(ctx: Any, values: Tensor, order: Tensor, split: Split, planar: bool) -> Tensor:
+    def forward(
+        ctx: Any, values: Tensor, order: Tensor, lead: torch.Size, split: Split, planar: bool
+    ) -> Tensor:
         ctx.split, ctx.planar = split, planar
         ctx.save_for_backward(values, order)
-        return synthesise_rows(split, values, order, planar=planar)
+        return synthesise_rows(split, values, order, lead, planar=planar)
 
     @staticmethod
-    def backward(ctx: Any, grad: Tensor) -> tuple[Tensor, Tensor, None, None]:
+    def backward(ctx: Any, grad: Tensor) -> tuple[Tensor, Tensor, None, None, None]:
         values, order = ctx.saved_tensors
         # with create_graph=True, the gradient itself has a gradient
         back = _differentiable_back if torch.is_grad_enabled() else turned_back
-        return *back(ctx.split, values, order, grad, planar=ctx.planar), None, None
+        return *back(ctx.split, values, order, grad, planar=ctx.planar), None, None, None
 
 
 def _differentiable_back(

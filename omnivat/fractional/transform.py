@@ -20,7 +20,7 @@ from omnivat.fractional.arguments import (
     readable,
     working_precision,
 )
-from omnivat.fractional.batches import leading_shape, product_rows
+from omnivat.fractional.batches import product_rows
 from omnivat.fractional.build import split_for
 from omnivat.fractional.coefficients import Coefficients
 from omnivat.kit.errors import ShapeError
@@ -42,7 +42,11 @@ def coefficients(
     >>> all(torch.allclose(synthesise(kept, p), dfrft(x, p), atol=1e-5) for p in (0.2, 0.35, 0.5))
     True
     """
-    dim = axis_from_end(x, dim)
+    return _coefficients(x, axis_from_end(x, dim), centered)
+
+
+def _coefficients(x: Shaped[Tensor, "..."], dim: int, centered: bool) -> Coefficients:
+    """`coefficients` of a checked axis, counted from the end."""
     x = working_precision(x)
     if centered:
         x = torch.fft.ifftshift(x, dim)
@@ -68,16 +72,17 @@ def synthesise(
     """
     values, dim = coefficients.values, coefficients.dim
     p = checked_order(order, values.device)
-    try:
-        leading_shape(values, p)
-    except RuntimeError as error:
-        raise ShapeError(
-            f"The order has shape {tuple(p.shape)}, expected one that broadcasts against the"
-            f" leading axes {tuple(values.shape[:-1])}: use order[:, None] for many orders of all"
-            " rows."
-        ) from error
+    lead = values.shape[:-1]  # of the result
+    if p.dim() and p.shape != lead[-p.dim() :]:  # broadcast_shapes is written in Python and slow
+        try:
+            lead = torch.broadcast_shapes(lead, p.shape)
+        except RuntimeError as error:
+            raise ShapeError(
+                f"The order has shape {tuple(p.shape)}, expected one that broadcasts against the"
+                f" leading axes {tuple(lead)}: use order[:, None] for many orders of all rows."
+            ) from error
     with full_precision(values.device):
-        result = gradients.synthesise(values, p, split_for(values), planar)
+        result = gradients.synthesise(values, p, lead, split_for(values), planar)
     result = result.movedim(-1, dim)
     return torch.fft.fftshift(result, dim) if coefficients.centered else result
 
@@ -141,7 +146,7 @@ def dfrft(
     turns = None if wants_gradient else whole_turns(order)
     by_fft = turns in (1, 3)
     if turns is None or (by_fft and not fft_is_exact(x.shape[dim])):
-        return synthesise(coefficients(x, dim, centered=centered), order, planar=planar)
+        return synthesise(_coefficients(x, dim, centered), order, planar=planar)
     result = quarter_turn(working_precision(x), turns, dim, centered=centered)
     return torch.stack([result.real, result.imag]) if planar else result
 
