@@ -20,8 +20,8 @@ from omnivat.kit.progress import CHECK, Step
 if TYPE_CHECKING:
     import numpy as np
 
-    from omnivat.data.store import Embeddings
     from omnivat.head.checkpoint import Head
+    from omnivat.training.from_pairs import TrainingPlan
 
 MOST_RUNS = 12  # that run or wait
 KEPT_RUNS = 48  # whose results are kept
@@ -38,7 +38,7 @@ LONGEST_VISITOR = 40
 class Run:
     """One training: its plan and its results so far."""
 
-    plan: dict[str, Any]  # as `plan_from` has it
+    plan: "TrainingPlan"
     rows: "np.ndarray[Any, Any]"  # pairs on the maps
     job: Job[None] = field(init=False)
     epochs: list[Reply] = field(default_factory=list)
@@ -68,7 +68,7 @@ class Run:
         self.job.report(
             Step(
                 done=int(report.epoch),
-                total=self.plan["training"].epochs,
+                total=self.plan.training.epochs,
                 text=f"epoch {report.epoch}",
             )
         )
@@ -104,7 +104,6 @@ class Trainings:
         visitor = address, name
         embeddings = resources.embeddings()
         plan = plan_from(question, embeddings)
-        learned = embeddings.labelled[embeddings.rows_of(plan["source"], split="train")]
         run = Run(plan=plan, rows=thinned(len(embeddings), MAP_PAIRS), visitor=visitor)
         key = os.urandom(12).hex()
         with self._lock:
@@ -118,7 +117,7 @@ class Trainings:
                     f"{MOST_RUNS} trainings run or wait here already; try again in a few minutes."
                 )
             run.job = self._sets.shared.jobs.start(
-                lambda job: self._work(job, run, embeddings, resources.owner),
+                lambda job: self._work(job, run, resources.owner),
                 lane="long",
                 visitor=address,
                 priority=PRIORITY,
@@ -127,9 +126,9 @@ class Trainings:
             self._runs.keep(key, run)
         return {
             "run": key,
-            "total": plan["training"].epochs,
-            "source": plan["source"],
-            "left_out": int((~learned).sum()),  # without a class
+            "total": plan.training.epochs,
+            "source": plan.source,
+            "left_out": plan.left_out,  # without a class
             "reach": REACH,
             "domains": list(embeddings.header.domains),
             "classes": list(embeddings.header.classes),
@@ -173,9 +172,9 @@ class Trainings:
             raise ForgottenError("The server no longer has this training; start it again.")
         return run
 
-    def _work(self, job: Job[None], run: Run, embeddings: "Embeddings", beside: str) -> None:
+    def _work(self, job: Job[None], run: Run, beside: str) -> None:
         from omnivat.training import Watch
-        from omnivat.training.from_pairs import plan_training, reporter, trained_head
+        from omnivat.training.from_pairs import reporter, trained_head
 
         def check() -> None:
             job.give_way()
@@ -184,12 +183,11 @@ class Trainings:
         CHECK.set(check)
         run.job = job
         run.require_visitor()
-        training = run.plan["training"]
+        training = run.plan.training
         first = "searching p" if training.order_search else "loading"
         job.report(Step(done=0, total=training.epochs, text=first))
-        plan = plan_training(embeddings, **run.plan)
-        shown = reporter(plan, run.take, every=MEASURE_EVERY)
-        run.head = trained_head(plan, watch=Watch(on_epoch=shown))
+        shown = reporter(run.plan, run.take, every=MEASURE_EVERY)
+        run.head = trained_head(run.plan, watch=Watch(on_epoch=shown))
         run.loaded = self._sets.adopt(run.head, beside=beside)
 
 

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from omnivat.data.store import Embeddings
+    from omnivat.training.from_pairs import TrainingPlan
 
 WIDTHS = (16, 32, 64, 128)
 ORDERS = ("gradient", "fixed", "search", "every")  # what p does
@@ -53,15 +54,16 @@ def offers(embeddings: "Embeddings", source: str) -> Reply:
     }
 
 
-def plan_from(question: Question, embeddings: "Embeddings") -> dict[str, Any]:
-    """Return what a request says of `omnivat.training.from_pairs.plan_training`, checked; missing
-    settings have their defaults. Raises DataError for a wrong one.
+def plan_from(question: Question, embeddings: "Embeddings") -> "TrainingPlan":
+    """Return the training that a request names; missing settings have their defaults. Raises
+    DataError for a wrong one, or for a source without pairs of two classes.
 
     question  {"source": domain, "width", "order": what p does, "p": initial value, "mma": λ,
               "levels": R, "expansion": E, "noise", "shift", "lang": true to use LANG, "epochs",
               "seed"}
     """
     from omnivat.training import TrainSettings
+    from omnivat.training.from_pairs import plan_training
 
     source = one_of("source", question.get("source"), embeddings.header.domains)
     order = one_of("order", question.get("order", ORDERS[0]), ORDERS)
@@ -82,7 +84,7 @@ def plan_from(question: Question, embeddings: "Embeddings") -> dict[str, Any]:
         "order": number["p"],
         "learn_order": order in ("gradient", "search"),
     }
-    return {"source": source, "head": head, "training": training, "seed": number["seed"]}
+    return plan_training(embeddings, source, head=head, training=training, seed=number["seed"])
 
 
 def thinned(count: int, most: int) -> "np.ndarray[Any, Any]":

@@ -68,7 +68,7 @@ def run(options: argparse.Namespace) -> None:
     )
     without = f"; {plan.left_out} pairs without a class are left out" if plan.left_out else ""
     print(
-        f"{parameter_count(plan.settings):,} trainable parameters, {len(plan.pairs)} pairs{without}"
+        f"{parameter_count(plan.settings):,} trainable parameters, {len(plan.rows)} pairs{without}"
     )
     if not options.resume:
         (options.out / STATE).unlink(missing_ok=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from omnivat.data.profile import profile_of
+from omnivat.data.profile import Profile, profile_of
 from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import LangBank
 from omnivat.head.head import OmniVaT, build_head
@@ -31,6 +31,7 @@ class Trained:
     """A trained model and the record of its training."""
 
     model: OmniVaT
+    profile: Profile  # of the pairs
     epochs: list[dict[str, float]] = field(default_factory=list)
     search: dict[str, Any] = field(default_factory=dict)  # of the order; see `order_search`
 
@@ -114,8 +115,10 @@ def train(
             watch = watch.part(first, whole)
 
         model = build_head(head, seed=derive_seed(seed, "weights"))
+        profile = profile_of(source)
         if head.standardize:
-            model.standardize_by(profile_of(source, modalities=settings.given))
+            channels = {name: profile.channels[name] for name in settings.given}
+            model.standardize_by(replace(profile, channels=channels))
         model = model.train().to(current())
         optimiser, run = make_optimiser(model, settings), ""
         epochs: list[dict[str, float]] = []
@@ -144,7 +147,7 @@ def train(
         resume.unlink(missing_ok=True)
     if search:
         search["found"] = model.order
-    return Trained(model=model.eval().cpu(), epochs=epochs, search=search)
+    return Trained(model=model.eval().cpu(), profile=profile, epochs=epochs, search=search)
 
 
 def steps_of(pairs: int, settings: TrainSettings) -> int:

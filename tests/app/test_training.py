@@ -70,6 +70,13 @@ def test_pairs_without_a_class_are_left_out_of_a_training_and_told(
     assert b"unlabelled" not in zipped.read("trained-head/settings.json")
 
 
+def test_a_domain_with_one_class_is_refused_before_the_queue(sets, without_classes, monkeypatch):
+    some = without_classes(sets.first.embeddings(), 4)
+    monkeypatch.setattr(sets.first, "embeddings", lambda: some)
+    with pytest.raises(DataError, match="'TAG-sim' has 40 training pairs, of 1 classes; a head"):
+        Trainings(sets).start(sets.first, SMALL)
+
+
 def test_every_step_of_a_training_gives_way_to_requests(sets, monkeypatch):
     ways = []
     monkeypatch.setattr("app.jobs.Job.give_way", lambda job: ways.append(job))
@@ -81,9 +88,9 @@ def test_what_is_offered_can_be_trained(resources):
     embeddings = resources.embeddings()
     found = offers(embeddings, resources.head().source)
     plan = plan_from(found["first"], embeddings)
-    width, weight = plan["head"]["width"], plan["training"].mma_weight
-    assert (plan["source"], width, weight) == ("TAG-sim", 64, 10.0)
-    assert plan["head"]["learn_order"]
+    width, weight = plan.settings.width, plan.training.mma_weight
+    assert (plan.source, width, weight) == ("TAG-sim", 64, 10.0)
+    assert plan.settings.learn_order
     header = replace(embeddings.header, classes=(*embeddings.header.classes, "fabric"))
     other = replace(embeddings, header=header)
     assert found["first"]["lang"] and not offers(other, "")["first"]["lang"]
@@ -100,8 +107,8 @@ def test_what_is_offered_can_be_trained(resources):
 )
 def test_what_p_does_becomes_settings(resources, order, learned, searched, drawn):
     plan = plan_from({**SMALL, "order": order, "p": 0.3}, resources.embeddings())
-    assert (plan["head"]["learn_order"], plan["head"]["order"]) == (learned, 0.3)
-    assert (plan["training"].order_search, plan["training"].order_draw) == (searched, drawn)
+    assert (plan.settings.learn_order, plan.settings.order) == (learned, 0.3)
+    assert (plan.training.order_search, plan.training.order_draw) == (searched, drawn)
 
 
 @pytest.mark.parametrize(

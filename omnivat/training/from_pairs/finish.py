@@ -1,24 +1,29 @@
 """Train and finish a head: calibration, familiarity, scores on every domain."""
 
 import math
+import platform
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
 
-from omnivat.data.profile import STEP_SHIFTED, profile_of
+from omnivat.data.profile import STEP_SHIFTED
+from omnivat.data.store import Embeddings
 from omnivat.head.calibration import familiarity_of, fit_calibration
 from omnivat.head.checkpoint import Head
 from omnivat.head.fusion import Temperatures
 from omnivat.kit.errors import DataError
 from omnivat.measure.known import evaluate, target_mean, target_scores
 from omnivat.measure.predictions import label_map, predicted_logits
-from omnivat.training import Watch
+from omnivat.training import Trained, Watch, train
 from omnivat.training.from_pairs.plan import TrainingPlan
 from omnivat.training.selection import evidence
+
+PACKAGES = ("torch", "numpy", "safetensors")  # whose versions a head keeps
 
 
 def trained_head(
@@ -46,37 +51,40 @@ def trained_head(
     >>> head.source, len(head.metrics["domains"]), head.profile.counts
     ('Chirps A-sim', 4, {'vis': 100, 'tac': 100})
     """
-    trained = plan.train(watch=watch, resume=resume)
-    model = trained.model
-    provenance = plan.provenance()
+    pairs = plan.pairs
+    trained = _trained(plan, pairs, resume=resume, watch=watch)
+    model, provenance = trained.model, _provenance(plan)
     if calibrate:
         how = "a quarter of the source's objects, as they are and under imitated sensors"
         try:
-            model.temperatures = calibration_of(plan.searched(model.order))
+            model.temperatures = calibration_of(plan, pairs, model.order)
         except DataError as error:
             how = f"none: {error}"
         provenance["calibration"] = how
-    vis, tac = map(torch.from_numpy, (plan.pairs.vis, plan.pairs.tac))
+    vis, tac = map(torch.from_numpy, (pairs.vis, pairs.tac))
     try:
-        known = familiarity_of(vis, tac, plan.pairs.rows["object"])
+        known = familiarity_of(vis, tac, pairs.rows["object"])
     except DataError:  # all training images are of one object
         known = None
-    profile = profile_of(plan.pairs, domain=plan.source)
+    header, step = plan.embeddings.header, STEP_SHIFTED if plan.training.shift else 1.0
     head = Head(
         model=model,
         settings=model.settings,
-        encoder=plan.encoder,
+        encoder={
+            "name": header.encoder,
+            "weights_hash": header.weights_hash,
+            "preprocessing": header.preprocessing,
+        },
         provenance=provenance,
         familiarity=known,
-        profile=replace(profile, step=STEP_SHIFTED if plan.training.shift else 1.0),
+        profile=replace(trained.profile, domain=plan.source, step=step),
     )
     records = evaluate(head, plan.embeddings)
     summary = _summary(plan.seed, head, records)
     means = {name: value for name, value in summary.items() if name not in ("seed", "domains")}
     others = []
     for seed in repeat:
-        model = replace(plan, seed=seed).train().model
-        other = replace(head, model=model)
+        other = replace(head, model=_trained(replace(plan, seed=seed), pairs).model)
         others.append(_summary(seed, other, evaluate(other, plan.embeddings)))
     metrics = {
         **means,
@@ -88,22 +96,60 @@ def trained_head(
     return replace(head, metrics=metrics)
 
 
-def calibration_of(plan: TrainingPlan) -> Temperatures:
+def _trained(
+    plan: TrainingPlan, pairs: Embeddings, *, resume: Path | None = None, watch: Watch | None = None
+) -> Trained:
+    """Train on some pairs with the settings, text and seed of a plan."""
+    return train(
+        pairs,
+        plan.settings,
+        plan.training,
+        bank=plan.bank,
+        seed=plan.seed,
+        resume=resume,
+        watch=watch,
+    )
+
+
+def calibration_of(plan: TrainingPlan, pairs: Embeddings, order: float) -> Temperatures:
     """Fit temperatures to predictions for held-out pairs of the source.
 
-    A head is trained on three quarters of the source's objects with the same settings. It predicts
+    A head is trained on three quarters of the source's objects with the same settings, from `order`
+    and without a search. It predicts
     the last quarter, as it is and under imitated sensors (omnivat/training/selection.py): with
     plain pairs alone, a head would be as confident on a new sensor as on its own.
 
     Raises DataError if no object can be held out.
     """
-    fit, held = evidence(plan.pairs)
-    model, classes = replace(plan, pairs=fit).train().model, plan.settings.classes
+    fit, held = evidence(pairs)
+    settings = replace(plan.settings, order=order)
+    searched = replace(plan, settings=settings, training=replace(plan.training, order_search=False))
+    model, classes = _trained(searched, fit).model, settings.classes
     parts = [predicted_logits(model, pairs, modalities=plan.training.given) for pairs in held]
     labels = [label_map(classes, pairs.header.classes)[pairs.label] for pairs in held]
     logits = {name: torch.cat([part[name] for part in parts]) for name in parts[0]}
     truth = torch.from_numpy(np.concatenate(labels))
-    return fit_calibration(logits, truth, fusion=plan.settings.fusion)
+    return fit_calibration(logits, truth, fusion=settings.fusion)
+
+
+def _provenance(plan: TrainingPlan) -> dict[str, Any]:
+    """Return the provenance of a head of the plan, for the head folder."""
+    header, bank = plan.embeddings.header, plan.bank
+    return {
+        "source": plan.source,
+        "part": plan.part,
+        "simulated": header.simulated,
+        "data": header.origin,
+        "pairs": len(plan.rows),
+        "left_out": plan.left_out,
+        "seed": plan.seed,
+        "train": asdict(plan.training),
+        "lang": {"origin": bank.origin, "hash": bank.hash} if bank else None,
+        "versions": {
+            "python": platform.python_version(),
+            **{name: version(name) for name in PACKAGES},
+        },
+    }
 
 
 def _summary(seed: int, head: Head, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:

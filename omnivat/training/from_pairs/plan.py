@@ -1,11 +1,12 @@
 """The plan of a training, checked before its first step."""
 
-import platform
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import DEFAULT_BANK, LangBank, load_bank
@@ -13,22 +14,20 @@ from omnivat.head.checkpoint import Head
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.config import settings_from
 from omnivat.kit.errors import DataError
-from omnivat.training import Trained, TrainSettings, Watch, train
-from omnivat.training.batches import labels_of
+from omnivat.training import TrainSettings
 from omnivat.training.state import run_name
 
-PACKAGES = ("torch", "numpy", "safetensors")  # whose versions a head keeps
 FROM_DATA = ("classes", "input_width", "lang_width")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrainingPlan:
-    """Pairs, settings, text and seed of one training."""
+    """Pairs, settings, text and seed of one training. It holds no copy of the pairs."""
 
-    embeddings: Embeddings  # the whole set; only `pairs` are used for training
+    embeddings: Embeddings  # the whole set; only `rows` are used for training
     source: str
     part: str
-    pairs: Embeddings  # training pairs of the source, those with a class
+    rows: NDArray[np.int64]  # training pairs of the source, those with a class
     settings: HeadSettings
     training: TrainSettings
     bank: LangBank | None
@@ -37,61 +36,19 @@ class TrainingPlan:
 
     def at(self, order: float, seed: int) -> "TrainingPlan":
         """Return the same plan with p fixed at `order`, and another seed."""
-        found = self.searched(order)
-        settings = replace(found.settings, learn_order=False)
-        training = replace(found.training, order_draw=False, order_teachers=0)
+        settings = replace(self.settings, order=order, learn_order=False)
+        training = replace(self.training, order_search=False, order_draw=False, order_teachers=0)
         return replace(self, settings=settings, training=training, seed=seed)
 
-    def searched(self, order: float) -> "TrainingPlan":
-        """Return the same plan from an order that a search has found."""
-        settings = replace(self.settings, order=order)
-        return replace(self, settings=settings, training=replace(self.training, order_search=False))
-
-    def train(self, *, watch: Watch | None = None, resume: Path | None = None) -> Trained:
-        """Train; arguments and errors as in `omnivat.training.train`."""
-        return train(
-            self.pairs,
-            self.settings,
-            self.training,
-            bank=self.bank,
-            seed=self.seed,
-            resume=resume,
-            watch=watch,
-        )
+    @property
+    def pairs(self) -> Embeddings:
+        """A copy of the training pairs."""
+        return self.embeddings.select(self.rows)
 
     @property
     def name(self) -> str:
         """A hash of pairs, settings, text and seed."""
         return run_name(self.pairs, self.settings, self.training, self.bank, self.seed)
-
-    @property
-    def encoder(self) -> dict[str, str]:
-        """The encoder of the embeddings, for the head folder."""
-        header = self.embeddings.header
-        return {
-            "name": header.encoder,
-            "weights_hash": header.weights_hash,
-            "preprocessing": header.preprocessing,
-        }
-
-    def provenance(self) -> dict[str, Any]:
-        """Return the provenance of a head of this plan, for the head folder."""
-        header, bank = self.embeddings.header, self.bank
-        return {
-            "source": self.source,
-            "part": self.part,
-            "simulated": header.simulated,
-            "data": header.origin,
-            "pairs": len(self.pairs),
-            "left_out": self.left_out,
-            "seed": self.seed,
-            "train": asdict(self.training),
-            "lang": {"origin": bank.origin, "hash": bank.hash} if bank else None,
-            "versions": {
-                "python": platform.python_version(),
-                **{name: version(name) for name in PACKAGES},
-            },
-        }
 
 
 def plan_training(
@@ -113,29 +70,26 @@ def plan_training(
     training  None: default settings
     bank      LANG or its file; None: the project's own. Not read if training.lang is off
 
-    Raises DataError if there is nothing to learn, or if the bank lacks a class; SettingsError for
-    invalid settings.
+    Raises DataError for pairs of fewer than two classes, or if the bank lacks a class;
+    SettingsError for invalid settings.
 
     >>> from omnivat import EXAMPLES, load_embeddings
     >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
     >>> light = TrainSettings(epochs=2, lang=False)
     >>> plan = plan_training(pairs, "Chirps A-sim", head={"width": 16}, training=light)
-    >>> len(plan.pairs), plan.settings.input_width, plan.settings.width
+    >>> len(plan.rows), plan.settings.input_width, plan.settings.width
     (100, 64, 16)
     """
     training = training or TrainSettings()
-    pairs = embeddings.in_domain(source, split="train", part=part)
-    if not len(pairs):
-        what = f" of part '{part}'" if part else ""
-        raise DataError(f"'{source}' has no pairs{what} to train on; choose another domain.")
-    if left_out := len(pairs) - int(pairs.labelled.sum()):
-        pairs = pairs.select(pairs.labelled)
-        if not len(pairs):
-            raise DataError(
-                f"None of the {left_out} pairs of '{source}' has a class; choose another domain."
-            )
-    present = set(pairs.label.tolist())
-    classes = tuple(name for k, name in enumerate(embeddings.header.classes) if k in present)
+    every = embeddings.rows_of(source, split="train", part=part)
+    rows = every[embeddings.labelled[every]]
+    classes = tuple(embeddings.header.classes[k] for k in np.unique(embeddings.label[rows]))
+    if len(classes) < 2:
+        what = f", part '{part}'," if part else ""
+        raise DataError(
+            f"'{source}'{what} has {len(every)} training pairs, of {len(classes)} classes; a head"
+            " needs two classes or more. Choose another domain."
+        )
     texts = None
     if training.lang:
         texts = (
@@ -147,17 +101,16 @@ def plan_training(
         "lang_width": texts.width if texts else 1,
     }
     settings = settings_from(HeadSettings, {**values, **(head or {})})
-    labels_of(pairs, settings)  # raises an error for a single class before any work
     return TrainingPlan(
         embeddings=embeddings,
         source=source,
         part=part,
-        pairs=pairs,
+        rows=rows,
         settings=settings,
         training=training,
         bank=texts,
         seed=seed,
-        left_out=left_out,
+        left_out=len(every) - len(rows),
     )
 
 
