@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from app.pair_input import OTHER, Asked, asked, rounded
+from app.pair_input import OTHER, Asked, pair_of, rounded
 from app.resources import Resources
 from app.state import Question, Reply
 
@@ -19,30 +19,28 @@ MOST_LOOKED_AT = 2000  # pairs of the set among which the first one is chosen
 
 
 def familiar(resources: Resources, question: Question) -> Reply:
-    """Return the familiarity of each image of a pair.
+    """Return the training pairs nearest to each image of a pair.
 
-    question  {"vis", "tac": references; "lessons": the visitor's labelled pairs, with which images
-              are then compared}
+    question  {"vis", "tac": references; "head": a name}
     return    `images`: modality -> `nearest`, the nearest training pairs of the loaded set and
-              their cosines in E, and what `looked_at` has; `strays`: true if an uploaded image is
-              nearer to the training images of the other modality; `of`: the set of the `nearest`
-              pairs
+              their cosines in E; `strays`: true if an uploaded image is nearer to the training
+              images of the other modality; `of`: the set of the `nearest` pairs
 
     Raises DataError if the set has another encoder.
     """
     import torch
 
-    resources.head_named(question.get("head")).require_embeddings(resources.embeddings())
-    named = asked(resources, {**question, "profile": ""})
-    index, of = training_pairs(resources, named.head)
-    looked = looked_at(named)
+    head = resources.head_named(question.get("head"))
+    head.require_embeddings(resources.embeddings())
+    refs, before, _ = pair_of(resources, {**question, "profile": ""})
+    index, of = training_pairs(resources, head)
     images: dict[str, Reply] = {}
-    for name, ref in named.refs.items():
-        raw = named.before[name]
+    for name, ref in refs.items():
+        raw = before[name]
         if ref is None or raw is None:
             continue
         near = _nearest(resources, name, raw, index, int(ref.name) if ref.kind == "row" else None)
-        images[name] = {"nearest": near, **looked.get(name, {})}
+        images[name] = {"nearest": near}
         if ref.kind == "image" and not question.get("profile"):
             raw = torch.from_numpy(resources.embedding(ref, OTHER[name]).copy())[None]
             images[name]["strays"] = (

@@ -4,7 +4,7 @@ import base64
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from app.familiar import predict_one
+from app.familiar import looked_at, predict_one
 from app.pair_input import asked, rounded, within
 from app.resources import Resources
 from app.state import Question, Reply
@@ -44,7 +44,8 @@ def predicted(resources: Resources, question: Question) -> Reply:
     return    classes, the learned order and the `span` of orders the head was trained for;
               `linear`: whether linear maps decide, in which p has no part;
               `exact`: class probabilities of each reading at that order; `orders` and `stops`:
-              the same at 101 orders, without branches; spectra
+              the same at 101 orders, without branches; spectra; `images`: the familiarity of
+              each image, as `app.familiar.looked_at` has it
     """
     import torch
 
@@ -69,6 +70,7 @@ def predicted(resources: Resources, question: Question) -> Reply:
             "readings": {name: rounded(values[-1:])[0] for name, values in readings.items()},
         },
         "spectra": {name: spectrum(values) for name, values in magnitudes.items()},
+        "images": looked_at(named),
     }
 
 

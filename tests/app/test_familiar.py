@@ -8,6 +8,7 @@ import torch
 
 from app.familiar import familiar, first, training_pairs
 from app.resources import Resources
+from app.views.pair import predicted
 from omnivat.data.store import save_embeddings
 from omnivat.head.calibration import familiarity_of
 from omnivat.measure.unseen import counted
@@ -56,16 +57,14 @@ def test_a_set_in_half_precision_that_stays_in_its_file_has_nearest_pairs(
 
 def test_a_training_image_is_familiar_and_noise_is_a_guess(knowing, png):
     ref, _ = knowing.take_image(png(seed=5), "noise.png")
-    images = familiar(knowing, {"vis": "row:3", "tac": str(ref)})["images"]
+    images = predicted(knowing, {"vis": "row:3", "tac": str(ref)})["images"]
     assert (images["vis"]["words"], images["vis"]["guess"]) == ("familiar", False)
     assert (images["tac"]["words"], images["tac"]["guess"]) == ("unlike the training images", True)
 
 
 def test_a_head_that_does_not_know_its_training_images_makes_no_claim(resources):
     resources.head._made[:] = [replace(resources.head(), familiarity=None)]
-    images = familiar(resources, {"vis": "row:3"})["images"]
-    assert set(images) == {"vis"}
-    assert "words" not in images["vis"]
+    assert predicted(resources, {"vis": "row:3"})["images"] == {}
 
 
 def test_an_image_nearer_to_the_other_modality_strays_and_one_of_its_own_does_not(resources):
@@ -112,7 +111,7 @@ def test_the_page_opens_with_a_pair_that_was_not_trained_on_and_is_no_guess(know
     assert kind == "row"  # the examples of this set are not in it
     embeddings = knowing.embeddings()
     assert counted(embeddings, knowing.head().source)[int(row)]
-    images = familiar(knowing, {"vis": f"row:{row}", "tac": f"row:{row}"})["images"]
+    images = predicted(knowing, {"vis": f"row:{row}", "tac": f"row:{row}"})["images"]
     assert not any(image["guess"] for image in images.values())
 
 

@@ -51,8 +51,9 @@ const PAIR = {
   exact: {
     readings: { fused: [0.9, 0.1], vis: [0.8, 0.2], tac: [0.3, 0.7], vis_branch: [0.9, 0.1], tac_branch: [0.85, 0.15] },
   },
+  images: {},
 };
-const STRANGE = { images: { vis: { guess: true }, tac: { guess: false } } };
+const STRANGE = { ...PAIR, images: { vis: { guess: true }, tac: { guess: false } } };
 const LABELLED = [
   { vis: "image:a", tac: "image:b", label: "wood", name: "a", said: { fused: "wood", vis: "wood", tac: "steel" } },
   { vis: "image:c", tac: null, label: "steel", name: "c", said: { vis: "wood" } },
@@ -63,15 +64,15 @@ const told = (tab, ...events) =>
   events.reduce((before, [name, what = {}]) => after(before.tab, name, what), { tab: { ...START, ...tab } });
 
 test("touch only is the touch with the photo absent, never a branch inside the pair", () => {
-  const html = String(cards(PAIR, { images: {} }, {}));
+  const html = String(cards(PAIR, {}));
   const touch = html.slice(html.indexOf('data-reading="tac"'));
   assert.match(touch, /steel <b>70/);
   assert.ok(!html.includes("85"));
 });
 
 test("an image unlike the training images makes every reading that uses it a guess, without a figure, of files and cameras", () => {
-  const live = { classes: CLASSES, readings: PAIR.exact.readings, ...STRANGE };
-  for (const html of [cards(PAIR, STRANGE, {}), liveHtml(live)].map(String)) {
+  const live = { classes: CLASSES, readings: PAIR.exact.readings, images: STRANGE.images };
+  for (const html of [cards(STRANGE, {}), liveHtml(live)].map(String)) {
     const [both, photo, touch] = html.split("<article").slice(1);
     for (const guessed of [both, photo]) {
       assert.match(guessed, /This is a guess.*The photo is unlike anything it has seen/);
@@ -82,28 +83,27 @@ test("an image unlike the training images makes every reading that uses it a gue
 });
 
 test("the list of classes and the other heads have grey columns and no figures for guesses", () => {
-  const html = String(classTable(PAIR, STRANGE));
+  const html = String(classTable(STRANGE));
   const grey = [...html.matchAll(/<td data-reading="(\w+)" class="of-guess"/g)].map(([, reading]) => reading);
   assert.deepEqual(grey, ["fused", "vis", "fused", "vis"]);
   assert.equal(html.match(/\(guess\)/g).length, 2);
   assert.match(html, /Grey: figures for a guess/);
-  assert.doesNotMatch(String(classTable(PAIR, { images: { vis: { guess: false } } })), /guess/);
-  const [, , own, other] = String(rivalsHtml(PAIR, [{ ...PAIR, label: "other" }], STRANGE)).split("<tr>");
+  assert.doesNotMatch(String(classTable({ ...PAIR, images: { vis: { guess: false } } })), /guess/);
+  const [, , own, other] = String(rivalsHtml(STRANGE, [{ ...PAIR, label: "other" }])).split("<tr>");
   for (const row of [own, other]) {
     assert.equal(row.match(/wood\?/g).length, 2);
     assert.match(row, /steel <b>70/);
   }
 });
 
-test("no figure is shown or read out before the familiarity is known", () => {
-  assert.doesNotMatch(String(cards(PAIR, null, {})), /%/);
-  assert.equal(spoken(PAIR, STRANGE), "wood? This is a guess.");
-  assert.match(spoken(PAIR, { images: {} }), /^wood, 90/);
+test("a figure is read out with the prediction, and of a guess none", () => {
+  assert.equal(spoken(STRANGE), "wood? This is a guess.");
+  assert.match(spoken(PAIR), /^wood, 90/);
 });
 
 test("with one image there is no reading of both", () => {
   const html = String(
-    cards({ classes: CLASSES, exact: { readings: { fused: [0.3, 0.7], tac: [0.3, 0.7] } } }, null, {}),
+    cards({ classes: CLASSES, exact: { readings: { fused: [0.3, 0.7], tac: [0.3, 0.7] } }, images: {} }, {}),
   );
   assert.match(html, /Add the photo to see both together/);
   assert.match(html, /class="reading none" data-reading="vis">.*No photo here/);
@@ -124,8 +124,8 @@ test("familiarity is said in words and as a share of the training images", () =>
   assert.match(sentence("tac", { words: "familiar", quantile: 0.25 }), /^Familiar: 25 of 100/); // an ordinary rank
   assert.match(sentence("vis", { words: "familiar", quantile: 1, cosine: 1 }), /one of the training photos/);
   assert.match(sentence("tac", {}), /has no record/);
-  const images = { vis: { ...image, nearest: [{ pair: 1, cosine: 0.5 }] } };
-  const html = String(familiarHtml({ images, of: "A" }, { frames: frames(), sprite: null }));
+  const near = { images: { vis: { nearest: [{ pair: 1, cosine: 0.5 }] } }, of: "A" };
+  const html = String(familiarHtml(near, { vis: image }, { frames: frames(), sprite: null }));
   assert.match(html, /<i class="right" style="--at:0\.01">.*title="Open this pair of B".*<b>steel<\/b> 0\.50/s);
 });
 

@@ -35,7 +35,9 @@ test("flat gaps of the transform are claimed only where all stops are one head",
 
 test("a pair of signals is called two recordings", () => {
   speakOfSignals();
-  const html = String(cards({ classes: ["a", "b"], exact: { readings: { fused: [1, 0], vis: [1, 0] } } }, null, {}));
+  const html = String(
+    cards({ classes: ["a", "b"], exact: { readings: { fused: [1, 0], vis: [1, 0] } }, images: {} }, {}),
+  );
   assert.match(html, /First only/);
   assert.match(html, /No second recording here/);
   assert.doesNotMatch(html, /[Pp]hoto|[Tt]ouch/);

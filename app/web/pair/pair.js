@@ -51,18 +51,19 @@ const PARTS = {
     answer && facts.left_out && isOwn(tab) && !taught
       ? readerHtml(facts, Boolean(readerOf({ vis: tab.vis, tac: tab.tac })), source)
       : null,
-  ".familiar": ({ answer, familiar, set, ...pair }) => {
+  ".familiar": ({ answer, familiar, set, question, ...pair }) => {
     if (!answer) return null;
     if (!familiar) return undefined;
-    if (familiar.problem) return hint(familiar.problem);
-    return html`${!set.frames?.signals && swapHtml(familiar.images, pair)}${familiarHtml(familiar, set)}`;
+    if ("problem" in familiar) return hint(familiar.problem);
+    const looks = familiarHtml(familiar, answer.images, set, Boolean(question?.lessons));
+    return html`${!set.frames?.signals && swapHtml(familiar.images, pair)}${looks}`;
   },
   ".own": ownHtml,
-  ".rivals": ({ answer, familiar, rivals, heads }) => {
+  ".rivals": ({ answer, rivals, heads }) => {
     if (!answer || !heads.length) return null;
-    return familiar && rivals ? rivalsHtml(answer, rivals, familiar) : undefined;
+    return rivals ? rivalsHtml(answer, rivals) : undefined;
   },
-  ".aloud": ({ answer, familiar }) => (answer && familiar ? html`${spoken(answer, familiar)}` : undefined),
+  ".aloud": ({ answer }) => (answer ? html`${spoken(answer)}` : undefined),
 };
 
 /** The tab on the screen: it takes events, draws what they make of the tab, and has the work done that follows. */

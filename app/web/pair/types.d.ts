@@ -6,6 +6,8 @@ type PairSet = { frames: Frames | null; sprite: Sprite | null; later?: Promise<P
 type Truths = Partial<Record<Modality, string>>;
 /** Which images are unlike those that a head learned from. */
 type Guesses = Partial<Record<Modality, { guess?: boolean }>> | null;
+/** What is predicted of a pair, and how familiar its images are. */
+type Answer = Pick<Predicted, "classes" | "exact" | "images">;
 /** What one reading of a pair says: a class and its probability, and the images that make it a guess. */
 interface Said {
   reading: Reading;
@@ -15,13 +17,6 @@ interface Said {
   used: Modality[];
   strange: Modality[];
   guess: boolean;
-}
-/** Familiarity of the images of a pair; `yours`: with the visitor's labelled pictures. */
-interface Seen {
-  images: Familiar;
-  of?: string;
-  yours?: boolean;
-  problem?: string;
 }
 /** What another head says of the pair. */
 type Rival = { label: string } & ({ problem: string } | Pick<Predicted, "classes" | "exact" | "learned">);
@@ -100,7 +95,7 @@ interface PairTab {
   answer: Predicted | null;
   question: Question | null; // of the answer
   classes: string[]; // of the head that answered last
-  familiar: Seen | null;
+  familiar: Replies["familiar"] | { problem: string } | null;
   rivals: Rival[] | null;
   on: boolean; // whether the cameras are
   frame: Frame | null; // what the cameras show

@@ -61,12 +61,15 @@ const cardsOf = (all, words) =>
     return html`<article class="reading ${!one.label && "none"}" data-reading="${one.reading}"><h3${absent}>${signed(one.reading)}</h3>${words(one)}</article>`;
   })}</div>`;
 
-/** Three cards. `familiar`: familiarity of the images, null until it arrives; `truths`: the class of each image, if known.
- * @param {Pick<Predicted, "classes" | "exact">} answer @param {Seen | null} familiar @param {Truths} truths */
-export function cards({ classes, exact }, familiar, truths) {
-  const [given] = imagesOf(exact.readings);
-  return cardsOf(readingsOf({ classes, ...exact, ...familiar }), (one) => {
-    if (one.label) return [called(one, familiar), judged(one, truths, classes)];
+/** A prediction by what `readingsOf` takes. @param {Answer} answer */
+const readingsIn = ({ classes, exact, images }) => readingsOf({ classes, ...exact, images });
+
+/** Three cards. `truths`: the class of each image, if known; `yours`: the lessons decide what is familiar.
+ * @param {Answer} answer @param {Truths} truths @param {boolean} [yours] */
+export function cards(answer, truths, yours) {
+  const [given] = imagesOf(answer.exact.readings);
+  return cardsOf(readingsIn(answer), (one) => {
+    if (one.label) return [called(one, yours), judged(one, truths, answer.classes)];
     if (one.reading === "fused") return hint(`Add the ${TERMS[OTHER[given]].one} to see both together.`);
     return hint(`No ${TERMS[one.reading].one} here.`);
   });
@@ -77,13 +80,13 @@ export function liveHtml(frame) {
   const there = readingsOf(frame).filter(({ label }) => label);
   const [words, below] = frame.idle
     ? [null, "No contact: press the sensor on something."]
-    : [cardsOf(there, (one) => called(one, frame)), "Everything below belongs to the pair chosen before."];
+    : [cardsOf(there, (one) => called(one, frame.yours)), "Everything below belongs to the pair chosen before."];
   return html`<p><b class="tag">live</b></p>${words}${hint(below)}`;
 }
 
 /** The panel of the prediction. @param {PairTab} tab */
 export function verdictHtml(tab) {
-  const { answer, frame, slow, familiar } = tab;
+  const { answer, question, frame, slow } = tab;
   if (frame) return liveHtml(frame);
   if (slow) return hint("Loading the head… the first prediction takes a few seconds.");
   if (!answer) return hint("Choose a pair to see the prediction. One image is enough.");
@@ -96,17 +99,15 @@ export function verdictHtml(tab) {
   const at = answer.linear
     ? "By linear maps, in which p has no part."
     : `At the learned p = ${answer.learned.toFixed(4)}.`;
-  return html`${by}${madeOf(truths) ?? mix}${cards(answer, familiar, truths)}
-    <details class="all-classes" ${tab.allClasses && "open"}><summary>Every class</summary><div class="bars">${classTable(answer, familiar)}</div>${hint(at)}</details>`;
+  return html`${by}${madeOf(truths) ?? mix}${cards(answer, truths, Boolean(question?.lessons))}
+    <details class="all-classes" ${tab.allClasses && "open"}><summary>Every class</summary><div class="bars">${classTable(answer)}</div>${hint(at)}</details>`;
 }
 
-/** A prediction in words; its figure waits for the familiarity, which may make it a guess.
- * @param {Said} said @param {Pick<Seen, "yours"> | null} familiar */
-function called({ label, share, strange }, familiar) {
-  if (!familiar) return html`<p class="said">${label}</p>`;
+/** A prediction in words; a guess has no figure. @param {Said} said @param {boolean} [yours] */
+function called({ label, share, strange }, yours) {
   if (!strange.length) return html`<p class="said">${label} <b>${percent(share)}</b></p>`;
   const what = strange.length > 1 ? "Both images are" : `The ${TERMS[strange[0]].one} is`;
-  const seen = familiar.yours ? "the pictures that you labelled" : "anything it has seen";
+  const seen = yours ? "the pictures that you labelled" : "anything it has seen";
   return html`<p class="said guess">${label}?</p><p class="guessed"><b>This is a guess.</b> ${what} unlike ${seen}.</p>`;
 }
 
@@ -129,15 +130,14 @@ export const madeOf = ({ vis, tac }) =>
     ? html`<p class="made-of">${TERMS.vis.title}: <b>${vis}</b>. ${TERMS.tac.title}: <b>${tac}</b>.</p>`
     : null;
 
-/** Every class under every reading; columns of guesses are grey.
- * @param {Pick<Predicted, "classes" | "exact">} answer @param {Pick<Seen, "images"> | null} [familiar] */
-export function classTable({ classes, exact }, familiar) {
-  const columns = readingsOf({ classes, ...exact, ...familiar }).filter(({ label }) => label);
+/** Every class under every reading; columns of guesses are grey. @param {Answer} answer */
+export function classTable(answer) {
+  const columns = readingsIn(answer).filter(({ label }) => label);
   const [{ label: winner }] = columns; // the first is both, if both are there
   const head = columns.map(
     ({ reading, guess }) => html`<th scope="col">${signed(reading)}${guess && html` <small>(guess)</small>`}</th>`,
   );
-  const rows = classes.map((name, k) => {
+  const rows = answer.classes.map((name, k) => {
     const cells = columns.map(
       ({ reading, row, guess }) =>
         html`<td data-reading="${reading}" class="${guess && "of-guess"}"><span class="bar ${reading}" style="--share:${row[k]}"></span><span class="share">${percent(row[k], 1)}</span></td>`,
@@ -152,19 +152,18 @@ export function classTable({ classes, exact }, familiar) {
   return html`<table class="bar-table"><thead><tr><th scope="col">Class</th>${head}</tr></thead><tbody>${rows}</tbody></table>${grey}`;
 }
 
-/** The prediction in one sentence, for a screen reader.
- * @param {Pick<Predicted, "classes" | "exact">} answer @param {Pick<Seen, "images">} familiar */
-export function spoken({ classes, exact }, familiar) {
-  const [{ label, share, guess }] = readingsOf({ classes, ...exact, ...familiar }).filter((said) => said.label);
+/** The prediction in one sentence, for a screen reader. @param {Answer} answer */
+export function spoken(answer) {
+  const [{ label, share, guess }] = readingsIn(answer).filter((said) => said.label);
   return guess ? `${label}? This is a guess.` : `${label}, ${percent(share)}`;
 }
 
 /** The same pair by other heads; a reading that is a guess has no figure. All heads share the encoder.
- * @param {Pick<Predicted, "classes" | "exact" | "learned">} answer @param {Rival[]} others @param {Pick<Seen, "images">} familiar */
-export function rivalsHtml(answer, others, familiar) {
+ * @param {Answer & Pick<Predicted, "learned">} answer @param {Rival[]} others */
+export function rivalsHtml(answer, others) {
   const lines = [{ ...answer, label: "this head" }, ...others].map((one) => {
     if ("problem" in one) return row(html`${one.label}`, [html`<td colspan="3">${one.problem}</td>`]);
-    const cells = readingsOf({ ...one, ...one.exact, ...familiar }).map(
+    const cells = readingsIn({ ...one, images: answer.images }).map(
       (said) => html`<td class="${said.guess && "of-guess"}">${brief(said)}</td>`,
     );
     return row(html`${one.label} <small>p = ${one.learned.toFixed(3)}</small>`, cells);
@@ -190,7 +189,7 @@ export function sentence(modality, { words, guess, cosine = 0, quantile = 0 }, y
 }
 
 /** A question about pictures that are nearer to the training images of the other slot; null if none is.
- * @param {Familiar} images @param {Pair} pair */
+ * @param {Near} images @param {Pair} pair */
 export function swapHtml(images, { vis, tac }) {
   const there = imagesOf(images);
   if (!there.length || !there.every((name) => images[name]?.strays)) return null;
@@ -205,18 +204,20 @@ export function swapHtml(images, { vis, tac }) {
   return html`<p class="note swapped">${words} ${opener(act, { vis: tac, tac: vis })}</p>`;
 }
 
-/** The panel; `set` has thumbnails and names of domains and classes, once loaded. @param {Seen} seen @param {PairSet} set */
-export function familiarHtml({ images, of, yours }, set) {
-  const looks = imagesOf(images).map((modality) => {
-    const { nearest, ...image } = images[modality] ?? { nearest: [] };
+/** The panel: familiarity and nearest training pairs; `set` has thumbnails and names of domains and classes, once loaded.
+ * @param {Replies["familiar"]} near @param {Predicted["images"]} images @param {PairSet} set @param {boolean} [yours] */
+export function familiarHtml(near, images, set, yours) {
+  const looks = imagesOf(near.images).map((modality) => {
+    /** @type {Partial<Familiarity>} */
+    const image = images[modality] ?? {};
     const mark = image.guess ? "wrong" : "right";
     const known = image.quantile !== undefined;
     return html`<div class="look" data-modality="${modality}"><h4>${signed(modality, capital(TERMS[modality].one))}</h4>
       <p class="${known ? mark : "hint"}">${sentence(modality, image, yours)}</p>
       ${known && html`<div class="meter" aria-hidden="true"><i class="${mark}" style="--at:${image.quantile}"></i></div>`}
-      <div class="nearest">${nearest.map((one) => neighbour(one, modality, set))}</div></div>`;
+      <div class="nearest">${near.images[modality]?.nearest.map((one) => neighbour(one, modality, set))}</div></div>`;
   });
-  return html`<header><h3>Seen before?</h3>${hint(`Nearest: ${of}`)}</header><div class="looked">${looks}</div>`;
+  return html`<header><h3>Seen before?</h3>${hint(`Nearest: ${near.of}`)}</header><div class="looked">${looks}</div>`;
 }
 
 /** @param {{pair: number, cosine: number}} near @param {Modality} modality @param {PairSet} set */

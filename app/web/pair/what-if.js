@@ -40,10 +40,10 @@ export class WhatIf extends View {
    * @param {PairTab | null} tab */
   show(tab = this.tab) {
     this.tab = tab;
-    const { answer, question, familiar, set } = tab ?? {};
+    const { answer, question, set } = tab ?? {};
     this.box.hidden = !answer;
     if (!answer || !question) return;
-    const { classes, stops, learned, span, spectra } = answer;
+    const { classes, stops, learned, span, spectra, images } = answer;
     if (answer !== this.known) {
       this.known = answer;
       state.p ??= learned;
@@ -59,7 +59,7 @@ export class WhatIf extends View {
       this.look(question);
     }
     const readings = Object.fromEntries(Object.entries(stops).map(([name, rows]) => [name, rows[stop]]));
-    const all = readingsOf({ classes, readings, images: familiar?.images }).filter(({ label }) => label);
+    const all = readingsOf({ classes, readings, images }).filter(({ label }) => label);
     const { reading, label, share, guess } = all.find((said) => said.reading === this.reading) ?? all[0];
     this.reading = reading;
     const p = HUNDREDTHS.orders[stop];

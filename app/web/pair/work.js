@@ -94,9 +94,7 @@ export const WORK = {
     }
   },
   async familiar({ tab, send }, _, signal) {
-    const seen = await quietly(ask("familiar", /** @type {Question} */ (tab.question), signal));
-    const yours = Boolean(tab.question?.lessons);
-    send("arrived", { familiar: { yours, ...("problem" in seen ? { images: {}, ...seen } : seen) } });
+    send("arrived", { familiar: await quietly(ask("familiar", /** @type {Question} */ (tab.question), signal)) });
   },
   async rivals({ tab: { vis, tac, heads }, send }, _, signal) {
     const asking = heads.map(({ name }) => quietly(ask("pair", { vis, tac, head: name }, signal)));

@@ -259,9 +259,8 @@ interface Familiarity {
   words: string;
   guess: boolean;
 }
-type Familiar = Partial<
-  Record<Modality, Partial<Familiarity> & { nearest: { pair: number; cosine: number }[]; strays?: boolean }>
->;
+/** The training pairs nearest to each image; `strays`: an image is nearer to those of the other kind. */
+type Near = Partial<Record<Modality, { nearest: { pair: number; cosine: number }[]; strays?: boolean }>>;
 type Probabilities = Record<Reading, number[]> & Record<string, number[]>;
 interface Prediction {
   readings: Probabilities;
@@ -277,6 +276,7 @@ interface Predicted {
   stops: Record<Reading, number[][]>;
   exact: { order: number; readings: Probabilities };
   spectra: Record<Modality, Spectrum>;
+  images: Prediction["images"];
 }
 interface Spectrum {
   rows: number;
@@ -518,7 +518,7 @@ interface Replies {
     confidence: number[];
     accuracy: Record<string, number>;
   };
-  familiar: { images: Familiar; of: string };
+  familiar: { images: Near; of: string };
   profile: Profile;
   sensor: Profile;
   teach: Taught;

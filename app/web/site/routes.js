@@ -39,7 +39,8 @@ async function nearestPairs(desk, { name: called, training: { index } }, name, r
 export const QUESTIONS = {
   /** A prediction now and at every stop, with the spectra. */
   async pair(desk, question) {
-    const { pair, order, head } = await desk.asked(question);
+    const asked = await desk.asked(question);
+    const { pair, order, head } = asked;
     const exact = order ?? head.learned;
     const out = await desk.run(head, [pair], [...STOPS, exact]);
     const each = STOPS.map((_, stop) => readingsOf(head, out, stop, pair));
@@ -54,6 +55,7 @@ export const QUESTIONS = {
       stops: named(shown.map((name) => [name, each.map((one) => roundedRow(one[name]))])),
       exact: { order: exact, readings: roundedAll(last) },
       spectra: named(imagesOf(pair).map((name) => [name, spectrum(out[`${name}_size`], STOPS.length)])),
+      images: await desk.lookedAt(asked),
     };
   },
 
@@ -87,15 +89,15 @@ export const QUESTIONS = {
   },
 
   async familiar(desk, question) {
-    const asked = await desk.asked({ ...question, profile: "" });
-    const [looks, head] = [await desk.lookedAt(asked), await desk.head(question.head)];
+    const { before } = await desk.pairOf({ ...question, profile: "" });
+    const head = await desk.head(question.head);
     /** @type {Record<string, any>} */
     const images = {};
-    for (const name of imagesOf(asked.before)) {
+    for (const name of imagesOf(before)) {
       const [kind, number] = question[name].split(":");
-      const row = /** @type {Floats} */ (asked.before[name]);
+      const row = /** @type {Floats} */ (before[name]);
       const near = await nearestPairs(desk, head, name, row, kind === "row" ? Number(number) : -1);
-      images[name] = { nearest: near, ...looks[name] };
+      images[name] = { nearest: near };
       if (kind !== "image" || question.profile) continue;
       const [there] = await nearestPairs(desk, head, OTHER[name], await desk.embedding(question[name], OTHER[name]));
       images[name].strays = there.cosine > near[0].cosine;
