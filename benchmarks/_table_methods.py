@@ -109,7 +109,7 @@ def erm_mlp(
         for epoch in range(plan.training.epochs):
             stream = derive_seed(seed, "epoch", epoch)
             for batch in batches(plan.pairs, labels, None, plan.training, stream):
-                logits = model(*(_standard(getattr(batch, n), own[n]) for n in IMAGES))
+                logits = model(*(_standard(batch.images[n], own[n]) for n in IMAGES))
                 optimiser.zero_grad(set_to_none=True)
                 cross_entropy(logits, batch.labels).backward()
                 optimiser.step()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from benchmarks import table, table_text
+from benchmarks import _table_methods, table, table_text
 from omnivat.measure.ladder import FORMAT, letters
 
 
@@ -25,6 +25,13 @@ def test_a_run_says_a_class_of_every_test_pair_and_home_stands_apart(embeddings)
     for rung, values in shares.items():
         said = letters(table.letters_of(values)) >= 0
         assert (said == (home if rung == "home" else ~home)).all(), rung
+
+
+def test_the_perceptron_of_the_table_learns_its_source(embeddings):
+    rows = embeddings.rows_of("TAG-sim", split="train")
+    learned = _table_methods.erm_mlp(embeddings, "TAG-sim", 0, {"epochs": 10})
+    shares = learned.readings(_table_methods.raw_of(embeddings, rows))["fused"]
+    assert (shares.argmax(1).numpy() == embeddings.label[rows]).mean() > 0.9
 
 
 def test_few_pairs_are_of_each_class_and_of_the_source_alone(embeddings):
