@@ -31,9 +31,14 @@ def test_modality_gap_needs_one_tactile_row_for_each_visual_row():
 
 
 @pytest.mark.parametrize("name", list(GAPS))
-def test_an_empty_set_is_refused_by_name(name):
-    with pytest.raises(ShapeError, match="b has 0 rows"):
-        load(GAPS, name, kind="gap")(torch.ones(6, 2), torch.ones(0, 2))
+def test_a_set_is_refused_by_name_with_the_number_of_rows_that_is_enough(name):
+    measure = load(GAPS, name, kind="gap")
+    with pytest.raises(ShapeError, match="b has 0 rows") as refused:
+        measure(cloud(0), cloud(1, count=0))
+    enough = int(str(refused.value).split("needs ")[1].split()[0])
+    assert measure(cloud(0), cloud(1, count=enough)).isfinite()
+    with pytest.raises(ShapeError, match=f"b has {enough - 1} rows"):
+        measure(cloud(0), cloud(1, count=enough - 1))
 
 
 def test_the_floor_of_a_gap_is_that_of_two_halves_of_one_domain():
