@@ -13,8 +13,6 @@ settings.register_profile("same", derandomize=True, max_examples=40, **EVERY)
 settings.register_profile("search", max_examples=300, **EVERY)
 settings.load_profile("same")
 
-CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
-
 
 def pytest_collection_modifyitems(config, items):
     """Mark browser tests as slow; run tests that start an event loop first: the browser keeps one.
@@ -78,7 +76,7 @@ def presses():
 @pytest.fixture(scope="session")
 def make_embeddings():
     """Return a maker of small, learnable embeddings: classes are directions, domains are shifts."""
-    from omnivat.data.store import Embeddings, Header
+    from tests.builders import CLASSES, embeddings_of
 
     def make(
         *,
@@ -108,28 +106,10 @@ def make_embeddings():
             "tac": [name + "_tac.png" for name in names],
             "object": [f"{name.rsplit('/', 1)[0]}/{i // 2}" for i, name in enumerate(names)],
             "split": [("train", "test")[i // 2 % 2] if split else "" for i in range(len(names))],
-            "part": [""] * len(names),
-            "looks_like": [""] * len(names),
-            "feels_like": [""] * len(names),
         }
-        header = Header(
-            encoder="test-encoder",
-            weights_hash="0" * 16,
-            preprocessing="none",
-            domains=domains,
-            classes=classes,
-            simulated=True,
-            origin="made by a test",
-        )
-        return Embeddings(
-            header=header,
-            vis=vis,
-            tac=tac,
-            vis_flip=vis_flip,
-            tac_flip=tac_flip,
-            domain=domain,
-            label=label,
-            rows=rows,
+        flips = {"vis_flip": vis_flip, "tac_flip": tac_flip}
+        return embeddings_of(
+            vis, tac, domain, label, domains=domains, classes=classes, rows=rows, **flips
         )
 
     return make

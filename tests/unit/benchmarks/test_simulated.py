@@ -15,7 +15,7 @@ from benchmarks.simulated import (
     same_sensor,
     table,
 )
-from omnivat.data.embeddings import Embeddings, Header
+from tests.builders import embeddings_of
 
 CLASSES = ("wood", "steel", "ceramic")
 
@@ -41,19 +41,15 @@ def made(*, ceramic_in_b=True):
         np.where(domain == 1, np.array([1, 0, 2])[label], label),
     )
     vis, tac = (
-        (np.eye(5)[place] * 9 + random.normal(size=(len(kept), 5)) * 0.1).astype(np.float32)
-        for place in (seen, felt)
+        np.eye(5)[place] * 9 + random.normal(size=(len(kept), 5)) * 0.1 for place in (seen, felt)
     )
     names = [str(row) for row in kept]
-    rows = {"vis": names, "tac": names, "object": names, "part": [""] * len(kept)}
+    rows = {"vis": names, "tac": names, "object": names}
     rows["split"] = ["test" if n < 3 else "train" for n in number]
     rows["looks_like"] = [CLASSES[c] if a else "" for c, a in zip(seen, alike, strict=True)]
-    header = Header(
-        encoder="made", weights_hash="0", preprocessing="none", domains=("A-sim", "B-sim"),
-        classes=CLASSES, simulated=True,
-    )  # fmt: skip
-    rows["feels_like"] = [""] * len(kept)
-    return Embeddings(header=header, vis=vis, tac=tac, domain=domain, label=label, rows=rows)
+    return embeddings_of(
+        vis, tac, domain, label, domains=("A-sim", "B-sim"), classes=CLASSES, rows=rows
+    )
 
 
 def test_a_probe_is_right_within_a_domain_and_wrong_where_classes_changed_places():

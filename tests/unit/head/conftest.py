@@ -4,9 +4,7 @@ import pytest
 import torch
 
 from omnivat.head.head import build_head
-from omnivat.head.settings import HeadSettings
-
-CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
+from tests.builders import head_settings
 
 
 @pytest.fixture(scope="session")
@@ -14,8 +12,8 @@ def make_head():
     """Return a maker of heads with random class tokens, biases and, optionally, signed θ_e."""
 
     def make(*, theta="ones", dtype=torch.float64, **changes):
-        values = {"classes": CLASSES, "input_width": 24, "width": 16, "lang_width": 8} | changes
-        model = build_head(HeadSettings(**values, theta_init=theta)).to(dtype).eval()
+        values = {"width": 16, "lang_width": 8, "theta_init": theta} | changes
+        model = build_head(head_settings(**values)).to(dtype).eval()
         random = torch.Generator().manual_seed(1)
         with torch.no_grad():
             for name, tensor in model.state_dict().items():

@@ -4,15 +4,8 @@ import pytest
 import torch
 
 from omnivat.head.head import CHUNK, build_head
-from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError, SettingsError, ShapeError
-
-CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
-
-
-def settings(**changes):
-    values = {"classes": CLASSES, "input_width": 24, "width": 16, "lang_width": 8}
-    return HeadSettings(**(values | changes))
+from tests.builders import head_settings
 
 
 @pytest.fixture
@@ -85,7 +78,7 @@ def test_zero_tiny_and_huge_embeddings_give_finite_probabilities(head, value):
 @pytest.mark.parametrize("factor", [1e-30, 1e30])
 def test_the_size_of_embeddings_does_not_matter_even_where_squares_overflow(factor, pairs):
     """Nor where they vanish: 1e30 squared is infinite in single precision."""
-    model = build_head(settings(input_width=16, standardize=False)).eval()
+    model = build_head(head_settings(input_width=16, width=16, standardize=False)).eval()
     vis, tac = (x[:, :16].float() for x in pairs(3))
     with torch.no_grad():
         plain, scaled = model(vis, tac), model(factor * vis, factor * tac)
@@ -93,7 +86,7 @@ def test_the_size_of_embeddings_does_not_matter_even_where_squares_overflow(fact
 
 
 def test_classes_start_as_random_vectors_of_about_length_one():
-    lengths = build_head(settings(width=256), seed=0).classifier.detach().norm(dim=1)
+    lengths = build_head(head_settings(width=256), seed=0).classifier.detach().norm(dim=1)
     assert 0.8 < float(lengths.min()) < float(lengths.max()) < 1.2
 
 
@@ -101,7 +94,7 @@ def test_same_seed_gives_the_same_weights_and_leaves_global_randomness_alone():
     torch.manual_seed(7)
     expected = torch.rand(1)
     torch.manual_seed(7)
-    first, second, other = (build_head(settings(), seed=s) for s in (3, 3, 4))
+    first, second, other = (build_head(head_settings(), seed=s) for s in (3, 3, 4))
     assert torch.equal(torch.rand(1), expected)
     assert all(
         torch.equal(a, b) for a, b in zip(first.parameters(), second.parameters(), strict=True)
@@ -119,5 +112,5 @@ def test_same_seed_gives_the_same_weights_and_leaves_global_randomness_alone():
 )
 def test_impossible_settings_are_refused_with_a_sentence(change, sentence):
     with pytest.raises(SettingsError, match=sentence):
-        settings(**change)
-    assert settings(width=2).width == 2
+        head_settings(**change)
+    assert head_settings(width=2).width == 2

@@ -7,26 +7,17 @@ import pytest
 import torch
 
 from omnivat.encoders.lang.bank import load_bank
-from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError
 from omnivat.measure.predictions import predicted_probabilities
 from omnivat.training import TrainSettings, train
 from omnivat.training.guard import lang_guard
+from tests.builders import head_settings
 
 
-def trained(source, lang=True, epochs=2, training=None, **head):
-    bank = load_bank().for_classes(source.header.classes) if lang else None
-    settings = HeadSettings(
-        **{
-            "classes": source.header.classes,
-            "input_width": source.width,
-            "lang_width": bank.width if bank else 1,
-            "width": 16,
-            **head,
-        }
-    )
-    given = TrainSettings(epochs=epochs, lang=lang, **(training or {}))
-    return train(source, settings, given, bank=bank).model
+def trained(source, epochs=2, training=None, width=16, **head):
+    settings = head_settings(source, width=width, **head)
+    given = TrainSettings(epochs=epochs, **(training or {}))
+    return train(source, settings, given, bank=load_bank()).model
 
 
 @pytest.fixture(scope="module")

@@ -9,8 +9,8 @@ import torch
 from omnivat.head.checkpoint import Head
 from omnivat.head.head import build_head
 from omnivat.head.ridge import sharpness
-from omnivat.head.settings import HeadSettings
 from omnivat.head.teach import Lesson, Work, taught
+from tests.builders import head_settings
 
 pytest.importorskip("onnx", reason="the extra [onnx] is not installed")
 runtime = pytest.importorskip("onnxruntime", reason="the extra [onnx] is not installed")
@@ -24,7 +24,7 @@ ORDERS = (0.0, 0.31, 1.0, 2.7, -3.99)
 
 
 def head_of(**changes):
-    settings = HeadSettings(classes=("a", "b", "c"), input_width=24, width=10, **changes)
+    settings = head_settings(classes=("a", "b", "c"), width=10, **changes)
     model = build_head(settings, seed=3).eval().requires_grad_(False)
     if settings.standardize:
         model.input_mean.normal_()

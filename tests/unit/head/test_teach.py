@@ -15,19 +15,17 @@ from omnivat.head.curve import curve, curve_in_words
 from omnivat.head.ridge import SHARPNESS, ridge, sharpness
 from omnivat.head.teach import Lesson, Work, judged, splits, taught
 from omnivat.kit.errors import DataError
+from tests.builders import head_settings
 
 
 @pytest.fixture(scope="module")
 def head(head_folder):
     """Return a head that has learned its source: the shared one is trained for two epochs only."""
-    from omnivat.head.settings import HeadSettings
     from omnivat.training import TrainSettings, train
 
     pairs = load_embeddings(head_folder.parent / "set.safetensors").in_domain("TAG-sim")
     short = load_head(head_folder)
-    settings = HeadSettings(
-        classes=short.settings.classes, input_width=pairs.width, width=16, lang_width=1
-    )
+    settings = head_settings(pairs, width=16, lang_width=1)
     model = train(pairs, settings, TrainSettings(epochs=15, lang=False)).model
     return replace(short, model=model.requires_grad_(False), settings=settings)
 

@@ -6,14 +6,13 @@ import torch
 from omnivat.head.dtg import DTG
 from omnivat.head.head import build_head, parameter_count
 from omnivat.head.losses import joint_loss
-from omnivat.head.settings import HeadSettings
 from omnivat.head.training import training_pass
 from omnivat.kit.stages import IMAGES
+from tests.builders import head_settings
 
 from .oracle import Slow
 
-CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
-CORE = {"classes": CLASSES, "input_width": 512, "lang_width": 512, "width": 512}
+CORE = {"input_width": 512, "lang_width": 512, "width": 512}
 
 
 # ---- counts --------------------------------------------------------------------------------------
@@ -25,9 +24,9 @@ STYLE_NUMBERS = 80 * 512  # of PromptStyler's word vectors, which are not part o
 @pytest.mark.parametrize(
     ("profile", "count", "with_styles"),
     [
-        (HeadSettings(**CORE), 4_466_189, "4.51"),  # projections only where widths differ
-        (HeadSettings(**CORE, project=True, shared_projection=True), 4_991_501, "5.03"),
-        (HeadSettings(**(CORE | {"width": 64})), 169_357, "0.21"),  # the paper's 0.2 million
+        (head_settings(**CORE), 4_466_189, "4.51"),  # projections only where widths differ
+        (head_settings(**CORE, project=True, shared_projection=True), 4_991_501, "5.03"),
+        (head_settings(**(CORE | {"width": 64})), 169_357, "0.21"),  # the paper's 0.2 million
     ],
     ids=["core", "match", "light"],
 )
@@ -52,8 +51,8 @@ def test_every_profile_has_the_parameters_that_were_counted(profile, count, with
     ids=str,
 )
 def test_a_setting_changes_the_count_by_its_own_matrices_alone(change, fewer):
-    whole = parameter_count(HeadSettings(**CORE))
-    assert whole - parameter_count(HeadSettings(**CORE, **change)) == fewer
+    whole = parameter_count(head_settings(**CORE))
+    assert whole - parameter_count(head_settings(**CORE, **change)) == fewer
 
 
 # ---- every setting against the slow head ---------------------------------------------------------
@@ -159,12 +158,6 @@ def test_a_step_at_orders_of_the_batch_is_that_of_the_slow_head(make_head, order
     assert_same_step(model, order=torch.tensor(order, dtype=torch.float64))
 
 
-# ---- generation ----------------------------------------------------------------------------------
-
-
-# ---- orders --------------------------------------------------------------------------------------
-
-
 # ---- starts of θ_e and of the tree ---------------------------------------------------------------
 
 
@@ -178,7 +171,7 @@ def test_theta_starts_as_its_name_says(make_head):
     starts = {name: make_head(theta=name).mffa.theta["vis"] for name in ("ones", "signed")}
     assert starts["ones"].tolist() == [1, 1, 1, 1]
     assert starts["signed"].tolist() == [1, -1, 1, -1]
-    spread = build_head(HeadSettings(**CORE)).mffa.theta["vis"]  # the default
+    spread = build_head(head_settings(**CORE)).mffa.theta["vis"]  # the default
     torch.testing.assert_close(spread, torch.tensor([0.5, 5 / 6, 7 / 6, 1.5]))
     assert make_head(theta="spread", expansion=1).mffa.theta["vis"].tolist() == [1.0]
     normal = make_head(theta="normal").mffa.theta

@@ -8,10 +8,10 @@ import pytest
 from omnivat.data import arrays
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.head.head import build_head
-from omnivat.head.settings import HeadSettings
 from omnivat.maps.sweep import STAGES, facts_of, measured, sweep, walk
 from omnivat.measure.predictions import predicted_probabilities
 from omnivat.study.protocol.records import fingerprint
+from tests.builders import head_settings
 
 
 @pytest.fixture
@@ -25,8 +25,7 @@ def mapped(make_embeddings, tmp_path, monkeypatch):
 
 @pytest.fixture
 def model(mapped):
-    settings = HeadSettings(classes=mapped.header.classes, input_width=mapped.width, width=16)
-    return build_head(settings)
+    return build_head(head_settings(mapped, width=16))
 
 
 def test_a_large_array_is_read_only_and_its_blocks_are_copies(mapped):

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from omnivat.head.checkpoint import Head
+from omnivat.head.checkpoint import ENCODER, Head
 from omnivat.head.head import build_head
-from omnivat.head.settings import HeadSettings
 from omnivat.maps.frames.builder import NAMES, build_frames
 from omnivat.maps.frames.records import with_learned
 from omnivat.measure.known import evaluate
@@ -21,34 +20,26 @@ from omnivat.measure.unseen import (
     unseen_summary,
     wilson,
 )
+from tests.builders import head_settings
 
 SOURCE = "TAG-sim"
 
 
-@pytest.fixture(scope="module")
-def make_head():
-    """Return a maker of small heads that fit embeddings and were trained nowhere."""
-
-    def make(embeddings):
-        settings = HeadSettings(
-            classes=embeddings.header.classes, input_width=embeddings.width, width=16, lang_width=16
-        )
-        encoder = dict(
-            zip(("name", "weights_hash", "preprocessing"), embeddings.header.key, strict=True)
-        )
-        model = build_head(settings, seed=2).eval()
-        return Head(model=model, settings=settings, encoder=encoder, provenance={"source": SOURCE})
-
-    return make
+def untrained(embeddings):
+    """Return a small head that fits embeddings and was trained nowhere."""
+    settings = head_settings(embeddings, width=16, lang_width=16)
+    encoder = dict(zip(ENCODER, embeddings.header.key, strict=True))
+    model = build_head(settings, seed=2).eval()
+    return Head(model=model, settings=settings, encoder=encoder, provenance={"source": SOURCE})
 
 
 @pytest.fixture(scope="module")
-def case(make_embeddings, make_head):
+def case(make_embeddings):
     embeddings = make_embeddings(domains=(SOURCE, "OF Real-sim", "TQ-sim"), split=True)
     embeddings.rows["looks_like"][:] = [
         "steel" if i % 4 == 2 else "" for i in range(len(embeddings))
     ]
-    head = make_head(embeddings)
+    head = untrained(embeddings)
     return head, embeddings, unseen_summary(head, embeddings)
 
 
@@ -97,9 +88,9 @@ def test_a_class_that_the_head_lacks_is_left_out(case):
     assert sum(summary["pairs"]["counts"]) == 48
 
 
-def test_a_domain_without_pairs_that_count_has_no_share(make_embeddings, make_head):
+def test_a_domain_without_pairs_that_count_has_no_share(make_embeddings):
     embeddings = make_embeddings()
-    summary = unseen_summary(make_head(embeddings), embeddings)
+    summary = unseen_summary(untrained(embeddings), embeddings)
     source = next(own for own in summary["domains"] if own["is_source"])
     assert (source["pairs"], source["answers/fused"]) == (0, None)
 

@@ -7,7 +7,6 @@ import pytest
 import torch
 
 from omnivat.fractional import dfrft
-from omnivat.head.settings import HeadSettings
 from omnivat.measure.predictions import predicted_probabilities
 from omnivat.simulate.chirps import CLASSES, DOMAINS, ChirpSettings
 from omnivat.training import TrainSettings, Watch, order_search, train
@@ -22,6 +21,7 @@ from omnivat.training.order_search import (
     search_steps,
     tied,
 )
+from tests.builders import head_settings
 from tests.unit.simulate.chirps.sets import chirp_embeddings
 
 CHIRPS = ChirpSettings(order=0.62, seed=3)
@@ -34,7 +34,7 @@ def chirps():
 
 def head(**changes):
     values = {"classes": CLASSES, "input_width": 64, "lang_width": 1, "width": 64}
-    return HeadSettings(**(values | changes))
+    return head_settings(**(values | changes))
 
 
 def searched(chirps, *, epochs=40, watch=None, **changes):

@@ -12,6 +12,7 @@ from omnivat.head.teach import Lesson, taught
 from omnivat.kit.errors import DataError
 from omnivat.training import TrainSettings, own
 from omnivat.training.own import ALL, level, own_head, with_maps
+from tests.builders import move_domains
 
 DOMAINS = ("TAG-sim", "OF Real-sim", "TQ-DIGIT-sim")
 
@@ -19,11 +20,7 @@ DOMAINS = ("TAG-sim", "OF Real-sim", "TQ-DIGIT-sim")
 @pytest.fixture(scope="module")
 def shifted(make_embeddings):
     """Three domains, each with an offset of its own."""
-    embeddings = make_embeddings(domains=DOMAINS, per_class=12, split=True)
-    random = np.random.default_rng(0)
-    for rows in (embeddings.vis, embeddings.tac):
-        rows += 6 * random.normal(size=(3, embeddings.width))[embeddings.domain].astype(np.float32)
-    return embeddings
+    return move_domains(make_embeddings(domains=DOMAINS, per_class=12, split=True), 6)
 
 
 @pytest.fixture(scope="module")

@@ -7,8 +7,9 @@ import pytest
 from omnivat.encoders.lang.bank import load_bank
 from omnivat.kit.errors import DataError
 from omnivat.training import TrainSettings, train
+from tests.builders import head_settings
 
-from .conftest import equal_weights, head
+from .conftest import equal_weights
 
 
 class Stop(Exception):
@@ -26,7 +27,7 @@ def stopped_after(share):
 
 
 def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_path):
-    run = partial(train, source, head(), TrainSettings(epochs=4), bank=load_bank(), seed=3)
+    run = partial(train, source, head_settings(), TrainSettings(epochs=4), bank=load_bank(), seed=3)
     whole, state = run(), tmp_path / "training.safetensors"
     with pytest.raises(Stop):
         run(resume=state, on_step=stopped_after(0.6))
@@ -41,7 +42,9 @@ def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_p
 
 def test_the_state_of_another_training_is_refused(source, tmp_path):
     state = tmp_path / "training.safetensors"
-    run = partial(train, source, head(), TrainSettings(epochs=2), bank=load_bank(), resume=state)
+    run = partial(
+        train, source, head_settings(), TrainSettings(epochs=2), bank=load_bank(), resume=state
+    )
     with pytest.raises(Stop):
         run(on_step=stopped_after(0.5))
     with pytest.raises(DataError, match="state of another training"):

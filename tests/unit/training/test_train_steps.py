@@ -17,8 +17,7 @@ from omnivat.training import TrainSettings, Watch, train
 from omnivat.training.batches import Batch, batches, labels_of
 from omnivat.training.steps import learn, make_optimiser, pairs_of, set_rate
 from omnivat.training.training import steps_of
-
-from .conftest import CLASSES, head
+from tests.builders import CLASSES, head_settings
 
 
 def batch_of(lang_on, text=True):
@@ -39,7 +38,7 @@ def batch_of(lang_on, text=True):
 )
 def test_the_rate_warms_up_by_step_and_then_follows_a_cosine_to_zero(epoch, share):
     """Two warm epochs of six, a step of a tenth of an epoch, which the warm-up counts as done."""
-    model = build_head(head())
+    model = build_head(head_settings())
     settings = TrainSettings(epochs=6, warmup_epochs=2.0, lr=0.5)
     optimiser = make_optimiser(model, settings)
     set_rate(optimiser, settings, epoch, 0.1)
@@ -70,14 +69,17 @@ for wanted in seen:
 
 
 def test_a_warm_up_is_no_longer_than_the_training():
-    model, settings = build_head(head()), TrainSettings(epochs=1, warmup_epochs=5.0, lr=1.0)
+    model, settings = (
+        build_head(head_settings()),
+        TrainSettings(epochs=1, warmup_epochs=5.0, lr=1.0),
+    )
     optimiser = make_optimiser(model, settings)
     set_rate(optimiser, settings, 0.5, 0.25)
     assert optimiser.param_groups[0]["lr"] == pytest.approx(0.75)
 
 
 def test_weights_decay_but_theta_and_the_order_do_not():
-    model, settings = build_head(head()), TrainSettings(weight_decay=0.03)
+    model, settings = build_head(head_settings()), TrainSettings(weight_decay=0.03)
     optimiser = make_optimiser(model, settings)
     rest, theta, order = optimiser.param_groups
     assert [group["weight_decay"] for group in (rest, theta, order)] == [0.03, 0.0, 0.0]
@@ -104,7 +106,7 @@ def test_the_pairs_of_a_kind_are_those_or_all(kind, lang_on, text, wanted):
 
 def gradients(clip, order_clip=1e12):
     """Return what a step from one start moves, without momentum and decay, and its record."""
-    model, batch = build_head(head(), seed=1), batch_of([True, False, True, False])
+    model, batch = build_head(head_settings(), seed=1), batch_of([True, False, True, False])
     settings = TrainSettings(
         clip=clip,
         order_clip=order_clip,
@@ -140,7 +142,10 @@ def test_a_gradient_is_scaled_to_the_limit_of_its_norm_and_the_order_by_value():
 def test_a_record_has_the_mean_losses_of_its_epoch(source):
     """Without weight on either, the loss is the cross-entropy; steps count equally."""
     trained = train(
-        source, head(), TrainSettings(epochs=2, mma_weight=0.0, nod_weight=0.0), bank=load_bank()
+        source,
+        head_settings(),
+        TrainSettings(epochs=2, mma_weight=0.0, nod_weight=0.0),
+        bank=load_bank(),
     )
     for number, record in enumerate(trained.epochs):
         assert record["epoch"] == number and record["loss"] == pytest.approx(
@@ -154,7 +159,7 @@ def test_a_step_has_the_rate_of_its_place_and_a_report_names_epoch_and_loss(sour
 
     seen, rates = [], []
     monkeypatch.setattr(training, "set_rate", lambda *given: rates.append(given[2:]))
-    train(source, head(), TrainSettings(epochs=2), bank=load_bank(), on_step=seen.append)
+    train(source, head_settings(), TrainSettings(epochs=2), bank=load_bank(), on_step=seen.append)
     assert [one.text.split(", ")[0] for one in seen] == ["epoch 1 of 2"] * 5 + ["epoch 2 of 2"] * 5
     np.testing.assert_allclose(rates, [(k / 5, 1 / 5) for k in range(10)])
     part = Watch(on_step=seen.append).part(7, 100)
@@ -168,8 +173,11 @@ def test_the_last_batch_of_an_epoch_may_be_smaller():
 
 def test_a_class_that_the_head_lacks_is_named(source):
     with pytest.raises(DataError, match="pairs of 'glass', which the head lacks"):
-        labels_of(source, head(classes=CLASSES[:4]))
-    assert set(labels_of(source.select(source.label < 2), head())) == {0, 1}  # two are enough
+        labels_of(source, head_settings(classes=CLASSES[:4]))
+    assert set(labels_of(source.select(source.label < 2), head_settings())) == {
+        0,
+        1,
+    }  # two are enough
 
 
 def test_each_pair_is_mirrored_half_the_time_and_has_a_style_of_its_class(source):
@@ -196,7 +204,7 @@ def test_a_search_lowers_the_rate_of_the_order_to_a_tenth(source, monkeypatch):
     made, start = [], training.make_optimiser
     monkeypatch.setattr(training, "make_optimiser", lambda *a: (made.append(a), start(*a))[1])
     settings = TrainSettings(epochs=1, lang=False, order_search=True)
-    trained = train(source, head(order=-3.0), settings)
+    trained = train(source, head_settings(order=-3.0), settings)
     ((model, used),) = made
     assert model.settings.order == trained.search["start"]
     assert used.order_lr_scale == pytest.approx(0.001)

@@ -14,14 +14,15 @@ from omnivat.measure.predictions import predicted_probabilities
 from omnivat.training import TrainSettings, Watch, train
 from omnivat.training.batches import batches
 from omnivat.training.steps import learn, make_optimiser
+from tests.builders import head_settings
 
-from .conftest import equal_weights, head
+from .conftest import equal_weights
 
 EVERY = TrainSettings(epochs=8, lang=False, order_draw=True, order_teachers=2)
 
 
 def made(source, settings, **more):
-    return train(source, head(), settings, seed=2, **more)
+    return train(source, head_settings(), settings, seed=2, **more)
 
 
 def test_with_targets_the_loss_is_the_squared_difference_from_them():
@@ -41,9 +42,9 @@ def test_a_taught_head_never_sees_the_labels(source):
     """Given a teacher, other labels change nothing but the reported cross-entropy."""
     settings = TrainSettings(batch=len(source), lang=False)
     (batch,) = batches(source, source.label, None, settings, 0)
-    teacher, moved, losses = build_head(head(), seed=1).eval(), [], []
+    teacher, moved, losses = build_head(head_settings(), seed=1).eval(), [], []
     for labels in (batch.labels, batch.labels.flip(0)):
-        model = build_head(head(class_token=False), seed=2).train()
+        model = build_head(head_settings(class_token=False), seed=2).train()
         optimiser = make_optimiser(model, settings)
         losses.append(learn(model, optimiser, replace(batch, labels=labels), settings, [teacher]))
         moved.append(model)
@@ -98,7 +99,7 @@ def test_teachers_hold_evenly_spaced_orders_and_only_they_use_lang(source, monke
 
     monkeypatch.setattr(training, "train", noted)
     settings = replace(EVERY, lang=True, epochs=1, order_teachers=len(orders), batch=8, lr=0.01)
-    own = train(source, head(), settings, bank=load_bank())
+    own = train(source, head_settings(), settings, bank=load_bank())
     teacher = TrainSettings(epochs=1)  # with the batch and rate of any teacher
     assert made == [(order, teacher, True) for order in orders]
     assert own.epochs[-1]["mma"] == 0  # the head itself has no text
@@ -113,7 +114,7 @@ def test_a_teacher_of_a_long_training_learns_for_120_epochs(source, monkeypatch)
 
     monkeypatch.setattr(training, "train", noted)
     with pytest.raises(StopIteration) as stopped:
-        train(source, head(), replace(EVERY, epochs=200))
+        train(source, head_settings(), replace(EVERY, epochs=200))
     assert stopped.value.args == (TrainSettings(epochs=120, lang=False),)
 
 

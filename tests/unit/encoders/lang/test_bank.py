@@ -9,9 +9,9 @@ from omnivat.cli import main
 from omnivat.data.embeddings import Header
 from omnivat.encoders import load_encoder
 from omnivat.encoders.lang.bank import PLAIN, LangBank, load_bank, save_bank
-from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError
 from omnivat.training import TrainSettings, train
+from tests.builders import head_settings
 
 BANK = LangBank(
     embeddings=np.arange(24, dtype=np.float32).reshape(2, 3, 4),
@@ -60,9 +60,9 @@ def test_a_bank_of_another_checkpoint_of_the_same_name_and_width_is_refused():
 def test_training_refuses_it_too(make_embeddings):
     pairs = make_embeddings(domains=("TAG-sim",))
     pairs = replace(pairs, header=replace(pairs.header, encoder="clip-vit-b16", text_hash="bbbb"))
-    classes = pairs.header.classes
-    bank = replace(BANK, embeddings=np.ones((5, 3, 4), np.float32), classes=classes, plain=None)
-    head = HeadSettings(classes=classes, input_width=24, lang_width=4, width=8)
+    texts = np.ones((5, 3, 4), np.float32)
+    bank = replace(BANK, embeddings=texts, classes=pairs.header.classes, plain=None)
+    head = head_settings(pairs, lang_width=4, width=8)
     with pytest.raises(DataError, match="another checkpoint"):
         train(pairs, head, TrainSettings(epochs=1), bank=bank)
 

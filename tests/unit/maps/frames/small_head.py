@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from omnivat.data.store import Embeddings, Header
 from omnivat.head.head import build_head
-from omnivat.head.settings import HeadSettings
+from tests.builders import embeddings_of, head_settings
 
 CLASSES = ("wood", "steel", "glass")
 
@@ -16,27 +15,17 @@ MAPS = {"pca/raw": 5, "pca/frft": 5, "pca/relu": 5, "pca/f_hat": 5, "umap/f_hat"
 
 
 def pairs(count=24, width=12, classes=CLASSES, domains=2):
-    rng = np.random.default_rng(0)
-    return Embeddings(
-        header=Header(
-            encoder="noise",
-            weights_hash="none",
-            preprocessing="none",
-            domains=tuple(f"D{d}" for d in range(domains)),
-            classes=classes,
-            simulated=True,
-            origin="random numbers",
-        ),
-        vis=rng.normal(size=(count, width)).astype(np.float32),
-        tac=rng.normal(0.5, size=(count, width)).astype(np.float32),
-        domain=np.arange(count) % domains,
-        label=rng.integers(0, len(classes), count),
-        rows={name: [""] * count for name in ("vis", "tac", "object", "split", "part")},
+    random = np.random.default_rng(0)
+    return embeddings_of(
+        random.normal(size=(count, width)),
+        random.normal(0.5, size=(count, width)),
+        np.arange(count) % domains,
+        random.integers(0, len(classes), count),
+        domains=tuple(f"D{d}" for d in range(domains)),
+        classes=classes,
     )
 
 
 def head(width=12):
-    settings = HeadSettings(
-        classes=CLASSES, input_width=12, width=width, lang_width=12, standardize=False
-    )
-    return build_head(settings, seed=1).eval()
+    size = {"input_width": 12, "width": width, "lang_width": 12}
+    return build_head(head_settings(classes=CLASSES, standardize=False, **size), seed=1).eval()

@@ -20,6 +20,7 @@ from omnivat.study.baselines.contrastive import contrastive_loss, supcon_loss
 from omnivat.study.baselines.descent import descend, rate
 from omnivat.study.baselines.mmrl import PROMPT
 from omnivat.study.baselines.text import PAPER, SCALE, arcface, scaled_cosines
+from tests.builders import CLASSES
 
 BY_TEXT = ("zero_shot", "promptstyler", "spg")
 LIVE = ("mmrl", "ldc")
@@ -27,7 +28,6 @@ OF_CLIP = (*BY_TEXT, *LIVE, "sitr_supcon")  # each trains, on a CLIP of its own
 QUICK = tuple(name for name in BASELINES if name not in (*OF_CLIP, "robust_vish"))
 SLOW = [pytest.param(name, marks=pytest.mark.slow) for name in OF_CLIP]
 ALL = [*QUICK, *SLOW]
-CLASSES = ("wood", "steel", "plastic", "ceramic", "glass")
 MATERIALS, WIDTH = ("wood", "steel", "glass"), 24
 
 
@@ -37,7 +37,7 @@ def fit(name, source):
 
 @pytest.fixture(scope="module")
 def source(make_embeddings):
-    return as_source(make_embeddings(domains=("TAG-sim",), per_class=8))
+    return as_source(make_embeddings(domains=("TAG-sim",)))
 
 
 def as_source(pairs, **changes):
