@@ -55,6 +55,7 @@ _PUBLIC = {
     "NOTHING": "omnivat.measure.rungs:NOTHING",
     "pairs": "omnivat.measure.rungs:pairs",
     "labels": "omnivat.measure.rungs:labels",
+    "unseen_summary": "omnivat.measure.unseen:unseen_summary",
     "ladder": "omnivat.measure.ladder:ladder",
     "try_pairs": "omnivat.study.trial:try_pairs",
     "gap_record": "omnivat.measure.gaps.domain:gap_record",

@@ -116,11 +116,10 @@ def _words(record: Record, percent: bool) -> str:
 def strangers(summary: Record) -> Figure:
     """Return the accuracy in each domain with 95 % intervals: both images, photo only, touch only.
 
-    summary  from `omnivat.measure.unseen.unseen_summary`, or with the same keys "domains",
+    summary  from `omnivat.unseen_summary`, or with the same keys "domains",
              "chance", "unseen"
 
-    >>> from omnivat import EXAMPLES, load_embeddings, load_head
-    >>> from omnivat.measure.unseen import unseen_summary
+    >>> from omnivat import EXAMPLES, load_embeddings, load_head, unseen_summary
     >>> head = load_head(EXAMPLES / "chirps" / "head")
     >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
     >>> strangers(unseen_summary(head, pairs)).layout.yaxis.ticktext[:2]

@@ -136,6 +136,13 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     (both images), "vis" and "tac" (one image, the other one absent). "pairs" has values of each
     pair as arrays (N,).
     Raises DataError if the embeddings have another encoder or no pairs.
+
+    >>> from omnivat import EXAMPLES, load_embeddings, load_head
+    >>> head = load_head(EXAMPLES / "chirps" / "head")
+    >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
+    >>> summary = unseen_summary(head, pairs)  # `figures.strangers` draws it
+    >>> summary["source"], summary["unseen"]["answers/fused"]["share"] > 0.9
+    ('Chirps A-sim', True)
     """
     head.require_embeddings(embeddings)
     classes, domain = head.settings.classes, np.asarray(embeddings.domain)
