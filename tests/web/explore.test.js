@@ -12,6 +12,7 @@ import { inView } from "../../app/web/explore/pictures.js";
 import * as scenes from "../../app/web/explore/scene.js";
 import { barsOf } from "../../app/web/explore/split.js";
 import { levels, treads } from "../../app/web/explore/staircase.js";
+import { after, START } from "../../app/web/explore/state.js";
 import { lookAlikes } from "../../app/web/explore/strangers.js";
 import { loadTags, tagOf, tagPairs, tagsCsv } from "../../app/web/explore/tags.js";
 import { chosen, pressOf } from "../../app/web/explore/touch.js";
@@ -26,13 +27,18 @@ import { frames, says } from "./browser.js";
 
 globalThis.history = { state: null, replaceState: () => {} };
 
-/** The scene of a set of two pairs, after transitions: (scene) => what changes. */
-function sceneOf(own, ...transitions) {
-  const set = { ...scenes.scene, ...scenes.loaded({ set: "", own, sprite: null, modes: [] }) };
-  for (const next of transitions) Object.assign(set, next(set));
-  return set;
+/** A scene after events, each [name, told, address], or with values in place of an event. */
+function told(scene, ...events) {
+  let now = scene;
+  for (const event of events) {
+    const next = Array.isArray(event) ? after(now, event[0], event[1], event[2] ?? state) : { ...now, ...event };
+    now = Object.freeze(next);
+  }
+  return now;
 }
-const filtered = (scene) => scenes.filtered(scene, state);
+/** The scene of a set of two pairs, after events. */
+const sceneOf = (own, ...events) => told(START, ["loaded", { set: "", own, sprite: null, modes: [] }], ...events);
+const filtered = ["filtered", {}];
 
 test("no cell of a table starts a formula, and numbers stay numbers", () => {
   assert.deepEqual(["=1+2", "@a", "-1.5", -1.5, "a,b", '=x"'].map(cell), [
@@ -86,7 +92,7 @@ test("pictures are drawn only where few points are in view", () => {
 
 test("a filter takes hidden points out of the selection and from the pointer, and is named in the title", () => {
   change({ domain: "A" });
-  const scene = sceneOf(frames(), () => ({ selected: new Set([0, 1, 2, 3]), hovered: 2 }), filtered);
+  const scene = sceneOf(frames(), { selected: new Set([0, 1, 2, 3]), hovered: 2 }, filtered);
   assert.deepEqual([[...scene.selected], scene.hovered, [...scene.mask]], [[1, 3], -1, [0, 1, 0, 1]]);
   assert.equal(scenes.loneDomain(scene, state), "B");
   assert.deepEqual(scenes.filtering(scene, state), ["B"]);
@@ -97,7 +103,7 @@ test("a filter takes hidden points out of the selection and from the pointer, an
 test("pairs are found by name, class and domain, and look-alikes by what they imitate", () => {
   const pairs = { name: ["bowl-1", "bowl-2"], looks_like: ["", "wood"], feels_like: ["", ""] };
   const unseen = { pairs: { confidence: [0.2, 0.9], cosine: [0, 0] } };
-  const scene = sceneOf(frames(), (scene) => scenes.learned(scene, "", { pairs, unseen }));
+  const scene = sceneOf(frames(), ["learned", { set: "", facts: { pairs, unseen } }]);
   const kept = () => [0, 1].filter(scenes.wantedPairs(scene, state));
   change({ find: "BOWL steel" });
   assert.deepEqual(kept(), [1]);
@@ -109,10 +115,10 @@ test("pairs are found by name, class and domain, and look-alikes by what they im
 });
 
 test("another set forgets what was pointed at, selected and known; a late fact of the set before changes nothing", () => {
-  const before = sceneOf(frames(), () => ({ hovered: 1, selected: new Set([1]), facts: { pairs: {} } }));
-  const after = { ...before, ...scenes.loaded({ set: "chirps", own: frames({ pairs: 1 }), sprite: null, modes: [] }) };
-  assert.deepEqual([after.hovered, after.selected.size, after.facts.pairs, after.mask.length], [-1, 0, null, 2]);
-  assert.deepEqual(scenes.learned(after, "", { unseen: {} }), {});
+  const before = sceneOf(frames(), { hovered: 1, selected: new Set([1]), facts: { pairs: {} } });
+  const now = told(before, ["loaded", { set: "chirps", own: frames({ pairs: 1 }), sprite: null, modes: [] }]);
+  assert.deepEqual([now.hovered, now.selected.size, now.facts.pairs, now.mask.length], [-1, 0, null, 2]);
+  assert.deepEqual(told(now, ["learned", { set: "", facts: { unseen: {} } }]), now);
 });
 
 test("the next point is one that the filters leave, from either end", () => {
@@ -124,7 +130,7 @@ test("the next point is one that the filters leave, from either end", () => {
 });
 
 test("a filter under the pointer lights its points, and without one the selection does", () => {
-  const scene = sceneOf(frames(), () => ({ selected: new Set([2]) }));
+  const scene = sceneOf(frames(), { selected: new Set([2]) });
   const lit = (more) => [0, 1, 2, 3].filter((point) => scenes.lit({ ...scene, ...more }, point));
   assert.deepEqual(lit({}), [2]);
   assert.deepEqual(lit({ selected: new Set() }), [0, 1, 2, 3]);
@@ -135,8 +141,8 @@ test("a filter under the pointer lights its points, and without one the selectio
 test("a cell in the address selects its pairs by the reading, and one that is not there selects none", () => {
   const pairs = { counts: [1, 1], answers: { fused: [1, 1] } };
   const unseen = { classes: ["wood", "steel"], source: "A", confusion: { fused: { unseen: [], B: [] } }, pairs };
-  const scene = sceneOf(frames(), (scene) => scenes.learned(scene, "", { unseen }));
-  const cell = (cell) => scenes.cellChosen(scene, { cell, reading: "fused" }).cell;
+  const scene = sceneOf(frames(), ["learned", { set: "", facts: { unseen } }]);
+  const cell = (cell) => told(scene, ["cellFollowed", {}, { cell, reading: "fused" }]).cell;
   assert.deepEqual([...cell("1~1~unseen").pairs], [1]);
   assert.equal(cell("1~1~B").words, "steel predicted as steel");
   assert.deepEqual([...cell("0~1~unseen").pairs], []); // the source is no stranger
@@ -146,7 +152,8 @@ test("a cell in the address selects its pairs by the reading, and one that is no
 test("neighbours are those of the pinned pair at this step and p, and of no other", () => {
   const address = { pin: 1, stage: "f_hat" };
   const points = [{ point: 0, cosine: 0.5 }];
-  const scene = sceneOf(frames(), (scene) => ({ nearest: { key: scenes.nearKey(scene, address), points } }));
+  const key = scenes.nearKey(sceneOf(frames()), address);
+  const scene = sceneOf(frames(), ["found", { key, points }]);
   assert.equal(scenes.near(scene, address), points);
   assert.deepEqual(scenes.near({ ...scene, stop: 2 }, address), []);
   assert.deepEqual(scenes.near(scene, { ...address, pin: 0 }), []);
@@ -317,14 +324,10 @@ test("what is lost leads from home to away, and a term that does not apply has n
 
 test("in the chapter of the order the stops between which p was dragged are kept, by frames", () => {
   const own = frames();
-  const at =
-    (p, chapter = "order") =>
-    (scene) =>
-      scenes.moved(scene, { p, chapter });
+  const at = (p, chapter = "order") => ["moved", {}, { p, chapter }];
   const begun = sceneOf(own, at(1));
   assert.deepEqual([begun.stop, begun.dragged.get(own), scenes.whole(begun)], [2, [2, 2], false]);
-  assert.ok(!("dragged" in scenes.moved(begun, { p: 1, chapter: "order" }))); // nothing is drawn again
-  assert.ok(!("dragged" in scenes.moved(begun, { p: 0, chapter: "analyse" })));
+  for (const same of [at(1), at(0, "analyse")]) assert.equal(told(begun, same).dragged, begun.dragged);
   const all = sceneOf(own, at(1), at(0));
   assert.deepEqual([all.stop, all.dragged.get(own), scenes.whole(all)], [0, [0, 2], true]);
   assert.ok(!scenes.whole(begun));
@@ -334,13 +337,36 @@ test("the map of the last chapter follows the reading: its points, its predictio
   openChapter("fooled", { reading: "tac" });
   const own = frames({ prediction: [0, 1, 0, 1, 0, 1] });
   const unseen = { pairs: { answers: { tac: [1, 1] } } };
-  const scene = sceneOf(own, (scene) => scenes.learned(scene, "", { unseen }));
-  const right = () => colouring({ ...own, answered: scenes.answers(scene, state) }, "correctness");
-  const first = () => right().of({ ...own, answered: scenes.answers(scene, state) }, 0)(0);
-  assert.deepEqual([[...filtered(scene).mask], first()], [[0, 0, 1, 1], 1]);
+  const scene = sceneOf(own, ["learned", { set: "", facts: { unseen } }]);
+  const first = () => {
+    const coloured = scenes.painted(scene, state);
+    return colouring(coloured, "correctness").of(coloured, 0)(0);
+  };
+  const mask = () => [...told(scene, filtered).mask];
+  assert.deepEqual([mask(), first()], [[0, 0, 1, 1], 1]);
   change({ reading: "fused" });
-  assert.deepEqual([[...filtered(scene).mask], first()], [[1, 1, 1, 1], 0]);
+  assert.deepEqual([mask(), first()], [[1, 1, 1, 1], 0]);
+  assert.equal(own.answered, null);
   openChapter("analyse");
+});
+
+test("an event makes another scene and leaves the one before as it was, with what does not change alike", () => {
+  const before = sceneOf(frames(), {});
+  const rows = [
+    ["lassoSwitched", {}, "lasso", true],
+    ["stairsChosen", "margin", "stairs", "margin"],
+    ["sensorChosen", 2, "alone", 2],
+    ["hovered", 3, "hovered", 3],
+    ["measured", { none: { accuracy: 0.5 } }, "known", { none: { accuracy: 0.5 } }],
+    ["started", frames({ prediction: [1, 1] }), "sample", 1],
+    ["entering", {}, "chapter", ""],
+  ];
+  for (const [name, what, part, value] of rows) {
+    const now = told(before, [name, what]);
+    assert.deepEqual(now[part], value, name);
+    assert.ok(now !== before && now.frames === before.frames && now.mask === before.mask, name);
+  }
+  assert.equal(told(before, ["sensorChosen", 2], ["sensorChosen", 2]).alone, -1); // all again
 });
 
 test("look-alikes come from unseen domains and are scored, one of each class", () => {

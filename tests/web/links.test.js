@@ -18,18 +18,19 @@ globalThis.fetch = async (address, options) => {
   const reply = options?.method ? JSON.stringify({ ref: "image:f00", width: 2, height: 2 }) : "bytes";
   return new Response(reply);
 };
-const { change, links, state } = await import("../../app/web/shared/store.js");
+const store = await import("../../app/web/shared/store.js");
+const { change, links } = store;
 const { takeLinked } = await import("../../app/web/pair/own-pictures.js");
 
 test("a picture of this origin is sent, one of another host is refused with its address", async () => {
-  assert.equal(state.view, "pair");
+  assert.equal(store.state.view, "pair");
   const problem = await takeLinked();
   assert.match(problem, /touch 'https:\/\/else.where\/b.png' is not on this page's host/);
   assert.deepEqual(sent, [
     ["http://x/pairs/a.png", "GET"],
     ["http://x/omnivat/image?name=a.png", "POST"],
   ]);
-  assert.deepEqual([state.vis, state.tac], ["image:f00", null]);
+  assert.deepEqual([store.state.vis, store.state.tac], ["image:f00", null]);
 });
 
 test("the address goes on naming the picture by its own address", async () => {

@@ -7,15 +7,16 @@ globalThis.location = {
   href: "http://x/",
 };
 globalThis.history = { state: null, replaceState: () => {} };
-const { change, hidden, state, toggle } = await import("../../app/web/shared/store.js");
+const store = await import("../../app/web/shared/store.js");
+const { after, change, hidden, toggle, watch } = store;
 
 test("an address gives what is known and leaves the rest out", () => {
-  assert.equal(state.p, 0.5014);
-  assert.equal(state.view, "explore");
-  assert.equal(state.stage, "relu");
-  assert.equal(state.pin, null);
-  assert.equal(state.chapter, "where");
-  assert.ok(!("nonsense" in state));
+  assert.equal(store.state.p, 0.5014);
+  assert.equal(store.state.view, "explore");
+  assert.equal(store.state.stage, "relu");
+  assert.equal(store.state.pin, null);
+  assert.equal(store.state.chapter, "where");
+  assert.ok(!("nonsense" in store.state));
 });
 
 test("a name with a tilde or a percent sign can be hidden and shown again", () => {
@@ -24,4 +25,26 @@ test("a name with a tilde or a percent sign can be hidden and shown again", () =
   assert.deepEqual([...hidden("domain")], ["lab~A", "100 % wool", "%7E", "plain"]);
   toggle("domain", "lab~A");
   assert.deepEqual([...hidden("domain")], ["100 % wool", "%7E", "plain"]);
+});
+
+test("a value changes by one way alone, which everyone who watches it hears", () => {
+  const before = store.state;
+  assert.throws(() => {
+    store.state.p = 0.25;
+  }, TypeError);
+  const heard = [];
+  const stop = watch(["p"], () => heard.push(store.state.p));
+  change({ p: 0.25 });
+  change({ p: 0.25 });
+  stop();
+  change({ p: 0.5 });
+  assert.deepEqual([heard, before.p], [[0.25], 0.5014]);
+});
+
+test("p crosses no tab from the chapter of the order, and nothing else is touched", () => {
+  const explore = { chapter: "order", view: "explore", p: 0.8, otherP: 0.3, pin: 1 };
+  const pair = after(explore, { view: "pair" });
+  assert.deepEqual(pair, { ...explore, view: "pair", p: 0.3, otherP: 0.8 });
+  assert.deepEqual(after(pair, { view: "train" }), { ...pair, view: "train" });
+  assert.deepEqual(after(pair, { view: "explore" }), explore);
 });

@@ -12,7 +12,7 @@ import { stageNamed, stepsOf } from "../shared/stages.js";
 import { making, tell } from "../shared/view.js";
 import { whence } from "./chapters.js";
 import { figure, gaps, kindOf, map, pairLines, showLayers, shown } from "./maps.js";
-import { $, change, fill, html, options, put, scene, state, take } from "./root.js";
+import { $, change, fill, html, options, put, scene, send, state } from "./root.js";
 import { isDouble } from "./scene.js";
 
 /** The accuracy of frames at a stop, and whose it is; only where the head predicts.
@@ -88,7 +88,7 @@ export async function load() {
     const frames = await framesBy(name, scene.own, (step) => tell(wait, making(step)), loadFiner);
     if (frames.pairs !== scene.own.pairs) throw new Refusal("This head’s map belongs to another set.");
     if (state.head2 !== name) return;
-    take({ other: { name, frames } });
+    send("compared", { name, frames });
     tell(wait, "");
     show();
   } catch (error) {
@@ -98,7 +98,7 @@ export async function load() {
 
 /** Finer frames of what predicts are there. */
 function loadFiner() {
-  take({ other: null });
+  send("compared", null);
   load();
 }
 

@@ -21,20 +21,9 @@ import { modeWords } from "./modes.js";
 import * as nodes from "./nodes.js";
 import { openPanel, panelIsOpen, rememberPanels } from "./panels.js";
 import { listen, peek } from "./pictures.js";
-import { $, change, fill, html, put, scene, state, take } from "./root.js";
+import { $, change, fill, html, put, scene, send, state } from "./root.js";
 import { labelCsv } from "./saving.js";
-import {
-  answers,
-  cellChosen,
-  filtered,
-  isDouble,
-  moved,
-  nearKey,
-  nearStage,
-  nextPoint,
-  packed,
-  unpacked,
-} from "./scene.js";
+import { isDouble, nearKey, nearStage, nextPoint, packed, painted, unpacked } from "./scene.js";
 import { showSteps } from "./staircase.js";
 import * as strangers from "./strangers.js";
 import * as threads from "./threads.js";
@@ -75,8 +64,6 @@ export function build() {
 
 /** Facts about the set or its head have come. */
 export function learned() {
-  annotate();
-  scene.own.columns = scene.frames.columns;
   maps.showColourings();
   strangers.show();
   refilter();
@@ -85,16 +72,9 @@ export function learned() {
   showPictures();
 }
 
-/** What colours and cards read of the frames: the columns of the pairs, and the predictions of one image alone. */
-function annotate() {
-  scene.frames.columns = scene.facts.pairs ?? {};
-  scene.frames.answered = answers(scene, state);
-}
-
 /** A chapter opens: nothing is selected, the whole map is in view. @param {Frames} frames */
 export function start(frames) {
-  const sample = frames.label.findIndex((label, pair) => frames.headless || label === frames.prediction[pair]);
-  take({ selected: new Set(), sample });
+  send("started", frames);
   resetMaps();
   replace(frames);
   const points = unpacked(state.sel, 2 * frames.pairs).filter(maps.shown);
@@ -109,9 +89,7 @@ export function resetMaps() {
 
 /** Show other frames of the same pairs. @param {Frames} frames */
 export function replace(frames) {
-  take({ frames });
-  take(moved(scene, state));
-  annotate();
+  send("replaced", frames);
   bar.replace(frames);
   bar.learned(state.chapter === "analyse" ? scene.own.learned : NaN); // the mark would give the answer away
   fill($(".mode-words"), modeWords(frames));
@@ -124,8 +102,7 @@ export function replace(frames) {
 
 /** p has moved. */
 export function showOrder() {
-  take(moved(scene, state));
-  const { frames, stop } = scene;
+  const { frames, stop } = send("moved", {});
   bar.show(stop);
   showCurves();
   if (state.chapter === "where") charts.together();
@@ -133,7 +110,7 @@ export function showOrder() {
   showToy();
   nodes.follow();
   if (state.chapter === "order") toy.showWave(frames.orders[stop]);
-  if (ANSWERS.includes(colouring(frames, state.colour).label)) maps.showLayers();
+  if (ANSWERS.includes(colouring(painted(scene, state), state.colour).label)) maps.showLayers();
   maps.showNow();
   beside.show();
   showCard();
@@ -177,8 +154,8 @@ function showCurves() {
 
 export function showColours() {
   maps.showColourings();
-  showFilters($(".filters"), scene.frames, (/** @type {Scene["highlight"]} */ highlight) => {
-    take({ highlight });
+  showFilters($(".filters"), painted(scene, state), (/** @type {Scene["highlight"]} */ highlight) => {
+    send("highlighted", highlight);
     showPoints();
   });
   refilter();
@@ -192,8 +169,7 @@ function showPoints() {
 /** Apply the filters everywhere: maps, titles, curves, selection, what is saved. */
 export function refilter() {
   const before = scene.selected.size;
-  annotate();
-  take(filtered(scene, state));
+  send("filtered", {});
   if (before !== scene.selected.size) change({ sel: packed(scene.selected) });
   maps.showLayers();
   if (maps.map.frame) maps.showNow();
@@ -205,7 +181,7 @@ export function refilter() {
 
 /** Select points, and keep them in the address. @param {number[]} points */
 export function select(points) {
-  take({ selected: new Set(points) });
+  send("selected", points);
   change({ sel: packed(points) });
   showPoints();
   showPictures();
@@ -215,7 +191,7 @@ export function select(points) {
 /** Show and list the pairs of the cell of the confusion matrix in the address; all pairs without one. */
 export function followCell() {
   if (!scene.facts.unseen) return;
-  take(cellChosen(scene, state));
+  send("cellFollowed", {});
   strangers.showConfusion();
   refilter();
   const pairs = [...(scene.cell?.pairs ?? [])];
@@ -234,7 +210,8 @@ const showToy = () => panelIsOpen("toy") && toy.show(scene.frames.orders[scene.s
 
 /** The card of the pair under the pointer, or of the pinned one. */
 export function showCard() {
-  const { frames, sprite, hovered, stop, sample, facts } = scene;
+  const { sprite, hovered, stop, sample, facts } = scene;
+  const frames = painted(scene, state);
   const pair = hovered >= 0 ? hovered % frames.pairs : (state.pin ?? -1);
   const pinned = pair >= 0 && pair === state.pin;
   $('[data-panel="card"]').hidden = state.chapter !== "analyse" && state.pin === null;
@@ -245,7 +222,7 @@ export function showCard() {
 /** `pointed`: by the pointer, at which the pictures then are. @param {number} point */
 function hover(point, pointed = false) {
   if (point === scene.hovered) return;
-  take({ hovered: point });
+  send("hovered", point);
   maps.map.marks.style.cursor = point >= 0 ? "pointer" : scene.lasso ? "crosshair" : "grab";
   paintMarks();
   showCard();
@@ -255,7 +232,7 @@ function hover(point, pointed = false) {
 /** Pin the pair of a point, for the other tabs too if it is of their set, and find its neighbours.
  * @param {number} point */
 export function pick(point) {
-  take({ nearest: null });
+  send("pinned", {});
   if (point < 0) return change({ pin: null });
   const { pairs } = scene.frames;
   const pin = point % pairs;
@@ -274,7 +251,7 @@ export async function findNear(half) {
     const question = { point, stage: nearStage(scene, state), order: frames.orders[stop] };
     const { neighbours } = await ask(inSet("neighbours", set), question);
     if (key !== nearKey(scene, state)) return;
-    take({ nearest: { key, points: neighbours } });
+    send("found", { key, points: neighbours });
     showNeighbours();
     paintMarks();
   } catch (error) {

@@ -4,7 +4,7 @@ import { attempt } from "../shared/api.js";
 import { choices } from "../shared/facts.js";
 import { openChapter } from "../shared/store.js";
 import { enter, say } from "./page.js";
-import { $, html, put, state, take } from "./root.js";
+import { $, html, put, send, state } from "./root.js";
 import { wire } from "./wiring.js";
 
 const WORDS = /** @type {Record<string, string>} */ ({
@@ -17,7 +17,7 @@ export async function start() {
     const { sets, twins } = await choices();
     const own = !sets.some(({ shown }) => shown);
     const first = own ? "analyse" : twins ? "touch" : "order";
-    take({ sets, first });
+    send("listed", { sets, first });
     showSets(sets);
     for (const name of ["touch", "where"]) $(`.chapters [data-chapter=${name}]`).hidden = !twins; // as in a saved page
     if (!state.chapter) openChapter(first);

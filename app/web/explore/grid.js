@@ -4,7 +4,7 @@ import { imitation, thumbnail, verdict } from "../shared/card.js";
 import { orderText } from "../shared/frames.js";
 import { ofFrames } from "../shared/provenance.js";
 import { $, html, percent, put, scene, state } from "./root.js";
-import { filtering, near } from "./scene.js";
+import { filtering, near, painted } from "./scene.js";
 import { tagOf, tagPairs } from "./tags.js";
 
 const SHOWN = 60; // pairs; the CSV holds all
@@ -38,7 +38,8 @@ function listed() {
 function heading({ points, why, pairs }) {
   const { frames, stop } = scene;
   if (why) return html`<h4>${pairs.length} ${why}</h4>`;
-  const verdicts = pairs.map((pair) => verdict(frames, pair, stop));
+  const read = painted(scene, state);
+  const verdicts = pairs.map((pair) => verdict(read, pair, stop));
   const tally = (/** @type {"domain" | "truth"} */ key) =>
     Object.entries(Object.groupBy(verdicts, (v) => v[key]))
       .map(([name, of]) => ({ name, count: of?.length ?? 0 }))
@@ -58,7 +59,7 @@ export const marked = (right, said) => `${right ? "✓" : "✗"}\u00a0${said}`;
 /** A button of a pair. @param {number} pair */
 function tile(pair) {
   const { frames, sprite, stop, facts } = scene;
-  const { truth, domain, said, right } = verdict(frames, pair, stop);
+  const { truth, domain, said, right } = verdict(painted(scene, state), pair, stop);
   const note = imitation(facts.pairs, pair);
   const tag = tagOf(frames, pair);
   const name = `Pair ${pair}, ${truth}${note && `, ${note}`}, ${domain}, ${said && `predicted ${said}`}${tag && `, tag ${tag}`}`;

@@ -12,7 +12,7 @@ import { isStill, stageNamed } from "../shared/stages.js";
 import { modeOf } from "../shared/tables.js";
 import { pictures } from "./pictures.js";
 import { $, choice, html, options, put, scene, state } from "./root.js";
-import { filtering, isDouble, lit, loneDomain, near } from "./scene.js";
+import { filtering, isDouble, lit, loneDomain, near, painted } from "./scene.js";
 
 /** @type {Record<string, string>} */
 export const METHODS = { pca: "PCA", umap: "UMAP" };
@@ -39,7 +39,7 @@ export function build(on) {
   map = new Cloud($(".now .map"), 2 * scene.own.pairs);
   const drawing = listen(map, on);
   const frames = () => scene.frames;
-  const named = names(frames, shown);
+  const named = names(() => painted(scene, state), shown);
   const scaled = axes(() => axisNames(kindOf(state.stage)));
   map.painters = [
     (x, cloud) => (state.chapter === "analyse" ? scaled(x, cloud) : shapes(x, cloud, meaning(scene.frames))),
@@ -82,8 +82,9 @@ export const showKinds = () =>
 
 /** The colourings that the frames have. */
 export function showColourings() {
-  const rows = colouringsOf(scene.frames);
-  const chosen = colouring(scene.frames, state.colour);
+  const frames = painted(scene, state);
+  const rows = colouringsOf(frames);
+  const chosen = colouring(frames, state.colour);
   put($(".colouring"), options(rows.map(([key, { label }]) => [key, label])));
   $(".colouring").value = rows.find(([, row]) => row === chosen)?.[0];
 }
@@ -91,7 +92,7 @@ export function showColourings() {
 /** The points of frames at a stop, by colour. @param {Cloud} cloud */
 export const showLayers = (cloud = map, frames = scene.frames, stop = scene.stop) => {
   map.halves = scene.halves;
-  cloud.layers = layersOf(frames, stop, shown, isLit);
+  cloud.layers = layersOf(painted(scene, state, frames), stop, shown, isLit);
   cloud.redraw();
 };
 

@@ -5,7 +5,7 @@ import { framesOf } from "../shared/facts.js";
 import { orderText } from "../shared/frames.js";
 import { values } from "../shared/measures.js";
 import { has, modeOf, OWN_MODE, worded } from "../shared/tables.js";
-import { $, choice, html, percent, scene, state, take } from "./root.js";
+import { $, choice, html, percent, scene, send, state } from "./root.js";
 
 /** @type {(head: NonNullable<FramesMeta["head"]>) => string} */
 const trainings = ({ seeds = [], width }) =>
@@ -56,11 +56,11 @@ function showModes() {
 /** The frames of a mode; null if they cannot be had or others are wanted by then. `say` shows the sentence of a Refusal.
  * @param {(sentence: string) => void} say @returns {Promise<Frames | null>} */
 export async function framesOfMode(say, wanted = wantedMode()) {
-  const { own, set } = take({ wanted });
+  const { own, set } = send("modeWanted", wanted);
   try {
     const frames = wanted === OWN_MODE ? own : await framesOf(wanted, own, set);
     if (scene.wanted !== wanted || scene.set !== set) return null;
-    take({ mode: wanted });
+    send("modeShown", wanted);
     showModes();
     return frames;
   } catch (error) {

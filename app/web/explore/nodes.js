@@ -5,14 +5,14 @@ import { keys } from "../shared/filters.js";
 import { classColour, rgb } from "../shared/palette.js";
 import { awaited } from "../shared/ready.js";
 import { panelIsOpen } from "./panels.js";
-import { $, fill, html, percent, scene, state, take } from "./root.js";
+import { $, fill, html, percent, scene, send, state } from "./root.js";
 
 const PAUSE = 60; // ms: at most one request in it while p is dragged
 const ALIKE = 0.95; // from this share of pairs on, a node counts as constant
 const [ROW, COLUMN, RADIUS, LEAST] = [112, 92, 24, 300]; // units of the drawing
 /** @typedef {Replies["votes"]["votes"]} Votes */
 
-let asking = new AbortController();
+let asking = new AbortController(); // a handle: of the request that is on its way
 
 /** The pin or p has changed. */
 export function follow() {
@@ -31,8 +31,8 @@ async function grow(signal) {
     const tree = await ask("tree", { vis: ref, tac: ref, order }, signal);
     show(tree);
     if (scene.votes) return;
-    take({ votes: {} });
-    take({ votes: await ask("votes", { head: "" }) });
+    send("counted", {});
+    send("counted", await ask("votes", { head: "" }));
     show(tree);
   } catch (error) {
     refused(error, (/** @type {string} */ sentence) => fill($(".nodes"), html`${sentence}`));

@@ -4,14 +4,13 @@ import { attempt, once } from "../shared/api.js";
 import { choices, fit, pairNames, unseen } from "../shared/facts.js";
 import { whenFine } from "../shared/frames.js";
 import { setOf } from "../shared/sets.js";
-import { openAt, openChapter } from "../shared/store.js";
+import { change, openAt, openChapter } from "../shared/store.js";
 import { theSet } from "../shared/theset.js";
 import { making, tell } from "../shared/view.js";
 import * as board from "./board.js";
 import { LESSONS, startOf } from "./chapters.js";
 import { framesOfMode, isOtherWanted } from "./modes.js";
-import { $, all, scene, state, take } from "./root.js";
-import { learned, loaded } from "./scene.js";
+import { $, all, scene, send, state } from "./root.js";
 import * as threads from "./threads.js";
 import * as touch from "./touch.js";
 
@@ -46,7 +45,7 @@ const dataOf = (set, onWait) =>
 export async function enter() {
   if (!state.chapter) return openChapter(scene.first);
   const { chapter } = state;
-  take({ chapter: "" });
+  send("entering", {});
   layOut(chapter);
   const late = () => state.chapter !== chapter;
   return attempt(async () => {
@@ -62,13 +61,13 @@ export async function enter() {
     }
     const data = await dataOf(setOf(chapter, scene.sets), (step) => !scene.chapter && telling(step));
     if (late()) return;
-    if (scene.own !== data.own) take(loaded(data));
+    if (scene.own !== data.own) send("loaded", data);
     board.build();
     const frames = await framesOfMode(say);
     if (late() || !frames) return;
-    opened(chapter);
     if (state.p === null) openAt(startOf(chapter, frames, data.own));
-    if (state.pin !== null && !(state.pin < frames.pairs)) state.pin = null;
+    if (state.pin !== null && !(state.pin < frames.pairs)) change({ pin: null });
+    opened(chapter);
     board.start(frames);
     learnAll(data);
     if (data.coarse) refine(data);
@@ -78,7 +77,7 @@ export async function enter() {
 /** @param {string} chapter */
 function opened(chapter) {
   telling(null);
-  take({ chapter });
+  send("entered", chapter);
   $().classList.add("ready");
 }
 
@@ -104,7 +103,7 @@ function learnAll({ set, own }) {
   const learn = async (name, coming, say = () => {}) => {
     const fact = await attempt(() => coming, say);
     if (!fact) return;
-    take(learned(scene, set, { [name]: fact }));
+    send("learned", { set, facts: { [name]: fact } });
     if (set === scene.set && scene.chapter) board.learned();
   };
   if (facts.unseen && facts.pairs) return board.learned();
@@ -122,6 +121,6 @@ async function refine(data) {
   data.own = own;
   if (scene.own !== coarse) return;
   const shown = scene.frames === coarse;
-  take({ own });
+  send("refined", own);
   if (shown && scene.chapter) board.replace(own);
 }

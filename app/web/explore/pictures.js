@@ -2,7 +2,8 @@
 
 import { thumbnailPair, verdict } from "../shared/card.js";
 import { colouring } from "../shared/palette.js";
-import { $, html, put, scene, state } from "./root.js";
+import { $, html, put, scene, send, state } from "./root.js";
+import { painted } from "./scene.js";
 
 const MOST = 70; // pictures on the map at once
 const NEAR = 3; // zoom from which points may become pictures
@@ -41,9 +42,10 @@ export function pictures(context, cloud) {
   const image = points && sheet(sprite.url, () => cloud.paintMarks());
   if (!image) return;
   cloud.box.classList.add("pictured");
-  const chosen = colouring(frames, state.colour);
-  const groups = chosen.groups(frames);
-  const of = chosen.of(frames, stop);
+  const coloured = painted(scene, state);
+  const chosen = colouring(coloured, state.colour);
+  const groups = chosen.groups(coloured);
+  const of = chosen.of(coloured, stop);
   const { tile, columns } = sprite;
   for (const point of points) {
     const tac = point >= frames.pairs;
@@ -61,12 +63,10 @@ export function pictures(context, cloud) {
   }
 }
 
-let pointer = [0, 0];
-
 /** Place the pictures at the pointer. */
 function follow() {
   const box = $(".peek");
-  const [x, y] = pointer;
+  const [x, y] = scene.pointer;
   const { width, height } = box.getBoundingClientRect();
   const left = x + AWAY + width > innerWidth ? x - AWAY - width : x + AWAY;
   const top = Math.max(4, Math.min(innerHeight - height - 4, y - height / 2));
@@ -77,7 +77,7 @@ function follow() {
 export function listen() {
   const area = $(".maps");
   area.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
-    pointer = [event.clientX, event.clientY];
+    send("pointed", [event.clientX, event.clientY]);
     if (!$(".peek").hidden) follow();
   });
   area.addEventListener("pointerleave", () => ($(".peek").hidden = true));
@@ -89,7 +89,7 @@ export function peek(pair, pointed) {
   const box = $(".peek");
   box.hidden = pair < 0 || !pointed || !sprite;
   if (box.hidden) return;
-  const { truth, domain } = verdict(frames, pair, stop);
+  const { truth, domain } = verdict(painted(scene, state), pair, stop);
   put(box, html`${thumbnailPair(frames, sprite, pair, PEEK)}<p><b>${truth}</b> · ${domain}</p>`);
   follow();
 }

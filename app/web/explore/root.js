@@ -3,10 +3,17 @@
 import { radios } from "../shared/radios.js";
 import { state } from "../shared/store.js";
 import { draw } from "../shared/text.js";
+import { after, START } from "./state.js";
 
 export { change, state } from "../shared/store.js";
 export { draw, fill, html, options, percent, put } from "../shared/text.js";
-export { scene, take } from "./scene.js";
+
+/** Explore, which `send` alone replaces. @type {Readonly<Scene>} */
+export let scene = START;
+
+/** Tell an event; returns Explore after it. @template {keyof SceneEvents} Name
+ * @param {Name} name @param {SceneEvents[Name]} told */
+export const send = (name, told) => (scene = Object.freeze(after(scene, name, told, state)));
 
 /** The first part of Explore that fits a selector; Explore itself without one. @type {(selector?: string) => Found} */
 export const $ = (selector = "") => document.querySelector(`.ov.explore ${selector}`);

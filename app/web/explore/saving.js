@@ -11,7 +11,7 @@ import { csv, png, svg } from "./exports.js";
 import { showGrid } from "./grid.js";
 import { kindOf, METHODS, map, shown } from "./maps.js";
 import { $, html, put, scene, state } from "./root.js";
-import { filtering } from "./scene.js";
+import { filtering, painted } from "./scene.js";
 import { loadTags, tagsCsv } from "./tags.js";
 
 /** Copy the address, together with the map's picture if one is on the screen; return what was done, in words.
@@ -72,7 +72,10 @@ function caption() {
     .join(" · ");
 }
 
-const legend = () => colouring(scene.frames, state.colour).groups(scene.frames);
+const legend = () => {
+  const frames = painted(scene, state);
+  return colouring(frames, state.colour).groups(frames);
+};
 const picture = () => png(map, caption(), legend());
 const say = (/** @type {string} */ sentence) => ($(".announcement").textContent = sentence);
 
@@ -96,7 +99,7 @@ function saveCsv(name) {
   const { frame } = map;
   if (!frame) return;
   const points = selected.size ? [...selected] : Array.from({ length: 2 * frames.pairs }, (_, i) => i).filter(shown);
-  save(`${name}${selected.size ? "-selected" : ""}.csv`, csv(frames, points, frame, stop, state));
+  save(`${name}${selected.size ? "-selected" : ""}.csv`, csv(painted(scene, state), points, frame, stop, state));
 }
 
 /** @type {Record<string, (name: string) => unknown>} */

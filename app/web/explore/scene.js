@@ -1,5 +1,4 @@
-/** The state of Explore beside the address: one object, and the transitions that change it. No DOM here.
- * A transition takes the scene and what happened, and returns the values that change; `take` alone writes them. */
+/** What is read of the state of Explore and of the address. No DOM here. */
 
 import { featuresOf } from "../shared/stages.js";
 import { hidden } from "../shared/store.js";
@@ -17,64 +16,6 @@ export const HISTOGRAMS = [
   { name: "cosine", title: "Photo–touch cosine", help: "cosine of the photo’s and the touch’s F̂, each seen alone" },
 ];
 
-const UNKNOWN = { unseen: null, pairs: null, fit: null };
-const START = {
-  sets: [],
-  first: "",
-  chapter: "",
-  mode: "",
-  wanted: "",
-  facts: UNKNOWN,
-  known: {},
-  dragged: new Map(),
-  halves: [true, true],
-  sample: -1,
-  lasso: false,
-  stairs: "",
-  other: null,
-  votes: null,
-  twin: -1,
-  alone: -1,
-};
-
-/** The state; its set and frames are there once a chapter with a map was opened.
- * @type {Scene} */
-export const scene = /** @type {Scene} */ (/** @type {unknown} */ (START));
-
-/** @type {(patch: Partial<Scene>) => Scene} */
-export const take = (patch) => Object.assign(scene, patch);
-
-/** Another set: nothing of the one before stays. @type {(data: SetData) => Partial<Scene>} */
-export const loaded = ({ set, own, sprite, modes }) => ({
-  set,
-  own,
-  sprite,
-  modes,
-  frames: own,
-  facts: UNKNOWN,
-  stop: 0,
-  hovered: -1,
-  nearest: null,
-  cell: null,
-  stranger: UNSEEN,
-  selected: new Set(),
-  highlight: null,
-  mask: new Uint8Array(2 * own.pairs).fill(1),
-});
-
-/** A fact about a set has come; one of another set changes nothing.
- * @type {(scene: Scene, set: string, facts: Partial<SetFacts>) => Partial<Scene>} */
-export const learned = (scene, set, facts) => (set === scene.set ? { facts: { ...scene.facts, ...facts } } : {});
-
-/** p has moved: its stop, and in the chapter of the order the stops between which it was dragged.
- * @type {(scene: Scene, address: Pick<State, "p" | "chapter">) => Partial<Scene>} */
-export function moved({ frames, dragged }, { p, chapter }) {
-  const stop = frames.stop(p);
-  const [from, to] = dragged.get(frames) ?? [Infinity, -Infinity];
-  if (chapter !== "order" || (from <= stop && stop <= to)) return { stop };
-  return { stop, dragged: new Map(dragged).set(frames, [Math.min(from, stop), Math.max(to, stop)]) };
-}
-
 /** Whether p was dragged over all stops of the frames. @type {(scene: Pick<Scene, "frames" | "dragged">) => boolean} */
 export function whole({ frames, dragged }) {
   const [from, to] = dragged.get(frames) ?? [];
@@ -85,24 +26,6 @@ export function whole({ frames, dragged }) {
  * @type {(scene: Scene, address: Pick<State, "chapter" | "reading">) => Numbers | null} */
 export const answers = ({ facts }, { chapter, reading }) =>
   (chapter === "fooled" && reading !== "fused" && facts.unseen?.pairs.answers[reading]) || null;
-
-/** Apply all filters: hidden points leave the selection and the pointer.
- * @type {(scene: Scene, address: State) => Partial<Scene>} */
-export function filtered(scene, address) {
-  const { pairs } = scene.frames;
-  const wanted = wantedPairs(scene, address);
-  const hides = hidden("modality", address);
-  const alone = answers(scene, address);
-  const seen = (/** @type {Modality} */ name) => !hides.has(name.toUpperCase()) && (!alone || name === address.reading);
-  /** @type {[boolean, boolean]} */
-  const halves = [seen("vis"), seen("tac")];
-  const mask = Uint8Array.from(
-    { length: 2 * pairs },
-    (_, point) => +(halves[+(point >= pairs)] && wanted(point % pairs)),
-  );
-  const selected = new Set([...scene.selected].filter((point) => mask[point]));
-  return { halves, mask, selected, hovered: mask[scene.hovered] ? scene.hovered : -1 };
-}
 
 /** Whether a pair passes every filter. @type {(scene: Scene, address: State) => (pair: number) => boolean} */
 export function wantedPairs({ frames, facts, cell }, address) {
@@ -124,6 +47,11 @@ export function wantedPairs({ frames, facts, cell }, address) {
     ranges.every(({ values, range }) => values[pair] >= range[0] && values[pair] <= range[1]) &&
     words.every((word) => !word || text(pair).includes(word));
 }
+
+/** Frames with what colours and cards read beside them: the columns of the pairs, and what one image alone predicts.
+ * @type {(scene: Scene, address: Pick<State, "chapter" | "reading">, frames?: Frames) => Frames} */
+export const painted = (scene, address, frames = scene.frames) =>
+  Object.assign(Object.create(frames), { columns: scene.facts.pairs ?? {}, answered: answers(scene, address) });
 
 /** The names that a filter leaves. @type {(kind: Filter, names: string[], address: State) => string[]} */
 function left(kind, names, address) {
@@ -170,25 +98,6 @@ export function filtering({ frames, facts, cell }, address) {
         ranges[name] && `${title.toLowerCase()} ${ranges[name].map((end) => end.toFixed(2)).join(" to ")}`,
     ),
   ].flatMap((words) => words || []);
-}
-
-/** The cell of the confusion matrix in the address, with its pairs; null if there is no such cell.
- * @type {(scene: Scene, address: Pick<State, "cell" | "reading">) => Partial<Scene>} */
-export function cellChosen({ frames, facts }, { cell, reading }) {
-  const unseen = /** @type {Unseen} */ (facts.unseen);
-  const [truth, answer, ...name] = cell.split("~");
-  const domain = name.join("~");
-  const [is, said] = [unseen.classes[+truth], unseen.classes[+answer]];
-  if (!Object.hasOwn(unseen.confusion[reading], domain) || !is || !said) return { cell: null };
-  const [source, there] = [unseen.source, domain].map((of) => frames.domains.indexOf(of));
-  const pairs = new Set();
-  for (let pair = 0; pair < frames.pairs; pair++) {
-    const inside = domain === UNSEEN ? frames.domain[pair] !== source : frames.domain[pair] === there;
-    const read = unseen.pairs.answers[reading][pair];
-    if (inside && unseen.pairs.counts[pair] && frames.label[pair] === +truth && read === +answer) pairs.add(pair);
-  }
-  const words = `${is} predicted as ${said}`;
-  return { stranger: domain, cell: { truth: +truth, answer: +answer, pairs, words } };
 }
 
 /** The next point that the filters leave. @type {(scene: Scene, by: number) => number} */

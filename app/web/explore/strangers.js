@@ -5,7 +5,7 @@ import { unseenPairs } from "../shared/provenance.js";
 import { barRow, scaleOf } from "./bars.js";
 import { ofOwn } from "./chapters.js";
 import { marked } from "./grid.js";
-import { $, change, choice, html, options, percent, put, scene, state, take } from "./root.js";
+import { $, change, choice, html, options, percent, put, scene, send, state } from "./root.js";
 import { UNSEEN } from "./scene.js";
 
 /** @type {{key: Reading, label: string, title?: string}[]} */
@@ -130,7 +130,7 @@ export function showConfusion() {
 
 /** Show the confusion matrix of another domain. @param {string} stranger */
 export function chooseStranger(stranger) {
-  take({ stranger });
+  send("strangerChosen", stranger);
   change({ cell: "" });
   showConfusion();
 }

@@ -13,7 +13,7 @@ import { bytesOf } from "../shared/text.js";
 import { showWords } from "./board.js";
 import { decided, whence } from "./chapters.js";
 import { sheet } from "./pictures.js";
-import { $, change, choice, draw, fill, html, percent, scene, state, take } from "./root.js";
+import { $, change, choice, draw, fill, html, percent, scene, send, state } from "./root.js";
 import { OWN_ROWS, ownHtml, splitHtml } from "./split.js";
 import { chosen, READINGS } from "./touch.js";
 
@@ -35,16 +35,16 @@ const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 export let cloud;
 /** Method -> positions of each place. @type {Record<string, Uint16Array[]>} */
 const places = {};
+// handles of a glide: its next frame, and what ends the wait for it
 let moving = 0;
-let arrived = (/** @type {number} */ _) => {}; // of a glide that has ended
-let shownAt = ""; // the place and method that the map shows
+let arrived = (/** @type {number} */ _) => {};
 
 /** Whether the page shows another set than the project's, whose bars then stand above those of the twins. */
 const isOwn = () => scene.first === "analyse" && !held;
 
 export async function open() {
   const [twins, twinsMap] = await Promise.all([fetchTwins(), fetchMap()]);
-  take({ twins, twinsMap });
+  send("twins", { twins, twinsMap });
   if (!cloud) {
     build();
     if (isOwn()) measure();
@@ -79,7 +79,7 @@ const pointOf = (/** @type {number} */ number) => {
 /** @param {number} twin */
 function hover(twin) {
   if (twin === scene.twin) return;
-  take({ twin });
+  send("twinHovered", twin);
   cloud.paintMarks();
 }
 
@@ -92,7 +92,7 @@ function pick(point) {
 
 /** Show one sensor alone in full colour; again, all. @param {number} domain */
 export function chooseSensor(domain) {
-  take({ alone: scene.alone === domain ? -1 : domain });
+  send("sensorChosen", domain);
   showSensors();
   showLayers();
 }
@@ -117,8 +117,7 @@ async function measure() {
   const showKnown = () => fill($(".split.own .bars"), ownHtml(scene.known));
   showKnown();
   for (const { id: known } of OWN_ROWS) {
-    const learn = (/** @type {Scene["known"][string]} */ record) =>
-      take({ known: { ...scene.known, [known]: record } });
+    const learn = (/** @type {Scene["known"][string]} */ record) => send("measured", { [known]: record });
     await attempt(
       async () => learn(await ask("known", { known })),
       (/** @type {string} */ problem) => learn({ problem }),
@@ -155,14 +154,14 @@ function showLayers() {
 function glide() {
   const kind = state.map;
   const wanted = `${kind} ${placeNow()}`;
-  if (wanted === shownAt) return;
+  if (wanted === scene.glided) return;
   const to = places[kind][placeNow()];
   const from =
-    shownAt.startsWith(kind) &&
+    scene.glided.startsWith(kind) &&
     !calm() &&
     $(".threads").checkVisibility() &&
     Float32Array.from(cloud.frame?.points ?? to);
-  shownAt = wanted;
+  send("glided", wanted);
   cancelAnimationFrame(moving);
   const begun = performance.now();
   const step = (/** @type {number} */ now) => {

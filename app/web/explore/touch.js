@@ -3,7 +3,7 @@
 import { address } from "../shared/api.js";
 import { twins as fetchTwins } from "../shared/facts.js";
 import { marked } from "./grid.js";
-import { $, choice, draw, fill, html, options, percent, scene, state, take } from "./root.js";
+import { $, choice, draw, fill, html, options, percent, scene, send, state } from "./root.js";
 
 /** @type {{key: Reading, label: string, table: Input, title: string}[]} */
 export const READINGS = [
@@ -68,7 +68,7 @@ function read({ away, accuracy, verdicts, domains, shown, learned }, { table, fr
 /** Fetch the twins once and draw the chapter; later calls only draw. */
 export async function open() {
   const twins = await fetchTwins();
-  take({ twins });
+  send("twins", { twins });
   show();
   document.dispatchEvent(new CustomEvent("omnivat:simulated", { detail: twins.simulated }));
 }

@@ -81,8 +81,44 @@ interface Scene extends Omit<SetData, "coarse"> {
   twinsMap: TwinsMap;
   twin: number;
   alone: number;
+  /** the place and method that the map of the twins shows or glides to */
+  glided: string;
+  /** where the pointer is on the maps, in the window */
+  pointer: Point;
   /** what the loaded head reads right on the page's own set, by what is known: a record, or why there is none */
   known: Record<string, Partial<Known> & { problem?: string }>;
+}
+/** What is told to Explore: an event and what goes with it. */
+interface SceneEvents {
+  listed: Pick<Scene, "sets" | "first">;
+  twins: Partial<Pick<Scene, "twins" | "twinsMap">>;
+  loaded: Omit<SetData, "coarse">;
+  learned: { set: string; facts: Partial<SetFacts> };
+  refined: Frames;
+  measured: Scene["known"];
+  found: Nearest;
+  counted: Scene["votes"];
+  compared: Other | null;
+  entering: unknown;
+  entered: string;
+  modeWanted: string;
+  modeShown: string;
+  started: Frames;
+  replaced: Frames;
+  moved: unknown;
+  filtered: unknown;
+  cellFollowed: unknown;
+  strangerChosen: string;
+  selected: number[];
+  highlighted: Scene["highlight"];
+  hovered: number;
+  pointed: Point;
+  pinned: unknown;
+  lassoSwitched: unknown;
+  stairsChosen: string;
+  twinHovered: number;
+  sensorChosen: number;
+  glided: string;
 }
 /** The words of a chapter. */
 interface Words {

@@ -11,7 +11,7 @@ import { map } from "./maps.js";
 import * as nodes from "./nodes.js";
 import { enter, followMode } from "./page.js";
 import { addressOf } from "./panels.js";
-import { $, change, scene, state, take } from "./root.js";
+import { $, change, scene, send, state } from "./root.js";
 import { loadFile, saveAs, share, showLink } from "./saving.js";
 import { showSteps } from "./staircase.js";
 import { chooseCell, chooseStranger } from "./strangers.js";
@@ -42,7 +42,7 @@ const CLICKS = {
   ".in": () => shownMap().zoomBy(1.4),
   ".out": () => shownMap().zoomBy(1 / 1.4),
   ".reset": () => shownMap().resetView(),
-  ".lasso": (button) => press(button, take({ lasso: !scene.lasso }).lasso),
+  ".lasso": (button) => press(button, send("lassoSwitched", {}).lasso),
   "[data-switch]": ({ dataset }) => toggle(dataset.switch),
   "[data-save]": ({ dataset }) => saveAs(dataset.save),
   ".card .open": () => openTab("pair"),
@@ -62,7 +62,7 @@ const FIELDS = {
     "[data-value]": ({ dataset, value }) => change({ [dataset.value]: value }),
     ".alike input": () => toggle("alike"),
     ".of-steps": ({ value }) => {
-      take({ stairs: value });
+      send("stairsChosen", value);
       showSteps();
     },
     ".of-domain": ({ value }) => chooseStranger(value),

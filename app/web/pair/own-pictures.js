@@ -2,7 +2,7 @@
 
 import { attempt, Refusal, sendImage } from "../shared/api.js";
 import { drawingOn } from "../shared/canvas.js";
-import { links, state } from "../shared/store.js";
+import { change, links, state } from "../shared/store.js";
 import { IMAGES, NO_CLASS, TERMS } from "./parts.js";
 
 const LARGEST = 20e6; // bytes
@@ -84,10 +84,13 @@ export async function takeLinked() {
   const taking = IMAGES.map(async (modality) => {
     const link = state[modality];
     if (!link || REFERENCE.test(link)) return;
-    state[modality] = null;
-    const ref = await upload(await fetched(link, TERMS[modality].one));
-    links.set(link, ref);
-    state[modality] = ref;
+    let ref = null;
+    try {
+      ref = await upload(await fetched(link, TERMS[modality].one));
+      links.set(link, ref);
+    } finally {
+      change({ [modality]: ref });
+    }
   });
   const note = (/** @type {string} */ problem) => problems.push(problem);
   await Promise.all(taking.map((one) => attempt(() => one, note)));

@@ -94,8 +94,8 @@ class PairView extends View {
     const { vis, tac, head, profile } = tab;
     Object.assign(visit, { head, profile });
     for (const work of halt) this.running[work]?.abort();
+    change({ vis, tac, p: state.p ?? tab.answer?.learned ?? null });
     this.draw();
-    change({ vis, tac });
     for (const [work, what] of Object.entries(next)) this.work(/** @type {keyof PairWork} */ (work), what);
   };
 

@@ -46,7 +46,6 @@ export class WhatIf extends View {
     const { classes, stops, learned, span, spectra, images } = answer;
     if (answer !== this.known) {
       this.known = answer;
-      state.p ??= learned;
       this.bar.learned(learned);
       this.$(".about-p").textContent = aboutP(answer);
     }

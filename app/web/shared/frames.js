@@ -31,9 +31,9 @@ export class Frames {
     this.by = ""; // what predicts, in words, if it is not the loaded head
     this.still = false; // whether it predicts the same at every p
     /** @type {Numbers | null} */
-    this.answered = null; // what one image alone predicts, where that is shown
+    this.answered = null; // Explore alone gives them; what they are, see Colourable
     /** @type {Record<string, string[]>} */
-    this.columns = {}; // of the table of the pairs, once known
+    this.columns = {};
     /** @type {Map<string, Box[]>} */
     this.extents = new Map(); // array of a map -> the boxes around its VIS and its TAC points at all stops
   }

@@ -7,7 +7,7 @@ import { BY_ORDER, OWN_MODE, PLACES, TABLES } from "./tables.js";
 /** The tabs from the server; a saved page has Explore only. */
 const VIEWS = document.querySelector("meta[name=omnivat-views]")?.getAttribute("content")?.split(" ") ?? ["explore"];
 
-/** @type {State} */
+/** @type {Omit<State, "left" | "otherP">} */
 const DEFAULTS = {
   view: "explore",
   chapter: "", // resolved when the set is known
@@ -72,14 +72,11 @@ const CHOICES = {
 export const links = new Map();
 /** @type {Set<(changed: string[]) => void>} */
 const listeners = new Set();
-/** @type {Map<string, Partial<State>>} */
-const left = new Map(); // chapter -> its values when it was left
-let otherP = DEFAULTS.p; // of the other tabs while the first chapter is open, and its own while they are
 
-/** @param {string} chapter @returns {State} */
+/** @param {string} chapter @returns {Omit<State, "left" | "otherP">} */
 const usual = (chapter) => ({ ...DEFAULTS, ...CHAPTERS[chapter] });
 
-/** The values of the address. @returns {State} */
+/** The values of the address. @returns {Omit<State, "left" | "otherP">} */
 function fromAddress() {
   const address = new URLSearchParams(location.search);
   const named = address.get("chapter") ?? "";
@@ -96,60 +93,62 @@ function fromAddress() {
   return { ...usual(chapter), ...chosen };
 }
 
-export const state = fromAddress();
+/** The state, which `change` alone replaces. @type {Readonly<State>} */
+export let state = Object.freeze({ ...fromAddress(), left: {}, otherP: DEFAULTS.p });
 
-/** The names of the values that differ from the state's. @param {Partial<State>} patch */
-const changes = (patch) =>
-  /** @type {(keyof State)[]} */ (Object.keys(patch)).filter((name) => state[name] !== patch[name]);
+/** The state after values have changed. p of the chapter of the order, which has a set of its own, means nothing to the
+ * head of the other tabs: each side finds its own again.
+ * @param {Readonly<State>} before @param {Partial<State>} patch @returns {State} */
+export function after(before, patch) {
+  const { chapter, view, p, otherP } = before;
+  const { view: opened = view } = patch;
+  const crosses = chapter === "order" && opened !== view && [view, opened].includes("explore");
+  return { ...before, ...patch, ...(crosses && { p: otherP, otherP: p }) };
+}
 
-/** @param {string[]} changed */
-const tell = (changed) => {
+/** Take another state, and call who watches what is new in it. @param {State} next @param {(changed: string[]) => void} [first] */
+function become(next, first = () => {}) {
+  const changed = Object.entries(next).flatMap(([name, value]) =>
+    state[/** @type {keyof State} */ (name)] === value ? [] : name,
+  );
+  if (!changed.length) return changed;
+  first(changed);
+  state = Object.freeze(next);
   for (const listener of [...listeners]) listener(changed);
-};
+  return changed;
+}
 
 /** Change values, notify listeners, and update the address after a short pause. A new tab or chapter is a
  * step that the browser's Back goes back. @param {Partial<State>} patch */
 export function change(patch) {
-  const changed = changes(patch);
-  if (!changed.length) return;
-  if (changed.includes("view") && state.chapter === "order" && [state.view, patch.view].includes("explore")) {
-    patch = { ...patch, p: otherP }; // p of the first chapter's own set means nothing to the head of the other tabs
-    otherP = state.p;
-    changed.push("p");
-  }
-  const step = changed.includes("view") || (changed.includes("chapter") && state.chapter !== "");
-  if (step) writeAddress();
-  Object.assign(state, patch);
-  tell(changed);
+  let step = false;
+  const changed = become(after(state, patch), (changed) => {
+    step = changed.includes("view") || (changed.includes("chapter") && state.chapter !== "");
+    if (step) writeAddress();
+  });
   if (step) writeAddress("pushState");
-  else writeSoon();
+  else if (changed.length) writeSoon();
 }
 
 /** Open a chapter of Explore as it was left, or with its usual values.
  * @param {string} chapter @param {Partial<State>} patch */
 export function openChapter(chapter, patch = {}) {
   if (state.chapter === chapter) return change(patch);
-  /** @param {State} from */
+  /** @param {Partial<State>} from */
   const own = (from) => Object.fromEntries(Object.entries(from).filter(([name]) => OWN.includes(name)));
-  if (state.chapter) left.set(state.chapter, own(state));
-  return change({ ...own(usual(chapter)), ...left.get(chapter), ...patch, chapter });
+  const left = state.chapter ? { ...state.left, [state.chapter]: own(state) } : state.left;
+  return change({ ...own(usual(chapter)), ...left[chapter], ...patch, chapter, left });
 }
 
-/** The order at which a chapter opens; the first chapter's waits while another tab is open. @param {number} p */
-export function openAt(p) {
-  state.opened = p;
-  if (state.chapter === "order" && state.view !== "explore") otherP = p;
-  else state.p = p;
-}
+/** The order at which a chapter opens; that of the order's own set waits while another tab is open. @param {number} p */
+export const openAt = (p) => change(state.chapter === "order" && state.view !== "explore" ? { otherP: p } : { p });
 
 /** Back and forward: take the values of the address. `open(view)` opens a tab. @param {(view: string) => void} open */
 export function followHistory(open) {
   addEventListener("popstate", () => {
-    const now = fromAddress();
-    const changed = changes(now);
-    Object.assign(state, now);
-    if (changed.includes("view")) open(state.view);
-    tell(changed);
+    const { view } = state;
+    become({ ...state, ...fromAddress() });
+    if (state.view !== view) open(state.view);
   });
 }
 
@@ -182,7 +181,7 @@ export function writeAddress(how = "replaceState") {
   const address = new URL(location.href);
   const from = new Map([...links].map(([link, ref]) => [ref, link]));
   for (const [name, value] of Object.entries(usual(state.chapter))) {
-    const now = state[/** @type {keyof State} */ (name)];
+    const now = state[/** @type {keyof typeof DEFAULTS} */ (name)];
     if (now === undefined || now === null || now === value) address.searchParams.delete(name);
     else address.searchParams.set(name, typeof now === "number" ? `${+now.toFixed(4)}` : (from.get(now) ?? now));
   }

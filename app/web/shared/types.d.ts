@@ -218,8 +218,10 @@ interface State {
   head2: string;
   beside: string;
   means: string;
-  /** the order at which the chapter opened */
-  opened?: number;
+  /** beside the address: the values of each chapter when it was left, and p of the tabs that are not open where the chapter
+   * of the order is: of the others while Explore is, its own while they are */
+  left: Record<string, Partial<State>>;
+  otherP: number;
 }
 /** A filter of points. */
 type Filter = "domain" | "class" | "modality";

@@ -1,0 +1,125 @@
+/** Explore as one object, beside the address, and what each event makes of it: the values that change. No DOM here. */
+
+import { hidden } from "../shared/store.js";
+import { answers, UNSEEN, wantedPairs } from "./scene.js";
+
+const UNKNOWN = { unseen: null, pairs: null, fit: null };
+
+/** The set and its frames are there once a chapter with a map was opened. */
+export const START = /** @type {Scene} */ (
+  /** @type {Partial<Scene>} */ ({
+    sets: [],
+    first: "",
+    chapter: "",
+    mode: "",
+    wanted: "",
+    facts: UNKNOWN,
+    known: {},
+    dragged: new Map(),
+    halves: [true, true],
+    sample: -1,
+    lasso: false,
+    stairs: "",
+    other: null,
+    votes: null,
+    twin: -1,
+    alone: -1,
+    glided: "",
+    pointer: [0, 0],
+  })
+);
+
+/** @type {{[Name in keyof SceneEvents]: (scene: Scene, told: SceneEvents[Name], address: State) => Partial<Scene>}} */
+const EVENTS = {
+  // what came from the server
+  listed: (_, { sets, first }) => ({ sets, first }),
+  twins: (_, parts) => parts,
+  /** Another set: nothing of the one before stays. */
+  loaded: (_, { set, own, sprite, modes }) => ({
+    ...{ set, own, sprite, modes, frames: own, facts: UNKNOWN, stop: 0, hovered: -1, nearest: null, cell: null },
+    ...{ stranger: UNSEEN, selected: new Set(), highlight: null, mask: new Uint8Array(2 * own.pairs).fill(1) },
+  }),
+  /** A fact about another set changes nothing. */
+  learned: (scene, { set, facts }) => (set === scene.set ? { facts: { ...scene.facts, ...facts } } : {}),
+  refined: (_, own) => ({ own }),
+  measured: ({ known }, record) => ({ known: { ...known, ...record } }),
+  found: (_, nearest) => ({ nearest }),
+  counted: (_, votes) => ({ votes }),
+  compared: (_, other) => ({ other }),
+
+  // chapters, modes of p, and p
+  entering: () => ({ chapter: "" }),
+  entered: (_, chapter) => ({ chapter }),
+  modeWanted: (_, wanted) => ({ wanted }),
+  modeShown: (_, mode) => ({ mode }),
+  /** A chapter opens: nothing is selected. */
+  started: (_, frames) => ({
+    selected: new Set(),
+    sample: frames.label.findIndex((label, pair) => frames.headless || label === frames.prediction[pair]),
+  }),
+  replaced: (scene, frames, address) => ({ frames, ...moved({ ...scene, frames }, address) }),
+  moved: (scene, _, address) => moved(scene, address),
+
+  // what is filtered, pointed at and chosen
+  filtered: (scene, _, address) => filtered(scene, address),
+  cellFollowed: (scene, _, address) => cellOf(scene, address),
+  strangerChosen: (_, stranger) => ({ stranger }),
+  selected: (_, points) => ({ selected: new Set(points) }),
+  highlighted: (_, highlight) => ({ highlight }),
+  hovered: (_, hovered) => ({ hovered }),
+  pointed: (_, pointer) => ({ pointer }),
+  pinned: () => ({ nearest: null }),
+  lassoSwitched: ({ lasso }) => ({ lasso: !lasso }),
+  stairsChosen: (_, stairs) => ({ stairs }),
+  twinHovered: (_, twin) => ({ twin }),
+  sensorChosen: ({ alone }, domain) => ({ alone: alone === domain ? -1 : domain }),
+  glided: (_, glided) => ({ glided }),
+};
+
+/** Explore after an event. @template {keyof SceneEvents} Name
+ * @param {Scene} scene @param {Name} name @param {SceneEvents[Name]} told @param {State} address @returns {Scene} */
+export const after = (scene, name, told, address) => ({ ...scene, ...EVENTS[name](scene, told, address) });
+
+/** p has moved: its stop, and in the chapter of the order the stops between which it was dragged.
+ * @param {Pick<Scene, "frames" | "dragged">} scene @param {Pick<State, "p" | "chapter">} address */
+function moved({ frames, dragged }, { p, chapter }) {
+  const stop = frames.stop(p);
+  const [from, to] = dragged.get(frames) ?? [Infinity, -Infinity];
+  if (chapter !== "order" || (from <= stop && stop <= to)) return { stop };
+  return { stop, dragged: new Map(dragged).set(frames, [Math.min(from, stop), Math.max(to, stop)]) };
+}
+
+/** Hidden points leave the selection and the pointer. @param {Scene} scene @param {State} address */
+function filtered(scene, address) {
+  const { pairs } = scene.frames;
+  const wanted = wantedPairs(scene, address);
+  const hides = hidden("modality", address);
+  const alone = answers(scene, address);
+  const seen = (/** @type {Modality} */ name) => !hides.has(name.toUpperCase()) && (!alone || name === address.reading);
+  /** @type {[boolean, boolean]} */
+  const halves = [seen("vis"), seen("tac")];
+  const mask = Uint8Array.from(
+    { length: 2 * pairs },
+    (_, point) => +(halves[+(point >= pairs)] && wanted(point % pairs)),
+  );
+  const selected = new Set([...scene.selected].filter((point) => mask[point]));
+  return { halves, mask, selected, hovered: mask[scene.hovered] ? scene.hovered : -1 };
+}
+
+/** The cell of the confusion matrix in the address, with its pairs; null if there is no such cell.
+ * @param {Scene} scene @param {State} address @returns {Partial<Scene>} */
+function cellOf({ frames, facts }, { cell, reading }) {
+  const unseen = /** @type {Unseen} */ (facts.unseen);
+  const [truth, answer, ...name] = cell.split("~");
+  const domain = name.join("~");
+  const [is, said] = [unseen.classes[+truth], unseen.classes[+answer]];
+  if (!Object.hasOwn(unseen.confusion[reading], domain) || !is || !said) return { cell: null };
+  const [source, there] = [unseen.source, domain].map((of) => frames.domains.indexOf(of));
+  const pairs = new Set();
+  for (let pair = 0; pair < frames.pairs; pair++) {
+    const inside = domain === UNSEEN ? frames.domain[pair] !== source : frames.domain[pair] === there;
+    const read = unseen.pairs.answers[reading][pair];
+    if (inside && unseen.pairs.counts[pair] && frames.label[pair] === +truth && read === +answer) pairs.add(pair);
+  }
+  return { stranger: domain, cell: { truth: +truth, answer: +answer, pairs, words: `${is} predicted as ${said}` } };
+}
