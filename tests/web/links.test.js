@@ -24,8 +24,9 @@ const { takeLinked } = await import("../../app/web/pair/own-pictures.js");
 
 test("a picture of this origin is sent, one of another host is refused with its address", async () => {
   assert.equal(store.state.view, "pair");
-  const problem = await takeLinked();
-  assert.match(problem, /touch 'https:\/\/else.where\/b.png' is not on this page's host/);
+  const { lost, sent: taken } = await takeLinked();
+  assert.equal(taken["image:f00"].name, "a.png");
+  assert.match(lost, /touch 'https:\/\/else.where\/b.png' is not on this page's host/);
   assert.deepEqual(sent, [
     ["http://x/pairs/a.png", "GET"],
     ["http://x/omnivat/image?name=a.png", "POST"],

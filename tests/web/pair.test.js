@@ -194,7 +194,9 @@ test("a visitor's photo beside an example's touch is not judged by the example's
 });
 
 test("a picture is called by its pair of the set, by its example or by its file", () => {
-  const tab = { examples: [{ name: "x/y", class: "wood", domain: "A" }], set: { frames: frames() } };
+  const sent = { "image:f00": { name: "a.png", width: 3, height: 2, credit: "" } };
+  const tab = { examples: [{ name: "x/y", class: "wood", domain: "A" }], set: { frames: frames() }, sent };
+  assert.deepEqual(describe(tab, "image:f00"), { text: "a.png · 3 × 2" });
   assert.deepEqual(describe(tab, "row:1"), { text: "pair 1 · steel · B", truth: "steel" });
   assert.deepEqual(describe(tab, "row:2"), { text: "pair 2", truth: "" });
   assert.deepEqual(describe(tab, "example:x/y"), { text: "wood · A", truth: "wood" });

@@ -52,7 +52,7 @@ export class Feed extends View {
     this.term = TERMS[this.modality].one;
     this.video = Object.assign(document.createElement("video"), { muted: true, loop: true, playsInline: true });
     this.canvas = /** @type {HTMLCanvasElement} */ (this.$("canvas"));
-    /** @type {Rest | null} */
+    /** Of this camera, as its picture is: no view reads it. @type {Rest | null} */
     this.rest = null;
     this.active = false; // a source chosen while Live runs opens at once
     const { device, crop, turn } = (this.menus = Object.fromEntries(

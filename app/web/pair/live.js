@@ -151,7 +151,7 @@ const GUIDES = {
     if (drawn(desk).touched === false) return "No contact, so no pair. Press the sensor.";
     /** @type {Pair} */
     const pair = {};
-    for (const [modality, file] of await filesOf(desk, "live")) pair[modality] = await upload(file);
+    for (const [modality, file] of await filesOf(desk, "live")) pair[modality] = await upload(file, desk.send);
     desk.send("counted", await counted({ ...pair, label, name: `live ${new Date().toLocaleTimeString()}` }));
     return `Added as ${label}.`;
   },

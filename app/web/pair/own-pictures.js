@@ -6,17 +6,15 @@ import { change, links, state } from "../shared/store.js";
 import { IMAGES, NO_CLASS, TERMS } from "./parts.js";
 
 const LARGEST = 20e6; // bytes
-/** What was sent, by its reference: its name and size, an address to show it from, who made it if somebody else.
- * @type {Map<Ref, {name: string, width: number, height: number, src: string, credit: string}>} */
-export const sent = new Map();
 
-/** Upload a file; of many, with their signal, the page keeps no preview. @param {File} file @param {AbortSignal} [signal] */
-export async function upload(file, signal, credit = "") {
+/** Upload a file, and tell what was sent; of many, with their signal, the page keeps no preview.
+ * @param {File} file @param {(event: "sent", what: Record<Ref, Picture>) => unknown} send @param {AbortSignal} [signal] */
+export async function upload(file, send, signal, credit = "") {
   const { name, size } = file;
   if (size > LARGEST)
     throw new Refusal(`'${name}' has ${(size / 1e6).toFixed(0)} MB; the limit is 20 MB. Scale it down and try again.`);
   const { ref, width, height, preview } = await sendImage(file, name, signal);
-  sent.set(ref, { name, width, height, src: signal ? URL.createObjectURL(file) : preview, credit });
+  send("sent", { [ref]: { name, width, height, src: signal ? URL.createObjectURL(file) : preview, credit } });
   return ref;
 }
 
@@ -77,8 +75,10 @@ export function snapshot(box, stream, signal) {
 
 const REFERENCE = /^(row|example|image):/;
 
-/** Send the pictures of the address; they then are references like others. Returns what went wrong, one sentence. */
+/** Send the pictures of the address; they then are references like others. Returns them, and what went wrong as a sentence. */
 export async function takeLinked() {
+  /** @type {Record<Ref, Picture>} */
+  const sent = {};
   /** @type {string[]} */
   const problems = [];
   const taking = IMAGES.map(async (modality) => {
@@ -86,7 +86,7 @@ export async function takeLinked() {
     if (!link || REFERENCE.test(link)) return;
     let ref = null;
     try {
-      ref = await upload(await fetched(link, TERMS[modality].one));
+      ref = await upload(await fetched(link, TERMS[modality].one), (_, one) => Object.assign(sent, one));
       links.set(link, ref);
     } finally {
       change({ [modality]: ref });
@@ -94,7 +94,7 @@ export async function takeLinked() {
   });
   const note = (/** @type {string} */ problem) => problems.push(problem);
   await Promise.all(taking.map((one) => attempt(() => one, note)));
-  return problems.join(" ");
+  return { lost: problems.join(" "), sent };
 }
 
 /** The file at a link; a picture of another host is not fetched. @param {string} link @param {string} what */
@@ -112,8 +112,8 @@ async function fetched(link, what) {
 export const partsOf = (ref) => [ref.slice(0, ref.indexOf(":")), ref.slice(ref.indexOf(":") + 1)];
 
 /** What a picture is called, and its class unless it is the visitor's.
- * @param {Pick<PairTab, "examples" | "set">} tab @param {Ref} ref @returns {{text: string, truth?: string}} */
-export function describe({ examples, set: { frames } }, ref) {
+ * @param {Pick<PairTab, "examples" | "set" | "sent">} tab @param {Ref} ref @returns {{text: string, truth?: string}} */
+export function describe({ examples, sent, set: { frames } }, ref) {
   const [kind, name] = partsOf(ref);
   const dotted = (/** @type {unknown[]} */ ...words) => words.filter(Boolean).join(" · ");
   if (kind === "example") {
@@ -126,6 +126,6 @@ export function describe({ examples, set: { frames } }, ref) {
     const truth = label === NO_CLASS ? "" : label;
     return { text: dotted(`pair ${name}`, truth, there && frames.domains[frames.domain[+name]]), truth };
   }
-  const image = sent.get(ref);
+  const image = sent[ref];
   return { text: image ? dotted(image.name, `${image.width} × ${image.height}`, image.credit) : ref };
 }

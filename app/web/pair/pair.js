@@ -75,7 +75,7 @@ class PairView extends View {
     this.tab = { ...START, ...tab, vis: state.vis, tac: state.tac };
     /** @type {Partial<Record<keyof PairWork, AbortController>>} */
     this.running = {};
-    this.whatIf = new WhatIf(this.$(".what-if-p"));
+    this.whatIf = new WhatIf(this.$(".what-if-p"), (curves) => this.send("arrived", { curves }));
     put(this.$(".feeds"), html`${IMAGES.map(feedHtml)}`);
     this.feeds = [...root.querySelectorAll(".feed")].map(
       (box) => new Feed(/** @type {HTMLElement} */ (box), (line) => this.send("arrived", { line })),
@@ -197,7 +197,7 @@ export async function start(root) {
   let problem = "";
   const told = (/** @type {unknown} */ error) =>
     refused(error, (/** @type {string} */ sentence) => (problem = sentence));
-  const [examples, set, all, lost, facts] = await Promise.all([
+  const [examples, set, all, { lost, sent }, facts] = await Promise.all([
     json("examples").catch(() => []),
     theSetSoon(),
     heads().catch(told),
@@ -210,6 +210,7 @@ export async function start(root) {
     head: facts?.left_out ? "own" : "",
     heads: (all ?? []).filter((one) => one.name && !one.problem),
     lost,
+    sent,
     notes: { ...START.notes, problem: problem || lost },
     set: { ...set, gone: Boolean(problem) },
   });

@@ -3,7 +3,7 @@
 import { address } from "../shared/api.js";
 import { thumbnail } from "../shared/card.js";
 import { shelf } from "../shared/pick.js";
-import { describe, partsOf, sent } from "./own-pictures.js";
+import { describe, partsOf } from "./own-pictures.js";
 import { button, chooser, hint, html, IMAGES, OTHER, opener, pressed, signed, TERMS } from "./parts.js";
 import { changed, told } from "./where.js";
 
@@ -40,11 +40,11 @@ function slotHtml(tab, modality) {
 const FILM = html`<div class="picture filming"><video autoplay playsinline muted></video><div class="row"><button class="main">Take it</button><button>Cancel</button></div></div>`;
 
 /** @param {PairTab} tab @param {Modality} modality */
-function pictureHtml({ set, explained, ...tab }, modality) {
+function pictureHtml({ set, explained, sent, ...tab }, modality) {
   const { title } = TERMS[modality];
   const ref = tab[modality] ?? "";
   const [kind, name] = partsOf(ref);
-  const image = sent.get(ref);
+  const image = sent[ref];
   const example = kind === "example" && { src: exampleOf(name, modality), alt: `${title} of ${name}` };
   const { src, alt } = example || { src: image?.src, alt: `${title}: ${image?.name}` };
   const none = html`<span>${ref ? "sent earlier" : "Drop or paste an image"}</span>`;

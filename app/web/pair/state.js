@@ -32,6 +32,8 @@ export const START = {
   filming: "",
   explained: {},
   reals: {},
+  sent: {},
+  curves: "fused",
   ...NOTHING,
   question: null,
   classes: [],
@@ -146,6 +148,8 @@ const EVENTS = {
   arrived: (tab, parts) => ({ ...parts, next: parts.set && tab.answer ? { place: {} } : {} }),
   told: ({ notes }, more) => ({ notes: { ...notes, ...more } }),
   doing: ({ doing }, more) => ({ doing: { ...doing, ...more } }),
+
+  sent: ({ sent }, more) => ({ sent: { ...sent, ...more } }),
 
   // the pair
   again: (tab) => asked(tab),

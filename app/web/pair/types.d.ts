@@ -37,6 +37,14 @@ interface OwnPair extends Pair {
   name: string;
   said: Partial<Record<Reading, string>>;
 }
+/** A picture that was sent: its name and size, an address to show it from, who made it if somebody else. */
+interface Picture {
+  name: string;
+  width: number;
+  height: number;
+  src: string;
+  credit: string;
+}
 /** A pair of files, by their names or by a CSV. */
 interface FilePair {
   name: string;
@@ -89,6 +97,8 @@ interface PairTab {
   filming: Modality | "";
   explained: Partial<Record<Modality, Parts>>;
   reals: Record<string, Ref>; // real pairs that were sent
+  sent: Record<Ref, Picture>; // own pictures
+  curves: Reading; // whose curves against p are shown
 
   busy: boolean; // a prediction is on its way
   slow: boolean;
@@ -123,6 +133,7 @@ interface PairEvents {
   arrived: Partial<PairTab>;
   told: Partial<PairTab["notes"]>;
   doing: PairTab["doing"];
+  sent: PairTab["sent"];
   again: unknown;
   opened: Pair;
   uploaded: { modality: Modality; ref: Ref };

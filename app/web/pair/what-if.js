@@ -11,44 +11,33 @@ import { Attention, Spectra } from "./rasters.js";
 import { readingsOf } from "./verdict.js";
 
 export class WhatIf extends View {
-  /** @type {PairTab | null} */
+  /** What was drawn last: the tab, to draw at another p, and the prediction whose pictures are on the canvases.
+   * @type {PairTab | null} */
   tab = null;
-  /** @type {Reading} */
-  reading = "fused";
-  /** The prediction that p was set for. @type {Predicted | null} */
-  known = null;
-  /** The one whose pictures are drawn. @type {Predicted | null} */
+  /** @type {Predicted | null} */
   drawn = null;
 
-  /** @param {HTMLDetailsElement} box */
-  constructor(box) {
+  /** @param {HTMLDetailsElement} box @param {(reading: Reading) => void} choose */
+  constructor(box, choose) {
     super(box);
     this.bar = orderBar(this.$(".order-bar"));
     this.lines = new Lines(this.$(".lines"), (p) => change({ p }));
     this.spectra = new Spectra(this.$(".pictures"));
     this.attention = new Attention(this.$(".looks"));
     box.ontoggle = () => this.show();
-    onClick(this.$(".which"), {
-      button: ({ dataset }) => {
-        this.reading = dataset.key;
-        this.show();
-      },
-    });
+    onClick(this.$(".which"), { button: ({ dataset }) => choose(dataset.key) });
   }
 
   /** Show the prediction of the tab at the present p; nothing without one. What is folded away is not drawn.
    * @param {PairTab | null} tab */
   show(tab = this.tab) {
     this.tab = tab;
-    const { answer, question, set } = tab ?? {};
+    const { answer, question, set, curves } = tab ?? {};
     this.box.hidden = !answer;
     if (!answer || !question) return;
     const { classes, stops, learned, span, spectra, images } = answer;
-    if (answer !== this.known) {
-      this.known = answer;
-      this.bar.learned(learned);
-      this.$(".about-p").textContent = aboutP(answer);
-    }
+    this.bar.learned(learned);
+    this.$(".about-p").textContent = aboutP(answer);
     const stop = HUNDREDTHS.stop(state.p);
     this.bar.show(stop);
     if (!this.box.open) return;
@@ -59,8 +48,7 @@ export class WhatIf extends View {
     }
     const readings = Object.fromEntries(Object.entries(stops).map(([name, rows]) => [name, rows[stop]]));
     const all = readingsOf({ classes, readings, images }).filter(({ label }) => label);
-    const { reading, label, share, guess } = all.find((said) => said.reading === this.reading) ?? all[0];
-    this.reading = reading;
+    const { reading, label, share, guess } = all.find((said) => said.reading === curves) ?? all[0];
     const p = HUNDREDTHS.orders[stop];
     const choices = all.map((said) => ({ key: said.reading, label: titleOf(said.reading) }));
     draw(this.$(".which"), radios(choices, reading));

@@ -11,7 +11,7 @@ import { change } from "../shared/store.js";
 import { base64, bytesOf as decoded } from "../shared/text.js";
 import { guide, live, saveRecording } from "./live.js";
 import { csv } from "./many.js";
-import { camera, describe, sent, snapshot, upload } from "./own-pictures.js";
+import { camera, describe, snapshot, upload } from "./own-pictures.js";
 import { isPicture, named, paired, sorted } from "./pairing.js";
 import { imagesOf, OTHER, plural } from "./parts.js";
 import { credit, short } from "./real.js";
@@ -44,7 +44,7 @@ async function predicted(pairs, lessons, signal) {
 /** A labelled pair for the count. @param {Lesson & {name: string}} pair */
 export const counted = async (pair) => (await predicted([pair]))[0];
 
-let last = { lessons: "", taught: "" };
+let last = { lessons: "", taught: "" }; // a handle of the server's: nothing of it is drawn
 /** The name of the head that lessons teach; "" without lessons. `fresh` to teach again if the server may have dropped the
  * head. @param {{lessons?: Lesson[]}} of */
 export async function taughtBy({ lessons }, fresh = true) {
@@ -114,7 +114,7 @@ export const WORK = {
   async upload({ send }, { modality, file }) {
     send("told", { problem: "" });
     send("doing", { [modality]: READING });
-    send("uploaded", { modality, ref: await upload(file) });
+    send("uploaded", { modality, ref: await upload(file, send) });
   },
   async photograph({ send, box }, { modality }, signal) {
     const stream = await camera();
@@ -146,13 +146,13 @@ export const WORK = {
     const pair = tab.take === "both" ? { vis: null, tac: null } : {};
     for (const name of wanted) {
       const content = await (await get(`real/${pictures[name]}`)).blob();
-      pair[name] = await upload(new File([content], `${words}, ${short(from)}`), undefined, credit(from));
+      pair[name] = await upload(new File([content], `${words}, ${short(from)}`), send, undefined, credit(from));
     }
     send("fetched", { key, pair });
   },
 
   async count({ tab, send }, pair) {
-    const names = [pair.vis, pair.tac].flatMap((ref) => (ref ? [sent.get(ref)?.name ?? describe(tab, ref).text] : []));
+    const names = [pair.vis, pair.tac].flatMap((ref) => (ref ? [tab.sent[ref]?.name ?? describe(tab, ref).text] : []));
     send("counted", await counted({ ...pair, name: [...new Set(names)].join(" + ") }));
   },
   async teach({ tab, send }) {
@@ -227,12 +227,12 @@ export async function restore({ send }) {
   return Boolean(visit.profile);
 }
 
-/** A pair of files as a row: its pictures are sent. @param {FilePair} pair @param {AbortSignal} signal @returns {Promise<Row>} */
-async function rowOf(pair, signal) {
+/** A pair of files as a row: its pictures are sent. @param {FilePair} pair @param {Desk["send"]} send @param {AbortSignal} signal @returns {Promise<Row>} */
+async function rowOf(pair, send, signal) {
   /** @type {Row} */
   const row = { ...pair, vis: null, tac: null };
   for (const name of imagesOf(pair)) {
-    const ref = await quietly(upload(/** @type {File} */ (pair[name]), signal));
+    const ref = await quietly(upload(/** @type {File} */ (pair[name]), send, signal));
     Object.assign(row, typeof ref === "string" ? { [name]: ref } : ref);
   }
   return row.vis && row.vis === row.tac ? { ...row, problem: "Photo and touch are the same picture." } : row;
@@ -257,7 +257,7 @@ async function read({ tab, send }, { files, kind }, signal) {
     for (const pair of pairs.slice(done, done + ROWS_AT_ONCE)) {
       const wait = done && Math.ceil(((Date.now() - began) * (total - done)) / done / 1000);
       send("doing", { read: { done: ++done, total, wait } });
-      rows.push(await rowOf(pair, signal));
+      rows.push(await rowOf(pair, send, signal));
     }
     const there = rows.filter((row) => !row.problem);
     const answers = there.length ? await predicted(there, lessonsOf(tab), signal) : [];
@@ -276,7 +276,7 @@ async function sample({ tab, send }, { files, kind }, signal) {
   const untold = files.filter(({ path }) => isPicture(path) && !named(path).modality).slice(0, kind ? 0 : LOOKED_AT);
   let strange = 0; // of a few pictures whose names do not tell, those that look like the other kind
   for (const { file } of untold) {
-    const ref = await quietly(upload(file, signal));
+    const ref = await quietly(upload(file, send, signal));
     if (typeof ref !== "string") continue; // a broken picture is named when all are read
     const seen = await quietly(ask("familiar", { [rest]: ref, profile: "" }, signal));
     if ("images" in seen && seen.images[rest]?.strays) strange++;
@@ -290,7 +290,7 @@ async function sample({ tab, send }, { files, kind }, signal) {
     const refs = { vis: /** @type {Ref[]} */ ([]), tac: /** @type {Ref[]} */ ([]) };
     for (const [i, [name, file]] of queue.slice(at, at + PICTURES_AT_ONCE).entries()) {
       send("doing", { sample: { done: at + i + 1, total: queue.length } });
-      const ref = await quietly(upload(file, signal));
+      const ref = await quietly(upload(file, send, signal));
       if (typeof ref === "string") refs[name].push(ref);
       else broken.push(ref.problem);
     }
