@@ -6,9 +6,9 @@ import { orderText } from "../shared/frames.js";
 import { framesBy, headLabel, heads, isMethod, methodsFor } from "../shared/headsets.js";
 import { axes, axisNames, lassoLine } from "../shared/marks.js";
 import { means } from "../shared/means.js";
-import { values } from "../shared/measures.js";
+import { ACCURACY, values } from "../shared/measures.js";
 import { listen } from "../shared/pointer.js";
-import { stageNamed, stepsOf } from "../shared/stages.js";
+import { OUTPUT, stageNamed, stepsOf } from "../shared/stages.js";
 import { making, tell } from "../shared/view.js";
 import { whence } from "./chapters.js";
 import { figure, gaps, kindOf, map, pairLines, showLayers, shown } from "./maps.js";
@@ -18,11 +18,10 @@ import { isDouble } from "./scene.js";
 /** The accuracy of frames at a stop, and whose it is; only where the head predicts.
  * @type {(frames: Frames, stage: string, stop: number, unseen: Unseen | null) => Html[] | null} */
 export const right = (frames, stage, stop, unseen) =>
-  stage === "f_hat"
-    ? [
-        figure("right, unseen", "accuracy", values(frames, "accuracy", stage), stop),
-        whence(frames, stop, unseen),
-      ].filter((part) => part !== null)
+  stage === OUTPUT
+    ? [figure("right, unseen", ACCURACY, values(frames, ACCURACY, stage), stop), whence(frames, stop, unseen)].filter(
+        (part) => part !== null,
+      )
     : null;
 
 /** @type {Cloud} */

@@ -4,12 +4,12 @@ import { ask, inSet, refused } from "../shared/api.js";
 import { card } from "../shared/card.js";
 import { showFilters } from "../shared/filters.js";
 import { orderText } from "../shared/frames.js";
-import { asText, values } from "../shared/measures.js";
+import { ACCURACY, asText, GAPS, values } from "../shared/measures.js";
 import { orderBar } from "../shared/order.js";
 import { colouring } from "../shared/palette.js";
 import { afterwards } from "../shared/ready.js";
-import { explained, featuresOf, stageNamed, stepsOf } from "../shared/stages.js";
-import { modeOf } from "../shared/tables.js";
+import { explained, featuresOf, OUTPUT, stageNamed, stepsOf } from "../shared/stages.js";
+import { can, modeOf } from "../shared/tables.js";
 import { press } from "../shared/view.js";
 import * as beside from "./beside.js";
 import { featuresHtml, headOf, LESSONS, rightAt, whence } from "./chapters.js";
@@ -28,8 +28,6 @@ import { showSteps } from "./staircase.js";
 import * as strangers from "./strangers.js";
 import * as threads from "./threads.js";
 import * as toy from "./toy.js";
-
-const ANSWERS = ["Correctness", "Confidence"]; // colourings that change with p
 
 /** @type {ReturnType<typeof orderBar>} */
 let bar;
@@ -94,7 +92,7 @@ export function replace(frames) {
   bar.learned(state.chapter === "analyse" ? scene.own.learned : NaN); // the mark would give the answer away
   fill($(".mode-words"), modeWords(frames));
   Object.assign($().dataset, { kind: frames.kind, can: modeOf(frames).can.join(" ") });
-  $(".ride").classList.toggle("blind", !values(frames, "accuracy", "f_hat")?.some(Number.isFinite));
+  $(".ride").classList.toggle("blind", !values(frames, ACCURACY, OUTPUT)?.some(Number.isFinite));
   showColours();
   showStage();
   showMeans();
@@ -110,7 +108,7 @@ export function showOrder() {
   showToy();
   nodes.follow();
   if (state.chapter === "order") toy.showWave(frames.orders[stop]);
-  if (ANSWERS.includes(colouring(painted(scene, state), state.colour).label)) maps.showLayers();
+  if (can(colouring(painted(scene, state), state.colour), "order")) maps.showLayers();
   maps.showNow();
   beside.show();
   showCard();
@@ -140,7 +138,8 @@ export function showWords({ title, figure, remark, whence = html`` }) {
 export function showStage() {
   const { frames } = scene;
   const steps = stepsOf(frames).map(({ id }) => id);
-  if (!steps.includes(state.stage)) return change({ stage: frames.headless ? "raw" : "frft" }); // it lacks a projection
+  if (!steps.includes(state.stage))
+    return change({ stage: steps.find((id) => id === featuresOf(state.stage)) ?? steps[0] }); // it lacks a projection
   const stage = stageNamed(state.stage);
   fill($(".explain"), html`<b>${stage.title}.</b> ${explained(stage, frames)}`);
   maps.showKinds();
@@ -279,12 +278,13 @@ function showPictures() {
 
 const announceSoon = afterwards(() => {
   const { frames, stop } = scene;
-  const gap = values(frames, "modality_gap", featuresOf(state.stage))?.[stop];
+  const [{ id, title }] = GAPS;
+  const gap = values(frames, id, featuresOf(state.stage))?.[stop];
   const right = rightAt(frames, stop);
   $(".announcement").textContent = [
     `p ${orderText(frames.orders[stop])}`,
-    Number.isFinite(gap) && `modality gap ${asText("modality_gap", gap)}`,
-    Number.isFinite(right) && `accuracy on unseen domains ${asText("accuracy", right)}`,
+    Number.isFinite(gap) && `${title.toLowerCase()} ${asText(id, gap)}`,
+    Number.isFinite(right) && `accuracy on unseen domains ${asText(ACCURACY, right)}`,
   ]
     .filter(Boolean)
     .join(", ");

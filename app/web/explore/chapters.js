@@ -1,8 +1,9 @@
 /** The words and figures of the chapters, made from what is on the screen. */
 
 import { remedyHtml } from "../shared/headless.js";
-import { values } from "../shared/measures.js";
+import { ACCURACY, values } from "../shared/measures.js";
 import { ofFrames, strangers, unseenPairs } from "../shared/provenance.js";
+import { INPUT, OUTPUT } from "../shared/stages.js";
 import { TABLES } from "../shared/tables.js";
 import { html, percent } from "./root.js";
 import { whole } from "./scene.js";
@@ -19,7 +20,7 @@ const unseenDomains = (/** @type {Frames} */ frames) => {
 /** {best, low, high, range}: the order of the highest accuracy, and how far accuracy ranges over p; null if unknown.
  * @param {Frames} frames */
 export function decided(frames) {
-  const curve = values(frames, "accuracy", "f_hat") ?? [];
+  const curve = values(frames, ACCURACY, OUTPUT) ?? [];
   const known = curve.filter(Number.isFinite);
   if (!known.length) return null;
   const [low, high] = [Math.min(...known), Math.max(...known)];
@@ -33,7 +34,7 @@ export function startOf(chapter, frames, own) {
 }
 
 /** The accuracy at one stop; NaN if it is not known. @param {Frames} frames @param {number} stop */
-export const rightAt = (frames, stop) => values(frames, "accuracy", "f_hat")?.[stop] ?? NaN;
+export const rightAt = (frames, stop) => values(frames, ACCURACY, OUTPUT)?.[stop] ?? NaN;
 
 /** The same in one sentence on a screen. @param {Frames} frames @param {number} stop */
 export function headOf(frames, stop) {
@@ -65,7 +66,7 @@ export const ofOwn = (own, pairs) => ofFrames(own, own.stop(own.learned), pairs)
 /** The three measures of features without a head, and what a head would need. @param {Scene} scene */
 export function featuresHtml({ own, facts: { fit } }) {
   const gaps = TABLES.measures.map(({ id, title, help }) => {
-    const value = values(own, id, "raw")?.[0] ?? NaN;
+    const value = values(own, id, INPUT)?.[0] ?? NaN;
     return Number.isFinite(value) && html`<dt title="${help}">${title}</dt><dd>${value.toFixed(2)}</dd>`;
   });
   return html`<span class="measured"><b>The encoder’s features, no head.</b></span><dl class="gaps">${gaps}</dl>${headlessHtml(fit)}`;

@@ -1,19 +1,15 @@
 /** Charts against p: one for each measure, or accuracy and both gaps in one. Click or drag one to move p. */
 
 import { dragged, Scale } from "../shared/chart.js";
-import { asText, axis, gapsOf, spread, values } from "../shared/measures.js";
+import { asText, axis, BRIEF, gapsOf, spread, values } from "../shared/measures.js";
 import { isLecture } from "../shared/palette.js";
-import { has, TABLES } from "../shared/tables.js";
+import { INPUT, OUTPUT } from "../shared/stages.js";
+import { can, has, TABLES } from "../shared/tables.js";
 import { $, change, draw, html, scene, state } from "./root.js";
 import { loneDomain, whole } from "./scene.js";
 
 const LEAST = 150; // CSS pixels; charts are drawn at the width of their box, so text keeps its size
 const PAD = { left: 54, right: 10, top: 8, bottom: 24 }; // explore.css sets the slider under a chart by these
-const LINES = [
-  ["accuracy", "accuracy"],
-  ["modality_gap", "modality gap"],
-  ["domain_gap", "domain gap"],
-];
 /** Charts in a box, as wide as it. Returns what draws them at the present stop.
  * @param {string} selector @param {() => number} high @param {(scale: Scale) => Html} make */
 function charts(selector, high, make) {
@@ -46,7 +42,7 @@ export const accuracy = () =>
       if (isLecture()) return 0.4 * innerHeight;
       return Math.min(560, 0.24 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
     },
-    (scale) => html`${TABLES.measures.filter(({ id }) => id === "accuracy").map((row) => curve(row, scale))}`,
+    (scale) => html`${TABLES.measures.filter((row) => can(row, "predictions")).map((row) => curve(row, scale))}`,
   );
 
 /** All measures of features against p. */
@@ -64,10 +60,10 @@ export const together = () =>
     () => 112,
     (scale) => {
       const { frames, stop } = scene;
-      const known = LINES.map(([name, title]) => ({ name, title, values: values(frames, name, "f_hat") }));
+      const known = BRIEF.map(({ id, title }) => ({ name: id, title, values: values(frames, id, OUTPUT) }));
       const key = known.map(
         ({ name, title, values }) =>
-          html`<span class="${name}">${title} <output>${asText(name, values?.[stop], 2)}</output></span>`,
+          html`<span class="${name}">${title.toLowerCase()} <output>${asText(name, values?.[stop], 2)}</output></span>`,
       );
       const lines = known.map(
         ({ name, values }) => values && html`<path class="${name}" d="${scale.line(zip(frames.orders, values))}"/>`,
@@ -81,20 +77,21 @@ export const together = () =>
 const nowOf = (scale) => scale.now(scene.frames.orders[scene.stop]);
 
 /** One curve of a stage, or of a single domain if only one is shown. @param {Measure} measure @param {Scale} box */
-function curve({ id: name, title, help }, box) {
+function curve(measure, box) {
+  const { id: name, title, help } = measure;
   const { frames, stop } = scene;
   const { stage } = state;
   const domain = loneDomain(scene, state);
   const scale = box.of(axis(frames, name));
-  const accurate = name === "accuracy";
-  const together = name === "domain_gap" || name === "margin"; // only for all domains together
+  const accurate = can(measure, "predictions");
+  const together = !can(measure, "domain"); // only for all domains together
   const only = together ? "" : domain;
   const own = values(frames, name, stage, only);
   const known = own && (accurate ? visible(own) : own);
   const band = state.chapter !== "order" && spread(frames, name, stage, only);
   const ghost = accurate
     ? frames.orders.map(() => 1 / frames.classes.length)
-    : stage !== "raw" && values(frames, name, "raw", only);
+    : stage !== INPUT && values(frames, name, INPUT, only);
   const of = only || (together && domain ? "all domains" : accurate ? "unseen domains" : "");
   const value = own?.[stop] ?? NaN;
   const [a, b] = scale.xs;

@@ -5,11 +5,11 @@ import { orderText } from "../shared/frames.js";
 import { layersOf } from "../shared/layers.js";
 import { axes, axisNames, lassoLine, neighbourRings, pairLine, shapes } from "../shared/marks.js";
 import { means, names } from "../shared/means.js";
-import { asText, values } from "../shared/measures.js";
+import { asText, GAPS, values } from "../shared/measures.js";
 import { colouring, colouringsOf, isDark } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
-import { isStill, stageNamed } from "../shared/stages.js";
-import { modeOf } from "../shared/tables.js";
+import { INPUT, isStill, stageNamed } from "../shared/stages.js";
+import { can, modeOf } from "../shared/tables.js";
 import { pictures } from "./pictures.js";
 import { $, choice, html, options, put, scene, state } from "./root.js";
 import { filtering, isDouble, lit, loneDomain, near, painted } from "./scene.js";
@@ -118,10 +118,11 @@ export const figure = (words, measure, values, stop) =>
 /** Both gaps of frames at a stop, or that between the images of one domain. @param {Frames} frames @param {string} stage
  * @param {number} stop */
 export function gaps(frames, stage, stop, domain = "") {
-  const gap = (/** @type {string} */ measure, /** @type {string} */ words) =>
-    figure(words, measure, values(frames, measure, stage, domain), stop);
-  if (domain) return [gap("modality_gap", `modality gap in ${domain}`)];
-  return [gap("modality_gap", "modality gap"), " ", gap("domain_gap", "domain gap")];
+  const rows = GAPS.filter((row) => !domain || can(row, "domain"));
+  return rows.map(({ id, title }, i) => {
+    const words = `${title.toLowerCase()}${domain && ` in ${domain}`}`;
+    return [i > 0 && " ", figure(words, id, values(frames, id, stage, domain), stop)];
+  });
 }
 
 /** The title of the map: its step, its method, and the gaps of the points shown. @param {string} kind */
@@ -150,7 +151,7 @@ function notes(frames, { trust, stops, drawn }, stop, kind) {
     analysed &&
       still &&
       stops === 1 &&
-      state.stage !== "raw" &&
+      state.stage !== INPUT &&
       "One map for every p: the transform changes no distance.",
     analysed && !still && modeOf(frames).note,
     analysed && kind === "umap" && "Distances and scale have no meaning.",

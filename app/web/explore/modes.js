@@ -3,7 +3,8 @@
 import { refused } from "../shared/api.js";
 import { framesOf } from "../shared/facts.js";
 import { orderText } from "../shared/frames.js";
-import { values } from "../shared/measures.js";
+import { ACCURACY, values } from "../shared/measures.js";
+import { OUTPUT } from "../shared/stages.js";
 import { has, modeOf, OWN_MODE, worded } from "../shared/tables.js";
 import { $, choice, html, percent, scene, send, state } from "./root.js";
 
@@ -32,7 +33,7 @@ export function modeWords(frames) {
 function elsewhere(frames) {
   const [low, high] = frames.fits ?? [NaN, NaN];
   /** @type {number[] | null} */
-  const curve = values(frames, "accuracy", "f_hat");
+  const curve = values(frames, ACCURACY, OUTPUT);
   const own = curve?.filter((v, i) => Number.isFinite(v) && !(low <= frames.orders[i] && frames.orders[i] <= high));
   if (!own?.length) return "";
   const mean = own.reduce((sum, v) => sum + v, 0) / own.length;

@@ -1,6 +1,6 @@
 /** What is read of the state of Explore and of the address. No DOM here. */
 
-import { featuresOf } from "../shared/stages.js";
+import { featuresOf, INPUT } from "../shared/stages.js";
 import { hidden } from "../shared/store.js";
 import { has } from "../shared/tables.js";
 import { tagOf } from "./tags.js";
@@ -111,7 +111,7 @@ export function nextPoint({ mask, hovered }, by) {
 
 /** The stage whose neighbours are known: heads trained at each p are not kept.
  * @type {(scene: Scene, address: State) => string} */
-export const nearStage = ({ frames }, { stage }) => (has(frames, "heads") ? "raw" : featuresOf(stage));
+export const nearStage = ({ frames }, { stage }) => (has(frames, "heads") ? INPUT : featuresOf(stage));
 
 /** What neighbours belong to: set, pair, stage and p. @type {(scene: Scene, address: State) => string} */
 export const nearKey = (scene, address) =>

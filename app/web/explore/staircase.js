@@ -18,11 +18,11 @@ export function showSteps() {
   const measures = gapsOf(frames);
   const measure = measures.find(({ id }) => id === stairs) ?? measures[0];
   if (!measure || state.chapter !== "analyse") return;
-  const { id: chosen, title, between, help } = measure;
+  const { id: chosen, title, between, signals, help } = measure;
   const now = steps.map(({ id }) => values(frames, chosen, id)?.[stop] ?? NaN);
   const heights = levels(now, axis(frames, chosen));
   const line = treads(heights);
-  const what = frames.signals && chosen === "modality_gap" ? "VIS to TAC" : between;
+  const what = (frames.signals && signals) || between;
   const heads = steps.map(
     ({ id, help, short, step, brief }) =>
       html`<button role="radio" data-stage="${id}" title="${help}" ${checked(id === state.stage)}><b>${symbol(short)}</b><span class="long">${step}</span><span class="brief">${brief}</span></button>`,

@@ -1,8 +1,9 @@
 /** The guided tour through the chapters. The visitor predicts, then the tour shows the result. */
 
 import { choices, framesOf, twins, twinsMap, unseen } from "../shared/facts.js";
-import { values } from "../shared/measures.js";
+import { ACCURACY, values } from "../shared/measures.js";
 import { setOf } from "../shared/sets.js";
+import { OUTPUT } from "../shared/stages.js";
 import { change, openChapter, state } from "../shared/store.js";
 import { OWN_MODE } from "../shared/tables.js";
 import { openTab } from "../shared/tabs.js";
@@ -26,7 +27,7 @@ export async function startTour() {
   ]);
   const frames = modes[0] === OWN_MODE ? own : await framesOf(modes[0], own, first);
   const pale = sets.find(({ name }) => name === "sensors" && first !== second)?.curve?.share;
-  const curve = values(frames, "accuracy", "f_hat");
+  const curve = values(frames, ACCURACY, OUTPUT);
   openTab("explore");
   show({ unseen: strangers ?? {}, pale, twins: seen, places, curve, orders: frames.orders });
 }

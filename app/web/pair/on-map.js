@@ -8,10 +8,9 @@ import { layersOf } from "../shared/layers.js";
 import { axes, axisNames, pairLine } from "../shared/marks.js";
 import { isDark } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
+import { OUTPUT } from "../shared/stages.js";
 import { change, state, watch } from "../shared/store.js";
 import { IMAGES } from "./parts.js";
-
-const STAGE = "f_hat";
 
 /** Returns what shows a pair at an order. @param {HTMLElement} panel @param {Frames} frames */
 export function pairMap(panel, frames) {
@@ -20,7 +19,7 @@ export function pairMap(panel, frames) {
   let placed = null;
   let asking = new AbortController();
   const cloud = new Cloud(box, 2 * frames.pairs);
-  const kind = () => (frames.kinds(STAGE).includes(state.map) ? state.map : frames.kinds(STAGE)[0]);
+  const kind = () => (frames.kinds(OUTPUT).includes(state.map) ? state.map : frames.kinds(OUTPUT)[0]);
   const shown = shownBy(frames);
   listen(cloud, {
     wanted: shown,
@@ -35,7 +34,7 @@ export function pairMap(panel, frames) {
   function points(order) {
     const stop = frames.stop(order ?? frames.meta.head?.learned_order ?? 0.5);
     cloud.layers = layersOf(frames, stop, shown, () => false, 0.34);
-    cloud.show(frames.positions(kind(), STAGE, stop));
+    cloud.show(frames.positions(kind(), OUTPUT, stop));
   }
   watch(["colour"], () => points(state.p));
   points(state.p); // a canvas without a drawing is black
@@ -46,7 +45,7 @@ export function pairMap(panel, frames) {
     asking.abort();
     asking = new AbortController();
     attempt(async () => {
-      placed = await ask("place", { ...pair, order, stage: STAGE, map: kind() }, asking.signal);
+      placed = await ask("place", { ...pair, order, stage: OUTPUT, map: kind() }, asking.signal);
       const how = placed.exact ? "exact" : "estimated between the nearest neighbours";
       note.textContent = `Pale: all pairs at p = ${orderText(placed.order)}. Places are ${how}. Click a point to choose its pair.`;
       cloud.paintMarks();

@@ -1,12 +1,17 @@
 /** The measures in the frames: gaps, margin and accuracy of each stage at every stop. */
 
 import { featuresOf } from "./stages.js";
-import { has, TABLES } from "./tables.js";
+import { can, has, TABLES } from "./tables.js";
+
+/** The measures that are named in brief: a share of predictions, and gaps. */
+export const BRIEF = TABLES.measures.filter((row) => can(row, "brief"));
+export const GAPS = BRIEF.filter((row) => !can(row, "predictions"));
+export const ACCURACY = TABLES.measures.find((row) => can(row, "predictions"))?.id ?? "";
 
 /** The gaps and margins that frames have of some step: all measures of features. @param {Frames} frames */
 export const gapsOf = (frames) => {
   const names = new Set(Object.keys(frames.meta.curves).map((key) => key.split("/")[0]));
-  return TABLES.measures.filter(({ id }) => id !== "accuracy" && names.has(id));
+  return TABLES.measures.filter(({ id }) => id !== ACCURACY && names.has(id));
 };
 
 /** @param {Frames} frames @param {string} name @returns {number[] | null} */
@@ -30,7 +35,7 @@ function accuracy(frames, domain) {
 /** The values of one measure at one stage, of one domain if named; null if not measured.
  * @param {Frames} frames @param {string} name @param {string} stage */
 export function values(frames, name, stage, domain = "") {
-  if (name === "accuracy") return accuracy(frames, domain);
+  if (name === ACCURACY) return accuracy(frames, domain);
   return series(frames, `${name}/${featuresOf(stage)}${domain && `/${domain}`}`);
 }
 
@@ -38,15 +43,15 @@ export function values(frames, name, stage, domain = "") {
  * @param {Frames} frames @param {string} name @param {string} stage */
 export function spread(frames, name, stage, domain = "") {
   if (!has(frames, "heads")) return null;
-  const stem = name === "accuracy" ? trainedAccuracy(frames, domain) : `seeds:${name}/${featuresOf(stage)}`;
+  const stem = name === ACCURACY ? trainedAccuracy(frames, domain) : `seeds:${name}/${featuresOf(stage)}`;
   const [low, high] = ["low", "high"].map((end) => series(frames, `${stem}/${end}`));
-  return low && high && !(name !== "accuracy" && domain) ? { low, high } : null;
+  return low && high && !(name !== ACCURACY && domain) ? { low, high } : null;
 }
 
 /** One axis for a measure at every stage, domain and stop: a flat line stays flat.
  * @param {Frames} frames @param {string} name @returns {[number, number]} */
 export function axis(frames, name) {
-  if (name === "accuracy") return [0, 1];
+  if (name === ACCURACY) return [0, 1];
   const all = Object.entries(frames.meta.curves)
     .filter(([key]) => key.startsWith(`${name}/`))
     .flatMap(([, own]) => own.filter(Number.isFinite));
@@ -58,4 +63,4 @@ export function axis(frames, name) {
 
 /** @param {string} name @param {number} [value] */
 export const asText = (name, value = NaN, digits = 3) =>
-  !Number.isFinite(value) ? "–" : name === "accuracy" ? `${(100 * value).toFixed(1)}\u00a0%` : value.toFixed(digits);
+  !Number.isFinite(value) ? "–" : name === ACCURACY ? `${(100 * value).toFixed(1)}\u00a0%` : value.toFixed(digits);

@@ -2,6 +2,7 @@
 
 import { COLOURINGS } from "./palette.js";
 import { afterwards } from "./ready.js";
+import { INPUT, OUTPUT } from "./stages.js";
 import { BY_ORDER, OWN_MODE, PLACES, TABLES } from "./tables.js";
 
 /** The tabs from the server; a saved page has Explore only. */
@@ -24,7 +25,7 @@ const DEFAULTS = {
   sel: "", // selected points, see scene.js
   rung: PLACES[0]?.id ?? "", // what is moved in the second chapter
   p: /** @type {any} */ (null), // until the frames are there
-  stage: "f_hat",
+  stage: OUTPUT,
   map: "umap",
   colour: "domain",
   domain: "",
@@ -34,7 +35,7 @@ const DEFAULTS = {
   vis: null,
   tac: null,
   p2: null,
-  stage2: "raw",
+  stage2: INPUT,
   head2: "",
   beside: "", // whether the second map is open
   means: "",

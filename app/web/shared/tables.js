@@ -11,13 +11,14 @@ export const TABLES = sent
  * @param {{kind: string}} frames @returns {Mode} */
 export const modeOf = ({ kind }) => TABLES.modes.find(({ id }) => id === kind) ?? { id: kind, can: [] };
 
-/** Whether the mode of frames can do something: "heads" (each stop has a head of its own), "confidence" (its
- * probabilities are calibrated), "what-if" (the weights stay while p moves).
- * @param {{kind: string}} frames @param {string} ability */
-export const has = (frames, ability) => modeOf(frames).can.includes(ability);
+/** Whether a row can do something; docs/extend.md lists the abilities. @param {{can?: string[]} | undefined} row @param {string} ability */
+export const can = (row, ability) => Boolean(row?.can?.includes(ability));
+
+/** Whether the mode of frames can. @param {{kind: string}} frames @param {string} ability */
+export const has = (frames, ability) => can(modeOf(frames), ability);
 
 /** The mode whose frames are the loaded head's own. */
-export const OWN_MODE = TABLES.modes.find(({ can }) => can.includes("own"))?.id ?? "";
+export const OWN_MODE = TABLES.modes.find((row) => can(row, "own"))?.id ?? "";
 
 /** The rungs that have a map of the twins' touches, the first as they come; and the one whose map is the set's own, by p. */
 export const PLACES = TABLES.rungs.filter(({ map }) => map !== undefined);

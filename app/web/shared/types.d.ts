@@ -45,6 +45,9 @@ interface Measure {
   help: string;
   good: "lower" | "higher";
   between?: string;
+  /** the same for a set of signals */
+  signals?: string;
+  can?: string[];
 }
 interface Stage {
   id: string;
@@ -53,12 +56,19 @@ interface Stage {
   brief: string;
   short: string;
   step: string;
+  can?: string[];
+  /** the step whose map and gaps it has */
+  as?: string;
+  /** more help where each stop has a head of its own, and where one head has them all */
+  heads?: string;
+  fixed?: string;
 }
 interface ColourRow {
   id: string;
   title: string;
   needs?: string[];
   column?: string;
+  can?: string[];
 }
 /** What may be known of a new sensor, as `omnivat/measure/rungs.py` has it. */
 interface RungRow {
@@ -153,6 +163,7 @@ interface Colouring {
   label: string;
   needs?: string[];
   column?: string;
+  can?: string[];
   groups: (frames: Colourable) => [name: string, colour: string][];
   of: (frames: Colourable, stop: number) => (pair: number, tac?: boolean | number) => number;
 }
