@@ -83,7 +83,7 @@ def first(resources: Resources) -> Reply:
 
     from omnivat.data.arrays import copied
     from omnivat.head.calibration import UNLIKE
-    from omnivat.measure.unseen import counted
+    from omnivat.measure.shares import counted
 
     head, embeddings = resources.head(), resources.embeddings()
     head.require_embeddings(embeddings)

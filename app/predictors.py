@@ -85,14 +85,14 @@ def scores_of(
     Pairs of other classes than `classes` are left out, and training pairs from "unseen". None if no
     pair remains.
     """
+    import numpy as np
+
     from omnivat.measure.predictions import label_map
-    from omnivat.measure.unseen import counted, mean_over_domains
+    from omnivat.measure.shares import counted, mean_over_domains, record
 
     label = label_map(list(classes), embeddings.header.classes)[embeddings.label]
-    right, known = predicted == label, label >= 0
-    domains = embeddings.header.domains
-    within = {name: known & (embeddings.domain == index) for index, name in enumerate(domains)}
-    return {
-        "unseen": mean_over_domains(right, embeddings, source, known & counted(embeddings, source)),
-        **{name: float(right[own].mean()) if own.any() else None for name, own in within.items()},
-    }
+    known, names = label >= 0, embeddings.header.domains
+    right = np.where(known, predicted == label, np.nan)
+    unseen = mean_over_domains(right, embeddings, source, known & counted(embeddings, source))
+    shares = record(right[None], embeddings.domain, names)["domains"]
+    return {"unseen": unseen, **dict.fromkeys(names), **shares}

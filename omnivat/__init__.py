@@ -51,7 +51,6 @@ _PUBLIC = {
     "curve": "omnivat.head.curve:curve",
     # what it is worth
     "measured": "omnivat.measure.known:measured",
-    "evaluate": "omnivat.measure.known:evaluate",
     "NOTHING": "omnivat.measure.rungs:NOTHING",
     "pairs": "omnivat.measure.rungs:pairs",
     "labels": "omnivat.measure.rungs:labels",

@@ -15,7 +15,6 @@ from omnivat.head.heads import EXAMPLES, kept_ladder
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import STOPS
 from omnivat.measure.rungs import NOTHING, RUNGS, known_of
-from omnivat.measure.rungs import pairs as pictures
 
 if TYPE_CHECKING:
     import numpy as np
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
 
 TITLE = "Explore"
 NEIGHBOURS = 6
+TOLD = ("rung", "known", "source", "accuracy", "low", "high", "pairs", "draws")
 STEPS = 10_000  # of a share or a cosine: four digits
 
 
@@ -103,25 +103,36 @@ def known(resources: Resources, question: Question) -> Reply:
     """Return what the head reads right at home, or in other domains by what is known of them.
 
     question  {"known": the id of a rung that has a bar}
-    return    the record of `omnivat.measure.known.measured`, and the head's "source"
+    return    the record of `omnivat.measure.known.measured`, with "domains" as shares by name
 
     Pairs without labels are at most half of the smallest domain.
     Raises DataError with the reason if that cannot be measured on this set.
     """
-    from omnivat.measure.known import measured
+    from omnivat.measure.known import at_home, few, measured
 
     rows = {row["id"]: row for row in RUNGS if "bar" in row}
     what = one_of("known", question.get("known"), rows)
     head, embeddings = resources.head(), resources.embeddings()
-    names = embeddings.header.domains
-    sizes = [len(embeddings.rows_of(name)) for name in names if name != head.source]
-    step = known_of(rows[what]) or NOTHING
+    step, home = known_of(rows[what]) or NOTHING, rows[what].get("home", False)
     if step.pairs:
-        step = pictures(max(1, min([step.pairs, *(size // 2 for size in sizes if size)])))
+        step = few(embeddings, head.source, most=step.pairs)
 
     def made() -> Reply:
-        found = measured(head, embeddings, step, home=rows[what].get("home", False))
-        return {**found, "source": head.source}
+        found = measured(head, embeddings, step)
+        found = at_home(found) if home else found
+        if found["accuracy"] is None:
+            where = f"of '{head.source}', which needs a split" if home else "of any other domain"
+            some = ", ".join(head.settings.classes[:5])
+            more = " …" * (len(head.settings.classes) > 5)
+            raise DataError(
+                f"No test pair {where} is of a class that the head learned: {some}{more}."
+            )
+        shares = {
+            one["domain"]: one["scores"]["fused"]["accuracy"]
+            for one in found["domains"]
+            if one["scores"] and (home or not one["is_source"])
+        }
+        return {**{name: found[name] for name in TOLD}, "domains": shares}
 
     return resources.results.once(f"known {what}", made)
 

@@ -2,17 +2,28 @@
 
 python -m omnivat evaluate --head DIR --embeddings FILE [--order P] [--profile FILE] [--json]
 python -m omnivat evaluate --unlabelled N [--draws K]  N pairs of each domain known, no labels
+python -m omnivat evaluate --labels K  K labelled pairs of each class known: the head is taught
 python -m omnivat evaluate --ladder  the page's ladder, as a file next to the embeddings
 """
 
 import argparse
-import math
 from collections.abc import Sequence
 from statistics import pstdev
 from typing import Any
 
-from omnivat.cli.arguments import as_json, count, declare, figure, flag, head_and_set, progress_bar
+from omnivat.cli.arguments import (
+    as_json,
+    count,
+    declare,
+    figure,
+    flag,
+    head_and_set,
+    passed,
+    progress_bar,
+)
 from omnivat.kit.errors import SettingsError
+
+UNLABELLED = "pictures without labels"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -20,9 +31,13 @@ def add(parser: argparse.ArgumentParser) -> None:
         "draw N training pairs of each target domain, profile them without their labels, and"
         " predict the rest"
     )
+    taught = (
+        "draw K labelled training pairs of each class of each target domain, teach the head with"
+        " them, and predict the rest"
+    )
     draws = (
-        "draws of --unlabelled to average over, with seeds SEED, SEED + 1, ... (default:"
-        " %(default)s): figures of one draw of few pairs vary by a point or two"
+        "draws of known pairs to average over, with seeds SEED, SEED + 1, ...: figures of one draw"
+        " of few pairs vary by a point or two; default: 10"
     )
     ladder = (
         "write what each step of knowledge about a new sensor brings, next to the embeddings; the"
@@ -36,9 +51,10 @@ def add(parser: argparse.ArgumentParser) -> None:
         "profile",
         "device",
         "json",
-        seed="seed of --unlabelled; default: 0",
+        seed="seed of the draws; default: 0",
         unlabelled=count(words, 0, metavar="N"),
-        draws=count(draws, default=10, metavar="K"),
+        labels=count(taught, 1, metavar="K"),
+        draws=count(draws, metavar="N"),
         ladder=flag(ladder),
     )
     figure(parser, "accuracy in each domain with 95 %% intervals")
@@ -47,8 +63,8 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Load both, score every domain, print a table."""
     from omnivat.data.profile import domain_of, load_profile
-    from omnivat.measure.known import evaluate
-    from omnivat.measure.rungs import NOTHING, pairs
+    from omnivat.measure.known import measured
+    from omnivat.measure.rungs import NOTHING, labels, pairs
 
     head, embeddings = head_and_set(options, profiled=False)
     if options.ladder:
@@ -56,53 +72,50 @@ def run(options: argparse.Namespace) -> None:
 
         print(f"written: {write_ladder(head, embeddings, options.embeddings)}")
         return
-    if options.profile and options.unlabelled is not None:
-        raise SettingsError("Give --profile or --unlabelled, not both.")
     loaded = [load_profile(file) for file in options.profile]
+    if bool(loaded) + (options.unlabelled is not None) + (options.labels is not None) > 1:
+        raise SettingsError("Give one of --profile, --unlabelled and --labels.")
+    known = pairs(options.unlabelled) if options.unlabelled else NOTHING
+    known = labels(options.labels) if options.labels else known
     with progress_bar("evaluate") as show:
-        records = evaluate(
+        record = measured(
             head,
             head.profiled(embeddings, loaded) if loaded else embeddings,
-            NOTHING if options.unlabelled is None else pairs(options.unlabelled),
-            draws=options.draws,
-            seed=options.seed,
-            order=options.order,
+            known,
+            **passed(options, "seed", "order"),
+            **({"draws": options.draws} if options.draws else {}),
             on_step=show,
         )
-    by_name = {record["domain"]: record for record in records}
+    by_name = {one["domain"]: one for one in record["domains"]}
     for profile in loaded:
         domain = domain_of(profile, embeddings.header.domains, head.source)
         by_name[domain]["known_pairs"] = max(profile.counts.values())
     if options.figure:
         from omnivat.figures import strangers, write
+        from omnivat.measure.unseen import bars
 
-        write(options.figure, strangers(summary(records, head.source)))
-    print(as_json(records) if options.json else table(records))
-
-
-def summary(records: Sequence[dict[str, Any]], source: str) -> dict[str, Any]:
-    """Return the records of `evaluate` as `omnivat.figures.strangers` takes them."""
-    from omnivat.measure.unseen import share_of
-
-    tested = [one for one in records if one["scores"]]
-    domains: list[dict[str, Any]] = []
-    counts: dict[str, list[tuple[int, int]]] = {}  # right and tested pairs of each unseen domain
-    for record in tested:
-        own = {f"answers/{name}": one["accuracy"] for name, one in record["scores"].items()}
-        kept = {"name": record["domain"], **{n: record[n] for n in ("is_source", "pairs")}}
-        for name, accuracy in own.items():
-            right = round(accuracy * record["pairs"]), record["pairs"]
-            kept[name] = share_of([right])
-            if not record["is_source"]:
-                counts.setdefault(name, []).append(right)
-        domains.append(kept)
-    unseen = {name: share_of(some) for name, some in counts.items()}
-    chance = 1 / len(tested[0]["classes"]) if tested else None
-    return {"source": source, "chance": chance, "domains": domains, "unseen": unseen}
+        write(options.figure, strangers(bars(record)))
+    if options.json:
+        print(as_json(record))
+        return
+    f1 = record["scores"].get("fused", {}).get("macro_f1")
+    labelled = "labelled pairs" if options.labels else UNLABELLED
+    print(table(record["domains"], record["accuracy"], f1, draws=record["draws"], known=labelled))
 
 
-def table(records: Sequence[dict[str, Any]]) -> str:
+def table(
+    records: Sequence[dict[str, Any]],
+    mean: float | None,
+    f1: float | None,
+    *,
+    draws: Sequence[float] = (),
+    known: str = UNLABELLED,
+) -> str:
     """Return ACC and macro-F1 of each domain as aligned text; the source is marked.
+
+    mean, f1  of targets; None without one
+    draws     the mean of each draw of known pairs
+    known     of targets, in words
 
     "photo only" and "touch only" are ACC with the other image absent.
     """
@@ -124,11 +137,7 @@ def table(records: Sequence[dict[str, Any]]) -> str:
             f"{name:<18} {record['pairs']:>6} {100 * fused['accuracy']:>6.1f} "
             f"{100 * fused['macro_f1']:>6.1f} {' '.join(alone)}"
         )
-    from omnivat.measure.known import target_mean, target_scores
-
-    targets = target_scores(records)
-    mean, f1 = target_mean(targets), target_mean(targets, "macro_f1")
-    if math.isnan(mean):
+    if mean is None or f1 is None:
         lines.append(
             "mean of targets: none, because no other domain has pairs of the head's classes"
         )
@@ -136,15 +145,13 @@ def table(records: Sequence[dict[str, Any]]) -> str:
         lines.append(f"{'mean of targets':<18} {'':>6} {100 * mean:>6.1f} {100 * f1:>6.1f}")
     if most := max((record["known_pairs"] for record in records), default=0):
         lines.append(
-            f"Known of the profiled targets: up to {most} pictures without labels (their pairs are "
-            "not predicted). Not comparable with strict domain generalisation."
+            f"Known of the profiled targets: up to {most} {known} (which are not "
+            "predicted). Not comparable with strict domain generalisation."
         )
-        means = list(zip(*(r["draws"] for r in records if r.get("draws")), strict=True))
-        if means:
-            each = [100 * sum(values) / len(values) for values in means]
+        if len(draws) > 1:
             lines.append(
-                f"Mean of {len(each)} draws of these pictures; the mean of targets deviates by "
-                f"{pstdev(each):.1f} points between draws."
+                f"Mean of {len(draws)} draws of these pictures; the mean of targets deviates by "
+                f"{100 * pstdev(draws):.1f} points between draws."
             )
     if any(record["trained_on"] for record in records):
         lines.append(

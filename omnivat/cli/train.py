@@ -83,7 +83,7 @@ def run(options: argparse.Namespace) -> None:
     save_head(options.out, head)
     from omnivat.cli.evaluate import table
 
-    print(table(head.metrics["domains"]))
+    print(table(*(head.metrics[k] for k in ("domains", "target_accuracy", "target_macro_f1"))))
     if search := head.metrics.get("order_search"):
         print(f"Order search: {search['note']}")
     print(f"Head written to {options.out}, learned order p = {head.model.order:.4f}")

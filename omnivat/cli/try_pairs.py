@@ -131,8 +131,7 @@ def _features(options: argparse.Namespace, out: Path) -> tuple["Features", list[
         sheet_of(out / SET).unlink(missing_ok=True)
     if any(found.embeddings.rows["split"]):
         notes.append("The set's split is not used: whole objects are left out instead.")
-        rows = {**found.embeddings.rows, "split": [""] * len(found.embeddings)}
-        found, pictures = replace(found, embeddings=replace(found.embeddings, rows=rows)), False
+        found, pictures = replace(found, embeddings=found.embeddings.unsplit), False
     if not pictures:
         save_embeddings(out / SET, found.embeddings)
     return found, notes

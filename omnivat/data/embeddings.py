@@ -88,6 +88,23 @@ class Embeddings:
         return named
 
     @property
+    def objects(self) -> NDArray[np.int64]:
+        """(N,) index of each pair's object by domain and name; a pair without a name is its own.
+
+        Pairs of one object are not independent.
+        """
+        keys = [
+            f"{self.header.domains[d]}/{name or f'{chr(0)}{k}'}"
+            for k, (d, name) in enumerate(zip(self.domain, self.rows["object"], strict=True))
+        ]
+        return indices(sorted(set(keys)), keys)
+
+    @property
+    def unsplit(self) -> "Embeddings":
+        """The same pairs without a split: all of a domain are there to learn and to test."""
+        return replace(self, rows={**self.rows, "split": [""] * len(self)})
+
+    @property
     def learnable(self) -> tuple[str, ...]:
         """Names of the domains with pairs of two classes or more, from which a head can learn."""
         there = np.zeros((len(self.header.domains), len(self.header.classes)), dtype=bool)

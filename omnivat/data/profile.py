@@ -21,7 +21,6 @@ from omnivat.data.embeddings import Embeddings
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import replacing
 from omnivat.kit.schema import LONGEST_NAME
-from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
 
 Array = NDArray[np.float32]
@@ -255,30 +254,6 @@ def _empty(shape: tuple[int, ...]) -> Array:
         return np.empty(shape, np.float32)
     with TemporaryFile() as file:
         return np.memmap(file, np.float32, "w+", shape=shape)
-
-
-def drawn_profiles(
-    embeddings: Embeddings, source: str, count: int, *, seed: int = 0
-) -> tuple[dict[str, Profile], NDArray[np.int64]]:
-    """Return profiles of `count` unlabelled training pairs of each domain but the source.
-
-    count   pairs of each domain; fewer if it has fewer
-    return  profiles by domain, and the rows that were drawn
-
-    Raises DataError for a negative count.
-    """
-    if count < 0:
-        raise DataError(f"--unlabelled is {count}; choose 0 or more pairs.")
-    found, taken = {}, [np.zeros(0, np.int64)]
-    for name in embeddings.header.domains if count else ():
-        rows = embeddings.rows_of(name, split="train")
-        if name == source or not len(rows):
-            continue
-        random = np.random.default_rng(derive_seed(seed, "unlabelled", name))
-        some = np.sort(random.permutation(rows)[:count])  # more pairs keep the fewer
-        found[name] = profile_of(embeddings, some, domain=name)
-        taken.append(some)
-    return found, np.concatenate(taken)
 
 
 def save_profile(file: str | Path, profile: Profile) -> None:

@@ -116,8 +116,7 @@ def _words(record: Record, percent: bool) -> str:
 def strangers(summary: Record) -> Figure:
     """Return the accuracy in each domain with 95 % intervals: both images, photo only, touch only.
 
-    summary  from `omnivat.unseen_summary`, or with the same keys "domains",
-             "chance", "unseen"
+    summary  from `omnivat.unseen_summary`, or `omnivat.measure.unseen.bars`
 
     >>> from omnivat import EXAMPLES, load_embeddings, load_head, unseen_summary
     >>> head = load_head(EXAMPLES / "chirps" / "head")

@@ -29,8 +29,8 @@ class Point:
 
     objects: int
     right: float
-    low: float
-    high: float
+    least: float
+    most: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,7 +75,7 @@ def curve(head: Head, lessons: Sequence[Lesson], on_step: OnStep = ignore) -> Cu
         right.append((np.stack(draws) == work.labels).astype(float))
     means = [each.mean(1) for each in right]
     points = tuple(
-        Point(objects=count, right=float(m.mean()), low=float(m.min()), high=float(m.max()))
+        Point(objects=count, right=float(m.mean()), least=float(m.min()), most=float(m.max()))
         for count, m in zip(counts, means, strict=True)
     )
     return Curve(points=points, words=curve_in_words(counts, [each.mean(0) for each in right]))

@@ -1,44 +1,62 @@
-"""One measurement: what a head reads right in domains that it has not met, by what is known of
-them.
+"""One measurement: what is read right in domains that were not met, by what is known of them.
 
-Known pairs are drawn and left out of the test; results are averaged over draws. `measured` gives
-one figure with its interval, `evaluate` every reading in each domain:
+Known pairs are drawn and left out of the test; results are averaged over draws:
+
+    from omnivat.measure.rungs import labels, pairs, rest, sensors
 
     from omnivat.measure.rungs import labels, pairs
 
     measured(head, embeddings)                      # nothing is known
     measured(head, embeddings, pairs(5), draws=10)  # five pairs without labels: a profile
-    evaluate(head, embeddings, labels(3))           # three labelled pairs of each class: taught
+    measured(head, embeddings, labels(3))           # three labelled pairs of each class: taught
+    measured(head, embeddings, rest(subtracted))    # a picture of each sensor at rest
+    measured(reader, embeddings, sensors(4))        # learned from four domains in place of one
 
-Two things that one may know are no `Known`. The number of source sensors is a fact of the head:
-train heads of other sources and measure each. A picture of the sensor at rest changes pictures
-before they are embedded: embed them with and without it, and measure both sets.
+A head, or any method as a `Reader`, is measured alike.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from statistics import fmean
 from typing import Any
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from torch import Tensor
 
 from omnivat.data.embeddings import Embeddings
-from omnivat.data.profile import drawn_profiles, profile_of, profiled
+from omnivat.data.profile import profile_of, profiled
 from omnivat.head.checkpoint import Head
-from omnivat.head.teach import Lesson, taught
+from omnivat.head.teach import Lesson
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
 from omnivat.measure.gaps.confusion import confusion
-from omnivat.measure.predictions import inputs_of, label_map, predicted_probabilities, scores
-from omnivat.measure.rungs import NOTHING, Known
-from omnivat.measure.unseen import counted, interval
+from omnivat.measure.predictions import label_map, scores
+from omnivat.measure.readers import Reader, of_head
+from omnivat.measure.rungs import NOTHING, Known, pairs
+from omnivat.measure.shares import record
 
 DRAWS = 10
+FEW = 20  # pairs without labels, where a set has as many
 Array = NDArray[Any]
+Rows = NDArray[np.int64]
+
+
+def drawn(stream: str, seed: int, domain: str, pool: Array) -> Array:
+    """Return a domain's pool in the order in which it becomes known: more contain the fewer."""
+    mixed: Array = np.random.default_rng(derive_seed(seed, stream, domain)).permutation(pool)
+    return mixed
+
+
+def few(embeddings: Embeddings, source: str, *, most: int = FEW) -> Known:
+    """Return `most` pairs of each target without labels, or half of the smallest: the rest is
+    tested.
+    """
+    sizes = np.bincount(embeddings.domain, minlength=len(embeddings.header.domains))
+    named = zip(embeddings.header.domains, sizes.tolist(), strict=True)
+    return pairs(min([most, *(size // 2 for name, size in named if size and name != source)]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,91 +64,117 @@ class Part:
     """The pairs of one domain that are left to predict, after the known ones were drawn."""
 
     domain: str
-    head: Head  # which predicts them
+    reader: Reader  # which predicts them
     embeddings: Embeddings  # moved by the targets' profiles
-    rows: NDArray[np.int64]  # (n,) of these embeddings
-    places: NDArray[np.int64]  # (n,) of the whole set
+    rows: Rows  # (n,) of them
     known_pairs: int = 0  # of the domain, drawn and left out
-
-    def predicted(
-        self, classes: Sequence[str], *, order: float | None = None
-    ) -> tuple[NDArray[np.bool_], Tensor, dict[str, Tensor]]:
-        """Return which rows are of one of `classes`, their labels, and predictions by reading.
-
-        Labels and predictions are indices among the classes of the part's head.
-        """
-        names = self.embeddings.header.classes
-        keep = label_map(classes, names)[self.embeddings.label[self.rows]] >= 0
-        rows = self.rows[keep]
-        truth = label_map(self.head.settings.classes, names)[self.embeddings.label[rows]]
-        probabilities = (
-            predicted_probabilities(
-                self.head.model,
-                self.embeddings,
-                order=order,
-                modalities=inputs_of(self.head),
-                rows=rows,
-            )
-            if len(rows)
-            else {}
-        )
-        named = {name: values.argmax(-1) for name, values in probabilities.items()}
-        return keep, torch.from_numpy(truth), named
 
 
 def parts(
-    head: Head, embeddings: Embeddings, known: Known = NOTHING, *, seed: int = 0
+    reader: Reader, embeddings: Embeddings, known: Known = NOTHING, *, seed: int = 0
 ) -> Iterator[Part]:
     """Draw the known pairs of each target; yield the rest of each domain, test pairs alone.
 
-    The source stays as it is. Raises DataError for a negative number of pairs, or a head without
-    its source's profile where pairs without labels are known.
+    The source stays as it is. Raises DataError for a reader that cannot use what is known: without
+    its source's profile, or with one source where several are wanted.
 
     >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
     >>> from omnivat.measure.rungs import pairs
+    >>> from omnivat.measure.rungs import pairs
     >>> head, embeddings = load_head(default_head()), load_embeddings(default_embeddings())
-    >>> [part.known_pairs for part in parts(head, embeddings, pairs(5))][:3]
+    >>> [part.known_pairs for part in parts(of_head(head), embeddings, pairs(5))][:3]
     [0, 5, 5]
     """
-    names = embeddings.header.domains
-    if known.labels:
-        for name in names:
-            yield _taught(head, embeddings, name, known.labels, seed)
-        return
-    profiles, drawn = drawn_profiles(embeddings, head.source, known.pairs, seed=seed)
-    rest = np.setdiff1d(np.arange(len(embeddings)), drawn)
-    near = embeddings.select(rest) if len(drawn) else embeddings
-    if profiles:
-        near = profiled(near, profiles, head.source_profile)
+    whole = embeddings if known.rested is None else known.rested
+    names = whole.header.domains
+    some = {name: _known(whole, known, name, seed) for name in names if name != reader.source}
+    some = {name: rows for name, rows in some.items() if len(rows)}
+    near = whole
+    if some:
+        source = reader.profile()
+        kinds = tuple(source.channels)
+        profiles = {
+            name: profile_of(whole, np.sort(rows), domain=name, modalities=kinds)
+            for name, rows in some.items()
+        }
+        near = profiled(whole, profiles, source)
     for name in names:
-        rows = near.rows_of(name, split="test")
-        count = profiles[name].counts["vis"] if name in profiles else 0
-        yield Part(
-            domain=name, head=head, embeddings=near, rows=rows, places=rest[rows], known_pairs=count
+        rows, its = some.get(name, np.zeros(0, np.int64)), reader
+        if known.labels and len(rows):
+            its = _able(reader.taught, "be taught")(_lessons(near, rows))
+        if known.sensors > 1 and name != reader.source:
+            others = [other for other in names if other not in (reader.source, name)]
+            chosen = (known.draw or drawn)("sensors", seed, name, np.array(others))[
+                : known.sensors - 1
+            ]
+            learned = _able(reader.learned, "learn several domains")
+            its = learned(near, (reader.source, *chosen.tolist()))
+        left = np.setdiff1d(near.rows_of(name, split="test"), rows)
+        yield Part(domain=name, reader=its, embeddings=near, rows=left, known_pairs=len(rows))
+
+
+def _able(what: Callable[..., Reader] | None, words: str) -> Callable[..., Reader]:
+    if what is None:
+        raise DataError(f"What is measured cannot {words}; give a `Reader` that can.")
+    return what
+
+
+def _known(embeddings: Embeddings, known: Known, name: str, seed: int) -> Rows:
+    """Return the rows of a domain that are known, with labels or without."""
+    pool, draw = embeddings.rows_of(name, split="train"), known.draw or drawn
+    if not known.labels:
+        return draw("unlabelled", seed, name, pool)[: known.pairs] if known.pairs else pool[:0]
+    mixed = draw("labelled", seed, name, pool[embeddings.labelled[pool]])
+    label = embeddings.label[mixed]
+    each = [mixed[label == k][: known.labels] for k in np.unique(label)]
+    return np.concatenate([pool[:0], *each])
+
+
+def _lessons(near: Embeddings, rows: Rows) -> list[Lesson]:
+    images = {n: torch.from_numpy(np.array(getattr(near, n)[rows], np.float32)) for n in IMAGES}
+    return [
+        Lesson(
+            label=near.header.classes[near.label[row]],
+            object=near.rows["object"][row],
+            **{name: values[k : k + 1] for name, values in images.items()},
         )
+        for k, row in enumerate(rows)
+    ]
 
 
 def measured(
-    head: Head,
+    head: Head | Reader,
     embeddings: Embeddings,
     known: Known = NOTHING,
     *,
     draws: int = DRAWS,
     seed: int = 0,
-    home: bool = False,
+    order: float | None = None,
+    on_step: OnStep = ignore,
 ) -> dict[str, Any]:
-    """Return the accuracy of both images in every domain but the source, as a record.
+    """Return what is read right in every domain but the source, as a record.
 
     known  drawn from each target's training pairs, `draws` times with seeds `seed`, `seed` + 1, ...
-    home   measure the source in place of the targets
+    order  of a head, in quarter turns; None: the learned one
 
-    The record: "rung" and "known" (name and words), "accuracy" (mean over domains of the share of
-    right test pairs), "low" and "high" (95 % interval; domains and pairs are drawn), "pairs",
-    "domains" (share by domain) and "draws" (the accuracy of each draw). Pairs of a class that the
-    head lacks are left out. Raises DataError for embeddings of another encoder, or without a test
-    pair to predict.
+    If the data have a split, only the test part counts. Pairs of classes that the head lacks are
+    left out and counted. The record:
+
+    rung, known          what is known, as a short name and in words
+    source, classes      of the head
+    accuracy, low, high  mean over targets of the share of test pairs that both images have right,
+                         and its 95 % interval: domains and objects are drawn; None without targets
+    pairs, draws         tested pairs of targets; the accuracy of each draw
+    scores               by reading: accuracy, low, high, macro_f1 and macro_f1_union
+    domains              the same of each domain, the source too, with name ("domain"), "is_source",
+                         "trained_on" (the test pairs are those that the head learned), "left_out",
+                         "objects", "known_pairs", and each reading's "confusion" in the first draw
+
+    F1 averages the classes present in the domain; the "union" variant also averages classes that
+    were only predicted. Raises DataError for embeddings of another encoder.
 
     >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
+    >>> from omnivat.measure.rungs import labels, pairs
     >>> from omnivat.measure.rungs import labels, pairs
     >>> head, embeddings = load_head(default_head()), load_embeddings(default_embeddings())
     >>> for known in (NOTHING, pairs(20), labels(3)):
@@ -139,175 +183,118 @@ def measured(
     nothing: pictures as they come True
     20 pairs without labels True
     3 labelled pairs of each class True
+    >>> home, away = found["domains"][:2]
+    >>> home["domain"], home["is_source"], away["domain"], away["known_pairs"]
+    ('TAG-sim', True, 'OF Real-sim', 15)
     """
-    head.require_embeddings(embeddings)
-    right = np.stack(
-        [_right(head, embeddings, known, one, home) for one in known.seeds(seed, draws)]
-    )
-    if np.isnan(right).all():
-        where = f"of '{head.source}', which needs a split" if home else "of any other domain"
-        raise DataError(
-            f"No test pair {where} is of a class that the head learned:"
-            f" {', '.join(head.settings.classes[:5])}{' …' * (len(head.settings.classes) > 5)}."
-        )
-    return {"rung": known.name, "known": known.words} | record(
-        right, embeddings.domain, embeddings.header.domains
-    )
-
-
-def evaluate(
-    head: Head,
-    embeddings: Embeddings,
-    known: Known = NOTHING,
-    *,
-    draws: int = DRAWS,
-    seed: int = 0,
-    order: float | None = None,
-    on_step: OnStep = ignore,
-) -> list[dict[str, Any]]:
-    """Return one record for each domain: counts, ACC and macro-F1 of every reading.
-
-    known  drawn from each target's training pairs, `draws` times with seeds `seed`, `seed` + 1, ...
-           Scores are means over draws, "draws" the ACC of each; counts are those of the first
-    order  quarter turns; None: the learned one
-
-    If the data have a split, only the test part counts. "trained_on" is true when evaluated on
-    training pairs. Pairs of classes that the head lacks are left out and counted. F1 averages the
-    classes present in the domain; the "union" variant also averages classes that were only
-    predicted. Raises DataError if the embeddings are from another encoder.
-
-    >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
-    >>> head, pairs = load_head(default_head()), load_embeddings(default_embeddings())
-    >>> home, away = evaluate(head, pairs)[:2]
-    >>> home["domain"], home["is_source"], away["domain"]
-    ('TAG-sim', True, 'OF Real-sim')
-    >>> home["scores"]["fused"]["accuracy"] > away["scores"]["fused"]["accuracy"]
-    True
-    """
-    head.require_embeddings(embeddings)
+    if isinstance(head, Head):
+        head.require_embeddings(embeddings if known.rested is None else known.rested)
+        head = of_head(head, order=order)
+    names = tuple(dict.fromkeys((*head.classes, *embeddings.header.classes)))
+    label = label_map(head.classes, embeddings.header.classes)[embeddings.label]
+    label = np.where(embeddings.labelled, label, -1)
     sizes = np.bincount(embeddings.domain, minlength=len(embeddings.header.domains)).cumsum()
-    records: dict[str, list[dict[str, Any]]] = {name: [] for name in embeddings.header.domains}
-    for one in known.seeds(seed, draws):
-        drawn = parts(head, embeddings, known, seed=one)
-        for part, done in zip(drawn, sizes.tolist(), strict=True):
-            if part.known_pairs or not records[part.domain]:  # without draws, all are alike
-                records[part.domain].append(_record(head, part, order))
+    seeds = known.seeds(seed, draws)
+    said: dict[str, Array] = {}  # by reading: (draws, N) predicted class; -1: not tested
+    domains: dict[str, dict[str, Any]] = {}
+    for k, one in enumerate(seeds):
+        drawn_parts = parts(head, embeddings, known, seed=one)
+        for part, done in zip(drawn_parts, sizes.tolist(), strict=True):
+            rows = part.rows[label[part.rows] >= 0]
+            if k and part.reader is head and not part.known_pairs:  # as in the first draw
+                answers = {name: values[0, rows] for name, values in said.items()}
+            else:
+                answers = part.reader.answers(part.embeddings, rows, names)
+            for name, values in answers.items():
+                nothing = np.full((len(seeds), len(label)), -1, np.int32)
+                said.setdefault(name, nothing)[k, rows] = values
+            domains.setdefault(part.domain, _facts(part, head.source, len(rows)))
             on_step(Step(done=done, total=len(embeddings), text=part.domain))
-    return [_averaged(of_draws) for of_draws in records.values()]
+    count = 1 + max([len(head.classes) - 1, *(int(values.max()) for values in said.values())])
+    objects = embeddings.objects
 
+    def shares(rows: Rows) -> dict[str, dict[str, Any]]:
+        """Return `record` of each reading that predicted some of the rows."""
+        place = embeddings.domain[rows], embeddings.header.domains, objects[rows]
+        right = {n: np.where(v < 0, np.nan, v == label)[:, rows] for n, v in said.items()}
+        each = {name: record(some, *place) for name, some in right.items()}
+        return {name: found for name, found in each.items() if found["pairs"]}
 
-def _record(head: Head, part: Part, order: float | None) -> dict[str, Any]:
-    keep, truth, named = part.predicted(head.settings.classes, order=order)
-    classes, split = part.head.settings.classes, part.embeddings.rows["split"]
-    source = part.domain == head.source
-    record = {
-        "domain": part.domain,
-        "is_source": source,
-        "trained_on": source and not any(split[row] for row in part.rows),
-        "order": head.model.order if order is None else order,
-        "pairs": int(keep.sum()),
-        "left_out": int((~keep).sum()),
-        "known_pairs": part.known_pairs,
-        "scores": {name: scores(truth, values) for name, values in named.items()},
+    for index, found in enumerate(domains.values()):
+        rows = np.flatnonzero(embeddings.domain == index)
+        each = shares(rows)
+        found["draws"] = each["fused"]["draws"] if each else []
+        found["scores"] = {
+            name: _ends(share) | _counts(label[rows], said[name][:, rows], count)
+            for name, share in each.items()
+        }
+        tested = rows[(said["fused"][:, rows] >= 0).any(0)] if each else rows[:0]
+        found["objects"] = len(np.unique(objects[tested]))
+    targets = [one for one in domains.values() if not one["is_source"]]
+    away = np.array([not one["is_source"] for one in domains.values()], bool)[embeddings.domain]
+    means = shares(np.flatnonzero(away))
+    f1 = {
+        name: {
+            m: fmean(one["scores"][name][m] for one in targets if one["scores"])
+            for m in ("macro_f1", "macro_f1_union")
+        }
+        for name in means
     }
-    if named:
-        record["classes"] = list(classes)
-        record["confusion"] = confusion(truth, named["fused"], len(classes)).tolist()
-    return record
-
-
-def _averaged(draws: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return the records of one domain as one."""
-    first, *others = draws
-    if not others:
-        return first
-    tested = [record["scores"] for record in draws if record["scores"]]
-    means = {
-        reading: {m: sum(scores[reading][m] for scores in tested) / len(tested) for m in values}
-        for reading, values in first["scores"].items()
-    }
-    return first | {"scores": means, "draws": [s["fused"]["accuracy"] for s in tested]}
-
-
-def target_scores(records: Iterable[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
-    """Return the fused scores of the records of `evaluate` whose domain is not the source."""
-    return [r["scores"]["fused"] for r in records if not r["is_source"] and r["scores"]]
-
-
-def target_mean(scores: Iterable[Mapping[str, Any]], metric: str = "accuracy") -> float:
-    """Return the unweighted mean of a metric over targets, one mapping each; NaN without
-    targets.
-    """
-    values = [found[metric] for found in scores]
-    return sum(values) / len(values) if values else float("nan")
-
-
-def record(right: Array, domain: NDArray[np.int64], names: Sequence[str]) -> dict[str, Any]:
-    """Return accuracy and interval of right predictions (draws, N); NaN where none was made."""
-    made = ~np.isnan(right).all(0)
-    mean = np.where(made, np.nan_to_num(right).sum(0) / np.maximum((~np.isnan(right)).sum(0), 1), 0)
-    masks = {names[d]: made & (domain == d) for d in np.unique(domain[made])}
-    counts = [(round(float(mean[rows].sum())), int(rows.sum())) for rows in masks.values()]
-    low, high = interval(counts)
-    shares = {name: float(mean[rows].mean()) for name, rows in masks.items()}
-    of_draws = [[row[rows] for rows in masks.values()] for row in right]
-    each = [[np.nanmean(own) for own in row if not np.isnan(own).all()] for row in of_draws]
     return {
-        "accuracy": float(np.mean(list(shares.values()))),
-        "low": low,
-        "high": high,
-        "pairs": int(made.sum()),
-        "domains": shares,
-        "draws": [float(np.mean(shares)) for shares in each],
+        "rung": known.name,
+        "known": known.words,
+        "source": head.source,
+        "classes": list(names[:count]),
+        **_ends(means.get("fused", {})),
+        "pairs": sum(one["pairs"] for one in targets),
+        "draws": means["fused"]["draws"] if means else [],
+        "scores": {name: _ends(share) | f1[name] for name, share in means.items()},
+        "domains": list(domains.values()),
     }
 
 
-def _right(head: Head, embeddings: Embeddings, known: Known, seed: int, home: bool) -> Array:
-    """Return (N,) 1 for a right prediction, 0 for a wrong one, NaN for a pair that is not
-    tested.
+def at_home(found: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a record of `measured` with the source in place of the targets; its "accuracy" is
+    None without test pairs that the head has not learned.
     """
-    tested = counted(embeddings, head.source)
-    right = np.full(len(embeddings), np.nan)
-    for part in parts(head, embeddings, known, seed=seed):
-        if (part.domain == head.source) == home and tested[part.places].any():
-            keep, truth, named = part.predicted(head.settings.classes)
-            if keep.any():
-                right[part.places[keep]] = named["fused"] == truth
-    return right
+    home = [one for one in found["domains"] if one["is_source"] and not one["trained_on"]]
+    scores = home[0]["scores"] if home else {}
+    return {
+        **found,
+        **_ends(scores.get("fused", {})),
+        "pairs": sum(one["pairs"] for one in home),
+        "draws": home[0]["draws"] if home else [],
+        "scores": scores,
+        "domains": home,
+    }
 
 
-def _taught(head: Head, embeddings: Embeddings, name: str, count: int, seed: int) -> Part:
-    """Return a domain without `count` labelled pairs of each class, and a head that they taught;
-    the source as it is.
-    """
-    pool = embeddings.rows_of(name, split="train")
-    pool = pool[embeddings.label[pool] >= 0]
-    test = embeddings.rows_of(name, split="test")
-    if name == head.source or not len(pool):
-        return Part(domain=name, head=head, embeddings=embeddings, rows=test, places=test)
-    random = np.random.default_rng(derive_seed(seed, "labelled", name))
-    mixed = random.permutation(pool)
-    label = embeddings.label[mixed]
-    some = np.concatenate([mixed[label == c][:count] for c in np.unique(label)])
-    profile = profile_of(embeddings, np.sort(some), domain=name)
-    near = profiled(embeddings, {name: profile}, head.source_profile)
-    lessons = [
-        Lesson(
-            label=embeddings.header.classes[embeddings.label[row]],
-            object=embeddings.rows["object"][row],
-            **{
-                n: torch.from_numpy(np.array(getattr(near, n)[row], np.float32))[None]
-                for n in IMAGES
-            },
-        )
-        for row in some
+def _ends(share: Mapping[str, Any]) -> dict[str, float | None]:
+    return {name: share.get(name) for name in ("accuracy", "low", "high")}
+
+
+def _facts(part: Part, source: str, count: int) -> dict[str, Any]:
+    """Return what a record says of a domain, of which `count` pairs are tested."""
+    split, home = part.embeddings.rows["split"], part.domain == source
+    return {
+        "domain": part.domain,
+        "is_source": home,
+        "trained_on": home and not any(split[row] for row in part.rows),
+        "pairs": count,
+        "left_out": len(part.rows) - count,
+        "known_pairs": part.known_pairs,
+    }
+
+
+def _counts(label: Rows, said: Array, count: int) -> dict[str, Any]:
+    """Return F1, the mean over draws (draws, n), and the confusion (K, K) of the first draw."""
+    draws = [
+        (torch.from_numpy(label[made]), torch.from_numpy(row[made]).long())
+        for row in said
+        if (made := row >= 0).any()
     ]
-    rest = np.setdiff1d(test, some)
-    return Part(
-        domain=name,
-        head=taught(head, lessons),
-        embeddings=near,
-        rows=rest,
-        places=rest,
-        known_pairs=len(some),
-    )
+    f1 = [scores(*one) for one in draws]
+    return {
+        **{m: fmean(one[m] for one in f1) for m in ("macro_f1", "macro_f1_union")},
+        "confusion": confusion(*draws[0], count).tolist(),
+    }

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from omnivat.data.embeddings import Embeddings
 from omnivat.head.checkpoint import Head
 from omnivat.head.heads import LADDERS, ladder_file, ladder_key
-from omnivat.kit.errors import DataError
 from omnivat.kit.files import write_json
 from omnivat.kit.lines import lines
-from omnivat.measure.known import measured, record
+from omnivat.measure.known import at_home, measured
 from omnivat.measure.rungs import RUNGS, Row, known_of
+from omnivat.measure.shares import record
 
 FORMAT = "omnivat-ladder-1"
 METHOD = "omnivat"  # in the records: the light head, trained as the default one
@@ -75,15 +75,15 @@ def write_ladder(head: Head, embeddings: Embeddings, place: Path) -> Path:
 
 def _of_head(head: Head, embeddings: Embeddings) -> Iterator[Rung]:
     """Yield the rungs that need no training; without a profile, home and away only."""
+    plain = measured(head, embeddings)
     for row in RUNGS:
         known = known_of(row)
         if known is None or ((known.pairs or known.labels) and head.profile is None):
             continue
-        try:
-            step = measured(head, embeddings, known, home=row.get("home", False))
-        except DataError:  # no test pair of the source, or no other domain
-            continue
-        yield _rung(row, step, head.source, "this head")
+        step = measured(head, embeddings, known) if known.pairs or known.labels else plain
+        step = at_home(step) if row.get("home") else step
+        if step["accuracy"] is not None:  # a test pair of the source, or of another domain
+            yield _rung(row, step, head.source, "this head")
 
 
 def _rung(row: Row, step: Mapping[str, Any], source: str, origin: str) -> Rung:

@@ -1,6 +1,6 @@
 """Predict the pairs of a set with a head, some at a time, and score predictions."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -39,7 +39,13 @@ def predicted_probabilities(
     rows        indices of the pairs; None: all
     Raises DataError if there are no pairs.
     """
-    return _predicted("readings", model, embeddings, order, modalities, rows)
+    return predicted(
+        lambda raw: model(raw.get("vis"), raw.get("tac"), order=order).readings,
+        embeddings,
+        modalities=modalities,
+        rows=rows,
+        device=model.classifier.device,
+    )
 
 
 def predicted_logits(
@@ -49,23 +55,31 @@ def predicted_logits(
 
     Raises DataError if there are no pairs.
     """
-    return _predicted("reading_logits", model, embeddings, None, modalities, None)
+    return predicted(
+        lambda raw: model(raw.get("vis"), raw.get("tac")).reading_logits,
+        embeddings,
+        modalities=modalities,
+        device=model.classifier.device,
+    )
 
 
 @torch.inference_mode()
-def _predicted(
-    what: str,
-    model: OmniVaT,
+def predicted(
+    readings: Callable[[Mapping[str, Tensor]], Mapping[str, Tensor]],
     embeddings: Embeddings,
-    order: float | None,
-    modalities: Sequence[str],
-    rows: Rows | None,
+    *,
+    modalities: Sequence[str] = IMAGES,
+    rows: Rows | None = None,
+    device: torch.device | None = None,
 ) -> dict[str, Tensor]:
-    """Return a property of `HeadOutput` for all pairs, some at a time."""
-    found = []
-    for _, given in blocks(embeddings, model.classifier.device, modalities, rows):
-        output = model(given.get("vis"), given.get("tac"), order=order)
-        found.append({name: values.cpu() for name, values in getattr(output, what).items()})
+    """Return what `readings` makes of raw embeddings (n, W) by modality, some pairs at a time.
+
+    Raises DataError if there are no pairs.
+    """
+    found = [
+        {name: values.cpu() for name, values in readings(raw).items()}
+        for _, raw in blocks(embeddings, device, modalities, rows)
+    ]
     if not found:
         raise DataError("There are no pairs to predict.")
     return {name: torch.cat([part[name] for part in found]) for name in found[0]}

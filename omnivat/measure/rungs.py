@@ -4,24 +4,36 @@ A row is all that there is to a rung: what is known, in words and numbers, and w
 it. The page receives the rows (`app/tables.py`), and no script names one of them.
 """
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
+from omnivat.kit.errors import DataError
+
+if TYPE_CHECKING:
+    from omnivat.data.embeddings import Embeddings
+
+ALL = 1_000_000  # pairs: every one that there is
 Row = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """What is known of every target domain; `pairs`, `labels` and `NOTHING` make it."""
+    """What is known of every target; `pairs`, `labels`, `sensors`, `rest` and `NOTHING` make it."""
 
     name: str  # short, for records
     words: str
     pairs: int = 0  # without labels
     labels: int = 0  # labelled pairs of each class
+    sensors: int = 1  # source domains
+    rested: "Embeddings | None" = field(default=None, compare=False)  # in place of the set
+    # how: stream, seed, domain and pool -> the pool in the order in which it becomes known
+    draw: Callable[[str, int, str, Any], Any] | None = field(default=None, compare=False)
 
     def seeds(self, first: int, draws: int) -> range:
         """Return the seed of each draw; of one where nothing is drawn."""
-        return range(first, first + (draws if self.pairs or self.labels else 1))
+        random = self.pairs or self.labels or self.sensors > 1
+        return range(first, first + (draws if random else 1))
 
 
 NOTHING = Known("none", "nothing: pictures as they come")
@@ -30,9 +42,13 @@ NOTHING = Known("none", "nothing: pictures as they come")
 def pairs(count: int, *, every: bool = False) -> Known:
     """Return `count` training pairs of each target without labels; `every`: all that there are.
 
+    Raises DataError for a negative number.
+
     >>> pairs(5).words, pairs(1_000_000, every=True).words
     ('5 pairs without labels', 'all pairs without labels')
     """
+    if count < 0:
+        raise DataError(f"{count} pairs without labels cannot be known; choose 0 or more.")
     name, number = ("all", "all") if every else (f"n{count}", str(count))
     return Known(name, f"{number} pair{'s' * (count != 1)} without labels", pairs=count)
 
@@ -45,6 +61,24 @@ def labels(count: int) -> Known:
     """
     words = f"{count} labelled pair{'s' * (count != 1)} of each class"
     return Known(f"k{count}", words, labels=count)
+
+
+def sensors(count: int, *, profiles: bool = False) -> Known:
+    """Return `count` source domains: the source, and others than it and the target, drawn.
+
+    profiles  each domain is moved by the profile of all its training pairs
+
+    >>> sensors(4, profiles=True).words
+    '4 source domains and all pairs without labels'
+    """
+    more = " and all pairs without labels" * profiles
+    name, words = f"m{count}{'+' * profiles}", f"{count} source domains{more}"
+    return Known(name, words, pairs=ALL * profiles, sensors=count)
+
+
+def rest(subtracted: "Embeddings") -> Known:
+    """Return a picture of each sensor at rest. subtracted  the same pairs, embedded without it"""
+    return Known("rest", "a picture of the sensor at rest", rested=subtracted)
 
 
 def _row(known: Known, **more: Any) -> Row:
@@ -98,13 +132,13 @@ RUNGS: list[Row] = [
     *(_row(pairs(count)) for count in (1, 2, 5, 10)),
     _row(pairs(20), step=2, bar="away, pictures"),
     _row(pairs(50)),
-    _row(pairs(1_000_000, every=True)),
+    _row(pairs(ALL, every=True)),
     _row(labels(1)),
     _row(labels(3), step=3, bar="away, labels"),
     _row(labels(5)),
-    *({"id": f"m{m}", "words": f"{m} source domains"} for m in (2, 4, 7)),
     *(
-        {"id": f"m{m}+", "words": f"{m} source domains and all pairs without labels"}
-        for m in (2, 4, 7)
+        {"id": known.name, "words": known.words}
+        for profiles in (False, True)
+        for known in (sensors(m, profiles=profiles) for m in (2, 4, 7))
     ),
 ]

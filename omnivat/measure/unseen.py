@@ -2,7 +2,7 @@
 retrieval in one record.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from omnivat.data.embeddings import Embeddings
 from omnivat.head.checkpoint import Head
-from omnivat.measure.gaps.confusion import confusion
 from omnivat.measure.gaps.unit import unit
+from omnivat.measure.known import measured
 from omnivat.measure.predictions import blocks, label_map, predicted_probabilities
+from omnivat.measure.shares import counted, record
 
 READINGS = ("fused", "vis", "tac")
 UNSEEN = "unseen"  # the name of all unseen domains together
@@ -21,82 +22,6 @@ Array = NDArray[Any]
 BLOCK = 1024  # photos compared at once; bounds the memory
 MOST = 2000  # photos of a domain; a larger one is thinned evenly
 Mask = NDArray[np.bool_]
-Z = 1.959963984540054  # normal quantile of a two-sided 95 % interval
-DRAWS = 2000
-
-
-def wilson(right: float, total: int) -> tuple[float, float]:
-    """Return the 95 % interval of a share, after Wilson (1927); it stays within 0 and 1.
-
-    >>> low, high = wilson(60, 100)
-    >>> round(low, 3), round(high, 3)
-    (0.502, 0.691)
-    """
-    share, square = right / total, Z * Z / total
-    middle = (share + square / 2) / (1 + square)
-    half = Z * np.sqrt(share * (1 - share) / total + square / (4 * total)) / (1 + square)
-    return float(max(0.0, middle - half)), float(min(1.0, middle + half))
-
-
-def of_domains(counts: Sequence[tuple[int, int]]) -> tuple[float, float]:
-    """Return the 95 % interval of the mean share over domains: (right, total) of each.
-
-    Bootstrap: domains are drawn with replacement, then pairs within each. The interval therefore
-    covers other domains of this kind, not only other pairs of these domains.
-    """
-    right, total = (np.array(part, dtype=np.int64) for part in zip(*counts, strict=True))
-    random = np.random.default_rng(0)
-    drawn = random.integers(len(total), size=(DRAWS, len(total)))
-    shares = random.binomial(total[drawn], right[drawn] / total[drawn]) / total[drawn]
-    low, high = np.quantile(shares.mean(axis=1), [0.025, 0.975])
-    return float(low), float(high)
-
-
-def interval(counts: Sequence[tuple[int, int]]) -> tuple[float, float]:
-    """Return the 95 % interval of the mean share over domains: `wilson` for one, else
-    `of_domains`.
-    """
-    return of_domains(counts) if len(counts) > 1 else wilson(*counts[0])
-
-
-def share_of(counts: Sequence[tuple[int, int]]) -> dict[str, float] | None:
-    """Return the mean over domains of (right, total), and its interval; None without domains."""
-    if not counts:
-        return None
-    low, high = interval(counts)
-    return {"share": float(np.mean([r / n for r, n in counts])), "low": low, "high": high}
-
-
-def counted(embeddings: Embeddings, source: str) -> Mask:
-    """Return a mask (N,) of the test pairs of a head trained on `source`.
-
-    If a domain has a split, its test part counts; otherwise all its pairs do. A source without a
-    split has no test pairs, because the head may have been trained on all of them.
-    """
-    split = np.array(embeddings.rows["split"], dtype=object)
-    keep = np.zeros(len(embeddings), dtype=bool)
-    for index, name in enumerate(embeddings.header.domains):
-        own = embeddings.domain == index
-        stated = any(split[own])
-        keep |= own & (split == "test") if stated else own & (name != source)
-    return keep
-
-
-def mean_over_domains(
-    right: NDArray[Any], embeddings: Embeddings, source: str, keep: Mask
-) -> float | None:
-    """Return the mean over unseen domains of each domain's share of `right` (N,) among `keep`.
-
-    None if the source is not among the domains or no unseen domain has a test pair.
-    """
-    if source not in embeddings.header.domains:
-        return None
-    shares = [
-        right[own].mean()
-        for index, name in enumerate(embeddings.header.domains)
-        if name != source and (own := keep & (embeddings.domain == index)).any()
-    ]
-    return float(np.mean(shares)) if shares else None
 
 
 def judged(keep: NDArray[np.bool_], domain: NDArray[Any]) -> NDArray[np.int64]:
@@ -129,6 +54,34 @@ def nearest_touch(
     return found
 
 
+def bars(found: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a record of `measured` as `omnivat.figures.strangers` takes it: shares by domain, and
+    "unseen", their mean over targets.
+
+    The source has no share where its test pairs are those that the head learned.
+    """
+
+    def shares(of: Mapping[str, Any]) -> dict[str, Any]:
+        return {f"answers/{name}": _share(one) for name, one in of.items() if name in READINGS}
+
+    none = dict.fromkeys(f"answers/{name}" for name in READINGS)
+    return {
+        "source": found["source"],
+        "chance": 1 / len(found["classes"]),
+        "domains": [
+            {
+                "name": one["domain"],
+                "is_source": one["is_source"],
+                "pairs": 0 if one["trained_on"] else one["pairs"],
+                **none,
+                **({} if one["trained_on"] else shares(one["scores"])),
+            }
+            for one in found["domains"]
+        ],
+        "unseen": none | shares(found["scores"]),
+    }
+
+
 def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     """Return the page's record of unseen domains.
 
@@ -144,65 +97,65 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     >>> summary["source"], summary["unseen"]["answers/fused"]["share"] > 0.9
     ('Chirps A-sim', True)
     """
-    head.require_embeddings(embeddings)
-    classes, domain = head.settings.classes, np.asarray(embeddings.domain)
+    found = measured(head, embeddings)
+    classes, domain = found["classes"], embeddings.domain
     label = label_map(classes, embeddings.header.classes)[embeddings.label]
     counts = counted(embeddings, head.source) & (label >= 0)
-    members = {name: counts & (domain == i) for i, name in enumerate(embeddings.header.domains)}
-    away = [mask for name, mask in members.items() if name != head.source]
-    unseen = np.any([np.zeros_like(counts), *away], axis=0)
-    found = predicted_probabilities(head.model, embeddings)
-    probabilities = {name: found[name].double().cpu().numpy() for name in READINGS}
-    predicted = {name: values.argmax(1) for name, values in probabilities.items()}
-    shares = {f"answers/{name}": (values == label) * 1.0 for name, values in predicted.items()}
-    rows = judged(counts, domain)
-    vis, tac, cosine = _alone(head, embeddings, rows)
-    shares["retrieval"] = np.full(len(label), np.nan)  # of photos that are not tested
-    shares["retrieval"][rows] = label[nearest_touch(vis, tac, domain, rows)] == label[rows]
+    unseen = counts & (np.array(embeddings.header.domains)[domain] != head.source)
     # unseen pairs that look like another class
     alike = np.array([bool(name) for name in embeddings.rows["looks_like"]], bool) & unseen
+    probabilities = predicted_probabilities(head.model, embeddings)
+    answers = {name: probabilities[name].argmax(1).numpy() for name in READINGS}
+    rows = judged(counts, domain)
+    vis, tac, cosine = _alone(head, embeddings, rows)
+    retrieved = np.full(len(label), np.nan)  # of photos that are not tested
+    retrieved[rows] = label[nearest_touch(vis, tac, domain, rows)] == label[rows]
 
-    def confusions(values: Array) -> dict[str, list[list[int]]]:
-        """Return counts (K, K), true class by predicted class, of each domain and all unseen."""
-        truth, guess = torch.from_numpy(label), torch.from_numpy(values)
-        masks = {name: torch.from_numpy(m) for name, m in (members | {UNSEEN: unseen}).items()}
-        return {n: confusion(truth[m], guess[m], len(classes)).tolist() for n, m in masks.items()}
+    def share(right: Array, mask: Mask, domain: Array = domain) -> dict[str, Any] | None:
+        """Return the share of right values (N,) among a mask; NaN values are skipped."""
+        values = np.where(mask, right, np.nan)[None]
+        return _share(record(values, domain, embeddings.header.domains, embeddings.objects))
 
-    return {
-        "source": head.source,
+    summary, one_domain = bars(found), np.zeros_like(domain)
+    for index, one in enumerate(summary["domains"]):
+        one["retrieval"] = share(retrieved, domain == index)
+    summary["unseen"]["retrieval"] = share(retrieved, unseen)
+    none = np.zeros((len(classes), len(classes)), np.int64)
+    confusions: dict[str, dict[str, Any]] = {name: {} for name in READINGS}
+    for name, table in confusions.items():
+        for one in found["domains"]:
+            there = bool(one["scores"]) and not one["trained_on"]
+            table[one["domain"]] = one["scores"][name]["confusion"] if there else none.tolist()
+        away = [np.array(v) for place, v in table.items() if place != head.source]
+        table[UNSEEN] = sum(away, none).tolist()
+    return summary | {
         "order": head.model.order,
-        "classes": list(classes),
-        "chance": 1 / len(classes),
-        "domains": [
-            {
-                "name": name,
-                "is_source": name == head.source,
-                "pairs": int(mask.sum()),
-                **{key: _over(right, mask) for key, right in shares.items()},
-            }
-            for name, mask in members.items()
-        ],
-        "unseen": {name: _over(right, *away) for name, right in shares.items()},
+        "classes": classes,
         "look_alikes": {
             "pairs": int(alike.sum()),
-            **{key: _over(right, alike) for key, right in shares.items()},
+            **{
+                f"answers/{name}": share(said == label, alike, one_domain)
+                for name, said in answers.items()
+            },
+            "retrieval": share(retrieved, alike, one_domain),
         }
         if alike.any()
         else None,
-        "confusion": {name: confusions(values) for name, values in predicted.items()},
+        "confusion": confusions,
         "pairs": {
             "counts": counts,
-            "answers": predicted,
-            "confidence": probabilities["fused"].max(1),
+            "answers": answers,
+            "confidence": probabilities["fused"].max(1).values.double().numpy(),
             "cosine": cosine,
         },
     }
 
 
-def _over(right: Array, *masks: Mask) -> dict[str, float] | None:
-    """Return `share_of` the pairs of each mask. NaN values are skipped."""
-    parts = [right[mask & ~np.isnan(right)] for mask in masks]
-    return share_of([(int(part.sum()), len(part)) for part in parts if len(part)])
+def _share(found: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Return a share with its interval as pages and figures take it; None without pairs."""
+    if found["accuracy"] is None:
+        return None
+    return {"share": found["accuracy"], "low": found["low"], "high": found["high"]}
 
 
 @torch.inference_mode()

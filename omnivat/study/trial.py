@@ -2,33 +2,31 @@
 see.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.data.store import Embeddings
 from omnivat.encoders.lang.bank import DEFAULT_BANK, load_bank
 from omnivat.head.checkpoint import Head
-from omnivat.head.head import parameter_count
+from omnivat.head.head import OmniVaT, parameter_count
 from omnivat.kit.errors import DataError, printable
 from omnivat.kit.progress import OnStep, ignore
 from omnivat.kit.seeding import derive_seed
-from omnivat.measure.known import measured
+from omnivat.measure.known import few, measured
 from omnivat.measure.predictions import label_map, predicted_probabilities
-from omnivat.measure.rungs import pairs
-from omnivat.measure.unseen import wilson
-from omnivat.study.shift.probe import fitted_probe, raw_of
-from omnivat.study.shift.reading import VIEWS, Features
+from omnivat.measure.readers import Reader
+from omnivat.measure.shares import record
+from omnivat.study.shift.probe import maps_of
+from omnivat.study.shift.reading import READINGS, Features
 from omnivat.training import TrainSettings, Watch, train
 from omnivat.training.from_pairs import TrainingPlan, plan_training, trained_head
 from omnivat.training.training import steps_of
 
 EPOCHS = 40  # of every training
 FOLDS, FEW = 5, 200  # up to FEW pairs; with more, 3
-KNOWN = 20  # pictures of a target's profile; they are not tested, and are half of it at most
 WORDS = {"vis": "photo only", "tac": "touch only", "both": "both"}
 PROBE = "linear maps"  # of the same vectors: the yardstick
 NO_CLASSES = (
@@ -69,7 +67,8 @@ def try_pairs(
     >>> trial.head, trial.lines[0][:47]  # with classes: a head, and what it reads right
     (None, 'No head was trained: the pairs have no classes,')
     """
-    data = features.embeddings
+    data = features.embeddings.unsplit
+    features = replace(features, embeddings=data)
     able = data.learnable
     if source and source not in able:
         raise DataError(
@@ -80,20 +79,24 @@ def try_pairs(
         why = "no single domain has pairs of two classes." if features.labelled else NO_CLASSES
         return Trial(head=None, lines=[f"No head was trained: {why}"])
     source = source or max(able, key=lambda name: len(features.members(name)))
-    own, objects = features.members(source), features.objects
+    own, objects = features.members(source), data.objects
     own = own[data.labelled[own]]
     folds, alone = _folds(data.label[own], objects[own], seed)
     plan = _plan(features, source, seed)
-    each = plan.training.epochs * steps_of(len(plan.pairs), plan.training)
+    each = plan.training.epochs * steps_of(len(plan.rows), plan.training)
     watch, whole = Watch(on_step=on_step), (len(folds) + 1) * each
     names = [name for view in features.views for name in (view, probe_of(view))]
     said = {name: np.full(len(own), -1) for name in names}
+    learned = plan.pairs
     for k, out in enumerate(folds):
-        fit = own[~out]
-        part = _plan(features, source, seed, rows=fit)
-        turn = watch.part(k * each, whole)
+        fit, turn = own[~out], watch.part(k * each, whole)
         model = train(
-            part.pairs, part.settings, part.training, bank=part.bank, seed=seed, watch=turn
+            learned.select(~out),
+            plan.settings,
+            plan.training,
+            bank=plan.bank,
+            seed=seed,
+            watch=turn,
         ).model
         for name, labels in _answers(features, model, fit, own[out]).items():
             said[name][out] = labels
@@ -103,7 +106,7 @@ def try_pairs(
     records = []
     if tested.any():
         told = {name: labels[tested] for name, labels in said.items()}
-        records.append(_record(source, data.label[own][tested], objects[own][tested], told))
+        records.append(_at_home(source, data.label[own][tested], objects[own][tested], told))
         lines.append(f"At home, objects that it did not see: {_sentence(records[-1])}")
         lines += alone
     else:
@@ -112,8 +115,9 @@ def try_pairs(
             "none can be left out. Add a second object of each class."
         )
     targets = [name for name in features.domains if name != source]
+    maps = maps_of(features, source, own)
     for name in targets:
-        away, text = _in_target(features, head, own, features.members(name), name)
+        away, text = _in_target(features, head, maps, own, name, seed)
         records += [away] if away else []
         lines.append(text)
     if not targets:
@@ -127,12 +131,12 @@ def try_pairs(
     return Trial(head=head, lines=lines, records=records)
 
 
-def _plan(features: Features, source: str, seed: int, rows: Rows | None = None) -> TrainingPlan:
+def _plan(features: Features, source: str, seed: int) -> TrainingPlan:
     """Return the plan of a head that suits the pairs: small, with noise and imitated sensors."""
-    data = features.embeddings if rows is None else features.embeddings.select(rows)
-    count = len(features.members(source))
-    batch = 16 if count <= 500 else 64 if count <= 2000 else 256
-    classes = {data.header.classes[k] for k in np.unique(data.label[data.labelled])}
+    data, home = features.embeddings, features.members(source)
+    batch = 16 if len(home) <= 500 else 64 if len(home) <= 2000 else 256
+    learned = np.unique(data.label[home[data.labelled[home]]])
+    classes = {data.header.classes[k] for k in learned}
     training = TrainSettings(
         epochs=EPOCHS,
         batch=batch,
@@ -165,25 +169,22 @@ def _folds(labels: Labels, objects: Rows, seed: int) -> tuple[list[NDArray[np.bo
     return masks, [left] if alone and masks else []
 
 
-def _answers(features: Features, model: Any, fit: Rows, rows: Rows) -> dict[str, Labels]:
-    """Return the labels (N,) of `rows` by each reading of a head and of linear maps, which learned
+def _answers(features: Features, model: OmniVaT, fit: Rows, rows: Rows) -> dict[str, Labels]:
+    """Return the labels (n,) of `rows` by each reading of a head and of linear maps, which learned
     `fit`.
     """
-    data = features.embeddings
-    maps = fitted_probe(raw_of(features, fit), data.label[fit])(raw_of(features, rows))
-    return _predicted(model, data, rows, features.views) | {
-        probe_of(view): labels for view, labels in maps.items()
+    data, names = features.embeddings, features.embeddings.header.classes
+    shares = predicted_probabilities(model, data, modalities=features.modalities, rows=rows)
+    place = label_map(names, model.settings.classes)
+    maps = maps_of(features, "", fit).answers(data, rows, names)
+    return {
+        name: labels
+        for view, reading in ((view, READINGS[view]) for view in features.views)
+        for name, labels in (
+            (view, place[shares[reading].argmax(-1).numpy()]),
+            (probe_of(view), maps[reading]),
+        )
     }
-
-
-def _predicted(model: Any, data: Embeddings, rows: Rows, views: Sequence[str]) -> dict[str, Labels]:
-    """Return the predicted label (N,) in the set's classes for each reading of a head."""
-    back = label_map(data.header.classes, model.settings.classes)
-    fused = {
-        view: predicted_probabilities(model, data, modalities=VIEWS[view], rows=rows)["fused"]
-        for view in views
-    }
-    return {view: back[shares.argmax(-1).numpy()] for view, shares in fused.items()}
 
 
 def probe_of(view: str) -> str:
@@ -191,46 +192,62 @@ def probe_of(view: str) -> str:
     return f"{PROBE}, {view}"
 
 
-def _record(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels]) -> Record:
-    """Return the tested pairs' counts, and the share right of each reading with its interval, by
-    objects.
+def _at_home(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels]) -> Record:
+    """Return the record of pairs whose objects were left out, by the labels that were said."""
+    place = np.zeros(len(labels), np.int64), (domain,), objects
+    shares = {name: record((answers == labels)[None], *place) for name, answers in said.items()}
+    return _record(domain, np.bincount(labels), len(np.unique(objects)), shares)
+
+
+def _record(
+    domain: str, sizes: Labels, objects: int, shares: Mapping[str, Mapping[str, Any]]
+) -> Record:
+    """Return the tested pairs' counts, and the share right of each reading with its interval.
+
+    sizes  (K,) tested pairs of each class
     """
-    sizes, count = np.bincount(labels), len(np.unique(objects))
-    record = {
+    return {
         "domain": domain,
-        "pairs": len(labels),
-        "objects": count,
+        "pairs": int(sizes.sum()),
+        "objects": objects,
         "classes": int((sizes > 0).sum()),
-        "always the largest class": float(sizes.max() / len(labels)),
+        "always the largest class": float(sizes.max() / sizes.sum()),
+        **{name: _share(one) for name, one in shares.items()},
     }
-    for name, answers in said.items():
-        share = float((answers == labels).mean())
-        low, high = wilson(share * count, count)
-        record[name] = {"share": share, "low": low, "high": high}
-    return record
+
+
+def _share(one: Mapping[str, Any]) -> dict[str, float]:
+    return {"share": one["accuracy"], "low": one["low"], "high": one["high"]}
 
 
 def _in_target(
-    features: Features, head: Head, home: Rows, rows: Rows, name: str
+    features: Features, head: Head, maps: Reader, home: Rows, name: str, seed: int
 ) -> tuple[Record | None, str]:
     """Return the record of a target domain, plain and with a profile of its pictures, and a
     sentence.
     """
     data, lead = features.embeddings, f"In '{printable(name)}'"
-    known = rows[np.isin(data.label[rows], np.unique(data.label[home]))]
+    rows = features.members(name)
+    there, known = data.select(rows), rows[np.isin(data.label[rows], data.label[home])]
     if not len(known):
         return None, f"{lead}: no pair is of a class that the head learned."
-    said = _answers(features, head.model, home, known)
-    record = _record(name, data.label[known], features.objects[known], said)
-    text = f"{lead}, of which nothing was known: {_sentence(record)}"
-    count = min(KNOWN, len(rows) // 2)
-    if count:
-        step = measured(head, data.select(rows), pairs(count))
+    plain = next(one for one in head.metrics["domains"] if one["domain"] == name)
+    shares = {view: plain["scores"][READINGS[view]] for view in features.views}
+    of_maps = measured(maps, there)["scores"]
+    shares |= {probe_of(view): of_maps[READINGS[view]] for view in features.views}
+    sizes = np.sum(plain["scores"]["fused"]["confusion"], axis=1)
+    found = _record(name, sizes, plain["objects"], shares)
+    text = f"{lead}, of which nothing was known: {_sentence(found)}"
+    pictures = few(there, head.source)
+    if pictures.pairs:
+        step, of_maps = (measured(one, there, pictures, seed=seed) for one in (head, maps))
         kept = {key: step[key] for key in ("accuracy", "low", "high", "draws")}
-        record["profile"] = {"pictures": count, **kept}
+        also = {PROBE: _share(of_maps)}
+        found["profile"] = {"pictures": pictures.pairs, **kept, **also}
         text += (
-            f" With a profile of {count} of its pairs without labels, which are not tested: "
-            f"{_percent(step['accuracy'])} (mean of {len(step['draws'])} draws)."
+            f" With a profile of {pictures.pairs} of its pairs without labels, which are not"
+            f" tested: {_percent(step['accuracy'])}, {PROBE} {_percent(of_maps['accuracy'])} (mean"
+            f" of {len(step['draws'])} draws)."
         )
     shared = {data.rows["object"][k] for k in home} & {data.rows["object"][k] for k in known} - {""}
     if shared:
@@ -238,14 +255,14 @@ def _in_target(
             f" {len(shared)} of its objects have names of training objects: if they are the same"
             " things, only the sensor is new."
         )
-    return record, text
+    return found, text
 
 
 def _about(plan: TrainingPlan, source: str) -> str:
     numbers, settings = parameter_count(plan.settings), plan.training
     without = f" ({plan.left_out} pairs without a class left out)" if plan.left_out else ""
     return (
-        f"Trained on '{printable(source)}': {len(plan.pairs)} pairs, {len(plan.settings.classes)}"
+        f"Trained on '{printable(source)}': {len(plan.rows)} pairs, {len(plan.settings.classes)}"
         f" classes{without}; a small head of {numbers:,} numbers (width {plan.settings.width},"
         f" noise {settings.noise:g}, shift {settings.shift:g}, {settings.epochs}"
         f" epochs{', with texts' if settings.lang else ''})."

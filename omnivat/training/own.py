@@ -10,12 +10,14 @@ An OmniVaT head of the same pairs gives the stages and the tree.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from statistics import fmean
+from typing import Any
 
 import numpy as np
 import torch
 from torch import Tensor
 
-from omnivat.data.profile import Channels, Profile, drawn_profiles, profile_of, profiled
+from omnivat.data.profile import Channels, Profile, profile_of, profiled
 from omnivat.data.store import Embeddings
 from omnivat.head.calibration import familiarity_of, fit_temperature
 from omnivat.head.checkpoint import Head
@@ -24,12 +26,14 @@ from omnivat.head.linear_maps import FittedMaps, fit_maps
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.stages import IMAGES
+from omnivat.measure import rungs
+from omnivat.measure.known import DRAWS, measured, parts
+from omnivat.measure.readers import of_maps
 from omnivat.training import TrainSettings, Watch
 from omnivat.training.from_pairs import plan_training, trained_head
 
 ALL = "all domains"  # the source of such a head
 PICTURES = (0, 5, 20)  # of a left-out domain, without labels
-DRAWS = 10  # of these pictures
 BODY = {"width": 64}
 TRAINING = TrainSettings(epochs=30, batch=64, lang=False)
 KEPT = 3  # every third pair is kept for familiarity, so that the folder stays small
@@ -61,12 +65,12 @@ def own_head(embeddings: Embeddings, *, seed: int, on_step: OnStep = ignore) -> 
     model = with_maps(head.model, fitted, temperature)
     some = pairs.select(np.arange(0, len(pairs), KEPT))
     raw = _raw(some)
-    known = familiarity_of(raw["vis"], raw["tac"], some.rows["object"])
+    familiar = familiarity_of(raw["vis"], raw["tac"], some.rows["object"])
     facts = {"maps": {"temperature": temperature}, "domains": list(domains)}
     return replace(
         head,
         model=model,
-        familiarity=known,
+        familiarity=familiar,
         settings=model.settings,
         provenance={**head.provenance, **facts},
         metrics={"left_out": left_out},
@@ -147,33 +151,29 @@ def _left_out(
     domains = embeddings.header.domains
     logits: dict[str, list[Tensor]] = {}
     labels: list[Tensor] = []
-    right: dict[int, list[dict[str, float]]] = {count: [] for count in PICTURES}
+    right: dict[int, list[dict[str, Any]]] = {count: [] for count in PICTURES}
     for done, name in enumerate(domains):
         others = tuple(other for other in domains if other != name)
         levelled, base = level(embeddings, others)
         rows = np.concatenate([levelled.rows_of(other, split="train") for other in others])
         pairs = levelled.select(rows)
         fitted = _fitted(pairs.select(pairs.labelled), base.channels, seed)
-        test = embeddings.select(embeddings.rows_of(name, split="test"))
-        test = test.select(test.labelled)
-        truth = torch.from_numpy(test.label)
+        maps = of_maps(fitted, embeddings.header, source="")
+        left = embeddings.select(embeddings.rows_of(name))
         for count in PICTURES:
-            for draw in range(DRAWS if count else 1):
-                profiles, _ = drawn_profiles(embeddings, "", count, seed=draw)
-                raw = _raw(profiled(test, {name: profiles[name]}, base) if count else test)
-                shares = fitted(raw)
-                right[count].append(
-                    {n: float((shares[n].argmax(-1) == truth).double().mean()) for n in READINGS}
-                )
-                if count == PICTURES[-1]:
-                    for each, values in fitted.maps.logits(fitted.standard(raw)).items():
-                        logits.setdefault(each, []).append(values)
-                    labels.append(truth)
+            right[count].append(measured(maps, left, rungs.pairs(count))["scores"])
+        for draw in range(DRAWS):
+            drawn = parts(maps, left, rungs.pairs(PICTURES[-1]), seed=draw)
+            part = next(one for one in drawn if one.domain == name)
+            test = part.embeddings.select(part.rows)
+            test = test.select(test.labelled)
+            for each, values in fitted.maps.logits(fitted.standard(_raw(test))).items():
+                logits.setdefault(each, []).append(values)
+            labels.append(torch.from_numpy(test.label))
         on_step(Step(done=done + 1, total=len(domains), text=f"{name} left out"))
     temperature = {n: fit_temperature(torch.cat(v), torch.cat(labels)) for n, v in logits.items()}
-    return temperature, {str(count): _mean(each) for count, each in right.items()}
-
-
-def _mean(each: list[dict[str, float]]) -> dict[str, float]:
-    """Return the mean of each reading; every domain has as many draws."""
-    return {name: round(float(np.mean([one[name] for one in each])), 4) for name in READINGS}
+    means = {
+        str(count): {n: round(fmean(one[n]["accuracy"] for one in each), 4) for n in READINGS}
+        for count, each in right.items()
+    }
+    return temperature, means

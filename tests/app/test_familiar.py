@@ -11,7 +11,7 @@ from app.resources import Resources
 from app.views.pair import predicted
 from omnivat.data.store import save_embeddings
 from omnivat.head.calibration import familiarity_of
-from omnivat.measure.unseen import counted
+from omnivat.measure.shares import counted
 
 
 @pytest.fixture

@@ -68,7 +68,7 @@ function teachingHtml(tab) {
 export function curveHtml({ points, words }) {
   const last = points.at(-1)?.objects ?? 1;
   const scale = new Scale({ wide: 340, high: 150, pad: { left: 54, right: 12, top: 10, bottom: 22 }, xs: [1, last] });
-  /** @param {"right" | "low" | "high"} of */
+  /** @param {"right" | "least" | "most"} of */
   const along = (of) => points.map((one) => [one.objects, one[of]]);
   const ticks = [1, last].map((count) => [count, `${count} object${count > 1 ? "s" : ""} a class`]);
   const figures = points.map(({ objects, right }) => `${objects}: ${percent(right)}`).join(", ");
@@ -76,7 +76,7 @@ export function curveHtml({ points, words }) {
     `Right pairs by labelled objects of a class: ${figures}`,
     scale.grid([0, 0.5, 1], percent),
     scale.ticks(ticks),
-    html`<path class="band" d="${scale.area(along("high"), along("low"))}"/><path class="mean" d="${scale.line(along("right"))}"/>`,
+    html`<path class="band" d="${scale.area(along("most"), along("least"))}"/><path class="mean" d="${scale.line(along("right"))}"/>`,
   );
   const how =
     "Each pair is predicted by a head taught without it. Line: mean of ten draws of the objects that teach; band: from the least to the most.";

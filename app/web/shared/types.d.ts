@@ -316,7 +316,7 @@ interface Taught {
   classes: string[];
 }
 interface Labels {
-  points: { objects: number; right: number; low: number; high: number }[];
+  points: { objects: number; right: number; least: number; most: number }[];
   words: string;
 }
 /** A head beside the first one; one with a `problem` has only its name and folder. */

@@ -19,10 +19,19 @@ from omnivat.maps.frames.records import FEATURES, FrameSet, MapFrames, quantised
 from omnivat.maps.projection import pca
 from omnivat.maps.projection.quality import trust
 from omnivat.maps.projection.torch_umap import aligned, following
-from omnivat.maps.sweep import MEASURES, STAGES, STILL, AtOrder, Features, facts_of, measured, walk
+from omnivat.maps.sweep import (
+    MEASURES,
+    STAGES,
+    STILL,
+    AtOrder,
+    Features,
+    curve_values,
+    facts_of,
+    walk,
+)
 from omnivat.measure.gaps.unit import unit
 from omnivat.measure.predictions import label_map
-from omnivat.measure.unseen import counted, mean_over_domains
+from omnivat.measure.shares import counted, mean_over_domains
 
 METHODS = ("pca", "umap")
 MOST_NAMES = 256  # an index is one byte
@@ -113,7 +122,7 @@ class FrameBuilder:
             if at_order.index in track.stops:
                 track.add(stacked(at_order.features[track.stage]))
         count = len(self.orders)
-        for stage, name, value in measured(at_order, self.facts, self.measures):
+        for stage, name, value in curve_values(at_order, self.facts, self.measures):
             curve = self.curves.setdefault(name, [None] * count)
             known = value if np.isfinite(value) else None
             curve[:] = [known] * count if stage in self.still else curve

@@ -114,7 +114,7 @@ def sweep(
         sums_for=facts if summed else None,
     )
     for found in walked:
-        for stage, name, value in measured(found, facts, measures):
+        for stage, name, value in curve_values(found, facts, measures):
             curve = result.curves.setdefault(name, np.full(len(orders), np.nan))
             curve[slice(None) if stage in STILL else found.index] = value
         if predictions:
@@ -123,7 +123,7 @@ def sweep(
     return result
 
 
-def measured(
+def curve_values(
     at_order: AtOrder, facts: Facts, measures: Sequence[str]
 ) -> Iterator[tuple[str, str, float]]:
     """Yield stage ("" for predictions), name and value of all curves at one order."""

@@ -2,9 +2,8 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
+from statistics import fmean
 from typing import Any
-
-from omnivat.measure.known import target_mean
 
 Record = Mapping[str, Any]
 METRICS = {"accuracy": "ACC", "macro_f1": "Macro-F1", "macro_f1_union": "Macro-F1 (union)"}
@@ -41,15 +40,15 @@ def by_run(
 ) -> dict[tuple[str, int], float]:
     """Return (source, seed) -> mean over targets of a score of one method's completed runs."""
     return {
-        (one["source"], one["seed"]): target_mean(
-            (
-                target["scores"][which]
+        (one["source"], one["seed"]): fmean(values) if values else float("nan")
+        for one in records
+        for values in [
+            [
+                target["scores"][which][metric]
                 for target in one["targets"].values()
                 if which in target["scores"]
-            ),
-            metric,
-        )
-        for one in records
+            ]
+        ]
     }
 
 

@@ -78,7 +78,7 @@ def gaps(features: Features, on_step: OnStep) -> list[Record]:
     largest = sorted(places, key=lambda n: -len(places[n]))[:MOST_DOMAINS]
     rows = {m: features.rows(m) for m in features.modalities}
     members = {n: own for n, own in places.items() if n in largest and len(own) >= LEAST}
-    objects = features.objects
+    objects = features.embeddings.objects
     random = np.random.default_rng(derive_seed(0, "blocks"))
     block = random.permutation(objects.max() + 1)[objects] % BLOCKS
     records = []
@@ -149,7 +149,7 @@ def retrieval(features: Features) -> list[Record]:
     records, label, part = [], features.embeddings.label, "retrieval"
     for domain in features.domains:
         own = features.members(domain)
-        count, objects = len(own), features.objects[own]
+        count, objects = len(own), features.embeddings.objects[own]
         if count < 2:
             continue
         cosines = vis[own] @ tac[own].T
@@ -179,7 +179,11 @@ def neighbours(features: Features) -> list[Record]:
     The NEAR nearest rows of other objects: the share of the own domain, beside the share if domains
     were mixed. The nearest row of another domain: the share of the own class, beside chance.
     """
-    domain, label, objects = features.embeddings.domain, features.embeddings.label, features.objects
+    domain, label, objects = (
+        features.embeddings.domain,
+        features.embeddings.label,
+        features.embeddings.objects,
+    )
     if len(features.domains) < 2:
         return []
     records, part = [], "neighbours"

@@ -1,109 +1,88 @@
 """Linear maps of one domain on every other: what they lose, and what a profile gives back."""
 
-from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import torch
 from numpy.typing import NDArray
 
-from omnivat.data.profile import channels_of, moved
 from omnivat.head.linear_maps import fit_maps
 from omnivat.kit.progress import OnStep, Step
 from omnivat.kit.seeding import derive_seed
+from omnivat.measure.known import few, measured
+from omnivat.measure.readers import Reader, of_maps
+from omnivat.measure.rungs import NOTHING
 from omnivat.study.shift.measure import LEAST, Record, record
-from omnivat.study.shift.reading import Features
+from omnivat.study.shift.reading import READINGS, Features
 
 FOLDS = 3  # of objects, for the accuracy at home
-PROFILE = 20  # pictures of the target without labels; they are not tested
 MEASURES = ("home", "away", "away, with a profile")
 Array = NDArray[Any]
-
-
-Raw = Mapping[str, Array]  # rows (N, W) by modality
 
 
 def probes(features: Features, on_step: OnStep) -> list[Record]:
     """Return accuracies of linear maps: at home, in each other domain, and there with a profile.
 
     The maps learn all pairs of one domain. "home" is their accuracy on held-out objects of that
-    domain. With a profile, the target's channels get the source's mean and variance first, from
-    PROFILE pairs without labels. The rest is tested in both cases.
+    domain. With a profile, the target's channels get the source's mean and variance first, from a
+    few pairs without labels, which are not tested: the mean of several draws.
     """
-    label, objects = features.embeddings.label, features.objects
+    data = features.embeddings.unsplit
     places = {name: features.members(name) for name in features.domains}
-    names = [n for n, own in places.items() if len(own) >= LEAST and len(np.unique(label[own])) > 1]
+    names = [
+        n for n, own in places.items() if len(own) >= LEAST and len(np.unique(data.label[own])) > 1
+    ]
     if not features.labelled or not names:
         return []
     records = []
     for done, source in enumerate(names):
         home = places[source]
-        raw = raw_of(features, home)
-        fitted = fitted_probe(raw, label[home])
-        for view, right in _home(raw, label[home], objects[home]).items():
+        for view, right in _home(features, home).items():
             records.append(record("probe", "home", right, view, source, source, n=len(home)))
+        maps = maps_of(features, source, home)
         for target in (name for name in names if name != source):
-            # a small domain gives half of its pairs to the profile at most
-            random = np.random.default_rng(derive_seed(0, "profile", target))
-            mixed = random.permutation(places[target])
-            count = min(PROFILE, len(mixed) // 2)
-            pictures, rest = raw_of(features, np.sort(mixed[:count])), np.sort(mixed[count:])
-            kept = rest[np.isin(label[rest], label[home])]
-            if not len(kept):
-                continue
-            plain = raw_of(features, kept)
-            known = {
-                name: moved(rows, channels_of(pictures[name]), channels_of(raw[name]))
-                for name, rows in plain.items()
-            }
-            for measure, rows in zip(MEASURES[1:], (plain, known), strict=True):
-                for view, answers in fitted(rows).items():
-                    right = float((answers == label[kept]).mean())
+            there = data.select(places[target])
+            for measure, known in zip(MEASURES[1:], (NOTHING, few(there, source)), strict=True):
+                found = measured(maps, there, known)
+                for view in features.views if found["pairs"] else ():
+                    share = found["scores"][READINGS[view]]
+                    ends = {"low": share["low"], "high": share["high"], "n": found["pairs"]}
                     place = view, source, target
-                    records.append(record("probe", measure, right, *place, n=len(kept)))
+                    records.append(record("probe", measure, share["accuracy"], *place, **ends))
         on_step(Step(done=done + 1, total=len(names), text=f"probe of {source}"))
     return records + [line for view in features.views for line in _means(records, view, names)]
 
 
-def raw_of(features: Features, rows: NDArray[np.int64]) -> dict[str, Array]:
-    """Return embeddings (N, W) of some pairs by modality, as floats of 32 bits."""
-    return {
-        n: np.array(getattr(features.embeddings, n)[rows], np.float32) for n in features.modalities
-    }
-
-
-def fitted_probe(raw: Raw, labels: Array) -> Callable[[Raw], dict[str, Array]]:
-    """Return a function of raw rows: predicted labels by reading, "vis", "tac" and "both".
-
-    The yardstick of `try` and `report`: linear maps without training noise.
+def maps_of(features: Features, source: str, rows: NDArray[np.int64]) -> Reader:
+    """Return linear maps that learned some pairs of a source, without training noise: the
+    yardstick of `try` and `report`.
     """
-    classes, index = np.unique(labels, return_inverse=True)
-    tensors = {name: torch.from_numpy(rows) for name, rows in raw.items()}
-    fitted = fit_maps(tensors, torch.from_numpy(index), len(classes))
-
-    def answers(some: Raw) -> dict[str, Array]:
-        shares = fitted({name: torch.from_numpy(rows) for name, rows in some.items()})
-        named = {name: shares[name] for name in raw}
-        if len(raw) > 1:
-            named["both"] = shares["fused"]
-        return {view: classes[values.argmax(-1).numpy()] for view, values in named.items()}
-
-    return answers
+    data = features.embeddings
+    present, labels = np.unique(data.label[rows], return_inverse=True)
+    raw = {
+        name: torch.from_numpy(np.array(getattr(data, name)[rows], np.float32))
+        for name in features.modalities
+    }
+    fitted = fit_maps(raw, torch.from_numpy(labels), len(present))
+    classes = tuple(data.header.classes[k] for k in present)
+    return of_maps(fitted, data.header, source=source, classes=classes)
 
 
-def _home(raw: Raw, label: Array, objects: Array) -> dict[str, float]:
+def _home(features: Features, home: NDArray[np.int64]) -> dict[str, float]:
     """Return accuracies on held-out objects; NaN with fewer objects than folds."""
+    data = features.embeddings
+    label, objects = data.label[home], data.objects[home]
     kinds = np.unique(objects)
     mixed = np.random.default_rng(derive_seed(0, "home")).permutation(len(kinds))
     part = (np.argsort(mixed) % FOLDS)[np.searchsorted(kinds, objects)]
-    views = [*raw, *["both"] * (len(raw) > 1)]
-    right: dict[str, list[Array]] = {view: [] for view in views}
+    right: dict[str, list[Array]] = {view: [] for view in features.views}
     for k in range(FOLDS if len(kinds) >= FOLDS else 0):
         train, test = part != k, part == k
         if len(np.unique(label[train])) > 1:
-            fitted = fitted_probe({n: rows[train] for n, rows in raw.items()}, label[train])
-            for view, answers in fitted({n: rows[test] for n, rows in raw.items()}).items():
-                right[view].append(answers == label[test])
+            maps = maps_of(features, "", home[train])
+            said = maps.answers(data, home[test], data.header.classes)
+            for view, answers in right.items():
+                answers.append(said[READINGS[view]] == label[test])
     return {
         view: float(np.concatenate(values).mean()) if values else float("nan")
         for view, values in right.items()

@@ -19,7 +19,7 @@ from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 from omnivat.measure.gaps.unit import unit
 
-VIEWS = {"vis": ("vis",), "tac": ("tac",), "both": IMAGES}
+READINGS = {"vis": "vis", "tac": "tac", "both": "fused"}  # of linear maps and heads, by view
 MOST = 4000  # pairs; more are drawn at random, and the report says so
 
 
@@ -41,20 +41,7 @@ class Features:
     @property
     def views(self) -> list[str]:
         """The readings of a set: one modality, or each alone and both."""
-        return [view for view, parts in VIEWS.items() if set(parts) <= set(self.modalities)]
-
-    @property
-    def objects(self) -> NDArray[np.int64]:
-        """(N,) index of each pair's object by domain and name; a pair without a name is its own.
-
-        Pairs of one object are not independent.
-        """
-        domains, names = self.embeddings.header.domains, self.embeddings.rows["object"]
-        keys = [
-            f"{domains[d]}/{name or f'{chr(0)}{k}'}"
-            for k, (d, name) in enumerate(zip(self.embeddings.domain, names, strict=True))
-        ]
-        return np.unique(keys, return_inverse=True)[1]
+        return [*self.modalities, *["both"] * (len(self.modalities) > 1)]
 
     def rows(self, modality: str) -> Tensor:
         """Unit rows (N, D) of a modality."""

@@ -16,8 +16,9 @@ from omnivat.kit.threads import one_blas_thread, one_thread
 from omnivat.maps.projection import PROJECTIONS
 from omnivat.maps.projection.quality import quality
 from omnivat.measure.gaps import NAMES
+from omnivat.measure.known import FEW
 from omnivat.study.shift.measure import DEPTHS, NEAR, Record, gaps, neighbours, record, retrieval
-from omnivat.study.shift.probe import MEASURES, PROFILE, probes
+from omnivat.study.shift.probe import MEASURES, probes
 from omnivat.study.shift.reading import Features
 from omnivat.study.shift.words import NEIGHBOURS, VIEWS, methods, notes
 
@@ -149,7 +150,7 @@ def _charts(features: Features, records: Sequence[Record]) -> Drawn:
             percent=True,
             ends=(0, 1),
             caption="Home: held-out objects of the same domain. Away: mean over other domains."
-            f" Profile: {PROFILE} pictures of the target without labels. Bars: 95 % intervals over"
+            f" Profile: {FEW} pictures of the target without labels. Bars: 95 % intervals over"
             " domains.",
         )
     return drawn

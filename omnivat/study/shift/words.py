@@ -9,8 +9,9 @@ import torch
 
 from omnivat import __version__
 from omnivat.data.foreign import PREFIX
+from omnivat.measure import known
 from omnivat.study.shift.measure import BLOCKS, DRAWS, LEAST, MOST_DOMAINS, NEAR
-from omnivat.study.shift.probe import FOLDS, PROFILE
+from omnivat.study.shift.probe import FOLDS
 from omnivat.study.shift.reading import Features
 
 VIEWS = {"vis": "photos", "tac": "touches", "both": "both", "": "photo to touch"}
@@ -77,8 +78,8 @@ def methods(features: Features, seed: int) -> str:
         if large > 1:
             parts.append(
                 "A profile moves the mean and deviation of each channel of the target to the"
-                f" source's, from {PROFILE} pictures of the target without labels that are not"
-                " tested."
+                f" source's, from {known.FEW} pictures of the target without labels (half of a"
+                f" small domain) that are not tested: the mean of {known.DRAWS} draws."
             )
     drawn = "objects, of domains for probes" if labelled and large > 2 else "objects"
     parts.append(f"Other intervals are 95 % percentiles of {DRAWS:,} bootstrap draws of {drawn}.")
@@ -94,7 +95,7 @@ def methods(features: Features, seed: int) -> str:
 def _made(features: Features) -> str:
     data = features.embeddings
     sizes = ", ".join(f"{name} {len(features.members(name))}" for name in features.domains)
-    objects = int(features.objects.max()) + 1
+    objects = int(features.embeddings.objects.max()) + 1
     of = "each an object" if objects == len(data) else f"of {objects} objects"
     made = (
         f"Features of {data.header.encoder.removeprefix(PREFIX)} ({data.width} values) of"

@@ -1,6 +1,5 @@
 """Train and finish a head: calibration, familiarity, scores on every domain."""
 
-import math
 import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
@@ -17,7 +16,7 @@ from omnivat.head.calibration import familiarity_of, fit_calibration
 from omnivat.head.checkpoint import Head
 from omnivat.head.fusion import Temperatures
 from omnivat.kit.errors import DataError
-from omnivat.measure.known import evaluate, target_mean, target_scores
+from omnivat.measure.known import measured
 from omnivat.measure.predictions import label_map, predicted_logits
 from omnivat.training import Trained, Watch, train
 from omnivat.training.from_pairs.plan import TrainingPlan
@@ -79,16 +78,16 @@ def trained_head(
         familiarity=known,
         profile=replace(trained.profile, domain=plan.source, step=step),
     )
-    records = evaluate(head, plan.embeddings)
-    summary = _summary(plan.seed, head, records)
+    found = measured(head, plan.embeddings)
+    summary = _summary(plan.seed, head, found)
     means = {name: value for name, value in summary.items() if name not in ("seed", "domains")}
     others = []
     for seed in repeat:
         other = replace(head, model=_trained(replace(plan, seed=seed), pairs).model)
-        others.append(_summary(seed, other, evaluate(other, plan.embeddings)))
+        others.append(_summary(seed, other, measured(other, plan.embeddings)))
     metrics = {
         **means,
-        "domains": records,
+        "domains": found["domains"],
         "epochs": trained.epochs,
         "seeds": [summary, *others],
         **({"order_search": trained.search} if trained.search else {}),
@@ -152,15 +151,12 @@ def _provenance(plan: TrainingPlan) -> dict[str, Any]:
     }
 
 
-def _summary(seed: int, head: Head, records: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def _summary(seed: int, head: Head, found: Mapping[str, Any]) -> dict[str, Any]:
     """Return the scores of one seed: means over targets, and of each domain."""
-    means = {
-        score: target_mean(target_scores(records), score) for score in ("accuracy", "macro_f1")
-    }
     return {
         "seed": seed,
         "order": head.model.order,
-        # JSON has no NaN
-        **{f"target_{s}": None if math.isnan(mean) else mean for s, mean in means.items()},
-        "domains": {r["domain"]: r["scores"]["fused"] for r in records if r["scores"]},
+        "target_accuracy": found["accuracy"],
+        "target_macro_f1": found["scores"].get("fused", {}).get("macro_f1"),
+        "domains": {r["domain"]: r["scores"]["fused"] for r in found["domains"] if r["scores"]},
     }

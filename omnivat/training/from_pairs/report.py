@@ -13,10 +13,10 @@ from omnivat.head.head import OmniVaT
 from omnivat.kit.stages import IMAGES
 from omnivat.maps.projection import pca
 from omnivat.maps.projection.torch_umap import aligned
-from omnivat.maps.sweep import AtOrder, facts_of, measured, walk
+from omnivat.maps.sweep import AtOrder, curve_values, facts_of, walk
 from omnivat.measure.gaps.unit import unit
 from omnivat.measure.predictions import label_map
-from omnivat.measure.unseen import counted, mean_over_domains
+from omnivat.measure.shares import counted, mean_over_domains
 from omnivat.training.from_pairs.plan import TrainingPlan
 from omnivat.training.watch import OnEpoch
 
@@ -68,7 +68,7 @@ class Meter:
 
     def measures(self, at_order: AtOrder) -> dict[str, float]:
         """Return the measures of `EpochReport`, without undefined ones."""
-        gaps = {name: value for _, name, value in measured(at_order, self.facts, GAPS)}
+        gaps = {name: value for _, name, value in curve_values(at_order, self.facts, GAPS)}
         kept = {f"{name}/{STAGE}": gaps[f"{name}/{STAGE}"] for name in GAPS}
         home = self.embeddings.header.domains.index(self.source)
         own = self.keep & (self.embeddings.domain == home)

@@ -8,10 +8,9 @@ from dataclasses import replace
 import pytest
 
 from omnivat.cli import COMMANDS, main, parser
-from omnivat.cli.evaluate import summary
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.head.checkpoint import load_head
-from omnivat.measure.unseen import unseen_summary
+from omnivat.measure.unseen import bars, unseen_summary
 
 
 def test_wrong_usage_exits_with_2():
@@ -126,9 +125,11 @@ def test_evaluate_prints_every_domain_and_json_for_programs(head_folder, run):
     known = "--head", head_folder, "--embeddings", head_folder.parent / "set.safetensors"
     said = run("evaluate", *known).out
     assert "TAG-sim (source)" in said and "OF Real-sim" in said and "mean of targets" in said
-    records = json.loads(run("evaluate", *known, "--json").out)
-    assert [record["domain"] for record in records] == ["TAG-sim", "OF Real-sim"]
-    assert all(0 <= r["scores"]["fused"]["accuracy"] <= 1 for r in records)
+    record = json.loads(run("evaluate", *known, "--json").out)
+    assert record["low"] <= record["accuracy"] <= record["high"]
+    assert [one["domain"] for one in record["domains"]] == ["TAG-sim", "OF Real-sim"]
+    for one in (one["scores"]["fused"] for one in record["domains"]):
+        assert 0 <= one["low"] <= one["accuracy"] <= one["high"] <= 1
 
 
 def test_the_figure_of_evaluate_has_the_shares_and_intervals_of_the_page(
@@ -136,7 +137,7 @@ def test_the_figure_of_evaluate_has_the_shares_and_intervals_of_the_page(
 ):
     file, figure = head_folder.parent / "set.safetensors", tmp_path / "f.svg"
     known = "--head", head_folder, "--embeddings", file, "--figure", figure
-    drawn = summary(json.loads(run("evaluate", *known, "--json").out), "TAG-sim")
+    drawn = bars(json.loads(run("evaluate", *known, "--json").out))
     page = unseen_summary(load_head(head_folder), load_embeddings(file))
     assert "OF Real-sim" in figure.read_text() and drawn["chance"] == page["chance"]
     for mine, other in (

@@ -6,7 +6,7 @@ import shutil
 import numpy as np
 import pytest
 
-from omnivat.data.profile import drawn_profiles, load_profile, profile_of, save_profile
+from omnivat.data.profile import load_profile, profile_of, save_profile
 from omnivat.data.store import load_embeddings, save_embeddings
 
 
@@ -27,7 +27,7 @@ def evaluated(run, head_folder):
 
     def of(folder, *more):
         known = "--head", head_folder, "--embeddings", folder / "set.safetensors", "--json"
-        return {r["domain"]: r for r in json.loads(run("evaluate", *known, *more).out)}
+        return {r["domain"]: r for r in json.loads(run("evaluate", *known, *more).out)["domains"]}
 
     return of
 
@@ -38,27 +38,18 @@ def test_unlabelled_pairs_are_counted_and_the_source_stays(evaluated, two):
     assert {r["known_pairs"] for r in plain.values()} == {0}
     some = evaluated(two, "--unlabelled", 5, "--seed", 1)
     assert [some[d]["known_pairs"] for d in some] == [0, 5, 5]
-    assert some["TAG-sim"] == plain["TAG-sim"]
+    assert some["TAG-sim"]["scores"] == plain["TAG-sim"]["scores"]
     assert some["OF Real-sim"]["pairs"] == plain["OF Real-sim"]["pairs"]  # test objects
 
 
-def test_the_scores_of_unlabelled_pairs_are_means_over_draws(evaluated, monkeypatch, two):
-    seeds = []
-
-    def drawn(*arguments, seed):
-        seeds.append(seed)
-        return drawn_profiles(*arguments, seed=seed)
-
-    monkeypatch.setattr("omnivat.measure.known.drawn_profiles", drawn)
-    some = evaluated(two, "--unlabelled", 3, "--draws", 2, "--seed", 4)
-    single = [evaluated(two, "--unlabelled", 3, "--draws", 1, "--seed", seed) for seed in (4, 5)]
-    assert seeds == [4, 5, 4, 5]
+@pytest.mark.parametrize("known", ["--unlabelled", "--labels"])
+def test_the_scores_of_known_pairs_are_means_over_draws(known, evaluated, two):
+    some = evaluated(two, known, 3, "--draws", 2, "--seed", 4)
+    single = [evaluated(two, known, 3, "--draws", 1, "--seed", seed) for seed in (4, 5)]
     for domain in ("OF Real-sim", "TQ-DIGIT-sim"):
         each = [one[domain]["scores"]["fused"]["accuracy"] for one in single]
-        assert some[domain]["draws"] == each
+        assert some[domain]["draws"] == each and some[domain]["known_pairs"] in (3, 15)
         assert some[domain]["scores"]["fused"]["accuracy"] == pytest.approx(np.mean(each))
-        assert "draws" not in single[0][domain]
-    assert "draws" not in some["TAG-sim"]
 
 
 def test_without_a_split_the_drawn_pairs_are_not_predicted(evaluated, tmp_path, make_embeddings):
@@ -77,6 +68,10 @@ def test_the_table_says_what_was_known(run, two, head_folder):
     known = "--head", head_folder, "--embeddings", two / "set.safetensors", "--unlabelled", 5
     said = run("evaluate", *known).out
     assert "5 pictures without labels" in said and "Mean of 10 draws" in said
+    taught = run("evaluate", *known[:-2], "--labels", 2).out
+    assert "10 labelled pairs" in taught and "Mean of 10 draws" in taught
+    both = run("evaluate", *known, "--labels", 2, code=1).err
+    assert "Give one of --profile, --unlabelled and --labels" in both
 
 
 @pytest.mark.parametrize("command", ["gaps", "project", "sweep"])

@@ -1,6 +1,7 @@
 """`omnivat try`: from pairs of any kind to a folder, figures and the page."""
 
 import json
+from dataclasses import replace
 from unittest.mock import MagicMock
 
 import numpy as np
@@ -11,8 +12,10 @@ from omnivat.cli import try_pairs
 from omnivat.data.profile import load_profile
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.head.checkpoint import load_head
+from omnivat.measure.shares import wilson
 from omnivat.study import trial
 from omnivat.study.shift import read_features
+from omnivat.study.shift.reading import features_of
 
 
 @pytest.fixture(autouse=True)
@@ -58,18 +61,18 @@ def test_no_head_sees_an_object_that_it_is_tested_on(make_embeddings, tmp_path, 
     save_embeddings(tmp_path / "mine.safetensors", make_embeddings())
     found = read_features(tmp_path / "mine.safetensors")
     learned, tested = [], []
-    train, predicted = trial.train, trial._predicted
+    train, predicted = trial.train, trial.predicted_probabilities
 
     def training(source, *rest, **more):
         learned.append(set(source.rows["object"]))
         return train(source, *rest, **more)
 
-    def predicting(model, data, rows, views):
+    def predicting(model, data, *, rows, **more):
         tested.append({data.rows["object"][row] for row in rows})
-        return predicted(model, data, rows, views)
+        return predicted(model, data, rows=rows, **more)
 
     monkeypatch.setattr(trial, "train", training)
-    monkeypatch.setattr(trial, "_predicted", predicting)
+    monkeypatch.setattr(trial, "predicted_probabilities", predicting)
     trial.try_pairs(found)
     folds = list(zip(learned, tested, strict=False))
     assert len(folds) == 5
@@ -77,6 +80,24 @@ def test_no_head_sees_an_object_that_it_is_tested_on(make_embeddings, tmp_path, 
     assert set().union(*(b for _, b in folds)) == {
         name for name in found.embeddings.rows["object"] if name.startswith("TAG-sim")
     }
+
+
+def test_both_figures_of_a_target_count_objects_and_both_readers_have_a_profile(make_embeddings):
+    data = make_embeddings()
+    names = [f"{domain}/{k // 4}" for k, domain in enumerate(data.domain)]
+    found = features_of(replace(data, rows=data.rows | {"object": names}))
+    away = trial.try_pairs(found, seed=3).records[-1]
+    assert (away["pairs"], away["objects"], away["profile"]["pictures"]) == (40, 10, 20)
+    for share, one in (
+        (away["both"]["share"], away["both"]),
+        (away["profile"]["accuracy"], away["profile"]),
+        (away["profile"][trial.PROBE]["share"], away["profile"][trial.PROBE]),
+    ):
+        low, high = wilson(share * 10, 10)
+        assert one["low"] == pytest.approx(low, abs=0.02)
+        assert one["high"] == pytest.approx(high, abs=0.02)
+    other = trial.try_pairs(found, seed=4).records[-1]
+    assert away["profile"]["draws"] != other["profile"]["draws"]
 
 
 def reading(share):

@@ -12,7 +12,6 @@ from omnivat.data.profile import (
     Profile,
     channels_of,
     domain_of,
-    drawn_profiles,
     load_profile,
     moved,
     profile_of,
@@ -115,14 +114,6 @@ def test_a_modality_without_pictures_stays(make_embeddings):
     photos = replace(whole, channels={"vis": whole.channels["vis"]})
     found = profiled(pairs, {"B": photos}, source)
     np.testing.assert_array_equal(found.tac, pairs.tac)
-
-
-def test_more_unlabelled_pairs_contain_the_fewer(make_embeddings):
-    pairs = make_embeddings(domains=("A", "B", "C"))
-    _, few = drawn_profiles(pairs, "A", 3, seed=5)
-    profiles, more = drawn_profiles(pairs, "A", 6, seed=5)
-    assert set(few) < set(more) and set(profiles) == {"B", "C"}
-    assert not (pairs.domain[more] == 0).any()
 
 
 def test_a_profile_of_another_encoder_is_refused(make_embeddings):

@@ -200,7 +200,7 @@ def test_the_curve_ends_with_what_teaching_brings(head, head_folder):
     found, report = curve(head, many), judged(head, many)
     assert [one.objects for one in found.points] == [1, 2, 3, 4, 5, 7]  # of eight in a class
     assert found.points[-1].right == report.after / 24
-    assert all(0 <= one.low <= one.right <= one.high <= 1 for one in found.points)
+    assert all(0 <= one.least <= one.right <= one.most <= 1 for one in found.points)
     assert curve(head, many) == found
     with pytest.raises(DataError, match="two or more classes"):
         curve(head, many[:1])

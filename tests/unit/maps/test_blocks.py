@@ -8,7 +8,7 @@ import pytest
 from omnivat.data import arrays
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.head.head import build_head
-from omnivat.maps.sweep import STAGES, facts_of, measured, sweep, walk
+from omnivat.maps.sweep import STAGES, curve_values, facts_of, sweep, walk
 from omnivat.measure.predictions import predicted_probabilities
 from omnivat.study.protocol.records import fingerprint
 from tests.builders import head_settings
@@ -54,7 +54,7 @@ def test_a_sweep_that_keeps_no_coefficients_and_no_features_has_the_same_curves(
     wanted = {
         (name, found.order): value
         for found in walk(model, mapped, orders, stages=STAGES)
-        for _, name, value in measured(found, facts, measures)
+        for _, name, value in curve_values(found, facts, measures)
     }
     monkeypatch.setattr(import_module("omnivat.maps.sweep.walk"), "KEPT_PAIRS", 0)
     monkeypatch.setattr(import_module("omnivat.maps.sweep.walk"), "CHUNK", 5)

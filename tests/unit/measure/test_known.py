@@ -1,25 +1,54 @@
 """One measurement: what is known is drawn, left out of the test, and averaged."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+import torch
 
+from omnivat.head.linear_maps import fit_maps
 from omnivat.kit.errors import DataError
-from omnivat.measure.known import evaluate, measured, parts, record, target_mean, target_scores
-from omnivat.measure.rungs import NOTHING, labels, pairs
+from omnivat.measure.known import at_home, few, measured, parts
+from omnivat.measure.readers import Reader, of_head, of_maps
+from omnivat.measure.rungs import NOTHING, labels, pairs, rest, sensors
+from omnivat.measure.shares import record, wilson
 
 
-def test_nothing_known_is_what_evaluate_says(head, shifted):
+def test_a_measurement_has_both_images_each_image_and_each_domain(head, shifted):
     found = measured(head, shifted)
-    assert found["accuracy"] == pytest.approx(target_mean(target_scores(evaluate(head, shifted))))
-    assert (found["rung"], found["draws"]) == ("none", [found["accuracy"]])
+    home, away = found["domains"]
+    assert (home["is_source"], away["is_source"], away["domain"]) == (True, False, "OF Real-sim")
+    assert found["accuracy"] == away["scores"]["fused"]["accuracy"] == found["draws"][0]
     assert found["low"] < found["accuracy"] < found["high"]
+    assert set(found["scores"]) == {"fused", "vis", "tac", "vis_branch", "tac_branch"}
+    for one in away["scores"].values():
+        counts = np.array(one["confusion"])
+        assert counts.sum() == away["pairs"] == found["pairs"] == 2 * away["objects"]
+        assert np.trace(counts) / counts.sum() == pytest.approx(one["accuracy"])
 
 
-def test_an_evaluation_reports_the_pairs_of_each_domain(head, shifted):
+def test_it_reports_the_pairs_of_each_domain(head, shifted):
     steps = []
-    evaluate(head, shifted, on_step=steps.append)
+    measured(head, shifted, on_step=steps.append)
     assert [(one.done, one.total) for one in steps] == [(120, 240), (240, 240)]
     assert [one.text for one in steps] == ["TAG-sim", "OF Real-sim"]
+
+
+@pytest.mark.parametrize("known", [NOTHING, pairs(5), labels(2)], ids=lambda known: known.name)
+def test_intervals_count_objects_whatever_is_known(head, shifted, known):
+    """Pairs of one object are alike: many pictures of it are no more evidence than one."""
+    named = [[""] * 240, [f"o{k // 4}" for k in range(240)]]
+    single, several = (
+        measured(head, replace(shifted, rows=shifted.rows | {"object": names}), known, draws=2)
+        for names in named
+    )
+    assert single["accuracy"] == several["accuracy"]
+    away = several["domains"][1]
+    assert away["objects"] * 2 <= away["pairs"]
+    right = round(away["scores"]["fused"]["accuracy"] * away["pairs"])
+    wanted = wilson(right * away["objects"] / away["pairs"], away["objects"])
+    assert (several["low"], several["high"]) == pytest.approx(wanted)
+    assert several["high"] - several["low"] > 1.2 * (single["high"] - single["low"])
 
 
 def test_pictures_and_labels_bring_a_shifted_sensor_back(head, shifted):
@@ -35,17 +64,19 @@ def test_pictures_and_labels_bring_a_shifted_sensor_back(head, shifted):
 def test_a_known_pair_is_never_tested(head, make_embeddings):
     whole = make_embeddings(per_class=8)  # without a split all pairs are test pairs
     there = (whole.domain == 1).sum()
-    home, away = parts(head, whole, pairs(5), seed=3)
+    home, away = parts(of_head(head), whole, pairs(5), seed=3)
     assert (home.known_pairs, away.known_pairs, len(away.rows)) == (0, 5, there - 5)
     assert measured(head, whole, draws=1)["pairs"] == there
     assert measured(head, whole, pairs(5), draws=1)["pairs"] == there - 5
     assert measured(head, whole, labels(2), draws=1)["pairs"] == there - 10
 
 
-def test_the_source_is_measured_where_asked_and_alone(head, shifted):
-    found = measured(head, shifted, home=True)
-    assert set(found["domains"]) == {"TAG-sim"}
-    assert found["accuracy"] > measured(head, shifted)["accuracy"]
+def test_the_source_is_measured_alone_where_asked(head, shifted):
+    found = measured(head, shifted)
+    home = at_home(found)
+    assert [one["domain"] for one in home["domains"]] == ["TAG-sim"]
+    assert home["low"] < home["accuracy"] < home["high"]
+    assert home["accuracy"] > found["accuracy"]
 
 
 def test_a_domain_counts_once_however_many_pairs_it_has():
@@ -60,33 +91,115 @@ def test_draws_that_tested_other_pairs_are_averaged_pair_by_pair():
     assert found["domains"]["a"] == 0.75 and found["draws"] == [1.0, 0.5]
 
 
-def test_the_source_alone_leaves_nothing_to_measure(head, shifted):
-    with pytest.raises(DataError, match="No test pair of any other domain is of a class"):
-        measured(head, shifted.in_domain("TAG-sim"))
-
-
-def test_what_cannot_be_measured_has_its_reason(head, make_embeddings):
+def test_what_cannot_be_measured_is_none(head, shifted, make_embeddings):
+    alone = measured(head, shifted.in_domain("TAG-sim"))
+    assert (alone["accuracy"], alone["low"], alone["draws"]) == (None, None, [])
     other = make_embeddings(per_class=4, classes=("cork", "felt"))
-    with pytest.raises(DataError, match="is of a class that the head learned: wood, steel"):
-        measured(head, other)
-    with pytest.raises(DataError, match="No test pair of 'TAG-sim', which needs a split"):
-        measured(head, make_embeddings(per_class=4), home=True)
+    assert [one["left_out"] for one in measured(head, other)["domains"]] == [8, 8]
+    whole = measured(head, make_embeddings(per_class=4))  # without a split
+    assert whole["domains"][0]["trained_on"] and at_home(whole)["accuracy"] is None
+
+
+def test_what_is_no_number_of_pairs_is_refused():
+    with pytest.raises(DataError, match="-1 pairs without labels cannot be known"):
+        pairs(-1)
 
 
 def test_seeds_draw_other_pairs(head, make_embeddings):
     whole = make_embeddings(per_class=8)  # without a split: a drawn pair is missing from the test
     first, again, other = (
-        [part.places.tolist() for part in parts(head, whole, pairs(2), seed=seed)]
+        [part.rows.tolist() for part in parts(of_head(head), whole, pairs(2), seed=seed)]
         for seed in (0, 0, 1)
     )
     assert first == again != other
     assert first[0] == other[0]  # the source
 
 
-def test_an_evaluation_averages_draws_and_keeps_the_source(head, shifted):
-    home, away = evaluate(head, shifted, labels(2), draws=2, seed=3)
-    single = [evaluate(head, shifted, labels(2), draws=1, seed=seed)[1] for seed in (3, 4)]
-    each = [record["scores"]["fused"]["accuracy"] for record in single]
+def test_more_pairs_contain_the_fewer(head, make_embeddings):
+    whole = make_embeddings(per_class=8)
+    few_left, more_left = (
+        list(parts(of_head(head), whole, known, seed=5))[1].rows for known in (pairs(6), pairs(3))
+    )
+    assert set(few_left) < set(more_left)
+
+
+def test_draws_are_averaged_and_the_source_stays(head, shifted):
+    home, away = measured(head, shifted, labels(2), draws=2, seed=3)["domains"]
+    single = [
+        measured(head, shifted, labels(2), draws=1, seed=seed)["domains"][1] for seed in (3, 4)
+    ]
+    each = [one["scores"]["fused"]["accuracy"] for one in single]
     assert away["draws"] == each and away["known_pairs"] == 10
     assert away["scores"]["fused"]["accuracy"] == pytest.approx(np.mean(each))
-    assert home == evaluate(head, shifted)[0] and home["known_pairs"] == 0
+    f1 = np.mean([one["scores"]["tac"]["macro_f1"] for one in single])
+    assert away["scores"]["tac"]["macro_f1"] == pytest.approx(f1)
+    plain = measured(head, shifted)["domains"][0]
+    assert home["scores"] == plain["scores"] and home["known_pairs"] == 0
+
+
+def test_few_are_half_of_the_smallest_target_at_most(shifted):
+    assert few(shifted, "TAG-sim").pairs == 20
+    smaller = shifted.select(np.r_[0:120, 120:129])
+    assert few(smaller, "TAG-sim") == pairs(4) and few(smaller, "OF Real-sim").pairs == 20
+
+
+@pytest.fixture(scope="module")
+def maps():
+    """Return a function that fits linear maps to training pairs of domains, as a reader."""
+
+    def fitted(embeddings, domains):
+        rows = np.concatenate([embeddings.rows_of(name, split="train") for name in domains])
+        raw = {n: torch.from_numpy(getattr(embeddings, n)[rows]) for n in ("vis", "tac")}
+        classes = len(embeddings.header.classes)
+        found = fit_maps(raw, torch.from_numpy(embeddings.label[rows]), classes)
+        reader = of_maps(found, embeddings.header, source=domains[0])
+        return replace(reader, learned=fitted)
+
+    return fitted
+
+
+def test_linear_maps_are_measured_like_a_head(maps, shifted):
+    reader = maps(shifted, ["TAG-sim"])
+    found = measured(reader, shifted, pairs(50), draws=2)
+    assert set(found["scores"]) == {"fused", "vis", "tac"} and len(found["draws"]) == 2
+    assert found["accuracy"] > measured(reader, shifted)["accuracy"]
+
+
+def test_more_sensors_are_learned_and_neither_is_the_target(maps, make_embeddings):
+    names = ("A", "B", "C", "D")
+    several = make_embeddings(domains=names, per_class=8, split=True)
+    learned = []
+
+    def noted(embeddings, domains):
+        learned.append(tuple(domains))
+        return maps(embeddings, domains)
+
+    reader = replace(maps(several, ["A"]), learned=noted)
+    for known in (sensors(3), sensors(3, profiles=True)):
+        learned.clear()
+        found = measured(reader, several, known, draws=2)
+        assert len(found["draws"]) == 2 and found["known"].startswith("3 source domains")
+        for target, domains in zip("BCDBCD", learned, strict=True):
+            assert domains[0] == "A" and len(set(domains)) == 3 and target not in domains
+    assert len(set(learned)) > 3  # draws choose others
+
+
+def test_a_head_of_one_sensor_says_that_it_cannot_learn_more(head, shifted):
+    with pytest.raises(DataError, match="cannot learn several domains"):
+        measured(head, shifted, sensors(2))
+
+
+def test_with_a_rest_picture_the_same_pairs_are_read_from_other_embeddings(head, shifted):
+    offset = shifted.tac[shifted.domain == 1].mean(0) - shifted.tac[shifted.domain == 0].mean(0)
+    subtracted = replace(shifted, tac=shifted.tac - (shifted.domain == 1)[:, None] * offset)
+    found = measured(head, shifted, rest(subtracted))
+    assert found["rung"] == "rest" and found["scores"] == measured(head, subtracted)["scores"]
+    assert found["scores"]["tac"]["accuracy"] > measured(head, shifted)["scores"]["tac"]["accuracy"]
+
+
+def test_a_pair_without_a_class_is_not_tested(maps, make_embeddings, without_classes):
+    some = without_classes(make_embeddings(per_class=8), 2)
+    reader = maps(some, ["TAG-sim"])
+    assert isinstance(reader, Reader)
+    away = measured(reader, some)["domains"][1]
+    assert away["left_out"] == 16 and away["pairs"] == 24

@@ -13,7 +13,7 @@ from omnivat.data.store import save_embeddings
 from omnivat.head.checkpoint import load_head, save_head
 from omnivat.head.heads import EXAMPLES, default_embeddings, default_head, kept_ladder
 from omnivat.measure import ladder
-from omnivat.measure.known import evaluate, target_mean, target_scores
+from omnivat.measure.known import measured
 from omnivat.measure.ladder import FORMAT, METHOD, lettered, letters, recorded, rungs, write_ladder
 
 
@@ -75,7 +75,7 @@ def test_predictions_of_rungs_are_those_of_profiled_embeddings(head, shifted):
     train = shifted.rows_of("OF Real-sim", split="train")
     near = head.profiled(shifted, [profile_of(shifted, train, domain="OF Real-sim")])
     found = {one["rung"]: one["accuracy"] for one in rungs(head, shifted)}
-    assert found["all"] == pytest.approx(target_mean(target_scores(evaluate(head, near))))
+    assert found["all"] == pytest.approx(measured(head, near)["accuracy"])
 
 
 def test_a_kept_ladder_is_of_exactly_its_head_and_its_set(head, shifted, tmp_path):

@@ -4,22 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
 
 from omnivat.head.checkpoint import ENCODER, Head
 from omnivat.head.head import build_head
 from omnivat.maps.frames.builder import NAMES, build_frames
 from omnivat.maps.frames.records import with_learned
-from omnivat.measure.known import evaluate
-from omnivat.measure.unseen import (
-    counted,
-    judged,
-    mean_over_domains,
-    nearest_touch,
-    of_domains,
-    unseen_summary,
-    wilson,
-)
+from omnivat.measure.known import measured
+from omnivat.measure.shares import counted, mean_over_domains, of_domains, wilson
+from omnivat.measure.unseen import judged, nearest_touch, unseen_summary
 from tests.builders import head_settings
 
 SOURCE = "TAG-sim"
@@ -55,13 +47,17 @@ def test_of_a_source_without_a_split_no_pair_counts(make_embeddings):
     assert keep[plain.domain == 1].all()
 
 
-def test_shares_are_those_of_evaluate(case):
+def test_shares_are_those_that_are_measured(case):
     head, embeddings, summary = case
-    for record, own in zip(evaluate(head, embeddings), summary["domains"], strict=True):
+    for record, own in zip(measured(head, embeddings)["domains"], summary["domains"], strict=True):
         assert own["pairs"] == record["pairs"]
         for reading in ("fused", "vis", "tac"):
-            share = own[f"answers/{reading}"]["share"]
-            assert_allclose(share, record["scores"][reading]["accuracy"], rtol=1e-6)
+            share, measure = own[f"answers/{reading}"], record["scores"][reading]
+            assert share == {
+                "share": measure["accuracy"],
+                "low": measure["low"],
+                "high": measure["high"],
+            }
 
 
 def test_the_mean_leaves_the_source_out(case):
