@@ -14,7 +14,7 @@ from app.state import Question, Reply, content_name, ref_from
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
-    from omnivat.data.profile import Channels, Profile
+    from omnivat.data.profile import Profile
 
 MOST_AT_ONCE = 100  # pictures of one request; a page with more sends several
 DOMAIN = "My sensor"
@@ -31,7 +31,7 @@ def profile(resources: Resources, question: Question) -> Reply:
     """
     import numpy as np
 
-    from omnivat.data.profile import Profile, channels_of
+    from omnivat.data.profile import Profile, channels_of, joined
 
     source = resources.head().source_profile
     before = profile_in(resources, question)
@@ -49,20 +49,6 @@ def profile(resources: Resources, question: Question) -> Reply:
             found = channels_of(np.stack(rows))
             channels[name] = joined(channels[name], found) if name in channels else found
     return _kept(resources, Profile(channels=channels, key=source.key, domain=DOMAIN))
-
-
-def joined(first: "Channels", other: "Channels") -> "Channels":
-    """Return the statistics of two sets of pictures together, in double precision."""
-    import numpy as np
-
-    from omnivat.data.profile import Channels
-
-    counts = [first.count, other.count]
-    means = np.stack([first.mean, other.mean]).astype(np.float64)
-    mean = np.average(means, axis=0, weights=counts)
-    spread = np.stack([first.variance, other.variance]) + (means - mean) ** 2
-    variance = np.average(spread, axis=0, weights=counts).astype(np.float32)
-    return Channels(mean=mean.astype(np.float32), variance=variance, count=sum(counts))
 
 
 def save_sensor(resources: Resources, question: Question) -> bytes:

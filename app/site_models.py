@@ -5,8 +5,9 @@ NAME.onnx                a head (`omnivat/head/portable.py`); "first" is the pag
 familiarity, profile, …   of the first head, as its folder has them; own-…: of that for own pictures
 set-N.safetensors        embeddings of PART pairs each, in half precision
 ../encoder-HASH.onnx     one file for all sets of that encoder
+places.safetensors       F-hat to its place on each linear map, by map and stop
 ../resize.onnx           a picture to another size
-../lessons.onnx          what labelled pairs teach a head
+../look.onnx, …          rules of the library (`app/site_programs.py`)
 
 Each but the script of the runtime is packed as NAME.gz; the browser unpacks it.
 """
@@ -18,6 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.familiar import training_pairs
+from app.map_place import kept_features
 from app.resources import Resources
 from app.site_runtime import write_runtime
 from app.state import content_name
@@ -46,16 +48,17 @@ def write_models(
     The name changes with the content, so a browser may keep every file. Raises MissingPackageError
     if a package of ONNX is not installed, DataError for a head or set that cannot be read.
     """
+    from app.site_programs import write_programs
     from omnivat.encoders.onnx_runtime import write_resize
-    from omnivat.head.portable import write_lessons
 
     made = folder / "models"
     write_runtime(made / "runtime", runtime)
     write_resize(made / "resize.onnx")
-    write_lessons(made / "lessons.onnx")
+    write_programs(made)
     for done, (name, resources) in enumerate(desks.items()):
         on_step(Step(done=done, total=len(desks), text=f"models of {name}"))
         write_set(resources, made / name)
+        write_places(resources, made / name / "places.safetensors")
     for file in files_in(made):
         if file.suffix != ".mjs":
             pack(file)
@@ -110,6 +113,30 @@ def write_set(resources: Resources, folder: Path) -> None:
         "rows": resources.example_rows(),
     }
     write_json(folder / "models.json", record)
+
+
+def write_places(resources: Resources, file: Path) -> None:
+    """Write how rows of F-hat are placed on the linear maps of a set: "MAP STOP" -> (2, D + 1)."""
+    import torch
+    from safetensors.torch import save_file
+
+    from omnivat.maps.frames import read_frames
+    from omnivat.maps.projection.neighbours import affine
+
+    state, found = resources.frames.wait(), {}
+    if state.file is not None:
+        frames = read_frames(state.file)
+        maps = {name: drawn for name, drawn in frames.maps.items() if name.endswith("/f_hat")}
+        for name, drawn in maps.items():
+            for frame, stop in enumerate(drawn.orders):
+                rows = kept_features(resources, "f_hat", frames.orders[stop])
+                flat = torch.from_numpy(drawn.places(frame))
+                known = affine(torch.from_numpy(rows).double(), flat)
+                if known is None:
+                    break
+                found[f"{name.removesuffix('/f_hat')} {stop}"] = known.T.float().contiguous()
+    with replacing(file) as whole:
+        save_file(found, whole)
 
 
 def _copied(head: "Head", folder: Path, name: str) -> dict[str, str]:

@@ -7,11 +7,11 @@ writes `app/web/site/rules.js`; a test holds both together.
 
 import json
 
-from app import familiar, pair_input, pictures
+from app import familiar, pair_input, pictures, sensor
 from app.components import WEB
 from app.views import explore, pair
 from omnivat.data import dots, grid, images, profile
-from omnivat.head import calibration
+from omnivat.head import calibration, output
 from omnivat.kit.files import write_text
 from omnivat.kit.stages import STOPS
 
@@ -43,17 +43,13 @@ TABLES = {
         "COLUMNS": pair.COLUMNS,
         "NEAREST": familiar.NEAREST,
         "NEIGHBOURS": explore.NEIGHBOURS,
-        "KNOWN": calibration.NEIGHBOURS,
+        "READINGS": output.READINGS,
+        "WORDS": tuple(text for _, text in calibration.WORDS),
         "UNLIKE": calibration.UNLIKE,
         "MOST_LESSONS": pair_input.MOST_LESSONS,
         "LONGEST_LABEL": pair_input.LONGEST_LABEL,
     },
-    "PROFILE": {
-        "FORMAT": profile.FORMAT,
-        "MEAN_PRIOR": profile.MEAN_PRIOR,
-        "VARIANCE_PRIOR": profile.VARIANCE_PRIOR,
-        "FLOOR": profile.FLOOR,
-    },
+    "PROFILE": {"FORMAT": profile.FORMAT, "MOST": profile.MOST, "DOMAIN": sensor.DOMAIN},
 }
 
 

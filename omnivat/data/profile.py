@@ -28,6 +28,7 @@ FORMAT = "omnivat-profile-1"
 KEY = ("encoder", "weights_hash", "preprocessing")
 MEAN_PRIOR, VARIANCE_PRIOR = 4, 10  # pictures that the source's mean and variance weigh
 STEP_SHIFTED = 0.875  # of a head trained with imitated sensors (docs/decisions/0009)
+MOST = 10**12  # pictures, above any that a file can count
 FLOOR = 1.0  # mean deviations added to every channel's, so that still channels count less
 
 
@@ -93,6 +94,34 @@ def channels_of(rows: Array, index: NDArray[np.int64] | None = None) -> Channels
     )
 
 
+def joined(first: Channels, other: Channels) -> Channels:
+    """Return the statistics of two sets of pictures together, in double precision.
+
+    >>> import numpy as np
+    >>> rows = np.array([[0.0], [2.0], [7.0]], dtype=np.float32)
+    >>> found = joined(channels_of(rows[:2]), channels_of(rows[2:]))
+    >>> found.count, found.mean.tolist(), np.isclose(found.variance, rows.var()).tolist()
+    (3, [3.0], [True])
+    """
+    parts = [
+        (one.mean.astype(np.float64), one.variance.astype(np.float64), one.count)
+        for one in (first, other)
+    ]
+    mean, variance, count = pooled(*parts[0], *parts[1])
+    return Channels(mean=mean.astype(np.float32), variance=variance.astype(np.float32), count=count)
+
+
+def pooled(
+    mean: Any, variance: Any, count: Any, other_mean: Any, other_variance: Any, other_count: Any
+) -> tuple[Any, Any, Any]:
+    """Return mean, variance and count of two sets of pictures together; arrays or tensors."""
+    every = count + other_count
+    middle = (count * mean + other_count * other_mean) / every
+    spread = variance + (mean - middle) ** 2
+    other_spread = other_variance + (other_mean - middle) ** 2
+    return middle, (count * spread + other_count * other_spread) / every, every
+
+
 def profile_of(
     embeddings: Embeddings,
     rows: NDArray[np.int64] | None = None,
@@ -134,14 +163,16 @@ def shrunk(target: Channels, source: Channels, step: float = 1.0) -> Channels:
     )
 
 
-def floor_of(source: Channels) -> float:
+def floor_of(source: Channels) -> Any:
     """Return what is added to each channel's deviation, so that a still channel is not blown up."""
-    return FLOOR * float(np.sqrt(source.variance).mean()) or 1.0
+    floor = FLOOR * (source.variance**0.5).mean()
+    return floor + (floor == 0)
 
 
 def scale_of(channels: Channels, floor: float) -> Array:
     """Return the divisor (W,) of each channel: its deviation and the floor."""
-    return np.asarray(np.sqrt(channels.variance) + np.float32(floor))
+    scale: Array = channels.variance**0.5 + floor
+    return scale
 
 
 def moved(rows: Array, target: Channels, source: Channels, step: float = 1.0) -> Array:
@@ -158,7 +189,7 @@ def moved(rows: Array, target: Channels, source: Channels, step: float = 1.0) ->
     """
     near, floor = shrunk(target, source, step), floor_of(source)
     ratio = scale_of(source, floor) / scale_of(near, floor)
-    return np.asarray((rows - near.mean) * ratio + source.mean)
+    return (rows - near.mean) * ratio + source.mean
 
 
 def standardised(rows: Array, source: Channels) -> Array:
@@ -318,7 +349,7 @@ def load_profile(file: str | Path) -> Profile:
 def _channels(arrays: dict[str, Any], metadata: dict[str, str], name: str) -> Channels:
     mean, variance = (np.array(arrays[f"{name}_{what}"]) for what in ("mean", "variance"))
     count, sound = int(metadata[f"{name}_count"]), mean.dtype == variance.dtype == np.float32
-    shaped = mean.ndim == 1 and mean.shape == variance.shape and mean.size and 0 < count < 10**12
+    shaped = mean.ndim == 1 and mean.shape == variance.shape and mean.size and 0 < count < MOST
     if not (sound and shaped and np.isfinite([mean, variance]).all() and (variance >= 0).all()):
         raise ValueError(f"its {name} statistics are no finite means and variances")
     return Channels(mean=mean, variance=variance, count=count)

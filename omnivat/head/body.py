@@ -188,18 +188,10 @@ class Body(nn.Module):
         return scores
 
     def lessons(self, images: Mapping[str, Float[Tensor, "B W"]]) -> Lessons | None:
-        """Return what teaching adds to the predictions; None if the head was not taught.
-
-        One image alone counts twice.
-        """
+        """Return what teaching adds to the predictions; None if the head was not taught."""
         if not self.settings.taught:
             return None
         rows = {name: self.standing(name, raw) for name, raw in images.items()}
-        parts = {
-            name: torch.einsum("bw,nkw->bnk", x, self.taught_rows[:, IMAGES.index(name)])
-            for name, x in rows.items()
-        }
-        scores = {name: 2 * part + self.taught_bias for name, part in parts.items()}
-        together = torch.stack(list(parts.values())).sum(0) + self.taught_bias
-        scores["fused"] = together if len(parts) > 1 else next(iter(scores.values()))
-        return Lessons(known=self.settings.taught, shares=self.taught_share, scores=scores)
+        return Lessons.of(
+            rows, self.taught_rows, self.taught_bias, self.taught_share, self.settings.taught
+        )

@@ -119,7 +119,8 @@ class Familiarity:
             cosines = nearest_cosines(rows, self.rows[name])
             places = quantile_of(cosines.mean(1), self.quantiles[name])
             for one, c, q in zip(found, cosines[:, 0].tolist(), places.tolist(), strict=True):
-                one[name] = {"cosine": round(c, 4), "quantile": round(q, 3), "words": words(q)}
+                quantile = round(q, 3)
+                one[name] = {"cosine": round(c, 4), "quantile": quantile, "words": words(quantile)}
         return found
 
 
@@ -159,22 +160,25 @@ def nearest_cosines(rows: Tensor, reference: Tensor, owner: Tensor | None = None
 
     owner  (B,) objects of rows that are the reference themselves; those of the same are skipped
     """
-    units = normalize(rows.float(), dim=-1)
-    others = normalize(reference.float(), dim=-1)
-    count = min(NEIGHBOURS, max(1, len(others) // 10))
-    found = units.new_zeros(len(units), count)
-    for part in torch.arange(len(units)).split(CHUNK):
-        cosines = units[part] @ others.T
-        if owner is not None:
-            cosines = cosines.masked_fill(owner[part, None] == owner, -1.0)
-        found[part] = cosines.topk(count, dim=1).values
-    return found
+    units, others = (normalize(x.float(), dim=-1) for x in (rows, reference))
+    parts = torch.arange(len(units)).split(CHUNK)
+    same = [None if owner is None else owner[part, None] == owner for part in parts]
+    return torch.cat([closest(units[p], others, s) for p, s in zip(parts, same, strict=True)])
+
+
+def closest(units: Tensor, others: Tensor, same: Tensor | None = None) -> Tensor:
+    """Return `nearest_cosines` of unit rows (B, D); `same` (B, N): the reference rows to skip."""
+    count = min(NEIGHBOURS, max(1, others.shape[0] // 10))  # len() would be fixed in a graph
+    cosines = units @ others.T
+    if same is not None:
+        cosines = cosines.masked_fill(same, -1.0)
+    return cosines.topk(count, dim=1).values
 
 
 def quantile_of(values: Tensor, quantiles: Tensor) -> Tensor:
     """Return the quantiles of values (B,) among ascending ones (Q,): 0 below all, 1 above all."""
-    last = len(quantiles) - 1
-    upper = torch.searchsorted(quantiles, values, right=True).clamp(1, last)
+    last = quantiles.shape[0] - 1
+    upper = (quantiles <= values[:, None]).sum(1).clamp(1, last)
     low, high = quantiles[upper - 1], quantiles[upper]
     inside = ((values - low) / (high - low).clamp_min(1e-12)).clamp(0, 1)
     place: Tensor = (upper - 1 + inside) / last

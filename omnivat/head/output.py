@@ -8,7 +8,7 @@ vis_branch, tac_branch  one branch inside a pair. DTG grows from T = F-bar of VI
             TAC, so a branch depends on both images and is not a single-modality reading
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,6 +18,7 @@ from torch import Tensor
 from torch.nn.functional import pad
 
 from omnivat.head.fusion import UNFITTED, Temperatures, fuse, tempered
+from omnivat.kit.stages import IMAGES
 
 READINGS = ("fused", "vis", "tac", "vis_branch", "tac_branch")
 
@@ -29,6 +30,25 @@ class Lessons:
     known: tuple[int, ...]  # classes before each teaching
     shares: Float[Tensor, " N"]  # of the prediction before
     scores: dict[str, Float[Tensor, "B N K"]]  # linear in the embeddings, by reading
+
+    @classmethod
+    def of(
+        cls,
+        rows: Mapping[str, Float[Tensor, "B W"]],
+        weights: Float[Tensor, "N 2 K W"],
+        bias: Float[Tensor, "N K"],
+        shares: Float[Tensor, " N"],
+        known: tuple[int, ...],
+    ) -> "Lessons":
+        """Return what teaching adds, from standardised rows; one image alone counts twice."""
+        parts = {
+            name: torch.einsum("bw,nkw->bnk", x, weights[:, IMAGES.index(name)])
+            for name, x in rows.items()
+        }
+        scores = {name: 2 * part + bias for name, part in parts.items()}
+        together = torch.stack(list(parts.values())).sum(0) + bias
+        scores["fused"] = together if len(parts) > 1 else next(iter(scores.values()))
+        return cls(known=known, shares=shares, scores=scores)
 
     def __getitem__(self, pairs: Any) -> "Lessons":
         """Return what is added to some pairs: a slice, a mask or indices."""

@@ -91,40 +91,61 @@ def write_head(file: Path, head: Head) -> None:
         )
 
 
-TAUGHT = ("map", "bias", "factor", "share", "after")
+def lessons(
+    fused: Tensor,
+    vis: Tensor,
+    tac: Tensor,
+    vis_rows: Tensor,
+    tac_rows: Tensor,
+    there: Tensor,
+    targets: Tensor,
+) -> tuple[Tensor, ...]:
+    """Return what L lessons teach a head, each an object of its own: `omnivat.head.teach` as a
+    graph of tensors.
 
-
-class PortableLessons(nn.Module):
-    """What lessons teach a head, each an object of its own: `omnivat.head.ridge` and the folds of
-    `omnivat.head.teach` as a graph. The inverse is found by Newton's iteration.
-
-    rows    (L, V) float64;  labels  (L,) int64;  before  (L, K) float64: the head's prediction
-    return  TAUGHT: W (K, V), b (K,) and t of the taught head, all times their sharpness; t; the
-            class (L,) of each lesson by what the other folds teach
+    fused, vis, tac     (L, known) the head's predictions from both images and from one alone
+    vis_rows, tac_rows  (L, W) standardised images; those of a missing one do not count
+    there               (L, 2) which images a lesson has
+    targets             (L, K) one-hot labels
+    return              W (K, 2 W), b (K,) and t of the taught head, all times their sharpness; t;
+                        the class (L,) of each lesson by the head as it is, and by what the other
+                        folds teach
     """
+    image = torch.where(there[:, :1] > 0, vis, tac)
+    shown = torch.where(there.prod(1, keepdim=True) > 0, fused, image).double()
+    # a class that the head lacks has probability 0
+    known, wanted = (torch.arange(x.shape[1]) for x in (shown, targets))
+    before = shown @ (known[:, None] == wanted).double()
+    rows = torch.cat((vis_rows * there[:, :1], tac_rows * there[:, 1:]), dim=1)
+    return solved(rows.double(), targets.double(), before)
 
-    def forward(self, rows: Tensor, labels: Tensor, before: Tensor) -> tuple[Tensor, ...]:
-        alike = labels[:, None] == labels
-        counts, places = alike.sum(1), alike.int().tril(-1).sum(1)
-        fold = places * counts.max().clamp(max=FOLDS) // counts
-        parts = torch.arange(FOLDS)[:, None] != fold
-        teach = torch.cat((torch.ones_like(parts[:1]), parts)).double()  # (1 + FOLDS, L)
-        products = rows @ rows.T + 1
-        rest = torch.diag_embed(1 + (PENALTY - 1) * teach)  # a lesson that does not teach has 1
-        inverse = inverted(products * teach[:, :, None] * teach[:, None] + rest)
-        targets = (labels[:, None] == torch.arange(before.shape[1])).double()
-        solved = inverse @ (torch.stack((targets, before))[:, None] * teach[..., None])
-        errors = solved / inverse.diagonal(dim1=-2, dim2=-1)[..., None]
-        size = errors[1].square().sum((1, 2))
-        one = size / teach.sum(1)
-        share = (((errors[0] * errors[1]).sum((1, 2)) + one) / (size + one)).clamp(0, 1)
-        weights = solved[0] - share[:, None, None] * solved[1]  # (1 + FOLDS, L, K)
-        scores = share[:, None, None] * before + products @ weights
-        after = scores.argmax(-1)[1:].gather(0, fold[None])[0]
-        apart = targets - errors[0, 0] + share[0] * errors[1, 0]
-        factor = sharpness_of(apart, targets)
-        taught = factor * weights[0]
-        return taught.T @ rows, taught.sum(0), factor * share[0], share[0], after
+
+def solved(rows: Tensor, targets: Tensor, before: Tensor) -> tuple[Tensor, ...]:
+    """Return `lessons` of rows (L, V) and the head's predictions (L, K): `omnivat.head.ridge` and
+    the folds of `omnivat.head.teach`. The inverse is found by Newton's iteration.
+    """
+    labels = targets.argmax(1)
+    alike = labels[:, None] == labels
+    counts, places = alike.sum(1), alike.int().tril(-1).sum(1)
+    fold = places * counts.max().clamp(max=FOLDS) // counts
+    parts = torch.arange(FOLDS)[:, None] != fold
+    teach = torch.cat((torch.ones_like(parts[:1]), parts)).double()  # (1 + FOLDS, L)
+    products = rows @ rows.T + 1
+    rest = torch.diag_embed(1 + (PENALTY - 1) * teach)  # a lesson that does not teach has 1
+    inverse = inverted(products * teach[:, :, None] * teach[:, None] + rest)
+    solutions = inverse @ (torch.stack((targets, before))[:, None] * teach[..., None])
+    errors = solutions / inverse.diagonal(dim1=-2, dim2=-1)[..., None]
+    size = errors[1].square().sum((1, 2))
+    one = size / teach.sum(1)
+    share = (((errors[0] * errors[1]).sum((1, 2)) + one) / (size + one)).clamp(0, 1)
+    weights = solutions[0] - share[:, None, None] * solutions[1]  # (1 + FOLDS, L, K)
+    scores = share[:, None, None] * before + products @ weights
+    after = scores.argmax(-1)[1:].gather(0, fold[None])[0]
+    apart = targets - errors[0, 0] + share[0] * errors[1, 0]
+    factor = sharpness_of(apart, targets)
+    taught = factor * weights[0]
+    maps = (taught.T @ rows).float(), taught.sum(0).float(), (factor * share[0]).float()
+    return *maps, share[0], before.argmax(1), after
 
 
 def inverted(matrices: Tensor) -> Tensor:
@@ -148,21 +169,3 @@ def sharpness_of(scores: Tensor, targets: Tensor) -> Tensor:
         above = (slopes < 0).sum().clamp(1, 16)
         low, high = factors[above - 1], factors[above]
     return torch.as_tensor(high)
-
-
-def write_lessons(file: Path) -> None:
-    """Write teaching as one ONNX file: inputs rows, labels and before, outputs TAUGHT.
-
-    Raises MissingPackageError if a package of ONNX is not installed.
-    """
-    lessons, classes, width = (torch.export.Dim(name) for name in ("lessons", "classes", "width"))
-    example = torch.rand(6, 8).double(), torch.arange(6) % 3, torch.rand(6, 4).double()
-    with replacing(file) as whole:
-        translate(
-            PortableLessons(),
-            example,
-            whole,
-            input_names=("rows", "labels", "before"),
-            output_names=TAUGHT,
-            dynamic_shapes=({0: lessons, 1: width}, {0: lessons}, {0: lessons, 1: classes}),
-        )

@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 
 from app.about import about
 from app.pair_input import pair_of
-from app.sensor import joined, profile, save_sensor
+from app.sensor import profile, save_sensor
 from app.server import main
 from app.views.pair import many
-from omnivat.data.profile import channels_of
+from omnivat.data.profile import channels_of, joined
 
 from .conftest import sentence, served
 

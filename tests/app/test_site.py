@@ -8,13 +8,15 @@ from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
+import torch
 from safetensors.numpy import load_file
+from torch.nn.functional import normalize
 
-from app import site, site_rules
+from app import map_place, site, site_rules
 from app.resources import Resources
 from app.routes import FACTS, QUESTIONS
 from app.site import MARK, OWN, Files, export_site
-from app.site_models import files_in, write_set
+from app.site_models import files_in, write_places, write_set
 from omnivat.cli import main
 from omnivat.kit.errors import DataError, SettingsError, WriteError
 
@@ -101,6 +103,23 @@ def test_the_models_of_a_set_are_its_embeddings_in_parts_and_a_record_of_its_hea
     for image in ("vis", "tac"):
         parts = np.concatenate([load_file(tmp_path / name)[image] for name in names])
         assert (parts == getattr(resources.embeddings(), image).astype("f2")).all()
+
+
+def test_own_pictures_are_placed_on_a_linear_map_as_the_server_places_them(framed, tmp_path):
+    resources = Resources(framed)
+    write_places(resources, tmp_path / "places.safetensors")
+    places = load_file(tmp_path / "places.safetensors")
+    assert {name.split()[0] for name in places} == {"pca"}  # no map between neighbours
+    resources._sent.keep("sent", resources.embeddings().vis[7] + 0.2)
+    asked = {"tac": "image:sent", "order": 0.5, "stage": "f_hat", "map": "pca"}
+    wanted = map_place.place(resources, asked)
+    row = resources.head().model(
+        None, torch.tensor(resources.embeddings().vis[7:8] + 0.2), order=0.5
+    )
+    row = normalize(row.f_hat["tac"][0].double(), dim=0).numpy()
+    stop = round(wanted["order"] * 100)
+    found = places[f"pca {stop}"] @ np.append(row, 1)
+    np.testing.assert_allclose(found, wanted["points"]["tac"], atol=1e-5)
 
 
 def test_a_reply_that_is_a_refusal_is_held_as_its_sentence(framed, tmp_path, monkeypatch):

@@ -2,7 +2,7 @@
 
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { factors, whole } from "../../app/web/site/decode.js";
+import { whole } from "../../app/web/site/decode.js";
 import { PAIR } from "../../app/web/site/rules.js";
 import { inTurn, runtime } from "../../app/web/site/runtime.js";
 import { lessonsIn } from "../../app/web/site/teaching.js";
@@ -60,12 +60,6 @@ test("a picture is whole with anything behind it, and not with only its preview'
   const png = [0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10, ...piece("IDAT", 9), ...piece("IEND", 0)];
   assert.ok(whole(Uint8Array.of(...png, ...new Array(9000).fill(5))));
   assert.ok(!whole(Uint8Array.of(...png.slice(0, -13))));
-});
-
-test("a large picture is made smaller in the steps of the server", () => {
-  assert.deepEqual(factors(false, 2000, 3000), [1, 1]);
-  assert.deepEqual(factors(false, 3000, 4000), [2, 1]);
-  assert.deepEqual(factors(true, 5472, 3648), [2, 1]);
 });
 
 test("lessons without a label, and more than the server takes, are refused", () => {

@@ -3,12 +3,10 @@
 import { IMAGES, imagesOf } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";
 import { Models } from "./models.js";
-import { moved, profileFrom } from "./profiles.js";
+import { profileFrom } from "./profiles.js";
 import { PAIR } from "./rules.js";
-import { lessonsIn, teach, withLessons } from "./teaching.js";
-import { mean, nearest, rounded, roundedRow, rowOf, unit } from "./tensors.js";
-
-const READINGS = ["fused", "vis", "tac", "vis_branch", "tac_branch"];
+import { lessonsIn, teach } from "./teaching.js";
+import { rounded, roundedRow, rowOf, stacked } from "./tensors.js";
 
 /** A name for bytes; two visitors share nothing here, so it only has to tell files apart.
  * @param {Iterable<number>} bytes */
@@ -56,9 +54,24 @@ export class Desk extends Models {
       const [target, from] = [profile?.channels[name], source?.channels[name]];
       const own = row && (rows[name] || ref.startsWith("image:"));
       before[name] = row;
-      pair[name] = own && target && from ? moved(row, target, from, source?.step) : row;
+      pair[name] = own && target && from ? await this.moved(row, target, from, source?.step) : row;
     }
     return { before, pair };
+  }
+
+  /** A row of a new sensor as the source of a head has it. @param {Floats} row @param {Channels} target
+   * @param {Channels} from of the source @param {number} [step] share of the way @returns {Promise<Floats>} */
+  async moved(row, target, from, step = 1) {
+    const [moved] = await this.rule("move", row, ...statistics(target), ...statistics(from), step);
+    return moved.values;
+  }
+
+  /** The statistics of a row together with those of others. @param {Floats} row @param {Channels} [others] */
+  async joined(row, others) {
+    const single = { mean: row, variance: new Float32Array(row.length), count: 1 };
+    if (!others) return single;
+    const [mean, variance, count] = await this.rule("join", ...statistics(others), ...statistics(single));
+    return { mean: mean.values, variance: variance.values, count: count.values[0] };
   }
 
   /** The embedding of one reference. @param {Ref} ref @param {Modality} modality @returns {Promise<Floats>} */
@@ -99,9 +112,8 @@ export class Desk extends Models {
       /** @type {KnownImages} */
       const known = {};
       for (const image of IMAGES) {
-        const rows = pairs.flatMap(({ before }) => (before[image] ? [unit(before[image])] : []));
-        const among = rows.map((row, i) => mean(nearestCosines(rows, row, i)));
-        if (rows.length > 1) known[image] = { rows, quantiles: among.sort((a, b) => a - b) };
+        const rows = pairs.flatMap(({ before }) => before[image] ?? []);
+        if (rows.length > 1) known[image] = [stacked(rows), ...(await this.rule("among", stacked(rows)))];
       }
       const taught = { ...made, ...(imagesOf(known).length && { known }) };
       this.given.set(name, taught);
@@ -114,11 +126,8 @@ export class Desk extends Models {
     if (known) return known;
     return this.once(`known ${name}`, async () => {
       const file = (await this.part(name, "familiarity")) ?? {};
-      const images = IMAGES.filter((image) => file[image]).map((image) => {
-        const rows = Array.from({ length: file[image].shape[0] }, (_, i) => unit(rowOf(file[image], i)));
-        return [image, { rows, quantiles: file[`${image}_quantiles`].values }];
-      });
-      return Object.fromEntries(images);
+      const images = IMAGES.filter((image) => file[image]);
+      return Object.fromEntries(images.map((image) => [image, [file[image], file[`${image}_quantiles`]]]));
     });
   }
 
@@ -129,20 +138,19 @@ export class Desk extends Models {
     /** @type {Partial<Record<Modality, Familiarity>>} */
     const looks = {};
     for (const name of imagesOf(known)) {
-      const [row, others] = [before[name], /** @type {KnownImages[Modality] & {}} */ (known[name])];
+      const [row, others] = [before[name], /** @type {Tensor[]} */ (known[name])];
       if (!row) continue;
-      const near = nearestCosines(others.rows, unit(row));
-      const quantile = quantileOf(mean(near), others.quantiles);
+      const [cosine, place] = (await this.rule("look", row, ...others)).map(({ values }) => values[0]);
+      const quantile = rounded(place, 3);
       const guess = quantile < PAIR.UNLIKE;
-      const words = guess ? "unlike the training images" : "familiar";
-      looks[name] = { cosine: rounded(near[0], 4), quantile: rounded(quantile, 3), words, guess };
+      looks[name] = { cosine: rounded(cosine, 4), quantile, words: PAIR.WORDS[Number(!guess)], guess };
     }
     return looks;
   }
 
   /** The readings of a pair at its p. @param {Asked} asked */
   async readings({ head, pair, order }) {
-    return readingsOf(head, await this.run(head, [pair], [order]), 0, pair);
+    return readingsOf(await this.run(head, [pair], [order]), 0, pair);
   }
 
   /** Readings, and the familiarity of each image. @param {Asked} asked */
@@ -160,32 +168,17 @@ export class Desk extends Models {
   }
 }
 
+/** @param {Channels} of @returns {[Floats, Floats, number]} */
+const statistics = ({ mean, variance, count }) => [mean, variance, count];
+
 /** The readings of a head's outputs at one stop; one image alone has its own reading as both.
- * @param {SiteHead} head @param {Tensors} out @param {number} stop @param {Rows} pair @returns {Record<string, number[]>} */
-export function readingsOf(head, out, stop, pair) {
+ * @param {Tensors} out @param {number} stop @param {Rows} pair @returns {Record<string, number[]>} */
+export function readingsOf(out, stop, pair) {
   const [alone, other] = imagesOf(pair);
-  const names = other ? READINGS : ["fused", alone];
-  const before = Object.fromEntries(names.map((name) => [name, [...rowOf(out[`p_${other ? name : alone}`], stop)]]));
-  return head.map ? withLessons(head.map, before, out) : before;
+  const names = other ? PAIR.READINGS : ["fused", alone];
+  return Object.fromEntries(names.map((name) => [name, [...rowOf(out[`p_${other ? name : alone}`], stop)]]));
 }
 
 /** @param {Record<string, number[]>} readings */
 export const roundedAll = (readings) =>
   Object.fromEntries(Object.entries(readings).map(([name, row]) => [name, roundedRow(row)]));
-
-/** The largest cosines with N rows: N / 10, at least 1 and at most KNOWN.
- * @param {Floats[]} rows @param {Floats} query @param {number} [own] its row among them */
-function nearestCosines(rows, query, own) {
-  const count = Math.min(PAIR.KNOWN, Math.max(1, Math.floor(rows.length / 10)));
-  return nearest(rows, query, count, own).map(({ cosine }) => cosine);
-}
-
-/** The place of a value among ascending quantiles, 0 to 1. @param {number} value @param {ArrayLike<number>} quantiles */
-function quantileOf(value, quantiles) {
-  const last = quantiles.length - 1;
-  const below = Array.from(quantiles)
-    .slice(1, last)
-    .filter((quantile) => quantile <= value).length;
-  const [low, high] = [quantiles[below], quantiles[below + 1]];
-  return (below + Math.min(1, Math.max(0, (value - low) / Math.max(1e-12, high - low)))) / last;
-}

@@ -4,11 +4,13 @@ import { IMAGES, imagesOf } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";
 import { PAIR } from "./rules.js";
 import { quiet } from "./runtime.js";
-import { dot, nearest, norm, rounded, roundedRow, rowOf, unit } from "./tensors.js";
+import { dot, nearest, norm, rounded, roundedRow, rowOf, stacked, unit } from "./tensors.js";
 
 /** @typedef {import("./desk.js").Desk} Desk */
 const STEP = 32; // pairs of one run of the head: 30 ms, for which a question of the visitor may wait
-const AROUND = 8; // points of the map between which a new one is placed
+
+/** The place of a row on a linear map (2, D + 1). @param {ArrayLike<number>} row @param {Tensor} map */
+export const onLinear = (row, map) => [0, 1].map((axis) => dot([...Array.from(row), 1], rowOf(map, axis)));
 
 /** The nodes of a group, and their cosines.
  * @param {Floats[]} units @param {[number, number]} group */
@@ -65,16 +67,23 @@ export const FOREST = {
     };
   },
 
-  /** The points of the set nearest to a pair's images; places.js asks for them. */
+  /** For each image of a pair, its place on a linear map, or its neighbours in the set and their shares; places.js asks.
+   * `drawn` is the stop of the map. */
   async near(desk, question, { stopped }) {
     const { order, pair } = await desk.asked(question);
     const head = await desk.head();
     const there = imagesOf(pair);
     const wanted = there.map((name) => (there.length > 1 ? `f_hat_${name}` : `${name}_f_hat`));
     const out = await desk.run(head, [pair], [order], wanted);
-    const all = await featuresOf(desk, head, "f_hat", order, stopped);
-    const points = there.map((name, i) => [name, nearest(all, unit(rowOf(out[wanted[i]], 0)), AROUND)]);
-    return { points: Object.fromEntries(points) };
+    const map = (await desk.file("places.safetensors"))[`${question.map} ${question.drawn}`];
+    const all = map ? null : stacked(await featuresOf(desk, head, "f_hat", order, stopped));
+    const points = there.map(async (name, i) => {
+      const row = unit(rowOf(out[wanted[i]], 0));
+      if (map) return [name, { place: onLinear(row, map) }];
+      const [index, share] = await desk.rule("place", row, /** @type {Tensor} */ (all));
+      return [name, { index: Array.from(index.values, Number), share: share.values }];
+    });
+    return { points: Object.fromEntries(await Promise.all(points)) };
   },
 
   async neighbours(desk, { point, stage, order }, { stopped }) {

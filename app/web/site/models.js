@@ -4,11 +4,14 @@ import { IMAGES } from "../shared/images.js";
 import { keeper } from "../shared/once.js";
 import { Refusal } from "../shared/refusal.js";
 import { withoutDots } from "./dots.js";
+import { PAIR } from "./rules.js";
 import { inTurn, LOST, runtime } from "./runtime.js";
-import { rowOf, tensors } from "./tensors.js";
+import { rowOf, tensorOf, tensors } from "./tensors.js";
 
 const NOT_HERE =
   "Pictures for this head's encoder need Python: run `python -m pip install -r requirements.txt`, then `python app.py`.";
+/** The head's rows for teaching. */
+export const STANDING = IMAGES.map((name) => `${name}_standing`);
 
 export class Models {
   once = keeper();
@@ -73,36 +76,53 @@ export class Models {
     return parts[part] ? this.file(parts[part]) : null;
   }
 
-  /** Run a graph on {name: [type, values, shape]}; name -> {shape, values} of `wanted`, or of all.
-   * @param {string} file @param {string} title @param {Record<string, any[]>} feeds @param {string[]} [wanted]
+  /** Run a graph on its inputs by name; its outputs by name, of `wanted` or all.
+   * @param {string} file @param {Tensors} inputs @param {string} [title] @param {string[]} [wanted]
    * @returns {Promise<Tensors>} */
-  async ran(file, title, feeds, wanted) {
+  async ran(file, inputs, title = "", wanted = undefined) {
     const [{ Tensor }, session] = await Promise.all([this.runtime(), this.session(file, title)]);
-    const entries = session.inputNames.map((/** @type {string} */ name) => [name, new Tensor(...feeds[name])]);
+    const entries = session.inputNames.map((/** @type {string} */ name) => {
+      const { values, shape } = inputs[name];
+      return [name, new Tensor(values, shape)];
+    });
     const out = await inTurn(() => session.run(Object.fromEntries(entries), wanted ?? session.outputNames));
     return Object.fromEntries(
       Object.entries(out).map(([name, { dims, data }]) => [name, { shape: dims, values: data }]),
     );
   }
 
+  /** What a rule of the library gives: arguments and results in the order of app/site_programs.py.
+   * @param {string} name @param {(Tensor | Floats | number)[]} given @returns {Promise<Tensor[]>} */
+  async rule(name, ...given) {
+    const file = `../${name}.onnx`;
+    const { inputNames, outputNames } = await this.session(file, "");
+    const inputs = given.map((one, i) => [inputNames[i], tensorOf(one)]);
+    const out = await this.ran(file, Object.fromEntries(inputs));
+    return outputNames.map((/** @type {string} */ output) => out[output]);
+  }
+
   /** Run a head: many pairs of embeddings at one stop of p, or one pair at many. A missing embedding is of zeros; a stop
    * of null is what the head learned. @param {SiteHead} head @param {Rows[]} pairs @param {(number | null)[]} stops
-   * @param {string[]} [wanted] */
-  async run({ file, orders }, pairs, stops, wanted) {
+   * @param {string[]} [wanted] none of them a reading of a taught head */
+  async run({ file, orders, map }, pairs, stops, wanted) {
     const { width } = await this.about();
-    const count = Math.max(2, pairs.length, stops.length); // the graph takes two or more
+    const count = Math.max(pairs.length, stops.length);
     const both = new Float64Array(2 * count);
-    /** @type {Record<string, any[]>} */
-    const feeds = { orders: ["float64", both, [2, count]] };
+    /** @type {Tensors} */
+    const inputs = { orders: { values: both, shape: [2, count] } };
     for (const [k, name] of IMAGES.entries()) {
       const rows = new Float32Array(count * width);
       for (let i = 0; i < count; i++) {
         rows.set(pairs[i % pairs.length][name] ?? [], i * width);
         both[k * count + i] = stops[i % stops.length] ?? orders[name];
       }
-      feeds[name] = ["float32", rows, [count, width]];
+      inputs[name] = { values: rows, shape: [count, width] };
     }
-    return this.ran(file, "the head", feeds, wanted);
+    const out = await this.ran(file, inputs, "the head", wanted);
+    if (!map || wanted) return out;
+    const names = PAIR.READINGS.map((name) => `p_${name}`);
+    const taught = await this.rule("taught", ...[...names, ...STANDING].map((name) => out[name]), ...map);
+    return { ...out, ...Object.fromEntries(names.map((name, i) => [name, taught[i]])) };
   }
 
   /** The encoder, which is on its way then. */
@@ -130,9 +150,9 @@ export class Models {
   /** A picture of another size, as Pillow resizes.
    * @param {Raster} picture @param {number} wide @param {number} high @returns {Promise<Raster>} */
   async resized({ pixels, width, height }, wide, high) {
-    const { resized } = await this.ran("../resize.onnx", "", {
-      picture: ["uint8", pixels, [1, height, width, 3]],
-      shape: ["int64", BigInt64Array.of(1n, BigInt(high), BigInt(wide), 3n), [4]],
+    const { resized } = await this.ran("../resize.onnx", {
+      picture: { values: pixels, shape: [1, height, width, 3] },
+      shape: { values: BigInt64Array.of(1n, BigInt(high), BigInt(wide), 3n), shape: [4] },
     });
     return { pixels: resized.values, width: wide, height: high };
   }
@@ -148,7 +168,7 @@ export class Models {
   async encoded(picture) {
     const { file, side } = await this.encoder();
     const { pixels, width, height } = side ? await this.resized(picture, side, side) : picture;
-    const out = await this.ran(file, "the encoder", { picture: ["uint8", pixels, [1, height, width, 3]] });
+    const out = await this.ran(file, { picture: { values: pixels, shape: [1, height, width, 3] } }, "the encoder");
     return Object.values(out)[0].values;
   }
 

@@ -108,7 +108,8 @@ export const PICTURES = {
   },
 
   async sensor(desk, _, { body }) {
-    const profile = loaded(body, (await desk.about()).key);
+    const { key, width } = await desk.about();
+    const profile = loaded(body, key, width);
     await desk.sourceProfile();
     return desk.keepProfile(profile);
   },

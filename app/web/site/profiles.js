@@ -1,74 +1,56 @@
-/** Profiles: mean and variance of each embedding channel over pictures without labels. No DOM here. */
+/** Files of profiles: mean and variance of each embedding channel over pictures without labels. No DOM here. */
 
 import { IMAGES } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";
 import { PROFILE } from "./rules.js";
-import { mean as meanOf, tensors, written } from "./tensors.js";
+import { tensors, written } from "./tensors.js";
 
-const { FORMAT, MEAN_PRIOR, VARIANCE_PRIOR, FLOOR } = PROFILE;
+const DAMAGED = "The file of the profile is damaged; save it again from this page.";
 
-/** The statistics of one picture. @param {Floats} row @returns {Channels} */
-export const channelsOf = (row) => ({ mean: Float64Array.from(row), variance: new Float64Array(row.length), count: 1 });
-
-/** The statistics of two sets of pictures together. @param {Channels} one @param {Channels} other @returns {Channels} */
-export function joined(one, other) {
-  const count = one.count + other.count;
-  const share = other.count / count;
-  const mean = Float64Array.from(one.mean, (value, i) => value + share * (other.mean[i] - value));
-  const variance = mean.map((_, i) => {
-    const apart = (1 - share) * share * (one.mean[i] - other.mean[i]) ** 2;
-    return (1 - share) * one.variance[i] + share * other.variance[i] + apart;
-  });
-  return { mean, variance, count };
-}
-
-/** A row of a new sensor with the source's mean and deviation, or `step` of the way; few pictures count less.
- * @param {ArrayLike<number>} row @param {Channels} target @param {Channels} source */
-export function moved(row, target, source, step = 1) {
-  const [share, spread] = [MEAN_PRIOR, VARIANCE_PRIOR].map((prior) => (step * target.count) / (target.count + prior));
-  const floor = FLOOR * meanOf([...source.variance.map(Math.sqrt)]) || 1;
-  return Float32Array.from(row, (value, i) => {
-    const mean = source.mean[i] + share * (target.mean[i] - source.mean[i]);
-    const variance = source.variance[i] + spread * (target.variance[i] - source.variance[i]);
-    return ((value - mean) * (Math.sqrt(source.variance[i]) + floor)) / (Math.sqrt(variance) + floor) + source.mean[i];
-  });
-}
-
-/** A profile from a file's tensors; `key`: the encoder that it has to be of.
- * @param {Record<string, any>} file @param {Key | null} key @returns {SensorProfile} */
-export function profileFrom(file, key = null) {
+/** A profile from a file's tensors; `key` and `width`: of the encoder that it has to be of.
+ * @param {Record<string, any>} file @param {Key} [key] @param {number} [width] @returns {SensorProfile} */
+export function profileFrom(file, key, width) {
   const about = file.__metadata__ ?? {};
-  if (about.format !== FORMAT) throw new Refusal("The file is not a profile of a sensor; save one from this page.");
-  const own = [about.encoder, about.weights_hash, about.preprocessing].join();
-  if (key && own !== [key.name, key.weights_hash, key.preprocessing].join())
-    throw new Refusal(
-      `The profile comes from ${about.encoder}, and this head's encoder is ${key.name} with other weights or preprocessing.`,
-    );
+  if (about.format !== PROFILE.FORMAT)
+    throw new Refusal("The file is not a profile of a sensor; save one from this page.");
   /** @type {SensorProfile["channels"]} */
   const channels = {};
-  for (const name of IMAGES.filter((image) => file[`${image}_mean`])) {
-    const [mean, variance] = ["mean", "variance"].map((what) => file[`${name}_${what}`]?.values ?? []);
-    channels[name] = { mean, variance, count: Number(about[`${name}_count`]) };
-  }
-  const parts = Object.values(channels);
-  const sound = parts.every(
-    ({ mean, variance, count }) =>
-      [mean, variance].every(({ length }) => length === parts[0].mean.length) &&
-      [...mean, ...variance].every(Number.isFinite) &&
-      Math.min(...variance, count - 1) >= 0 &&
-      count < 1e12,
-  );
-  if (!parts.length || !sound) throw new Refusal("The file of the profile is damaged; save it again from this page.");
-  return { channels, step: Number(about.step ?? 1), domain: about.domain };
+  for (const name of IMAGES.filter((image) => file[`${image}_mean`]))
+    channels[name] = soundChannels(file[`${name}_mean`], file[`${name}_variance`], about[`${name}_count`]);
+  const widths = Object.values(channels).map(({ mean }) => mean.length);
+  const { step = "1" } = about;
+  if (new Set(widths).size !== 1 || !/^[\d.e-]+$/i.test(step) || !(Number(step) >= 0 && Number(step) <= 1))
+    throw new Refusal(DAMAGED);
+  const own = [about.encoder, about.weights_hash, about.preprocessing].join();
+  if (key && (own !== [key.name, key.weights_hash, key.preprocessing].join() || widths[0] !== width))
+    throw new Refusal(
+      `The profile comes from ${about.encoder} (width ${widths[0]}), and this head's encoder is ${key.name} (width ` +
+        `${width}) with other weights or preprocessing.`,
+    );
+  return { channels, step: Number(step), domain: about.domain };
 }
 
-/** A profile from the bytes of a file. @param {Uint8Array} bytes @param {Key} key */
-export const loaded = (bytes, key) => profileFrom(tensors(bytes.slice().buffer, "the profile"), key);
+/** The statistics of one image; a Refusal unless they are finite vectors of one length over a whole number of pictures.
+ * @param {any} mean @param {any} variance @param {string} counted @returns {Channels} */
+function soundChannels(mean, variance, counted) {
+  const sound =
+    [mean, variance].every((one) => one?.dtype === "F32" && one.shape.length === 1 && one.shape[0] === mean.shape[0]) &&
+    [mean, variance].every(({ values }) => values.length && values.every(Number.isFinite)) &&
+    variance.values.every((/** @type {number} */ value) => value >= 0) &&
+    /^\d+$/.test(counted) &&
+    Number(counted) > 0 &&
+    Number(counted) < PROFILE.MOST;
+  if (!sound) throw new Refusal(DAMAGED);
+  return { mean: mean.values, variance: variance.values, count: Number(counted) };
+}
+
+/** A profile from the bytes of a file. @param {Uint8Array} bytes @param {Key} key @param {number} width */
+export const loaded = (bytes, key, width) => profileFrom(tensors(bytes.slice().buffer, "the profile"), key, width);
 
 /** The file of a profile, for this page, the server's and `--profile`. @param {SensorProfile} profile @param {Key} key */
-export function saved({ channels, domain = "My sensor" }, { name, weights_hash, preprocessing }) {
+export function saved({ channels, domain = PROFILE.DOMAIN }, { name, weights_hash, preprocessing }) {
   /** @type {Record<string, string>} */
-  const metadata = { format: FORMAT, encoder: name, weights_hash, preprocessing, domain };
+  const metadata = { format: PROFILE.FORMAT, encoder: name, weights_hash, preprocessing, domain };
   /** @type {Record<string, Floats>} */
   const vectors = {};
   for (const [image, { mean, variance, count }] of Object.entries(channels)) {

@@ -4,7 +4,7 @@ import { IMAGES, imagesOf, OTHER } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";
 import { base64 } from "../shared/text.js";
 import { readingsOf, roundedAll } from "./desk.js";
-import { channelsOf, joined, saved } from "./profiles.js";
+import { saved } from "./profiles.js";
 import { PAIR } from "./rules.js";
 import { nearest, rounded, roundedRow, unit } from "./tensors.js";
 
@@ -13,7 +13,7 @@ const STOPS = Array.from({ length: PAIR.STOPS }, (_, k) => k / (PAIR.STOPS - 1))
 const named = Object.fromEntries;
 
 /** Moduli (P, D) as a picture of bytes, of neighbours the largest. @param {Tensor} moduli @param {number} rows */
-function spectrum({ shape: [, width], values }, rows) {
+export function spectrum({ shape: [, width], values }, rows) {
   const columns = Math.min(width, PAIR.COLUMNS);
   const joint = new Float64Array(rows * columns);
   for (let at = 0; at < rows * width; at++) {
@@ -43,8 +43,8 @@ export const QUESTIONS = {
     const { pair, order, head } = asked;
     const exact = order ?? head.learned;
     const out = await desk.run(head, [pair], [...STOPS, exact]);
-    const each = STOPS.map((_, stop) => readingsOf(head, out, stop, pair));
-    const last = readingsOf(head, out, STOPS.length, pair);
+    const each = STOPS.map((_, stop) => readingsOf(out, stop, pair));
+    const last = readingsOf(out, STOPS.length, pair);
     const shown = ["fused", ...IMAGES].filter((name) => last[name]);
     return {
       classes: head.classes,
@@ -112,8 +112,7 @@ export const QUESTIONS = {
     const refs = { vis: question.photos ?? [], tac: question.touches ?? [] };
     for (const name of IMAGES) {
       for (const ref of refs[name]) {
-        const [before, fresh] = [channels[name], channelsOf(await desk.embedding(ref, name))];
-        channels[name] = before ? joined(before, fresh) : fresh;
+        channels[name] = await desk.joined(await desk.embedding(ref, name), channels[name]);
       }
     }
     return desk.keepProfile({ channels });

@@ -31,9 +31,10 @@ export const PAIR = {
   COLUMNS: 256,
   NEAREST: 3,
   NEIGHBOURS: 6,
-  KNOWN: 10,
+  READINGS: ["fused", "vis", "tac", "vis_branch", "tac_branch"],
+  WORDS: ["unlike the training images", "familiar"],
   UNLIKE: 0.05,
   MOST_LESSONS: 60,
   LONGEST_LABEL: 40,
 };
-export const PROFILE = { FORMAT: "omnivat-profile-1", MEAN_PRIOR: 4, VARIANCE_PRIOR: 10, FLOOR: 1.0 };
+export const PROFILE = { FORMAT: "omnivat-profile-1", MOST: 1000000000000, DOMAIN: "My sensor" };

@@ -13,7 +13,7 @@ const READ = {
   I64: (bytes) => Float64Array.from(new BigInt64Array(bytes), Number),
 };
 
-/** name -> {shape, values}, and `__metadata__`; a Refusal for a file that is none.
+/** name -> {dtype, shape, values}, and `__metadata__`; a Refusal for a file that is none.
  * @param {ArrayBuffer} buffer @returns {Record<string, any>} */
 export function tensors(buffer, name = "the file") {
   try {
@@ -23,7 +23,7 @@ export function tensors(buffer, name = "the file") {
       const [start, end] = data_offsets;
       const values = READ[dtype](buffer.slice(8 + size + start, 8 + size + end));
       if (values.length !== shape.reduce((/** @type {number} */ a, /** @type {number} */ b) => a * b, 1)) throw 0;
-      listed[key] = { shape, values };
+      listed[key] = { dtype, shape, values };
     }
     return { __metadata__, ...listed };
   } catch {
@@ -46,6 +46,19 @@ export function written(vectors, metadata) {
   out.set(head, 8);
   new Float32Array(out.buffer, 8 + head.length).set(Object.values(vectors).flatMap((vector) => Array.from(vector)));
   return out;
+}
+
+/** A number or a vector as a tensor. @param {Tensor | Floats | number} one @returns {Tensor} */
+export function tensorOf(one) {
+  if (typeof one === "number") return { values: Float64Array.of(one), shape: [] };
+  return "shape" in one ? one : { values: one, shape: [one.length] };
+}
+
+/** Vectors of one length as the rows of a tensor. @param {ArrayLike<number>[]} rows @returns {Tensor} */
+export function stacked(rows) {
+  const values = new Float32Array(rows.length * rows[0].length);
+  for (const [i, row] of rows.entries()) values.set(row, i * row.length);
+  return { values, shape: [rows.length, rows[0].length] };
 }
 
 /** Rows of a tensor of rows, whatever is around them. @type {(rows: Tensor, row: number) => Float32Array} */
@@ -76,14 +89,6 @@ export function nearest(rows, query, count, except = -1) {
   const all = rows.map((row, point) => ({ point, cosine: dot(query, row) }));
   const others = all.filter(({ point }) => point !== except);
   return others.sort((a, b) => b.cosine - a.cosine).slice(0, count);
-}
-
-/** @param {number[]} row */
-export function softmax(row) {
-  const top = Math.max(...row);
-  const shares = row.map((value) => Math.exp(value - top));
-  const all = sum(shares);
-  return shares.map((value) => value / all);
 }
 
 /** @param {number[]} values */

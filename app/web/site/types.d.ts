@@ -13,8 +13,8 @@ type Channels = { mean: Floats; variance: Floats; count: number };
 type SensorProfile = { channels: Partial<Record<Modality, Channels>>; step?: number; domain?: string };
 /** Of an encoder. */
 type Key = Record<"name" | "weights_hash" | "preprocessing", string>;
-/** What images are compared with: unit rows, and ascending quantiles of their nearest cosines. */
-type KnownImages = Partial<Record<Modality, { rows: Floats[]; quantiles: ArrayLike<number> }>>;
+/** What images are compared with: rows, and ascending quantiles of their nearest cosines. */
+type KnownImages = Partial<Record<Modality, Tensor[]>>;
 /** A head: what models.json has of it (app/site_models.py), and what lessons made of it. */
 type SiteHead = {
   name: string;
@@ -24,7 +24,7 @@ type SiteHead = {
   training: { index: number[]; of: string };
   parents: number[];
   groups: [start: number, stop: number][];
-  map?: { rows: Floats[]; bias: Floats; share: number };
+  map?: Tensor[];
   known?: KnownImages;
   [other: string]: any;
 };

@@ -35,7 +35,7 @@ def nearest(points: Tensor, k: int, *, queries: Tensor | None = None) -> Neighbo
     own = queries is None
     queries = points if queries is None else queries
     require_shapes(points=(points, "N D"), queries=(queries, "M D"))
-    others = len(points) - own
+    others = points.shape[0] - own
     if not 1 <= k <= others:
         raise SettingsError(f"{k} neighbours were requested among {others}; choose 1 to {others}.")
     # distances do not depend on the origin; a near one keeps the squares small and exact
@@ -112,11 +112,17 @@ def place(queries: Tensor, points: Tensor, flat: Tensor) -> Tensor:
     and `pca.Basis.place` are exact.
     """
     require_shapes(points=(points, "N D"), queries=(queries, "Q D"), flat=(flat, "N C"))
-    found = nearest(points, min(PLACED_BY, len(points)), queries=queries)
+    index, share = neighbour_shares(queries, points)
+    return (flat[index] * share[..., None]).sum(1)
+
+
+def neighbour_shares(queries: Tensor, points: Tensor) -> tuple[Tensor, Tensor]:
+    """Return the neighbours of each row (Q, k) and their shares in its place."""
+    found = nearest(points, min(PLACED_BY, points.shape[0]), queries=queries)
     beyond = found.distance - found.distance[:, :1]
     tiny = torch.finfo(points.dtype).tiny
     weight = (-beyond / beyond.mean(1, keepdim=True).clamp_min(tiny)).exp()
     scale = 1e-6 * (points - points.mean(0)).norm(dim=1).mean()
     there = found.distance <= scale
     weight = torch.where(there.any(1, keepdim=True), there.to(weight.dtype), weight)
-    return (flat[found.index] * (weight / weight.sum(1, keepdim=True))[..., None]).sum(1)
+    return found.index, weight / weight.sum(1, keepdim=True)

@@ -65,22 +65,6 @@ def test_standardising_moved_rows_equals_standardising_by_the_target_profile():
     np.testing.assert_allclose(standardised(some, still), np.tanh(some - still.mean), atol=1e-6)
 
 
-# rows, target and source of six pictures; tests/web/profiles.test.js has the same
-SIX = ([1.0, -2.0], ([2.0, 3.0], [4.0, 1.0]), ([0.0, 1.0], [1.0, 4.0]))
-AT = {1.0: [-0.169048, -3.600100], 0.75: [0.087478, -3.165925], 0.0: [1.0, -2.0]}
-
-
-@pytest.mark.parametrize("step", AT)
-def test_a_heads_source_says_how_much_of_the_step_is_taken(step):
-    row, target, source = SIX
-    near, own = (
-        Channels(mean=np.array(m, np.float32), variance=np.array(v, np.float32), count=6)
-        for m, v in (target, source)
-    )
-    found = moved(np.array([row], np.float32), near, own, step)
-    np.testing.assert_allclose(found, [AT[step]], atol=1e-5)
-
-
 def test_a_head_moves_a_set_by_its_own_step(make_embeddings):
     pairs = make_embeddings(domains=("A", "B"))
     whole = profile_of(pairs, pairs.rows_of("A"))

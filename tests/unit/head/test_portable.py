@@ -8,15 +8,14 @@ import torch
 
 from omnivat.head.checkpoint import Head
 from omnivat.head.head import build_head
-from omnivat.head.ridge import sharpness
-from omnivat.head.teach import Lesson, Work, taught
+from omnivat.head.teach import Lesson, taught
 from tests.builders import head_settings
 
 pytest.importorskip("onnx", reason="the extra [onnx] is not installed")
 runtime = pytest.importorskip("onnxruntime", reason="the extra [onnx] is not installed")
 pytest.importorskip("onnxscript", reason="the extra [onnx] is not installed")
 
-from omnivat.head.portable import STAGED, TAUGHT, write_head, write_lessons  # noqa: E402
+from omnivat.head.portable import STAGED, write_head  # noqa: E402
 from omnivat.maps.sweep.walk import stage_features  # noqa: E402
 
 pytestmark = pytest.mark.slow  # an export takes seconds
@@ -112,33 +111,3 @@ def test_the_stages_and_trees_of_many_pairs_are_those_of_the_fast_head(plain):
     for name, one in zip(("vis", "tac"), alone, strict=True):
         same(given[f"{name}_nodes"], one.nodes)
         same(given[f"{name}_f_hat"], one.f_hat[name])
-
-
-@pytest.fixture(scope="module")
-def lessons(tmp_path_factory):
-    file = tmp_path_factory.mktemp("lessons") / "lessons.onnx"
-    write_lessons(file)
-    return runtime.InferenceSession(file, providers=["CPUExecutionProvider"])
-
-
-@pytest.mark.parametrize(("count", "classes", "width"), [(4, 2, 3), (11, 4, 6), (60, 9, 128)])
-@pytest.mark.parametrize("said", ["guesses", "is right", "is wrong"])
-def test_lessons_teach_in_the_graph_what_the_library_solves(lessons, count, classes, width, said):
-    random = np.random.default_rng(count)
-    work = Work.__new__(Work)  # of plain numbers, in place of a head's rows and predictions
-    work.labels = np.concatenate((np.arange(classes), random.integers(0, classes, count - classes)))
-    work.rows = random.normal(size=(count, width)) + 3 * np.eye(classes, width)[work.labels]
-    work.rows /= np.linalg.norm(work.rows, axis=1, keepdims=True)
-    work.before = random.dirichlet(np.ones(classes), count)
-    if said != "guesses":
-        work.before = np.eye(classes)[(work.labels + (said == "is wrong")) % classes]
-    work.objects = [np.array([k]) for k in range(count)]
-    work.lessons, work.classes = list(work.labels), tuple(range(classes))
-    solved = work.ridge(slice(None), work.objects)
-    share = solved.share(work.objects)
-    factor = sharpness(solved.apart(share), work.labels)
-    weights = factor * solved.weights(share)
-    wanted = weights.T @ work.rows, weights.sum(0), factor * share, share, work.after()
-    given = {"rows": work.rows, "labels": work.labels, "before": work.before}
-    for name, found, value in zip(TAUGHT, lessons.run(None, given), wanted, strict=True):
-        np.testing.assert_allclose(found, value, atol=1e-7, err_msg=name)
