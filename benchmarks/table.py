@@ -22,6 +22,7 @@ import argparse
 import gzip
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -30,16 +31,20 @@ import torch
 from torch import Tensor
 from torch.nn.functional import normalize
 
-from benchmarks._table_methods import METHODS, PUBLISHED, Array, Learned, published, raw_of
+from benchmarks._table_methods import METHODS, PUBLISHED, Array, Learned, Raw, published, raw_of
 from omnivat.cli.arguments import listed, numbers
 from omnivat.data.embeddings import Embeddings
-from omnivat.data.profile import Channels, channels_of, moved
+from omnivat.data.profile import profile_of
 from omnivat.data.store import load_embeddings
 from omnivat.head.heads import LADDERS, default_embeddings
+from omnivat.head.teach import Lesson
 from omnivat.kit.lines import lines
 from omnivat.kit.stages import IMAGES
 from omnivat.kit.threads import pin_thread
+from omnivat.measure.known import parts
 from omnivat.measure.ladder import FORMAT, lettered
+from omnivat.measure.readers import Reader
+from omnivat.measure.rungs import ALL, NOTHING, Known, labels, pairs, sensors
 from omnivat.study.protocol.records import append, fingerprint, mend
 
 PICTURES = (1, 5, 20, 50)  # pairs of the target without labels
@@ -52,7 +57,6 @@ UNKNOWN = (
 )  # rungs that know no pair of the target; others draw some by seed
 # of the ridge regression; labelled pairs of a class count as WEIGHT pairs
 PENALTY, WEIGHT = 1.0, 20
-Profiles = dict[str, Channels]
 
 
 class Measured:
@@ -70,106 +74,89 @@ class Measured:
         if count:
             embeddings = few(embeddings, source, int(count), seed)
         self.set, self.name, self.seed = embeddings, name, seed
-        self.source = embeddings.header.domains.index(source)
-        self.split = np.array(embeddings.rows["split"])
-        self.tested = np.flatnonzero(self.split == "test")
-        self.train = self.rows(self.source, "train")
-        own = raw_of(embeddings, self.train)
-        self.profile = {n: channels_of(x.numpy()) for n, x in own.items()}
         started = time.perf_counter()
         if name in PUBLISHED:
             self.method: Learned = published(name, embeddings, source, seed)
         else:
             self.method = methods[name](embeddings, source, seed)
         self.seconds = time.perf_counter() - started
-        self.own_features = self.method.features(own)
+        self.reader = reader_of(self.method, embeddings, source)
 
-    def rows(self, domain: int, split: str) -> Array:
-        """Return the rows of a domain's training or test pairs."""
-        return np.flatnonzero((self.set.domain == domain) & (self.split == split))
+    def steps(self) -> Iterator[tuple[str, Reader, Known]]:
+        """Yield each rung, with what reads it and what is known of the target."""
+        for name in IMAGES if self.method.alone else ():
+            yield name, replace(self.reader, modalities=(name,)), NOTHING
+        steps = [NOTHING, *map(pairs, PICTURES), pairs(ALL, every=True), *map(labels, LABELLED)]
+        if self.name == "nearest_mean" and self.seed == 0:
+            steps += [sensors(m, profiles=moved) for m in SOURCES for moved in (False, True)]
+        for known in steps:
+            yield known.name, self.reader, replace(known, draw=self.drawn)
 
-    def seen(self, rows: Array, known: Array) -> dict[str, Tensor]:
-        """Return rows of a target, moved by the profile of its rows `known`."""
-        raw = raw_of(self.set, rows)
-        if not len(known):
-            return raw
-        pictures = raw_of(self.set, known)
-        return {
-            n: torch.from_numpy(
-                moved(
-                    x.numpy(), channels_of(pictures[n].numpy()), self.profile[n], self.method.step
-                )
-            )
-            for n, x in raw.items()
-        }
+    def drawn(self, stream: str, seed: int, domain: str, pool: Array) -> Array:
+        """Return a pool in the order of the records; pairs without labels and with are the same."""
+        place = [seed, self.set.header.domains.index(domain), *[1] * (stream == "sensors")]
+        mixed: Array = np.random.default_rng(place).permutation(pool)
+        return mixed
 
     def shares(self) -> dict[str, Array]:
         """Return rung -> class probabilities of all test pairs (N, K); NaN where none was made."""
         found: dict[str, Array] = {}
-        for target in range(len(self.set.header.domains)):
-            place = self.set.domain[self.tested] == target
-            for rung, values in self.of(target):
-                empty = np.full(
-                    (len(self.tested), len(self.set.header.classes)), np.nan, np.float32
-                )
-                found.setdefault(rung, empty)[place] = values.numpy()
+        tested = np.flatnonzero(np.array(self.set.rows["split"]) == "test")
+        for rung, reader, known in self.steps():
+            for part in parts(reader, self.set, known, seed=self.seed):
+                home = part.domain == reader.source
+                if home and rung != "none":
+                    continue
+                values = part.reader.probabilities(part.embeddings, part.rows)["fused"]
+                empty = np.full((len(tested), len(reader.classes)), np.nan, np.float32)
+                place = np.searchsorted(tested, part.rows)
+                found.setdefault("home" if home else rung, empty)[place] = values.numpy()
         return found
 
-    def of(self, target: int) -> Iterator[tuple[str, Tensor]]:
-        """Yield rung and probabilities for the test pairs of one domain."""
-        test, pool = self.rows(target, "test"), self.rows(target, "train")
-        plain = raw_of(self.set, test)
-        if target == self.source:
-            yield "home", self.method.readings(plain)["fused"]
-            return
-        for name in IMAGES if self.method.alone else ():
-            yield name, self.method.readings({name: plain[name]})["fused"]
-        drawn = np.random.default_rng([self.seed, target]).permutation(pool)
-        for count in (0, *PICTURES, len(pool)):
-            rung = {0: "none", len(pool): "all"}.get(count, f"n{count}")
-            yield rung, self.method.readings(self.seen(test, drawn[:count]))["fused"]
-        label = self.set.label[drawn]
-        for k in LABELLED:
-            some = np.concatenate([drawn[label == c][:k] for c in np.unique(label)])
-            yield f"k{k}", self.taught(test, some, WEIGHT / k)
-        if self.name == "nearest_mean" and self.seed == 0:
-            for count in SOURCES:
-                yield f"m{count}", self.of_several(test, target, count, profiled=False)
-                yield f"m{count}+", self.of_several(test, target, count, profiled=True)
 
-    def taught(self, test: Array, some: Array, weight: float) -> Tensor:
-        """Return the probabilities of a ridge regression on features, with labelled pairs
-        `some`.
-        """
-        features = torch.cat((self.own_features, self.method.features(self.seen(some, some))))
-        labels = np.concatenate((self.set.label[self.train], self.set.label[some]))
+def reader_of(method: Learned, embeddings: Embeddings, source: str) -> Reader:
+    """Return a method as it is measured; labels teach a ridge regression on its features, and
+    several sources are learned as class means of them.
+    """
+    train, classes = embeddings.rows_of(source, split="train"), embeddings.header.classes
+    profile = replace(profile_of(embeddings, train, domain=source), step=method.step)
+    own = method.features(raw_of(embeddings, train))
+
+    def taught(lessons: Sequence[Lesson]) -> Reader:
+        raw = {n: torch.cat([getattr(one, n) for one in lessons]) for n in IMAGES}
+        some = np.array([classes.index(one.label) for one in lessons])
+        features = torch.cat((own, method.features(raw)))
+        labels = torch.from_numpy(np.concatenate((embeddings.label[train], some)))
         weights = torch.ones(len(features))
-        weights[len(self.train) :] = weight
-        classes = len(self.set.header.classes)
-        asked = self.method.features(self.seen(test, some))
-        return ridge(features, torch.from_numpy(labels), classes, weights, asked)
+        weights[len(train) :] = WEIGHT / np.bincount(some).max()
 
-    def of_several(self, test: Array, target: int, count: int, *, profiled: bool) -> Tensor:
-        """Return nearest class means of several sources.
+        def readings(asked: Raw) -> dict[str, Tensor]:
+            return {"fused": ridge(features, labels, len(classes), weights, method.features(asked))}
 
-        profiled  each domain by its own profile
-        """
-        others = [d for d in range(len(self.set.header.domains)) if d not in (self.source, target)]
-        random = np.random.default_rng([self.seed, target, 1])
-        chosen = random.permutation(others)[: count - 1]
-        rows = [self.rows(d, "train") for d in chosen]
-        none = np.zeros(0, np.int64)
-        parts = [raw_of(self.set, self.train)]
-        parts += [self.seen(each, each if profiled else none) for each in rows]
-        features = torch.cat([self.method.features(part) for part in parts])
-        labels = np.concatenate(
-            [self.set.label[self.train], *(self.set.label[each] for each in rows)]
-        )
-        asked = self.seen(test, self.rows(target, "train") if profiled else none)
-        sums = features.new_zeros(len(self.set.header.classes), features.shape[1])
-        sums.index_add_(0, torch.from_numpy(labels), features)
+        return replace(reader, readings=readings)
+
+    def learned(near: Embeddings, domains: Sequence[str]) -> Reader:
+        rows = np.concatenate([near.rows_of(name, split="train") for name in domains])
+        features = method.features(raw_of(near, rows))
+        sums = features.new_zeros(len(classes), features.shape[1])
+        sums.index_add_(0, torch.from_numpy(near.label[rows]), features)
         means = normalize(sums, dim=-1)
-        return (10 * normalize(self.method.features(asked), dim=-1) @ means.T).softmax(-1)
+
+        def readings(asked: Raw) -> dict[str, Tensor]:
+            cosines = normalize(method.features(asked), dim=-1) @ means.T
+            return {"fused": (10 * cosines).softmax(-1)}
+
+        return replace(reader, readings=readings)
+
+    reader = Reader(
+        classes=classes,
+        source=source,
+        readings=method.readings,
+        profile=lambda: profile,
+        taught=taught,
+        learned=learned,
+    )
+    return reader
 
 
 def few(embeddings: Embeddings, source: str, count: int, seed: int) -> Embeddings:

@@ -7,6 +7,9 @@ import pytest
 import torch
 
 from benchmarks import _table_methods, table, table_text
+from omnivat.data.store import load_embeddings
+from omnivat.head.heads import LADDERS, default_embeddings
+from omnivat.kit.lines import lines as all_lines
 from omnivat.measure.ladder import FORMAT, letters
 
 
@@ -32,6 +35,16 @@ def test_the_perceptron_of_the_table_learns_its_source(embeddings):
     learned = _table_methods.erm_mlp(embeddings, "TAG-sim", 0, {"epochs": 10})
     shares = learned.readings(_table_methods.raw_of(embeddings, rows))["fused"]
     assert (shares.argmax(1).numpy() == embeddings.label[rows]).mean() > 0.9
+
+
+@pytest.mark.slow
+def test_the_records_hold_what_the_table_measures_today():
+    """On every rung of the method that needs no training: all kinds of knowledge are drawn so."""
+    whole, (_, *lines) = load_embeddings(default_embeddings()), all_lines(LADDERS, FORMAT)
+    run = {"method": "nearest_mean", "source": "TAG-sim", "seed": 0}
+    kept = next(one for one in lines if run.items() <= one.items())["answers"]
+    shares = table.Measured(whole, *run.values()).shares()
+    assert {rung: table.letters_of(values) for rung, values in shares.items()} == kept
 
 
 def test_few_pairs_are_of_each_class_and_of_the_source_alone(embeddings):
