@@ -80,7 +80,6 @@ def parts(
 
     >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
     >>> from omnivat.measure.rungs import pairs
-    >>> from omnivat.measure.rungs import pairs
     >>> head, embeddings = load_head(default_head()), load_embeddings(default_embeddings())
     >>> [part.known_pairs for part in parts(of_head(head), embeddings, pairs(5))][:3]
     [0, 5, 5]
@@ -174,7 +173,6 @@ def measured(
     were only predicted. Raises DataError for embeddings of another encoder.
 
     >>> from omnivat import default_embeddings, default_head, load_embeddings, load_head
-    >>> from omnivat.measure.rungs import labels, pairs
     >>> from omnivat.measure.rungs import labels, pairs
     >>> head, embeddings = load_head(default_head()), load_embeddings(default_embeddings())
     >>> for known in (NOTHING, pairs(20), labels(3)):
