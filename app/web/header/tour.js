@@ -14,7 +14,7 @@ import { STEPS } from "./steps.js";
 
 /** Start the tour; throws a Refusal if a set or its head cannot be read. */
 export async function startTour() {
-  if (document.querySelector(".tour")) return;
+  if (state.tour >= 0) return;
   const { sets, twins: there } = await choices();
   const [first, second] = ["order", "fooled"].map((chapter) => setOf(chapter, sets));
   const none = () => null;
@@ -58,32 +58,31 @@ function show(figures) {
   box.setAttribute("role", "dialog");
   box.setAttribute("aria-label", "Guided tour");
   explore.classList.add("touring");
-  let at = 0;
 
   /** @param {Html} text @param {Html} buttons @param {string} focused */
   const lay = (text, buttons, focused) => {
     put(
       box,
-      html`<div aria-live="polite"><h3 tabindex="-1">${at + 1} of ${steps.length} · ${steps[at].title}</h3><p>${text}</p></div>
-      <div class="row">${buttons}<span class="spring"></span><button class="back"${!at && html` disabled`}>Back</button><button class="end" aria-label="End the tour">✕</button></div>`,
+      html`<div aria-live="polite"><h3 tabindex="-1">${state.tour + 1} of ${steps.length} · ${steps[state.tour].title}</h3><p>${text}</p></div>
+      <div class="row">${buttons}<span class="spring"></span><button class="back"${!state.tour && html` disabled`}>Back</button><button class="end" aria-label="End the tour">✕</button></div>`,
     );
     /** @type {HTMLElement} */ (box.querySelector(focused)).focus({ preventScroll: true });
   };
 
   /** Show the result after what is said of the prediction. @param {Html | null} verdict */
   const tell = (verdict) => {
-    const { after, reveal } = steps[at];
+    const { after, reveal } = steps[state.tour];
     rest(explore, false);
     if (after) change(after(figures));
-    const button = html`<button class="main next-step">${at + 1 < steps.length ? "Next" : "Done"}</button>`;
+    const button = html`<button class="main next-step">${state.tour + 1 < steps.length ? "Next" : "Done"}</button>`;
     lay(html`${verdict}${reveal(figures)}`, button, ".next-step");
   };
 
-  /** Set the page for a step and show its question; what would answer it is hidden, and rests. @param {number} by */
-  const go = (by) => {
-    at += by;
-    if (at === steps.length) return end();
-    const { chapter, set, ask, options = [] } = steps[at];
+  /** Set the page for a step and show its question; what would answer it is hidden, and rests. @param {number} tour */
+  const go = (tour) => {
+    if (tour === steps.length) return end();
+    change({ tour });
+    const { chapter, set, ask, options = [] } = steps[tour];
     openChapter(chapter, set?.(figures));
     explore.querySelector(chapter === "touch" ? ".touch .side" : ".stage .side")?.prepend(box); // in the flow
     if (!ask) return tell(null);
@@ -96,13 +95,13 @@ function show(figures) {
     box.remove();
     rest(explore, false);
     explore.classList.remove("touring");
-    openChapter(before);
+    openChapter(before, { tour: -1 });
   };
 
   onClick(box, {
-    "[data-option]": ({ dataset }) => tell(verdictOf(steps[at], dataset.option, figures)),
-    ".next-step": () => go(1),
-    ".back": () => go(-1),
+    "[data-option]": ({ dataset }) => tell(verdictOf(steps[state.tour], dataset.option, figures)),
+    ".next-step": () => go(state.tour + 1),
+    ".back": () => go(state.tour - 1),
     ".end": end,
   });
   box.onkeydown = ({ key }) => {

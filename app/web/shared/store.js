@@ -8,7 +8,7 @@ import { BY_ORDER, OWN_MODE, PLACES, TABLES } from "./tables.js";
 /** The tabs from the server; a saved page has Explore only. */
 const VIEWS = document.querySelector("meta[name=omnivat-views]")?.getAttribute("content")?.split(" ") ?? ["explore"];
 
-/** @type {Omit<State, "left" | "otherP">} */
+/** @type {Omit<State, "left" | "otherP" | "tour">} */
 const DEFAULTS = {
   view: "explore",
   chapter: "", // resolved when the set is known
@@ -74,10 +74,10 @@ export const links = new Map();
 /** @type {Set<(changed: string[]) => void>} */
 const listeners = new Set();
 
-/** @param {string} chapter @returns {Omit<State, "left" | "otherP">} */
+/** @param {string} chapter @returns {Omit<State, "left" | "otherP" | "tour">} */
 const usual = (chapter) => ({ ...DEFAULTS, ...CHAPTERS[chapter] });
 
-/** The values of the address. @returns {Omit<State, "left" | "otherP">} */
+/** The values of the address. @returns {Omit<State, "left" | "otherP" | "tour">} */
 function fromAddress() {
   const address = new URLSearchParams(location.search);
   const named = address.get("chapter") ?? "";
@@ -95,7 +95,7 @@ function fromAddress() {
 }
 
 /** The state, which `change` alone replaces. @type {Readonly<State>} */
-export let state = Object.freeze({ ...fromAddress(), left: {}, otherP: DEFAULTS.p });
+export let state = Object.freeze({ ...fromAddress(), left: {}, otherP: DEFAULTS.p, tour: -1 });
 
 /** The state after values have changed. p of the chapter of the order, which has a set of its own, means nothing to the
  * head of the other tabs: each side finds its own again.

@@ -233,6 +233,8 @@ interface State {
    * of the order is: of the others while Explore is, its own while they are */
   left: Record<string, Partial<State>>;
   otherP: number;
+  /** the step of the guided tour; -1 without it */
+  tour: number;
 }
 /** A filter of points. */
 type Filter = "domain" | "class" | "modality";
