@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
@@ -57,7 +58,7 @@ def checked_order(order: float | Tensor | Any, device: torch.device) -> Float64[
     """
     if isinstance(order, int):
         order %= 4
-    if isinstance(order, int | float) and abs(order) < 1e300:
+    if isinstance(order, int | float) and math.isfinite(order):
         return torch.full((), order, dtype=torch.float64, device=device)
     try:
         turns = order if isinstance(order, Tensor) else torch.as_tensor(order, dtype=torch.float64)

@@ -165,7 +165,7 @@ def whole_turns(order: float | Shaped[Tensor, "..."]) -> int | None:
     return order % 4 if isinstance(order, int) else None
 
 
-@functools.lru_cache(maxsize=1024)
+@functools.cache
 def fft_is_exact(size: int) -> bool:
     """True if the library's FFT of that length is accurate on every processor.
 
