@@ -1,5 +1,7 @@
 """A head of all domains: what it reads, what it keeps, and that its maps decide."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -11,7 +13,7 @@ from omnivat.head.predict import predict_embeddings
 from omnivat.head.teach import Lesson, taught
 from omnivat.kit.errors import DataError
 from omnivat.training import TrainSettings, own
-from omnivat.training.own import ALL, level, own_head, with_maps
+from omnivat.training.own import ALL, _pooled, level, own_head, with_maps
 from tests.builders import move_domains
 
 DOMAINS = ("TAG-sim", "OF Real-sim", "TQ-DIGIT-sim")
@@ -45,6 +47,14 @@ def test_domains_are_moved_onto_one_profile(shifted):
             np.abs(p.channels["tac"].mean - base.channels["tac"].mean).mean() for p in (near, far)
         ]
         assert gaps[0] < 0.2 * gaps[1]
+
+
+def test_pairs_of_all_domains_are_one_object_only_if_domain_and_name_agree(shifted):
+    some = shifted.select(np.arange(3))
+    two_domains = replace(some, domain=np.array([0, 0, 1]))
+    for names, objects in ((["a", "a", "a"], 2), (["", "", ""], 3)):
+        pooled = _pooled(replace(two_domains, rows={**some.rows, "object": names}))
+        assert len(set(pooled.rows["object"])) == objects
 
 
 def test_pictures_without_labels_bring_back_a_domain_left_out(head):
