@@ -73,6 +73,17 @@ def presses():
     return read
 
 
+@pytest.fixture
+def two_threads():
+    """Give torch two threads, whatever the machine has."""
+    import torch
+
+    before = torch.get_num_threads()
+    torch.set_num_threads(2)
+    yield
+    torch.set_num_threads(before)
+
+
 @pytest.fixture(scope="session")
 def make_embeddings():
     """Return a maker of small, learnable embeddings: classes are directions, domains are shifts."""

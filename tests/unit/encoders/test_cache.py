@@ -1,40 +1,24 @@
 """The cache: an image is decoded and encoded once, and damage on disk costs time only."""
 
-from io import BytesIO
-
 import numpy as np
 import pytest
-import torch
-from PIL import Image
 
 from omnivat.encoders.cache import EmbeddingCache, embed_image, embed_pair, embed_views
 from omnivat.kit.errors import DataError
 
+from .embed.small_pairs import MeanColour, png
 
-class Counting:
-    """An encoder whose embedding is the mean colour of each half; it counts its calls."""
 
-    name, width, preprocessing, precision = "counting", 6, "none", "fp32"
+class Counting(MeanColour):
+    """It counts its calls."""
 
     def __init__(self, weights_hash="a"):
         self.weights_hash = weights_hash
         self.calls = 0
 
-    def preprocess(self, image):
-        return torch.from_numpy(np.array(image)).permute(2, 0, 1).float()
-
     def embed(self, images):
         self.calls += 1
-        half = images.shape[-1] // 2
-        halves = (images[..., :half], images[..., half:])
-        return torch.cat([part.mean(dim=(2, 3)) for part in halves], dim=1)
-
-
-def png(seed=0, size=(20, 16)):
-    pixels = np.random.default_rng(seed).integers(0, 256, (*size[::-1], 3), dtype=np.uint8)
-    buffer = BytesIO()
-    Image.fromarray(pixels).save(buffer, "PNG")
-    return buffer.getvalue()
+        return super().embed(images)
 
 
 def entries(folder):

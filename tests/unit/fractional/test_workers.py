@@ -12,13 +12,7 @@ from omnivat.fractional import coefficients, dfrft, synthesise
 from omnivat.fractional.build import build_split
 from omnivat.fractional.workers import for_each, side_by_side
 
-
-@pytest.fixture(autouse=True)
-def _threads():
-    before = torch.get_num_threads()
-    torch.set_num_threads(2)
-    yield
-    torch.set_num_threads(before)
+pytestmark = pytest.mark.usefixtures("two_threads")
 
 
 def both_ways(call):

@@ -9,13 +9,7 @@ import torch
 
 from omnivat.kit.threads import one_blas_thread, one_thread, pin_thread
 
-
-@pytest.fixture(autouse=True)
-def two_threads():
-    before = torch.get_num_threads()
-    torch.set_num_threads(2)
-    yield
-    torch.set_num_threads(before)
+pytestmark = pytest.mark.usefixtures("two_threads")
 
 
 def seen_by_a_new_thread():

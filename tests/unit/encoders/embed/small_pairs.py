@@ -28,8 +28,8 @@ def load_mean(**_):
     return MeanColour()
 
 
-def png(seed):
-    pixels = np.random.default_rng(seed).integers(0, 256, (16, 20, 3), dtype=np.uint8)
+def png(seed=0, size=(20, 16)):
+    pixels = np.random.default_rng(seed).integers(0, 256, (*size[::-1], 3), dtype=np.uint8)
     buffer = BytesIO()
     Image.fromarray(pixels).save(buffer, "PNG")
     return buffer.getvalue()

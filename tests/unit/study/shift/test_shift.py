@@ -46,17 +46,13 @@ def mean_of(records, measure, **fields):
     return next(r for r in records if all(r[k] == v for k, v in wanted.items()))
 
 
+@pytest.mark.usefixtures("two_threads")
 def test_small_matrices_are_measured_on_one_thread(made):
-    seen, before = [], torch.get_num_threads()
-    torch.set_num_threads(2)
-    try:
-        numbers(
-            read_features(made()),
-            lambda step: seen.extend([torch.get_num_threads(), *blas_threads()]),
-        )
-        assert set(seen) == {1} and torch.get_num_threads() == 2
-    finally:
-        torch.set_num_threads(before)
+    seen = []
+    numbers(
+        read_features(made()), lambda step: seen.extend([torch.get_num_threads(), *blas_threads()])
+    )
+    assert set(seen) == {1} and torch.get_num_threads() == 2
 
 
 def blas_threads():
