@@ -14,6 +14,7 @@ from app.modes import fitting_files, modes
 from app.places import Places
 from app.resources import Resources
 from app.routes import FACTS
+from app.saving import column_of
 from app.tables import tables_html
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import write_text
@@ -60,7 +61,15 @@ def frames_file(where: Places, on_step: OnStep = ignore) -> Path:
 
 
 def export_picture(
-    frames: Path, out: Path, *, what: str, order: float | None, stage: str, kind: str, colour: str
+    where: Places,
+    frames: Path,
+    out: Path,
+    *,
+    what: str,
+    order: float | None,
+    stage: str,
+    kind: str,
+    colour: str,
 ) -> None:
     """Write the map or the curves at an order (None: the learned one) as HTML, SVG, PNG or Plotly's
     JSON.
@@ -75,7 +84,8 @@ def export_picture(
     if what == "curves":
         figure = gap_curves(found, stage=stage, order=at)
     else:
-        figure = frames_map(found, order=at, stage=stage, kind=kind, colour=colour)
+        column = column_of(Resources(where), colour)
+        figure = frames_map(found, order=at, stage=stage, kind=kind, colour=colour, column=column)
     write(out, figure)
 
 

@@ -1,6 +1,6 @@
 """What the page saves: heads and sets as zip files, the open view as an interactive figure."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from shutil import make_archive
 from tempfile import TemporaryDirectory
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from app.modes import mode_files
 from app.resources import Resources
 from app.state import Question, one_of, order_from
+from app.tables import row_of
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -58,21 +59,30 @@ def save_figure(resources: Resources, question: Question) -> bytes:
     from omnivat.maps.frames import read_frames
     from omnivat.maps.frames.records import FEATURES
 
-    file = (
-        mode_files(resources.where).get(str(question.get("mode"))) or resources.frames.state().file
-    )
+    kind, colour = (str(question.get(k, v))[:20] for k, v in (("map", "pca"), ("colour", "domain")))
+    named = str(question.get("mode"))
+    file = mode_files(resources.where).get(named) or resources.frames.state().file
     if file is None:
         raise DataError("The map is not ready yet; save it when it is shown.")
     frames = read_frames(file)
+    mode = row_of("modes", frames.head.get("kind"))
+    column = column_of(resources, colour)
     stage = one_of("stage", question.get("stage", STAGES[-1]), STAGES)
     order = order_from(question.get("order"))
     at = float(frames.head.get("learned_order") or 0.5) if order is None else order
-    kind, colour = (str(question.get(k, v))[:20] for k, v in (("map", "pca"), ("colour", "domain")))
     tiles = pictures(resources.sheet) if resources.sheet else None
-    parts = [frames_map(frames, order=at, stage=stage, kind=kind, colour=colour, pictures=tiles)]
+    shown = {"kind": kind, "colour": colour, "column": column, "pictures": tiles}
+    parts = [frames_map(frames, order=at, stage=stage, **shown)]
     if frames.head.get("kind") != FEATURES:
-        parts += [gap_curves(frames, stage=stage, order=at), staircase(frames, order=at)]
+        parts.append(gap_curves(frames, stage=stage, order=at, mode=mode))
+        parts.append(staircase(frames, order=at, mode=mode))
     return str(html_page(f"OmniVaT: {frames.pairs} VIS-TAC pairs", parts)).encode()
+
+
+def column_of(resources: Resources, colour: str) -> Sequence[str]:
+    """Return the texts (N,) of the column that a colour paints; none for other colours."""
+    column = row_of("colours", colour).get("column")
+    return resources.embeddings().rows.get(column, ()) if column else ()
 
 
 def _zipped(save: Callable[[Path], Any], name: str, note: str) -> bytes:

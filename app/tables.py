@@ -24,12 +24,19 @@ def tables() -> dict[str, list[Row]]:
     return rows
 
 
+def row_of(kind: str, name: Any) -> Row:
+    """Return the row of this id; an empty one if there is none."""
+    return next((row for row in tables()[kind] if row["id"] == name), {})
+
+
 def tables_html() -> str:
     """Return the rows as an element that the page's scripts read."""
+    words = "mean over pairs of domains and both modalities; dashed: the raw embedding"
+    titles = {name: NAMES.get(name, name) for name in GAPS}
     gaps = [
-        {"id": name, "title": NAMES.get(name, name), "between": "domain to domain"}
-        | {"help": "mean over pairs of domains and both modalities; dashed: the raw embedding"}
-        for name in GAPS
+        {"id": name, "title": title[:1].upper() + title[1:], "between": "domain to domain"}
+        | {"help": words, "can": []}
+        for name, title in titles.items()
     ]
     rows = tables() | {"measures": [*tables()["measures"], *gaps], "rungs": RUNGS}
     text = json.dumps(rows, ensure_ascii=False).replace("<", "\\u003c")  # no tag ends the element

@@ -7,7 +7,7 @@ python -m omnivat export --site DIR [--head H] [--embeddings E] [--sets NAME …
 import argparse
 from dataclasses import replace
 
-from omnivat.cli.arguments import declare, flag, one_of, passed, path, progress_bar
+from omnivat.cli.arguments import declare, flag, one_of, passed, path, progress_bar, text
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.stages import STAGES
 
@@ -23,7 +23,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--sets", nargs="+", metavar="NAME", help="sets of the project in the site; default: all"
     )
     words = "leave out of the site what the browser computes with: own pictures, trees"
-    colours = ("domain", "class", "modality", "correctness", "confidence")
+    colours = "domain, class, modality, correctness, confidence, or a column's colour of the page"
     declare(
         parser,
         "order",
@@ -37,7 +37,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         what=one_of(("map", "curves", "page"), "the picture to write"),
         stage=one_of(STAGES, "stage of the head to draw", "f_hat"),
         map=one_of(("pca", "umap"), "projection of the map"),
-        colour=one_of(colours, "meaning of colours"),
+        colour=text(f"meaning of colours: {colours}; default: domain") | {"default": "domain"},
     )
 
 
@@ -82,5 +82,5 @@ def run(options: argparse.Namespace) -> None:
         export_page(where, frames, options.out)
     else:
         look = passed(options, "what", "order", "stage", "colour")
-        export_picture(frames, options.out, **look, kind=options.map)
+        export_picture(where, frames, options.out, **look, kind=options.map)
     print(f"{options.what} written to {options.out}")

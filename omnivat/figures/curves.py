@@ -18,6 +18,16 @@ MEASURES = {
     "accuracy": "Unseen accuracy",
     "margin": "Cosine margin",
 }
+# by the kind of frames: what p does, as "can" and "caption" of a row of the page's modes
+KINDS: dict[str, dict[str, Any]] = {
+    "moved": {
+        "can": ("what-if",),
+        "caption": "weights are those of the learned p = {learned}: elsewhere a what-if",
+    },
+    "retrained": {"can": ("heads",), "caption": "each stop is a head trained at that p"},
+    "every": {"can": (), "caption": "one head trained for every p"},
+}
+Mode = dict[str, Any]
 Values = Sequence[float | None]
 
 
@@ -78,30 +88,34 @@ def _is(value: float | None) -> bool:
     return value is not None and math.isfinite(value)
 
 
-def gap_curves(frames: FrameSet, *, stage: str = "f_hat", order: float | None = None) -> Figure:
+def gap_curves(
+    frames: FrameSet, *, stage: str = "f_hat", order: float | None = None, mode: Mode | None = None
+) -> Figure:
     """Return both gaps, accuracy and margin over p on fixed axes, with `order` marked.
 
     order  quarter turns; None: the learned one
+    mode   "can" and "caption" of a kind of frames that is not in KINDS
 
-    For fixed weights, a pale band shows the orders that the head was trained for. For retrained
-    heads, it spans the lowest to the highest training, and dots mark the stops.
+    For fixed weights, a pale band shows the orders that the head was trained for. Of several
+    trainings, it spans the lowest to the highest, and where each stop has a head, dots mark them.
 
     >>> from omnivat import EXAMPLES, read_frames
     >>> figure = gap_curves(read_frames(EXAMPLES / "chirps" / "frames.bin"), order=0.35)
     >>> [words.text.split("<br>")[0] for words in figure.layout.annotations]
     ['Modality gap', 'Domain gap', 'Unseen accuracy', 'Cosine margin']
     """
+    mode = _mode(frames, mode)
     learned = frames.head.get("learned_order")
     at = order if order is not None else float(learned or 0.5)
     title = f"OmniVaT, {STAGE_TITLES.get(stage, stage)}, against p"
     look: dict[str, Any] = {"showlegend": False, "margin": {"t": 88, "b": 32}, "height": 560}
-    found = figure([], title=title, caption=_caption(frames), **look)
+    found = figure([], title=title, caption=_caption(frames, mode), **look)
     make_subplots(2, 2, horizontal_spacing=0.12, vertical_spacing=0.28, figure=found)
     span = frames.orders[0], frames.orders[-1]
-    low, high = _trained_for(frames, span)
+    low, high = _trained_for(frames, span) if "what-if" in mode["can"] else (0.0, 0.0)
     for k, (name, words) in enumerate(MEASURES.items()):
         chart = {"row": k // 2 + 1, "col": k % 2 + 1}
-        found.add_traces(_chart(frames, name, words, stage), chart["row"], chart["col"])
+        found.add_traces(_chart(frames, name, words, stage, mode), chart["row"], chart["col"])
         found.update_xaxes(axis(range=list(span), showgrid=False), **chart)
         found.update_yaxes(axis(range=[0, _highest(frames, name)], nticks=5), **chart)
         every = {"exclude_empty_subplots": False, **chart}
@@ -124,16 +138,21 @@ def gap_curves(frames: FrameSet, *, stage: str = "f_hat", order: float | None = 
     return found
 
 
+def _mode(frames: FrameSet, mode: Mode | None) -> Mode:
+    """Return what p does in frames; of a kind that nobody describes, its name."""
+    kind = str(frames.head.get("kind", "moved"))
+    return {"can": (), "caption": kind} | (KINDS.get(kind) or mode or {})
+
+
 def _trained_for(frames: FrameSet, span: tuple[float, float]) -> tuple[float, float]:
     """Return the ends of the orders that fixed weights were trained for, within the span."""
     low, high = frames.head.get("fits") or (0.0, 0.0)
-    moved = frames.head.get("kind", "moved") == "moved"
-    return (max(span[0], low), min(span[1], high)) if moved else (0.0, 0.0)
+    return max(span[0], low), min(span[1], high)
 
 
-def _chart(frames: FrameSet, name: str, words: str, stage: str) -> list[Any]:
+def _chart(frames: FrameSet, name: str, words: str, stage: str, mode: Mode) -> list[Any]:
     """Return the span of several trainings, if any, and the curve."""
-    traces, kind = [], frames.head.get("kind", "moved")
+    traces: list[Any] = []
     stem = "seeds:accuracy/unseen" if name == "accuracy" else f"seeds:{name}/{stage}"
     low, high = (frames.curves.get(f"{stem}/{end}") for end in ("low", "high"))
     if low is not None and high is not None:
@@ -160,19 +179,21 @@ def _chart(frames: FrameSet, name: str, words: str, stage: str) -> list[Any]:
                 name=words,
                 marker_size=5,
                 marker_color=ACCENT,
-                mode="lines+markers" if kind == "retrained" else "lines",
-                line_color=SOFT if kind == "moved" else ACCENT,  # fixed weights: a what-if
+                mode="lines+markers" if "heads" in mode["can"] else "lines",
+                line_color=SOFT if "what-if" in mode["can"] else ACCENT,
             )
         )
     return traces
 
 
 def _curve(frames: FrameSet, name: str, stage: str) -> Values | None:
-    """Return the values of a measure at a stage; accuracy excludes training pairs."""
-    if name != "accuracy":
-        return frames.curves.get(f"{name}/{stage}")
-    retrained = frames.head.get("kind") == "retrained"
-    return frames.curves.get("seeds:accuracy/unseen/mean" if retrained else "accuracy/unseen")
+    """Return the values of a measure at a stage; accuracy excludes training pairs, and is the mean
+    of several trainings.
+    """
+    names = [f"{name}/{stage}"]
+    if name == "accuracy":
+        names = ["seeds:accuracy/unseen/mean", "accuracy/unseen"]
+    return next((frames.curves[name] for name in names if name in frames.curves), None)
 
 
 def _value_at(frames: FrameSet, name: str, stage: str, order: float) -> str:
@@ -192,22 +213,19 @@ def _highest(frames: FrameSet, name: str) -> float:
     return 1.02 * max([0.1, *(v for values in found for v in values if v is not None)])
 
 
-def _caption(frames: FrameSet) -> str:
+def _caption(frames: FrameSet, mode: Mode) -> str:
     source, learned = frames.head.get("source"), frames.head.get("learned_order")
     parts = ["Simulated data" if frames.embeddings.get("simulated") else "Real data"]
     parts += [f"trained on {source}"] if source else []
-    kind = frames.head.get("kind", "moved")
-    if kind == "retrained":
-        parts.append("each stop is a head trained at that p")
-    elif kind == "every":
-        parts.append("one head trained for every p")
-    elif learned is not None:
-        parts.append(f"weights are those of the learned p = {learned:.3f}: elsewhere a what-if")
+    words = str(mode["caption"])
+    if learned is not None or "{learned}" not in words:
+        parts.append(words.replace("{learned}", f"{learned or 0:.3f}"))
     return "; ".join(parts) + ". Dashed: the raw embedding, or chance."
 
 
-def staircase(frames: FrameSet, *, order: float | None = None) -> Figure:
-    """Return both gaps and the margin at each stage of the head, at the stop nearest to `order`.
+def staircase(frames: FrameSet, *, order: float | None = None, mode: Mode | None = None) -> Figure:
+    """Return both gaps and the margin at each stage of the head, at the stop nearest to `order`;
+    `mode` as in `gap_curves`.
 
     >>> from omnivat import EXAMPLES, read_frames
     >>> figure = staircase(read_frames(EXAMPLES / "chirps" / "frames.bin"), order=0.35)
@@ -228,7 +246,9 @@ def staircase(frames: FrameSet, *, order: float | None = None) -> Figure:
     return figure(
         traces,
         title=f"Gaps at each step, p = {frames.orders[stop]:.2f}",
-        caption=_caption(frames).replace(" Dashed: the raw embedding, or chance.", ""),
+        caption=_caption(frames, _mode(frames, mode)).replace(
+            " Dashed: the raw embedding, or chance.", ""
+        ),
         # the angle leaves room for all names, on a phone, too
         xaxis=axis("", words, range=[-0.5, len(words) - 0.5], showgrid=False, tickangle=-35),
         yaxis=axis("gap or margin", range=[0, most]),

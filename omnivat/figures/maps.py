@@ -2,6 +2,7 @@
 
 import base64
 import json
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -117,12 +118,14 @@ def frames_map(
     stage: str = "f_hat",
     kind: str = "pca",
     colour: str = "domain",
+    column: Sequence[str] = (),
     pictures: dict[str, Any] | None = None,
 ) -> Figure:
     """Return the map of a stage at the stop nearest to `order` (quarter turns).
 
     kind    "pca" or "umap"
     colour  of COLOURS
+    column  (N,) texts that colour the pairs in place of `colour`
 
     Raises SettingsError for an unknown map or colouring.
 
@@ -138,7 +141,7 @@ def frames_map(
         raise SettingsError(f"There is no map '{kind}/{stage}' in these frames; there are {there}.")
     frame = min(range(len(drawn.orders)), key=lambda i: abs(frames.orders[drawn.orders[i]] - order))
     stop = min(range(len(frames.orders)), key=lambda i: abs(frames.orders[i] - order))
-    names, colours, group = _grouped(frames, colour, stop)
+    names, colours, group = grouped(column) if column else _grouped(frames, colour, stop)
     at = frames.orders[stop] if len(drawn.orders) == 1 else frames.orders[drawn.orders[frame]]
     what = "simulated data" if frames.embeddings.get("simulated") else "real data"
     headless = frames.head.get("kind") == FEATURES
@@ -173,6 +176,24 @@ def _grouped(
     if colour == "modality":
         return ("VIS", "TAC"), MODALITIES, np.repeat(np.arange(2), frames.pairs)
     raise SettingsError(f"The colour is '{colour}'; choose one of {', '.join(COLOURS)}.")
+
+
+def grouped(column: Sequence[str]) -> tuple[Sequence[str], Sequence[str], NDArray[Any]]:
+    """Return names and colours of the values of a column (N,), and the value of each pair. Of more
+    values than colours, the most frequent have one each and the others share one.
+
+    >>> names, _, group = grouped(["worn", "", "worn"])
+    >>> names, group.tolist()
+    (['none', 'worn'], [1, 0, 1])
+    """
+    counts = Counter(column)
+    most = len(CLASSES) if len(counts) <= len(CLASSES) else len(CLASSES) - 1
+    values = sorted(value for value, _ in counts.most_common(most))
+    names = [value or "none" for value in values]
+    if others := len(counts) - len(values):
+        names.append(f"{others:,} other values")
+    place = {value: index for index, value in enumerate(values)}
+    return names, CLASSES, np.array([place.get(value, len(values)) for value in column])
 
 
 def pictures(sheet: str | Path) -> dict[str, Any] | None:

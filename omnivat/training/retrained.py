@@ -11,7 +11,7 @@ from omnivat.kit.errors import DataError
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.maps.frames.builder import FrameBuilder
 from omnivat.maps.frames.records import FrameSet
-from omnivat.maps.sweep import MEASURES, STAGES, walk
+from omnivat.maps.sweep import MEASURES, STAGES, STILL, walk
 from omnivat.training.from_pairs.at_stops import stop_folder
 from omnivat.training.from_pairs.plan import TrainingPlan
 
@@ -20,7 +20,6 @@ MAPS: Mapping[str, int] = {
     "umap/raw": 1,
     "umap/f_hat": 1001,
 }
-STILL = ("raw",)  # every head has its own projection, so distances after the transform differ
 
 
 def retrained_frames(
@@ -40,6 +39,8 @@ def retrained_frames(
 
     Raises DataError if a head is missing.
     """
+    # with a projection of its own each, heads differ in distances after the transform, too
+    still = ("raw",) if plan.settings.projects else STILL
     builder = FrameBuilder(
         plan.settings,
         plan.embeddings,
@@ -47,12 +48,12 @@ def retrained_frames(
         maps=maps,
         measures=measures,
         source=plan.source,
-        still=STILL,
+        still=still,
     )
     over_seeds: dict[str, list[float | None]] = {}
     for index, order in enumerate(orders):
         heads = [load_head(stop_folder(folder, order, one)) for one in seeds]
-        stages = [stage for stage in builder.stages if index == 0 or stage not in STILL]
+        stages = [stage for stage in builder.stages if index == 0 or stage not in still]
         found = next(
             iter(walk(heads[0].model, plan.embeddings, [order], stages=stages, predictions=True))
         )

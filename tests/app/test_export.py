@@ -36,19 +36,19 @@ def test_colours_are_those_of_the_page():
 
 
 @pytest.mark.parametrize("colour", maps.COLOURS)
-def test_the_map_holds_every_point_and_says_simulated(frames, tmp_path, colour):
+def test_the_map_holds_every_point_and_says_simulated(framed, tmp_path, colour):
     out = tmp_path / "map.svg"
-    export_picture(frames, out, what="map", order=0.5, stage="f_hat", kind="pca", colour=colour)
+    look = {"what": "map", "order": 0.5, "stage": "f_hat", "kind": "pca", "colour": colour}
+    export_picture(framed, framed.frames, out, **look)
     text = out.read_text(encoding="utf-8")
     assert text.count("<circle") == text.count("<polygon") == 80
     assert "simulated data" in text
 
 
-def test_the_curves_say_what_is_a_what_if_and_shade_where_the_head_is_at_home(frames, tmp_path):
+def test_the_curves_say_what_is_a_what_if_and_shade_where_the_head_is_at_home(framed, tmp_path):
     out = tmp_path / "curves.svg"
-    export_picture(
-        frames, out, what="curves", order=None, stage="relu", kind="pca", colour="domain"
-    )
+    look = {"what": "curves", "order": None, "stage": "relu", "kind": "pca", "colour": "domain"}
+    export_picture(framed, framed.frames, out, **look)
     text = out.read_text(encoding="utf-8")
     assert "what-if" in text
     assert "trained on TAG-sim" in text
@@ -84,17 +84,10 @@ def test_accuracy_that_the_frames_do_not_hold_is_said_to_be_missing(frames):
     assert "not measured" in svg_of(gap_curves(replace(found, curves=kept), order=0.5))
 
 
-def test_a_map_that_is_not_there_is_refused(frames, tmp_path):
+def test_a_map_that_is_not_there_is_refused(framed, tmp_path):
+    look = {"what": "map", "order": 0, "stage": "relu", "kind": "umap", "colour": "class"}
     with pytest.raises(SettingsError, match="There is no map 'umap/relu'"):
-        export_picture(
-            frames,
-            tmp_path / "x.svg",
-            what="map",
-            order=0,
-            stage="relu",
-            kind="umap",
-            colour="class",
-        )
+        export_picture(framed, framed.frames, tmp_path / "x.svg", **look)
 
 
 def test_png_and_svg_show_the_same_shapes():

@@ -9,6 +9,7 @@ import pytest
 
 from app.modes import fitting_files, mode_files, modes
 from app.resources import Resources
+from app.tables import tables
 from app.views import explore
 from app.visitor_sets import VisitorSets
 from omnivat.maps.frames import read_frames, write_frames
@@ -96,7 +97,9 @@ def test_explore_is_told_what_the_head_does_in_unseen_domains(beside, client):
 def test_pairs_have_names_to_search_for_and_what_they_imitate(beside):
     told = explore.pairs(beside)
     assert len(set(map(len, told.values()))) == 1
-    assert set(told) == {"name", "looks_like", "feels_like"}
+    colours = {row["column"] for row in tables()["colours"] if "column" in row}
+    there = colours & set(beside.embeddings().rows)
+    assert set(told) == {"name", "looks_like", "feels_like", *there}
 
 
 def test_a_shipped_set_is_opened_by_its_name_once(beside, trained, monkeypatch):

@@ -1,10 +1,14 @@
 """Save, Interactive figure: the open view as one page."""
 
 import json
+from collections import Counter
+from dataclasses import replace
 
 import pytest
 
 from app.resources import Resources
+from app.tables import tables
+from omnivat.maps.frames import read_frames, write_frames
 
 from .conftest import served
 
@@ -16,13 +20,18 @@ def client(framed):
     resources.shared.close()
 
 
+def figures_of(page):
+    """Return the figures of a saved page."""
+    start = page.index("const figures = ") + len("const figures = ")
+    return json.JSONDecoder().raw_decode(page[start:])[0]
+
+
 def test_the_open_view_is_a_page_of_three_figures_that_loads_nothing(client):
     view = {"stage": "f_hat", "map": "pca", "colour": "confidence", "mode": "", "order": 0.5}
     sent = client.post("/omnivat/save/figure", json=view)
     assert sent.status_code == 200 and sent.headers["content-type"].startswith("text/html")
     assert sent.text.count('class="plot"') == 3 and "default-src 'none'" in sent.text
-    start = sent.text.index("const figures = ") + len("const figures = ")
-    map_figure = json.JSONDecoder().raw_decode(sent.text[start:])[0][0]
+    map_figure = figures_of(sent.text)[0]
     assert (
         sum(
             len(trace["customdata"]) if "customdata" in trace else 1 for trace in map_figure["data"]
@@ -43,3 +52,36 @@ def test_the_open_view_is_a_page_of_three_figures_that_loads_nothing(client):
 def test_a_view_that_is_not_there_is_refused_in_one_sentence(client, view, words):
     sent = client.post("/omnivat/save/figure", json=view)
     assert sent.status_code == 400 and words in sent.json()["error"]
+
+
+def test_a_view_coloured_by_a_column_is_saved_with_its_values(framed, monkeypatch):
+    row = {"id": "state", "title": "State", "column": "worn"}
+    monkeypatch.setitem(tables(), "colours", [*tables()["colours"], row])
+    resources = Resources(framed)
+    worn = ["new", "worn", "worn", "torn"] * (len(resources.embeddings()) // 4)
+    resources.embeddings().rows["worn"] = worn
+    sent = served(resources).post("/omnivat/save/figure", json={"colour": "state"})
+    resources.shared.close()
+    assert sent.status_code == 200, sent.text
+    shown = Counter()
+    for trace in figures_of(sent.text)[0]["data"]:
+        shown[trace["name"]] += len(trace["text"])
+    assert shown == {name: 2 * count for name, count in Counter(worn).items()}
+
+
+def test_the_figures_of_an_added_mode_have_its_name_and_show_what_it_can_do(
+    framed, tmp_path, monkeypatch
+):
+    row = {"id": "frozen", "file": str(tmp_path / "frozen.bin"), "can": ["heads"]}
+    row["caption"] = "a frozen head for each p"
+    monkeypatch.setitem(tables(), "modes", [*tables()["modes"], row])
+    frames = read_frames(framed.frames)
+    write_frames(row["file"], replace(frames, head={**frames.head, "kind": "frozen"}))
+    resources = Resources(framed)
+    page = served(resources).post("/omnivat/save/figure", json={"mode": "frozen"}).text
+    resources.shared.close()
+    assert "what-if" not in page
+    _, curves, stairs = figures_of(page)
+    for figure in (curves, stairs):
+        assert row["caption"] in json.dumps(figure["layout"])
+    assert {trace["mode"] for trace in curves["data"]} == {"lines+markers"}

@@ -32,7 +32,8 @@ export function says(markup, ...patterns) {
 
 /** Frames of two pairs at three stops, with what a test needs changed. */
 export function frames({ curves = {}, head = {}, orders = [0, 0.5, 1], ...more } = {}) {
-  const meta = { curves, head: { source: "A", ...head }, maps: { "pca/raw": { array: 1 }, "pca/frft": { array: 1 } } };
+  const still = { array: 1, orders: [0] };
+  const meta = { curves, head: { source: "A", ...head }, maps: { "pca/raw": still, "pca/frft": still } };
   return {
     meta,
     orders,

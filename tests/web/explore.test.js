@@ -16,6 +16,7 @@ import { after, START } from "../../app/web/explore/state.js";
 import { lookAlikes } from "../../app/web/explore/strangers.js";
 import { loadTags, tagOf, tagPairs, tagsCsv } from "../../app/web/explore/tags.js";
 import { chosen, pressOf } from "../../app/web/explore/touch.js";
+import { card } from "../../app/web/shared/card.js";
 import { Scale } from "../../app/web/shared/chart.js";
 import { Cloud } from "../../app/web/shared/cloud.js";
 import { cell } from "../../app/web/shared/csv.js";
@@ -160,6 +161,14 @@ test("neighbours are those of the pinned pair at this step and p, and of no othe
   says(neighboursHtml(points, scene), /title="VIS of pair 0, wood, A, cosine 0\.500"/);
 });
 
+test("neighbours in frames of other heads than the loaded one are those of the raw embedding, and say so", () => {
+  for (const foreign of [false, true]) {
+    const shown = frames({ foreign, prediction: [0, 1, 0, 1, 0, 1], confidence: [] });
+    assert.equal(scenes.nearStage({ frames: shown }, { stage: "f_hat" }), foreign ? "raw" : "f_hat");
+    assert.equal(String(card(shown, null, 1, 0, true)).includes("raw embedding"), foreign);
+  }
+});
+
 test("an accuracy names its head, and a learned p is not a round one", () => {
   const accuracy = { "accuracy/unseen": [0.3, 0.6, 0.4] };
   const learned = frames({ head: { learned_order: 0.5 }, curves: accuracy });
@@ -201,7 +210,7 @@ test("no winner is named where two intervals overlap", () => {
 });
 
 test("a confidence is a colour only where it has a temperature, and a number in the CSV only there", async () => {
-  const keys = (kind) => colouringsOf(frames({ kind })).map(([key]) => key);
+  const keys = (kind) => colouringsOf(frames({ kind })).map(({ id }) => id);
   assert.ok(keys("moved").includes("confidence"));
   for (const kind of ["retrained", "every"]) assert.ok(!keys(kind).includes("confidence"));
   assert.equal(colouring(frames({ kind: "retrained" }), "confidence").label, "Class");

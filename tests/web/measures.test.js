@@ -28,7 +28,13 @@ test("of retrained heads it is the mean over trainings, with its span", () => {
   assert.deepEqual(values(found, "accuracy", "f_hat"), [0.6]);
   assert.deepEqual(values(found, "accuracy", "f_hat", "A"), [0.8]);
   assert.deepEqual(spread(found, "accuracy", "f_hat"), { low: [0.5], high: [0.7] });
-  assert.equal(spread({ ...found, kind: "moved" }, "accuracy", "f_hat"), null);
+  assert.equal(spread(found, "margin", "f_hat"), null);
+});
+
+test("heads of which nobody told how trainings differ have the accuracy of the frames, in any mode", () => {
+  const found = frames({ curves: { "accuracy/unseen": [0.6], "accuracy/A": [1] }, head: { kind: "retrained" } });
+  assert.deepEqual(values(found, "accuracy", "f_hat"), [0.6]);
+  assert.equal(values(found, "accuracy", "f_hat", "A"), null, "the source holds training pairs");
 });
 
 test("the projection has the gaps of the transform, which keeps all distances", () => {

@@ -7,7 +7,7 @@ import { modeWords } from "../../app/web/explore/modes.js";
 import { speakOfSignals } from "../../app/web/pair/parts.js";
 import { cards } from "../../app/web/pair/verdict.js";
 import { card } from "../../app/web/shared/card.js";
-import { explained, stageNamed } from "../../app/web/shared/stages.js";
+import { explained, isStill, stageNamed } from "../../app/web/shared/stages.js";
 import { TABLES } from "../../app/web/shared/tables.js";
 import { frames, says } from "./browser.js";
 
@@ -27,10 +27,16 @@ test("no step of the head is said to move gaps in a way that only some sets show
   for (const stage of TABLES.stages) assert.doesNotMatch(stage.help, /are apart|together\. The classes/);
 });
 
-test("flat gaps of the transform are claimed only where all stops are one head", () => {
+test("flat gaps of the transform are claimed only where the frames have one map of it, in whatever mode", () => {
   const transform = stageNamed("frft");
-  assert.match(explained(transform, frames()), /No point moves/);
-  assert.doesNotMatch(explained(transform, frames({ head: { kind: "retrained" } })), /No point moves|flat/);
+  for (const kind of ["moved", "retrained", "another"]) {
+    const shown = frames({ head: { kind } });
+    assert.match(explained(transform, shown), /No point moves/);
+    shown.meta.maps["pca/frft"] = { array: 2, orders: [0, 1, 2] };
+    assert.doesNotMatch(explained(transform, shown), /No point moves|flat|undefined/);
+    assert.equal(explained(transform, shown).includes("another head"), kind === "retrained");
+    assert.ok(!isStill("projection", shown) && isStill("raw", shown));
+  }
 });
 
 test("a pair of signals is called two recordings", () => {

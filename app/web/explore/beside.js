@@ -13,7 +13,7 @@ import { making, tell } from "../shared/view.js";
 import { whence } from "./chapters.js";
 import { figure, gaps, kindOf, map, pairLines, showLayers, shown } from "./maps.js";
 import { $, change, fill, html, options, put, scene, send, state } from "./root.js";
-import { isDouble } from "./scene.js";
+import { isDouble, painted } from "./scene.js";
 
 /** The accuracy of frames at a stop, and whose it is; only where the head predicts.
  * @type {(frames: Frames, stage: string, stop: number, unseen: Unseen | null) => Html[] | null} */
@@ -42,7 +42,7 @@ function build(on) {
   const drawing = listen(cloud, on);
   cloud.painters = [
     axes(() => axisNames(kindOf(stage(), framesOf()))),
-    means(framesOf, shown),
+    means(() => painted(scene, state, framesOf()), shown),
     pairLines,
     (x) => lassoLine(x, drawing.polygon),
   ];

@@ -62,9 +62,8 @@ export function build() {
 
 /** Facts about the set or its head have come. */
 export function learned() {
-  maps.showColourings();
   strangers.show();
-  refilter();
+  showColours();
   showLesson();
   if (scene.facts.unseen && state.cell) followCell();
   showPictures();

@@ -4,7 +4,7 @@ import { remedyHtml } from "../shared/headless.js";
 import { ACCURACY, values } from "../shared/measures.js";
 import { ofFrames, strangers, unseenPairs } from "../shared/provenance.js";
 import { INPUT, OUTPUT } from "../shared/stages.js";
-import { TABLES } from "../shared/tables.js";
+import { modeOf, TABLES } from "../shared/tables.js";
 import { html, percent } from "./root.js";
 import { whole } from "./scene.js";
 
@@ -45,14 +45,13 @@ export function headOf(frames, stop) {
 }
 
 /** Why there is no unseen accuracy. @param {Frames} frames */
-const blind = ({ source, domains, labelled }) =>
-  labelled === false
-    ? "the pairs have no classes."
-    : !source
-      ? "the source of the head is not stated."
-      : domains.includes(source)
-        ? "there is no domain that the head has not seen."
-        : `the head was trained on ${source}, which is not in this set.`;
+function blind(frames) {
+  const { source, domains, labelled } = frames;
+  if (labelled === false) return "the pairs have no classes.";
+  if (!source) return "the source of the head is not stated.";
+  if (!domains.includes(source)) return `the head was trained on ${source}, which is not in this set.`;
+  return strangers(frames) ? "it was not measured." : "there is no domain that the head has not seen.";
+}
 
 /** Where the accuracy at one stop comes from; null if it is not known.
  * @param {Frames} frames @param {number} stop @param {Unseen | null} [unseen] */
@@ -102,7 +101,7 @@ function order(scene) {
     whence: from,
     remark: whole(scene)
       ? html`Accuracy falls to ${percent(low)} at worst. Grey: on touch sensors every order does about as well.`
-      : html`Drag <i>p</i> from end to end. Each stop is a head trained at that order.`,
+      : html`Drag <i>p</i> from end to end. ${modeOf(frames).note}`,
   };
 }
 

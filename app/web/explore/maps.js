@@ -38,13 +38,13 @@ export function pairLines(x, cloud) {
 export function build(on) {
   map = new Cloud($(".now .map"), 2 * scene.own.pairs);
   const drawing = listen(map, on);
-  const frames = () => scene.frames;
-  const named = names(() => painted(scene, state), shown);
+  const colours = () => painted(scene, state);
+  const named = names(colours, shown);
   const scaled = axes(() => axisNames(kindOf(state.stage)));
   map.painters = [
     (x, cloud) => (state.chapter === "analyse" ? scaled(x, cloud) : shapes(x, cloud, meaning(scene.frames))),
     pictures,
-    means(frames, shown),
+    means(colours, shown),
     (x, cloud) =>
       neighbourRings(
         x,
@@ -83,10 +83,8 @@ export const showKinds = () =>
 /** The colourings that the frames have. */
 export function showColourings() {
   const frames = painted(scene, state);
-  const rows = colouringsOf(frames);
-  const chosen = colouring(frames, state.colour);
-  put($(".colouring"), options(rows.map(([key, { label }]) => [key, label])));
-  $(".colouring").value = rows.find(([, row]) => row === chosen)?.[0];
+  const rows = colouringsOf(frames).map(({ id, label }) => [id, label]);
+  put($(".colouring"), options(rows, colouring(frames, state.colour).id));
 }
 
 /** The points of frames at a stop, by colour. @param {Cloud} cloud */

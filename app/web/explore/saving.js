@@ -5,7 +5,7 @@ import { orderText } from "../shared/frames.js";
 import { axisNames } from "../shared/marks.js";
 import { colouring } from "../shared/palette.js";
 import { save } from "../shared/save.js";
-import { stageNamed } from "../shared/stages.js";
+import { featuresOf, stageNamed } from "../shared/stages.js";
 import { modeOf } from "../shared/tables.js";
 import { csv, png, svg } from "./exports.js";
 import { showGrid } from "./grid.js";
@@ -32,14 +32,20 @@ export async function share(pictured) {
   }
 }
 
-/** Show the link to this view; a click beside it closes it. */
-export function showLink() {
+/** Show something above the page; a click beside it closes it. @param {Html} content @returns {Found} */
+function popUp(content) {
   const box = $(".shared");
-  put(box, html`<h3>This view</h3><input type="text" readonly aria-label="Link to this view">`);
+  put(box, content);
+  box.showPopover?.();
+  return box;
+}
+
+/** Show the link to this view. */
+export function showLink() {
+  const box = popUp(html`<h3>This view</h3><input type="text" readonly aria-label="Link to this view">`);
   const field = box.querySelector("input");
   field.value = location.href;
   field.onfocus = () => field.select();
-  box.showPopover?.();
 }
 
 /** Name the contents of the CSV in the menu. */
@@ -72,18 +78,17 @@ function caption() {
     .join(" · ");
 }
 
-const legend = () => {
-  const frames = painted(scene, state);
-  return colouring(frames, state.colour).groups(frames);
-};
+const colours = () => colouring(painted(scene, state), state.colour);
+const legend = () => colours().groups(painted(scene, state));
 const picture = () => png(map, caption(), legend());
-const say = (/** @type {string} */ sentence) => ($(".announcement").textContent = sentence);
+const say = (/** @type {string} */ sentence) => popUp(html`<p role="alert">${sentence}</p>`);
 
 /** Load the tags of a CSV and say how many there are. @param {Found} input */
 export async function loadFile(input) {
   const told = (/** @type {string} */ sentence) => {
-    $(".load-tags").title = say(sentence);
+    $(".load-tags").title = sentence;
     $(".save").open = false;
+    say(sentence);
   };
   await attempt(async () => {
     told(`${loadTags(scene.own, await input.files[0].text())} pairs have a tag now.`);
@@ -110,9 +115,9 @@ const FILES = {
   tags: () => save("omnivat-tags.csv", tagsCsv(scene.frames, scene.facts.pairs?.name)),
   /** The open map, the curves and the staircase as one page that the server makes. */
   figure: async (name) => {
-    const { frames, set, stop } = scene;
-    const { stage, colour } = state;
-    const question = { stage, map: kindOf(stage), colour, mode: frames.kind, order: frames.orders[stop] };
+    const { frames, set, stop, mode } = scene;
+    const stage = featuresOf(state.stage);
+    const question = { stage, map: kindOf(stage), colour: colours().id, mode, order: frames.orders[stop] };
     await attempt(async () => save(`${name}.html`, await made(inSet("save/figure", set), question)), say);
   },
 };

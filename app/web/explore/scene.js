@@ -2,7 +2,6 @@
 
 import { featuresOf, INPUT } from "../shared/stages.js";
 import { hidden } from "../shared/store.js";
-import { has } from "../shared/tables.js";
 import { tagOf } from "./tags.js";
 
 export const UNSEEN = "unseen";
@@ -109,9 +108,9 @@ export function nextPoint({ mask, hovered }, by) {
   return hovered;
 }
 
-/** The stage whose neighbours are known: heads trained at each p are not kept.
+/** The stage whose neighbours are known: of features, those of the loaded head alone.
  * @type {(scene: Scene, address: State) => string} */
-export const nearStage = ({ frames }, { stage }) => (has(frames, "heads") ? INPUT : featuresOf(stage));
+export const nearStage = ({ frames }, { stage }) => (frames.foreign ? INPUT : featuresOf(stage));
 
 /** What neighbours belong to: set, pair, stage and p. @type {(scene: Scene, address: State) => string} */
 export const nearKey = (scene, address) =>

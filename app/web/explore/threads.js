@@ -8,7 +8,7 @@ import { domainColour, isDark } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { provenance } from "../shared/provenance.js";
 import { awaited } from "../shared/ready.js";
-import { PLACES, rungOf, worded } from "../shared/tables.js";
+import { modeOf, PLACES, rungOf, worded } from "../shared/tables.js";
 import { bytesOf } from "../shared/text.js";
 import { showWords } from "./board.js";
 import { decided, whence } from "./chapters.js";
@@ -229,13 +229,13 @@ export function tell() {
   const title = `Where do ${own ? "the project’s simulated touches" : "the touches"} go?`;
   if (order) {
     const { frames, stop, facts, chapter } = scene;
-    const ends = chapter === "where" ? decided(frames) : null; // else they are on their way
+    const there = chapter === "where"; // else the frames are on their way
+    const ends = there ? decided(frames) : null;
+    const pairs = own ? "this set" : `${there ? frames.pairs.toLocaleString("en-US") : ""} other pairs`;
     return showWords({
       title,
       figure: html`${ends && html`Accuracy stays between ${share(ends.low)} and ${share(ends.high)}, at every p.`}`,
-      remark: own
-        ? html`p moves the points and both gaps of this set, with the weights of the loaded head.`
-        : html`p moves the points and both gaps of 2,160 other pairs; each stop has heads trained at that p.`,
+      remark: html`p moves the points and both gaps of ${pairs}. ${there && modeOf(frames).note}`,
       whence: html`${ends && whence(frames, stop, facts.unseen)}`,
     });
   }

@@ -61,7 +61,7 @@ export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = nu
   const note = imitation(pairs, pair);
   const sure = Number.isFinite(confidence) && `, ${Math.round(100 * confidence)} %`;
   const predicted = html`<dt>Predicted</dt><dd class="${labelled && (right ? "right" : "wrong")}">${labelled && (right ? "✓ " : "✗ ")}${said}${sure}</dd>`;
-  const more = html`<div class="near"><h4>Nearest by cosine${has(frames, "heads") && ", raw embedding,"} to <span><button class="find" data-of="0">VIS</button> <button class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>
+  const more = html`<div class="near"><h4>Nearest by cosine${frames.foreign && ", raw embedding,"} to <span><button class="find" data-of="0">VIS</button> <button class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>
     <div class="row">${!headless && html`<button class="open">Open in Pair ›</button>`}<button class="unpin">Unpin</button></div>`;
   return html`<h3>Pair ${pair}${pinned && html` <span class="tag">pinned</span>`}</h3>
     ${pictures(pair)}

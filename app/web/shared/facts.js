@@ -61,5 +61,6 @@ export const framesOf = (mode, own, set = "") =>
     const { frames } = await fetchFrames(() => {}, { mode, set });
     if (frames.pairs !== own.pairs || !frames.label.every((k, i) => frames.classes[k] === own.classes[own.label[i]]))
       throw new Refusal("The frames of this mode belong to other pairs; make them again with `omnivat sweep`.");
+    frames.foreign = true;
     return frames;
   });

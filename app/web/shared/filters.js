@@ -23,18 +23,18 @@ export const keys = (groups, source) =>
 /** Draw the switches; those of the current colouring show their colours.
  * @param {Found} box @param {Frames} frames @param {(filter: {kind: Filter, name: string} | null) => void} onPoint */
 export function showFilters(box, frames, onPoint) {
-  const { label, groups } = colouring(frames, state.colour);
+  const { id, label, groups } = colouring(frames, state.colour);
   const colours = new Map(groups(frames));
   /** @param {Filter} kind @param {string} name */
   const sign = (kind, name) => {
-    const colour = label.toLowerCase() === kind && colours.get(name);
+    const colour = id === kind && colours.get(name);
     if (kind === "modality") return html`<i class="sign" style="color:${colour || "currentColor"}">${SIGNS[name]}</i>`;
     return colour && html`<i style="background:${colour}"></i>`;
   };
   /** @param {Filter} kind @param {string} name */
   const choice = (kind, name) =>
     html`<label data-kind="${kind}" data-name="${name}"><input type="checkbox"${!hidden(kind).has(name) && html` checked`}>${sign(kind, name)}<span>${name}${name === frames.source && html` <b class="source" title="the domain that the head was trained on">source</b>`}</span></label>`;
-  const own = KINDS.some(([kind]) => kind === label.toLowerCase());
+  const own = KINDS.some(([kind]) => kind === id);
   put(
     box,
     html`${!own && html`<fieldset class="legend"><legend>${label}</legend>${keys([...colours])}</fieldset>`}${KINDS.map(

@@ -30,6 +30,7 @@ export class Frames {
     this.coarse = false; // whether finer frames will follow
     this.by = ""; // what predicts, in words, if it is not the loaded head
     this.still = false; // whether it predicts the same at every p
+    this.foreign = false; // whether they are of a mode of p whose heads the server does not hold
     /** @type {Numbers | null} */
     this.answered = null; // Explore alone gives them; what they are, see Colourable
     /** @type {Record<string, string[]>} */

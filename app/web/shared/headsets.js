@@ -60,7 +60,8 @@ async function byMethod(name, own) {
     for (let at = 0; at < all.length; at += own.pairs) all.set(values, at);
     return all;
   };
-  const curves = Object.entries(own.meta.curves).filter(([key]) => !/^(accuracy|macro_f1)/.test(key));
+  const steps = new Set(TABLES.stages.map(({ id }) => id)); // curves of features name theirs, those of predictions none
+  const curves = Object.entries(own.meta.curves).filter(([key]) => steps.has(key.split("/")[1]));
   const flat = Object.entries(accuracy).map(([key, share]) => [`accuracy/${key}`, own.orders.map(() => share)]);
   return Object.assign(Object.create(own), {
     by: label,

@@ -1,7 +1,7 @@
 /** Groups of points on the map: their names, and the gaps between their VIS and TAC means. */
 
 import { segment, stroked } from "./canvas.js";
-import { COLOURINGS, colouring, isDark, isLecture } from "./palette.js";
+import { colouring, isDark, isLecture } from "./palette.js";
 import { SHAPES } from "./points.js";
 import { state } from "./store.js";
 
@@ -19,14 +19,14 @@ const STEP = 6; // by which a name moves aside
 
 const inkOf = () => (isDark() ? "#f8fafc" : "#0f172a");
 
-/** The groups of the colouring `kind`, or all points as one, and their means in CSS pixels: of VIS, of TAC, of both.
- * @param {Frames} frames @param {Cloud} cloud @param {(point: number) => boolean} shown @param {string} kind
+/** The groups of a colouring by values of the pairs, or all points as one, and their means in CSS pixels: of VIS, of TAC,
+ * of both.
+ * @param {Frames} frames @param {Cloud} cloud @param {(point: number) => boolean} shown @param {Colouring} chosen
  * @returns {Group[]} */
-function groupsOf(frames, cloud, shown, kind) {
-  const parted = ["domain", "class"].includes(kind);
+function groupsOf(frames, cloud, shown, chosen) {
   /** @type {[string, string][]} */
-  const groups = parted ? COLOURINGS[kind].groups(frames) : [["", inkOf()]];
-  const of = parted ? COLOURINGS[kind].of(frames, 0) : () => 0;
+  const groups = chosen.values ? chosen.groups(frames) : [["", inkOf()]];
+  const of = chosen.values ? chosen.of(frames, 0) : () => 0;
   const sums = groups.map(() => [0, 0, 0, 0, 0, 0]); // x, y, count of VIS, then of TAC
   for (let point = 0; point < cloud.count; point++) {
     if (!shown(point)) continue;
@@ -44,13 +44,13 @@ function groupsOf(frames, cloud, shown, kind) {
   });
 }
 
-/** A painter: one line for each domain or class, or one for all, over points with `shown(point)`.
+/** A painter: one line for each group of pairs, or one for all, over points with `shown(point)`.
  * @param {() => Frames} frames @param {(point: number) => boolean} shown @returns {Painter} */
 export function means(frames, shown) {
   return (context, cloud) => {
     if (state.means !== "1") return;
     const edge = isDark() ? "#0b1220" : "#ffffff";
-    const groups = groupsOf(frames(), cloud, shown, state.colour);
+    const groups = groupsOf(frames(), cloud, shown, colouring(frames(), state.colour));
     context.lineCap = "round";
     for (const { vis, tac, colour } of groups)
       if (vis && tac) stroked(context, () => segment(context, vis, tac), [7, edge], [3.4, colour]);
@@ -96,15 +96,14 @@ export function settled(groups, of, cloud, shown) {
   });
 }
 
-/** A painter: the name of each domain, or of each class, at its points; the source is marked. Where no group has a place
+/** A painter: the name of each group of pairs at its points; the source is marked. Where no group has a place
  * of its own, the names stand in a row.
  * @param {() => Frames} frames @param {(point: number) => boolean} shown @returns {Painter} */
 export function names(frames, shown) {
   return (context, cloud) => {
     const chosen = colouring(frames(), state.colour);
-    const kind = ["domain", "class"].find((one) => COLOURINGS[one] === chosen);
     const [width, height] = [cloud.width / cloud.ratio, cloud.height / cloud.ratio];
-    const letters = isLecture() ? 20 : kind && width < 420 ? 12 : 14;
+    const letters = isLecture() ? 20 : chosen.values && width < 420 ? 12 : 14;
     context.font = `650 ${letters}px system-ui, sans-serif`;
     context.textAlign = "left";
     context.textBaseline = "middle";
@@ -115,8 +114,8 @@ export function names(frames, shown) {
       context.fillStyle = inkOf();
       context.fillText(text, x + wide + 4, y + 0.5);
     };
-    if (kind) {
-      const groups = settled(groupsOf(frames(), cloud, shown, kind), chosen.of(frames(), 0), cloud, shown);
+    if (chosen.values) {
+      const groups = settled(groupsOf(frames(), cloud, shown, chosen), chosen.of(frames(), 0), cloud, shown);
       const labels = groups.flatMap(({ name, colour, both, x, y }) => {
         if (!both) return [];
         const text = name.replace(/-sim$/, "") + (name === frames().source ? " · source" : "");

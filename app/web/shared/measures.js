@@ -1,7 +1,7 @@
 /** The measures in the frames: gaps, margin and accuracy of each stage at every stop. */
 
 import { featuresOf } from "./stages.js";
-import { can, has, TABLES } from "./tables.js";
+import { can, TABLES } from "./tables.js";
 
 /** The measures that are named in brief: a share of predictions, and gaps. */
 export const BRIEF = TABLES.measures.filter((row) => can(row, "brief"));
@@ -17,20 +17,18 @@ export const gapsOf = (frames) => {
 /** @param {Frames} frames @param {string} name @returns {number[] | null} */
 const series = (frames, name) => frames.meta.curves[name] ?? null;
 /** @param {Frames} frames @param {string} domain */
-const isSource = (frames, domain) => domain === frames.meta.head?.source;
+const isSource = (frames, domain) => domain !== "" && domain === frames.meta.head?.source;
 
 /** The name of an accuracy curve over several trainings, without its suffix.
  * @param {Frames} frames @param {string} domain */
 const trainedAccuracy = (frames, domain) =>
-  `seeds:accuracy/${!domain ? "unseen" : isSource(frames, domain) ? "source_test" : domain}`;
+  `seeds:${ACCURACY}/${isSource(frames, domain) ? "source_test" : domain || "unseen"}`;
 
-/** Accuracy excludes training pairs; the source has one only if each stop has a head.
+/** Accuracy, over trainings if there are several. It excludes training pairs, so one training has none in its source.
  * @param {Frames} frames @param {string} domain */
-function accuracy(frames, domain) {
-  if (has(frames, "heads")) return series(frames, `${trainedAccuracy(frames, domain)}/mean`);
-  if (!domain) return series(frames, "accuracy/unseen");
-  return isSource(frames, domain) ? null : series(frames, `accuracy/${domain}`);
-}
+const accuracy = (frames, domain) =>
+  series(frames, `${trainedAccuracy(frames, domain)}/mean`) ??
+  (isSource(frames, domain) ? null : series(frames, `${ACCURACY}/${domain || "unseen"}`));
 
 /** The values of one measure at one stage, of one domain if named; null if not measured.
  * @param {Frames} frames @param {string} name @param {string} stage */
@@ -42,10 +40,10 @@ export function values(frames, name, stage, domain = "") {
 /** Minimum and maximum over trainings: {low, high}, or null for a single training.
  * @param {Frames} frames @param {string} name @param {string} stage */
 export function spread(frames, name, stage, domain = "") {
-  if (!has(frames, "heads")) return null;
+  if (domain && name !== ACCURACY) return null;
   const stem = name === ACCURACY ? trainedAccuracy(frames, domain) : `seeds:${name}/${featuresOf(stage)}`;
   const [low, high] = ["low", "high"].map((end) => series(frames, `${stem}/${end}`));
-  return low && high && !(name !== ACCURACY && domain) ? { low, high } : null;
+  return low && high && { low, high };
 }
 
 /** One axis for a measure at every stage, domain and stop: a flat line stays flat.

@@ -22,11 +22,66 @@ export const domainColour = (index) => OKABE_ITO[index % OKABE_ITO.length];
 /** @param {number} index */
 export const classColour = (index) => TOL_BRIGHT[index % TOL_BRIGHT.length];
 
-/** @typedef {Pick<Colouring, "groups" | "of">} Grouping */
+/** @typedef {Omit<Colouring, "id" | "label">} Grouping */
+/** A colour for each value of the pairs: the index of each, and the names in their order.
+ * @type {(values: (f: Colourable) => Numbers, names: (f: Colourable) => string[], colour: (index: number) => string) => Grouping} */
+const byValue = (values, names, colour) => ({
+  values,
+  groups: (f) => names(f).map((name, i) => [name, colour(i)]),
+  of: (f) => {
+    const index = values(f);
+    return (pair) => index[pair];
+  },
+});
+
+const MOST = TOL_BRIGHT.length; // values of a column that have a colour each
+/** @typedef {{index: number[], names: string[]}} Values */
+/** @type {WeakMap<string[], Values>} */
+const known = new WeakMap();
+
+/** The values of a column of the pairs' table; of more than MOST, the most frequent and the others.
+ * @param {string[]} column @returns {Values} */
+function valuesIn(column) {
+  const found = known.get(column);
+  if (found) return found;
+  /** @type {Map<string, number>} */
+  const counts = new Map();
+  for (const value of column) counts.set(value, (counts.get(value) ?? 0) + 1);
+  const others = counts.size > MOST && counts.size - (MOST - 1);
+  const frequent = [...counts].sort(([, a], [, b]) => b - a).slice(0, others ? MOST - 1 : MOST);
+  const values = frequent.map(([value]) => value).sort();
+  const place = new Map(values.map((value, i) => [value, i]));
+  const names = values.map((value) => value || "none");
+  const made = {
+    index: column.map((value) => place.get(value) ?? values.length),
+    names: others ? [...names, `${others.toLocaleString("en-US")} other values`] : names,
+  };
+  known.set(column, made);
+  return made;
+}
+
+/** @type {string[]} */
+const NONE = [];
+/** @param {string} column @returns {Grouping} */
+const byColumn = (column) =>
+  byValue(
+    ({ columns }) => valuesIn(columns[column] ?? NONE).index,
+    ({ columns }) => valuesIn(columns[column] ?? NONE).names,
+    classColour,
+  );
+
 /** @type {Record<string, Grouping>} */
 const KNOWN = {
-  domain: { groups: (f) => f.domains.map((name, i) => [name, domainColour(i)]), of: (f) => (pair) => f.domain[pair] },
-  class: { groups: (f) => f.classes.map((name, i) => [name, classColour(i)]), of: (f) => (pair) => f.label[pair] },
+  domain: byValue(
+    (f) => f.domain,
+    (f) => f.domains,
+    domainColour,
+  ),
+  class: byValue(
+    (f) => f.label,
+    (f) => f.classes,
+    classColour,
+  ),
   modality: {
     groups: () => [
       ["VIS", VIS_COLOUR],
@@ -64,43 +119,31 @@ const KNOWN = {
 export const saidOf = ({ answered, prediction, pairs }, pair, stop) =>
   answered?.[pair] ?? prediction[stop * pairs + pair];
 
-/** A colour for each value of a column of the pairs, as the table of the set has it.
- * @param {string} column @returns {Grouping} */
-const byColumn = (column) => ({
-  groups: ({ columns }) => valuesOf(columns[column]).map((name, i) => [name || "none", classColour(i)]),
-  of: ({ columns }) => {
-    const names = valuesOf(columns[column]);
-    return (pair) => names.indexOf(columns[column][pair]);
-  },
-});
-/** @param {string[]} all */
-const valuesOf = (all) => [...new Set(all)].sort();
-
 /** Colourings of points: each has a label, names, colours, and the group of a point.
  * @type {Record<string, Colouring>} */
 export const COLOURINGS = Object.fromEntries(
-  TABLES.colours.map(({ id, title, ...row }) => [
-    id,
-    { label: title, ...row, ...(row.column ? byColumn(row.column) : KNOWN[id]) },
+  TABLES.colours.map(({ title, ...row }) => [
+    row.id,
+    { label: title, ...row, ...(row.column ? byColumn(row.column) : KNOWN[row.id]) },
   ]),
 );
 
-/** @param {Numbers | string[]} [all] */
-const differ = (all) => !all || all.some((one) => one !== all[0]);
+/** @param {Numbers} all */
+const differ = (all) => all.some((one) => one !== all[0]);
 
 /** Whether frames have what a colouring needs: values that differ, a head and classes, a calibrated confidence.
- * @param {Colourable} frames @param {string} key @param {Colouring} row */
-const fits = (frames, key, { needs = [], column }) =>
-  differ(column ? (frames.columns[column] ?? []) : { domain: frames.domain, class: frames.label }[key]) &&
+ * @param {Colourable} frames @param {Colouring} row */
+const fits = (frames, { needs = [], values }) =>
+  (!values || differ(values(frames))) &&
   needs.every((one) => ({ head: !frames.headless, classes: frames.labelled })[one] ?? has(frames, one));
 
 /** The colourings that frames have. @param {Colourable} frames */
-export const colouringsOf = (frames) => Object.entries(COLOURINGS).filter(([key, row]) => fits(frames, key, row));
+export const colouringsOf = (frames) => Object.values(COLOURINGS).filter((row) => fits(frames, row));
 
 /** The colouring called `key`, or that of classes if the frames lack it, or the first.
  * @param {Colourable} frames @param {string} key */
 export function colouring(frames, key) {
-  const all = Object.fromEntries(colouringsOf(frames));
+  const all = Object.fromEntries(colouringsOf(frames).map((row) => [row.id, row]));
   return all[key] ?? all.class ?? Object.values(all)[0];
 }
 

@@ -1,6 +1,6 @@
 /** The steps of the head, with an explanation of each. */
 
-import { can, has, TABLES } from "./tables.js";
+import { can, modeOf, TABLES } from "./tables.js";
 
 const { stages } = TABLES;
 /** The encoder's output, and the step whose features are classified. */
@@ -9,9 +9,9 @@ export const [INPUT, OUTPUT] = ["input", "output"].map((one) => stages.find((row
 /** The step of this name, or the last. @param {string} name */
 export const stageNamed = (name) => stages.find(({ id }) => id === name) ?? stages[stages.length - 1];
 
-/** A stage in words, for the frames shown. @param {Stage} stage @param {{kind: string}} frames */
-export const explained = ({ help, heads, fixed }, frames) =>
-  [help, has(frames, "heads") ? heads : fixed].filter(Boolean).join(" ");
+/** A stage in words, for the frames shown. @param {Stage} stage @param {Frames} frames */
+export const explained = ({ id, help, fixed }, frames) =>
+  [help, fixed && (isStill(id, frames) ? fixed : modeOf(frames).moving)].filter(Boolean).join(" ");
 
 /** The stage whose map is shown: the transform keeps all distances of the projection. @param {string} stage */
 export const featuresOf = (stage) => stages.find(({ id }) => id === stage)?.as ?? stage;
@@ -23,5 +23,7 @@ export const stepsOf = ({ headless, meta: { maps } }) =>
     headless ? id === INPUT : !as || maps[`pca/${INPUT}`]?.array !== maps[`pca/${as}`]?.array,
   );
 
-/** Stages whose map and gaps do not depend on p. @param {string} stage @param {{kind: string}} frames */
-export const isStill = (stage, frames) => stage === INPUT || (can(stageNamed(stage), "rigid") && !has(frames, "heads"));
+/** Whether map and gaps of a stage do not depend on p: where the step is rigid and these frames have one map of it.
+ * @param {string} stage @param {Pick<Frames, "meta">} frames */
+export const isStill = (stage, { meta: { maps } }) =>
+  stage === INPUT || (can(stageNamed(stage), "rigid") && (maps[`pca/${featuresOf(stage)}`]?.orders.length ?? 1) === 1);

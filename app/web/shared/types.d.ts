@@ -36,6 +36,8 @@ interface Mode {
   away?: string;
   caption?: string;
   note?: string;
+  /** why the transform moves points, if it does */
+  moving?: string;
   lead?: string;
   words?: string;
 }
@@ -43,7 +45,6 @@ interface Measure {
   id: string;
   title: string;
   help: string;
-  good: "lower" | "higher";
   between?: string;
   /** the same for a set of signals */
   signals?: string;
@@ -59,8 +60,7 @@ interface Stage {
   can?: string[];
   /** the step whose map and gaps it has */
   as?: string;
-  /** more help where each stop has a head of its own, and where one head has them all */
-  heads?: string;
+  /** more help where p changes no distance */
   fixed?: string;
 }
 interface ColourRow {
@@ -159,11 +159,10 @@ interface Colourable {
   columns: Record<string, string[]>;
 }
 /** A colouring of points: the groups [name, colour], and the group of a pair. */
-interface Colouring {
+interface Colouring extends Omit<ColourRow, "title"> {
   label: string;
-  needs?: string[];
-  column?: string;
-  can?: string[];
+  /** the group of each pair, if it is the same at every p and of both images */
+  values?: (frames: Colourable) => Numbers;
   groups: (frames: Colourable) => [name: string, colour: string][];
   of: (frames: Colourable, stop: number) => (pair: number, tac?: boolean | number) => number;
 }
@@ -359,7 +358,7 @@ interface Known extends Omit<Rung, "from"> {
 /** What is loaded; a part with a `problem` has nothing else. */
 interface Facts {
   head: { problem?: string; classes: string[]; source: string; epochs?: Omit<Epoch, "measures" | "map">[] };
-  embeddings: { problem?: string; domains: string[]; simulated: boolean };
+  embeddings: { problem?: string; pairs: number; domains: string[]; simulated: boolean };
   sensor: Partial<Profile> & { problem?: string };
 }
 /** Why the head does not fit the set, and what to do; "" if it fits. */

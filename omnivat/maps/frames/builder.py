@@ -75,7 +75,7 @@ class FrameBuilder:
 
     settings  of the heads; all have the same classes and widths. None: no head, the raw stage alone
     still     stages whose distances do not depend on p: one map for all stops. Heads with a
-              projection each share the raw one alone
+              projection each, or an order for each modality, share the raw one alone
     """
 
     def __init__(
@@ -101,7 +101,9 @@ class FrameBuilder:
         self.orders, self.embeddings, self.measures = tuple(orders), embeddings, measures
         self.source, self.still = source, still
         projects, known = (settings.projects, settings.classes) if settings else (True, ())
-        self.tracks = _tracks(maps, len(orders), projects=projects, still=still)
+        # without a projection, the transform keeps the distances of the raw embedding
+        shared = not projects and "frft" in still
+        self.tracks = _tracks(maps, len(orders), shared=shared, still=still)
         wanted = {track.stage for track in self.tracks.values()}
         self.stages = [stage for stage in STAGES if stage in wanted]
         self.unitary = {name.split("/")[1] for name in maps} - wanted  # frft, if it shares raw
@@ -180,17 +182,14 @@ def spread(stops: int, count: int) -> tuple[int, ...]:
 
 
 def _tracks(
-    maps: Mapping[str, int], count: int, *, projects: bool, still: Sequence[str]
+    maps: Mapping[str, int], count: int, *, shared: bool, still: Sequence[str]
 ) -> dict[str, _Track]:
-    """Map each map name to its track; the unitary raw DFrFT shares that of the raw embedding.
-
-    If the head projects embeddings, the DFrFT has its own track, of the projected embeddings.
-    """
+    """Map each map name to its track; if `shared`, the DFrFT has that of the raw embedding."""
     made: dict[tuple[str, str], _Track] = {}
     tracks = {}
     for name, stops in maps.items():
         method, stage = name.split("/")
-        source = "raw" if stage == "frft" and not projects else stage
+        source = "raw" if stage == "frft" and shared else stage
         chosen = spread(1 if source in still else stops, count)
         tracks[name] = made.setdefault((method, source), _Track(method, source, chosen))
     return tracks
@@ -200,9 +199,7 @@ PCA_STOPS, UMAP_STOPS = 128, 21  # PCA: more than 101 round stops and the learne
 # maps, and the largest number of evenly spaced stops of each
 DEFAULT_MAPS: Mapping[str, int] = {
     **{f"pca/{stage}": PCA_STOPS for stage in STAGES},
-    "umap/raw": 1,
-    "umap/frft": 1,
-    "umap/f_hat": UMAP_STOPS,
+    **{f"umap/{stage}": UMAP_STOPS for stage in ("raw", "frft", "f_hat")},
 }
 
 
@@ -213,6 +210,7 @@ def build_frames(
     orders: Sequence[float] = STOPS,
     maps: Mapping[str, int] = DEFAULT_MAPS,
     measures: Sequence[str] = MEASURES,
+    still: Sequence[str] = STILL,
     provenance: Mapping[str, Any] | None = None,
     on_step: OnStep = ignore,
 ) -> FrameSet:
@@ -221,8 +219,10 @@ def build_frames(
     model       None: the features alone, one stop, with the maps and gaps of the raw stage
     orders      stops of the slider, in quarter turns, ascending
     maps        "method/stage" -> largest number of stops, evenly spaced with both ends; the page
-                shows the nearest one. Raw embedding and raw DFrFT have one map for all stops,
-                because the transform is unitary
+                shows the nearest one
+    still       stages with one map and one value for all stops: raw embedding and raw DFrFT,
+                because the transform is unitary; ("raw",) for a model with an order for each
+                modality
     measures    curves to compute, for the stages with a map; see docs/gaps.md
     provenance  facts about the head, apart from its learned order: hash, source domain
     Raises SettingsError for an unknown map or order, DataError for too many domains or classes.
@@ -244,9 +244,10 @@ def build_frames(
         maps=maps,
         measures=measures,
         source=str(known.get("source", "")),
+        still=still,
     )
     for found in walk(
-        model, embeddings, orders, stages=builder.stages, predictions=model is not None
+        model, embeddings, orders, stages=builder.stages, still=still, predictions=model is not None
     ):
         builder.add(found)
         on_step(

@@ -47,6 +47,7 @@ def walk(
     orders: Sequence[float],
     *,
     stages: Sequence[str] = (),
+    still: Sequence[str] = STILL,
     predictions: bool = True,
     sums_for: Facts | None = None,
     kept: PairCoefficients | None = None,
@@ -54,6 +55,7 @@ def walk(
     """Yield the results at each order.
 
     model     None for the raw stage without predictions
+    still     stages that do not depend on the order
     sums_for  yield sums of the features by these labels and domains instead of features; memory is
               then that of the predictions
     kept      `coefficients_of` the pairs, if they were computed before
@@ -65,7 +67,7 @@ def walk(
     require_known(stages, STAGES, "stage")
     if not np.isfinite(np.array(orders, dtype=np.float64)).all():
         raise SettingsError("Every order must be a finite number.")
-    moving = [stage for stage in stages if stage not in STILL]
+    moving = [stage for stage in stages if stage not in still]
     if not moving and not predictions:
         orders = orders[:1]
     for index, order in enumerate(map(float, orders)):

@@ -11,6 +11,7 @@ import plotly.graph_objects as go
 import pytest
 
 from omnivat import figures
+from omnivat.figures.maps import grouped
 from omnivat.figures.page import POLICY, cell
 from omnivat.figures.still import svg_of
 from omnivat.figures.theme import CONFIG
@@ -103,6 +104,13 @@ def test_a_cell_is_a_frame_that_cannot_reach_the_notebook():
     shown = some_map()._repr_mimebundle_()["text/html"]
     assert shown == cell(some_map())
     assert 'sandbox="allow-scripts allow-downloads"' in shown and "<script" not in shown
+
+
+def test_of_more_values_than_colours_the_most_frequent_have_one_each_as_on_the_page():
+    names, colours, group = grouped([*"abcdefghij", "j", "i"])  # as in tests/web/colours.test.js
+    assert names == ["a", "b", "c", "d", "e", "i", "j", "3 other values"]
+    assert len(colours) == len(names)
+    assert group[[0, 9, 10, 5]].tolist() == [0, 6, 6, 7]
 
 
 def test_pictures_travel_as_one_sheet_and_each_point_names_its_photo_and_touch(tmp_path):

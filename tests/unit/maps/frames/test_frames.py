@@ -88,6 +88,31 @@ def test_a_projecting_head_has_its_own_map_of_the_transform():
     assert found.maps["pca/raw"].points is not found.maps["pca/frft"].points
 
 
+@pytest.mark.parametrize("width", [12, 8])
+def test_an_order_for_each_modality_moves_the_transform_too(width, monkeypatch):
+    """The gap is that of the photo's own features at p and the touch's own at p / 2."""
+    model, data = head(width=width), pairs()
+    vis, tac = torch.from_numpy(data.vis), torch.from_numpy(data.tac)
+
+    def mean(name, order):
+        with torch.no_grad():
+            rows = model(vis, tac, order=order).frft[name].movedim(-2, 0).flatten(1)
+        return unit(rows).mean(0)
+
+    wanted = [float((mean("vis", p) - mean("tac", p / 2)).norm()) for p in ORDERS]
+    plain = model.from_coefficients
+
+    def lagging(kept, order=None, **options):
+        share = [1.0 if name == "vis" else 0.5 for name in kept.names]
+        return plain(kept, order * torch.tensor(share, dtype=torch.float64)[:, None], **options)
+
+    monkeypatch.setattr(model, "from_coefficients", lagging)
+    found = build_frames(model, data, orders=ORDERS, still=("raw",))
+    np.testing.assert_allclose(found.curves["modality_gap/frft"], wanted, atol=1e-5)
+    assert len(found.maps["pca/frft"].orders) == len(ORDERS)
+    assert found.maps["pca/raw"].orders == (0,)
+
+
 def test_quantising_is_exact_to_half_a_step_and_says_so():
     maps = [np.random.default_rng(seed).normal(size=(50, 2)) * (1, 40) for seed in range(3)]
     found = quantised(maps, (0, 1, 2))
