@@ -3,10 +3,13 @@
 import json
 import re
 from dataclasses import replace
+from pathlib import Path
+from urllib.parse import quote
 
 import pytest
 
-from omnivat.head.heads import EXAMPLES
+from omnivat.data.store import load_embeddings
+from omnivat.head.heads import EXAMPLES, default_embeddings
 from omnivat.maps.frames import read_frames, write_frames
 
 from .conftest import ROOT, Server, watched
@@ -39,11 +42,15 @@ def row(kind):
 
 @pytest.fixture(scope="module")
 def rows(tmp_path_factory):
-    """Return the folder of the plug-in, and its rows: a mode with its frames, a colour, a rung."""
+    """Return the folder of the plug-in, and its rows: a mode with its frames, a colour, a rung.
+
+    Curves of the frames are those that `build_frames` makes: none are over several trainings.
+    """
     folder = tmp_path_factory.mktemp("plug_in")
     made = {kind: row(kind) for kind in ("modes", "colours", "RUNGS")}
     frames = read_frames(EXAMPLES / "retrained.bin")
-    curves = {**frames.curves, "medians/f_hat": [0.25] * len(frames.orders)}
+    curves = {name: curve for name, curve in frames.curves.items() if not name.startswith("seeds:")}
+    curves["medians/f_hat"] = [0.25] * len(frames.orders)
     head = {**frames.head, "kind": made["modes"]["id"], "seeds": []}
     made["modes"]["file"] = str(folder / made["modes"]["file"])
     write_frames(made["modes"]["file"], replace(frames, head=head, curves=curves))
@@ -72,22 +79,57 @@ def page(chromium, rows):
     assert problems == []
 
 
-def test_a_mode_and_a_gap_of_its_frames_are_on_the_screen(page, rows):
+def test_a_mode_has_its_words_its_accuracy_and_the_gap_of_its_frames(page, rows):
     mode = rows[1]["modes"]
+    frames = read_frames(mode["file"])
     page.click(f".explore .modes button:has-text('{mode['title']}')")
     page.wait_for_selector(f".explore[data-kind='{mode['id']}']")
     line = page.inner_text(".explore .score .provenance")
     assert line.startswith("By " + mode["who"].partition("{")[0].strip())
-    page.select_option(".explore .of-steps", label="distance of medians")
+    stop = float(page.get_attribute(".explore .map", "data-order"))
+    right = frames.curves["accuracy/unseen"][frames.orders.index(stop)]
+    assert page.inner_text(".explore .score b.large").split() == [f"{100 * right:.0f}", "%"]
+    words = page.text_content(".explore .mode-words")
+    assert words == mode["lead"] + mode["words"].replace("{source}", frames.head["source"])
+    assert page.text_content(".explore .mode-words b") == mode["lead"]
+    page.select_option(".explore .of-steps", label="Distance of medians")
     stair = page.locator(".explore .stair[data-name=medians] output.open")
     assert stair.inner_text() == "0.25"
 
 
-def test_a_colour_of_a_column_paints_the_map_and_names_its_values(page, rows):
+def test_with_one_domain_left_a_gap_is_that_of_all_domains_and_says_so(page, rows):
+    mode = rows[1]["modes"]["id"]
+    hidden = "~".join(read_frames(rows[1]["modes"]["file"]).domains[1:])
+    page.goto(f"{page.url.partition('?')[0]}?chapter=analyse&mode={mode}&domain={quote(hidden)}")
+    page.wait_for_selector(f".explore[data-kind='{mode}']")
+    chart = page.locator(".explore figure[data-name=medians]")
+    chart.wait_for(state="attached")
+    assert chart.locator(".of").text_content() == "all domains"
+    assert chart.locator("output").text_content() == "0.250"
+
+
+def test_a_colour_of_a_column_paints_the_map_names_its_values_and_is_saved(page, rows):
+    row = rows[1]["colours"]
+    values = {
+        value or "none" for value in load_embeddings(default_embeddings()).rows[row["column"]]
+    }
+    address = f"{page.url.partition('?')[0]}?chapter=analyse&mode=moved&stage=projection"
+    page.goto(address)
+    page.wait_for_selector(f".explore .colouring option[value={row['id']}]", state="attached")
+    settle(page)
     before = pixels(page)
-    page.select_option(".explore .colouring", label=rows[1]["colours"]["title"])
+    page.select_option(".explore .colouring", label=row["title"])
     settle(page)
     assert pixels(page) != before
+    page.goto(f"{address}&colour={row['id']}")
+    legend = page.locator(".explore .filters .legend .key")
+    legend.first.wait_for(state="attached")
+    assert set(legend.all_text_contents()) == values
+    page.click(".explore .save summary")
+    with page.expect_download() as saved:
+        page.click(".explore .save [data-save=figure]")
+    text = Path(saved.value.path()).read_text(encoding="utf-8")
+    assert all(f'"name":"{value}"' in text for value in values)
 
 
 def test_a_rung_is_named_with_its_gain_in_the_line_of_own_pictures(page, rows):
