@@ -199,7 +199,9 @@ PCA_STOPS, UMAP_STOPS = 128, 21  # PCA: more than 101 round stops and the learne
 # maps, and the largest number of evenly spaced stops of each
 DEFAULT_MAPS: Mapping[str, int] = {
     **{f"pca/{stage}": PCA_STOPS for stage in STAGES},
-    **{f"umap/{stage}": UMAP_STOPS for stage in ("raw", "frft", "f_hat")},
+    "umap/raw": 1,
+    "umap/frft": UMAP_STOPS,
+    "umap/f_hat": UMAP_STOPS,
 }
 
 
