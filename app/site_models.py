@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from omnivat.head.checkpoint import Head
 
 PARTED = ("", OWN)  # heads that are taught, and whose familiarity is told
-PART = 64  # pairs of one file of the set, 0.2 MB of the default encoder, packed
+PART = 32  # pairs of one file of the set, 0.1 MB of the default encoder, packed
 COPIED = ("familiarity.safetensors", "profile.safetensors")
 
 

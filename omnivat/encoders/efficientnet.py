@@ -118,7 +118,7 @@ class EfficientNetLite0(TorchEncoder):
         )
 
     def write_onnx(self, file: Path) -> None:
-        """Write the network as ONNX, with weights in 14 bits: one resized picture (1, 224, 224, 3)
+        """Write the network as ONNX, with packed weights: one resized picture (1, 224, 224, 3)
         uint8 -> (1, 1280).
 
         Raises MissingPackageError if a package of ONNX is not installed.

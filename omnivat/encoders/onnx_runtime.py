@@ -16,7 +16,7 @@ from torch import Tensor, nn
 from omnivat.kit.tables import need
 
 PACKAGES = ("onnx", "onnxscript", "onnxruntime")
-LARGE = 10_000  # weights of a layer whose bits are worth saving
+LARGE, LARGEST = 10_000, 200_000  # weights of a layer that has 14 bits, or 13
 
 
 def in_onnx_runtime(network: nn.Module, example: Tensor) -> Callable[[Tensor], Tensor]:
@@ -59,9 +59,10 @@ def translate(
 
 
 def pack_weights(file: Path) -> None:
-    """Keep the large weights of a network in 14 bits: whole numbers, one scale for each output.
+    """Keep the large weights of a network in 14 bits, the largest in 13: whole numbers, one scale
+    for each output.
 
-    The upper 8 bits and the lower 6 stand apart, so that gzip packs them well. Small weights, to
+    The upper 8 bits and the others stand apart, so that gzip packs them well. Small weights, to
     which a network is more sensitive, stay as they are; it still computes in float32.
     """
     onnx = import_module("onnx")
@@ -72,10 +73,11 @@ def pack_weights(file: Path) -> None:
     for one in large:
         values, name = onnx.numpy_helper.to_array(one), one.name
         top = np.abs(values).max(axis=tuple(range(1, values.ndim)), keepdims=True)
-        scale = np.maximum(top, 1e-30).astype(np.float32) / (2**13 - 1)
-        upper, lower = np.divmod(np.rint(values / scale), 64)
+        rest = 5 if values.size >= LARGEST else 6  # bits beyond the upper 8
+        scale = np.maximum(top, 1e-30).astype(np.float32) / (2 ** (7 + rest) - 1)
+        upper, lower = np.divmod(np.rint(values / scale), 2**rest)
         graph.initializer.remove(one)
-        for part, whole, unit in (("upper", upper, 64 * scale), ("lower", lower, scale)):
+        for part, whole, unit in (("upper", upper, 2**rest * scale), ("lower", lower, scale)):
             own = f"{name}/{part}"
             graph.initializer.append(tensor(whole.astype(np.int8), f"{own}/whole"))
             graph.initializer.append(tensor(unit, f"{own}/unit"))

@@ -42,7 +42,7 @@ export const QUESTIONS = {
     const asked = await desk.asked(question);
     const { pair, order, head } = asked;
     const exact = order ?? head.learned;
-    const out = await desk.run(head, [pair], [...STOPS, exact]);
+    const [out, images] = await Promise.all([desk.run(head, [pair], [...STOPS, exact]), desk.lookedAt(asked)]);
     const each = STOPS.map((_, stop) => readingsOf(out, stop, pair));
     const last = readingsOf(out, STOPS.length, pair);
     const shown = ["fused", ...IMAGES].filter((name) => last[name]);
@@ -55,7 +55,7 @@ export const QUESTIONS = {
       stops: named(shown.map((name) => [name, each.map((one) => roundedRow(one[name]))])),
       exact: { order: exact, readings: roundedAll(last) },
       spectra: named(imagesOf(pair).map((name) => [name, spectrum(out[`${name}_size`], STOPS.length)])),
-      images: await desk.lookedAt(asked),
+      images,
     };
   },
 
