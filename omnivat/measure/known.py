@@ -4,8 +4,6 @@ Known pairs are drawn and left out of the test; results are averaged over draws:
 
     from omnivat.measure.rungs import labels, pairs, rest, sensors
 
-    from omnivat.measure.rungs import labels, pairs
-
     measured(head, embeddings)                      # nothing is known
     measured(head, embeddings, pairs(5), draws=10)  # five pairs without labels: a profile
     measured(head, embeddings, labels(3))           # three labelled pairs of each class: taught
@@ -102,11 +100,9 @@ def parts(
         if known.labels and len(rows):
             its = _able(reader.taught, "be taught")(_lessons(near, rows))
         if known.sensors > 1 and name != reader.source:
+            learned, draw = _able(reader.learned, "learn several domains"), known.draw or drawn
             others = [other for other in names if other not in (reader.source, name)]
-            chosen = (known.draw or drawn)("sensors", seed, name, np.array(others))[
-                : known.sensors - 1
-            ]
-            learned = _able(reader.learned, "learn several domains")
+            chosen = draw("sensors", seed, name, np.array(others))[: known.sensors - 1]
             its = learned(near, (reader.source, *chosen.tolist()))
         left = np.setdiff1d(near.rows_of(name, split="test"), rows)
         yield Part(domain=name, reader=its, embeddings=near, rows=left, known_pairs=len(rows))
@@ -272,7 +268,7 @@ def _ends(share: Mapping[str, Any]) -> dict[str, float | None]:
 
 
 def _facts(part: Part, source: str, count: int) -> dict[str, Any]:
-    """Return what a record says of a domain, of which `count` pairs are tested."""
+    """Return what a record holds of a domain, of which `count` pairs are tested."""
     split, home = part.embeddings.rows["split"], part.domain == source
     return {
         "domain": part.domain,

@@ -103,7 +103,7 @@ def _records() -> tuple[Mapping[str, Any], list[Mapping[str, Any]]]:
 def recorded(source: str, domains: Sequence[str]) -> list[Rung]:
     """Return the recorded rungs of heads trained on `source`; none without records.
 
-    domains  of the set: what was recorded on other domains says nothing about it
+    domains  of the set: what was recorded on other domains does not count
 
     A rung that the light head has not climbed is another method's, whose name `known` then has.
     """

@@ -25,7 +25,7 @@ UNMET = replace(SIMULATED["TAG"], name="Twins", seed_base=85_000)
 def twin(unmet: Planned, domain: SimulatedDomain) -> Planned:
     """Return the pair of an object that the domain's sensor presses and whose scene it stands in.
 
-    It keeps the object's name, so `object` says whose twin it is.
+    It keeps the object's name, so `object` states whose twin it is.
     """
     series = domain.series
     part = series[unmet.number % len(series)] if series else ""

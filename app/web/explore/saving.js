@@ -59,7 +59,7 @@ export function labelCsv() {
   $('.menu [data-save="csv"]').textContent = `${what} as CSV`;
 }
 
-/** What a saved map says of itself. */
+/** What a saved map states of itself. */
 function caption() {
   const { frames, stop } = scene;
   const { simulated, origin } = frames.meta.embeddings;

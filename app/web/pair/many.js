@@ -47,7 +47,7 @@ function tableHtml(tab, close) {
     )}`;
 }
 
-/** What each reading of a row says. @param {Row} row */
+/** What each reading of a row predicts. @param {Row} row */
 const saidOf = ({ classes = [], readings = {}, images }) => readingsOf({ classes, readings, images });
 
 /** @param {Row} one @param {number} i @param {boolean} taught */

@@ -30,7 +30,7 @@ function best(classes, row) {
 
 const ABSENT = { row: [], label: "", share: 0, used: [], strange: [], guess: false };
 
-/** What each reading of a pair says; nothing without its images.
+/** What each reading of a pair predicts; nothing without its images.
  * @param {{classes: string[], readings: Partial<Probabilities>, images?: Guesses}} prediction @returns {Said[]} */
 export function readingsOf({ classes, readings, images }) {
   const given = imagesOf(readings);

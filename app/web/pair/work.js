@@ -1,4 +1,4 @@
-/** The work that Try a pair asks for: requests to the server, files in and out. Its end is told as an event; a Refusal
+/** The work that Try a pair needs: requests to the server, files in and out. Its end is told as an event; a Refusal
  * becomes a sentence in the part that NOTES names. */
 
 import { ask, askOfImage, attempt, bytesOf, get, made, Refusal, readerOf, visit } from "../shared/api.js";

@@ -1,5 +1,5 @@
-/** What the page offers, as rows of the server: modes of p, measures, steps, colours, methods, rungs. A script asks
- * what a row can do, never for its name. `app/web/shared/tables.json` has the rows. */
+/** What the page offers, as rows of the server: modes of p, measures, steps, colours, methods, rungs. A script goes
+ * by what a row can do, never by its name. `app/web/shared/tables.json` has the rows. */
 
 const sent = globalThis.document?.querySelector("#omnivat-tables")?.textContent; // a worker has no document
 /** @type {Tables} */

@@ -67,7 +67,7 @@ export const FOREST = {
     };
   },
 
-  /** For each image of a pair, its place on a linear map, or its neighbours in the set and their shares; places.js asks.
+  /** For each image of a pair, its place on a linear map, or its neighbours in the set and their shares, for places.js.
    * `drawn` is the stop of the map. */
   async near(desk, question, { stopped }) {
     const { order, pair } = await desk.asked(question);

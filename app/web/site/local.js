@@ -18,7 +18,7 @@ const coming = new Map(); // what is on its way -> megabytes of it
 
 /** Show what is being fetched, until it is there. @param {{ data: Step }} message */
 function loading({ data: { text, done, total } }) {
-  const known = total >= done; // a compressed file is longer than its header says
+  const known = total >= done; // a compressed file is longer than its header states
   if (known && done === total) coming.delete(text);
   else coming.set(text, `${text}, ${(done / 1e6).toFixed(1)}${known ? ` of ${(total / 1e6).toFixed(1)}` : ""} MB`);
   const note = /** @type {HTMLElement | null} */ (document.querySelector(".on-its-way"));

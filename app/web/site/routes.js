@@ -122,7 +122,7 @@ export const QUESTIONS = {
     return saved(/** @type {SensorProfile} */ (desk.profileIn(question)), (await desk.about()).key);
   },
 
-  /** What the head says of each lesson before and after teaching. */
+  /** What the head predicts for each lesson before and after teaching. */
   async teach(desk, question) {
     return (await desk.learned(question)).report;
   },

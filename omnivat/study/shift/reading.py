@@ -20,7 +20,7 @@ from omnivat.kit.stages import IMAGES
 from omnivat.measure.gaps.unit import unit
 
 READINGS = {"vis": "vis", "tac": "tac", "both": "fused"}  # of linear maps and heads, by view
-MOST = 4000  # pairs; more are drawn at random, and the report says so
+MOST = 4000  # pairs; more are drawn at random, and the report states it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""What a report says in words: what the set cannot show, and one paragraph of methods for a
+"""What a report states in words: what the set cannot show, and one paragraph of methods for a
 paper.
 """
 
