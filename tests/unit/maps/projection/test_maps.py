@@ -3,8 +3,10 @@
 import sys
 from itertools import pairwise
 
+import numpy as np
 import pytest
 import torch
+from scipy.optimize import curve_fit
 
 from omnivat.kit.errors import MissingPackageError, SettingsError, ShapeError
 from omnivat.kit.tables import load
@@ -346,3 +348,11 @@ def test_the_steps_of_a_descent_shrink_to_nothing():
     assert float((moved - still)[0, 0]) == pytest.approx(
         2 * abs(pull) * (1 + 0.75 + 0.5 + 0.25), rel=1e-2
     )
+
+
+def test_the_curve_of_attraction_is_umap_s_fit_to_a_flat_start_of_a_tenth_and_an_exponential():
+    """A and B are fitted anew, as umap-learn does for min_dist = 0.1 and spread = 1."""
+    distance = np.linspace(0, 3, 300)
+    wanted = np.where(distance < 0.1, 1.0, np.exp(0.1 - distance))
+    found, _ = curve_fit(lambda x, a, b: 1 / (1 + a * x ** (2 * b)), distance, wanted)
+    assert found == pytest.approx((torch_umap.A, torch_umap.B), abs=1e-4)
