@@ -1,6 +1,6 @@
 """What the page offers, as rows: modes of p, measures, steps, colours, methods, rungs.
 
-Each row has an id, a title and what it can do; scripts ask for the ability, never for a name.
+Each row has an id, a title and what it can do; scripts go by the ability, never by a name.
 `app/web/shared/tables.json` has them, but for two: a gap of `omnivat.measure.gaps` is a measure,
 too, and the rungs are those of `omnivat.measure.rungs`.
 """

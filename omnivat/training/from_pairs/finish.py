@@ -114,9 +114,9 @@ def calibration_of(plan: TrainingPlan, pairs: Embeddings, order: float) -> Tempe
     """Fit temperatures to predictions for held-out pairs of the source.
 
     A head is trained on three quarters of the source's objects with the same settings, from `order`
-    and without a search. It predicts
-    the last quarter, as it is and under imitated sensors (omnivat/training/selection.py): with
-    plain pairs alone, a head would be as confident on a new sensor as on its own.
+    and without a search. It predicts the last quarter, as it is and under imitated sensors
+    (omnivat/training/selection.py): with plain pairs alone, a head would be as confident on a new
+    sensor as on its own.
 
     Raises DataError if no object can be held out.
     """
