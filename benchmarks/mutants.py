@@ -4,7 +4,8 @@
     [--again LOG]
 
 A mutant is one change of one line: + for -, * for /, < for <=, `and` for `or`, n + 1 for n, a sign
-left out. `--count` of them are drawn for each area; the area's tests run against each in a copy of
+left out. `--count` of them are drawn for each area, a folder of omnivat/ (head, measure/gaps); its
+tests, the folder of the same name in tests/unit/ and a few beside it, run against each in a copy of
 the tree until one fails, slow tests last. A mutant that no test notices survives and is listed.
 `--minutes` of processor time end the run early, after equally many mutants of each area. `--again
 LOG`, the output of an earlier run, tries its survivors alone: after new tests, and only while the
@@ -32,12 +33,12 @@ from typing import NamedTuple
 import pytest
 
 STATED = "tests/unit/documents/test_stated_values.py"
-AREAS = {
-    "fractional": (STATED, "tests/unit/fractional", "tests/properties/test_fractional.py"),
-    "head": (STATED, "tests/unit/head", "tests/unit/cli/test_profile_command.py"),
-    "measure/gaps": (STATED, "tests/unit/measure/gaps", "tests/properties/test_gaps.py"),
-    "training": (STATED, "tests/unit/training"),
-    "maps/projection": (STATED, "tests/unit/maps/projection"),
+AREAS = "fractional,head,measure/gaps,training,maps/projection"
+BESIDES = {
+    "fractional": ("tests/properties/test_fractional.py",),
+    "head": ("tests/unit/cli/test_profile_command.py",),
+    "measure": ("tests/properties/test_gaps.py",),
+    "measure/gaps": ("tests/properties/test_gaps.py",),
 }
 SHARED = (
     "torch",
@@ -105,6 +106,11 @@ def _change(node: ast.AST) -> bool:
     return True
 
 
+def tests_of(area: str) -> tuple[str, ...]:
+    """Return the tests of an area: files and folders."""
+    return (STATED, f"tests/unit/{area}", *BESIDES.get(area, ()))
+
+
 def survives(root: Path, mutant: Mutant) -> bool:
     """Return True if all tests of its area pass with the mutant in the copy at `root`."""
     file = root / mutant.file
@@ -113,7 +119,7 @@ def survives(root: Path, mutant: Mutant) -> bool:
     _change(list(ast.walk(tree))[mutant.place])
     file.write_text(ast.unparse(tree), encoding="utf-8")
     try:
-        return all(passes(root, AREAS[mutant.area], which) for which in ("not slow", "slow"))
+        return all(passes(root, tests_of(mutant.area), which) for which in ("not slow", "slow"))
     finally:
         file.write_text(kept, encoding="utf-8")
 
@@ -168,7 +174,7 @@ def survivors(log: Path, mutants: list[Mutant]) -> list[Mutant]:
 def main() -> None:
     """Run the command."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n")[0])
-    parser.add_argument("--areas", default=",".join(AREAS), help="separated by commas")
+    parser.add_argument("--areas", default=AREAS, help="separated by commas")
     parser.add_argument("--count", type=int, default=20, help="mutants of each area")
     parser.add_argument("--minutes", type=float, default=600.0, help="of processor time")
     parser.add_argument("--seed", type=int, default=0)
@@ -186,7 +192,7 @@ def main() -> None:
             (root / name).symlink_to(here / name)
         areas, again = options.areas.split(","), options.again
         for area in areas:
-            if not passes(root, AREAS[area], "not slow"):
+            if not passes(root, tests_of(area), "not slow"):
                 raise SystemExit(f"The tests of '{area}' fail without any mutant; mend them first.")
         start = spent()
         drawn = [mutants(root, a, None if again else options.count, options.seed) for a in areas]
