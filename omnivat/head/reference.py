@@ -8,14 +8,14 @@ others. A text of the class (lang) is used in training only. One image of a pair
     root = sum of all F̄ -> seven nodes -> F̂ = F̄ + the nodes' mean           DTG, Eq. 8, 11
     F̂ -> ten times its cosine to each class -> softmax -> mean over vis, tac       ours
 
-Equations have the paper's numbers (README.md). "Ours" marks what it leaves open (docs/method.md).
-Beside a line is the shape of its result: B pairs, M images of each, widths W (image), L (text) and
-D (head), T = 2 x expansion tokens, N nodes, K classes. omnivat/training fills `bank`, draws masks.
+Equations have the paper's numbers (README.md) and order. "Ours" marks what it leaves open
+(docs/method.md). Beside a line is the shape of its result: B pairs, M images of each, widths W
+(image), L (text), D (head), T = 2 x expansion tokens, N nodes, K classes.
 """
 
 import torch
 from torch import Tensor, eye, linalg, log_softmax, nn, relu, softmax, stack, where
-from torch.nn.functional import cross_entropy, linear, normalize
+from torch.nn.functional import cross_entropy, kl_div, linear, normalize
 
 from omnivat.fractional import basis
 from omnivat.kit.stages import MODALITIES  # lang, vis, tac
@@ -24,10 +24,10 @@ from omnivat.kit.stages import MODALITIES  # lang, vis, tac
 def dfrft(x: Tensor, p: Tensor) -> tuple[Tensor, Tensor]:
     """Return the fractional Fourier transform of order p, its real and imaginary part. Eq. 2.
 
-    It acts on each row of x (B, D). p is in quarter turns: p = 0 leaves the row, p = 1 is its
-    Fourier transform. V holds the transform's eigenvectors: a bell around entry 0 in column k = 0,
-    then ever faster waves; for even D the last k is D, not D - 1. The transform multiplies the
-    row's share of column k by (-i)^k. Its power p multiplies that share by exp(-i p k π/2).
+    It acts on rows of x (B, D). p is in quarter turns: p = 0 leaves a row, p = 1 is its Fourier
+    transform. V holds its eigenvectors: a bell around entry 0 in column k = 0, then ever faster
+    waves; for even D the last k is D, not D - 1. The Fourier transform multiplies the row's share
+    of column k by (-i)^k, its power p by exp(-i p k π/2).
 
     >>> dfrft(torch.tensor([[1.0, 0, 0, 0]]), torch.tensor(1.0))[0]  # a pulse: a flat spectrum
     tensor([[0.5000, 0.5000, 0.5000, 0.5000]])
@@ -40,20 +40,19 @@ def dfrft(x: Tensor, p: Tensor) -> tuple[Tensor, Tensor]:
 
 
 class FrATT(nn.Module):
-    """Attention with one head over tokens of the transform: fractional Fourier attention."""
+    """Fractional Fourier attention, with one head: queries read tokens of the transform."""
 
     def __init__(self, width: int) -> None:
         super().__init__()
-        wide = 4 * width  # ours, as are GELU and every bias
         self.query, self.key, self.value = (nn.Linear(width, width) for _ in range(3))
+        wide = 4 * width  # ours, as are GELU and every bias
         self.ffn = nn.Sequential(nn.Linear(width, wide), nn.GELU(), nn.Linear(wide, width))
 
     def forward(self, queries: Tensor, tokens: Tensor) -> Tensor:
         """Return F̄ (B, D), of length 1 (ours), of queries and tokens (B, T, D). Eq. 4."""
         scores = self.query(queries) @ self.key(tokens).mT / tokens.shape[-1] ** 0.5  # (B, T, T)
         weights = softmax(scores, dim=-1)  # (B, T, T); the paper has √D outside (ours: inside)
-        read = (weights @ self.value(tokens)).mean(1)  # (B, D)
-        return normalize(self.ffn(read), dim=-1)
+        return normalize(self.ffn((weights @ self.value(tokens)).mean(1)), dim=-1)
 
 
 class MFFA(nn.Module):
@@ -69,19 +68,36 @@ class MFFA(nn.Module):
         self.register_buffer("bank_seen", torch.zeros(classes).bool())  # classes, kept in training
 
     def tokens(self, name: str, embedding: Tensor) -> Tensor:
-        """Return real tokens (ours): ReLU of each θ times Re F_p(E), then times Im. Eq. 3."""
+        """Return F (B, T, D), real (ours): ReLU of each θ times Re F_p(E), then times Im. Eq. 3."""
         parts = stack(dfrft(embedding, self.order), dim=1)  # (B, 2, D)
-        return relu(self.theta[name][:, None] * parts[:, :, None]).flatten(1, 2)  # (B, T, D)
+        return relu(self.theta[name][:, None] * parts[:, :, None]).flatten(1, 2)
 
     def mean_token(self, name: str) -> Tensor:
         """Return F_g (D,) where the class is not known: its mean over the classes (ours)."""
-        bank, seen = self.get_buffer("bank"), self.get_buffer("bank_seen").double()
-        return seen.to(bank) @ bank[MODALITIES.index(name)] / seen.sum().clamp_min(1).to(bank)
+        bank = self.get_buffer("bank")[MODALITIES.index(name), self.get_buffer("bank_seen")]
+        return bank.sum(0) / max(len(bank), 1)
+
+    def with_class(self, name: str, tokens: Tensor, average: Tensor) -> Tensor:
+        """Return F_g + F (B, T, D). F_g: mean over the class in the batch, by `average` (B, B)."""
+        of_class = average @ tokens.mean(1)  # (B, D); a row of zeros: the class is not given
+        return tokens + where(average.any(1)[:, None], of_class, self.mean_token(name))[:, None]
+
+    def image(self, name: str, e: Tensor, text: Tensor, on: Tensor, average: Tensor) -> Tensor:
+        """Return F̄ (B, D) of images; F̄ of the text guides those that are `on`. Eq. 5 and 6."""
+        guide = text * text.shape[-1] ** 0.5  # (B, D), as long as E (ours)
+        tokens = self.tokens(name, e + guide * on[:, None])  # (B, T, D), Eq. 5: text joins E
+        queries = where(on[:, None, None], guide[:, None], tokens)  # Eq. 6: text as query
+        return self.fratt.forward(queries, self.with_class(name, tokens, average))
+
+    def alignment(self, text: Tensor, bar: Tensor) -> Tensor:
+        """Return L_MMA of one image: λ = 10 times the mean KL(text, image) of the pairs. Eq. 7."""
+        image, goal = log_softmax(bar, dim=-1), log_softmax(text, dim=-1)  # over D (ours)
+        return 10 * kl_div(image, goal, reduction="batchmean", log_target=True)
 
     def forward(self, name: str, embedding: Tensor) -> Tensor:
-        """Return F̄ (B, D) of E at prediction: no text, so the tokens are the queries (ours)."""
-        tokens = self.tokens(name, embedding)
-        return self.fratt.forward(tokens, tokens + self.mean_token(name))  # no F_g in queries
+        """Return F̄ (B, D) of images at prediction: no text, so the tokens are queries (ours)."""
+        tokens = self.tokens(name, embedding)  # (B, T, D)
+        return self.fratt.forward(tokens, tokens + self.mean_token(name))
 
 
 class DTG(nn.Module):
@@ -89,6 +105,7 @@ class DTG(nn.Module):
 
     def __init__(self, width: int, levels: int) -> None:
         super().__init__()
+        self.levels = levels
         self.weight = nn.Parameter(linalg.qr(torch.randn(2**levels - 2, width, width)).Q)  # ours: Q
         self.bias = nn.Parameter(torch.zeros(self.weight.shape[:2]))  # ours
 
@@ -99,6 +116,12 @@ class DTG(nn.Module):
             nodes.append(linear(nodes[edge // 2], weight, bias))  # (B, D)
         return stack(nodes, dim=1)
 
+    def diversity(self, nodes: Tensor) -> Tensor:
+        """Return L_NOD, least where the nodes of each level are orthogonal. No root (ours)."""
+        units = normalize(nodes, dim=-1).split([2**r for r in range(self.levels)], dim=1)
+        excess = [u @ u.mT - eye(u.shape[1]).to(u) for u in units[1:]]  # (B, 2^r, 2^r), Eq. 9
+        return stack([linalg.matrix_norm(x).mean() for x in excess]).sum()  # Eq. 10
+
 
 class Reference(nn.Module):
     """The head; `head.py` is its fast form. Each modality has `expansion` θ."""
@@ -106,74 +129,52 @@ class Reference(nn.Module):
     def __init__(
         self, classes: int, image: int, text: int, width: int, expansion: int = 4, levels: int = 3
     ) -> None:
-        super().__init__()
-        self.length, self.levels = float(width**0.5), levels
+        super().__init__()  # project_image is for vis; project_lang is ours
         self.project_image, self.project_tac = nn.Linear(image, width), nn.Linear(image, width)
-        self.project_lang = nn.Linear(text, width)  # ours; project_image is for vis
+        self.project_lang = nn.Linear(text, width)
         self.mffa, self.dtg = MFFA(width, expansion, classes), DTG(width, levels)
-        self.classifier = nn.Parameter(torch.randn(classes, width) / self.length)
+        self.classifier = nn.Parameter(torch.randn(classes, width) / width**0.5)
 
     def embedded(self, name: str, vector: Tensor) -> Tensor:
         """Return E (B, D) of vectors (B, W), of a text (B, L): projected, length √D (both ours)."""
         layers = {"lang": self.project_lang, "vis": self.project_image, "tac": self.project_tac}
-        return normalize(layers[name](vector), dim=-1) * self.length
+        return normalize(layers[name](vector), dim=-1).mul(self.classifier.shape[1] ** 0.5)
 
     def classify(self, hat: Tensor) -> Tensor:
         """Return logits (B, K) of F̂: ten times the cosine to each class (ours)."""
         return 10 * normalize(hat, dim=-1) @ normalize(self.classifier, dim=-1).mT
 
-    def forward(self, images: dict[str, Tensor]) -> Tensor:
-        """Return probabilities (B, K). Keys: "vis", "tac" or both. Alg. 2; with a tree (ours)."""
-        bars = stack([self.mffa(name, self.embedded(name, x)) for name, x in images.items()])
-        hats = bars + self.dtg(bars.sum(0)).mean(1)  # (M, B, D), Eq. 11; root = sum over images
-        return softmax(self.classify(hats), dim=-1).mean(0)  # (B, K), mean over images (ours)
-
     def loss(
         self, images: dict[str, Tensor], lang: Tensor, labels: Tensor, on: Tensor, token_on: Tensor
     ) -> Tensor:
-        """Return the loss of a batch, L_CE + 10 L_MMA + L_NOD. Eq. 12, Alg. 1.
+        """Return the loss of a batch, L_MMA + L_NOD + L_CE. Eq. 12, Alg. 1.
 
-        lang      (B, L) vector of a text of each pair's class; the classes are `labels` (B,)
+        images    (B, W) each; lang (B, L) a text of each pair's class; labels (B,) the class
         on        (B,) bool: pairs whose E, queries and root receive the text: half (ours)
         token_on  (B,) bool: pairs with F_g of their class: half; others get the mean (ours)
-
-        L_CE is the mean over images (ours). L_MMA, a sum over images, draws F̄ of image and text
-        together in all pairs, `on` or not. L_NOD makes a level's nodes orthogonal.
         """
-        same = (labels[:, None] == labels).to(lang)  # (B, B)
-
-        def with_class(name: str, tokens: Tensor) -> Tensor:  # (B, T, D), each plus F_g
-            of_class = (same / same.sum(1, keepdim=True)) @ tokens.mean(1)  # F_g (B, D), batch
-            return tokens + where(token_on[:, None], of_class, self.mffa.mean_token(name))[:, None]
-
-        tokens = self.mffa.tokens("lang", self.embedded("lang", lang))  # (B, T, D)
-        text = self.mffa.fratt(tokens, with_class("lang", tokens))  # F̄ of the text, (B, D)
-        guide, bars = self.length * text, []  # (B, D), as long as E (ours)
-        for name, vector in images.items():
-            embedding = self.embedded(name, vector) + guide * on[:, None]  # Eq. 5: text joins E
-            tokens = self.mffa.tokens(name, embedding)  # (B, T, D)
-            queries = where(on[:, None, None], guide[:, None], tokens)  # Eq. 6: text as query
-            bars.append(self.mffa.fratt(queries, with_class(name, tokens)))  # (B, D)
+        same, mffa = labels[:, None] == labels, self.mffa  # same (B, B)
+        average = same.to(lang) / same.sum(1, keepdim=True) * token_on[:, None]  # (B, B)
+        tokens = mffa.tokens("lang", self.embedded("lang", lang))  # (B, T, D)
+        text = mffa.fratt(tokens, mffa.with_class("lang", tokens, average))  # F̄ (B, D), Eq. 4
+        bars = [mffa.image(m, self.embedded(m, x), text, on, average) for m, x in images.items()]
         nodes = self.dtg(stack(bars).sum(0) + text * on[:, None])  # (B, N, D); text joins root
-        goal, total = log_softmax(text, dim=-1), torch.zeros(()).to(text)  # goal (B, D) of L_MMA
-        for bar in bars:  # F̂ = bar + mean of nodes, Eq. 11
-            total = total + cross_entropy(self.classify(bar + nodes.mean(1)), labels) / len(bars)
-            gap = goal.exp() * (goal - log_softmax(bar, dim=-1))  # (B, D), Eq. 7: KL(text, image)
-            total = total + 10 * gap.sum(-1).mean()
-        for level in nodes.split([2**r for r in range(self.levels)], dim=1)[1:]:  # no root: ours
-            unit = normalize(level, dim=-1)  # (B, 2^r, D)
-            excess = unit @ unit.mT - eye(level.shape[1]).to(unit)  # (B, 2^r, 2^r), Eq. 9
-            total = total + linalg.matrix_norm(excess).mean()  # Eq. 10
+        total: Tensor = self.dtg.diversity(nodes)  # L_NOD
+        for bar in bars:
+            logits = self.classify(bar + nodes.mean(1))  # (B, K), Eq. 11; L_CE: mean over images
+            total = total + mffa.alignment(text, bar) + cross_entropy(logits, labels) / len(bars)
         return total
 
+    def forward(self, images: dict[str, Tensor]) -> Tensor:
+        """Return probabilities (B, K). Keys: "vis", "tac" or both. Alg. 2; with a tree (ours).
 
-__test__ = {
-    "a worked pair": """
-    >>> head = Reference(classes=3, image=12, text=10, width=6).requires_grad_(False)
-    >>> pair = {"vis": torch.randn(1, 12), "tac": torch.randn(1, 12)}
-    >>> head.dtg(head.mffa("tac", head.embedded("tac", pair["tac"]))).shape  # nodes of a touch
-    torch.Size([1, 7, 6])
-    >>> [round(float(head(some).sum()), 5) for some in (pair, {"tac": pair["tac"]})]  # no photo
-    [1.0, 1.0]
-    """
-}
+        >>> head = Reference(classes=3, image=12, text=10, width=6).requires_grad_(False)
+        >>> pair = {"vis": torch.randn(1, 12), "tac": torch.randn(1, 12)}
+        >>> head.dtg(head.mffa("tac", head.embedded("tac", pair["tac"]))).shape  # nodes of a touch
+        torch.Size([1, 7, 6])
+        >>> [round(float(head(x).sum()), 5) for x in (pair, {"tac": pair["tac"]})]  # no photo
+        [1.0, 1.0]
+        """
+        bars = stack([self.mffa(name, self.embedded(name, x)) for name, x in images.items()])
+        hats = bars + self.dtg(bars.sum(0)).mean(1)  # (M, B, D), Eq. 11; root = sum over images
+        return softmax(self.classify(hats), dim=-1).mean(0)  # (B, K), mean over images (ours)
