@@ -42,7 +42,7 @@ def nod_loss(layers: Sequence[Float[Tensor, "B _ D"]]) -> Float[Tensor, ""]:
     layers  the levels r = 1..R, of 2^(r-1) nodes each; at least one
     return  >= 0: Frobenius norms summed over levels, mean over the batch
 
-    A level of one node is left out, because the gradient of a norm at zero would be NaN.
+    A level of one node is left out: its cosine with itself is 1, so its norm and gradient are 0.
     Negative and positive cosines count equally, as printed.
     Source: paper, Eq. 9 and 10.
     """
