@@ -5,12 +5,12 @@ A batch is processed in pieces that fit the cache: rows of coefficients with the
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import NamedTuple
 
+import numpy as np
 import torch
 from jaxtyping import Float, Float64, Inexact
 from torch import Tensor
@@ -62,23 +62,20 @@ def pieces(
     If many rows share an order, its phases are computed once; otherwise for each row.
     """
     size = values.shape[-1]
-    if not math.prod(lead):
-        return
     rows = values.expand(*lead, size)
-    order = order.reshape((1,) * (len(lead) - order.dim()) + order.shape)
-    varying = len(lead) if order.numel() > 1 else 0  # axes along which it varies
+    order = order.view((1,) * (len(lead) - order.dim()) + order.shape)
+    varying = len(lead)  # axes along which it varies
     while varying and order.shape[varying - 1] == 1:
         varying -= 1
     sharing = math.prod(lead[varying:])
     if varying and sharing < _WORTH_A_LOOP:
-        rows, each = rows.reshape(-1, size), order.expand(lead).reshape(-1)
+        rows, each = rows.reshape(-1, size), order.expand(lead).flatten()
         for some in slices(rows):
             yield Piece(some, rows[some], partial(_planar_phases, each[some], indices, values))
         return
-    orders = order.expand((*lead[:varying], *order.shape[varying:])).reshape(-1, 1)
-    places = itertools.product(*(range(length) for length in lead[:varying]))
-    for number, place in enumerate(places):
-        shared = _planar_phases(orders[number], indices, values)
+    orders = order.view(order.shape[:varying]).expand(lead[:varying])
+    for number, place in enumerate(np.ndindex(lead[:varying])):
+        shared = _planar_phases(orders[place][None], indices, values)
         group, start = rows[place].reshape(-1, size), number * sharing
         for some in slices(group):
             place_of_some = slice(start + some.start, start + some.stop)

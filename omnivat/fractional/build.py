@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import threading
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 import torch
@@ -21,7 +21,6 @@ from omnivat.kit.threads import one_blas_thread
 _KEPT = 16
 
 _building = threading.RLock()
-T = TypeVar("T")
 
 
 def indices_by_parity(size: int) -> Float64[np.ndarray, " {size}"]:
@@ -32,13 +31,13 @@ def indices_by_parity(size: int) -> Float64[np.ndarray, " {size}"]:
 
 def build_split(size: int, like: Tensor) -> Split:
     """Build the cheapest split for length N, on the device and in the precision of `like`."""
+    quarters = size % 4 == 0 and size > 4
+    refine: Callable[[Tridiagonal], Any] = refined_quarter if quarters else refined_spectrum
     # each parity has a core: identical to the last bit for any number of threads
     with one_blas_thread():
-        blocks = parity_blocks(size)
-        if size % 4 == 0 and size > 4:
-            factors = _both(refined_quarter, blocks)
-            return QuarterSplit(factors[0], factors[1], like)
-        even, odd = _both(refined_spectrum, blocks)
+        even, odd = side_by_side([functools.partial(refine, b) for b in parity_blocks(size)])
+    if quarters:
+        return QuarterSplit(even, odd, like)
     if size == 2:  # both neighbours of a sample are the other one: the block has another form
         cosine, sine = np.cos(np.pi / 8), np.sin(np.pi / 8)
         even = np.array([[cosine, sine], [sine, -cosine]])
@@ -46,11 +45,6 @@ def build_split(size: int, like: Tensor) -> Split:
     indices = torch.from_numpy(indices_by_parity(size)).to(like.device)
     halves = [torch.from_numpy(half).to(like) for half in (even, odd * np.sqrt(0.5))]
     return HalfSplit(halves[0], halves[1], indices)
-
-
-def _both(refine: Callable[[Tridiagonal], T], blocks: tuple[Tridiagonal, Tridiagonal]) -> list[T]:
-    """Compute even and odd eigenvectors in parallel; they are independent."""
-    return side_by_side([functools.partial(refine, block) for block in blocks])
 
 
 @functools.lru_cache(maxsize=_KEPT)

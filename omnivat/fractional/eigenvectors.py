@@ -12,7 +12,7 @@ to one side. Derivation: docs/fractional.md.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float64
@@ -38,8 +38,6 @@ def lapack_spectrum(
 
     The faster `dstemr` loses orthogonality at N = 4096, and fails for half a spectrum.
     """
-    if len(block) < 2:
-        return block.diagonal.high.copy(), np.ones((len(block), len(block)))
     from scipy.linalg import eigh_tridiagonal
 
     values, vectors = eigh_tridiagonal(
@@ -66,33 +64,29 @@ def inverse_gaps(values: Float64[np.ndarray, " n"]) -> Float64[np.ndarray, "n n"
 
 def refined_spectrum(block: Tridiagonal) -> Float64[np.ndarray, "n n"]:
     """Return eigenvectors of a tridiagonal block, by decreasing eigenvalue, to 1-2 ulp."""
-    values, x = lapack_spectrum(block)
     if len(block) < 2:
-        return x
+        return np.ones((len(block), len(block)))
+    values, x = lapack_spectrum(block)
     off = residual(block.times(x), values, x)
     shift = (x * off).sum(0)
     mixing = (x.T @ (off - x * shift)) * inverse_gaps(values + shift)
     return np.asarray(x + (x @ mixing - x * excess_norm(x)))
 
 
-@dataclass(frozen=True)
-class QuarterFactor:
+class QuarterFactor(NamedTuple):
     """Unit singular vectors of one parity block in columns, by decreasing σ.
 
     large (w = m + 1): m vectors, then the null vector; rows are samples, the middle one last.
-    small: their partners. middle_is_plus: True if `large` belongs to Q = +1.
+    small: their partners. `large` belongs to Q = +1 if m is even, to Q = -1 if m is odd.
     """
 
     large: Float64[np.ndarray, "w w"]
     small: Float64[np.ndarray, "m m"]
-    middle_is_plus: bool
 
 
 def alternating(size: int) -> Float64[np.ndarray, " {size}"]:
     """1, -1, 1, …"""
-    signs = np.ones(size)
-    signs[1::2] = -1.0
-    return signs
+    return 1.0 - 2.0 * (np.arange(size) % 2)
 
 
 def _rough(block: Tridiagonal) -> tuple[Array, QuarterFactor]:
@@ -105,7 +99,7 @@ def _rough(block: Tridiagonal) -> tuple[Array, QuarterFactor]:
     plus, minus = pairs[:m] + mirrored, pairs[:m] - mirrored
     large, small = (plus, minus) if m % 2 == 0 else (minus, plus)
     large = np.hstack([np.vstack([large, np.sqrt(2.0) * pairs[m]]), null])
-    return values[:m], QuarterFactor(large, small, m % 2 == 0)
+    return values[:m], QuarterFactor(large, small)
 
 
 def _to_small(block: Tridiagonal, large: Float64[np.ndarray, "w c"]) -> Pair:
@@ -145,4 +139,4 @@ def refined_quarter(block: Tridiagonal) -> QuarterFactor:
     leak = _to_small(leading, null)
     away = w @ ((u.T @ (leak.high + leak.low)) / sigma[:, None])
     new_null = null - (away + null * excess_norm(null))
-    return QuarterFactor(np.hstack([new_w, new_null]), new_u, rough.middle_is_plus)
+    return QuarterFactor(np.hstack([new_w, new_null]), new_u)

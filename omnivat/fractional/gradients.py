@@ -1,12 +1,12 @@
 """V and Vᵀ as autograd functions with closed-form gradients of any order.
 
-V is orthogonal, so V and Vᵀ are each other's gradient. `Synthesise` fuses the phases and Vᵀ. For
-higher derivatives, its gradient is composed of these two.
+V is orthogonal, so V and Vᵀ are each other's gradient. `_Synthesise` fuses the phases and Vᵀ. For
+higher derivatives, its gradient is that of a composition of differentiable operations.
 """
 
 from __future__ import annotations
 
-import math
+from functools import partial
 from typing import Any
 
 import torch
@@ -20,18 +20,10 @@ from omnivat.fractional.phases import smooth_phases
 from omnivat.fractional.splits import Split, kept_numbers
 
 
-def analyse(x: Inexact[Tensor, "*lead N"], split: Split) -> Inexact[Tensor, "*lead N"]:
-    """x V on the last axis."""
-    return _applied(x, split, False)
-
-
-def restore(z: Inexact[Tensor, "*lead N"], split: Split) -> Inexact[Tensor, "*lead N"]:
-    """z Vᵀ on the last axis."""
-    return _applied(z, split, True)
-
-
-def _applied(x: Inexact[Tensor, "*lead N"], split: Split, back: bool) -> Inexact[Tensor, "*lead N"]:
-    """x V, or with `back` x Vᵀ."""
+def apply(
+    x: Inexact[Tensor, "*lead N"], split: Split, *, back: bool = False
+) -> Inexact[Tensor, "*lead N"]:
+    """x V on the last axis, or with `back` x Vᵀ."""
     if torch.compiler.is_exporting():
         with kept_numbers():  # V as numbers: an exported program has plain products, with gradients
             eye = torch.eye(x.shape[-1], dtype=x.dtype.to_real(), device=split.indices.device)
@@ -52,12 +44,17 @@ def synthesise(
 ) -> Inexact[Tensor, "... N"]:
     """(λ^p ⊙ values) Vᵀ on the last axis; values and order broadcast to the leading axes `lead`."""
     if torch.compiler.is_exporting() or under_transform(values, order):
-        phases = smooth_phases(order, split.indices).to(values.dtype.to_complex())
-        whole = restore(phases * values, split)
-        return torch.stack([whole.real, whole.imag]) if planar else whole
+        return _composed(values, order, split, planar)
     if not _wants_gradient(values, order):
         return synthesise_rows(split, values, order, lead, planar=planar)
     return _Synthesise.apply(values, order, lead, split, planar)  # type: ignore[no-any-return,no-untyped-call]
+
+
+def _composed(values: Tensor, order: Tensor, split: Split, planar: bool) -> Tensor:
+    """The same as `synthesise`, of operations that can be differentiated any number of times."""
+    phases = smooth_phases(order, split.indices).to(values.dtype.to_complex())
+    whole = apply(phases * values, split, back=True)
+    return torch.stack([whole.real, whole.imag]) if planar else whole
 
 
 def _wants_gradient(*tensors: Tensor) -> bool:
@@ -77,17 +74,17 @@ class _Apply(Function):
 
     @staticmethod
     def backward(ctx: Any, grad: Tensor) -> tuple[Tensor, None, None]:
-        return _applied(grad, ctx.split, not ctx.back), None, None
+        return apply(grad, ctx.split, back=not ctx.back), None, None
 
     @staticmethod
     def jvp(ctx: Any, tangent: Tensor, *_: None) -> Tensor:
-        return _applied(tangent, ctx.split, ctx.back)
+        return apply(tangent, ctx.split, back=ctx.back)
 
     @staticmethod
     def vmap(
         info: Any, in_dims: tuple[int, None, None], x: Tensor, split: Split, back: bool
     ) -> tuple[Tensor, int]:
-        return _applied(x.movedim(in_dims[0], 0), split, back), 0
+        return apply(x.movedim(in_dims[0], 0), split, back=back), 0
 
 
 class _Synthesise(Function):
@@ -102,25 +99,9 @@ class _Synthesise(Function):
     @staticmethod
     def backward(ctx: Any, grad: Tensor) -> tuple[Tensor, Tensor, None, None, None]:
         values, order = ctx.saved_tensors
-        # with create_graph=True, the gradient itself has a gradient
-        back = _differentiable_back if torch.is_grad_enabled() else turned_back
-        return *back(ctx.split, values, order, grad, planar=ctx.planar), None, None, None
-
-
-def _differentiable_back(
-    split: Split,
-    values: Inexact[Tensor, "*lead N"],
-    order: Float64[Tensor, "*own"],
-    grad: Inexact[Tensor, "... N"],
-    *,
-    planar: bool,
-) -> tuple[Inexact[Tensor, "*lead N"], Float64[Tensor, "*own"]]:
-    """The same as `batches.turned_back`, in differentiable operations."""
-    grad = torch.complex(grad[0], grad[1]) if planar else grad
-    back = smooth_phases(order, split.indices).to(grad.dtype).conj() * analyse(grad, split)
-    to_values = back if values.is_complex() else back.real
-    density = (back.conj() * values).imag * (split.indices * (math.pi / 2))
-    return (
-        to_values.sum_to_size(values.shape),
-        density.sum(-1).to(order.dtype).sum_to_size(order.shape),
-    )
+        if torch.is_grad_enabled():  # create_graph=True: the gradient itself has a gradient
+            composed = partial(_composed, split=ctx.split, planar=ctx.planar)
+            gradients = torch.func.vjp(composed, values, order)[1](grad)
+        else:
+            gradients = turned_back(ctx.split, values, order, grad, planar=ctx.planar)
+        return *gradients, None, None, None

@@ -76,19 +76,14 @@ class _Parity:
     def __init__(self, factor: QuarterFactor, start: int, first: int, like: Tensor) -> None:
         pairs = len(factor.small)
         self.null = start + pairs
-        self.low = slice(start, self.null)
-        self.high = slice(self.null + 1, self.null + 1 + pairs)
-        self.plus_is_large = factor.middle_is_plus
+        end = self.null + 1 + pairs
+        self.low, self.high = slice(start, self.null), slice(self.null + 1, end)
+        self.indices = 2.0 * np.r_[: pairs + 1, 2 * pairs : pairs : -1] + first
+        self.first = first  # of its samples in [0, M); the large side also has the middle one
+        self.large = pairs % 2  # the side with the middle sample: 0 for Q = +1, 1 for Q = -1
         # In restore the large side also uses the null vector, which lies next to both halves.
-        if self.plus_is_large:
-            self.large = slice(start, self.null + 1)
-            self.sides = (self.large, self.high)
-        else:
-            self.large = slice(self.null, self.high.stop)
-            self.sides = (self.low, self.large)
-        # samples of this parity in [0, M) and, for the large side, the middle one
-        self.first = first
-        width = pairs + first
+        cut = self.null + 1 - self.large
+        self.sides = slice(start, cut), slice(cut, end)
         scale = np.full((pairs + 1, 1), 2.0**-1.5)
         if first == 0:
             scale[0] = 0.5  # sample 0 has no mirror image
@@ -96,11 +91,8 @@ class _Parity:
         wide = factor.large * scale
         wide[:, -1] *= np.sqrt(2.0)  # the null vector has no mirror image
         narrow = factor.small * scale[:-1]
-        minus = -alternating(width)[first:, None]
-        if self.plus_is_large:
-            narrow = narrow * minus
-        else:
-            wide[:-1] *= minus
+        minus = wide[:-1] if self.large else narrow
+        minus *= -alternating(pairs + first)[first:, None]
 
         def tensor(block: Array) -> Tensor:
             return torch.from_numpy(np.ascontiguousarray(block)).to(like)
@@ -109,13 +101,13 @@ class _Parity:
             # zeros, to M samples or M coefficients, because odd widths are slower
             return tensor(np.pad(block, ((0, 0), (before, after))))
 
-        order = np.roll(np.arange(pairs + 1), 0 if self.plus_is_large else 1)
-        sides = slice(None, None, 1 if self.plus_is_large else -1)
-        self.middle = tensor(wide[-1, order])  # one sample from all coefficients of the large side
         self.to_null = tensor(wide[:, -1])  # one coefficient from all samples of the large side
-        # (coefficients, samples) of plus and minus, and (samples, coefficients)
-        self.restoring = [padded(w, first, 0) for w in (wide.T[order, :-1], narrow.T)][sides]
+        # plus, then minus: (samples, coefficients), and (coefficients, samples)
+        sides = slice(None, None, 1 - 2 * self.large)
         self.analysing = [padded(w, 0, first) for w in (wide[:, :-1], narrow)][sides]
+        wide = np.roll(wide, self.large, axis=1)
+        self.middle = tensor(wide[-1])  # one sample from all coefficients of the large side
+        self.restoring = [padded(w, first, 0) for w in (wide[:-1].T, narrow.T)][sides]
 
 
 class QuarterSplit:
@@ -127,11 +119,8 @@ class QuarterSplit:
         self.parities = (_Parity(even, 0, 0, like), _Parity(odd, 2 * m + 1, 1, like))
         self.signs = torch.from_numpy(alternating(m)).to(like)
         self.flipped = self.signs.flip(-1)
-        evens = np.concatenate([np.arange(m), [m], 2 * m - np.arange(m)]) * 2
-        odds = np.concatenate([np.arange(m - 1), [m - 1], 2 * m - 2 - np.arange(m - 1)]) * 2 + 1
-        indices = np.concatenate([evens, odds]).astype(np.float64)
+        indices = np.concatenate([parity.indices for parity in self.parities])
         self.indices = torch.from_numpy(indices).to(like.device)
-
         self._halves: HalfSplit | None = None
 
     def _for_few_rows(self, rows: int) -> HalfSplit | None:
@@ -160,46 +149,45 @@ class QuarterSplit:
         signs, flipped = self.signs, self.flipped[: m - 1]
         near, far = x[:, :m], x[:, 2 * m : 3 * m]
         near_mirrored, far_mirrored = x[:, 3 * m + 1 :], x[:, m + 1 : 2 * m]
-        # samples by side: even plus, even minus, odd plus, odd minus; the last column is j = M
-        sides = x.new_empty(4, rows, m + 1)
-        torch.addcmul(near, far, signs, out=sides[0, :, :m])
-        torch.addcmul(far, near, signs, value=-1, out=sides[1, :, :m])
+        # samples by side: plus and minus of even and odd; the last column is j = M
+        even, odd = sides = x.new_empty(2, 2, rows, m + 1)
+        torch.addcmul(near, far, signs, out=even[0, :, :m])
+        torch.addcmul(far, near, signs, value=-1, out=even[1, :, :m])
         mirrored = x.new_empty(2, rows, m - 1)
         torch.addcmul(near_mirrored, far_mirrored, flipped, out=mirrored[0])
         torch.addcmul(far_mirrored, near_mirrored, flipped, value=-1, out=mirrored[1])
         mirrored = mirrored.flip(-1)
-        torch.sub(sides[:2, :, 1:m], mirrored, out=sides[2:, :, 1:m])
-        sides[:2, :, 1:m] += mirrored
+        torch.sub(even[:, :, 1:m], mirrored, out=odd[:, :, 1:m])
+        even[:, :, 1:m] += mirrored
         product = x.new_empty(2, rows, m)
-        for number, parity in enumerate(self.parities):
-            first, pairs = parity.first, m - parity.first
-            middle_sign = 1 - 2 * number
-            large = sides[2 * number + (0 if parity.plus_is_large else 1), :, first:]
-            torch.add(x[:, m], x[:, 3 * m], alpha=middle_sign, out=large[:, -1])
+        for parity, samples in zip(self.parities, sides, strict=True):
+            samples = samples[:, :, parity.first :]
+            large = samples[parity.large]
+            torch.add(x[:, m], x[:, 3 * m], alpha=1 - 2 * parity.first, out=large[:, -1])
             for side, weights in enumerate(parity.analysing):
-                samples = sides[2 * number + side, :, first : first + len(weights)]
-                torch.mm(samples, weights, out=product[side])
-            torch.add(product[0, :, :pairs], product[1, :, :pairs], out=out[:, parity.low])
-            torch.sub(product[0, :, :pairs], product[1, :, :pairs], out=out[:, parity.high])
+                torch.mm(samples[side, :, : len(weights)], weights, out=product[side])
+            plus, minus = product[:, :, : m - parity.first]
+            torch.add(plus, minus, out=out[:, parity.low])
+            torch.sub(plus, minus, out=out[:, parity.high])
             out[:, parity.null] = large @ parity.to_null
 
     def _restore(self, z: Tensor, out: Tensor) -> None:
         m = self.quarter
         leading = out.shape[:-1]
         z = z.flatten(0, -2)
-        sides = z.new_empty(4, len(z), m)
+        sides = z.new_empty(2, 2, len(z), m)
         middles = []
-        for number, parity in enumerate(self.parities):
+        for parity, samples in zip(self.parities, sides, strict=True):
             low, high = z[:, parity.low], z[:, parity.high]
             low += high
             torch.add(low, high, alpha=-2, out=high)  # now low + high and low - high, in place
             for side, weights in enumerate(parity.restoring):
-                torch.mm(z[:, parity.sides[side]], weights, out=sides[2 * number + side])
-            middles.append((z[:, parity.large] @ parity.middle).view(leading))
-        sides = sides.view(4, *leading, m)
-        mirrored = torch.sub(sides[:2], sides[2:]).flip(-1)
-        sides[:2] += sides[2:]
-        plus, minus = sides[0], sides[1]
+                torch.mm(z[:, parity.sides[side]], weights, out=samples[side])
+            middles.append((z[:, parity.sides[parity.large]] @ parity.middle).view(leading))
+        even, odd = sides.view(2, 2, *leading, m)
+        mirrored = torch.sub(even, odd).flip(-1)
+        even += odd
+        plus, minus = even
         torch.addcmul(plus, minus, self.signs, value=-1, out=out[..., :m])
         torch.addcmul(minus, plus, self.signs, out=out[..., 2 * m : 3 * m])
         plus, minus = mirrored[..., : m - 1]

@@ -42,17 +42,13 @@ def coefficients(
     >>> all(torch.allclose(synthesise(kept, p), dfrft(x, p), atol=1e-5) for p in (0.2, 0.35, 0.5))
     True
     """
-    return _coefficients(x, axis_from_end(x, dim), centered)
-
-
-def _coefficients(x: Shaped[Tensor, "..."], dim: int, centered: bool) -> Coefficients:
-    """`coefficients` of a checked axis, counted from the end."""
+    dim = axis_from_end(x, dim)
     x = working_precision(x)
     if centered:
         x = torch.fft.ifftshift(x, dim)
     x = x.movedim(dim, -1)
     with full_precision(x.device):
-        return Coefficients(gradients.analyse(x, split_for(x)), dim, centered)
+        return Coefficients(gradients.apply(x, split_for(x)), dim, centered)
 
 
 def synthesise(
@@ -146,7 +142,7 @@ def dfrft(
     turns = None if wants_gradient else whole_turns(order)
     by_fft = turns in (1, 3)
     if turns is None or (by_fft and not fft_is_exact(x.shape[dim])):
-        return synthesise(_coefficients(x, dim, centered), order, planar=planar)
+        return synthesise(coefficients(x, dim, centered=centered), order, planar=planar)
     result = quarter_turn(working_precision(x), turns, dim, centered=centered)
     return torch.stack([result.real, result.imag]) if planar else result
 
