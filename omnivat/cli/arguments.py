@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -116,7 +117,7 @@ def several(words: str, metavar: str, **more: Any) -> Option:
     return {"action": "append", "default": [], "metavar": metavar, "help": words, **more}
 
 
-def count(words: str, least: int = 1, most: int | None = None, **more: Any) -> Option:
+def count(words: str, least: int = 1, most: float = inf, **more: Any) -> Option:
     """Return an option that is a whole number from `least` to `most`."""
     return {"type": whole(least, most), "help": words, **more}
 

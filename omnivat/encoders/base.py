@@ -141,8 +141,8 @@ class Encoder(Protocol):
 def load_encoder(
     name: str,
     *,
-    weights: Path | None = None,
-    tac_weights: Path | None = None,
+    weights: str | Path | None = None,
+    tac_weights: str | Path | None = None,
     device: str = "cpu",
     precision: str = "fp32",
     download: str = "ask",
@@ -187,23 +187,23 @@ def load_encoder(
 
 
 def _load_one(
-    name: str, weights: Path | None, weights_hash: str, settings: dict[str, Any]
+    name: str, weights: str | Path | None, weights_hash: str, settings: dict[str, Any]
 ) -> Encoder:
     from omnivat.encoders.hub import recall, remember
     from omnivat.encoders.wrapping import checked
     from omnivat.kit.devices import device_from
 
-    place = weights or (recall(weights_hash) if weights_hash else None)
+    place = Path(weights) if weights else recall(weights_hash)
     wanted = {**settings, "device": device_from(settings["device"]), "weights": place}
     loader = _loader_of(name)
     if name in ENCODERS:
         encoder: Encoder = loader(**_accepted(loader, name, wanted | {"name": name}))
     else:
         encoder = checked(loader(**_accepted(loader, name, wanted)), name)
-    if weights is not None:
-        remember(encoder.weights_hash, weights)
-    elif name.startswith("hf:") and (folder := Path(name.removeprefix("hf:"))).is_dir():
-        remember(encoder.weights_hash, folder)
+    if weights is None and name.startswith(HUB):
+        place = Path(name.removeprefix(HUB))
+    if place and place.exists():
+        remember(encoder.weights_hash, place)
     return encoder
 
 

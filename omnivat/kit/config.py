@@ -3,8 +3,10 @@
 import json
 from argparse import ArgumentTypeError
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import fields
 from functools import cache
+from math import inf
 from typing import Any, NamedTuple, TypeVar, get_args, get_origin, get_type_hints
 
 from omnivat.kit.errors import SettingsError
@@ -107,33 +109,26 @@ def _fit(kind: Any, name: str, value: Any) -> Any:
 _NO = object()
 
 
-@cache
-def _hints(kind: Any) -> dict[str, Any]:
-    return get_type_hints(kind)
+_hints = cache(get_type_hints)
 
 
 def _fit_one(hint: Any, value: Any) -> Any:
     if get_origin(hint) is tuple and isinstance(value, list | tuple):
         fitted = tuple(_fit_one(get_args(hint)[0], item) for item in value)
         return _NO if _NO in fitted else fitted
-    boolean = isinstance(value, bool)  # which is an int, too
-    if hint is float and isinstance(value, int | float) and not boolean:
+    if hint is float and (isinstance(value, float) or type(value) is int):
         return float(value)
-    plain = hint in (int, bool, str) and isinstance(value, hint)
-    return value if plain and (hint is bool or not boolean) else _NO
+    return value if type(value) is hint else _NO
 
 
-def whole(least: int, most: int | None = None) -> Callable[[str], int]:
+def whole(least: int, most: float = inf) -> Callable[[str], int]:
     """Return a type for argparse: a whole number from `least` to `most`."""
-    wanted = f"{least} or more" if most is None else f"{least} to {most}"
+    wanted = f"{least} or more" if most == inf else f"{least} to {most}"
 
     def checked(text: str) -> int:
-        try:
-            number = int(text)
-        except ValueError:
-            raise ArgumentTypeError(f"'{text}'; give a whole number, {wanted}") from None
-        if number < least or (most is not None and number > most):
-            raise ArgumentTypeError(f"{number}; give a whole number, {wanted}")
-        return number
+        with suppress(ValueError):
+            if least <= (number := int(text)) <= most:
+                return number
+        raise ArgumentTypeError(f"'{text}'; give a whole number, {wanted}")
 
     return checked

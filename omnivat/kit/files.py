@@ -184,17 +184,26 @@ def require_writable(path: str | Path, suffix: str = "") -> None:
         )
 
 
+@contextmanager
+def _reading(name: str) -> Iterator[None]:
+    """Turn a failed reading into a DataError with the name of the file and the reason."""
+    try:
+        yield
+    except DataError:
+        raise
+    except (OSError, ValueError) as error:  # a name from a table may hold a zero byte
+        why = getattr(error, "strerror", None) or str(error)
+        raise DataError(f"'{name}' cannot be read ({why}); check the path.") from error
+
+
 def require_regular(path: str | Path, name: str = "") -> None:
     """Raise DataError for a missing file, and for a pipe or device, whose reading might never
     end.
     """
-    try:
-        kind = os.stat(path).st_mode
-    except (OSError, ValueError) as error:
-        why = getattr(error, "strerror", None) or str(error)
-        raise DataError(f"'{name or path}' cannot be read ({why}); check the path.") from error
-    if not stat.S_ISREG(kind):
-        raise DataError(f"'{name or path}' is a folder, pipe or device; name a file.")
+    name = name or str(path)
+    with _reading(name):
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            raise DataError(f"'{name}' is a folder, pipe or device; name a file.")
 
 
 def read_whole(path: str | Path, most: int, name: str = "") -> bytes:
@@ -204,18 +213,15 @@ def read_whole(path: str | Path, most: int, name: str = "") -> bytes:
     Raises DataError for a missing file, a larger one, or a pipe or device.
     """
     name = name or str(path)
-    try:
-        at_once = getattr(os, "O_NONBLOCK", 0)  # without waiting for the writer of a pipe
-        with open(path, "rb", opener=lambda p, flags: os.open(p, flags | at_once)) as handle:
-            found = os.fstat(handle.fileno())
-            if not stat.S_ISREG(found.st_mode):
-                raise DataError(f"'{name}' is a pipe or device; name a file.")
-            content = handle.read(min(most, found.st_size) + 1)
-    except (OSError, ValueError) as error:  # a name from a table may hold a zero byte
-        if isinstance(error, DataError):
-            raise
-        why = getattr(error, "strerror", None) or str(error)
-        raise DataError(f"'{name}' cannot be read ({why}); check the path.") from error
+    at_once = getattr(os, "O_NONBLOCK", 0)  # without waiting for the writer of a pipe
+    with (
+        _reading(name),
+        open(path, "rb", opener=lambda p, flags: os.open(p, flags | at_once)) as handle,
+    ):
+        found = os.fstat(handle.fileno())
+        if not stat.S_ISREG(found.st_mode):
+            raise DataError(f"'{name}' is a pipe or device; name a file.")
+        content = handle.read(min(most, found.st_size) + 1)
     if len(content) > most:
         raise DataError(f"'{name}' is larger than the {most / 1e6:.3g} MB that are read.")
     return content

@@ -59,6 +59,6 @@ class Pace:
         if self._first is None or step.done < self._last:
             self._first, self._begun = step.done, now
         self._last, done = step.done, step.done - self._first
-        if not step.total or done <= 0:
+        if done <= 0 or not step.total:
             return ""
         return f"{time_text((now - self._begun) * (step.total - step.done) / done)} left"

@@ -6,15 +6,19 @@ from omnivat.kit.errors import SettingsError
 
 IMAGES = ("vis", "tac")
 MODALITIES = ("lang", *IMAGES)
-STAGES = ("raw", "frft", "relu", "f_bar", "f_hat")
 # Raw embedding and raw DFrFT have the same distances and cosines at every order, because the
 # transform is unitary.
 STILL = ("raw", "frft")
-TITLES = ("raw embedding E", "raw DFrFT", "F after ReLU", "F after FrATT", "F after DTG")
-STAGE_TITLES = dict(zip(STAGES, TITLES, strict=True))
+STAGE_TITLES = {
+    "raw": "raw embedding E",
+    "frft": "raw DFrFT",
+    "relu": "F after ReLU",
+    "f_bar": "F after FrATT",
+    "f_hat": "F after DTG",
+}
+STAGES = tuple(STAGE_TITLES)
 STOPS = tuple(k / 100 for k in range(101))  # of p on the page
 LIMIT = 4.0  # quarter turns; the transform repeats after 4
-RANGE = "a number of quarter turns from -4 to 4"
 
 
 def checked_order(order: Any, *, name: str = "order") -> float:
@@ -30,7 +34,9 @@ def checked_order(order: Any, *, name: str = "order") -> float:
     # not NaN, infinite, or without fraction
     exact = number and (isinstance(order, int) or abs(order) < 1e15)
     same = f" The transform has period 4, so use {order % 4:g}." if exact else ""
-    raise SettingsError(f"{name} is {_shown(order)}; give {RANGE}.{same}")
+    raise SettingsError(
+        f"{name} is {_shown(order)}; give a number of quarter turns from -4 to 4.{same}"
+    )
 
 
 def fitting(learned: float, width: int) -> tuple[float, float]:
@@ -49,8 +55,7 @@ def fitting(learned: float, width: int) -> tuple[float, float]:
 def _shown(order: Any) -> str:
     if isinstance(order, int) and not isinstance(order, bool) and abs(order) >= 10**40:
         return "a whole number of more than 40 digits"  # Python refuses to write very long ones
-    text = repr(order)
-    return text if len(text) <= 40 else f"{text[:39]}…"
+    return f"{order!r:.40}"
 
 
 def optional_order(order: Any, *, name: str = "order") -> float | None:

@@ -43,7 +43,7 @@ def train(
     *,
     bank: LangBank | None = None,
     seed: int = 0,
-    resume: Path | None = None,
+    resume: str | Path | None = None,
     on_step: OnStep = ignore,
     watch: Watch | None = None,
 ) -> Trained:
@@ -73,6 +73,7 @@ def train(
     [True, True]
     """
     watch = watch or Watch(on_step=on_step)
+    resume = Path(resume) if resume else None
     if settings.order_draw:
         head = replace(head, learn_order=False)  # p is drawn, so it is not learned
     if bank is not None:

@@ -1,7 +1,9 @@
 """Forbidden imports, and loading of every module and table entry."""
 
 import importlib
+import inspect
 import pkgutil
+import re
 import subprocess
 import sys
 
@@ -64,6 +66,14 @@ def test_every_public_name_is_offered_and_loads():
     assert dir(omnivat) == sorted(omnivat.__all__)
     for name in omnivat.__all__:
         assert getattr(omnivat, name) is not None
+
+
+def test_a_public_function_that_takes_a_path_takes_its_text():
+    public = filter(inspect.isfunction, (getattr(omnivat, name) for name in omnivat.__all__))
+    taken = [p for function in public for p in inspect.signature(function).parameters.values()]
+    paths = [hint for p in taken if re.search(r"\bPath\b", hint := str(p.annotation))]
+    assert len(paths) > 10
+    assert all(re.search(r"\bstr\b", hint) for hint in paths)
 
 
 def test_an_unknown_public_name_is_refused():

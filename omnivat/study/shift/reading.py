@@ -55,7 +55,7 @@ class Features:
 
 
 def read_features(
-    file: Path,
+    file: str | Path,
     *,
     encoder: str = "",
     domain: str = "",
@@ -78,6 +78,7 @@ def read_features(
     >>> mine.domains, mine.modalities, mine.labelled
     (['A', 'B'], ('tac',), False)
     """
+    file = Path(file)
     if file.suffix.lower() == ".safetensors" or file.is_dir():
         found = features_of(load_embeddings(file), seed=seed)
     else:

@@ -29,7 +29,7 @@ Drawn = dict[str, Any]
 
 
 def write_report(
-    features: Features, out: Path, *, seed: int = 0, on_step: OnStep = ignore
+    features: Features, out: str | Path, *, seed: int = 0, on_step: OnStep = ignore
 ) -> list[Path]:
     """Measure, draw, and write report.html, numbers.csv, methods.txt and figures/*.svg; return
     them.
@@ -52,10 +52,12 @@ def write_report(
     drawn |= _charts(features, records)
     records += trusts
     words = methods(features, seed)
-    table, text, page = (out / name for name in ("numbers.csv", "methods.txt", "report.html"))
+    table, text, page = (Path(out, name) for name in ("numbers.csv", "methods.txt", "report.html"))
     write_csv(table, COLUMNS, ([one[name] for name in COLUMNS] for one in records))
     write_text(text, words + "\n")
-    files = [figures.write(out / "figures" / f"{name}.svg", one) for name, one in drawn.items()]
+    files = [
+        figures.write(page.parent / "figures" / f"{name}.svg", one) for name, one in drawn.items()
+    ]
     write_text(page, figures.html_page("Domain shift", _page(features, records, drawn, words)))
     return [table, text, *files, page]
 

@@ -30,7 +30,7 @@ def trained_head(
     *,
     repeat: Sequence[int] = (),
     calibrate: bool = True,
-    resume: Path | None = None,
+    resume: str | Path | None = None,
     watch: Watch | None = None,
 ) -> Head:
     """Train a head as planned and evaluate it on all domains of the set; no head is written.
@@ -96,7 +96,11 @@ def trained_head(
 
 
 def _trained(
-    plan: TrainingPlan, pairs: Embeddings, *, resume: Path | None = None, watch: Watch | None = None
+    plan: TrainingPlan,
+    pairs: Embeddings,
+    *,
+    resume: str | Path | None = None,
+    watch: Watch | None = None,
 ) -> Trained:
     """Train on some pairs with the settings, text and seed of a plan."""
     return train(

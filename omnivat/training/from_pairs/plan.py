@@ -58,7 +58,7 @@ def plan_training(
     part: str = "",
     head: Mapping[str, Any] | None = None,
     training: TrainSettings | None = None,
-    bank: LangBank | Path | None = None,
+    bank: LangBank | str | Path | None = None,
     seed: int = 0,
 ) -> TrainingPlan:
     """Plan a training on the pairs of one domain, without training.
@@ -115,7 +115,11 @@ def plan_training(
 
 
 def plan_like(
-    head: Head, embeddings: Embeddings, *, source: str = "", bank: LangBank | Path | None = None
+    head: Head,
+    embeddings: Embeddings,
+    *,
+    source: str = "",
+    bank: LangBank | str | Path | None = None,
 ) -> TrainingPlan:
     """Plan a training with the settings of a trained head.
 

@@ -1,13 +1,14 @@
 """Settings: every field declares its range, and other values give one sentence."""
 
+from argparse import ArgumentTypeError
 from typing import get_type_hints
 
 import pytest
 
 from omnivat.head.settings import HeadSettings
-from omnivat.kit.config import OneOf, Within, declared, settings_from
+from omnivat.kit.config import OneOf, Within, declared, parse_assignments, settings_from, whole
 from omnivat.kit.errors import SettingsError
-from omnivat.kit.stages import checked_order
+from omnivat.kit.stages import checked_order, fitting
 from omnivat.simulate.chirps import ChirpSettings
 from omnivat.training import TrainSettings
 
@@ -71,6 +72,26 @@ def test_an_order_beyond_the_range_has_its_equal_named():
         checked_order(5.5)
     with pytest.raises(SettingsError, match="a whole number of more than 40 digits"):
         checked_order(10**40)
+
+
+def test_a_wider_head_fits_a_narrower_range_about_its_own_order():
+    """The phases turn by D times the change of p: by 2 at each end, whatever the width."""
+    for width in (16, 512):
+        assert [(p - 0.5) * width for p in fitting(0.5, width)] == pytest.approx([-2, 2])
+
+
+def test_an_unknown_setting_has_its_neighbour_named_or_else_all_that_there_are():
+    with pytest.raises(SettingsError, match="no setting 'ordr'. Did you mean 'order'"):
+        parse_assignments(ChirpSettings, ["ordr=1"])
+    with pytest.raises(SettingsError, match="no setting 'zzz'. There are order, strength, shift"):
+        parse_assignments(ChirpSettings, ["zzz=1"])
+
+
+def test_a_whole_number_is_taken_from_its_range_with_both_ends():
+    assert [whole(2, 9)(text) for text in ("2", "9")] == [2, 9]
+    for text in ("1", "10", "2.0", ""):
+        with pytest.raises(ArgumentTypeError, match=f"'{text}'; give a whole number, 2 to 9"):
+            whole(2, 9)(text)
 
 
 def test_a_search_and_a_random_order_exclude_each_other():
