@@ -26,6 +26,7 @@ from omnivat.data.readers.files import encodable
 from omnivat.data.store import ROW_NAMES
 from omnivat.kit.errors import DataError, OmniVatError, first_line
 from omnivat.kit.files import require_regular
+from omnivat.kit.stages import IMAGES
 from omnivat.kit.tables import need
 
 PREFIX = "imported:"  # prefix of the encoder's name for imported embeddings
@@ -72,7 +73,7 @@ def import_embeddings(
     place = Path(file)
     table = read_columns(place)
     found = _named(table, columns or {}, place)
-    for name in ("vis", "tac"):
+    for name in IMAGES:
         if name not in found:
             raise DataError(
                 f"'{place}' has no vectors '{name}'; it has {', '.join(table) or 'nothing'}. Name"
@@ -82,7 +83,7 @@ def import_embeddings(
     mirrored = all(name in found for name in VECTORS)
     vectors = {
         name: _vectors(found[name], name, count, place)
-        for name in (VECTORS if mirrored else ("vis", "tac"))
+        for name in (VECTORS if mirrored else IMAGES)
     }
     texts = {
         name: [text] * count for name, text in (("domain", domain), ("material", material)) if text
@@ -120,7 +121,7 @@ def _rows(columns: Columns, texts: Mapping[str, list[str]], place: Path) -> dict
     """Return the named columns; files and objects without a name have the row's number."""
     count = len(texts["material"])
     rows = {name: texts.get(name, [""] * count) for name in ROW_NAMES}
-    for name in ("vis", "tac"):
+    for name in IMAGES:
         numbered = np.array([f"{place.stem}/{row}_{name}" for row in range(count)])
         rows[name] = _texts(columns.get(f"{name}_file", numbered), f"{name}_file", count, place)
     if not any(rows["object"]):

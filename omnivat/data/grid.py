@@ -102,8 +102,6 @@ def reduction(shape: tuple[int, ...]) -> int:
 
 def reduced(values: Array, scale: int) -> Array:
     """Return the means of blocks of `scale` pixels, without what is left over at the end."""
-    if scale == 1:
-        return values
     height, width = (side // scale for side in values.shape)
     rows = (
         values[: height * scale, : width * scale].reshape(height, scale, -1).sum(1, dtype=np.uint32)
@@ -128,13 +126,8 @@ def summed(values: Array, size: int) -> Array:
     edges repeat."""
     padded = np.pad(values, size // 2, mode="edge")
     height, width = values.shape
-    rows = padded[:height] + padded[1 : height + 1]
-    for shift in range(2, size):
-        rows += padded[shift : shift + height]
-    result = rows[:, :width] + rows[:, 1 : width + 1]
-    for shift in range(2, size):
-        result += rows[:, shift : shift + width]
-    return np.asarray(result)
+    rows: Any = sum(padded[shift : shift + height] for shift in range(size))
+    return np.asarray(sum(rows[:, shift : shift + width] for shift in range(size)))
 
 
 def darkness(brightest: Array) -> Array:
@@ -239,7 +232,4 @@ def between(dark: Array, nodes: Array, steps: Array) -> float:
     columns, rows = np.concatenate([nodes + half for half in halves]).T
     inside = (columns > 0) & (rows > 0) & (columns < dark.shape[1] - 1) & (rows < dark.shape[0] - 1)
     columns, rows = columns[inside], rows[inside]
-    total = sum(
-        dark[rows + i, columns + j].astype(np.int32) for i in (-1, 0, 1) for j in (-1, 0, 1)
-    )
-    return float(np.median(total // 9))
+    return float(np.median(summed(dark.astype(np.uint16), 3)[rows, columns] // 9))

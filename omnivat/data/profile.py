@@ -29,7 +29,6 @@ KEY = ("encoder", "weights_hash", "preprocessing")
 MEAN_PRIOR, VARIANCE_PRIOR = 4, 10  # pictures that the source's mean and variance weigh
 STEP_SHIFTED = 0.875  # of a head trained with imitated sensors (docs/decisions/0009)
 MOST = 10**12  # pictures, above any that a file can count
-FLOOR = 1.0  # mean deviations added to every channel's, so that still channels count less
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -164,8 +163,10 @@ def shrunk(target: Channels, source: Channels, step: float = 1.0) -> Channels:
 
 
 def floor_of(source: Channels) -> Any:
-    """Return what is added to each channel's deviation, so that a still channel is not blown up."""
-    floor = FLOOR * (source.variance**0.5).mean()
+    """Return what is added to each channel's deviation, so that a still channel is not blown up:
+    the mean deviation.
+    """
+    floor = (source.variance**0.5).mean()
     return floor + (floor == 0)
 
 

@@ -81,7 +81,7 @@ def _choose(
     return held
 
 
-def split_by_object(pairs: Sequence[Pair], *, seed: int, test: float = 0.3) -> tuple[Pair, ...]:
+def split_by_object(pairs: Sequence[Pair], *, seed: int, test: float) -> tuple[Pair, ...]:
     """Return the pairs with split train or test, without dividing objects.
 
     test  fraction of the pairs of each class in each domain

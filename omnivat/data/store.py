@@ -31,6 +31,7 @@ from omnivat.data.pairs import TEXTS
 from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import replacing, write_csv
 from omnivat.kit.schema import columns_in, json_in, name_list, object_in
+from omnivat.kit.stages import IMAGES
 from omnivat.kit.tables import need, require_choice
 
 FORMAT = "omnivat-embeddings-1"
@@ -65,7 +66,7 @@ def save_embeddings(path: str | Path, embeddings: Embeddings, *, dtype: str = "f
     """
     vectors = embeddings.vectors
     if set(vectors) != set(VECTORS):
-        vectors = {name: vectors[name] for name in ("vis", "tac")}
+        vectors = {name: vectors[name] for name in IMAGES}
     columns = {
         name: Column(dtype=vector_type(dtype), shape=array.shape, blocks=walked(array))
         for name, array in vectors.items()

@@ -19,7 +19,7 @@ from omnivat.data.rest import REST
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import replacing
 from omnivat.kit.progress import OnStep, Step, ignore
-from omnivat.kit.tables import unknown
+from omnivat.kit.tables import entry
 from omnivat.kit.threads import in_processes
 from omnivat.simulate.domains import NUMBERS, SIMULATED, SimulatedDomain
 from omnivat.simulate.drawing import drawn, resting
@@ -99,33 +99,38 @@ def simulate(
     The same arguments give the same bytes. Complete images are kept, so an interrupted build
     resumes. Delete the folder to start again, for instance with another seed.
 
-    Raises DataError for an unknown domain or an invalid number, MissingPackageError if the renderer
-    or Taxim is not installed.
+    Raises MissingNameError for an unknown domain, DataError for an invalid number,
+    MissingPackageError if the renderer or Taxim is not installed.
     """
     plan = list(_plan(domains, pairs_per_class))
     # Alternate between classes, so that an interrupted build has a mixed sample.
     in_turn = sorted(plan, key=lambda pair: int(pair.object.rsplit("-", 1)[1]))
     images = [(pair, kind) for pair in in_turn for kind in ("vis", "tac")]
-    draw_missing(
-        images, out=out, seed=seed, size=size, workers=workers, renderer=renderer, on_step=on_step
-    )
+    whole = draw_set(
+        out, plan, images, origin=f"simulated by omnivat, seed {seed}",
+        seed=seed, size=size, workers=workers, renderer=renderer, on_step=on_step,
+    )  # fmt: skip
     for name, made in {pair.domain: pair.made for pair in plan}.items():
         write_image(out / simulated(name) / REST, resting(made.sensor, size=size))
-    return on_disk(out, plan, f"simulated by omnivat, seed {seed}")
+    return whole
 
 
-def draw_missing(
+def draw_set(
+    out: Path,
+    plan: Sequence[Planned],
     images: Sequence[Wanted],
     *,
-    out: Path,
+    origin: str,
     seed: int,
     size: int,
     workers: int | None,
     renderer: Renderer,
     on_step: OnStep,
-) -> None:
-    """Draw the images that are not yet complete on disk: the first one here, so that a missing
-    package ends the build before anything is written, then the others in processes.
+) -> PairSet:
+    """Draw the images that are not yet complete on disk, write the table, and return the pairs.
+
+    The first image is drawn here, so that a missing package ends the build before anything is
+    written, the others in processes.
     """
     work = partial(draw_to, out=out, seed=seed, size=size, renderer=renderer)
     todo = [image for image in images if not is_whole(image_path(out, *image), size)]
@@ -137,6 +142,17 @@ def draw_missing(
     for name in chain(map(work, first), others):
         done += 1
         on_step(Step(done=done, total=len(images), text=name))
+    pairs = tuple(
+        Pair(
+            vis=image_path(out, pair, "vis"),
+            tac=image_path(out, pair, "tac"),
+            domain=simulated(pair.domain),
+            **{name: getattr(pair, name) for name in ("material", *TEXTS)},
+        )
+        for pair in plan
+    )
+    write_table(out, pairs)
+    return PairSet(pairs=pairs, origin=origin, simulated=True)
 
 
 def draw_to(image: Wanted, *, out: Path, seed: int, size: int, renderer: Renderer) -> str:
@@ -155,19 +171,17 @@ def _plan(
         )
     for wanted in [*SIMULATED] if domains is None else domains:
         domain = (
-            wanted if isinstance(wanted, SimulatedDomain) else SIMULATED.get(paper_name(wanted))
+            wanted
+            if isinstance(wanted, SimulatedDomain)
+            else entry(SIMULATED, paper_name(wanted), kind="domain")
         )
-        if domain is None:
-            raise DataError(
-                unknown(paper_name(str(wanted)), map(simulated, SIMULATED), kind="domain")
-            )
         for material in classes(domain):
             yield from planned(domain, material, pairs=pairs_per_class)
 
 
 def image_path(out: Path, pair: Planned, kind: str) -> Path:
     """Return the file of a pair's "vis" or "tac" image."""
-    return out / pair.folder() / f"{pair.stem}_{kind}.png"
+    return out / simulated(pair.domain) / pair.material / f"{Path(pair.object).name}_{kind}.png"
 
 
 def is_whole(path: Path, size: int) -> bool:
@@ -186,18 +200,3 @@ def write_image(path: Path, image: Array) -> None:
         Image.fromarray(np.round(image * 255).astype(np.uint8)).save(
             temporary, format="PNG", compress_level=6
         )
-
-
-def on_disk(out: Path, plan: Sequence[Planned], origin: str) -> PairSet:
-    """Write the table of a drawn set; return its pairs with the paths of their images."""
-    pairs = tuple(
-        Pair(
-            vis=image_path(out, pair, "vis"),
-            tac=image_path(out, pair, "tac"),
-            domain=simulated(pair.domain),
-            **{name: getattr(pair, name) for name in ("material", *TEXTS)},
-        )
-        for pair in plan
-    )
-    write_table(out, pairs)
-    return PairSet(pairs=pairs, origin=origin, simulated=True)

@@ -19,7 +19,7 @@ from omnivat.data.strips import STRIPES, strip_picture
 from omnivat.fractional import dfrft
 from omnivat.kit.config import Within, require_declared
 from omnivat.kit.files import replacing
-from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.progress import OnStep, Step
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
 from omnivat.simulate.noise import Rng
@@ -55,7 +55,6 @@ def signals(settings: ChirpSettings) -> dict[str, NDArray[np.float32]]:
     magnitude of a signal is 1, as after reading its picture.
     """
     label = np.repeat(np.arange(len(CLASSES)), settings.pairs_per_class)
-    orders = zip(*interference_orders(settings), strict=True)
     return {
         name: np.concatenate(
             [
@@ -65,7 +64,7 @@ def signals(settings: ChirpSettings) -> dict[str, NDArray[np.float32]]:
                 for domain, order in enumerate(own)
             ]
         )
-        for name, own in zip(IMAGES, orders, strict=True)
+        for name, own in zip(IMAGES, interference_orders(settings).T, strict=True)
     }
 
 
@@ -78,8 +77,8 @@ def origin(settings: ChirpSettings) -> str:
     )
 
 
-def interference_orders(settings: ChirpSettings) -> list[tuple[float, float]]:
-    """Return each domain's interference orders of VIS and of TAC.
+def interference_orders(settings: ChirpSettings) -> NDArray[np.float64]:
+    """Return each domain's interference orders of VIS and of TAC, (4, 2).
 
     They are spread evenly over [0, 1] outside p* ± 0.25 and then shuffled, so no two are equal.
     With shift < 1, later domains' orders lie between the source's and their own.
@@ -92,8 +91,8 @@ def interference_orders(settings: ChirpSettings) -> list[tuple[float, float]]:
     pairs = drawn.reshape(len(DOMAINS), 2)
     if low < 0.0:  # nothing fits below p*
         pairs = np.maximum(pairs, high)
-    moved = pairs[0] + settings.shift * (pairs - pairs[0])
-    return [(float(vis), float(tac)) for vis, tac in moved]
+    moved: NDArray[np.float64] = pairs[0] + settings.shift * (pairs - pairs[0])
+    return moved
 
 
 def places(settings: ChirpSettings) -> NDArray[np.int64]:
@@ -156,7 +155,7 @@ def pairs_of(settings: ChirpSettings, folder: Path) -> tuple[Pair, ...]:
     return tuple(found)
 
 
-def write_chirps(out: Path, settings: ChirpSettings, *, on_step: OnStep = ignore) -> PairSet:
+def write_chirps(out: Path, settings: ChirpSettings, *, on_step: OnStep) -> PairSet:
     """Write `<out>/<domain>/<class>/<name>_{vis,tac}.png` and `<out>/pairs.csv`; return the pairs.
 
     The same settings give the same bytes. `omnivat embed OUT --encoder strip --no-flips` reads the

@@ -147,4 +147,3 @@ GROUNDS: dict[str, Callable[[int], Field]] = {
     # backgrounds
     "foliage": _foliage, "street": _street, "shelf": _shelf, "wall": _wall, "door": _door,
 }  # fmt: skip
-GROUNDS["sheet"] = GROUNDS["turntable"]

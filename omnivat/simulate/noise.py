@@ -12,7 +12,13 @@ from scipy.ndimage import map_coordinates, spline_filter
 
 Array = NDArray[np.float64]
 Rng = np.random.Generator
-Colour = tuple[float, float, float]  # linear, 0 to 1
+Colour = Array | tuple[float, float, float]  # linear, 0 to 1
+
+
+def one_of(colours: tuple[Colour, ...], rng: Rng) -> Colour:
+    """Draw a colour of a table."""
+    return colours[rng.integers(len(colours))]
+
 
 _CELLS = 512  # period of the noise in wavelengths
 
@@ -31,6 +37,11 @@ def _table() -> Array:
     """
     white = np.random.default_rng(20_000).normal(0.0, 1.7, (_CELLS, _CELLS))
     return spline_filter(white, order=2, mode="grid-wrap")
+
+
+def direction(turn: float, rise: float) -> Array:
+    """Return the unit vector (3,) that lies `turn` rad from the x axis and rises by `rise` rad."""
+    return np.array([np.cos(turn) * np.cos(rise), np.sin(turn) * np.cos(rise), np.sin(rise)])
 
 
 def noise(x: Array, y: Array, seed: int, *, wavelength: float) -> Array:

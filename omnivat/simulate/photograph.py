@@ -9,7 +9,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from omnivat.kit.seeding import derive_seed
-from omnivat.simulate.noise import Array, Rng
+from omnivat.simulate.noise import Array, Rng, direction
 from omnivat.simulate.plan import Planned
 from omnivat.simulate.scenes import OUTDOORS, Scene
 from omnivat.simulate.shapes import Spot, blocked
@@ -87,8 +87,7 @@ def _camera(scene: Scene, thing: Thing, target: Array, distance: float, rng: Rng
     for _ in range(_TRIED):
         turn = ahead + rng.normal(0, 0.6) if steep else rng.uniform(0, 2 * np.pi)
         rise = np.deg2rad(rng.uniform(*scene.rise))
-        way = np.array([np.cos(turn) * np.cos(rise), np.sin(turn) * np.cos(rise), np.sin(rise)])
-        eye = target + distance * way
+        eye = target + distance * direction(turn, rise)
         eye[2] = max(eye[2], 25.0)
         sight = (eye - spot.point) / np.linalg.norm(eye - spot.point)
         facing = float(sight @ spot.normal)

@@ -2,8 +2,6 @@
 pairs.
 """
 
-import csv
-import io
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,7 +9,8 @@ from pathlib import Path
 from omnivat.data.domains import simulated
 from omnivat.data.materials import MATERIALS
 from omnivat.data.pairs import TEXTS, Pair
-from omnivat.kit.files import write_text
+from omnivat.kit.files import write_csv
+from omnivat.kit.stages import IMAGES
 from omnivat.simulate.domains import SimulatedDomain
 
 COLUMNS = ("vis", "tac", "domain", "material", *TEXTS)
@@ -34,7 +33,6 @@ class Planned:
     number: int  # of the object, unique within its material over all domains
     split: str
     part: str
-    stem: str
     looks_like: str = ""  # the class that the object imitates by sight
     feels_like: str = ""  # the class that it imitates by touch
     twin_of: "Planned | None" = None  # whose object and press it shows; None: its own
@@ -43,10 +41,6 @@ class Planned:
     def domain(self) -> str:
         """The domain's name."""
         return self.made.name
-
-    def folder(self) -> str:
-        """Return the pair's folder, relative to the set."""
-        return f"{simulated(self.domain)}/{self.material}"
 
 
 def planned(domain: SimulatedDomain, material: str, *, pairs: int) -> list[Planned]:
@@ -66,25 +60,24 @@ def planned(domain: SimulatedDomain, material: str, *, pairs: int) -> list[Plann
     ]
     numbers = {place: domain.seed_base + rank for rank, place in enumerate(sorted(places))}
     found = []
-    for split, part, index in places:
-        name, number = f"{material}-{index:02d}", numbers[split, part, index]
-        looks, feels = imitated(domain, material, number)
+    for place in places:
+        split, part, index = place
+        looks, feels = imitated(domain, material, numbers[place])
         found.append(Planned(
-            made=domain, material=material, object=f"{simulated(domain.name)}/{name}",
-            number=number, split=split, part=part, stem=name, looks_like=looks, feels_like=feels,
+            made=domain, material=material, number=numbers[place], split=split, part=part,
+            object=f"{simulated(domain.name)}/{material}-{index:02d}",
+            looks_like=looks, feels_like=feels,
         ))  # fmt: skip
     return found
 
 
 def write_table(out: Path, pairs: Iterable[Pair], columns: Sequence[str] = COLUMNS) -> None:
     """Write `<out>/pairs.csv`, with paths relative to the set."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
+    rows = []
     for pair in pairs:
-        files = {name: getattr(pair, name).relative_to(out).as_posix() for name in ("vis", "tac")}
-        writer.writerow(files.get(name) or getattr(pair, name) for name in columns)
-    write_text(out / "pairs.csv", text.getvalue())
+        files = {name: getattr(pair, name).relative_to(out).as_posix() for name in IMAGES}
+        rows.append([files.get(name) or getattr(pair, name) for name in columns])
+    write_csv(out / "pairs.csv", columns, rows)
 
 
 def imitated(domain: SimulatedDomain, material: str, number: int) -> tuple[str, str]:

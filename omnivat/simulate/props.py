@@ -1,12 +1,12 @@
 """Other things in the picture: the sensor with its holder, and objects on the ground."""
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from omnivat.simulate.noise import Array, Rng
+from omnivat.simulate.noise import Array, Colour, Rng, one_of
 from omnivat.simulate.photograph import Framing
+from omnivat.simulate.renderer import mitsuba
 from omnivat.simulate.shapes import KINDS, OBJECTS, kind_of, made_of
 from omnivat.simulate.shapes.solid import Solid, placed
 
@@ -15,44 +15,44 @@ _HOUSINGS = ((0.02, 0.02, 0.022), (0.02, 0.02, 0.022), (0.55, 0.55, 0.53), (0.16
 _GREY = (0.32, 0.32, 0.34)
 
 
-def props(mi: Any, framing: Framing) -> dict[str, Any]:
+def props(framing: Framing) -> dict[str, Any]:
     """Return Mitsuba shapes of the sensor on the contact, or nothing."""
     if not framing.held:
         return {}
     rng = np.random.default_rng(framing.seed + 1)
-    return _hand(mi, framing, rng) if framing.scene.prop == "hand" else _rig(mi, framing, rng)
+    return _hand(framing, rng) if framing.scene.prop == "hand" else _rig(framing, rng)
 
 
-def _hand(mi: Any, framing: Framing, rng: Rng) -> dict[str, Any]:
+def _hand(framing: Framing, rng: Rng) -> dict[str, Any]:
     at, up = framing.spot.point, framing.spot.normal
     arm = _arm(framing, rng, lift=0.35)
     side = np.cross(up, arm)
-    skin = _SKINS[rng.integers(len(_SKINS))]
+    skin = one_of(_SKINS, rng)
     sleeve = (rng.uniform(0.015, 0.12) * rng.uniform(0.6, 1.6, 3)).tolist()
     shapes = {"housing": _rod(at + 0.3 * up, at + 62 * up, 12.0, _HOUSINGS[0])}
     palm = at + 44 * up + 30 * arm
-    shapes["palm"] = _ball(mi, palm, skin, (arm, 30.0), (side, 23.0), (up, 15.0))
+    shapes["palm"] = _ball(palm, skin, (arm, 30.0), (side, 23.0), (up, 15.0))
     for finger in range(4):
         middle = at + (20 + 9 * finger) * up + 14 * side + (4 - 3 * finger) * arm
-        shapes[f"finger{finger}"] = _ball(mi, middle, skin, (arm, 26.0), (side, 7.5), (up, 6.5))
+        shapes[f"finger{finger}"] = _ball(middle, skin, (arm, 26.0), (side, 7.5), (up, 6.5))
     thumb = at + 34 * up - 15 * side + 4 * arm
-    shapes["thumb"] = _ball(mi, thumb, skin, (arm, 26.0), (side, 8.0), (up, 8.0))
+    shapes["thumb"] = _ball(thumb, skin, (arm, 26.0), (side, 8.0), (up, 8.0))
     shapes["wrist"] = _rod(palm + 10 * arm, palm + 90 * arm, 20.0, skin)
     shapes["sleeve"] = _rod(palm + 65 * arm, palm + 700 * arm, 33.0, sleeve)
     return shapes
 
 
-def _rig(mi: Any, framing: Framing, rng: Rng) -> dict[str, Any]:
+def _rig(framing: Framing, rng: Rng) -> dict[str, Any]:
     at, up = framing.spot.point, framing.spot.normal
     arm = _arm(framing, rng, lift=0.8)
-    colour = _HOUSINGS[rng.integers(len(_HOUSINGS))]
+    colour = one_of(_HOUSINGS, rng)
     top = at + 38 * up
     elbow = top + 120 * arm
     return {
         "gel": _rod(at + 0.3 * up, at + 7 * up, 10.0, (0.6, 0.6, 0.6)),
         "housing": _rod(at + 6 * up, top, 13.0, colour),
         "arm": _rod(top, elbow, 9.0, _GREY),
-        "joint": _ball(mi, elbow, _HOUSINGS[0], *((way, 14.0) for way in np.eye(3))),
+        "joint": _ball(elbow, _HOUSINGS[0], *((way, 14.0) for way in np.eye(3))),
         "column": _rod(elbow, np.array([elbow[0], elbow[1], 700.0]), 12.0, _GREY),
     }
 
@@ -69,23 +69,25 @@ def _arm(framing: Framing, rng: Rng, *, lift: float) -> Array:
     return way / np.linalg.norm(way)
 
 
-def _rod(start: Array, end: Array, radius: float, colour: Sequence[float]) -> dict[str, Any]:
+def _rod(start: Array, end: Array, radius: float, colour: Colour) -> dict[str, Any]:
     """Return a closed cylinder between two points."""
     ends = {"p0": start.tolist(), "p1": end.tolist()}
     return {"type": "cylinder", **ends, "radius": radius, "bsdf": _plastic(colour)}
 
 
-def _ball(
-    mi: Any, middle: Array, colour: Sequence[float], *axes: tuple[Array, float]
-) -> dict[str, Any]:
+def _ball(middle: Array, colour: Colour, *axes: tuple[Array, float]) -> dict[str, Any]:
     """Return an ellipsoid with three axes, each a unit vector and a half length in mm."""
     matrix = np.eye(4)
     matrix[:3, :3] = np.stack([way * long for way, long in axes], axis=1)
     matrix[:3, 3] = middle
-    return {"type": "sphere", "to_world": mi.ScalarTransform4f(matrix), "bsdf": _plastic(colour)}
+    return {
+        "type": "sphere",
+        "to_world": mitsuba().ScalarTransform4f(matrix),
+        "bsdf": _plastic(colour),
+    }
 
 
-def _plastic(colour: Sequence[float]) -> dict[str, Any]:
+def _plastic(colour: Colour) -> dict[str, Any]:
     reflectance = {"type": "rgb", "value": list(colour)}
     look = {"type": "roughplastic", "diffuse_reflectance": reflectance, "alpha": 0.3}
     return {"type": "twosided", "bsdf": look}

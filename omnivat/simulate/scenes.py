@@ -46,7 +46,7 @@ SCENES = {
     ),
     "OF Real": Scene(
         whole=True, view=(1.15, 2.2), rise=(18, 50), lens=32, ground=("turntable",),
-        behind=("sheet",), sun=(1.6, 1.6, 1.6), sky=(0.6, 0.62, 0.66), height=(50, 80),
+        behind=("turntable",), sun=(1.6, 1.6, 1.6), sky=(0.6, 0.62, 0.66), height=(50, 80),
         softness=0.5, noise=0.008, goal=0.85, blur=0.5, balance=(0.97, 1.0, 1.04), contrast=0.95,
     ),
     "OF 2.0 A": Scene(

@@ -6,17 +6,17 @@ not calibrated colour.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from omnivat.simulate.noise import Colour
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Lamp:
+class Lamp(NamedTuple):
     """A row of LEDs at one side of the gel."""
 
     azimuth: float  # degrees: 0 lights from the right, 90 from the top
     colour: Colour  # added light on a 45-degree slope towards it
-    spill: float = 0.3  # unevenness on the flat gel; 0 is even
+    spill: float  # unevenness on the flat gel; 0 is even
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,18 +73,18 @@ GELS = {
     "GelSight": Sensor(
         field=16.0, depth=(0.7, 1.4), skin=0.06, give=0.9, dome=0.35, base=(0.60, 0.55, 0.62),
         lamps=(
-            Lamp(azimuth=-5, colour=(0.75, 0.02, 0.12), spill=0.62),
-            Lamp(azimuth=120, colour=(0.03, 0.70, 0.25), spill=0.55),
-            Lamp(azimuth=235, colour=(0.10, 0.12, 0.80), spill=0.55),
+            Lamp(-5, (0.75, 0.02, 0.12), 0.62),
+            Lamp(120, (0.03, 0.70, 0.25), 0.55),
+            Lamp(235, (0.10, 0.12, 0.80), 0.55),
         ),
         gain=1.6, markers=Markers(pitch=2.0, radius=0.28, uneven=0.06), vignette=0.20, noise=0.02,
     ),
     "GelSlim": Sensor(
         field=18.0, depth=(0.7, 1.3), skin=0.09, give=0.7, dome=0.12, base=(0.46, 0.42, 0.52),
         lamps=(
-            Lamp(azimuth=75, colour=(0.55, 0.10, 0.30), spill=0.30),
-            Lamp(azimuth=195, colour=(0.06, 0.50, 0.18), spill=0.30),
-            Lamp(azimuth=315, colour=(0.10, 0.16, 0.52), spill=0.25),
+            Lamp(75, (0.55, 0.10, 0.30), 0.30),
+            Lamp(195, (0.06, 0.50, 0.18), 0.30),
+            Lamp(315, (0.10, 0.16, 0.52), 0.25),
         ),
         gain=1.5, markers=Markers(pitch=1.5, radius=0.17, uneven=0.04, darkness=0.6),
         plain_gels=0.4, vignette=0.30, noise=0.015, blur=0.6,
@@ -92,27 +92,27 @@ GELS = {
     "DIGIT": Sensor(
         field=15.0, depth=(0.7, 1.4), skin=0.08, give=1.2, dome=0.55, base=(0.44, 0.50, 0.58),
         lamps=(
-            Lamp(azimuth=90, colour=(0.55, 0.10, 0.05), spill=0.55),
-            Lamp(azimuth=210, colour=(0.05, 0.50, 0.14), spill=0.50),
-            Lamp(azimuth=330, colour=(0.06, 0.14, 0.62), spill=0.60),
+            Lamp(90, (0.55, 0.10, 0.05), 0.55),
+            Lamp(210, (0.05, 0.50, 0.14), 0.50),
+            Lamp(330, (0.06, 0.14, 0.62), 0.60),
         ),
         gain=1.5, vignette=0.05, noise=0.018, blur=0.8,
     ),
     "GelSight Mini": Sensor(
         field=15.5, depth=(0.65, 1.3), skin=0.06, give=0.6, dome=0.25, base=(0.52, 0.47, 0.40),
         lamps=(
-            Lamp(azimuth=180, colour=(0.50, 0.22, 0.05), spill=0.20),
-            Lamp(azimuth=60, colour=(0.12, 0.48, 0.10), spill=0.35),
-            Lamp(azimuth=300, colour=(0.30, 0.06, 0.55), spill=0.25),
+            Lamp(180, (0.50, 0.22, 0.05), 0.20),
+            Lamp(60, (0.12, 0.48, 0.10), 0.35),
+            Lamp(300, (0.30, 0.06, 0.55), 0.25),
         ),
         gain=1.5, vignette=0.45, noise=0.010,
     ),
     "DuraGel": Sensor(
         field=17.0, depth=(0.7, 1.3), skin=0.09, give=1.0, dome=0.20, base=(0.58, 0.60, 0.60),
         lamps=(
-            Lamp(azimuth=0, colour=(0.12, 0.40, 0.20), spill=0.30),
-            Lamp(azimuth=120, colour=(0.14, 0.22, 0.50), spill=0.25),
-            Lamp(azimuth=240, colour=(0.50, 0.20, 0.14), spill=0.30),
+            Lamp(0, (0.12, 0.40, 0.20), 0.30),
+            Lamp(120, (0.14, 0.22, 0.50), 0.25),
+            Lamp(240, (0.50, 0.20, 0.14), 0.30),
         ),
         gain=1.6, markers=Markers(pitch=3.0, radius=0.36, uneven=0.02, darkness=0.5),
         plain_gels=0.5, vignette=0.15, noise=0.014, blur=0.5,

@@ -10,6 +10,7 @@ from omnivat.simulate.grounds import ground
 from omnivat.simulate.noise import Array, turned
 from omnivat.simulate.photograph import Framing
 from omnivat.simulate.props import others
+from omnivat.simulate.renderer import mitsuba
 from omnivat.simulate.shapes import Solid
 from omnivat.simulate.surfaces import Surface
 from omnivat.simulate.things import Thing
@@ -69,10 +70,11 @@ def unresolved_slopes(surface: Surface, at: Array, *, spacing: float) -> tuple[f
     return float(np.sqrt(lost[1])), float(np.sqrt(lost[0]))
 
 
-def mesh(mi: Any, solid: Solid, uv: Array, material: dict[str, Any]) -> Any:
+def mesh(solid: Solid, uv: Array, material: dict[str, Any]) -> Any:
     """Return a solid as a Mitsuba mesh with its own normals; `uv` (V, 2) are texture
     coordinates.
     """
+    mi = mitsuba()
     properties = mi.Properties()
     properties["bsdf"] = mi.load_dict(material)
     shape = mi.Mesh(
@@ -89,7 +91,7 @@ def mesh(mi: Any, solid: Solid, uv: Array, material: dict[str, Any]) -> Any:
     return shape
 
 
-def material(mi: Any, thing: Thing, texture: Texture) -> dict[str, Any]:
+def material(thing: Thing, texture: Texture) -> dict[str, Any]:
     """Return the BSDF; skin and unresolved relief widen its highlight."""
     sight = thing.sight
     along, across = (
@@ -100,33 +102,35 @@ def material(mi: Any, thing: Thing, texture: Texture) -> dict[str, Any]:
         kind = (
             {"type": "dielectric"} if alpha < 0.03 else {"type": "roughdielectric", "alpha": alpha}
         )
-        clear = bitmap(mi, np.sqrt(texture.colour))  # two walls, two faces each
+        clear = bitmap(np.sqrt(texture.colour))  # two walls, two faces each
         return kind | {"int_ior": 1.5, "specular_transmittance": clear}
-    colour = bitmap(mi, texture.colour)
+    colour = bitmap(texture.colour)
     skin: dict[str, Any] = {"type": "diffuse", "reflectance": colour}
     if sight.gloss == "metal":
-        wide = {"alpha_u": along * (1 - 0.6 * sight.brushing), "alpha_v": across}
         skin = {
             "type": "roughconductor",
             "material": "none",
             "distribution": "ggx",
             "specular_reflectance": colour,
-        } | wide
+            "alpha_u": along * (1 - 0.6 * sight.brushing),
+            "alpha_v": across,
+        }
     elif sight.gloss == "coated":
         skin = {
             "type": "roughplastic",
             "distribution": "ggx",
             "alpha": (along + across) / 2,
             "int_ior": 1.5,
+            "diffuse_reflectance": colour,
+            "nonlinear": True,
         }
-        skin |= {"diffuse_reflectance": colour, "nonlinear": True}
-    bumps = bitmap(mi, texture.bumps[..., None])
+    bumps = bitmap(texture.bumps[..., None])
     return {"type": "twosided", "bsdf": {"type": "bumpmap", "bumps": bumps, "bsdf": skin}}
 
 
-def bitmap(mi: Any, pixels: NDArray[np.floating[Any]]) -> dict[str, Any]:
+def bitmap(pixels: NDArray[np.floating[Any]]) -> dict[str, Any]:
     """Return a picture (H, W, C) of linear values as a Mitsuba texture."""
-    values = mi.Bitmap(np.ascontiguousarray(pixels, dtype=np.float32))
+    values = mitsuba().Bitmap(np.ascontiguousarray(pixels, dtype=np.float32))
     return {"type": "bitmap", "bitmap": values, "raw": True, "wrap_mode": "mirror"}
 
 
@@ -137,33 +141,33 @@ _TURNTABLE = (0.62, 1.1)  # radius, in extents of the object
 _STEP_DOWN = 14.0  # mm from the turntable to the cloth
 
 
-def place(mi: Any, thing: Thing, framing: Framing) -> dict[str, Any]:
+def place(thing: Thing, framing: Framing) -> dict[str, Any]:
     """Return the ground, the background, and the turntable if there is one."""
     clear = thing.sight.gloss == "glass"
     half = (_SIDE if framing.behind else _PLAIN) * max(framing.view, 300.0) / 2
     middle = np.array([framing.target[0], framing.target[1], -0.3])
-    transform = mi.ScalarTransform4f()
+    transform = mitsuba().ScalarTransform4f()
     shapes: dict[str, Any] = {}
     if framing.ground == "turntable":
-        radius = float(np.random.default_rng(framing.seed + 3).uniform(*_TURNTABLE))
+        radius = np.random.default_rng(framing.seed + 3).uniform(*_TURNTABLE)
         radius *= _extent(thing)
         disc = {"type": "disk", "to_world": transform.translate([0, 0, -0.3]).scale(radius)}
         rim = {"type": "cylinder", "p0": [0, 0, -_STEP_DOWN], "p1": [0, 0, -0.3], "radius": radius}
         tone = np.full((2, 2, 3), 0.82)
-        shapes |= {"top": disc | _shown(mi, tone, framing, clear)}
-        shapes |= {"rim": rim | _shown(mi, 0.8 * tone, framing, clear)}
+        shapes["top"] = disc | _shown(tone, framing, clear)
+        shapes["rim"] = rim | _shown(0.8 * tone, framing, clear)
         middle[2] = -_STEP_DOWN
     axis = np.linspace(-half, half, _PIXELS)
     x, y = np.meshgrid(axis, axis)
     flat = transform.translate(middle.tolist()).scale([half, half, 1])
     colour = ground(framing.ground, x, y, seed=framing.seed)
-    shapes["ground"] = {"type": "rectangle", "to_world": flat} | _shown(mi, colour, framing, clear)
+    shapes["ground"] = {"type": "rectangle", "to_world": flat} | _shown(colour, framing, clear)
     if framing.behind:
-        shapes["behind"] = _backdrop(mi, framing, clear)
+        shapes["behind"] = _backdrop(framing, clear)
     return shapes
 
 
-def _backdrop(mi: Any, framing: Framing, clear: bool) -> dict[str, Any]:
+def _backdrop(framing: Framing, clear: bool) -> dict[str, Any]:
     far = (framing.target - framing.eye) * [1.0, 1.0, 0.0]
     far = far / max(float(np.linalg.norm(far)), 1e-6)
     middle = framing.target * [1.0, 1.0, 0.0] + framing.away * far
@@ -172,33 +176,35 @@ def _backdrop(mi: Any, framing: Framing, clear: bool) -> dict[str, Any]:
     x, z = np.meshgrid(axis, axis + half)
     colour = ground(framing.behind, x, z, seed=framing.seed + 4)
     centre = middle + np.array([0.0, 0.0, half - 15.0])
-    stand = mi.ScalarTransform4f().look_at(
-        origin=centre.tolist(), target=(centre - far).tolist(), up=[0, 0, 1]
+    stand = (
+        mitsuba()
+        .ScalarTransform4f()
+        .look_at(origin=centre.tolist(), target=(centre - far).tolist(), up=[0, 0, 1])
     )
     return {"type": "rectangle", "to_world": stand.scale([half, half, 1])} | _shown(
-        mi, colour, framing, clear
+        colour, framing, clear
     )
 
 
-def _shown(mi: Any, colour: Array, framing: Framing, clear: bool) -> dict[str, Any]:
+def _shown(colour: Array, framing: Framing, clear: bool) -> dict[str, Any]:
     """Return the material of a ground; behind clear glass it emits light.
 
     Under glass, few paths reach the lamp.
     """
     if clear:
         lit = colour * (framing.sky + 0.35 * framing.sun) * 0.8
-        glow = {"type": "area", "radiance": bitmap(mi, lit)}
+        glow = {"type": "area", "radiance": bitmap(lit)}
         return {"emitter": glow, "bsdf": {"type": "diffuse", "reflectance": 0.0}}
-    plain = {"type": "diffuse", "reflectance": bitmap(mi, colour)}
+    plain = {"type": "diffuse", "reflectance": bitmap(colour)}
     return {"bsdf": {"type": "twosided", "bsdf": plain}}
 
 
-def clutter(mi: Any, thing: Thing, framing: Framing) -> dict[str, Any]:
+def clutter(thing: Thing, framing: Framing) -> dict[str, Any]:
     """Return other things about the object."""
-    shapes: dict[str, Any] = {}
-    for index, (solid, bsdf) in enumerate(others(framing, extent=_extent(thing))):
-        shapes[f"other{index}"] = mesh(mi, solid, np.zeros((len(solid.vertices), 2)), bsdf)
-    return shapes
+    return {
+        f"other{index}": mesh(solid, np.zeros((len(solid.vertices), 2)), bsdf)
+        for index, (solid, bsdf) in enumerate(others(framing, extent=_extent(thing)))
+    }
 
 
 def _extent(thing: Thing) -> float:

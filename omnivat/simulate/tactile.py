@@ -50,7 +50,8 @@ def untouched(sensor: Sensor, *, size: int) -> Array:
     x, y = (axis * 2 / sensor.field for axis in plane(sensor.field, size))
     image = np.ones((size, size, 3)) * sensor.base
     for lamp in sensor.lamps:
-        image += lamp.spill * _toward(lamp, x, y)[..., None] * lamp.colour * 0.55
+        toward, _ = turned(x, y, np.deg2rad(lamp.azimuth))
+        image += lamp.spill * toward[..., None] * lamp.colour * 0.55
     return image * (1.0 - sensor.vignette * 0.5 * (x**2 + y**2))[..., None]
 
 
@@ -63,14 +64,10 @@ def lit(sheet: Array, sensor: Sensor) -> Array:
     facing_x, facing_y = -right / tilt, down / tilt
     change = np.zeros((*sheet.shape, 3))
     for lamp in sensor.lamps:
-        change += _toward(lamp, facing_x, facing_y)[..., None] * lamp.colour
+        toward, _ = turned(facing_x, facing_y, np.deg2rad(lamp.azimuth))
+        change += toward[..., None] * lamp.colour
     dimmed = (1.0 / tilt - 1.0)[..., None] * sensor.base
     return sensor.gain * 1.5 * np.tanh(change / 1.5) + 0.6 * dimmed
-
-
-def _toward(lamp: Lamp, x: Array, y: Array) -> Array:
-    angle = np.deg2rad(lamp.azimuth)
-    return x * np.cos(angle) + y * np.sin(angle)
 
 
 def marker_shade(sheet: Array, markers: Markers, field: float, shear: Sequence[float]) -> Array:
@@ -104,8 +101,7 @@ def photographed(
     """Return `image` (H, W, 3) as taken by a small camera: soft, grainy if it has a seed,
     clipped to 0 to 1.
     """
-    if blur:
-        image = gaussian_filter(image, (blur, blur, 0.0), mode="nearest")
+    image = gaussian_filter(image, (blur, blur, 0.0), mode="nearest")
     if seed is not None:
         rng = np.random.default_rng(seed)
         image = image * (1.0 + 0.03 * rng.normal()) + grain * rng.normal(size=image.shape)
@@ -118,39 +114,35 @@ _TINT, _LAMP, _AIM = 0.07, 0.14, 4.0
 
 def used(sensor: Sensor, rng: Rng) -> Sensor:
     """Return the sensor with one particular gel, on one day."""
-    lamps = []
-    for lamp in sensor.lamps:
-        azimuth, colour = (
-            lamp.azimuth + float(rng.normal(0, _AIM)),
+    lamps = tuple(
+        Lamp(
+            lamp.azimuth + rng.normal(0, _AIM),
             _varied(lamp.colour, _LAMP, rng),
+            lamp.spill * rng.uniform(0.8, 1.2),
         )
-        lamps.append(
-            Lamp(azimuth=azimuth, colour=colour, spill=lamp.spill * float(rng.uniform(0.8, 1.2)))
-        )
+        for lamp in sensor.lamps
+    )
     base = _varied(sensor.base, _TINT, rng)
     ranges = {"gain": (0.85, 1.2), "skin": (0.85, 1.2), "noise": (0.6, 1.4)}
     worn: dict[str, Any] = {
-        name: getattr(sensor, name) * float(rng.uniform(*ends)) for name, ends in ranges.items()
+        name: getattr(sensor, name) * rng.uniform(*ends) for name, ends in ranges.items()
     }
-    return replace(sensor, lamps=tuple(lamps), base=base, markers=_printed(sensor, rng), **worn)
+    return replace(sensor, lamps=lamps, base=base, markers=_printed(sensor, rng), **worn)
 
 
 def _varied(colour: Colour, spread: float, rng: Rng) -> Colour:
     """Return a colour whose strength and whose channels differ a little."""
-    red, green, blue = np.exp(rng.normal(0, spread) + rng.normal(0, spread / 2, 3)) * colour
-    return (float(red), float(green), float(blue))
+    varied: Array = np.exp(rng.normal(0, spread) + rng.normal(0, spread / 2, 3)) * colour
+    return varied
 
 
 def _printed(sensor: Sensor, rng: Rng) -> Markers | None:
     """Return the markers of one gel: shifted, worn, or missing."""
-    plain, worn, (right, up, turn) = (
-        rng.random(),
-        float(rng.uniform(0.6, 1.05)),
-        rng.uniform(-1, 1, 3).tolist(),
-    )
+    plain, worn = rng.random(), rng.uniform(0.6, 1.05)
+    right, up, turn = rng.uniform(-1, 1, 3)
     if sensor.markers is None or plain < sensor.plain_gels:
         return None
-    radius = sensor.markers.radius * float(rng.uniform(0.85, 1.15))
+    radius = sensor.markers.radius * rng.uniform(0.85, 1.15)
     dark = min(sensor.markers.darkness * worn, 1.0)
     return replace(
         sensor.markers, darkness=dark, radius=radius, shift=(right, up), turn=0.06 * turn
@@ -164,7 +156,7 @@ def blotted(image: Array, sensor: Sensor, *, seed: int) -> Array:
     rng = np.random.default_rng(seed)
     stains = 1.0 + 0.035 * noise(x, y, int(rng.integers(2**31)), wavelength=5.0)
     specks = np.zeros((size, size))
-    for _ in range(int(rng.integers(0, 7))):
+    for _ in range(rng.integers(0, 7)):
         u, v = rng.uniform(-sensor.field / 2, sensor.field / 2, 2)
         radius = rng.uniform(0.05, 0.16)
         specks = np.maximum(specks, 1.0 - smoothstep(np.hypot(x - u, y - v), radius, 2 * radius))

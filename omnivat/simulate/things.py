@@ -34,7 +34,7 @@ def touch_surface(pair: Planned, *, seed: int) -> Surface:
     return skinned(own, pair.feels_like or pair.material, maker, rng)
 
 
-def touched_spot(solid: Solid, rng: Rng, *, edges: bool = True) -> Spot:
+def touched_spot(solid: Solid, rng: Rng, *, edges: bool) -> Spot:
     """Return a spot where the sensor touches the object first at the middle of its gel.
 
     edges  True to press edges and rims, too

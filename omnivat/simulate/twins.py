@@ -12,7 +12,7 @@ from omnivat.data.materials import MATERIALS
 from omnivat.data.pairs import PairSet
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import OnStep, ignore
-from omnivat.simulate.build import draw_missing, on_disk
+from omnivat.simulate.build import draw_set
 from omnivat.simulate.domains import SIMULATED, SimulatedDomain
 from omnivat.simulate.photograph import Renderer
 from omnivat.simulate.plan import PAIRS, Planned, planned
@@ -66,7 +66,7 @@ def simulate_twins(
     """
     twins = [twin(unmet, domain) for unmet in unmet_objects(each) for domain in SIMULATED.values()]
     images = [(pair, kind) for kind in ("tac", "vis") for pair in twins]
-    draw_missing(
-        images, out=out, seed=seed, size=size, workers=workers, renderer=renderer, on_step=on_step
-    )
-    return on_disk(out, twins, f"twins simulated by omnivat, seed {seed}")
+    return draw_set(
+        out, twins, images, origin=f"twins simulated by omnivat, seed {seed}",
+        seed=seed, size=size, workers=workers, renderer=renderer, on_step=on_step,
+    )  # fmt: skip

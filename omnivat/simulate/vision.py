@@ -4,17 +4,16 @@ Denoising is an edge-avoiding à-trous filter (Dammertz et al., 2010) on light d
 surface's colour, which keeps textures sharp.
 """
 
-from functools import lru_cache
 from itertools import product
 from typing import Any
 
 import numpy as np
 from scipy.ndimage import median_filter, uniform_filter
 
-from omnivat.kit.tables import need
-from omnivat.simulate.noise import Array, octaves, smoothstep
+from omnivat.simulate.noise import Array, direction, octaves, smoothstep
 from omnivat.simulate.photograph import Framing
 from omnivat.simulate.props import props
+from omnivat.simulate.renderer import mitsuba
 from omnivat.simulate.staging import clutter, material, mesh, place, textured
 from omnivat.simulate.things import Thing
 
@@ -23,34 +22,25 @@ SAMPLES_GLASS = 8
 _GUIDES = 2  # rays for each pixel for its colour and normal
 
 
-@lru_cache(maxsize=1)
-def _mitsuba() -> Any:
-    """Return Mitsuba in scalar mode: without a compiler, with identical images in every run."""
-    mitsuba = need("mitsuba", purpose="rendering VIS images")
-    mitsuba.set_variant("scalar_rgb")
-    mitsuba.set_log_level(mitsuba.LogLevel.Error)
-    return mitsuba
-
-
 def rendered(thing: Thing, framing: Framing, *, size: int) -> Array:
     """Return linear radiance (size, size, 3) of the thing under the framing.
 
     Raises MissingPackageError without mitsuba.
     """
-    mi = _mitsuba()
+    mi = mitsuba()
     texture = textured(thing, framing)
     clear = thing.sight.gloss == "glass"
     depth, samples = (9, SAMPLES_GLASS) if clear else (3, SAMPLES)
     # Light through clear glass is found by chance, so a small lamp would sparkle.
     sky = panorama(framing, least_softness=0.6 if clear else 0.0).astype(np.float32)
     upright = mi.ScalarTransform4f().rotate([1, 0, 0], 90)
-    whole = props(mi, framing) | place(mi, thing, framing) | clutter(mi, thing, framing)
+    whole = props(framing) | place(thing, framing) | clutter(thing, framing)
     scene = mi.load_dict(whole | {
         "type": "scene",
         "integrator": {"type": "path", "max_depth": depth, "rr_depth": 6},
-        "sensor": _camera(mi, framing, size, samples),
+        "sensor": _camera(framing, size, samples),
         "light": {"type": "envmap", "bitmap": mi.Bitmap(sky), "to_world": upright},
-        "object": mesh(mi, thing.solid, texture.uv, material(mi, thing, texture)),
+        "object": mesh(thing.solid, texture.uv, material(thing, texture)),
     })  # fmt: skip
     seed = framing.seed % 2**31
     image = mi.render(scene, spp=samples, seed=seed)
@@ -67,9 +57,11 @@ def _pixels(image: Any) -> Array:
     return np.nan_to_num(np.asarray(image, dtype=np.float64), nan=0.0, posinf=5.0, neginf=0.0)
 
 
-def _camera(mi: Any, framing: Framing, size: int, samples: int) -> dict[str, Any]:
-    view = mi.ScalarTransform4f().look_at(
-        origin=framing.eye.tolist(), target=framing.target.tolist(), up=[0, 0, 1]
+def _camera(framing: Framing, size: int, samples: int) -> dict[str, Any]:
+    view = (
+        mitsuba()
+        .ScalarTransform4f()
+        .look_at(origin=framing.eye.tolist(), target=framing.target.tolist(), up=[0, 0, 1])
     )
     return {
         "type": "perspective",
@@ -126,24 +118,19 @@ def _smoothed(light: Array, colour: Array, normal: Array, step: int, spread: flo
 _ROWS, _COLUMNS = 64, 128
 
 
-def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
+def panorama(framing: Framing, *, least_softness: float) -> Array:
     """Return radiance (64, 128, 3) by polar angle from straight up, and azimuth.
 
     Shiny objects mirror their surroundings, so the sky has a horizon and walls or clouds. The key
     light's total power does not depend on its size.
     """
-    down, round_ = (
-        (np.arange(_ROWS) + 0.5) / _ROWS * np.pi,
-        (np.arange(_COLUMNS) + 0.5) / _COLUMNS * 2 * np.pi,
-    )
-    polar, azimuth = np.meshgrid(down, round_, indexing="ij")
+    down = (np.arange(_ROWS) + 0.5) / _ROWS * np.pi
+    around = (np.arange(_COLUMNS) + 0.5) / _COLUMNS * 2 * np.pi
+    polar, azimuth = np.meshgrid(down, around, indexing="ij")
     way = np.stack(
         [np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)], axis=-1
     )
-    flat = np.cos(framing.height)
-    key = np.array(
-        [flat * np.cos(framing.light), flat * np.sin(framing.light), np.sin(framing.height)]
-    )
+    key = direction(framing.light, framing.height)
     width = max(framing.scene.softness, least_softness, 0.08)
     away = np.arccos(np.clip(way @ key, -1.0, 1.0))
     lamp = np.exp(-((away / width) ** 4))
@@ -151,8 +138,6 @@ def panorama(framing: Framing, *, least_softness: float = 0.0) -> Array:
     lamp = lamp / (lamp * weight).sum() * _ROWS * _COLUMNS / np.pi**2
     x, y = 3.0 * way[..., 0] + way[..., 2], 3.0 * way[..., 1]
     blocks = octaves(x, y, framing.seed, wavelength=1.5, finest=0.4)
-    around = (0.2 + 0.8 * smoothstep(np.cos(polar), -0.05, 0.25)) * (
-        1.0 + 0.8 * np.tanh(2.0 * blocks)
-    )
-    sky = framing.sky * around[..., None]
-    return sky + 1.3 * framing.sun * lamp[..., None]
+    bright = 0.2 + 0.8 * smoothstep(np.cos(polar), -0.05, 0.25)
+    bright *= 1.0 + 0.8 * np.tanh(2.0 * blocks)
+    return framing.sky * bright[..., None] + 1.3 * framing.sun * lamp[..., None]

@@ -9,9 +9,10 @@ from pathlib import Path
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.readers.files import number_in, read_rows
 from omnivat.data.recordings.lerobot import INFO, LeRobot
-from omnivat.data.recordings.tracks import HALVES, Clip, Track
+from omnivat.data.recordings.tracks import Clip, Track
 from omnivat.data.recordings.writing import write_pairs
 from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.stages import IMAGES
 
 __all__ = ["clips_of", "is_recording", "write_pairs"]
 
@@ -77,7 +78,7 @@ def _filmed(folder: Path, row: dict[str, str]) -> tuple[dict[str, Track], float 
     given = [name for name in ("start", "end", "tac_delay") if row.get(name)]
     seconds = {name: number_in(row[name], -DAY, DAY, name) for name in given}
     start, delay = seconds.get("start", 0.0), {"vis": 0.0, "tac": seconds.get("tac_delay", 0.0)}
-    names = {half: row[half] for half in HALVES if row.get(half)}
+    names = {half: row[half] for half in IMAGES if row.get(half)}
     if not names:
         raise DataError("It names no video; name one under vis or tac.")
     tracks = {

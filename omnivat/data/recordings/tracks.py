@@ -16,7 +16,6 @@ from omnivat.kit.tables import need
 if TYPE_CHECKING:
     from PIL import Image
 
-HALVES = ("vis", "tac")
 NEAR = 0.25  # of a frame: a picture so little later counts as shown
 
 

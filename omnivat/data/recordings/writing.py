@@ -9,10 +9,11 @@ from PIL import Image
 
 from omnivat.data.pairs import Skipped
 from omnivat.data.readers.files import show
-from omnivat.data.recordings.tracks import HALVES, Clip, Track, extent, pictures
+from omnivat.data.recordings.tracks import Clip, Track, extent, pictures
 from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import replacing_folder, write_csv
 from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.stages import IMAGES
 
 GRID = 16  # blocks along a side, of which contact changes some; other light changes all of them
 LOOKS = 60  # moments of a recording that are compared with its first one
@@ -67,7 +68,7 @@ def _written(
             names = {half: str(folder / f"{k:03d}_{half}.png") for half in shots}
             for half, name in names.items():
                 shots[half][k].save(work / name)
-            files = [names.get(half, "") for half in HALVES]
+            files = [names.get(half, "") for half in IMAGES]
             rows.append([*files, clip.domain, clip.material, clip.object, clip.split])
     if not rows:
         why = f" The first, '{skipped[0].what}': {skipped[0].why}" if skipped else ""

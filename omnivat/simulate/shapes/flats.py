@@ -84,7 +84,7 @@ def post(rng: Rng, made: Made) -> Solid:
 
 def bench(rng: Rng, made: Made) -> Solid:
     """Return a seat of planks on two feet."""
-    wide, thick, count = rng.uniform(60, 100), rng.uniform(18, 30), int(rng.integers(2, 5))
+    wide, thick, count = rng.uniform(60, 100), rng.uniform(18, 30), rng.integers(2, 5)
     long, gap, bevel = rng.uniform(420, 620), rng.uniform(6, 14), made.bevel
     places = (np.arange(count) - (count - 1) / 2) * (wide + gap)
     planks = [
@@ -100,7 +100,7 @@ def bench(rng: Rng, made: Made) -> Solid:
 def seat(rng: Rng, made: Made) -> Solid:
     """Return the seat of a stool: a thick disc or square on one leg."""
     r, thick = rng.uniform(120, 180), rng.uniform(18, 40)
-    power = float(rng.choice([2.0, 6.0]))
+    power = rng.choice([2.0, 6.0])
     top = turned(
         [(0.0, 0.0, 0.0), (r, 0.0, made.bevel), (r, thick, made.bevel), (0.0, thick - 2, 0.0)],
         power=power,

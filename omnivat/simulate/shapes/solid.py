@@ -28,7 +28,7 @@ class Made:
 
 def made_of(material: str, rng: Rng) -> Made:
     """Draw how an object of this material is made."""
-    wall, bevel = (float(rng.uniform(*ends)) for ends in _MADE[material])
+    wall, bevel = (rng.uniform(*ends) for ends in _MADE[material])
     return Made(wall=wall, bevel=bevel)
 
 
@@ -180,7 +180,7 @@ def lathed(profile: Profile, *, power: float = 2.0, oblong: float = 1.0) -> Soli
     return turned([(0.0, low, 0.0), *profile, (0.0, high, 0.0)], power=power, oblong=oblong)
 
 
-def swept(path: Array, half: Array, *, power: float = 2.0) -> Solid:
+def swept(path: Array, half: Array, *, power: float) -> Solid:
     """Return a closed bar along a path.
 
     path   (N, 3) mm

@@ -23,7 +23,7 @@ class Spot:
     uv: Array
 
 
-def spot(solid: Solid, rng: Rng, *, edges: bool = True) -> Spot:
+def spot(solid: Solid, rng: Rng, *, edges: bool) -> Spot:
     """Draw a touched place: not underneath, with room for a sensor, often a rim or an edge if
     `edges`.
     """

@@ -39,7 +39,7 @@ def spoon(rng: Rng, made: Made) -> Solid:
 
 def fork(rng: Rng, made: Made) -> Solid:
     """Return a fork of three or four prongs."""
-    prongs, gap = int(rng.integers(3, 5)), rng.uniform(5.5, 8)
+    prongs, gap = rng.integers(3, 5), rng.uniform(5.5, 8)
     half, span = min(0.5 + 0.5 * made.wall, 2.4), rng.uniform(40, 60)
     places = (np.arange(prongs) - (prongs - 1) / 2) * gap
     tines = [bar((18, y, 3), (18 + span, y, 5), (half, half)) for y in places]
@@ -50,7 +50,7 @@ def fork(rng: Rng, made: Made) -> Solid:
 def spatula(rng: Rng, made: Made) -> Solid:
     """Return a turner: a flat blade, slotted or whole, on a handle."""
     long, wide, thick = rng.uniform(70, 110), rng.uniform(45, 80), min(made.wall, 6.0)
-    slots = int(rng.choice([0, 0, 3]))
+    slots = rng.choice([0, 0, 3])
     strips = slots + 1 if slots else 1
     each = wide / strips - (5 if slots else 0)
     places = (np.arange(strips) - (strips - 1) / 2) * wide / strips

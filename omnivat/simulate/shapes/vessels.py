@@ -35,7 +35,7 @@ def bowl(rng: Rng, made: Made) -> Solid:
     rim = rng.uniform(50, 85)
     height, foot = rim * rng.uniform(0.55, 0.9), rim * rng.uniform(0.4, 0.6)
     waist = (rim * rng.uniform(0.82, 1.0), height * rng.uniform(0.12, 0.35))
-    ring = float(rng.choice([0.0, 3.0]))
+    ring = rng.choice([0.0, 3.0])
     return lathed(wall(foot, waist, rim, height, thick=made.wall, ring=ring))
 
 
@@ -67,7 +67,7 @@ def tumbler(rng: Rng, made: Made) -> Solid:
     rim, height = rng.uniform(31, 42), rng.uniform(90, 145)
     foot = rim * rng.uniform(0.72, 0.95)
     waist = ((foot + rim) / 2, height * 0.5)
-    power = float(rng.choice([2.0, 2.0, 3.0]))
+    power = rng.choice([2.0, 2.0, 3.0])
     return lathed(wall(foot, waist, rim, height, thick=made.wall), power=power)
 
 
@@ -129,7 +129,7 @@ def candlestick(rng: Rng, made: Made) -> Solid:
     foot, height = rng.uniform(35, 55), rng.uniform(110, 210)
     stem, socket = rng.uniform(6, 11), rng.uniform(14, 20)
     line = [(foot, 0.0, 1.5), (foot, 6.0, 2.5), (stem * 1.8, 16.0, 8.0)]
-    for share in np.linspace(0.22, 0.75, int(rng.integers(2, 5))):
+    for share in np.linspace(0.22, 0.75, rng.integers(2, 5)):
         z, bulge = share * height, stem * rng.uniform(1.3, 2.3)
         line += [(stem, z - 9, 5.0), (bulge, z, 6.0), (stem, z + 9, 5.0)]
     line += [(socket, height * 0.86, 4.0), (socket, height, 1.2), (socket - 3, height, 1.0)]

@@ -15,7 +15,7 @@ from omnivat.simulate.fields import (
     tiles,
     tinted,
 )
-from omnivat.simulate.noise import Colour, Rng
+from omnivat.simulate.noise import Rng, one_of
 from omnivat.simulate.surfaces.base import Surface, pick_log, stream
 
 _GLAZES = (
@@ -25,13 +25,9 @@ _GLAZES = (
 _CLAYS = ((0.52, 0.24, 0.13), (0.46, 0.38, 0.28), (0.34, 0.27, 0.21), (0.60, 0.50, 0.38))
 
 
-def _one_of(colours: tuple[Colour, ...], rng: Rng) -> Colour:
-    return colours[rng.integers(len(colours))]
-
-
 def glazed(rng: Rng) -> Surface:
     """Return a glossy glaze: soft waves and pinholes."""
-    glaze, seed = _one_of(_GLAZES, rng), stream(rng)
+    glaze, seed = one_of(_GLAZES, rng), stream(rng)
     wave, holes = rng.uniform(0.016, 0.030), rng.uniform(0.15, 0.4)
     pinholes = pits(seed + 4, size=3.0, radius=0.35, share=holes)
     relief = wave * orange_peel(seed, size=3.5) - 0.07 * pinholes
@@ -41,7 +37,7 @@ def glazed(rng: Rng) -> Surface:
 
 def crazed(rng: Rng) -> Surface:
     """Return a glaze with a net of cracks, stained dark."""
-    glaze, seed = _one_of(_GLAZES, rng), stream(rng)
+    glaze, seed = one_of(_GLAZES, rng), stream(rng)
     size, stain = rng.uniform(3.0, 5.5), rng.uniform(0.4, 0.8)
     relief = 0.012 * orange_peel(seed + 5, size=5.0) - 0.07 * cracks(seed, size=size, width=0.22)
     colour = tinted(glaze, -stain * cracks(seed, size=size, width=0.28))
@@ -50,7 +46,7 @@ def crazed(rng: Rng) -> Surface:
 
 def stoneware(rng: Rng) -> Surface:
     """Return a satin glaze with iron specks over gritty clay."""
-    glaze, seed = _one_of(_GLAZES, rng), stream(rng)
+    glaze, seed = one_of(_GLAZES, rng), stream(rng)
     specks = pits(seed + 2, size=2.0, radius=0.42, share=0.35)
     relief = rng.uniform(0.02, 0.04) * grain(seed, coarsest=2.4, finest=0.4) + 0.05 * specks
     satin = tinted(glaze, 0.04 * grain(seed, coarsest=4.0, finest=0.8))
@@ -60,7 +56,7 @@ def stoneware(rng: Rng) -> Surface:
 
 def terracotta(rng: Rng) -> Surface:
     """Return unglazed clay: gritty, pitted, dull."""
-    clay, seed = _one_of(_CLAYS, rng), stream(rng)
+    clay, seed = one_of(_CLAYS, rng), stream(rng)
     rough = grain(seed, coarsest=1.6, finest=0.2)
     holes = pits(seed + 30, size=1.8, radius=0.55, share=0.35)
     relief = pick_log(rng, 0.02, 0.05) * rough - 0.12 * holes
@@ -70,7 +66,7 @@ def terracotta(rng: Rng) -> Surface:
 def thrown(rng: Rng) -> Surface:
     """Return the ridges that fingers leave on the wheel, glazed over or bare."""
     seed, bare = stream(rng), rng.random() < 0.4
-    base = _one_of(_CLAYS if bare else _GLAZES, rng)
+    base = one_of(_CLAYS if bare else _GLAZES, rng)
     angle, pitch, rise = rng.uniform(0, np.pi), rng.uniform(3.0, 7.0), rng.uniform(0.08, 0.22)
     ridges = ribs(angle=angle, pitch=pitch, sharpness=1.2).moved(
         0.22 * pitch * orange_peel(seed, size=12.0)
@@ -86,7 +82,7 @@ def thrown(rng: Rng) -> Surface:
 
 def tiled(rng: Rng) -> Surface:
     """Return mosaic: small glazed tiles and sandy joints."""
-    seed, glaze = stream(rng), _one_of(_GLAZES, rng)
+    seed, glaze = stream(rng), one_of(_GLAZES, rng)
     angle, pitch, joint = rng.uniform(0, np.pi), rng.uniform(9.0, 18.0), rng.uniform(1.2, 2.2)
     face = tiles(pitch=pitch, joint=joint, angle=angle)
     sand = 0.03 * grain(seed, coarsest=0.8, finest=0.2)
@@ -99,7 +95,7 @@ def tiled(rng: Rng) -> Surface:
 
 def carved(rng: Rng) -> Surface:
     """Return rings carved or pressed into clay and flooded with glaze that pools in them."""
-    seed, glaze = stream(rng), _one_of(_GLAZES, rng)
+    seed, glaze = stream(rng), one_of(_GLAZES, rng)
     centre = (rng.uniform(-20, 20), rng.uniform(-20, 20))
     pitch, rise = rng.uniform(3.5, 6.5), rng.uniform(0.10, 0.22)
     waves = smooth(arcs(centre=centre, pitch=pitch), -0.6, 0.6)

@@ -13,7 +13,7 @@ from omnivat.simulate.fields import (
     scratches,
     tinted,
 )
-from omnivat.simulate.noise import Array, Rng, cells
+from omnivat.simulate.noise import Array, Rng, cells, one_of
 from omnivat.simulate.surfaces.base import Surface, pick_log, stream
 
 _TINTS = (
@@ -26,7 +26,7 @@ def _glass(rng: Rng, relief: Field, *, vessel: bool = False, dull: bool = False)
     """Return glass of one tint with this relief."""
     rng.random(2 + (rng.random() >= 0.6) if vessel else 1)  # once a curvature; keeps shipped bytes
     skin = rng.uniform(0.25, 0.4) if dull else 0.02
-    tint, seed = _TINTS[rng.integers(len(_TINTS))], stream(rng)
+    tint, seed = one_of(_TINTS, rng), stream(rng)
     colour = tinted(tint, 0.01 * orange_peel(seed, size=30.0))
     return Surface(relief, colour, gloss="glass", roughness=skin)
 

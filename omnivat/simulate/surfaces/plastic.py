@@ -23,10 +23,7 @@ from omnivat.simulate.surfaces.base import Surface, pick_log, stream
 def _dye(rng: Rng) -> Colour:
     """Return a colour that plastics have: strong, white, grey or black."""
     if rng.random() < 0.75:
-        red, green, blue = rng.permutation(
-            np.array([rng.uniform(0.35, 0.8), rng.uniform(0.03, 0.45), 0.04])
-        ).tolist()
-        return (red, green, blue)
+        return rng.permutation([rng.uniform(0.35, 0.8), rng.uniform(0.03, 0.45), 0.04])
     level, warm = pick_log(rng, 0.02, 0.8), rng.uniform(-0.06, 0.06)
     return (level * (1 + warm), level, level * (1 - warm))
 

@@ -20,15 +20,11 @@ from omnivat.simulate.fields import (
     tinted,
     treads,
 )
-from omnivat.simulate.noise import Colour, Rng
+from omnivat.simulate.noise import Rng, one_of
 from omnivat.simulate.surfaces.base import Surface, pick_log, stream
 
 _STEELS = ((0.56, 0.55, 0.53), (0.62, 0.61, 0.60), (0.45, 0.44, 0.43), (0.52, 0.50, 0.46))
 _RUST = np.array([0.22, 0.085, 0.035])
-
-
-def _steel(rng: Rng) -> Colour:
-    return _STEELS[rng.integers(len(_STEELS))]
 
 
 def _metal(relief: Field, colour: Field, roughness: float, **more: Any) -> Surface:
@@ -37,7 +33,7 @@ def _metal(relief: Field, colour: Field, roughness: float, **more: Any) -> Surfa
 
 def brushed(rng: Rng) -> Surface:
     """Return sheet brushed one way: hair-thin long streaks, a stretched highlight."""
-    angle, seed, base = rng.uniform(0, np.pi), stream(rng), _steel(rng)
+    angle, seed, base = rng.uniform(0, np.pi), stream(rng), one_of(_STEELS, rng)
     depth, width = pick_log(rng, 0.010, 0.026), rng.uniform(0.25, 0.5)
     hairs = streaks(seed, angle=angle, width=width, length=60.0)
     colour = tinted(base, 0.07 * hairs)
@@ -51,7 +47,7 @@ def machined(rng: Rng) -> Surface:
     far, turn = pick_log(rng, 8, 150), rng.uniform(0, 2 * np.pi)
     centre = (far * np.cos(turn), far * np.sin(turn))
     pitch, depth = pick_log(rng, 0.5, 1.3), pick_log(rng, 0.018, 0.045)
-    seed, base = stream(rng), _steel(rng)
+    seed, base = stream(rng), one_of(_STEELS, rng)
     marks = arcs(centre=centre, pitch=pitch) + 0.35 * arcs(centre=centre, pitch=pitch * 3.3)
     relief = depth * marks + 0.002 * grain(seed, coarsest=0.6, finest=0.15)
     colour, along = tinted(base, 0.06 * marks), turn + np.pi / 2
@@ -60,7 +56,7 @@ def machined(rng: Rng) -> Surface:
 
 def ground(rng: Rng) -> Surface:
     """Return polished or rolled steel: nearly smooth, scratched by use."""
-    seed, base = stream(rng), _steel(rng)
+    seed, base = stream(rng), one_of(_STEELS, rng)
     count, width = int(rng.integers(15, 60)), rng.uniform(0.05, 0.14)
     lines = scratches(seed, count=count, reach=30.0, width=width)
     relief = 0.003 * orange_peel(seed, size=4.0) - 0.02 * lines
@@ -69,7 +65,7 @@ def ground(rng: Rng) -> Surface:
 
 def cast(rng: Rng) -> Surface:
     """Return cast, forged or blasted steel: dull and evenly grainy, like a moulded plastic."""
-    seed, base = stream(rng), _steel(rng)
+    seed, base = stream(rng), one_of(_STEELS, rng)
     dark, depth = rng.uniform(0.3, 0.8), pick_log(rng, 0.012, 0.05)
     rough = grain(seed, coarsest=rng.uniform(0.8, 1.8), finest=0.15)
     return _metal(
@@ -79,7 +75,7 @@ def cast(rng: Rng) -> Surface:
 
 def rusty(rng: Rng) -> Surface:
     """Return steel that rust has begun to eat: scabs that stand proud, pits between."""
-    seed, base = stream(rng), _steel(rng)
+    seed, base = stream(rng), one_of(_STEELS, rng)
     edge, depth = rng.uniform(-0.6, 0.8), pick_log(rng, 0.03, 0.08)
     scabs = smooth(grain(seed, coarsest=14.0, finest=0.6), edge, edge + 0.5)
     crust = 1.0 + 0.6 * grain(seed + 20, coarsest=1.5, finest=0.2)
@@ -94,7 +90,7 @@ def rusty(rng: Rng) -> Surface:
 
 def chequered(rng: Rng) -> Surface:
     """Return tread plate: lens-shaped bars."""
-    angle, seed, base = rng.uniform(0, np.pi), stream(rng), _steel(rng)
+    angle, seed, base = rng.uniform(0, np.pi), stream(rng), one_of(_STEELS, rng)
     pitch, rise = rng.uniform(7.0, 13.0), rng.uniform(0.35, 0.6)
     skin = 0.006 * grain(seed, coarsest=0.8, finest=0.2)
     relief = rise * treads(pitch=pitch, angle=angle) + skin
@@ -104,7 +100,7 @@ def chequered(rng: Rng) -> Surface:
 
 def knurled(rng: Rng) -> Surface:
     """Return a knurled grip: small pyramids on a shaft."""
-    angle, seed, base = rng.uniform(0, np.pi), stream(rng), _steel(rng)
+    angle, seed, base = rng.uniform(0, np.pi), stream(rng), one_of(_STEELS, rng)
     pitch, rise = rng.uniform(0.9, 1.8), rng.uniform(0.10, 0.22)
     colour = tinted(base, 0.05 * orange_peel(seed, size=3.0))
     relief = rise * diamonds(pitch=pitch, angle=angle)

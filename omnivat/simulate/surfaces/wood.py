@@ -16,7 +16,7 @@ from omnivat.simulate.fields import (
     streaks,
     tinted,
 )
-from omnivat.simulate.noise import Array, Rng, smoothstep, turned
+from omnivat.simulate.noise import Array, Rng, one_of, smoothstep, turned
 from omnivat.simulate.surfaces.base import Surface, pick_log, stream
 
 _SPECIES = (  # linear reflectance of early wood; late wood is darker
@@ -33,7 +33,7 @@ class _Grain:
     def __init__(self, rng: Rng) -> None:
         self.angle, pitch = rng.uniform(0, np.pi), pick_log(rng, 2.0, 9.0)
         wave, fibre, pore = stream(rng), stream(rng), stream(rng)
-        self.species = _SPECIES[rng.integers(len(_SPECIES))]
+        self.species = one_of(_SPECIES, rng)
         bend = streaks(wave, angle=self.angle, width=4 * pitch, length=60 * pitch)
         self.rings = _late(self.angle, pitch, bend)
         self.fibres = streaks(fibre, angle=self.angle, width=0.9, length=25.0)

@@ -74,8 +74,8 @@ def test_both_splits_have_their_shares_and_share_no_object():
 def test_a_domains_split_does_not_depend_on_the_others():
     one = pairs([(f"a{i}", "wood") for i in range(20)], "A")
     two = pairs([(f"a{i}", "wood") for i in range(30)], "B")
-    alone = split_by_object(one, seed=0)
-    both = split_by_object([*two, *one], seed=0)
+    alone = split_by_object(one, seed=0, test=0.3)
+    both = split_by_object([*two, *one], seed=0, test=0.3)
     assert both[30:] == alone
     assert [pair.split for pair in both[:20]] != [pair.split for pair in alone], "drawn apart"
 

@@ -20,6 +20,7 @@ from omnivat.simulate.domains import SIMULATED
 from omnivat.simulate.grounds import GROUNDS, ground
 from omnivat.simulate.noise import plane
 from omnivat.simulate.plan import PAIRS, classes, planned
+from omnivat.simulate.renderer import mitsuba
 from omnivat.simulate.sensors import Sensor, TaximSensor
 from omnivat.simulate.shapes import KINDS, made_of
 from omnivat.simulate.surfaces import RECIPES, SKINS
@@ -53,12 +54,12 @@ def skin(material, seed):
 def image(pair, kind):
     """Return an image, and the scene that Mitsuba was to render."""
     modules = packages()
-    vision._mitsuba.cache_clear()
+    mitsuba.cache_clear()
     drawing._simulator.cache_clear()
     with patch.dict("sys.modules", modules):
         seen = drawing.drawn(pair, kind, seed=0, size=48, renderer=vision.rendered)
         still = drawing.resting(pair.made.sensor, size=24) if kind == "tac" else ()
-    vision._mitsuba.cache_clear()
+    mitsuba.cache_clear()
     drawing._simulator.cache_clear()
     return seen, still, getattr(modules["mitsuba"], "rendered", ())
 
@@ -124,7 +125,7 @@ def test_a_touch_is_the_shipped_picture_but_for_what_jpeg_loses(domain):
         pytest.skip("drawn by Taxim, which is not installed")
     file = min((SHIPPED / f"{domain}-sim").glob("*/*_tac.jpg"))
     plan = planned(made, file.parent.name, pairs=PAIRS)
-    pair = next(p for p in plan if p.stem == file.stem.removesuffix("_tac"))
+    pair = next(p for p in plan if Path(p.object).name == file.stem.removesuffix("_tac"))
     seen = drawing.drawn(pair, "tac", seed=0, size=224, renderer=None)
     lost = np.abs(seen - np.asarray(read_image(file)) / 255).mean()
     assert lost < (0.015 if isinstance(made.sensor, Sensor) else 0.003)

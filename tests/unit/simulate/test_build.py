@@ -9,7 +9,7 @@ from PIL import Image
 
 from omnivat.data.readers import read_pairs
 from omnivat.data.rest import with_rest
-from omnivat.kit.errors import DataError, MissingPackageError
+from omnivat.kit.errors import MissingPackageError, OmniVatError
 from omnivat.simulate.build import simulate
 from omnivat.simulate.domains import SimulatedDomain
 from omnivat.simulate.photograph import plain
@@ -114,10 +114,10 @@ def test_a_domain_of_ones_own_renumbers_no_other(built, tmp_path):
 @pytest.mark.parametrize(
     ("change", "sentence"),
     [
-        ({"domains": ["TAGG"]}, "No domain is called 'TAGG'; there are TAG-sim"),
+        ({"domains": ["TAGG"]}, "No domain is called 'TAGG'; there are TAG, OF Real"),
         ({"pairs_per_class": 0}, "choose 1 to 10,000"),
     ],
 )
 def test_what_makes_no_pair_is_refused(change, sentence, tmp_path):
-    with pytest.raises(DataError, match=sentence):
+    with pytest.raises(OmniVatError, match=sentence):
         simulate(tmp_path, **(SMALL | change), workers=1)

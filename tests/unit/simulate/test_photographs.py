@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from omnivat.kit.errors import MissingPackageError
-from omnivat.simulate import drawing, vision
+from omnivat.simulate import drawing, renderer, vision
 from omnivat.simulate.contact import Press
 from omnivat.simulate.domains import SIMULATED
 from omnivat.simulate.photograph import framed
@@ -40,8 +40,8 @@ def gone(name, **said):
 
 
 def test_without_mitsuba_a_render_says_what_is_missing(monkeypatch):
-    vision._mitsuba.cache_clear()
-    monkeypatch.setattr(vision, "need", gone)
+    renderer.mitsuba.cache_clear()
+    monkeypatch.setattr(renderer, "need", gone)
     made = thing_of("TAG")
     with pytest.raises(MissingPackageError, match="mitsuba is needed for rendering VIS"):
         vision.rendered(made, framing_of("TAG", made), size=32)

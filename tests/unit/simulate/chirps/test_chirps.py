@@ -40,18 +40,18 @@ def test_the_class_can_be_read_at_p_star_and_not_elsewhere(order):
 
 @pytest.mark.parametrize("order", [0.0, 0.2, 0.35, 0.5, 0.77, 1.0])
 def test_no_interference_lies_near_p_star_and_no_two_share_an_order(order):
-    found = np.array(interference_orders(ChirpSettings(order=order))).ravel()
+    found = interference_orders(ChirpSettings(order=order))
     assert np.abs(found - order).min() >= 0.25 - 1e-9
     assert found.min() >= 0 and found.max() <= 1
-    assert np.diff(np.sort(found)).min() > 0.02
+    assert np.diff(np.sort(found, axis=None)).min() > 0.02
 
 
 def test_without_shift_every_domain_has_the_interference_of_the_first():
     found = interference_orders(ChirpSettings(shift=0.0))
-    assert set(found) == {found[0]}
+    assert (found == found[0]).all()
     halfway = interference_orders(ChirpSettings(shift=0.5))
     whole = interference_orders(ChirpSettings(shift=1.0))
-    np.testing.assert_allclose(np.array(halfway), (np.array(whole) + np.array(whole[0])) / 2)
+    np.testing.assert_allclose(halfway, (whole + whole[0]) / 2)
 
 
 def test_the_same_seed_gives_the_same_signals_and_another_seed_others():
