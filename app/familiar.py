@@ -39,7 +39,7 @@ def familiar(resources: Resources, question: Question) -> Reply:
         raw = before[name]
         if ref is None or raw is None:
             continue
-        near = _nearest(resources, name, raw, index, int(ref.name) if ref.kind == "row" else None)
+        near = _nearest(resources, name, raw, index, resources.row_of(ref))
         images[name] = {"nearest": near}
         if ref.kind == "image" and not question.get("profile"):
             raw = torch.from_numpy(resources.embedding(ref, OTHER[name]).copy())[None]
@@ -68,9 +68,16 @@ def predict_one(named: Asked) -> Reply:
     """Return `readings`, the class probabilities, and `images`, the familiarity, of a request's
     pair.
     """
-    out = named.head.model(named.pair["vis"], named.pair["tac"], order=named.order)
-    readings = {name: rounded(values.numpy())[0] for name, values in out.readings.items()}
-    return {"readings": readings, "images": looked_at(named)}
+    return {"readings": readings_of(named), "images": looked_at(named)}
+
+
+def readings_of(named: Asked) -> dict[str, list[float]]:
+    """Return reading -> the class probabilities of a request's pair."""
+    import torch
+
+    with torch.inference_mode():
+        out = named.head.model(named.pair["vis"], named.pair["tac"], order=named.order)
+        return {name: rounded(values.numpy())[0] for name, values in out.readings.items()}
 
 
 def first(resources: Resources) -> Reply:

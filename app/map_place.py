@@ -7,6 +7,7 @@ from app.pair_input import pair_of
 from app.resources import Resources, state_of
 from app.state import Question, Reply, order_from
 from omnivat.kit.errors import DataError
+from omnivat.kit.stages import IMAGES
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,11 +21,12 @@ def place(resources: Resources, question: Question) -> Reply:
 
     question  {"vis", "tac": references, "order": p, "stage": …, "map": "pca" or "umap"}
     return    `points` by modality, each [x, y] in map units; `order` of the map's stop;
-              `exact`: true if the position is not an estimate: the pair is on the map, or the map
-              is linear
+              `exact`: true if no position is an estimate: the pair is on the map, as an example
+              of the set is, or the map is linear
 
     Raises DataError if there is no such map.
     """
+    import numpy as np
     import torch
 
     from omnivat.maps.projection.neighbours import placed
@@ -32,11 +34,11 @@ def place(resources: Resources, question: Question) -> Reply:
 
     stage, order, flat = _drawn(resources, question)
     refs, _, pair = pair_of(resources, question)
-    half = len(flat) // 2
+    halves = dict(zip(IMAGES, np.split(flat, 2), strict=True))
     points = {
-        name: flat[int(ref.name) + (half if name == "tac" else 0)].tolist()
+        name: halves[name][row].tolist()
         for name, ref in refs.items()
-        if ref is not None and ref.kind == "row"
+        if ref and (row := resources.row_of(ref)) is not None
     }
     if points.keys() == {name for name, rows in pair.items() if rows is not None}:
         return {"points": points, "order": order, "exact": True}  # no features are needed

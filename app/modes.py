@@ -5,6 +5,7 @@ A mode without a file of its own is the loaded head's; its frames are computed i
 
 import logging
 from collections.abc import Container
+from contextlib import suppress
 from pathlib import Path
 
 from app.places import Places
@@ -15,7 +16,6 @@ from omnivat.head.heads import EXAMPLES, shipped_sets
 from omnivat.kit.errors import DataError
 
 log = logging.getLogger(__name__)
-CURVES = "retrained.bin"  # of heads of their own at each p
 SETS = {"sensors": "Touch sensors", "chirps": "Chirps"}
 
 
@@ -66,7 +66,7 @@ def modes(resources: Resources, among: Container[str] | None = None) -> Reply:
     listed = shipped_sets()
     for name in listed if among is None else [one for one in listed if one in among]:
         (folder, embeddings), title = listed[name], SETS.get(name, name)
-        curve = _curve(folder / CURVES, title)
+        curve = _curve(folder, title)
         sets.append(
             {"name": name, "title": title, "shown": embeddings.resolve() == shown, "curve": curve}
         )
@@ -79,13 +79,16 @@ def modes(resources: Resources, among: Container[str] | None = None) -> Reply:
     }
 
 
-def _curve(file: Path, title: str) -> Reply | None:
-    """Return the accuracy in unseen domains of the heads trained at each p, if there are any."""
+def _curve(folder: Path, title: str) -> Reply | None:
+    """Return the accuracy in unseen domains of the first mode of a head for each stop, if there
+    is one over several trainings.
+    """
     from omnivat.maps.frames.file import frames_header
 
-    try:
-        record = frames_header(file)
-        share = record["curves"]["seeds:accuracy/unseen/mean"]
-    except (DataError, KeyError):
-        return None
-    return {"title": title, "orders": record["orders"], "share": share}
+    for row in tables()["modes"]:
+        if "heads" in row["can"]:
+            with suppress(DataError, KeyError):
+                record = frames_header(folder / row["file"])
+                share = record["curves"]["seeds:accuracy/unseen/mean"]
+                return {"title": title, "orders": record["orders"], "share": share}
+    return None

@@ -79,8 +79,7 @@ def live(resources: Resources, content: Content, question: Question) -> Reply:
         rows = {one: encoders[one].embed(some[None]) for one, some in pixels.items()}
         embedded = perf_counter()
     named = asked(resources, _beside(question), rows)
-    with torch.inference_mode():
-        found = predict_one(named)
+    found = predict_one(named)
     ms = {"read": decoded - began, "encoder": embedded - decoded, "head": perf_counter() - embedded}
     ms = {part: round(1000 * seconds, 1) for part, seconds in ms.items()}
     return {"classes": list(named.head.settings.classes), **found, "ms": ms}

@@ -86,8 +86,14 @@ def find_examples(folder: Path) -> dict[str, dict[str, Path]]:
     """
     found = {}
     for vis in sorted(folder.glob("*/*/*_vis.*")):
-        stem = vis.stem.removesuffix("_vis")
-        tacs = [p for p in vis.parent.glob(f"{stem}_tac.*") if p.suffix.lower() in ENDINGS]
+        name = example_name(vis)
+        tacs = vis.parent.glob(f"{name.split('/')[-1]}_tac.*")
+        tacs = [tac for tac in tacs if tac.suffix.lower() in ENDINGS]
         if tacs and vis.suffix.lower() in ENDINGS:
-            found["/".join((*vis.parts[-3:-1], stem))] = {"vis": vis, "tac": tacs[0]}
+            found[name] = {"vis": vis, "tac": tacs[0]}
     return found
+
+
+def example_name(vis: Path) -> str:
+    """Return "domain/class/stem" of a photo `<domain>/<class>/<stem>_vis.*`."""
+    return "/".join((*vis.parts[-3:-1], vis.stem.removesuffix("_vis")))

@@ -14,12 +14,13 @@ from app.decoder import Decoder, Picture
 from app.frames_job import FramesJob
 from app.jobs import Jobs
 from app.limits import MAPPED_BYTES
-from app.places import Places, find_examples, head_names
+from app.places import Places, example_name, find_examples, head_names
 from app.real import RealPairs
 from app.scratch import Scratch
 from app.state import ForgottenError, Lazy, Recent, Ref, Reply, content_name
 from omnivat.head.heads import OWN
 from omnivat.kit.errors import DataError
+from omnivat.kit.stages import IMAGES
 
 if TYPE_CHECKING:
     import numpy as np
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from omnivat.head.checkpoint import Head
     from omnivat.head.head import PairCoefficients
     from omnivat.maps.frames import FrameSet
+
+    Array = np.ndarray[Any, Any]
 
 log = logging.getLogger(__name__)
 KEPT_IMAGES = 512  # embeddings of uploaded images; about 5 kB each
@@ -92,15 +95,15 @@ class Resources:
         )
         self.frame_jobs = {name: FramesJob(self, name) for name in self.folders}
         self.frames = self.frame_jobs[""]
-        self.features: Recent[np.ndarray[Any, Any]] = Recent(KEPT_FEATURES)  # by stage and order
+        self.features: Recent[Array] = Recent(KEPT_FEATURES)  # by stage and order
         self.results: Recent[Reply] = Recent(KEPT_FEATURES)  # by method or tree
         self.drawn_frames: Recent[FrameSet] = Recent(1)  # of the map, by file
         # from visitors' labelled pairs, and of their sensors
         self.taught: Recent[tuple[Head, Familiarity | None]] = Recent(KEPT_TAUGHT, private=True)
         self.profiles: Recent[Profile] = Recent(KEPT_PROFILES, private=True)
         self.coefficients: Lazy[PairCoefficients] = Lazy(self._coefficients)
-        self._row_of: Lazy[dict[str, int]] = Lazy(self._rows_by_file)
-        self._sent: Recent[np.ndarray[Any, Any]] = Recent(KEPT_IMAGES, private=True)
+        self.example_rows: Lazy[dict[str, int]] = Lazy(self._example_rows)
+        self._sent: Recent[dict[str, Array]] = Recent(KEPT_IMAGES, private=True)  # by modality
 
     @property
     def holds(self) -> str:
@@ -134,34 +137,32 @@ class Resources:
             )
         return head
 
-    def embedding(self, ref: Ref, modality: str) -> "np.ndarray[Any, Any]":
+    def embedding(self, ref: Ref, modality: str) -> "Array":
         """Return the embedding (input_width,) of an image of the modality "vis" or "tac".
 
         Raises DataError if there is no such image, ForgottenError if an uploaded one is no longer
         kept.
         """
-        if ref.kind == "row":
-            count = len(self.embeddings())
-            if not ref.name.isascii() or not ref.name.isdigit() or int(ref.name) >= count:
-                raise DataError(
-                    f"No pair has the number '{ref.name:.20}'; there are 0 to {count - 1}."
-                )
-            return self._from_set(int(ref.name), modality)
+        row = self.row_of(ref)
+        if row is not None:
+            return self._from_set(row, modality)
         if ref.kind == "example":
-            file = self.example(ref.name, modality)
-            row = self._row_of().get(ref.name)
-            if row is not None:
-                return self._from_set(row, modality)
-            content = file.read_bytes()
-            kept = self._sent.once(
-                content_name(content),
-                lambda: self._embedded(self.shared.decoder.read(content, ref.name)),
-            )
-            return _of(kept, modality)
-        sent = self._sent.get(ref.name)
-        if sent is None:
+            ref, _ = self.take_image(self.example(ref.name, modality), ref.name)
+        kept = self._sent.get(ref.name)
+        if kept is None:
             raise ForgottenError("The server no longer has this image; send it again.")
-        return _of(sent, modality)
+        return kept[modality]
+
+    def row_of(self, ref: Ref) -> int | None:
+        """Return the row of the set that an image is of; None if it is of none. Raises DataError
+        for a number that no row has.
+        """
+        if ref.kind != "row":
+            return self.example_rows().get(ref.name) if ref.kind == "example" else None
+        count = len(self.embeddings())
+        if not ref.name.isascii() or not ref.name.isdigit() or int(ref.name) >= count:
+            raise DataError(f"No pair has the number '{ref.name:.20}'; there are 0 to {count - 1}.")
+        return int(ref.name)
 
     def take_image(self, source: bytes | Path, name: str) -> tuple[Ref, Picture]:
         """Embed an image from bytes or a file; return its reference and the decoded picture, as
@@ -172,34 +173,30 @@ class Resources:
         self._sent.once(key, lambda: self._embedded(found))
         return Ref("image", key), found
 
-    def _embedded(self, picture: Picture) -> "np.ndarray[Any, Any]":
-        import numpy as np
+    def _embedded(self, picture: Picture) -> "dict[str, Array]":
+        """Return an image's vector as photo and as touch; what is the same is computed once."""
+        import torch
 
-        from omnivat.encoders.base import DotsFilled, for_modality
+        from omnivat.encoders.base import for_modality
 
-        # One vector, or VIS and TAC if each modality has its own encoder, or dots were filled in
-        # TAC.
-        encoder, image = self.encoder(), picture.image
-        encoders = list(dict.fromkeys(for_modality(encoder, name) for name in ("vis", "tac")))
-        if isinstance(encoder, DotsFilled) and encoder.one_network:
-            clean = encoder.tac.cleaned(image)
-            images = [image] if clean is image else [image, clean]
-            encoders = [encoder.vis] * len(images)
-        else:
-            images = [image] * len(encoders)
-        rows = [
-            one.embed(one.preprocess(some)[None])[0].numpy()
-            for one, some in zip(encoders, images, strict=True)
-        ]
-        return rows[0] if len(rows) == 1 else np.stack(rows)
+        encoder = self.encoder()
+        photo, touch = (for_modality(encoder, name) for name in IMAGES)
+        seen = photo.preprocess(picture.image)
+        vis = photo.embed(seen[None])[0].numpy()
+        if photo is touch:
+            return {"vis": vis, "tac": vis}
+        felt = touch.preprocess(picture.image)
+        same = getattr(encoder, "one_network", False) and torch.equal(seen, felt)
+        return {"vis": vis, "tac": vis if same else touch.embed(felt[None])[0].numpy()}
 
-    def _from_set(self, row: int, modality: str) -> "np.ndarray[Any, Any]":
+    def _from_set(self, row: int, modality: str) -> "Array":
         import numpy as np
 
         embeddings = self.embeddings()
         self.head().require_embeddings(embeddings)
-        rows = embeddings.vis if modality == "vis" else embeddings.tac
-        plain = np.asarray(rows)  # a row of a memmap takes 20 times as long
+        plain = np.asarray(
+            getattr(embeddings, modality)
+        )  # a row of a memmap takes 20 times as long
         return np.array(plain[row], np.float32)
 
     def example(self, name: str, modality: str) -> Path:
@@ -211,23 +208,15 @@ class Resources:
             raise DataError(f"No example is called '{name:.80}'; pick one of the gallery.")
         return file
 
-    def example_rows(self) -> dict[str, int]:
-        """Return example -> row of the set, for the examples that are in it; nothing is encoded."""
-        rows = self._row_of()
-        return {name: rows[name] for name in self.examples() if name in rows}
-
-    def _rows_by_file(self) -> dict[str, int]:
-        """Return the row of each pair of the set by name: "domain/class/stem" -> row."""
+    def _example_rows(self) -> dict[str, int]:
+        """Return example -> row of the set, for the examples that are in it."""
         try:
             embeddings = self.embeddings()
             self.head().require_embeddings(embeddings)
         except DataError:
             return {}  # examples are then encoded like any image
-        photos = map(Path, embeddings.rows["vis"])
-        return {
-            "/".join([*photo.parts[-3:-1], photo.stem.removesuffix("_vis")]): row
-            for row, photo in enumerate(photos)
-        }
+        rows = {example_name(Path(photo)): i for i, photo in enumerate(embeddings.rows["vis"])}
+        return {name: rows[name] for name in self.examples() if name in rows}
 
     def _coefficients(self) -> "PairCoefficients":
         from omnivat.maps.sweep.walk import coefficients_of
@@ -250,14 +239,6 @@ def require_name(name: Any, known: Collection[str]) -> None:
     if name is not None and (not isinstance(name, str) or name not in known):
         others = ", ".join(f"'{other}'" for other in known if other) or "none beside the first"
         raise DataError(f"No head is called {name!r:.40}; there are {others}.")
-
-
-def _of(kept: "np.ndarray[Any, Any]", modality: str) -> "np.ndarray[Any, Any]":
-    """Return the vector (D,) of a modality, from one vector or from rows of VIS and TAC."""
-    if kept.ndim == 1:
-        return kept
-    row: np.ndarray[Any, Any] = kept[("vis", "tac").index(modality)]
-    return row
 
 
 def _load_head(folder: Path) -> "Head":

@@ -39,6 +39,7 @@ Work = Callable[..., Any]  # of the resources and a question; a JSON value, or t
 QUESTIONS: dict[str, Work] = {
     "pair": pair.predicted,
     "many": pair.many,
+    "rivals": pair.rivals,
     "attention": pair.attention,
     "tree": nodes.tree,
     "votes": nodes.votes,

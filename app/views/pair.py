@@ -4,10 +4,11 @@ import base64
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from app.familiar import looked_at, predict_one
+from app.familiar import looked_at, predict_one, readings_of
+from app.messages import without_places
 from app.pair_input import asked, rounded, within
 from app.resources import Resources
-from app.state import Question, Reply
+from app.state import ForgottenError, Question, Reply
 from omnivat.data.domains import is_simulated
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import STOPS
@@ -83,17 +84,37 @@ def many(resources: Resources, question: Question) -> Reply:
 
     Raises DataError for another number of pairs, ForgottenError for a picture that is not kept.
     """
-    import torch
-
     given = question.get("pairs")
     if not isinstance(given, list) or not all(isinstance(one, dict) for one in given):
         raise DataError("pairs has to be a list of pairs with a photo, a touch or both.")
     if not 0 < len(given) <= MOST_AT_ONCE:
         raise DataError(f"{len(given)} pairs were sent; send 1 to {MOST_AT_ONCE} at a time.")
     pairs = [asked(resources, within(question, one)) for one in given]
-    with torch.inference_mode():
-        found = [predict_one(named) for named in pairs]
+    found = [predict_one(named) for named in pairs]
     return {"classes": list(pairs[0].head.settings.classes), "pairs": found}
+
+
+def rivals(resources: Resources, question: Question) -> dict[str, Reply]:
+    """Predict one pair by every comparison head, each at its learned order.
+
+    question  {"vis", "tac": references}
+    return    name of the head -> its `classes` and `exact`, as `predicted` has them, or the
+              `problem` of a head that cannot read the pair
+
+    Raises ForgottenError for a picture that is not kept.
+    """
+
+    def read(name: str) -> Reply:
+        try:
+            named = asked(resources, {**question, "head": name})
+        except ForgottenError:
+            raise
+        except DataError as error:
+            return {"problem": without_places(str(error))}
+        exact = {"order": named.head.model.order, "readings": readings_of(named)}
+        return {"classes": list(named.head.settings.classes), "exact": exact}
+
+    return {name: read(name) for name in resources.folders if name}
 
 
 def trained_span(head: "Head") -> list[float]:

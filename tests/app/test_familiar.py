@@ -11,6 +11,7 @@ from app.resources import Resources
 from app.views.pair import predicted
 from omnivat.data.store import save_embeddings
 from omnivat.head.calibration import familiarity_of
+from omnivat.kit.stages import IMAGES
 from omnivat.measure.shares import counted
 
 
@@ -70,7 +71,7 @@ def test_a_head_that_does_not_know_its_training_images_makes_no_claim(resources)
 def test_an_image_nearer_to_the_other_modality_strays_and_one_of_its_own_does_not(resources):
     own = resources.embeddings().in_domain(resources.head().source)
     for name, row in (("photo", own.vis[3]), ("touch", own.tac[3])):
-        resources._sent.keep(name, row.copy())
+        resources._sent.keep(name, dict.fromkeys(IMAGES, row.copy()))
     swapped = familiar(resources, {"vis": "image:touch", "tac": "image:photo"})["images"]
     right = familiar(resources, {"vis": "image:photo", "tac": "image:touch"})["images"]
     assert [swapped[name]["strays"] for name in ("vis", "tac")] == [True, True]

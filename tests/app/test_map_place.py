@@ -6,6 +6,7 @@ import pytest
 from app.map_place import place
 from app.resources import Resources
 from omnivat.kit.errors import DataError
+from omnivat.kit.stages import IMAGES
 
 
 @pytest.fixture
@@ -13,22 +14,22 @@ def with_frames(framed):
     return Resources(framed)
 
 
-def test_a_pair_of_the_set_is_placed_where_the_map_has_it(with_frames):
+@pytest.mark.parametrize("kind", ["pca", "umap"])
+@pytest.mark.parametrize(("ref", "row"), [("row:7", 7), ("example:TAG-sim/wood/0", 0)])
+def test_a_pair_of_the_set_is_placed_where_the_map_has_it(with_frames, ref, row, kind):
     from omnivat.maps.frames import read_frames
 
     frames = read_frames(with_frames.frames.state().file)
-    got = place(
-        with_frames, {"vis": "row:7", "tac": "row:7", "order": 0.5, "stage": "f_hat", "map": "pca"}
-    )
-    drawn = frames.maps["pca/f_hat"]
+    asked = {"vis": ref, "tac": ref, "order": 0.5, "stage": "f_hat", "map": kind}
+    got = place(with_frames, asked)
+    drawn = frames.maps[f"{kind}/f_hat"]
     where = drawn.places(drawn.orders.index(frames.orders.index(got["order"])))
     assert got["exact"]
-    np.testing.assert_allclose(got["points"]["vis"][0:2], where[7], atol=1e-3)
-    np.testing.assert_allclose(got["points"]["tac"], where[7 + frames.pairs], atol=1e-3)
+    assert got["points"] == {"vis": where[row].tolist(), "tac": where[row + frames.pairs].tolist()}
 
 
 def test_a_picture_with_the_vector_of_a_pair_is_placed_where_the_pair_is(with_frames):
-    with_frames._sent.keep("sent", with_frames.embeddings().vis[7])
+    with_frames._sent.keep("sent", dict.fromkeys(IMAGES, with_frames.embeddings().vis[7]))
     asked = {"tac": "row:7", "order": 0.5, "stage": "f_hat", "map": "pca"}
     there, sent = (place(with_frames, {"vis": ref, **asked}) for ref in ("row:7", "image:sent"))
     assert there["exact"] and sent["exact"]

@@ -8,7 +8,8 @@ import pytest
 import torch
 
 from app.resources import Resources
-from app.views.pair import many, predicted, spectrum, trained_span
+from app.state import ForgottenError
+from app.views.pair import many, predicted, rivals, spectrum, trained_span
 from omnivat.data.store import save_embeddings
 
 
@@ -100,3 +101,21 @@ def test_many_pairs_are_predicted_as_each_of_them_alone(resources):
         assert one["readings"].keys() == alone.keys()
         for name, row in alone.items():
             assert one["readings"][name] == pytest.approx(row, abs=2e-6)
+
+
+def test_other_heads_read_the_pair_as_each_of_them_alone_and_a_broken_one_spoils_none(
+    resources, tmp_path
+):
+    (tmp_path / "broken").mkdir()
+    heads = resources.where.head, tmp_path / "broken"
+    beside = Resources(replace(resources.where, compare=heads), resources.shared)
+    asked = {"vis": "row:3", "tac": "row:3"}
+    found = rivals(beside, asked)
+    alone = predicted(beside, {**asked, "head": "head"})
+    assert set(found) == {"head", "broken"}
+    assert found["head"]["exact"]["order"] == alone["learned"]
+    for name, row in alone["exact"]["readings"].items():
+        assert found["head"]["exact"]["readings"][name] == pytest.approx(row, abs=2e-6)
+    assert "settings.json" in found["broken"]["problem"] and "/" not in found["broken"]["problem"]
+    with pytest.raises(ForgottenError):
+        rivals(beside, {"vis": "image:lost"})

@@ -10,6 +10,7 @@ from app.sensor import MOST_AT_ONCE
 from app.state import ForgottenError
 from app.views.pair import MOST_AT_ONCE as MOST_PAIRS
 from omnivat.kit.errors import DataError
+from omnivat.kit.stages import IMAGES
 
 from .conftest import LESSONS
 
@@ -70,7 +71,7 @@ FORGOTTEN = [
 
 @pytest.mark.parametrize(("route", "question", "words"), [*REFUSED, *FORGOTTEN])
 def test_it_is_refused_with_what_is_wanted(resources, png, route, question, words):
-    resources._sent.keep("own", resources.embeddings().tac[0])
+    resources._sent.keep("own", dict.fromkeys(IMAGES, resources.embeddings().tac[0]))
     ask = (
         partial(SENT[route][0], resources, png())
         if route in SENT
@@ -91,6 +92,6 @@ def test_it_is_refused_with_what_is_wanted(resources, png, route, question, word
     ],
 )
 def test_as_many_as_stated_are_taken(resources, monkeypatch, limit, route, question):
-    resources._sent.keep("own", resources.embeddings().vis[0])
+    resources._sent.keep("own", dict.fromkeys(IMAGES, resources.embeddings().vis[0]))
     monkeypatch.setattr(limit, len(LESSONS))
     assert QUESTIONS[route](resources, question)

@@ -14,6 +14,7 @@ from app.sensor import profile, save_sensor
 from app.server import main
 from app.views.pair import many
 from omnivat.data.profile import channels_of, joined
+from omnivat.kit.stages import IMAGES
 
 from .conftest import sentence, served
 
@@ -24,7 +25,7 @@ OWN = {"vis": "image:0", "tac": "image:0"}
 def visiting(resources):
     """Return resources that keep 20 uploaded pictures of a sensor whose channels are shifted."""
     for k in range(20):
-        resources._sent.keep(str(k), resources.embeddings().vis[k] + 3)
+        resources._sent.keep(str(k), dict.fromkeys(IMAGES, resources.embeddings().vis[k] + 3))
     return resources
 
 

@@ -19,6 +19,7 @@ from app.site import MARK, OWN, Files, export_site
 from app.site_models import files_in, write_places, write_set
 from omnivat.cli import main
 from omnivat.kit.errors import DataError, SettingsError, WriteError
+from omnivat.kit.stages import IMAGES
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +111,7 @@ def test_own_pictures_are_placed_on_a_linear_map_as_the_server_places_them(frame
     write_places(resources, tmp_path / "places.safetensors")
     places = load_file(tmp_path / "places.safetensors")
     assert {name.split()[0] for name in places} == {"pca"}  # no map between neighbours
-    resources._sent.keep("sent", resources.embeddings().vis[7] + 0.2)
+    resources._sent.keep("sent", dict.fromkeys(IMAGES, resources.embeddings().vis[7] + 0.2))
     asked = {"tac": "image:sent", "order": 0.5, "stage": "f_hat", "map": "pca"}
     wanted = map_place.place(resources, asked)
     row = resources.head().model(

@@ -23,6 +23,7 @@ PLACE = {**PAIR, "stage": "raw", "map": "pca"}
 WORKING = {
     "pair": (PAIR, 1),
     "many": ({"pairs": [PAIR] * 7}, 7),
+    "rivals": (PAIR, 0),
     "attention": (PAIR, 1),
     "tree": (PAIR, 1),
     "votes": ({}, 1),

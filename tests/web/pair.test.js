@@ -49,6 +49,7 @@ const PAIR = {
   classes: CLASSES,
   learned: 0.5,
   exact: {
+    order: 0.5,
     readings: { fused: [0.9, 0.1], vis: [0.8, 0.2], tac: [0.3, 0.7], vis_branch: [0.9, 0.1], tac_branch: [0.85, 0.15] },
   },
   images: {},

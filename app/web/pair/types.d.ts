@@ -19,7 +19,7 @@ interface Said {
   guess: boolean;
 }
 /** What another head says of the pair. */
-type Rival = { label: string } & ({ problem: string } | Pick<Predicted, "classes" | "exact" | "learned">);
+type Rival = { label: string } & Replies["rivals"][string];
 /** The prediction of the newest camera pictures; none at rest. */
 type Frame = { idle?: boolean; yours?: boolean } & {
   classes: string[];

@@ -159,14 +159,14 @@ export function spoken(answer) {
 }
 
 /** The same pair by other heads; a reading that is a guess has no figure. All heads share the encoder.
- * @param {Answer & Pick<Predicted, "learned">} answer @param {Rival[]} others */
+ * @param {Answer} answer @param {Rival[]} others */
 export function rivalsHtml(answer, others) {
   const lines = [{ ...answer, label: "this head" }, ...others].map((one) => {
     if ("problem" in one) return row(html`${one.label}`, [html`<td colspan="3">${one.problem}</td>`]);
     const cells = readingsIn({ ...one, images: answer.images }).map(
       (said) => html`<td class="${said.guess && "of-guess"}">${brief(said)}</td>`,
     );
-    return row(html`${one.label} <small>p = ${one.learned.toFixed(3)}</small>`, cells);
+    return row(html`${one.label} <small>p = ${one.exact.order.toFixed(3)}</small>`, cells);
   });
   const head = ["Head", ...READINGS.map((reading) => signed(reading))];
   return html`<header><h3>The same pair, other heads</h3>${hint("Each at its own learned p.")}</header>${table("Predictions of several heads", head, lines)}`;

@@ -97,18 +97,20 @@ export const WORK = {
     send("arrived", { familiar: await quietly(ask("familiar", /** @type {Question} */ (tab.question), signal)) });
   },
   async rivals({ tab: { vis, tac, heads }, send }, _, signal) {
-    const asking = heads.map(({ name }) => quietly(ask("pair", { vis, tac, head: name }, signal)));
-    send("arrived", { rivals: (await Promise.all(asking)).map((one, i) => ({ ...one, label: headLabel(heads[i]) })) });
+    if (!heads.length) return;
+    const answers = await ask("rivals", { vis, tac }, signal);
+    send("arrived", { rivals: heads.map((one) => ({ ...answers[one.name], label: headLabel(one) })) });
   },
   place: ({ tab: { vis, tac, answer }, map }) => map?.({ vis, tac }, answer?.linear ? null : answer?.learned),
   /** Open a pair of the set, which Explore then shows too. */
   pin: (_, { pair }) => change({ pin: +pair, vis: `row:${pair}`, tac: `row:${pair}` }),
-  /** The open pair as it comes, and with the profile. */
-  async compare({ tab: { vis, tac, ...tab }, send }, _, signal) {
-    if (!tab.counts || ![vis, tac].some((ref) => ref?.startsWith("image:"))) return;
-    const asking = ["", tab.profile].map((profile) => ask("many", { pairs: [{ vis, tac }], profile }, signal));
-    const [before, after] = await Promise.all(asking);
-    send("arrived", { compared: { classes: before.classes, before: before.pairs[0], after: after.pairs[0] } });
+  /** The open pair as it comes, beside the answer with the profile. */
+  async compare({ tab: { counts, answer, question }, send }, _, signal) {
+    const { vis, tac, ...lessons } = /** @type {Question} */ (question);
+    if (!counts || !answer || ![vis, tac].some((ref) => ref?.startsWith("image:"))) return;
+    const { classes, pairs } = await ask("many", { pairs: [{ vis, tac }], ...lessons, profile: "" }, signal);
+    const after = { readings: answer.exact.readings, images: answer.images };
+    send("arrived", { compared: { classes, before: pairs[0], after } });
   },
 
   async upload({ send }, { modality, file }) {

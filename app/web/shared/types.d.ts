@@ -518,6 +518,7 @@ interface Replies {
   "thumbnails.json": Omit<Sprite, "url">;
   pair: Predicted;
   many: { classes: string[]; pairs: Prediction[] };
+  rivals: Record<string, { problem: string } | Pick<Predicted, "classes" | "exact">>;
   attention: Attention;
   tree: Tree;
   votes: { votes: { class: string; share: number }[]; pairs: number };

@@ -76,9 +76,14 @@ export class Desk extends Models {
 
   /** The embedding of one reference. @param {Ref} ref @param {Modality} modality @returns {Promise<Floats>} */
   async embedding(ref, modality) {
+    if (ref.startsWith("image:")) return this.keptAs(ref, "this image; send it again.")[modality];
+    return this.row(await this.rowOf(ref), modality);
+  }
+
+  /** The row of the set that an image is of; undefined if it is of none. @param {Ref} ref @returns {Promise<any>} */
+  async rowOf(ref) {
     const [, kind, name] = /^(\w+):(.*)$/.exec(ref) ?? [];
-    if (kind === "image") return this.keptAs(ref, "this image; send it again.")[modality];
-    return this.row(kind === "row" ? Number(name) : (await this.about()).rows[name], modality);
+    return kind === "row" ? Number(name) : kind === "example" ? (await this.about()).rows[name] : undefined;
   }
 
   /** @param {{ profile?: string }} question @returns {SensorProfile | null} */

@@ -67,17 +67,20 @@ export const FOREST = {
     };
   },
 
-  /** For each image of a pair, its place on a linear map, or its neighbours in the set and their shares, for places.js.
-   * `drawn` is the stop of the map. */
+  /** For each image of a pair, its row of the set, its place on a linear map, or its neighbours and their shares, for
+   * places.js. `drawn` is the stop of the map. */
   async near(desk, question, { stopped }) {
     const { order, pair } = await desk.asked(question);
-    const head = await desk.head();
     const there = imagesOf(pair);
+    const ofSet = await Promise.all(there.map((name) => desk.rowOf(question[name])));
+    if (!ofSet.includes(undefined)) return { points: Object.fromEntries(there.map((name, i) => [name, { row: ofSet[i] }])) };
+    const head = await desk.head();
     const wanted = there.map((name) => (there.length > 1 ? `f_hat_${name}` : `${name}_f_hat`));
     const out = await desk.run(head, [pair], [order], wanted);
     const map = (await desk.file("places.safetensors"))[`${question.map} ${question.drawn}`];
     const all = map ? null : stacked(await featuresOf(desk, head, "f_hat", order, stopped));
     const points = there.map(async (name, i) => {
+      if (ofSet[i] !== undefined) return [name, { row: ofSet[i] }];
       const row = unit(rowOf(out[wanted[i]], 0));
       if (map) return [name, { place: onLinear(row, map) }];
       const [index, share] = await desk.rule("place", row, /** @type {Tensor} */ (all));

@@ -25,13 +25,12 @@ export async function placed(set, body, ask) {
   const near = ofSet ? null : await ask("near", JSON.stringify({ ...question, order, drawn }));
   if (near && near.status !== 200) return near;
   const found = near?.value.points ?? {};
-  const points = there.map((name) => {
-    const [kind, row] = question[name].split(":");
-    const place = kind === "row" ? at(+row + (name === "tac" ? frames.pairs : 0)) : found[name].place;
-    return [name, place ?? between(found[name], at)];
+  const exact = there.map((name) => {
+    const row = ofSet ? +question[name].slice("row:".length) : found[name].row;
+    return row === undefined ? found[name].place : at(row + (name === "tac" ? frames.pairs : 0));
   });
-  const exact = ofSet || there.every((name) => found[name].place);
-  return { status: 200, value: { points: Object.fromEntries(points), order, exact } };
+  const points = there.map((name, i) => [name, exact[i] ?? between(found[name], at)]);
+  return { status: 200, value: { points: Object.fromEntries(points), order, exact: exact.every(Boolean) } };
 }
 
 /** The mean of the places of neighbours by their shares. @param {{ index: number[], share: number[] }} around @param {At} at */

@@ -94,12 +94,11 @@ export const QUESTIONS = {
     /** @type {Record<string, any>} */
     const images = {};
     for (const name of imagesOf(before)) {
-      const [kind, number] = question[name].split(":");
-      const row = /** @type {Floats} */ (before[name]);
-      const near = await nearestPairs(desk, head, name, row, kind === "row" ? Number(number) : -1);
+      const ref = question[name];
+      const near = await nearestPairs(desk, head, name, /** @type {Floats} */ (before[name]), await desk.rowOf(ref));
       images[name] = { nearest: near };
-      if (kind !== "image" || question.profile) continue;
-      const [there] = await nearestPairs(desk, head, OTHER[name], await desk.embedding(question[name], OTHER[name]));
+      if (!ref.startsWith("image:") || question.profile) continue;
+      const [there] = await nearestPairs(desk, head, OTHER[name], await desk.embedding(ref, OTHER[name]));
       images[name].strays = there.cosine > near[0].cosine;
     }
     return { images, of: head.training.of };
