@@ -194,9 +194,8 @@ class Resources:
 
         embeddings = self.embeddings()
         self.head().require_embeddings(embeddings)
-        plain = np.asarray(
-            getattr(embeddings, modality)
-        )  # a row of a memmap takes 20 times as long
+        # a row of a memmap takes 20 times as long
+        plain = np.asarray(getattr(embeddings, modality))
         return np.array(plain[row], np.float32)
 
     def example(self, name: str, modality: str) -> Path:

@@ -73,7 +73,8 @@ export const FOREST = {
     const { order, pair } = await desk.asked(question);
     const there = imagesOf(pair);
     const ofSet = await Promise.all(there.map((name) => desk.rowOf(question[name])));
-    if (!ofSet.includes(undefined)) return { points: Object.fromEntries(there.map((name, i) => [name, { row: ofSet[i] }])) };
+    if (!ofSet.includes(undefined))
+      return { points: Object.fromEntries(there.map((name, i) => [name, { row: ofSet[i] }])) };
     const head = await desk.head();
     const wanted = there.map((name) => (there.length > 1 ? `f_hat_${name}` : `${name}_f_hat`));
     const out = await desk.run(head, [pair], [order], wanted);
