@@ -34,8 +34,7 @@ from omnivat.encoders import load_encoder
 from omnivat.head.heads import EXAMPLES
 from omnivat.kit.files import replacing, write_text
 from omnivat.kit.threads import one_thread
-from omnivat.maps.projection import pca
-from omnivat.maps.projection.torch_umap import following
+from omnivat.maps.projection import pca, torch_umap
 from omnivat.measure.twins import Twins, twins, write_twins
 from omnivat.simulate.build import image_path
 from omnivat.simulate.domains import SIMULATED, SimulatedDomain
@@ -362,7 +361,8 @@ def threads(made: Twins, learning: Embeddings) -> dict[str, Any]:
     flat = [basis.place(some).numpy() for some in points]
     chained: list[Array] = []
     for some in points:
-        chained.append(following(some, torch.from_numpy(chained[-1]) if chained else None).numpy())
+        start = torch.from_numpy(chained[-1]) if chained else None
+        chained.append(torch_umap.project(some, start=start).numpy())
     near = [own_twin(way) for way in ways]
     away = ~np.eye(rows.shape[1], dtype=bool)
     return {

@@ -35,13 +35,11 @@ class StageFeatures:
 
     def blocks(self) -> "Iterator[tuple[slice, dict[str, Tensor]]]":
         """Yield unit rows of VIS and TAC, some pairs at a time, with their slice and a bar."""
-        from omnivat.maps.sweep.walk import CHUNK, stage_blocks
+        from omnivat.maps.sweep.walk import stage_blocks
         from omnivat.measure.gaps.unit import unit
 
         model, count = self.head.model if self.head else None, len(self.embeddings)
-        # without a head, larger blocks cost no memory to speak of
-        chunk = CHUNK if model else 8 * CHUNK
-        blocks = stage_blocks(model, self.embeddings, self.order, self.stage, chunk=chunk)
+        blocks = stage_blocks(model, self.embeddings, self.order, self.stage)
         with progress_bar(f"features at {self.stage}") as show:
             for rows, found in blocks:
                 yield rows, {name: unit(own) for name, own in found.items()}

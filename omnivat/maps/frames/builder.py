@@ -16,9 +16,9 @@ from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.stages import STOPS, fitting
 from omnivat.maps.frames.records import FEATURES, FrameSet, MapFrames, quantised
-from omnivat.maps.projection import pca
+from omnivat.maps.projection import pca, torch_umap
 from omnivat.maps.projection.quality import trust
-from omnivat.maps.projection.torch_umap import aligned, following
+from omnivat.maps.projection.torch_umap import aligned
 from omnivat.maps.sweep import (
     MEASURES,
     STAGES,
@@ -53,7 +53,7 @@ class _Track:
         """Map the next stop, aligned with the one before it."""
         before = self.maps[-1] if self.maps else None
         if self.method == "umap":
-            flat = following(points, before)
+            flat = torch_umap.project(points, start=before)
         else:
             flat = pca.project(points)
             flat = flat if before is None else aligned(flat, before)
@@ -106,7 +106,6 @@ class FrameBuilder:
         self.tracks = _tracks(maps, len(orders), shared=shared, still=still)
         wanted = {track.stage for track in self.tracks.values()}
         self.stages = [stage for stage in STAGES if stage in wanted]
-        self.unitary = {name.split("/")[1] for name in maps} - wanted  # frft, if it shares raw
         self.classes, self.facts = facts_of(embeddings, known)
         if max(len(self.classes), len(embeddings.header.domains)) > MOST_NAMES:
             raise DataError(
@@ -127,8 +126,8 @@ class FrameBuilder:
         for stage, name, value in curve_values(at_order, self.facts, self.measures):
             curve = self.curves.setdefault(name, [None] * count)
             known = value if np.isfinite(value) else None
-            curve[:] = [known] * count if stage in self.still else curve
-            curve[at_order.index] = known
+            for place in range(count) if stage in self.still else [at_order.index]:
+                curve[place] = known
         if "accuracy" in self.measures and self.source in self.embeddings.header.domains:
             for reading, shares in at_order.probabilities.items():
                 if reading not in NAMES:
@@ -144,11 +143,12 @@ class FrameBuilder:
 
     def finish(self, head: Mapping[str, Any]) -> FrameSet:
         """Return the frames. head: facts about the head."""
-        if "frft" in self.unitary:  # the curves of the raw embedding are those of the raw DFrFT
-            for name, curve in list(self.curves.items()):
-                measure, stage, *rest = name.split("/")
-                if stage == "raw":
-                    self.curves["/".join([measure, "frft", *rest])] = list(curve)
+        for name, track in self.tracks.items():
+            if name.endswith("/frft") and track.stage == "raw":  # its curves are the raw ones, too
+                for curve, values in list(self.curves.items()):
+                    measure, stage, *rest = curve.split("/")
+                    if stage == "raw":
+                        self.curves["/".join([measure, "frft", *rest])] = values
         frames = {track: track.frames() for track in set(self.tracks.values())}
         header = self.embeddings.header
         return FrameSet(

@@ -65,7 +65,8 @@ def _named(frames: FrameSet) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
             "orders": found.orders,
             "bounds": [found.low, found.high],
             "max_error": found.max_error,
-        } | ({"trust": found.trust} if found.trust else {})
+            "trust": found.trust,
+        }
     return maps, arrays
 
 
@@ -152,5 +153,5 @@ def _map(entry: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> MapFra
         low=tuple(low),
         high=tuple(high),
         max_error=entry["max_error"],
-        trust=tuple(entry.get("trust", ())),
+        trust=tuple(entry["trust"]),
     )

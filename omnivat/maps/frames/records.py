@@ -59,7 +59,7 @@ class MapFrames:
     low: tuple[float, float]
     high: tuple[float, float]
     max_error: float
-    trust: tuple[float | None, ...] = ()
+    trust: tuple[float | None, ...]
 
     def places(self, frame: int) -> NDArray[np.float64]:
         """Return the coordinates of a frame, (2N, 2), in map units."""
@@ -124,7 +124,7 @@ def require_fit(frames: FrameSet) -> None:
 
 
 def quantised(
-    maps: list[NDArray[np.float64]], orders: tuple[int, ...], trust: tuple[float | None, ...] = ()
+    maps: list[NDArray[np.float64]], orders: tuple[int, ...], trust: tuple[float | None, ...]
 ) -> MapFrames:
     """Quantise maps (2N, 2) of one stage to u16 within one square around all of them."""
     stacked = np.stack(maps).astype(np.float64)

@@ -1,5 +1,6 @@
 """Faithfulness of a map."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,7 +33,7 @@ class Quality:
 
 
 def quality(
-    points: Tensor, flat: Tensor, *, k: int = 15, rows: int = SAMPLE, seed: int = 0
+    points: Tensor, flat: Tensor, *, k: int = NEIGHBOURS, rows: int = SAMPLE, seed: int = 0
 ) -> Quality:
     """Return the quality of a map, from `rows` of its rows sampled at random.
 
@@ -48,12 +49,10 @@ def quality(
     if count > rows:
         generator = torch.Generator().manual_seed(derive_seed(seed, "quality"))
         drawn = torch.randperm(count, generator=generator)[:rows]
-    middles = points.mean(0), flat.mean(0)
-    squares = row_squares(points, middles[0]), row_squares(flat, middles[1])
+    in_space, on_map = distances(points), distances(flat)
     costs, shares = [], []
     for some in drawn.to(points.device).split(AT_ONCE):
-        far = distances(points, points[some], middles[0], squares[0])
-        near = distances(flat, flat[some], middles[1], squares[1])
+        far, near = in_space(some), on_map(some)
         place = torch.arange(len(some), device=points.device)
         far[place, some], near[place, some] = -torch.inf, torch.inf
         found = far.gather(1, near.topk(k, largest=False).indices)
@@ -81,18 +80,14 @@ def trust(points: Tensor, flat: Tensor) -> float | None:
     """
     if len(points) <= 4 * NEIGHBOURS:
         return None
-    return quality(points, flat, k=NEIGHBOURS, rows=TRUST_SAMPLE).trustworthiness
+    return quality(points, flat, rows=TRUST_SAMPLE).trustworthiness
 
 
-def row_squares(points: Tensor, middle: Tensor) -> Tensor:
-    """Squared distance of each row (N, D) from `middle`, (N,), some rows at a time."""
-    return torch.cat([(part - middle).square().sum(1) for part in points.split(BLOCK)])
-
-
-def distances(points: Tensor, rows: Tensor, middle: Tensor, squares: Tensor) -> Tensor:
-    """Squared distances of rows (B, D) to points (N, D), up to a constant of each row: (B, N).
-
-    squares  of the points from `middle`, from `row_squares`
+def distances(points: Tensor) -> Callable[[Tensor], Tensor]:
+    """Return a function from indices of rows (B,) to their squared distances to points (N, D), up
+    to a constant of each row: (B, N).
     """
+    middle = points.mean(0)
+    squares = torch.cat([(part - middle).square().sum(1) for part in points.split(BLOCK)])
     # (x - m)·(y - m) = x·(y - m), less what all points share: the points are not copied
-    return squares - 2 * ((rows - middle) @ points.T)
+    return lambda rows: squares - 2 * ((points[rows] - middle) @ points.T)

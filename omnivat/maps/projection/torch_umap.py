@@ -118,20 +118,16 @@ PULL_LIMIT = 4.0  # umap-learn's bound on each part of one force
 
 
 def project(
-    points: Tensor,
-    *,
-    seed: int = 0,
-    dimensions: int = 2,
-    steps: int = STEPS,
-    rate: float = RATE,
-    start: Tensor | None = None,
+    points: Tensor, *, seed: int = 0, dimensions: int = 2, start: Tensor | None = None
 ) -> Tensor:
     """Return a UMAP map of points (N, D) -> (N, dimensions).
 
     seed   the same seed, machine and thread count give the same map
-    steps  of the descent
-    rate   factor of force over degree in the first step; it decreases linearly to 0
-    start  (N, dimensions) initial map, such as that of a neighbouring order
+    start  (N, dimensions) map of a neighbouring order to start from
+
+    A given start is almost right, so its map takes only WARM_STEPS steps. The low rate WARM_RATE
+    keeps rows in their places: maps of neighbouring orders are as trustworthy as independent ones
+    and move far less (`benchmarks.projection` at 527730d).
 
     With more than MOST_ROWS rows, the descent uses a sample that depends only on the seed. Every
     other row is placed between its nearest neighbours in the sample; see `_spread`.
@@ -141,25 +137,13 @@ def project(
     if len(points) > MOST_ROWS:
         chosen = sample_of(len(points), seed).to(points.device)
         first = None if start is None else start[chosen]
-        flat = project(
-            points[chosen], seed=seed, dimensions=dimensions, steps=steps, rate=rate, start=first
-        )
+        flat = project(points[chosen], seed=seed, dimensions=dimensions, start=first)
         return _spread(points, chosen, flat)
     graph = fuzzy_graph(nearest(points, min(NEIGHBOURS, len(points)) - 1))
-    start = spectral_map(graph, seed=seed, dimensions=dimensions) if start is None else start
-    return descend(graph, start, steps=steps, rate=rate, seed=seed)
-
-
-def following(points: Tensor, before: Tensor | None) -> Tensor:
-    """Return the map (N, 2) of points (N, D), started from the map `before` if given.
-
-    The start is almost right, so a later map takes only WARM_STEPS steps. The low rate WARM_RATE
-    keeps rows in their places: maps of neighbouring orders are as trustworthy as independent ones
-    and move far less (`benchmarks.projection` at 527730d).
-    """
-    if before is None:
-        return project(points)
-    return project(points, steps=WARM_STEPS, rate=WARM_RATE, start=before)
+    if start is not None:
+        return descend(graph, start, steps=WARM_STEPS, rate=WARM_RATE, seed=seed)
+    start = spectral_map(graph, seed=seed, dimensions=dimensions)
+    return descend(graph, start, steps=STEPS, rate=RATE, seed=seed)
 
 
 def aligned(flat: Tensor, to: Tensor) -> Tensor:
@@ -193,29 +177,23 @@ def _spread(points: Tensor, chosen: Tensor, flat: Tensor) -> Tensor:
     known, left = points[chosen], torch.ones(len(points), dtype=torch.bool, device=points.device)
     left[chosen] = False
     rest = left.nonzero()[:, 0]
-    if len(points) <= CELLS_FROM:
-        for some in rest.split(PLACED):
-            whole[some] = place(points[some], known, flat)
-        return whole
-    pivots = known[:: -(-len(known) // CELLS)]
+    pivots = known[:: -(-len(known) // (CELLS if len(points) > CELLS_FROM else 1))]
     ring = torch.cdist(pivots, pivots).topk(min(RING, len(pivots)), largest=False).indices
     cells = nearest(pivots, 1, queries=known).index[:, 0]
     home = torch.cat(
         [nearest(pivots, 1, queries=points[some]).index[:, 0] for some in rest.split(PLACED)]
     )
-    for cell, own in enumerate(
-        rest[home.argsort()].split(home.bincount(minlength=len(pivots)).tolist())
-    ):
-        if not len(own):  # a cell of the sample alone
-            continue
+    for cell in home.unique():  # others hold rows of the sample alone
         near = torch.isin(cells, ring[cell]).nonzero()[:, 0]
-        for some in own.split(PLACED):
+        for some in rest[home == cell].split(PLACED):
             whole[some] = place(points[some], known[near], flat[near])
     return whole
 
 
 def descend(graph: Graph, start: Tensor, *, steps: int, rate: float, seed: int) -> Tensor:
     """Move the rows of `start` (N, 2) by UMAP's forces; return the new places.
+
+    rate  factor of force over degree in the first step; it decreases linearly to 0
 
     Source: McInnes, Healy and Melville, arXiv:1802.03426, section 3.2 and appendix C.
     """

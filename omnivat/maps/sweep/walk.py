@@ -79,7 +79,7 @@ def walk(
         if model is not None and (wanted or predictions):
             if kept is None and len(embeddings) <= KEPT_PAIRS:
                 kept = coefficients_of(model, embeddings)
-            for rows, output in _outputs(model, embeddings, kept, order, CHUNK):
+            for rows, output in _outputs(model, embeddings, kept, order):
                 for stage in wanted:
                     found.take(stage, stage_features(output, stage), rows)
                 if predictions:
@@ -117,22 +117,17 @@ class _Found:
 
 @torch.no_grad()
 def stage_blocks(
-    model: OmniVaT | None,
-    embeddings: Embeddings,
-    order: float | None,
-    stage: str,
-    *,
-    chunk: int = CHUNK,
+    model: OmniVaT | None, embeddings: Embeddings, order: float | None, stage: str
 ) -> Iterator[tuple[slice, Features]]:
-    """Yield the features of one stage at one order, `chunk` pairs at a time, with their slice.
+    """Yield the features of one stage at one order, some pairs at a time, with their slice.
 
-    model, order  None at "raw"
+    model, order  None at "raw", whose blocks are larger: they cost no memory to speak of
     Raises DataError if there are no pairs.
     """
     if model is None or order is None:
-        yield from _raw_chunks(model, embeddings, chunk)
+        yield from _raw_chunks(model, embeddings, 8 * CHUNK)
         return
-    for rows, output in _outputs(model, embeddings, None, order, chunk):
+    for rows, output in _outputs(model, embeddings, None, order):
         yield rows, stage_features(output, stage)
 
 
@@ -145,16 +140,16 @@ def coefficients_of(model: OmniVaT, embeddings: Embeddings) -> PairCoefficients:
 
 @torch.no_grad()
 def _outputs(
-    model: OmniVaT, embeddings: Embeddings, kept: PairCoefficients | None, order: float, chunk: int
+    model: OmniVaT, embeddings: Embeddings, kept: PairCoefficients | None, order: float
 ) -> Iterator[tuple[slice, HeadOutput]]:
-    """Yield the head's outputs for `chunk` pairs at a time, from kept coefficients if possible."""
+    """Yield the head's outputs, some pairs at a time, from kept coefficients if possible."""
     if kept is None:
-        for rows, raw in _raw_chunks(model, embeddings, chunk):
+        for rows, raw in _raw_chunks(model, embeddings, CHUNK):
             yield rows, model.from_coefficients(model.coefficients(**raw), order)
         return
-    for start in range(0, len(kept), chunk):
+    for start in range(0, len(kept), CHUNK):
         checkpoint()
-        rows = slice(start, start + chunk)
+        rows = slice(start, start + CHUNK)
         yield rows, model.from_coefficients(kept[rows], order)
 
 

@@ -9,7 +9,7 @@ from omnivat.maps.frames import build_frames, read_frames, write_frames
 from omnivat.maps.frames.builder import spread
 from omnivat.maps.frames.records import LEVELS, quantised
 from omnivat.maps.projection import pca, torch_umap
-from omnivat.maps.projection.torch_umap import aligned, following
+from omnivat.maps.projection.torch_umap import aligned
 from omnivat.maps.sweep import sweep
 from omnivat.measure.gaps.unit import unit
 
@@ -49,7 +49,7 @@ def test_every_umap_frame_is_the_map_that_follows_the_one_before_within_the_u16_
     chosen = [points for stop, points in enumerate(features("f_hat")) if stop in found.orders]
     flat = None
     for place, points in enumerate(chosen):
-        flat = following(points, flat)
+        flat = torch_umap.project(points, start=flat)
         span = found.high[0] - found.low[0]
         assert np.abs(found.places(place) - flat.numpy()).max() <= span / LEVELS / 2 + 1e-3
 
@@ -115,7 +115,7 @@ def test_an_order_for_each_modality_moves_the_transform_too(width, monkeypatch):
 
 def test_quantising_is_exact_to_half_a_step_and_says_so():
     maps = [np.random.default_rng(seed).normal(size=(50, 2)) * (1, 40) for seed in range(3)]
-    found = quantised(maps, (0, 1, 2))
+    found = quantised(maps, (0, 1, 2), (None,) * 3)
     errors = [np.abs(found.places(k) - maps[k]).max() for k in range(3)]
     assert max(errors) == pytest.approx(found.max_error)
     assert found.max_error <= (found.high[1] - found.low[1]) / LEVELS / 2 * 1.000001
@@ -123,7 +123,7 @@ def test_quantising_is_exact_to_half_a_step_and_says_so():
 
 
 def test_equal_points_have_a_map():
-    assert quantised([np.ones((4, 2))], (0,)).max_error < 1e-9
+    assert quantised([np.ones((4, 2))], (0,), (None,)).max_error < 1e-9
 
 
 @pytest.mark.parametrize(

@@ -183,7 +183,7 @@ def test_a_chain_of_maps_moves_less_than_maps_made_apart_and_shows_as_much():
     turned = [points + 0.3 * step * noise(*points.shape, seed=9) for step in range(4)]
     warm = []
     for points in turned:
-        warm.append(torch_umap.following(points, warm[-1] if warm else None))
+        warm.append(torch_umap.project(points, start=warm[-1] if warm else None))
     apart = [torch_umap.project(points, seed=step) for step, points in enumerate(turned)]
     moved, jumped = (
         [float((b - a).norm(dim=1).mean() / (a - a.mean(0)).norm()) for a, b in pairwise(maps)]
