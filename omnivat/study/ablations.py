@@ -4,8 +4,8 @@ A row overrides settings of the head and of training in the base settings of a r
 changes nothing and runs once for all tables.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from omnivat.data.domains import DOMAINS
@@ -44,6 +44,15 @@ BASELINE = Row("Baseline", base="baseline")
 def _modalities(lang: bool, names: tuple[str, ...]) -> Row:
     label = "LANG / " * lang + " / ".join(names).upper()
     return Row(label, train={"lang": lang, "modalities": "+".join(names)}, modalities=names)
+
+
+def _along(axis: str, places: Sequence[float], row: Callable[[Any], Row]) -> dict[str, Row]:
+    """Return the rows of a figure: one at each place of its axis."""
+    return {f"{axis} {place:g}": replace(row(place), value=place) for place in places}
+
+
+def _fixed(p: float) -> Row:
+    return Row(f"p = {p:g} (fixed)", head={"order": p, "learn_order": False}, value=p)
 
 
 ONLY_MFFA = {"generation": "none"}
@@ -104,15 +113,12 @@ ABLATIONS = {
         sources=("TAG",),
         axis="p",
         rows={
-            **{
-                f"p {p:g}": Row(
-                    f"p = {p:g}" + (" (fixed)" if p in (0.0, 1.0) else ""),
-                    head={"order": p, "learn_order": p not in (0.0, 1.0)},
-                    value=p,
-                )
-                for p in (0.0, 0.1, 0.3, 0.5, 0.7, 0.9, 1.0)
-            },
-            "p 0.5 fixed": Row("p = 0.5 (fixed)", head={"order": 0.5, "learn_order": False}),
+            "p 0": _fixed(0.0),
+            **_along(
+                "p", (0.1, 0.3, 0.5, 0.7, 0.9), lambda p: Row(f"p = {p:g}", head={"order": p})
+            ),
+            "p 1": _fixed(1.0),
+            "p 0.5 fixed": replace(_fixed(0.5), value=None),
             "p per modality": Row(
                 "p = 0.5, one for each modality", head={"order_per_modality": True}
             ),
@@ -122,12 +128,7 @@ ABLATIONS = {
         "Fractional order p: a head trained anew at each fixed value",
         axis="p, fixed",
         rows={
-            **{
-                f"p {p:g} fixed": Row(
-                    f"p = {p:g} (fixed)", head={"order": p, "learn_order": False}, value=p
-                )
-                for p in (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
-            },
+            **{f"p {tenth / 10:g} fixed": _fixed(tenth / 10) for tenth in range(11)},
             "full": Row("OmniVaT, p learned from 0.5"),
         },
     ),
@@ -159,31 +160,25 @@ ABLATIONS = {
         "Depth R of the tree",
         sources=("TAG",),
         axis="R",
-        rows={
-            f"R {levels}": Row(
-                f"R = {levels}, {2**levels - 1} node{'s' if levels > 1 else ''}",
-                head={"levels": levels},
-                value=levels,
-            )
-            for levels in (1, 2, 3, 4, 5)
-        },
+        rows=_along(
+            "R",
+            (1, 2, 3, 4, 5),
+            lambda n: Row(f"R = {n}, {2**n - 1} node{'s' * (n > 1)}", head={"levels": n}),
+        ),
     ),
     "expansion": Ablation(
         "Expansion E",
         sources=("TAG",),
         axis="E",
-        rows={
-            f"E {n}": Row(f"E = {n}", head={"expansion": n}, value=n) for n in (1, 2, 3, 4, 6, 8)
-        },
+        rows=_along("E", (1, 2, 3, 4, 6, 8), lambda n: Row(f"E = {n}", head={"expansion": n})),
     ),
     "balance": Ablation(
         "Balance weight λ of L_MMA",
         sources=("TAG",),
         axis="λ",
-        rows={
-            f"λ {weight:g}": Row(f"λ = {weight:g}", train={"mma_weight": weight}, value=weight)
-            for weight in (0.0, 0.1, 1.0, 10.0, 100.0)
-        },
+        rows=_along(
+            "λ", (0.0, 0.1, 1.0, 10.0, 100.0), lambda x: Row(f"λ = {x:g}", train={"mma_weight": x})
+        ),
     ),
 }
 

@@ -10,20 +10,21 @@ from omnivat.figures.still import svg_of
 from omnivat.kit.files import write_text
 from omnivat.study.ablations import Ablation, method_name
 from omnivat.study.reports.intervals import Spread, spread
-from omnivat.study.reports.markdown import count_text, markdown, spread_text
+from omnivat.study.reports.markdown import count_text, markdown, score_cell
 from omnivat.study.reports.paper import MARK, ablation_cell, not_comparable
 from omnivat.study.reports.reading import (
     METRICS,
+    SCORES,
     Record,
     by_run,
     by_seed,
     changed_settings,
     completed,
     latest,
+    origin,
 )
 
 REPORT = "ablations.md"
-SCORES = ("accuracy", "macro_f1")
 
 
 def write_ablations(records: Sequence[Record], tables: Mapping[str, Ablation], folder: Path) -> str:
@@ -31,7 +32,10 @@ def write_ablations(records: Sequence[Record], tables: Mapping[str, Ablation], f
     found = latest(records)
     if not found:
         return "No runs yet.\n"
-    parts = [_heading(found)]
+    full = completed(found, method_name("full"))
+    base = f" All rows start from {text}." if full and (text := changed_settings(full[0])) else ""
+    words = "ACC / Macro-F1, mean over unseen targets, ± standard deviation (n − 1) over seeds."
+    parts = [f"# Ablations\n\n{origin(found)} {words}{base}"]
     run = {paper_name(r["source"]): r["source"] for r in reversed(found)}  # simulated or not
     for name, table in tables.items():
         sources = [run.get(paper_name(source), source) for source in table.sources]
@@ -44,20 +48,6 @@ def write_ablations(records: Sequence[Record], tables: Mapping[str, Ablation], f
     text = "\n\n".join(parts) + "\n"
     write_text(folder / REPORT, text)
     return text
-
-
-def _heading(records: Sequence[Record]) -> str:
-    data = records[0]["data"]
-    seeds = sorted({record["seed"] for record in records})
-    what = "Simulated domains" if data["simulated"] else "Data"
-    # common to all rows
-    base = next((changed_settings(r) for r in records if r["method"] == method_name("full")), "")
-    return (
-        f"# Ablations\n\n{what}: {data['origin'] or 'origin not stated'}; encoder "
-        f"{data['encoder']}. ACC / Macro-F1, mean over unseen targets, ± standard deviation "
-        f"(n − 1) over seeds {', '.join(map(str, seeds))}."
-        + (f" All rows start from {base}." if base else "")
-    )
 
 
 def _spread(records: Sequence[Record], method: str, sources: Sequence[str], metric: str) -> Spread:
@@ -73,24 +63,18 @@ def ablation_table(
     printed = f"printed, ViT-B/16{f' {MARK}' if why else ''}"
     rows = []
     for row, one in table.rows.items():
-        method, cells = method_name(row), []
+        runs, cells = completed(records, method_name(row)), []
         for source in sources:
-            cells += [_scores(records, method, [source]), ablation_cell(name, row, source)]
+            cells += [score_cell(runs, [source]), ablation_cell(name, row, source)]
         if len(sources) > 1:
-            cells.append(_scores(records, method, sources))
-        counts = [
-            r["parameters"] for r in completed(records, method) if r["source"] in set(sources)
-        ]
+            cells.append(score_cell(runs, sources))
+        counts = [r["parameters"] for r in runs if r["source"] in sources]
         rows.append([one.label, *cells, count_text(counts)])
     header = ["variant", *(text for source in sources for text in (f"{source} → X", printed))]
     header += [*["average"] * (len(sources) > 1), "parameters"]
     # sources without printed figures
     full = [i for i in range(len(header)) if any(row[i] for row in rows)]
     return markdown([header[i] for i in full], [[row[i] for i in full] for row in rows])
-
-
-def _scores(records: Sequence[Record], method: str, sources: Sequence[str]) -> str:
-    return " / ".join(spread_text(_spread(records, method, sources, metric)) for metric in SCORES)
 
 
 def _placed(table: Ablation) -> dict[str, float]:

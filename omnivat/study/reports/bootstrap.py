@@ -19,10 +19,9 @@ from numpy.typing import NDArray
 
 from omnivat.data.packing import DIGITS, unpacked
 from omnivat.study.reports.intervals import Interval
-from omnivat.study.reports.reading import Record, completed
+from omnivat.study.reports.reading import SCORES, Record, completed
 
 DRAWS = 2000
-METRICS = ("accuracy", "macro_f1")
 Array = NDArray[np.float64]
 Row = tuple[str, str]  # method, and the name of a reading or fusion in `answers`
 
@@ -111,7 +110,7 @@ def resampled(records: Sequence[Record], row: Row, drawn: Draws) -> dict[str, Re
     method, reading = row
     runs = completed(records, method)
     sources, seeds = (sorted({r[key] for r in runs}) for key in ("source", "seed"))
-    values = np.empty((len(METRICS), len(drawn.sources) + 1, len(sources), len(seeds)))
+    values = np.empty((len(SCORES), len(drawn.sources) + 1, len(sources), len(seeds)))
     for run in runs:
         cells = [
             _scores(target, reading, len(run["classes"]), drawn.of(domain, target))
@@ -122,7 +121,7 @@ def resampled(records: Sequence[Record], row: Row, drawn: Draws) -> dict[str, Re
     rows = np.arange(len(drawn.sources))[:, None, None]
     by_source = values[:, 1:][:, rows, drawn.sources[..., None], drawn.seeds].mean(-1)
     draws, point = by_source.mean(-1), values[:, 0].mean((-1, -2))
-    return {name: Resampled(float(point[i]), draws[i]) for i, name in enumerate(METRICS)}
+    return {name: Resampled(float(point[i]), draws[i]) for i, name in enumerate(SCORES)}
 
 
 def _scores(

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Sequence
 
 from omnivat.study.reports.intervals import Interval, Spread, spread
-from omnivat.study.reports.reading import Record, completed, methods
+from omnivat.study.reports.reading import SCORES, Record, by_run, by_seed, completed, methods
 
 
 def markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -31,9 +31,12 @@ def method_table(
     return markdown(["method", *header], [*rows, *below]) if rows or below else ""
 
 
-def score_cells(*values: Sequence[float]) -> str:
-    """Return "57.3 ± 1.2 / 55.0 ± 1.0" for the values of each score."""
-    return " / ".join(spread_text(spread(one)) for one in values)
+def score_cell(runs: Sequence[Record], sources: Sequence[str], reading: str = "fused") -> str:
+    """Return "57.3 ± 1.2 / 55.0 ± 1.0": ACC and Macro-F1 of one method's completed runs, the mean
+    over sources and its spread over seeds.
+    """
+    each = (by_seed(by_run(runs, score, reading), sources) for score in SCORES)
+    return " / ".join(spread_text(spread(values)) for values in each)
 
 
 def percent(value: float) -> str:

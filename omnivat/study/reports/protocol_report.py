@@ -5,17 +5,18 @@ from pathlib import Path
 
 from omnivat.kit.files import write_text
 from omnivat.study.reports.intervals import spread
-from omnivat.study.reports.markdown import count_text, markdown, method_table, percent, score_cells
+from omnivat.study.reports.markdown import count_text, markdown, method_table, percent, score_cell
 from omnivat.study.reports.paper import MARK, not_comparable, paper_rows, target_rows
 from omnivat.study.reports.reading import (
     METRICS,
+    SCORES,
     Record,
     by_run,
-    by_seed,
     changed_settings,
     completed,
     latest,
     methods,
+    origin,
     sources_of,
     targets_of,
 )
@@ -23,7 +24,6 @@ from omnivat.study.reports.readings_report import readings_parts
 from omnivat.study.reports.side_report import side_parts
 
 REPORT = "report.md"
-SCORES = ("accuracy", "macro_f1")
 
 
 def write_report(records: Sequence[Record], folder: Path) -> str:
@@ -40,7 +40,7 @@ def protocol_report(records: Sequence[Record]) -> str:
         return "No runs yet.\n"
     parts = [
         "# Single-domain generalization: comparison",
-        _origin(found),
+        origin(found),
         *readings_parts(found),
         "## Each source, both images by mean fusion: ACC / Macro-F1, mean over unseen targets",
         main_table(found),
@@ -56,26 +56,12 @@ def protocol_report(records: Sequence[Record]) -> str:
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def _origin(records: Sequence[Record]) -> str:
-    data, versions = records[0]["data"], records[0]["versions"]
-    seeds = sorted({record["seed"] for record in records})
-    what = "**Simulated domains**" if data["simulated"] else "Data"
-    encoder = f"Encoder {data['encoder']} ({data['weights_hash'][:12]})"
-    numbers = f"Seeds {', '.join(map(str, seeds))}. torch {versions.get('torch', '?')}."
-    return f"{what}: {data['origin'] or 'origin not stated'}. {encoder}. {numbers}"
-
-
 def main_table(records: Sequence[Record]) -> str:
     """Return the paper's main table from these records, with its printed rows below."""
     sources = sources_of(records)
 
     def cells(runs: list[Record]) -> list[str]:
-        scores = [by_run(runs, metric) for metric in SCORES]
-        each = [
-            score_cells(*([v for (s, _), v in one.items() if s == source] for one in scores))
-            for source in sources
-        ]
-        return [*each, score_cells(*(by_seed(one, sources) for one in scores))]
+        return [score_cell(runs, some) for some in (*([source] for source in sources), sources)]
 
     header = [*(f"{s} → X" for s in sources), "average"]
     return method_table(records, header, cells, below=paper_rows(sources, records[0]["data"]))

@@ -6,6 +6,7 @@ from statistics import fmean
 from typing import Any
 
 Record = Mapping[str, Any]
+SCORES = ("accuracy", "macro_f1")  # of every table
 METRICS = {"accuracy": "ACC", "macro_f1": "Macro-F1", "macro_f1_union": "Macro-F1 (union)"}
 OF_DATA = ("classes", "input_width", "lang_width")  # settings that the data determine
 
@@ -60,6 +61,16 @@ def by_seed(values: Mapping[tuple[str, int], float], sources: Sequence[str]) -> 
         for seed in seeds
         if all((source, seed) in values for source in sources)
     ]
+
+
+def origin(records: Sequence[Record]) -> str:
+    """Return where the records are from: data, encoder, seeds and torch."""
+    data, versions = records[0]["data"], records[0]["versions"]
+    seeds = sorted({record["seed"] for record in records})
+    what = "**Simulated domains**" if data["simulated"] else "Data"
+    encoder = f"Encoder {data['encoder']} ({data['weights_hash'][:12]})"
+    numbers = f"Seeds {', '.join(map(str, seeds))}. torch {versions.get('torch', '?')}."
+    return f"{what}: {data['origin'] or 'origin not stated'}. {encoder}. {numbers}"
 
 
 def changed_settings(record: Record) -> str:

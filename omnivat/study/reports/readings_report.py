@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from omnivat.study.reports.bootstrap import (
-    METRICS,
     Resampled,
     Row,
     complete_rows,
@@ -18,10 +17,9 @@ from omnivat.study.reports.markdown import (
     markdown,
     method_table,
     percent,
-    score_cells,
+    score_cell,
 )
-from omnivat.study.reports.reading import METRICS as NAMES
-from omnivat.study.reports.reading import Record, by_run, by_seed, methods, sources_of
+from omnivat.study.reports.reading import METRICS, SCORES, Record, methods, sources_of
 
 OURS = ("omnivat", "fused")
 READINGS = {"vis": "photo only", "tac": "touch only", "fused": "both"}
@@ -41,7 +39,7 @@ def readings_parts(records: Sequence[Record]) -> list[str]:
     return [
         "## OmniVaT against the best other row",
         "Both images:",
-        *map(rows.headline, METRICS),
+        *map(rows.headline, SCORES),
         (
             "Intervals: hierarchical bootstrap over sources, seeds and test objects (the objects of"
             " a test set are drawn once for all sources), simultaneous over all rows below by the"
@@ -86,22 +84,22 @@ class Compared:
         lead = simultaneous(ours, others)[best]
         verdict = "zero is outside" if lead.low > 0 or lead.high < 0 else "zero is inside"
         return (
-            f"**{NAMES[metric]}**: OmniVaT {percent(ours.value)}; best of {len(others)} other rows:"
-            f" {self.label(best)}, {percent(value.value)}. Difference {interval_text(lead)}:"
+            f"**{METRICS[metric]}**: OmniVaT {percent(ours.value)}; best of {len(others)} other"
+            f" rows: {self.label(best)}, {percent(value.value)}. Difference {interval_text(lead)}:"
             f" {verdict}."
         )
 
     def table(self) -> str:
         """Return every difference with its simultaneous and its single interval."""
-        leads = {metric: simultaneous(self.ours[metric], self.of(metric)) for metric in METRICS}
+        leads = {metric: simultaneous(self.ours[metric], self.of(metric)) for metric in SCORES}
         rows = []
-        for row in self.of(METRICS[0]):
+        for row in self.of(SCORES[0]):
             cells = [self.label(row)]
             for metric, ours in self.ours.items():
                 alone = percentile(ours, self.others[row][metric])
                 cells += [interval_text(leads[metric][row]), interval_text(alone)]
             rows.append(cells)
-        header = [f"{NAMES[m]}, {kind}" for m in METRICS for kind in ("simultaneous", "alone")]
+        header = [f"{METRICS[m]}, {kind}" for m in SCORES for kind in ("simultaneous", "alone")]
         return markdown(["OmniVaT minus", *header], rows)
 
 
@@ -125,10 +123,7 @@ def readings_table(records: Sequence[Record]) -> str:
     sources = sources_of(records)
 
     def cells(runs: list[Record]) -> list[str]:
-        scores = [
-            score_cells(*(by_seed(by_run(runs, m, reading), sources) for m in METRICS))
-            for reading in READINGS
-        ]
+        scores = [score_cell(runs, sources, reading) for reading in READINGS]
         return [*scores, str(len({record["seed"] for record in runs}))]
 
     return method_table(records, [*READINGS.values(), "seeds"], cells)
