@@ -23,6 +23,7 @@ import gzip
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +44,7 @@ from omnivat.kit.stages import IMAGES
 from omnivat.kit.threads import pin_thread
 from omnivat.measure.known import parts
 from omnivat.measure.ladder import FORMAT, lettered
+from omnivat.measure.predictions import predicted
 from omnivat.measure.readers import Reader
 from omnivat.measure.rungs import ALL, NOTHING, Known, labels, pairs, sensors
 from omnivat.study.protocol.records import append, fingerprint, mend
@@ -85,7 +87,8 @@ class Measured:
     def steps(self) -> Iterator[tuple[str, Reader, Known]]:
         """Yield each rung, with what reads it and what is known of the target."""
         for name in IMAGES if self.method.alone else ():
-            yield name, replace(self.reader, modalities=(name,)), NOTHING
+            alone = partial(predicted, self.method.readings, modalities=(name,))
+            yield name, replace(self.reader, predict=alone), NOTHING
         steps = [NOTHING, *map(pairs, PICTURES), pairs(ALL, every=True), *map(labels, LABELLED)]
         if self.name == "nearest_mean" and self.seed == 0:
             steps += [sensors(m, profiles=moved) for m in SOURCES for moved in (False, True)]
@@ -107,7 +110,7 @@ class Measured:
                 home = part.domain == reader.source
                 if home and rung != "none":
                     continue
-                values = part.reader.probabilities(part.embeddings, part.rows)["fused"]
+                values = part.reader.predict(part.embeddings, rows=part.rows)["fused"]
                 empty = np.full((len(tested), len(reader.classes)), np.nan, np.float32)
                 place = np.searchsorted(tested, part.rows)
                 found.setdefault("home" if home else rung, empty)[place] = values.numpy()
@@ -133,7 +136,7 @@ def reader_of(method: Learned, embeddings: Embeddings, source: str) -> Reader:
         def readings(asked: Raw) -> dict[str, Tensor]:
             return {"fused": ridge(features, labels, len(classes), weights, method.features(asked))}
 
-        return replace(reader, readings=readings)
+        return replace(reader, predict=partial(predicted, readings))
 
     def learned(near: Embeddings, domains: Sequence[str]) -> Reader:
         rows = np.concatenate([near.rows_of(name, split="train") for name in domains])
@@ -146,12 +149,12 @@ def reader_of(method: Learned, embeddings: Embeddings, source: str) -> Reader:
             cosines = normalize(method.features(asked), dim=-1) @ means.T
             return {"fused": (10 * cosines).softmax(-1)}
 
-        return replace(reader, readings=readings)
+        return replace(reader, predict=partial(predicted, readings))
 
     reader = Reader(
         classes=classes,
         source=source,
-        readings=method.readings,
+        predict=partial(predicted, method.readings),
         profile=lambda: profile,
         taught=taught,
         learned=learned,

@@ -22,6 +22,7 @@ from omnivat.cli.arguments import (
     progress_bar,
 )
 from omnivat.kit.errors import SettingsError
+from omnivat.measure.rungs import DRAWS, NOTHING, labels, pairs
 
 UNLABELLED = "pictures without labels"
 
@@ -37,7 +38,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     draws = (
         "draws of known pairs to average over, with seeds SEED, SEED + 1, ...: figures of one draw"
-        " of few pairs vary by a point or two; default: 10"
+        f" of few pairs vary by a point or two; default: {DRAWS}"
     )
     ladder = (
         "write what each step of knowledge about a new sensor brings, next to the embeddings; the"
@@ -54,7 +55,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         seed="seed of the draws; default: 0",
         unlabelled=count(words, 0, metavar="N"),
         labels=count(taught, 1, metavar="K"),
-        draws=count(draws, metavar="N"),
+        draws=count(draws, default=DRAWS, metavar="N"),
         ladder=flag(ladder),
     )
     figure(parser, "accuracy in each domain with 95 %% intervals")
@@ -64,7 +65,6 @@ def run(options: argparse.Namespace) -> None:
     """Load both, score every domain, print a table."""
     from omnivat.data.profile import domain_of, load_profile
     from omnivat.measure.known import measured
-    from omnivat.measure.rungs import NOTHING, labels, pairs
 
     head, embeddings = head_and_set(options, profiled=False)
     if options.ladder:
@@ -82,8 +82,7 @@ def run(options: argparse.Namespace) -> None:
             head,
             head.profiled(embeddings, loaded) if loaded else embeddings,
             known,
-            **passed(options, "seed", "order"),
-            **({"draws": options.draws} if options.draws else {}),
+            **passed(options, "seed", "order", "draws"),
             on_step=show,
         )
     by_name = {one["domain"]: one for one in record["domains"]}

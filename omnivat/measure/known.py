@@ -26,18 +26,17 @@ from omnivat.data.embeddings import Embeddings
 from omnivat.data.profile import profile_of, profiled
 from omnivat.head.checkpoint import Head
 from omnivat.head.teach import Lesson
-from omnivat.kit.errors import DataError
+from omnivat.kit.errors import DataError, printable
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
 from omnivat.measure.gaps.confusion import confusion
 from omnivat.measure.predictions import label_map, scores
 from omnivat.measure.readers import Reader, of_head
-from omnivat.measure.rungs import NOTHING, Known, pairs
+from omnivat.measure.rungs import DRAWS, FEW, NOTHING, Known, pairs
 from omnivat.measure.shares import record
 
-DRAWS = 10
-FEW = 20  # pairs without labels, where a set has as many
+F1 = ("macro_f1", "macro_f1_union")
 Array = NDArray[Any]
 Rows = NDArray[np.int64]
 
@@ -51,10 +50,18 @@ def drawn(stream: str, seed: int, domain: str, pool: Array) -> Array:
 def few(embeddings: Embeddings, source: str, *, most: int = FEW) -> Known:
     """Return `most` pairs of each target without labels, or half of the smallest: the rest is
     tested.
+
+    Raises DataError for a target of one pair.
     """
-    sizes = np.bincount(embeddings.domain, minlength=len(embeddings.header.domains))
-    named = zip(embeddings.header.domains, sizes.tolist(), strict=True)
-    return pairs(min([most, *(size // 2 for name, size in named if size and name != source)]))
+    targets = [name for name in embeddings.header.domains if name != source]
+    sizes = {name: size for name in targets if (size := len(embeddings.rows_of(name)))}
+    for name, size in sizes.items():
+        if size == 1:
+            raise DataError(
+                f"'{printable(name)}' has one pair, which cannot be both known and tested; add a"
+                " second one."
+            )
+    return pairs(min([most, *(size // 2 for size in sizes.values())]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -163,7 +170,8 @@ def measured(
     scores               by reading: accuracy, low, high, macro_f1 and macro_f1_union
     domains              the same of each domain, the source too, with name ("domain"), "is_source",
                          "trained_on" (the test pairs are those that the head learned), "left_out",
-                         "objects", "known_pairs", and each reading's "confusion" in the first draw
+                         "objects", "known_pairs", "confusion" (K, K) by both images in the first
+                         draw
 
     F1 averages the classes present in the domain; the "union" variant also averages classes that
     were only predicted. Raises DataError for embeddings of another encoder.
@@ -187,24 +195,23 @@ def measured(
     names = tuple(dict.fromkeys((*head.classes, *embeddings.header.classes)))
     label = label_map(head.classes, embeddings.header.classes)[embeddings.label]
     label = np.where(embeddings.labelled, label, -1)
-    sizes = np.bincount(embeddings.domain, minlength=len(embeddings.header.domains)).cumsum()
     seeds = known.seeds(seed, draws)
-    said: dict[str, Array] = {}  # by reading: (draws, N) predicted class; -1: not tested
+    nothing = np.full((len(seeds), len(label)), -1, np.int32)
+    said = {"fused": nothing.copy()}  # by reading: (draws, N) predicted class; -1: not tested
     domains: dict[str, dict[str, Any]] = {}
     for k, one in enumerate(seeds):
-        drawn_parts = parts(head, embeddings, known, seed=one)
-        for part, done in zip(drawn_parts, sizes.tolist(), strict=True):
+        for index, part in enumerate(parts(head, embeddings, known, seed=one)):
             rows = part.rows[label[part.rows] >= 0]
             if k and part.reader is head and not part.known_pairs:  # as in the first draw
                 answers = {name: values[0, rows] for name, values in said.items()}
             else:
                 answers = part.reader.answers(part.embeddings, rows, names)
             for name, values in answers.items():
-                nothing = np.full((len(seeds), len(label)), -1, np.int32)
-                said.setdefault(name, nothing)[k, rows] = values
+                said.setdefault(name, nothing.copy())[k, rows] = values
             domains.setdefault(part.domain, _facts(part, head.source, len(rows)))
+            done = int((embeddings.domain <= index).sum())
             on_step(Step(done=done, total=len(embeddings), text=part.domain))
-    count = 1 + max([len(head.classes) - 1, *(int(values.max()) for values in said.values())])
+    count = max([len(head.classes), *(1 + int(values.max()) for values in said.values())])
     objects = embeddings.objects
 
     def shares(rows: Rows) -> dict[str, dict[str, Any]]:
@@ -219,19 +226,19 @@ def measured(
         each = shares(rows)
         found["draws"] = each["fused"]["draws"] if each else []
         found["scores"] = {
-            name: _ends(share) | _counts(label[rows], said[name][:, rows], count)
+            name: _ends(share) | _f1(label[rows], said[name][:, rows])
             for name, share in each.items()
         }
-        tested = rows[(said["fused"][:, rows] >= 0).any(0)] if each else rows[:0]
-        found["objects"] = len(np.unique(objects[tested]))
+        made = said["fused"][:, rows] >= 0
+        found["objects"] = len(np.unique(objects[rows[made.any(0)]]))
+        first = rows[made[0]]
+        both = torch.from_numpy(label[first]), torch.from_numpy(said["fused"][0, first])
+        found["confusion"] = confusion(*both, count).tolist()
     targets = [one for one in domains.values() if not one["is_source"]]
     away = np.array([not one["is_source"] for one in domains.values()], bool)[embeddings.domain]
     means = shares(np.flatnonzero(away))
     f1 = {
-        name: {
-            m: fmean(one["scores"][name][m] for one in targets if one["scores"])
-            for m in ("macro_f1", "macro_f1_union")
-        }
+        name: {m: fmean(one["scores"][name][m] for one in targets if one["scores"]) for m in F1}
         for name in means
     }
     return {
@@ -280,15 +287,11 @@ def _facts(part: Part, source: str, count: int) -> dict[str, Any]:
     }
 
 
-def _counts(label: Rows, said: Array, count: int) -> dict[str, Any]:
-    """Return F1, the mean over draws (draws, n), and the confusion (K, K) of the first draw."""
+def _f1(label: Rows, said: Array) -> dict[str, float]:
+    """Return F1, the mean over draws (draws, n)."""
     draws = [
-        (torch.from_numpy(label[made]), torch.from_numpy(row[made]).long())
+        scores(torch.from_numpy(label[made]), torch.from_numpy(row[made]))
         for row in said
         if (made := row >= 0).any()
     ]
-    f1 = [scores(*one) for one in draws]
-    return {
-        **{m: fmean(one[m] for one in f1) for m in ("macro_f1", "macro_f1_union")},
-        "confusion": confusion(*draws[0], count).tolist(),
-    }
+    return {m: fmean(one[m] for one in draws) for m in F1}

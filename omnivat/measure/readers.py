@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
-import torch
 from numpy.typing import NDArray
 from torch import Tensor
 
@@ -14,11 +14,9 @@ from omnivat.head import teach
 from omnivat.head.checkpoint import Head
 from omnivat.head.linear_maps import FittedMaps
 from omnivat.head.teach import Lesson
-from omnivat.kit.stages import IMAGES
-from omnivat.measure.predictions import inputs_of, label_map, predicted
+from omnivat.measure.predictions import inputs_of, label_map, predicted, predicted_probabilities
 
 Rows = NDArray[np.int64]
-Raw = Mapping[str, Tensor]  # embeddings (n, W) by modality
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,34 +25,26 @@ class Reader:
 
     classes     that it tells apart
     source      the domain that it learned; "": none of the set
-    readings    raw embeddings -> class probabilities (n, K) by reading; "fused" is of all images
+    predict     a set, rows=(n,) of its pairs -> class probabilities (n, K) by reading; "fused" is
+                of all images
     profile     returns the profile of its training pairs, onto which a target is moved
     taught      labelled pairs -> a reader that they taught
     learned     a set and names of domains -> a reader that learned their training pairs
-    modalities  the images that it is given, on `device`
     """
 
     classes: tuple[str, ...]
     source: str
-    readings: Callable[[Raw], Mapping[str, Tensor]]
+    predict: Callable[..., Mapping[str, Tensor]]
     profile: Callable[[], Profile]
     taught: Callable[[Sequence[Lesson]], "Reader"] | None = None
     learned: Callable[[Embeddings, Sequence[str]], "Reader"] | None = None
-    modalities: tuple[str, ...] = IMAGES
-    device: torch.device | None = None
-
-    def probabilities(self, embeddings: Embeddings, rows: Rows) -> dict[str, Tensor]:
-        """Return class probabilities (n, K) of some pairs by reading."""
-        return predicted(
-            self.readings, embeddings, modalities=self.modalities, rows=rows, device=self.device
-        )
 
     def answers(
         self, embeddings: Embeddings, rows: Rows, classes: Sequence[str]
     ) -> dict[str, Rows]:
         """Return the predicted class (n,) of some pairs among `classes`, by reading."""
         place = label_map(classes, self.classes)
-        shares = self.probabilities(embeddings, rows) if len(rows) else {}
+        shares = self.predict(embeddings, rows=rows) if len(rows) else {}
         return {name: place[values.argmax(-1).numpy()] for name, values in shares.items()}
 
 
@@ -63,11 +53,11 @@ def of_head(head: Head, *, order: float | None = None) -> Reader:
     return Reader(
         classes=head.settings.classes,
         source=head.source,
-        readings=lambda raw: head.model(raw.get("vis"), raw.get("tac"), order=order).readings,
+        predict=partial(
+            predicted_probabilities, head.model, order=order, modalities=inputs_of(head)
+        ),
         profile=lambda: head.source_profile,
         taught=lambda lessons: of_head(teach.taught(head, lessons), order=order),
-        modalities=inputs_of(head),
-        device=head.model.classifier.device,
     )
 
 
@@ -79,7 +69,6 @@ def of_maps(
     return Reader(
         classes=classes or header.classes,
         source=source,
-        readings=fitted,
+        predict=partial(predicted, fitted, modalities=tuple(profile.channels)),
         profile=lambda: profile,
-        modalities=tuple(profile.channels),
     )

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from omnivat.data.embeddings import Embeddings
 
 ALL = 1_000_000  # pairs: every one that there is
+DRAWS = 10  # of known pairs, over which results are averaged
+FEW = 20  # pairs without labels, where a set has as many
 Row = dict[str, Any]
 
 

@@ -4,7 +4,7 @@ Pairs of one object are alike, so an interval counts objects. Pairs without an o
 objects of their own.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -116,6 +116,15 @@ def record(
         "domains": shares,
         "draws": [float(np.mean(some)) for some in each if some],
     }
+
+
+def shown(found: Mapping[str, Any]) -> dict[str, Any] | None:
+    """Return a record's share with its interval, as pages and figures take it; None without
+    pairs.
+    """
+    if found["accuracy"] is None:
+        return None
+    return {"share": found["accuracy"], "low": found["low"], "high": found["high"]}
 
 
 def _count(right: Array, objects: NDArray[np.int64]) -> Count:

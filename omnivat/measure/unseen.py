@@ -3,6 +3,7 @@ retrieval in one record.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,17 +12,19 @@ from numpy.typing import NDArray
 
 from omnivat.data.embeddings import Embeddings
 from omnivat.head.checkpoint import Head
+from omnivat.measure.gaps.confusion import confusion
 from omnivat.measure.gaps.unit import unit
 from omnivat.measure.known import measured
 from omnivat.measure.predictions import blocks, label_map, predicted_probabilities
-from omnivat.measure.shares import counted, record
+from omnivat.measure.readers import of_head
+from omnivat.measure.shares import counted, record, shown
 
 READINGS = ("fused", "vis", "tac")
 UNSEEN = "unseen"  # the name of all unseen domains together
 Array = NDArray[Any]
+Mask = NDArray[np.bool_]
 BLOCK = 1024  # photos compared at once; bounds the memory
 MOST = 2000  # photos of a domain; a larger one is thinned evenly
-Mask = NDArray[np.bool_]
 
 
 def judged(keep: NDArray[np.bool_], domain: NDArray[Any]) -> NDArray[np.int64]:
@@ -62,7 +65,7 @@ def bars(found: Mapping[str, Any]) -> dict[str, Any]:
     """
 
     def shares(of: Mapping[str, Any]) -> dict[str, Any]:
-        return {f"answers/{name}": _share(one) for name, one in of.items() if name in READINGS}
+        return {f"answers/{name}": shown(one) for name, one in of.items() if name in READINGS}
 
     none = dict.fromkeys(f"answers/{name}" for name in READINGS)
     return {
@@ -97,14 +100,18 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     >>> summary["source"], summary["unseen"]["answers/fused"]["share"] > 0.9
     ('Chirps A-sim', True)
     """
-    found = measured(head, embeddings)
+    head.require_embeddings(embeddings)
+    probabilities = predicted_probabilities(head.model, embeddings)
+    reader = replace(
+        of_head(head), predict=lambda _, rows: {n: p[rows] for n, p in probabilities.items()}
+    )
+    found = measured(reader, embeddings)
     classes, domain = found["classes"], embeddings.domain
     label = label_map(classes, embeddings.header.classes)[embeddings.label]
     counts = counted(embeddings, head.source) & (label >= 0)
     unseen = counts & (np.array(embeddings.header.domains)[domain] != head.source)
     # unseen pairs that look like another class
     alike = np.array([bool(name) for name in embeddings.rows["looks_like"]], bool) & unseen
-    probabilities = predicted_probabilities(head.model, embeddings)
     answers = {name: probabilities[name].argmax(1).numpy() for name in READINGS}
     rows = judged(counts, domain)
     vis, tac, cosine = _alone(head, embeddings, rows)
@@ -114,20 +121,19 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
     def share(right: Array, mask: Mask, domain: Array = domain) -> dict[str, Any] | None:
         """Return the share of right values (N,) among a mask; NaN values are skipped."""
         values = np.where(mask, right, np.nan)[None]
-        return _share(record(values, domain, embeddings.header.domains, embeddings.objects))
+        return shown(record(values, domain, embeddings.header.domains, embeddings.objects))
 
     summary, one_domain = bars(found), np.zeros_like(domain)
     for index, one in enumerate(summary["domains"]):
         one["retrieval"] = share(retrieved, domain == index)
     summary["unseen"]["retrieval"] = share(retrieved, unseen)
-    none = np.zeros((len(classes), len(classes)), np.int64)
-    confusions: dict[str, dict[str, Any]] = {name: {} for name in READINGS}
-    for name, table in confusions.items():
-        for one in found["domains"]:
-            there = bool(one["scores"]) and not one["trained_on"]
-            table[one["domain"]] = one["scores"][name]["confusion"] if there else none.tolist()
-        away = [np.array(v) for place, v in table.items() if place != head.source]
-        table[UNSEEN] = sum(away, none).tolist()
+    masks = {name: counts & (domain == k) for k, name in enumerate(embeddings.header.domains)}
+    masks[UNSEEN] = unseen
+
+    def table(said: Array, mask: Mask) -> Any:
+        some = torch.from_numpy(label[mask]), torch.from_numpy(said[mask])
+        return confusion(*some, len(classes)).tolist()
+
     return summary | {
         "order": head.model.order,
         "classes": classes,
@@ -141,7 +147,10 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
         }
         if alike.any()
         else None,
-        "confusion": confusions,
+        "confusion": {
+            name: {place: table(said, mask) for place, mask in masks.items()}
+            for name, said in answers.items()
+        },
         "pairs": {
             "counts": counts,
             "answers": answers,
@@ -149,13 +158,6 @@ def unseen_summary(head: Head, embeddings: Embeddings) -> dict[str, Any]:
             "cosine": cosine,
         },
     }
-
-
-def _share(found: Mapping[str, Any]) -> dict[str, Any] | None:
-    """Return a share with its interval as pages and figures take it; None without pairs."""
-    if found["accuracy"] is None:
-        return None
-    return {"share": found["accuracy"], "low": found["low"], "high": found["high"]}
 
 
 @torch.inference_mode()

@@ -18,7 +18,7 @@ from omnivat.kit.seeding import derive_seed
 from omnivat.measure.known import few, measured
 from omnivat.measure.predictions import label_map, predicted_probabilities
 from omnivat.measure.readers import Reader
-from omnivat.measure.shares import record
+from omnivat.measure.shares import record, shown
 from omnivat.study.shift.probe import maps_of
 from omnivat.study.shift.reading import READINGS, Features
 from omnivat.training import TrainSettings, Watch, train
@@ -27,7 +27,7 @@ from omnivat.training.training import steps_of
 
 EPOCHS = 40  # of every training
 FOLDS, FEW = 5, 200  # up to FEW pairs; with more, 3
-WORDS = {"vis": "photo only", "tac": "touch only", "both": "both"}
+WORDS = {"both": "both", "vis": "photo only", "tac": "touch only"}
 PROBE = "linear maps"  # of the same vectors: the yardstick
 NO_CLASSES = (
     "the pairs have no classes, or all have the same one. Gaps, retrieval and maps need none:"
@@ -101,10 +101,10 @@ def try_pairs(
         for name, labels in _answers(features, model, fit, own[out]).items():
             said[name][out] = labels
     head = trained_head(plan, watch=watch.part(len(folds) * each, whole))
-    tested = np.any(folds, axis=0) if folds else np.zeros(len(own), bool)
     lines = [_about(plan, source)]
     records = []
-    if tested.any():
+    if folds:
+        tested = np.any(folds, axis=0)
         told = {name: labels[tested] for name, labels in said.items()}
         records.append(_at_home(source, data.label[own][tested], objects[own][tested], told))
         lines.append(f"At home, objects that it did not see: {_sentence(records[-1])}")
@@ -196,28 +196,24 @@ def _at_home(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels]
     """Return the record of pairs whose objects were left out, by the labels that were said."""
     place = np.zeros(len(labels), np.int64), (domain,), objects
     shares = {name: record((answers == labels)[None], *place) for name, answers in said.items()}
-    return _record(domain, np.bincount(labels), len(np.unique(objects)), shares)
+    return _record(domain, labels, len(np.unique(objects)), shares)
 
 
 def _record(
-    domain: str, sizes: Labels, objects: int, shares: Mapping[str, Mapping[str, Any]]
+    domain: str, labels: Labels, objects: int, shares: Mapping[str, Mapping[str, Any]]
 ) -> Record:
-    """Return the tested pairs' counts, and the share right of each reading with its interval.
-
-    sizes  (K,) tested pairs of each class
+    """Return the counts of tested pairs with `labels`, and the share right of each reading with its
+    interval.
     """
+    _, sizes = np.unique(labels, return_counts=True)
     return {
         "domain": domain,
-        "pairs": int(sizes.sum()),
+        "pairs": len(labels),
         "objects": objects,
-        "classes": int((sizes > 0).sum()),
-        "always the largest class": float(sizes.max() / sizes.sum()),
-        **{name: _share(one) for name, one in shares.items()},
+        "classes": len(sizes),
+        "always the largest class": float(sizes.max() / len(labels)),
+        **{name: shown(one) for name, one in shares.items()},
     }
-
-
-def _share(one: Mapping[str, Any]) -> dict[str, float]:
-    return {"share": one["accuracy"], "low": one["low"], "high": one["high"]}
 
 
 def _in_target(
@@ -232,18 +228,19 @@ def _in_target(
     if not len(known):
         return None, f"{lead}: no pair is of a class that the head learned."
     plain = next(one for one in head.metrics["domains"] if one["domain"] == name)
+    of_maps = measured(maps, there)
     shares = {view: plain["scores"][READINGS[view]] for view in features.views}
-    of_maps = measured(maps, there)["scores"]
-    shares |= {probe_of(view): of_maps[READINGS[view]] for view in features.views}
-    sizes = np.sum(plain["scores"]["fused"]["confusion"], axis=1)
-    found = _record(name, sizes, plain["objects"], shares)
+    shares |= {probe_of(view): of_maps["scores"][READINGS[view]] for view in features.views}
+    found = _record(name, data.label[known], plain["objects"], shares)
     text = f"{lead}, of which nothing was known: {_sentence(found)}"
-    pictures = few(there, head.source)
-    if pictures.pairs:
+    try:
+        pictures = few(there, head.source)
+    except DataError as error:
+        text += f" {error}"
+    else:
         step, of_maps = (measured(one, there, pictures, seed=seed) for one in (head, maps))
         kept = {key: step[key] for key in ("accuracy", "low", "high", "draws")}
-        also = {PROBE: _share(of_maps)}
-        found["profile"] = {"pictures": pictures.pairs, **kept, **also}
+        found["profile"] = {"pictures": pictures.pairs, **kept, PROBE: shown(of_maps)}
         text += (
             f" With a profile of {pictures.pairs} of its pairs without labels, which are not"
             f" tested: {_percent(step['accuracy'])}, {PROBE} {_percent(of_maps['accuracy'])} (mean"
@@ -271,7 +268,7 @@ def _about(plan: TrainingPlan, source: str) -> str:
 
 def _sentence(record: Record) -> str:
     """Return the figures of a record; the interval counts objects, since pairs of one are alike."""
-    views = [name for name in ("both", "vis", "tac") if name in record]
+    views = [name for name in WORDS if name in record]
     main = record[views[0]]
     n, objects = record["pairs"], record["objects"]
     text = (
@@ -284,8 +281,8 @@ def _sentence(record: Record) -> str:
         f"; {', '.join(others)}, always its largest class"
         f" {_percent(record['always the largest class'])}."
     )
-    best = max(views[1:], key=lambda name: record[name]["share"], default=views[0])
-    if record[best]["share"] > main["share"]:
+    best = max(views, key=lambda name: record[name]["share"])
+    if record[best] is not main:
         text += f" {WORDS[best].capitalize()} beats both images: one of the two misleads this head."
     return text
 
@@ -299,7 +296,7 @@ def conclusion(records: Sequence[Record], source: str) -> str:
     tested = away or records
     if not tested:
         return "In short: no figure can be had from these pairs."
-    views = [name for name in ("both", "vis", "tac") if name in tested[0]]
+    views = [name for name in WORDS if name in tested[0]]
 
     def mean(name: str) -> float:
         return float(np.mean([one[name]["share"] for one in tested]))

@@ -27,8 +27,9 @@ from omnivat.kit.errors import DataError
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.stages import IMAGES
 from omnivat.measure import rungs
-from omnivat.measure.known import DRAWS, measured, parts
+from omnivat.measure.known import measured, parts
 from omnivat.measure.readers import of_maps
+from omnivat.measure.rungs import DRAWS
 from omnivat.training import TrainSettings, Watch
 from omnivat.training.from_pairs import plan_training, trained_head
 

@@ -16,7 +16,7 @@ from omnivat.kit.threads import one_blas_thread, one_thread
 from omnivat.maps.projection import PROJECTIONS
 from omnivat.maps.projection.quality import quality
 from omnivat.measure.gaps import NAMES
-from omnivat.measure.known import FEW
+from omnivat.measure.rungs import FEW
 from omnivat.study.shift.measure import DEPTHS, NEAR, Record, gaps, neighbours, record, retrieval
 from omnivat.study.shift.probe import MEASURES, probes
 from omnivat.study.shift.reading import Features

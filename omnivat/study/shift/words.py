@@ -9,7 +9,7 @@ import torch
 
 from omnivat import __version__
 from omnivat.data.foreign import PREFIX
-from omnivat.measure import known
+from omnivat.measure import rungs
 from omnivat.study.shift.measure import BLOCKS, DRAWS, LEAST, MOST_DOMAINS, NEAR
 from omnivat.study.shift.probe import FOLDS
 from omnivat.study.shift.reading import Features
@@ -78,8 +78,8 @@ def methods(features: Features, seed: int) -> str:
         if large > 1:
             parts.append(
                 "A profile moves the mean and deviation of each channel of the target to the"
-                f" source's, from {known.FEW} pictures of the target without labels (half of a"
-                f" small domain) that are not tested: the mean of {known.DRAWS} draws."
+                f" source's, from {rungs.FEW} pictures of the target without labels (half of a"
+                f" small domain) that are not tested: the mean of {rungs.DRAWS} draws."
             )
     drawn = "objects, of domains for probes" if labelled and large > 2 else "objects"
     parts.append(f"Other intervals are 95 % percentiles of {DRAWS:,} bootstrap draws of {drawn}.")

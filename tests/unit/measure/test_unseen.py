@@ -60,6 +60,26 @@ def test_shares_are_those_that_are_measured(case):
             }
 
 
+def test_a_head_of_touches_alone_has_a_record_of_each_image(case):
+    head, embeddings, _ = case
+    blind = replace(head, provenance=head.provenance | {"train": {"modalities": "tac"}})
+    assert unseen_summary(blind, embeddings)["unseen"]["answers/vis"]["share"] is not None
+
+
+def test_every_pair_is_predicted_once(case, monkeypatch):
+    head, embeddings, summary = case
+    sizes = []
+    read = head.model.forward
+
+    def counting(vis, tac, **more):
+        sizes.append(len(vis) if vis is not None and tac is not None else 0)
+        return read(vis, tac, **more)
+
+    monkeypatch.setattr(head.model, "forward", counting)
+    assert unseen_summary(head, embeddings)["unseen"] == summary["unseen"]
+    assert sum(sizes) == len(embeddings)
+
+
 def test_the_mean_leaves_the_source_out(case):
     _, _, summary = case
     others = [d["answers/fused"]["share"] for d in summary["domains"] if not d["is_source"]]
