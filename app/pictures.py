@@ -3,11 +3,10 @@ occlusion.
 """
 
 import base64
-from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from app.familiar import predict_one
 from app.pair_input import OTHER, asked, rounded
@@ -17,7 +16,7 @@ from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
 
 if TYPE_CHECKING:
-    from PIL import Image
+    from PIL.Image import Image
     from torch import Tensor
 
 Content = bytes | Path  # a picture, or its file
@@ -25,6 +24,7 @@ BOTH = "both"
 PREVIEW_SIDE = 320  # pixels of the preview
 CELLS = 7  # of occlusion, for each side of the picture shown
 PATCH = 2  # side of the hidden square, in cells; a single cell changes little
+STEPS = CELLS - PATCH + 1  # places of the square, along each side
 AT_ONCE = 8  # images embedded between two checks for a cancelled request
 SIDE = 448  # pixels; the image is first scaled down to this, encoders use 224
 
@@ -45,7 +45,7 @@ def name_in(question: Question) -> str:
     return str(question.get("name", ""))[:120] or "the image"
 
 
-def preview(image: "Image.Image") -> str:
+def preview(image: "Image") -> str:
     """Return a small JPEG of the image, upright, as a data URL."""
     small = image.reduce(max(1, max(image.size) // PREVIEW_SIDE))  # a fifth of the time
     small.thumbnail((PREVIEW_SIDE, PREVIEW_SIDE))
@@ -113,16 +113,20 @@ def occlusion(resources: Resources, content: Content, question: Question) -> Rep
 
     Raises DataError if the image cannot be read or its modality is not "vis" or "tac".
     """
+    import numpy as np
     import torch
+    from PIL.Image import fromarray
 
     from omnivat.encoders.base import for_modality
 
     modality = one_of("modality", question.get("modality"), OTHER)
     image = resources.shared.decoder.read(content, name_in(question)).image
     image.thumbnail((SIDE, SIDE))
+    whole, mean = (torch.from_numpy(np.array(one)) for one in (image, image.resize((1, 1))))
+    shown = [image, *(fromarray(part.numpy()) for part in hidden(whole[None], mean))]
     encoder = for_modality(resources.encoder(), modality)
     with torch.inference_mode():
-        pixels = [encoder.preprocess(one) for one in (image, *hidden(image))]
+        pixels = [encoder.preprocess(one) for one in shown]
         parts = []
         for few in torch.stack(pixels).split(AT_ONCE):
             checkpoint()
@@ -132,35 +136,38 @@ def occlusion(resources: Resources, content: Content, question: Question) -> Rep
         out = named.head.model(named.pair["vis"], named.pair["tac"], order=named.order)
         predicted = int(out.probabilities[0].argmax())
         falls = out.probabilities[0, predicted] - out.probabilities[1:, predicted]
-    steps = CELLS - PATCH + 1
     return {
         "class": named.head.settings.classes[predicted],
         "probability": round(float(out.probabilities[0, predicted]), 6),
-        "cells": CELLS,
-        "drops": over_cells(falls.reshape(steps, steps)),
+        "drops": rounded(over_cells(falls).numpy()),
     }
 
 
-def hidden(image: "Image.Image") -> Iterator["Image.Image"]:
-    """Yield the image with one part after the other filled with its mean colour, row by row."""
-    mean: Any = image.resize((1, 1)).getpixel((0, 0))
-    across, down = (
-        [(k * side // CELLS, (k + PATCH) * side // CELLS) for k in range(CELLS - PATCH + 1)]
-        for side in image.size
-    )
-    for top, bottom in down:
-        for left, right in across:
-            copy = image.copy()
-            copy.paste(mean, (left, top, right, bottom))
-            yield copy
+def hidden(picture: "Tensor", colour: "Tensor") -> "Tensor":
+    """Return a picture (1, H, W, 3) with one part after the other in one colour (3,), row by row:
+    (STEPS², H, W, 3).
+    """
+    import torch
+
+    def along(side: int) -> "Tensor":
+        """Return which pixels of a side each part covers, (STEPS, side)."""
+        edges, at = torch.arange(CELLS + 1)[:, None] * side // CELLS, torch.arange(side)
+        return (at >= edges[:-PATCH]) & (at < edges[PATCH:])
+
+    down, across = (along(side) for side in picture.shape[1:3])
+    parts = (down[:, None, :, None] & across[:, None]).flatten(0, 1)
+    return torch.where(parts[..., None], colour, picture)
 
 
-def over_cells(falls: "Tensor") -> list[list[float]]:
-    """Return the mean decrease (CELLS, CELLS) of each cell, over the parts (S, S) that cover it."""
+def over_cells(falls: "Tensor") -> "Tensor":
+    """Return the mean decrease (CELLS, CELLS) of each cell, over the parts (STEPS²,) that cover
+    it.
+    """
     import torch
     from torch.nn.functional import conv_transpose2d
 
     part = torch.ones(1, 1, PATCH, PATCH)
-    rows = torch.stack((falls, torch.ones_like(falls)))[:, None]
+    rows = torch.stack((falls, torch.ones_like(falls))).unflatten(1, (1, STEPS, STEPS))
     sums, counts = conv_transpose2d(rows, part)[:, 0]
-    return rounded((sums / counts).numpy())
+    means: Tensor = sums / counts
+    return means

@@ -13,6 +13,8 @@ from torch import Tensor, nn
 from torch.export import Dim
 from torch.nn.functional import normalize
 
+from app.pictures import STEPS, hidden, over_cells
+from app.views.pair import from_even
 from omnivat.data.profile import Channels, moved, pooled
 from omnivat.encoders.onnx_runtime import translate
 from omnivat.head.calibration import closest, nearest_cosines, quantile_of
@@ -80,6 +82,16 @@ def place(query: Tensor, points: Tensor) -> Results:
     return index[0], share[0]
 
 
+def drops(falls: Tensor) -> Results:
+    """Return `over_cells` (CELLS, CELLS) of the parts (STEPS²,)."""
+    return (over_cells(falls),)
+
+
+def parts(picture: Tensor, colour: Tensor) -> Results:
+    """Return the picture (1, H, W, 3) with each part `hidden` in turn, by a colour (1, 1, 1, 3)."""
+    return (hidden(picture, colour),)
+
+
 Varying = dict[int, Any]  # axis -> its length
 
 
@@ -128,6 +140,13 @@ def programs() -> dict[str, tuple[Callable[..., Results], tuple[Tensor, ...], tu
             place,
             (numbers(24).double(), numbers(30, 24)),
             ({0: width}, {0: points, 1: width}),
+        ),
+        "attention": (from_even, (numbers(3, 24), numbers()), ({0: many, 1: width}, {})),
+        "drops": (drops, (numbers(STEPS**2),), ({},)),
+        "parts": (
+            parts,
+            tuple(torch.ones(shape, dtype=torch.uint8) for shape in ((1, 30, 40, 3), (1, 1, 1, 3))),
+            ({1: Dim("height"), 2: Dim("across")}, {}),
         ),
     }
 

@@ -35,8 +35,6 @@ TABLES = {
         "STRIP": images.STRIP_PIXELS,
         "PREVIEW": pictures.PREVIEW_SIDE,
         "HIDDEN": pictures.SIDE,
-        "CELLS": pictures.CELLS,
-        "PATCH": pictures.PATCH,
     },
     "PAIR": {
         "STOPS": len(STOPS),

@@ -153,7 +153,6 @@ def attention(resources: Resources, question: Question) -> Reply:
 
     Raises DataError for a head without MFFA.
     """
-    import numpy as np
     import torch
 
     named = asked(resources, question)
@@ -162,13 +161,21 @@ def attention(resources: Resources, question: Question) -> Reply:
         raise DataError("This head has no MFFA, so there is no attention to show.")
     with torch.inference_mode():
         found = at_orders(head.model, named.pair, STOPS, attention=True).attention
-    off = {name: w.numpy() - 1 / w.shape[-1] for name, w in found.items()}
-    scale = max(float(np.abs(one).max()) for one in off.values()) or 1.0
-    coded = {
-        name: base64.b64encode(np.rint(one / scale * 127).astype(np.int8).tobytes()).decode()
-        for name, one in off.items()
-    }
-    return {"count": {name: w.shape[-1] for name, w in found.items()}, "off": coded, "scale": scale}
+    weights = torch.stack(list(found.values()))
+    count = weights.shape[-1]
+    coded, scale = from_even(weights, 1 / count)
+    off = {n: base64.b64encode(one.numpy()).decode() for n, one in zip(found, coded, strict=True)}
+    return {"count": dict.fromkeys(found, count), "off": off, "scale": float(scale)}
+
+
+def from_even(weights: "torch.Tensor", even: "float | torch.Tensor") -> "tuple[torch.Tensor, ...]":
+    """Return how far weights lie from `even`, as signed bytes, and the distance that 127 is."""
+    import torch
+
+    off = weights - even
+    scale = off.abs().max()
+    scale = torch.where(scale > 0, scale, 1)
+    return (off / scale * 127).round().to(torch.int8), scale
 
 
 def spectrum(magnitudes: "np.ndarray[Any, Any]") -> Reply:

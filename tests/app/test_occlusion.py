@@ -1,34 +1,35 @@
 """Occlusion: the parts of an image that a prediction depends on."""
 
 from io import BytesIO
+from itertools import product
 from types import SimpleNamespace
 
 import numpy as np
 import torch
 from PIL import Image
 
-from app.pictures import CELLS, PATCH, hidden, occlusion, over_cells
+from app.pictures import CELLS, PATCH, STEPS, hidden, occlusion, over_cells
 
 
 def test_each_part_is_hidden_once_in_the_mean_colour_and_the_rest_is_left():
-    image = Image.new("RGB", (70, 70), "black")
-    image.paste("white", (0, 0, 35, 70))
-    parts = list(hidden(image))
-    assert len(parts) == (CELLS - PATCH + 1) ** 2
-    assert parts[0].getpixel((1, 1)) == image.resize((1, 1)).getpixel((0, 0))
-    assert parts[0].getpixel((30, 30)) == (255, 255, 255)
-    assert image.getpixel((1, 1)) == (255, 255, 255)
+    image = Image.effect_noise((45, 71), 90).convert("RGB")
+    mean = image.resize((1, 1))
+    pixels, colour = (torch.from_numpy(np.array(one)) for one in (image, mean))
+    found = iter(hidden(pixels[None], colour).numpy())
+    for top, left in product(range(STEPS), repeat=2):
+        pasted = image.copy()
+        right, bottom = (left + PATCH) * 45 // CELLS, (top + PATCH) * 71 // CELLS
+        pasted.paste(mean.getpixel((0, 0)), (left * 45 // CELLS, top * 71 // CELLS, right, bottom))
+        np.testing.assert_array_equal(next(found), pasted)
+    assert next(found, None) is None
 
 
 def test_a_cell_gets_the_mean_of_the_parts_that_covered_it():
-    steps = CELLS - PATCH + 1
-    falls = torch.zeros(steps, steps)
-    falls[0, 0] = 1.0
-    cells = over_cells(falls)
+    cells = over_cells(torch.eye(STEPS**2)[0])
     assert cells[0][0] == 1.0  # covered by that part alone
     assert cells[0][1] == 0.5
     assert cells[1][1] == 0.25
-    assert sum(cells[3]) == 0
+    assert cells[2:].sum() == 0
 
 
 def test_a_prediction_from_the_upper_right_falls_there_and_nowhere_else(monkeypatch):

@@ -13,6 +13,7 @@ pytest.importorskip("onnx", reason="the extra [onnx] is not installed")
 runtime = pytest.importorskip("onnxruntime", reason="the extra [onnx] is not installed")
 pytest.importorskip("onnxscript", reason="the extra [onnx] is not installed")
 
+from app.pictures import STEPS, hidden, over_cells  # noqa: E402
 from app.site_programs import programs, write_programs  # noqa: E402
 from omnivat.head.checkpoint import load_head  # noqa: E402
 from omnivat.head.output import READINGS  # noqa: E402
@@ -33,7 +34,7 @@ def run(tmp_path_factory):
     }
 
     def results(name, *given):
-        kinds = {"tensor(float)": np.float32, "tensor(double)": np.float64}
+        kinds = {"tensor(float)": "f4", "tensor(double)": "f8", "tensor(uint8)": "u1"}
         inputs = zip(sessions[name].get_inputs(), given, strict=True)
         return sessions[name].run(
             None, {one.name: np.asarray(value, kinds[one.type]) for one, value in inputs}
@@ -81,6 +82,21 @@ def test_a_row_lies_between_its_neighbours_or_on_its_own_point(run):
         near = torch.from_numpy(share) @ flat[index]
         # the points come in single precision
         close(near, place(query[None], points.float().double(), flat)[0], atol=1e-6)
+
+
+def test_attention_is_in_signed_bytes_of_its_largest_distance_from_even(run):
+    weights = np.random.default_rng(0).dirichlet(np.ones(5), 60).reshape(1, -1).astype("f4")
+    coded, scale = run("attention", weights, 0.2)
+    assert scale == pytest.approx(np.abs(weights - 0.2).max())
+    close(coded / 127 * scale, weights - 0.2, atol=0.51 * scale / 127)
+    assert run("attention", [[0.5, 0.5]], 0.5)[1] == 1  # there is no distance to divide by
+
+
+def test_parts_are_hidden_and_their_falls_averaged_as_the_server_does(run):
+    picture, colour = torch.randint(255, (1, 71, 45, 3)), torch.tensor([[[[1, 2, 3]]]])
+    close(run("parts", picture, colour)[0], hidden(picture, colour))
+    falls = torch.rand(STEPS**2)
+    close(run("drops", falls)[0], over_cells(falls), atol=1e-6)
 
 
 @pytest.mark.parametrize("missing", ["", "vis", "tac"])

@@ -10,9 +10,9 @@ const AGAINST = [0, 114, 178]; // hiding it raises the probability
 const WORTH = 0.02; // smaller changes of the probability are not shown
 
 /** Tint only parts that change the probability. @param {HTMLCanvasElement} canvas @param {Parts} parts */
-export function tint(canvas, { cells, drops }) {
+export function tint(canvas, { drops }) {
   const { most } = changed(drops);
-  paintCells(canvas, cells, cells, (x, y) => {
+  paintCells(canvas, drops.length, drops.length, (x, y) => {
     const drop = drops[y][x];
     const strength = Math.abs(drop) < WORTH ? 0 : Math.round((190 * Math.abs(drop)) / most);
     return [...(drop > 0 ? NEEDED : AGAINST), strength];

@@ -541,7 +541,7 @@ interface Replies {
   taught: { taught: string };
   image: { ref: Ref; width: number; height: number; preview: string };
   live: { classes: string[]; ms: { read: number; encoder: number; head: number } } & Prediction;
-  occlusion: { class: string; probability: number; cells: number; drops: number[][] };
+  occlusion: { class: string; probability: number; drops: number[][] };
   part: { part: string };
   load: { set: string };
   trainings: Offers;

@@ -4,7 +4,7 @@ import { IMAGES, imagesOf } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";
 import { PAIR } from "./rules.js";
 import { quiet } from "./runtime.js";
-import { dot, nearest, norm, rounded, roundedRow, rowOf, stacked, unit } from "./tensors.js";
+import { dot, nearest, norm, rounded, roundedRow, rowOf, rowsOf, stacked, unit } from "./tensors.js";
 
 /** @typedef {import("./desk.js").Desk} Desk */
 const STEP = 32; // pairs of one run of the head: 30 ms, for which a question of the visitor may wait
@@ -57,7 +57,7 @@ export const FOREST = {
     const [alone, other] = imagesOf(pair);
     const wanted = ["nodes", "shares"].map((name) => (other ? name : `${alone}_${name}`));
     const out = await desk.run(head, [pair], [order], wanted);
-    const [nodes, shares] = wanted.map((name) => head.parents.map((_, n) => rowOf(out[name], n)));
+    const [nodes, shares] = wanted.map((name) => rowsOf(out[name]));
     const units = nodes.map(unit);
     const { classes, learned, arrangement, in_use, source, parents } = head;
     return {

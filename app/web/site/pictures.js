@@ -7,10 +7,9 @@ import { decoded } from "./decode.js";
 import { nameOf } from "./desk.js";
 import { loaded } from "./profiles.js";
 import { PICTURE } from "./rules.js";
-import { best, mean, rounded } from "./tensors.js";
+import { best, rounded, roundedRow, rowsOf } from "./tensors.js";
 
-const { CELLS, PATCH, HIDDEN, PREVIEW } = PICTURE;
-const STEPS = CELLS - PATCH + 1;
+const { HIDDEN, PREVIEW } = PICTURE;
 const WARM = 3; // runs after which the browser has compiled the encoder
 /** @typedef {import("./desk.js").Desk} Desk */
 
@@ -73,38 +72,25 @@ export const PICTURES = {
 
   /** Hide each part of a picture in turn, and predict again. */
   async occlusion(desk, question, { body, stopped }) {
-    const began = performance.now();
     const { modality } = question;
     const picture = await desk.within(await decoded(body), HIDDEN);
     const { pixels, width, height } = picture;
     const { pixels: grey } = await desk.resized(picture, 1, 1);
-    const predicted = async (/** @type {Raster} */ shown) => {
+    const whole = { values: pixels, shape: [1, height, width, 3] };
+    const [parts] = await desk.rule("parts", whole, { values: grey, shape: [1, 1, 1, 3] });
+    const { classes } = await desk.reader(question);
+    const predicted = async (/** @type {Uint8Array} */ shown) => {
       if (stopped()) throw new Refusal("The request was withdrawn.", 499);
-      const row = await desk.encoded(await desk.seen(shown, modality));
-      const asked = await desk.asked(beside(question), { [modality]: row });
-      return { classes: asked.head.classes, fused: (await desk.readings(asked)).fused };
+      const row = await desk.encoded(await desk.seen({ pixels: shown, width, height }, modality));
+      return (await desk.readings(await desk.asked(beside(question), { [modality]: row }))).fused;
     };
-    const { classes, fused } = await predicted(picture);
+    const fused = await predicted(pixels);
     const top = best(fused);
-    /** @type {number[][][]} */
-    const cells = Array.from({ length: CELLS }, () => Array.from({ length: CELLS }, () => []));
-    const edge = (/** @type {number} */ cell, /** @type {number} */ side) => Math.floor((cell * side) / CELLS);
-    for (let at = 0; at < STEPS * STEPS; at++) {
-      const [row, column] = [Math.floor(at / STEPS), at % STEPS];
-      const copy = pixels.slice();
-      for (let y = edge(row, height); y < edge(row + PATCH, height); y++)
-        for (let x = edge(column, width); x < edge(column + PATCH, width); x++) copy.set(grey, 3 * (y * width + x));
-      const fall = fused[top] - (await predicted({ pixels: copy, width, height })).fused[top];
-      for (const covered of cells.slice(row, row + PATCH))
-        for (const falls of covered.slice(column, column + PATCH)) falls.push(fall);
-    }
-    return {
-      class: classes[top],
-      probability: rounded(fused[top]),
-      cells: CELLS,
-      drops: cells.map((row) => row.map((falls) => rounded(mean(falls)))),
-      seconds: rounded((performance.now() - began) / 1000, 2),
-    };
+    const falls = [];
+    for (let at = 0; at < parts.values.length; at += pixels.length)
+      falls.push(fused[top] - (await predicted(parts.values.slice(at, at + pixels.length)))[top]);
+    const [drops] = await desk.rule("drops", Float32Array.from(falls));
+    return { class: classes[top], probability: rounded(fused[top]), drops: rowsOf(drops).map(roundedRow) };
   },
 
   async sensor(desk, _, { body }) {

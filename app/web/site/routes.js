@@ -6,7 +6,7 @@ import { base64 } from "../shared/text.js";
 import { readingsOf, roundedAll } from "./desk.js";
 import { saved } from "./profiles.js";
 import { PAIR } from "./rules.js";
-import { nearest, rounded, roundedRow, unit } from "./tensors.js";
+import { nearest, rounded, roundedRow, rowOf, stacked, unit } from "./tensors.js";
 
 /** @typedef {import("./desk.js").Desk} Desk */
 const STOPS = Array.from({ length: PAIR.STOPS }, (_, k) => k / (PAIR.STOPS - 1));
@@ -75,16 +75,13 @@ export const QUESTIONS = {
     const names = imagesOf(pair);
     if (!head.attends) throw new Refusal("This head has no MFFA, so there is no attention to show.");
     const out = await desk.run(head, [pair], STOPS);
-    const maps = names.map((name) => {
-      const { shape, values } = out[`${name}_attention`];
-      return { name, count: shape[2], off: Array.from(values, (share) => share - 1 / shape[2]) };
-    });
-    const scale = maps.flatMap(({ off }) => off).reduce((top, value) => Math.max(top, Math.abs(value)), 0) || 1;
-    const coded = (/** @type {number[]} */ off) => Uint8Array.from(off, (value) => Math.round((value / scale) * 127));
+    const weights = names.map((name) => out[`${name}_attention`]);
+    const count = weights[0].shape[2];
+    const [coded, scale] = await desk.rule("attention", stacked(weights.map(({ values }) => values)), 1 / count);
     return {
-      count: named(maps.map(({ name, count }) => [name, count])),
-      off: named(maps.map(({ name, off }) => [name, base64(coded(off))])),
-      scale,
+      count: named(names.map((name) => [name, count])),
+      off: named(names.map((name, i) => [name, base64(Uint8Array.from(rowOf(coded, i)))])),
+      scale: scale.values[0],
     };
   },
 

@@ -23,8 +23,6 @@ export const PICTURE = {
   STRIP: 1000000,
   PREVIEW: 320,
   HIDDEN: 448,
-  CELLS: 7,
-  PATCH: 2,
 };
 export const PAIR = {
   STOPS: 101,

@@ -67,6 +67,9 @@ export const rowOf = ({ shape, values }, row) => {
   return values.subarray(row * width, (row + 1) * width);
 };
 
+/** All rows of a tensor. @param {Tensor} rows @returns {Float32Array[]} */
+export const rowsOf = (rows) => Array.from({ length: rows.shape.at(-2) ?? 1 }, (_, row) => rowOf(rows, row));
+
 /** @param {ArrayLike<number>} a @param {ArrayLike<number>} b */
 export function dot(a, b) {
   let sum = 0;
