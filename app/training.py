@@ -12,7 +12,7 @@ from app.messages import BusyError
 from app.resources import Resources
 from app.saving import head_zip
 from app.state import VISITOR, ForgottenError, Question, Recent, Reply
-from app.training_plan import offers, plan_from, thinned
+from app.training_plan import in_words, offers, plan_from, thinned
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import CHECK, Step
@@ -128,6 +128,7 @@ class Trainings:
             "run": key,
             "total": plan.training.epochs,
             "source": plan.source,
+            "words": in_words(plan, question),
             "left_out": plan.left_out,  # without a class
             "reach": REACH,
             "domains": list(embeddings.header.domains),

@@ -12,17 +12,22 @@ if TYPE_CHECKING:
     from omnivat.training.from_pairs import TrainingPlan
 
 WIDTHS = (16, 32, 64, 128)
-ORDERS = ("gradient", "fixed", "search", "every")  # what p does
-# name -> least, most, at first: those of the default head; whole numbers or not
-RANGES: dict[str, tuple[float, float, float]] = {
-    "p": (0.0, 1.0, 0.5),
-    "mma": (0.0, 50.0, 10.0),  # λ
-    "levels": (1, 5, 3),  # R
-    "expansion": (1, 8, 4),  # E
-    "noise": (0.0, 5.0, 4.0),  # on embeddings, in standard deviations of each channel
-    "shift": (0.0, 2.0, 1.0),  # of a batch along the source's covariance: an imitated sensor
-    "epochs": (5, 150, 120),
-    "seed": (0, 999, 0),
+ORDERS = {  # what p does, in words
+    "gradient": "learn p by gradient",
+    "fixed": "keep p fixed",
+    "search": "search for p",
+    "every": "train for every p",
+}
+# name -> words, least, most, at first: those of the default head; whole numbers or not
+NUMBERS: dict[str, tuple[str, float, float, float]] = {
+    "p": ("initial p", 0.0, 1.0, 0.5),
+    "mma": ("λ, weight of MMA", 0.0, 50.0, 10.0),
+    "levels": ("R, tree levels", 1, 5, 3),
+    "expansion": ("E, tokens", 1, 8, 4),
+    "noise": ("noise on embeddings, std", 0.0, 5.0, 4.0),  # of each channel
+    "shift": ("imitated sensors, std", 0.0, 2.0, 1.0),  # of a batch along the source's covariance
+    "epochs": ("epochs", 5, 150, 120),
+    "seed": ("seed", 0, 999, 0),
 }
 
 
@@ -42,14 +47,18 @@ def offers(embeddings: "Embeddings", source: str) -> Reply:
     return {
         "sources": domains,
         "widths": list(WIDTHS),
-        "orders": list(ORDERS),
-        "ranges": {name: list(ends[:2]) for name, ends in RANGES.items()},
+        "orders": list(ORDERS.items()),
+        "numbers": [
+            {"name": name, "words": words, "least": least, "most": most}
+            | {"step": 1 if isinstance(first, int) else "any"}
+            for name, (words, least, most, first) in NUMBERS.items()
+        ],
         "first": {
             "source": source if source in domains else domains[0],
             "width": 64,
             "order": "gradient",
             "lang": set(header.classes) - {NO_CLASS} <= set(load_bank(DEFAULT_BANK).classes),
-            **{name: ends[2] for name, ends in RANGES.items()},
+            **{name: row[-1] for name, row in NUMBERS.items()},
         },
     }
 
@@ -66,8 +75,8 @@ def plan_from(question: Question, embeddings: "Embeddings") -> "TrainingPlan":
     from omnivat.training.from_pairs import plan_training
 
     source = one_of("source", question.get("source"), embeddings.header.domains)
-    order = one_of("order", question.get("order", ORDERS[0]), ORDERS)
-    number: dict[str, Any] = {name: _number(name, question.get(name)) for name in RANGES}
+    order = one_of("order", question.get("order", "gradient"), ORDERS)
+    number: dict[str, Any] = {name: _number(name, question.get(name)) for name in NUMBERS}
     training = TrainSettings(
         epochs=number["epochs"],
         mma_weight=number["mma"],
@@ -87,6 +96,17 @@ def plan_from(question: Question, embeddings: "Embeddings") -> "TrainingPlan":
     return plan_training(embeddings, source, head=head, training=training, seed=number["seed"])
 
 
+def in_words(plan: "TrainingPlan", question: Question) -> str:
+    """Return the settings of a plan that a request named, in one line."""
+    numbers = [
+        f"{words.split(',')[0]} = {question.get(name, first):g}"
+        for name, (words, *_, first) in NUMBERS.items()
+    ]
+    order = ORDERS[question.get("order", "gradient")]
+    lang = "LANG" if plan.training.lang else "no LANG"
+    return ", ".join([plan.source, f"D = {plan.settings.width}", order, *numbers, lang])
+
+
 def thinned(count: int, most: int) -> "np.ndarray[Any, Any]":
     """Return the numbers of at most `most` of `count` pairs, evenly spaced."""
     import numpy as np
@@ -95,7 +115,7 @@ def thinned(count: int, most: int) -> "np.ndarray[Any, Any]":
 
 
 def _number(name: str, value: Any) -> int | float:
-    low, high, first = RANGES[name]
+    _, low, high, first = NUMBERS[name]
     if value is None:
         return first
     whole = isinstance(first, int)

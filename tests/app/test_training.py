@@ -65,6 +65,7 @@ def test_pairs_without_a_class_are_left_out_of_a_training_and_told(
     assert trainings.offers(sets.first, {})["first"]["lang"]
     started = trainings.start(sets.first, SMALL)
     assert started["left_out"] == 16
+    assert started["words"].startswith("TAG-sim, D = ") and "initial p = 0.5" in started["words"]
     assert until_ended(trainings, started["run"])["state"] == "done"
     zipped = zipfile.ZipFile(io.BytesIO(trainings.saved({"run": started["run"]})))
     assert b"unlabelled" not in zipped.read("trained-head/settings.json")

@@ -21,6 +21,7 @@ pytestmark = pytest.mark.browser
 
 
 PAIR = "?view=pair&vis=row:0&tac=row:0"
+FOLDER = ".pair .pairs label:has-text('Folder') input"
 
 
 def said(page, reading):
@@ -40,22 +41,6 @@ def test_pictures_unlike_anything_seen_are_called_a_guess(open_page):
         assert "This is a guess" in said(page, reading)
         assert "%" not in said(page, reading)
     assert page.locator(".pair .nearest button").count() == 6
-
-
-def test_touch_only_does_not_depend_on_the_photo(open_page):
-    page = open_page(PAIR, ANSWERED)
-    cells = page.locator(".pair .bars td[data-reading=tac] .share")
-    before, both = (
-        cells.all_text_contents(),
-        page.locator(".pair .bars td[data-reading=fused] .share").all_text_contents(),
-    )
-    send(page, "vis", 7)
-    page.click(".pair .started button")  # the touch that the new photo took away
-    holds(page, "tac", "pair 0")
-    page.wait_for_selector(ANSWERED)
-    page.wait_for_function("document.querySelectorAll('.pair .bars th').length > 6")
-    assert cells.all_text_contents() == before
-    assert page.locator(".pair .bars td[data-reading=fused] .share").all_text_contents() != both
 
 
 def test_no_letter_of_the_chart_over_p_is_cut_off(open_page):
@@ -88,24 +73,21 @@ def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(open_page)
     assert "guessing" in page.inner_text(".pair .about-p")
 
 
-def test_a_csv_that_names_one_file_twice_is_refused_and_its_folder_is_read(open_page, tmp_path):
+def test_a_csv_of_one_file_twice_pairs_nothing_and_in_its_folder_two_pictures_of_one_name(
+    open_page, tmp_path
+):
     for seed, folder in enumerate(("visual", "tactile")):
-        for number in range(2):
-            file = tmp_path / "own" / folder / f"{number}.png"
-            file.parent.mkdir(parents=True, exist_ok=True)
-            file.write_bytes(texture(10 * seed + number)["buffer"])
-    table = tmp_path / "own" / "pairs.csv"
-    table.write_text("vis,tac\n" + "".join(f"visual/{n}.png,tactile/{n}.png\n" for n in range(2)))
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "1.png").write_bytes(texture(seed)["buffer"])
+    table = tmp_path / "pairs.csv"
+    table.write_text("vis,tac\nvisual/1.png,tactile/1.png\n")
     page = open_page("?view=pair", ANSWERED)
-    files = [*sorted((tmp_path / "own" / "visual").iterdir()), table]
+    files = [tmp_path / "visual" / "1.png", table]
     page.set_input_files(".pair .pairs label:has-text('Files') input", files)
     page.wait_for_selector(".pair .many:has-text('would be one file')")
-    assert not page.locator(".pair .many .link").count()
-    page.set_input_files(".pair .pairs label:has-text('Folder') input", tmp_path / "own")
-    page.click(".pair .many .link >> nth=1")
-    for modality in ("vis", "tac"):
-        holds(page, modality, "1.png")
-    settle(page)
+    page.set_input_files(FOLDER, tmp_path)
+    page.wait_for_selector(".pair .many .link")
+    settle(page)  # the first pair is open
     shown = [page.get_attribute(f"{SLOT.format(m)} .picture img", "src") for m in ("vis", "tac")]
     assert shown[0] != shown[1]
 
@@ -224,18 +206,6 @@ def test_live_gives_a_class_to_a_real_press_and_none_to_a_sensor_at_rest(
         assert page.locator(".pair .verdict .reading").count() == 3
         sensor.see(calm, page=page)
         page.wait_for_selector(IDLE)
-
-
-def test_no_rest_picture_is_made_of_a_sensor_that_is_touched_meanwhile(live, sensor, presses):
-    calm, pressed = presses("gelsight")
-    page = live(vis={"device": "none"})
-    sensor.see(calm, calm, pressed[0], page=page)
-    page.click(".pair .cameras [data-what=rest]")
-    page.wait_for_selector(STATE.format("without touching"))
-    page.wait_for_selector(TOUCHED)
-    sensor.see(calm, page=page)
-    take_rest(page)
-    page.wait_for_selector(IDLE)
 
 
 def shown(body, pictures):
@@ -361,21 +331,6 @@ def test_an_unplugged_camera_ends_live_in_a_sentence(live):
     page.wait_for_selector(ANSWERED)
 
 
-def test_where_tells_whether_any_part_matters(open_page):
-    page = open_page("?view=pair&vis=row:0", ANSWERED)
-    send(page, "tac", 3)
-    slot = SLOT.format("tac")
-    page.click(f"{slot} .where")
-    page.wait_for_selector(f"{slot} .what:has-text('Hiding')")
-    page.wait_for_function(
-        "slot => !document.querySelector(slot + ' .what').innerText.includes('one part after')",
-        arg=slot,
-    )
-    told = page.inner_text(f"{slot} .what")
-    shown = page.locator(f"{slot} .picture canvas").count()
-    assert ("no single part matters" in told) == (shown == 0)
-
-
 def named(name, seed):
     """Return a picture of noise as a file of this name."""
     return texture(seed) | {"name": name}
@@ -438,9 +393,6 @@ def own_folder(to, domains):
     return labels
 
 
-FOLDER = ".pair .pairs label:has-text('Folder') input"
-
-
 def test_a_folder_goes_from_a_drop_to_predictions_of_the_next_pictures_by_the_taught_head(
     open_page, tmp_path
 ):
@@ -488,9 +440,6 @@ def test_photos_given_as_touches_are_asked_about_and_their_profile_can_be_taken_
     page.set_input_files(".pair .sensor label:has-text('Folder') input", photos)
     page.wait_for_selector(".pair .sensor [role=status]:has-text('look more like photos')")
     page.click(".pair .sensor [data-kind=vis]")
-    page.wait_for_selector(".pair .profile-now:has-text('the profile of 8 photos')")
-    settle(page)
-    page.reload()
     page.wait_for_selector(".pair .profile-now:has-text('the profile of 8 photos')")
     page.click(".pair .profile-now button")
     page.wait_for_selector(".pair .profile-now", state="hidden")

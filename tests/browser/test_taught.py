@@ -27,18 +27,10 @@ def test_where_explains_the_taught_head_while_it_makes_the_headline(taught):
     what = taught.locator(f"{SLOT.format('vis')} .what")
     taught.wait_for_selector(f"{SLOT.format('vis')} .what .tag:has-text('taught')")
     assert what.locator("b").nth(1).inner_text() == headline.split()[0].rstrip("?")
+    tinted = taught.locator(f"{SLOT.format('vis')} .picture canvas").count()
+    assert tinted == ("no single part matters" not in what.inner_text())
     taught.click(
         ".pair [data-send=used]"
     )  # back to the head as trained: the explanation of the other one goes
     taught.wait_for_selector(".pair .taught-now", state="detached")
     assert "taught" not in what.inner_text()
-
-
-def test_every_class_of_a_guess_is_grey_and_called_one(open_page):
-    page = open_page("?view=pair&vis=row:0", ANSWERED)
-    send(page, "vis", 9)
-    page.wait_for_selector(".pair .reading[data-reading=vis] .guessed")
-    if not page.locator(".pair .all-classes[open]").count():
-        page.click(".pair .all-classes summary")
-    assert page.locator(".pair .bars td").count() == page.locator(".pair .bars td.of-guess").count()
-    assert "(guess)" in page.inner_text(".pair .bars thead")

@@ -22,7 +22,7 @@ import {
   mixed,
   READING,
   START,
-  tally,
+  tallies,
 } from "../../app/web/pair/state.js";
 import { lineHtml } from "../../app/web/pair/steps.js";
 import {
@@ -110,33 +110,42 @@ test("with one image there is no reading of both", () => {
   assert.match(html, /class="reading none" data-reading="vis">.*No photo here/);
 });
 
-test("a prediction is judged by the class of the images that it used", () => {
-  says(judged({ label: "wood", used: ["vis"] }, { vis: "wood", tac: "steel" }, CLASSES), /right/);
-  says(judged({ label: "wood", used: ["tac"] }, { vis: "wood", tac: "steel" }, CLASSES), /it is steel/);
-  says(judged({ label: "wood", used: ["vis", "tac"] }, { vis: "wood", tac: "steel" }, CLASSES), /follows the photo/);
-  says(judged({ label: "wood", used: ["vis"] }, { vis: "cork" }, CLASSES), /a class this head has not learned/);
-  assert.equal(judged({ label: "wood", used: ["vis"] }, {}, CLASSES), null);
-  says(madeOf({ vis: "wood", tac: "steel" }), /Photo: <b>wood<\/b>\. Touch: <b>steel<\/b>/);
+test("a prediction is judged by the class of the images that it used; a visitor's picture has none", () => {
+  const apart = { vis: "wood", tac: "steel" };
+  for (const [used, truths, words] of [
+    [["vis"], apart, /right/],
+    [["tac"], apart, /it is steel/],
+    [["vis", "tac"], apart, /follows the photo/],
+    [["vis"], { vis: "cork" }, /a class this head has not learned/],
+    [["tac"], { vis: "", tac: "wood" }, /right/],
+    [["vis", "tac"], { vis: "", tac: "wood" }, /^null/],
+  ])
+    says(judged({ label: "wood", used }, truths, CLASSES), words);
+  says(madeOf(apart), /Photo: <b>wood<\/b>\. Touch: <b>steel<\/b>/);
 });
 
 test("familiarity is said in words and as a share of the training images", () => {
   const image = { words: "unlike the training images", quantile: 0.01 };
-  assert.equal(sentence("vis", image), "Unlike the training images: 1 of 100 training photos has a farther neighbour.");
-  assert.match(sentence("tac", { words: "familiar", quantile: 0.25 }), /^Familiar: 25 of 100/); // an ordinary rank
-  assert.match(sentence("vis", { words: "familiar", quantile: 1, cosine: 1 }), /one of the training photos/);
-  assert.match(sentence("tac", {}), /has no record/);
+  for (const [about, words] of [
+    [image, /^Unlike the training images: 1 of 100 training photos has a farther neighbour\.$/],
+    [{ words: "familiar", quantile: 0.25 }, /^Familiar: 25 of 100/], // an ordinary rank
+    [{ words: "familiar", quantile: 1, cosine: 1 }, /one of the training photos/],
+    [{}, /has no record/],
+  ])
+    says(sentence("vis", about), words);
   const near = { images: { vis: { nearest: [{ pair: 1, cosine: 0.5 }] } }, of: "A" };
-  const html = String(familiarHtml(near, { vis: image }, { frames: frames(), sprite: null }));
-  assert.match(html, /<i class="right" style="--at:0\.01">.*title="Open this pair of B".*<b>steel<\/b> 0\.50/s);
+  const html = familiarHtml(near, { vis: image }, { frames: frames(), sprite: null });
+  says(html, /<i class="right" style="--at:0\.01">.*title="Open this pair of B".*<b>steel<\/b> 0\.50/s);
 });
 
 test("each reading is counted over the pairs that had its images", () => {
-  const counts = ["fused", "vis", "tac"].map((reading) => tally(LABELLED, reading));
+  const counts = tallies(LABELLED).map(({ reading, right, of }) => [reading, right, of]);
   assert.deepEqual(counts, [
-    { right: 1, of: 1 },
-    { right: 1, of: 2 },
-    { right: 0, of: 1 },
+    ["fused", 1, 1],
+    ["vis", 1, 2],
+    ["tac", 0, 1],
   ]);
+  assert.deepEqual(tallies([]), []);
 });
 
 test("teaching waits for two pairs of each of two classes and names what is there", () => {
@@ -182,33 +191,43 @@ test("labels at the ends of lines stay inside the chart and apart", () => {
 });
 
 test("a pair of two origins is mixed, and no visitor's pair", () => {
-  const [own, other, example, row] = ["image:a", "image:b", "example:x/y/z", "row:3"];
-  assert.ok(mixed({ vis: own, tac: example }) && mixed({ vis: row, tac: own }) && mixed({ vis: row, tac: example }));
-  assert.ok(!mixed({ vis: own, tac: other }) && !mixed({ vis: row, tac: row }) && !mixed({ vis: own, tac: null }));
-  assert.ok(isOwn({ vis: own, tac: other }) && isOwn({ vis: null, tac: own }));
-  assert.ok(!isOwn({ vis: own, tac: example }) && !isOwn({ vis: null, tac: null }));
-});
-
-test("a visitor's photo beside an example's touch is not judged by the example's class", () => {
-  assert.equal(judged({ label: "wood", used: ["vis", "tac"] }, { vis: "", tac: "wood" }, CLASSES), null);
-  says(judged({ label: "wood", used: ["tac"] }, { vis: "", tac: "wood" }, CLASSES), /right/);
+  const [photo, touch, example, row] = ["image:a", "image:b", "example:x/y/z", "row:3"];
+  for (const [vis, tac, ...wanted] of [
+    [photo, example, true, false],
+    [row, photo, true, false],
+    [row, example, true, false],
+    [row, row, false, false],
+    [photo, touch, false, true],
+    [null, touch, false, true],
+    [null, null, false, false],
+  ])
+    assert.deepEqual([mixed({ vis, tac }), isOwn({ vis, tac })], wanted);
 });
 
 test("a picture is called by its pair of the set, by its example or by its file", () => {
   const sent = { "image:f00": { name: "a.png", width: 3, height: 2, credit: "" } };
   const tab = { examples: [{ name: "x/y", class: "wood", domain: "A" }], set: { frames: frames() }, sent };
-  assert.deepEqual(describe(tab, "image:f00"), { text: "a.png · 3 × 2" });
-  assert.deepEqual(describe(tab, "row:1"), { text: "pair 1 · steel · B", truth: "steel" });
-  assert.deepEqual(describe(tab, "row:2"), { text: "pair 2", truth: "" });
-  assert.deepEqual(describe(tab, "example:x/y"), { text: "wood · A", truth: "wood" });
-  assert.deepEqual(describe(tab, "image:7"), { text: "image:7" });
+  for (const [ref, text, truth = ""] of [
+    ["image:f00", "a.png · 3 × 2"],
+    ["image:7", "image:7"],
+    ["row:1", "pair 1 · steel · B", "steel"],
+    ["row:2", "pair 2"],
+    ["example:x/y", "wood · A", "wood"],
+  ]) {
+    const said = describe(tab, ref);
+    assert.deepEqual([said.text, said.truth ?? ""], [text, truth]);
+  }
 });
 
 test("pictures nearer to the other side are asked about only if all of them are", () => {
-  says(swapHtml({ vis: { strays: true }, tac: { strays: true } }, OWN), /Are these two swapped\?/);
-  assert.equal(swapHtml({ vis: { strays: true }, tac: { strays: false } }, OWN), null);
-  says(swapHtml({ vis: { strays: true } }, OWN), /Is this a touch\?/);
-  assert.equal(swapHtml({}, OWN), null);
+  const [near, far] = [{ strays: false }, { strays: true }];
+  for (const [images, words] of [
+    [{ vis: far, tac: far }, /Are these two swapped\?/],
+    [{ vis: far, tac: near }, /^null/],
+    [{ vis: far }, /Is this a touch\?/],
+    [{}, /^null/],
+  ])
+    says(swapHtml(images, OWN), words);
 });
 
 const FILES = [
@@ -292,21 +311,35 @@ test("parts that change nothing are not shown", () => {
 });
 
 test("uniform attention is a sentence", () => {
-  assert.match(about(8, 0.001), /Nothing to see: each of the 8 tokens gets the uniform 12\.5 %/);
+  assert.match(about(8, 0.001), /Nothing to see: each of the 8 tokens gets the uniform 12\.5\s%/);
   assert.match(about(8, 0.2), /Rows attend to columns/);
 });
 
 test("the band is what the head was trained for", () => {
-  assert.deepEqual(band([0.5, 0.5], [0.496, 0.504]), [0.496, 0.504]); // D = 512, from the frames
-  assert.deepEqual(band([0.01, 0.01], [-0.02, 0.04]), [0, 0.04]);
-  assert.equal(band([0.5, 0.5], null), null);
-  assert.deepEqual(band([0, 1], null), [0, 1]);
-  assert.match(aboutP({ learned: 0.5, span: [0.5, 0.5], classes: CLASSES }), /guessing \(50/);
-  assert.match(aboutP({ learned: 0.5, span: [0, 1], classes: CLASSES }), /trained for every p/);
-  assert.match(aboutP({ learned: 0.5, span: [0.5, 0.5], classes: CLASSES, linear: true }), /no part/);
+  for (const [span, fits, wanted] of [
+    [
+      [0.5, 0.5],
+      [0.496, 0.504],
+      [0.496, 0.504],
+    ], // D = 512, from the frames
+    [
+      [0.01, 0.01],
+      [-0.02, 0.04],
+      [0, 0.04],
+    ],
+    [[0.5, 0.5], null, null],
+    [[0, 1], null, [0, 1]],
+  ])
+    assert.deepEqual(band(span, fits), wanted);
+  for (const [span, linear, words] of [
+    [[0.5, 0.5], false, /guessing \(50/],
+    [[0, 1], false, /trained for every p/],
+    [[0.5, 0.5], true, /no part/],
+  ])
+    says(aboutP({ learned: 0.5, span, classes: CLASSES, linear }), words);
 });
 
-test("a frame unlike the rest picture by more than its noise is a contact", () => {
+test("a frame unlike the rest picture by more than its noise is a contact, and no rest picture holds one", () => {
   const frame = (level, pressed = 0) => {
     const data = new Uint8ClampedArray(4 * 64 * 64).fill(level);
     for (let y = 20; y < 30; y++) data.fill(level + pressed, 4 * (64 * y + 20), 4 * (64 * y + 30));
@@ -316,12 +349,16 @@ test("a frame unlike the rest picture by more than its noise is a contact", () =
   assert.ok(rest.mean.every((level) => Math.abs(level - 100) < 1e-4));
   assert.ok(apart(frame(103), rest.mean) < rest.limit); // other light is no contact
   assert.ok(apart(frame(100, 20), rest.mean) > rest.limit); // 20 levels on 2 % of the picture are
+  assert.equal(restOf([frame(100), frame(100), frame(100, 20)]), null); // touched meanwhile
 });
 
 test("crops keep a 4:3 middle or cut the border", () => {
-  assert.deepEqual(CROPS["4:3"][1](640, 480), [1, 1]);
-  assert.deepEqual(CROPS["4:3"][1](1280, 720), [0.75, 1]);
-  assert.deepEqual(CROPS.border[1](100, 100), [0.7, 0.7]);
+  for (const [crop, size, kept] of [
+    ["4:3", [640, 480], [640, 480]],
+    ["4:3", [1280, 720], [960, 720]],
+    ["border", [100, 50], [70, 35]],
+  ])
+    assert.deepEqual(CROPS[crop][1](...size), kept);
 });
 
 const SHARES = { fused: 0.7, vis: 0.5, tac: 0.6 };
@@ -345,14 +382,18 @@ test("the curve of labels draws every count, and one count only says what is mis
 });
 
 test("own pictures are read by the head for them, and nothing else is", () => {
-  visit.head = "own";
-  assert.equal(readerOf({ vis: "image:a", tac: "image:b" }), "own");
-  assert.equal(readerOf({ pairs: [{ vis: "image:a", tac: null }] }), "own");
-  assert.equal(readerOf({ vis: "image:a", tac: "row:3" }), "");
-  assert.equal(readerOf({ vis: "row:3", tac: "row:3" }), "");
-  assert.equal(readerOf({ vis: "row:3", lessons: [{ vis: "image:a", tac: "image:b" }] }), "own"); // it is what was taught
-  visit.head = "";
-  assert.equal(readerOf({ vis: "image:a" }), "");
+  const [own, row] = [OWN, { vis: "row:3", tac: "row:3" }];
+  for (const [head, question, reader] of [
+    ["own", own, "own"],
+    ["own", { pairs: [{ vis: "image:a", tac: null }] }, "own"],
+    ["own", { vis: "image:a", tac: "row:3" }, ""],
+    ["own", row, ""],
+    ["own", { ...row, lessons: [own] }, "own"], // it is what was taught
+    ["", own, ""],
+  ]) {
+    visit.head = head;
+    assert.equal(readerOf(question), reader);
+  }
 });
 
 test("the page says what pictures without labels bring, and where touch is at chance", () => {

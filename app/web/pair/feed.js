@@ -1,11 +1,11 @@
 /** One picture source of Live: a camera or a video file, cropped and turned; its rest picture and contact. */
 
-import { Refusal, refused } from "../shared/api.js";
+import { attempt, Refusal } from "../shared/api.js";
 import { drawingOn } from "../shared/canvas.js";
 import { keep, keptJson } from "../shared/memory.js";
 import { View } from "../shared/view.js";
 import { camera } from "./own-pictures.js";
-import { html, options, put, signed, TERMS } from "./parts.js";
+import { html, options, put, signed, status, TERMS } from "./parts.js";
 
 const KEPT = "omnivat-live-";
 const SIDE = 256; // pixels of the longer side sent; encoders use 224
@@ -14,15 +14,14 @@ const LATE = 250; // milliseconds to wait for a new frame; some browsers do not 
 const GRID = 16; // blocks along a side of the picture, of which contact changes some
 const LEAST = 3; // grey levels of a block: smaller changes are never contact
 const NOISE = 2; // contact changes a block by more than this many times the most that rest frames do
-/** Crops: [label, share kept of width and height for a frame of this aspect].
+/** Crops: [label, size kept of a frame].
  * @type {Record<string, [string, (wide: number, high: number) => [number, number]]>} */
 export const CROPS = {
-  "": ["whole", () => [1, 1]],
-  "4:3": ["4:3 (DIGIT)", (wide, high) => [Math.min(1, (4 * high) / (3 * wide)), Math.min(1, (3 * wide) / (4 * high))]],
-  border: ["border 0.15 (GelSight Mini)", () => [0.7, 0.7]],
+  "": ["whole", (...size) => size],
+  "4:3": ["4:3 (DIGIT)", (wide, high) => [Math.min(wide, (4 * high) / 3), Math.min(high, (3 * wide) / 4)]],
+  border: ["border 0.15 (GelSight Mini)", (wide, high) => [0.7 * wide, 0.7 * high]],
 };
-/** The menus of a feed, and their first choices. */
-/** @type {Record<"device" | "crop" | "turn", [string, string[][]]>} */
+/** The menus of a feed, and their first choices. @type {Record<"device" | "crop" | "turn", [string, string[][]]>} */
 const MENUS = {
   device: [
     "Source",
@@ -42,7 +41,7 @@ export const feedHtml = (
   <canvas width="160" height="120" role="img" aria-label="${TERMS[name].title}, as it is sent"></canvas>
   ${Object.entries(MENUS).map(([menu, [title, all]]) => html`<label>${title} <select class="${menu}">${options(all)}</select></label>`)}
   <input type="file" class="clip" hidden accept="video/*" aria-label="Video of the ${TERMS[name].one}">
-  <p class="hint state" role="status"></p></div>`;
+  ${status("", "state")}</div>`;
 
 export class Feed extends View {
   /** tell(sentence) shows why a source could not be opened. @param {HTMLElement} box @param {(sentence: string) => void} tell */
@@ -59,7 +58,7 @@ export class Feed extends View {
       Object.keys(MENUS).map((name) => [name, /** @type {HTMLSelectElement} */ (this.$(`.${name}`))]),
     ));
     this.clip = /** @type {HTMLInputElement} */ (this.$(".clip"));
-    const open = () => this.active && this.open().catch((error) => refused(error, tell));
+    const open = () => this.active && attempt(() => this.open(), tell);
     this.clip.onchange = open;
     device.onchange = () => (device.value === "file" ? this.clip.click() : open());
     this.wanted = keptJson(KEPT + this.modality, {});
@@ -139,17 +138,16 @@ export class Feed extends View {
       );
     }
     const { crop, turn } = this.menus;
-    const whole = [video.videoWidth, video.videoHeight];
-    const kept = CROPS[crop.value][1](whole[0], whole[1]).map((share, i) => share * whole[i]);
+    const kept = CROPS[crop.value][1](video.videoWidth, video.videoHeight);
     const scale = SIDE / Math.max(...kept);
     const size = kept.map((length) => Math.max(1, Math.round(length * scale)));
     [canvas.width, canvas.height] = +turn.value % 180 ? size.toReversed() : size;
     const context = drawingOn(canvas, { willReadFrequently: true });
     context.translate(canvas.width / 2, canvas.height / 2);
     context.rotate((+turn.value * Math.PI) / 180);
-    const [x, y] = whole.map((length, i) => (length - kept[i]) / 2);
+    const [x, y] = [video.videoWidth - kept[0], video.videoHeight - kept[1]];
     const [wide, high] = size;
-    context.drawImage(video, x, y, kept[0], kept[1], -wide / 2, -high / 2, wide, high);
+    context.drawImage(video, x / 2, y / 2, ...kept, -wide / 2, -high / 2, wide, high);
     return this.rest ? apart(grey(canvas), this.rest.mean) > this.rest.limit : null;
   }
 

@@ -3,7 +3,7 @@
 import { dragged, Scale } from "../shared/chart.js";
 import { classColour } from "../shared/palette.js";
 import { View } from "../shared/view.js";
-import { draw, html } from "./parts.js";
+import { draw, html, percent } from "./parts.js";
 
 const WIDE = { least: 320, most: 900 }; // CSS pixels: as wide as its place, so that letters keep their size
 const H = 250;
@@ -67,7 +67,7 @@ export class Lines extends View {
       this.box,
       scale.svg(
         "Probability of each class against p",
-        scale.grid([0, 0.5, 1], (v) => `${100 * v} %`),
+        scale.grid([0, 0.5, 1], percent),
         scale.ticks(ticks, 12),
         html`<text x="${(scale.left + scale.right) / 2}" y="${H - 1}" text-anchor="middle">p</text>`,
         mark,

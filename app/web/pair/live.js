@@ -1,10 +1,10 @@
 /** Live: photo and touch together; the newest frames are sent as soon as the server has replied. */
 
-import { askOfImage, refused } from "../shared/api.js";
+import { askOfImage } from "../shared/api.js";
 import { csv } from "../shared/csv.js";
 import { FRAMES } from "./feed.js";
 import { camera, upload } from "./own-pictures.js";
-import { button, html, pressed } from "./parts.js";
+import { button, html, pressed, status } from "./parts.js";
 import { lessonsOf } from "./state.js";
 import { contentOf, counted, folderOf, saveZip, taughtBy } from "./work.js";
 
@@ -24,14 +24,13 @@ export function controlsHtml({ on, line, recording, notes }) {
     button("guide", words, html`data-what="${what}" title="${title}"${off}`);
   return html`<div class="row">${button("camerasSwitched", on ? "Stop" : "Start", html`class="main" ${pressed(on)}`)}${guide("rest", "Rest picture", "Do not touch: ten frames of the sensor at rest")}${guide("calibrate", "Calibrate", "Ten frames of different presses make the profile of My sensor")}</div>
     <div class="row"><label>Label <input type="text" class="label" maxlength="40" size="8"></label>${guide("label", "Add to my pairs", "The pictures of now join your labelled pairs")}${button("recordSwitched", "Record", html`${pressed(recording)}${off}`)}</div>
-    <p class="hint guided" role="status">${notes.live}</p><p class="hint rate" role="status">${line}</p>`;
+    ${status(notes.live, "guided")}${status(line, "rate")}`;
 }
 
-/** Draw the newest frames. Returns the open sources, and whether the touch is pressed; null if nothing tells. @param {Desk} desk */
+/** Draw the newest frames. Returns the open sources, and whether they show a sensor at rest. @param {Desk} desk */
 function drawn({ feeds }) {
   const there = feeds.filter(({ on }) => on);
-  const touches = there.map((feed) => feed.draw());
-  return { there, touched: touches.find((touch) => touch !== null) ?? null };
+  return { there, idle: there.map((feed) => feed.draw()).includes(false) };
 }
 
 /** The newest frames without loss, as files. @param {Desk} desk @param {string | number} name
@@ -65,12 +64,10 @@ export async function live(desk, _, signal) {
     why = feeds.some(({ on }) => on)
       ? (await Promise.all(Array.from({ length: AT_ONCE }, () => loop(desk, run, signal))))[0]
       : "No source is chosen: choose a camera or a video file for the photo, the touch or both.";
-  } catch (error) {
-    refused(error, (/** @type {string} */ problem) => send("told", { problem }));
   } finally {
     close();
+    send("camerasOff", why);
   }
-  send("camerasOff", why);
 }
 
 /** Open the sources. Names of cameras are told only once one was allowed. @param {Desk["feeds"]} feeds @param {AbortSignal} signal */
@@ -92,9 +89,9 @@ async function loop(desk, run, signal) {
   while (!signal.aborted) {
     const number = ++run.sent;
     const began = performance.now();
-    const { there, touched } = drawn(desk);
+    const { there, idle } = drawn(desk);
     if (!there.length) return "Live has stopped: no source is left.";
-    if (touched === false) {
+    if (idle) {
       desk.send("framed", { frame: AT_REST, line: "No contact, so no class." });
       await pause(IDLE);
       continue;
@@ -138,7 +135,7 @@ const GUIDES = {
     const files = [];
     for (let taken = 0; taken < PRESSES && desk.tab.on; await pause(APART)) {
       tell(`Press differently each time: ${taken + 1} of ${PRESSES}.`);
-      if (drawn(desk).touched === false) continue;
+      if (drawn(desk).idle) continue;
       for (const [, file] of await filesOf(desk, taken)) files.push({ path: file.name, file });
       taken++;
     }
@@ -148,7 +145,7 @@ const GUIDES = {
   async label(desk) {
     const label = labelIn(desk);
     if (!label) return "Type what it is as the label first.";
-    if (drawn(desk).touched === false) return "No contact, so no pair. Press the sensor.";
+    if (drawn(desk).idle) return "No contact, so no pair. Press the sensor.";
     /** @type {Pair} */
     const pair = {};
     for (const [modality, file] of await filesOf(desk, "live")) pair[modality] = await upload(file, desk.send);

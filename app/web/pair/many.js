@@ -2,8 +2,8 @@
 
 import { csv as written } from "../shared/csv.js";
 import { asTrained } from "./own.js";
-import { button, html, IMAGES, opener, plural, READINGS, row, TERMS, table, titleOf } from "./parts.js";
-import { labelledOf, tally } from "./state.js";
+import { button, headed, html, IMAGES, opener, plural, READINGS, row, status, TERMS, table, titleOf } from "./parts.js";
+import { labelledOf, tallies } from "./state.js";
 import { brief, readingsOf } from "./verdict.js";
 
 /** The panel; null without pairs. @param {PairTab} tab */
@@ -27,17 +27,17 @@ function tableHtml(tab, close) {
   const { rows, taught, notes } = tab;
   const guesses = rows.filter((row) => saidOf(row).some(({ guess }) => guess));
   const labelled = labelledOf(rows);
-  const scores = READINGS.flatMap((reading) => {
-    const { right, of } = tally(labelled, reading);
-    return of ? `${titleOf(reading).toLowerCase()} ${right} of ${of}` : [];
-  });
+  const scores = tallies(labelled).map(
+    ({ reading, right, of }) => `${titleOf(reading).toLowerCase()} ${right} of ${of}`,
+  );
   const count = taught
     ? "By the head taught on your labelled pairs. "
     : scores.length && `Right: ${scores.join(", ")}. `;
   const names = new Set(rows.flatMap(({ classes = [], label }) => [...classes, label || []].flat()));
   const size = plural(rows.length, "pair");
-  return html`<header><h3>${size}: ${plural(guesses.length, "guess", "guesses")}</h3><span class="row">${button("rowsProfiled", "Profile of these", html`title="Their mean and spread, without labels"`)}${button("rowsTaught", "Teach", html`class="main"`)}${button("csv", "Save as CSV")}${close}</span></header>
-    <p class="hint" role="status">${count || null}“?” marks a guess: a picture unlike ${taught ? "those that you labelled" : "anything the head has seen"}. Type a label; a name opens its pair.${notes.many}</p>
+  const acts = html`<span class="row">${button("rowsProfiled", "Profile of these", html`title="Their mean and spread, without labels"`)}${button("rowsTaught", "Teach", html`class="main"`)}${button("csv", "Save as CSV")}${close}</span>`;
+  return html`${headed(`${size}: ${plural(guesses.length, "guess", "guesses")}`, acts)}
+    ${status(html`${count || null}“?” marks a guess: a picture unlike ${taught ? "those that you labelled" : "anything the head has seen"}. Type a label; a name opens its pair.${notes.many}`)}
     ${!taught && scores.length > 0 && asTrained(tab, `${labelled.length} labelled of your ${size}`)}
     <datalist id="ov-classes">${[...names].map((name) => html`<option value="${name}">`)}</datalist>
     ${table(

@@ -81,19 +81,17 @@ export async function takeLinked() {
   const sent = {};
   /** @type {string[]} */
   const problems = [];
+  const keep = (/** @type {string} */ _, /** @type {typeof sent} */ picture) => Object.assign(sent, picture);
+  const note = (/** @type {string} */ problem) => problems.push(problem);
   const taking = IMAGES.map(async (modality) => {
     const link = state[modality];
     if (!link || REFERENCE.test(link)) return;
-    let ref = null;
-    try {
-      ref = await upload(await fetched(link, TERMS[modality].one), (_, one) => Object.assign(sent, one));
-      links.set(link, ref);
-    } finally {
-      change({ [modality]: ref });
-    }
+    const file = () => fetched(link, TERMS[modality].one);
+    const ref = await attempt(async () => upload(await file(), keep), note);
+    if (ref) links.set(link, ref);
+    change({ [modality]: ref ?? null });
   });
-  const note = (/** @type {string} */ problem) => problems.push(problem);
-  await Promise.all(taking.map((one) => attempt(() => one, note)));
+  await Promise.all(taking);
   return { lost: problems.join(" "), sent };
 }
 

@@ -2,8 +2,8 @@
 
 import { Scale } from "../shared/chart.js";
 import { provenance } from "../shared/provenance.js";
-import { button, hint, html, opener, percent, pressed, READINGS, row, signed, table, titleOf } from "./parts.js";
-import { isHeld, isOwn, keyOf, labelOf, missing, tally } from "./state.js";
+import { button, headed, hint, html, opener, percent, pressed, row, signed, status, table, titleOf } from "./parts.js";
+import { isHeld, isOwn, keyOf, labelOf, missing, tallies } from "./state.js";
 
 /** What the head that reads own pictures learned from. @param {PairTab} tab */
 const sourceOf = ({ head, source }) => (head ? "all simulated sensors" : source);
@@ -23,7 +23,7 @@ export function ownHtml(tab) {
   const counted = pairs.length
     ? [countedHtml(tab), teachingHtml(tab)]
     : hint("Choose the class, and the page counts how often it is right about your pairs.");
-  return html`${isOwn(tab) && questionHtml(tab)}${counted}<p class="hint" role="status">${notes.own}</p>`;
+  return html`${isOwn(tab) && questionHtml(tab)}${counted}${status(notes.own)}`;
 }
 
 /** @param {PairTab} tab */
@@ -33,16 +33,16 @@ function questionHtml(tab) {
   const buttons = [...new Set([...tab.classes, ...tab.pairs.map(({ label }) => label)])].map((name) =>
     button("answered", name, html`data-label="${name}"${off} ${pressed(name === chosen)}`),
   );
-  return html`<header><h3>What is it really?</h3></header><form class="row labels">${buttons}<label>other <input type="text" name="label" maxlength="40" size="10"${off}></label><button type="submit"${off}>Add</button></form>`;
+  return html`${headed("What is it really?")}<form class="row labels">${buttons}<label>other <input type="text" name="label" maxlength="40" size="10"${off}></label><button type="submit"${off}>Add</button></form>`;
 }
 
 /** @param {PairTab} tab */
 function countedHtml(tab) {
   const { pairs } = tab;
-  const scores = READINGS.map((reading) => {
-    const { right, of } = tally(pairs, reading);
-    return of > 0 && html`<span>${signed(reading, titleOf(reading).toLowerCase())} <b>${right} of ${of}</b></span> `;
-  });
+  const scores = tallies(pairs).map(
+    ({ reading, right, of }) =>
+      html`<span>${signed(reading, titleOf(reading).toLowerCase())} <b>${right} of ${of}</b></span> `,
+  );
   const chips = pairs.map(({ vis, tac, label, name }) => {
     const open = opener(html`${label}<small>${name}</small>`, { vis, tac }, html`class="open"`);
     const key = html`class="drop" data-key="${keyOf({ vis, tac })}" aria-label="Forget ${name}"`;
@@ -89,9 +89,10 @@ function reportHtml({ judged, right, share }, labels, source) {
   const rows = judged.map(({ label, before, after }) =>
     row(
       html`${label}`,
-      [before, after].map((said) =>
-        said === label ? html`<td class="right">✓ ${said}</td>` : html`<td class="wrong">✗ ${said}</td>`,
-      ),
+      [before, after].map((said) => {
+        const [mark, sign] = said === label ? ["right", "✓"] : ["wrong", "✗"];
+        return html`<td class="${mark}">${sign} ${said}</td>`;
+      }),
     ),
   );
   const from = provenance({

@@ -1,6 +1,6 @@
 /** Try a pair: choose two images, see the prediction and its reliability. */
 
-import { json, readerOf, refused, visit } from "../shared/api.js";
+import { attempt, json, readerOf, refused, visit } from "../shared/api.js";
 import { ladder, loaded } from "../shared/facts.js";
 import { needsHead } from "../shared/headless.js";
 import { heads } from "../shared/headsets.js";
@@ -25,7 +25,7 @@ import { madeOf as profileOf, sensorHtml } from "./sensor.js";
 import { galleryHtml, slotsHtml } from "./slots.js";
 import { after, isOwn, START } from "./state.js";
 import { lineHtml } from "./steps.js";
-import { familiarHtml, rivalsHtml, spoken, swapHtml, verdictHtml } from "./verdict.js";
+import { classTable, familiarHtml, rivalsHtml, spoken, swapHtml, verdictHtml } from "./verdict.js";
 import { WhatIf } from "./what-if.js";
 import { tint } from "./where.js";
 import { NOTES, restore, TOGETHER, WORK } from "./work.js";
@@ -46,7 +46,8 @@ const PARTS = {
   ".gallery": galleryHtml,
   ".real": realHtml,
   ".many": manyHtml,
-  ".verdict": verdictHtml,
+  ".predicted": verdictHtml,
+  ".bars": ({ answer, frame }) => (answer && !frame ? classTable(answer) : null),
   ".reader": ({ answer, facts, taught, source, ...tab }) =>
     answer && facts.left_out && isOwn(tab) && !taught
       ? readerHtml(facts, Boolean(readerOf({ vis: tab.vis, tac: tab.tac })), source)
@@ -109,9 +110,8 @@ class PairView extends View {
     try {
       await WORK[name](Object.assign(Object.create(this), { send }), what, signal);
     } catch (error) {
-      const note = Object.keys(NOTES).find((part) => NOTES[part].includes(name)) ?? "problem";
       refused(error, (/** @type {string} */ sentence) =>
-        name === "predict" ? send("failed", sentence) : send("told", { [note]: sentence }),
+        name === "predict" ? send("failed", sentence) : send("told", { [NOTES[name] ?? "problem"]: sentence }),
       );
     } finally {
       send("doing", { [(beside && what.modality) || name]: undefined });
@@ -157,12 +157,6 @@ class PairView extends View {
       send("answered", { label: event.target.elements.label.value.trim() });
       event.target.reset();
     };
-    box.addEventListener(
-      "toggle",
-      (/** @type {Found} */ { target }) =>
-        target.matches(".all-classes") && send("arrived", { allClasses: target.open }),
-      true,
-    );
     const slotOf = (/** @type {Found} */ { target }) => target.closest(".slot");
     box.ondragover = (/** @type {DragEvent} */ event) => {
       event.preventDefault();
@@ -195,14 +189,13 @@ class PairView extends View {
 export async function start(root) {
   if (await needsHead(root)) return;
   let problem = "";
-  const told = (/** @type {unknown} */ error) =>
-    refused(error, (/** @type {string} */ sentence) => (problem = sentence));
+  const told = (/** @type {string} */ sentence) => (problem = sentence);
   const [examples, set, all, { lost, sent }, facts] = await Promise.all([
     json("examples").catch(() => []),
     theSetSoon(),
-    heads().catch(told),
+    attempt(heads, told),
     takeLinked(),
-    json("own").catch(told),
+    attempt(() => json("own"), told),
   ]);
   const desk = new PairView(root, {
     examples,
@@ -222,18 +215,16 @@ export async function start(root) {
     send("arrived", { set: late });
     begin();
   });
-  ladder().then(
-    ({ rungs }) => send("arrived", { rungs }),
-    () => {},
-  ); // a set without a ladder: no gain is named
-  loaded().then(
-    ({ head, embeddings }) => send("arrived", { source: head.source, simulated: embeddings.simulated }),
-    () => {},
-  ); // the page itself reports a lost set
+  const quiet = () => {}; // a set without a ladder: no gain is named; the page itself reports a lost set
+  attempt(async () => send("arrived", { rungs: (await ladder()).rungs }), quiet);
+  attempt(async () => {
+    const { head, embeddings } = await loaded();
+    send("arrived", { source: head.source, simulated: embeddings.simulated });
+  }, quiet);
   if (!held)
-    json("real").then(
-      (real) => send("arrived", { real }),
-      (error) => refused(error, (/** @type {string} */ sentence) => send("told", { problem: sentence })),
+    attempt(
+      async () => send("arrived", { real: await json("real") }),
+      (/** @type {string} */ sentence) => send("told", { problem: sentence }),
     );
   if (state.vis || state.tac) send("again", {});
   else begin();

@@ -3,11 +3,9 @@
 import { IMAGES } from "../shared/images.js";
 import { draw, html } from "../shared/text.js";
 
-export { IMAGES, imagesOf, OTHER } from "../shared/images.js";
+export { IMAGES, imagesOf, OTHER, READINGS } from "../shared/images.js";
 export { draw, fill, html, NO_CLASS, options, percent, put, row, table } from "../shared/text.js";
 
-/** A branch inside a pair is not a reading. @type {Reading[]} */
-export const READINGS = ["fused", "vis", "tac"];
 /** The two images of a pair, in words. @type {Record<Modality, {title: string, one: string, many: string}>} */
 export const TERMS = {
   vis: { title: "Photo", one: "photo", many: "photos" },
@@ -45,8 +43,17 @@ export const opener = (words, pair, more = "") =>
 export const chooser = (event, words, kind) =>
   html`<label class="choose">${words}<input type="file" data-send="${event}" ${kind}></label>`;
 
+/** Words of a kind, on lines of their own. @param {string} kind @param {...unknown} words */
+export const paragraph = (kind, ...words) => html`<p class="${kind}">${words}</p>`;
 /** @param {unknown} words */
-export const hint = (words) => html`<p class="hint">${words}</p>`;
+export const hint = (words) => paragraph("hint", words);
+/** Words that change while they are read, told to screen readers. @param {unknown} words */
+export const status = (words, kind = "") => html`<p class="hint ${kind}" role="status">${words}</p>`;
+
+/** A heading with what stands beside it. @param {string} title @param {...unknown} beside */
+export const headed = (title, ...beside) => html`<header><h3>${title}</h3>${beside}</header>`;
+/** What opens below its name. @param {string} name @param {...unknown} content */
+export const folded = (name, ...content) => html`<details><summary>${name}</summary>${content}</details>`;
 
 /** @param {number} n @param {string} one @param {string} [many] */
 export const plural = (n, one, many = `${one}s`) => `${n.toLocaleString("en-US")} ${n === 1 ? one : many}`;

@@ -4,10 +4,9 @@ import { drawingOn, paintCells } from "../shared/canvas.js";
 import { isDark, ramp, rgb, TAC_COLOUR, VIS_COLOUR } from "../shared/palette.js";
 import { bytesOf } from "../shared/text.js";
 import { View } from "../shared/view.js";
-import { hint, html, imagesOf, put, signed, TERMS } from "./parts.js";
+import { hint, html, imagesOf, percent, put, signed, TERMS } from "./parts.js";
 
 const COLOURS = { vis: VIS_COLOUR, tac: TAC_COLOUR };
-const NAMES = { vis: "● VIS", tac: "▲ TAC" };
 const WORTH = 0.01; // smaller differences from uniform are not shown
 const [MORE, LESS] = ["#d55e00", "#2f86c4"].map(rgb);
 
@@ -23,9 +22,10 @@ export class Spectra extends View {
       this.box,
       html`${there.map((name) => {
         const { width, top } = spectra[name];
-        return html`<figure><figcaption>${NAMES[name]}</figcaption>
-      <div class="heat"><span class="up">p</span><canvas role="img" aria-label="Spectrum of ${NAMES[name]} over p"></canvas><i class="cursor"></i></div>
-      <canvas class="profile" role="img" aria-label="Spectrum of ${NAMES[name]} at the current p"></canvas>
+        const { title, one } = TERMS[name];
+        return html`<figure><figcaption>${signed(name, title)}</figcaption>
+      <div class="heat"><span class="up">p</span><canvas role="img" aria-label="Spectrum of the ${one} over p"></canvas><i class="cursor"></i></div>
+      <canvas class="profile" role="img" aria-label="Spectrum of the ${one} at the current p"></canvas>
       <p class="ends hint"><span>entry 0</span><span>${width} entries · brightest = ${top.toPrecision(3)}</span><span>${width - 1}</span></p></figure>`;
       })}`,
     );
@@ -67,10 +67,10 @@ export class Spectra extends View {
 /** A sentence about the weights. @param {number} count @param {number} scale the largest distance of a weight from 1/count */
 export function about(count, scale) {
   const points = (100 * scale).toPrecision(2);
-  const even = (100 / count).toFixed(1);
+  const even = percent(1 / count, 1);
   return scale < WORTH
-    ? `Nothing to see: each of the ${count} tokens gets the uniform ${even} %, within ${points} points, at every p.`
-    : `Rows attend to columns, over ${count} tokens (real parts, then imaginary). Uniform: ${even} %. Orange is more, blue is less; full colour is ${points} points.`;
+    ? `Nothing to see: each of the ${count} tokens gets the uniform ${even}, within ${points} points, at every p.`
+    : `Rows attend to columns, over ${count} tokens (real parts, then imaginary). Uniform: ${even}. Orange is more, blue is less; full colour is ${points} points.`;
 }
 
 /** Attention among the tokens of one modality; a sentence replaces a uniform one. */

@@ -1,6 +1,6 @@
 /** Which head reads the visitor's own pictures, and what it reads right in sensors that it has not seen. */
 
-import { button, hint, html, IMAGES, percent, READINGS, row, signed, table } from "./parts.js";
+import { button, folded, hint, html, IMAGES, percent, READINGS, row, signed, table } from "./parts.js";
 
 /** The most pictures without labels that the record has. @param {Partial<OwnReader>} facts */
 const mostOf = ({ left_out: shares = {} }) => Math.max(...Object.keys(shares).map(Number));
@@ -40,5 +40,5 @@ export function readerHtml(facts, on, source) {
     hint(
       html`<b>On real pairs its reading of the ${chance.join(" and the ")} is at chance</b>: always naming the most frequent class is right for ${real.always} of ${real.pairs}. Do not trust it.`,
     );
-  return html`${hint("Read by the head for own pictures, which learned from all simulated sensors.")}${note}<details><summary>Photo and touch apart</summary>${table("What the head for own pictures reads right", heads, rows)}</details>${other("Use the head of the chapters")}`;
+  return html`${hint("Read by the head for own pictures, which learned from all simulated sensors.")}${note}${folded("Photo and touch apart", table("What the head for own pictures reads right", heads, rows))}${other("Use the head of the chapters")}`;
 }

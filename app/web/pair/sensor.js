@@ -3,6 +3,7 @@
 import {
   button,
   chooser,
+  folded,
   hint,
   html,
   IMAGES,
@@ -11,11 +12,12 @@ import {
   options,
   plural,
   row,
+  status,
   TERMS,
   table,
   titleOf,
 } from "./parts.js";
-import { brief, readingsOf } from "./verdict.js";
+import { brief, readingsIn } from "./verdict.js";
 
 /** What a profile was made of, in words. @param {NonNullable<PairTab["counts"]>} counts */
 export const madeOf = (counts) =>
@@ -24,7 +26,7 @@ export const madeOf = (counts) =>
     .join(" and ");
 
 /** The panel. @param {PairTab} tab */
-export function sensorHtml({ counts, rest, doing, doubt, notes, compared }) {
+export function sensorHtml({ counts, rest, doing, doubt, notes, before, answer }) {
   const use = counts
     ? [button("saveProfile", "Save"), button("profileDropped", "Stop using it")]
     : chooser("load", "Load", html`accept=".safetensors"`);
@@ -39,14 +41,14 @@ export function sensorHtml({ counts, rest, doing, doubt, notes, compared }) {
   const choices = IMAGES.toReversed().map((name) => [name, TERMS[name].many]);
   return html`<h3>My sensor</h3>${hint(counts ? `In use: profile of ${madeOf(counts)}. Check it with labelled pairs.` : "5 to 50 pictures, no labels.")}
     <div class="row">${chooser("sampled", "Pictures", html`multiple`)}${chooser("sampled", "Folder", html`webkitdirectory multiple`)}${use}</div>
-    <details><summary>Names</summary><label>Pictures not named vis or tac are <select name="rest" data-send="arrived">${options(choices, rest)}</select></label></details>
-    <p class="hint" role="status">${progress ?? question ?? notes.sensor}</p>${compared && comparedHtml(compared)}`;
+    ${folded("Names", html`<label>Pictures not named vis or tac are <select name="rest" data-send="arrived">${options(choices, rest)}</select></label>`)}
+    ${status(progress ?? question ?? notes.sensor)}${before && answer && comparedHtml(before, answer)}`;
 }
 
-/** Each reading of a pair before and after; guesses have no figure. @param {NonNullable<PairTab["compared"]>} compared */
-function comparedHtml({ classes, before, after }) {
-  const then = readingsOf({ classes, ...after });
-  const rows = readingsOf({ classes, ...before }).map(
+/** Each reading of a pair before and after; guesses have no figure. @param {Predicted} before @param {Predicted} after */
+function comparedHtml(before, after) {
+  const then = readingsIn(after);
+  const rows = readingsIn(before).map(
     (said, i) => said.label && row(titleOf(said.reading), [brief(said), brief(then[i])]),
   );
   return table("This pair with the profile", ["This pair", "as it comes", "with the profile"], rows.filter(Boolean));

@@ -1,7 +1,7 @@
 /** Try a pair as one object, and what each event makes of it: what changes, the work that follows (in `next`) and the work
  * in hand that stops (in `halt`). work.js does the work and tells its end as another event. No DOM and no request here. */
 
-import { IMAGES, imagesOf, OTHER } from "../shared/images.js";
+import { IMAGES, imagesOf, OTHER, READINGS } from "../shared/images.js";
 
 const OWN = "own"; // the server's name of the head for own pictures
 const FEWEST = 2; // fewest pairs of a class, and fewest classes, for teaching
@@ -10,7 +10,7 @@ const APART = 300; // milliseconds between two of them
 export const READING = "Reading the image (the first one also loads the encoder)…";
 
 /** What is known of a pair that is not there. */
-const NOTHING = { busy: false, slow: false, answer: null, familiar: null, rivals: null };
+const NOTHING = { busy: false, answer: null, familiar: null, rivals: null };
 
 /** @type {PairTab} */
 export const START = {
@@ -37,7 +37,6 @@ export const START = {
   ...NOTHING,
   question: null,
   classes: [],
-  allClasses: false,
   on: false,
   frame: null,
   recording: null,
@@ -46,7 +45,7 @@ export const START = {
   counts: null,
   rest: "tac",
   doubt: null,
-  compared: null,
+  before: null,
   pairs: [],
   taught: false,
   report: null,
@@ -74,12 +73,14 @@ const without = (pairs, key) => pairs.filter((one) => keyOf(one) !== key);
 /** The label of the open pair; "" if it has none. @param {PairTab} tab */
 export const labelOf = (tab) => tab.pairs.find((one) => keyOf(one) === keyOf(tab))?.label ?? "";
 
-/** Correct pairs of each reading, among those that have it.
- * @param {Pick<OwnPair, "label" | "said">[]} pairs @param {Reading} reading */
-export function tally(pairs, reading) {
-  const there = pairs.filter(({ said }) => said[reading]);
-  return { right: there.filter(({ label, said }) => said[reading] === label).length, of: there.length };
-}
+/** Correct pairs of each reading, among those that have it; readings that none has are left out.
+ * @param {Pick<OwnPair, "label" | "said">[]} pairs */
+export const tallies = (pairs) =>
+  READINGS.flatMap((reading) => {
+    const there = pairs.filter(({ said }) => said[reading]);
+    const right = there.filter(({ label, said }) => said[reading] === label).length;
+    return there.length ? { reading, right, of: there.length } : [];
+  });
 
 /** What is missing before a head can be taught; "" if nothing. @param {{label: string}[]} pairs */
 export function missing(pairs) {
@@ -170,6 +171,7 @@ const EVENTS = {
     answer,
     question,
     classes: answer.classes,
+    before: null,
     notes: { ...tab.notes, problem: tab.lost },
     next: { familiar: {}, rivals: {}, place: {}, compare: {} },
   }),
@@ -247,7 +249,7 @@ const EVENTS = {
     halt: ["sample"],
   }),
   profiled: (tab, { profile, counts, note = "" }) => {
-    const change = { profile, counts, doubt: null, compared: null, notes: { ...tab.notes, sensor: note } };
+    const change = { profile, counts, doubt: null, before: null, notes: { ...tab.notes, sensor: note } };
     return again(tab, change, { keepProfile: {} });
   },
   profileDropped: (tab) => ({ ...EVENTS.profiled(tab, { profile: "", counts: {} }), counts: null }),

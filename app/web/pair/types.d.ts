@@ -101,7 +101,6 @@ interface PairTab {
   curves: Reading; // whose curves against p are shown
 
   busy: boolean; // a prediction is on its way
-  slow: boolean;
   answer: Predicted | null;
   question: Question | null; // of the answer
   classes: string[]; // of the head that answered last
@@ -111,14 +110,13 @@ interface PairTab {
   frame: Frame | null; // what the cameras show
   line: string; // below the cameras
   recording: Recorded[] | null;
-  allClasses: boolean; // whether the table of classes is open
 
   head: string; // what reads own pictures; "": the head of the chapters
   profile: string;
   counts: Profile["counts"] | null; // pictures in the profile
   rest: Modality; // what pictures of a profile are whose names do not tell
   doubt: Doubt | null;
-  compared: { classes: string[]; before: Prediction; after: Prediction } | null;
+  before: Predicted | null; // the open pair without the profile
 
   pairs: OwnPair[];
   taught: boolean; // whether the taught head predicts

@@ -5,6 +5,7 @@ import { describe } from "./own-pictures.js";
 import {
   button,
   capital,
+  headed,
   hint,
   html,
   IMAGES,
@@ -12,6 +13,7 @@ import {
   NO_CLASS,
   OTHER,
   opener,
+  paragraph,
   percent,
   READINGS,
   row,
@@ -62,7 +64,7 @@ const cardsOf = (all, words) =>
   })}</div>`;
 
 /** A prediction by what `readingsOf` takes. @param {Answer} answer */
-const readingsIn = ({ classes, exact, images }) => readingsOf({ classes, ...exact, images });
+export const readingsIn = ({ classes, exact, images }) => readingsOf({ classes, ...exact, images });
 
 /** Three cards. `truths`: the class of each image, if known; `yours`: the lessons decide what is familiar.
  * @param {Answer} answer @param {Truths} truths @param {boolean} [yours] */
@@ -86,26 +88,29 @@ export function liveHtml(frame) {
 
 /** The panel of the prediction. @param {PairTab} tab */
 export function verdictHtml(tab) {
-  const { answer, question, frame, slow } = tab;
+  const { answer, question, frame, busy } = tab;
   if (frame) return liveHtml(frame);
-  if (slow) return hint("Loading the head… the first prediction takes a few seconds.");
-  if (!answer) return hint("Choose a pair to see the prediction. One image is enough.");
+  if (!answer)
+    return hint(
+      busy
+        ? "Loading the head… the first prediction takes a few seconds."
+        : "Choose a pair to see the prediction. One image is enough.",
+    );
   const label = labelOf(tab);
   const truths = Object.fromEntries(IMAGES.map((name) => [name, describe(tab, tab[name] ?? "").truth || label]));
   const by =
     tab.taught &&
-    html`<p class="taught-now"><b class="tag">taught</b> by your ${label ? "other pairs; this one was left out" : "pairs"}.</p>`;
-  const mix = mixed(tab) && html`<p class="made-of">Two pictures of different pairs: not counted, not taught.</p>`;
-  const at = answer.linear
-    ? "By linear maps, in which p has no part."
-    : `At the learned p = ${answer.learned.toFixed(4)}.`;
-  return html`${by}${madeOf(truths) ?? mix}${cards(answer, truths, Boolean(question?.lessons))}
-    <details class="all-classes" ${tab.allClasses && "open"}><summary>Every class</summary><div class="bars">${classTable(answer)}</div>${hint(at)}</details>`;
+    paragraph(
+      "taught-now",
+      html`<b class="tag">taught</b> by your ${label ? "other pairs; this one was left out" : "pairs"}.`,
+    );
+  const mix = mixed(tab) && paragraph("made-of", "Two pictures of different pairs: not counted, not taught.");
+  return html`${by}${madeOf(truths) ?? mix}${cards(answer, truths, Boolean(question?.lessons))}`;
 }
 
 /** A prediction in words; a guess has no figure. @param {Said} said @param {boolean} [yours] */
 function called({ label, share, strange }, yours) {
-  if (!strange.length) return html`<p class="said">${label} <b>${percent(share)}</b></p>`;
+  if (!strange.length) return paragraph("said", label, html` <b>${percent(share)}</b>`);
   const what = strange.length > 1 ? "Both images are" : `The ${TERMS[strange[0]].one} is`;
   const seen = yours ? "the pictures that you labelled" : "anything it has seen";
   return html`<p class="said guess">${label}?</p><p class="guessed"><b>This is a guess.</b> ${what} unlike ${seen}.</p>`;
@@ -118,38 +123,39 @@ export function judged({ label, used }, truths, classes) {
   if (!truth || !other) return null; // a visitor's picture has no class of its own
   if (truth !== other) {
     const follows = used.find((name) => truths[name] === label);
-    return html`<p class="follows">It follows ${follows ? `the ${TERMS[follows].one}` : "neither"}.</p>`;
+    return paragraph("follows", `It follows ${follows ? `the ${TERMS[follows].one}` : "neither"}.`);
   }
-  if (label === truth) return html`<p class="right">✓ right</p>`;
-  return html`<p class="wrong">✗ it is ${truth}${!classes.includes(truth) && ", a class this head has not learned"}</p>`;
+  if (label === truth) return paragraph("right", "✓ right");
+  return paragraph("wrong", `✗ it is ${truth}`, !classes.includes(truth) && ", a class this head has not learned");
 }
 
 /** One line above the cards: the two classes of a mixed pair. @param {Truths} truths */
 export const madeOf = ({ vis, tac }) =>
   vis && tac && vis !== tac
-    ? html`<p class="made-of">${TERMS.vis.title}: <b>${vis}</b>. ${TERMS.tac.title}: <b>${tac}</b>.</p>`
+    ? paragraph("made-of", html`${TERMS.vis.title}: <b>${vis}</b>. ${TERMS.tac.title}: <b>${tac}</b>.`)
     : null;
 
-/** Every class under every reading; columns of guesses are grey. @param {Answer} answer */
+/** Every class under every reading; columns of guesses are grey. @param {Answer & Pick<Predicted, "learned" | "linear">} answer */
 export function classTable(answer) {
   const columns = readingsIn(answer).filter(({ label }) => label);
   const [{ label: winner }] = columns; // the first is both, if both are there
-  const head = columns.map(
-    ({ reading, guess }) => html`<th scope="col">${signed(reading)}${guess && html` <small>(guess)</small>`}</th>`,
-  );
+  const head = columns.map(({ reading, guess }) => html`${signed(reading)}${guess && html` <small>(guess)</small>`}`);
   const rows = answer.classes.map((name, k) => {
     const cells = columns.map(
-      ({ reading, row, guess }) =>
-        html`<td data-reading="${reading}" class="${guess && "of-guess"}"><span class="bar ${reading}" style="--share:${row[k]}"></span><span class="share">${percent(row[k], 1)}</span></td>`,
+      ({ reading, row: shares, guess }) =>
+        html`<td data-reading="${reading}" class="${guess && "of-guess"}"><span class="bar ${reading}" style="--share:${shares[k]}"></span><span class="share">${percent(shares[k], 1)}</span></td>`,
     );
-    return html`<tr class="${name === winner && "best"}"><th scope="row"><i style="background:${classColour(k)}"></i>${name}</th>${cells}</tr>`;
+    return row(html`<i class="${name === winner && "best"}" style="background:${classColour(k)}"></i>${name}`, cells);
   });
   const grey =
     columns.some(({ guess }) => guess) &&
     hint(
       "Grey: figures for a guess. They were calibrated on images like the training images, so they mean little here.",
     );
-  return html`<table class="bar-table"><thead><tr><th scope="col">Class</th>${head}</tr></thead><tbody>${rows}</tbody></table>${grey}`;
+  const at = answer.linear
+    ? "By linear maps, in which p has no part."
+    : `At the learned p = ${answer.learned.toFixed(4)}.`;
+  return html`${table("Every class", ["Class", ...head], rows)}${grey}${hint(at)}`;
 }
 
 /** The prediction in one sentence, for a screen reader. @param {Answer} answer */
@@ -169,7 +175,7 @@ export function rivalsHtml(answer, others) {
     return row(html`${one.label} <small>p = ${one.exact.order.toFixed(3)}</small>`, cells);
   });
   const head = ["Head", ...READINGS.map((reading) => signed(reading))];
-  return html`<header><h3>The same pair, other heads</h3>${hint("Each at its own learned p.")}</header>${table("Predictions of several heads", head, lines)}`;
+  return html`${headed("The same pair, other heads", hint("Each at its own learned p."))}${table("Predictions of several heads", head, lines)}`;
 }
 
 const SIDE = 104; // CSS pixels of a neighbour: large enough to see what it is
@@ -201,7 +207,7 @@ export function swapHtml(images, { vis, tac }) {
           "Swap them",
         ]
       : [`Is this a ${other.one}? It is nearer to those than to the training ${many}.`, "Move it"];
-  return html`<p class="note swapped">${words} ${opener(act, { vis: tac, tac: vis })}</p>`;
+  return paragraph("note swapped", words, " ", opener(act, { vis: tac, tac: vis }));
 }
 
 /** The panel: familiarity and nearest training pairs; `set` has thumbnails and names of domains and classes, once loaded.
@@ -213,11 +219,11 @@ export function familiarHtml(near, images, set, yours) {
     const mark = image.guess ? "wrong" : "right";
     const known = image.quantile !== undefined;
     return html`<div class="look" data-modality="${modality}"><h4>${signed(modality, capital(TERMS[modality].one))}</h4>
-      <p class="${known ? mark : "hint"}">${sentence(modality, image, yours)}</p>
+      ${paragraph(known ? mark : "hint", sentence(modality, image, yours))}
       ${known && html`<div class="meter" aria-hidden="true"><i class="${mark}" style="--at:${image.quantile}"></i></div>`}
       <div class="nearest">${near.images[modality]?.nearest.map((one) => neighbour(one, modality, set))}</div></div>`;
   });
-  return html`<header><h3>Seen before?</h3>${hint(`Nearest: ${near.of}`)}</header><div class="looked">${looks}</div>`;
+  return html`${headed("Seen before?", hint(`Nearest: ${near.of}`))}<div class="looked">${looks}</div>`;
 }
 
 /** @param {{pair: number, cosine: number}} near @param {Modality} modality @param {PairSet} set */

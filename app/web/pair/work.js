@@ -24,7 +24,6 @@ const PICTURES_AT_ONCE = 50; // of a profile
 const FEW = 5; // pictures of a kind
 const LOOKED_AT = 3; // pictures whose kind is checked
 const KEPT = "omnivat-sensor"; // of this visit: survives a reload, not the browser's end
-const SLOW = 300; // milliseconds
 
 /** What was asked for, or why it was refused. @template Reply @param {Promise<Reply>} asking @returns {Promise<Reply | {problem: string}>} */
 const quietly = (asking) =>
@@ -71,13 +70,13 @@ export const folderOf = (label) => label.replaceAll(/[\\/:]/g, "_");
 
 /** Work of which a newer one stops no older one. @type {(keyof PairWork)[]} */
 export const TOGETHER = ["upload", "explain", "count"];
-/** Where a Refusal is told, if not above everything; "" is nowhere. @type {Record<string, (keyof PairWork)[]>} */
+/** Where a Refusal of some work is told, if not above everything; "" is nowhere.
+ * @type {Partial<Record<keyof PairWork, keyof PairTab["notes"] | "">>} */
 export const NOTES = {
-  "": ["curve", "compare"],
-  own: ["count", "teach", "save", "savePictures"],
-  many: ["read", "rows"],
-  live: ["guide"],
-  sensor: ["profileOf", "sample", "load", "keepProfile", "saveProfile"],
+  ...{ curve: "", compare: "" },
+  ...{ count: "own", teach: "own", save: "own", savePictures: "own" },
+  ...{ read: "many", rows: "many", guide: "live" },
+  ...{ profileOf: "sensor", sample: "sensor", load: "sensor", keepProfile: "sensor", saveProfile: "sensor" },
 };
 
 /** @type {{[Name in keyof PairWork]: (desk: Desk, what: PairWork[Name], signal: AbortSignal) => unknown}} */
@@ -86,12 +85,7 @@ export const WORK = {
     const { vis, tac } = tab;
     if (!vis && !tac) return;
     const question = { vis, tac, ...lessonsOf(tab, tab) };
-    const slow = setTimeout(() => send("arrived", { slow: true }), SLOW);
-    try {
-      send("predicted", { answer: await ask("pair", question, signal), question });
-    } finally {
-      clearTimeout(slow);
-    }
+    send("predicted", { answer: await ask("pair", question, signal), question });
   },
   async familiar({ tab, send }, _, signal) {
     send("arrived", { familiar: await quietly(ask("familiar", /** @type {Question} */ (tab.question), signal)) });
@@ -104,13 +98,10 @@ export const WORK = {
   place: ({ tab: { vis, tac, answer }, map }) => map?.({ vis, tac }, answer?.linear ? null : answer?.learned),
   /** Open a pair of the set, which Explore then shows too. */
   pin: (_, { pair }) => change({ pin: +pair, vis: `row:${pair}`, tac: `row:${pair}` }),
-  /** The open pair as it comes, beside the answer with the profile. */
-  async compare({ tab: { counts, answer, question }, send }, _, signal) {
-    const { vis, tac, ...lessons } = /** @type {Question} */ (question);
-    if (!counts || !answer || ![vis, tac].some((ref) => ref?.startsWith("image:"))) return;
-    const { classes, pairs } = await ask("many", { pairs: [{ vis, tac }], ...lessons, profile: "" }, signal);
-    const after = { readings: answer.exact.readings, images: answer.images };
-    send("arrived", { compared: { classes, before: pairs[0], after } });
+  /** The open pair without the profile. */
+  async compare({ tab: { vis, tac, counts, question }, send }, _, signal) {
+    if (!counts || ![vis, tac].some((ref) => ref?.startsWith("image:"))) return;
+    send("arrived", { before: await ask("pair", { ...question, profile: "" }, signal) });
   },
 
   async upload({ send }, { modality, file }) {

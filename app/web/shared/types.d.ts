@@ -455,20 +455,13 @@ interface Settings {
   width: number;
   order: string;
   lang: boolean;
-  p: number;
-  mma: number;
-  levels: number;
-  expansion: number;
-  noise: number;
-  shift: number;
-  epochs: number;
-  seed: number;
+  [number: string]: any;
 }
 interface Offers {
   sources: string[];
   widths: number[];
-  orders: string[];
-  ranges: Record<string, [number, number]>;
+  orders: string[][];
+  numbers: { name: string; words: string; least: number; most: number; step: string | number }[];
   first: Settings;
 }
 /** A training that began: its name, and the pairs on its maps. */
@@ -476,6 +469,7 @@ interface Started {
   run: string;
   total: number;
   source: string;
+  words: string;
   left_out: number;
   reach: number;
   domains: string[];

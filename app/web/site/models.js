@@ -48,8 +48,7 @@ export class Models {
     return new Response(packed.stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
   };
 
-  about = () =>
-    this.once("models.json", async () => JSON.parse(new TextDecoder().decode(await this.fetch("models.json"))));
+  about = () => this.once("models.json", async () => new Response(await this.fetch("models.json")).json());
 
   /** @param {string} name */
   file = (name) => this.once(name, async () => tensors(await this.fetch(name), name));

@@ -1,6 +1,6 @@
 /** The routes of Try a pair whose body is a question: the same reply as the server's. Runs in the worker. */
 
-import { IMAGES, imagesOf, OTHER } from "../shared/images.js";
+import { IMAGES, imagesOf, OTHER, READINGS } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";
 import { base64 } from "../shared/text.js";
 import { readingsOf, roundedAll } from "./desk.js";
@@ -45,7 +45,7 @@ export const QUESTIONS = {
     const [out, images] = await Promise.all([desk.run(head, [pair], [...STOPS, exact]), desk.lookedAt(asked)]);
     const each = STOPS.map((_, stop) => readingsOf(out, stop, pair));
     const last = readingsOf(out, STOPS.length, pair);
-    const shown = ["fused", ...IMAGES].filter((name) => last[name]);
+    const shown = READINGS.filter((name) => last[name]);
     return {
       classes: head.classes,
       orders: STOPS,

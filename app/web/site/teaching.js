@@ -1,6 +1,6 @@
 /** Teaching from a visitor's labelled pairs, by the rules of the library. No DOM here. */
 
-import { IMAGES } from "../shared/images.js";
+import { IMAGES, READINGS } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";
 import { STANDING } from "./models.js";
 import { PAIR } from "./rules.js";
@@ -23,7 +23,7 @@ export async function teach(models, head, lessons) {
   const names = lessons.map(({ label }) => label);
   const classes = [...new Set([...head.classes, ...names])];
   const pairs = lessons.map(({ pair }) => pair);
-  const wanted = [...["fused", ...IMAGES].map((name) => `p_${name}`), ...STANDING];
+  const wanted = [...READINGS.map((name) => `p_${name}`), ...STANDING];
   const out = await models.run(head, pairs, [null], wanted);
   const there = stacked(pairs.map((pair) => IMAGES.map((name) => Number(Boolean(pair[name])))));
   const targets = stacked(names.map((name) => classes.map((other) => Number(other === name))));

@@ -2,7 +2,7 @@
 
 import { Scale } from "../shared/chart.js";
 import { TAC_COLOUR, VIS_COLOUR } from "../shared/palette.js";
-import { html } from "../shared/text.js";
+import { html, percent } from "../shared/text.js";
 
 const W = 300; // unless the width of the box is known; text keeps its size
 const H = 120;
@@ -63,10 +63,10 @@ export function chart(title, series, { at, total, wide = W, tall = H, top, level
   const high = top ?? niceTop(Math.max(0.001, ...series.flatMap(({ points }) => points.map(([, v]) => v))));
   const scale = new Scale({ wide, high: tall, pad: PAD, xs: [1, Math.max(2, total)], ys: [0, high] });
   /** @param {number} v */
-  const figure = (v) => (level ? `${Math.round(100 * v)} %` : `${+v.toFixed(2)}`);
+  const figure = (v) => (level ? percent(v) : `${+v.toFixed(2)}`);
   const key = series.map(({ name, colour, points }) => {
     const value = points.findLast(([epoch]) => epoch <= at)?.[1];
-    const words = value === undefined ? "–" : level ? `${(100 * value).toFixed(1)} %` : value.toFixed(3);
+    const words = value === undefined ? "–" : level ? percent(value, 1) : value.toFixed(3);
     return html`<span><i style="background:${colour}"></i>${name} <b>${words}</b></span>`;
   });
   const lines = series.map(

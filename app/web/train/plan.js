@@ -3,71 +3,29 @@
 import { keptJson, kept as read, keep as write } from "../shared/memory.js";
 import { html, options, percent } from "../shared/text.js";
 
-/** @type {Record<string, string>} */
-const ORDERS = {
-  gradient: "learn p by gradient",
-  fixed: "keep p fixed",
-  search: "search for p",
-  every: "train for every p",
-};
-// label and step; the form accepts what the server accepts
-const NUMBERS = {
-  p: ["initial p", "any"],
-  mma: ["λ, weight of MMA", "any"],
-  levels: ["R, tree levels", 1],
-  expansion: ["E, tokens", 1],
-  noise: ["noise on embeddings, std", "any"],
-  shift: ["imitated sensors, std", "any"],
-  epochs: ["Epochs", 1],
-  seed: ["Seed", 1],
-};
-const NAMES = /** @type {(keyof typeof NUMBERS)[]} */ (Object.keys(NUMBERS));
-
 /** The form; `offers` are the server's choices. @param {Offers} offers */
-export function formHtml({ sources, widths, orders, ranges, first }) {
+export function formHtml({ sources, widths, orders, numbers, first }) {
   /** @param {"source" | "order" | "width"} name @param {string} label @param {(string | number)[][]} all */
   const select = (name, label, all) =>
     html`<label><span>${label}</span><select name="${name}">${options(all, first[name])}</select></label>`;
-  /** @param {keyof typeof NUMBERS} name */
-  const number = (name) => {
-    const [[label, step], [low, high]] = [NUMBERS[name], ranges[name]];
-    return html`<label><span>${label}</span><input type="number" name="${name}" min="${low}" max="${high}" step="${step}" value="${first[name]}" required></label>`;
-  };
+  const fields = numbers.map(
+    ({ name, words, least, most, step }) =>
+      html`<label><span>${words}</span><input type="number" name="${name}" min="${least}" max="${most}" step="${step}" value="${first[name]}" required></label>`,
+  );
   /** @param {string | number} value */
   const itself = (value) => [value, value];
-  return html`${select("source", "Learn from", sources.map(itself))}${select(
-    "order",
-    "What p does",
-    orders.map((v) => [v, ORDERS[v]]),
-  )}
+  return html`${select("source", "Learn from", sources.map(itself))}${select("order", "What p does", orders)}
     <div class="row"><button type="submit" class="main go">Train</button><button type="button" class="stop" hidden>Cancel</button></div>
-    <details class="advanced"><summary>Advanced</summary>${select("width", "D, width", widths.map(itself))}${NAMES.map(number)}
+    <details class="advanced"><summary>Advanced</summary>${select("width", "D, width", widths.map(itself))}${fields}
     <label class="check"><input type="checkbox" name="lang"${first.lang && html` checked`}> LANG guides the training</label></details>`;
 }
 
 /** The form's values for the server. @param {Iterable<[name: string, value: FormDataEntryValue]>} entries @returns {Settings} */
 export function chosen(entries) {
-  const { source, order, width, lang, ...rest } = Object.fromEntries(entries);
-  const numbers = Object.fromEntries(NAMES.map((name) => [name, Number(rest[name])]));
-  return /** @type {Settings} */ ({ source, order, width: Number(width), lang: lang !== undefined, ...numbers });
+  const { source, order, lang, ...rest } = Object.fromEntries(entries);
+  const numbers = Object.fromEntries(Object.entries(rest).map(([name, value]) => [name, Number(value)]));
+  return /** @type {any} */ ({ source, order, lang: lang !== undefined, ...numbers });
 }
-
-/** The settings in one line. @param {Settings} q */
-export const inWords = (q) =>
-  [
-    q.source,
-    `D = ${q.width}`,
-    `${ORDERS[q.order]}${q.order === "fixed" ? ` = ${q.p}` : ""}`,
-    `λ = ${q.mma}`,
-    `R = ${q.levels}`,
-    `E = ${q.expansion}`,
-    q.noise && `noise ${q.noise}`,
-    q.shift && `imitated sensors ${q.shift}`,
-    q.lang ? "LANG" : "no LANG",
-    `seed ${q.seed}`,
-  ]
-    .filter(Boolean)
-    .join(", ");
 
 /** How far a run is, in words, and how many pairs of its source have no class. @param {Run} run */
 export function standing({ standing: { state, place, text, left, problem }, epochs: { length }, started }) {

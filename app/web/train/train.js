@@ -1,6 +1,6 @@
 /** Train here: choose settings, train, follow the epochs, use the head. */
 
-import { ask, attempt, isForgotten, made, refused } from "../shared/api.js";
+import { ask, attempt, isForgotten, made } from "../shared/api.js";
 import { fit, loaded } from "../shared/facts.js";
 import { remedyHtml } from "../shared/headless.js";
 import { provenance } from "../shared/provenance.js";
@@ -10,7 +10,7 @@ import { define } from "../shared/terms.js";
 import { fill, html, put, row, table } from "../shared/text.js";
 import { onClick, tell } from "../shared/view.js";
 import { charts } from "./lines.js";
-import { chosen, compared, formHtml, inWords, keep, kept, mapAt, result, standing, visitor } from "./plan.js";
+import { chosen, compared, formHtml, keep, kept, mapAt, result, standing, visitor } from "./plan.js";
 import { RunMap } from "./run-map.js";
 import { active, FIRST, next } from "./state.js";
 
@@ -24,10 +24,11 @@ export async function start(root) {
   /** @param {string} selector @returns {Found} */
   const $ = (selector) => root.querySelector(selector);
   const [unfit, facts] = await Promise.all([fit().catch(() => null), loaded().catch(() => null)]);
-  try {
-    put($(".choices"), formHtml(await ask("trainings", {})));
-  } catch (error) {
-    refused(error, (/** @type {string} */ sentence) => tell($(".problem"), sentence, true));
+  const offers = await attempt(
+    () => ask("trainings", {}),
+    (/** @type {string} */ sentence) => tell($(".problem"), sentence, true),
+  );
+  if (!offers) {
     if (unfit?.problem) {
       put($(".headless"), remedyHtml(unfit));
       $(".headless").hidden = false;
@@ -35,6 +36,7 @@ export async function start(root) {
     $(".bench").hidden = $(".explain").hidden = true; // nothing there works without the choices
     return;
   }
+  put($(".choices"), formHtml(offers));
   if (facts?.embeddings.domains?.length === 1) put($(".task"), ALONE);
   define($(".choices"));
   define($(".explain"));
@@ -47,7 +49,7 @@ function before(facts, unfit) {
   const last = kept();
   if (last?.epochs) {
     const { epochs, question, started } = last;
-    return { title: `Your last run: ${inWords(question)}`, epochs, question, classes: started.classes.length };
+    return { title: `Your last run: ${started.words}`, epochs, question, classes: started.classes.length };
   }
   const epochs = facts?.head.epochs ?? [];
   if (!facts || !epochs.length) return null;
@@ -171,5 +173,5 @@ const earlierHtml = (runs) =>
   html`<h3>Trained in this visit</h3>${table(
     "Heads trained in this visit",
     HEAD,
-    runs.map((run) => row(inWords(run.question), result(run))),
+    runs.map((run) => row(run.started.words, result(run))),
   )}<p class="hint">Each over the same pairs as above.</p><p class="difference">${compared(runs)}</p>`;
