@@ -6,7 +6,6 @@ folder, so that a head finds its encoder."""
 import json
 import os
 import sys
-from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import blake2b
@@ -84,12 +83,12 @@ def _downloaded(repository: str) -> Path:
     return Path(snapshot_download(repository, allow_patterns=[*SMALL_FILES, weights]))
 
 
-def _agreed(question: str, ask: Callable[[str], str] = input) -> bool:
+def _agreed(question: str) -> bool:
     """Prompt on a terminal; without one, return False."""
     if not (sys.stdin.isatty() and sys.stderr.isatty()):
         return False
     try:
-        return ask(question).strip().lower() in ("y", "yes")
+        return input(question).strip().lower() in ("y", "yes")
     except EOFError:
         return False
 

@@ -5,8 +5,9 @@ import json
 import pytest
 import torch
 
-from omnivat.encoders import load_encoder, text_encoder
-from omnivat.encoders.clip import ImageShape, require_name
+from omnivat.encoders import load_encoder, running, text_encoder
+from omnivat.encoders.clip import PUBLISHED, ImageShape, image_shape, require_name
+from omnivat.encoders.clip_names import ClipState
 from omnivat.encoders.clip_text import load_text_encoder
 from omnivat.kit.errors import DataError
 
@@ -92,6 +93,25 @@ def test_weights_of_another_size_than_their_name_says_are_refused(change, right)
     ):
         require_name("clip-vit-b16", change, "some file")
     assert require_name("clip", ImageShape(16, 768, (12,), 512, 224), "") == "clip-vit-b16"
+
+
+def test_a_resnets_sizes_are_told_by_its_weights():
+    names = [
+        f"layer{k}.{n}.conv1.weight" for k, most in enumerate((3, 4, 6, 3), 1) for n in range(most)
+    ]
+    state = {name: torch.zeros(64) for name in names} | {
+        "attnpool.positional_embedding": torch.zeros(7 * 7 + 1, 2048),
+        "attnpool.c_proj.weight": torch.zeros(1024, 2048),
+    }
+    clip = ClipState(resnet=True, image=state, text={}, logit_scale=None)
+    assert image_shape(clip) == PUBLISHED["clip-rn50"]
+
+
+def test_the_pixels_of_clip_are_scaled_by_the_published_statistics():
+    from transformers.image_utils import OPENAI_CLIP_MEAN, OPENAI_CLIP_STD
+
+    assert tuple(OPENAI_CLIP_MEAN) == running.CLIP_MEAN
+    assert tuple(OPENAI_CLIP_STD) == running.CLIP_STD
 
 
 def test_pixel_statistics_beside_the_weights_are_used(clips, tmp_path):

@@ -7,7 +7,7 @@ from safetensors.torch import load_file, save_file
 from omnivat.encoders import load_encoder, text_encoder
 from omnivat.encoders.clip import PUBLISHED
 from omnivat.encoders.hub import Checkpoint, find
-from omnivat.encoders.weights import weights_file
+from omnivat.encoders.weights import read_weights, weights_file
 from omnivat.kit.errors import DataError
 
 pytest.importorskip("transformers")
@@ -46,6 +46,13 @@ def test_a_file_of_a_known_name_is_taken_before_another_alone(tmp_path):
     assert weights_file(tmp_path, "clip").name == WEIGHTS
     (tmp_path / WEIGHTS).unlink()
     assert weights_file(tmp_path, "clip").name == "other.pt"
+
+
+def test_only_weights_that_are_fractions_are_read_from_a_file(tmp_path):
+    content = {"w": torch.ones(2).half(), "steps": torch.tensor(3), "epoch": 7, "by": "me"}
+    torch.save(content, tmp_path / "a.pt")
+    found = read_weights(tmp_path / "a.pt", "clip")
+    assert {name: value.dtype for name, value in found.items()} == {"w": torch.float32}
 
 
 @pytest.mark.parametrize(

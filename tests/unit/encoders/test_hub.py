@@ -106,10 +106,12 @@ def test_a_model_in_the_cache_is_taken_without_a_question(monkeypatch, tmp_path)
 def test_nothing_is_downloaded_without_consent(monkeypatch):
     for stream in ("stdin", "stderr"):
         monkeypatch.setattr(sys, stream, SimpleNamespace(isatty=lambda: True))
-    assert hub._agreed("Download? ", lambda question: "y")
-    assert not hub._agreed("Download? ", lambda question: "")
+    for reply, agreed in (("y", True), (" YES ", True), ("", False), ("no", False)):
+        monkeypatch.setattr("builtins.input", lambda _, reply=reply: reply)
+        assert hub._agreed("Download? ") is agreed
     monkeypatch.setattr(sys, "stdin", SimpleNamespace(isatty=lambda: False))
-    assert not hub._agreed("Download? ", lambda question: "y")
+    monkeypatch.setattr("builtins.input", lambda _: "y")
+    assert not hub._agreed("Download? ")
     monkeypatch.undo()
     with pytest.raises(SettingsError, match="ask, yes, no"):
         hub.fetch("owner/name", download="maybe")
