@@ -86,24 +86,6 @@ def test_each_kind_of_file_becomes_the_same_set(table, tmp_path, name):
     assert found.rows["vis"][2] == "set/2_vis"
 
 
-def test_a_set_from_elsewhere_is_trained_on_and_no_image_can_be_encoded(
-    tmp_path, make_embeddings, capsys
-):
-    pairs = make_embeddings()
-    domains = [pairs.header.domains[i] for i in pairs.domain]
-    arrays = {"vis": pairs.vis, "tac": pairs.tac, "object": pairs.rows["object"]}
-    np.savez(tmp_path / "a.npz", **arrays, domain=domains, material=pairs.label)
-    out, head = str(tmp_path / "a.safetensors"), str(tmp_path / "head")
-    given = ["import", str(tmp_path / "a.npz"), "--encoder", "mine", "--out", out]
-    assert main([*given, "--classes", ",".join(pairs.header.classes)]) == 0
-    settings = ["--set", "lang=false", "--set", "epochs=2", "--set", "width=8"]
-    trained = ["train", "--embeddings", out, "--source", "TAG-sim", "--out", head, *settings]
-    assert main(trained) == 0
-    assert main(["evaluate", "--head", head, "--embeddings", out]) == 0
-    assert main(["predict", "--head", head, "photo.png", "-"]) == 1
-    assert "made elsewhere and imported" in capsys.readouterr().err
-
-
 def test_files_imported_under_one_name_are_of_one_encoder(table, tmp_path):
     write_npz(table, tmp_path / "a.npz")
     table["vis"] = table["vis"] + 1
@@ -142,8 +124,6 @@ def test_columns_of_other_names_are_found(table, tmp_path):
         (lambda t: t.update(tac=t["tac"][:5]), r"tac of shape \(5, 4\), expected \(6, D\)"),
         (lambda t: t.update(vis=t["vis"] * np.nan), "vis of .* has nan in row 0, column 0"),
         (lambda t: t.update(vis=t["vis"].astype(float) * 1e300), "has -?inf in row 0"),
-        (lambda t: t["vis"].__setitem__((3, 1), 1e30), r"has 1e\+30 in row 3, column 1"),
-        (lambda t: t.update(tac=t["tac"] * 1e-40), "no value above"),
         (
             lambda t: t["domain"].__setitem__(2, "\ud800"),
             "domain in row 2 .* which no file can hold",

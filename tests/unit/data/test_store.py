@@ -11,7 +11,6 @@ import pytest
 from safetensors import safe_open
 from safetensors.numpy import save_file
 
-from omnivat.data import store
 from omnivat.data.arrays import Column, column, read_arrays, write_arrays
 from omnivat.data.profile import load_profile, profile_of, save_profile
 from omnivat.data.store import load_embeddings, save_embeddings, write_manifest
@@ -79,19 +78,15 @@ def test_values_that_are_not_finite_are_not_written(embeddings, file, bad):
     assert {path.name for path in file.parent.iterdir()} == {"set.csv", "set.safetensors"}
 
 
-def test_a_domain_with_the_name_of_the_total_is_neither_written_nor_read(
-    embeddings, tmp_path, monkeypatch
-):
-    path, header = tmp_path / "set.safetensors", embeddings.header
+def test_a_domain_with_the_name_of_the_total_is_neither_written_nor_read(embeddings, file):
+    header, before = embeddings.header, file.read_bytes()
     named = replace(embeddings, header=replace(header, domains=("all", *header.domains[1:])))
     with pytest.raises(DataError, match="A domain is called 'all'.*rename the domain"):
-        save_embeddings(path, named)
-    assert list(tmp_path.iterdir()) == []
-    with monkeypatch.context() as older:
-        older.setattr(store, "require_domain_names", lambda names: None)
-        save_embeddings(path, named)
+        save_embeddings(file, named)
+    assert file.read_bytes() == before
+    rewritten(file, {"domains": '["all", "B"]'})
     with pytest.raises(DataError, match="A domain is called 'all'.*rename the domain"):
-        load_embeddings(path)
+        load_embeddings(file)
 
 
 def test_a_value_too_large_for_half_precision_is_not_written(embeddings, tmp_path):
@@ -116,11 +111,11 @@ def test_a_missing_file_and_another_one_are_refused_with_the_command_that_makes_
             load_embeddings(tmp_path / f"{name}.safetensors")
 
 
-def rewritten(file, **changes):
-    """Write the file again with some arrays in place of its own."""
+def rewritten(file, texts=(), **changes):
+    """Write the file again with some texts of the header and some arrays in place of its own."""
     arrays, metadata = read_arrays(file)
     arrays = {name: np.array(array) for name, array in arrays.items()} | changes
-    save_file(arrays, file, metadata=metadata)
+    save_file(arrays, file, metadata=metadata | dict(texts))
 
 
 @pytest.mark.parametrize(

@@ -109,6 +109,7 @@ def test_an_entry_point_is_an_encoder(module, monkeypatch):
         ("own_encoder:absent", "no function 'absent'"),
         ("no_such_module:load", "cannot be imported .ModuleNotFoundError"),
         ("nowhere.py:load", "no file 'nowhere.py'"),
+        ("imported:mine", "of 'mine' were made elsewhere and imported"),
     ],
 )
 @pytest.mark.usefixtures("module")

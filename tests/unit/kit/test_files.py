@@ -172,14 +172,6 @@ def test_two_embeds_to_one_file_do_not_take_one_anothers_parts(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_pipe_in_place_of_a_table_is_refused_at_once(tmp_path):
-    from omnivat.data.readers.files import read_text
-
-    os.mkfifo(tmp_path / "table.csv")
-    with pytest.raises(DataError, match="pipe or device"):
-        read_text(tmp_path / "table.csv")
-
-
 CELLS = st.one_of(
     st.text(st.sampled_from("=+-@\t\r\n '\",1e."), max_size=6), st.floats(), st.integers()
 )

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from omnivat.kit.errors import DataError
-from omnivat.kit.files import read_whole
+from omnivat.kit.files import read_whole, require_regular
 from omnivat.kit.schema import columns_in, json_in, name_list, object_in, tensor_table, texts
 
 HOSTILE_JSON = {
@@ -123,8 +123,9 @@ def test_a_pipe_a_device_and_a_file_without_end_are_refused_at_once(tmp_path):
 
     os.mkfifo(tmp_path / "pipe")
     for path in (tmp_path / "pipe", Path("/dev/zero")):
-        with pytest.raises(DataError, match="pipe or device"):
-            read_whole(path, 100)
+        for attempt in (require_regular, lambda path: read_whole(path, 100)):
+            with pytest.raises(DataError, match="pipe or device"):
+                attempt(path)
     (tmp_path / "large").write_bytes(b"x" * 101)
     assert len(read_whole(tmp_path / "large", 101)) == 101
     with pytest.raises(DataError, match="larger than"):

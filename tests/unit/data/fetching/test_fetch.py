@@ -212,6 +212,16 @@ def test_a_source_that_does_not_reply_is_one_sentence(tmp_path, source, words, m
     assert not (tmp_path / "out").exists()
 
 
+def test_git_has_the_proxy_and_the_certificates_of_the_caller_and_no_repository_of_theirs(
+    monkeypatch,
+):
+    given = {"https_proxy": "http://proxy", "GIT_SSL_CAINFO": "mine.pem", "GIT_DIR": "/elsewhere"}
+    for name, value in given.items():
+        monkeypatch.setenv(name, value)
+    seen = repository._environment()
+    assert [seen.get(name) for name in given] == ["http://proxy", "mine.pem", None]
+
+
 def test_without_git_the_error_names_it(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", str(tmp_path))
     with pytest.raises(MissingPackageError, match="Git is not installed"):

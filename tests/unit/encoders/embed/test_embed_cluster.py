@@ -6,13 +6,12 @@ import os
 import subprocess
 import sys
 
-import numpy as np
 import pytest
-from PIL import Image
 
-from omnivat.data.pairs import Pair, PairSet
-from omnivat.encoders.embed import embed_pairs
+from omnivat.data.readers import read_pairs
 from omnivat.kit.errors import MissingPackageError
+
+from .small_pairs import embed, make_pairs
 
 HAS_RAY = importlib.util.find_spec("ray") is not None
 
@@ -36,15 +35,10 @@ import ray
 from ray.cluster_utils import Cluster
 from omnivat.encoders.embed import job
 job.CHUNK = 4
-from omnivat.data.pairs import Pair, PairSet
+from omnivat.data.readers import read_pairs
 from omnivat.encoders.embed import embed_pairs
 
 folder, kill_at = Path(sys.argv[1]), int(sys.argv[2])
-tac = lambda f: f.with_name(f.name.replace("_vis", "_tac"))
-pairs = PairSet(pairs=tuple(
-    Pair(vis=f, tac=tac(f), domain="TAG", material="wood")
-    for f in sorted(folder.glob("*_vis.png"))
-))
 # the head is one of the two workers: a node less to start; the other is the one to be killed
 cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 1, "include_dashboard": False})
 workers = [cluster.head_node, cluster.add_node(num_cpus=1)]
@@ -57,7 +51,7 @@ def on_step(step):
         cluster.remove_node(workers.pop(), allow_graceful=False)
 
 report = embed_pairs(
-    pairs, "efficientnet-lite0", folder / "ray.safetensors",
+    read_pairs(folder / "pairs"), "efficientnet-lite0", folder / "ray.safetensors",
     engine="ray", workers=2, on_step=on_step,
 )
 lost = 2 - len(workers)
@@ -68,25 +62,12 @@ print(json.dumps({"embedded": report.embedded, "skipped": len(report.skipped), "
 """
 
 
-def make_pairs(folder, count):
-    random = np.random.default_rng(0)
-    pairs = []
-    for i in range(count):
-        vis, tac = folder / f"{i:03}_vis.png", folder / f"{i:03}_tac.png"
-        for file in (vis, tac):
-            pixels = random.integers(0, 256, (32, 40, 3), dtype=np.uint8)
-            Image.fromarray(pixels).save(file)
-        pairs.append(Pair(vis=vis, tac=tac, domain="TAG", material="wood"))
-    (folder / "005_tac.png").write_bytes(b"no image")
-    return PairSet(pairs=tuple(pairs))
-
-
 @pytest.mark.slow
 @pytest.mark.long
 @pytest.mark.skipif(not HAS_RAY, reason="ray is not installed: pip install 'ray[data]'")
 def test_with_one_of_two_workers_killed_nothing_is_lost_doubled_or_changed(tmp_path):
-    pairs = make_pairs(tmp_path, 40)
-    local = embed_pairs(pairs, "efficientnet-lite0", tmp_path / "local.safetensors")
+    make_pairs(tmp_path / "pairs", 40, bad=(5,))
+    local = embed(read_pairs(tmp_path / "pairs"), tmp_path / "local.safetensors")
     command = [sys.executable, "-c", SCRIPT, str(tmp_path), "16"]
     done = subprocess.run(
         command, capture_output=True, text=True, check=False, env={**os.environ, **QUICK}
@@ -102,6 +83,4 @@ def test_with_one_of_two_workers_killed_nothing_is_lost_doubled_or_changed(tmp_p
 def test_without_ray_the_engine_says_what_to_install(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "ray", None)
     with pytest.raises(MissingPackageError, match=r"pip install 'ray\[data\]'"):
-        embed_pairs(
-            make_pairs(tmp_path, 6), "efficientnet-lite0", tmp_path / "a.safetensors", engine="ray"
-        )
+        embed(make_pairs(tmp_path, 6), tmp_path / "a.safetensors", engine="ray")
