@@ -36,32 +36,27 @@ class Body(nn.Module):
         super().__init__()
         self.settings = settings
         width = settings.width
+        raw, shapes = settings.input_width, dict[str, tuple[int, ...]]()
         if settings.standardize:  # the source's profile; training sets it
-            shape = len(IMAGES), settings.input_width
-            self.register_buffer("input_mean", torch.zeros(shape))
-            self.register_buffer("input_scale", torch.ones(shape))
+            shapes |= {"input_mean": (2, raw), "input_scale": (2, raw)}
         if settings.maps:
-            each = 2, settings.known, settings.input_width
-            self.register_buffer("map_rows", torch.zeros(each))
-            self.register_buffer("map_bias", torch.zeros(settings.known))
-            self.register_buffer("map_alone_rows", torch.zeros(each))
-            self.register_buffer("map_alone_bias", torch.zeros(2, settings.known))
+            known = settings.known
+            shapes |= {"map_rows": (2, known, raw), "map_bias": (known,)}
+            shapes |= {"map_alone_rows": (2, known, raw), "map_alone_bias": (2, known)}
         if settings.taught:
             times, classes = len(settings.taught), len(settings.classes)
-            rows = torch.zeros(times, 2, classes, settings.input_width)
-            self.register_buffer("taught_rows", rows)
-            self.register_buffer("taught_bias", torch.zeros(times, classes))
-            self.register_buffer("taught_share", torch.zeros(times))
+            shapes |= {"taught_rows": (times, 2, classes, raw), "taught_bias": (times, classes)}
+            shapes |= {"taught_share": (times,)}
+        for name, shape in shapes.items():
+            self.register_buffer(name, torch.full(shape, float(name == "input_scale")))
+        self.project_image: nn.Module = nn.Identity()
         if settings.projects:
-            self.project_image: nn.Module = nn.Linear(settings.input_width, width)
-        else:
-            self.project_image = nn.Identity()
+            self.project_image = nn.Linear(raw, width)
         if settings.projects_apart:
-            self.project_tac = nn.Linear(settings.input_width, width)
+            self.project_tac = nn.Linear(raw, width)
+        self.project_lang: nn.Module = nn.Identity()
         if settings.project or settings.lang_width != width:
-            self.project_lang: nn.Module = nn.Linear(settings.lang_width, width)
-        else:
-            self.project_lang = nn.Identity()
+            self.project_lang = nn.Linear(settings.lang_width, width)
         self.mffa = MFFA(settings)
         levels = settings.levels if settings.edges else 1  # without matrices, a single root
         self.dtg = DTG(width, levels=levels, arrangement=settings.generation)
@@ -80,30 +75,22 @@ class Body(nn.Module):
     @property
     def orders(self) -> dict[str, float]:
         """The learned order of each modality, LANG included."""
-        own = self.mffa.order.detach().expand(len(MODALITIES)).tolist()
-        return dict(zip(MODALITIES, own, strict=True))
+        orders = self.mffa.order.detach().expand(len(MODALITIES))
+        return dict(zip(MODALITIES, orders.tolist(), strict=True))
 
     @property
     def dtype(self) -> torch.dtype:
         """The precision of the head."""
         return self.classifier.dtype
 
-    def classify(
-        self, features: Float[Tensor, "*any D"], directions: Float[Tensor, "K D"] | None = None
-    ) -> Float[Tensor, "*any K"]:
-        """Return logits of features such as F-hat or tree nodes; `directions` are computed if
-        None.
-        """
+    def classify(self, features: Float[Tensor, "*any D"]) -> Float[Tensor, "*any K"]:
+        """Return logits of features such as F-hat or tree nodes."""
         if self.settings.feature_scale == "literal":
             return linear(features, self.classifier)
-        directions = self.directions() if directions is None else directions
+        directions = self.settings.logit_scale * normalize(self.classifier, dim=-1)
         lengths = torch.linalg.vector_norm(features, dim=-1, keepdim=True)
         logits: Tensor = linear(features, directions) / lengths.clamp_min(1e-12)
         return logits
-
-    def directions(self) -> Float[Tensor, "K D"]:
-        """Return the class directions; their length is the logit scale."""
-        return self.settings.logit_scale * normalize(self.classifier, dim=-1)
 
     @property
     def length(self) -> float:
@@ -111,7 +98,7 @@ class Body(nn.Module):
         return 1.0 if self.settings.feature_scale == "literal" else float(self.settings.width**0.5)
 
     def embedded(self, images: Mapping[str, Float[Tensor, "B _"]]) -> Float[Tensor, "M B D"]:
-        """Return embeddings for the transform: projected, of length √D.
+        """Return embeddings for the transform: projected, of length √D, if not "literal".
 
         images  VIS and TAC of input_width, or LANG alone of lang_width, from the encoders
 
@@ -139,9 +126,8 @@ class Body(nn.Module):
             projected = torch.stack([maps[n](r) for n, r in zip(images, raw, strict=True)])
         else:
             projected = (self.project_lang if lang else self.project_image)(raw)
-        if self.settings.feature_scale == "literal":
-            return projected
-        return self.length * unit(projected)
+        literal = self.settings.feature_scale == "literal"
+        return projected if literal else self.length * unit(projected)
 
     def standardize_by(self, profile: Profile) -> None:
         """Take over the channel statistics of the source's training pairs."""
@@ -174,16 +160,14 @@ class Body(nn.Module):
         """
         if not self.settings.maps:
             return {}
-        rows = {name: self.standing(name, raw) for name, raw in images.items()}
-        places = {name: IMAGES.index(name) for name in rows}
-        scores = {
-            name: linear(x, self.map_alone_rows[places[name]], self.map_alone_bias[places[name]])
-            for name, x in rows.items()
-        }
-        if len(rows) == 1:
-            return {**scores, "fused": next(iter(scores.values()))}
-        parts = [linear(x, self.map_rows[places[name]]) for name, x in rows.items()]
-        each = [*scores.values(), torch.stack(parts).sum(0) + self.map_bias]
+        scores, both = {}, []
+        for name, raw in images.items():
+            rows, place = self.standing(name, raw), IMAGES.index(name)
+            scores[name] = linear(rows, self.map_alone_rows[place], self.map_alone_bias[place])
+            both.append(linear(rows, self.map_rows[place]))
+        if len(both) == 1:
+            return scores | {"fused": scores[name]}
+        each = [*scores.values(), torch.stack(both).sum(0) + self.map_bias]
         scores["fused"] = torch.stack([x.softmax(-1) for x in each]).mean(0).log()
         return scores
 

@@ -35,9 +35,7 @@ def groups(arrangement: str, count: int) -> list[range]:
     """
     if arrangement == "tree":
         return [range(2**level - 1, 2 ** (level + 1) - 1) for level in range(count.bit_length())]
-    if arrangement == "parallel":
-        return [range(1), range(1, count)]
-    return [range(count)]
+    return [range(1), range(1, count)] if arrangement == "parallel" else [range(count)]
 
 
 class Grown(NamedTuple):
@@ -68,33 +66,29 @@ class DTG(nn.Module):
 
     def grow(self, root: Float[Tensor, "B D"]) -> Grown:
         """Grow all nodes in heap order: root, its two children, and so on."""
-        if not len(self.weight):
-            return Grown(root[:, None], [root[:, None]])
         count = len(self.weight) + 1
         rows = [root]
         edges = zip(parents(self.arrangement, count)[1:], self.weight, self.bias, strict=True)
         for parent, weight, bias in edges:
             rows.append(linear(rows[parent], weight, bias))
         nodes = torch.stack(rows, dim=1)
-        own = groups(self.arrangement, count)
-        return Grown(nodes, [nodes[:, group.start : group.stop] for group in own])
+        sizes = [len(group) for group in groups(self.arrangement, count)]
+        return Grown(nodes, list(nodes.split(sizes, dim=1)))
 
-    def fold(
-        self, dtype: torch.dtype | None = None
-    ) -> tuple[Float[Tensor, "D D"], Float[Tensor, " D"]]:
-        """Return M and b: the mean over all nodes of root T is T @ M.T + b, exactly.
+    def fold(self) -> tuple[Float[Tensor, "D D"], Float[Tensor, " D"]]:
+        """Return M and b: the mean over all nodes of root T is T @ M.T + b.
 
-        dtype  precision of the products; None means that of the weights
+        Products are taken in double precision.
         """
-        dtype = dtype or self.weight.dtype
-        weights, biases = self.weight.to(dtype), self.bias.to(dtype)
-        eye = torch.eye(weights.shape[-1], dtype=weights.dtype, device=weights.device)
+        weights, biases = self.weight.double(), self.bias.double()
+        eye = torch.eye(weights.shape[-1]).to(weights)
         matrices, offsets = [eye], [torch.zeros_like(eye[0])]
-        own = parents(self.arrangement, len(weights) + 1)[1:]
-        for parent, weight, bias in zip(own, weights, biases, strict=True):
+        edges = zip(parents(self.arrangement, len(weights) + 1)[1:], weights, biases, strict=True)
+        for parent, weight, bias in edges:
             matrices.append(weight @ matrices[parent])
             offsets.append(weight @ offsets[parent] + bias)
-        return torch.stack(matrices).mean(0), torch.stack(offsets).mean(0)
+        means = (torch.stack(each).mean(0).to(self.weight) for each in (matrices, offsets))
+        return next(means), next(means)
 
 
 def grow(

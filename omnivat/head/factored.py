@@ -86,7 +86,6 @@ def combined(
 
 def mean_channels(base: Float[Tensor, "r M B D"], table: Tables) -> Float[Tensor, "C M B D"]:
     """Return F, the mean over θ of the tokens of each channel."""
-    halves = table.halves.shape[1]
-    parts = base.reshape(halves, len(base) // halves, *base.shape[1:])
-    parts = parts * table.halves.T[:, None, :, None, None]
-    return parts.sum(0) if halves > 1 else parts[0]
+    halves = table.halves.T[:, None, :, None, None]
+    mean: Tensor = (base.unflatten(0, (len(halves), -1)) * halves).sum(0)
+    return mean

@@ -16,13 +16,12 @@ from torch import Tensor, nn
 from torch.nn.functional import gelu, linear
 
 from omnivat.head import factored
-from omnivat.head.dtg import DTG
 from omnivat.head.mffa import MFFA
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FoldedMFFA:
-    """MFFA for given modalities with folded weights, without gradients.
+    """MFFA for given modalities with folded weights.
 
     Source: docs/method.md, "Folding"; `MFFA.features` is the unfolded form.
     """
@@ -51,7 +50,6 @@ class FoldedMFFA:
         return self.mffa.finished(feature), factored.mean_channels(base, self.table), each
 
 
-@torch.no_grad()
 def fold_mffa(mffa: MFFA, names: Sequence[str]) -> FoldedMFFA:
     """Return the folded MFFA of the modalities `names`."""
     fratt, dtype = mffa.fratt, mffa.fratt.query.weight.dtype
@@ -65,38 +63,37 @@ def fold_mffa(mffa: MFFA, names: Sequence[str]) -> FoldedMFFA:
         key_scores=(fratt.query.bias.double() @ key).to(dtype),
         first=(wide @ value / root).to(dtype),
         first_bias=(wide @ fratt.value.bias.double() / root + bias).to(dtype),
-        token=mffa.class_agnostic_tokens(names)[:, None] if mffa.class_token else None,
+        token=mffa.class_agnostic_tokens(names)[:, None] if mffa.settings.class_token else None,
     )
 
 
-@torch.no_grad()
-def fold_tree(tree: DTG) -> tuple[Float[Tensor, "D D"], Float[Tensor, " D"]]:
-    """Return the tree's mean as one matrix and one offset."""
-    dtype = tree.weight.dtype
-    matrix, offset = tree.fold(torch.float64)
-    return matrix.to(dtype), offset.to(dtype)
-
-
 class Folds:
-    """Cache of folded weights, valid until a weight changes."""
+    """Cache of folded weights, valid until a weight changes or gradients are wanted."""
 
     def __init__(self) -> None:
         self._kept: dict[tuple[str, ...], Any] = {}
         self._versions: object = None
+        self._gradients = False
 
     def refresh(self, module: nn.Module) -> None:
-        """Clear the cache if a weight has changed: in place, by loading or conversion."""
+        """Clear the cache if a weight has changed: in place, by loading or conversion; and if
+        gradients are to reach the weights, or have.
+        """
+        self._gradients = torch.is_grad_enabled() and any(
+            parameter.requires_grad for parameter in module.parameters()
+        )
         current = [
             (tensor.data_ptr(), -1 if tensor.is_inference() else tensor._version, tensor.dtype)
             for part in module.modules()
             for tensor in (*part._parameters.values(), *part._buffers.values())
             if tensor is not None
         ]
-        if self._versions != current:
-            self._kept, self._versions = {}, current
+        if self._gradients or self._versions != current:
+            self._kept, self._versions = {}, None if self._gradients else current
 
     def get(self, name: tuple[str, ...], make: Callable[[], Any]) -> Any:
         """Return the cached value, or call `make` and cache its result."""
         if name not in self._kept:
-            self._kept[name] = make()
+            with torch.inference_mode(False), torch.set_grad_enabled(self._gradients):
+                self._kept[name] = make()
         return self._kept[name]

@@ -10,10 +10,9 @@ from torch import Tensor
 from torch.nn.functional import linear
 
 from omnivat.fractional import Coefficients, coefficients, synthesise
-from omnivat.head import factored
 from omnivat.head.body import Body
 from omnivat.head.dtg import grow
-from omnivat.head.folded import FoldedMFFA, Folds, fold_mffa, fold_tree
+from omnivat.head.folded import FoldedMFFA, Folds, fold_mffa
 from omnivat.head.output import HeadOutput, Lessons, joined
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.threads import FEW_PAIRS, one_thread
@@ -101,29 +100,24 @@ class OmniVaT(Body):
         nodes      also return the tree's nodes
         attention  also return attention weights
 
-        Without gradients and attention weights, the head uses folded weights and processes pairs in
-        chunks that fit the processor's cache.
+        Weights are folded, once for all calls without gradients, and pairs go in chunks that fit
+        the processor's cache.
         """
         names, stacked = kept.names, kept.stacked
         order = self.mffa.orders(names) if order is None else order
-        fold = not torch.is_grad_enabled() or not any(
-            t.requires_grad for t in (stacked.values, torch.as_tensor(order), *self.parameters())
-        )
-        chunks = [slice(None)]
-        if fold:
-            self._folds.refresh(self)
-            chunks = [slice(start, start + CHUNK) for start in range(0, len(kept), CHUNK)] or chunks
-        found = []
-        with one_thread(fold and len(kept) <= FEW_PAIRS):
-            for rows in chunks:
-                some, p = stacked[:, rows], _rows(order, rows)
-                parts, start = synthesise(some, p, planar=True), None
+        self._folds.refresh(self)
+        outputs = []
+        with one_thread(len(kept) <= FEW_PAIRS):
+            for start in range(0, max(1, len(kept)), CHUNK):
+                rows = slice(start, start + CHUNK)
+                some, embedding = stacked[:, rows], None
+                parts = synthesise(some, _rows(order, rows), planar=True)
                 if not self.settings.mffa:
-                    start = synthesise(some, 0.0, planar=True)[0]
-                found.append(
-                    self.output(names, parts, start, nodes=nodes, attention=attention, fold=fold)
+                    embedding = synthesise(some, 0.0, planar=True)[0]
+                outputs.append(
+                    self.output(names, parts, embedding, nodes=nodes, attention=attention)
                 )
-        whole = found[0] if len(found) == 1 else joined(found)
+        whole = outputs[0] if len(outputs) == 1 else joined(outputs)
         return replace(whole, maps=kept.maps, lessons=kept.lessons)
 
     def output(
@@ -134,9 +128,8 @@ class OmniVaT(Body):
         *,
         nodes: bool,
         attention: bool,
-        fold: bool = True,
     ) -> HeadOutput:
-        """Predict from transformed embeddings, with folded or unfolded weights.
+        """Predict from transformed embeddings.
 
         parts      Re and Im
         embedding  before the transform; only a head without MFFA needs it
@@ -144,21 +137,16 @@ class OmniVaT(Body):
         weights: Tensor | None = None
         if not self.settings.mffa:
             assert embedding is not None, "without MFFA the tree grows from the embeddings"
-            relu, found = torch.relu(parts), embedding / self.length
-        elif fold:
-            folded: FoldedMFFA = self._folds.get(names, lambda: fold_mffa(self.mffa, names))
-            found, relu, weights = folded.features(self.mffa.channels(parts))
+            relu, bars = torch.relu(parts), embedding / self.length
         else:
-            expanded = self.mffa.expand(names, parts)
-            relu = factored.mean_channels(*expanded)
-            found, weights = self.mffa.features(names, expanded)
-        root = found.sum(0)
-        alone = f_hat = found + self._mean(found, root, fold)
+            folded: FoldedMFFA = self._folds.get(names, lambda: fold_mffa(self.mffa, names))
+            bars, relu, weights = folded.features(self.mffa.channels(parts))
+        root = bars.sum(0)
+        alone = f_hat = bars + self._mean(bars, root)
         if len(names) > 1:  # T is then the F-bar of each
-            alone = found + torch.stack([self._mean(bar[None], bar, fold) for bar in found])
-        towards = self._folds.get(("directions",), self.directions) if fold else None
-        logits = self.classify(torch.stack((f_hat, alone)), towards)
-        grown = grow(self.dtg, self.settings, found, root) if nodes else None
+            alone = bars + torch.stack([self._mean(bar[None], bar) for bar in bars])
+        logits = self.classify(torch.stack((f_hat, alone)))
+        grown = grow(self.dtg, self.settings, bars, root) if nodes else None
         if len(relu) == 1:  # |F| or Re F alone: there is no imaginary part
             relu = torch.cat((relu, torch.zeros_like(relu)))
 
@@ -168,29 +156,26 @@ class OmniVaT(Body):
         return HeadOutput(
             logits=by_name(logits[0]),
             alone=by_name(logits[1]),
-            pair=self.classify(f_hat.sum(0), towards),
+            pair=self.classify(f_hat.sum(0)),
             fusion=self.settings.fusion,
             temperatures=self.temperatures,
             frft=by_name(parts.unbind(1)),
             relu=by_name(relu.unbind(1)),
-            f_bar=by_name(found),
+            f_bar=by_name(bars),
             f_hat=by_name(f_hat),
             attention=by_name(weights) if attention and weights is not None else {},
-            nodes=None if grown is None else grown.nodes,
+            nodes=grown and grown.nodes,
         )
 
     def _mean(
-        self, features: Float[Tensor, "M B D"], root: Float[Tensor, "B D"], fold: bool
+        self, features: Float[Tensor, "M B D"], root: Float[Tensor, "B D"]
     ) -> Float[Tensor, "B D"]:
         """Return the mean over the nodes that grow from the features; zeros without any."""
         if not self.settings.tree_at_inference or self.settings.generation == "none":
             return torch.zeros_like(root)
         if self.settings.generation == "interpolation":
             return root / len(features)  # points are evenly spaced between the features
-        folded = (
-            self._folds.get(("tree",), lambda: fold_tree(self.dtg)) if fold else self.dtg.fold()
-        )
-        return linear(root, *folded)
+        return linear(root, *self._folds.get(("tree",), self.dtg.fold))
 
 
 def _rows(order: float | Tensor, rows: slice) -> float | Tensor:

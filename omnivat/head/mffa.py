@@ -13,9 +13,12 @@ from omnivat.head.settings import HeadSettings
 from omnivat.head.transform import transform
 from omnivat.kit.stages import MODALITIES
 
+BANK_MOMENTUM = 0.9  # of the bank of class tokens, in each batch
+
 
 class FrATT(nn.Module):
-    """The weights of fractional Fourier attention (FrATT), Eq. 4; `MFFA.features` computes it.
+    """The weights of fractional Fourier attention (FrATT), Eq. 4; `MFFA.features` computes it in
+    training, `FoldedMFFA.features` in prediction.
 
     One head; biases on all linear layers; no output projection, residual or normalisation.
     The same weights serve VIS, TAC and LANG. The bias of the keys and the class token in the keys
@@ -57,11 +60,8 @@ class MFFA(nn.Module):
 
     def __init__(self, settings: HeadSettings) -> None:
         super().__init__()
-        self.unit = settings.feature_scale == "unit"
-        self.class_token = settings.class_token
-        self.real = settings.complex_to_real
-        start = settings.order if settings.mffa else 0.0
-        order = torch.tensor(start, dtype=torch.float64)
+        self.settings = settings
+        order = torch.tensor(settings.order if settings.mffa else 0.0, dtype=torch.float64)
         if settings.order_per_modality:
             order = order.repeat(len(MODALITIES))
         self.order = nn.Parameter(order, requires_grad=settings.learn_order and settings.mffa)
@@ -93,15 +93,10 @@ class MFFA(nn.Module):
 
     def channels(self, parts: Float[Tensor, "2 *any"]) -> Float[Tensor, "#2 *any"]:
         """Return the channels for tokens: Re and Im, their modulus, or Re."""
-        if self.real == "magnitude":
+        if self.settings.complex_to_real == "magnitude":
             modulus: Tensor = torch.linalg.vector_norm(parts, dim=0, keepdim=True)
             return modulus
-        return parts[:1] if self.real == "real" else parts
-
-    def thetas(self, names: Sequence[str]) -> Float[Tensor, "M E"]:
-        """Return θ_e, the factor of the channels; for the modulus, |θ_e|."""
-        theta = torch.stack([self.theta[name] for name in names])
-        return theta.abs() if self.real == "magnitude" else theta
+        return parts[:1] if self.settings.complex_to_real == "real" else parts
 
     # ---- class tokens ------------------------------------------------------------------------
 
@@ -114,24 +109,17 @@ class MFFA(nn.Module):
 
     @torch.no_grad()
     def update_bank(
-        self,
-        tokens: Mapping[str, Float[Tensor, "B D"]],
-        labels: Int[Tensor, " B"],
-        *,
-        momentum: float = 0.9,
+        self, tokens: Mapping[str, Float[Tensor, "B D"]], labels: Int[Tensor, " B"]
     ) -> None:
         """Move the bank towards the class means of `tokens`, by modality."""
-        if not tokens:
-            return
         values = torch.stack(list(tokens.values()))  # (M, B, D)
         rows = [MODALITIES.index(name) for name in tokens]
         classes = torch.arange(len(self.bank_seen), device=labels.device)
         members = (labels == classes[:, None]).to(values.dtype)  # (K, B)
         count = members.sum(1, keepdim=True)
         means = (members @ values) / count.clamp_min(1)
-        share = torch.where(self.bank_seen[:, None], 1 - momentum, 1.0) * (count > 0)
-        moved = torch.lerp(self.bank[rows], means.to(self.bank.dtype), share.to(self.bank.dtype))
-        self.bank[rows] = moved
+        share = torch.where(self.bank_seen[:, None], 1 - BANK_MOMENTUM, 1.0) * (count > 0)
+        self.bank[rows] = torch.lerp(self.bank[rows], means, share.to(means))
         self.bank_seen |= count[:, 0] > 0
 
     def expand(self, names: Sequence[str], parts: Float[Tensor, "2 M B D"]) -> Expanded:
@@ -140,9 +128,11 @@ class MFFA(nn.Module):
         return Expanded(factored.base_vectors(channels, table.halves.shape[1]), table)
 
     def tables(self, names: Sequence[str]) -> factored.Tables:
-        """Return the coefficients of the tokens."""
-        count = 1 if self.real in ("magnitude", "real") else 2
-        return factored.tables(self.thetas(names), count)
+        """Return the coefficients of the tokens, from θ_e; for the modulus, from |θ_e|."""
+        theta = torch.stack([self.theta[name] for name in names])
+        if self.settings.complex_to_real == "magnitude":
+            theta = theta.abs()
+        return factored.tables(theta, 2 if self.settings.complex_to_real == "tokens" else 1)
 
     def mean_tokens(self, expanded: Expanded) -> Float[Tensor, "M B D"]:
         """Return the mean over the tokens of each sample."""
@@ -153,39 +143,37 @@ class MFFA(nn.Module):
 
     def features(
         self,
-        names: Sequence[str],
         expanded: Expanded,
         *,
-        guide: Float[Tensor, "B D"] | None = None,
-        guided: Bool[Tensor, " B"] | None = None,
-        token: Float[Tensor, "M #B D"] | None = None,  # noqa: F821
-    ) -> tuple[Float[Tensor, "M B D"], Float[Tensor, "M B T T"]]:
-        """Return F-bar of several modalities, and attention of each token to each. Eq. 4 and 6.
+        guide: Float[Tensor, "B D"] | None,
+        guided: Bool[Tensor, " B"],
+        token: Float[Tensor, "M B D"] | None,
+    ) -> Float[Tensor, "M B D"]:
+        """Return F-bar of several modalities. Eq. 4 and 6.
 
         expanded  from `expand`
-        guide   F-bar of LANG: replaces token queries where `guided` is True
-        token   class tokens; None: the class-agnostic ones
+        guide     F-bar of LANG: replaces token queries where `guided` is True
+        token     class tokens
         """
         fratt, (base, table) = self.fratt, expanded
         score_root, value_root = fratt.roots
         keys = linear(base, fratt.key.weight)
         scores = factored.dots(linear(base, fratt.query.weight), keys)
         bias_scores = (keys @ fratt.query.bias).movedim(0, -1)
-        weights, each = factored.attention(scores, bias_scores, table, score_root)
-        if guide is not None and guided is not None:
+        weights, _ = factored.attention(scores, bias_scores, table, score_root)
+        if guide is not None:
             guide_query = fratt.query(guide).expand(1, *keys.shape[1:])
             theirs = factored.dots(guide_query, keys).squeeze(-2) @ table.tokens
             theirs = torch.softmax(theirs / score_root, dim=-1)
             weights = torch.where(guided[:, None], theirs, weights)
         pooled = factored.combined(base, weights @ table.tokens.mT)
-        if self.class_token:
-            token = self.class_agnostic_tokens(names)[:, None] if token is None else token
+        if token is not None:
             pooled = pooled + token
-        return self.finished(fratt.ffn(fratt.value(pooled) / value_root)), each
+        return self.finished(fratt.ffn(fratt.value(pooled) / value_root))
 
     def finished(self, feature: Float[Tensor, "*any D"]) -> Float[Tensor, "*any D"]:
         """Return F-bar: of unit length, or as the network gives it."""
-        return normalize(feature, dim=-1) if self.unit else feature
+        return normalize(feature, dim=-1) if self.settings.feature_scale == "unit" else feature
 
 
 def _theta(settings: HeadSettings) -> Float[Tensor, " E"]:
@@ -195,11 +183,12 @@ def _theta(settings: HeadSettings) -> Float[Tensor, " E"]:
     sets them evenly from 0.5 to 1.5, which breaks the symmetry.
     """
     count = settings.expansion
+    if settings.theta_init == "normal":
+        return torch.randn(count)
+    start = torch.ones(count)
+    if settings.theta_init == "signed":
+        start[1::2] = -1
     if settings.theta_init == "spread" and count > 1:
         # made on the CPU: on the device "meta", torch would import sympy for it
-        return torch.linspace(0.5, 1.5, count, device="cpu").to(torch.get_default_device())
-    if settings.theta_init in ("spread", "ones"):
-        return torch.ones(count)
-    if settings.theta_init == "signed":
-        return torch.tensor([1.0, -1.0]).repeat((count + 1) // 2)[:count]
-    return torch.randn(count)
+        start = torch.linspace(0.5, 1.5, count, device="cpu").to(start)
+    return start

@@ -51,7 +51,7 @@ def training_pass(
             tokens.update(zip(some, means, strict=True))
             agnostic = model.mffa.class_agnostic_tokens(some)[:, None]
             token = torch.where(token_on[:, None], class_means(means, labels), agnostic)
-        bars, _ = model.mffa.features(some, expanded, guide=guide, guided=lang_on, token=token)
+        bars = model.mffa.features(expanded, guide=guide, guided=lang_on, token=token)
         features.update(zip(some, bars, strict=True))
         return bars
 

@@ -56,12 +56,10 @@ def make_optimiser(model: OmniVaT, settings: TrainSettings) -> Momentum:
     apart = {id(parameter) for parameter in (*order, *theta)}
     rest = [p for p in model.parameters() if id(p) not in apart]
     groups: list[dict[str, Any]] = [
-        {"params": rest, "weight_decay": settings.weight_decay, "scale": 1.0}
+        {"params": rest, "weight_decay": settings.weight_decay, "scale": 1.0},
+        {"params": theta, "weight_decay": 0.0, "scale": 1.0},
+        {"params": order, "weight_decay": 0.0, "scale": settings.order_lr_scale},
     ]
-    if theta:
-        groups.append({"params": theta, "weight_decay": 0.0, "scale": 1.0})
-    if model.mffa.order.requires_grad:
-        groups.append({"params": order, "weight_decay": 0.0, "scale": settings.order_lr_scale})
     return Momentum([group | {"lr": settings.lr} for group in groups], settings.momentum)
 
 
@@ -142,22 +140,24 @@ def learn(
     rest = [p.grad for p in parameters if p is not order and p.grad is not None]
     norms = torch.stack(torch._foreach_norm(rest))
     norm = float(torch.linalg.vector_norm(norms))
-    total, mma, nod, cross_entropy = torch.stack(losses).detach().tolist()
-    if not (math.isfinite(total) and math.isfinite(norm)):
+    values = torch.stack(losses).tolist()
+    if not (math.isfinite(values[0]) and math.isfinite(norm)):
         raise OmniVatError(
-            f"Training stopped: the loss is {total:g}. Lower lr or "
+            f"Training stopped: the loss is {values[0]:g}. Lower lr or "
             "mma_weight, or look for extreme values in the embeddings."
         )
     clipped = norm > settings.clip
     if clipped:
         torch._foreach_mul_(rest, settings.clip / norm)
-    held = 0.0
+    held = False
     if order.grad is not None:
-        held = float(bool((order.grad.abs() > settings.order_clip).any()))
+        held = bool((order.grad.abs() > settings.order_clip).any())
         order.grad.clamp_(-settings.order_clip, settings.order_clip)
     optimiser.step()
-    own = pairs_of(settings.bank_from, batch)
-    tokens = {n: t.detach() if own is None else t.detach()[own] for n, t in output.tokens.items()}
-    model.mffa.update_bank(tokens, batch.labels if own is None else batch.labels[own])
-    known = {"loss": total, "mma": mma, "nod": nod, "cross_entropy": cross_entropy}
-    return {**known, "clipped": float(clipped), "order_clipped": held}
+    if output.tokens:
+        some = pairs_of(settings.bank_from, batch)
+        rows = slice(None) if some is None else some
+        tokens = {name: values.detach()[rows] for name, values in output.tokens.items()}
+        model.mffa.update_bank(tokens, batch.labels[rows])
+    record = dict(zip(("loss", "mma", "nod", "cross_entropy"), values, strict=True))
+    return record | {"clipped": float(clipped), "order_clipped": float(held)}

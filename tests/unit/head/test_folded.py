@@ -111,13 +111,22 @@ def test_folding_happens_once_while_nothing_changes(make_head, make_pairs, monke
     assert len(calls) == 1
 
 
-def test_gradients_reach_p_and_the_embeddings_where_they_are_asked_for(make_head, make_pairs):
-    model = make_head()
+@pytest.mark.parametrize("frozen", [False, True])
+def test_gradients_reach_p_and_the_embeddings_whatever_was_folded_before(
+    make_head, make_pairs, frozen
+):
+    model = make_head().requires_grad_(not frozen)
     vis, tac = make_pairs(3)
-    output = model(vis.requires_grad_(), tac)
-    output.logits["vis"].sum().backward()
-    assert model.mffa.order.grad.abs() > 0
+    with torch.inference_mode():
+        wanted = model(vis, tac).probabilities
+    for _ in range(2):  # the second time, too
+        output = model(vis.requires_grad_(), tac)
+        output.logits["vis"].sum().backward()
     assert vis.grad.abs().sum() > 0
+    moved = [p.grad is not None for p in (model.mffa.order, model.dtg.weight, model.classifier)]
+    assert moved == [not frozen] * 3
+    with torch.no_grad():
+        torch.testing.assert_close(model(vis, tac).probabilities, wanted)
 
 
 def test_attention_is_that_of_each_token_to_each(make_head, make_pairs):

@@ -97,7 +97,7 @@ def test_a_prediction_is_that_of_the_slow_head(make_head, make_pairs, theta, cha
         with torch.no_grad():
             bars, hats, probabilities = Slow(model).predict(given, p)
             folded = model(**given, order=order)
-        for output in (folded, model(**given, order=order)):  # with gradients, weights are unfolded
+        for output in (folded, model(**given, order=order)):  # with gradients, folded anew
             wanted = zip(IMAGES, bars, hats, strict=True)
             for name, bar, hat in wanted:
                 torch.testing.assert_close(output.f_bar[name], bar, rtol=0, atol=1e-12)
