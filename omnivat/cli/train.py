@@ -93,12 +93,12 @@ def _of_all(options: argparse.Namespace) -> None:
     """Train and write a head of all domains, and print what it reads right in domains left out."""
     from omnivat.data.store import load_embeddings
     from omnivat.head.checkpoint import save_head
-    from omnivat.training.own import own_head
+    from omnivat.training.pooled import pooled_head
 
     if options.set or options.part or options.repeat or options.resume:
         raise SettingsError("With --source all, give --embeddings, --seed and --out only.")
     with progress_bar("train on all domains") as show:
-        head = own_head(load_embeddings(options.embeddings), seed=options.seed, on_step=show)
+        head = pooled_head(load_embeddings(options.embeddings), seed=options.seed, on_step=show)
     save_head(options.out, head)
     print(
         f"{'pictures without labels':<24} {'both':>6} {'photo':>6} {'touch':>6}   (domains left"

@@ -17,7 +17,7 @@ import torch
 from safetensors import SafetensorError
 from safetensors.torch import load_file, save
 from torch import Tensor
-from torch.nn.functional import nll_loss, normalize
+from torch.nn.functional import cross_entropy, normalize
 
 from omnivat.head.fusion import UNFITTED, Temperatures, fused_logs
 from omnivat.kit.errors import DataError
@@ -49,7 +49,7 @@ def fit_temperature(logits: Tensor, labels: Tensor) -> float:
     values = logits.double()
 
     def loss(log_temperature: float) -> float:
-        return _nll(values / _exp(log_temperature), labels)
+        return float(cross_entropy(values / _exp(log_temperature), labels))
 
     low, high = torch.tensor([LOWEST, HIGHEST], dtype=torch.float64).log().tolist()
     left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
@@ -78,14 +78,12 @@ def fit_calibration(
     """
     alone = {n: fit_temperature(logits[n], labels) for n in IMAGES if n in logits}
     if len(alone) == 1:
-        return {**UNFITTED, **alone, "fused": alone[next(iter(alone))]}
-    branches = logits["vis_branch"], logits["tac_branch"]
-    fused = logits["pair"] if fusion == "feature" else fused_logs(fusion, *branches)
-    return {**UNFITTED, **alone, "fused": fit_temperature(fused, labels)}
-
-
-def _nll(logits: Tensor, labels: Tensor) -> float:
-    return float(nll_loss(torch.log_softmax(logits, dim=-1), labels))
+        (both,) = alone.values()
+    else:
+        branches = logits["vis_branch"], logits["tac_branch"]
+        fused = logits["pair"] if fusion == "feature" else fused_logs(fusion, *branches)
+        both = fit_temperature(fused, labels)
+    return {**UNFITTED, **alone, "fused": both}
 
 
 def _exp(value: float) -> float:
@@ -114,14 +112,15 @@ class Familiarity:
         vis, tac  (B, D) raw embeddings of the head's encoder, before any profile; one may be None
         """
         given = {n: x for n, x in (("vis", vis), ("tac", tac)) if x is not None and n in self.rows}
-        found: list[dict[str, dict[str, Any]]] = [{} for _ in next(iter(given.values()), ())]
+        records: list[dict[str, dict[str, Any]]] = [{} for _ in next(iter(given.values()), ())]
         for name, rows in given.items():
             cosines = nearest_cosines(rows, self.rows[name])
             places = quantile_of(cosines.mean(1), self.quantiles[name])
-            for one, c, q in zip(found, cosines[:, 0].tolist(), places.tolist(), strict=True):
+            for record, c, q in zip(records, cosines[:, 0].tolist(), places.tolist(), strict=True):
                 quantile = round(q, 3)
-                one[name] = {"cosine": round(c, 4), "quantile": quantile, "words": words(quantile)}
-        return found
+                about = {"cosine": round(c, 4), "quantile": quantile, "words": words(quantile)}
+                record[name] = about
+        return records
 
 
 def words(quantile: float) -> str:
@@ -137,11 +136,11 @@ def familiarity_of(vis: Tensor | None, tac: Tensor | None, objects: Sequence[str
     Raises DataError if all images are of one object.
     """
     given = {n: x for n, x in (("vis", vis), ("tac", tac)) if x is not None}
-    step = max(1, -(-len(objects) // MOST_ROWS))
-    names = list(objects)[::step]
-    numbers = {name: i for i, name in enumerate(dict.fromkeys(names))}
-    owner = torch.tensor([numbers[n] if n else len(names) + i for i, n in enumerate(names)])
-    if len(set(owner.tolist())) < 2:
+    step = -(-len(objects) // MOST_ROWS) or 1
+    names = [name or f"\0{row}" for row, name in enumerate(objects[::step])]
+    numbers = {name: number for number, name in enumerate(dict.fromkeys(names))}
+    owner = torch.tensor([numbers[name] for name in names])
+    if len(numbers) < 2:
         raise DataError("Familiarity needs training images of two objects or more.")
     rows = {name: normalize(x[::step].float(), dim=-1) for name, x in given.items()}
     levels = torch.linspace(0, 1, QUANTILES)

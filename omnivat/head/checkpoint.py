@@ -52,13 +52,17 @@ class Head:
     """A trained head and its provenance."""
 
     model: OmniVaT
-    settings: HeadSettings
     encoder: dict[str, str]  # name, weights_hash, preprocessing
     provenance: dict[str, Any]  # source domain, training settings, seed, LANG bank, versions
     metrics: dict[str, Any] = field(default_factory=dict)
     path: Path | None = None
     familiarity: Familiarity | None = None
     profile: Profile | None = None  # of the training pairs
+
+    @property
+    def settings(self) -> HeadSettings:
+        """The settings of the model."""
+        return self.model.settings
 
     @property
     def source(self) -> str:
@@ -176,12 +180,10 @@ def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None
     if target.exists() and not target.is_dir():
         raise DataError(f"'{target}' is a file; name a folder for the head.")
     allowed = {WEIGHTS, SETTINGS, METRICS, FAMILIARITY, PROFILE, *also}
-    foreign = (
-        sorted(p.name for p in target.iterdir() if p.name not in allowed) if target.is_dir() else []
-    )
+    foreign = {path.name for path in target.iterdir()} - allowed if target.is_dir() else set()
     if foreign:
         raise DataError(
-            f"'{target}' holds '{foreign[0]}', which is not part of a head and would be lost; "
+            f"'{target}' holds '{min(foreign)}', which is not part of a head and would be lost; "
             "name a new folder, or move that file away."
         )
     require_writable(target / SETTINGS)
@@ -230,7 +232,6 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
         raise DataError(f"'{path / PROFILE}' does not fit this head; copy the head folder again.")
     return Head(
         model=model.eval().requires_grad_(False),
-        settings=settings,
         encoder=encoder,
         provenance=provenance,
         metrics=read_object(path / METRICS) if (path / METRICS).is_file() else {},

@@ -12,7 +12,6 @@ from torch.nn.functional import cross_entropy, mse_loss, normalize
 
 from omnivat.head.output import TrainingOutput
 from omnivat.kit.shapes import require_shapes
-from omnivat.kit.stages import MODALITIES
 
 
 def mma_loss(
@@ -33,6 +32,7 @@ def mma_loss(
     return (logs[0].exp() * excess).sum(1).mean()
 
 
+MMA_WEIGHT, NOD_WEIGHT = 10.0, 1.0  # λ, and that of NOD
 EPS = 1e-12  # below this length a node has no direction
 
 
@@ -69,8 +69,8 @@ def joint_loss(
     labels: Int[Tensor, " B"],
     *,
     aligned: Bool[Tensor, " B"] | None = None,
-    mma_weight: float = 10.0,
-    nod_weight: float = 1.0,
+    mma_weight: float = MMA_WEIGHT,
+    nod_weight: float = NOD_WEIGHT,
     targets: dict[str, Float[Tensor, "B K"]] | None = None,
 ) -> Losses:
     """Return λ MMA + NOD + CE, the mean of the two logits'.
@@ -81,16 +81,12 @@ def joint_loss(
     Source: paper, Eq. 12; for `targets`, docs/order.md.
     """
     features, logits = output.features, output.logits
-    zero = output.layers[0].new_zeros(())
-    mma = zero
+    mma = nod = output.layers[0].new_zeros(())
     if "lang" in features and mma_weight:
-        given = {n: features[n] for n in MODALITIES if n in features}
-        mma = mma_loss(**{n: x if aligned is None else x[aligned] for n, x in given.items()})
-    nod = nod_loss(output.layers) if nod_weight else zero
-    ce = torch.stack([cross_entropy(values, labels) for values in logits.values()]).mean()
-    fit = (
-        ce
-        if targets is None
-        else torch.stack([mse_loss(logits[n], targets[n]) for n in logits]).mean()
-    )
+        mma = mma_loss(**{n: x if aligned is None else x[aligned] for n, x in features.items()})
+    if nod_weight:
+        nod = nod_loss(output.layers)
+    ce = fit = torch.stack([cross_entropy(values, labels) for values in logits.values()]).mean()
+    if targets is not None:
+        fit = torch.stack([mse_loss(logits[n], targets[n]) for n in logits]).mean()
     return Losses(mma_weight * mma + nod_weight * nod + fit, mma, nod, ce)

@@ -45,9 +45,8 @@ class Lessons:
             name: torch.einsum("bw,nkw->bnk", x, weights[:, IMAGES.index(name)])
             for name, x in rows.items()
         }
+        parts["fused"] = torch.stack(list(parts.values())).mean(0)
         scores = {name: 2 * part + bias for name, part in parts.items()}
-        together = torch.stack(list(parts.values())).sum(0) + bias
-        scores["fused"] = together if len(parts) > 1 else next(iter(scores.values()))
         return cls(known=known, shares=shares, scores=scores)
 
     def __getitem__(self, pairs: Any) -> "Lessons":
@@ -97,15 +96,15 @@ class HeadOutput:
         image = name.removesuffix("_branch")
         if self.maps:  # each map has one image or both: a branch is the image alone
             return self.maps[image].softmax(-1)
-        own = slice(self.lessons.known[0] if self.lessons else None)  # classes
+        known = slice(self.lessons.known[0] if self.lessons else None)  # classes
         if name == "fused" and len(self.logits) > 1:
-            logits = {one: values[:, own] for one, values in self.logits.items()}
-            return fuse(self.fusion, logits, self.pair[:, own], self.temperatures["fused"])
+            logits = {image: values[:, known] for image, values in self.logits.items()}
+            return fuse(self.fusion, logits, self.pair[:, known], self.temperatures["fused"])
         if name == "fused":
-            name = image = next(iter(self.alone))
-        values = self.alone[image] if name == image else self.logits[image]
-        kind = name if name == image else "fused"
-        return tempered(values[:, own], self.temperatures[kind])
+            (name,) = self.alone
+        if name in self.alone:
+            return tempered(self.alone[name][:, known], self.temperatures[name])
+        return tempered(self.logits[image][:, known], self.temperatures["fused"])
 
     @property
     def probabilities(self) -> Float[Tensor, "B K"]:

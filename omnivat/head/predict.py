@@ -39,32 +39,30 @@ def predict_embeddings(
     ['tac']
     """
     looked = head.familiarity.look(vis, tac) if head.familiarity else None
+    images = {name: rows for name, rows in (("vis", vis), ("tac", tac)) if rows is not None}
     if profile is not None:
-        vis, tac = (
-            x if x is None else head.moved(name, x, profile)
-            for name, x in (("vis", vis), ("tac", tac))
-        )
-    given = [None if rows is None else rows.to(head.model.classifier.device) for rows in (vis, tac)]
-    readings = head.model(*given, order=optional_order(order)).readings
-    found = {name: values.cpu() for name, values in readings.items()}
-    classes, fused = head.settings.classes, found["fused"]
+        images = {name: head.moved(name, rows, profile) for name, rows in images.items()}
+    vis, tac = (images[n].to(head.model.classifier.device) if n in images else None for n in IMAGES)
+    readings = head.model(vis, tac, order=optional_order(order)).readings
+    shares = {name: values.tolist() for name, values in readings.items()}
+    classes, fused = head.settings.classes, readings["fused"].argmax(1).tolist()
 
-    def named(row: int, ending: str = "") -> dict[str, dict[str, float]]:
-        own = {
-            name: found[name + ending][row].tolist() for name in IMAGES if name + ending in found
-        }
-        return {name: dict(zip(classes, values, strict=True)) for name, values in own.items()}
+    def named(row: int, reading: str) -> dict[str, float]:
+        return dict(zip(classes, shares[reading][row], strict=True))
+
+    def by_image(row: int, ending: str = "") -> dict[str, dict[str, float]]:
+        return {name: named(row, name + ending) for name in IMAGES if name + ending in shares}
 
     return [
         {
-            "prediction": classes[int(fused[row].argmax())],
-            "probabilities": dict(zip(classes, fused[row].tolist(), strict=True)),
-            "modalities": named(row),
-            **({"branches": branches} if (branches := named(row, "_branch")) else {}),
+            "prediction": classes[best],
+            "probabilities": named(row, "fused"),
+            "modalities": by_image(row),
+            **({"branches": branches} if (branches := by_image(row, "_branch")) else {}),
             "temperature": dict(head.model.temperatures),
             "familiarity": looked[row] if looked else {},
             "order": head.model.order if order is None else order,
             "profile": profile.counts if profile else {},
         }
-        for row in range(len(fused))
+        for row, best in enumerate(fused)
     ]

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from os.path import isfile
 from pathlib import Path
 
 import numpy as np
@@ -52,11 +51,7 @@ def pictures_in(
     """
     if folder is None:
         places = (("vis", vis), ("tac", tac))
-        found = [
-            _picture(name, path)
-            for name, place in places
-            for path in (_images(place) if place else ())
-        ]
+        found = [_picture(name, path) for name, place in places if place for path in _images(place)]
     else:
         found = _of_pairs(folder, rest) or [
             _picture(m, path) for path in _images(folder) if (m := modality_of(path))
@@ -96,13 +91,9 @@ def _of_pairs(folder: Path, rest: str | None) -> list[Picture]:
 
 def _images(folder: Path) -> list[Path]:
     """Return the image files of a folder, at any depth."""
-    found = [
-        place / entry.name
-        for place in (folder,)
-        for entry in visible(place)
-        if is_image_name(entry.name) and isfile(place / entry.name)
-    ]
-    return found + [path for place in folders_in(folder) for path in _images(place)]
+    files = [folder / entry.name for entry in visible(folder) if is_image_name(entry.name)]
+    deeper = [path for place in folders_in(folder) for path in _images(place)]
+    return [path for path in files if path.is_file()] + deeper
 
 
 def profile_of_pictures(

@@ -7,6 +7,7 @@ the head is right, P remains; where it is wrong, or lacks the classes, t falls. 
 alone. A taught head can be taught again: P is then the prediction of the taught one.
 """
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -204,9 +205,7 @@ class Work:
             checkpoint()
             teach = np.concatenate(objects)
             ends = np.cumsum([len(group) for group in objects])
-            groups = [
-                np.arange(end - len(group), end) for end, group in zip(ends, objects, strict=True)
-            ]
+            groups = np.split(np.arange(len(teach)), ends[:-1])
             solved = self.ridge(teach, groups)
             share = solved.share(groups)
             products = self.rows[tested] @ self.rows[teach].T + 1
@@ -220,23 +219,20 @@ class Work:
         share = solved.share(self.objects)
         sharp = sharpness(solved.apart(share), self.labels)
         weights = sharp * solved.weights(share)
-        counts = {name: [one.label for one in self.lessons].count(name) for name in self.classes}
-        about = {
-            "taught": {name: count for name, count in counts.items() if count},
-            "head_share": share,
-        }
+        counts = Counter(one.label for one in self.lessons)
+        taught_classes = {name: counts[name] for name in self.classes if name in counts}
+        about = {"taught": taught_classes, "head_share": share}
         head = self.head
         taught = *head.settings.taught, len(head.settings.classes)
         settings = replace(head.settings, classes=self.classes, taught=taught)
         state = _with_classes(head, self.classes, self.lessons)
-        extra = len(self.classes) - taught[-1]
-        for name, value, room in (
-            ("taught_rows", np.stack(np.split(weights.T @ self.rows, 2, axis=1)), (0, 0, 0, extra)),
-            ("taught_bias", weights.sum(0), (0, extra)),
-            ("taught_share", np.array(sharp * share), ()),
+        for name, value in (
+            ("taught_rows", np.stack(np.split(weights.T @ self.rows, 2, axis=1))),
+            ("taught_bias", weights.sum(0)),
+            ("taught_share", np.array(sharp * share)),
         ):
             last = torch.from_numpy(value)[None].to(head.model.dtype)
-            state[name] = torch.cat((pad(state[name], room), last)) if name in state else last
+            state[name] = torch.cat((state.get(name, last[:0]), last))
         with torch.device("meta"):
             model = OmniVaT(settings)
         model.load_state_dict(state, assign=True)
@@ -244,7 +240,6 @@ class Work:
         return replace(
             head,
             model=model.eval().requires_grad_(False),
-            settings=settings,
             provenance={**head.provenance, **about},
             metrics={},
             path=None,
@@ -285,25 +280,22 @@ def _batches(lessons: Sequence[Lesson]) -> Iterator[tuple[list[int], dict[str, T
 def _with_classes(
     head: Head, classes: tuple[str, ...], lessons: Sequence[Lesson]
 ) -> dict[str, Tensor]:
-    """Return the weights of a head with `classes`; the direction of a new one, by which tree nodes
-    are classified, is the mean of its lessons' unit F̂.
+    """Return the weights of a head with `classes`, the new ones unseen by its bank and by what it
+    was taught before; the direction of a new one, by which tree nodes are classified, is the mean
+    of its lessons' unit F̂.
     """
     state = {name: tensor.detach() for name, tensor in head.model.state_dict().items()}
-    directions = state["classifier"]
-    for name in classes[len(directions) :]:
-        hats = [
-            f
-            for one in lessons
-            if one.label == name
-            for f in head.model(one.vis, one.tac).f_hat.values()
-        ]
-        mean = normalize(normalize(torch.cat(hats), dim=-1).mean(0), dim=-1)
-        length = state["classifier"].norm(dim=-1).mean()
-        directions = torch.cat((directions, length * mean[None]))
-    extra = len(directions) - len(state["classifier"])
-    state["classifier"] = directions
-    if extra and "mffa.bank" in state:  # unseen classes: the class-agnostic token stays
-        bank, seen = state["mffa.bank"], state["mffa.bank_seen"]
-        state["mffa.bank"] = torch.cat((bank, bank.new_zeros(len(bank), extra, bank.shape[2])), 1)
-        state["mffa.bank_seen"] = torch.cat((seen, seen.new_zeros(extra)))
+    known = state["classifier"]
+    directions = [known]
+    for name in classes[len(known) :]:
+        outputs = [head.model(one.vis, one.tac) for one in lessons if one.label == name]
+        hats = torch.cat([rows for output in outputs for rows in output.f_hat.values()])
+        mean = normalize(normalize(hats, dim=-1).mean(0), dim=-1)
+        directions.append(known.norm(dim=-1).mean() * mean[None])
+    state["classifier"] = torch.cat(directions)
+    extra = len(classes) - len(known)
+    for name in {"mffa.bank", "taught_rows"} & set(state):
+        state[name] = pad(state[name], (0, 0, 0, extra))
+    for name in {"mffa.bank_seen", "taught_bias"} & set(state):
+        state[name] = pad(state[name], (0, extra))
     return state

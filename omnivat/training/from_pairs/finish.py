@@ -21,6 +21,7 @@ from omnivat.measure.predictions import label_map, predicted_logits
 from omnivat.training import Trained, Watch, train
 from omnivat.training.from_pairs.plan import TrainingPlan
 from omnivat.training.selection import evidence
+from omnivat.training.watch import UNWATCHED
 
 PACKAGES = ("torch", "numpy", "safetensors")  # whose versions a head keeps
 
@@ -31,7 +32,7 @@ def trained_head(
     repeat: Sequence[int] = (),
     calibrate: bool = True,
     resume: str | Path | None = None,
-    watch: Watch | None = None,
+    watch: Watch = UNWATCHED,
 ) -> Head:
     """Train a head as planned and evaluate it on all domains of the set; no head is written.
 
@@ -68,7 +69,6 @@ def trained_head(
     header, step = plan.embeddings.header, STEP_SHIFTED if plan.training.shift else 1.0
     head = Head(
         model=model,
-        settings=model.settings,
         encoder={
             "name": header.encoder,
             "weights_hash": header.weights_hash,
@@ -100,7 +100,7 @@ def _trained(
     pairs: Embeddings,
     *,
     resume: str | Path | None = None,
-    watch: Watch | None = None,
+    watch: Watch = UNWATCHED,
 ) -> Trained:
     """Train on some pairs with the settings, text and seed of a plan."""
     return train(

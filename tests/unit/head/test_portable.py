@@ -32,7 +32,7 @@ def head_of(**changes):
         model.mffa.bank.normal_()
         model.mffa.bank_seen.fill_(True)
     model.temperatures = {"fused": 1.3, "vis": 2.9, "tac": 0.7}
-    return Head(model=model, settings=settings, encoder={}, provenance={})
+    return Head(model=model, encoder={}, provenance={})
 
 
 def run(file, vis, tac, orders):

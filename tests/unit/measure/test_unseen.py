@@ -22,7 +22,7 @@ def untrained(embeddings):
     settings = head_settings(embeddings, width=16, lang_width=16)
     encoder = dict(zip(ENCODER, embeddings.header.key, strict=True))
     model = build_head(settings, seed=2).eval()
-    return Head(model=model, settings=settings, encoder=encoder, provenance={"source": SOURCE})
+    return Head(model=model, encoder=encoder, provenance={"source": SOURCE})
 
 
 @pytest.fixture(scope="module")

@@ -43,7 +43,7 @@ READINGS = ("fused", *IMAGES)
 Raw = dict[str, Tensor]
 
 
-def own_head(embeddings: Embeddings, *, seed: int, on_step: OnStep = ignore) -> Head:
+def pooled_head(embeddings: Embeddings, *, seed: int, on_step: OnStep = ignore) -> Head:
     """Return a head that learned from the training pairs of all domains of a set.
 
     `metrics["left_out"]` has what such a head reads right in domains left out of its training:
@@ -65,14 +65,12 @@ def own_head(embeddings: Embeddings, *, seed: int, on_step: OnStep = ignore) -> 
     fitted = _fitted(pairs, head.source_profile.channels, seed)
     model = with_maps(head.model, fitted, temperature)
     some = pairs.select(np.arange(0, len(pairs), KEPT))
-    raw = _raw(some)
-    familiar = familiarity_of(raw["vis"], raw["tac"], some.rows["object"])
+    familiar = familiarity_of(**_raw(some), objects=some.rows["object"])
     facts = {"maps": {"temperature": temperature}, "domains": list(domains)}
     return replace(
         head,
         model=model,
         familiarity=familiar,
-        settings=model.settings,
         provenance={**head.provenance, **facts},
         metrics={"left_out": left_out},
     )
@@ -80,20 +78,17 @@ def own_head(embeddings: Embeddings, *, seed: int, on_step: OnStep = ignore) -> 
 
 def level(embeddings: Embeddings, domains: Sequence[str]) -> tuple[Embeddings, Profile]:
     """Return embeddings with `domains` moved onto the mean of their profiles, and that mean."""
-    own = {
+    profiles = {
         name: profile_of(embeddings, embeddings.rows_of(name, split="train"), domain=name)
         for name in domains
     }
-    channels = {
-        name: Channels(
-            mean=np.mean([one.channels[name].mean for one in own.values()], axis=0),
-            variance=np.mean([one.channels[name].variance for one in own.values()], axis=0),
-            count=sum(one.channels[name].count for one in own.values()),
-        )
-        for name in IMAGES
-    }
+    channels = {}
+    for name in IMAGES:
+        each = [profile.channels[name] for profile in profiles.values()]
+        mean, variance = np.mean([(one.mean, one.variance) for one in each], axis=0)
+        channels[name] = Channels(mean=mean, variance=variance, count=sum(x.count for x in each))
     base = Profile(channels=channels, key=embeddings.header.key, domain=ALL)
-    return profiled(embeddings, own, base), base
+    return profiled(embeddings, profiles, base), base
 
 
 def with_maps(model: OmniVaT, fitted: FittedMaps, temperature: Mapping[str, float]) -> OmniVaT:
@@ -119,8 +114,7 @@ def with_maps(model: OmniVaT, fitted: FittedMaps, temperature: Mapping[str, floa
 
 
 def _fitted(pairs: Embeddings, profile: Mapping[str, Channels], seed: int) -> FittedMaps:
-    labels = torch.from_numpy(pairs.label)
-    classes = len(pairs.header.classes)
+    labels, classes = torch.from_numpy(pairs.label), len(pairs.header.classes)
     return fit_maps(
         _raw(pairs), labels, classes, profile=profile, noise=NOISE, seed=seed, steps=STEPS
     )

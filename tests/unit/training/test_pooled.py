@@ -12,8 +12,8 @@ from omnivat.head.linear_maps import fit_maps
 from omnivat.head.predict import predict_embeddings
 from omnivat.head.teach import Lesson, taught
 from omnivat.kit.errors import DataError
-from omnivat.training import TrainSettings, own
-from omnivat.training.own import ALL, _pooled, level, own_head, with_maps
+from omnivat.training import TrainSettings, pooled
+from omnivat.training.pooled import ALL, _pooled, level, pooled_head, with_maps
 from tests.builders import move_domains
 
 DOMAINS = ("TAG-sim", "OF Real-sim", "TQ-DIGIT-sim")
@@ -28,10 +28,10 @@ def shifted(make_embeddings):
 @pytest.fixture(scope="module")
 def head(shifted):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(own, "BODY", {"width": 16})
-        patch.setattr(own, "TRAINING", TrainSettings(epochs=2, lang=False))
-        patch.setattr(own, "DRAWS", 2)
-        return own_head(shifted, seed=0)
+        patch.setattr(pooled, "BODY", {"width": 16})
+        patch.setattr(pooled, "TRAINING", TrainSettings(epochs=2, lang=False))
+        patch.setattr(pooled, "DRAWS", 2)
+        return pooled_head(shifted, seed=0)
 
 
 def pairs(embeddings, rows):
@@ -119,4 +119,4 @@ def test_it_is_an_ordinary_head_on_disk_and_can_be_taught(head, shifted, tmp_pat
 
 def test_two_domains_are_too_few(make_embeddings):
     with pytest.raises(DataError, match="has 2 domain.* needs three or more"):
-        own_head(make_embeddings(), seed=0)
+        pooled_head(make_embeddings(), seed=0)
