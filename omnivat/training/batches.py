@@ -1,7 +1,7 @@
 """Training data: labels, and batches of cached embeddings."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from omnivat.encoders.lang.bank import LangBank
 from omnivat.head.linear_maps import SPREAD_ROWS
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError
+from omnivat.measure.predictions import label_map
 from omnivat.training.settings import DRAWN, TrainSettings
 
 Array = np.ndarray[Any, Any]
@@ -31,13 +32,10 @@ class Batch:
 
     def to(self, device: torch.device) -> "Batch":
         """Return the batch on a device."""
-
-        def moved(value: Any) -> Any:
-            if isinstance(value, dict):
-                return {name: moved(one) for name, one in value.items()}
-            return value if value is None else value.to(device)
-
-        return Batch(**{name: moved(getattr(self, name)) for name in self.__slots__})
+        images = {name: rows.to(device) for name, rows in self.images.items()}
+        rest = {name: getattr(self, name) for name in self.__slots__ if name != "images"}
+        moved = {name: value.to(device) for name, value in rest.items() if value is not None}
+        return replace(self, images=images, **moved)
 
 
 def labels_of(source: Embeddings, head: HeadSettings) -> Array:
@@ -48,8 +46,7 @@ def labels_of(source: Embeddings, head: HeadSettings) -> Array:
     if not len(source):
         raise DataError("The source domain has no training pairs.")
     names = source.header.classes
-    lookup = np.array([head.classes.index(n) if n in head.classes else -1 for n in names])
-    labels: Array = lookup[source.label]
+    labels: Array = label_map(head.classes, names)[source.label]
     if (labels < 0).any():
         lacking = names[int(source.label[labels < 0][0])]
         raise DataError(f"The source has pairs of '{lacking}', which the head lacks.")
@@ -76,26 +73,24 @@ def batches(
             n: settings.noise * getattr(source, n).std(0, dtype=np.float32) for n in settings.given
         }
     spread = _spread(source, settings, random)
-    style = None
+    lang = orders = None
     if bank is not None and settings.lang:  # a random style for every pair
-        style = random.integers(bank.embeddings.shape[1], size=count)
+        styles = random.integers(bank.embeddings.shape[1], size=count)
     targets = torch.from_numpy(truth)
-    orders = None
     if settings.order_draw:
         orders = torch.from_numpy(random.uniform(*DRAWN, count))
     for start in range(0, count, settings.batch):
         rows = slice(start, start + settings.batch)
-        images, lang = {}, None
+        images, index = {}, shuffled[rows]
         for name in settings.given:
-            index = shuffled[rows]
             some = getattr(source, name)[index].astype(np.float32, copy=False)
             if name in mirrored:
                 mirror = mirrored[name][rows]
                 some[mirror] = flips[name][index[mirror]]
             some = _disturbed(some, noise.get(name), spread.get(name), random)
             images[name] = torch.from_numpy(some)
-        if bank is not None and style is not None:
-            text = bank.embeddings[truth[rows], style[rows]]
+        if bank is not None and settings.lang:
+            text = bank.embeddings[truth[rows], styles[rows]]
             lang = torch.from_numpy(text.astype(np.float32, copy=False))
         yield Batch(
             images=images,

@@ -84,7 +84,6 @@ def search_order(
     The initial order in `head` has no effect. Orders outside [0, 1] repeat those inside.
     """
     began = time.monotonic()
-    watch = watch if watch.whole else watch.part(0, search_steps(head))
     scores = _Scores(source, head, settings, seed, watch)
     step = 1 / (stops_of(head) - 1)
     coarse = [scores.at(k * step, "coarse") for k in range(stops_of(head))]

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated
 
+from omnivat.head.losses import MMA_WEIGHT, NOD_WEIGHT
 from omnivat.kit.config import OneOf, Within, require_declared
 from omnivat.kit.errors import SettingsError
 
@@ -35,8 +36,8 @@ class TrainSettings:
     clip: Annotated[float, Within(1e-6, 1e6)] = 1.0  # gradient norm of all but p
     order_lr_scale: Annotated[float, Within(0.0, 1000.0)] = 0.01  # p's gradient is far larger
     order_clip: Annotated[float, Within(0.0, 1e12)] = 1.0  # p's gradient, by value
-    mma_weight: Weight = 10.0  # λ
-    nod_weight: Weight = 1.0
+    mma_weight: Weight = MMA_WEIGHT  # λ
+    nod_weight: Weight = NOD_WEIGHT
     lang: bool = True
     lang_drop: Share = 0.5  # share of pairs that train without LANG, as in prediction
     class_token_drop: Share = 0.5  # share of pairs with the class-agnostic token

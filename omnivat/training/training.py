@@ -12,7 +12,6 @@ from omnivat.encoders.lang.bank import LangBank
 from omnivat.head.head import OmniVaT, build_head
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.devices import current
-from omnivat.kit.progress import OnStep, ignore
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.threads import LIGHT, one_thread
 from omnivat.training.batches import batches, labels_of
@@ -20,7 +19,7 @@ from omnivat.training.order_search import search_order, search_steps
 from omnivat.training.settings import TrainSettings
 from omnivat.training.state import load_state, run_name, save_state
 from omnivat.training.steps import learn, make_optimiser, set_rate
-from omnivat.training.watch import Watch
+from omnivat.training.watch import UNWATCHED, Watch
 
 TEACHER = TrainSettings(epochs=120)  # its epochs, batch and rate serve every teacher
 AFTER = 0.1  # factor of p's rate after a search: little remains to be found
@@ -44,8 +43,7 @@ def train(
     bank: LangBank | None = None,
     seed: int = 0,
     resume: str | Path | None = None,
-    on_step: OnStep = ignore,
-    watch: Watch | None = None,
+    watch: Watch = UNWATCHED,
 ) -> Trained:
     """Train a head on the pairs of one source domain.
 
@@ -55,8 +53,7 @@ def train(
     seed     seed of all random streams: same seed and machine, same weights
     resume   file for the state after each epoch. A stopped training resumes from it; the final
              weights are identical to the bit. The file is removed at the end
-    on_step  called at every optimiser step, including those of an order search
-    watch    more callbacks, instead of `on_step`
+    watch    callbacks; steps are those of the optimiser and of an order search
 
     If settings.order_draw draws orders, the model's own order keeps its initial value. With
     settings.order_teachers, heads with p held at evenly spaced orders are trained first, with LANG
@@ -72,7 +69,6 @@ def train(
     >>> [round(epoch["loss"], 1) > 0 for epoch in trained.epochs]
     [True, True]
     """
-    watch = watch or Watch(on_step=on_step)
     resume = Path(resume) if resume else None
     if settings.order_draw:
         head = replace(head, learn_order=False)  # p is drawn, so it is not learned
@@ -102,12 +98,13 @@ def train(
         teachers = []
         for k in range(count):
             order = k / (count - 1) if count > 1 else head.order
-            part, own_seed = (
-                watch.part(k * each, whole).steps_only(),
-                derive_seed(seed, "teacher", k),
-            )
             made = train(
-                source, replace(head, order=order), teacher, bank=bank, seed=own_seed, watch=part
+                source,
+                replace(head, order=order),
+                teacher,
+                bank=bank,
+                seed=derive_seed(seed, "teacher", k),
+                watch=watch.part(k * each, whole).steps_only(),
             )
             teachers.append(made.model.to(current()))
         if teachers:

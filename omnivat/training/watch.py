@@ -39,3 +39,6 @@ class Watch:
     def steps_only(self) -> "Watch":
         """Return the same watch without reports of epochs."""
         return replace(self, on_epoch=_no_epoch)
+
+
+UNWATCHED = Watch()

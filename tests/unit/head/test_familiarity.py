@@ -11,7 +11,6 @@ from omnivat.head.calibration import (
     nearest_cosines,
     quantile_of,
     save_familiarity,
-    words,
 )
 from omnivat.kit.errors import DataError
 
@@ -72,15 +71,6 @@ def test_a_quantile_is_where_a_value_stands():
     values = torch.tensor([-1.0, 0.0, 0.1, 0.4, 0.7, 1.0, 2.0])
     expected = torch.tensor([0, 0, 1 / 6, 2 / 3, 5 / 6, 1, 1])
     torch.testing.assert_close(quantile_of(values, quantiles), expected)
-
-
-def test_words_have_an_order():
-    assert [words(q) for q in (0.0, 0.1, 0.5, 1.0)] == [
-        "unlike the training images",
-        "familiar",  # an ordinary rank: a tenth of the training images lie below
-        "familiar",
-        "familiar",
-    ]
 
 
 def test_a_large_set_keeps_a_bounded_number_of_rows():

@@ -13,30 +13,21 @@ def head(make_head):
     return make_head(theta="normal")
 
 
-@pytest.fixture
-def pairs(make_pairs):
-    return make_pairs
+@pytest.mark.parametrize(
+    ("vis", "tac", "error", "sentence"),
+    [
+        (None, None, DataError, r"Neither VIS nor TAC was given; give one of them or both\."),
+        ((2, 7), None, ShapeError, r"vis has shape \(2, 7\); this head needs \(B, 24\)"),
+        ((2, 24), (3, 24), ShapeError, "different numbers of pairs"),
+    ],
+)
+def test_images_that_make_no_pairs_for_this_head_are_refused(head, vis, tac, error, sentence):
+    with pytest.raises(error, match=sentence):
+        head(*(shape and torch.zeros(shape) for shape in (vis, tac)))
 
 
-def test_no_modality_at_all_is_refused(head):
-    with pytest.raises(
-        DataError, match=r"Neither VIS nor TAC was given; give one of them or both\."
-    ):
-        head(None, None)
-
-
-def test_embeddings_of_another_width_are_refused(head):
-    with pytest.raises(ShapeError, match=r"vis has shape \(2, 7\); this head needs \(B, 24\)"):
-        head(torch.zeros(2, 7), None)
-
-
-def test_unequal_numbers_of_vis_and_tac_are_refused(head):
-    with pytest.raises(ShapeError, match="different numbers of pairs"):
-        head(torch.zeros(2, 24), torch.zeros(3, 24))
-
-
-def test_coefficients_give_the_output_of_a_full_pass_at_any_order(head, pairs):
-    vis, tac = pairs(6)
+def test_coefficients_give_the_output_of_a_full_pass_at_any_order(head, make_pairs):
+    vis, tac = make_pairs(6)
     with torch.no_grad():
         kept = head.coefficients(vis, tac)
         for order in (0, 0.25, 1, 1.7, 2, 3, -0.4):
@@ -46,24 +37,18 @@ def test_coefficients_give_the_output_of_a_full_pass_at_any_order(head, pairs):
         torch.testing.assert_close(part, head(vis[2:4], tac[2:4], order=0.3).probabilities)
 
 
-def test_one_order_a_pair_equals_one_pass_an_order(head, pairs):
-    vis, tac = pairs(3)
-    orders = torch.tensor([0.1, 0.5, 0.9], dtype=torch.float64)
+def test_one_order_a_pair_equals_one_pass_an_order_and_one_alone_serves_all(head, make_pairs):
+    pairs = make_pairs(CHUNK + 3)
+    orders = torch.linspace(-1, 1, CHUNK + 3, dtype=torch.float64)
     with torch.no_grad():
-        kept = head.coefficients(vis, tac)
-        rows = head.from_coefficients(kept, orders).probabilities
-        for row, order in enumerate(orders.tolist()):
-            alone = head.from_coefficients(kept[row : row + 1], order).probabilities
-            torch.testing.assert_close(rows[row : row + 1], alone)
-
-
-def test_a_tensor_of_one_order_serves_any_number_of_pairs(head, pairs):
-    vis, tac = pairs(CHUNK + 3)
-    order = torch.tensor([0.1], dtype=torch.float64)
-    with torch.no_grad():
-        torch.testing.assert_close(
-            head(vis, tac, order=order).probabilities, head(vis, tac, order=0.1).probabilities
-        )
+        rows = head(*pairs, order=orders).probabilities
+        for row in (0, 1, CHUNK, CHUNK + 2):
+            alone = head(*(x[row : row + 1] for x in pairs), order=float(orders[row]))
+            torch.testing.assert_close(rows[row : row + 1], alone.probabilities)
+        same = [
+            head(*pairs, order=order).probabilities for order in (orders[3:4], float(orders[3]))
+        ]
+    torch.testing.assert_close(*same)
 
 
 @pytest.mark.parametrize("value", [0.0, 1e-30, 1e30])
@@ -76,10 +61,10 @@ def test_zero_tiny_and_huge_embeddings_give_finite_probabilities(head, value):
 
 
 @pytest.mark.parametrize("factor", [1e-30, 1e30])
-def test_the_size_of_embeddings_does_not_matter_even_where_squares_overflow(factor, pairs):
+def test_the_size_of_embeddings_does_not_matter_even_where_squares_overflow(factor, make_pairs):
     """Nor where they vanish: 1e30 squared is infinite in single precision."""
     model = build_head(head_settings(input_width=16, width=16, standardize=False)).eval()
-    vis, tac = (x[:, :16].float() for x in pairs(3))
+    vis, tac = (x[:, :16].float() for x in make_pairs(3))
     with torch.no_grad():
         plain, scaled = model(vis, tac), model(factor * vis, factor * tac)
     assert (plain.probabilities - scaled.probabilities).abs().max() < 1e-6

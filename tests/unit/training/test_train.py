@@ -9,23 +9,16 @@ import torch
 
 from omnivat.encoders.lang.bank import load_bank
 from omnivat.kit.errors import DataError, OmniVatError
-from omnivat.measure.predictions import predicted_probabilities
-from omnivat.training import TrainSettings, train
+from omnivat.training import TrainSettings
 from omnivat.training.batches import batches
 from omnivat.training.guard import lang_guard
-from tests.builders import head_settings
 
-from .conftest import equal_weights
-
-
-def accuracy(model, pairs):
-    answers = predicted_probabilities(model, pairs)["fused"].argmax(-1).numpy()
-    return (answers == pairs.label).mean()
+from .conftest import accuracy, equal_weights, learned
 
 
 @pytest.fixture(scope="module")
 def trained(source):
-    return train(source, head_settings(), TrainSettings(epochs=8), bank=load_bank())
+    return learned(source, epochs=8)
 
 
 def test_a_head_learns_its_source_and_p_stays_near_its_start(source, trained):
@@ -36,10 +29,7 @@ def test_a_head_learns_its_source_and_p_stays_near_its_start(source, trained):
 
 
 def test_same_seed_gives_the_same_weights_to_the_bit(source):
-    runs = [
-        train(source, head_settings(), TrainSettings(epochs=1), bank=load_bank(), seed=s).model
-        for s in (5, 5, 6)
-    ]
+    runs = [learned(source, epochs=1, seed=seed).model for seed in (5, 5, 6)]
     assert equal_weights(*runs[:2]) and not equal_weights(*runs[1:])
 
 
@@ -51,20 +41,15 @@ def test_lang_leaks_less_than_five_points_into_training(source, trained):
 @pytest.mark.parametrize("modality", ["vis", "tac"])
 def test_a_head_of_one_modality_learns_from_it_and_never_reads_the_other(source, modality):
     other = "tac" if modality == "vis" else "vis"
-    settings = TrainSettings(epochs=6, modalities=modality)
-    trained = train(source, head_settings(), settings, bank=load_bank())
     noise = np.full_like(source.vis, np.nan)
     blind = replace(source, **{other: noise, f"{other}_flip": noise})
-    again = train(blind, head_settings(), settings, bank=load_bank())
-    assert equal_weights(trained.model, again.model)
-    answers = predicted_probabilities(trained.model, source, modalities=(modality,))["fused"]
-    assert (answers.argmax(-1).numpy() == source.label).mean() > 0.9
+    models = [learned(some, epochs=6, modalities=modality).model for some in (source, blind)]
+    assert equal_weights(*models)
+    assert accuracy(models[0], source, modalities=(modality,)) > 0.9
 
 
 def test_an_order_a_modality_is_learned_apart_and_logged(source):
-    trained = train(
-        source, head_settings(order_per_modality=True), TrainSettings(epochs=2), bank=load_bank()
-    )
+    trained = learned(source, head={"order_per_modality": True}, epochs=2)
     assert len(set(trained.model.orders.values())) == 3
     assert trained.epochs[-1]["order_vis"] == trained.model.orders["vis"]
 
@@ -72,9 +57,7 @@ def test_an_order_a_modality_is_learned_apart_and_logged(source):
 @pytest.mark.parametrize(("label", "sentence"), [(0, "one class only"), (99, "no training pairs")])
 def test_a_source_of_fewer_than_two_classes_is_refused(source, label, sentence):
     with pytest.raises(DataError, match=sentence):
-        train(
-            source.select(source.label == label), head_settings(), TrainSettings(), bank=load_bank()
-        )
+        learned(source.select(source.label == label))
 
 
 def test_a_loss_that_is_not_finite_stops_with_a_sentence(source):
@@ -82,7 +65,7 @@ def test_a_loss_that_is_not_finite_stops_with_a_sentence(source):
     bad[0, 0] = np.inf
     broken = replace(source, vis=bad, vis_flip=None)
     with pytest.raises(OmniVatError, match=r"Training stopped: the loss is .*Lower lr"):
-        train(broken, head_settings(), TrainSettings(epochs=1), bank=load_bank())
+        learned(broken, epochs=1)
 
 
 def test_a_gradient_that_is_not_finite_stops_although_the_loss_is(source, monkeypatch):
@@ -90,21 +73,20 @@ def test_a_gradient_that_is_not_finite_stops_although_the_loss_is(source, monkey
         torch, "_foreach_norm", lambda tensors: [torch.tensor(torch.inf)] * len(tensors)
     )
     with pytest.raises(OmniVatError, match=r"Training stopped: the loss is \d.*Lower lr"):
-        train(source, head_settings(), TrainSettings(epochs=1), bank=load_bank())
+        learned(source, epochs=1)
 
 
 def test_p_moves_by_a_tenth_of_the_rate_a_step_at_most(source):
     """Its gradient is held to 1, its rate is a hundredth, and momentum 0.9 adds up to ten steps."""
     steps = len(source) // 16
-    settings = TrainSettings(epochs=4, lr=0.5, warmup_epochs=0.0)
-    trained = train(source, head_settings(), settings, bank=load_bank())
+    settings = {"epochs": 4, "lr": 0.5, "warmup_epochs": 0.0}
+    trained = learned(source, **settings)
     path = [0.5, *(epoch["order"] for epoch in trained.epochs)]
     moved = [abs(after - before) for before, after in itertools.pairwise(path)]
-    assert 0 < max(moved) <= 0.1 * settings.lr * steps
+    assert 0 < max(moved) <= 0.1 * 0.5 * steps
     assert max(epoch["order_clipped"] for epoch in trained.epochs) > 0
-    free = replace(settings, order_lr_scale=1.0, order_clip=1e9)
-    wild = train(source, head_settings(), free, bank=load_bank())
-    assert max(abs(epoch["order"] - 0.5) for epoch in wild.epochs) > 0.1 * settings.lr * steps
+    wild = learned(source, **settings, order_lr_scale=1.0, order_clip=1e9)
+    assert max(abs(epoch["order"] - 0.5) for epoch in wild.epochs) > 0.1 * 0.5 * steps
 
 
 @pytest.mark.parametrize(
@@ -112,7 +94,7 @@ def test_p_moves_by_a_tenth_of_the_rate_a_step_at_most(source):
 )
 def test_even_orders_are_points_of_rest_as_is_one_that_is_not_learned(source, change):
     """Im is zero there and Re has no slope: p gets no gradient and stays to the bit."""
-    trained = train(source, head_settings(**change), TrainSettings(epochs=1), bank=load_bank())
+    trained = learned(source, head=change, epochs=1)
     assert trained.model.order == change.get("order", 0.5)
 
 
@@ -125,15 +107,9 @@ def test_orders_are_drawn_for_each_pair_from_a_little_more_than_a_quarter_turn(s
 
 @pytest.mark.slow
 def test_a_head_of_drawn_orders_keeps_its_own_order_and_predicts_at_others(source):
-    settings = TrainSettings(epochs=60, order_draw=True, lang=False)
-    trained = train(source, head_settings(order=0.5), settings)
-    assert trained.model.order == 0.5
-    fixed = train(source, head_settings(order=0.5), replace(settings, order_draw=False))
-    at = [scored(one.model, source, 0.1) for one in (trained, fixed)]
-    assert at[0] > 0.9 and at[0] > at[1] + 0.1
-
-
-def scored(model, pairs, order):
-    """Accuracy with p moved to another order."""
-    shares = predicted_probabilities(model, pairs, order=order)["fused"]
-    return float((shares.argmax(-1).numpy() == pairs.label).mean())
+    drawn, fixed = (
+        learned(source, epochs=60, order_draw=draw, lang=False).model for draw in (True, False)
+    )
+    assert drawn.order == 0.5
+    right = [accuracy(model, source, order=0.1) for model in (drawn, fixed)]
+    assert right[0] > 0.9 and right[0] > right[1] + 0.1

@@ -6,7 +6,7 @@ import pytest
 
 from omnivat.encoders.lang.bank import load_bank
 from omnivat.kit.errors import DataError
-from omnivat.training import TrainSettings, train
+from omnivat.training import TrainSettings, Watch, train
 from tests.builders import head_settings
 
 from .conftest import equal_weights
@@ -30,10 +30,10 @@ def test_resumed_training_equals_uninterrupted_training_to_the_bit(source, tmp_p
     run = partial(train, source, head_settings(), TrainSettings(epochs=4), bank=load_bank(), seed=3)
     whole, state = run(), tmp_path / "training.safetensors"
     with pytest.raises(Stop):
-        run(resume=state, on_step=stopped_after(0.6))
+        run(resume=state, watch=Watch(on_step=stopped_after(0.6)))
     assert state.is_file()
     steps = []
-    resumed = run(resume=state, on_step=steps.append)
+    resumed = run(resume=state, watch=Watch(on_step=steps.append))
     assert steps[0].done == steps[0].total // 2 + 1  # two of four epochs were not done again
     assert equal_weights(whole.model, resumed.model)
     assert whole.epochs == resumed.epochs
@@ -46,7 +46,7 @@ def test_the_state_of_another_training_is_refused(source, tmp_path):
         train, source, head_settings(), TrainSettings(epochs=2), bank=load_bank(), resume=state
     )
     with pytest.raises(Stop):
-        run(on_step=stopped_after(0.5))
+        run(watch=Watch(on_step=stopped_after(0.5)))
     with pytest.raises(DataError, match="state of another training"):
         run(seed=9)
     state.write_bytes(b"cut short")

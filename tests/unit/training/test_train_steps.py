@@ -19,6 +19,8 @@ from omnivat.training.steps import learn, make_optimiser, pairs_of, set_rate
 from omnivat.training.training import steps_of
 from tests.builders import CLASSES, head_settings
 
+from .conftest import learned
+
 
 def batch_of(lang_on, text=True):
     count = len(lang_on)
@@ -33,13 +35,16 @@ def batch_of(lang_on, text=True):
 
 
 @pytest.mark.parametrize(
-    ("epoch", "share"),
-    [(0.0, 0.05), (1.0, 0.55), (2.0, 1.0), (4.0, 0.5), (5.0, 0.146447), (6.0, 0.0)],
+    ("epochs", "epoch", "share"),
+    [
+        *((6, 0.0, 0.05), (6, 1.0, 0.55), (6, 2.0, 1.0), (6, 4.0, 0.5), (6, 5.0, 0.146447)),
+        *((6, 6.0, 0.0), (1, 0.5, 0.6)),  # a warm-up is no longer than the training
+    ],
 )
-def test_the_rate_warms_up_by_step_and_then_follows_a_cosine_to_zero(epoch, share):
-    """Two warm epochs of six, a step of a tenth of an epoch, which the warm-up counts as done."""
+def test_the_rate_warms_up_by_step_and_then_follows_a_cosine_to_zero(epochs, epoch, share):
+    """Two warm epochs, a step of a tenth of an epoch, which the warm-up counts as done."""
     model = build_head(head_settings())
-    settings = TrainSettings(epochs=6, warmup_epochs=2.0, lr=0.5)
+    settings = TrainSettings(epochs=epochs, warmup_epochs=2.0, lr=0.5)
     optimiser = make_optimiser(model, settings)
     set_rate(optimiser, settings, epoch, 0.1)
     wanted = [0.5 * share, 0.5 * share, 0.005 * share]
@@ -66,16 +71,6 @@ for wanted in seen:
     assert torch.equal(theirs.detach(), wanted)
 """
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
-
-
-def test_a_warm_up_is_no_longer_than_the_training():
-    model, settings = (
-        build_head(head_settings()),
-        TrainSettings(epochs=1, warmup_epochs=5.0, lr=1.0),
-    )
-    optimiser = make_optimiser(model, settings)
-    set_rate(optimiser, settings, 0.5, 0.25)
-    assert optimiser.param_groups[0]["lr"] == pytest.approx(0.75)
 
 
 def test_weights_decay_but_theta_and_the_order_do_not():
@@ -141,12 +136,7 @@ def test_a_gradient_is_scaled_to_the_limit_of_its_norm_and_the_order_by_value():
 
 def test_a_record_has_the_mean_losses_of_its_epoch(source):
     """Without weight on either, the loss is the cross-entropy; steps count equally."""
-    trained = train(
-        source,
-        head_settings(),
-        TrainSettings(epochs=2, mma_weight=0.0, nod_weight=0.0),
-        bank=load_bank(),
-    )
+    trained = learned(source, epochs=2, mma_weight=0.0, nod_weight=0.0)
     for number, record in enumerate(trained.epochs):
         assert record["epoch"] == number and record["loss"] == pytest.approx(
             record["cross_entropy"]
@@ -159,7 +149,13 @@ def test_a_step_has_the_rate_of_its_place_and_a_report_names_epoch_and_loss(sour
 
     seen, rates = [], []
     monkeypatch.setattr(training, "set_rate", lambda *given: rates.append(given[2:]))
-    train(source, head_settings(), TrainSettings(epochs=2), bank=load_bank(), on_step=seen.append)
+    train(
+        source,
+        head_settings(),
+        TrainSettings(epochs=2),
+        bank=load_bank(),
+        watch=Watch(on_step=seen.append),
+    )
     assert [one.text.split(", ")[0] for one in seen] == ["epoch 1 of 2"] * 5 + ["epoch 2 of 2"] * 5
     np.testing.assert_allclose(rates, [(k / 5, 1 / 5) for k in range(10)])
     part = Watch(on_step=seen.append).part(7, 100)
@@ -203,8 +199,7 @@ def test_a_search_lowers_the_rate_of_the_order_to_a_tenth(source, monkeypatch):
 
     made, start = [], training.make_optimiser
     monkeypatch.setattr(training, "make_optimiser", lambda *a: (made.append(a), start(*a))[1])
-    settings = TrainSettings(epochs=1, lang=False, order_search=True)
-    trained = train(source, head_settings(order=-3.0), settings)
+    trained = learned(source, head={"order": -3.0}, epochs=1, lang=False, order_search=True)
     ((model, used),) = made
     assert model.settings.order == trained.search["start"]
     assert used.order_lr_scale == pytest.approx(0.001)
