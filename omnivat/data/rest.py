@@ -9,8 +9,7 @@ from dataclasses import replace
 from hashlib import blake2b
 from pathlib import Path
 
-import numpy as np
-from PIL import Image
+from PIL import Image, ImageChops
 
 from omnivat.data.domains import DOMAINS, paper_name
 from omnivat.data.images import read_bytes
@@ -26,9 +25,8 @@ MARKERS = ("GelSight", "GelSlim", "DuraGel", "Tac3D")  # printed dots shift, and
 
 def minus_rest(image: Image.Image, rest: Image.Image) -> Image.Image:
     """Return clip((image - rest) / 255 + 0.5) in 8 bits; `rest` is resized to the image's size."""
-    away = np.asarray(rest.resize(image.size, Image.Resampling.BICUBIC), np.int16)
-    changed = np.asarray(image, np.int16) - away + 128
-    return Image.fromarray(np.clip(changed, 0, 255).astype(np.uint8))
+    still = rest.resize(image.size, Image.Resampling.BICUBIC)
+    return ImageChops.subtract(image, still, offset=128)
 
 
 def with_rest(loaded: PairSet, choice: str) -> PairSet:

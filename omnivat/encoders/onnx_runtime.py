@@ -90,6 +90,16 @@ def pack_weights(file: Path) -> None:
     onnx.save(model, file)
 
 
+RESIZE = """
+<ir_version: 9, opset_import: ["": 19]>
+resize (uint8[1, H, W, 3] picture, int64[4] shape) => (uint8[1, h, w, 3] resized) {
+  resized = Resize
+    <mode = "cubic", cubic_coeff_a = -0.5, antialias = 1, exclude_outside = 1>
+    (picture, , , shape)
+}
+"""
+
+
 def write_resize(file: Path) -> None:
     """Write Pillow's bicubic `resize` as ONNX: a byte of the result differs from Pillow's by 1 at
     most.
@@ -98,24 +108,7 @@ def write_resize(file: Path) -> None:
     pictures are uint8. Raises MissingPackageError if a package of ONNX is not installed.
     """
     onnx = need("onnx", purpose="ONNX", install=" ".join(PACKAGES))
-    make, kinds = onnx.helper, onnx.TensorProto
-    inputs = [
-        make.make_tensor_value_info("picture", kinds.UINT8, [1, None, None, 3]),
-        make.make_tensor_value_info("shape", kinds.INT64, [4]),
-    ]
-    outputs = [make.make_tensor_value_info("resized", kinds.UINT8, [1, None, None, 3])]
-    resize = make.make_node(
-        "Resize",
-        ["picture", "", "", "shape"],
-        ["resized"],
-        mode="cubic",
-        cubic_coeff_a=-0.5,
-        antialias=1,
-        exclude_outside=1,
-    )
-    graph = make.make_graph([resize], "resize", inputs, outputs)
-    versions = [make.make_opsetid("", 19)]
-    onnx.save(make.make_model(graph, opset_imports=versions, ir_version=9), file)
+    onnx.save(onnx.parser.parse_model(RESIZE), file)
 
 
 def running(file: Path) -> Callable[[Tensor], Tensor]:

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from glob import escape
-from hashlib import sha256
+from hashlib import file_digest, sha256
 from pathlib import Path
 from tempfile import NamedTemporaryFile, TemporaryDirectory, gettempdir
 from time import time
@@ -232,8 +232,7 @@ def hash_of(*files: Path, start: str = "") -> str:
     digest = sha256(start.encode())
     for file in files:
         with file.open("rb") as handle:
-            while block := handle.read(1 << 20):
-                digest.update(block)
+            file_digest(handle, lambda: digest)
     return digest.hexdigest()
 
 

@@ -1,6 +1,6 @@
 """Check the axes of tensors in public functions."""
 
-from typing import Protocol
+from typing import Any
 
 import torch
 from torch import Tensor
@@ -9,14 +9,7 @@ from torch.nn.functional import normalize
 from omnivat.kit.errors import ShapeError
 
 
-class Shaped(Protocol):
-    """Anything with a shape: a torch tensor or a numpy array."""
-
-    @property
-    def shape(self) -> tuple[int, ...]: ...
-
-
-def require_shapes(**tensors: tuple[Shaped, str]) -> dict[str, int]:
+def require_shapes(**tensors: tuple[Any, str]) -> dict[str, int]:
     """Check named tensors against axes such as "B D"; return the size of each letter.
 
     The same letter means the same size.
