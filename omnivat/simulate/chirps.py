@@ -22,7 +22,7 @@ from omnivat.kit.files import replacing
 from omnivat.kit.progress import OnStep, Step
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
-from omnivat.simulate.noise import Rng
+from omnivat.simulate.noise import Rng, unit
 from omnivat.simulate.plan import write_table
 
 DOMAINS = tuple(f"Chirps {letter}{SIMULATED_SUFFIX}" for letter in "ABCD")  # first the source
@@ -116,8 +116,8 @@ def _modality(
     for _ in range(SPIKES):
         where = random.integers(0, STRIPES, count)
         other[rows, where] += _phases(random, count)
-    mixed = _unit(_real_at_zero(own, settings.order))
-    mixed += settings.strength * _unit(_real_at_zero(other, order))
+    mixed = unit(_real_at_zero(own, settings.order))
+    mixed += settings.strength * unit(_real_at_zero(other, order))
     mixed += NOISE * random.standard_normal(mixed.shape)
     largest: NDArray[np.float64] = np.abs(mixed).max(1, keepdims=True)
     return (mixed / largest).astype(np.float32)
@@ -130,10 +130,6 @@ def _phases(random: Rng, count: int) -> NDArray[np.complex128]:
 def _real_at_zero(sparse: NDArray[np.complex128], order: float) -> NDArray[np.float64]:
     """Return the real part of signals (N, D) that look like `sparse` at `order`."""
     return dfrft(torch.from_numpy(sparse), -order).numpy().real
-
-
-def _unit(rows: NDArray[np.float64]) -> NDArray[np.float64]:
-    return rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), 1e-12)
 
 
 def pairs_of(settings: ChirpSettings, folder: Path) -> tuple[Pair, ...]:

@@ -95,10 +95,9 @@ def _windows(x: Array, z: Array) -> NDArray[np.bool]:
 @field
 def _bricks(x: Array, z: Array) -> NDArray[np.bool]:
     row = np.floor(z / 75.0)
-    inside = (np.abs((x / 215.0 + 0.5 * row) % 1.0 - 0.5) < 0.475) & (
+    return (np.abs((x / 215.0 + 0.5 * row) % 1.0 - 0.5) < 0.475) & (
         np.abs(z / 75 - row - 0.5) < 0.43
     )
-    return inside
 
 
 def _street(seed: int) -> Field:

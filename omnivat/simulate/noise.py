@@ -44,6 +44,12 @@ def direction(turn: float, rise: float) -> Array:
     return np.array([np.cos(turn) * np.cos(rise), np.sin(turn) * np.cos(rise), np.sin(rise)])
 
 
+def unit(rows: Array) -> Array:
+    """Return rows (..., D) of length one; a row of zeros stays."""
+    length: Array = np.linalg.norm(rows, axis=-1, keepdims=True)
+    return rows / np.maximum(length, 1e-12)
+
+
 def noise(x: Array, y: Array, seed: int, *, wavelength: float) -> Array:
     """Return smooth noise of about zero mean and unit spread whose bumps are `wavelength` mm
     apart.

@@ -27,16 +27,17 @@ def _hand(framing: Framing, rng: Rng) -> dict[str, Any]:
     at, up = framing.spot.point, framing.spot.normal
     arm = _arm(framing, rng, lift=0.35)
     side = np.cross(up, arm)
+    axes = np.stack([arm, side, up], axis=1)
     skin = one_of(_SKINS, rng)
     sleeve = (rng.uniform(0.015, 0.12) * rng.uniform(0.6, 1.6, 3)).tolist()
     shapes = {"housing": _rod(at + 0.3 * up, at + 62 * up, 12.0, _HOUSINGS[0])}
     palm = at + 44 * up + 30 * arm
-    shapes["palm"] = _ball(palm, skin, (arm, 30.0), (side, 23.0), (up, 15.0))
+    shapes["palm"] = _ball(palm, skin, axes, (30.0, 23.0, 15.0))
     for finger in range(4):
         middle = at + (20 + 9 * finger) * up + 14 * side + (4 - 3 * finger) * arm
-        shapes[f"finger{finger}"] = _ball(middle, skin, (arm, 26.0), (side, 7.5), (up, 6.5))
+        shapes[f"finger{finger}"] = _ball(middle, skin, axes, (26.0, 7.5, 6.5))
     thumb = at + 34 * up - 15 * side + 4 * arm
-    shapes["thumb"] = _ball(thumb, skin, (arm, 26.0), (side, 8.0), (up, 8.0))
+    shapes["thumb"] = _ball(thumb, skin, axes, (26.0, 8.0, 8.0))
     shapes["wrist"] = _rod(palm + 10 * arm, palm + 90 * arm, 20.0, skin)
     shapes["sleeve"] = _rod(palm + 65 * arm, palm + 700 * arm, 33.0, sleeve)
     return shapes
@@ -52,7 +53,7 @@ def _rig(framing: Framing, rng: Rng) -> dict[str, Any]:
         "gel": _rod(at + 0.3 * up, at + 7 * up, 10.0, (0.6, 0.6, 0.6)),
         "housing": _rod(at + 6 * up, top, 13.0, colour),
         "arm": _rod(top, elbow, 9.0, _GREY),
-        "joint": _ball(elbow, _HOUSINGS[0], *((way, 14.0) for way in np.eye(3))),
+        "joint": _ball(elbow, _HOUSINGS[0], np.eye(3), (14.0,) * 3),
         "column": _rod(elbow, np.array([elbow[0], elbow[1], 700.0]), 12.0, _GREY),
     }
 
@@ -75,10 +76,10 @@ def _rod(start: Array, end: Array, radius: float, colour: Colour) -> dict[str, A
     return {"type": "cylinder", **ends, "radius": radius, "bsdf": _plastic(colour)}
 
 
-def _ball(middle: Array, colour: Colour, *axes: tuple[Array, float]) -> dict[str, Any]:
-    """Return an ellipsoid with three axes, each a unit vector and a half length in mm."""
+def _ball(middle: Array, colour: Colour, axes: Array, halves: tuple[float, ...]) -> dict[str, Any]:
+    """Return an ellipsoid; axes (3, 3) are unit vectors as columns, halves their lengths, mm."""
     matrix = np.eye(4)
-    matrix[:3, :3] = np.stack([way * long for way, long in axes], axis=1)
+    matrix[:3, :3] = axes * halves
     matrix[:3, 3] = middle
     return {
         "type": "sphere",

@@ -216,7 +216,7 @@ def _tac3d(contacts: list[Contact], folder: Path, seed: int, left_out: Tally) ->
         if contact.part == "indoor"
     }
     files = [file for _, frames in fields.values() for file in frames.values()]
-    drawn = draw_all(files, folder) if files else {}
+    drawn = draw_all(files, folder)
     pairs: list[Pair] = []
     for item, (contact, frames) in fields.items():
         if not frames:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.simulate.noise import Array, Rng
+from omnivat.simulate.noise import Array, Rng, unit
 
 _MADE = {  # least and most of wall and of bevel, mm
     "wood": ((6.0, 11.0), (2.0, 5.0)), "steel": ((0.7, 1.5), (0.3, 0.8)),
@@ -54,14 +54,17 @@ class Solid:
         place = np.round(self.vertices * 1e3).astype(np.int64) + 10**6
         key = (place[:, 0] << 42) + (place[:, 1] << 21) + place[:, 2]
         _, same = np.unique(key, return_inverse=True)
-        corner = self.vertices[self.faces]
-        across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        across = across_of(self.vertices[self.faces])
         meet = same[self.faces].ravel()
-        total = np.stack(
+        total: Array = np.stack(
             [np.bincount(meet, weights=np.repeat(part, 3)) for part in across.T], axis=1
         )
-        normal = total[same]
-        return normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-12)[:, None]
+        return unit(total[same])
+
+
+def across_of(corner: Array) -> Array:
+    """Return twice the area of each face (F, 3, 3) as a vector (F, 3) across it, outwards."""
+    return np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
 
 
 def joined(*parts: Solid) -> Solid:
@@ -188,11 +191,9 @@ def swept(path: Array, half: Array, *, power: float) -> Solid:
            thickness at each point, mm
     power  2 gives an ellipse across; 4 a flat bar with rounded edges
     """
-    way = np.gradient(path, axis=0)
-    way /= np.linalg.norm(way, axis=1, keepdims=True)
+    way = unit(np.gradient(path, axis=0))
     aside = np.array([1.0, 0.0, 0.0] if abs(way[len(way) // 2, 1]) > 0.9 else [0.0, 1.0, 0.0])
-    side = aside - way * (way @ aside)[:, None]
-    side /= np.linalg.norm(side, axis=1, keepdims=True)
+    side = unit(aside - way * (way @ aside)[:, None])
     up = np.cross(way, side)
     angle, cos, sin, plan = _around(32, power)
     ends = np.ones((len(path), 1))  # each end falls to 0 like a quarter circle

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter, zoom
 
-from omnivat.simulate.noise import Array, Rng
-from omnivat.simulate.shapes.solid import Faces, Solid
+from omnivat.simulate.noise import Array, Rng, unit
+from omnivat.simulate.shapes.solid import Faces, Solid, across_of
 
 _DRAWN = 16
 _EDGES = 0.35  # of the presses are on an edge, a rim or a curve
@@ -29,13 +29,11 @@ def spot(solid: Solid, rng: Rng, *, edges: bool) -> Spot:
     """
     corner, normal = solid.vertices[solid.faces], solid.normals()[solid.faces]
     bent = rng.random() < _EDGES and edges
-    across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    weight = _bends(normal, corner) if bent else np.linalg.norm(across, axis=1)
+    weight = _bends(normal, corner) if bent else np.linalg.norm(across_of(corner), axis=1)
     face = rng.choice(len(weight), size=_DRAWN, p=weight / weight.sum())
     share = rng.dirichlet((1.0, 1.0, 1.0), _DRAWN)
     points = np.einsum("nk,nkd->nd", share, corner[face])
-    normals = np.einsum("nk,nkd->nd", share, normal[face])
-    normals /= np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-12)
+    normals = unit(np.einsum("nk,nkd->nd", share, normal[face]))
     best = _first_free(solid, points, normals)
     there = solid.faces[face[best]]
     tangent = _along(solid.vertices[there], solid.uv[there], normals[best])
@@ -134,8 +132,7 @@ def _nearby(solid: Solid, axes: Array, point: Array, field: float) -> tuple[Arra
     seen = (low[:, :2] < half).all(1) & (high[:, :2] > -half).all(1)
     seen &= (high[:, 2] > BELOW) & (low[:, 2] < _ABOVE)
     corner = corner[seen]
-    flat = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    flat = flat / np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-12)
+    flat = unit(across_of(corner))
     smooth = (solid.normals() @ axes.T)[solid.faces[seen]]
     curved = (smooth * flat[:, None]).sum(-1, keepdims=True) > _CREASE
     normal = np.where(curved, smooth, flat[:, None])

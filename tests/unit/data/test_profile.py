@@ -7,11 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from omnivat.data import profile
 from omnivat.data.profile import (
     Channels,
     Profile,
     channels_of,
     domain_of,
+    joined,
     load_profile,
     moved,
     profile_of,
@@ -36,6 +38,15 @@ def test_statistics_are_those_of_numpy_far_from_zero_too(count, offset):
     np.testing.assert_allclose(found.mean, wide.mean(0), rtol=1e-6, atol=1e-6)
     np.testing.assert_allclose(found.variance, wide.var(0), rtol=1e-5, atol=1e-6)
     assert found.count == count
+
+
+@given(st.integers(1, 30), st.integers(1, 30), st.floats(-9, 9))
+def test_the_statistics_of_two_sets_together_are_those_of_all_rows(few, more, offset):
+    first, other = rows(few, 1), rows(more, 2, offset=offset)
+    found, whole = joined(channels_of(first), channels_of(other)), np.vstack([first, other])
+    np.testing.assert_allclose(found.mean, whole.mean(0), rtol=1e-4, atol=1e-5)
+    np.testing.assert_allclose(found.variance, whole.var(0), rtol=1e-4, atol=1e-5)
+    assert found.count == few + more
 
 
 def test_no_picture_changes_nothing():
@@ -76,15 +87,21 @@ def test_a_head_moves_a_set_by_its_own_step(make_embeddings):
     assert 0.3 < np.abs(half - none).mean() / np.abs(full - none).mean() < 0.7
 
 
-def test_only_the_profiled_domain_moves_and_mirrored_rows_move_with_it(make_embeddings):
+def test_only_the_profiled_domain_moves_and_mirrored_rows_move_with_it(
+    make_embeddings, monkeypatch
+):
     pairs = make_embeddings(domains=("A", "B", "C"))
     pairs = replace(pairs, vis_flip=pairs.vis + 1, tac_flip=pairs.tac + 1)
     source = profile_of(pairs, pairs.rows_of("A"))
     other = profile_of(pairs, pairs.rows_of("B"), domain="B")
     found = profiled(pairs, {"B": other}, source)
+    monkeypatch.setattr(profile, "LARGE_BYTES", 0)  # larger arrays are filled in a file
+    large = profiled(pairs, {"B": other}, source)
     still = pairs.domain != 1
     for name in ("vis", "tac", "vis_flip", "tac_flip"):
         before, after = getattr(pairs, name), getattr(found, name)
+        assert isinstance(getattr(large, name), np.memmap)
+        np.testing.assert_array_equal(getattr(large, name), after)
         np.testing.assert_array_equal(after[still], before[still])
         assert np.abs(after[~still] - before[~still]).max() > 0.01
 
