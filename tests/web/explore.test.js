@@ -213,7 +213,7 @@ test("a confidence is a colour only where it has a temperature, and a number in 
   const keys = (kind) => colouringsOf(frames({ kind })).map(({ id }) => id);
   assert.ok(keys("moved").includes("confidence"));
   for (const kind of ["retrained", "every"]) assert.ok(!keys(kind).includes("confidence"));
-  assert.equal(colouring(frames({ kind: "retrained" }), "confidence").label, "Class");
+  assert.equal(colouring(frames({ kind: "retrained" }), "confidence").title, "Class");
   const shown = (kind) => frames({ kind, prediction: [0, 1, 0, 1, 0, 1], confidence: [255, 255, 255, 255, 255, 255] });
   const frame = {
     points: new Uint16Array(8),
@@ -408,8 +408,8 @@ test("the other tabs do not take p from the chapter of the order, which finds it
 
 test("a set of one domain is coloured by class, and domains without a pair are not counted", () => {
   const one = frames({ domain: [1, 1], curves: { "accuracy/unseen": [0.5, 0.5, 0.5] } });
-  assert.equal(colouring(one, "domain").label, "Class");
-  assert.equal(colouring(frames(), "domain").label, "Domain");
+  assert.equal(colouring(one, "domain").title, "Class");
+  assert.equal(colouring(frames(), "domain").title, "Domain");
   one.domains = ["A", "B", "C"];
   says(headOf(one, 0), /in one unseen domain/);
 });
@@ -436,7 +436,7 @@ test("a map is as wide as the points that it shows, whatever the bounds of its n
     [16384, 16384, 32768, 32768],
   ];
   const view = { zoom: 1, dx: 0, dy: 0 };
-  const map = { frame: { bounds, extents }, halves: [true, true], top: 0, ratio: 1, width: 500, height: 500, view };
+  const map = { frame: { bounds, extents }, halves: [true, true], top: 0, width: 500, height: 500, view };
   const { ax, bx } = Cloud.prototype.transform.call(map);
   assert.ok(Math.abs(16384 * ax + bx - 30) < 1 && Math.abs(32768 * ax + bx - 470) < 1);
 });

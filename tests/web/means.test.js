@@ -39,7 +39,6 @@ test("a name whose mean lies between two clouds stands in one of them", () => {
     count: 2 * count, // photos alone are shown
     width: 200,
     height: 200,
-    ratio: 1,
     x: Float32Array.from([...spots, ...spots], ([x]) => x),
     y: Float32Array.from([...spots, ...spots], ([, y]) => y),
   };

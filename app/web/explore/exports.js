@@ -52,10 +52,10 @@ function keys(legend, width) {
 /** The map as shown, with a caption. @param {Cloud} cloud @param {string} caption @param {Legend} legend
  * @returns {Promise<Blob>} */
 export function png(cloud, caption, legend) {
-  const { placed, height } = keys(legend, cloud.width / cloud.ratio);
+  const { placed, height } = keys(legend, cloud.width);
   const canvas = document.createElement("canvas");
-  canvas.width = cloud.width;
-  canvas.height = cloud.height + Math.round(height * cloud.ratio);
+  canvas.width = cloud.ground.width;
+  canvas.height = cloud.ground.height + Math.round(height * cloud.ratio);
   const x = drawingOn(canvas);
   const style = getComputedStyle(cloud.box);
   const ink = style.getPropertyValue("--ov-ink").trim();
@@ -64,7 +64,7 @@ export function png(cloud, caption, legend) {
   x.drawImage(cloud.ground, 0, 0);
   x.drawImage(cloud.marks, 0, 0);
   x.scale(cloud.ratio, cloud.ratio);
-  x.translate(0, cloud.height / cloud.ratio);
+  x.translate(0, cloud.height);
   x.font = `12px ${style.getPropertyValue("--ov-font")}`;
   x.fillStyle = ink;
   x.fillText(caption, 8, LINE);
@@ -80,7 +80,7 @@ export function png(cloud, caption, legend) {
 /** The map as vector shapes; `names` of its axes, if they mean anything.
  * @param {Cloud} cloud @param {string} caption @param {Legend} legend @param {ReturnType<typeof import("../shared/marks.js").axisNames>} names */
 export function svg(cloud, caption, legend, names) {
-  const [width, height] = [cloud.width, cloud.height].map((side) => Math.round(side / cloud.ratio));
+  const [width, height] = [cloud.width, cloud.height].map(Math.round);
   const shapes = cloud.layers.map(({ style: { shape, colour, radius, alpha }, at, count }, i) => {
     const drawn = [...at.subarray(0, count)].map((point) => {
       const [x, y] = cloud.place(point).map((v) => +v.toFixed(1));

@@ -83,7 +83,7 @@ export const showKinds = () =>
 /** The colourings that the frames have. */
 export function showColourings() {
   const frames = painted(scene, state);
-  const rows = colouringsOf(frames).map(({ id, label }) => [id, label]);
+  const rows = colouringsOf(frames).map(({ id, title }) => [id, title]);
   put($(".colouring"), options(rows, colouring(frames, state.colour).id));
 }
 

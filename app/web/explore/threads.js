@@ -201,7 +201,7 @@ function thread(context) {
  * @param {number} domain */
 function tile(context, pictures, x, y, domain) {
   const side = pictures.naturalWidth / scene.twins.domains.length;
-  const size = Math.min(TILE, cloud.box.clientWidth / 14);
+  const size = Math.min(TILE, cloud.width / 14);
   const [left, top] = [x - size / 2, y - size / 2];
   context.fillStyle = domainColour(domain);
   context.fillRect(left - 3, top - 3, size + 6, size + 6);

@@ -56,8 +56,8 @@ export function pairMap(panel, frames) {
 /** @param {CanvasRenderingContext2D} context @param {Cloud} cloud @param {Replies["place"]["points"]} points */
 function paint(context, cloud, points) {
   const { scale, middle, ox, oy } = cloud.transform();
-  /** CSS pixels of a position in map units. @param {Point} place @returns {Point} */
-  const at = ([x, y]) => [(ox + scale * (x - middle.x)) / cloud.ratio, (oy - scale * (y - middle.y)) / cloud.ratio];
+  /** Pixels of a position in map units. @param {Point} place @returns {Point} */
+  const at = ([x, y]) => [ox + scale * (x - middle.x), oy - scale * (y - middle.y)];
   const places = IMAGES.map((name) => points[name] && at(points[name]));
   pairLine(context, cloud, places, isDark() ? "#38bdf8" : "#1e293b");
 }

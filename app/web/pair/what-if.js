@@ -34,15 +34,14 @@ export class WhatIf extends View {
     this.tab = tab;
     const { answer, question, set, curves } = tab ?? {};
     this.box.hidden = !answer;
-    if (!answer || !question) return;
+    if (!answer || !question || !this.box.open) return;
     const { classes, stops, learned, span, spectra, images } = answer;
-    this.bar.learned(learned);
-    this.$(".about-p").textContent = aboutP(answer);
     const stop = HUNDREDTHS.stop(state.p);
     this.bar.show(stop);
-    if (!this.box.open) return;
     if (answer !== this.drawn) {
       this.drawn = answer;
+      this.bar.learned(learned);
+      this.$(".about-p").textContent = aboutP(answer);
       this.spectra.show(spectra);
       this.look(question);
     }

@@ -13,14 +13,14 @@ const KEYS =
 
 export class Cloud {
   count = 0;
-  x = new Float32Array(0); // device pixels of each point in the last drawing
+  x = new Float32Array(0); // CSS pixels of each point in the last drawing, as all lengths here
   y = new Float32Array(0);
   /** @type {Layer[]} */
   layers = [];
   /** @type {Positions | null} */
   frame = null;
   ratio = 1; // device pixels of a CSS pixel
-  width = 1; // device pixels
+  width = 1;
   height = 1;
   view = FITTED;
   /** @type {((view: typeof FITTED) => void) | null} called after every manual zoom and pan */
@@ -28,7 +28,7 @@ export class Cloud {
   /** @type {Painter[]} functions that draw marks above the points */
   painters = [];
   halves = [true, true]; // whether the map is as wide as the VIS points, and as the TAC points
-  top = 0; // CSS pixels at the top that tools cover
+  top = 0; // at the top, what tools cover
   pending = 0;
 
   /** `count` points: the first half VIS, the second half TAC. @param {HTMLElement} box @param {number} count */
@@ -60,12 +60,12 @@ export class Cloud {
   resize() {
     const { width, height } = this.box.getBoundingClientRect();
     this.ratio = Math.min(window.devicePixelRatio || 1, 2);
-    this.width = Math.max(1, Math.round(width * this.ratio));
-    this.height = Math.max(1, Math.round(height * this.ratio));
     for (const canvas of [this.ground, this.marks]) {
-      canvas.width = this.width;
-      canvas.height = this.height;
+      canvas.width = Math.max(1, Math.round(width * this.ratio));
+      canvas.height = Math.max(1, Math.round(height * this.ratio));
     }
+    this.width = this.ground.width / this.ratio;
+    this.height = this.ground.height / this.ratio;
     this.redraw();
   }
 
@@ -76,7 +76,7 @@ export class Cloud {
     this.redraw();
   }
 
-  /** Device pixels from u16: x = u·ax + bx, y = v·ay + by; one scale for both axes. */
+  /** Pixels from u16: x = u·ax + bx, y = v·ay + by; one scale for both axes. */
   transform() {
     const { bounds, extents = [] } = /** @type {Positions} */ (this.frame);
     const [[x0, y0], [x1, y1]] = bounds;
@@ -86,16 +86,15 @@ export class Cloud {
     const box = all.length ? [0, 1, 2, 3].map(end) : [0, 0, 1, 1];
     const [left, right] = [x0 + box[0] * (x1 - x0), x0 + box[2] * (x1 - x0)];
     const [low, high] = [y0 + box[1] * (y1 - y0), y0 + box[3] * (y1 - y0)];
-    const top = this.top * this.ratio;
     const free = MARGIN * Math.min(this.width, this.height);
     const fit = Math.min(
       (this.width - 2 * free) / (right - left || 1),
-      (this.height - top - 2 * free) / (high - low || 1),
+      (this.height - this.top - 2 * free) / (high - low || 1),
     );
     const scale = fit * this.view.zoom;
     const middle = { x: (left + right) / 2, y: (low + high) / 2 };
-    const ox = this.width / 2 + this.view.dx * this.ratio;
-    const oy = (this.height + top) / 2 + this.view.dy * this.ratio;
+    const ox = this.width / 2 + this.view.dx;
+    const oy = (this.height + this.top) / 2 + this.view.dy;
     return {
       ax: (scale * (x1 - x0)) / 65535,
       bx: ox + scale * (x0 - middle.x),
@@ -125,12 +124,12 @@ export class Cloud {
       y[i] = points[2 * i + 1] * ay + by;
     }
     const ground = isDark() ? GROUND.dark : GROUND.light;
-    this.pixels.begin(this.width, this.height, ground);
-    density(this.pixels.words, this, ground);
-    const large = Math.max(isLecture() ? 1.5 : 1, Math.min(this.width, this.height) / this.ratio / 760); // a projector's map
+    this.pixels.begin(this.ground, ground);
+    density(this.pixels, this, ground);
+    const large = Math.max(isLecture() ? 1.5 : 1, Math.min(this.width, this.height) / 760); // a projector's map
     for (const { style, at, count } of this.layers) {
       const radius = style.radius * large * this.ratio * Math.min(2, this.view.zoom ** 0.3);
-      this.pixels.stampAll({ ...style, radius }, at.subarray(0, count), x, y);
+      this.pixels.stampAll({ ...style, radius }, at.subarray(0, count), this);
     }
     this.pixels.end();
     this.paintMarks();
@@ -151,25 +150,23 @@ export class Cloud {
     if (!this.frame) return;
     const context = drawingOn(this.marks);
     context.setTransform(1, 0, 0, 1, 0, 0);
-    context.clearRect(0, 0, this.width, this.height);
+    context.clearRect(0, 0, this.marks.width, this.marks.height);
     context.scale(this.ratio, this.ratio);
     for (const paint of this.painters) paint(context, this);
   }
 
-  /** CSS pixels of a point. @param {number} point @returns {Point} */
+  /** @param {number} point @returns {Point} */
   place(point) {
-    return [this.x[point] / this.ratio, this.y[point] / this.ratio];
+    return [this.x[point], this.y[point]];
   }
 
-  /** The `wanted` point nearest to a position in CSS pixels, within `reach`; or -1.
+  /** The `wanted` point nearest to a position, within `reach`; or -1.
    * @param {number} px @param {number} py @param {(point: number) => boolean} wanted */
   nearest(px, py, wanted, reach = 12) {
-    const cx = px * this.ratio;
-    const cy = py * this.ratio;
     let best = -1;
-    let least = (reach * this.ratio) ** 2;
+    let least = reach ** 2;
     for (let i = 0; i < this.count; i++) {
-      const distance = (this.x[i] - cx) ** 2 + (this.y[i] - cy) ** 2;
+      const distance = (this.x[i] - px) ** 2 + (this.y[i] - py) ** 2;
       if (distance < least && wanted(i)) {
         least = distance;
         best = i;
@@ -178,13 +175,13 @@ export class Cloud {
     return best;
   }
 
-  /** Zoom by a factor around a position in CSS pixels (default: the middle). @param {number} factor */
-  zoomBy(factor, px = this.width / this.ratio / 2, py = this.height / this.ratio / 2) {
+  /** Zoom by a factor around a position (default: the middle). @param {number} factor */
+  zoomBy(factor, px = this.width / 2, py = this.height / 2) {
     const { dx, dy } = this.view;
     const zoom = Math.max(0.5, Math.min(40, this.view.zoom * factor));
     const moved = 1 - zoom / this.view.zoom;
-    const mx = px - this.width / this.ratio / 2;
-    const my = py - this.height / this.ratio / 2;
+    const mx = px - this.width / 2;
+    const my = py - this.height / 2;
     this.setView({ zoom, dx: dx + (mx - dx) * moved, dy: dy + (my - dy) * moved });
   }
 
@@ -205,7 +202,7 @@ export class Cloud {
   }
 }
 
-/** Points inside a polygon in CSS pixels, by the even-odd rule.
+/** Points inside a polygon, by the even-odd rule.
  * @param {Cloud} cloud @param {Point[]} polygon @param {(point: number) => boolean} wanted */
 export function inside(cloud, polygon, wanted) {
   const found = [];

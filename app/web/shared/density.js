@@ -24,11 +24,12 @@ function along(from, to, count, step, lines, next) {
   }
 }
 
-/** Tint the pixels `words` of a cloud's map, whose ground has one colour.
- * @param {Uint32Array} words @param {import("./cloud.js").Cloud} cloud @param {string} ground */
-export function density(words, { layers, x, y, width, height }, ground) {
-  const cell = Math.max(6, Math.round(Math.max(width, height) / CELLS));
-  const [columns, rows] = [Math.ceil(width / cell), Math.ceil(height / cell)];
+/** Tint the pixels of a cloud's map, whose ground has one colour.
+ * @param {import("./points.js").Pixels} pixels @param {import("./cloud.js").Cloud} cloud @param {string} ground */
+export function density({ words, image: { width, height } }, { layers, x, y, ratio }, ground) {
+  const side = Math.max(6, Math.round(Math.max(width, height) / CELLS)); // device pixels of a cell
+  const [columns, rows] = [Math.ceil(width / side), Math.ceil(height / side)];
+  const cell = side / ratio; // as x and y
   const [red, green, blue, weight, spare] = Array.from({ length: 5 }, () => new Float32Array(columns * rows));
   for (const { style, at, count } of layers) {
     if (style.alpha < FEW) continue;
@@ -52,7 +53,7 @@ export function density(words, { layers, x, y, width, height }, ground) {
   const most = weight.reduce((a, b) => Math.max(a, b), 0);
   const [r, g, b] = rgb(ground);
   for (let row = 0; row < rows; row++) {
-    const start = row * cell * width;
+    const start = row * side * width;
     for (let column = 0; column < columns; column++) {
       const i = row * columns + column;
       const w = weight[i];
@@ -61,9 +62,9 @@ export function density(words, { layers, x, y, width, height }, ground) {
       /** @param {number} from @param {number} sum */
       const mixed = (from, sum) => from + share * (sum / w - from);
       const colour = word(mixed(r, red[i]), mixed(g, green[i]), mixed(b, blue[i]));
-      words.fill(colour, start + column * cell, start + Math.min(width, (column + 1) * cell));
+      words.fill(colour, start + column * side, start + Math.min(width, (column + 1) * side));
     }
-    for (let line = 1; line < cell && row * cell + line < height; line++)
+    for (let line = 1; line < side && row * side + line < height; line++)
       words.copyWithin(start + line * width, start, start + width);
   }
 }

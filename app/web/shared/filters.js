@@ -23,7 +23,7 @@ export const keys = (groups, source) =>
 /** Draw the switches; those of the current colouring show their colours.
  * @param {Found} box @param {Frames} frames @param {(filter: {kind: Filter, name: string} | null) => void} onPoint */
 export function showFilters(box, frames, onPoint) {
-  const { id, label, groups } = colouring(frames, state.colour);
+  const { id, title, groups } = colouring(frames, state.colour);
   const colours = new Map(groups(frames));
   /** @param {Filter} kind @param {string} name */
   const sign = (kind, name) => {
@@ -37,7 +37,7 @@ export function showFilters(box, frames, onPoint) {
   const own = KINDS.some(([kind]) => kind === id);
   put(
     box,
-    html`${!own && html`<fieldset class="legend"><legend>${label}</legend>${keys([...colours])}</fieldset>`}${KINDS.map(
+    html`${!own && html`<fieldset class="legend"><legend>${title}</legend>${keys([...colours])}</fieldset>`}${KINDS.map(
       ([kind, title, names]) =>
         html`<fieldset><legend>${title}</legend>${names(frames).map((name) => choice(kind, name))}</fieldset>`,
     )}`,

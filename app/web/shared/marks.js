@@ -40,10 +40,8 @@ export function axes(names) {
     const full = names();
     if (!full) return;
     const { scale, middle, ox, oy } = cloud.transform();
-    const width = cloud.width / cloud.ratio;
-    const height = cloud.height / cloud.ratio;
-    const per = scale / cloud.ratio; // CSS pixels for one unit
-    const step = niceStep(GRID / per);
+    const { width, height } = cloud;
+    const step = niceStep(GRID / scale);
     const left = middle.x - ox / scale;
     const top = middle.y + oy / scale;
     const colour = ink(cloud.box, "--ov-muted");
@@ -63,15 +61,15 @@ export function axes(names) {
       context.globalAlpha = 1;
     };
     context.textAlign = "center";
-    for (let v = Math.ceil(left / step) * step; (v - left) * per < width; v += step) {
-      const x = (v - left) * per;
+    for (let v = Math.ceil(left / step) * step; (v - left) * scale < width; v += step) {
+      const x = (v - left) * scale;
       if (x < 34) continue;
       line([x, 0], [x, height]);
       if (x < taken) context.fillText(figure(v, step), x, height - 6);
     }
     context.textAlign = "left";
-    for (let v = Math.floor(top / step) * step; (top - v) * per < height - 24; v -= step) {
-      const y = (top - v) * per;
+    for (let v = Math.floor(top / step) * step; (top - v) * scale < height - 24; v -= step) {
+      const y = (top - v) * scale;
       if (y < 34) continue;
       line([0, y], [width, y]);
       context.fillText(figure(v, step), 6, y - 3);
@@ -123,7 +121,7 @@ export function shapes(context, cloud, words) {
   context.font = `600 ${isLecture() ? 20 : 13}px ${ink(cloud.box, "--ov-font")}`;
   context.fillStyle = ink(cloud.box, "--ov-muted");
   context.textAlign = "right";
-  context.fillText(words, cloud.width / cloud.ratio - 12, 23);
+  context.fillText(words, cloud.width - 12, 23);
 }
 
 /** @param {Context} context @param {Point[] | null} polygon */

@@ -32,8 +32,8 @@ function groupsOf(frames, cloud, shown, chosen) {
     if (!shown(point)) continue;
     const tac = point >= frames.pairs ? 3 : 0;
     const sum = sums[of(point % frames.pairs)];
-    sum[tac] += cloud.x[point] / cloud.ratio;
-    sum[tac + 1] += cloud.y[point] / cloud.ratio;
+    sum[tac] += cloud.x[point];
+    sum[tac + 1] += cloud.y[point];
     sum[tac + 2] += 1;
   }
   /** @param {number[]} sum @returns {Point | null} */
@@ -54,7 +54,7 @@ export function means(frames, shown) {
     context.lineCap = "round";
     for (const { vis, tac, colour } of groups)
       if (vis && tac) stroked(context, () => segment(context, vis, tac), [7, edge], [3.4, colour]);
-    const size = cloud.width / cloud.ratio < 260 ? 0.7 * SIZE : SIZE;
+    const size = cloud.width < 260 ? 0.7 * SIZE : SIZE;
     for (const { colour, vis, tac } of groups) {
       context.fillStyle = colour;
       for (const [shape, place] of /** @type {const} */ ([
@@ -71,15 +71,14 @@ export function means(frames, shown) {
 
 /** Groups with a place {x, y} for their names: where many of their points are. A mean between two clouds has none.
  * @template {Pick<Group, "both">} T @param {T[]} groups @param {(pair: number) => number} of
- * @param {Pick<Cloud, "count" | "width" | "height" | "ratio" | "x" | "y">} cloud @param {(point: number) => boolean} shown */
+ * @param {Pick<Cloud, "count" | "width" | "height" | "x" | "y">} cloud @param {(point: number) => boolean} shown */
 export function settled(groups, of, cloud, shown) {
   const step = Math.ceil(cloud.count / MOST);
-  const reach = ((NEAR * Math.max(cloud.width, cloud.height)) / cloud.ratio) ** 2;
+  const reach = (NEAR * Math.max(cloud.width, cloud.height)) ** 2;
   /** @type {Point[][]} */
   const members = groups.map(() => []);
   for (let point = 0; point < cloud.count; point += step)
-    if (shown(point))
-      members[of(point % (cloud.count / 2))].push([cloud.x[point] / cloud.ratio, cloud.y[point] / cloud.ratio]);
+    if (shown(point)) members[of(point % (cloud.count / 2))].push([cloud.x[point], cloud.y[point]]);
   return groups.map((group, i) => {
     /** @param {Point} place */
     const around = ([x, y]) => members[i].filter((one) => (one[0] - x) ** 2 + (one[1] - y) ** 2 < reach);
@@ -102,7 +101,7 @@ export function settled(groups, of, cloud, shown) {
 export function names(frames, shown) {
   return (context, cloud) => {
     const chosen = colouring(frames(), state.colour);
-    const [width, height] = [cloud.width / cloud.ratio, cloud.height / cloud.ratio];
+    const { width, height } = cloud;
     const letters = isLecture() ? 20 : chosen.values && width < 420 ? 12 : 14;
     context.font = `650 ${letters}px system-ui, sans-serif`;
     context.textAlign = "left";

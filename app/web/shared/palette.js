@@ -22,7 +22,7 @@ export const domainColour = (index) => OKABE_ITO[index % OKABE_ITO.length];
 /** @param {number} index */
 export const classColour = (index) => TOL_BRIGHT[index % TOL_BRIGHT.length];
 
-/** @typedef {Omit<Colouring, "id" | "label">} Grouping */
+/** @typedef {Omit<Colouring, keyof ColourRow>} Grouping */
 /** A colour for each value of the pairs: the index of each, and the names in their order.
  * @type {(values: (f: Colourable) => Numbers, names: (f: Colourable) => string[], colour: (index: number) => string) => Grouping} */
 const byValue = (values, names, colour) => ({
@@ -119,14 +119,8 @@ const KNOWN = {
 export const saidOf = ({ answered, prediction, pairs }, pair, stop) =>
   answered?.[pair] ?? prediction[stop * pairs + pair];
 
-/** Colourings of points: each has a label, names, colours, and the group of a point.
- * @type {Record<string, Colouring>} */
-export const COLOURINGS = Object.fromEntries(
-  TABLES.colours.map(({ title, ...row }) => [
-    row.id,
-    { label: title, ...row, ...(row.column ? byColumn(row.column) : KNOWN[row.id]) },
-  ]),
-);
+/** Colourings of points: each has a title, names, colours, and the group of a point. @type {Colouring[]} */
+const COLOURINGS = TABLES.colours.map((row) => ({ ...row, ...(row.column ? byColumn(row.column) : KNOWN[row.id]) }));
 
 /** @param {Numbers} all */
 const differ = (all) => all.some((one) => one !== all[0]);
@@ -138,13 +132,13 @@ const fits = (frames, { needs = [], values }) =>
   needs.every((one) => ({ head: !frames.headless, classes: frames.labelled })[one] ?? has(frames, one));
 
 /** The colourings that frames have. @param {Colourable} frames */
-export const colouringsOf = (frames) => Object.values(COLOURINGS).filter((row) => fits(frames, row));
+export const colouringsOf = (frames) => COLOURINGS.filter((row) => fits(frames, row));
 
 /** The colouring called `key`, or that of classes if the frames lack it, or the first.
  * @param {Colourable} frames @param {string} key */
 export function colouring(frames, key) {
-  const all = Object.fromEntries(colouringsOf(frames).map((row) => [row.id, row]));
-  return all[key] ?? all.class ?? Object.values(all)[0];
+  const all = colouringsOf(frames);
+  return all.find(({ id }) => id === key) ?? all.find(({ id }) => id === "class") ?? all[0];
 }
 
 /** @param {string} hex */

@@ -88,9 +88,8 @@ export class Pixels {
     this.context = context;
   }
 
-  /** Begin a picture of `width` × `height` device pixels on one colour.
-   * @param {number} width @param {number} height @param {string} ground */
-  begin(width, height, ground) {
+  /** Begin a picture of some device pixels on one colour. @param {Record<"width" | "height", number>} size @param {string} ground */
+  begin({ width, height }, ground) {
     if (this.image.width !== width || this.image.height !== height) {
       this.image = new ImageData(width, height);
       this.words = new Uint32Array(this.image.data.buffer);
@@ -100,9 +99,9 @@ export class Pixels {
     this.words.fill(word(r, g, b));
   }
 
-  /** Stamp one shape at many places: `at` holds indices into the device coordinates x, y.
-   * @param {Style} style @param {Int32Array} at @param {Float32Array} x @param {Float32Array} y */
-  stampAll(style, at, x, y) {
+  /** Stamp one shape at many places: `at` holds indices into the cloud's coordinates.
+   * @param {Style} style @param {Int32Array} at @param {Pick<import("./cloud.js").Cloud, "x" | "y" | "ratio">} cloud */
+  stampAll(style, at, { x, y, ratio }) {
     const s = stamp(style);
     const { width, height } = this.image;
     const words = this.words;
@@ -111,8 +110,8 @@ export class Pixels {
     const right = width - s.reach - 1;
     const bottom = height - s.reach - 1;
     for (let n = 0; n < at.length; n++) {
-      const cx = x[at[n]] | 0;
-      const cy = y[at[n]] | 0;
+      const cx = (x[at[n]] * ratio) | 0;
+      const cy = (y[at[n]] * ratio) | 0;
       if (cx < low || cy < low || cx > right || cy > bottom) continue;
       const centre = cy * width + cx;
       for (let k = 0; k < s.count; k++) {

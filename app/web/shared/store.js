@@ -1,6 +1,5 @@
 /** The state, shared by all tabs and kept in the address, so that a link restores it. */
 
-import { COLOURINGS } from "./palette.js";
 import { afterwards } from "./ready.js";
 import { INPUT, OUTPUT } from "./stages.js";
 import { BY_ORDER, OWN_MODE, PLACES, TABLES } from "./tables.js";
@@ -66,7 +65,7 @@ const CHOICES = {
   stage: KEYS,
   stage2: KEYS,
   map: ["pca", "umap"],
-  colour: Object.keys(COLOURINGS),
+  colour: TABLES.colours.map(({ id }) => id),
 };
 /** Address of a picture -> its reference once it was sent, so that a link to pictures stays one.
  * @type {Map<string, Ref>} */

@@ -159,8 +159,7 @@ interface Colourable {
   columns: Record<string, string[]>;
 }
 /** A colouring of points: the groups [name, colour], and the group of a pair. */
-interface Colouring extends Omit<ColourRow, "title"> {
-  label: string;
+interface Colouring extends ColourRow {
   /** the group of each pair, if it is the same at every p and of both images */
   values?: (frames: Colourable) => Numbers;
   groups: (frames: Colourable) => [name: string, colour: string][];

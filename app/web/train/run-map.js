@@ -43,7 +43,7 @@ export class RunMap extends View {
   begin(started) {
     this.started = started;
     const offered = colouringsOf(this.frames(started));
-    put(this.choice, options(offered.map(({ id, label }) => [id, label.toLowerCase()])));
+    put(this.choice, options(offered.map(({ id, title }) => [id, title.toLowerCase()])));
     const map = this.$(".map");
     map.replaceChildren();
     this.cloud = new Cloud(map, 2 * started.domain.length);
