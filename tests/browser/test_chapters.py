@@ -55,8 +55,7 @@ def pressed(page):
 @pytest.fixture
 def touch(open_page):
     """Return the page as it opens."""
-    page = open_page("", SAID)
-    return page
+    return open_page("", SAID)
 
 
 def test_the_page_opens_with_one_press_by_eight_sensors_and_a_verdict_under_each(touch, twins):
@@ -85,6 +84,10 @@ def test_the_pictures_of_a_press_are_in_view_at_once_and_nothing_is_wider_than_t
     assert page.evaluate(WHOLE, ".explore .twin-pictures .tile") >= pictures
     assert page.evaluate(WHOLE, ".explore .dots button") == 2
     assert page.evaluate("document.scrollingElement.scrollWidth <= innerWidth")
+    seen = page.evaluate(LOOK)
+    assert seen["words"] <= 120
+    assert seen["smallest"] >= 14
+    assert abs(seen["left"] - seen["right"]) <= 2
 
 
 @pytest.mark.parametrize("button", [".dots [data-key='1']", ".known [data-key='200']"])
@@ -108,10 +111,13 @@ def test_dots_and_pictures_combine_and_every_sensor_can_be_the_one_that_was_lear
         home = touch.locator(".explore .twin.home")
         assert home.count() == 1
         assert domain["sensor"] in home.inner_text()
+        assert percents(touch)[source] in touch.inner_text(".explore .touch .figure")
     touch.click(".explore .given [data-key='vis']")
     assert not touch.is_visible(".explore .dots")  # a photo has none
     assert percents(touch)[-1] == percent(twins["away"]["photo"][source][0][rung][0])
     touch.click(".explore .given [data-key='fused']")
+    for group in (".dots", ".known", ".given"):
+        assert touch.locator(f".explore .touch {group} [aria-checked=true]").count() == 1
     assert percents(touch)[-1] == percent(twins["away"]["both"][source][1][rung][0])
 
 

@@ -36,8 +36,9 @@ READ = """async ({ stops, stages }) => {
 }"""
 
 
-def test_a_drag_asks_nothing_of_the_server(open_page):
-    page = open_page("?chapter=analyse&map=pca&vis=row:0&tac=row:0", MAP)
+def test_a_drag_asks_nothing_of_the_server_and_the_figures_are_those_of_its_stop(open_page):
+    frames = read_frames(EXAMPLES / "frames.bin")
+    page = open_page("?mode=moved&map=pca&vis=row:0&tac=row:0", MAP)
     for view, shown in (("pair", ".reading"), ("explore", ".map")):
         open_tab(page, view)
         page.wait_for_selector(f".{view} {shown}")
@@ -54,6 +55,12 @@ def test_a_drag_asks_nothing_of_the_server(open_page):
     page.mouse.up()
     page.wait_for_function("location.search.includes('p=0.')")
     assert asked == []
+    gaps = {
+        f"{p:.2f}": gap
+        for p, gap in zip(frames.orders, frames.curves["modality_gap/f_hat"], strict=True)
+    }
+    shown = page.inner_text(".explore .curves figure[data-name=modality_gap] output")
+    assert shown == f"{gaps[p_shown(page)]:.3f}"
 
 
 def test_every_stop_is_what_the_library_computes_now(open_page):
@@ -88,19 +95,6 @@ def test_every_stop_is_what_the_library_computes_now(open_page):
                 drawn = torch.tensor(map_["places"], dtype=torch.float64)
                 off = (aligned(exact, drawn) - drawn).norm(dim=1).max()
                 assert off <= 2 * frames.maps[f"pca/{stage}"].max_error
-
-
-def test_the_figures_beside_the_map_are_those_of_the_stop(open_page):
-    frames = read_frames(EXAMPLES / "frames.bin")
-    page = open_page("?mode=moved&p=0.2&map=pca", MAP)
-    box = grab(page, 0.2)
-    pull(page, box, 0.73, steps=20)
-    page.mouse.up()
-    shown_p = float(p_shown(page))
-    assert shown_p != 0.2
-    stop = min(range(len(frames.orders)), key=lambda i: abs(frames.orders[i] - shown_p))
-    shown = page.inner_text(".explore .curves figure[data-name=modality_gap] output")
-    assert shown == f"{frames.curves['modality_gap/f_hat'][stop]:.3f}"
 
 
 def thinned(frames, every):
@@ -160,27 +154,6 @@ def test_finer_frames_take_the_place_of_coarse_ones_in_the_middle_of_a_drag(
     )
     page.mouse.up()
     assert page.get_attribute(MAP, "data-order") == str(float(p_shown(page)))
-
-
-def test_a_browser_without_webgl_shows_and_moves_the_map(new_page, address):
-    page = new_page()
-    page.add_init_script("""window.refused = 0;
-        for (const kind of [HTMLCanvasElement, OffscreenCanvas]) {
-          const real = kind.prototype.getContext;
-          kind.prototype.getContext = function (name, ...rest) {
-            if (!/webgl|webgpu/.test(name)) return real.call(this, name, ...rest);
-            window.refused += 1;
-            return null;
-          };
-        }""")
-    page.goto(address + "?chapter=analyse", wait_until="commit")
-    page.wait_for_selector(MAP)
-    assert page.evaluate("document.createElement('canvas').getContext('webgl2')") is None
-    before = pixels(page)
-    page.focus(".explore .order")
-    page.keyboard.press("ArrowRight")
-    assert pixels(page) != before
-    assert page.evaluate("window.refused") == 1  # the page itself never asked
 
 
 def touches(session, kind, *at):

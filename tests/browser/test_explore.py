@@ -1,56 +1,13 @@
 """Explore's story in a real Chromium: modes of p, staircase, unseen domains, toy, finder."""
 
-from dataclasses import replace
-
 import pytest
 
 from omnivat.head.heads import EXAMPLES
-from omnivat.maps.frames import read_frames, write_frames
+from omnivat.maps.frames import read_frames
 
-from .gestures import MAP, MOVED, READY, open_tab, pixels, place_of_a_point
+from .gestures import MAP, MOVED, READY, TOOLS, open_tab, pixels, place_of_a_point
 
 pytestmark = pytest.mark.browser
-
-
-@pytest.fixture(scope="module")
-def trained(tmp_path_factory):
-    """Return frames that imitate heads trained at three stops."""
-    frames = read_frames(EXAMPLES / "frames.bin")
-    stops = [0, len(frames.orders) // 2, len(frames.orders) - 1]
-    maps = {
-        name: replace(found, points=found.points[at], orders=tuple(range(len(at))))
-        for name, found in frames.maps.items()
-        if (at := [found.orders.index(s) for s in stops if s in found.orders])
-    }
-    curves = {name: [values[s] for s in stops] for name, values in frames.curves.items()}
-    for end, share in (("mean", 0.62), ("low", 0.58), ("high", 0.66)):
-        for of in ("unseen", *frames.domains):
-            curves[f"seeds:accuracy/{of}/{end}"] = [share] * 3
-    made = replace(
-        frames,
-        orders=tuple(frames.orders[s] for s in stops),
-        prediction=frames.prediction[stops],
-        confidence=frames.confidence[stops],
-        maps=maps,
-        curves=curves,
-        head={**frames.head, "kind": "retrained", "learned_order": None, "seeds": [0, 1, 2]},
-    )
-    file = tmp_path_factory.mktemp("trained") / "retrained.bin"
-    write_frames(file, made)
-    return file
-
-
-@pytest.fixture
-def two_modes(new_page, address, trained):
-    """Return the page of a set with frames of heads trained at each stop."""
-    page = new_page()
-    listed = {"modes": ["retrained", "moved"], "sets": []}
-    page.route("**/omnivat/modes*", lambda route: route.fulfill(json=listed))
-    page.route("**/omnivat/frames?mode=retrained*", lambda route: route.fulfill(path=trained))
-    page.held = False  # every reply comes
-    page.goto(address, wait_until="commit")
-    page.wait_for_selector(MAP)
-    return page
 
 
 def words(page, selector):
@@ -60,15 +17,18 @@ def words(page, selector):
 
 
 def test_the_first_mode_is_a_head_for_each_stop_with_one_accuracy_and_the_other_a_what_if(
-    two_modes,
+    open_page,
 ):
-    page = two_modes
+    frames = read_frames(EXAMPLES / "retrained.bin")
+    share = frames.curves["seeds:accuracy/unseen/mean"][frames.orders.index(0.5)]
+    page = open_page(f"{TOOLS}&p=0.5", MAP)
     assert "A head for each stop" in words(page, ".mode-words")
-    assert "3 trainings for each stop" in words(page, ".mode-words")
-    assert "62 % right in seven unseen domains\n\nBy 3 heads trained at p = 0.503" in words(
+    assert "2 trainings for each stop" in words(page, ".mode-words")
+    right = f"{100 * share:.0f} %"
+    assert f"{right} right in seven unseen domains\n\nBy 2 heads trained at p = 0.50" in words(
         page, ".score"
     )
-    assert words(page, ".stage .side").count("62 %") == 1
+    assert words(page, ".stage .side").count(f"{right} right") == 1
     assert page.get_attribute(".explore .curves [data-name=accuracy] .spread", "d")
     page.click('.explore .modes [data-key="moved"]')
     page.wait_for_selector(".explore[data-kind=moved]")
@@ -105,17 +65,21 @@ def test_every_step_of_the_staircase_has_its_figures_and_opens_its_map(open_page
     page.wait_for_function("!location.search.includes('stage=')")
 
 
-def test_strangers_have_a_bar_each_and_a_cell_of_the_matrix_filters_the_map(open_page):
+def test_strangers_have_a_bar_each_a_reading_its_map_and_a_cell_of_the_matrix_filters_it(open_page):
     frames = read_frames(EXAMPLES / "frames.bin")
     page = open_page("?chapter=fooled", ".explore .bar-row")
     assert page.locator(".explore .bar-row .range").count() >= len(frames.domains)
     assert page.locator(".explore .bar-row.source").count() == 1
-    both, drawn = page.locator(".explore .bar-row output").all_inner_texts(), pixels(page)
-    page.click('.explore .readings [data-key="tac"]')
-    assert page.locator(".explore .bar-row output").all_inner_texts() != both
-    assert pixels(page) != drawn  # the touches alone, by what is read in them alone
+    figures, drawn = set(), []
+    for reading in ("vis", "tac", "fused"):
+        page.click(f'.explore .readings [data-key="{reading}"]')
+        assert "–" in words(page, '.readings [aria-checked="true"] small')
+        figures.add(tuple(page.locator(".explore .bar-row output").all_inner_texts()))
+        drawn.append(pixels(page))
+    assert len(figures) == len(set(drawn)) == 3  # the points of a reading, by what is read in them
+    page.click('.explore .readings [data-key="vis"]')
+    assert pixels(page) == drawn[0]
     page.click('.explore .readings [data-key="fused"]')
-    assert pixels(page) == drawn
     cell = page.locator(".explore .confusion button:not(:disabled)").first
     count = int(cell.inner_text())
     cell.click()
@@ -151,18 +115,7 @@ def test_pairs_are_found_by_class_and_hidden_points_leave_the_selection(open_pag
     assert words(page, '.menu [data-save="csv"]') == f"The {left} selected points as CSV"
 
 
-def test_a_histogram_filters_by_dragging_and_by_keys(open_page):
-    page = open_page(MOVED, MAP)
-    page.wait_for_selector(".explore .histograms svg")
-    page.focus(".explore .histograms svg")
-    for _ in range(8):
-        page.keyboard.press("ArrowRight")
-    page.wait_for_selector(".explore .finder .found:has-text('pairs shown')")
-    page.locator(".explore .histograms button").first.click()
-    assert words(page, ".finder .found") == ""
-
-
-def test_a_filter_changes_title_and_curves_alike(open_page):
+def test_a_filter_changes_title_and_curves_alike_and_the_title_names_the_method(open_page):
     frames = read_frames(EXAMPLES / "frames.bin")
     lone, others = frames.domains[1], [n for i, n in enumerate(frames.domains) if i != 1]
     page = open_page(f"{MOVED}&p=0.3&domain={'~'.join(others)}", MAP)
@@ -170,10 +123,6 @@ def test_a_filter_changes_title_and_curves_alike(open_page):
     assert words(page, ".curves [data-name=modality_gap] output") == f"{value:.3f}"
     assert f"modality gap in {lone} {value:.2f}" in words(page, "[data-panel=step] .map-title")
     assert lone in words(page, ".curves [data-name=modality_gap] .of")
-
-
-def test_the_step_names_the_method_of_its_map(open_page):
-    page = open_page(f"{MOVED}&map=umap", MAP)
     assert words(page, "[data-panel=step] .map-title small") == "UMAP"
     assert "scale have no meaning" in words(page, ".approximate")
 

@@ -6,8 +6,7 @@ import pytest
 
 from omnivat.head.heads import EXAMPLES
 
-from .first_view import LOOK
-from .gestures import MAP, MOVED, READY, TOUCH
+from .gestures import MAP, MOVED, READY
 
 pytestmark = pytest.mark.browser
 
@@ -42,17 +41,6 @@ def test_letters_of_charts_are_large_enough_on_a_projector(open_page):
         }"""
     )
     assert cut == []
-
-
-def test_a_chapter_opens_with_few_words_and_large_letters(open_page):
-    for size in ((1280, 720), (1440, 900), (2560, 1440)):
-        page = open_page(TOUCH, READY["explore"], size=size)
-        page.wait_for_selector(".explore .twin .said")
-        seen = page.evaluate(LOOK)
-        assert seen["words"] <= 120
-        assert seen["smallest"] >= 14
-        assert seen["map"] >= 0.35
-        assert abs(seen["left"] - seen["right"]) <= 2
 
 
 def test_on_a_phone_no_step_of_the_tour_covers_map_chart_or_slider(new_page, address):
@@ -111,30 +99,6 @@ def test_paper_is_light_and_has_the_points_of_the_map_as_shapes(open_page):
     assert not page.locator("body.dark").count()
     page.evaluate("dispatchEvent(new Event('afterprint'))")
     page.wait_for_selector("body.dark")
-
-
-def test_a_printed_chapter_has_no_tabs_and_no_buttons(open_page):
-    page = open_page("?chapter=fooled", MAP, size=(718, 1047))
-    page.wait_for_selector(".explore .tiles button")
-    page.emulate_media(media="print")
-    for gone in (
-        ".tour-start",
-        ".theme",
-        ".chapters",
-        ".next",
-        ".zooms button",
-        ".tiles button:nth-child(13)",
-    ):
-        assert not page.locator(f"{gone} >> visible=true").count()
-    assert page.locator(".explore .readings .scale >> visible=true").count() == 3
-
-
-def test_share_shows_the_address_of_the_view(open_page):
-    page = open_page("?chapter=where&rung=mean", READY["explore"])
-    page.click(".explore .share")
-    field = page.locator(".explore .shared:popover-open input")
-    assert field.input_value() == page.evaluate("location.href")
-    assert "rung=mean" in field.input_value()
 
 
 def test_a_lecture_leaves_map_chart_and_control_in_large_letters(open_page):

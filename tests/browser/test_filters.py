@@ -21,7 +21,7 @@ def drag_over(page, name):
     page.mouse.up()
 
 
-def test_a_range_is_named_in_the_title_kept_in_the_address_and_put_aside_by_other_chapters(
+def test_a_range_is_dragged_or_moved_by_keys_named_kept_in_the_address_and_put_aside_elsewhere(
     open_page,
 ):
     page = open_page(TOOLS, ".explore .histograms svg")
@@ -38,6 +38,12 @@ def test_a_range_is_named_in_the_title_kept_in_the_address_and_put_aside_by_othe
     assert "range=" not in page.url
     page.click('.explore [data-chapter="analyse"]')
     page.wait_for_selector(f".explore .finder .found:has-text('{found}')")
+    page.focus(".explore .histograms [data-name=confidence] svg")
+    for _ in range(8):
+        page.keyboard.press("ArrowRight")
+    assert page.inner_text(".explore .finder .found") != found
+    page.click(".explore .histograms [data-name=confidence] button")
+    assert page.inner_text(".explore .finder .found") == found
 
 
 def test_a_link_to_a_cell_of_the_confusion_matrix_shows_its_pairs(open_page):

@@ -23,16 +23,6 @@ from .gestures import (
 pytestmark = pytest.mark.browser
 
 
-def test_a_link_brings_back_what_was_seen(open_page):
-    query = "?mode=moved&p=0.31&stage=relu&colour=class&domain=TAG-sim&pin=3"
-    page = open_page(query, MAP)
-    assert p_shown(page) == "0.31"
-    assert page.get_attribute('[data-stage="relu"]', "aria-checked") == "true"
-    assert page.input_value(".explore .colouring") == "class"
-    assert not page.is_checked('[data-name="TAG-sim"] input')
-    assert page.inner_text(".explore .card h3").startswith("Pair 3")
-
-
 def test_the_tab_of_a_link_opens_even_where_gradio_loses_the_first_clicks(new_page, address):
     page = new_page()
     page.add_init_script("""{
@@ -70,8 +60,8 @@ def test_nothing_but_maps_waits_for_a_map_that_takes_long(new_page, address):
     page.wait_for_selector(".top .limits:has-text('Map positions')")
 
 
-def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(open_page):
-    page = open_page("?mode=moved", MAP)
+def test_the_address_of_what_one_visitor_set_brings_it_back_to_another(open_page):
+    page = open_page("?mode=moved&pin=3", MAP)
     plain = pixels(page)
     page.click('[data-stage="f_bar"]')
     page.select_option(".explore .colouring", "modality")
@@ -87,6 +77,10 @@ def test_the_address_of_what_one_visitor_set_draws_the_same_picture_for_another(
     other = open_page(page.evaluate("location.search"), MAP, size=(1440, 900))
     assert p_shown(other) == "0.04"
     assert pixels(other) == drawn
+    assert other.get_attribute('[data-stage="f_bar"]', "aria-checked") == "true"
+    assert other.input_value(".explore .colouring") == "modality"
+    assert not other.is_checked('[data-kind="class"][data-name="wood"] input')
+    assert other.inner_text(".explore .card h3").startswith("Pair 3")
 
 
 def test_junk_in_the_address_is_left_out_and_the_page_opens(open_page):

@@ -4,13 +4,14 @@ import "./browser.js";
 import { asText, axis, spread, values } from "../../app/web/shared/measures.js";
 import { frames } from "./browser.js";
 
-test("accuracy of a head is of domains that it never saw", () => {
-  const found = frames({
-    curves: { "accuracy/all": [0.9], "accuracy/unseen": [0.6], "accuracy/A": [1], "accuracy/B": [0.6] },
-  });
-  assert.deepEqual(values(found, "accuracy", "f_hat"), [0.6]);
-  assert.deepEqual(values(found, "accuracy", "f_hat", "B"), [0.6]);
-  assert.equal(values(found, "accuracy", "f_hat", "A"), null, "the source holds training pairs");
+test("accuracy of a head, in any mode, is of domains that it never saw, and its source holds training pairs", () => {
+  const curves = { "accuracy/all": [0.9], "accuracy/unseen": [0.6], "accuracy/A": [1], "accuracy/B": [0.6] };
+  for (const kind of ["moved", "retrained"]) {
+    const found = ["", "B", "A"].map((domain) =>
+      values(frames({ curves, head: { kind } }), "accuracy", "f_hat", domain),
+    );
+    assert.deepEqual(found, [[0.6], [0.6], null], kind);
+  }
 });
 
 test("frames without that curve have no accuracy, whatever else they hold", () => {
@@ -29,12 +30,6 @@ test("of retrained heads it is the mean over trainings, with its span", () => {
   assert.deepEqual(values(found, "accuracy", "f_hat", "A"), [0.8]);
   assert.deepEqual(spread(found, "accuracy", "f_hat"), { low: [0.5], high: [0.7] });
   assert.equal(spread(found, "margin", "f_hat"), null);
-});
-
-test("heads of which nobody told how trainings differ have the accuracy of the frames, in any mode", () => {
-  const found = frames({ curves: { "accuracy/unseen": [0.6], "accuracy/A": [1] }, head: { kind: "retrained" } });
-  assert.deepEqual(values(found, "accuracy", "f_hat"), [0.6]);
-  assert.equal(values(found, "accuracy", "f_hat", "A"), null, "the source holds training pairs");
 });
 
 test("the projection has the gaps of the transform, which keeps all distances", () => {

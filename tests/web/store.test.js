@@ -41,10 +41,12 @@ test("a value changes by one way alone, which everyone who watches it hears", ()
   assert.deepEqual([heard, before.p], [[0.25], 0.5014]);
 });
 
-test("p crosses no tab from the chapter of the order, and nothing else is touched", () => {
+test("p crosses no tab from the chapter of the order alone, and nothing else is touched", () => {
   const explore = { chapter: "order", view: "explore", p: 0.8, otherP: 0.3, pin: 1 };
   const pair = after(explore, { view: "pair" });
   assert.deepEqual(pair, { ...explore, view: "pair", p: 0.3, otherP: 0.8 });
   assert.deepEqual(after(pair, { view: "train" }), { ...pair, view: "train" });
   assert.deepEqual(after(pair, { view: "explore" }), explore);
+  const other = { ...explore, chapter: "analyse" };
+  assert.deepEqual(after(other, { view: "pair" }), { ...other, view: "pair" });
 });

@@ -16,13 +16,10 @@ import { $, change, fill, html, options, put, scene, send, state } from "./root.
 import { isDouble, painted } from "./scene.js";
 
 /** The accuracy of frames at a stop, and whose it is; only where the head predicts.
- * @type {(frames: Frames, stage: string, stop: number, unseen: Unseen | null) => Html[] | null} */
+ * @type {(frames: Frames, stage: string, stop: number, unseen: Unseen | null) => false | Html} */
 export const right = (frames, stage, stop, unseen) =>
-  stage === OUTPUT
-    ? [figure("right, unseen", ACCURACY, values(frames, ACCURACY, stage), stop), whence(frames, stop, unseen)].filter(
-        (part) => part !== null,
-      )
-    : null;
+  stage === OUTPUT &&
+  html`${figure("right, unseen", ACCURACY, values(frames, ACCURACY, stage), stop)}${whence(frames, stop, unseen)}`;
 
 /** @type {Cloud} */
 let cloud;
@@ -119,7 +116,7 @@ export function show() {
   cloud.box.dataset.order = String(p);
   fill(
     $(".pane-title"),
-    html`${isReady() && [gaps(frames, stage(), stop), " ", same ? null : right(frames, stage(), stop, unseen)]}`,
+    html`${isReady() && [gaps(frames, stage(), stop), " ", !same && right(frames, stage(), stop, unseen)]}`,
   );
   fill(
     $(".now .pane"),

@@ -2,6 +2,7 @@
 
 import { dragged, Scale } from "../shared/chart.js";
 import { asText, axis, BRIEF, gapsOf, spread, values } from "../shared/measures.js";
+import { span } from "../shared/order.js";
 import { isLecture } from "../shared/palette.js";
 import { INPUT, OUTPUT } from "../shared/stages.js";
 import { can, has, TABLES } from "../shared/tables.js";
@@ -17,9 +18,7 @@ function charts(selector, high, make) {
   let wide = LEAST;
   let scale = new Scale({ wide, high: high(), pad: PAD });
   const show = () => {
-    const { orders } = scene.frames;
-    const xs = [Math.min(0, orders[0]), Math.max(1, orders[orders.length - 1])]; // whichever stops are ready
-    scale = new Scale({ wide, high: high(), pad: PAD, xs });
+    scale = new Scale({ wide, high: high(), pad: PAD, xs: span(scene.frames) });
     draw(box, make(scale));
   };
   dragged(box, (event, svg) => change({ p: scene.frames.orders[scene.frames.stop(scale.under(event, svg))] }));

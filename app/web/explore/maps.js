@@ -89,7 +89,7 @@ export function showColourings() {
 
 /** The points of frames at a stop, by colour. @param {Cloud} cloud */
 export const showLayers = (cloud = map, frames = scene.frames, stop = scene.stop) => {
-  map.halves = scene.halves;
+  cloud.halves = [0, frames.pairs].map((from) => scene.mask.subarray(from, from + frames.pairs).includes(1));
   cloud.layers = layersOf(painted(scene, state, frames), stop, shown, isLit);
   cloud.redraw();
 };

@@ -1,5 +1,7 @@
 /** What is read of the state of Explore and of the address. No DOM here. */
 
+import { shownBy } from "../shared/filters.js";
+import { IMAGES } from "../shared/images.js";
 import { featuresOf, INPUT } from "../shared/stages.js";
 import { hidden } from "../shared/store.js";
 import { tagOf } from "./tags.js";
@@ -26,10 +28,12 @@ export function whole({ frames, dragged }) {
 export const answers = ({ facts }, { chapter, reading }) =>
   (chapter === "fooled" && reading !== "fused" && facts.unseen?.pairs.answers[reading]) || null;
 
-/** Whether a pair passes every filter. @type {(scene: Scene, address: State) => (pair: number) => boolean} */
-export function wantedPairs({ frames, facts, cell }, address) {
-  const domains = new Set(left("domain", frames.domains, address));
-  const classes = new Set(left("class", frames.classes, address));
+/** Whether a point passes every filter; of a reading of one image alone, those of the other do not.
+ * @type {(scene: Scene, address: State) => Wanted} */
+export function wantedPoints(scene, address) {
+  const { frames, facts, cell } = scene;
+  const shown = shownBy(frames, address);
+  const alone = answers(scene, address) && address.reading;
   const alike = address.alike === "1" ? facts.pairs?.looks_like : null;
   const words = address.find.trim().toLowerCase().split(/\s+/);
   const text = (/** @type {number} */ pair) =>
@@ -38,13 +42,17 @@ export function wantedPairs({ frames, facts, cell }, address) {
     const [values, range] = [facts.unseen?.pairs[name], rangesOf(address)[name]];
     return values && range ? [{ values, range }] : [];
   });
-  return (pair) =>
-    domains.has(frames.domains[frames.domain[pair]]) &&
-    classes.has(frames.classes[frames.label[pair]]) &&
-    alike?.[pair] !== "" &&
-    (!cell || cell.pairs.has(pair)) &&
-    ranges.every(({ values, range }) => values[pair] >= range[0] && values[pair] <= range[1]) &&
-    words.every((word) => !word || text(pair).includes(word));
+  return (point) => {
+    const pair = point % frames.pairs;
+    return (
+      shown(point) &&
+      (!alone || alone === IMAGES[+(point >= frames.pairs)]) &&
+      alike?.[pair] !== "" &&
+      (!cell || cell.pairs.has(pair)) &&
+      ranges.every(({ values, range }) => values[pair] >= range[0] && values[pair] <= range[1]) &&
+      words.every((word) => !word || text(pair).includes(word))
+    );
+  };
 }
 
 /** Frames with what colours and cards read beside them: the columns of the pairs, and what one image alone predicts.

@@ -1,7 +1,6 @@
 /** Explore as one object, beside the address, and what each event makes of it: the values that change. No DOM here. */
 
-import { hidden } from "../shared/store.js";
-import { answers, UNSEEN, wantedPairs } from "./scene.js";
+import { UNSEEN, wantedPoints } from "./scene.js";
 
 const UNKNOWN = { unseen: null, pairs: null, fit: null };
 
@@ -16,7 +15,6 @@ export const START = /** @type {Scene} */ (
     facts: UNKNOWN,
     known: {},
     dragged: new Map(),
-    halves: [true, true],
     sample: -1,
     lasso: false,
     stairs: "",
@@ -91,19 +89,10 @@ function moved({ frames, dragged }, { p, chapter }) {
 
 /** Hidden points leave the selection and the pointer. @param {Scene} scene @param {State} address */
 function filtered(scene, address) {
-  const { pairs } = scene.frames;
-  const wanted = wantedPairs(scene, address);
-  const hides = hidden("modality", address);
-  const alone = answers(scene, address);
-  const seen = (/** @type {Modality} */ name) => !hides.has(name.toUpperCase()) && (!alone || name === address.reading);
-  /** @type {[boolean, boolean]} */
-  const halves = [seen("vis"), seen("tac")];
-  const mask = Uint8Array.from(
-    { length: 2 * pairs },
-    (_, point) => +(halves[+(point >= pairs)] && wanted(point % pairs)),
-  );
+  const wanted = wantedPoints(scene, address);
+  const mask = Uint8Array.from({ length: 2 * scene.frames.pairs }, (_, point) => +wanted(point));
   const selected = new Set([...scene.selected].filter((point) => mask[point]));
-  return { halves, mask, selected, hovered: mask[scene.hovered] ? scene.hovered : -1 };
+  return { mask, selected, hovered: mask[scene.hovered] ? scene.hovered : -1 };
 }
 
 /** The cell of the confusion matrix in the address, with its pairs; null if there is no such cell.

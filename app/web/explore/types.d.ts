@@ -63,8 +63,7 @@ interface Scene extends Omit<SetData, "coarse"> {
   cell: Cell | null;
   /** the domain of the confusion matrix */
   stranger: string;
-  /** whether photos and touches are shown, and 1 for each point that all filters leave */
-  halves: [boolean, boolean];
+  /** 1 for each point that all filters leave */
   mask: Uint8Array;
   /** the pair that the card shows at first */
   sample: number;

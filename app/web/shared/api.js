@@ -67,15 +67,12 @@ export async function get(path, options) {
 }
 
 /** The response to a question or a file. @param {string} path @param {object | Blob} content @param {AbortSignal} [signal] */
-const post = (path, content, signal) =>
-  content instanceof Blob
-    ? get(path, { method: "POST", body: content, signal })
-    : get(path, {
-        method: "POST",
-        body: JSON.stringify(content),
-        headers: { "Content-Type": "application/json" },
-        signal,
-      });
+function post(path, content, signal) {
+  const file = content instanceof Blob && content;
+  /** @type {HeadersInit} */
+  const headers = file ? {} : { "Content-Type": "application/json" };
+  return get(path, { method: "POST", body: file || JSON.stringify(content), headers, signal });
+}
 
 /** @template Reply @param {Promise<Response>} response @returns {Promise<Reply>} */
 const replied = (response) => awaited(response.then((found) => found.json()));

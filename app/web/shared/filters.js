@@ -50,11 +50,12 @@ export function showFilters(box, frames, onPoint) {
 }
 
 /** A function from a point's index to whether it is shown.
- * @param {Frames} frames @returns {(point: number) => boolean} */
-export function shownBy(frames) {
-  const [domains, classes, modalities] = KINDS.map(([kind, , names]) =>
-    names(frames).map((name) => !hidden(kind).has(name)),
-  );
+ * @param {Frames} frames @param {Pick<State, Filter>} address @returns {(point: number) => boolean} */
+export function shownBy(frames, address = state) {
+  const [domains, classes, modalities] = KINDS.map(([kind, , names]) => {
+    const hides = hidden(kind, address);
+    return names(frames).map((name) => !hides.has(name));
+  });
   return (point) => {
     const tac = point >= frames.pairs;
     const pair = tac ? point - frames.pairs : point;

@@ -18,6 +18,9 @@ export const HUNDREDTHS = {
   stop: (/** @type {number} */ p) => Math.max(0, Math.min(100, Math.round(100 * p))),
 };
 
+/** The ends of the axis of p, whichever stops are there. @param {Pick<Stops, "orders">} frames @returns {[number, number]} */
+export const span = ({ orders }) => [Math.min(0, orders[0]), Math.max(1, orders[orders.length - 1])];
+
 const BAR = html`<div class="track"><input class="order" type="range" step="${FINE}" aria-label="Fractional order p"><span class="learned-mark" hidden></span></div>
   <button class="play main" aria-pressed="false" aria-label="Play p from 0 to 1" title="Play (space bar on this button)">▶</button>
   <label><i>p</i> = <output class="order-value">0.50</output></label>
@@ -31,10 +34,9 @@ export function orderBar(bar, frames = HUNDREDTHS) {
   const slider = $(".order");
   const play = $(".play");
   let playing = false;
-  let { orders } = frames;
 
   /** @param {number} stop */
-  const go = (stop) => change({ p: orders[Math.max(0, Math.min(orders.length - 1, stop))] });
+  const go = (stop) => change({ p: frames.orders[Math.max(0, Math.min(frames.orders.length - 1, stop))] });
   slider.addEventListener("input", () => go(frames.stop(+slider.value)));
   slider.addEventListener("keydown", (/** @type {KeyboardEvent} */ event) => {
     const by = KEYS[event.key];
@@ -45,8 +47,9 @@ export function orderBar(bar, frames = HUNDREDTHS) {
 
   function step() {
     if (!playing || !bar.isConnected) return;
-    change({ p: orders[(frames.stop(state.p) + 1) % orders.length] });
-    requestAnimationFrame(() => setTimeout(() => requestAnimationFrame(step), orders.length > 50 ? 20 : 220));
+    const { length } = frames.orders;
+    go((frames.stop(state.p) + 1) % length);
+    requestAnimationFrame(() => setTimeout(() => requestAnimationFrame(step), length > 50 ? 20 : 220));
   }
   play.onclick = () => {
     playing = !playing;
@@ -58,16 +61,14 @@ export function orderBar(bar, frames = HUNDREDTHS) {
   /** Take other stops. @param {Stops} finer */
   function replace(finer) {
     frames = finer;
-    orders = finer.orders;
-    [slider.min, slider.max] = [Math.min(0, orders[0]), Math.max(1, ...orders.slice(-1))];
+    [slider.min, slider.max] = span(finer);
   }
   /** Show the learned p. @param {number} p */
   function learned(p) {
-    const known = Number.isFinite(p);
-    const [low, high] = [+slider.min, +slider.max];
-    $(".learned").hidden = !known;
+    const [low, high] = span(frames);
+    $(".learned").hidden = !Number.isFinite(p);
     $(".learned-mark").hidden = !(p >= low && p <= high);
-    $(".learned").textContent = known ? `learned p = ${p.toFixed(3)}` : "";
+    $(".learned").textContent = `learned p = ${p.toFixed(3)}`;
     $(".learned").onclick = () => go(frames.stop(p));
     bar.style.setProperty("--at", (p - low) / (high - low));
   }
@@ -78,8 +79,9 @@ export function orderBar(bar, frames = HUNDREDTHS) {
     replace,
     /** @param {number} stop */
     show(stop) {
-      const text = orderText(orders[stop]);
-      if (Math.abs(+slider.value - orders[stop]) >= FINE / 2) slider.value = orders[stop];
+      const p = frames.orders[stop];
+      const text = orderText(p);
+      if (Math.abs(+slider.value - p) >= FINE / 2) slider.value = p;
       slider.setAttribute("aria-valuetext", `p ${text}`);
       $(".order-value").textContent = text;
     },
