@@ -7,14 +7,24 @@ from .gestures import settle
 pytestmark = pytest.mark.browser
 
 SIZES = [(1280, 720), (1024, 768), (2560, 1440), (400, 800)]
-VIEWS = [
-    "chapter=touch",
-    "chapter=where",
-    "chapter=order",
-    "chapter=fooled",
-    "chapter=analyse&pin=3",
-    "chapter=analyse&mode=moved&beside=1&stage2=f_hat&head2=method:nearest_mean",
-]
+VIEWS = {  # and what of each needs no scrolling, on a phone and elsewhere
+    "chapter=touch": ([], []),
+    "chapter=where": ([".threads", ".places", ".stage .title"], [".order", ".together svg"]),
+    "chapter=order": ([".map", ".over svg", ".order", ".stage .title"], []),
+    "chapter=fooled": ([".stage .map", ".lookers", ".stage .title"], [".readings"]),
+    "chapter=analyse&pin=3": ([], []),
+    "chapter=analyse&mode=moved&beside=1&stage2=f_hat&head2=method:nearest_mean": ([], []),
+}
+OUTSIDE = """selectors => selectors.filter((one) => {
+  const { top, bottom, height } = document.querySelector(`.explore ${one}`).getBoundingClientRect();
+  return !height || top < 0 || bottom > innerHeight;
+})"""
+# true if the button to the next chapter hides a part of the sentence that replies to the title
+COVERED = """() => {
+  const [remark, onward] = ['.remark',
+    '.onward'].map((one) => document.querySelector(`.explore .stage ${one}`));
+  return remark.getBoundingClientRect().bottom > onward.getBoundingClientRect().top + 1;
+}"""
 # texts that leave their box, and parts that lie on one another
 CUT = """() => {
   const seen = (e) => e.checkVisibility({ visibilityProperty: true })
@@ -52,14 +62,19 @@ CUT = """() => {
 
 
 @pytest.mark.parametrize("size", SIZES, ids=str)
-def test_no_text_is_cut_and_no_part_lies_on_another(open_page, size):
+def test_no_text_is_cut_no_part_lies_on_another_and_map_chart_and_control_need_no_scrolling(
+    open_page, size
+):
+    phone = size[0] == 400
     page = open_page("", size=size)
     home = page.url.split("?")[0]
-    for view in VIEWS:
+    for view, (parts, wide) in VIEWS.items():
         page.goto(f"{home}?{view}", wait_until="commit")
         page.wait_for_selector(".explore .provenance >> visible=true")
         settle(page)
         assert page.evaluate(CUT) == [], view
+        assert page.evaluate(OUTSIDE, parts if phone else [*parts, *wide]) == [], view
+        assert (phone and view == "chapter=where") or not page.evaluate(COVERED), view
     page.locator(".explore .zooms").evaluate(
         "one => { one.style.transform = 'translateX(-60px)'; }"
     )

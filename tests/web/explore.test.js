@@ -374,8 +374,11 @@ test("an event makes another scene and leaves the one before as it was, with wha
 
 test("look-alikes come from unseen domains and are scored, one of each class", () => {
   const own = frames({ pairs: 4, domain: [0, 1, 1, 1], label: [0, 1, 1, 0] });
-  const unseen = { source: "A", pairs: { counts: [1, 1, 1, 1] } };
-  assert.deepEqual(lookAlikes(own, unseen, { looks_like: ["steel", "wood", "wood", ""] }), [1]);
+  const facts = {
+    unseen: { source: "A", pairs: { counts: [1, 1, 1, 1] } },
+    pairs: { looks_like: ["steel", "wood", "wood", ""] },
+  };
+  assert.deepEqual(lookAlikes({ frames: own, facts }), [1]);
 });
 
 test("p of the chapter of the order waits while another tab is open", () => {

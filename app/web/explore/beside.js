@@ -1,6 +1,6 @@
 /** A second map beside the first: the same pairs at a step, a p and by a method of its own; both are linked. */
 
-import { Refusal, refused } from "../shared/api.js";
+import { attempt, Refusal } from "../shared/api.js";
 import { Cloud } from "../shared/cloud.js";
 import { orderText } from "../shared/frames.js";
 import { framesBy, headLabel, heads, isMethod, methodsFor } from "../shared/headsets.js";
@@ -80,16 +80,17 @@ export async function load() {
   const name = state.head2;
   const wait = $(".side-wait");
   if (isReady()) return;
-  try {
-    const frames = await framesBy(name, scene.own, (step) => tell(wait, making(step)), loadFiner);
-    if (frames.pairs !== scene.own.pairs) throw new Refusal("This head’s map belongs to another set.");
-    if (state.head2 !== name) return;
-    send("compared", { name, frames });
-    tell(wait, "");
-    show();
-  } catch (error) {
-    refused(error, (/** @type {string} */ words) => state.head2 === name && tell(wait, words));
-  }
+  await attempt(
+    async () => {
+      const frames = await framesBy(name, scene.own, (step) => tell(wait, making(step)), loadFiner);
+      if (frames.pairs !== scene.own.pairs) throw new Refusal("This head’s map belongs to another set.");
+      if (state.head2 !== name) return;
+      send("compared", { name, frames });
+      tell(wait, "");
+      show();
+    },
+    (/** @type {string} */ words) => state.head2 === name && tell(wait, words),
+  );
 }
 
 /** Finer frames of what predicts are there. */

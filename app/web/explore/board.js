@@ -1,6 +1,6 @@
 /** What Explore shows of a set: its parts, drawn from the scene and the address, and what visitors do on the map. */
 
-import { ask, inSet, refused } from "../shared/api.js";
+import { ask, attempt, inSet } from "../shared/api.js";
 import { card } from "../shared/card.js";
 import { showFilters } from "../shared/filters.js";
 import { orderText } from "../shared/frames.js";
@@ -242,9 +242,9 @@ export function pick(point) {
 export async function findNear(half) {
   const { set, frames, stop } = scene;
   const key = nearKey(scene, state);
-  const box = $(".card .found");
-  if (box) box.textContent = "Computing this stage for the whole set…";
-  try {
+  const box = $(".card .found") ?? {}; // no card is on the screen
+  box.textContent = "Computing this stage for the whole set…";
+  await attempt(async () => {
     const point = Number(state.pin) + frames.pairs * half;
     const question = { point, stage: nearStage(scene, state), order: frames.orders[stop] };
     const { neighbours } = await ask(inSet("neighbours", set), question);
@@ -252,9 +252,7 @@ export async function findNear(half) {
     send("found", { key, points: neighbours });
     showNeighbours();
     paintMarks();
-  } catch (error) {
-    refused(error, (/** @type {string} */ sentence) => box && (box.textContent = sentence));
-  }
+  }, box);
 }
 
 export function showMeans() {

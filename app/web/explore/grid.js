@@ -4,7 +4,7 @@ import { imitation, thumbnail, verdict } from "../shared/card.js";
 import { orderText } from "../shared/frames.js";
 import { ofFrames } from "../shared/provenance.js";
 import { $, html, percent, put, scene, state } from "./root.js";
-import { filtering, near, painted } from "./scene.js";
+import { filtering, near, painted, strangePairs } from "./scene.js";
 import { tagOf, tagPairs } from "./tags.js";
 
 const SHOWN = 60; // pairs; the CSV holds all
@@ -16,21 +16,15 @@ const SIDE = 44; // CSS pixels of a picture
 /** The pairs to show, and why: those selected, else those that a filter leaves, else the look-alikes.
  * @returns {Listed} */
 function listed() {
-  const { frames, selected, mask, facts, stop } = scene;
-  const pairs = (/** @type {Wanted} */ wanted) =>
-    Array.from({ length: frames.pairs }, (_, pair) => pair).filter(wanted);
-  const either = (/** @type {Wanted} */ wanted) => pairs((pair) => wanted(pair) || wanted(pair + frames.pairs));
+  const { frames, selected, mask, stop } = scene;
+  const either = (/** @type {Wanted} */ wanted) =>
+    Array.from(frames.label, (_, pair) => pair).filter((pair) => wanted(pair) || wanted(pair + frames.pairs));
   if (selected.size) return { points: selected.size, pairs: either((point) => selected.has(point)) };
   if (filtering(scene, state).length) return { pairs: either((point) => mask[point] === 1) };
-  const { unseen, pairs: names } = facts;
-  if (state.chapter !== "fooled" || !names || !unseen) return { pairs: [] };
-  const strange = (/** @type {number} */ pair) =>
-    unseen.pairs.counts[pair] && frames.domains[frames.domain[pair]] !== unseen.source;
-  const alike = pairs((pair) => Boolean(names.looks_like[pair] && strange(pair)));
+  if (state.chapter !== "fooled") return { pairs: [] };
+  const { strange, alike } = strangePairs(scene);
   if (alike.length) return { why: "look like another class", pairs: alike };
-  const wrong = pairs(
-    (pair) => Boolean(strange(pair)) && frames.prediction[stop * frames.pairs + pair] !== frames.label[pair],
-  );
+  const wrong = strange.filter((pair) => frames.prediction[stop * frames.pairs + pair] !== frames.label[pair]);
   return { why: "unseen pairs predicted wrong", pairs: wrong };
 }
 

@@ -1,6 +1,6 @@
 /** The nodes that the head's tree grows from the pinned pair: what each alone predicts, at the p on the screen. */
 
-import { ask, refused } from "../shared/api.js";
+import { ask, attempt } from "../shared/api.js";
 import { keys } from "../shared/filters.js";
 import { classColour, rgb } from "../shared/palette.js";
 import { awaited } from "../shared/ready.js";
@@ -24,20 +24,20 @@ export function follow() {
 }
 
 /** @param {AbortSignal} signal */
-async function grow(signal) {
-  const ref = `row:${state.pin}`;
-  try {
-    const order = scene.frames.orders[scene.stop];
-    const tree = await ask("tree", { vis: ref, tac: ref, order }, signal);
-    show(tree);
-    if (scene.votes) return;
-    send("counted", {});
-    send("counted", await ask("votes", { head: "" }));
-    show(tree);
-  } catch (error) {
-    refused(error, (/** @type {string} */ sentence) => fill($(".nodes"), html`${sentence}`));
-  }
-}
+const grow = (signal) =>
+  attempt(
+    async () => {
+      const ref = `row:${state.pin}`;
+      const order = scene.frames.orders[scene.stop];
+      const tree = await ask("tree", { vis: ref, tac: ref, order }, signal);
+      show(tree);
+      if (scene.votes) return;
+      send("counted", {});
+      send("counted", await ask("votes", { head: "" }));
+      show(tree);
+    },
+    (/** @type {string} */ sentence) => fill($(".nodes"), html`${sentence}`),
+  );
 
 /** @param {Tree} tree */
 function show(tree) {

@@ -55,6 +55,15 @@ export function wantedPoints(scene, address) {
   };
 }
 
+/** The pairs of unseen domains that are scored, and those of them that look like another class; none before they are known.
+ * @type {(scene: Pick<Scene, "frames" | "facts">) => Record<"strange" | "alike", number[]>} */
+export function strangePairs({ frames, facts: { unseen, pairs } }) {
+  const source = frames.domains.indexOf(unseen?.source ?? "");
+  const all = Array.from(unseen && pairs ? frames.label : [], (_, pair) => pair);
+  const strange = all.filter((pair) => unseen?.pairs.counts[pair] && frames.domain[pair] !== source);
+  return { strange, alike: strange.filter((pair) => pairs?.looks_like[pair]) };
+}
+
 /** Frames with what colours and cards read beside them: the columns of the pairs, and what one image alone predicts.
  * @type {(scene: Scene, address: Pick<State, "chapter" | "reading">, frames?: Frames) => Frames} */
 export const painted = (scene, address, frames = scene.frames) =>

@@ -6,7 +6,7 @@ import { barRow, scaleOf } from "./bars.js";
 import { ofOwn } from "./chapters.js";
 import { marked } from "./grid.js";
 import { $, change, choice, html, options, percent, put, scene, send, state } from "./root.js";
-import { UNSEEN } from "./scene.js";
+import { strangePairs, UNSEEN } from "./scene.js";
 
 /** @type {{key: Reading, label: string, title?: string}[]} */
 const READINGS = [
@@ -17,15 +17,12 @@ const READINGS = [
 const SHOWN = 3; // look-alikes with both pictures, at most
 const ROOM = 165; // CSS pixels for one of them
 
-/** Look-alikes of unseen domains, the first of each class.
- * @param {Frames} frames @param {Unseen} unseen @param {PairNames} pairs @returns {number[]} */
-export function lookAlikes(frames, unseen, pairs) {
-  const source = frames.domains.indexOf(unseen.source);
-  const first = new Map();
-  for (let pair = 0; pair < frames.pairs; pair++)
-    if (unseen.pairs.counts[pair] && frames.domain[pair] !== source && pairs.looks_like[pair])
-      if (!first.has(frames.label[pair])) first.set(frames.label[pair], pair);
-  return [...first.values()];
+/** Look-alikes of unseen domains, the first of each class. @type {(scene: Pick<Scene, "frames" | "facts">) => number[]} */
+export function lookAlikes({ frames, facts }) {
+  const classOf = (/** @type {number} */ pair) => frames.label[pair];
+  const { alike } = strangePairs({ frames, facts });
+  const classes = alike.map(classOf);
+  return alike.filter((pair, i) => classes.indexOf(classOf(pair)) === i);
 }
 
 /** Show the facts about the head. */
@@ -59,7 +56,7 @@ function showLookers(unseen) {
     const picture = thumbnail(sprite, image === "tac" ? frames.pairs + pair : pair, side, label);
     return html`<figure>${picture}<figcaption class="${right ? "right" : "wrong"}">${marked(right, unseen.classes[said])}</figcaption></figure>`;
   };
-  const buttons = lookAlikes(frames, unseen, names)
+  const buttons = lookAlikes(scene)
     .slice(0, shown)
     .map(
       (pair) =>

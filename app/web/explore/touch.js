@@ -22,13 +22,13 @@ const WORDS = {
   fused: { what: "domain", same: html`Same object, same press; <b>sensor and scene</b> changed.`, learned: "pairs" },
 };
 
-/** A number below `count`; 0 for any other text. @param {string} text @param {number} count */
-const within = (text, count) => (Number(text) >= 0 && Number(text) < count ? Math.floor(Number(text)) : 0);
+/** The index that a text names in a list; 0 for any other text. @param {string} text @param {unknown[]} list */
+const within = (text, list) => (Number(text) in list ? Number(text) : 0);
 
 /** The press that is shown: the one in the address, or that which is read best once its dots are filled.
  * @param {Pick<Twins, "shown" | "domains" | "verdicts">} twins @param {Pick<State, "press">} address */
 export function pressOf({ shown, domains, verdicts }, { press }) {
-  if (press !== "") return within(press, shown.length);
+  if (press !== "") return within(press, shown);
   const right = shown.map((one, i) =>
     one.looks_like || one.feels_like
       ? -1
@@ -44,7 +44,7 @@ export function chosen(twins, address) {
     reading: key,
     table,
     press: pressOf(twins, address),
-    from: within(address.from, twins.domains.length),
+    from: within(address.from, twins.domains),
     dots: Number(address.dots === "1" && key !== "vis"),
     rung: Math.max(0, [0, ...twins.pictures].indexOf(Number(address.known))),
   };

@@ -205,16 +205,9 @@ export class Cloud {
 /** Points inside a polygon, by the even-odd rule.
  * @param {Cloud} cloud @param {Point[]} polygon @param {(point: number) => boolean} wanted */
 export function inside(cloud, polygon, wanted) {
-  const found = [];
-  for (let i = 0; i < cloud.count; i++) {
-    if (!wanted(i)) continue;
-    const [x, y] = cloud.place(i);
-    let within = false;
-    polygon.forEach(([xa, ya], a) => {
-      const [xb, yb] = polygon.at(a - 1) ?? [0, 0];
-      if (ya > y !== yb > y && x < ((xb - xa) * (y - ya)) / (yb - ya) + xa) within = !within;
-    });
-    if (within) found.push(i);
-  }
-  return found;
+  const path = new Path2D();
+  for (const corner of polygon) path.lineTo(...corner);
+  const plain = drawingOn(new OffscreenCanvas(1, 1)); // that of the marks is scaled
+  const within = (/** @type {number} */ point) => plain.isPointInPath(path, ...cloud.place(point), "evenodd");
+  return Array.from(cloud.x, (_, point) => point).filter((point) => wanted(point) && within(point));
 }
