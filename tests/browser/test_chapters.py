@@ -105,7 +105,7 @@ def test_dots_and_pictures_combine_and_every_sensor_can_be_the_one_that_was_lear
         home = touch.locator(".explore .twin.home")
         assert home.count() == 1
         assert domain["sensor"] in home.inner_text()
-        assert percents(touch)[source] in touch.inner_text(".explore .touch .figure")
+        assert home.locator("output").inner_text() in touch.inner_text(".explore .touch .figure")
     touch.click(".explore .given [data-key='vis']")
     assert not touch.is_visible(".explore .dots")  # a photo has none
     assert percents(touch)[-1] == percent(twins["away"]["photo"][source][0][rung][0])
