@@ -150,7 +150,7 @@ test("neighbours are those of the pinned pair at this step and p, and of no othe
   const address = { pin: 1, stage: "f_hat" };
   const points = [{ point: 0, cosine: 0.5 }];
   const key = scenes.nearKey(sceneOf(frames()), address);
-  const scene = sceneOf(frames(), ["found", { key, points }]);
+  const scene = sceneOf(frames(), ["arrived", { nearest: { key, points } }]);
   assert.equal(scenes.near(scene, address), points);
   assert.deepEqual(scenes.near({ ...scene, stop: 2 }, address), []);
   assert.deepEqual(scenes.near(scene, { ...address, pin: 0 }), []);

@@ -85,7 +85,7 @@ export async function load() {
       const frames = await framesBy(name, scene.own, (step) => tell(wait, making(step)), loadFiner);
       if (frames.pairs !== scene.own.pairs) throw new Refusal("This head’s map belongs to another set.");
       if (state.head2 !== name) return;
-      send("compared", { name, frames });
+      send("arrived", { other: { name, frames } });
       tell(wait, "");
       show();
     },
@@ -95,7 +95,7 @@ export async function load() {
 
 /** Finer frames of what predicts are there. */
 function loadFiner() {
-  send("compared", null);
+  send("arrived", { other: null });
   load();
 }
 

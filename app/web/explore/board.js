@@ -153,7 +153,7 @@ function showCurves() {
 export function showColours() {
   maps.showColourings();
   showFilters($(".filters"), painted(scene, state), (/** @type {Scene["highlight"]} */ highlight) => {
-    send("highlighted", highlight);
+    send("arrived", { highlight });
     showPoints();
   });
   refilter();
@@ -220,7 +220,7 @@ export function showCard() {
 /** `pointed`: by the pointer, at which the pictures then are. @param {number} point */
 function hover(point, pointed = false) {
   if (point === scene.hovered) return;
-  send("hovered", point);
+  send("arrived", { hovered: point });
   maps.map.marks.style.cursor = point >= 0 ? "pointer" : scene.lasso ? "crosshair" : "grab";
   paintMarks();
   showCard();
@@ -230,7 +230,7 @@ function hover(point, pointed = false) {
 /** Pin the pair of a point, for the other tabs too if it is of their set, and find its neighbours.
  * @param {number} point */
 export function pick(point) {
-  send("pinned", {});
+  send("arrived", { nearest: null });
   if (point < 0) return change({ pin: null });
   const { pairs } = scene.frames;
   const pin = point % pairs;
@@ -249,7 +249,7 @@ export async function findNear(half) {
     const question = { point, stage: nearStage(scene, state), order: frames.orders[stop] };
     const { neighbours } = await ask(inSet("neighbours", set), question);
     if (key !== nearKey(scene, state)) return;
-    send("found", { key, points: neighbours });
+    send("arrived", { nearest: { key, points: neighbours } });
     showNeighbours();
     paintMarks();
   }, box);

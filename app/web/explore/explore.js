@@ -17,7 +17,7 @@ export async function start() {
     const { sets, twins } = await choices();
     const own = !sets.some(({ shown }) => shown);
     const first = own ? "analyse" : twins ? "touch" : "order";
-    send("listed", { sets, first });
+    send("arrived", { sets, first });
     showSets(sets);
     for (const name of ["touch", "where"]) $(`.chapters [data-chapter=${name}]`).hidden = !twins; // as in a saved page
     if (!state.chapter) openChapter(first);

@@ -57,11 +57,11 @@ function showModes() {
 /** The frames of a mode; null if they cannot be had or others are wanted by then. `say` shows the sentence of a Refusal.
  * @param {(sentence: string) => void} say @returns {Promise<Frames | null>} */
 export async function framesOfMode(say, wanted = wantedMode()) {
-  const { own, set } = send("modeWanted", wanted);
+  const { own, set } = send("arrived", { wanted });
   try {
     const frames = wanted === OWN_MODE ? own : await framesOf(wanted, own, set);
     if (scene.wanted !== wanted || scene.set !== set) return null;
-    send("modeShown", wanted);
+    send("arrived", { mode: wanted });
     showModes();
     return frames;
   } catch (error) {

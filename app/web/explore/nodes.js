@@ -32,8 +32,8 @@ const grow = (signal) =>
       const tree = await ask("tree", { vis: ref, tac: ref, order }, signal);
       show(tree);
       if (scene.votes) return;
-      send("counted", {});
-      send("counted", await ask("votes", { head: "" }));
+      send("arrived", { votes: {} });
+      send("arrived", { votes: await ask("votes", { head: "" }) });
       show(tree);
     },
     (/** @type {string} */ sentence) => fill($(".nodes"), html`${sentence}`),

@@ -45,7 +45,7 @@ const dataOf = (set, onWait) =>
 export async function enter() {
   if (!state.chapter) return openChapter(scene.first);
   const { chapter } = state;
-  send("entering", {});
+  send("arrived", { chapter: "" });
   layOut(chapter);
   const late = () => state.chapter !== chapter;
   return attempt(async () => {
@@ -77,7 +77,7 @@ export async function enter() {
 /** @param {string} chapter */
 function opened(chapter) {
   telling(null);
-  send("entered", chapter);
+  send("arrived", { chapter });
   $().classList.add("ready");
 }
 
@@ -121,6 +121,6 @@ async function refine(data) {
   data.own = own;
   if (scene.own !== coarse) return;
   const shown = scene.frames === coarse;
-  send("refined", own);
+  send("arrived", { own });
   if (shown && scene.chapter) board.replace(own);
 }

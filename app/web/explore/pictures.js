@@ -77,7 +77,7 @@ function follow() {
 export function listen() {
   const area = $(".maps");
   area.addEventListener("pointermove", (/** @type {PointerEvent} */ event) => {
-    send("pointed", [event.clientX, event.clientY]);
+    send("arrived", { pointer: [event.clientX, event.clientY] });
     if (!$(".peek").hidden) follow();
   });
   area.addEventListener("pointerleave", () => ($(".peek").hidden = true));

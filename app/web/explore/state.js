@@ -29,9 +29,8 @@ export const START = /** @type {Scene} */ (
 
 /** @type {{[Name in keyof SceneEvents]: (scene: Scene, told: SceneEvents[Name], address: State) => Partial<Scene>}} */
 const EVENTS = {
-  // what came from the server
-  listed: (_, { sets, first }) => ({ sets, first }),
-  twins: (_, parts) => parts,
+  /** What is there now, and nothing follows from it. */
+  arrived: (_, parts) => parts,
   /** Another set: nothing of the one before stays. */
   loaded: (_, { set, own, sprite, modes }) => ({
     ...{ set, own, sprite, modes, frames: own, facts: UNKNOWN, stop: 0, hovered: -1, nearest: null, cell: null },
@@ -39,39 +38,19 @@ const EVENTS = {
   }),
   /** A fact about another set changes nothing. */
   learned: (scene, { set, facts }) => (set === scene.set ? { facts: { ...scene.facts, ...facts } } : {}),
-  refined: (_, own) => ({ own }),
   measured: ({ known }, record) => ({ known: { ...known, ...record } }),
-  found: (_, nearest) => ({ nearest }),
-  counted: (_, votes) => ({ votes }),
-  compared: (_, other) => ({ other }),
-
-  // chapters, modes of p, and p
-  entering: () => ({ chapter: "" }),
-  entered: (_, chapter) => ({ chapter }),
-  modeWanted: (_, wanted) => ({ wanted }),
-  modeShown: (_, mode) => ({ mode }),
   /** A chapter opens: nothing is selected. */
   started: (_, frames) => ({
     selected: new Set(),
     sample: frames.label.findIndex((label, pair) => frames.headless || label === frames.prediction[pair]),
   }),
-  replaced: (scene, frames, address) => ({ frames, ...moved({ ...scene, frames }, address) }),
-  moved: (scene, _, address) => moved(scene, address),
-
-  // what is filtered, pointed at and chosen
-  filtered: (scene, _, address) => filtered(scene, address),
-  cellFollowed: (scene, _, address) => cellOf(scene, address),
-  strangerChosen: (_, stranger) => ({ stranger }),
+  replaced: (scene, frames, address) => ({ frames, ...moved({ ...scene, frames }, {}, address) }),
+  moved,
+  filtered,
+  cellFollowed,
   selected: (_, points) => ({ selected: new Set(points) }),
-  highlighted: (_, highlight) => ({ highlight }),
-  hovered: (_, hovered) => ({ hovered }),
-  pointed: (_, pointer) => ({ pointer }),
-  pinned: () => ({ nearest: null }),
   lassoSwitched: ({ lasso }) => ({ lasso: !lasso }),
-  stairsChosen: (_, stairs) => ({ stairs }),
-  twinHovered: (_, twin) => ({ twin }),
   sensorChosen: ({ alone }, domain) => ({ alone: alone === domain ? -1 : domain }),
-  glided: (_, glided) => ({ glided }),
 };
 
 /** Explore after an event. @template {keyof SceneEvents} Name
@@ -79,16 +58,16 @@ const EVENTS = {
 export const after = (scene, name, told, address) => ({ ...scene, ...EVENTS[name](scene, told, address) });
 
 /** p has moved: its stop, and in the chapter of the order the stops between which it was dragged.
- * @param {Pick<Scene, "frames" | "dragged">} scene @param {Pick<State, "p" | "chapter">} address */
-function moved({ frames, dragged }, { p, chapter }) {
+ * @param {Scene} scene @param {unknown} _ @param {State} address */
+function moved({ frames, dragged }, _, { p, chapter }) {
   const stop = frames.stop(p);
   const [from, to] = dragged.get(frames) ?? [Infinity, -Infinity];
   if (chapter !== "order" || (from <= stop && stop <= to)) return { stop };
   return { stop, dragged: new Map(dragged).set(frames, [Math.min(from, stop), Math.max(to, stop)]) };
 }
 
-/** Hidden points leave the selection and the pointer. @param {Scene} scene @param {State} address */
-function filtered(scene, address) {
+/** Hidden points leave the selection and the pointer. @param {Scene} scene @param {unknown} _ @param {State} address */
+function filtered(scene, _, address) {
   const wanted = wantedPoints(scene, address);
   const mask = Uint8Array.from({ length: 2 * scene.frames.pairs }, (_, point) => +wanted(point));
   const selected = new Set([...scene.selected].filter((point) => mask[point]));
@@ -96,8 +75,8 @@ function filtered(scene, address) {
 }
 
 /** The cell of the confusion matrix in the address, with its pairs; null if there is no such cell.
- * @param {Scene} scene @param {State} address @returns {Partial<Scene>} */
-function cellOf({ frames, facts }, { cell, reading }) {
+ * @param {Scene} scene @param {unknown} _ @param {State} address @returns {Partial<Scene>} */
+function cellFollowed({ frames, facts }, _, { cell, reading }) {
   const unseen = /** @type {Unseen} */ (facts.unseen);
   const [truth, answer, ...name] = cell.split("~");
   const domain = name.join("~");

@@ -127,7 +127,7 @@ export function showConfusion() {
 
 /** Show the confusion matrix of another domain. @param {string} stranger */
 export function chooseStranger(stranger) {
-  send("strangerChosen", stranger);
+  send("arrived", { stranger });
   change({ cell: "" });
   showConfusion();
 }

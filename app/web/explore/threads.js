@@ -44,7 +44,7 @@ const isOwn = () => scene.first === "analyse" && !held;
 
 export async function open() {
   const [twins, twinsMap] = await Promise.all([fetchTwins(), fetchMap()]);
-  send("twins", { twins, twinsMap });
+  send("arrived", { twins, twinsMap });
   if (!cloud) {
     build();
     if (isOwn()) measure();
@@ -79,7 +79,7 @@ const pointOf = (/** @type {number} */ number) => {
 /** @param {number} twin */
 function hover(twin) {
   if (twin === scene.twin) return;
-  send("twinHovered", twin);
+  send("arrived", { twin });
   cloud.paintMarks();
 }
 
@@ -161,7 +161,7 @@ function glide() {
     !calm() &&
     $(".threads").checkVisibility() &&
     Float32Array.from(cloud.frame?.points ?? to);
-  send("glided", wanted);
+  send("arrived", { glided: wanted });
   cancelAnimationFrame(moving);
   const begun = performance.now();
   const step = (/** @type {number} */ now) => {

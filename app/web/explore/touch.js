@@ -68,7 +68,7 @@ function read({ away, accuracy, verdicts, domains, shown, learned }, { table, fr
 /** Fetch the twins once and draw the chapter; later calls only draw. */
 export async function open() {
   const twins = await fetchTwins();
-  send("twins", { twins });
+  send("arrived", { twins });
   show();
   document.dispatchEvent(new CustomEvent("omnivat:simulated", { detail: twins.simulated }));
 }

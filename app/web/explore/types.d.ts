@@ -89,35 +89,18 @@ interface Scene extends Omit<SetData, "coarse"> {
 }
 /** What is told to Explore: an event and what goes with it. */
 interface SceneEvents {
-  listed: Pick<Scene, "sets" | "first">;
-  twins: Partial<Pick<Scene, "twins" | "twinsMap">>;
+  arrived: Partial<Scene>;
   loaded: Omit<SetData, "coarse">;
   learned: { set: string; facts: Partial<SetFacts> };
-  refined: Frames;
   measured: Scene["known"];
-  found: Nearest;
-  counted: Scene["votes"];
-  compared: Other | null;
-  entering: unknown;
-  entered: string;
-  modeWanted: string;
-  modeShown: string;
   started: Frames;
   replaced: Frames;
   moved: unknown;
   filtered: unknown;
   cellFollowed: unknown;
-  strangerChosen: string;
   selected: number[];
-  highlighted: Scene["highlight"];
-  hovered: number;
-  pointed: Point;
-  pinned: unknown;
   lassoSwitched: unknown;
-  stairsChosen: string;
-  twinHovered: number;
   sensorChosen: number;
-  glided: string;
 }
 /** The words of a chapter. */
 interface Words {

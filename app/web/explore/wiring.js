@@ -61,8 +61,8 @@ const FIELDS = {
   change: {
     "[data-value]": ({ dataset, value }) => change({ [dataset.value]: value }),
     ".alike input": () => toggle("alike"),
-    ".of-steps": ({ value }) => {
-      send("stairsChosen", value);
+    ".of-steps": ({ value: stairs }) => {
+      send("arrived", { stairs });
       showSteps();
     },
     ".of-domain": ({ value }) => chooseStranger(value),
