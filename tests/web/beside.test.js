@@ -6,6 +6,7 @@ import "./browser.js";
 import { counted, right, sentence } from "../../app/web/explore/beside.js";
 import { gaps } from "../../app/web/explore/maps.js";
 import { html } from "../../app/web/shared/text.js";
+import { frames } from "./browser.js";
 
 const TRUTH = ["wood", "wood", "steel", "steel", "glass"];
 const LEFT = ["wood", "steel", "steel", "wood", "wood"];
@@ -30,9 +31,9 @@ test("the sentence says what changes from the left map to the right", () => {
 });
 
 test("a map names both gaps, and an accuracy only where the head predicts", () => {
-  const curves = { "modality_gap/f_hat": [0.25], "domain_gap/f_hat": [0.5], "modality_gap/raw": [0.97] };
-  const meta = { curves: { ...curves, "accuracy/unseen": [0.589] }, head: {} };
-  const shown = { kind: "moved", source: "A", domains: ["A", "B"], domain: [0, 1], orders: [0.5], learned: 0.5, meta };
+  const gapsOf = { "modality_gap/f_hat": [0.25], "domain_gap/f_hat": [0.5], "modality_gap/raw": [0.97] };
+  const curves = { ...gapsOf, "accuracy/unseen": [0.589] };
+  const shown = frames({ curves, orders: [0.5], head: { learned_order: 0.5 } });
   const unseen = { domains: [{ name: "B", pairs: 7 }] };
   const words = (parts) => `${html`${parts}`}`;
   assert.match(words(gaps(shown, "f_hat", 0)), /modality gap <b>0.25.*domain gap <b>0.50/);

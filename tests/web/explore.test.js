@@ -119,11 +119,8 @@ test("another set forgets what was pointed at, selected and known; a late fact o
 });
 
 test("the next point is one that the filters leave, from either end", () => {
-  const scene = { mask: [1, 0, 0, 1], hovered: -1 };
-  assert.equal(scenes.nextPoint(scene, 1), 0);
-  assert.equal(scenes.nextPoint({ ...scene, hovered: 0 }, 1), 3);
-  assert.equal(scenes.nextPoint({ ...scene, hovered: 0 }, -1), 3);
-  assert.equal(scenes.nextPoint({ mask: [0, 0], hovered: 1 }, 1), 1);
+  const next = (hovered, by, mask = [1, 0, 0, 1]) => scenes.nextPoint({ mask, hovered }, by);
+  assert.deepEqual([next(-1, 1), next(0, 1), next(0, -1), next(1, 1, [0, 0])], [0, 3, 3, 1]);
 });
 
 test("a filter under the pointer lights its points, and without one the selection does", () => {
@@ -140,9 +137,9 @@ test("a cell in the address selects its pairs by the reading, and one that is no
   const unseen = { classes: ["wood", "steel"], source: "A", confusion: { fused: { unseen: [], B: [] } }, pairs };
   const scene = sceneOf(frames(), ["learned", { set: "", facts: { unseen } }]);
   const cell = (cell) => told(scene, ["cellFollowed", {}, { cell, reading: "fused" }]).cell;
-  assert.deepEqual([...cell("1~1~unseen").pairs], [1]);
+  assert.deepEqual(cell("1~1~unseen").pairs, new Set([1]));
   assert.equal(cell("1~1~B").words, "steel predicted as steel");
-  assert.deepEqual([...cell("0~1~unseen").pairs], []); // the source is no stranger
+  assert.deepEqual(cell("0~1~unseen").pairs, new Set()); // the source is no stranger
   for (const none of ["", "7~1~unseen", "1~1~Z"]) assert.equal(cell(none), null);
 });
 
