@@ -1,4 +1,4 @@
-"""Files of every kind through the real page: read correctly, or refused in a sentence."""
+"""Files through the real page: read as what they show, or refused in a sentence."""
 
 import json
 from io import BytesIO
@@ -21,13 +21,6 @@ def saved(image, kind="PNG", **options):
         return handle.getvalue()
 
 
-def opened(content):
-    """Return the picture in a file's bytes."""
-    image = Image.open(BytesIO(content))
-    image.load()
-    return image
-
-
 def picture(seed=1, size=(96, 64)):
     """Return a colourful picture without any symmetry."""
     random = np.random.default_rng(seed)
@@ -43,41 +36,11 @@ def turned():
     return content, picture().transpose(Image.Transpose.ROTATE_270)
 
 
-def sixteen():
-    """Return a 16-bit grey picture and the matching 8-bit one."""
-    grey = np.asarray(picture().convert("L"))
-    return saved(Image.fromarray(grey.astype(np.uint16) * 256 + 77)), Image.fromarray(grey)
-
-
-def animated():
-    """Return an animation and its first frame."""
-    frames = [picture(seed).quantize() for seed in range(3)]
-    content = saved(frames[0], "GIF", save_all=True, append_images=frames[1:], duration=50)
-    return content, opened(content).convert("RGB")
-
-
-def same(image, kind="PNG", **options):
-    """Return a file of a picture and the picture as 8-bit colours."""
-    content = saved(image, kind, **options)
-    return content, opened(content).convert("RGB")
-
-
-TAKEN = {
-    "20,000 x 10": lambda: same(picture(size=(20_000, 16)).crop((0, 0, 20_000, 10))),
-    "grey": lambda: same(picture().convert("L")),
-    "RGBA": lambda: same(picture().convert("RGBA")),
-    "palette": lambda: same(picture().quantize(32)),
-    "16-bit": sixteen,
-    "CMYK": lambda: same(picture().convert("CMYK"), "JPEG"),
-    "EXIF-rotated": turned,
-    "animated": animated,
-}
+CMYK = picture().convert("CMYK")
+TAKEN = {"EXIF-rotated": turned(), "CMYK": (saved(CMYK, "TIFF"), CMYK.convert("RGB"))}
 REFUSED = {
     "not an image": (b"these are words, not pixels", "not an image"),
-    "0 bytes": (b"", "empty"),
     "truncated": (texture(0)["buffer"][:500], "damaged"),
-    "bomb": (saved(Image.new("1", (30_000, 30_000))), "megapixels"),
-    "1 x 1": (saved(Image.new("RGB", (1, 1))), "8"),
 }
 
 
@@ -111,7 +74,7 @@ def posted(address, path, content):
 
 @pytest.mark.parametrize("kind", TAKEN)
 def test_an_odd_image_is_answered_as_the_plain_picture_that_it_shows(pair_page, address, kind):
-    content, plain = TAKEN[kind]()
+    content, plain = TAKEN[kind]
     name = f"{kind}.png"
     give(pair_page, name, content)
     width, height = plain.size

@@ -5,7 +5,6 @@ import { test } from "node:test";
 import "./browser.js";
 import { apart, blocksOf, CROPS, restOf } from "../../app/web/pair/feed.js";
 import { spread } from "../../app/web/pair/lines.js";
-import { controlsHtml } from "../../app/web/pair/live.js";
 import { csv, manyHtml } from "../../app/web/pair/many.js";
 import { curveHtml, ownHtml } from "../../app/web/pair/own.js";
 import { describe } from "../../app/web/pair/own-pictures.js";
@@ -543,14 +542,8 @@ test("a recording takes a pair from time to time, and is saved when it or the ca
   }
 });
 
-test("no frame takes away what is told to do at the cameras, and nothing second is told beside it", () => {
+test("nothing second is told to do at the cameras beside the first", () => {
   const { tab, next } = told(SHOWN, ["camerasSwitched"], ["guide", { what: "label" }]);
   assert.deepEqual(next, { guide: { what: "label" } });
   assert.deepEqual(after(tab, "guide", { what: "calibrate" }).next, {});
-  const ended = [
-    ["told", { live: "Type what it is." }],
-    ["doing", { guide: undefined }],
-  ];
-  const html = String(controlsHtml(told(tab, ...ended, ["framed", { frame: {}, line: "9 predictions/s" }]).tab));
-  assert.match(html, />Type what it is\.<.*>9 predictions\/s</);
 });
