@@ -2,7 +2,7 @@
 
 import { csv as written } from "../shared/csv.js";
 import { asTrained } from "./own.js";
-import { button, headed, html, IMAGES, opener, plural, READINGS, row, status, TERMS, table, titleOf } from "./parts.js";
+import { button, headed, html, kinds, opener, plural, READINGS, row, status, table, titleOf } from "./parts.js";
 import { labelledOf, tallies } from "./state.js";
 import { brief, readingsOf } from "./verdict.js";
 
@@ -17,9 +17,8 @@ export function manyHtml(tab) {
   }
   if (rows.length) return tableHtml(tab, close);
   if (!unnamed && !notes.many) return null;
-  const kinds = unnamed && IMAGES.map((name) => button("dropped", TERMS[name].many, html`data-kind="${name}"`));
   const asked = unnamed && `${plural(unnamed.count, "picture")} without vis or tac in the name. They are`;
-  return html`<div class="stand"><p role="status">${asked ?? notes.many}</p>${kinds}${close}</div>`;
+  return html`<div class="stand"><p role="status">${asked ?? notes.many}</p>${unnamed && kinds("dropped")}${close}</div>`;
 }
 
 /** @param {PairTab} tab @param {Html} close */

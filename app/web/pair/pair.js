@@ -163,18 +163,18 @@ class PairView extends View {
       slotOf(event)?.classList.add("over");
     };
     box.ondragleave = (/** @type {DragEvent} */ event) => slotOf(event)?.classList.remove("over");
-    box.ondrop = (/** @type {Found} */ event) => {
-      event.preventDefault();
+    /** @param {Found} event @param {Chosen[] | Promise<Chosen[]>} given */
+    const taken = async (event, given) => {
       const slot = slotOf(event);
       slot?.classList.remove("over");
-      const dropped = droppedFiles(event.dataTransfer);
-      awaited(dropped.then((files) => files.length && send("dropped", { files, ...slot?.dataset })));
+      const files = await given;
+      if (files.length) send("dropped", { files, ...slot?.dataset });
     };
-    box.onpaste = (/** @type {Found} */ event) => {
-      const slot = slotOf(event);
-      const [file] = event.clipboardData.files;
-      if (slot && file) send("dropped", { files: [{ path: "", file }], ...slot.dataset });
+    box.ondrop = (/** @type {Found} */ event) => {
+      event.preventDefault();
+      awaited(taken(event, droppedFiles(event.dataTransfer)));
     };
+    box.onpaste = (/** @type {Found} */ event) => taken(event, chosenFiles(event.clipboardData.files));
     watch(IMAGES, () => {
       const { vis, tac } = state;
       if (vis !== this.tab.vis || tac !== this.tab.tac) send("opened", { vis, tac });

@@ -55,6 +55,9 @@ export const headed = (title, ...beside) => html`<header><h3>${title}</h3>${besi
 /** What opens below its name. @param {string} name @param {...unknown} content */
 export const folded = (name, ...content) => html`<details><summary>${name}</summary>${content}</details>`;
 
+/** What pictures can be, to choose from. @param {string} event */
+export const kinds = (event) => IMAGES.map((kind) => button(event, TERMS[kind].many, html`data-kind="${kind}"`));
+
 /** @param {number} n @param {string} one @param {string} [many] */
 export const plural = (n, one, many = `${one}s`) => `${n.toLocaleString("en-US")} ${n === 1 ? one : many}`;
 

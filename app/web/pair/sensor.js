@@ -8,6 +8,7 @@ import {
   html,
   IMAGES,
   imagesOf,
+  kinds,
   OTHER,
   options,
   plural,
@@ -30,11 +31,10 @@ export function sensorHtml({ counts, rest, doing, doubt, notes, before, answer }
   const use = counts
     ? [button("saveProfile", "Save"), button("profileDropped", "Stop using it")]
     : chooser("load", "Load", html`accept=".safetensors"`);
-  const [own, other] = [rest, OTHER[rest]].map((kind) => ({ kind, many: TERMS[kind].many }));
-  const kinds = [other, own].map(({ kind, many }) => button("sampled", many, html`data-kind="${kind}"`));
+  const [own, other] = [rest, OTHER[rest]].map((kind) => TERMS[kind].many);
   const question =
     doubt &&
-    html`${doubt.strange} of ${doubt.of} look more like ${other.many} than like ${own.many}. They are ${kinds}`;
+    html`${doubt.strange} of ${doubt.of} look more like ${other} than like ${own}. They are ${kinds("sampled")}`;
   const progress =
     doing.sample &&
     html`Reading picture ${doing.sample.done} of ${doing.sample.total}… ${button("samplingStopped", "Cancel")}`;

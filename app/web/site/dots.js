@@ -14,8 +14,6 @@ const median = (values) => {
   const sorted = Float64Array.from(values).sort();
   return (sorted[(sorted.length - 1) >> 1] + sorted[sorted.length >> 1]) / 2;
 };
-/** @param {ArrayLike<number>} values */
-const largest = (values) => Array.from(values).reduce((a, b) => Math.max(a, b));
 
 /** A plane of numbers, each made from its place. @param {number} width @param {number} height
  * @param {(x: number, y: number, at: number) => number} make @returns {Plane} */
@@ -128,7 +126,7 @@ function commonSteps(points, { width, height }) {
     return votes[at] / (9 * ((1 - y / height) * (1 - x / width) * points.length));
   });
   const highest = extremes(score, 4).values;
-  const best = largest(highest);
+  const best = Math.max(...highest);
   if (best < SUPPORT) return null;
   /** @type {{ value: number, step: number[] }[]} */
   const steps = [];
@@ -243,7 +241,7 @@ function dotted(brightest, { nodes, steps, darkness: typical }) {
   const [inky, core] = [new Uint8Array(width * height), new Uint8Array(width * height)];
   for (const node of nodes) {
     const inner = near(node, middle);
-    const depth = largest(inner.map((at) => dark[at]));
+    const depth = Math.max(...inner.map((at) => dark[at]));
     const least = Math.max(0.35 * depth, 64 * typical);
     for (const at of near(node, reach)) if (dark[at] >= least) inky[at] = 1;
     for (const at of inner) core[at] = 1;

@@ -7,7 +7,7 @@ import { decoded } from "./decode.js";
 import { nameOf } from "./desk.js";
 import { loaded } from "./profiles.js";
 import { PICTURE } from "./rules.js";
-import { best, rounded, roundedRow, rowsOf } from "./tensors.js";
+import { rounded, roundedRow, rowsOf } from "./tensors.js";
 
 const { HIDDEN, PREVIEW } = PICTURE;
 const WARM = 3; // runs after which the browser has compiled the encoder
@@ -85,7 +85,7 @@ export const PICTURES = {
       return (await desk.readings(await desk.asked(beside(question), { [modality]: row }))).fused;
     };
     const fused = await predicted(pixels);
-    const top = best(fused);
+    const top = fused.indexOf(Math.max(...fused));
     const falls = [];
     for (let at = 0; at < parts.values.length; at += pixels.length)
       falls.push(fused[top] - (await predicted(parts.values.slice(at, at + pixels.length)))[top]);

@@ -98,8 +98,6 @@ export function nearest(rows, query, count, except = -1) {
 export const sum = (values) => values.reduce((total, value) => total + value, 0);
 /** @param {number[]} values */
 export const mean = (values) => sum(values) / values.length;
-/** @param {ArrayLike<number>} row */
-export const best = (row) => Array.from(row).reduce((top, value, i, all) => (value > all[top] ? i : top), 0);
 /** @param {number} value */
 export const rounded = (value, digits = 6) => Number(value.toFixed(digits));
 /** @param {ArrayLike<number>} row */
