@@ -13,7 +13,7 @@ export function manyHtml(tab) {
   if (doing.read) {
     const { done, total, wait } = doing.read;
     const left = wait ? ` About ${wait} s left.` : "";
-    return html`<div class="stand"><p>Reading pair ${done} of ${total}…${left}</p><div class="bar-of-epochs"><i style="width:${(100 * done) / total}%"></i></div>${button("stopped", "Cancel")}</div>`;
+    return html`<div class="stand"><p>Reading pair ${done} of ${total}…${left}</p><progress value="${done / total}" aria-label="Pairs"></progress>${button("stopped", "Cancel")}</div>`;
   }
   if (rows.length) return tableHtml(tab, close);
   if (!unnamed && !notes.many) return null;

@@ -132,7 +132,7 @@ const whence = (head, { width, source }) =>
 function draw($, map, { run, before, at, earlier, busy, problem }) {
   tell($(".problem"), problem, true);
   $(".go").disabled = busy;
-  $(".stop").hidden = $(".bar-of-epochs").hidden = !active(run);
+  $(".stop").hidden = $("progress").hidden = !active(run);
   $(".bench").classList.toggle("has-run", Boolean(run?.epochs.length));
   $(".preview").hidden = Boolean(run) || !before;
   if (before && !run) {
@@ -146,7 +146,7 @@ function draw($, map, { run, before, at, earlier, busy, problem }) {
   const done = run.epochs.length;
   $(".status").textContent = standing(run);
   fill($(".from"), whence("this run’s head", run.question));
-  $(".bar-of-epochs i").style.width = `${(100 * done) / total}%`;
+  $("progress").value = done / total;
   $(".actions").hidden = !run.standing.set;
   fill($(".actions"), run.standing.set ? USE : html``);
   $(".scrubber").hidden = done < 2;
