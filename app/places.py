@@ -87,8 +87,8 @@ def find_examples(folder: Path) -> dict[str, dict[str, Path]]:
     found = {}
     for vis in sorted(folder.glob("*/*/*_vis.*")):
         name = example_name(vis)
-        tacs = vis.parent.glob(f"{name.split('/')[-1]}_tac.*")
-        tacs = [tac for tac in tacs if tac.suffix.lower() in ENDINGS]
+        beside = vis.parent.glob(f"{name.split('/')[-1]}_tac.*")
+        tacs = [tac for tac in beside if tac.suffix.lower() in ENDINGS]
         if tacs and vis.suffix.lower() in ENDINGS:
             found[name] = {"vis": vis, "tac": tacs[0]}
     return found
