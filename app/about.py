@@ -1,12 +1,10 @@
 """What is loaded: its origin and limits, and whether head and set fit."""
 
-import json
 import shlex
 from collections.abc import Callable
 from math import isfinite
 from typing import Any
 
-from app.components import WEB
 from app.messages import without_places
 from app.resources import Resources
 from app.sensor import from_the_start
@@ -23,16 +21,6 @@ UNABLE = (
     "No domain has pairs of two classes, so no head can learn from the set. This command measures"
     " gaps, retrieval and neighbours, which need none."
 )
-
-
-def glossary(_: Resources) -> dict[str, str]:
-    """Return each term of the field with its sentence; docs/glossary.md is made from the same
-    file.
-    """
-    terms: dict[str, str] = json.loads(
-        (WEB / "shared" / "glossary.json").read_text(encoding="utf-8")
-    )
-    return terms
 
 
 def about(resources: Resources) -> Reply:

@@ -14,7 +14,6 @@ from starlette.routing import Route
 
 from app.about import without_nan
 from app.api_schema import TOOLS, document
-from app.jobs import Job
 from app.limits import MAX_API_BYTES, REPORT_S
 from app.map_place import kept_features
 from app.messages import Handler, in_sentences, refusal
@@ -24,16 +23,17 @@ from app.resources import Resources
 from app.state import Question, Reply, one_of, order_from
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
+from omnivat.kit.progress import checkpoint
 from omnivat.kit.stages import IMAGES
 
-Work = Callable[[Resources, Question, Job[Any]], Reply]
+Work = Callable[[Resources, Question], Reply]
 KINDS: dict[str, Any] = {"string": str, "number": int | float}
 CLOSED = "The API is off; whoever runs this page can open it with --api."
 UNKNOWN = f"There is no such tool; there are {', '.join(TOOLS)}, and schema."
 ONE_AT_A_TIME = ("report",)  # tools of the long lane
 
 
-def about(resources: Resources, _: Question, job: Job[Any]) -> Reply:
+def about(resources: Resources, _: Question) -> Reply:
     """Return the names that the other tools take."""
     from omnivat.head.heads import shipped_sets
 
@@ -52,7 +52,7 @@ def about(resources: Resources, _: Question, job: Job[Any]) -> Reply:
     }
 
 
-def predict(resources: Resources, arguments: Question, job: Job[Any]) -> Reply:
+def predict(resources: Resources, arguments: Question) -> Reply:
     """Return the record of `omnivat.head.predict` for one pair, and the names of its images."""
     from omnivat.head.predict import predict_embeddings
 
@@ -81,7 +81,7 @@ def _image(resources: Resources, value: Any, name: str) -> Any:
     return str(resources.take_image(content, name)[0])
 
 
-def gaps(resources: Resources, arguments: Question, job: Job[Any]) -> Reply:
+def gaps(resources: Resources, arguments: Question) -> Reply:
     """Return the record of `omnivat gaps --json`."""
     import torch
 
@@ -103,7 +103,7 @@ def gaps(resources: Resources, arguments: Question, job: Job[Any]) -> Reply:
     }
 
 
-def report(resources: Resources, _: Question, job: Job[Any]) -> Reply:
+def report(resources: Resources, _: Question) -> Reply:
     """Return the numbers of `omnivat report`; they are computed once for a set."""
     from omnivat.study.shift.reading import features_of
     from omnivat.study.shift.report import numbers
@@ -115,7 +115,7 @@ def report(resources: Resources, _: Question, job: Job[Any]) -> Reply:
             "pairs": len(found.embeddings),
             "domains": found.domains,
             "simulated": found.embeddings.header.simulated,
-            "numbers": numbers(found, job.report),
+            "numbers": numbers(found, lambda _: checkpoint()),
             "notes": notes(found),
             "methods": methods(found, 0),
         }
@@ -131,15 +131,16 @@ def checked(name: str, arguments: Question) -> Question:
     take.
     """
     takes = TOOLS[name][1]["properties"]
-    for key, value in arguments.items():
-        if key not in takes:
-            raise DataError(f"{name} takes no '{key:.40}'; it takes {', '.join(takes)}.")
+    if unknown := [key for key in arguments if key not in takes]:
+        raise DataError(f"{name} takes no '{unknown[0]:.40}'; it takes {', '.join(takes)}.")
+    stated = {key: value for key, value in arguments.items() if value is not None}
+    for key, value in stated.items():
         kind, names = takes[key]["type"], takes[key].get("enum")
-        if value is not None and (isinstance(value, bool) or not isinstance(value, KINDS[kind])):
+        if isinstance(value, bool) or not isinstance(value, KINDS[kind]):
             raise DataError(f"{key} has to be a {kind}; '{type(value).__name__}' came.")
-        if value is not None and names:
+        if names:
             one_of(key, value, names)
-    return {key: value for key, value in arguments.items() if value is not None}
+    return stated
 
 
 async def used(
@@ -150,12 +151,12 @@ async def used(
     The body waits on the disk and is read in turn, so that many large ones hold no memory.
     """
 
-    def begun(job: Job[Any]) -> Any:
+    def begun() -> Any:
         if (found := read(file.read_bytes())) is None:
             return None
         name, given = found[0], checked(*found)
         work = partial(WORK[name], sets.named(given.get("set", "")[:64]), given)
-        return work if name in ONE_AT_A_TIME else work(job)
+        return work if name in ONE_AT_A_TIME else work()
 
     jobs = sets.shared.jobs
     async with received(request, sets.shared.scratch, MAX_API_BYTES, "The request") as file:

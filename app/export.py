@@ -13,7 +13,7 @@ from app.components import STYLES, WEB
 from app.modes import fitting_files, modes
 from app.places import Places
 from app.resources import Resources
-from app.routes import FACTS
+from app.routes import FACTS, PROJECT_FILES
 from app.saving import column_of
 from app.tables import tables_html
 from omnivat.kit.errors import DataError
@@ -130,10 +130,10 @@ def held_files(where: Places, frames: Path) -> dict[str, str]:
     """Return all server data of a saved page, by request, as data: addresses."""
     resources = Resources(where)
     fits = not about.fit(resources)["problem"]
-    named = ("pairs", "toy", "glossary", "fit", *(["unseen"] if fits else []))
+    named = ("pairs", "toy", "fit", *(["unseen"] if fits else []))
     facts = {f"/{name}": FACTS[name](resources) for name in named}
     facts["/modes"] = modes(resources, among=())
-    files = set_files(resources, frames)
+    files = set_files(resources, frames) | {"/glossary": PROJECT_FILES["glossary"]}
     return {
         **{name: data_address(file.read_bytes(), file.suffix) for name, file in files.items()},
         **{name: data_address(json.dumps(fact).encode(), ".json") for name, fact in facts.items()},

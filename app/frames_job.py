@@ -73,7 +73,7 @@ class FramesJob:
         """Return the state; the first call starts the work if needed."""
         with self._lock:
             if not self._whole and self._wanted():
-                self._job = self._of.jobs.start(
+                self._job = self._of.shared.jobs.start(
                     self._compute, lane="long", owner=self._of.owner, priority=FIRST_LOOK
                 )
             job, file, whole = self._job, self._file, self._whole

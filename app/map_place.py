@@ -1,25 +1,25 @@
 """Positions of a pair on a map of the set, and the set's features at a stage."""
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from app.pair_input import pair_of
 from app.resources import Resources, state_of
 from app.state import Question, Reply, order_from
 from omnivat.kit.errors import DataError
-from omnivat.kit.stages import IMAGES
+from omnivat.kit.stages import IMAGES, STAGES
 
 if TYPE_CHECKING:
     import numpy as np
-    from torch import Tensor
 
     Array = np.ndarray[Any, Any]
+
+OUTPUT = STAGES[-1]  # of the head, which the map of Try a pair shows
 
 
 def place(resources: Resources, question: Question) -> Reply:
     """Place a pair on one map of the first head.
 
-    question  {"vis", "tac": references, "order": p, "stage": …, "map": "pca" or "umap"}
+    question  {"vis", "tac": references, "order": p, "map": "pca" or "umap"}
     return    `points` by modality, each [x, y] in map units; `order` of the map's stop;
               `exact`: true if no position is an estimate: the pair is on the map, as an example
               of the set is, or the map is linear
@@ -32,7 +32,7 @@ def place(resources: Resources, question: Question) -> Reply:
     from omnivat.maps.projection.neighbours import placed
     from omnivat.measure.gaps.unit import unit
 
-    stage, order, flat = _drawn(resources, question)
+    order, flat = _drawn(resources, question)
     refs, _, pair = pair_of(resources, question)
     halves = dict(zip(IMAGES, np.split(flat, 2), strict=True))
     points = {
@@ -42,45 +42,32 @@ def place(resources: Resources, question: Question) -> Reply:
     }
     if points.keys() == {name for name, rows in pair.items() if rows is not None}:
         return {"points": points, "order": order, "exact": True}  # no features are needed
-    own = _features(resources, pair, stage, order)
-    rows = torch.from_numpy(kept_features(resources, stage, order))
+    with torch.inference_mode():
+        own = resources.head().model(pair["vis"], pair["tac"], order=order).f_hat
+    rows = torch.from_numpy(kept_features(resources, OUTPUT, order))
     found = placed(unit(torch.cat(list(own.values()))), rows, torch.from_numpy(flat))
     points = dict(zip(own, found.places.tolist(), strict=True)) | points
     return {"points": points, "order": order, "exact": found.exact}
 
 
-def _drawn(resources: Resources, question: Question) -> "tuple[str, float, Array]":
-    """Return the requested map at its stop nearest to the requested order: stage, order,
-    positions (2N, 2).
+def _drawn(resources: Resources, question: Question) -> "tuple[float, Array]":
+    """Return the requested map of the head's output at its stop nearest to the requested order:
+    order, positions (2N, 2).
     """
     from omnivat.maps.frames import read_frames
 
-    stage, kind = str(question.get("stage")), str(question.get("map"))
+    kind = str(question.get("map"))
     file = resources.frames.state().file
     if file is None:
         raise DataError("The map is still being computed; try again when it is there.")
     frames = resources.drawn_frames.once(repr(state_of(file)), lambda: read_frames(file))
-    maps = frames.maps.get(f"{kind}/{stage}")
+    maps = frames.maps.get(f"{kind}/{OUTPUT}")
     if maps is None:
-        raise DataError(f"There is no map '{kind:.20}/{stage:.20}' to place the pair on.")
+        raise DataError(f"There is no map '{kind:.20}' to place the pair on.")
     order = order_from(question.get("order"))
     wanted = resources.head().model.order if order is None else order
     stop = min(maps.orders, key=lambda at: abs(frames.orders[at] - wanted))
-    return stage, frames.orders[stop], maps.places(maps.orders.index(stop))
-
-
-def _features(
-    resources: Resources, pair: "Mapping[str, Tensor | None]", stage: str, order: float
-) -> "dict[str, Tensor]":
-    """Return the pair's rows (1, W) at the map's stage by modality."""
-    import torch
-
-    from omnivat.maps.sweep.walk import stage_features
-
-    with torch.inference_mode():
-        out = resources.head().model(pair["vis"], pair["tac"], order=order)
-        given = {name: rows for name, rows in pair.items() if rows is not None}
-        return given if stage == "raw" else dict(stage_features(out, stage))
+    return frames.orders[stop], maps.places(maps.orders.index(stop))
 
 
 def kept_features(resources: Resources, stage: str, order: float | None) -> "Array":

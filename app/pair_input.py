@@ -31,7 +31,6 @@ LONGEST_LABEL = 40  # letters
 class Asked:
     """A request's pair, and what reads it."""
 
-    refs: dict[str, Ref | None]
     before: Pair  # (B, input_width) by modality as they come; None for a missing image
     pair: Pair  # the same, a visitor's images moved by the request's profile
     order: float | None  # p; None: the learned one
@@ -51,9 +50,9 @@ def asked(
     Raises DataError without any image, ForgottenError for what is no longer kept.
     """
     order = order_from(question.get("order"))
-    refs, before, pair = pair_of(resources, question, rows)
+    _, before, pair = pair_of(resources, question, rows)
     head, known = reader_of(resources, question)
-    return Asked(refs=refs, before=before, pair=pair, order=order, head=head, known=known)
+    return Asked(before=before, pair=pair, order=order, head=head, known=known)
 
 
 def within(question: Question, pair: Question) -> Question:

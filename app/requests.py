@@ -14,7 +14,7 @@ from typing import TypeVar
 
 from starlette.requests import Request
 
-from app.jobs import Job, Jobs
+from app.jobs import Jobs
 from app.limits import BODY_S, IDLE_S, MAX_QUESTION_BYTES
 from app.resources import Resources
 from app.scratch import Scratch
@@ -37,14 +37,6 @@ class StalledError(DataError):
     """An upload stalled."""
 
     status = 408
-
-
-def number_from(text: str | None) -> float | str | None:
-    """Return `text` as a number, or unchanged if it is not one."""
-    try:
-        return float(text) if text else None
-    except ValueError:
-        return text
 
 
 def set_of(sets: VisitorSets, request: Request) -> Resources:
@@ -109,7 +101,7 @@ def question_from(content: bytes) -> Question:
 async def done(
     request: Request,
     jobs: Jobs,
-    work: Callable[[Job[T]], T],
+    work: Callable[[], T],
     *,
     priority: int = 0,
     lane: str = "quick",
@@ -119,7 +111,11 @@ async def done(
     or raise its error.
     """
     job = jobs.start(
-        work, lane=lane, visitor=visitor_of(request), priority=priority, deadline_s=deadline_s
+        lambda _: work(),
+        lane=lane,
+        visitor=visitor_of(request),
+        priority=priority,
+        deadline_s=deadline_s,
     )
     end = asyncio.wrap_future(job.future)
     try:

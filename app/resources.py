@@ -78,7 +78,6 @@ class Resources:
     def __init__(self, where: Places, shared: Shared | None = None, owner: str = "") -> None:
         self.where = where
         self.shared = shared or Shared()
-        self.jobs = self.shared.jobs
         self.owner = owner  # owner of the jobs of this head and set
         self.folders = head_names(where)
         self.heads: dict[str, Lazy[Head]] = {

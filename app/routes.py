@@ -9,7 +9,6 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
-import orjson
 from starlette.background import BackgroundTask
 from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
@@ -20,22 +19,31 @@ from app.api import api_routes
 from app.components import WEB
 from app.familiar import familiar, first
 from app.guard import is_loopback
-from app.jobs import Job
 from app.limits import MAX_IMAGE_BYTES, PARTS
 from app.map_place import place
 from app.mcp import mcp
 from app.messages import Handler, in_sentences, refusal
 from app.modes import mode_files, modes
-from app.requests import done, number_from, question_of, received, set_of, visitor_of
+from app.requests import done, question_of, received, set_of, visitor_of
 from app.resources import Resources, require_name
 from app.saving import save_figure
 from app.state import VISITOR, Reply
 from app.training import Trainings
+from app.training_plan import offers
 from app.views import explore, pair
 from app.visitor_sets import VisitorSets
+from omnivat.head.heads import EXAMPLES
+from omnivat.kit.errors import DataError
 
 Find = Callable[..., Path | None]  # of the resources and the parts of an address
 Work = Callable[..., Any]  # of the resources and a question; a JSON value, or the bytes of a file
+
+
+def real(resources: Resources) -> Reply:
+    """Return the fetched sets of real pairs with their terms."""
+    return resources.shared.real.listing(local=is_loopback(VISITOR.get()))
+
+
 QUESTIONS: dict[str, Work] = {
     "pair": pair.predicted,
     "many": pair.many,
@@ -62,17 +70,15 @@ FACTS: dict[str, Work] = {  # questions without anything in them
     "about": about.about,
     "fit": about.fit,
     "own": about.own,
-    "glossary": about.glossary,
     "heads": predictors.heads,
     "modes": modes,
     "first": first,
     "pairs": explore.pairs,
     "toy": explore.mechanism,
     "unseen": explore.unseen,
-    "twins": explore.twins,
-    "twins/map": explore.twins_map,
     "examples": pair.gallery,
 }
+SERVED: dict[str, Work] = {"real": real, "trainings": offers}  # facts of no use without a server
 # what comes as a file in the body: its work, priority and largest size
 SENT: dict[str, tuple[Work, int, int]] = {
     "live": (pictures.live, 0, MAX_IMAGE_BYTES),
@@ -80,6 +86,13 @@ SENT: dict[str, tuple[Work, int, int]] = {
     "occlusion": (pictures.occlusion, 2, MAX_IMAGE_BYTES),
     "sensor": (sensor.load_sensor, 0, PARTS["profile.safetensors"]),
 }
+PROJECT_FILES = {  # the same for every set
+    "glossary": WEB / "shared" / "glossary.json",
+    "twins": EXAMPLES / "twins.json",
+    "twins/map": EXAMPLES / "twins.map.json",
+    **{f"twins/{file.name}": file for file in sorted((EXAMPLES / "twins").glob("*.webp"))},
+}
+MISSING = "The page has no such file."
 TYPES = {".js": "text/javascript", ".css": "text/css"}
 HOLDS = "X-Holds"  # a page that was opened on another head or set shows a notice
 FRESH = {"Cache-Control": "no-cache"}  # revalidate each time
@@ -92,25 +105,19 @@ def routes(first: Resources, *, api: bool = False) -> list[Route]:
     """
     sets = VisitorSets(first)
     trainings = Trainings(sets)
-    files: dict[str, tuple[Find, str]] = {  # and what is said of a missing one
-        "web/{name:path}": (lambda _, name: web_files().get(name), "The page has no such file."),
-        "thumbnails.{kind}": (
-            thumbnails,
-            "This set has no thumbnails; the page shows names instead.",
-        ),
-        "example/{name:path}/{modality}": (Resources.example, "There is no such image."),
-        "twins/{name}.webp": (
-            lambda _, name: explore.twin_pictures().get(f"{name}.webp"),
-            "No such sheet.",
-        ),
+    files: dict[str, Find] = {
+        "web/{name:path}": lambda _, name: web_files().get(name),
+        "thumbnails.{kind}": thumbnails,
+        "example/{name:path}/{modality}": Resources.example,
+        **{name: lambda _, path=path: path for name, path in PROJECT_FILES.items()},
     }
     gets: dict[str, Handler] = {
-        **{name: partial(file, sets, *row) for name, row in files.items()},
+        **{name: partial(file, sets, find) for name, find in files.items()},
         "frames": partial(frames, sets),
         "real/{name:path}": partial(real_picture, sets),
-        **{name: partial(compute, sets, work) for name, work in [*FACTS.items(), ("real", real)]},
+        **{name: partial(compute, sets, work) for name, work in (FACTS | SERVED).items()},
     }
-    questions = {**QUESTIONS, "trainings": trainings.offers, "train": trainings.start}
+    questions = {**QUESTIONS, "train": trainings.start}
     about_training = {
         "training": trainings.state,
         "training/cancel": trainings.cancel,
@@ -137,7 +144,7 @@ async def compute(
     resources = set_of(sets, request)
     question = [await question_of(request)] if request.method == "POST" else []
     reply = await done(
-        request, sets.shared.jobs, lambda _: work(resources, *question), priority=priority
+        request, sets.shared.jobs, partial(work, resources, *question), priority=priority
     )
     return as_sent(reply, {HOLDS: resources.holds})
 
@@ -145,7 +152,7 @@ async def compute(
 async def of_training(sets: VisitorSets, work: Work, request: Request) -> Response:
     """Reply to a question about a training, even if the set of the address is gone."""
     question = await question_of(request)
-    return as_sent(await done(request, sets.shared.jobs, lambda _: work(question)))
+    return as_sent(await done(request, sets.shared.jobs, partial(work, question)))
 
 
 async def of_file(
@@ -154,13 +161,9 @@ async def of_file(
     """Run one request on the file in its body, with the parameters of its address; the file is not
     kept.
     """
-    resources, query = set_of(sets, request), request.query_params
-    question = {**query, "order": number_from(query.get("order"))}
+    resources, question = set_of(sets, request), request.query_params
     async with received(request, sets.shared.scratch, largest, "The file") as file:
-
-        def computed(_: Job[Any]) -> Any:
-            return work(resources, file, question)
-
+        computed = partial(work, resources, file, question)
         return as_sent(await done(request, sets.shared.jobs, computed, priority=priority))
 
 
@@ -172,13 +175,7 @@ def as_sent(value: Any, headers: Mapping[str, str] = FRESH) -> Response:
         page = value.startswith(b"<!")
         return Response(value, media_type="text/html" if page else "application/octet-stream")
     try:
-        content = orjson.dumps(value)
-    except TypeError:  # half of a surrogate pair, an integer beyond 64 bits
-        content = b"null"
-    try:
-        if b"null" in content:  # orjson writes NaN like None; json tells them apart
-            return JSONResponse(value, headers=headers)
-        return Response(content, media_type="application/json", headers=headers)
+        return JSONResponse(value, headers=headers)
     except ValueError:
         return refusal(
             "The head gives values that are not finite numbers; its weights are damaged. Train it"
@@ -186,11 +183,11 @@ def as_sent(value: Any, headers: Mapping[str, str] = FRESH) -> Response:
         )
 
 
-async def file(sets: VisitorSets, find: Find, missing: str, request: Request) -> Response:
+async def file(sets: VisitorSets, find: Find, request: Request) -> Response:
     """Serve one of the page's files, and no other file of its folder."""
     path = find(set_of(sets, request), **request.path_params)
     if path is None or not path.is_file():
-        return refusal(missing, 404)
+        return refusal(MISSING, 404)
     return file_response(request, path, media_type=TYPES.get(path.suffix))
 
 
@@ -247,15 +244,12 @@ async def frames(sets: VisitorSets, request: Request) -> Response:
     return file_response(request, file, headers, media_type=binary, background=after)
 
 
-def thumbnails(resources: Resources, kind: str) -> Path | None:
-    """Return the thumbnail sheet or its description; sets without one show names only."""
+def thumbnails(resources: Resources, kind: str) -> Path:
+    """Return the thumbnail sheet or its description. Raises DataError for a set without one."""
     found = resources.sheet
-    return found.with_suffix(f".{kind}") if found and kind in ("webp", "json") else None
-
-
-def real(resources: Resources) -> Reply:
-    """Return the fetched sets of real pairs with their terms."""
-    return resources.shared.real.listing(local=is_loopback(VISITOR.get()))
+    if found is None or kind not in ("webp", "json"):
+        raise DataError("This set has no thumbnails; the page shows names instead.")
+    return found.with_suffix(f".{kind}")
 
 
 async def real_picture(sets: VisitorSets, request: Request) -> Response:

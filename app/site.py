@@ -21,10 +21,10 @@ from app.modes import modes
 from app.places import Places
 from app.predictors import METHODS
 from app.resources import Resources
-from app.routes import FACTS, QUESTIONS, web_files
+from app.routes import FACTS, PROJECT_FILES, QUESTIONS, web_files
 from app.site_models import files_in, write_models
 from app.state import content_name
-from app.views import VIEWS, explore
+from app.views import VIEWS
 from app.visitor_sets import VisitorSets
 from omnivat.head.heads import shipped_sets
 from omnivat.kit.errors import DataError, SettingsError, WriteError
@@ -184,7 +184,7 @@ def replies(
 def whole_files(resources: Resources, on_step: OnStep) -> dict[str, Path]:
     """Return the files of a set, by request: frames, thumbnails, pictures of the examples."""
     found = set_files(resources, frames_file(resources.where, on_step))
-    found |= {f"/twins/{name}": file for name, file in explore.twin_pictures().items()}
+    found |= {f"/{name}": file for name, file in PROJECT_FILES.items() if file.is_file()}
     for name, images in resources.examples().items():
         found |= {f"/example/{name}/{modality}": file for modality, file in images.items()}
     return found

@@ -12,7 +12,7 @@ from app.messages import BusyError
 from app.resources import Resources
 from app.saving import head_zip
 from app.state import VISITOR, ForgottenError, Question, Recent, Reply
-from app.training_plan import in_words, offers, plan_from, thinned
+from app.training_plan import in_words, plan_from, thinned
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import CHECK, Step
@@ -81,10 +81,6 @@ class Trainings:
         self._sets = sets
         self._runs: Recent[Run] = Recent(KEPT_RUNS)
         self._lock = Lock()
-
-    def offers(self, resources: Resources, question: Question) -> Reply:
-        """Return the choices and the defaults; nothing of the question counts."""
-        return offers(resources.embeddings(), resources.head().source)
 
     def start(self, resources: Resources, question: Question) -> Reply:
         """Queue a training on a set; return its name and the pairs on its maps.

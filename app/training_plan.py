@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from app.resources import Resources
 from app.state import Question, Reply, one_of
 from omnivat.kit.errors import DataError
 
@@ -31,7 +32,7 @@ NUMBERS: dict[str, tuple[str, float, float, float]] = {
 }
 
 
-def offers(embeddings: "Embeddings", source: str) -> Reply:
+def offers(resources: Resources) -> Reply:
     """Return the choices and the defaults; LANG is off if its bank lacks a class of the set.
 
     Raises DataError for a set in which no domain has pairs of two classes.
@@ -39,6 +40,7 @@ def offers(embeddings: "Embeddings", source: str) -> Reply:
     from omnivat.data.materials import NO_CLASS
     from omnivat.encoders.lang.bank import DEFAULT_BANK, load_bank
 
+    embeddings, source = resources.embeddings(), resources.head().source
     header, domains = embeddings.header, list(embeddings.learnable)
     if not domains:
         raise DataError(

@@ -1,17 +1,14 @@
 """Explore: the whole set on a map that follows p."""
 
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import orjson
 
 from app.map_place import kept_features
 from app.resources import Resources
 from app.state import Question, Reply, one_of, order_from
 from app.tables import tables
 from omnivat.data.packing import packed
-from omnivat.head.heads import EXAMPLES, kept_ladder
+from omnivat.head.heads import kept_ladder
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import STOPS
 from omnivat.measure.rungs import NOTHING, RUNGS, known_of
@@ -145,35 +142,6 @@ def pairs(resources: Resources) -> dict[str, list[str]]:
     names = [Path(file).stem.removesuffix("_vis") for file in rows["vis"]]
     columns = [row["column"] for row in tables()["colours"] if row.get("column") in rows]
     return {"name": names} | {name: rows[name] for name in ("looks_like", "feels_like", *columns)}
-
-
-def twins(_: Resources) -> Reply:
-    """Return what heads predict of the project's twins, as `python -m benchmarks.twins --page`
-    wrote it.
-    """
-    return _written("twins.json")
-
-
-def twins_map(_: Resources) -> Reply:
-    """Return the positions of the twins' touches, as they come and with mean and spread moved."""
-    return _written("twins.map.json")
-
-
-@cache
-def _written(name: str) -> Reply:
-    try:
-        written: Reply = orjson.loads((EXAMPLES / name).read_bytes())
-    except OSError as error:
-        raise DataError(
-            f"The file '{name}' is not beside the project's sets; make it with `python -m"
-            " benchmarks.twins --page`."
-        ) from error
-    return written
-
-
-def twin_pictures() -> dict[str, Path]:
-    """Return the sheets of the twins' pictures by name."""
-    return {file.name: file for file in sorted((EXAMPLES / "twins").glob("*.webp"))}
 
 
 def mechanism(resources: Resources) -> Reply:

@@ -188,7 +188,7 @@ def spectrum(magnitudes: "np.ndarray[Any, Any]") -> Reply:
     stops, width = magnitudes.shape
     columns = min(width, COLUMNS)
     edges = np.arange(columns) * width // columns
-    joined = magnitudes if columns == width else np.maximum.reduceat(magnitudes, edges, axis=1)
+    joined = np.maximum.reduceat(magnitudes, edges, axis=1)
     top = float(joined.max()) or 1.0
     pixels = np.rint(joined / top * 255).astype(np.uint8)
     return {

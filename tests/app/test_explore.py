@@ -5,7 +5,7 @@ from base64 import b64decode
 import numpy as np
 import pytest
 
-from app.views.explore import known, nearest, neighbours, twins, twins_map
+from app.views.explore import known, nearest, neighbours
 
 from .conftest import served
 
@@ -32,18 +32,14 @@ def test_as_many_pictures_are_known_as_half_of_the_smallest_unseen_domain(resour
     assert known(resources, {"known": "n20"})["known"] == "5 pairs without labels"
 
 
-def test_only_the_sheets_of_the_twins_are_served(resources):
+def test_the_twins_and_their_sheets_are_served_and_no_other_file_of_their_folder(resources):
     with served(resources) as client:
-        shown = client.get("/omnivat/twins").json()["shown"]
-        assert client.get("/omnivat/twins/map").json()["presses"]
-        sheets = [client.get(f"/omnivat/twins/{one['sheet']}") for one in shown]
+        shown = client.get("/omnivat/twins").json()
+        places = client.get("/omnivat/twins/map").json()
+        sheets = [client.get(f"/omnivat/twins/{one['sheet']}") for one in shown["shown"]]
         assert {sheet.headers["content-type"] for sheet in sheets} == {"image/webp"}
         for name in ("none.webp", "..%2Ftwins.json", "00.webp.webp"):
             assert client.get(f"/omnivat/twins/{name}").status_code == 404
-
-
-def test_the_twins_map_has_a_place_for_every_press_and_sensor(resources):
-    shown, places = twins(resources), twins_map(resources)
     count = len(shown["domains"]) * places["presses"]
     for method in ("pca", "umap"):
         assert [len(b64decode(one)) for one in places[method]] == [4 * count] * 3

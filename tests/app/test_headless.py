@@ -64,7 +64,7 @@ def test_a_set_without_classes_is_measured_and_nothing_offers_to_train_on_it(for
     assert frames.curves["domain_gap/raw"] == frames.curves["margin/raw"] == [None]
     with served(resources) as client:
         assert "omnivat report" in client.get("/omnivat/fit").json()["command"]
-        refused = client.post("/omnivat/trainings", json={})
+        refused = client.get("/omnivat/trainings")
         assert "two classes" in refused.json()["error"]
 
 

@@ -165,7 +165,7 @@ def test_a_hosted_demo_writes_to_its_temporary_folder_alone_and_stays_below_a_gi
         ("omnivat/predictions", {"method": "nearest_mean"}),
     ):
         demo.ask(path, question)
-    source = json.loads(demo.ask("omnivat/trainings", {}))["first"]["source"]
+    source = json.loads(demo.ask("omnivat/trainings"))["first"]["source"]
     wanted = {"source": source, "width": 16, "epochs": 5, "lang": False, "visitor": "me"}
     run = json.loads(demo.ask("omnivat/train", wanted))["run"]
     state = {"state": "waiting"}

@@ -20,7 +20,7 @@ def test_a_pair_of_the_set_is_placed_where_the_map_has_it(with_frames, ref, row,
     from omnivat.maps.frames import read_frames
 
     frames = read_frames(with_frames.frames.state().file)
-    asked = {"vis": ref, "tac": ref, "order": 0.5, "stage": "f_hat", "map": kind}
+    asked = {"vis": ref, "tac": ref, "order": 0.5, "map": kind}
     got = place(with_frames, asked)
     drawn = frames.maps[f"{kind}/f_hat"]
     where = drawn.places(drawn.orders.index(frames.orders.index(got["order"])))
@@ -30,7 +30,7 @@ def test_a_pair_of_the_set_is_placed_where_the_map_has_it(with_frames, ref, row,
 
 def test_a_picture_with_the_vector_of_a_pair_is_placed_where_the_pair_is(with_frames):
     with_frames._sent.keep("sent", dict.fromkeys(IMAGES, with_frames.embeddings().vis[7]))
-    asked = {"tac": "row:7", "order": 0.5, "stage": "f_hat", "map": "pca"}
+    asked = {"tac": "row:7", "order": 0.5, "map": "pca"}
     there, sent = (place(with_frames, {"vis": ref, **asked}) for ref in ("row:7", "image:sent"))
     assert there["exact"] and sent["exact"]
     np.testing.assert_allclose(sent["points"]["vis"], there["points"]["vis"], atol=1e-3)
@@ -39,7 +39,7 @@ def test_a_picture_with_the_vector_of_a_pair_is_placed_where_the_pair_is(with_fr
 def test_a_pair_is_placed_at_the_stop_nearest_to_its_order_and_the_learned_one_by_default(
     with_frames,
 ):
-    asked = {"vis": "row:7", "stage": "f_hat", "map": "umap"}
+    asked = {"vis": "row:7", "map": "umap"}
     orders = [place(with_frames, {**asked, "order": order})["order"] for order in (0.0, 0.56, 1.0)]
     assert orders == pytest.approx([0.0, 0.55, 1.0], abs=0.011)
     learned = with_frames.head().model.order
@@ -48,5 +48,5 @@ def test_a_pair_is_placed_at_the_stop_nearest_to_its_order_and_the_learned_one_b
 
 
 def test_a_map_that_is_not_there_is_refused(with_frames):
-    with pytest.raises(DataError, match="There is no map 'tsne/f_hat'"):
-        place(with_frames, {"vis": "row:1", "stage": "f_hat", "map": "tsne"})
+    with pytest.raises(DataError, match="There is no map 'tsne'"):
+        place(with_frames, {"vis": "row:1", "map": "tsne"})

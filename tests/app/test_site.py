@@ -112,7 +112,7 @@ def test_own_pictures_are_placed_on_a_linear_map_as_the_server_places_them(frame
     places = load_file(tmp_path / "places.safetensors")
     assert {name.split()[0] for name in places} == {"pca"}  # no map between neighbours
     resources._sent.keep("sent", dict.fromkeys(IMAGES, resources.embeddings().vis[7] + 0.2))
-    asked = {"tac": "image:sent", "order": 0.5, "stage": "f_hat", "map": "pca"}
+    asked = {"tac": "image:sent", "order": 0.5, "map": "pca"}
     wanted = map_place.place(resources, asked)
     row = resources.head().model(
         None, torch.tensor(resources.embeddings().vis[7:8] + 0.2), order=0.5

@@ -7,7 +7,7 @@ import pytest
 from app.api import WORK
 from app.jobs import Jobs
 from app.messages import BusyError, CancelledError
-from app.routes import FACTS, QUESTIONS, SENT, routes
+from app.routes import FACTS, PROJECT_FILES, QUESTIONS, SENT, routes
 from omnivat.kit.progress import CHECK
 from omnivat.measure.predictions import CHUNK
 
@@ -18,7 +18,7 @@ MORE = [
     {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
     for row, label in ((42, "cork"), (74, "glass"))
 ]
-PLACE = {**PAIR, "stage": "raw", "map": "pca"}
+PLACE = {**PAIR, "map": "pca"}
 # route -> question, and the fewest checkpoints inside; none for what reads a file or two
 WORKING = {
     "pair": (PAIR, 1),
@@ -43,21 +43,7 @@ WORKING = {
     "save/figure": ({}, 0),
     "unseen": ({}, 2),
     **dict.fromkeys(
-        (
-            "about",
-            "fit",
-            "own",
-            "glossary",
-            "heads",
-            "modes",
-            "first",
-            "pairs",
-            "toy",
-            "examples",
-            "twins",
-            "twins/map",
-        ),
-        ({}, 0),
+        ("about", "fit", "own", "heads", "modes", "first", "pairs", "toy", "examples"), ({}, 0)
     ),
 }
 
@@ -68,10 +54,10 @@ FILES = {
     "frames",
     "thumbnails.{kind}",
     "example/{name:path}/{modality}",
-    "twins/{name}.webp",
     "real",
     "real/{name:path}",
     "api/schema",
+    *PROJECT_FILES,
 }
 JOBS = {"trainings", "train", "training", "training/cancel", "save/trained"}
 TOOLS = {"mcp", "api/{rest:path}", *(f"api/{tool}" for tool in WORK)}

@@ -62,7 +62,7 @@ def test_pairs_without_a_class_are_left_out_of_a_training_and_told(
     monkeypatch.setattr(sets.first, "embeddings", lambda: some)
     trainings = Trainings(sets)
     # no text is wanted of pairs without a class
-    assert trainings.offers(sets.first, {})["first"]["lang"]
+    assert offers(sets.first)["first"]["lang"]
     started = trainings.start(sets.first, SMALL)
     assert started["left_out"] == 16
     assert started["words"].startswith("TAG-sim, D = ") and "initial p = 0.5" in started["words"]
@@ -87,14 +87,15 @@ def test_every_step_of_a_training_gives_way_to_requests(sets, monkeypatch):
 
 def test_what_is_offered_can_be_trained(resources):
     embeddings = resources.embeddings()
-    found = offers(embeddings, resources.head().source)
+    found = offers(resources)
     plan = plan_from(found["first"], embeddings)
     width, weight = plan.settings.width, plan.training.mma_weight
     assert (plan.source, width, weight) == ("TAG-sim", 64, 10.0)
     assert plan.settings.learn_order
     header = replace(embeddings.header, classes=(*embeddings.header.classes, "fabric"))
     other = replace(embeddings, header=header)
-    assert found["first"]["lang"] and not offers(other, "")["first"]["lang"]
+    resources.embeddings._made[:] = [other]
+    assert found["first"]["lang"] and not offers(resources)["first"]["lang"]
 
 
 @pytest.mark.parametrize(

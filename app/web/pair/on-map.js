@@ -45,7 +45,7 @@ export function pairMap(panel, frames) {
     asking.abort();
     asking = new AbortController();
     attempt(async () => {
-      placed = await ask("place", { ...pair, order, stage: OUTPUT, map: kind() }, asking.signal);
+      placed = await ask("place", { ...pair, order, map: kind() }, asking.signal);
       const how = placed.exact ? "exact" : "estimated between the nearest neighbours";
       note.textContent = `Pale: all pairs at p = ${orderText(placed.order)}. Places are ${how}. Click a point to choose its pair.`;
       cloud.paintMarks();

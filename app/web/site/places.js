@@ -2,6 +2,7 @@
 
 import { held, own } from "../shared/held.js";
 import { imagesOf } from "../shared/images.js";
+import { OUTPUT } from "../shared/stages.js";
 import { theSet } from "../shared/theset.js";
 import { sum } from "./tensors.js";
 
@@ -13,7 +14,7 @@ import { sum } from "./tensors.js";
 export async function placed(set, body, ask) {
   const question = JSON.parse(body);
   const { frames } = await theSet(() => {}, set === (own || held?.home) ? "" : set);
-  const map = frames.positions(question.map, question.stage, frames.stop(question.order ?? frames.learned));
+  const map = frames.positions(question.map, OUTPUT, frames.stop(question.order ?? frames.learned));
   const drawn = map.drawn ?? 0;
   const order = frames.orders[drawn];
   const [[x0, y0], [x1, y1]] = map.bounds;

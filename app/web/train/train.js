@@ -1,6 +1,6 @@
 /** Train here: choose settings, train, follow the epochs, use the head. */
 
-import { ask, attempt, isForgotten, made } from "../shared/api.js";
+import { ask, attempt, isForgotten, json, made } from "../shared/api.js";
 import { fit, loaded } from "../shared/facts.js";
 import { remedyHtml } from "../shared/headless.js";
 import { provenance } from "../shared/provenance.js";
@@ -25,7 +25,7 @@ export async function start(root) {
   const $ = (selector) => root.querySelector(selector);
   const [unfit, facts] = await Promise.all([fit().catch(() => null), loaded().catch(() => null)]);
   const offers = await attempt(
-    () => ask("trainings", {}),
+    () => json("trainings"),
     (/** @type {string} */ sentence) => tell($(".problem"), sentence, true),
   );
   if (!offers) {
