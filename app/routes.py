@@ -33,7 +33,6 @@ from app.training_plan import offers
 from app.views import explore, pair
 from app.visitor_sets import VisitorSets
 from omnivat.head.heads import EXAMPLES
-from omnivat.kit.errors import DataError
 
 Find = Callable[..., Path | None]  # of the resources and the parts of an address
 Work = Callable[..., Any]  # of the resources and a question; a JSON value, or the bytes of a file
@@ -92,7 +91,7 @@ PROJECT_FILES = {  # the same for every set
     "twins/map": EXAMPLES / "twins.map.json",
     **{f"twins/{file.name}": file for file in sorted((EXAMPLES / "twins").glob("*.webp"))},
 }
-MISSING = "The page has no such file."
+MISSING = "There is no such file here; the page goes on without it."
 TYPES = {".js": "text/javascript", ".css": "text/css"}
 HOLDS = "X-Holds"  # a page that was opened on another head or set shows a notice
 FRESH = {"Cache-Control": "no-cache"}  # revalidate each time
@@ -244,12 +243,10 @@ async def frames(sets: VisitorSets, request: Request) -> Response:
     return file_response(request, file, headers, media_type=binary, background=after)
 
 
-def thumbnails(resources: Resources, kind: str) -> Path:
-    """Return the thumbnail sheet or its description. Raises DataError for a set without one."""
+def thumbnails(resources: Resources, kind: str) -> Path | None:
+    """Return the thumbnail sheet or its description; None for a set without one."""
     found = resources.sheet
-    if found is None or kind not in ("webp", "json"):
-        raise DataError("This set has no thumbnails; the page shows names instead.")
-    return found.with_suffix(f".{kind}")
+    return found.with_suffix(f".{kind}") if found and kind in ("webp", "json") else None
 
 
 async def real_picture(sets: VisitorSets, request: Request) -> Response:

@@ -143,7 +143,7 @@ def test_a_map_that_waits_says_its_place(new):
         go.wait(300)
 
     job = new()
-    job._of.jobs.start(work, lane="long", priority=-1)
+    job._of.shared.jobs.start(work, lane="long", priority=-1)
     there.wait(300)
     assert "number 1 in the queue" in job.state().step.text
     go.set()
@@ -156,7 +156,7 @@ def test_a_cancelled_map_writes_nothing(new, tmp_path, building):
     job = new(computed=tmp_path)
     job.state()
     assert seen.wait(300)
-    job._of.jobs.cancel_owner("own")
+    job._of.shared.jobs.cancel_owner("own")
     go.set()
     assert "cancelled" in job.wait().problem
     assert not [*tmp_path.glob("*.bin")]

@@ -96,8 +96,8 @@ def test_an_example_is_served_by_name_and_no_other_file_is(client):
 
 
 def test_a_set_without_thumbnails_says_so(client):
-    assert "names instead" in sentence(client.get("/omnivat/thumbnails.json"), 404)
-    sentence(client.get("/omnivat/thumbnails.py"), 404)
+    for kind in ("json", "py"):
+        assert "goes on without it" in sentence(client.get(f"/omnivat/thumbnails.{kind}"), 404)
 
 
 def test_about_says_what_is_loaded_and_tells_no_path_of_the_server(client, small_places):
