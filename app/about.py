@@ -49,14 +49,13 @@ def own(resources: Resources) -> Reply:
 
 
 def embedding_facts(resources: Resources) -> Reply:
-    """Return the number of pairs of the set, its domains and its origin."""
+    """Return the number of pairs of the set, its domains, and whether it is simulated."""
     embeddings = resources.embeddings()
     header = embeddings.header
     return {
         "pairs": len(embeddings),
         "domains": list(header.domains),
         "simulated": header.simulated,
-        "origin": header.origin,
     }
 
 

@@ -39,7 +39,6 @@ def tree(resources: Resources, question: Question) -> Reply:
         "learned": head.model.order,
         "arrangement": head.settings.generation,
         "in_use": head.settings.tree_at_inference,
-        "source": head.source,
         "parents": facts.parents,
         "nodes": [
             {"norm": norm, "probabilities": row}

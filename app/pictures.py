@@ -60,7 +60,7 @@ def live(resources: Resources, content: Content, question: Question) -> Reply:
     question  {"modality": "vis", "tac" or "both"; "other": reference of the other image; "split":
               bytes of the photo before those of the touch, for both}; and see `asked`
     return    classes, probabilities of each reading, `images`: modality -> whether the prediction
-              is a `guess`, and milliseconds of each part
+              is a `guess`, and milliseconds of encoder and head
 
     Raises DataError if the picture cannot be read or its modality is unknown.
     """
@@ -68,7 +68,7 @@ def live(resources: Resources, content: Content, question: Question) -> Reply:
 
     from omnivat.encoders.base import for_modality
 
-    began, read = perf_counter(), resources.shared.decoder.read
+    read = resources.shared.decoder.read
     encoders = {one: for_modality(resources.encoder(), one) for one in OTHER}
     with torch.inference_mode():
         pixels = {
@@ -80,7 +80,7 @@ def live(resources: Resources, content: Content, question: Question) -> Reply:
         embedded = perf_counter()
     named = asked(resources, _beside(question), rows)
     found = predict_one(named)
-    ms = {"read": decoded - began, "encoder": embedded - decoded, "head": perf_counter() - embedded}
+    ms = {"encoder": embedded - decoded, "head": perf_counter() - embedded}
     ms = {part: round(1000 * seconds, 1) for part, seconds in ms.items()}
     return {"classes": list(named.head.settings.classes), **found, "ms": ms}
 

@@ -71,8 +71,6 @@ def _fitted(resources: Resources, method: str) -> Reply:
         "prediction": predicted.tolist(),
         "confidence": (255 * confidence).round().int().tolist(),
         "accuracy": scores_of(embeddings, task.classes, source, predicted.numpy()),
-        "pairs": len(task.train),
-        "source": source,
     }
 
 

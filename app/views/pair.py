@@ -44,9 +44,9 @@ def predicted(resources: Resources, question: Question) -> Reply:
               "lessons": the visitor's labelled pairs, to predict by a head taught from them}
     return    classes, the learned order and the `span` of orders the head was trained for;
               `linear`: whether linear maps decide, in which p has no part;
-              `exact`: class probabilities of each reading at that order; `orders` and `stops`:
-              the same at 101 orders, without branches; spectra; `images`: the familiarity of
-              each image, as `app.familiar.looked_at` has it
+              `exact`: class probabilities of each reading at that order; `stops`: the same at
+              each of STOPS, without branches; spectra; `images`: the familiarity of each image,
+              as `app.familiar.looked_at` has it
     """
     import torch
 
@@ -61,7 +61,6 @@ def predicted(resources: Resources, question: Question) -> Reply:
         magnitudes = {name: torch.hypot(*values)[:-1].numpy() for name, values in out.frft.items()}
     return {
         "classes": list(head.settings.classes),
-        "orders": list(STOPS),
         "learned": head.model.order,
         "span": trained_span(head),
         "linear": head.settings.maps,

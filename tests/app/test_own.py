@@ -11,12 +11,8 @@ from app.familiar import familiar
 from app.places import places, shipped_places
 from app.predictors import heads
 from app.resources import Resources
-from app.sensor import profile
-from app.teaching import teach
-from app.views.pair import many, predicted
+from app.views.pair import predicted
 from omnivat.head.heads import default_head, own_head
-
-from .conftest import LESSONS
 
 
 @pytest.fixture
@@ -35,21 +31,6 @@ def test_own_pictures_are_read_by_the_head_that_a_request_names(with_own, png):
     for asked in ({"vis": ref}, {"vis": ref, "head": "own"}):
         assert predicted(with_own, asked)["linear"] is False
     assert set(familiar(with_own, {"vis": ref, "head": "own"})["images"]) == {"vis"}
-
-
-def test_a_profile_changes_predictions_and_never_what_is_familiar(with_own, png):
-    refs = [str(with_own.take_image(png(seed=seed), "a.png")[0]) for seed in range(6)]
-    made = profile(with_own, {"touches": refs})["profile"]
-    plain, moved = (
-        many(with_own, {"pairs": [{"tac": refs[0]}], "head": "own", **more})["pairs"][0]
-        for more in ({}, {"profile": made})
-    )
-    assert plain["readings"] != moved["readings"]
-    assert plain["images"] == moved["images"]
-
-
-def test_the_head_for_own_pictures_can_be_taught(with_own):
-    assert len(teach(with_own, {"lessons": LESSONS, "head": "own"})["judged"]) == 4
 
 
 def test_only_the_projects_head_has_one_beside_it(head_folder):

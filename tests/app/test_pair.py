@@ -11,18 +11,26 @@ from app.resources import Resources
 from app.state import ForgottenError
 from app.views.pair import many, predicted, rivals, spectrum, trained_span
 from omnivat.data.store import save_embeddings
+from omnivat.kit.stages import IMAGES
 
 
-def test_every_stop_is_what_the_library_answers_there(resources):
-    got = predicted(resources, {"vis": "row:3", "tac": "row:3"})
-    assert got["orders"] == pytest.approx([stop / 100 for stop in range(101)])
+@pytest.mark.parametrize("images", [("vis", "tac"), ("tac",)])
+def test_every_stop_is_what_the_library_answers_there(resources, images):
+    got = predicted(resources, dict.fromkeys(images, "row:3"))
     model, embeddings = resources.head().model, resources.embeddings()
-    vis, tac = (torch.from_numpy(a[3:4].copy()) for a in (embeddings.vis, embeddings.tac))
-    for stop in (0, 37, 100):
-        with torch.inference_mode():
-            out = model(vis, tac, order=stop / 100)
-        np.testing.assert_allclose(got["stops"]["fused"][stop], out.probabilities[0], atol=2e-6)
-        np.testing.assert_allclose(got["stops"]["vis"][stop], out.readings["vis"][0], atol=2e-6)
+    pair = [
+        torch.tensor(getattr(embeddings, name)[3:4]) if name in images else None for name in IMAGES
+    ]
+    with torch.inference_mode():
+        exact = model(*pair).readings
+        for stop in (0, 37, 100):
+            readings = model(*pair, order=stop / 100).readings
+            for name, rows in got["stops"].items():
+                np.testing.assert_allclose(rows[stop], readings[name][0], atol=2e-6)
+    assert got["exact"]["order"] == got["learned"] == model.order
+    assert got["exact"]["readings"].keys() == exact.keys()
+    for name, row in got["exact"]["readings"].items():
+        np.testing.assert_allclose(row, exact[name][0], atol=2e-6)
 
 
 def test_a_set_that_stays_in_its_file_gives_the_same_readings_in_single_and_half_precision(
@@ -39,21 +47,6 @@ def test_a_set_that_stays_in_its_file_gives_the_same_readings_in_single_and_half
             assert beside.embeddings().vis.flags.writeable == (limit > 0)
             found.append(predicted(beside, question))
         assert found[0] == found[1]
-
-
-def test_the_exact_answer_is_at_the_learned_order(resources):
-    got = predicted(resources, {"vis": "row:0", "tac": "row:0"})
-    assert got["exact"]["order"] == got["learned"] == resources.head().model.order
-
-
-def test_touch_only_is_read_with_the_photo_absent(resources):
-    pair = predicted(resources, {"vis": "row:3", "tac": "row:3"})
-    alone = predicted(resources, {"tac": "row:3"})
-    np.testing.assert_allclose(pair["stops"]["tac"], alone["stops"]["fused"], atol=2e-6)
-    np.testing.assert_allclose(
-        pair["exact"]["readings"]["tac"], alone["exact"]["readings"]["fused"], atol=2e-6
-    )
-    assert set(alone["exact"]["readings"]) == {"fused", "tac"}
 
 
 def test_a_head_is_trained_for_its_learned_order_or_for_the_range_that_was_drawn(resources):

@@ -44,9 +44,7 @@ def test_a_method_is_fitted_on_the_source_and_answers_every_pair(resources):
     got = predictors.predictions(resources, {"method": "nearest_mean"})
     embeddings = resources.embeddings()
     right = np.array(got["prediction"]) == embeddings.label
-    assert got["source"] == "TAG-sim"
     assert right[embeddings.domain == 0].mean() > 0.9
-    assert got["pairs"] <= (embeddings.domain == 0).sum()
 
 
 def test_a_class_that_a_method_lacks_is_left_out_of_its_score(make_embeddings):

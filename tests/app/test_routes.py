@@ -106,7 +106,6 @@ def test_about_says_what_is_loaded_and_tells_no_path_of_the_server(client, small
         "pairs": 80,
         "domains": ["TAG-sim", "OF Real-sim"],
         "simulated": True,
-        "origin": "made by a test",
     }
     assert about["head"]["source"] == "TAG-sim"
     assert str(small_places.head.parent) not in json.dumps(about)

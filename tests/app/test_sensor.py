@@ -57,10 +57,13 @@ def test_a_profile_moves_a_visitors_pictures_and_never_pairs_of_the_set(visiting
 def test_predictions_follow_the_profile_and_go_back_without_it(visiting):
     name = profile(visiting, {"photos": refs(20)})["profile"]
     asked = {"pairs": [{"vis": "image:0"}]}
-    before = many(visiting, asked)["pairs"][0]["readings"]["vis"]
-    after = many(visiting, {**asked, "profile": name})["pairs"][0]["readings"]["vis"]
-    assert before != after
-    assert many(visiting, {**asked, "profile": ""})["pairs"][0]["readings"]["vis"] == before
+    before, after, again = (
+        many(visiting, {**asked, **more})["pairs"][0]
+        for more in ({}, {"profile": name}, {"profile": ""})
+    )
+    assert before["readings"] != after["readings"]
+    assert before["images"] == after["images"] != {}  # what is familiar stays
+    assert again == before
 
 
 def test_more_pictures_are_added_to_a_profile(visiting):

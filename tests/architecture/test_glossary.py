@@ -4,21 +4,16 @@ import json
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+TERMS = json.loads((ROOT / "app/web/shared/glossary.json").read_text(encoding="utf-8"))
 
 
 def test_the_glossary_holds_the_terms_of_the_page_word_for_word():
-    terms = json.loads(
-        (ROOT / "app" / "web" / "shared" / "glossary.json").read_text(encoding="utf-8")
-    )
-    rows = "".join(f"| {term} | {sentence} |\n" for term, sentence in terms.items())
+    rows = "".join(f"| {term} | {sentence} |\n" for term, sentence in TERMS.items())
     table, _ = (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8").split("\n## Letters\n")
     assert table.endswith(f"| term | meaning |\n| --- | --- |\n{rows}")
 
 
 def test_a_sentence_of_the_glossary_ends_without_a_stop_and_fits_a_small_panel():
-    terms = json.loads(
-        (ROOT / "app" / "web" / "shared" / "glossary.json").read_text(encoding="utf-8")
-    )
     assert [
-        term for term, sentence in terms.items() if sentence.endswith(".") or len(sentence) > 130
+        term for term, sentence in TERMS.items() if sentence.endswith(".") or len(sentence) > 130
     ] == []

@@ -282,7 +282,6 @@ interface Prediction {
 /** What the head says of a pair at every p. */
 interface Predicted {
   classes: string[];
-  orders: number[];
   learned: number;
   span: [number, number];
   linear: boolean;
@@ -334,7 +333,6 @@ interface Tree {
   learned: number;
   arrangement: string;
   in_use: boolean;
-  source: string;
   parents: number[];
   nodes: { norm: number; probabilities: number[] }[];
   layers: { nodes: number[]; cosines: number[][] }[];
@@ -533,7 +531,7 @@ interface Replies {
   curve: Labels;
   taught: { taught: string };
   image: { ref: Ref; width: number; height: number; preview: string };
-  live: { classes: string[]; ms: { read: number; encoder: number; head: number } } & Prediction;
+  live: { classes: string[]; ms: { encoder: number; head: number } } & Prediction;
   occlusion: { class: string; probability: number; drops: number[][] };
   part: { part: string };
   load: { set: string };

@@ -59,9 +59,9 @@ export const FOREST = {
     const out = await desk.run(head, [pair], [order], wanted);
     const [nodes, shares] = wanted.map((name) => rowsOf(out[name]));
     const units = nodes.map(unit);
-    const { classes, learned, arrangement, in_use, source, parents } = head;
+    const { classes, learned, arrangement, in_use, parents } = head;
     return {
-      ...{ classes, order: order ?? learned, learned, arrangement, in_use, source, parents },
+      ...{ classes, order: order ?? learned, learned, arrangement, in_use, parents },
       nodes: nodes.map((row, n) => ({ norm: rounded(norm(row), 5), probabilities: roundedRow(shares[n]) })),
       layers: head.groups.map((group) => level(units, group)),
     };

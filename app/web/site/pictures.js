@@ -52,7 +52,6 @@ export const PICTURES = {
   },
 
   async live(desk, question, { body }) {
-    const began = performance.now();
     const { modality, split } = question;
     const parts = modality === "both" ? [body.subarray(0, split), body.subarray(split)] : [body];
     const names = modality === "both" ? IMAGES : [/** @type {Modality} */ (modality)];
@@ -66,7 +65,7 @@ export const PICTURES = {
     const asked = await desk.asked(beside(question), rows);
     const reply = await desk.predicted(asked);
     const since = (/** @type {number} */ from, to = performance.now()) => rounded(to - from, 1);
-    const ms = { read: since(began, read), encoder: since(read, embedded), head: since(embedded) };
+    const ms = { encoder: since(read, embedded), head: since(embedded) };
     return { classes: asked.head.classes, ...reply, ms };
   },
 

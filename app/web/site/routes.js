@@ -48,7 +48,6 @@ export const QUESTIONS = {
     const shown = READINGS.filter((name) => last[name]);
     return {
       classes: head.classes,
-      orders: STOPS,
       learned: head.learned,
       span: head.span,
       linear: head.linear,
