@@ -65,26 +65,25 @@ class FramesJob:
     def __init__(self, resources: Any, name: str) -> None:
         self._of, self._name = resources, name
         self._file: Path | None = None if name else resources.where.frames
-        self._whole = self._file is not None
         self._lock = Lock()
         self._job: Job[None] | None = None
 
     def state(self) -> FramesState:
         """Return the state; the first call starts the work if needed."""
         with self._lock:
-            if not self._whole and self._wanted():
+            if self._wanted():
                 self._job = self._of.shared.jobs.start(
                     self._compute, lane="long", owner=self._of.owner, priority=FIRST_LOOK
                 )
-            job, file, whole = self._job, self._file, self._whole
-        if whole or job is None:
-            return FramesState(file=file)
+            job = self._job
+        if job is None or job.state == "done":  # the file is read after that, so it is the last
+            return FramesState(file=self._file)
         if job.state in ENDED:
-            return FramesState(file=file, problem="" if file else job.problem)
+            return FramesState(file=self._file, problem="" if self._file else job.problem)
         if place := job.place:
             text = f"waiting: number {place} in the queue"
-            return FramesState(file=file, step=Step(done=0, total=0, text=text))
-        return FramesState(file=file, step=job.step or LOADING)
+            return FramesState(file=self._file, step=Step(done=0, total=0, text=text))
+        return FramesState(file=self._file, step=job.step or LOADING)
 
     def wait(self) -> FramesState:
         """Wait for the work to end; return the state."""
@@ -96,7 +95,9 @@ class FramesJob:
     def _wanted(self) -> bool:
         """True if work must start: the first time, and some time after a failure."""
         job = self._job
-        return job is None or (job.state in ENDED and monotonic() - job.since > RETRY_S)
+        if job is None:
+            return self._file is None
+        return job.state in ENDED and monotonic() - job.since > RETRY_S
 
     def _compute(self, job: Job[None]) -> None:
         from omnivat.maps.frames.builder import DEFAULT_MAPS
@@ -124,7 +125,6 @@ class FramesJob:
                 )
                 job.priority = LAST_TOUCH
                 job.check()
-        self._whole = True
 
     def _fitting(self, embeddings: "Embeddings") -> "Head | None":
         """Return the head; None if it is the first one and of another encoder than the set."""

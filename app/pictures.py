@@ -55,10 +55,10 @@ def preview(image: "Image") -> str:
 
 
 def live(resources: Resources, content: Content, question: Question) -> Reply:
-    """Predict one picture with the other image of the pair if given, or a photo and a touch.
+    """Predict one picture, or a photo and a touch.
 
-    question  {"modality": "vis", "tac" or "both"; "other": reference of the other image; "split":
-              bytes of the photo before those of the touch, for both}; and see `asked`
+    question  {"modality": "vis", "tac" or "both"; "split": bytes of the photo before those of the
+              touch, for both}; and see `asked`
     return    classes, probabilities of each reading, `images`: modality -> whether the prediction
               is a `guess`, and milliseconds of encoder and head
 
@@ -78,17 +78,11 @@ def live(resources: Resources, content: Content, question: Question) -> Reply:
         decoded = perf_counter()
         rows = {one: encoders[one].embed(some[None]) for one, some in pixels.items()}
         embedded = perf_counter()
-    named = asked(resources, _beside(question), rows)
+    named = asked(resources, question, rows)
     found = predict_one(named)
     ms = {"encoder": embedded - decoded, "head": perf_counter() - embedded}
     ms = {part: round(1000 * seconds, 1) for part, seconds in ms.items()}
     return {"classes": list(named.head.settings.classes), **found, "ms": ms}
-
-
-def _beside(question: Question) -> Question:
-    """Return a request with the reference of the other image, if it names one."""
-    rest = OTHER.get(question["modality"])
-    return {**question, rest: question.get("other")} if rest else question
 
 
 def _parts(content: Content, question: Question) -> dict[str, Content]:
@@ -107,7 +101,7 @@ def _parts(content: Content, question: Question) -> dict[str, Content]:
 def occlusion(resources: Resources, content: Content, question: Question) -> Reply:
     """Hide each part of an image in turn, predict again, and measure the change of the probability.
 
-    question  as for `live`, with the modality "vis" or "tac"
+    question  {"modality": "vis" or "tac", "other": reference of the other image}; and see `asked`
     return    the predicted class, its probability, and `drops` (CELLS, CELLS): the decrease of the
               probability when a part is hidden; negative for an increase
 
@@ -131,7 +125,8 @@ def occlusion(resources: Resources, content: Content, question: Question) -> Rep
         for few in torch.stack(pixels).split(AT_ONCE):
             checkpoint()
             parts.append(encoder.embed(few))
-    named = asked(resources, _beside(question), {modality: torch.cat(parts)})
+    beside = {**question, OTHER[modality]: question.get("other")}
+    named = asked(resources, beside, {modality: torch.cat(parts)})
     with torch.inference_mode():
         out = named.head.model(named.pair["vis"], named.pair["tac"], order=named.order)
         predicted = int(out.probabilities[0].argmax())

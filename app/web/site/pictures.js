@@ -25,12 +25,6 @@ async function preview(desk, picture) {
   return new /** @type {any} */ (self).FileReaderSync().readAsDataURL(blob);
 }
 
-/** A question with the reference of the other image, if it names one. @param {any} question */
-function beside(question) {
-  const rest = OTHER[/** @type {Modality} */ (question.modality)];
-  return rest ? { ...question, [rest]: question.other } : question;
-}
-
 /** @type {Record<string, Route>} */
 export const PICTURES = {
   /** Embed a visitor's picture; its reference, its size and a small copy. */
@@ -62,7 +56,7 @@ export const PICTURES = {
     const rows = {};
     for (const [i, picture] of pictures.entries()) rows[names[i]] = await desk.encoded(picture);
     const embedded = performance.now();
-    const asked = await desk.asked(beside(question), rows);
+    const asked = await desk.asked(question, rows);
     const reply = await desk.predicted(asked);
     const since = (/** @type {number} */ from, to = performance.now()) => rounded(to - from, 1);
     const ms = { encoder: since(read, embedded), head: since(embedded) };
@@ -71,7 +65,8 @@ export const PICTURES = {
 
   /** Hide each part of a picture in turn, and predict again. */
   async occlusion(desk, question, { body, stopped }) {
-    const { modality } = question;
+    const modality = /** @type {Modality} */ (question.modality);
+    const beside = { ...question, [OTHER[modality]]: question.other };
     const picture = await desk.within(await decoded(body), HIDDEN);
     const { pixels, width, height } = picture;
     const { pixels: grey } = await desk.resized(picture, 1, 1);
@@ -81,7 +76,7 @@ export const PICTURES = {
     const predicted = async (/** @type {Uint8Array} */ shown) => {
       if (stopped()) throw new Refusal("The request was withdrawn.", 499);
       const row = await desk.encoded(await desk.seen({ pixels: shown, width, height }, modality));
-      return (await desk.readings(await desk.asked(beside(question), { [modality]: row }))).fused;
+      return (await desk.readings(await desk.asked(beside, { [modality]: row }))).fused;
     };
     const fused = await predicted(pixels);
     const top = fused.indexOf(Math.max(...fused));
