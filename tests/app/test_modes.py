@@ -102,11 +102,28 @@ def test_pairs_have_names_to_search_for_and_what_they_imitate(beside):
     assert set(told) == {"name", "looks_like", "feels_like", *there}
 
 
-def test_a_shipped_set_is_opened_by_its_name_once(beside, trained, monkeypatch):
+@pytest.fixture
+def shipped(trained, monkeypatch):
+    """Let the folder with the small set be the one set of the project, under the name "chirps"."""
     (trained / "head").mkdir(exist_ok=True)
     for module in ("app.visitor_sets", "app.places", "app.modes"):
-        shipped = {"chirps": (trained, trained / "set.safetensors")}
-        monkeypatch.setattr(f"{module}.shipped_sets", lambda shipped=shipped: shipped)
+        sets = {"chirps": (trained, trained / "set.safetensors")}
+        monkeypatch.setattr(f"{module}.shipped_sets", lambda sets=sets: sets)
+
+
+def test_the_curve_of_a_set_is_that_of_a_mode_with_a_head_for_each_stop(
+    beside, shipped, trained, tmp_path, monkeypatch
+):
+    row = {"id": "frozen", "file": str(tmp_path / "frozen.bin"), "can": ["heads"]}
+    monkeypatch.setitem(tables(), "modes", [*tables()["modes"], row])
+    frames, share = read_frames(trained / "retrained.bin"), [0.2, 0.5, 0.3]
+    curves = {**frames.curves, "seeds:accuracy/unseen/mean": share}
+    write_frames(tmp_path / "frozen.bin", replace(frames, curves=curves))
+    (found,) = modes(beside)["sets"]
+    assert found["curve"] == {"title": "Chirps", "orders": [0, 0.5, 1], "share": share}
+
+
+def test_a_shipped_set_is_opened_by_its_name_once(beside, shipped, trained):
     sets = VisitorSets(Resources(beside.where))
     other = sets.named("chirps")
     assert other is sets.named("chirps")

@@ -2,11 +2,14 @@
 
 import json
 import logging
+from dataclasses import replace
+from shutil import copytree
 
 import pytest
 
 from app.limits import MAX_IMAGE_BYTES
 from app.messages import UNEXPECTED
+from app.resources import Resources
 from app.routes import QUESTIONS, SENT
 from omnivat.maps.frames import read_frames
 
@@ -112,10 +115,6 @@ def test_about_says_what_is_loaded_and_tells_no_path_of_the_server(client, small
 
 
 def test_a_missing_head_is_a_sentence_everywhere_and_the_page_goes_on(resources, tmp_path):
-    from dataclasses import replace
-
-    from app.resources import Resources
-
     missing = Resources(replace(resources.where, head=tmp_path / "none"))
     with served(missing) as client:
         assert "omnivat train" in sentence(client.post("/omnivat/pair", json={"vis": "row:0"}))
@@ -153,11 +152,6 @@ def test_every_answer_says_which_head_and_set_it_is_of(client, resources):
 
 
 def test_another_head_is_held_under_another_name(resources, tmp_path):
-    from dataclasses import replace
-    from shutil import copytree
-
-    from app.resources import Resources
-
     copy = copytree(resources.where.head, tmp_path / "copy")
     assert Resources(resources.where).holds == resources.holds
     assert Resources(replace(resources.where, head=copy)).holds != resources.holds
