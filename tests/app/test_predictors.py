@@ -32,14 +32,6 @@ def test_a_folder_that_is_no_head_is_listed_with_the_reason(resources, small_pla
     assert "is not a head" in predictors.heads(other)[1]["problem"]
 
 
-def test_a_pair_is_asked_of_the_head_that_is_named(two_heads):
-    from app.views import pair
-
-    question = {"vis": "row:1", "tac": "row:1"}
-    same = pair.predicted(two_heads, question | {"head": two_heads.where.head.name})
-    assert same["stops"] == pair.predicted(two_heads, question)["stops"]
-
-
 def test_a_method_is_fitted_on_the_source_and_answers_every_pair(resources):
     got = predictors.predictions(resources, {"method": "nearest_mean"})
     embeddings = resources.embeddings()

@@ -28,12 +28,6 @@ def test_a_loaded_head_answers_under_its_own_name_and_the_first_stays(client, sm
     assert client.get(f"/omnivat/about?set={name}").json()["head"]["source"] == "TAG-sim"
 
 
-def test_a_head_can_be_put_beside_the_first(client, small_places):
-    name = loaded(client, head_files(small_places.head), compare=True).json()["set"]
-    assert len(client.get(f"/omnivat/heads?set={name}").json()) == 2
-    assert len(client.get("/omnivat/heads").json()) == 1
-
-
 def test_the_same_files_make_the_same_desk(client, small_places):
     files = head_files(small_places.head)
     names = {loaded(client, files).json()["set"] for _ in range(2)}
