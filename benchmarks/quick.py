@@ -64,10 +64,11 @@ class Visitor:
         self.headers = {"X-Forwarded-For": f"10.1.{number // 250}.{number % 250 + 1}"}
         self.upload = picture(1000 * number + 999)
 
-    def send(self, path: str, body: bytes | dict[str, Any]) -> Any:
-        """Return the JSON reply of a POST."""
-        content = body if isinstance(body, bytes) else json.dumps(body).encode()
-        self.connection.request("POST", f"/omnivat/{path}", content, self.headers)
+    def send(self, path: str, body: bytes | dict[str, Any] | None = None) -> Any:
+        """Return the JSON reply of a POST, or of a GET without a body."""
+        method = "GET" if body is None else "POST"
+        content = json.dumps(body).encode() if isinstance(body, dict) else body
+        self.connection.request(method, f"/omnivat/{path}", content, self.headers)
         with self.connection.getresponse() as reply:
             whole = reply.read()
         if reply.status != 200:
@@ -103,7 +104,7 @@ class Visitor:
         if self.number % EVERY == 2:
             lessons = [{"vis": row, "tac": row, "label": str(k % 2)} for k, row in enumerate(rows)]
             return "teach", {"lessons": lessons}
-        return "place", {"vis": self.image(0), "order": 0.3, "stage": "f_hat", "map": "umap"}
+        return "place", {"vis": self.image(0), "order": 0.3, "map": "umap"}
 
     def visit(self, source: str, *, mixed: bool) -> Iterator[tuple[str, float]]:
         """Drag p, upload a picture, drag again; some train, or do another thing meanwhile.
@@ -142,7 +143,7 @@ def measured(visitors: int, *, mixed: bool) -> dict[str, float]:
         one.own_pair(0)  # loads the encoder
         found["own_pair_s"] = statistics.median(one.own_pair(k) for k in range(1, PAIRS + 1))
         found["profile_s"] = statistics.median(one.profile(100 * k) for k in (1, 2, 3))
-        source = one.send("trainings", {})["first"]["source"]
+        source = one.send("trainings")["first"]["source"]
         everybody = [Visitor(address, k) for k in range(visitors)]
         with ThreadPoolExecutor(visitors) as crowd:
             visits = crowd.map(lambda visitor: list(visitor.visit(source, mixed=mixed)), everybody)
