@@ -74,13 +74,11 @@ def mean_over_domains(
 
     None if the source is not among the domains or no unseen domain has a test pair.
     """
-    if source not in embeddings.header.domains:
+    names, domain = embeddings.header.domains, embeddings.domain
+    if source not in names:
         return None
-    shares = [
-        right[own].mean()
-        for index, name in enumerate(embeddings.header.domains)
-        if name != source and (own := keep & (embeddings.domain == index)).any()
-    ]
+    away = keep & (domain != names.index(source))
+    shares = [right[away & (domain == index)].mean() for index in np.unique(domain[away])]
     return float(np.mean(shares)) if shares else None
 
 

@@ -23,6 +23,7 @@ from omnivat.kit.files import replacing
 FORMAT = "omnivat-twins-1"
 LEVELS = 512  # bytes for one unit
 KINDS = ("vis", "tac", "filled", "printed")
+TEXTS = ("objects", "looks_like", "feels_like")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -118,14 +119,8 @@ def write_twins(path: Path, made: Twins) -> None:
                 f"{name} has values outside of 0 to {255 / LEVELS:.3f}; twins are of ReLU features."
             )
         arrays |= {name: level.astype(np.uint8), f"{name}_length": length.astype(np.float32)}
-    text = {
-        "format": FORMAT,
-        "header": asdict(made.header),
-        **{
-            name: getattr(made, name)
-            for name in ("objects", "looks_like", "feels_like", "as_filled")
-        },
-    }
+    text = {name: getattr(made, name) for name in TEXTS}
+    text |= {"format": FORMAT, "header": asdict(made.header), "as_filled": made.as_filled}
     with replacing(path) as temporary, temporary.open("wb") as file:
         np.savez_compressed(file, text=np.frombuffer(json.dumps(text).encode(), np.uint8), **arrays)
 
@@ -155,13 +150,15 @@ def twins(path: str | Path | None = None) -> Twins:
     filled = tac.copy()
     filled.reshape(-1, filled.shape[-1])[changed] = some
     header = text["header"] | {name: tuple(text["header"][name]) for name in ("domains", "classes")}
-    names: dict[str, Any] = {
-        name: tuple(text[name]) for name in ("objects", "looks_like", "feels_like")
-    }
-    more = {
-        "header": Header(**header),
-        "as_filled": text["as_filled"],
-        "printed": printed,
-        "rows": rows,
-    }
-    return Twins(vis=vis, tac=tac, filled=filled, label=label, **names, **more)
+    texts: dict[str, Any] = {name: tuple(text[name]) for name in TEXTS}
+    return Twins(
+        vis=vis,
+        tac=tac,
+        filled=filled,
+        label=label,
+        header=Header(**header),
+        as_filled=text["as_filled"],
+        printed=printed,
+        rows=rows,
+        **texts,
+    )

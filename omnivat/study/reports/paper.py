@@ -48,24 +48,27 @@ def not_comparable(data: Mapping[str, Any], *, ablations: bool = False) -> str:
     return ""
 
 
+def mark(data: Mapping[str, Any], *, ablations: bool = False) -> str:
+    """Return what follows a printed figure: " *not comparable* (why)", or "" where it is."""
+    why = not_comparable(data, ablations=ablations)
+    return f" {MARK} ({why})" if why else ""
+
+
 def paper_rows(sources: Sequence[str], data: Mapping[str, Any]) -> list[list[str]]:
     """Return the main table's printed rows for the sources, marked if not comparable."""
-    why, name = not_comparable(data), backbone(data)
-    mark = f" {MARK} ({why})" if why else ""
-    rows = []
-    for method, printed in paper()["main"][name].items():
-        cells = [_cell(printed.get(paper_name(source))) for source in sources]
-        rows.append([f"printed: {method}, {name}{mark}", *cells, _cell(printed.get("average"))])
-    return rows
+    name, columns = backbone(data), [*map(paper_name, sources), "average"]
+    return [
+        [f"printed: {method}, {name}{mark(data)}", *(_cell(row.get(column)) for column in columns)]
+        for method, row in paper()["main"][name].items()
+    ]
 
 
 def target_rows(source: str, targets: Sequence[str], data: Mapping[str, Any]) -> list[list[str]]:
     """Return every method's printed figures from one source on single targets, if printed."""
-    why = not_comparable(data, ablations=True)
-    mark = f" {MARK}" if why else ""
+    sign = f" {MARK}" * bool(not_comparable(data, ablations=True))
     printed = paper()["targets"][BACKBONE].get(paper_name(source), {})
     return [
-        [f"{method}{mark}", *(_cell(row.get(paper_name(target))) for target in targets)]
+        [f"{method}{sign}", *(_cell(row.get(paper_name(target))) for target in targets)]
         for method, row in printed.items()
     ]
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from omnivat.kit.files import write_text
 from omnivat.study.reports.intervals import spread
 from omnivat.study.reports.markdown import count_text, markdown, method_table, percent, score_cell
-from omnivat.study.reports.paper import MARK, not_comparable, paper_rows, target_rows
+from omnivat.study.reports.paper import mark, paper_rows, target_rows
 from omnivat.study.reports.reading import (
     METRICS,
     SCORES,
@@ -108,8 +108,7 @@ def _printed_targets(records: Sequence[Record]) -> list[str]:
     ]
     if not rows:
         return []
-    why = not_comparable(data, ablations=True)
-    note = f"Printed by the paper, ViT-B/16{f' {MARK} ({why})' if why else ''}."
+    note = f"Printed by the paper, ViT-B/16{mark(data, ablations=True)}."
     return ["### Printed, every target", note, markdown(["source", "method", *targets], rows)]
 
 

@@ -2,8 +2,9 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
-from statistics import fmean
 from typing import Any
+
+from omnivat.study.reports.intervals import spread
 
 Record = Mapping[str, Any]
 SCORES = ("accuracy", "macro_f1")  # of every table
@@ -40,17 +41,12 @@ def by_run(
     records: Iterable[Record], metric: str, which: str = "fused"
 ) -> dict[tuple[str, int], float]:
     """Return (source, seed) -> mean over targets of a score of one method's completed runs."""
-    return {
-        (one["source"], one["seed"]): fmean(values) if values else float("nan")
-        for one in records
-        for values in [
-            [
-                target["scores"][which][metric]
-                for target in one["targets"].values()
-                if which in target["scores"]
-            ]
-        ]
-    }
+    found = {}
+    for one in records:
+        scores = [target["scores"] for target in one["targets"].values()]
+        values = [score[which][metric] for score in scores if which in score]
+        found[one["source"], one["seed"]] = spread(values).mean
+    return found
 
 
 def by_seed(values: Mapping[tuple[str, int], float], sources: Sequence[str]) -> list[float]:

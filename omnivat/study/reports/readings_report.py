@@ -27,12 +27,13 @@ READINGS = {"vis": "photo only", "tac": "touch only", "fused": "both"}
 
 def readings_parts(records: Sequence[Record]) -> list[str]:
     """Return the headline, the table of readings and the differences; empty without predictions."""
-    parts = ["## Photo only, touch only, both: ACC / Macro-F1", readings_table(records)]
-    parts.append(
+    parts = [
+        "## Photo only, touch only, both: ACC / Macro-F1",
+        readings_table(records),
         "Mean over unseen targets, then sources; ± standard deviation (n − 1) over seeds. Photo"
         " only and touch only: the other image is absent. Both: the mean of two predictions, or the"
-        " one prediction of a method that joins features."
-    )
+        " one prediction of a method that joins features.",
+    ]
     rows = compared(records)
     if rows is None:
         return parts

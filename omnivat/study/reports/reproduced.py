@@ -5,7 +5,7 @@ from typing import Any
 
 from omnivat.data.domains import paper_name
 from omnivat.study.reports.markdown import margin_text, method_table
-from omnivat.study.reports.paper import MARK, not_comparable, paper
+from omnivat.study.reports.paper import MARK, mark, paper
 from omnivat.study.reports.reading import Record, latest, targets_of
 
 SOURCE = "TAG"  # the source of the paper's margins
@@ -22,13 +22,14 @@ def margins_report(records: Sequence[Record]) -> str:
     printed = paper()["margins"]
     targets = targets_of(found)
     joint = [name for name in next(iter(printed.values())) if name.startswith("[")]
-    why = not_comparable(found[0]["data"])
-    mark = f" {MARK} ({why})" if why else ""
     below = []
     for label, cells in printed.items():
         values = [cells.get(name) for name in (*map(paper_name, targets), *joint)]
         below.append(
-            [f"printed: {label}{mark}", *("–" if v is None else f"{v:.3f}" for v in values)]
+            [
+                f"printed: {label}{mark(found[0]['data'])}",
+                *("–" if v is None else f"{v:.3f}" for v in values),
+            ]
         )
 
     def cell(runs: list[Record], target: str) -> str:
