@@ -8,15 +8,18 @@ import pytest
 
 from omnivat.data.profile import load_profile, profile_of, save_profile
 from omnivat.data.store import load_embeddings, save_embeddings
+from omnivat.head.checkpoint import load_head
+from omnivat.measure.known import measured
+from omnivat.measure.rungs import labels, pairs
 
 
 @pytest.fixture(scope="module")
 def two(make_embeddings, head_folder, tmp_path_factory):
     """A set of the head's encoder with three domains and a split, and a profile of one."""
     folder = tmp_path_factory.mktemp("profiles")
-    pairs = make_embeddings(domains=("TAG-sim", "OF Real-sim", "TQ-DIGIT-sim"), split=True)
-    save_embeddings(folder / "set.safetensors", pairs)
-    profile = profile_of(pairs, pairs.rows_of("OF Real-sim", split="train"), domain="OF Real-sim")
+    three = make_embeddings(domains=("TAG-sim", "OF Real-sim", "TQ-DIGIT-sim"), split=True)
+    save_embeddings(folder / "set.safetensors", three)
+    profile = profile_of(three, three.rows_of("OF Real-sim", split="train"), domain="OF Real-sim")
     save_profile(folder / "p.safetensors", profile)
     return folder
 
@@ -42,20 +45,14 @@ def test_unlabelled_pairs_are_counted_and_the_source_stays(evaluated, two):
     assert some["OF Real-sim"]["pairs"] == plain["OF Real-sim"]["pairs"]  # test objects
 
 
-@pytest.mark.parametrize("known", ["--unlabelled", "--labels"])
-def test_the_scores_of_known_pairs_are_means_over_draws(known, evaluated, two):
-    some = evaluated(two, known, 3, "--draws", 2, "--seed", 4)
-    single = [evaluated(two, known, 3, "--draws", 1, "--seed", seed) for seed in (4, 5)]
-    for domain in ("OF Real-sim", "TQ-DIGIT-sim"):
-        each = [one[domain]["scores"]["fused"]["accuracy"] for one in single]
-        assert some[domain]["draws"] == each and some[domain]["known_pairs"] in (3, 15)
-        assert some[domain]["scores"]["fused"]["accuracy"] == pytest.approx(np.mean(each))
-
-
-def test_without_a_split_the_drawn_pairs_are_not_predicted(evaluated, tmp_path, make_embeddings):
-    save_embeddings(tmp_path / "set.safetensors", make_embeddings())
-    plain, some = evaluated(tmp_path), evaluated(tmp_path, "--unlabelled", 7)
-    assert some["OF Real-sim"]["pairs"] == plain["OF Real-sim"]["pairs"] - 7
+@pytest.mark.parametrize(("option", "known"), [("--unlabelled", pairs), ("--labels", labels)])
+def test_it_prints_what_is_measured_with_its_draws_and_its_seed(
+    option, known, evaluated, two, head_folder
+):
+    some = evaluated(two, option, 3, "--draws", 2, "--seed", 4)
+    head, embeddings = load_head(head_folder), load_embeddings(two / "set.safetensors")
+    wanted = measured(head, embeddings, known(3), draws=2, seed=4)["domains"]
+    assert list(some.values()) == wanted and len(wanted[1]["draws"]) == 2
 
 
 def test_a_profile_file_serves_the_domain_that_it_names(evaluated, two):
@@ -103,8 +100,8 @@ def test_a_set_gives_the_profile_of_one_domain(run, tmp_path, two):
     words = "profile", two / "set.safetensors", "--out", tmp_path / "q.safetensors"
     assert "has 3 domains; name one" in run(*words, code=1).err
     run(*words, "--domain", "TAG-sim")
-    pairs = load_embeddings(two / "set.safetensors")
-    wanted = profile_of(pairs, pairs.rows_of("TAG-sim")).channels["tac"].mean
+    three = load_embeddings(two / "set.safetensors")
+    wanted = profile_of(three, three.rows_of("TAG-sim")).channels["tac"].mean
     found = load_profile(tmp_path / "q.safetensors").channels["tac"].mean
     np.testing.assert_allclose(found, wanted, rtol=1e-6)
 

@@ -101,4 +101,10 @@ def test_a_kept_ladder_is_of_exactly_its_head_and_its_set(head, shifted, tmp_pat
 def test_the_page_has_the_ladder_of_the_shipped_head_without_computing():
     kept = kept_ladder(default_head(), default_embeddings())
     assert kept, "head, set or records are new: run `python -m omnivat evaluate --ladder`"
-    assert {"home", "none", "n5", "all", "k3", "m2"} <= {one["rung"] for one in kept["rungs"]}
+    maps = json.loads((EXAMPLES / "twins.map.json").read_bytes())
+    of_twins = {row["id"]: row["map"] for row in RUNGS if "map" in row}
+    assert list(of_twins.values()) == list(range(len(maps["umap"])))
+    climbed = [row for row in RUNGS if row["id"] not in ("mean", "spread", "p")]
+    assert [one["rung"] for one in kept["rungs"]] == [row["id"] for row in climbed]
+    words = [one["known"].partition(" (")[0] for one in kept["rungs"]]  # (of another method)
+    assert words == [row["words"] for row in climbed]

@@ -1,16 +1,21 @@
 """Results in unseen domains: test pairs, shares, their intervals, retrieval."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
+import torch
+from scipy.stats import binomtest
+from torch.nn.functional import normalize
 
 from omnivat.head.checkpoint import ENCODER, Head
 from omnivat.head.head import build_head
 from omnivat.maps.frames.builder import NAMES, build_frames
 from omnivat.maps.frames.records import with_learned
+from omnivat.measure import unseen
 from omnivat.measure.known import measured
-from omnivat.measure.shares import counted, mean_over_domains, of_domains, wilson
+from omnivat.measure.shares import counted, mean_over_domains, of_domains, shown, wilson
 from omnivat.measure.unseen import judged, nearest_touch, unseen_summary
 from tests.builders import head_settings
 
@@ -52,12 +57,7 @@ def test_shares_are_those_that_are_measured(case):
     for record, own in zip(measured(head, embeddings)["domains"], summary["domains"], strict=True):
         assert own["pairs"] == record["pairs"]
         for reading in ("fused", "vis", "tac"):
-            share, measure = own[f"answers/{reading}"], record["scores"][reading]
-            assert share == {
-                "share": measure["accuracy"],
-                "low": measure["low"],
-                "high": measure["high"],
-            }
+            assert own[f"answers/{reading}"] == shown(record["scores"][reading])
 
 
 def test_a_head_of_touches_alone_has_a_record_of_each_image(case):
@@ -78,6 +78,23 @@ def test_every_pair_is_predicted_once(case, monkeypatch):
     monkeypatch.setattr(head.model, "forward", counting)
     assert unseen_summary(head, embeddings)["unseen"] == summary["unseen"]
     assert sum(sizes) == len(embeddings)
+
+
+def test_however_many_pairs_are_read_at_once_the_record_is_the_same(case, monkeypatch):
+    head, embeddings, summary = case
+    monkeypatch.setattr(unseen, "blocks", partial(unseen.blocks, size=7))
+    monkeypatch.setattr(unseen, "BLOCK", 3)
+    again = unseen_summary(head, embeddings)
+    assert again["unseen"] == summary["unseen"] and again["domains"] == summary["domains"]
+    np.testing.assert_allclose(again["pairs"]["cosine"], summary["pairs"]["cosine"], atol=1e-6)
+    vis, tac = (
+        normalize(head.model(*images).f_hat[name].detach(), dim=-1)
+        for name, images in (
+            ("vis", (torch.from_numpy(embeddings.vis), None)),
+            ("tac", (None, torch.from_numpy(embeddings.tac))),
+        )
+    )
+    np.testing.assert_allclose(summary["pairs"]["cosine"], (vis * tac).sum(1), atol=1e-5)
 
 
 def test_the_mean_leaves_the_source_out(case):
@@ -111,18 +128,19 @@ def test_a_domain_without_pairs_that_count_has_no_share(make_embeddings):
     assert (source["pairs"], source["answers/fused"]) == (0, None)
 
 
-def test_wilson_stays_within_zero_and_one_and_narrows():
-    assert wilson(0, 10)[0] == 0
-    assert wilson(10, 10)[1] == pytest.approx(1)
-    wide, narrow = wilson(5, 10), wilson(500, 1000)
-    assert wide[0] < narrow[0] < 0.5 < narrow[1] < wide[1]
+@pytest.mark.parametrize(("right", "total"), [(0, 10), (10, 10), (3, 10), (700, 1000)])
+def test_the_interval_of_one_domain_is_wilsons(right, total):
+    wanted = binomtest(right, total).proportion_ci(method="wilson")
+    assert wilson(right, total) == pytest.approx((wanted.low, wanted.high), abs=1e-12)
 
 
-def test_the_interval_over_domains_is_wider_where_domains_differ():
-    alike = of_domains([(50, 100)] * 6)
-    apart = of_domains([(20, 100), (80, 100)] * 3)
-    assert apart[1] - apart[0] > alike[1] - alike[0]
-    assert alike[0] < 0.5 < alike[1]
+def test_the_interval_over_domains_counts_their_objects_and_how_they_differ():
+    """Of equal domains only objects vary, 600 together; else also which domains are drawn."""
+    for shares, spread in (([0.5] * 6, 0.0), ([0.2, 0.8] * 3, 0.3)):
+        low, high = of_domains([(100 * share, 100) for share in shares])
+        within = np.mean([share * (1 - share) for share in shares]) / 100
+        assert high - low == pytest.approx(2 * 1.96 * ((within + spread**2) / 6) ** 0.5, rel=0.15)
+        assert (low + high) / 2 == pytest.approx(0.5, abs=0.02)
 
 
 def test_a_photo_finds_the_touch_nearest_in_direction_within_its_domain():

@@ -97,6 +97,18 @@ def test_in_the_text_tower_what_stands_before_the_shared_tokens_does_not_see_the
     assert not torch.allclose(model.texts(tokens, ends), end, atol=1e-3)
 
 
+def test_the_class_token_and_the_mean_of_the_shared_tokens_are_read_after_the_last_layer(vit):
+    model, last = Representations(vit), []
+    hook = vit.image_layers[-1].register_forward_hook(lambda *a: last.append(a[2]))
+    found = model.images(torch.randn(2, 3, vit.side, vit.side))
+    hook.remove()
+    token, shared = last[0][:, 0], last[0][:, 1:6]
+    normed = vit.image.vision_model.post_layernorm(shared).mean(1)
+    wanted = vit.image_end(token), model.projection(normed)
+    for mine, other in zip(found, wanted, strict=True):
+        torch.testing.assert_close(mine, nn.functional.normalize(other, dim=-1))
+
+
 def published(layers=12):
     """What the methods ask of ViT-B/16 to size themselves, without its weights."""
     return SimpleNamespace(

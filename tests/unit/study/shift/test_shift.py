@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 import threadpoolctl
 import torch
+from scipy.stats import t as student
 
 from omnivat.cli import main
 from omnivat.kit.progress import ignore
 from omnivat.study.shift import read_features
-from omnivat.study.shift.measure import gaps, interval, neighbours, retrieval
+from omnivat.study.shift.measure import _summed, gaps, interval, neighbours, retrieval
 from omnivat.study.shift.probe import probes
 from omnivat.study.shift.reading import features_of
 from omnivat.study.shift.report import numbers
@@ -139,6 +140,14 @@ def test_the_figures_of_a_scaled_set_are_those_of_the_unscaled_one(made, scale):
     scaled = replace(found, embeddings=replace(found.embeddings, **rows))
     for one, other in zip(numbers(found), numbers(scaled), strict=True):
         assert other["value"] == pytest.approx(one["value"], rel=2e-3, abs=2e-3), one
+
+
+def test_the_interval_of_a_mean_gap_is_a_jackknife_of_eight_blocks_with_students_t():
+    found = [*_summed("centroid", *({("", "A", "A"): k / 10} for k in range(4, 13)))]
+    parts = np.arange(5, 13) / 10
+    error = (7 / 8 * ((parts - parts.mean()) ** 2).sum()) ** 0.5
+    half = student.ppf(0.975, 7) * error
+    assert found[0]["low"] == 0 and found[0]["high"] == pytest.approx(0.4 + half, rel=1e-4)
 
 
 def test_domains_that_do_not_mix_are_seen(made):
