@@ -36,9 +36,8 @@ export async function followMode() {
  * @type {(set: string, onWait: (step: Step | null) => void) => Promise<SetData>} */
 const dataOf = (set, onWait) =>
   once(`data ${set}`, async () => {
-    const [{ frames: own, coarse, sprite }, { modes }] = await Promise.all([theSet(onWait, set), choices(set)]);
-    own.coarse = coarse;
-    return { set, own, sprite, coarse, modes };
+    const [{ frames: own, sprite }, { modes }] = await Promise.all([theSet(onWait, set), choices(set)]);
+    return { set, own, sprite, modes };
   });
 
 /** Open the chapter in the address: its set, its frames, its view. */
@@ -70,7 +69,7 @@ export async function enter() {
     opened(chapter);
     board.start(frames);
     learnAll(data);
-    if (data.coarse) refine(data);
+    if (data.own.coarse) refine(data);
   }, say);
 }
 
@@ -114,9 +113,8 @@ function learnAll({ set, own }) {
 
 /** Finer frames of the head itself are computed: wait for them. @param {SetData} data */
 async function refine(data) {
-  data.coarse = false;
   const coarse = data.own;
-  const own = await whenFine(telling);
+  const own = await once("finer frames", () => whenFine(telling));
   telling(null);
   data.own = own;
   if (scene.own !== coarse) return;

@@ -18,7 +18,6 @@ interface SetData {
   set: string;
   own: Frames;
   sprite: Sprite | null;
-  coarse: boolean;
   modes: string[];
 }
 /** A cell of the confusion matrix, with its pairs and its words. */
@@ -39,7 +38,7 @@ interface Other {
   frames: Frames;
 }
 /** The state of Explore beside the address. */
-interface Scene extends Omit<SetData, "coarse"> {
+interface Scene extends SetData {
   sets: SetRow[];
   /** the chapter that opens first */
   first: string;
@@ -90,7 +89,7 @@ interface Scene extends Omit<SetData, "coarse"> {
 /** What is told to Explore: an event and what goes with it. */
 interface SceneEvents {
   arrived: Partial<Scene>;
-  loaded: Omit<SetData, "coarse">;
+  loaded: SetData;
   learned: { set: string; facts: Partial<SetFacts> };
   measured: Scene["known"];
   started: Frames;

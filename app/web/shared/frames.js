@@ -159,9 +159,9 @@ async function fetched(onWait, named) {
   for (;;) {
     const response = await get(query(named));
     if (response.status === 200) {
-      const coarse = response.headers.get("X-Frames") === "coarse";
-      const drawn = response.headers.get("X-Thumbnails") !== "none";
-      return { frames: new Frames(await response.arrayBuffer()), coarse, drawn };
+      const frames = new Frames(await response.arrayBuffer());
+      frames.coarse = response.headers.get("X-Frames") === "coarse";
+      return { frames, drawn: response.headers.get("X-Thumbnails") !== "none" };
     }
     onWait((await response.json()).step);
     await pause(700);

@@ -33,9 +33,9 @@ export function framesBy(name, own, onWait, onFiner) {
 
 /** @param {string} name @param {(step: Step | null) => void} onWait @param {() => void} onFiner */
 async function fetched(name, onWait, onFiner) {
-  const { frames, coarse } = await fetchFrames(onWait, { head: name });
+  const { frames } = await fetchFrames(onWait, { head: name });
   frames.by = `the head ${name}`;
-  if (coarse) {
+  if (frames.coarse) {
     whenFine(() => {}, { head: name }).then(
       (finer) => {
         finest.set(name, finer);

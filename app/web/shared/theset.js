@@ -10,7 +10,7 @@ import { isSimulated } from "./text.js";
 /** @type {Set<OnWait>} */
 const waiting = new Set();
 
-/** {frames, coarse, sprite} of a set, "" being the page's own; `onWait` gets the server's progress. Throws a
+/** {frames, sprite} of a set, "" being the page's own; `onWait` gets the server's progress. Throws a
  * Refusal. @param {OnWait} onWait */
 export function theSet(onWait = () => {}, set = "") {
   waiting.add(onWait);
@@ -42,10 +42,10 @@ async function fetchAll(set) {
       .catch(() => {});
     for (const onWait of waiting) onWait(step);
   };
-  const { frames, coarse, drawn } = await fetchFrames(tell, { set });
+  const { frames, drawn } = await fetchFrames(tell, { set });
   const sprite = drawn ? await fetchThumbnails(set) : null;
   sayWhetherSimulated(frames.meta.embeddings.simulated, frames.domains);
-  return { frames, coarse, sprite };
+  return { frames, sprite };
 }
 
 /** @param {boolean | undefined} stated @param {string[]} domains */
