@@ -160,9 +160,11 @@ def nearest_cosines(rows: Tensor, reference: Tensor, owner: Tensor | None = None
     owner  (B,) objects of rows that are the reference themselves; those of the same are skipped
     """
     units, others = (normalize(x.float(), dim=-1) for x in (rows, reference))
-    parts = torch.arange(len(units)).split(CHUNK)
-    same = [None if owner is None else owner[part, None] == owner for part in parts]
-    return torch.cat([closest(units[p], others, s) for p, s in zip(parts, same, strict=True)])
+    cosines = []
+    for rows in torch.arange(len(units)).split(CHUNK):
+        same = None if owner is None else owner[rows, None] == owner
+        cosines.append(closest(units[rows], others, same))
+    return torch.cat(cosines)
 
 
 def closest(units: Tensor, others: Tensor, same: Tensor | None = None) -> Tensor:

@@ -17,7 +17,6 @@ from torch import Tensor, nn
 from torch.nn.functional import cross_entropy, normalize
 
 from omnivat.data.profile import Channels, channels_of, floor_of, scale_of
-from omnivat.kit.stages import IMAGES
 
 STEPS, PLAIN_STEPS = 400, 150  # of AdamW on all pairs at once, with training noise and without
 SPREAD_ROWS = 512  # pairs that span an offset; bounds the work for large domains
@@ -28,7 +27,7 @@ Raw = Mapping[str, Float[Tensor, "N W"]]  # embeddings by modality
 class LinearMaps(nn.Module):
     """One linear map for each image, and one of both if there are two; all zero at the start."""
 
-    def __init__(self, width: int, classes: int, modalities: Sequence[str] = IMAGES) -> None:
+    def __init__(self, width: int, classes: int, modalities: Sequence[str]) -> None:
         super().__init__()
         inputs = {name: (name,) for name in modalities}
         self.inputs = inputs | ({"both": tuple(modalities)} if len(modalities) > 1 else {})

@@ -144,9 +144,10 @@ def neighbours(scored: Sequence[Scored], best: Scored) -> tuple[float, float]:
     for side in (-1, 1):
         beyond = [one for one in scored if side * (one.order - best.order) > 0]
         beyond.sort(key=lambda scored: abs(scored.order - best.order))
-        run = [one.order for one in takewhile(lambda scored: _as_good(scored, best), beyond)]
-        ends.append(run[-1] if run else best.order)
-    low, high = (min(max(end, 0.0), 1.0) for end in ends)
+        run = takewhile(lambda scored: _as_good(scored, best), beyond)
+        *_, end = (best.order, *(scored.order for scored in run))
+        ends.append(min(max(end, 0.0), 1.0))
+    low, high = ends
     return low, high
 
 

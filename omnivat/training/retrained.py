@@ -62,15 +62,16 @@ def retrained_frames(
             over_seeds.setdefault(name, [None] * len(orders))[index] = value
         on_step(Step(done=index + 1, total=len(orders), text=f"map of the head at {order:.2f}"))
     builder.curves |= over_seeds
-    of = {
-        "source": plan.source,
-        "width": plan.settings.width,
-        "epochs": plan.training.epochs,
-        "seeds": list(seeds),
-    }
-    simulated = plan.embeddings.header.simulated
     return builder.finish(
-        {"kind": "retrained", "learned_order": None, **of, "simulated": simulated}
+        {
+            "kind": "retrained",
+            "learned_order": None,
+            "source": plan.source,
+            "width": plan.settings.width,
+            "epochs": plan.training.epochs,
+            "seeds": list(seeds),
+            "simulated": plan.embeddings.header.simulated,
+        }
     )
 
 

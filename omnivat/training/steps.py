@@ -88,7 +88,7 @@ def pairs_of(kind: str, batch: Batch) -> Tensor | None:
     if kind == "all" or batch.lang is None:
         return None
     mask = batch.lang_on if kind == "guided" else ~batch.lang_on
-    return mask if bool(mask.any()) and not bool(mask.all()) else None
+    return mask if bool(mask.any()) else None
 
 
 @torch.no_grad()

@@ -13,7 +13,7 @@ import torch
 from omnivat.data.profile import STEP_SHIFTED
 from omnivat.data.store import Embeddings
 from omnivat.head.calibration import familiarity_of, fit_calibration
-from omnivat.head.checkpoint import Head
+from omnivat.head.checkpoint import ENCODER, Head
 from omnivat.head.fusion import Temperatures
 from omnivat.kit.errors import DataError
 from omnivat.measure.known import measured
@@ -69,11 +69,7 @@ def trained_head(
     header, step = plan.embeddings.header, STEP_SHIFTED if plan.training.shift else 1.0
     head = Head(
         model=model,
-        encoder={
-            "name": header.encoder,
-            "weights_hash": header.weights_hash,
-            "preprocessing": header.preprocessing,
-        },
+        encoder=dict(zip(ENCODER, header.key, strict=True)),
         provenance=provenance,
         familiarity=known,
         profile=replace(trained.profile, domain=plan.source, step=step),

@@ -39,7 +39,7 @@ def test_no_other_temperature_has_a_lower_loss(honest):
 def test_logits_that_say_nothing_get_the_highest_temperature():
     random = torch.Generator().manual_seed(2)
     logits = torch.randn(4000, 5, generator=random)
-    assert fit_temperature(logits, torch.randint(5, (4000,), generator=random)) > 15
+    assert 15 < fit_temperature(logits, torch.randint(5, (4000,), generator=random)) <= 20
 
 
 def test_a_temperature_without_pairs_is_refused():

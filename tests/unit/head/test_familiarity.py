@@ -5,7 +5,6 @@ import torch
 from torch.nn.functional import normalize
 
 from omnivat.head.calibration import (
-    MOST_ROWS,
     familiarity_of,
     load_familiarity,
     nearest_cosines,
@@ -73,9 +72,9 @@ def test_a_quantile_is_where_a_value_stands():
     torch.testing.assert_close(quantile_of(values, quantiles), expected)
 
 
-def test_a_large_set_keeps_a_bounded_number_of_rows():
-    found = familiarity_of(torch.randn(5001, 4), None, own_objects(5001))
-    assert len(found.rows["vis"]) <= MOST_ROWS
+def test_a_large_set_keeps_two_thousand_rows_at_most():
+    found = familiarity_of(torch.randn(4002, 4), None, own_objects(4002))
+    assert len(found.rows["vis"]) == 4002 / 3
 
 
 def test_one_object_is_refused_and_two_are_enough():

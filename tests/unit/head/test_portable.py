@@ -44,27 +44,8 @@ def run(file, vis, tac, orders):
     return {n: torch.from_numpy(np.asarray(v)) for n, v in zip(names, found, strict=True)}
 
 
-@pytest.fixture(scope="module")
-def plain(tmp_path_factory):
-    """A head as it is by default, and its file."""
-    head, file = head_of(), tmp_path_factory.mktemp("portable") / "head.onnx"
-    write_head(file, head)
-    return head, file
-
-
-@pytest.fixture(scope="module")
-def other(tmp_path_factory):
-    """A head of moduli, of embeddings as they come, and its file."""
-    changes = {"complex_to_real": "magnitude", "fusion": "product", "generation": "series"}
-    head, file = head_of(standardize=False, **changes), tmp_path_factory.mktemp("other") / "o.onnx"
-    write_head(file, head)
-    return head, file
-
-
-@pytest.fixture(scope="module")
-def taught_twice(tmp_path_factory):
-    """A head taught two classes that it lacks, one after the other, and its file."""
-    head, file = head_of(), tmp_path_factory.mktemp("taught") / "head.onnx"
+def taught_twice(head):
+    """Return a head that is taught two classes that it lacks, one after the other."""
     for new in ("d", "e"):
         rows = torch.randn(2, 4, 1, 24)
         lessons = [
@@ -72,13 +53,27 @@ def taught_twice(tmp_path_factory):
             for label, vis, tac in zip(("a", "a", new, new), *rows, strict=True)
         ]
         head = taught(head, lessons)
+    return head
+
+
+OTHER = {"complex_to_real": "magnitude", "fusion": "product", "generation": "series"}
+
+
+@pytest.fixture(scope="module", params=["plain", "other", "taught twice"])
+def written(request, tmp_path_factory):
+    """A head as it is by default, one of moduli and of embeddings as they come, or a taught one;
+    and its file.
+    """
+    head = head_of(standardize=False, **OTHER) if request.param == "other" else head_of()
+    if request.param == "taught twice":
+        head = taught_twice(head)
+    file = tmp_path_factory.mktemp("portable") / "head.onnx"
     write_head(file, head)
     return head, file
 
 
-@pytest.mark.parametrize("which", ["plain", "other", "taught_twice"])
-def test_a_portable_head_gives_every_reading_of_the_fast_head_at_any_order(which, request):
-    head, file = request.getfixturevalue(which)
+def test_a_portable_head_gives_every_reading_of_the_fast_head_at_any_order(written):
+    head, file = written
     vis, tac = torch.randn(2, 1, 24, generator=torch.Generator().manual_seed(1))
     orders = torch.tensor(ORDERS, dtype=torch.float64)
     found = run(file, *(row.expand(len(ORDERS), -1) for row in (vis, tac)), ORDERS)
@@ -95,8 +90,8 @@ def test_a_portable_head_gives_every_reading_of_the_fast_head_at_any_order(which
     assert torch.allclose(found["vis_standing"][:1], head.model.standing("vis", vis), atol=1e-6)
 
 
-def test_the_stages_and_trees_of_many_pairs_are_those_of_the_fast_head(plain):
-    head, file = plain
+def test_the_stages_and_trees_of_many_pairs_are_those_of_the_fast_head(written):
+    head, file = written
     vis, tac = torch.randn(2, 5, 24)
     given = run(file, vis, tac, [0.31] * 5)
     wanted, *alone = (

@@ -81,15 +81,16 @@ def test_moved_rows_of_the_head_are_those_of_the_arrays(head, make_embeddings):
     pairs = make_embeddings()
     profile = profile_of(pairs, pairs.rows_of("OF Real-sim"))
     rows = pairs.vis[:3]
-    source = head.source_profile.channels["vis"]
-    wanted = moved(rows, profile.channels["vis"], source)
-    found = head.moved("vis", torch.from_numpy(rows), profile)
-    np.testing.assert_allclose(found.numpy(), wanted, rtol=1e-6)
-    part = replace(head, profile=replace(head.source_profile, step=0.75))
-    wanted = moved(rows, profile.channels["vis"], source, 0.75)
-    found = part.moved("vis", torch.from_numpy(rows), profile)
-    np.testing.assert_allclose(found.numpy(), wanted, rtol=1e-6)
-    assert np.abs(found.numpy() - moved(rows, profile.channels["vis"], source)).max() > 1e-3
+    whole, part = (
+        replace(head, profile=replace(head.source_profile, step=step)).moved(
+            "vis", torch.from_numpy(rows), profile
+        )
+        for step in (1.0, 0.75)
+    )
+    channels = profile.channels["vis"], head.source_profile.channels["vis"]
+    np.testing.assert_allclose(whole, moved(rows, *channels), rtol=1e-6)
+    np.testing.assert_allclose(part, moved(rows, *channels, 0.75), rtol=1e-6)
+    assert (part - whole).abs().max() > 1e-3
 
 
 def test_rows_have_half_the_root_of_their_width_as_length_and_for_teaching_one_side_by_side(

@@ -90,7 +90,7 @@ def test_weights_decay_but_theta_and_the_order_do_not():
         ("unguided", [True, False, True], True, [False, True, False]),
         ("all", [True, False, True], True, None),
         ("guided", [True, False, True], False, None),
-        ("guided", [True, True, True], True, None),
+        ("guided", [True, True, True], True, [True, True, True]),
         ("unguided", [True, True, True], True, None),
     ],
 )

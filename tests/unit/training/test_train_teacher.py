@@ -85,35 +85,39 @@ def test_progress_counts_the_steps_of_the_teachers_too(source):
     assert len(epochs) == EVERY.epochs
 
 
-@pytest.mark.parametrize("orders", [(0.5,), (0.0, 1.0), (0.0, 0.5, 1.0)])
-def test_teachers_hold_evenly_spaced_orders_and_only_they_use_lang(source, monkeypatch, orders):
+@pytest.fixture
+def teachers(monkeypatch):
+    """Return what each teacher is made with: its order, its settings and whether it has text. A
+    teacher of more than 100 epochs ends the training.
+    """
     from omnivat.training import training
 
     made, start = [], training.train
 
     def noted(pairs, settings, training, **more):
         made.append((settings.order, training, more["bank"] is not None))
+        if training.epochs > 100:
+            raise StopIteration
         return start(pairs, settings, training, **more)
 
     monkeypatch.setattr(training, "train", noted)
+    return made
+
+
+@pytest.mark.parametrize("orders", [(0.5,), (0.0, 1.0), (0.0, 0.5, 1.0)])
+def test_teachers_hold_evenly_spaced_orders_and_only_they_use_lang(source, teachers, orders):
     settings = replace(EVERY, lang=True, epochs=1, order_teachers=len(orders), batch=8, lr=0.01)
     own = train(source, head_settings(), settings, bank=load_bank())
     teacher = TrainSettings(epochs=1)  # with the batch and rate of any teacher
-    assert made == [(order, teacher, True) for order in orders]
+    assert teachers == [(order, teacher, True) for order in orders]
     assert own.epochs[-1]["mma"] == 0  # the head itself has no text
     assert own.model.order == 0.5
 
 
-def test_a_teacher_of_a_long_training_learns_for_120_epochs(source, monkeypatch):
-    from omnivat.training import training
-
-    def noted(pairs, settings, training, **more):
-        raise StopIteration(training)
-
-    monkeypatch.setattr(training, "train", noted)
-    with pytest.raises(StopIteration) as stopped:
+def test_a_teacher_of_a_long_training_learns_for_120_epochs(source, teachers):
+    with pytest.raises(StopIteration):
         train(source, head_settings(), replace(EVERY, epochs=200))
-    assert stopped.value.args == (TrainSettings(epochs=120, lang=False),)
+    assert teachers == [(0.0, TrainSettings(epochs=120, lang=False), False)]
 
 
 def test_teachers_without_drawn_orders_are_refused():
