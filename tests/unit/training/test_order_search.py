@@ -21,6 +21,7 @@ from omnivat.training.order_search import (
     search_steps,
     tied,
 )
+from omnivat.training.watch import UNWATCHED
 from tests.builders import head_settings
 from tests.unit.simulate.chirps.sets import chirp_embeddings
 
@@ -37,7 +38,7 @@ def head(**changes):
     return head_settings(**(values | changes))
 
 
-def searched(chirps, *, epochs=40, watch=None, **changes):
+def searched(chirps, *, epochs=40, watch=UNWATCHED, **changes):
     source = chirps.in_domain(DOMAINS[0], split="train")
     settings = TrainSettings(epochs=epochs, lang=False, order_search=True)
     return train(source, head(theta_init="signed", **changes), settings, watch=watch)
