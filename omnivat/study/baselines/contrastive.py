@@ -14,7 +14,7 @@ from torch import Tensor, nn
 from torch.nn.functional import cross_entropy, normalize
 
 from omnivat.kit.stages import IMAGES
-from omnivat.study.baselines.contract import Fitted, Rows, Source, joined, sized
+from omnivat.study.baselines.contract import Fitted, Predict, Rows, Source, joined, sized
 from omnivat.study.baselines.descent import Descent, learned, size
 from omnivat.study.baselines.logistic import fit_logistic
 
@@ -47,6 +47,11 @@ def _unit(projection: nn.Module, rows: Tensor) -> Tensor:
     return normalize(projection(sized(rows)), dim=-1)
 
 
+def _probed(**probes: Fitted) -> Predict:
+    """Return the predictions of a probe for each reading."""
+    return lambda vis, tac: {n: one.predict(vis, tac)["fused"] for n, one in probes.items()}
+
+
 def fit_vt_cmc(source: Source) -> Fitted:
     """Train the projections without labels, then a probe; held-out objects choose its C."""
 
@@ -69,9 +74,8 @@ def fit_vt_cmc(source: Source) -> Fitted:
         return fit_logistic(source, lambda vis, tac: features(vis, tac)[name])
 
     seen, touched, both = map(probe, (*IMAGES, "pair"))
-    readings = {"fused": both, "vis": seen, "tac": touched}
     return Fitted(
-        predict=lambda vis, tac: {n: one.predict(vis, tac)["fused"] for n, one in readings.items()},
+        predict=_probed(fused=both, vis=seen, tac=touched),
         features=features,
         chosen={**both.chosen, "scaling": "unit"},
         parameters=size(maps) + both.parameters,
@@ -93,12 +97,8 @@ def fit_sitr(source: Source) -> Fitted:
     of_vis = fit_logistic(source, lambda vis, tac: _unit(seen, vis))
     of_tac = fit_logistic(source, lambda vis, tac: _unit(touched, tac))
 
-    def predict(vis: Tensor, tac: Tensor) -> Rows:
-        felt = of_tac.predict(vis, tac)["fused"]
-        return {"fused": felt, "vis": of_vis.predict(vis, tac)["fused"], "tac": felt}
-
     return Fitted(
-        predict=predict,
+        predict=_probed(fused=of_tac, vis=of_vis, tac=of_tac),
         features=lambda vis, tac: joined(_unit(seen, vis), _unit(touched, tac)),
         chosen={"C of TAC": of_tac.chosen["C"]},
         parameters=size(touched) + of_tac.parameters,
