@@ -1,6 +1,5 @@
 """The command line: sentences instead of tracebacks, and results as promised."""
 
-import json
 import os
 import re
 from dataclasses import replace
@@ -8,9 +7,7 @@ from dataclasses import replace
 import pytest
 
 from omnivat.cli import COMMANDS, main, parser
-from omnivat.data.store import load_embeddings, save_embeddings
-from omnivat.head.checkpoint import load_head
-from omnivat.measure.unseen import bars, unseen_summary
+from omnivat.data.store import save_embeddings
 
 
 def test_wrong_usage_exits_with_2():
@@ -121,28 +118,16 @@ def test_a_wrong_setting_is_refused_before_anything_is_written(
     assert sentence in said and not out.exists()
 
 
-def test_evaluate_prints_every_domain_and_json_for_programs(head_folder, run):
+def test_evaluate_prints_every_domain(head_folder, run):
     known = "--head", head_folder, "--embeddings", head_folder.parent / "set.safetensors"
     said = run("evaluate", *known).out
     assert "TAG-sim (source)" in said and "OF Real-sim" in said and "mean of targets" in said
-    record = json.loads(run("evaluate", *known, "--json").out)
-    assert record["low"] <= record["accuracy"] <= record["high"]
-    assert [one["domain"] for one in record["domains"]] == ["TAG-sim", "OF Real-sim"]
-    for one in (one["scores"]["fused"] for one in record["domains"]):
-        assert 0 <= one["low"] <= one["accuracy"] <= one["high"] <= 1
 
 
-def test_the_figure_of_evaluate_has_the_shares_and_intervals_of_the_page(
-    head_folder, tmp_path, run
-):
-    file, figure = head_folder.parent / "set.safetensors", tmp_path / "f.svg"
-    known = "--head", head_folder, "--embeddings", file, "--figure", figure
-    drawn = bars(json.loads(run("evaluate", *known, "--json").out))
-    page = unseen_summary(load_head(head_folder), load_embeddings(file))
-    assert "OF Real-sim" in figure.read_text()
-    for mine, other in zip(drawn["domains"], page["domains"], strict=True):
-        assert mine == {name: other[name] for name in mine}
-    assert drawn["unseen"] == {name: page["unseen"][name] for name in drawn["unseen"]}
+def test_evaluate_draws_its_domains(head_folder, tmp_path, run):
+    known = "--head", head_folder, "--embeddings", head_folder.parent / "set.safetensors"
+    run("evaluate", *known, "--figure", tmp_path / "f.svg")
+    assert "OF Real-sim" in (tmp_path / "f.svg").read_text()
 
 
 @pytest.mark.parametrize("stated", [True, False])

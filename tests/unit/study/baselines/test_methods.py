@@ -14,12 +14,12 @@ from omnivat.encoders.lang.clip_prompts import ClipPrompts
 from omnivat.encoders.running import CLIP_MEAN, CLIP_STD, pixels
 from omnivat.kit.errors import DataError
 from omnivat.kit.tables import load
-from omnivat.study.baselines import BASELINES, LABELS, contrastive, ldc, mmrl, robust_vish, spg
+from omnivat.study.baselines import BASELINES, LABELS, ldc, mmrl, robust_vish, spg
 from omnivat.study.baselines.contract import Live, Source
 from omnivat.study.baselines.contrastive import contrastive_loss, supcon_loss
-from omnivat.study.baselines.descent import Descent, descend, rate
+from omnivat.study.baselines.descent import descend, rate
 from omnivat.study.baselines.mmrl import PROMPT
-from omnivat.study.baselines.text import MARGIN, PAPER, SCALE, arcface, scaled_cosines
+from omnivat.study.baselines.text import PAPER, SCALE, arcface, scaled_cosines
 from tests.builders import CLASSES
 
 BY_TEXT = ("zero_shot", "promptstyler", "spg")
@@ -247,22 +247,6 @@ def test_every_baseline_loads_and_those_of_others_say_exact_or_surrogate():
     assert set(LABELS) == set(BASELINES)
     assert all(callable(load(BASELINES, name, kind="baseline")) for name in BASELINES)
     assert all(LABELS[name].note.startswith(("exact", "surrogate")) for name in OF_CLIP)
-
-
-def test_methods_of_others_have_the_settings_of_their_papers_and_codes():
-    published = Descent(
-        lr=1e-4, epochs=50, batch=32, weight_decay=1e-4, method="adam", warmup=0, eps=1e-4, clip=0
-    )
-    assert published == ldc.HOW
-    assert (ldc.WEIGHTS, ldc.HIDDEN) == ((0.1, 0.2, 0.3, 0.4), 2048)
-    assert (mmrl.TOKENS, mmrl.WIDTH, mmrl.UPPER) == (5, 512, 7)
-    assert (mmrl.SHARE, mmrl.KEEP, mmrl.SCALE) == (0.7, 0.5, 100)
-    assert (mmrl.HOW.lr, mmrl.HOW.batch, mmrl.HOW.weight_decay) == (1e-3, 16, 5e-4)
-    assert (spg.NOISE, spg.WARM, spg.BATCH, spg.LEAST) == (100, 4, 32, 1e-5)
-    assert (spg.PROMPT_RATE, spg.GAN_RATE) == (2e-3, 2e-4)
-    assert (contrastive.WIDTH, contrastive.TEMPERATURE) == (128, 0.07)
-    assert (PAPER.epochs, PAPER.batch, SCALE, MARGIN) == (50, 128, 5, 0.5)
-    assert (robust_vish.WIDTH, robust_vish.KERNELS) == ((128, 256, 128), (8, 5, 3))
 
 
 # The mathematics
