@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from app.modes import mode_files
 from app.resources import Resources
 from app.state import Question, one_of, order_from
-from app.tables import row_of
+from app.tables import row_of, tables
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
@@ -55,7 +55,6 @@ def save_figure(resources: Resources, question: Question) -> bytes:
     Raises DataError while there are no frames, SettingsError for an unknown map or colouring.
     """
     from omnivat.figures import frames_map, gap_curves, html_page, pictures, staircase
-    from omnivat.kit.stages import STAGES
     from omnivat.maps.frames import read_frames
     from omnivat.maps.frames.records import FEATURES
 
@@ -67,14 +66,16 @@ def save_figure(resources: Resources, question: Question) -> bytes:
     frames = read_frames(file)
     mode = row_of("modes", frames.head.get("kind"))
     column = column_of(resources, colour)
-    stage = one_of("stage", question.get("stage", STAGES[-1]), STAGES)
+    steps = {row["id"]: row for row in tables()["stages"]}
+    step = steps[one_of("stage", question.get("stage", [*steps][-1]), steps)]
+    stage = {"stage": step.get("as", step["id"]), "name": step["title"]}
     order = order_from(question.get("order"))
     at = float(frames.head.get("learned_order") or 0.5) if order is None else order
     tiles = pictures(resources.sheet) if resources.sheet else None
     shown = {"kind": kind, "colour": colour, "column": column, "pictures": tiles}
-    parts = [frames_map(frames, order=at, stage=stage, **shown)]
+    parts = [frames_map(frames, order=at, **stage, **shown)]
     if frames.head.get("kind") != FEATURES:
-        parts.append(gap_curves(frames, stage=stage, order=at, mode=mode))
+        parts.append(gap_curves(frames, order=at, mode=mode, **stage))
         parts.append(staircase(frames, order=at, mode=mode))
     return str(html_page(f"OmniVaT: {frames.pairs} VIS-TAC pairs", parts)).encode()
 

@@ -4,10 +4,11 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from omnivat.figures.page import Figure, axis, figure, plain
+from omnivat.figures.page import Figure, around, axis, figure, plain
 from omnivat.figures.theme import ACCENT, AREA, MARK, SERIES, SOFT
 from omnivat.kit.stages import STAGE_TITLES
 from omnivat.maps.frames.records import FrameSet
@@ -69,17 +70,13 @@ def lines(
                 error_y={"array": bars} if bars else None,
             )
         )
-    low, high = (min(ends), max(ends)) if ends else (0.0, 1.0)
-    room = 0.05 * (high - low or 1)
-    left, right = (min(places), max(places)) if places else (0.0, 1.0)
-    side = 0.03 * (right - left or 1)
     return figure(
         traces,
         title=title,
         caption=caption,
         height=380,
-        xaxis=axis(across, ticks, range=[left - side, right + side]),
-        yaxis=axis(up, range=[low - room, high + room]),
+        xaxis=axis(across, ticks, range=around(places, 0.03)),
+        yaxis=axis(up, range=around(ends, 0.05)),
         hovermode="x unified",
     )
 
@@ -89,10 +86,16 @@ def _is(value: float | None) -> bool:
 
 
 def gap_curves(
-    frames: FrameSet, *, stage: str = "f_hat", order: float | None = None, mode: Mode | None = None
+    frames: FrameSet,
+    *,
+    stage: str = "f_hat",
+    name: str | None = None,
+    order: float | None = None,
+    mode: Mode | None = None,
 ) -> Figure:
     """Return both gaps, accuracy and margin over p on fixed axes, with `order` marked.
 
+    name   of the stage in the title; None: as in STAGE_TITLES
     order  quarter turns; None: the learned one
     mode   "can" and "caption" of a kind of frames that is not in KINDS
 
@@ -107,28 +110,30 @@ def gap_curves(
     mode = _mode(frames, mode)
     learned = frames.head.get("learned_order")
     at = order if order is not None else float(learned or 0.5)
-    title = f"OmniVaT, {STAGE_TITLES.get(stage, stage)}, against p"
+    title = f"OmniVaT, {name or STAGE_TITLES[stage]}, against p"
     look: dict[str, Any] = {"showlegend": False, "margin": {"t": 88, "b": 32}, "height": 560}
-    found = figure([], title=title, caption=_caption(frames, mode), **look)
+    caption = f"{_caption(frames, mode)} Dashed: the raw embedding, or chance."
+    found = figure([], title=title, caption=caption, **look)
     make_subplots(2, 2, horizontal_spacing=0.12, vertical_spacing=0.28, figure=found)
     span = frames.orders[0], frames.orders[-1]
-    low, high = _trained_for(frames, span) if "what-if" in mode["can"] else (0.0, 0.0)
-    for k, (name, words) in enumerate(MEASURES.items()):
+    fits = frames.head.get("fits") if "what-if" in mode["can"] else None
+    low, high = np.clip(fits or (0.0, 0.0), *span).tolist()
+    for k, (measure, words) in enumerate(MEASURES.items()):
         chart = {"row": k // 2 + 1, "col": k % 2 + 1}
-        found.add_traces(_chart(frames, name, words, stage, mode), chart["row"], chart["col"])
+        found.add_traces(_chart(frames, measure, words, stage, mode), chart["row"], chart["col"])
         found.update_xaxes(axis(range=list(span), showgrid=False), **chart)
-        found.update_yaxes(axis(range=[0, _highest(frames, name)], nticks=5), **chart)
+        found.update_yaxes(axis(range=[0, _highest(frames, measure)], nticks=5), **chart)
         every = {"exclude_empty_subplots": False, **chart}
         if low < high:
             found.add_vrect(low, high, fillcolor=AREA, line_width=0, **every)
-        raw = frames.curves.get(f"{name}/raw") or [None]
-        level = 1 / len(frames.classes) if name == "accuracy" else raw[0]
+        raw = frames.curves.get(f"{measure}/raw") or [None]
+        level = 1 / len(frames.classes) if measure == "accuracy" else raw[0]
         if level is not None:
             found.add_hline(level, line_color=SOFT, line_dash="dash", **every)
         found.add_vline(at, line_color=MARK, line_width=1, **every)
         place = {"xref": "x domain", "yref": "y domain", "x": 0, "y": 1, "align": "left"}
         found.add_annotation(
-            text=f"{words}<br>{_value_at(frames, name, stage, at)}",
+            text=f"{words}<br>{_value_at(frames, measure, stage, at)}",
             showarrow=False,
             xanchor="left",
             yanchor="bottom",
@@ -144,25 +149,19 @@ def _mode(frames: FrameSet, mode: Mode | None) -> Mode:
     return {"can": (), "caption": kind} | (KINDS.get(kind) or mode or {})
 
 
-def _trained_for(frames: FrameSet, span: tuple[float, float]) -> tuple[float, float]:
-    """Return the ends of the orders that fixed weights were trained for, within the span."""
-    low, high = frames.head.get("fits") or (0.0, 0.0)
-    return max(span[0], low), min(span[1], high)
-
-
 def _chart(frames: FrameSet, name: str, words: str, stage: str, mode: Mode) -> list[Any]:
     """Return the span of several trainings, if any, and the curve."""
     traces: list[Any] = []
     stem = "seeds:accuracy/unseen" if name == "accuracy" else f"seeds:{name}/{stage}"
     low, high = (frames.curves.get(f"{stem}/{end}") for end in ("low", "high"))
     if low is not None and high is not None:
-        there = [k for k, (a, b) in enumerate(zip(low, high, strict=True)) if _is(a) and _is(b)]
-        around = [*there, *reversed(there)]
-        ends = [(low if i < len(there) else high)[k] for i, k in enumerate(around)]
+        ends = zip(frames.orders, low, high, strict=True)
+        band = [(p, a, b) for p, a, b in ends if _is(a) and _is(b)]
+        outline = [(p, a) for p, a, _ in band] + [(p, b) for p, _, b in reversed(band)]
         traces.append(
             go.Scatter(
-                x=[frames.orders[k] for k in around],
-                y=ends,
+                x=[p for p, _ in outline],
+                y=[value for _, value in outline],
                 fill="toself",
                 fillcolor=AREA,
                 line_width=0,
@@ -220,7 +219,7 @@ def _caption(frames: FrameSet, mode: Mode) -> str:
     words = str(mode["caption"])
     if learned is not None or "{learned}" not in words:
         parts.append(words.replace("{learned}", f"{learned or 0:.3f}"))
-    return "; ".join(parts) + ". Dashed: the raw embedding, or chance."
+    return "; ".join(parts) + "."
 
 
 def staircase(frames: FrameSet, *, order: float | None = None, mode: Mode | None = None) -> Figure:
@@ -246,9 +245,7 @@ def staircase(frames: FrameSet, *, order: float | None = None, mode: Mode | None
     return figure(
         traces,
         title=f"Gaps at each step, p = {frames.orders[stop]:.2f}",
-        caption=_caption(frames, _mode(frames, mode)).replace(
-            " Dashed: the raw embedding, or chance.", ""
-        ),
+        caption=_caption(frames, _mode(frames, mode)),
         # the angle leaves room for all names, on a phone, too
         xaxis=axis("", words, range=[-0.5, len(words) - 0.5], showgrid=False, tickangle=-35),
         yaxis=axis("gap or margin", range=[0, most]),

@@ -116,6 +116,7 @@ def frames_map(
     *,
     order: float,
     stage: str = "f_hat",
+    name: str | None = None,
     kind: str = "pca",
     colour: str = "domain",
     column: Sequence[str] = (),
@@ -123,6 +124,7 @@ def frames_map(
 ) -> Figure:
     """Return the map of a stage at the stop nearest to `order` (quarter turns).
 
+    name    of the stage in the title; None: as in STAGE_TITLES
     kind    "pca" or "umap"
     colour  of COLOURS
     column  (N,) texts that colour the pairs in place of `colour`
@@ -150,7 +152,7 @@ def frames_map(
     hover = [
         f"{frames.domains[d]} · {frames.classes[c]}{'' if headless else p}" for d, c, p in pairs
     ]
-    title = f"OmniVaT, {STAGE_TITLES[stage]}{'' if headless else f', p = {at:.2f}'}"
+    title = f"OmniVaT, {name or STAGE_TITLES[stage]}{'' if headless else f', p = {at:.2f}'}"
     caption = f"{kind.upper()} of {frames.pairs} pairs, {what}; the axes have no unit"
     look: dict[str, Any] = {"colours": colours, "hover": hover, "pictures": pictures}
     return map_figure(drawn.places(frame), group, names, title=title, caption=caption, **look)

@@ -171,6 +171,13 @@ def plain(text: str) -> str:
     return str(text).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
 
 
+def around(values: Sequence[float], share: float) -> list[float]:
+    """Return the ends of an axis around values, with a share of their span as room beside them."""
+    low, high = (min(values), max(values)) if values else (0.0, 1.0)
+    room = share * (high - low or 1)
+    return [low - room, high + room]
+
+
 def axis(title: str = "", ticks: Sequence[str] = (), **more: Any) -> dict[str, Any]:
     """Return an axis with labels at 0, 1, 2, ..., if any; `more` holds further fields."""
     names = {"tickvals": list(range(len(ticks))), "ticktext": [plain(name) for name in ticks]}

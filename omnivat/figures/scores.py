@@ -6,7 +6,7 @@ from typing import Any
 
 import plotly.graph_objects as go
 
-from omnivat.figures.page import Figure, axis, figure, plain
+from omnivat.figures.page import Figure, around, axis, figure, plain
 from omnivat.figures.theme import READINGS, SERIES, SOFT
 from omnivat.kit.errors import DataError
 from omnivat.measure.gaps import NAMES as GAP_NAMES
@@ -77,12 +77,8 @@ def dots(
             )
         )
     every = [_end(r, end) for r in known for end in ("low", "high")] + ([level] if level else [])
-    room = 0.04 * (max(every) - min(every) or 1)
-    span = (
-        (ends[0], 1.02 * ends[1])
-        if ends
-        else (min(0.0, min(every)) and min(every) - room, max(every) + room)
-    )
+    least, most = around(every, 0.04)
+    span = (ends[0], 1.02 * ends[1]) if ends else (least if min(every) < 0 else 0.0, most)
     found = figure(
         traces,
         title=title,

@@ -13,7 +13,7 @@ from textwrap import wrap
 from typing import Any, NamedTuple
 
 from omnivat.figures.drawing import GRID, INK, Picture, Point, Shape, svg, text
-from omnivat.figures.theme import MARGIN, SERIES, THEMES
+from omnivat.figures.theme import MARGIN, THEMES
 from omnivat.kit.errors import SettingsError
 
 WIDTH, LINE, LETTER = 760.0, 17.0, 6.6
@@ -54,11 +54,11 @@ def picture(figure: Any) -> Picture:
     planes = {key: _plane(figure, key, height) for key in keys}
     shapes = [shape for key, plane in planes.items() for shape in _axes(figure, key, plane)]
     shapes += [s for one in figure.layout.shapes for s in _marked(one, planes)]
-    for index, trace in enumerate(figure.data):
+    for trace in figure.data:
         plane = planes[(trace.xaxis or "x")[1:]]
-        shapes += _heat(trace, plane) if trace.type == "heatmap" else _scatter(trace, index, plane)
+        shapes += _heat(trace, plane) if trace.type == "heatmap" else _scatter(trace, plane)
     shapes += [s for note in figure.layout.annotations for s in _note(note, planes)]
-    title = unescape(figure.layout.title.text or "")
+    title = unescape(figure.layout.title.text)
     shapes.append(text((12, 22), title, 15))
     below, bottom = _below(figure, height)
     return Picture(width=WIDTH, height=bottom, shapes=(*shapes, *below), title=title)
@@ -95,10 +95,7 @@ def _axes(figure: Any, key: str, plane: Plane) -> Iterator[Shape]:
             x = plane.at(value, plane.y[0])[0]
             yield text((x, low + 16 + 13 * (k % rows)), label, 11, "middle")
         yield text(
-            ((left + right) / 2, low + 23 + 13 * rows),
-            unescape(across.title.text or ""),
-            12,
-            "middle",
+            ((left + right) / 2, low + 23 + 13 * rows), unescape(across.title.text), 12, "middle"
         )
     if up.visible is not False:
         for value, label in _ticks(up, plane.y):
@@ -106,13 +103,13 @@ def _axes(figure: Any, key: str, plane: Plane) -> Iterator[Shape]:
             if up.showgrid is not False:
                 yield Shape(kind="line", points=((left, y), (right, y)), colour=GRID)
             yield text((left - 6, y + 4), label, 11, "end")
-        yield text((max(12, left - 46), high - 8), unescape(up.title.text or ""), 11)
+        yield text((max(12, left - 46), high - 8), unescape(up.title.text), 11)
 
 
 def _ticks(axis: Any, ends: Sequence[float]) -> list[tuple[float, str]]:
     if axis.tickvals is not None:
-        words = axis.ticktext if axis.ticktext is not None else axis.tickvals
-        return [(float(v), unescape(str(w))) for v, w in zip(axis.tickvals, words, strict=True)]
+        words = map(unescape, axis.ticktext)
+        return [(float(v), w) for v, w in zip(axis.tickvals, words, strict=True)]
     if axis.showticklabels is False:
         return []
     low, high = min(ends), max(ends)
@@ -124,24 +121,23 @@ def _ticks(axis: Any, ends: Sequence[float]) -> list[tuple[float, str]]:
     return [(v, f"{v:.0%}" if "%" in (axis.tickformat or "") else f"{v:.6g}") for v in values]
 
 
-def _scatter(trace: Any, index: int, plane: Plane) -> Iterator[Shape]:
+def _scatter(trace: Any, plane: Plane) -> Iterator[Shape]:
     known = [
         (k, float(x), float(y))
         for k, (x, y) in enumerate(zip(trace.x, trace.y, strict=True))
-        if x is not None and y is not None and math.isfinite(x) and math.isfinite(y)
+        if y is not None and math.isfinite(y)
     ]
     points = [plane.at(x, y) for _, x, y in known]
-    colour, mode = SERIES[index % len(SERIES)], trace.mode or "lines"
     if trace.fill == "toself" and points:
         yield Shape(kind="area", points=tuple(points), **_translucent(trace.fillcolor))
-    if "lines" in mode and (trace.line.width is None or trace.line.width):
-        size, stroke = trace.line.width or 2, trace.line.color or colour
+    if "lines" in trace.mode and trace.line.width != 0:
+        size, stroke = trace.line.width or 2, trace.line.color
         gaps = [i for i in range(1, len(known)) if known[i][0] > known[i - 1][0] + 1]
         for first, last in pairwise([0, *gaps, len(known)]):
             if last - first > 1:
                 part = tuple(points[first:last])
                 yield Shape(kind="line", points=part, colour=stroke, size=size)
-    ink = trace.marker.color or colour
+    ink = trace.marker.color
     for (across, up), error in (((1, 0), trace.error_x), ((0, 1), trace.error_y)):
         high = error.array if error.array is not None else ()
         low = high if error.arrayminus is None else error.arrayminus
@@ -150,7 +146,7 @@ def _scatter(trace: Any, index: int, plane: Plane) -> Iterator[Shape]:
             if all(math.isfinite(v) for end in ends for v in end):
                 bar = tuple(plane.at(*end) for end in ends)
                 yield Shape(kind="line", points=bar, colour=ink, size=1.6)
-    if "markers" in mode:
+    if "markers" in trace.mode:
         size, share = trace.marker.size / 2, trace.marker.opacity or 1
         triangle = trace.marker.symbol == "triangle-up"  # looks as large as a circle
         for x, y in points:
@@ -161,13 +157,12 @@ def _scatter(trace: Any, index: int, plane: Plane) -> Iterator[Shape]:
 
 
 def _heat(trace: Any, plane: Plane) -> Iterator[Shape]:
-    low, high = float(trace.zmin), float(trace.zmax)
     full = THEMES["omnivat"]["full"]
     for row, values in enumerate(trace.z):
         for column, value in enumerate(values):
             if value is None or not math.isfinite(value):
                 continue
-            share = min(1.0, max(0.0, (float(value) - low) / (high - low or 1)))
+            share = max(0.0, float(value) / trace.zmax)
             corners = [plane.at(column + by, row + by) for by in (-0.5, 0.5)]
             rect = _rect(corners, full, share)
             yield rect
@@ -212,19 +207,17 @@ def _note(note: Any, planes: dict[str, Plane]) -> Iterator[Shape]:
 def _below(figure: Any, height: float) -> tuple[list[Shape], float]:
     """Return legend and caption under the axes, and the lower end of the picture."""
     shapes, x, y = [], 14.0, height
-    named = [(i, t) for i, t in enumerate(figure.data) if t.name and t.showlegend is not False]
-    for index, trace in named if figure.layout.showlegend is not False else []:
+    named = [t for t in figure.data if t.name and t.showlegend is not False]
+    for trace in named if figure.layout.showlegend is not False else []:
         name, colour = unescape(trace.name), trace.marker.color or trace.line.color
         size = 34 + LETTER * len(name)
         if x + size > WIDTH and x > 14:
             x, y = 14.0, y + LINE
-        fill = colour or SERIES[index % len(SERIES)]
-        shapes.append(Shape(kind="rect", points=((x, y - 10), (x + 11, y + 1)), colour=fill))
+        shapes.append(Shape(kind="rect", points=((x, y - 10), (x + 11, y + 1)), colour=colour))
         shapes.append(text((x + 16, y), name))
         x += size
     y += 8 if named else 0
-    words = wrap((figure.layout.meta or {}).get("caption", ""), int(WIDTH / (LETTER - 0.7)))
-    for line in words:
+    for line in wrap(figure.layout.meta["caption"], int(WIDTH / (LETTER - 0.7))):
         y += LINE
         shapes.append(text((14, y), line, 11))
     return shapes, y + 14

@@ -208,7 +208,7 @@ class FractionalTransform(nn.Module):
 
     def __init__(
         self,
-        order: float = 0.5,
+        order: float,
         *,
         learnable: bool = True,
         dim: int = -1,

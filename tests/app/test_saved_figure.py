@@ -26,18 +26,18 @@ def figures_of(page):
     return json.JSONDecoder().raw_decode(page[start:])[0]
 
 
-def test_the_open_view_is_a_page_of_three_figures_that_loads_nothing(client):
-    view = {"stage": "f_hat", "map": "pca", "colour": "confidence", "mode": "", "order": 0.5}
+@pytest.mark.parametrize(
+    ("stage", "title"), [("f_hat", "F̂ after DTG"), ("projection", "Projection")]
+)
+def test_the_open_view_is_a_page_of_three_figures_that_loads_nothing(client, stage, title):
+    """The figures name a step as the page does, the projection's map of the transform, too."""
+    view = {"stage": stage, "map": "pca", "colour": "confidence", "mode": "", "order": 0.5}
     sent = client.post("/omnivat/save/figure", json=view)
     assert sent.status_code == 200 and sent.headers["content-type"].startswith("text/html")
     assert sent.text.count('class="plot"') == 3 and "default-src 'none'" in sent.text
-    map_figure = figures_of(sent.text)[0]
-    assert (
-        sum(
-            len(trace["customdata"]) if "customdata" in trace else 1 for trace in map_figure["data"]
-        )
-        >= 1
-    )
+    titles = [figure["layout"]["title"]["text"] for figure in figures_of(sent.text)]
+    assert titles[0] == f"OmniVaT, {title}, p = 0.50"
+    assert titles[1] == f"OmniVaT, {title}, against p"
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import { orderText } from "../shared/frames.js";
 import { axisNames } from "../shared/marks.js";
 import { colouring } from "../shared/palette.js";
 import { save } from "../shared/save.js";
-import { featuresOf, stageNamed } from "../shared/stages.js";
+import { stageNamed } from "../shared/stages.js";
 import { modeOf } from "../shared/tables.js";
 import { csv, png, svg } from "./exports.js";
 import { showGrid } from "./grid.js";
@@ -116,7 +116,7 @@ const FILES = {
   /** The open map, the curves and the staircase as one page that the server makes. */
   figure: async (name) => {
     const { frames, set, stop, mode } = scene;
-    const stage = featuresOf(state.stage);
+    const { stage } = state;
     const question = { stage, map: kindOf(stage), colour: colours().id, mode, order: frames.orders[stop] };
     await attempt(async () => save(`${name}.html`, await made(inSet("save/figure", set), question)), say);
   },

@@ -11,13 +11,15 @@ import plotly.graph_objects as go
 import pytest
 
 from omnivat import figures
+from omnivat.figures.drawing import GRID, INK
 from omnivat.figures.maps import grouped
 from omnivat.figures.page import POLICY, cell
 from omnivat.figures.still import svg_of
-from omnivat.figures.theme import CONFIG
+from omnivat.figures.theme import CONFIG, THEMES
 from omnivat.kit.errors import DataError, SettingsError, ShapeError
 
 SVG = "{http://www.w3.org/2000/svg}"
+FULL = THEMES["omnivat"]["full"]
 
 
 def some_map(columns=2, **more):
@@ -85,6 +87,29 @@ def test_higher_values_are_higher_and_bars_reach_as_far_as_their_error():
     bar = next(e for e in ends if len({point.split(",")[0] for point in e}) == 1)
     y = sorted(float(point.split(",")[1]) for point in bar)
     assert y == pytest.approx([low - 2 * unit, low + 2 * unit], abs=0.05)
+
+
+def test_ticks_and_grid_lines_stand_at_their_values():
+    found = figures.lines({"s": ([0, 1, 2], [50, 55, 60])}, title="t")
+    root = ElementTree.fromstring(svg_of(found))
+    labels = {text.text: text for text in root.iter(f"{SVG}text")}
+    marks = [[float(c.get(axis)) for axis in ("cx", "cy")] for c in root.iter(f"{SVG}circle")]
+    for k, (x, y) in enumerate(marks):
+        assert float(labels[str(k)].get("x")) == pytest.approx(x, abs=0.01)
+        assert float(labels[str(50 + 5 * k)].get("y")) == pytest.approx(y + 4, abs=0.01)
+    grid = [e.get("points") for e in root.iter(f"{SVG}polyline") if e.get("stroke") == GRID]
+    heights = [float(end.split(",")[1]) for line in grid for end in line.split()]
+    assert heights == pytest.approx([y for _, y in marks for _ in range(2)], abs=0.01)
+
+
+def test_a_cell_of_a_table_is_as_dark_as_its_share_of_the_largest_gap():
+    record = table()
+    record["domain_gap"] = {"tac": {"A": {"A": 0.0, "B": 0.4}, "B": {"A": 0.1, "B": 0.0}}}
+    root = ElementTree.fromstring(svg_of(figures.gap_tables(record)))
+    fills = [e.get("opacity") for e in root.iter(f"{SVG}rect") if e.get("fill") == FULL]
+    assert fills == [None, "0.25"]
+    words = {e.text: e.get("fill") for e in root.iter(f"{SVG}text")}
+    assert (words["0.400"], words["0.100"]) == ("#ffffff", INK)
 
 
 def test_a_page_holds_its_library_and_may_load_nothing_else():

@@ -91,29 +91,23 @@ def test_planar_is_complex_in_two_planes(kind):
         assert torch.equal(planar, torch.stack([whole.real, whole.imag]))
 
 
-@pytest.mark.parametrize(
-    ("dtype", "wanted"),
-    [
-        (torch.float16, torch.complex64),
-        (torch.bfloat16, torch.complex64),
-        (torch.int32, torch.complex64),
-        (torch.bool, torch.complex64),
-        (torch.float32, torch.complex64),
-        (torch.float64, torch.complex128),
-        (torch.complex64, torch.complex64),
-        (torch.complex128, torch.complex128),
-    ],
-)
-def test_precision_in_gives_precision_out(dtype, wanted):
-    x = torch.ones(2, 12).to(dtype)
-    assert dfrft(x, 0.3).dtype == dfrft(x, 1).dtype == wanted
-
-
 @pytest.mark.filterwarnings("ignore:ComplexHalf support is experimental")
 @pytest.mark.parametrize("order", [0.3, 1, 2.0])
-def test_complex_halves_are_computed_in_single_precision(order):
-    x = torch.randn(3, 12, dtype=torch.complex64).to(torch.complex32)
-    assert torch.equal(dfrft(x, order), dfrft(x.to(torch.complex64), order))
+@pytest.mark.parametrize(
+    ("wanted", "kinds"),
+    [
+        (torch.float32, (torch.float16, torch.bfloat16, torch.int32, torch.bool, torch.float32)),
+        (torch.complex64, (torch.complex32, torch.complex64)),
+        (torch.float64, (torch.float64,)),
+        (torch.complex128, (torch.complex128,)),
+    ],
+)
+def test_a_precision_is_kept_and_a_lower_one_is_computed_in_single(order, wanted, kinds):
+    for kind in kinds:
+        x = torch.randn(3, 12, dtype=wanted).to(kind)
+        found = dfrft(x, order)
+        assert found.dtype == wanted.to_complex()
+        assert torch.equal(found, dfrft(x.to(wanted), order))
 
 
 def test_autocast_changes_nothing():

@@ -140,6 +140,14 @@ def test_a_domain_too_small_for_a_measure_is_named():
         sweep(head(), pairs(count=8), (0.5,), measures=("proxy_a",))
 
 
+def test_measures_of_sums_and_of_rows_are_the_same_together_as_apart():
+    names = ("modality_gap", "proxy_a")
+    together = sweep(head(), pairs(), (0.5,), measures=names).curves
+    for name in names:
+        for curve, values in sweep(head(), pairs(), (0.5,), measures=(name,)).curves.items():
+            np.testing.assert_allclose(together[curve], values, atol=1e-6)
+
+
 def test_a_projecting_head_measures_its_own_transform():
     found = sweep(head(width=8), pairs(), ORDERS, stages=("raw", "frft"))
     assert found.curves["modality_gap/frft"][0] != found.curves["modality_gap/raw"][0]

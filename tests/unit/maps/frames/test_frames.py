@@ -142,21 +142,13 @@ def test_stops_are_spread_evenly(stops, count, places):
         ({"maps": {"pca/none": 3}}, "No map is called 'pca/none'"),
         ({"maps": {"tsne/f_hat": 3}}, "No map is called 'tsne/f_hat'"),
         ({"maps": {"pca/f_hat": 0}}, "with 0 stops"),
+        ({"embeddings": pairs(classes=[*map(str, range(300))])}, "256 domains and classes"),
+        ({"embeddings": pairs(count=0)}, "no pairs in these embeddings"),
     ],
 )
 def test_frames_that_cannot_be_are_refused(wrong, sentence):
-    with pytest.raises(SettingsError, match=sentence):
-        build_frames(head(), pairs(), **wrong)
-
-
-def test_too_many_names_are_refused():
-    with pytest.raises(DataError, match="256 domains and classes"):
-        build_frames(head(), pairs(classes=tuple(map(str, range(300)))), orders=(0.0,))
-
-
-def test_no_pairs_are_refused():
-    with pytest.raises(DataError, match="no pairs in these embeddings"):
-        build_frames(head(), pairs(count=0), orders=(0.0,))
+    with pytest.raises((SettingsError, DataError), match=sentence):
+        build_frames(**{"model": head(), "embeddings": pairs(), "orders": (0.0,), **wrong})
 
 
 def test_a_value_that_does_not_exist_is_none_here_and_in_the_file(tmp_path):

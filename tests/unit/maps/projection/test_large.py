@@ -6,9 +6,7 @@ import torch
 from omnivat.maps.projection import pca, quality, torch_umap
 from omnivat.maps.projection.neighbours import nearest, place
 
-
-def noise(*shape, seed=0):
-    return torch.randn(*shape, generator=torch.Generator().manual_seed(seed))
+from .points import clusters, noise
 
 
 def test_pca_by_blocks_is_pca_of_all_rows(monkeypatch):
@@ -28,8 +26,7 @@ def test_recall_of_all_rows_is_the_share_of_near_rows_that_are_near_on_the_map()
 
 
 def test_umap_of_many_rows_lays_out_a_sample_and_places_the_rest_near_their_own(monkeypatch):
-    group = torch.arange(4).repeat_interleave(100)
-    points = 8 * noise(4, 10)[group] + noise(400, 10, seed=2)
+    points, group = clusters(each=100, groups=4, width=10)
     monkeypatch.setattr(torch_umap, "MOST_ROWS", 150)
     flat = torch_umap.project(points, seed=3)
     chosen = torch_umap.sample_of(400, 3)

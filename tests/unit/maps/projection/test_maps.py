@@ -15,23 +15,13 @@ from omnivat.maps.projection.neighbours import affine, nearest, place, placed
 from omnivat.maps.projection.quality import NEIGHBOURS, quality, trust
 from omnivat.maps.projection.torch_umap import aligned, spectral_map
 
+from .points import clusters, noise
+
 SCHEMES = ["pca", "umap"]
-
-
-def noise(*shape, seed=0, dtype=torch.float32):
-    return torch.randn(*shape, generator=torch.Generator().manual_seed(seed), dtype=dtype)
 
 
 def trustworthiness(points, flat, k=15):
     return quality(points, flat, k=k, rows=len(points)).trustworthiness
-
-
-def clusters(each=40, groups=5, width=16, seed=0):
-    """Groups of rows, far apart; and the group of each row."""
-    group = torch.arange(groups).repeat_interleave(each)
-    return 8 * noise(groups, width, seed=seed)[group] + noise(
-        each * groups, width, seed=seed + 1
-    ), group
 
 
 @pytest.mark.parametrize("shape", [(40, 7), (6, 30)])
@@ -221,17 +211,15 @@ def test_a_known_row_is_placed_on_its_own_point():
 
 
 def test_a_turned_linear_map_places_rows_that_it_never_saw():
-    generator = torch.Generator().manual_seed(0)
-    points = torch.randn(60, 8, dtype=torch.float64, generator=generator)
-    fresh = torch.randn(5, 8, dtype=torch.float64, generator=generator)
-    axes = torch.linalg.qr(torch.randn(8, 8, dtype=torch.float64, generator=generator))[0][:, :2]
+    points, fresh, other = noise(73, 8, dtype=torch.float64).split((60, 5, 8))
+    axes = torch.linalg.qr(other).Q[:, :2]
     found = placed(fresh, points, points @ axes + 3)
     assert found.exact
     torch.testing.assert_close(found.places, fresh @ axes + 3, atol=1e-9, rtol=0)
 
 
 def test_a_map_that_is_not_linear_is_not_taken_for_one():
-    points = torch.randn(60, 8, generator=torch.Generator().manual_seed(0))
+    points = noise(60, 8)
     assert affine(points, points[:, :2] ** 2) is None
     found = placed(points[:1], points, points[:, :2] ** 2)
     assert not found.exact
@@ -281,11 +269,10 @@ def test_umap_learn_maps_sets_from_two_rows_more_than_dimensions(monkeypatch, ro
     flat = umap.project(points, seed=2**32 + 7, dimensions=dimensions)
     if k is None:
         torch.testing.assert_close(flat, pca.project(points, dimensions=dimensions))
-    assert asked == (
-        []
-        if k is None
-        else [{"n_neighbors": k, "n_components": dimensions, "random_state": 7, "n_jobs": 1}]
-    )
+        assert asked == []
+    else:
+        settings = {"n_neighbors": k, "n_components": dimensions, "random_state": 7, "n_jobs": 1}
+        assert asked == [settings]
 
 
 @pytest.mark.parametrize(("rows", "dimensions"), [(3, 2), (4, 3)])
