@@ -5,8 +5,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from omnivat.data.materials import MATERIALS
-from omnivat.simulate.shapes import KINDS, OBJECTS, PARTS, blocked, made_of
+from omnivat.simulate.shapes import KINDS, blocked, made_of
 from omnivat.simulate.shapes.solid import block
 
 
@@ -48,12 +47,3 @@ def test_what_lies_behind_a_wall_is_blocked():
 
     assert blocked(wall, np.array([-10.0, 1.0, 2.0]), np.array([10.0, 1.0, 2.0]))
     assert not blocked(wall, np.array([-10.0, 1.0, 2.0]), np.array([-5.0, 1.0, 2.0]))
-
-
-def test_shapes_of_classes_overlap():
-    for tables in (OBJECTS, PARTS):
-        assert tuple(tables) == MATERIALS
-        for material, weights in tables.items():
-            others = {kind for name in tables if name != material for kind in tables[name]}
-            assert len(set(weights) & others) >= 0.5 * len(weights), material
-            assert set(weights) <= set(KINDS)

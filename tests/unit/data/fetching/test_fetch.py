@@ -107,12 +107,6 @@ def test_a_set_arrives_as_a_folder_of_pairs_with_its_terms(server, tmp_path):
     assert left(out) == ["out"], "the clone goes when the folder is complete"
 
 
-def test_a_set_that_is_there_is_not_fetched_again(server, tmp_path):
-    out = fetch(NAME, tmp_path / "out", source=str(server))
-    shutil.rmtree(server)
-    assert fetch(NAME, out, source=str(server)) == out
-
-
 def test_another_folder_is_never_replaced(server, tmp_path):
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "mine.txt").write_text("mine")
