@@ -13,7 +13,7 @@ from omnivat.maps.projection.torch_umap import aligned
 from omnivat.maps.sweep import sweep
 from omnivat.measure.gaps.unit import unit
 
-from .small_head import ORDERS, head, pairs
+from .small_head import CLASSES, ORDERS, head, pairs
 
 
 @torch.no_grad()
@@ -149,6 +149,11 @@ def test_stops_are_spread_evenly(stops, count, places):
 def test_frames_that_cannot_be_are_refused(wrong, sentence):
     with pytest.raises((SettingsError, DataError), match=sentence):
         build_frames(**{"model": head(), "embeddings": pairs(), "orders": (0.0,), **wrong})
+
+
+def test_frames_hold_as_many_names_as_an_index_of_one_byte_counts():
+    data = pairs(classes=(*CLASSES, *map(str, range(256 - len(CLASSES)))))
+    assert len(build_frames(head(), data, orders=(0.0,), maps={"pca/raw": 1}).classes) == 256
 
 
 def test_a_value_that_does_not_exist_is_none_here_and_in_the_file(tmp_path):
