@@ -13,6 +13,7 @@ from omnivat.training import TrainSettings, Watch, order_search, train
 from omnivat.training.order_search import (
     Scored,
     _grams,
+    _note,
     folded,
     lowest_point,
     lowest_valleys,
@@ -159,6 +160,11 @@ def test_orders_outside_a_valley_hardly_move_its_bottom():
     scores = 1 - np.exp(-(((orders - 0.27) / 0.08) ** 2)) + 0.5 * (orders > 0.5)
     found, shifted = (lowest_point([*zip(orders, scores + by, strict=True)]) for by in (0, 5))
     assert found == pytest.approx(0.27, abs=0.01) and shifted == pytest.approx(found)
+
+
+@pytest.mark.parametrize(("ties", "end"), [(3, "0.600:"), (4, "0.600 and others:")])
+def test_a_note_names_three_orders_that_tie_and_tells_of_more(ties, end):
+    assert f"ties with 0.400, 0.500, {end}" in _note(0.1, (0.0, 0.2), [0.4, 0.5, 0.6, 0.7][:ties])
 
 
 def test_orders_fold_into_the_first_quarter_turn():
