@@ -88,11 +88,11 @@ def _axes(figure: Any, key: str, plane: Plane) -> Iterator[Shape]:
     left, right, low, high = plane.box
     if across.visible is not False:
         ticks = _ticks(across, plane.x)
-        wide = LETTER * max((len(label) for _, label in ticks), default=0)
+        wide = LETTER * len(max((label for _, label in ticks), key=len, default=""))
         # long names take turns
         rows = min(4, max(1, math.ceil(wide * len(ticks) / (right - left))))
         for k, (value, label) in enumerate(ticks):
-            x = plane.at(value, plane.y[0])[0]
+            x = min(plane.at(value, plane.y[0])[0], WIDTH - LETTER * len(label) / 2)
             yield text((x, low + 16 + 13 * (k % rows)), label, 11, "middle")
         yield text(
             ((left + right) / 2, low + 23 + 13 * rows), unescape(across.title.text), 12, "middle"

@@ -36,7 +36,6 @@ def template(name: str) -> Any:
     colour = THEMES[name]
     ink, line, card = colour["ink"], colour["line"], colour["card"]
     axis = {"gridcolor": line, "linecolor": line, "zerolinecolor": line, "automargin": True}
-    scale = [[0, card], [1, colour["full"]]]
     legend = {
         "orientation": "h",
         "yref": "container",
@@ -58,7 +57,14 @@ def template(name: str) -> Any:
             "yaxis": axis,
             "scene": {f"{k}axis": {"backgroundcolor": card, "gridcolor": line} for k in "xyz"},
         },
-        data={"heatmap": [{"colorscale": scale, "colorbar": {"outlinewidth": 0, "thickness": 12}}]},
+        data={
+            "heatmap": [
+                {
+                    "colorscale": [card, colour["full"]],
+                    "colorbar": {"outlinewidth": 0, "thickness": 12},
+                }
+            ]
+        },
     )
 
 

@@ -1,25 +1,21 @@
 """Figures: every value is in the picture, bad input is one sentence, and no page names a host."""
 
 import json
-import math
 import re
+from dataclasses import replace
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
-import plotly.graph_objects as go
 import pytest
 
 from omnivat import figures
-from omnivat.figures.drawing import GRID, INK
+from omnivat.figures.drawing import Picture, Shape, png, svg
 from omnivat.figures.maps import grouped
 from omnivat.figures.page import POLICY, cell
 from omnivat.figures.still import svg_of
-from omnivat.figures.theme import CONFIG, THEMES
+from omnivat.figures.theme import CONFIG
 from omnivat.kit.errors import DataError, SettingsError, ShapeError
-
-SVG = "{http://www.w3.org/2000/svg}"
-FULL = THEMES["omnivat"]["full"]
+from tests.golden.make_figures import FIGURES, FOLDER, frames
 
 
 def some_map(columns=2, **more):
@@ -27,36 +23,68 @@ def some_map(columns=2, **more):
     return figures.map_figure(places, [0, 1, 2] * 2, ["a", "<b>", "c"], title="t", **more)
 
 
-def table():
-    apart = {"A": {"A": 0.0, "B": 0.2}, "B": {"A": 0.2, "B": 0.0}}
-    return {
-        "measure": "centroid",
-        "stage": "raw",
-        "pairs": 8,
-        "modality_gap": {"all": 0.5},
-        "floor": {"vis": 0.1, "tac": None},
-        "domain_gap": {"vis": apart, "tac": apart},
-    }
-
-
-RUNG = {"known": "nothing", "n": 0, "accuracy": 0.5, "low": 0.4, "high": 0.6, "method": "m"}
-EVERY = {
-    "map": some_map,
-    "lines": lambda: figures.lines({"a": ([0, 1], [1, math.nan], [0.1, math.nan])}, title="t"),
-    "ladder": lambda: figures.ladder([RUNG]),
-    "gaps": lambda: figures.gap_tables(table()),
-}
-
-
-@pytest.mark.parametrize("name", EVERY)
-def test_every_figure_is_plotlys_and_has_a_still_picture_of_valid_svg(name, tmp_path):
-    found = EVERY[name]()
-    assert isinstance(found, go.Figure)
-    root = ElementTree.fromstring(svg_of(found))
-    assert root.find(f"{SVG}title").text
+@pytest.mark.parametrize("name", FIGURES)
+def test_the_still_picture_of_a_figure_is_the_one_that_was_looked_at(name):
+    found = FIGURES[name]()
+    assert svg_of(found) == (FOLDER / f"{name}.svg").read_text(encoding="utf-8")
     assert json.loads(found.to_json())["data"]
-    figures.write(tmp_path / "f.png", found)
-    assert (tmp_path / "f.png").stat().st_size > 1000
+
+
+def test_png_and_svg_show_the_same_shapes():
+    red, blue = "#ff0000", "#0000ff"
+    shapes = (
+        Shape(kind="circle", points=((10, 10),), colour=red, size=5),
+        Shape(kind="area", points=((20, 5), (30, 5), (30, 15), (20, 15)), colour=blue, opacity=0.4),
+        Shape(kind="line", points=((0, 18), (40, 18)), colour=blue, size=2, dashed=True),
+        Shape(kind="line", points=((34, 3), (34, 11)), colour=blue, size=2, dashed=True),
+    )
+    picture = Picture(width=40, height=20, shapes=shapes, title="a < b")
+    image = png(picture)
+    assert image.size == (80, 40)
+    assert image.getpixel((20, 20)) == (255, 0, 0)
+    assert image.getpixel((50, 20)) == (153, 153, 255)
+    assert image.getpixel((70, 20)) == (255, 255, 255)
+    pixels = np.asarray(image)[..., 0] < 128
+    across = 4 * (10 * [True] + 10 * [False])  # dashes and gaps of five units
+    assert np.mean(pixels[36] == across) > 0.9
+    assert np.flatnonzero(pixels[:30, 68]) == pytest.approx(range(6, 16), abs=1)
+    text = svg(picture)
+    assert "<title>a &lt; b</title>" in text
+    assert '<polygon points="20.00,5.00 30.00,5.00 30.00,15.00 20.00,15.00"' in text
+    assert text.count('stroke-dasharray="4 3"') == 2
+
+
+@pytest.mark.parametrize(
+    ("stage", "order", "stated", "frame"),
+    [("f_hat", 0.4, 0.0, 0), ("f_hat", 0.6, 1.0, 1), ("raw", 0.4, 0.5, 0)],
+)
+def test_a_map_states_its_own_order_and_one_of_every_order_the_stop_asked_for(
+    stage, order, stated, frame
+):
+    found = figures.frames_map(frames(), order=order, stage=stage, colour="modality")
+    assert found.layout.title.text.endswith(f", p = {stated:.2f}")
+    photos, touches = (np.stack([trace.x, trace.y], 1) for trace in found.data)
+    places = frames().maps[f"pca/{stage}"].places(frame)
+    np.testing.assert_allclose(np.concatenate([photos, touches]), places, atol=1e-4)
+
+
+def test_what_is_predicted_is_that_of_the_nearest_stop():
+    found = figures.frames_map(frames(), order=0.7, stage="raw", colour="correctness")
+    right, wrong = (trace.text for trace in found.data[:2])
+    assert right == ("VIS · TAG · steel · predicted steel", "VIS · HCT · glass · predicted glass")
+    assert wrong == ("VIS · TAG · wood · predicted felt",)
+
+
+def test_bins_of_confidence_divide_what_lies_between_chance_and_certainty():
+    levels = np.array([0, 64, 120, 255], np.uint8)
+    four = replace(
+        frames(), confidence=np.tile(levels[1:], (5, 1)), classes=("wood", "steel", "glass", "felt")
+    )
+    found = figures.frames_map(four, order=0.5, colour="confidence")
+    edges = np.linspace(1 / 4, 1, 8)
+    bins = np.digitize(levels[1:] / 255, edges[:-1]) - 1
+    wanted = [f"≥ {100 * edges[k]:.0f} %" for k in bins]
+    assert [trace.name for trace in found.data if trace.showlegend] == wanted
 
 
 def test_no_figure_has_the_name_of_the_module_that_holds_it():
@@ -65,55 +93,8 @@ def test_no_figure_has_the_name_of_the_module_that_holds_it():
     assert not modules & set(figures.__all__)
 
 
-def test_a_map_has_a_mark_for_every_point_and_one_name_a_group():
-    root = ElementTree.fromstring(svg_of(some_map()))
-    tags = [element.tag.removeprefix(SVG) for element in root.iter()]
-    assert (tags.count("circle"), tags.count("polygon")) == (6, 6)
-    texts = [element.text for element in root.iter(f"{SVG}text")]
-    assert [t for t in texts if t in ("a", "<b>", "c", "&lt;b&gt;")] == ["a", "<b>", "c"]
-    assert "Circle: photo (VIS); triangle: touch (TAC)." in texts
-
-
-def test_higher_values_are_higher_and_bars_reach_as_far_as_their_error():
-    found = figures.lines({"s": ([0, 2], [50, 60], [2, 0])}, title="p & q")
-    assert found.layout.xaxis.range == pytest.approx((-0.06, 2.06))
-    root = ElementTree.fromstring(svg_of(found))
-    low, high = (float(e.get("cy")) for e in root.iter(f"{SVG}circle"))
-    assert high < low
-    unit = (low - high) / 10
-    ends = [
-        e.get("points").split() for e in root.iter(f"{SVG}polyline") if e.get("stroke") == "#3b82f6"
-    ]
-    bar = next(e for e in ends if len({point.split(",")[0] for point in e}) == 1)
-    y = sorted(float(point.split(",")[1]) for point in bar)
-    assert y == pytest.approx([low - 2 * unit, low + 2 * unit], abs=0.05)
-
-
-def test_ticks_and_grid_lines_stand_at_their_values():
-    found = figures.lines({"s": ([0, 1, 2], [50, 55, 60])}, title="t")
-    root = ElementTree.fromstring(svg_of(found))
-    labels = {text.text: text for text in root.iter(f"{SVG}text")}
-    marks = [[float(c.get(axis)) for axis in ("cx", "cy")] for c in root.iter(f"{SVG}circle")]
-    for k, (x, y) in enumerate(marks):
-        assert float(labels[str(k)].get("x")) == pytest.approx(x, abs=0.01)
-        assert float(labels[str(50 + 5 * k)].get("y")) == pytest.approx(y + 4, abs=0.01)
-    grid = [e.get("points") for e in root.iter(f"{SVG}polyline") if e.get("stroke") == GRID]
-    heights = [float(end.split(",")[1]) for line in grid for end in line.split()]
-    assert heights == pytest.approx([y for _, y in marks for _ in range(2)], abs=0.01)
-
-
-def test_a_cell_of_a_table_is_as_dark_as_its_share_of_the_largest_gap():
-    record = table()
-    record["domain_gap"] = {"tac": {"A": {"A": 0.0, "B": 0.4}, "B": {"A": 0.1, "B": 0.0}}}
-    root = ElementTree.fromstring(svg_of(figures.gap_tables(record)))
-    fills = [e.get("opacity") for e in root.iter(f"{SVG}rect") if e.get("fill") == FULL]
-    assert fills == [None, "0.25"]
-    words = {e.text: e.get("fill") for e in root.iter(f"{SVG}text")}
-    assert (words["0.400"], words["0.100"]) == ("#ffffff", INK)
-
-
 def test_a_page_holds_its_library_and_may_load_nothing_else():
-    text = figures.html_page("one", [some_map(), "<p>words</p>", EVERY["gaps"]()])
+    text = figures.html_page("one", [some_map(), "<p>words</p>", FIGURES["gaps"]()])
     assert f'content="{POLICY}"' in text and "default-src 'none'" in text
     assert not re.findall(r'(?:src|href)="[^"]', text)
     assert json.loads(re.search(r"config = (\{.*?\});", text)[1]) == CONFIG
@@ -166,12 +147,6 @@ def test_bad_input_is_one_sentence(tmp_path):
     assert not list(tmp_path.iterdir())
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = figures.nothing
-
-
-def test_the_cells_of_a_table_of_gaps_fill_its_axes_from_the_top():
-    layout = EVERY["gaps"]().layout
-    for across, down in ((layout.xaxis, layout.yaxis), (layout.xaxis2, layout.yaxis2)):
-        assert (across.range, down.range) == ((-0.5, 1.5), (1.5, -0.5))
 
 
 def test_strangers_have_a_row_for_each_domain_and_the_mean(head_folder):

@@ -1,0 +1,162 @@
+"""Make figures/*.svg: one small still picture of every kind of figure. Look at each before it is
+committed.
+
+Run from the repository's root: python -m tests.golden.make_figures [FOLDER]
+FOLDER: write SVG and PNG there instead, to look at.
+"""
+
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from omnivat import figures
+from omnivat.maps.frames.records import FrameSet, quantised
+
+FOLDER = Path(__file__).with_name("figures")
+
+
+def frames():
+    """Three pairs of two domains at five orders, with every curve but touches after FrATT."""
+    rows = np.arange(12.0).reshape(6, 2)
+    last = [0.9, 0.7, 0.35, 0.5, 0.8]
+    return FrameSet(
+        orders=(0.0, 0.25, 0.5, 0.75, 1.0),
+        domains=("TAG", "HCT"),
+        classes=("wood", "steel", "glass", "felt"),
+        domain=np.array([0, 0, 1], np.uint8),
+        label=np.array([0, 1, 2], np.uint8),
+        prediction=np.array([[0, 1, 0], [0, 1, 1], [0, 1, 2], [3, 1, 2], [0, 0, 2]], np.uint8),
+        confidence=np.full((5, 3), 120, np.uint8),
+        maps={
+            "pca/raw": quantised([rows], (0,), (None,)),
+            "pca/f_hat": quantised([rows, rows**2], (0, 4), (None, None)),
+        },
+        curves={
+            "modality_gap/raw": [1.2] * 5,
+            "modality_gap/f_hat": last,
+            "domain_gap/relu": [0.2, 0.3, None, 0.4, 0.3],
+            "domain_gap/f_hat": [v / 3 for v in last],
+            "margin/f_bar": [0.02, 0.03, 0.05, 0.04, 0.01],
+            "margin/f_hat": [0.05, 0.06, None, 0.07, 0.02],
+            "accuracy/unseen": [0.4, 0.5, 0.65, 0.6, 0.3],
+        },
+        head={"kind": "moved", "learned_order": 0.35, "fits": [0.3, 0.6], "source": "TAG"},
+        embeddings={"simulated": True},
+    )
+
+
+def retrained():
+    """The same frames with a head for each order, of several trainings, without a domain gap."""
+    known = frames()
+    curves = {k: v for k, v in known.curves.items() if not k.startswith("domain_gap")}
+    shares = [0.45, 0.5, 0.6, 0.55, 0.5]
+    for end, by in (("mean", 0.0), ("low", -0.1), ("high", 0.05)):
+        curves[f"seeds:accuracy/unseen/{end}"] = [share + by for share in shares]
+    return replace(known, curves=curves, head={"kind": "retrained"}, embeddings={})
+
+
+def share(value):
+    return {"share": value, "low": value - 0.08, "high": value + 0.05}
+
+
+def apart(a, b):
+    return {"Digit": {"Digit": 0.0, "GelSight": a}, "GelSight": {"Digit": b, "GelSight": 0.0}}
+
+
+def series(*heights):
+    """Return series with long names, each with a gap in its values and one unknown error bar."""
+    errors = [0.5, 0.5, float("nan"), 0.0, 0.75]
+    return {
+        f"series {k} & its <long> name, of {len(heights)}": (
+            range(5),
+            [height, None, height + 1, height - 2, height],
+            errors,
+        )
+        for k, height in enumerate(heights)
+    }
+
+
+FIGURES = {
+    "lines": lambda: figures.lines(
+        series(3.0, 7.5, 12.0, 14.0, 15.5, 18.0, 21.5),
+        title="Seven series <&>",
+        across="step & time",
+        up="loss",
+        caption="A caption of many words that takes more than one line. " * 3,
+    ),
+    "names": lambda: figures.lines(
+        {"one": (range(5), [0.2, 0.3, 0.1, 0.4, 0.25])},
+        title="Long names of places take turns",
+        ticks=[f"a long name of place {k}" for k in range(5)],
+    ),
+    "map": lambda: figures.map_figure(
+        [[1, 2], [3, 5], [2, 9], [4, 4], [1.5, 3], [3.5, 5], [2.5, 8], [4, 5]],
+        [0, 1, 2, 0],
+        ["wood", "<steel>", "glass"],
+        title="Four pairs",
+        caption="The axes have no unit",
+    ),
+    "curves": lambda: figures.gap_curves(frames()),
+    "retrained": lambda: figures.gap_curves(retrained(), order=0.7, name="a name of its own"),
+    "staircase": lambda: figures.staircase(frames(), order=0.3),
+    "domains": lambda: figures.strangers(
+        {
+            "domains": [
+                {"name": "TAG", "is_source": True, "pairs": 40, "answers/fused": share(0.9)},
+                {"name": "HCT", "answers/fused": share(0.5), "answers/tac": share(0.3)},
+            ],
+            "unseen": {
+                "answers/fused": share(0.55),
+                "answers/vis": {"share": 0.4},
+                "answers/tac": share(0.25),
+            },
+            "chance": 0.2,
+            "source": "TAG",
+        }
+    ),
+    "differences": lambda: figures.dots(
+        [
+            {"row": "with", "value": -0.5, "low": -1.0, "high": 0.2},
+            {"row": "without", "value": 1.5, "low": 1.25, "high": 2.0},
+        ],
+        title="A row of dots below and above nothing",
+        across="difference",
+        level=1.0,
+    ),
+    "gaps": lambda: figures.gap_tables(
+        {
+            "measure": "centroid",
+            "stage": "raw",
+            "pairs": 8,
+            "simulated": True,
+            "modality_gap": {"all": 0.5},
+            "floor": {"vis": 0.1, "tac": None},
+            "domain_gap": {"vis": apart(0.4, 0.1), "tac": apart(0.3, 0.2)},
+        }
+    ),
+    "touches": lambda: figures.gap_tables(
+        {
+            "measure": "frechet",
+            "stage": "f_hat",
+            "pairs": 8,
+            "modality_gap": {"all": None},
+            "floor": {"tac": 0.25},
+            "domain_gap": {"tac": apart(1.5, 1.0)},
+        }
+    ),
+}
+
+
+def main() -> None:
+    """Write every picture."""
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER
+    folder.mkdir(exist_ok=True)
+    for name, build in FIGURES.items():
+        for kind in ("svg", "png") if len(sys.argv) > 1 else ("svg",):
+            figures.write(folder / f"{name}.{kind}", build())
+
+
+if __name__ == "__main__":
+    main()
