@@ -92,17 +92,17 @@ def _axes(figure: Any, key: str, plane: Plane) -> Iterator[Shape]:
         # long names take turns
         rows = min(4, max(1, math.ceil(wide * len(ticks) / (right - left))))
         for k, (value, label) in enumerate(ticks):
-            x = min(plane.at(value, plane.y[0])[0], WIDTH - LETTER * len(label) / 2)
+            x = min(plane.at(value, min(plane.y))[0], WIDTH - LETTER * len(label) / 2)
             yield text((x, low + 16 + 13 * (k % rows)), label, 11, "middle")
         yield text(
             ((left + right) / 2, low + 23 + 13 * rows), unescape(across.title.text), 12, "middle"
         )
     if up.visible is not False:
         for value, label in _ticks(up, plane.y):
-            y = plane.at(plane.x[0], value)[1]
+            start, end = (plane.at(x, value) for x in plane.x)
             if up.showgrid is not False:
-                yield Shape(kind="line", points=((left, y), (right, y)), colour=GRID)
-            yield text((left - 6, y + 4), label, 11, "end")
+                yield Shape(kind="line", points=(start, end), colour=GRID)
+            yield text((left - 6, start[1] + 4), label, 11, "end")
         yield text((max(12, left - 46), high - 8), unescape(up.title.text), 11)
 
 

@@ -98,6 +98,7 @@ FIGURES = {
         title="Four pairs",
         caption="The axes have no unit",
     ),
+    "tall": lambda: FIGURES["map"]().update_layout(height=900),
     "curves": lambda: figures.gap_curves(frames()),
     "retrained": lambda: figures.gap_curves(retrained(), order=0.7, name="a name of its own"),
     "staircase": lambda: figures.staircase(frames(), order=0.3),

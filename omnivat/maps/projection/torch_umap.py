@@ -64,12 +64,12 @@ def _widths(beyond: Tensor, total: float) -> Tensor:
         high = torch.where(too_wide, width, high)
         low = torch.where(too_wide, low, width)
         width = torch.where(high.isinf(), 2 * width, (low + high) / 2)
-    # rows with many equal distances would have width 0 or no width
-    return width.clamp(1e-3 * beyond.mean().clamp_min(1e-12), 1e3 * beyond.max().clamp_min(1e-12))
+    # rows with many equal distances would have width 0
+    return width.clamp_min(1e-3 * beyond.mean().clamp_min(1e-12))
 
 
 DIRECTIONS = 4  # vectors in the iteration; two or three are used
-ROUNDS, STRAIGHTEN = 30, 5  # iterations, and how often the vectors are orthogonalized
+ROUNDS, WALKS = 6, 5  # how often the vectors are orthogonalized, and iterations before each time
 RADIUS = 10.0
 
 
@@ -96,11 +96,11 @@ def spectral_map(graph: Graph, *, seed: int = 0, dimensions: int = 2) -> Tensor:
     like: dict[str, Any] = {"dtype": weight.dtype, "device": weight.device}
     generator = torch.Generator(weight.device).manual_seed(derive_seed(seed, "spectral"))
     directions = torch.randn((rows, min(DIRECTIONS, rows - 1)), generator=generator, **like)
-    for done in range(1, ROUNDS + 1):
-        directions = directions + walked(directions)  # lazy walk: no negative eigenvalue
-        if done % STRAIGHTEN == 0:
-            directions = directions - constant @ (constant.T @ directions)
-            directions = torch.linalg.qr(directions).Q
+    for _ in range(ROUNDS):
+        for _ in range(WALKS):
+            directions = directions + walked(directions)  # lazy walk: no negative eigenvalue
+        directions = directions - constant @ (constant.T @ directions)
+        directions = torch.linalg.qr(directions).Q
     turn = torch.linalg.eigh(directions.T @ walked(directions)).eigenvectors.flip(1)
     flat: Tensor = (directions @ turn[:, :dimensions]) / degree.sqrt()[:, None]
     return flat * (RADIUS / flat.abs().max().clamp_min(1e-30))
@@ -114,7 +114,7 @@ MOST_ROWS = 12_000  # rows in the descent; more are placed afterwards
 PLACED = 8192  # rows placed at once
 CELLS_FROM, CELLS, RING = 100_000, 128, 16
 WARM_STEPS, WARM_RATE = 60, 0.1  # of a map that starts from another
-PULL_LIMIT = 4.0  # umap-learn's bound on each part of one force
+PUSH_LIMIT = 4.0  # umap-learn's bound on each part of one force; no attraction reaches it
 
 
 def project(
@@ -223,11 +223,11 @@ def attraction(gap: Tensor) -> Tensor:
     squared = gap.square().sum(0).clamp_min(1e-12)
     power = squared.pow(B)
     strength = -2 * A * B * power / (squared * (1 + A * power))
-    return (gap * strength).clamp(-PULL_LIMIT, PULL_LIMIT)
+    return gap * strength
 
 
 def repulsion(gap: Tensor) -> Tensor:
     """Repulsion of a sampled row; `gap` (2, ...) = this - sampled. A row repels itself by 0."""
     squared = gap.square().sum(0)
     strength = 2 * B / ((1e-3 + squared) * (1 + A * squared.pow(B)))
-    return (gap * strength).clamp(-PULL_LIMIT, PULL_LIMIT)
+    return (gap * strength).clamp(-PUSH_LIMIT, PUSH_LIMIT)

@@ -93,7 +93,7 @@ def test_no_figure_has_the_name_of_the_module_that_holds_it():
     assert not modules & set(figures.__all__)
 
 
-def test_a_page_holds_its_library_and_may_load_nothing_else():
+def test_a_page_holds_its_library_and_may_load_nothing_else(tmp_path):
     text = figures.html_page("one", [some_map(), "<p>words</p>", FIGURES["gaps"]()])
     assert f'content="{POLICY}"' in text and "default-src 'none'" in text
     assert not re.findall(r'(?:src|href)="[^"]', text)
@@ -104,11 +104,13 @@ def test_a_page_holds_its_library_and_may_load_nothing_else():
         "",
     )
     assert text.count('class="plot"') == 2 and "<p>words</p>" in text
+    assert "<title>t</title>" in figures.write(tmp_path / "t.html", some_map()).read_text("utf-8")
 
 
 def test_a_cell_is_a_frame_that_cannot_reach_the_notebook():
     shown = some_map()._repr_mimebundle_()["text/html"]
     assert shown == cell(some_map())
+    assert 'title="t"' in shown
     assert 'sandbox="allow-scripts allow-downloads"' in shown and "<script" not in shown
 
 
@@ -147,6 +149,16 @@ def test_bad_input_is_one_sentence(tmp_path):
     assert not list(tmp_path.iterdir())
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         _ = figures.nothing
+
+
+@pytest.mark.parametrize(
+    ("percent", "words"),
+    [(True, "a b: 60.0 % [50.0 %, 60.0 %] of 9"), (False, "a b: 0.6 [0.5, 0.6] of 9")],
+)
+def test_a_dot_tells_its_value_interval_and_note_in_words(percent, words):
+    record = {"row": "a", "series": "b", "value": 0.6, "low": 0.5, "high": None, "note": "of 9"}
+    found = figures.dots([record], title="t", across="", percent=percent)
+    assert found.data[0].text == (words,)
 
 
 def test_strangers_have_a_row_for_each_domain_and_the_mean(head_folder):

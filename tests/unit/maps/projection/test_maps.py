@@ -77,6 +77,18 @@ def test_the_directions_of_a_spectral_start_are_perpendicular():
     torch.testing.assert_close(every.T @ every, torch.eye(3, dtype=torch.float64))
 
 
+def test_the_spectral_start_of_four_rows_is_exact():
+    """Three directions are all that there are beside the constant one."""
+    weight = torch.tensor([0.9, 1.0, 0.8, 0.95, 0.85, 0.7], dtype=torch.float64)
+    tail, head = torch.triu_indices(4, 4, 1)
+    dense = np.zeros((4, 4))
+    dense[tail, head] = dense[head, tail] = weight
+    root = np.sqrt(dense.sum(0))
+    wanted = np.abs(np.linalg.eigh(dense / np.outer(root, root)).eigenvectors[:, [2, 1]].T / root).T
+    flat = spectral_map(torch_umap.Graph(tail, head, weight, rows=4))
+    np.testing.assert_allclose(flat.abs(), wanted * 10 / wanted.max(), atol=1e-6)
+
+
 def test_pca_wants_two_columns():
     with pytest.raises(ShapeError, match=r"\(3, 1\); a map needs 1 row and 2 columns"):
         pca.project(torch.ones(3, 1))
@@ -98,11 +110,9 @@ def test_forces_are_the_gradients_of_the_layouts_likelihood():
     power = torch_umap.A * gap.square().sum(0) ** torch_umap.B
     (drawn,) = torch.autograd.grad(-torch.log1p(power).sum(), gap, retain_graph=True)
     (pushed,) = torch.autograd.grad((power.log() - torch.log1p(power)).sum(), gap)
-    limit, far = torch_umap.PULL_LIMIT, gap.square().sum(0) > 0.5
-    torch.testing.assert_close(torch_umap.attraction(gap), drawn.clamp(-limit, limit))
-    torch.testing.assert_close(
-        torch_umap.repulsion(gap)[:, far], pushed[:, far].clamp(-limit, limit), rtol=3e-3, atol=0
-    )
+    far = gap.square().sum(0) > 0.5
+    torch.testing.assert_close(torch_umap.attraction(gap), drawn)
+    torch.testing.assert_close(torch_umap.repulsion(gap)[:, far], pushed[:, far], rtol=3e-3, atol=0)
 
 
 def test_the_fuzzy_graph_is_the_union_of_both_directions():
@@ -179,7 +189,7 @@ def test_a_chain_of_maps_moves_less_than_maps_made_apart_and_shows_as_much():
         [float((b - a).norm(dim=1).mean() / (a - a.mean(0)).norm()) for a, b in pairwise(maps)]
         for maps in (warm, apart)
     )
-    assert max(moved) < min(jumped)
+    assert 10 * max(moved) < min(jumped)
     for points, flat, alone in zip(turned, warm, apart, strict=True):
         assert trustworthiness(points, flat) > trustworthiness(points, alone) - 0.01
 
@@ -232,15 +242,18 @@ def test_too_few_points_cannot_show_that_a_map_is_linear():
     assert affine(points, points[:, :2]) is not None
 
 
-def test_a_row_is_repelled_five_times_as_strongly_as_by_one_row_of_the_map():
-    """Rows at two places without edges: half of the sampled rows are the others."""
+@pytest.mark.parametrize("gap", [3.0, 0.1])
+def test_a_row_is_repelled_five_times_as_strongly_as_by_one_row_of_the_map(gap):
+    """Rows at two places without edges: half of the sampled rows are the others. No push is above
+    4, as in umap-learn.
+    """
     start = torch.zeros(800, 2, dtype=torch.float64)
-    start[400:, 0] = 3.0
+    start[400:, 0] = gap
     none = torch.zeros(0, dtype=torch.long)
     graph = torch_umap.Graph(tail=none, head=none, weight=start.new_zeros(0), rows=800)
     moved = torch_umap.descend(graph, start, steps=1, rate=1.0, seed=0) - start
-    a, b, gap = torch_umap.A, torch_umap.B, 3.0  # the gradient of -log(1 - 1 / (1 + a d^2b))
-    force = 2 * b * gap / ((1e-3 + gap**2) * (1 + a * gap ** (2 * b)))
+    a, b = torch_umap.A, torch_umap.B  # the gradient of -log(1 - 1 / (1 + a d^2b))
+    force = min(4, 2 * b * gap / ((1e-3 + gap**2) * (1 + a * gap ** (2 * b))))
     assert float(moved[:400, 0].mean()) == pytest.approx(-5 / 2 * force, rel=0.1)
     assert float(moved[400:, 0].mean()) == pytest.approx(5 / 2 * force, rel=0.1)
 
