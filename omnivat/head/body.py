@@ -58,8 +58,7 @@ class Body(nn.Module):
         if settings.project or settings.lang_width != width:
             self.project_lang = nn.Linear(settings.lang_width, width)
         self.mffa = MFFA(settings)
-        levels = settings.levels if settings.edges else 1  # without matrices, a single root
-        self.dtg = DTG(width, levels=levels, arrangement=settings.generation)
+        self.dtg = DTG(width, settings.edges, settings.generation)
         self.classifier = nn.Parameter(torch.empty(len(settings.classes), width))
         if not self.classifier.is_meta:  # there, torch would load its compiler for this: 0.9 s
             nn.init.normal_(self.classifier, std=width**-0.5)

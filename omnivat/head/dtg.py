@@ -55,10 +55,9 @@ class DTG(nn.Module):
     (each node is a child of the root). Source: paper, Eq. 8 to 11, and its ablation of generation.
     """
 
-    def __init__(self, width: int, *, levels: int = 3, arrangement: str = "tree") -> None:
+    def __init__(self, width: int, edges: int = 6, arrangement: str = "tree") -> None:
         super().__init__()
         self.arrangement = arrangement
-        edges = 2**levels - 2
         self.weight = nn.Parameter(torch.empty(edges, width, width))
         self.bias = nn.Parameter(torch.zeros(edges, width))
         for weight in self.weight.data if not self.weight.is_meta else ():  # there, a file fills it

@@ -34,7 +34,7 @@ def test_every_node_of_every_arrangement_stands_in_one_group(arrangement):
 @pytest.mark.parametrize("arrangement", ["tree", "series", "parallel"])
 def test_nodes_grow_from_their_parents(arrangement):
     torch.manual_seed(0)
-    dtg = DTG(4, levels=2, arrangement=arrangement)
+    dtg = DTG(4, 2, arrangement)
     nodes = dtg.grow(torch.randn(3, 4)).nodes
     for node, parent in enumerate(parents(arrangement, 3)[1:]):
         grown = nodes[:, parent] @ dtg.weight[node].T + dtg.bias[node]
