@@ -60,7 +60,8 @@ def picture(figure: Any) -> Picture:
     shapes += [s for note in figure.layout.annotations for s in _note(note, planes)]
     title = unescape(figure.layout.title.text)
     shapes.append(text((12, 22), title, 15))
-    below, bottom = _below(figure, height)
+    lowest = max(shape.points[0][1] for shape in shapes if shape.text)  # names in several rows
+    below, bottom = _below(figure, max(height, lowest + 16))
     return Picture(width=WIDTH, height=bottom, shapes=(*shapes, *below), title=title)
 
 

@@ -66,17 +66,6 @@ def test_the_spectral_start_finds_the_slow_directions_of_the_graph():
     assert (ring[:, :2] @ inside - flat).norm() < 0.05 * flat.norm()
 
 
-def test_the_directions_of_a_spectral_start_are_perpendicular():
-    """To each other, and to the constant one, weighted by the degrees of the rows."""
-    graph = torch_umap.fuzzy_graph(nearest(noise(60, 5, dtype=torch.float64), 14))
-    degree = torch.zeros(60, dtype=torch.float64)
-    for ends in (graph.tail, graph.head):
-        degree.index_add_(0, ends, graph.weight)
-    every = torch.cat([spectral_map(graph), torch.ones(60, 1)], 1) * degree.sqrt()[:, None]
-    every = every / every.norm(dim=0)
-    torch.testing.assert_close(every.T @ every, torch.eye(3, dtype=torch.float64))
-
-
 def test_the_spectral_start_of_four_rows_is_exact():
     """Three directions are all that there are beside the constant one."""
     weight = torch.tensor([0.9, 1.0, 0.8, 0.95, 0.85, 0.7], dtype=torch.float64)
