@@ -111,9 +111,9 @@ def _paint(draw: Any, shape: Shape, factor: float) -> None:
         draw.text(points[0], shape.text, fill=fill, font=font, anchor=anchor)
     elif shape.dashed:
         for a, b in _dashes(points, 5 * factor):
-            draw.line((a, b), fill=fill, width=max(1, round(size)))
+            draw.line((a, b), fill=fill, width=round(size))
     else:
-        draw.line(points, fill=fill, width=max(1, round(size)), joint="curve")
+        draw.line(points, fill=fill, width=round(size), joint="curve")
 
 
 def _dashes(points: Sequence[Point], length: float) -> Iterable[tuple[Point, Point]]:

@@ -29,8 +29,8 @@ class Plane(NamedTuple):
     def at(self, x: float, y: float) -> Point:
         """Return the pixel of a value, clipped to the axes."""
         left, right, low, high = self.box
-        across = (x - self.x[0]) / (self.x[1] - self.x[0] or 1)
-        up = (y - self.y[0]) / (self.y[1] - self.y[0] or 1)
+        across = (x - self.x[0]) / (self.x[1] - self.x[0] or 1)  # frames may have one order
+        up = (y - self.y[0]) / (self.y[1] - self.y[0])
         return (
             left + min(1.0, max(0.0, across)) * (right - left),
             low - min(1.0, max(0.0, up)) * (low - high),
