@@ -117,8 +117,8 @@ def strangers(summary: Record) -> Figure:
     >>> from omnivat import EXAMPLES, load_embeddings, load_head, unseen_summary
     >>> head = load_head(EXAMPLES / "chirps" / "head")
     >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
-    >>> strangers(unseen_summary(head, pairs)).layout.yaxis.ticktext[:2]
-    ('Chirps A-sim (source)', 'Chirps B-sim')
+    >>> strangers(unseen_summary(head, pairs)).layout.yaxis.ticktext[-2:]
+    ('Chirps D-sim', 'mean of unseen')
     """
     records = []
     for domain in (

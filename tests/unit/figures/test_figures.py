@@ -159,20 +159,3 @@ def test_a_dot_tells_its_value_interval_and_note_in_words(percent, words):
     record = {"row": "a", "series": "b", "value": 0.6, "low": 0.5, "high": None, "note": "of 9"}
     found = figures.dots([record], title="t", across="", percent=percent)
     assert found.data[0].text == (words,)
-
-
-def test_strangers_have_a_row_for_each_domain_and_the_mean(head_folder):
-    from omnivat.data.store import load_embeddings
-    from omnivat.head.checkpoint import load_head
-    from omnivat.measure.unseen import unseen_summary
-
-    head, pairs = load_head(head_folder), load_embeddings(head_folder.parent / "set.safetensors")
-    summary = unseen_summary(head, pairs)
-    found = figures.strangers(summary)
-    assert list(found.layout.yaxis.ticktext)[-1] == "mean of unseen"
-    both = next(t for t in found.data if t.name == "both images")
-    assert both.x[-1] == pytest.approx(summary["unseen"]["answers/fused"]["share"])
-    assert all(
-        x - low >= 0 and x + high <= 1
-        for x, low, high in zip(both.x, both.error_x.arrayminus, both.error_x.array, strict=True)
-    )
