@@ -68,6 +68,13 @@ def test_a_map_states_its_own_order_and_one_of_every_order_the_stop_asked_for(
     np.testing.assert_allclose(np.concatenate([photos, touches]), places, atol=1e-4)
 
 
+@pytest.mark.parametrize("scale", [0.01, 1.0, 100.0])
+def test_a_map_fills_its_axes_at_any_scale(scale):
+    found = figures.map_figure(scale * np.eye(2), [0], ["a"], title="t")
+    for axis in (found.layout.xaxis, found.layout.yaxis):
+        assert axis.range == pytest.approx((-0.02 * scale, 1.02 * scale))
+
+
 def test_what_is_predicted_is_that_of_the_nearest_stop():
     found = figures.frames_map(frames(), order=0.7, stage="raw", colour="correctness")
     right, wrong = (trace.text for trace in found.data[:2])
