@@ -5,7 +5,7 @@ predicts the surface's class. It is trained in one domain, the images of one sen
 others. A text of the class (lang) is used in training only. One image of a pair may be missing.
 
     vector -> E -> its transform of order p -> tokens -> attention: F̄      MFFA, Eq. 2 to 6
-    root = sum of all F̄ -> seven nodes -> F̂ = F̄ + the nodes' mean          DTG, Eq. 8, 11
+    root = sum of all F̄ -> seven nodes, root one -> F̂ = F̄ + their mean     DTG, Eq. 8, 11
     F̂ -> ten times its cosine to each class -> softmax -> mean over vis, tac     ours
 
 Equations have the paper's numbers and order. "Ours" marks what it leaves open (docs/method.md).
@@ -24,8 +24,8 @@ from omnivat.kit.stages import MODALITIES  # lang, vis, tac
 def dfrft(x: Tensor, p: Tensor) -> tuple[Tensor, Tensor]:
     """Return the fractional Fourier transform of order p, real and imaginary part. Eq. 2, 14.
 
-    It acts on rows of x (B, D). p is in quarter turns: p = 0 leaves a row, p = 1 is its Fourier
-    transform. V holds its eigenvectors: a bell around entry 0 in column k = 0, then ever faster
+    It acts on rows of x (B, D). p is in quarter turns: 0 leaves a row, 1 is its Fourier transform,
+    2 reverses it. V holds the eigenvectors: a bell around entry 0 in column k = 0, then ever faster
     waves; for even D the last k is D, not D - 1. The Fourier transform multiplies the row's share
     of column k by (-i)^k, its power p by exp(-i p k π/2).
 
@@ -40,7 +40,7 @@ def dfrft(x: Tensor, p: Tensor) -> tuple[Tensor, Tensor]:
 
 
 def fractional_tokens(embedding: Tensor, theta: Tensor, p: Tensor) -> Tensor:
-    """Return F (B, T, D), real (ours): ReLU of each θ times Re F_p(E), then times Im. Eq. 3."""
+    """Return F (B, T, D), real (ours): ReLU(θ Re of E's dfrft), all θ; then of Im. Eq. 3."""
     parts = stack(dfrft(embedding, p), dim=1)  # (B, 2, D)
     return relu(theta[:, None] * parts[:, :, None]).flatten(1, 2)
 
@@ -79,7 +79,7 @@ class MFFA(nn.Module):
         return bank.sum(0) / max(len(bank), 1)
 
     def with_class(self, name: str, tokens: Tensor, means: Tensor) -> Tensor:
-        """Return F_g + F (B, T, D); `means` (B, B) @ tokens are means of each pair's class."""
+        """Return F_g + F (B, T, D); `means` (B, B) @ mean tokens (B, D) is F_g of the class."""
         of_class = means @ tokens.mean(1)  # F_g (B, D); a row of zeros in `means`: no class given
         return tokens + where(means.any(1)[:, None], of_class, self.mean_token(name))[:, None]
 
@@ -91,7 +91,7 @@ class MFFA(nn.Module):
         return self.fratt.forward(queries, self.with_class(name, tokens, means))
 
     def alignment(self, text: Tensor, bar: Tensor) -> Tensor:
-        """Return L_MMA of one image: λ = 10 times KL(text ‖ image), mean of all pairs. Eq. 7."""
+        """Return L_MMA of one image: λ KL(text ‖ image), λ = 10, the mean of all pairs. Eq. 7."""
         image, goal = log_softmax(bar, dim=-1), log_softmax(text, dim=-1)  # over D (ours)
         return 10 * kl_div(image, goal, reduction="batchmean", log_target=True)
 
@@ -152,8 +152,8 @@ class Reference(nn.Module):
         """Return the loss of a batch, L_MMA + L_NOD + L_CE. Eq. 12, Alg. 1.
 
         images    (B, W) each; lang (B, L) a text of each pair's class; labels (B,) the class
-        on        (B,) bool: E, queries and root receive the text: half (ours). L_MMA: all pairs
-        token_on  (B,) bool: F_g is of the class in this batch: half (ours); others get the mean
+        on        (B,) bool: E, queries, root get the text: half (ours); others: only L_MMA, F_g
+        token_on  (B,) bool: F_g is the class's mean here, `on` or not: half (ours); others: bank
         """
         same, mffa = labels[:, None] == labels, self.mffa  # same (B, B)
         means = same.to(lang) / same.sum(1, keepdim=True) * token_on[:, None]  # (B, B)
