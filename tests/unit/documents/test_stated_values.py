@@ -21,6 +21,7 @@ STATED = {
         "order": (0.5, "start 0.5"),
         "logit_scale": (10.0, "cosine classifier times 10"),
     },
+    "omnivat.head.reference:Reference": {"expansion": (4, "E = 4"), "levels": (3, "R = 3")},
     "omnivat.training:TrainSettings": {
         "epochs": (20, "20 epochs"),
         "batch": (16, "batches of 16"),
