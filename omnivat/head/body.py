@@ -82,14 +82,22 @@ class Body(nn.Module):
         """The precision of the head."""
         return self.classifier.dtype
 
-    def classify(self, features: Float[Tensor, "*any D"]) -> Float[Tensor, "*any K"]:
-        """Return logits of features such as F-hat or tree nodes."""
+    def classify(
+        self, features: Float[Tensor, "*any D"], directions: Float[Tensor, "K D"] | None = None
+    ) -> Float[Tensor, "*any K"]:
+        """Return logits of features such as F-hat or tree nodes; `directions` are computed if
+        None.
+        """
         if self.settings.feature_scale == "literal":
             return linear(features, self.classifier)
-        directions = self.settings.logit_scale * normalize(self.classifier, dim=-1)
+        directions = self.directions() if directions is None else directions
         lengths = torch.linalg.vector_norm(features, dim=-1, keepdim=True)
         logits: Tensor = linear(features, directions) / lengths.clamp_min(1e-12)
         return logits
+
+    def directions(self) -> Float[Tensor, "K D"]:
+        """Return the class directions; their length is the logit scale."""
+        return self.settings.logit_scale * normalize(self.classifier, dim=-1)
 
     @property
     def length(self) -> float:

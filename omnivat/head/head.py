@@ -145,7 +145,8 @@ class OmniVaT(Body):
         alone = f_hat = bars + self._mean(bars, root)
         if len(names) > 1:  # T is then the F-bar of each
             alone = bars + torch.stack([self._mean(bar[None], bar) for bar in bars])
-        logits = self.classify(torch.stack((f_hat, alone)))
+        directions = self._folds.get(("directions",), self.directions)
+        logits = self.classify(torch.stack((f_hat, alone)), directions)
         grown = grow(self.dtg, self.settings, bars, root) if nodes else None
         if len(relu) == 1:  # |F| or Re F alone: there is no imaginary part
             relu = torch.cat((relu, torch.zeros_like(relu)))
@@ -156,7 +157,7 @@ class OmniVaT(Body):
         return HeadOutput(
             logits=by_name(logits[0]),
             alone=by_name(logits[1]),
-            pair=self.classify(f_hat.sum(0)),
+            pair=self.classify(f_hat.sum(0), directions),
             fusion=self.settings.fusion,
             temperatures=self.temperatures,
             frft=by_name(parts.unbind(1)),
