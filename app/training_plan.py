@@ -101,8 +101,8 @@ def plan_from(question: Question, embeddings: "Embeddings") -> "TrainingPlan":
 def in_words(plan: "TrainingPlan", question: Question) -> str:
     """Return the settings of a plan that a request named, in one line."""
     numbers = [
-        f"{words.split(',')[0]} = {question.get(name, first):g}"
-        for name, (words, *_, first) in NUMBERS.items()
+        f"{words.split(',')[0]} = {_number(name, question.get(name)):g}"
+        for name, (words, *_) in NUMBERS.items()
     ]
     order = ORDERS[question.get("order", "gradient")]
     lang = "LANG" if plan.training.lang else "no LANG"

@@ -102,6 +102,8 @@ def reduction(shape: tuple[int, ...]) -> int:
 
 def reduced(values: Array, scale: int) -> Array:
     """Return the means of blocks of `scale` pixels, without what is left over at the end."""
+    if scale == 1:
+        return values
     height, width = (side // scale for side in values.shape)
     rows = (
         values[: height * scale, : width * scale].reshape(height, scale, -1).sum(1, dtype=np.uint32)

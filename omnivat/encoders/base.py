@@ -193,17 +193,18 @@ def _load_one(
     from omnivat.encoders.wrapping import checked
     from omnivat.kit.devices import device_from
 
-    place = Path(weights) if weights else recall(weights_hash)
+    given = Path(weights) if weights else None
+    place = given or (recall(weights_hash) if weights_hash else None)
     wanted = {**settings, "device": device_from(settings["device"]), "weights": place}
     loader = _loader_of(name)
     if name in ENCODERS:
         encoder: Encoder = loader(**_accepted(loader, name, wanted | {"name": name}))
     else:
         encoder = checked(loader(**_accepted(loader, name, wanted)), name)
-    if weights is None and name.startswith(HUB):
-        place = Path(name.removeprefix(HUB))
-    if place and place.exists():
-        remember(encoder.weights_hash, place)
+    if given is None and name.startswith(HUB):
+        given = Path(name.removeprefix(HUB))  # a folder, or a name on the hub
+    if given and given.exists():
+        remember(encoder.weights_hash, given)
     return encoder
 
 

@@ -63,7 +63,7 @@ def test_pairs_without_a_class_are_left_out_of_a_training_and_told(
     trainings = Trainings(sets)
     # no text is wanted of pairs without a class
     assert offers(sets.first)["first"]["lang"]
-    started = trainings.start(sets.first, SMALL)
+    started = trainings.start(sets.first, {**SMALL, "p": None})  # null: as at first
     assert started["left_out"] == 16
     assert started["words"].startswith("TAG-sim, D = ") and "initial p = 0.5" in started["words"]
     assert until_ended(trainings, started["run"])["state"] == "done"
