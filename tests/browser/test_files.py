@@ -119,7 +119,13 @@ def test_a_file_over_the_limit_is_refused_before_it_is_sent(pair_page, tmp_path)
 
 
 def test_a_dropped_and_a_pasted_image_are_taken_like_a_chosen_one(pair_page):
-    for event, holder in (("drop", "dataTransfer"), ("paste", "clipboardData")):
+    many = ".pair .many"  # what is pasted outside of a slot is not for the pair
+    before = pair_page.inner_text(many)
+    for event, holder, place in (
+        ("paste", "clipboardData", many),
+        ("drop", "dataTransfer", SLOT.format("tac")),
+        ("paste", "clipboardData", SLOT.format("tac")),
+    ):
         pair_page.evaluate(
             """async ([slot, event, holder]) => {
               const canvas = new OffscreenCanvas(40, 30);
@@ -132,6 +138,8 @@ def test_a_dropped_and_a_pasted_image_are_taken_like_a_chosen_one(pair_page):
                 : new ClipboardEvent(event, { [holder]: carried, bubbles: true, cancelable: true });
               document.querySelector(slot).dispatchEvent(made);
             }""",
-            [SLOT.format("tac"), event, holder],
+            [place, event, holder],
         )
-        holds(pair_page, "tac", f"{event}.png · 40 × 30")
+        if place != many:
+            holds(pair_page, "tac", f"{event}.png · 40 × 30")
+    assert pair_page.inner_text(many) == before

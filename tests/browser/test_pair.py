@@ -143,6 +143,18 @@ def test_a_second_click_while_the_camera_opens_leaves_it_off(open_page):
     page.wait_for_selector(ANSWERED)
 
 
+def test_live_without_a_camera_says_why_and_gives_the_pair_back(open_page):
+    page = open_page(PAIR, ANSWERED)
+    page.evaluate("""() => {
+          navigator.mediaDevices.getUserMedia = async () => { throw new Error("denied"); };
+        }""")
+    page.click(".pair .cameras > summary")
+    page.click(".pair .cameras [data-send=camerasSwitched]")
+    page.wait_for_selector(".pair .problem:has-text('camera')")
+    page.wait_for_selector(".pair .cameras [data-send=camerasSwitched][aria-pressed=false]")
+    page.wait_for_selector(ANSWERED)
+
+
 @pytest.fixture
 def live(open_page, sensor, presses):
     """Return an opener of Live: two cameras see a real sensor at rest, and Live is started. It is

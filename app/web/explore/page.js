@@ -114,7 +114,7 @@ function learnAll({ set, own }) {
 /** Finer frames of the head itself are computed: wait for them. @param {SetData} data */
 async function refine(data) {
   const coarse = data.own;
-  const own = await once("finer frames", () => whenFine(telling));
+  const own = await once(`finer frames ${data.set}`, () => whenFine(telling, { set: data.set }));
   telling(null);
   data.own = own;
   if (scene.own !== coarse) return;

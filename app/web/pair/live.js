@@ -1,6 +1,6 @@
 /** Live: photo and touch together; the newest frames are sent as soon as the server has replied. */
 
-import { askOfImage } from "../shared/api.js";
+import { askOfImage, attempt } from "../shared/api.js";
 import { csv } from "../shared/csv.js";
 import { FRAMES } from "./feed.js";
 import { camera, upload } from "./own-pictures.js";
@@ -58,15 +58,18 @@ export async function live(desk, _, signal) {
   };
   for (const feed of feeds) feed.active = true;
   signal.onabort = close;
-  try {
+  const read = async () => {
     await openAll(feeds, signal);
     const run = { shown: 0, sent: 0, times: [] };
     why = feeds.some(({ on }) => on)
       ? (await Promise.all(Array.from({ length: AT_ONCE }, () => loop(desk, run, signal))))[0]
       : "No source is chosen: choose a camera or a video file for the photo, the touch or both.";
+  };
+  try {
+    await attempt(read, (/** @type {string} */ problem) => send("told", { problem }));
   } finally {
     close();
-    send("camerasOff", why);
+    send("camerasOff", why); // which ends this work, so a problem is told before
   }
 }
 

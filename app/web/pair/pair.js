@@ -174,7 +174,8 @@ class PairView extends View {
       event.preventDefault();
       awaited(taken(event, droppedFiles(event.dataTransfer)));
     };
-    box.onpaste = (/** @type {Found} */ event) => taken(event, chosenFiles(event.clipboardData.files));
+    box.onpaste = (/** @type {Found} */ event) =>
+      slotOf(event) && taken(event, chosenFiles(event.clipboardData.files).slice(0, 1));
     watch(IMAGES, () => {
       const { vis, tac } = state;
       if (vis !== this.tab.vis || tac !== this.tab.tac) send("opened", { vis, tac });

@@ -18,7 +18,7 @@ import {
   table,
   titleOf,
 } from "./parts.js";
-import { brief, readingsIn } from "./verdict.js";
+import { brief, readingsIn, readingsOf } from "./verdict.js";
 
 /** What a profile was made of, in words. @param {NonNullable<PairTab["counts"]>} counts */
 export const madeOf = (counts) =>
@@ -45,10 +45,10 @@ export function sensorHtml({ counts, rest, doing, doubt, notes, before, answer }
     ${status(progress ?? question ?? notes.sensor)}${before && answer && comparedHtml(before, answer)}`;
 }
 
-/** Each reading of a pair before and after; guesses have no figure. @param {Predicted} before @param {Predicted} after */
+/** Each reading of a pair before and after; guesses have no figure. @param {NonNullable<PairTab["before"]>} before @param {Predicted} after */
 function comparedHtml(before, after) {
   const then = readingsIn(after);
-  const rows = readingsIn(before).map(
+  const rows = readingsOf(before).map(
     (said, i) => said.label && row(titleOf(said.reading), [brief(said), brief(then[i])]),
   );
   return table("This pair with the profile", ["This pair", "as it comes", "with the profile"], rows.filter(Boolean));

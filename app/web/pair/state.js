@@ -10,7 +10,7 @@ const APART = 300; // milliseconds between two of them
 export const READING = "Reading the image (the first one also loads the encoder)…";
 
 /** What is known of a pair that is not there. */
-const NOTHING = { busy: false, answer: null, familiar: null, rivals: null };
+const NOTHING = { busy: false, answer: null, familiar: null, rivals: null, before: null };
 
 /** @type {PairTab} */
 export const START = {
@@ -45,7 +45,6 @@ export const START = {
   counts: null,
   rest: "tac",
   doubt: null,
-  before: null,
   pairs: [],
   taught: false,
   report: null,
@@ -171,7 +170,6 @@ const EVENTS = {
     answer,
     question,
     classes: answer.classes,
-    before: null,
     notes: { ...tab.notes, problem: tab.lost },
     next: { familiar: {}, rivals: {}, place: {}, compare: {} },
   }),

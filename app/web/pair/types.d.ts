@@ -116,7 +116,7 @@ interface PairTab {
   counts: Profile["counts"] | null; // pictures in the profile
   rest: Modality; // what pictures of a profile are whose names do not tell
   doubt: Doubt | null;
-  before: Predicted | null; // the open pair without the profile
+  before: (Prediction & { classes: string[] }) | null; // the open pair without the profile
 
   pairs: OwnPair[];
   taught: boolean; // whether the taught head predicts

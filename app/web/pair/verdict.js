@@ -93,7 +93,7 @@ export function verdictHtml(tab) {
   if (!answer)
     return hint(
       busy
-        ? "Loading the head… the first prediction takes a few seconds."
+        ? "Predicting… the first prediction takes a few seconds."
         : "Choose a pair to see the prediction. One image is enough.",
     );
   const label = labelOf(tab);

@@ -92,8 +92,9 @@ export const WORK = {
   },
   async rivals({ tab: { vis, tac, heads }, send }, _, signal) {
     if (!heads.length) return;
-    const answers = await ask("rivals", { vis, tac }, signal);
-    send("arrived", { rivals: heads.map((one) => ({ ...answers[one.name], label: headLabel(one) })) });
+    const answers = await quietly(ask("rivals", { vis, tac }, signal));
+    const said = (/** @type {string} */ name) => /** @type {Replies["rivals"]} */ (answers)[name] ?? answers;
+    send("arrived", { rivals: heads.map((one) => ({ ...said(one.name), label: headLabel(one) })) });
   },
   place: ({ tab: { vis, tac, answer }, map }) => map?.({ vis, tac }, answer?.linear ? null : answer?.learned),
   /** Open a pair of the set, which Explore then shows too. */
@@ -101,7 +102,9 @@ export const WORK = {
   /** The open pair without the profile. */
   async compare({ tab: { vis, tac, counts, question }, send }, _, signal) {
     if (!counts || ![vis, tac].some((ref) => ref?.startsWith("image:"))) return;
-    send("arrived", { before: await ask("pair", { ...question, profile: "" }, signal) });
+    const plain = { pairs: [{ vis, tac }], lessons: question?.lessons, profile: "" };
+    const { classes, pairs } = await ask("many", plain, signal);
+    send("arrived", { before: { classes, ...pairs[0] } });
   },
 
   async upload({ send }, { modality, file }) {

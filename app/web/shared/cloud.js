@@ -80,7 +80,8 @@ export class Cloud {
   transform() {
     const { bounds, extents = [] } = /** @type {Positions} */ (this.frame);
     const [[x0, y0], [x1, y1]] = bounds;
-    const all = extents.filter((box, i) => this.halves[i] && box[0] <= box[2]);
+    const none = !this.halves.includes(true); // the fit stays while no point is shown
+    const all = extents.filter((box, i) => (none || this.halves[i]) && box[0] <= box[2]);
     /** @param {number} i */
     const end = (i) => (i < 2 ? Math.min : Math.max)(...all.map((box) => box[i])) / 65535;
     const box = all.length ? [0, 1, 2, 3].map(end) : [0, 0, 1, 1];
@@ -125,7 +126,7 @@ export class Cloud {
     }
     const ground = isDark() ? GROUND.dark : GROUND.light;
     this.pixels.begin(this.ground, ground);
-    density(this.pixels, this, ground);
+    density(this, ground);
     const large = Math.max(isLecture() ? 1.5 : 1, Math.min(this.width, this.height) / 760); // a projector's map
     for (const { style, at, count } of this.layers) {
       const radius = style.radius * large * this.ratio * Math.min(2, this.view.zoom ** 0.3);

@@ -25,8 +25,10 @@ function along(from, to, count, step, lines, next) {
 }
 
 /** Tint the pixels of a cloud's map, whose ground has one colour.
- * @param {import("./points.js").Pixels} pixels @param {import("./cloud.js").Cloud} cloud @param {string} ground */
-export function density({ words, image: { width, height } }, { layers, x, y, ratio }, ground) {
+ * @param {import("./cloud.js").Cloud} cloud @param {string} ground */
+export function density({ pixels, layers, x, y, ratio }, ground) {
+  const { words, image } = pixels;
+  const { width, height } = image;
   const side = Math.max(6, Math.round(Math.max(width, height) / CELLS)); // device pixels of a cell
   const [columns, rows] = [Math.ceil(width / side), Math.ceil(height / side)];
   const cell = side / ratio; // as x and y

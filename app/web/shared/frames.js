@@ -4,7 +4,7 @@ import { address, get, inSet, Refusal } from "./api.js";
 import { awaited } from "./ready.js";
 import { featuresOf } from "./stages.js";
 import { has, OWN_MODE } from "./tables.js";
-import { isSignals, NO_CLASS } from "./text.js";
+import { NO_CLASS } from "./text.js";
 
 const MAGIC = "OVFRAMES";
 const ARRAYS = { u8: Uint8Array, u16: Uint16Array };
@@ -71,7 +71,7 @@ export class Frames {
 
   /** True if a pair is two recordings of one signal, drawn as stripes: no photo and no touch. */
   get signals() {
-    return isSignals(this.meta.embeddings);
+    return this.meta.embeddings.encoder === "strip";
   }
 
   /** @param {string} name */

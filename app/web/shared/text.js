@@ -37,8 +37,6 @@ export const put = (box, content) => {
 
 /** @param {number} share */
 export const percent = (share, digits = 0) => `${(100 * share).toFixed(digits)}\u00a0%`;
-/** True for a set of signals, drawn as stripes: a pair is two recordings of one signal. @param {{encoder?: string}} set */
-export const isSignals = ({ encoder }) => encoder === "strip";
 /** @param {string} name */
 export const isSimulated = (name) => name.endsWith("-sim");
 

@@ -70,12 +70,11 @@ export const FOREST = {
   /** For each image of a pair, its row of the set, its place on a linear map, or its neighbours and their shares, for
    * places.js. `drawn` is the stop of the map. */
   async near(desk, question, { stopped }) {
-    const { order, pair } = await desk.asked(question);
-    const there = imagesOf(pair);
+    const there = imagesOf(question);
     const ofSet = await Promise.all(there.map((name) => desk.rowOf(question[name])));
     if (!ofSet.includes(undefined))
       return { points: Object.fromEntries(there.map((name, i) => [name, { row: ofSet[i] }])) };
-    const head = await desk.head();
+    const [{ order, pair }, head] = [await desk.asked(question), await desk.head()];
     const wanted = there.map((name) => (there.length > 1 ? `f_hat_${name}` : `${name}_f_hat`));
     const out = await desk.run(head, [pair], [order], wanted);
     const map = (await desk.file("places.safetensors"))[`${question.map} ${question.drawn}`];
