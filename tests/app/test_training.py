@@ -10,7 +10,7 @@ import pytest
 
 from app.state import ForgottenError
 from app.training import REACH, Trainings, coded_map
-from app.training_plan import offers, plan_from
+from app.training_plan import in_words, offers, plan_from
 from app.visitor_sets import VisitorSets
 from omnivat.head.checkpoint import load_head
 from omnivat.kit.errors import DataError
@@ -65,7 +65,7 @@ def test_pairs_without_a_class_are_left_out_of_a_training_and_told(
     assert offers(sets.first)["first"]["lang"]
     started = trainings.start(sets.first, {**SMALL, "p": None})  # null: as at first
     assert started["left_out"] == 16
-    assert started["words"].startswith("TAG-sim, D = ") and "initial p = 0.5" in started["words"]
+    assert "initial p = 0.5, " in started["words"]
     assert until_ended(trainings, started["run"])["state"] == "done"
     zipped = zipfile.ZipFile(io.BytesIO(trainings.saved({"run": started["run"]})))
     assert b"unlabelled" not in zipped.read("trained-head/settings.json")
@@ -83,6 +83,14 @@ def test_every_step_of_a_training_gives_way_to_requests(sets, monkeypatch):
     monkeypatch.setattr("app.jobs.Job.give_way", lambda job: ways.append(job))
     until_ended(trainings := Trainings(sets), trainings.start(sets.first, SMALL)["run"])
     assert len(ways) >= SMALL["epochs"]
+
+
+def test_a_training_is_told_in_one_line_of_all_its_settings(resources):
+    question = {"source": "TAG-sim", "width": 32, "order": "fixed", "p": 0.3, "lang": False}
+    assert in_words(plan_from(question, resources.embeddings()), question) == (
+        "TAG-sim, D = 32, keep p fixed, initial p = 0.3, λ = 10, R = 3, E = 4, noise on embeddings"
+        " = 4, imitated sensors = 1, epochs = 120, seed = 0, no LANG"
+    )
 
 
 def test_what_is_offered_can_be_trained(resources):

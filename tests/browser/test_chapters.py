@@ -78,7 +78,7 @@ def test_the_page_opens_with_one_press_by_eight_sensors_and_a_verdict_under_each
 
 @pytest.mark.parametrize(
     ("size", "pictures"),
-    [((1280, 720), 9), ((1024, 768), 9), ((2560, 1440), 9), ((400, 800), 4)],
+    [((1280, 720), 9), ((1024, 768), 9), ((1440, 900), 9), ((2560, 1440), 9), ((400, 800), 4)],
     ids=str,
 )
 def test_the_pictures_of_a_press_are_in_view_at_once_and_nothing_is_wider_than_the_window(
@@ -91,6 +91,7 @@ def test_the_pictures_of_a_press_are_in_view_at_once_and_nothing_is_wider_than_t
     seen = page.evaluate(LOOK)
     assert seen["words"] <= 120
     assert seen["smallest"] >= 14
+    assert size[0] < 1280 or seen["map"] >= 0.35
     assert abs(seen["left"] - seen["right"]) <= 2
 
 

@@ -36,8 +36,13 @@ def turned():
     return content, picture().transpose(Image.Transpose.ROTATE_270)
 
 
-CMYK = picture().convert("CMYK")
-TAKEN = {"EXIF-rotated": turned(), "CMYK": (saved(CMYK, "TIFF"), CMYK.convert("RGB"))}
+CMYK = saved(picture().convert("CMYK"), "JPEG")
+WIDE = picture(size=(20_000, 16)).crop((0, 0, 20_000, 10))
+TAKEN = {
+    "EXIF-rotated": turned(),
+    "CMYK": (CMYK, Image.open(BytesIO(CMYK)).convert("RGB")),
+    "20,000 x 10": (saved(WIDE), WIDE),
+}
 REFUSED = {
     "not an image": (b"these are words, not pixels", "not an image"),
     "truncated": (texture(0)["buffer"][:500], "damaged"),

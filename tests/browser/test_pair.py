@@ -85,6 +85,7 @@ def test_a_csv_of_one_file_twice_pairs_nothing_and_in_its_folder_two_pictures_of
     files = [tmp_path / "visual" / "1.png", table]
     page.set_input_files(".pair .pairs label:has-text('Files') input", files)
     page.wait_for_selector(".pair .many:has-text('would be one file')")
+    assert not page.locator(".pair .many .link").count()
     page.set_input_files(FOLDER, tmp_path)
     page.wait_for_selector(".pair .many .link")
     settle(page)  # the first pair is open
@@ -218,6 +219,18 @@ def test_live_gives_a_class_to_a_real_press_and_none_to_a_sensor_at_rest(
         assert page.locator(".pair .verdict .reading").count() == 3
         sensor.see(calm, page=page)
         page.wait_for_selector(IDLE)
+
+
+def test_no_rest_picture_is_made_of_a_sensor_that_is_touched_meanwhile(live, sensor, presses):
+    calm, pressed = presses("gelsight")
+    page = live(vis={"device": "none"})
+    sensor.see(calm, calm, pressed[0], page=page)
+    page.click(".pair .cameras [data-what=rest]")
+    page.wait_for_selector(STATE.format("without touching"))
+    page.wait_for_selector(TOUCHED)
+    sensor.see(calm, page=page)
+    take_rest(page)
+    page.wait_for_selector(IDLE)
 
 
 def shown(body, pictures):

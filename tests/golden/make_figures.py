@@ -125,6 +125,16 @@ FIGURES = {
             "domain_gap": {"vis": apart(0.4, 0.1), "tac": apart(0.3, 0.2)},
         }
     ),
+    "ladder": lambda: figures.ladder(
+        [
+            {"method": method, "known": known, "n": n, "accuracy": accuracy}
+            | ({"low": accuracy - 0.1, "high": accuracy + 0.05} if n else {})
+            for method, accuracies in (("ERM", (0.5, 0.6)), ("linear <maps>", (0.45, 0.7)))
+            for (known, n), accuracy in zip(
+                (("nothing", 0), ("a profile", 20)), accuracies, strict=True
+            )
+        ]
+    ),
     "touches": lambda: figures.gap_tables(
         {
             "measure": "frechet",

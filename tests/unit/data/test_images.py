@@ -57,7 +57,7 @@ def test_the_same_pixels_come_out_of_every_lossless_file(kind):
 
 @pytest.mark.parametrize("kind", ["PNG", "TIFF"])
 def test_sixteen_bits_of_grey_keep_their_upper_eight(kind):
-    wide = GREY.astype(np.uint16) * 257
+    wide = GREY.astype(np.uint16) * 256 + 77
     read = values(encoded(Image.fromarray(wide), kind))
     assert np.array_equal(read, np.repeat(GREY[..., None], 3, axis=2))
 

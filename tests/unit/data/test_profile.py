@@ -86,7 +86,7 @@ def test_only_the_profiled_domain_moves_and_mirrored_rows_move_with_it(
     make_embeddings, monkeypatch
 ):
     pairs = make_embeddings(domains=("A", "B", "C"))
-    pairs = replace(pairs, vis_flip=pairs.vis + 1, tac_flip=pairs.tac + 1)
+    pairs = replace(pairs, vis_flip=pairs.vis, tac_flip=pairs.tac)
     source = profile_of(pairs, pairs.rows_of("A"))
     other = profile_of(pairs, pairs.rows_of("B"), domain="B")
     found = profiled(pairs, {"B": other}, source)
@@ -99,6 +99,8 @@ def test_only_the_profiled_domain_moves_and_mirrored_rows_move_with_it(
         np.testing.assert_array_equal(getattr(large, name), after)
         np.testing.assert_array_equal(after[still], before[still])
         assert np.abs(after[~still] - before[~still]).max() > 0.01
+    np.testing.assert_array_equal(found.vis_flip, found.vis)
+    np.testing.assert_array_equal(found.tac_flip, found.tac)
 
 
 def test_a_modality_without_pictures_stays(make_embeddings):

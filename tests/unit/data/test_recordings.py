@@ -310,12 +310,19 @@ def test_names_that_are_equal_as_folders_get_folders_of_their_own(tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no pipes")
-def test_a_pipe_in_place_of_a_video_is_left_out(tmp_path):
+def test_a_pipe_is_refused_wherever_a_file_is_named(tmp_path, capsys):
     film(tmp_path / "a.mp4", range(100, 120))
-    os.mkfifo(tmp_path / "v.mp4")
+    for name in ("v.mp4", "in.csv", "in.npz"):
+        os.mkfifo(tmp_path / name)
     (tmp_path / "videos.csv").write_text("vis,tac,material\nv.mp4,v.mp4,wood\na.mp4,a.mp4,wood\n")
     count, skipped = write_pairs(clips_of(tmp_path), tmp_path / "out", frames=2)
     assert count == 2 and "pipe or device" in skipped[0].why
+    for line in (
+        ["try", str(tmp_path / "in.csv")],
+        ["import", str(tmp_path / "in.npz"), "--encoder", "x"],
+    ):
+        assert main([*line, "--out", str(tmp_path / "set.safetensors")]) == 1
+        assert "pipe or device" in capsys.readouterr().err
 
 
 def test_unknown_cameras_and_settings_are_refused_in_a_sentence(tmp_path):

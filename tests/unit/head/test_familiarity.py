@@ -10,6 +10,7 @@ from omnivat.head.calibration import (
     nearest_cosines,
     quantile_of,
     save_familiarity,
+    words,
 )
 from omnivat.kit.errors import DataError
 
@@ -70,6 +71,17 @@ def test_a_quantile_is_where_a_value_stands():
     values = torch.tensor([-1.0, 0.0, 0.1, 0.4, 0.7, 1.0, 2.0])
     expected = torch.tensor([0, 0, 1 / 6, 2 / 3, 5 / 6, 1, 1])
     torch.testing.assert_close(quantile_of(values, quantiles), expected)
+
+
+def test_words_have_an_order():
+    assert [words(q) for q in (0.0, 0.049, 0.05, 0.1, 0.5, 1.0)] == [
+        "unlike the training images",
+        "unlike the training images",
+        "familiar",
+        "familiar",  # an ordinary rank: a tenth of the training images lie below
+        "familiar",
+        "familiar",
+    ]
 
 
 def test_a_large_set_keeps_two_thousand_rows_at_most():

@@ -15,7 +15,7 @@ from omnivat.maps.frames.builder import NAMES, build_frames
 from omnivat.maps.frames.records import with_learned
 from omnivat.measure import readers, unseen
 from omnivat.measure.known import measured
-from omnivat.measure.shares import counted, mean_over_domains, of_domains, shown, wilson
+from omnivat.measure.shares import counted, mean_over_domains, of_domains, wilson
 from omnivat.measure.unseen import judged, nearest_touch, unseen_summary
 from tests.builders import head_settings
 
@@ -57,7 +57,12 @@ def test_shares_are_those_that_are_measured(case):
     for record, own in zip(measured(head, embeddings)["domains"], summary["domains"], strict=True):
         assert own["pairs"] == record["pairs"]
         for reading in ("fused", "vis", "tac"):
-            assert own[f"answers/{reading}"] == shown(record["scores"][reading])
+            share, measure = own[f"answers/{reading}"], record["scores"][reading]
+            assert share == {
+                "share": measure["accuracy"],
+                "low": measure["low"],
+                "high": measure["high"],
+            }
 
 
 def test_a_head_of_touches_alone_has_a_record_of_each_image(case):

@@ -9,7 +9,7 @@ from PIL import Image
 
 from omnivat.data.readers import read_pairs
 from omnivat.data.rest import with_rest
-from omnivat.kit.errors import MissingPackageError, OmniVatError
+from omnivat.kit.errors import DataError, MissingNameError, MissingPackageError
 from omnivat.simulate.build import simulate
 from omnivat.simulate.domains import SimulatedDomain
 from omnivat.simulate.photograph import plain
@@ -112,12 +112,16 @@ def test_a_domain_of_ones_own_renumbers_no_other(built, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "sentence"),
+    ("change", "error", "sentence"),
     [
-        ({"domains": ["TAGG"]}, "No domain is called 'TAGG'; there are TAG, OF Real"),
-        ({"pairs_per_class": 0}, "choose 1 to 10,000"),
+        (
+            {"domains": ["TAGG"]},
+            MissingNameError,
+            "No domain is called 'TAGG'; there are TAG, OF Real",
+        ),
+        ({"pairs_per_class": 0}, DataError, "choose 1 to 10,000"),
     ],
 )
-def test_what_makes_no_pair_is_refused(change, sentence, tmp_path):
-    with pytest.raises(OmniVatError, match=sentence):
+def test_what_makes_no_pair_is_refused(change, error, sentence, tmp_path):
+    with pytest.raises(error, match=sentence):
         simulate(tmp_path, **(SMALL | change), workers=1)
