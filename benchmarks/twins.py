@@ -3,7 +3,7 @@
     --pack FOLDER   examples/twins.npz: the twins, embedded with the dots kept and filled
     --page FOLDER   examples/twins.json, twins.map.json and twins/, for the page
 
-FOLDER is what `omnivat simulate --set twins` drew; of an interrupted drawing, objects count as
+FOLDER is what `python -m simulator twins` drew; of an interrupted drawing, objects count as
 photographed that have all photographs. `--learn KEPT FILLED` are the embeddings that heads learn
 from: the simulated domains, with the dots kept and filled. The head is logistic regression on
 standardised unit rows, learned from the training pairs of one domain. The split of a loss into
@@ -36,11 +36,11 @@ from omnivat.kit.files import replacing, write_text
 from omnivat.kit.threads import one_thread
 from omnivat.maps.projection import pca, torch_umap
 from omnivat.measure.twins import Twins, twins, write_twins
-from omnivat.simulate.build import image_path
-from omnivat.simulate.domains import SIMULATED, SimulatedDomain
-from omnivat.simulate.plan import Planned
-from omnivat.simulate.sensors import SENSORS, Sensor, TaximSensor
-from omnivat.simulate.twins import twin, unmet_objects
+from simulator.build import image_path
+from simulator.domains import SIMULATED, SimulatedDomain
+from simulator.plan import Planned
+from simulator.sensors import SENSORS, Sensor, TaximSensor
+from simulator.twins import twin, unmet_objects
 
 Array = NDArray[Any]
 RECORD = Path("docs/benchmarks/twins.json")
@@ -282,7 +282,7 @@ def page(
 def sheets(made: Twins, objects: Sequence[int], pictures: Path, fill: Fill, folder: Path) -> None:
     """Write the pictures of the shown objects: a sheet for each, and a row of their first touches.
 
-    pictures  the folder that `omnivat simulate --set twins` wrote
+    pictures  the folder that `python -m simulator twins` wrote
     fill      picture (H, W, 3) -> the same with the printed dots filled
     A sheet has a column for each domain, and three rows: photograph, touch, touch with the dots
     filled.

@@ -20,7 +20,6 @@ PURPOSE = {
     "measure": "what a head is worth",
     "head": "the model and its file",
     "encoders": "pictures to vectors",
-    "simulate": "sensors and objects",
     "data": "pairs and files",
     "fractional": "the transform",
     "kit": "small tools",

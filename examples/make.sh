@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # Make everything in this folder again: pairs, embeddings, thumbnails, head and frames.
 # bash examples/make.sh [FOLDER FOR THE FULL SET]   (about an hour on two cores)
-# The first step needs Mitsuba, taxim and jax: python -m pip install ".[simulate]"
+# The first step needs Mitsuba, taxim and jax: python -m pip install -r simulator/requirements.txt
 set -euo pipefail
 cd "$(dirname "$0")/.."
 full=${1:-build/simulated}
-python -m omnivat simulate --out "$full" --examples examples/pairs
+python -m simulator set --out "$full" --examples examples/pairs
 python -m omnivat embed "$full" --out examples/simulated.safetensors --dtype float16
 python -m omnivat thumbnails "$full" --embeddings examples/simulated.safetensors --tile 56
 python -m omnivat train --embeddings examples/simulated.safetensors --source TAG-sim \
@@ -22,7 +22,7 @@ python -m omnivat train --embeddings examples/simulated.safetensors --source TAG
 rm examples/every/familiarity.safetensors
 python -m omnivat sweep --head examples/every --stops 11 --out examples/every.bin
 # Twins: one press by every sensor. The touches take ten minutes; the shipped set stopped after 60 objects' photographs.
-python -m omnivat simulate --set twins --out build/twins/pictures
+python -m simulator twins --out build/twins/pictures
 # KEPT and FILLED: embeddings of the set above with the printed dots of its touches kept and filled (omnivat/data/dots.py).
 if [ -n "${KEPT:-}" ] && [ -n "${FILLED:-}" ]; then
     python -m benchmarks.twins --learn "$KEPT" "$FILLED" --pack build/twins/pictures

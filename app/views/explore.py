@@ -146,6 +146,6 @@ def pairs(resources: Resources) -> dict[str, list[str]]:
 
 def mechanism(resources: Resources) -> Reply:
     """Return the toy for the transform and the ReLU, which is the same for every set."""
-    from omnivat.simulate.toy import toy
+    from omnivat.fractional.toy import toy
 
     return resources.results.once("toy", lambda: toy(STOPS))

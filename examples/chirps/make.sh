@@ -7,7 +7,7 @@ full=${1:-build/chirps}
 here=examples/chirps
 set="$here/chirps.safetensors"
 settings="--set width=64 --set theta_init=signed --set lang=false"
-python -m omnivat simulate --set chirps --out "$full" --examples "$here/pairs"
+python -m simulator chirps --out "$full" --examples "$here/pairs"
 python -m omnivat embed "$full" --encoder strip --no-flips --out "$set"
 python -m omnivat thumbnails "$full" --embeddings "$set" --tile 32
 # shellcheck disable=SC2086

@@ -125,11 +125,11 @@ def test_a_reader_of_one_file_and_one_line_recognises_its_layout(added, monkeypa
 
 
 def test_a_simulated_sensor_of_one_row_is_drawn(tmp_path):
-    from omnivat.simulate.build import simulate
-    from omnivat.simulate.photograph import plain
+    from simulator.build import simulate
+    from simulator.photograph import plain
 
     names = {}
-    exec(block("omnivat/simulate/my_domain.py"), names)
+    exec(block("simulator/my_domain.py"), names)
     made = simulate(
         tmp_path, domains=[names["BRIGHT"]], pairs_per_class=1, size=32, renderer=plain, workers=1
     )

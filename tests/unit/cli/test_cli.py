@@ -37,8 +37,6 @@ def test_every_command_and_argument_has_a_help_text(command):
     [
         (["predict", "a", "b", "--order", "nan"], "order is nan; give a number of quarter turns"),
         (["gaps", "--order", "7"], "from -4 to 4. The transform has period 4, so use 3."),
-        (["simulate", "--out", "x", "--workers", "-1"], "'-1'; give a whole number, 1 or more"),
-        (["simulate", "--out", "x", "--examples-per-class", "0"], "'0'; give a whole number, 1 or"),
         (["protocol", "--out", "x", "--jobs", "two"], "'two'; give a whole number, 1 or more"),
         (["protocol", "--out", "x", "--seeds", ","], "','; give whole numbers such as 0,1,2"),
         (["train", "--repeat", "a"], "'a'; give whole numbers such as 0,1,2"),
@@ -85,8 +83,6 @@ def test_what_a_person_can_put_right_is_one_sentence_and_exit_1(
     [
         ["protocol", "--out", "file", "--methods", "nearest_mean"],
         ["ablate", "--out", "file", "--only", "order"],
-        ["simulate", "--set", "chirps", "--out", "new", "--examples", "file"],
-        ["simulate", "--out", "file", "--workers", "1"],
     ],
 )
 def test_a_file_in_the_place_of_an_output_folder_is_refused_before_any_work(

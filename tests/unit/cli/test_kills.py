@@ -10,8 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from omnivat import cli
 from omnivat.cli import main
 from omnivat.kit import files
+from simulator.__main__ import COMMANDS as DRAWING
 
 pytestmark = pytest.mark.slow
 
@@ -31,8 +33,9 @@ def dies(real):
     return place
 
 os.replace, os.rename = dies(os.replace), dies(os.rename)
-from omnivat.cli import main
-sys.exit(main(sys.argv[2:]))
+from omnivat.cli import COMMANDS, main
+from simulator.__main__ import COMMANDS as DRAWING
+sys.exit(main(sys.argv[2:], commands={**COMMANDS, **DRAWING}))
 """
 
 TRAIN = "--source TAG-sim --set width=16 --set epochs=2 --set lang=false --no-calibration"
@@ -50,7 +53,7 @@ COMMANDS = {
         "records",
         0,
     ),
-    "simulate": ("--set chirps --pairs-per-class 4 --out {out}/chirps", "chirps", 30),
+    "chirps": ("--pairs-per-class 4 --out {out}/chirps", "chirps", 30),
     "export": ("--frames {frames} --out {out}/map.svg", "map.svg", 0),
     "thumbnails": ("{pairs} --embeddings {embedded} --out {out}/s.webp", "s.webp", 1),
 }
@@ -102,7 +105,7 @@ def test_a_killed_command_leaves_nothing_half_written_and_runs_again(
     assert process.returncode == -signal.SIGKILL, process.stderr
     standing = {p: p.read_bytes() for p in shown(tmp_path)}
     monkeypatch.setattr(files, "UNFINISHED_S", -1)  # what the dead left need not grow old
-    assert main(arguments(command, names)) == 0
+    assert main(arguments(command, names), commands={**cli.COMMANDS, **DRAWING}) == 0
     assert (tmp_path / made).exists()
     whole = {p: p.read_bytes() for p in shown(tmp_path)}
     for file, content in standing.items():  # what stood after the kill was whole

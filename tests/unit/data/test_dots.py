@@ -10,10 +10,10 @@ from scipy.ndimage import gaussian_filter
 
 from omnivat.data.dots import fill_dots, filled
 from omnivat.data.grid import between, common_steps, largest
-from omnivat.simulate.domains import SIMULATED
-from omnivat.simulate.drawing import tactile
-from omnivat.simulate.plan import planned
-from omnivat.simulate.things import thing
+from simulator.domains import SIMULATED
+from simulator.drawing import tactile
+from simulator.plan import planned
+from simulator.things import thing
 from tests.unit.data.odd_pictures import ODD, SIDE, gel, picture, printed
 
 

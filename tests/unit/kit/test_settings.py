@@ -9,8 +9,8 @@ from omnivat.head.settings import HeadSettings
 from omnivat.kit.config import OneOf, Within, declared, parse_assignments, settings_from, whole
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.stages import checked_order, fitting
-from omnivat.simulate.chirps import ChirpSettings
 from omnivat.training import TrainSettings
+from simulator.chirps import ChirpSettings
 
 WANTED = {
     HeadSettings: {"classes": ("wood", "steel"), "input_width": 24},

@@ -8,7 +8,6 @@ import torch
 
 from omnivat.fractional import dfrft
 from omnivat.measure.predictions import predicted_probabilities
-from omnivat.simulate.chirps import CLASSES, DOMAINS, ChirpSettings
 from omnivat.training import TrainSettings, Watch, order_search, train
 from omnivat.training.order_search import (
     Scored,
@@ -23,8 +22,9 @@ from omnivat.training.order_search import (
     tied,
 )
 from omnivat.training.watch import UNWATCHED
+from simulator.chirps import CLASSES, DOMAINS, ChirpSettings
+from simulator.tests.chirp_sets import chirp_embeddings
 from tests.builders import head_settings
-from tests.unit.simulate.chirps.sets import chirp_embeddings
 
 CHIRPS = ChirpSettings(order=0.62, seed=3)
 
@@ -79,7 +79,7 @@ def test_the_record_of_a_search_holds_its_curve_and_what_it_cost(trained):
 @pytest.fixture(scope="module")
 def search_of(make_embeddings):
     """Return a function: the record of a search on chirps at `order`, beside interference near
-    others, of VIS and of TAC. It shares no line with `omnivat.simulate.chirps`.
+    others, of VIS and of TAC. It shares no line with `simulator.chirps`.
     """
     pairs = make_embeddings(domains=("a",), per_class=20)
     rows, random = np.arange(len(pairs)), np.random.default_rng(0)

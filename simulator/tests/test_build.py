@@ -1,0 +1,127 @@
+"""Building a set: the same bytes for the same seed, resuming, and errors."""
+
+import csv
+from dataclasses import replace
+from hashlib import sha256
+
+import pytest
+from PIL import Image
+
+from omnivat.data.readers import read_pairs
+from omnivat.data.rest import with_rest
+from omnivat.kit.errors import DataError, MissingNameError, MissingPackageError
+from simulator.build import simulate
+from simulator.domains import SimulatedDomain
+from simulator.photograph import plain
+from simulator.plan import COLUMNS
+from simulator.scenes import SCENES
+from simulator.sensors import GELS
+
+pytestmark = pytest.mark.slow  # draws pairs
+
+SMALL = {"domains": ["TAG", "TQ-T3D"], "pairs_per_class": 2, "size": 48, "renderer": plain}
+
+
+def hashes(folder):
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {str(f.relative_to(folder)): sha256(f.read_bytes()).hexdigest() for f in files}
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("set")
+    simulate(folder, **SMALL, workers=1)
+    return folder
+
+
+def test_the_set_lists_what_lies_on_disk(built):
+    with (built / "pairs.csv").open() as file:
+        rows = list(csv.DictReader(file))
+
+    assert tuple(rows[0]) == COLUMNS
+    assert len(rows) == 2 * (5 + 4)
+    assert all((built / row[kind]).exists() for row in rows for kind in ("vis", "tac"))
+    assert {row["domain"] for row in rows} == {"TAG-sim", "TQ-T3D-sim"}
+    assert read_pairs(built).simulated
+
+
+def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(built, tmp_path):
+    simulate(tmp_path / "again", **SMALL, workers=1)
+    simulate(tmp_path / "other", **SMALL, seed=1, workers=1)
+
+    first, again, other = (hashes(f) for f in (built, tmp_path / "again", tmp_path / "other"))
+    assert again == first
+    drawn = [name for name in first if name.endswith(("_vis.png", "_tac.png"))]
+    assert len(drawn) == 36 and all(other[name] != first[name] for name in drawn)
+
+
+def without_package(*_, **__):
+    raise MissingPackageError("mitsuba is needed.")
+
+
+def test_a_missing_package_ends_a_build_before_anything_is_written(tmp_path):
+    with pytest.raises(MissingPackageError):
+        simulate(tmp_path / "set", **SMALL | {"renderer": without_package}, workers=2)
+    assert not (tmp_path / "set").exists()
+
+
+def test_the_folder_of_every_domain_has_the_rest_picture_that_its_images_are_found_to_have(built):
+    found = with_rest(read_pairs(built), "all")
+
+    assert {pair.tac_rest for pair in found.pairs} == {
+        built / "TAG-sim" / "rest.png",
+        built / "TQ-T3D-sim" / "rest.png",
+    }
+
+
+def test_a_stopped_build_draws_only_what_is_missing_broken_or_of_another_size(tmp_path):
+    one = SMALL | {"domains": ["TAG"]}
+    steps = []
+    simulate(tmp_path, **one, workers=1)
+    before = hashes(tmp_path)
+    images = sorted(tmp_path.rglob("*.png"))
+    images[0].unlink()
+    images[5].write_bytes(images[5].read_bytes()[:200])
+    Image.new("RGB", (8, 8)).save(images[7])
+    simulate(tmp_path, **one, workers=1, on_step=steps.append)
+
+    assert hashes(tmp_path) == before
+    assert [step.done for step in steps] == [17, 18, 19, 20]
+
+
+def test_two_workers_give_what_one_gives(built, tmp_path):
+    simulate(tmp_path, **(SMALL | {"domains": ["TQ-T3D-sim"]}), workers=2)
+
+    first = hashes(built)
+    assert all(hashes(tmp_path)[n] == first[n] for n in hashes(tmp_path) if n != "pairs.csv")
+
+
+def test_a_domain_of_ones_own_renumbers_no_other(built, tmp_path):
+    mine = SimulatedDomain(
+        name="Mine",
+        sensor=replace(GELS["DIGIT"], gain=2.5),
+        scene=SCENES["OF Real"],
+        seed_base=90_000,
+    )
+    pairs = simulate(tmp_path, **(SMALL | {"domains": [mine, "TAG"]}), workers=1)
+
+    found, shipped = hashes(tmp_path), hashes(built)
+    tag = [name for name in shipped if name.startswith("TAG-sim")]
+    assert len(tag) == 21 and all(found[name] == shipped[name] for name in tag)
+    assert sum(pair.domain == "Mine-sim" for pair in pairs.pairs) == 10
+
+
+@pytest.mark.parametrize(
+    ("change", "error", "sentence"),
+    [
+        (
+            {"domains": ["TAGG"]},
+            MissingNameError,
+            "No domain is called 'TAGG'; there are TAG, OF Real",
+        ),
+        ({"pairs_per_class": 0}, DataError, "choose 1 to 10,000"),
+    ],
+)
+def test_what_makes_no_pair_is_refused(change, error, sentence, tmp_path):
+    with pytest.raises(error, match=sentence):
+        simulate(tmp_path, **(SMALL | change), workers=1)
