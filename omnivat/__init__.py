@@ -18,6 +18,12 @@ _PUBLIC = {
     "PairSet": "omnivat.data.pairs:PairSet",
     "read_pairs": "omnivat.data.readers:read_pairs",
     "with_rest": "omnivat.data.rest:with_rest",
+    # a gel's lamps, and the relief under its colours
+    "lamps": "omnivat.data.relief:lamps",
+    "slopes": "omnivat.data.relief:slopes",
+    "heights": "omnivat.data.relief:heights",
+    "with_known_height": "omnivat.data.relief:with_known_height",
+    # embeddings
     "load_encoder": "omnivat.encoders:load_encoder",
     "TorchEncoder": "omnivat.encoders.wrapping:TorchEncoder",
     "embed_pairs": "omnivat.encoders.embed:embed_pairs",

@@ -1,0 +1,149 @@
+"""Slopes and heights of a touch, by the lamps of its sensor."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from omnivat.data.relief.filters import Array, fast, resized
+from omnivat.data.relief.lamps import Lamps, clean
+from omnivat.kit.errors import DataError
+
+STEEP = 42.0  # of 255: what a slope of 1 adds to a drawn picture
+
+
+def slopes(picture: Array, lamps: Lamps, *, dots: str = "fill") -> Array:
+    """Return the slopes (H, W, 2) float32, to the right and downwards, of a touch (H, W, 3) uint8.
+
+    A slope is positive where the gel comes nearer to the camera; 1 is the root mean square over
+    the pictures that gave the lamps. Relief broader than a fifth of the picture is lost with the
+    slow light.
+
+    Raises DataError if the lamps have a background of another aspect ratio.
+
+    >>> from omnivat import EXAMPLES, lamps
+    >>> from omnivat.data.images import read_image
+    >>> files = sorted((EXAMPLES / "pairs" / "TAG-sim").glob("*/*_tac.jpg"))
+    >>> touches = [np.asarray(read_image(file)) for file in files]
+    >>> found = slopes(touches[0], lamps(touches))
+    >>> found.shape, bool(np.abs(found).mean() > 0.2)
+    ((224, 224, 2), True)
+    """
+    light = clean(picture, dots).astype(np.float32)
+    height, width = light.shape[:2]
+    if lamps.background is not None:
+        down, across = lamps.background.shape[:2]
+        if abs(height * across - width * down) > 0.03 * height * across:
+            raise DataError(
+                f"The picture has {width} × {height} pixels, and the lamps' background {across} ×"
+                f" {down}; pass whole pictures of the same camera."
+            )
+        light -= resized(lamps.background, height, width)
+    mixture = np.linalg.pinv(lamps.colours).T.astype(np.float32)
+    return np.asarray(fast(light) @ mixture)
+
+
+def heights(
+    picture: Array, lamps: Lamps, *, pixel: float | None = None, dots: str = "fill"
+) -> Array:
+    """Return the heights (H, W) float32 of a touch (H, W, 3) uint8; the median is 0, towards the
+    camera is positive.
+
+    pixel  mm of a pixel. With it, and lamps whose steepness is known, heights are in mm; else the
+           unit is what a slope of 1 rises in a pixel
+
+    Raises DataError if `pixel` is given and the steepness is unknown (`with_known_height`).
+
+    >>> from omnivat import EXAMPLES, lamps
+    >>> from omnivat.data.images import read_image
+    >>> files = sorted((EXAMPLES / "pairs" / "TQ-DIGIT-sim").glob("*/*_tac.jpg"))
+    >>> touches = [np.asarray(read_image(file)) for file in files]
+    >>> found = heights(touches[0], lamps(touches))
+    >>> found.shape, float(np.median(found))
+    ((224, 224), 0.0)
+    """
+    if pixel is not None and lamps.steepness is None:
+        raise DataError(
+            "Heights in mm need one known height beside the pixel's size; call with_known_height"
+            " first."
+        )
+    unit = 1.0 if pixel is None else pixel * (lamps.steepness or 1.0)
+    found = integrated(slopes(picture, lamps, dots=dots))
+    return np.asarray((found - np.median(found)) * np.float32(unit))
+
+
+def with_known_height(lamps: Lamps, picture: Array, *, pixel: float, height: float) -> Lamps:
+    """Return the lamps with their steepness, from one touch of a thing of known height.
+
+    picture  (H, W, 3) uint8, of a thing narrower than a fifth of the picture, such as a ball or a
+             coin's letters
+    pixel    mm of a pixel of this picture
+    height   mm from the gel around it to its highest spot (the 99.9 % quantile)
+
+    Raises DataError unless both are above 0 and the picture shows a relief.
+
+    >>> from omnivat import EXAMPLES, lamps
+    >>> from omnivat.data.images import read_image
+    >>> files = sorted((EXAMPLES / "pairs" / "TQ-DIGIT-sim").glob("*/*_tac.jpg"))
+    >>> touches = [np.asarray(read_image(file)) for file in files]
+    >>> known = with_known_height(lamps(touches), touches[0], pixel=0.07, height=0.5)
+    >>> found = heights(touches[0], known, pixel=0.07)  # mm
+    >>> round(float(np.quantile(found, 0.999)), 3)
+    0.5
+    """
+    rise = float(np.quantile(heights(picture, lamps), 0.999))
+    if not (pixel > 0 and height > 0 and rise > 0):
+        raise DataError(
+            f"A pixel of {pixel} mm and a height of {height} mm, with a relief of {rise:.3g}, give"
+            " no scale; all three must be above 0."
+        )
+    return replace(lamps, steepness=height / (pixel * rise))
+
+
+def drawn(picture: Array, lamps: Lamps, *, dots: str = "fill") -> Array:
+    """Return a touch (H, W, 3) uint8 as an encoder reads its relief, (H, W, 3) uint8.
+
+    Red is the slope to the right and green that downwards, around mid-grey; blue is their length.
+    Steep slopes are bounded by tanh.
+    """
+    found = slopes(picture, lamps, dots=dots)
+    return painted(found)
+
+
+def painted(slopes: Array) -> Array:
+    """Return slopes (H, W, 2) as a picture (H, W, 3) uint8 (`drawn`)."""
+    bounded = 255 * np.tanh(slopes * (STEEP / 255))
+    length = np.sqrt(np.square(bounded).sum(-1, keepdims=True))
+    light = 128 + np.concatenate([bounded, length], -1) / 2
+    return np.clip(np.rint(light), 0, 255).astype(np.uint8)
+
+
+def integrated(slopes: Array) -> Array:
+    """Return the heights (H, W), of mean 0, whose differences are nearest to slopes (H, W, 2).
+
+    Least squares between neighbouring pixels is Poisson's equation with free edges, which the
+    discrete cosine transform solves exactly.
+
+    >>> y, x = np.mgrid[:40, :50]
+    >>> hill = 3 * np.exp(-((x - 20) ** 2 + (y - 25) ** 2) / 90)
+    >>> down, right = np.gradient(hill)
+    >>> found = integrated(np.stack([right, down], -1))
+    >>> bool(np.abs(found - (hill - hill.mean())).max() < 0.05)
+    True
+    """
+    from scipy.fft import dctn, idctn
+
+    height, width = slopes.shape[:2]
+    divergence = np.zeros((height, width), slopes.dtype)
+    right, down = slopes[..., 0], slopes[..., 1]
+    between = (right[:, 1:] + right[:, :-1]) / 2
+    divergence[:, :-1] += between
+    divergence[:, 1:] -= between
+    between = (down[1:] + down[:-1]) / 2
+    divergence[:-1] += between
+    divergence[1:] -= between
+    waves = [2 * np.cos(np.pi * np.arange(length) / length) - 2 for length in (height, width)]
+    curvature = (waves[0][:, None] + waves[1]).astype(slopes.dtype)
+    curvature[0, 0] = 1
+    spectrum = dctn(divergence, norm="ortho") / curvature
+    spectrum[0, 0] = 0
+    return np.asarray(idctn(spectrum, norm="ortho"))
