@@ -1,19 +1,77 @@
-"""Positions of a pair on a map of the set, and the set's features at a stage."""
+"""Positions of a pair on a map of the set, at one stop or at all, and the set's features."""
 
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
-from app.pair_input import pair_of
+from app.familiar import looked_at, readings_of
+from app.pair_input import asked, pair_of, rounded
 from app.resources import Resources, state_of
-from app.state import Question, Reply, order_from
+from app.state import Lazy, Question, Reply, order_from
+from omnivat.head.heads import OWN
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES, STAGES
 
 if TYPE_CHECKING:
     import numpy as np
 
+    from omnivat.maps.frames import FrameSet
+    from omnivat.maps.journey import MapStop
+
     Array = np.ndarray[Any, Any]
+    Maps = tuple[FrameSet, Callable[[], Iterable[MapStop]]]
 
 OUTPUT = STAGES[-1]  # of the head, which the map of Try a pair shows
+KEPT_STOPS = 64_000_000  # bytes of a set's features at all stops; more are computed each time
+
+
+def journey(resources: Resources, question: Question) -> Reply:
+    """Return a pair at every stop of the first head's maps, as `omnivat.maps.journey` has it.
+
+    question  {"vis", "tac": references}
+    return    `orders` and `stops` of the frames (P); `classes`, `learned`; `maps`: method ->
+              `places` by modality (P, 2), `nodes` (P, N, 2) in map units, and `exact`; `readings`:
+              reading -> (P, K); `tree`: `parents`, `in_use`, `probabilities` (P, N, K), `norms`
+              (P, N); `images`: the familiarity of each; `own`: `classes` and `readings` of the head
+              for own pictures, null unless all pictures are the visitor's and there is such a head
+
+    Raises DataError if the map is still being computed or head and set do not fit.
+    """
+    from omnivat.head.dtg import parents
+    from omnivat.kit.threads import one_thread
+    from omnivat.maps.journey import journey
+
+    named = asked(resources, {**question, "head": ""})
+    head, (_, stops) = named.head, _maps(resources)
+    with one_thread():  # a second one waits more than it works
+        found = journey(head, stops(), named.pair["vis"], named.pair["tac"])
+    rows = {name: values[:, 0].numpy() for name, values in found.readings.items()}
+    nodes = found.node_lengths.shape[-1]
+    refs = [str(ref) for name in IMAGES if (ref := question.get(name))]
+    by_own = OWN in resources.heads and all(ref.startswith("image:") for ref in refs)
+    own = asked(resources, {**question, "head": OWN}) if by_own else None
+    return {
+        "orders": found.orders,
+        "stops": found.stops,
+        "classes": list(head.settings.classes),
+        "learned": head.model.order,
+        "maps": {
+            method: {
+                "places": {name: rounded(rows[:, 0].numpy()) for name, rows in places.items()},
+                "nodes": rounded(found.nodes[method][:, 0].numpy()),
+                "exact": found.exact[method],
+            }
+            for method, places in found.places.items()
+        },
+        "readings": {name: rounded(values) for name, values in rows.items()},
+        "tree": {
+            "parents": parents(head.settings.generation, nodes),
+            "in_use": head.settings.tree_at_inference,
+            "probabilities": rounded(found.node_probabilities[:, 0].numpy()),
+            "norms": rounded(found.node_lengths[:, 0].numpy()),
+        },
+        "images": looked_at(named),
+        "own": own and {"classes": list(own.head.settings.classes), "readings": readings_of(own)},
+    }
 
 
 def place(resources: Resources, question: Question) -> Reply:
@@ -50,17 +108,37 @@ def place(resources: Resources, question: Question) -> Reply:
     return {"points": points, "order": order, "exact": found.exact}
 
 
+def _maps(resources: Resources) -> "Maps":
+    """Return the frames of the first head that are there, and what places pairs at their stops,
+    kept for the next pair unless it is large. Raises DataError without frames.
+    """
+    from omnivat.maps.frames import read_frames
+    from omnivat.maps.frames.builder import UMAP_STOPS
+    from omnivat.maps.journey import map_stops
+    from omnivat.maps.sweep.walk import KEPT_PAIRS
+
+    file = resources.frames.state().file
+    if file is None:
+        raise DataError("The map is still being computed; try again when it is there.")
+
+    def made() -> "Maps":
+        frames, head, embeddings = read_frames(file), resources.head(), resources.embeddings()
+
+        def stops() -> "Iterable[MapStop]":
+            kept = resources.coefficients() if len(embeddings) <= KEPT_PAIRS else None
+            return map_stops(head, embeddings, frames, kept=kept)
+
+        size = 2 * len(embeddings) * head.settings.width * 4 * UMAP_STOPS
+        return frames, stops if size > KEPT_STOPS else Lazy(lambda: list(stops()))
+
+    return resources.drawn_frames.once(repr(state_of(file)), made)
+
+
 def _drawn(resources: Resources, question: Question) -> "tuple[float, Array]":
     """Return the requested map of the head's output at its stop nearest to the requested order:
     order, positions (2N, 2).
     """
-    from omnivat.maps.frames import read_frames
-
-    kind = str(question.get("map"))
-    file = resources.frames.state().file
-    if file is None:
-        raise DataError("The map is still being computed; try again when it is there.")
-    frames = resources.drawn_frames.once(repr(state_of(file)), lambda: read_frames(file))
+    kind, (frames, _) = str(question.get("map")), _maps(resources)
     maps = frames.maps.get(f"{kind}/{OUTPUT}")
     if maps is None:
         raise DataError(f"There is no map '{kind:.20}' to place the pair on.")

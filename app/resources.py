@@ -4,7 +4,7 @@ The first page needs none of them: the browser fetches frames and thumbnails as 
 """
 
 import logging
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Iterable
 from functools import partial
 from pathlib import Path
 from threading import Lock
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from omnivat.head.checkpoint import Head
     from omnivat.head.head import PairCoefficients
     from omnivat.maps.frames import FrameSet
+    from omnivat.maps.journey import MapStop
 
     Array = np.ndarray[Any, Any]
 
@@ -96,7 +97,8 @@ class Resources:
         self.frames = self.frame_jobs[""]
         self.features: Recent[Array] = Recent(KEPT_FEATURES)  # by stage and order
         self.results: Recent[Reply] = Recent(KEPT_FEATURES)  # by method or tree
-        self.drawn_frames: Recent[FrameSet] = Recent(1)  # of the map, by file
+        # of the map, by file, and what places pairs at its stops
+        self.drawn_frames: Recent[tuple[FrameSet, Callable[[], Iterable[MapStop]]]] = Recent(1)
         # from visitors' labelled pairs, and of their sensors
         self.taught: Recent[tuple[Head, Familiarity | None]] = Recent(KEPT_TAUGHT, private=True)
         self.profiles: Recent[Profile] = Recent(KEPT_PROFILES, private=True)

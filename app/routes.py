@@ -20,7 +20,7 @@ from app.components import WEB
 from app.familiar import familiar, first
 from app.guard import is_loopback
 from app.limits import MAX_IMAGE_BYTES, PARTS
-from app.map_place import place
+from app.map_place import journey, place
 from app.mcp import mcp
 from app.messages import Handler, in_sentences, refusal
 from app.modes import mode_files, modes
@@ -54,6 +54,7 @@ QUESTIONS: dict[str, Work] = {
     "ladder": explore.ladder,
     "known": explore.known,
     "place": place,
+    "journey": journey,
     "predictions": predictors.predictions,
     "familiar": familiar,
     "profile": sensor.profile,

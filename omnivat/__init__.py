@@ -73,6 +73,8 @@ _PUBLIC = {
     "sweep": "omnivat.maps.sweep:sweep",
     "build_frames": "omnivat.maps.frames:build_frames",
     "read_frames": "omnivat.maps.frames:read_frames",
+    "map_stops": "omnivat.maps.journey:map_stops",
+    "journey": "omnivat.maps.journey:journey",
     "explore": "omnivat.notebook:explore",
     "figures": "omnivat.figures",
     # features of any encoder, without a head

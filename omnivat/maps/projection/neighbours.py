@@ -58,6 +58,7 @@ def nearest(points: Tensor, k: int, *, queries: Tensor | None = None) -> Neighbo
 
 
 PLACED_BY = 8  # neighbours of a new row
+SAME = 1e-5  # of the mean distance to the middle: float32 rows of one pair, from two batches
 EXACT = 1e-3  # of the map's radius; an affine map with smaller errors counts as the map
 
 
@@ -80,9 +81,14 @@ def placed(queries: Tensor, points: Tensor, flat: Tensor) -> Placed:
     """
     queries, points, flat = queries.double(), points.double(), flat.double()
     known = affine(points, flat)
+    return Placed(placed_by(known, queries, points, flat), exact=known is not None)
+
+
+def placed_by(known: Tensor | None, queries: Tensor, points: Tensor, flat: Tensor) -> Tensor:
+    """Return `placed` for what `affine` gives of the points and the map, in double precision."""
     if known is None:
-        return Placed(place(queries, points, flat), exact=False)
-    return Placed(queries @ known[:-1] + known[-1], exact=True)
+        return place(queries, points, flat)
+    return queries @ known[:-1] + known[-1]
 
 
 def affine(points: Tensor, flat: Tensor) -> Tensor | None:
@@ -122,7 +128,7 @@ def neighbour_shares(queries: Tensor, points: Tensor) -> tuple[Tensor, Tensor]:
     beyond = found.distance - found.distance[:, :1]
     tiny = torch.finfo(points.dtype).tiny
     weight = (-beyond / beyond.mean(1, keepdim=True).clamp_min(tiny)).exp()
-    scale = 1e-6 * (points - points.mean(0)).norm(dim=1).mean()
+    scale = SAME * (points - points.mean(0)).norm(dim=1).mean()
     there = found.distance <= scale
     weight = torch.where(there.any(1, keepdim=True), there.to(weight.dtype), weight)
     return found.index, weight / weight.sum(1, keepdim=True)
