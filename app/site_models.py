@@ -1,13 +1,13 @@
 """What a page without a server computes with: heads and encoder as ONNX files, the set in parts.
 
-models.json              classes, orders and files of each head; rows of the examples
-NAME.onnx                a head (`omnivat/head/portable.py`); "first" is the page's own
-familiarity, profile, …   of the first head, as its folder has them; own-…: of that for own pictures
+models.json              classes, orders and files of each head; rows of the examples; limits
+first.onnx, own.onnx     the page's head (`omnivat/head/portable.py`), and that for own pictures
+familiarity, own-…       of these heads, as their folders have it
 set-N.safetensors        embeddings of PART pairs each, in half precision
 ../encoder-HASH.onnx     one file for all sets of that encoder
 places.safetensors       F-hat to its place on each linear map, by map and stop
 ../resize.onnx           a picture to another size
-../look.onnx, …          rules of the library (`app/site_programs.py`)
+../look.onnx, …          functions of the library (`app/site_programs.py`)
 
 Each but the script of the runtime is packed as NAME.gz; the browser unpacks it.
 """
@@ -18,23 +18,35 @@ from gzip import compress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from app.familiar import training_pairs
+from app.familiar import NEAREST, training_pairs
 from app.map_place import kept_features
+from app.pictures import PREVIEW_SIDE
 from app.resources import Resources
 from app.site_runtime import write_runtime
 from app.state import content_name
+from app.views.explore import NEIGHBOURS
 from app.views.pair import trained_span
+from omnivat.data import images
+from omnivat.head import calibration
 from omnivat.head.heads import OWN
 from omnivat.kit.files import replacing, write_json
 from omnivat.kit.progress import OnStep, Step, ignore
-from omnivat.kit.stages import IMAGES
+from omnivat.kit.stages import IMAGES, STOPS
 
 if TYPE_CHECKING:
     from omnivat.head.checkpoint import Head
 
-PARTED = ("", OWN)  # heads that are taught, and whose familiarity is told
+HEADS = ("", OWN)  # the page's own, and that for own pictures
 PART = 32  # pairs of one file of the set, 0.1 MB of the default encoder, packed
-COPIED = ("familiarity.safetensors", "profile.safetensors")
+FAMILIARITY = "familiarity.safetensors"
+RULES = {  # numbers and words of the library that the scripts use
+    "pixels": {"jpeg": images.MAX_PIXELS, "other": images.VISITORS["pixels"]},
+    "side": {"least": images.MIN_SIDE, "large": images.SHORT_SIDE, "preview": PREVIEW_SIDE},
+    "stops": len(STOPS),
+    "familiar": {"words": [words for _, words in calibration.WORDS], "unlike": calibration.UNLIKE},
+    "nearest": NEAREST,
+    "neighbours": NEIGHBOURS,
+}
 
 
 def write_models(
@@ -96,13 +108,13 @@ def write_set(resources: Resources, folder: Path) -> None:
         with replacing(folder / f"set-{start // PART}.safetensors") as file:
             save_file(rows, file)
     heads = {}
-    for name in resources.heads:
+    for name in resources.heads.keys() & set(HEADS):
         head = resources.head_named(name)
-        heads[name] = own = _write_head(head, folder, name or "first")
-        if name in PARTED:
-            index, of = training_pairs(resources, head)
-            own["parts"] = _copied(head, folder, name)
-            own["training"] = {"index": index.tolist(), "of": of}
+        index, of = training_pairs(resources, head)
+        heads[name] = _write_head(head, folder, name or "first") | {
+            "familiarity": _copied(head, folder, name),
+            "training": {"index": index.tolist(), "of": of},
+        }
     record = {
         "heads": heads,
         "encoder": write_encoder(resources, folder.parent),
@@ -111,6 +123,7 @@ def write_set(resources: Resources, folder: Path) -> None:
         "pairs": len(embeddings),
         "part": PART,
         "rows": resources.example_rows(),
+        "rules": RULES,
     }
     write_json(folder / "models.json", record)
 
@@ -139,14 +152,13 @@ def write_places(resources: Resources, file: Path) -> None:
         save_file(found, whole)
 
 
-def _copied(head: "Head", folder: Path, name: str) -> dict[str, str]:
-    """Copy the parts of a head's folder; return part -> file."""
-    found = {}
-    for file in COPIED:
-        if head.path and (head.path / file).is_file():
-            found[file.split(".")[0]] = copy = f"{name}-{file}" if name else file
-            shutil.copyfile(head.path / file, folder / copy)
-    return found
+def _copied(head: "Head", folder: Path, name: str) -> str:
+    """Copy what a head's folder holds of its familiar images; return the file, "" without it."""
+    if not head.path or not (head.path / FAMILIARITY).is_file():
+        return ""
+    copy = f"{name}-{FAMILIARITY}" if name else FAMILIARITY
+    shutil.copyfile(head.path / FAMILIARITY, folder / copy)
+    return copy
 
 
 def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
@@ -193,5 +205,4 @@ def _write_head(head: "Head", folder: Path, name: str) -> dict[str, Any]:
         "linear": own.maps,
         "attends": own.mffa,
         "source": head.source,
-        "parts": {},
     }

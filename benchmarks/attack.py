@@ -2,8 +2,7 @@
 
 Hostile images, heads, sets, requests (to the page, the API and MCP) and callers are sent to the
 page's routes. A case passes if the status is below 500 within the time limit, an error is one
-sentence, and no sentence contains a folder of the server. What an earlier attack broke is tried
-again by families (`_attack_falls`). Failures are printed with their seed.
+sentence, and no sentence contains a folder of the server. Failures are printed with their seed.
 """
 
 import argparse
@@ -13,13 +12,11 @@ import sys
 from base64 import b64encode
 from collections import Counter
 from dataclasses import dataclass, field
-from itertools import chain
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 from benchmarks._attack_costly import decoded
-from benchmarks._attack_falls import families
 from benchmarks._attack_files import heads, images, questions, sets, spoilt_tensors
 
 SLOW_S = 5.0  # seconds; a slower reply is a failure
@@ -176,18 +173,14 @@ def main(arguments: list[str] | None = None) -> int:
 
     resources = Resources(places())
 
-    def application() -> Starlette:
-        guarded = [Middleware(Guard, rules=rules("127.0.0.1", ["demo.example"]))]
-        return Starlette(routes=routes(resources, api=True), middleware=guarded)
-
-    with TestClient(application(), base_url="http://127.0.0.1") as client:
+    guarded = [Middleware(Guard, rules=rules("127.0.0.1"))]
+    application = Starlette(routes=routes(resources, api=True), middleware=guarded)
+    with TestClient(application, base_url="http://127.0.0.1") as client:
         found = attack(client, resources, chosen.seed, chosen.count)
-    costly = ("costly", decoded(resources.shared.decoder))
-    for family, cases in chain([costly], families(application, resources, chosen.seed)):
-        found[family] = Counts()
-        for what, held in cases:
-            found[family].held += held
-            found[family].fell += [] if held else [what]
+    found["costly"] = costly = Counts()
+    for what, held in decoded(resources.shared.decoder):
+        costly.held += held
+        costly.fell += [] if held else [what]
     resources.shared.close()
     record: dict[str, dict[str, Any]] = {
         name: {

@@ -219,8 +219,8 @@ def pairs_compared(site: Site, resources: Resources, count: int) -> dict[str, An
             name: embedded(resources, decoder, content, name) for name, content in files.items()
         }
         refs = {name: site.sent(content) for name, content in files.items()}
-        _, reply, _ = site.ask("many", {"pairs": [refs]})
-        gap, more = compared(reply["pairs"][0]["readings"], classes, expected(resources, pair))
+        _, reply, _ = site.ask("pair", refs)
+        gap, more = compared(reply["exact"]["readings"], classes, expected(resources, pair))
         gaps["pictures"].append(gap)
         changed += more
     rows = np.linspace(0, len(embeddings) - 1, count - count // 2).astype(int).tolist()
@@ -229,8 +229,8 @@ def pairs_compared(site: Site, resources: Resources, count: int) -> dict[str, An
             n: torch.from_numpy(getattr(embeddings, n)[row : row + 1].copy())
             for n in ("vis", "tac")
         }
-        _, reply, spent = site.ask("many", {"pairs": [{"vis": f"row:{row}", "tac": f"row:{row}"}]})
-        gap, more = compared(reply["pairs"][0]["readings"], classes, expected(resources, pair))
+        _, reply, spent = site.ask("pair", {"vis": f"row:{row}", "tac": f"row:{row}"})
+        gap, more = compared(reply["exact"]["readings"], classes, expected(resources, pair))
         gaps["pairs of the set"].append(gap)
         changed += more
         ms.append(spent)
@@ -297,10 +297,10 @@ def odd_compared(site: Site, resources: Resources) -> dict[str, Any]:
         if status != 200:
             found[name] = {"server": "taken", "browser": reply["error"]}
             continue
-        _, reply, _ = site.ask("many", {"pairs": [{"vis": reply["ref"]}]})
+        _, reply, _ = site.ask("pair", {"vis": reply["ref"]})
         (wanted,) = predict_embeddings(resources.head(), row, None)
         gap, changed = compared(
-            reply["pairs"][0]["readings"], classes, {"vis": wanted["probabilities"]}
+            reply["exact"]["readings"], classes, {"vis": wanted["probabilities"]}
         )
         found[name] = {"difference": gap, "changed": changed}
     decoder.close()

@@ -102,23 +102,19 @@ def joined(first: Channels, other: Channels) -> Channels:
     >>> found.count, found.mean.tolist(), np.isclose(found.variance, rows.var()).tolist()
     (3, [3.0], [True])
     """
-    parts = [
-        (one.mean.astype(np.float64), one.variance.astype(np.float64), one.count)
-        for one in (first, other)
-    ]
-    mean, variance, count = pooled(*parts[0], *parts[1])
-    return Channels(mean=mean.astype(np.float32), variance=variance.astype(np.float32), count=count)
-
-
-def pooled(
-    mean: Any, variance: Any, count: Any, other_mean: Any, other_variance: Any, other_count: Any
-) -> tuple[Any, Any, Any]:
-    """Return mean, variance and count of two sets of pictures together; arrays or tensors."""
-    every = count + other_count
-    middle = (count * mean + other_count * other_mean) / every
-    spread = variance + (mean - middle) ** 2
-    other_spread = other_variance + (other_mean - middle) ** 2
-    return middle, (count * spread + other_count * other_spread) / every, every
+    count = first.count + other.count
+    share = other.count / count
+    (mean, other_mean), (variance, other_variance) = (
+        [getattr(one, name).astype(np.float64) for one in (first, other)]
+        for name in ("mean", "variance")
+    )
+    off = other_mean - mean
+    spread = variance + share * (other_variance - variance) + share * (1 - share) * off**2
+    return Channels(
+        mean=(mean + share * off).astype(np.float32),
+        variance=spread.astype(np.float32),
+        count=count,
+    )
 
 
 def profile_of(

@@ -1,6 +1,9 @@
 """A small attack on every run: hostile images, heads, sets, requests and callers."""
 
+from io import BytesIO
+
 import pytest
+from PIL import Image
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
 from starlette.testclient import TestClient
@@ -25,32 +28,20 @@ def test_a_small_attack_is_held_with_a_sentence_for_every_refusal(resources, see
 
 @pytest.mark.slow
 def test_no_visitor_finds_a_picture_profile_or_head_of_another(resources):
-    from benchmarks._attack_names import apart
-
-    cases = list(apart(lambda: Starlette(routes=routes(resources)), resources))
-    assert len(cases) == 6
-    assert [what for what, held in cases if not held] == []
-
-
-@pytest.mark.slow
-def test_hostile_names_stay_text_in_every_output(tmp_path):
-    from benchmarks._attack_names import outputs
-
-    cases = list(outputs(tmp_path))
-    assert len(cases) > 20
-    assert [what for what, held in cases if not held] == []
-
-
-@pytest.mark.slow
-def test_recordings_numbers_and_lessons_of_an_attacker_are_held(resources, tmp_path, monkeypatch):
-    import random
-
-    from benchmarks import _attack_falls as falls
-
-    monkeypatch.setattr(falls, "RECORDINGS", 40)
-    monkeypatch.setattr(falls, "SLOW_S", 1e9)  # counts and errors alone
-    (tmp_path / "recordings").mkdir()
-    cases = [*falls.recordings(tmp_path / "recordings", random.Random(3)), *falls.numbers(tmp_path)]
-    cases += falls.teaching(lambda: Starlette(routes=routes(resources)))
-    assert len(cases) > 60
-    assert [what for what, held in cases if not held] == []
+    app = Starlette(routes=routes(resources))
+    own, other = (TestClient(app, "http://127.0.0.1", client=(f"10.0.1.{k}", 1)) for k in (1, 2))
+    with BytesIO() as handle:
+        Image.new("RGB", (64, 64), 120).save(handle, "PNG")
+        picture = handle.getvalue()
+    ref = own.post("/omnivat/image?name=x", content=picture).json()["ref"]
+    profile = own.post("/omnivat/profile", json={"photos": [ref]}).json()["profile"]
+    lessons = [{"vis": f"row:{k}", "tac": f"row:{k}", "label": "ab"[k % 2]} for k in range(4)]
+    taught = own.post("/omnivat/taught", json={"lessons": lessons}).json()["taught"]
+    pair = {"vis": ref, "tac": "row:0"}
+    for client, status in ((own, 200), (other, 410)):
+        for path, asked in (
+            ("pair", {"json": pair}),
+            ("save/sensor", {"json": {**pair, "vis": "row:1", "profile": profile}}),
+            (f"live?modality=vis&taught={taught}", {"content": picture}),
+        ):
+            assert client.post(f"/omnivat/{path}", **asked).status_code == status, path

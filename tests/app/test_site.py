@@ -3,7 +3,6 @@
 import json
 import re
 import shutil
-from pathlib import Path
 from urllib.parse import urlsplit
 
 import numpy as np
@@ -12,7 +11,7 @@ import torch
 from safetensors.numpy import load_file
 from torch.nn.functional import normalize
 
-from app import map_place, site, site_rules
+from app import map_place, site
 from app.resources import Resources
 from app.routes import FACTS, QUESTIONS
 from app.site import MARK, OWN, Files, export_site
@@ -37,13 +36,6 @@ def held(out):
 
 def names_in(out):
     return [file.relative_to(out).as_posix() for file in files_in(out)]
-
-
-def test_buttons_that_need_python_are_hidden_by_what_the_page_calls_them():
-    web = Path(site.__file__).parent / "web"
-    hidden = re.findall(r'\[data-path="(.+?)"\]', (web / "site/site.css").read_text("utf-8"))
-    own = (web / "pair/own.js").read_text("utf-8")
-    assert hidden and "data-path=" in own and all(f'"{path}"' in own for path in hidden)
 
 
 def test_every_address_is_relative_and_of_a_file_in_the_folder(written):
@@ -182,7 +174,3 @@ def test_the_command_takes_a_file_or_a_folder(tmp_path, capsys):
         main(["export", "--site", str(tmp_path / "a"), "--out", str(tmp_path / "b.html")])
     assert main(["export", "--out", str(tmp_path / "b.png"), "--sets", "chirps"]) == 1
     assert "belong to --site" in capsys.readouterr().err
-
-
-def test_the_numbers_in_the_scripts_are_those_of_the_library():
-    assert site_rules.FILE.read_text(encoding="utf-8") == site_rules.rules()

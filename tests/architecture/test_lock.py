@@ -10,12 +10,18 @@ from importlib.metadata import packages_distributions
 from pathlib import Path
 
 from packaging.requirements import Requirement
-
-from benchmarks.advisories import locked, plain
+from packaging.utils import canonicalize_name as plain
+from packaging.version import Version
 
 ROOT = Path(__file__).resolve().parents[2]
 # whose versions Gradio chooses: its server, its downloads
 OF_GRADIO = {"starlette", "uvicorn", "huggingface_hub"}
+LINE = re.compile(r"^([A-Za-z0-9._-]+)==([^ \\]+)", re.MULTILINE)
+
+
+def locked(text):
+    """Return name -> version of the packages that a lock file names."""
+    return {plain(name): Version(version) for name, version in LINE.findall(text)}
 
 
 def requirements():

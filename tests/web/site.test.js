@@ -3,10 +3,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { whole } from "../../app/web/site/decode.js";
-import { PAIR } from "../../app/web/site/rules.js";
+import { onLinear } from "../../app/web/site/forest.js";
 import { inTurn, runtime } from "../../app/web/site/runtime.js";
-import { lessonsIn } from "../../app/web/site/teaching.js";
-import { tensors, written } from "../../app/web/site/tensors.js";
+import { nearest, stacked, tensors } from "../../app/web/site/tensors.js";
 
 globalThis.self ??= /** @type {any} */ ({});
 const nothing = () => Promise.resolve(new ArrayBuffer(0));
@@ -36,12 +35,44 @@ test("the runtime does one thing at a time, in their order, and a failure stops 
   assert.deepEqual([first.value, second.reason.message, third.value], ["a", "b", "c"]);
 });
 
-test("a file of numbers is read as it was written, and a damaged one is refused", () => {
-  const bytes = written({ a: [1, 2.5, -3], b: [0.25] }, { format: "x" });
-  const found = tensors(bytes.buffer);
-  assert.deepEqual([...found.a.values, ...found.b.values], [1, 2.5, -3, 0.25]);
-  assert.equal(found.__metadata__.format, "x");
+test("a file of numbers is read, and a damaged one is refused", () => {
+  const head = JSON.stringify({ a: { dtype: "F32", shape: [3], data_offsets: [0, 12] } });
+  const bytes = new Uint8Array(8 + head.length + 12);
+  new DataView(bytes.buffer).setBigUint64(0, BigInt(head.length), true);
+  bytes.set(new TextEncoder().encode(head), 8);
+  bytes.set(new Uint8Array(Float32Array.of(1, 2.5, -3).buffer), 8 + head.length);
+  assert.deepEqual([...tensors(bytes.buffer).a.values], [1, 2.5, -3]);
   assert.throws(() => tensors(bytes.slice(0, -2).buffer), /cannot be read as a file of numbers/);
+});
+
+test("the nearest rows are those of the largest cosines, without a row that is left out", () => {
+  const rows = [
+    [1, 0],
+    [0, 1],
+    [0.6, 0.8],
+  ];
+  const found = (except) => nearest(rows, [0, 1], 2, except).map(({ point, cosine }) => [point, cosine]);
+  assert.deepEqual(found(-1), [
+    [1, 1],
+    [2, 0.8],
+  ]);
+  assert.deepEqual(found(1), [
+    [2, 0.8],
+    [0, 0],
+  ]);
+});
+
+test("a linear map places any row", () => {
+  assert.deepEqual(
+    onLinear(
+      [2, 3],
+      stacked([
+        [1, 0, 5],
+        [0, 1, -1],
+      ]),
+    ),
+    [7, 2],
+  );
 });
 
 test("a picture is whole with anything behind it, and not with only its preview's end", () => {
@@ -60,11 +91,4 @@ test("a picture is whole with anything behind it, and not with only its preview'
   const png = [0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10, ...piece("IDAT", 9), ...piece("IEND", 0)];
   assert.ok(whole(Uint8Array.of(...png, ...new Array(9000).fill(5))));
   assert.ok(!whole(Uint8Array.of(...png.slice(0, -13))));
-});
-
-test("lessons without a label, and more than the server takes, are refused", () => {
-  const lesson = { vis: "image:a", label: " cork " };
-  assert.deepEqual(lessonsIn({ lessons: [lesson] }), [{ vis: "image:a", label: "cork" }]);
-  assert.throws(() => lessonsIn({ lessons: [{ ...lesson, label: " " }] }), /1 to 40 letters/);
-  assert.throws(() => lessonsIn({ lessons: Array(PAIR.MOST_LESSONS + 1).fill(lesson) }), /at most 60 are taught/);
 });

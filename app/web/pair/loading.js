@@ -8,7 +8,9 @@ const HEAD = ["weights.safetensors", "settings.json", "metrics.json", "familiari
 /** Connect the form in `box`. @param {Found} box */
 export function loading(box) {
   if (held) {
-    box.querySelector("div").textContent = held.alone;
+    box.querySelector("summary").textContent = "More with Python";
+    box.querySelector("div").textContent =
+      `${held.alone} It brings labels and teaching, many pairs, profiles, Live, Where?, and heads and sets of your own.`;
     return;
   }
   const [button, back, note] = box.querySelectorAll(".go, .back, [role=status]");

@@ -1,9 +1,11 @@
 /** Fill the dots that are printed on a gel: `omnivat/data/grid.py` and `dots.py`, with equal results. No DOM here. */
 
-import { DOTS } from "./rules.js";
 import { dot, mean, norm, sum } from "./tensors.js";
 
-const { SMALLEST, SIDE, WIDEST, LONGEST, SHORTEST, MOST, FAINTEST, NODES, SUPPORT, STRAY, FAINT, SWEEPS } = DOTS;
+const [SIDE, SMALLEST, SWEEPS] = [224, 64, 2]; // the numbers of grid.py and dots.py
+const [WIDEST, LONGEST, SHORTEST] = [0.085, 0.28, 11];
+const [FAINTEST, FAINT, MOST] = [26, [0.35, 0.7], 256];
+const [NODES, SUPPORT, STRAY] = [16, 0.22, 0.24];
 /** @typedef {{ width: number, height: number, values: Float64Array }} Plane
  * @typedef {{ x: number, y: number, depth: number }} Spot @typedef {{ nodes: Spot[], steps: number[][], darkness: number }} Grid */
 

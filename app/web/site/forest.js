@@ -2,7 +2,6 @@
 
 import { IMAGES, imagesOf } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";
-import { PAIR } from "./rules.js";
 import { quiet } from "./runtime.js";
 import { dot, nearest, norm, rounded, roundedRow, rowOf, rowsOf, stacked, unit } from "./tensors.js";
 
@@ -91,7 +90,8 @@ export const FOREST = {
 
   async neighbours(desk, { point, stage, order }, { stopped }) {
     const all = await featuresOf(desk, await desk.head(), stage, order, stopped);
-    const near = nearest(all, all[point], PAIR.NEIGHBOURS, point);
+    const { rules } = await desk.about();
+    const near = nearest(all, all[point], rules.neighbours, point);
     return { neighbours: near.map((one) => ({ ...one, cosine: rounded(one.cosine, 4) })) };
   },
 };

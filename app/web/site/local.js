@@ -4,11 +4,7 @@ import { held, own } from "../shared/held.js";
 import { placed } from "./places.js";
 
 /** The routes that the browser computes; what else needs a server. */
-export const ROUTES = new Set([
-  ...["pair", "many", "attention", "familiar", "profile", "teach", "taught"],
-  ...["image", "live", "occlusion", "sensor", "save/sensor"],
-  ...["tree", "place", "neighbours"],
-]);
+export const ROUTES = new Set(["image", "pair", "attention", "familiar", "tree", "place", "neighbours"]);
 const DEAD = "The models cannot be started in this browser; reload the page, or open it in another one.";
 
 /** @type {Worker | null} */
@@ -66,6 +62,5 @@ export async function respond({ set, path, query, body, signal, models }) {
   const ask = (/** @type {string} */ name, /** @type {any} */ question) =>
     sent({ base: addressOf(models), set, path: name, query: `${query}`, body: question }, signal);
   const { status, value } = path === "place" ? await placed(set, content, ask) : await ask(path, content);
-  if (value instanceof Uint8Array) return new Response(/** @type {any} */ (value), { status });
   return Response.json(value, { status });
 }

@@ -4,15 +4,11 @@ import { IMAGES } from "../shared/images.js";
 import { keeper } from "../shared/once.js";
 import { Refusal } from "../shared/refusal.js";
 import { withoutDots } from "./dots.js";
-import { PAIR } from "./rules.js";
 import { inTurn, LOST, runtime } from "./runtime.js";
 import { rowOf, tensorOf, tensors } from "./tensors.js";
 
 const NOT_HERE =
   "Pictures for this head's encoder need Python: run `python -m pip install -r requirements.txt`, then `python app.py`.";
-/** The head's rows for teaching. */
-export const STANDING = IMAGES.map((name) => `${name}_standing`);
-
 export class Models {
   once = keeper();
 
@@ -68,13 +64,6 @@ export class Models {
     return { ...head, name };
   }
 
-  /** The tensors of a part of a head's folder; null without it.
-   * @param {string} name @param {"familiarity" | "profile"} part */
-  async part(name, part) {
-    const { parts } = await this.head(name);
-    return parts[part] ? this.file(parts[part]) : null;
-  }
-
   /** Run a graph on its inputs by name; its outputs by name, of `wanted` or all.
    * @param {string} file @param {Tensors} inputs @param {string} [title] @param {string[]} [wanted]
    * @returns {Promise<Tensors>} */
@@ -90,7 +79,7 @@ export class Models {
     );
   }
 
-  /** What a rule of the library gives: arguments and results in the order of app/site_programs.py.
+  /** What a function of the library returns: arguments and results in the order of app/site_programs.py.
    * @param {string} name @param {(Tensor | Floats | number)[]} given @returns {Promise<Tensor[]>} */
   async rule(name, ...given) {
     const file = `../${name}.onnx`;
@@ -102,8 +91,8 @@ export class Models {
 
   /** Run a head: many pairs of embeddings at one stop of p, or one pair at many. A missing embedding is of zeros; a stop
    * of null is what the head learned. @param {SiteHead} head @param {Rows[]} pairs @param {(number | null)[]} stops
-   * @param {string[]} [wanted] none of them a reading of a taught head */
-  async run({ file, orders, map }, pairs, stops, wanted) {
+   * @param {string[]} [wanted] */
+  async run({ file, orders }, pairs, stops, wanted) {
     const { width } = await this.about();
     const count = Math.max(pairs.length, stops.length);
     const both = new Float64Array(2 * count);
@@ -117,11 +106,7 @@ export class Models {
       }
       inputs[name] = { values: rows, shape: [count, width] };
     }
-    const out = await this.ran(file, inputs, "the head", wanted);
-    if (!map || wanted) return out;
-    const names = PAIR.READINGS.map((name) => `p_${name}`);
-    const taught = await this.rule("taught", ...[...names, ...STANDING].map((name) => out[name]), ...map);
-    return { ...out, ...Object.fromEntries(names.map((name, i) => [name, taught[i]])) };
+    return this.ran(file, inputs, "the head", wanted);
   }
 
   /** The encoder, which is on its way then. */
@@ -133,15 +118,10 @@ export class Models {
     return { ...encoder, file };
   }
 
-  /** The picture as the encoder gets it: the dots of a gel are filled if they were in training.
-   * @param {Raster} picture @param {string} modality */
-  async seen(picture, modality) {
-    return modality === "tac" && (await this.encoder()).dots === "fill" ? withoutDots(picture) : picture;
-  }
-
-  /** The embeddings of a picture as photo and as touch: two only where dots were filled. @param {Raster} picture */
+  /** The embeddings of a picture as photo and as touch: two only where the encoder's training filled dots, and the
+   * picture has some. @param {Raster} picture */
   async asEither(picture) {
-    const touch = await this.seen(picture, "tac");
+    const touch = (await this.encoder()).dots === "fill" ? withoutDots(picture) : picture;
     const vis = await this.encoded(picture);
     return { vis, tac: touch === picture ? vis : await this.encoded(touch) };
   }
@@ -156,14 +136,7 @@ export class Models {
     return { pixels: resized.values, width: wide, height: high };
   }
 
-  /** The picture within `most` × `most` pixels. @param {Raster} picture @param {number} most */
-  async within(picture, most) {
-    const scale = most / Math.max(picture.width, picture.height);
-    const side = (/** @type {number} */ length) => Math.max(1, Math.round(scale * length));
-    return scale >= 1 ? picture : this.resized(picture, side(picture.width), side(picture.height));
-  }
-
-  /** The embedding of a picture, as `seen` gives it. @param {Raster} picture @returns {Promise<Float32Array>} */
+  /** The embedding of a picture. @param {Raster} picture @returns {Promise<Float32Array>} */
   async encoded(picture) {
     const { file, side } = await this.encoder();
     const { pixels, width, height } = side ? await this.resized(picture, side, side) : picture;

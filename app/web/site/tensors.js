@@ -31,23 +31,6 @@ export function tensors(buffer, name = "the file") {
   }
 }
 
-/** The bytes of a file of float32 vectors, each aligned.
- * @param {Record<string, ArrayLike<number>>} vectors @param {Record<string, string>} metadata */
-export function written(vectors, metadata) {
-  /** @type {Record<string, any>} */
-  const listed = { __metadata__: metadata };
-  let end = 0;
-  for (const [name, { length }] of Object.entries(vectors))
-    listed[name] = { dtype: "F32", shape: [length], data_offsets: [end, (end += 4 * length)] };
-  const text = JSON.stringify(listed);
-  const head = new TextEncoder().encode(text.padEnd(8 * Math.ceil(text.length / 8)));
-  const out = new Uint8Array(8 + head.length + end);
-  new DataView(out.buffer).setBigUint64(0, BigInt(head.length), true);
-  out.set(head, 8);
-  new Float32Array(out.buffer, 8 + head.length).set(Object.values(vectors).flatMap((vector) => Array.from(vector)));
-  return out;
-}
-
 /** A number or a vector as a tensor. @param {Tensor | Floats | number} one @returns {Tensor} */
 export function tensorOf(one) {
   if (typeof one === "number") return { values: Float64Array.of(one), shape: [] };

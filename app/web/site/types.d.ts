@@ -8,14 +8,9 @@ type Tensor = { shape: number[]; values: any };
 type Tensors = Record<string, Tensor>;
 /** Pixels RGB, row by row. */
 type Raster = { pixels: Uint8Array; width: number; height: number };
-/** Mean and variance of each channel over pictures. */
-type Channels = { mean: Floats; variance: Floats; count: number };
-type SensorProfile = { channels: Partial<Record<Modality, Channels>>; step?: number; domain?: string };
-/** Of an encoder. */
-type Key = Record<"name" | "weights_hash" | "preprocessing", string>;
-/** What images are compared with: rows, and ascending quantiles of their nearest cosines. */
-type KnownImages = Partial<Record<Modality, Tensor[]>>;
-/** A head: what models.json has of it (app/site_models.py), and what lessons made of it. */
+/** The numbers and words of models.json (app/site_models.py). */
+type SiteRules = { pixels: Record<"jpeg" | "other", number>; side: Record<"least" | "large" | "preview", number> };
+/** What models.json has of a head. */
 type SiteHead = {
   name: string;
   classes: string[];
@@ -24,12 +19,11 @@ type SiteHead = {
   training: { index: number[]; of: string };
   parents: number[];
   groups: [start: number, stop: number][];
-  map?: Tensor[];
-  known?: KnownImages;
+  familiarity: string;
   [other: string]: any;
 };
-/** What a question names; see app/pair_input.py. */
-type Asked = { before: Rows; pair: Rows; order: number | null; head: SiteHead };
+/** What a request names; see app/pair_input.py. */
+type Asked = { pair: Rows; order: number | null; head: SiteHead };
 /** A question's other parts: the bytes of its file, and whether it was withdrawn. */
 type Sent = { body: Uint8Array; stopped: () => boolean };
 type Route = (desk: import("./desk.js").Desk, question: any, sent: Sent) => Promise<unknown>;

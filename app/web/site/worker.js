@@ -3,12 +3,11 @@
 import { Refusal } from "../shared/refusal.js";
 import { Desk } from "./desk.js";
 import { FOREST } from "./forest.js";
-import { PICTURES } from "./pictures.js";
-import { QUESTIONS } from "./routes.js";
+import { READING } from "./routes.js";
 import { promptly } from "./runtime.js";
 
 const FAILED = "Something went wrong in this browser; the console has the details. Try again, or choose another pair.";
-const ROUTES = { ...QUESTIONS, ...PICTURES, ...FOREST };
+const ROUTES = { ...READING, ...FOREST };
 const PATIENT = ["warm", ...Object.keys(FOREST)];
 /** @type {Map<string, Desk>} */
 const desks = new Map();

@@ -87,7 +87,6 @@ def test_a_portable_head_gives_every_reading_of_the_fast_head_at_any_order(writt
             assert torch.allclose(found[f"p_{name}"], wanted, atol=2e-6), name
         for name, wanted in out.frft.items():
             assert torch.allclose(found[f"{name}_size"], wanted.norm(dim=0), atol=1e-5)
-    assert torch.allclose(found["vis_standing"][:1], head.model.standing("vis", vis), atol=1e-6)
 
 
 def test_the_stages_and_trees_of_many_pairs_are_those_of_the_fast_head(written):
