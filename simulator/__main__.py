@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from omnivat.cli import main
-from omnivat.cli.arguments import count, declare, listed, passed, path, progress_bar
+from omnivat.cli.arguments import count, declare, flag, listed, passed, path, progress_bar
 from omnivat.kit.files import require_writable
 
 if TYPE_CHECKING:
@@ -93,6 +93,7 @@ COMMANDS = {
     "twins": command(
         "Draw one press of each object as every sensor sees it (docs/twins.md).",
         draw_twins, 60, workers=WORKERS,
+        gels=flag("touches of five gels alone, which needs neither Taxim nor Mitsuba"),
     ),
     "chirps": command(
         "Draw signals whose class shows at one fractional order only (docs/order.md).",

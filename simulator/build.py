@@ -5,6 +5,7 @@ A few pairs of a set can be copied as small examples."""
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from functools import partial
+from importlib.util import find_spec
 from itertools import chain
 from os import cpu_count
 from pathlib import Path
@@ -16,16 +17,18 @@ from omnivat.data.domains import paper_name, simulated
 from omnivat.data.images import read_image
 from omnivat.data.pairs import TEXTS, Pair, PairSet
 from omnivat.data.rest import REST
-from omnivat.kit.errors import DataError
+from omnivat.kit.errors import DataError, MissingPackageError
 from omnivat.kit.files import replacing
 from omnivat.kit.progress import OnStep, Step, ignore
+from omnivat.kit.stages import IMAGES
 from omnivat.kit.tables import entry
 from omnivat.kit.threads import in_processes
 from simulator.domains import NUMBERS, SIMULATED, SimulatedDomain
 from simulator.drawing import drawn, resting
 from simulator.noise import Array
 from simulator.photograph import Renderer
-from simulator.plan import PAIRS, Planned, classes, planned, write_table
+from simulator.plan import COLUMNS, PAIRS, Planned, classes, planned, write_table
+from simulator.sensors import SensorModel, TaximSensor
 from simulator.vision import rendered
 
 Wanted = tuple[Planned, str]  # a pair, and "vis" or "tac"
@@ -106,13 +109,10 @@ def simulate(
     # Alternate between classes, so that an interrupted build has a mixed sample.
     in_turn = sorted(plan, key=lambda pair: int(pair.object.rsplit("-", 1)[1]))
     images = [(pair, kind) for pair in in_turn for kind in ("vis", "tac")]
-    whole = draw_set(
+    return draw_set(
         out, plan, images, origin=f"simulated by omnivat, seed {seed}",
         seed=seed, size=size, workers=workers, renderer=renderer, on_step=on_step,
     )  # fmt: skip
-    for name, made in {pair.domain: pair.made for pair in plan}.items():
-        write_image(out / simulated(name) / REST, resting(made.sensor, size=size))
-    return whole
 
 
 def draw_set(
@@ -129,11 +129,21 @@ def draw_set(
 ) -> PairSet:
     """Draw the images that are not yet complete on disk, write the table, and return the pairs.
 
-    The first image is drawn here, so that a missing package ends the build before anything is
-    written, the others in processes.
+    Without images of one kind, the table has no column for it, and the other stands for both. Every
+    domain's folder also gets the rest picture of its sensor. The first image is drawn here, so that
+    a renderer of one's own fails before anything is written, the others in processes.
+
+    Raises MissingPackageError, before any work, with all that the images need.
     """
     work = partial(draw_to, out=out, seed=seed, size=size, renderer=renderer)
     todo = [image for image in images if not is_whole(image_path(out, *image), size)]
+    rests = {out / simulated(pair.domain) / REST: pair.made.sensor for pair in plan}
+    rests = {path: sensor for path, sensor in rests.items() if not is_whole(path, size)}
+    touched = [pair.made.sensor for pair, kind in todo if kind == "tac"]
+    require_packages(
+        [*touched, *rests.values()],
+        photographs=renderer is rendered and any(kind == "vis" for _, kind in todo),
+    )
     done = len(images) - len(todo)
     on_step(Step(done=done, total=len(images), text="already there"))
     first, rest = todo[:1], todo[1:]
@@ -142,17 +152,41 @@ def draw_set(
     for name in chain(map(work, first), others):
         done += 1
         on_step(Step(done=done, total=len(images), text=name))
+    for path, sensor in rests.items():
+        write_image(path, resting(sensor, size=size))
+    kinds = {kind for _, kind in images}
+    files = {kind: kind if kind in kinds else next(iter(kinds)) for kind in IMAGES}
     pairs = tuple(
         Pair(
-            vis=image_path(out, pair, "vis"),
-            tac=image_path(out, pair, "tac"),
+            vis=image_path(out, pair, files["vis"]),
+            tac=image_path(out, pair, files["tac"]),
             domain=simulated(pair.domain),
             **{name: getattr(pair, name) for name in ("material", *TEXTS)},
         )
         for pair in plan
     )
-    write_table(out, pairs)
+    write_table(out, pairs, [name for name in COLUMNS if files.get(name, name) == name])
     return PairSet(pairs=pairs, origin=origin, simulated=True)
+
+
+def require_packages(sensors: Sequence[SensorModel], *, photographs: bool) -> None:
+    """Raise MissingPackageError if packages are missing for touches by `sensors`, or for
+    photographs by Mitsuba; the sentence lists everything that is needed.
+    """
+    needs = {}
+    if photographs:
+        needs["photographs"] = ("mitsuba",)
+    if any(isinstance(sensor, TaximSensor) for sensor in sensors):
+        needs["touches of OF 2.0 A and B"] = ("taxim", "jax")
+    missing = [name for names in needs.values() for name in names if find_spec(name) is None]
+    if missing:
+        wanted = ", ".join(f"{what} need {' and '.join(names)}" for what, names in needs.items())
+        raise MissingPackageError(
+            f"Nothing was drawn: {wanted}, and {', '.join(missing)}"
+            f" {'is' if len(missing) == 1 else 'are'} not installed. Run `pip install -r"
+            " simulator/requirements.txt`, or draw touches of the five gels, which need none of"
+            " these: `python -m simulator twins --gels --out DIR`."
+        )
 
 
 def draw_to(image: Wanted, *, out: Path, seed: int, size: int, renderer: Renderer) -> str:

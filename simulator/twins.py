@@ -16,6 +16,7 @@ from simulator.build import draw_set
 from simulator.domains import SIMULATED, SimulatedDomain
 from simulator.photograph import Renderer
 from simulator.plan import PAIRS, Planned, planned
+from simulator.sensors import Sensor
 from simulator.vision import rendered
 
 # Objects in TAG's mixture, with numbers that no domain uses.
@@ -33,22 +34,21 @@ def twin(unmet: Planned, domain: SimulatedDomain) -> Planned:
 
 
 def unmet_objects(each: int = PAIRS) -> list[Planned]:
-    """Return `each` objects of every class, in rounds of the classes; all are test objects.
+    """Return `each` objects of every class, in rounds of the classes: one in three is for testing.
 
     Raises DataError for less than one.
     """
     if each < 1:
         raise DataError(f"{each} objects of a class were requested; choose 1 or more.")
     of_class = (planned(UNMET, material, pairs=each) for material in MATERIALS)
-    return [
-        replace(pair, split="test") for in_turn in zip(*of_class, strict=True) for pair in in_turn
-    ]
+    return [pair for in_turn in zip(*of_class, strict=True) for pair in in_turn]
 
 
 def simulate_twins(
     out: Path,
     *,
     each: int = PAIRS,
+    gels: bool = False,
     seed: int = 0,
     size: int = 224,
     workers: int | None = None,
@@ -61,11 +61,19 @@ def simulate_twins(
     `object` are twins. Touches come first, because a photograph costs ten times as much. Bytes,
     resuming and the other arguments are as for `simulator.build.simulate`.
 
+    gels  touches alone, by the five gels with a camera, which need neither Taxim nor Mitsuba. A
+          third of the objects is for testing, the others are for training on one of the gels.
+          Otherwise no head has met the objects, and all of them are for testing.
+
     Raises DataError for less than one object of a class, MissingPackageError if the renderer or
     Taxim is not installed.
     """
-    twins = [twin(unmet, domain) for unmet in unmet_objects(each) for domain in SIMULATED.values()]
-    images = [(pair, kind) for kind in ("tac", "vis") for pair in twins]
+    domains = [
+        domain for domain in SIMULATED.values() if not gels or isinstance(domain.sensor, Sensor)
+    ]
+    unmet = [pair if gels else replace(pair, split="test") for pair in unmet_objects(each)]
+    twins = [twin(pair, domain) for pair in unmet for domain in domains]
+    images = [(pair, kind) for kind in ("tac", "vis")[: 2 - gels] for pair in twins]
     return draw_set(
         out, twins, images, origin=f"twins simulated by omnivat, seed {seed}",
         seed=seed, size=size, workers=workers, renderer=renderer, on_step=on_step,

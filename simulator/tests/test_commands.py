@@ -30,6 +30,23 @@ def test_wrong_usage_is_one_sentence(words, sentence, run):
 
 
 @pytest.mark.parametrize(
+    ("words", "missing"),
+    [
+        (["set"], "mitsuba, taxim, jax are not installed"),
+        (["set", "--domains", "TAG"], "and mitsuba is not installed"),
+        (["twins"], "`python -m simulator twins --gels --out DIR`"),
+    ],
+)
+def test_what_a_request_needs_and_lacks_is_said_before_any_work(
+    words, missing, run, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("simulator.build.find_spec", lambda name: None)
+    said = run(*words, "--out", tmp_path / "new", code=1).err
+    assert missing in said and said.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
     "words", [["chirps", "--out", "new", "--examples", "file"], ["set", "--out", "file"]]
 )
 def test_a_file_in_the_place_of_an_output_folder_is_refused_before_any_work(

@@ -6,8 +6,12 @@ from hashlib import sha256
 
 import pytest
 
+from omnivat.cli import main
 from omnivat.data.readers import read_pairs
-from omnivat.kit.errors import DataError
+from omnivat.data.rest import with_rest
+from omnivat.kit.errors import DataError, MissingPackageError
+from omnivat.study.shift import read_features
+from simulator import build
 from simulator.domains import NUMBERS, SIMULATED
 from simulator.drawing import drawn
 from simulator.photograph import plain
@@ -24,7 +28,7 @@ def images(unmet, domain):
 
 def test_the_plan_has_sixty_objects_of_each_class_and_stays_as_it_was_shipped():
     plan = unmet_objects()
-    text = "\n".join(f"{p.object} {p.number} {p.looks_like} {p.feels_like} {p.split}" for p in plan)
+    text = "\n".join(f"{p.object} {p.number} {p.looks_like} {p.feels_like} test" for p in plan)
 
     assert len({p.object for p in plan}) == len(plan) == 300
     assert (
@@ -60,6 +64,29 @@ def test_tacquad_is_photographed_indoors_and_outdoors():
 
     assert parts == {"indoor", "outdoor"}
     assert {twin(unmet, FIRST).part for unmet in plan} == {""}
+
+
+@pytest.mark.slow  # draws pairs
+def test_touches_of_five_gels_need_no_package_and_are_embedded_as_touches_alone(
+    tmp_path, monkeypatch
+):
+    monkeypatch.setattr(build, "find_spec", lambda name: None)
+    with pytest.raises(MissingPackageError, match="mitsuba, taxim, jax are not installed"):
+        simulate_twins(tmp_path / "set", each=2, workers=1)
+    assert not (tmp_path / "set").exists()
+    simulate_twins(tmp_path / "set", each=2, gels=True, size=48, workers=1)
+
+    found = with_rest(read_pairs(tmp_path / "set"), "all")
+    assert {pair.tac_rest.parent.name for pair in found.pairs} == set(found.domains())
+    assert len(found.pairs) == 50 and len(found.domains()) == 5
+    splits = {(pair.object, pair.split) for pair in found.pairs}
+    assert len(splits) == 10 and sum(split == "test" for _, split in splits) == 5
+
+    out = tmp_path / "set.safetensors"
+    command = ["embed", tmp_path / "set", "--encoder", "strip", "--out", out]
+    assert main(list(map(str, command))) == 0
+    read = read_features(out)
+    assert read.modalities == ("tac",) and read.embeddings.header.simulated
 
 
 @pytest.mark.slow  # draws pairs
