@@ -173,7 +173,7 @@ def require_packages(sensors: Sequence[SensorModel], *, photographs: bool) -> No
     """Raise MissingPackageError if packages are missing for touches by `sensors`, or for
     photographs by Mitsuba; the sentence lists everything that is needed.
     """
-    needs = {}
+    needs: dict[str, tuple[str, ...]] = {}
     if photographs:
         needs["photographs"] = ("mitsuba",)
     if any(isinstance(sensor, TaximSensor) for sensor in sensors):
