@@ -5,7 +5,7 @@ from pathlib import Path
 
 import torch
 
-from omnivat.encoders.clip_names import ClipState, clip_state
+from omnivat.encoders.clip_names import MARKS, ClipState, clip_state
 from omnivat.encoders.clip_settings import GELU, ClipSettings, clip_settings
 from omnivat.encoders.hub import Checkpoint, find
 from omnivat.encoders.running import state_hash
@@ -111,7 +111,7 @@ def open_clip(name: str, weights: Path | None, *, download: str = "ask") -> Clip
     Raises DataError if it is missing, not a CLIP, or of another size than its name states.
     """
     place = find(CHECKPOINTS[name], weights, download=download)
-    found = read_weights(place, name)
+    found = read_weights(place, name, *MARKS)
     state = clip_state(found)
     if not state.image and not state.text:
         raise DataError(

@@ -13,6 +13,10 @@ from torch import Tensor
 from omnivat.encoders.weights import Weights
 
 IMAGE, TEXT = ("vision_model.", "visual_projection."), ("text_model.", "text_projection.")
+MARKS = (  # a name of every image tower, and of every text tower
+    r"(?:visual\.(?:layer1\.0\.)?conv1\.weight|vision_model\.embeddings\.class_embedding)",
+    r"(?:text\.|text_model\.embeddings\.)?token_embedding\.weight",
+)
 
 # OpenAI's names -> those of transformers
 _NAMES = {
@@ -53,6 +57,8 @@ class ClipState:
 
 def clip_state(weights: Weights) -> ClipState:
     """Return CLIP's weights under the names used here; no tower has any if this is not a CLIP."""
+    # a text tower that is a module of its own
+    weights = weights.renamed({key.removeprefix("text."): one for key, one in weights.items()})
     resnet, scale = "visual.layer1.0.conv1.weight" in weights, weights.get("logit_scale")
     state = weights if _pick(weights, (*IMAGE, *TEXT)) else _renamed(weights)
     image = _pick(state, IMAGE)

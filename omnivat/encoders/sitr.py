@@ -101,7 +101,7 @@ def load(
             "SITR needs its published weights; download them from the authors' data set on the hub,"
             " hgupt3/sitr_dataset, and pass --tac-weights FILE."
         )
-    state = read_weights(weights, NAME)
+    state = read_weights(weights, NAME, r"patch_embed\.proj\.weight")
     side, number = _side(state), _presses(state)
     rest, presses = _calibration(state.file.parent / "calibration", number, side)
     network = Sitr(state, side=side, rest=rest, presses=presses)

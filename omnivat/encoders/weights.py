@@ -1,16 +1,14 @@
 """Read weights from any common file, without running its code.
 
-OpenAI publishes CLIP as TorchScript archives. An archive is a zip: `data.pkl` describes nested
-modules, each a table of attributes, and `data/N` holds the values of tensor N. Only these are read
-here, and nothing is compiled. The pickle may use only listed names; any other name raises an error.
+Trainers write a state dict alone or in a checkpoint with much else, under the names that wrappers
+gave it, in one file or in shards; OpenAI publishes TorchScript archives. All are read as dotted
+names and tensors, from which a model picks its own by the names that it must have.
 """
 
-import pickle
-from collections import OrderedDict
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from math import prod
 from pathlib import Path
-from typing import Any
-from zipfile import ZipFile, is_zipfile
 
 import torch
 from safetensors.torch import load_file
@@ -18,9 +16,22 @@ from torch import Tensor, nn
 
 from omnivat.encoders.hub import WEIGHTS as ON_HUB
 from omnivat.kit.errors import DataError, first_line
+from omnivat.kit.schema import read_object
+from omnivat.kit.torch_files import read_tensors
 
+INDEX = ".index.json"
+SHARDED = tuple(f"{name}{INDEX}" for name in ("model.safetensors", "pytorch_model.bin"))
 WEIGHTS = (*ON_HUB, "open_clip_pytorch_model.bin")
-ENDINGS = (".safetensors", ".pt", ".pth", ".bin")
+ENDINGS = (".safetensors", ".pt", ".pth", ".bin", ".ckpt")
+# what torch.compile, DataParallel, FSDP and checkpointing put before or into names
+WRAPPERS = {"_orig_mod", "module", "_fsdp_wrapped_module", "_checkpoint_wrapped_module"}
+STORAGES = {
+    "FloatStorage": torch.float32,
+    "DoubleStorage": torch.float64,
+    "HalfStorage": torch.float16,
+    "BFloat16Storage": torch.bfloat16,
+}
+MOST = 4  # cells of all tensors for each byte of their file: some share their values
 
 
 class Weights(dict[str, Tensor]):
@@ -61,24 +72,27 @@ def count(state: Mapping[str, Tensor], prefix: str) -> int:
     return len({key.removeprefix(prefix).split(".")[0] for key in state if key.startswith(prefix)})
 
 
-def read_weights(place: Path, name: str) -> Weights:
+def read_weights(place: Path, name: str, *marks: str) -> Weights:
     """Return the weights in a file, or in the first known file of a folder.
 
-    place   a `.safetensors`, a PyTorch file (read with `weights_only`), a TorchScript archive
-            (whose code is not run), or a folder with one
+    place   a `.safetensors`, a PyTorch checkpoint or TorchScript archive (whose code is not run),
+            the index of shards, or a folder with one
     name    name of the model, for errors
+    marks   patterns of a name that the model must have, of which the first that is there counts:
+            what precedes it in the file is left out of all names, and names without that, too
 
-    Raises DataError if there is no file or it cannot be read.
+    Raises DataError if there is no file, it cannot be read, or it holds several such models.
     """
     file = weights_file(place, name)
     try:
-        state = _content(file)
+        state = {plain_name(key): value for one in _shards(file) for key, value in _content(one)}
+        prefix = _prefix(state, marks)
         # Copied, because numbers in a mapped file may be unaligned, and the last digits of a
         # product depend on alignment.
         floats = {
-            key: value.to(torch.float32, copy=True)
+            key.removeprefix(prefix): value.to(torch.float32, copy=True)
             for key, value in state.items()
-            if isinstance(value, Tensor) and value.is_floating_point()
+            if value.is_floating_point() and key.startswith(prefix)
         }
     except Exception as error:  # a damaged file may raise any error in three readers
         raise DataError(
@@ -86,6 +100,28 @@ def read_weights(place: Path, name: str) -> Weights:
             " or save its state dict as a .safetensors file."
         ) from error
     return Weights(floats, file, name)
+
+
+def plain_name(key: str) -> str:
+    """Return a weight's name without the parts that wrappers of modules add.
+
+    >>> plain_name("module.visual._orig_mod.conv1.weight")
+    'visual.conv1.weight'
+    """
+    return ".".join(part for part in key.split(".") if part not in WRAPPERS)
+
+
+def _prefix(state: Mapping[str, Tensor], marks: Sequence[str]) -> str:
+    """Return what precedes the first mark; of a model and its moving average, that of the model."""
+    found: list[str] = []
+    for mark in marks:
+        pattern = re.compile(rf"((?:.*?\.)??){mark}")
+        found = found or sorted({match[1] for key in state if (match := pattern.fullmatch(key))})
+    found = [one for one in found if "ema" not in re.split(r"[._]", one)] or found
+    if len(found) > 1:
+        names = " and ".join(f"'{one}'" for one in found[:3])
+        raise DataError(f"it holds several models, whose names begin with {names}")
+    return "".join(found)
 
 
 def weights_file(place: Path, name: str) -> Path:
@@ -97,7 +133,7 @@ def weights_file(place: Path, name: str) -> Path:
     if place.is_file():
         return place
     others = [file for file in sorted(place.glob("*")) if file.suffix in ENDINGS]
-    known = [place / file for file in WEIGHTS if place / file in others]
+    known = [place / file for file in (*WEIGHTS, *SHARDED) if (place / file).is_file()]
     if known or len(others) == 1:
         return (known or others)[0]
     why = f"; {len(others)} files could be meant" if others else ""
@@ -107,79 +143,34 @@ def weights_file(place: Path, name: str) -> Path:
     )
 
 
-def _content(file: Path) -> Mapping[str, Any]:
+def _shards(file: Path) -> list[Path]:
+    """Return the files that an index names, or the file."""
+    if not file.name.endswith(INDEX):
+        return [file]
+    named = {str(one) for one in read_object(file)["weight_map"].values()}
+    if outside := [one for one in named if Path(one).name != one]:
+        raise DataError(f"its index names a file of another folder, {outside[0]}")
+    shards = [file.with_name(one) for one in sorted(named)]
+    if absent := [one.name for one in shards if not one.is_file()]:
+        raise DataError(f"{absent[0]} of its {len(shards)} shards is not there")
+    return shards
+
+
+def _content(file: Path) -> Iterator[tuple[str, Tensor]]:
     if file.suffix == ".safetensors":
-        return load_file(file)
-    if is_script(file):
-        return read_script(file)
-    content: Mapping[str, Any] = torch.load(file, map_location="cpu", weights_only=True)
-    return content
-
-
-def is_script(file: Path) -> bool:
-    """True for a TorchScript archive, which contains weights and compiled code."""
-    if not is_zipfile(file):
-        return False
-    with ZipFile(file) as archive:
-        return any(name.endswith("/constants.pkl") for name in archive.namelist())
-
-
-def read_script(file: Path) -> dict[str, Tensor]:
-    """Return the parameters and buffers of a TorchScript archive under their dotted names.
-
-    Raises pickle.UnpicklingError if the archive has anything but modules, tensors and numbers.
-    """
-    with ZipFile(file) as archive:
-        inside = next(name for name in archive.namelist() if name.endswith("/data.pkl"))
-        with archive.open(inside) as handle:
-            module = _Reader(handle, archive, inside.removesuffix(".pkl")).load()
-    return dict(_tensors(module, ""))
-
-
-class _Module:
-    """A scripted module, read as the table of its attributes."""
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.attributes = state
-
-
-def _tensor(numbers: Tensor, offset: int, size: Any, stride: Any, *_: Any) -> Tensor:
-    return numbers.as_strided(size, stride, offset)
-
-
-_KNOWN = {
-    ("collections", "OrderedDict"): OrderedDict,
-    ("torch._utils", "_rebuild_tensor_v2"): _tensor,
-    ("torch.jit._pickle", "build_intlist"): list,
-    ("torch", "FloatStorage"): torch.float32,
-    ("torch", "HalfStorage"): torch.float16,
-    ("torch", "LongStorage"): torch.int64,
-}
-
-
-class _Reader(pickle.Unpickler):
-    """Build modules, tensors and plain values; raise an error for any other class or function."""
-
-    def __init__(self, handle: Any, archive: ZipFile, folder: str) -> None:
-        super().__init__(handle)
-        self._archive, self._folder = archive, folder
-
-    def find_class(self, module: str, name: str) -> Any:
-        if module.startswith("__torch__"):
-            return _Module
-        if (module, name) in _KNOWN:
-            return _KNOWN[module, name]
-        raise pickle.UnpicklingError(f"the archive calls {module}.{name}")
-
-    def persistent_load(self, pid: Any) -> Tensor:
-        _, dtype, key, *_ = pid
-        content = bytearray(self._archive.read(f"{self._folder}/{key}"))
-        return torch.frombuffer(content, dtype=dtype)
-
-
-def _tensors(module: Any, prefix: str) -> Iterator[tuple[str, Tensor]]:
-    for name, value in module.attributes.items():
-        if isinstance(value, Tensor):
-            yield prefix + name, value
-        elif isinstance(value, _Module):
-            yield from _tensors(value, f"{prefix}{name}.")
+        yield from load_file(file).items()
+        return
+    found, _ = read_tensors(b"", "it takes too much memory or time", file=str(file.absolute()))
+    floats = {name: one for name, one in found["tensors"].items() if one[0] in found["storages"]}
+    if sum(prod(size) for _, _, size, _ in floats.values()) > MOST * file.stat().st_size:
+        raise DataError("its tensors have more cells than its bytes can hold")
+    storages = {}
+    with file.open("rb") as handle:
+        for name, (key, offset, size, stride) in floats.items():
+            kind, start, length = found["storages"][key]
+            if key not in storages and kind in STORAGES:
+                handle.seek(start)
+                content = bytearray(handle.read(length))
+                storages[key] = torch.frombuffer(content, dtype=STORAGES[kind])
+            if key in storages:
+                yield name, storages[key].as_strided(size, stride, offset)

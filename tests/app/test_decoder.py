@@ -120,8 +120,8 @@ def test_a_process_that_takes_too_long_is_killed_and_the_next_picture_is_read(de
     made, started = standing_in("import time; time.sleep(600)")
     content = encoded(Image.new("L", (99, 99)), "WEBP")
     with monkeypatch.context() as patched:
-        patched.setattr("app.decoder._started", made)
-        patched.setattr("app.decoder.DECODE_WAIT_S", 0.3)
+        patched.setattr(decoder._limited, "started", made)
+        patched.setattr(decoder._limited, "wait", 0.3)
         with pytest.raises(DataError, match="'slow' could not be read within the time and memory"):
             decoder.read(content, "slow")
         assert started[0].poll() is not None
@@ -129,10 +129,8 @@ def test_a_process_that_takes_too_long_is_killed_and_the_next_picture_is_read(de
 
 
 def test_a_process_that_dies_while_it_sends_gives_a_sentence(decoder, monkeypatch):
-    made, _ = standing_in(
-        "input(); print('{\"size\": [99, 99], \"of\": [99, 99]}'); print('x' * 50)"
-    )
-    monkeypatch.setattr("app.decoder._started", made)
+    made, _ = standing_in("input(); print('{\"size\": 29403, \"value\": {}}'); print('x' * 50)")
+    monkeypatch.setattr(decoder._limited, "started", made)
     with pytest.raises(DataError, match="'slow' could not be read within the time and memory"):
         decoder.read(encoded(Image.new("L", (99, 99)), "WEBP"), "slow")
 
@@ -140,10 +138,8 @@ def test_a_process_that_dies_while_it_sends_gives_a_sentence(decoder, monkeypatc
 def test_one_process_reads_one_picture_after_another_and_keeps_no_memory_of_a_large_one(
     decoder, monkeypatch
 ):
-    from app import decoder as module
-
-    started, first = [], module._started
-    monkeypatch.setattr(module, "_started", lambda: started.append(first()) or started[-1])
+    started, first = [], decoder._limited.started
+    monkeypatch.setattr(decoder._limited, "started", lambda: started.append(first()) or started[-1])
     small, large = (
         encoded(Image.new("L", (99, 99)), "PNG"),
         encoded(Image.new("RGB", (2000, 2000)), "JPEG"),
@@ -161,7 +157,7 @@ def test_one_process_reads_one_picture_after_another_and_keeps_no_memory_of_a_la
 
 def test_the_process_ends_by_itself_when_the_server_is_gone():
     process = subprocess.Popen(
-        [sys.executable, "-m", "app.decoder"],
+        [sys.executable, "-m", "omnivat.kit.limited", "app.decoder:decoded", "220000000", "3"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         cwd=ROOT,

@@ -154,5 +154,5 @@ def test_it_needs_the_published_weights():
 def test_a_pickled_object_is_not_loaded(tmp_path):
     file = written(tmp_path, made(0))
     torch.save({"model": Sitr}, file)
-    with pytest.raises(DataError, match="cannot be read as weights of sitr"):
+    with pytest.raises(DataError, match="lacks the weight .* of sitr"):
         load_encoder("sitr", weights=file)

@@ -27,6 +27,11 @@ class Runs:
         return os.system, ("touch ran",)
 
 
+def called(name, arguments):
+    """Return a pickle that calls a function with arguments, each in the text of protocol 0."""
+    return f"c{name}\n({arguments}R.".encode("latin1")
+
+
 HOSTILE = {
     "a call": pickle.dumps(Runs()),
     "a call inside an array": pickle.dumps(np.array([Runs()], dtype=object)),
@@ -36,6 +41,17 @@ HOSTILE = {
     "a complex array": pickle.dumps(np.zeros((9, 9), complex)),
     "too short": pickle.dumps(np.zeros((9, 9)))[:-40],
     "not finite": pickle.dumps(np.full((9, 9), np.nan)),
+    "an array whose bytes are addresses": called(
+        "numpy\nndarray", "(I9\nI9\ntV|O8\nc_codecs\nencode\n(V\\u0000\nVlatin1\ntRt"
+    ),
+    "one number for 400 million": called(
+        "numpy\nndarray", "(I20000\nI20000\ntVf8\nVa\nI0\n(I0\nI0\ntt"
+    ),
+    "an array without values": called("numpy\nndarray", "(I64\nI64\ntt"),
+    "a word that takes minutes": called("_codecs\nencode", f"V{'é' * 180_000}\nVpunycode\nt"),
+    "words of doubled length": b"c_codecs\nencode\n(" * 30 + b"Va\n" + b"Vhex\ntR" * 30 + b".",
+    "an index of four billion": b"\x80\x02I1\nr\xff\xff\xff\x7f.",
+    "nested pairs as a key": b"\x80\x02}" + b"I1\n" + b"2\x86" * 60 + b"I1\ns.",
 }
 
 
