@@ -4,6 +4,7 @@
 """
 
 import json
+import os
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -14,7 +15,7 @@ from typing import Any
 from omnivat.data.fetching.archive import unpacked
 from omnivat.data.fetching.heights import drawn, load_heights
 from omnivat.data.fetching.layouts import LAYOUTS, Box, Item
-from omnivat.data.fetching.repository import Repository
+from omnivat.data.fetching.repository import DamagedError, Repository
 from omnivat.data.images import read_image
 from omnivat.data.recordings.tracks import Track, pictures
 from omnivat.data.recordings.writing import moments, plain
@@ -90,8 +91,14 @@ def fetch(name: str, out: Path, *, source: str = "", on_step: OnStep = ignore) -
             f"'{out}' exists and is not {name} as it is now; name a new folder with --out."
         )
     part = out.absolute().with_name(f".{out.absolute().name}.part")
+    if part.is_symlink():
+        raise WriteError(f"'{part}' is a link; remove it, or name another folder with --out.")
     with writing(out):
         part.mkdir(parents=True, exist_ok=True)
+        for place, inner, files in os.walk(part):
+            for own in (Path(place, each) for each in inner + files):
+                if own.is_symlink():  # of another person, it may lead anywhere
+                    own.unlink()
     free, need_mb = shutil.disk_usage(part).free // 1_000_000, 2 * wanted.megabytes
     if free < need_mb and not source:
         raise WriteError(
@@ -101,7 +108,15 @@ def fetch(name: str, out: Path, *, source: str = "", on_step: OnStep = ignore) -
     if wanted.name == "tacquad":
         _from_hub(wanted, out, part, source, on_step)
     else:
-        _from_git(wanted, out, part, source, on_step)
+        clone = part / "repository"
+        resumed = clone.exists()
+        try:
+            _from_git(wanted, out, clone, source, on_step)
+        except DamagedError:
+            if not resumed:
+                raise
+            shutil.rmtree(clone)
+            _from_git(wanted, out, clone, source, on_step)
     shutil.rmtree(part, ignore_errors=True)
     return out
 
@@ -116,8 +131,8 @@ def set_in(folder: Path) -> FetchedSet | None:
         return None
 
 
-def _from_git(wanted: FetchedSet, out: Path, part: Path, source: str, on_step: OnStep) -> None:
-    repository = Repository(source or wanted.source, wanted.commit, part / "repository")
+def _from_git(wanted: FetchedSet, out: Path, clone: Path, source: str, on_step: OnStep) -> None:
+    repository = Repository(source or wanted.source, wanted.commit, clone)
     hashes = repository.files(wanted.files)
 
     def bring(paths: Iterable[str]) -> list[str]:

@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 from omnivat.data.materials import class_key, rules, rules_in_text
+from omnivat.kit.errors import DataError
 
 EACH = 30  # pairs of one object of VT60
 Box = tuple[float, float, float, float]  # left, top, right, bottom, as shares of the sides
 STILL_PHOTO, STILL_TOUCH = (0.597, 0.145, 0.98, 0.855), (0.01, 0.02, 0.53, 0.965)
 # of the samples of ObjectFolder Real: copies of 101 to 103, which shift the numbers after them
 REPEATS = (71, 82, 99)
-CELL = re.compile(r"(?<=\|)\s*([^|]+?)\s*(?=\|)")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,9 +64,11 @@ def objectfolder_real(names: Names, text: Text) -> Iterator[Item]:
     can, 100 the frisbee.
     """
     table: dict[str, tuple[str, str]] = {}
-    page = next(name for name in names if name.endswith(".md"))
+    page = next((name for name in names if name.endswith(".md")), "")
+    if not page:
+        raise DataError("The repository has no page (.md) with the table of materials.")
     for line in text(page).splitlines():
-        cells = CELL.findall(line)
+        cells = [cell.strip() for cell in line.split("|")[1:-1] if cell]
         table |= {n: (thing, word) for n, thing, word in zip(*[iter(cells)] * 3, strict=False)}
     for tac, match in _matches(names, r"(.*/samples/(\d+)/)tactile/0\.png"):
         folder, number = match.groups()

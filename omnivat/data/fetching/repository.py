@@ -17,6 +17,7 @@ from omnivat.kit.progress import OnStep, Step, ignore
 BATCH = 200  # blobs of one request
 # of a repository on this machine, which may not be set up to serve single files
 SERVING = "git -c uploadpack.allowFilter=true -c uploadpack.allowAnySHA1InWant=true upload-pack"
+MOST_BYTES = 300_000_000  # of one file
 OPTIONS = {  # nothing of the repository runs, and a silent server is given up
     "core.hooksPath": os.devnull,
     "gc.auto": "0",
@@ -41,12 +42,20 @@ REASONS = {  # in what Git writes, in small letters -> what to do
         "no repository is there; name another copy with --from"
     ),
     "does not exist": "no repository is there; name another copy with --from",
+    "not allowed": "only https and files of this machine are read; name such a copy with --from",
     "not our ref": "it lacks the commit {commit}, or a file of it; name another copy with --from",
 }
 
 
+class DamagedError(DataError):
+    """Git stopped for a reason that may lie in what arrived earlier."""
+
+
 class Repository:
-    """A bare partial clone of `source`, a URL or a path, in `folder`, at `commit`.
+    """A bare partial clone of `source`, an https URL or a path, in `folder`, at `commit`.
+
+    Of an earlier run's folder only objects stay, whose hashes are checked: settings, hooks and
+    references are written anew, because anybody may have put that folder there.
 
     Raises MissingPackageError without Git, DataError or WriteError (one sentence) if the commit
     does not arrive.
@@ -61,9 +70,10 @@ class Repository:
         place = Path(source).expanduser()
         self.local = place.absolute() if place.exists() else None
         folder.mkdir(parents=True, exist_ok=True)
-        for stale in folder.glob("*.lock"):  # of a Git that was killed
-            stale.unlink()
-        self._git("init", "--quiet", "--bare")
+        for stale in (*folder.iterdir(), folder / "objects" / "info"):
+            if stale.name != "objects":
+                remove(stale)
+        self._git("init", "--quiet", "--bare", "--template=")
         remote = {
             "url": self.local.as_uri() if self.local else source,
             "promisor": "true",
@@ -72,6 +82,8 @@ class Repository:
         }
         for name, value in remote.items():
             self._git("config", f"remote.origin.{name}", value)
+        if any(one.is_file() for one in (folder / "objects").rglob("*")):
+            self._git("fsck", "--no-dangling", "--no-progress")
         self._fetch("--depth=1", commit)
 
     def files(self, patterns: Iterable[str]) -> dict[str, str]:
@@ -79,9 +91,9 @@ class Repository:
         / too.
         """
         wanted = tuple(patterns)
-        listed = self._git("ls-tree", "-r", "-z", self.commit).split("\0")
+        listed = self._run(self._command("ls-tree", "-r", "-z", self.commit))
         found = {}
-        for line in filter(None, listed):
+        for line in filter(None, listed.decode(errors="backslashreplace").split("\0")):
             about, _, path = line.partition("\t")
             mode, _, name = about.split()
             if mode.startswith("100") and any(fnmatchcase(path, one) for one in wanted):
@@ -103,8 +115,15 @@ class Repository:
         return lacking
 
     def contents(self, hashes: Mapping[str, str]) -> Iterator[tuple[str, bytes]]:
-        """Yield path and content of files that were brought, by path -> hash."""
-        for path, name in hashes.items():
+        """Yield path and content of files that were brought, by path -> hash.
+
+        Raises DataError for one over 300 MB.
+        """
+        form = "--batch-check=%(objectsize)"
+        sizes = self._git("cat-file", form, into="\n".join(hashes.values()) + "\n").splitlines()
+        for (path, name), size in zip(hashes.items(), sizes, strict=True):
+            if not size.isdigit() or int(size) > MOST_BYTES:
+                raise DataError(f"'{path}' of '{self.source}' is missing or over 300 MB.")
             yield path, self._run(self._command("cat-file", "blob", name))
 
     def _present(self) -> set[str]:
@@ -152,15 +171,22 @@ class Repository:
             )
         lines = [line for line in said.splitlines() if line.startswith(("fatal:", "error:"))]
         last = printable((lines or said.splitlines() or ["no reason"])[0])[:160]
-        reason = reason or f"Git stopped ({last}); run the command again, what arrived is kept"
-        return DataError(
-            f"'{self.source}' was not fetched: {reason.format(commit=self.commit[:7])}."
-        )
+        kind = DataError if reason else DamagedError
+        reason = reason or f"Git stopped ({last}); run the command again"
+        return kind(f"'{self.source}' was not fetched: {reason.format(commit=self.commit[:7])}.")
+
+
+def remove(path: Path) -> None:
+    """Remove a file, a link or a folder, if it is there; what a link names stays."""
+    if path.is_dir() and not path.is_symlink():
+        shutil.rmtree(path)
+    else:
+        path.unlink(missing_ok=True)
 
 
 def _environment() -> dict[str, str]:
-    """Return the environment of Git: English, no questions, no repository of the caller, and no
-    file that was not asked for.
+    """Return the environment of Git: English, no questions, no repository of the caller, no file
+    that was not asked for, and no transport that runs a command.
     """
     kept = {
         name: value
@@ -168,4 +194,4 @@ def _environment() -> dict[str, str]:
         if not name.startswith("GIT_") or "SSL" in name
     }
     own = {"GIT_TERMINAL_PROMPT": "0", "GIT_ASKPASS": "true", "GIT_NO_LAZY_FETCH": "1"}
-    return kept | own | {"LC_ALL": "C.UTF-8"}
+    return kept | own | {"GIT_ALLOW_PROTOCOL": "https:file", "LC_ALL": "C.UTF-8"}

@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import subprocess
+import zlib
 from dataclasses import replace
 from io import BytesIO
 from types import SimpleNamespace
@@ -18,6 +19,7 @@ from omnivat.cli import main
 from omnivat.data import fetching
 from omnivat.data.fetching import fetch, fetched_sets, repository
 from omnivat.data.fetching.repository import Repository
+from omnivat.data.images import read_image
 from omnivat.data.readers import read_pairs
 from omnivat.kit.errors import (
     DataError,
@@ -142,6 +144,92 @@ def test_an_interrupted_fetch_leaves_no_folder_and_goes_on_later(server, tmp_pat
     fetch(NAME, tmp_path / "out", source=str(server), on_step=steps.append)
     assert [step.done for step in steps if step.text == "files"] == [4], "four files had arrived"
     assert len(read_pairs(tmp_path / "out").pairs) == COUNT
+
+
+PLANTED = """
+[core]
+    repositoryformatversion = 0
+    bare = true
+    fsmonitor = touch {ran}
+[protocol "ext"]
+    allow = always
+[url "ext::touch {ran} "]
+    insteadOf = file://
+[alias]
+    fetch = !touch {ran}
+"""
+
+
+def plant(clone, ran):
+    """Write a clone whose settings, hooks, attributes and links run or reach something else."""
+    git(clone.parent.parent, "init", "-q", "--bare", str(clone))
+    (clone / "config").write_text(PLANTED.format(ran=ran))
+    hook = clone / "hooks" / "reference-transaction"
+    hook.parent.mkdir(exist_ok=True)
+    hook.write_text(f"#!/bin/sh\ntouch {ran}\n")
+    hook.chmod(0o755)
+    (clone / "info").mkdir(exist_ok=True)
+    (clone / "info" / "attributes").write_text("* filter=x\n")
+
+
+def test_a_planted_folder_runs_nothing_and_the_set_arrives(server, tmp_path):
+    clone, ran = tmp_path / ".out.part" / "repository", tmp_path / "ran"
+    clone.mkdir(parents=True)
+    plant(clone, ran)
+    away = tmp_path / "away"
+    away.mkdir()
+    (tmp_path / ".out.part" / "unpacked").symlink_to(away)
+    fetch(NAME, tmp_path / "out", source=str(server))
+    assert len(read_pairs(tmp_path / "out").pairs) == COUNT
+    assert not ran.exists() and away.is_dir() and not list(away.iterdir())
+
+
+def test_the_planted_settings_would_run_their_command(server, tmp_path):
+    clone, ran = tmp_path / "x" / "repository", tmp_path / "ran"
+    clone.mkdir(parents=True)
+    plant(clone, ran)
+    subprocess.run(["git", "-C", str(clone), "fetch", server.as_uri()], capture_output=True)
+    assert ran.exists()
+
+
+@pytest.mark.parametrize("source", ["ext::touch ran", "ssh://127.0.0.1/x", "http://127.0.0.1:9/x"])
+def test_a_transport_other_than_https_and_file_is_refused(tmp_path, monkeypatch, source):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(DataError, match="only https and files of this machine"):
+        fetch(NAME, tmp_path / "out", source=source)
+    assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize("spoilt", ["a damaged pack", "a changed picture"])
+def test_a_damaged_unfinished_folder_is_fetched_anew(server, tmp_path, monkeypatch, spoilt):
+    def stop(step):
+        if step.done == 4:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(repository, "BATCH", 2)
+    with pytest.raises(KeyboardInterrupt):
+        fetch(NAME, tmp_path / "out", source=str(server), on_step=stop)
+    objects = tmp_path / ".out.part" / "repository" / "objects"
+    if spoilt == "a damaged pack":
+        for pack in objects.glob("pack/*.pack"):
+            pack.chmod(0o644)
+            pack.write_bytes(pack.read_bytes()[:-30])
+    else:
+        name = git(server, "rev-parse", "HEAD:data/part_0/interaction_0000.jpg")
+        for pack in objects.glob("pack/*"):
+            pack.unlink()
+        (objects / name[:2]).mkdir()
+        (objects / name[:2] / name[2:]).write_bytes(zlib.compress(b"blob 4\0evil"))
+    out = fetch(NAME, tmp_path / "out", source=str(server))
+    assert all(read_image(pair.tac).size == (32, 32) for pair in read_pairs(out).pairs)
+
+
+def test_a_name_that_is_not_utf_8_arrives_like_any_other(server, tmp_path):
+    clone = Repository(str(server), git(server, "rev-parse", "HEAD"), tmp_path / "clone")
+    name = git(server, "rev-parse", "HEAD:large.bin")
+    line = b"100644 blob " + name.encode() + b"\tdata/\xff\xfe.jpg\0"
+    clone._run = lambda *_: line
+    assert clone.files(["data/*"]) == {r"data/\xff\xfe.jpg": name}
 
 
 def test_a_truncated_repository_is_one_sentence(server, tmp_path):

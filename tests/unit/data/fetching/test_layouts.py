@@ -6,6 +6,7 @@ import pytest
 
 from omnivat.data.fetching import fetched_sets
 from omnivat.data.fetching.layouts import EACH, LAYOUTS
+from omnivat.kit.errors import DataError
 
 OF = "assets/img/objectfolder/samples"
 PAGE = """
@@ -63,6 +64,16 @@ def test_the_copies_among_the_samples_of_objectfolder_shift_the_numbers_after_th
         "97 Frisbee": ("plastic", "Plastic"),
         "98 Kettlebell": ("steel", "Iron"),
     }
+
+
+def test_a_table_with_a_cell_of_spaces_is_read_at_once_and_a_missing_one_is_a_sentence():
+    names = [f"{OF}/1/{half}/0.png" for half in ("visual", "tactile")]
+    wide = PAGE.replace("| Cotton |", f"|{' ' * 200_000}| 3 | a | b |")
+    assert [one.object for one in pairs("objectfolder-real", [*names, "a.md"], wide)] == [
+        "1 Soup_Spoon"
+    ]
+    with pytest.raises(DataError, match=r"no page \(\.md\)"):
+        pairs("objectfolder-real", names)
 
 
 def test_a_billet_is_one_object_in_each_state_of_its_surface():
