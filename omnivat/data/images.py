@@ -92,7 +92,7 @@ def opened(
         raise DataError(f"'{name}' is not an image of a known kind; {REMEDY}.")
     with _explained(name, f"is a damaged {kind} file"):
         image = opener(BytesIO(content), "")
-    _check_size(*image.size, name)
+    check_size(*image.size, name)
     if kind != "JPEG" and image.width * image.height > pixels:
         raise DataError(
             f"'{name}' is {image.width} × {image.height} pixels; a {kind} file is read up to "
@@ -155,7 +155,7 @@ def central_square(image: Image.Image, side: int) -> Image.Image:
 
 def upright(image: Image.Image, name: str, *, reduced: bool = True) -> Image.Image:
     """Return an open image as upright RGB; arguments and errors as for `read_image`."""
-    _check_size(*image.size, name)
+    check_size(*image.size, name)
     with _explained(name, "is cut short or damaged"):
         if reduced:
             scale = draft_scale(*image.size)
@@ -166,7 +166,8 @@ def upright(image: Image.Image, name: str, *, reduced: bool = True) -> Image.Ima
     return seen if turned is None else seen.transpose(turned)
 
 
-def _check_size(width: int, height: int, name: str) -> None:
+def check_size(width: int, height: int, name: str) -> None:
+    """Raise DataError for a picture, or a film's, of more or fewer pixels than are read."""
     size, most = f"'{name}' is {width} × {height} pixels", MAX_PIXELS // 10**6
     if width * height > MAX_PIXELS:
         raise DataError(

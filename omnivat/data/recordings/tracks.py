@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.data.images import read_image
+from omnivat.data.images import check_size, read_image
 from omnivat.data.readers.files import show
 from omnivat.kit.errors import DataError, first_line
 from omnivat.kit.files import require_regular
@@ -70,7 +70,10 @@ def _opened(file: Path) -> tuple[Any, Any]:
     require_regular(file, show(file))
     try:
         container = av.open(str(file))
-        return container, container.streams.video[0]
+        stream = container.streams.video[0]
+        if stream.width:  # 0 if the container does not state it
+            check_size(stream.width, stream.height, show(file))
+        return container, stream
     except (av.error.FFmpegError, OSError, IndexError) as error:
         raise DataError(
             f"'{show(file)}' is no video that can be read; export it as MP4."
@@ -97,6 +100,7 @@ def _filmed(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:
         try:
             container.seek(int((waiting[0] + first) / stream.time_base), stream=stream)
             for frame in container.decode(stream):
+                check_size(frame.width, frame.height, show(track.file))  # it may change
                 now = (frame.time or 0.0) - first
                 while waiting and last is not None and now > waiting[0] + NEAR * step:
                     yield last.to_image()  # the one shown at that moment
@@ -104,6 +108,8 @@ def _filmed(track: Track, times: Sequence[float]) -> Iterator["Image.Image"]:
                 if not waiting:
                     return
                 last, shown = frame, now
+        except DataError:
+            raise
         except Exception as error:  # PyAV has many kinds for damaged files
             raise DataError(f"'{show(track.file)}' is damaged near {waiting[0]:.2f} s.") from error
         while waiting and last is not None and waiting[0] <= shown + 1.5 * step:

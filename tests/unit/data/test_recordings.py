@@ -13,6 +13,7 @@ from PIL import Image
 from omnivat.cli import main
 from omnivat.data.readers import read_pairs
 from omnivat.data.recordings import clips_of, is_recording, write_pairs
+from omnivat.data.recordings.tracks import Track, pictures
 from omnivat.kit.errors import DataError, MissingPackageError, SettingsError, WriteError
 from tests.unit.data.films import FPS, film
 
@@ -191,6 +192,15 @@ def test_damaged_and_missing_videos_are_left_out_with_reasons(tmp_path):
     count, skipped = write_pairs(clips_of(tmp_path), tmp_path / "out", frames=2)
     assert count == 2 and len(skipped) == 4
     assert "ends before" in skipped[-1].why and all(one.why.endswith(".") for one in skipped)
+
+
+def test_a_film_of_too_many_pixels_is_refused_before_its_pictures_are_decoded(
+    tmp_path, monkeypatch
+):
+    film(tmp_path / "a.mp4", range(0, 200, 20))
+    monkeypatch.setattr("omnivat.data.images.MAX_PIXELS", 48 * 48 - 1)
+    with pytest.raises(DataError, match="is 48 × 48 pixels, more than"):
+        next(pictures(Track(file=tmp_path / "a.mp4"), [0.0]))
 
 
 def test_nothing_is_written_unless_all_of_it_is(tmp_path, monkeypatch):
