@@ -195,7 +195,7 @@ def load_embeddings(path: str | Path, *, large: int | None = None) -> Embeddings
             raise DataError("'rows' should be the bytes of a JSON object; make the file again.")
         rows = columns_in(arrays["rows"].tobytes(), f"{file} (rows)", MOST_COLUMNS)
         embeddings = Embeddings(
-            header=_header(metadata),
+            header=header_of(metadata),
             rows=rows,
             domain=arrays["domain"],
             label=arrays["label"],
@@ -218,7 +218,8 @@ def _single(array: NDArray[Any]) -> Array:
     return array.astype(np.float32, copy=False) if array.flags.writeable else array
 
 
-def _header(metadata: dict[str, str]) -> Header:
+def header_of(metadata: Mapping[str, str]) -> Header:
+    """Return the header in a file's texts. Raises DataError or KeyError for an invalid one."""
     return Header(
         encoder=metadata["encoder"],
         weights_hash=metadata["weights_hash"],

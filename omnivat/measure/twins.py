@@ -10,18 +10,23 @@ import json
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
+from omnivat.data.arrays import require_range
+from omnivat.data.domains import require_domain_names
 from omnivat.data.embeddings import Array, Embeddings, Header
+from omnivat.data.npz import read_npz
+from omnivat.data.store import header_of
 from omnivat.head.heads import EXAMPLES
-from omnivat.kit.errors import DataError
+from omnivat.kit.errors import DataError, first_line
 from omnivat.kit.files import replacing
+from omnivat.kit.schema import object_in
 
 FORMAT = "omnivat-twins-1"
 LEVELS = 512  # bytes for one unit
+MOST_BYTES = 500_000_000  # of all arrays of a file
 KINDS = ("vis", "tac", "filled", "printed")
 TEXTS = ("objects", "looks_like", "feels_like")
 
@@ -135,30 +140,56 @@ def twins(path: str | Path | None = None) -> Twins:
     """
     file = Path(path) if path else EXAMPLES / "twins.npz"
     try:
-        with np.load(file) as arrays:
-            text: dict[str, Any] = json.loads(arrays["text"].tobytes())
-            if text.pop("format") != FORMAT:
-                raise ValueError("another format")
-            vis, tac, some, printed = (
-                arrays[name] * (arrays[f"{name}_length"] / LEVELS)[..., None] for name in KINDS
-            )
-            label, changed, rows = arrays["label"], arrays["changed"], arrays["rows"]
-    except (OSError, ValueError, LookupError, TypeError, BadZipFile) as error:
+        return _checked(read_npz(file, MOST_BYTES))
+    except (DataError, ValueError, LookupError, TypeError, AttributeError) as error:
         raise DataError(
-            f"'{file}' cannot be read as twins ({error}); `python -m benchmarks.twins` writes them."
+            f"'{file}' cannot be read as twins ({first_line(error, 300)}); `python -m"
+            " benchmarks.twins` writes them."
         ) from error
-    filled = tac.copy()
-    filled.reshape(-1, filled.shape[-1])[changed] = some
-    header = text["header"] | {name: tuple(text["header"][name]) for name in ("domains", "classes")}
+
+
+def _checked(arrays: dict[str, NDArray[Any]]) -> Twins:
+    """Return the twins in a file's arrays. Raises an error for arrays that do not belong
+    together.
+    """
+    text = object_in(arrays["text"].tobytes(), "text")
+    if text["format"] != FORMAT:
+        raise ValueError("another format")
+    head = {k: v if isinstance(v, str) else json.dumps(v) for k, v in text["header"].items()}
+    header = header_of(head)
+    require_domain_names(header.domains)
+    (count, sensors, width), shown = arrays["tac"].shape, len(arrays["vis"])
+    changed, rows, label = (arrays[name] for name in ("changed", "rows", "label"))
+    shapes = {
+        "tac": (count, len(header.domains), width),
+        "vis": (min(shown, count), sensors, width),
+        "filled": (len(changed), width),
+        "printed": (len(rows), width),
+    }
+    vectors: dict[str, Any] = {}
+    for name, shape in shapes.items():
+        levels, length = arrays[name], arrays[f"{name}_length"]
+        if levels.shape != shape or levels.dtype != np.uint8 or length.shape != shape[:-1]:
+            raise ValueError(f"{name} is {levels.dtype} of shape {levels.shape}, expected {shape}")
+        vectors[name] = levels * (np.asarray(length, np.float32) / LEVELS)[..., None]
+        for _ in require_range([vectors[name].reshape(-1, width)], name):
+            pass
+    most = {"label": len(header.classes), "changed": count * sensors, "rows": MOST_BYTES}
+    for name, end in most.items():
+        own = arrays[name]
+        if own.ndim != 1 or own.dtype.kind not in "iu" or not ((own >= 0) & (own < end)).all():
+            raise ValueError(f"{name} should be indices below {end}")
     texts: dict[str, Any] = {name: tuple(text[name]) for name in TEXTS}
+    for name, own in {**texts, "label": label}.items():
+        if len(own) != count or (name in TEXTS and not all(isinstance(one, str) for one in own)):
+            raise ValueError(f"{name} should have {count} entries")
+    filled = vectors["tac"].copy()
+    filled.reshape(-1, width)[changed] = vectors["filled"]
     return Twins(
-        vis=vis,
-        tac=tac,
-        filled=filled,
-        label=label,
-        header=Header(**header),
-        as_filled=text["as_filled"],
-        printed=printed,
+        **vectors | {"filled": filled},
+        label=label.astype(np.int64),
+        header=header,
+        as_filled=str(text["as_filled"]),
         rows=rows,
         **texts,
     )

@@ -2,16 +2,18 @@
 
 import json
 from dataclasses import replace
+from zipfile import ZipFile
 
 import numpy as np
 import pytest
 from sklearn.linear_model import LogisticRegression
 
 from omnivat.data.embeddings import Header
+from omnivat.data.npz import read_npz
 from omnivat.data.store import load_embeddings
 from omnivat.head.heads import EXAMPLES, default_embeddings
 from omnivat.kit.errors import DataError
-from omnivat.measure.twins import Twins, twins, write_twins
+from omnivat.measure.twins import TEXTS, Twins, twins, write_twins
 
 NAMES = ("A-sim", "B-sim")
 HEADER = Header(
@@ -49,12 +51,23 @@ def test_pairs_take_the_touch_of_one_domain_and_the_photograph_of_another():
     assert made().pairs("A-sim", filled=True).header.preprocessing == "filled"
 
 
-def test_a_file_keeps_every_row_to_the_size_of_a_byte(tmp_path):
-    wide = np.random.default_rng(0).random((3, 2, 400)).astype(np.float32)
-    filled = np.where([[[True], [False]]], wide, 2 * wide)
-    before = replace(
-        made(), vis=wide, tac=2 * wide, filled=filled, label=np.zeros(3, int), printed=wide[:, 0]
+def wide():
+    """Three objects of 400 features, each small enough for a byte; the dots of A double them."""
+    rows = np.random.default_rng(0).random((3, 2, 400)).astype(np.float32)
+    return replace(
+        made(),
+        vis=rows,
+        tac=2 * rows,
+        filled=np.where([[[True], [False]]], rows, 2 * rows),
+        label=np.array([0, 1, 0]),
+        printed=rows[:, 0],
+        rows=np.arange(3),
+        **dict.fromkeys(TEXTS, ("a", "b", "c")),
     )
+
+
+def test_a_file_keeps_every_row_to_the_size_of_a_byte(tmp_path):
+    before = wide()
     write_twins(tmp_path / "t.npz", before)
     after = twins(tmp_path / "t.npz")
 
@@ -78,9 +91,55 @@ def test_rows_that_a_byte_cannot_hold_are_refused_and_no_file_is_written(tmp_pat
 def test_a_missing_domain_and_another_file_are_named(tmp_path):
     with pytest.raises(DataError, match="no domain 'C-sim'; choose one of A-sim, B-sim"):
         made().pairs("C-sim")
-    (tmp_path / "t.npz").write_bytes(b"no twins")
-    with pytest.raises(DataError, match="cannot be read as twins"):
+
+
+SPOILT = {
+    "no archive": None,
+    "a label without a class": {"label": np.array([0, 1, 99])},
+    "a negative label": {"label": np.array([0, 1, -1])},
+    "labels with fractions": {"label": np.zeros(3)},
+    "too few labels": {"label": np.array([0, 1])},
+    "too few objects": {"text": {"objects": ["a"]}},
+    "objects that are numbers": {"text": {"objects": [1, 2, 3]}},
+    "no header": {"text": {"header": []}},
+    "a domain too many": {"text": {"header": {"domains": ["A", "B", "C"]}}},
+    "lengths without a value": {"tac_length": np.full((3, 2), np.nan, np.float32)},
+    "a length for the other axis": {"tac_length": np.ones((2, 3), np.float32)},
+    "touches of another width": {"tac": np.zeros((3, 2, 7), np.uint8)},
+    "rows of floats": {"rows": np.zeros(3)},
+    "dots beyond the touches": {"changed": np.arange(3) + 4},
+    "objects of Python": {"vis": np.full(3, None)},
+    "another format": {"text": {"format": "x"}},
+}
+
+
+@pytest.mark.parametrize("what", SPOILT)
+def test_a_file_of_another_kind_is_one_sentence(tmp_path, what):
+    file, spoilt = tmp_path / "t.npz", SPOILT[what]
+    write_twins(file, wide())
+    assert len(twins(file).objects) == 3
+    with np.load(file) as arrays:
+        arrays = dict(arrays)
+    if spoilt is None:
+        file.write_bytes(b"no twins")
+    else:
+        text = json.loads(arrays["text"].tobytes())
+        own = spoilt.get("text", {})
+        text |= own | {k: text[k] | v for k, v in own.items() if isinstance(v, dict)}
+        arrays |= spoilt | {"text": np.frombuffer(json.dumps(text).encode(), np.uint8)}
+        np.savez(file, **arrays)
+    with pytest.raises(DataError, match=r"cannot be read as twins \(.*\.$"):
+        twins(file)
+
+
+def test_an_array_that_states_more_than_its_bytes_is_refused(tmp_path):
+    with ZipFile(tmp_path / "t.npz", "w") as archive, archive.open("text.npy", "w") as member:
+        head = {"descr": "|u1", "fortran_order": False, "shape": (10**12,)}
+        np.lib.format.write_array_header_1_0(member, head)
+    with pytest.raises(DataError, match="cannot be read as NPZ"):
         twins(tmp_path / "t.npz")
+    with pytest.raises(DataError, match="over 0 MB"):
+        read_npz(tmp_path / "t.npz", 10)
 
 
 def test_a_plain_head_of_the_shipped_sets_reads_the_twins_as_the_page_says():
