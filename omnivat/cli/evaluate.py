@@ -116,11 +116,16 @@ def table(
     draws     the mean of each draw of known pairs
     known     of targets, in words
 
-    "photo only" and "touch only" are ACC with the other image absent.
+    "photo only" and "touch only" are ACC with the other image absent. Where classes are uneven,
+    "balanced" is the mean over classes of the share right, and "largest" the ACC of always naming
+    the largest class.
     """
-    lines = [
-        f"{'domain':<18} {'pairs':>6} {'ACC':>6} {'F1':>6} {'photo only':>11} {'touch only':>11}"
-    ]
+    from omnivat.measure.gaps.confusion import balance
+
+    balances = {r["domain"]: balance(r["confusion"]) for r in records if r["scores"]}
+    uneven = any(one.uneven for one in balances.values())
+    head = f"{'domain':<18} {'pairs':>6} {'ACC':>6} {'F1':>6} {'photo only':>11} {'touch only':>11}"
+    lines = [head + (f" {'balanced':>9} {'largest':>8}" if uneven else "")]
     for record in records:
         name = record["domain"] + (" (source)" if record["is_source"] else "")
         scores = record["scores"]
@@ -132,9 +137,11 @@ def table(
             f"{100 * scores[n]['accuracy']:>11.1f}" if n in scores else f"{'-':>11}"
             for n in ("vis", "tac")
         ]
+        own = balances[record["domain"]]
+        shares = f" {100 * own.balanced:>9.1f} {100 * own.always:>8.1f}" if uneven else ""
         lines.append(
             f"{name:<18} {record['pairs']:>6} {100 * fused['accuracy']:>6.1f} "
-            f"{100 * fused['macro_f1']:>6.1f} {' '.join(alone)}"
+            f"{100 * fused['macro_f1']:>6.1f} {' '.join(alone)}{shares}"
         )
     if mean is None or f1 is None:
         lines.append(

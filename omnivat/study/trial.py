@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+import torch
 from numpy.typing import NDArray
 
 from omnivat.encoders.lang.bank import DEFAULT_BANK, load_bank
@@ -15,6 +16,7 @@ from omnivat.head.head import OmniVaT, parameter_count
 from omnivat.kit.errors import DataError, printable
 from omnivat.kit.progress import OnStep, ignore
 from omnivat.kit.seeding import derive_seed
+from omnivat.measure.gaps.confusion import balance, confusion
 from omnivat.measure.known import few, measured
 from omnivat.measure.predictions import label_map, predicted_probabilities
 from omnivat.measure.readers import Reader
@@ -106,7 +108,8 @@ def try_pairs(
     if folds:
         tested = np.any(folds, axis=0)
         told = {name: labels[tested] for name, labels in said.items()}
-        records.append(_at_home(source, data.label[own][tested], objects[own][tested], told))
+        labels = data.label[own][tested]
+        records.append(_at_home(source, labels, objects[own][tested], told))
         lines.append(f"At home, objects that it did not see: {_sentence(records[-1])}")
         lines += alone
     else:
@@ -196,22 +199,33 @@ def _at_home(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels]
     """Return the record of pairs whose objects were left out, by the labels that were said."""
     place = np.zeros(len(labels), np.int64), (domain,), objects
     shares = {name: record((answers == labels)[None], *place) for name, answers in said.items()}
-    return _record(domain, labels, len(np.unique(objects)), shares)
+    truth, classes = torch.from_numpy(labels), int(max(map(np.max, (labels, *said.values())))) + 1
+    counts = {
+        name: confusion(truth, torch.from_numpy(answers), classes) for name, answers in said.items()
+    }
+    return _record(domain, labels, len(np.unique(objects)), shares, counts)
 
 
 def _record(
-    domain: str, labels: Labels, objects: int, shares: Mapping[str, Mapping[str, Any]]
+    domain: str,
+    labels: Labels,
+    objects: int,
+    shares: Mapping[str, Mapping[str, Any]],
+    counts: Mapping[str, Any],
 ) -> Record:
-    """Return the counts of tested pairs with `labels`, and the share right of each reading with its
-    interval.
+    """Return the counts of tested pairs with `labels`, the share right of each reading with its
+    interval, and the balanced accuracy of those with a confusion matrix in `counts`.
     """
-    _, sizes = np.unique(labels, return_counts=True)
+    balances = {name: balance(one) for name, one in counts.items()}
+    some = next(iter(balances.values()))
     return {
         "domain": domain,
         "pairs": len(labels),
         "objects": objects,
-        "classes": len(sizes),
-        "always the largest class": float(sizes.max() / len(labels)),
+        "classes": len(np.unique(labels)),
+        "always the largest class": some.always,
+        "uneven": some.uneven,
+        "balanced": {name: one.balanced for name, one in balances.items()},
         **{name: shown(one) for name, one in shares.items()},
     }
 
@@ -231,7 +245,10 @@ def _in_target(
     of_maps = measured(maps, there)
     shares = {view: plain["scores"][READINGS[view]] for view in features.views}
     shares |= {probe_of(view): of_maps["scores"][READINGS[view]] for view in features.views}
-    found = _record(name, data.label[known], plain["objects"], shares)
+    main = next(view for view in WORDS if view in shares)
+    of_maps = next(one for one in of_maps["domains"] if one["domain"] == name)
+    counts = {main: plain["confusion"], probe_of(main): of_maps["confusion"]}
+    found = _record(name, data.label[known], plain["objects"], shares, counts)
     text = f"{lead}, of which nothing was known: {_sentence(found)}"
     try:
         pictures = few(there, head.source)
@@ -275,6 +292,8 @@ def _sentence(record: Record) -> str:
         f"{round(main['share'] * n)} of {n} pairs right, {_percent(main['share'])} "
         f"(95 %: {100 * main['low']:.0f} to {100 * main['high']:.0f}, of {objects} objects)"
     )
+    if record["uneven"]:
+        text += f", balanced over classes {_percent(record['balanced'][views[0]])}"
     others = [f"{WORDS[name]} {_percent(record[name]['share'])}" for name in views[1:]]
     others.append(f"{PROBE} of the same vectors {_percent(record[probe_of(views[0])]['share'])}")
     text += (
@@ -282,7 +301,7 @@ def _sentence(record: Record) -> str:
         f" {_percent(record['always the largest class'])}."
     )
     best = max(views, key=lambda name: record[name]["share"])
-    if record[best] is not main:
+    if record[best]["share"] > main["high"]:
         text += f" {WORDS[best].capitalize()} beats both images: one of the two misleads this head."
     return text
 
@@ -290,7 +309,8 @@ def _sentence(record: Record) -> str:
 def conclusion(records: Sequence[Record], source: str) -> str:
     """Return in one sentence what predicts best: in other domains than the source if there are any.
 
-    A lead counts if it exceeds half the width of the head's interval.
+    A lead counts if it exceeds half the width of the head's interval, and a method if its interval
+    is above the share of the largest class.
     """
     away = [one for one in records if one["domain"] != source]
     tested = away or records
@@ -301,18 +321,26 @@ def conclusion(records: Sequence[Record], source: str) -> str:
     def mean(name: str) -> float:
         return float(np.mean([one[name]["share"] for one in tested]))
 
+    def above(name: str) -> bool:
+        return float(np.mean([one[name]["low"] for one in tested])) > always
+
+    always = float(np.mean([one["always the largest class"] for one in tested]))
     width = float(np.mean([one[views[0]]["high"] - one[views[0]]["low"] for one in tested])) / 2
     head = max(views, key=mean)
     plain = max(views, key=lambda view: mean(probe_of(view)))
     where = "another sensor" if away else "objects that it did not see"
     lead = mean(head) - mean(probe_of(plain))
-    advice = (
-        "they are level within the uncertainty, so take the linear maps, which are simpler"
-        if abs(lead) <= width
-        else "take the head"
-        if lead > 0
-        else "take the linear maps"
-    )
+    level = f"always naming the largest class ({_percent(always)})"
+    able = {"the head": above(head), "the linear maps": above(probe_of(plain))}
+    if not any(able.values()):
+        advice = f"neither is above {level} within the uncertainty, so take neither"
+    elif not all(able.values()):
+        one = next(name for name, good in able.items() if good)
+        advice = f"take {one}: alone above {level} within the uncertainty"
+    elif abs(lead) <= width:
+        advice = "they are level within the uncertainty, so take the linear maps, which are simpler"
+    else:
+        advice = f"take {'the head' if lead > 0 else 'the linear maps'}"
     return (
         f"In short: on {where} the head has {_percent(mean(head))} ({WORDS[head]}) and linear maps"
         f" {_percent(mean(probe_of(plain)))} ({WORDS[plain]}); {advice}."

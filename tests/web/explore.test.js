@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import "./browser.js";
+import { balance } from "../../app/web/explore/bars.js";
 import { headOf, LESSONS, startOf } from "../../app/web/explore/chapters.js";
 import { line } from "../../app/web/explore/curves.js";
 import { csv } from "../../app/web/explore/exports.js";
@@ -27,6 +28,30 @@ import { change, openAt, openChapter, state } from "../../app/web/shared/store.j
 import { frames, says } from "./browser.js";
 
 globalThis.history = { state: null, replaceState: () => {} };
+
+test("always naming the largest class has half of two classes right in balance, and is uneven at nine to one", () => {
+  assert.deepEqual(
+    balance([
+      [45, 0],
+      [5, 0],
+    ]),
+    { always: 0.9, balanced: 0.5, uneven: true },
+  );
+  assert.equal(
+    balance([
+      [5, 0],
+      [1, 4],
+    ]).uneven,
+    false,
+  );
+  assert.deepEqual(
+    balance([
+      [0, 0],
+      [0, 0],
+    ]),
+    { always: 0, balanced: 0, uneven: false },
+  );
+});
 
 /** A scene after events, each [name, told, address], or with values in place of an event. */
 function told(scene, ...events) {

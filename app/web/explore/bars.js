@@ -9,6 +9,17 @@ export const scaleOf = (share, chance) =>
     html`<i class="range" style="--low:${share.low};--high:${share.high}"></i><i class="mean" style="--share:${share.share}"></i>`
   }</span>`;
 
+/** What accuracy hides where one class is larger than others, of a confusion matrix: the share of the largest class, the mean
+ * over classes of the share right, and whether the largest class has 1.5 times the mean size. @param {number[][]} counts */
+export function balance(counts) {
+  const sizes = counts.map((row) => row.reduce((sum, n) => sum + n, 0));
+  const whole = sizes.reduce((sum, n) => sum + n, 0) || 1;
+  const recalls = counts.flatMap((row, k) => (sizes[k] ? [row[k] / sizes[k]] : []));
+  const always = Math.max(...sizes) / whole;
+  const balanced = recalls.reduce((sum, one) => sum + one, 0) / (recalls.length || 1);
+  return { always, balanced, uneven: always * recalls.length >= 1.5 };
+}
+
 /** A scale with a bar from one share to another. @param {number[]} ends */
 export const barOf = ([from, to], kind = "") =>
   html`<span class="scale" style="--from:${from};--to:${to}"><i class="bar ${kind}"></i></span>`;

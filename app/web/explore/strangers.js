@@ -2,7 +2,7 @@
 
 import { thumbnail } from "../shared/card.js";
 import { unseenPairs } from "../shared/provenance.js";
-import { barRow, scaleOf } from "./bars.js";
+import { balance, barRow, scaleOf } from "./bars.js";
 import { ofOwn } from "./chapters.js";
 import { marked } from "./grid.js";
 import { $, change, choice, html, options, percent, put, scene, send, state } from "./root.js";
@@ -82,25 +82,41 @@ function bars(facts) {
   const { domains, unseen, chance } = facts;
   /** @type {`answers/${Reading}`} */
   const key = `answers/${state.reading}`;
-  const row = (/** @type {string} */ name, /** @type {Share | undefined} */ share, /** @type {object} */ about) =>
-    barRow(name, scaleOf(share, chance), share ? percent(share.share) : "–", about);
+  const row = (
+    /** @type {string} */ name,
+    /** @type {Share | undefined} */ share,
+    /** @type {object} */ about,
+    level = chance,
+  ) => barRow(name, scaleOf(share, level), share ? percent(share.share) : "–", about);
   const rows = domains
     .filter((domain) => domain.pairs || domain[key])
-    .map(({ name, is_source, pairs, ...domain }) =>
-      row(name, domain[key], {
+    .map(({ name, is_source, pairs, ...domain }) => {
+      const { always, uneven, words } = unevenness(facts, name);
+      const about = {
         kind: is_source && "source",
+        title: words,
         more: html`${is_source && html` <b class="tag source">source</b>`}<span class="sr">, ${pairs} test pairs</span>`,
-      }),
-    );
+      };
+      return row(name, domain[key], about, uneven ? always : chance);
+    });
   const title =
     "How often the touch nearest to a photo in the same domain has its class; each image is seen alone, at F̂";
   return html`${rows}<hr>${row("unseen, mean", unseen[key], { kind: "mean-row" })}${row("retrieval", unseen.retrieval, { title })}${ofOwn(scene.own, `its test pairs, ${unseenPairs(scene.own, facts)}`)}`;
 }
 
+/** The balance of a domain's classes by the chosen reading, in words where they are uneven. @param {Unseen} facts @param {string} name */
+function unevenness({ confusion }, name) {
+  const found = balance(confusion[state.reading][name]);
+  const { always, balanced, uneven } = found;
+  const words = `Classes are uneven here: ${percent(balanced)} right as the mean over classes; always naming the largest class is right for ${percent(always)}.`;
+  return { ...found, words: uneven ? words : "" };
+}
+
 /** The confusion matrix of a domain by the chosen reading; the chosen cell is pressed. */
 export function showConfusion() {
   const { cell, stranger } = scene;
-  const { classes, confusion, domains } = /** @type {Unseen} */ (scene.facts.unseen);
+  const facts = /** @type {Unseen} */ (scene.facts.unseen);
+  const { classes, confusion, domains } = facts;
   const counts = confusion[state.reading][stranger];
   const most = Math.max(1, ...counts.flat());
   const names = [
@@ -122,7 +138,7 @@ export function showConfusion() {
   );
   $(".cell-words").textContent = cell
     ? "These pairs are on the map and in the table below, which shows what is predicted at the current p."
-    : "Choose a cell to see its pairs.";
+    : `${unevenness(facts, stranger).words} Choose a cell to see its pairs.`.trim();
 }
 
 /** Show the confusion matrix of another domain. @param {string} stranger */

@@ -1,10 +1,16 @@
-"""Scores of a classifier: confusion, accuracy and macro-F1."""
+"""Scores of a classifier: confusion, accuracy, balanced accuracy and macro-F1."""
 
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 import torch
 from jaxtyping import Float, Int, Int64
 from torch import Tensor
 
 from omnivat.kit.shapes import require_shapes
+
+UNEVEN = 1.5  # times the mean size of a class: from such a largest class on, accuracy misleads
 
 
 def confusion(
@@ -19,6 +25,35 @@ def accuracy(labels: Int[Tensor, " N"], predicted: Int[Tensor, " N"]) -> Float[T
     """Share of correct predictions; NaN for no pairs."""
     require_shapes(labels=(labels, "N"), predicted=(predicted, "N"))
     return (labels == predicted).to(torch.get_default_dtype()).mean()
+
+
+@dataclass(frozen=True, slots=True)
+class Balance:
+    """What accuracy hides where one class is larger than others.
+
+    always    share of the largest class: the accuracy of always naming it
+    balanced  mean over classes of the share of their pairs that are right (balanced accuracy)
+    uneven    True if the largest class has at least 1.5 times the mean size of a class
+    """
+
+    always: float
+    balanced: float
+    uneven: bool
+
+
+def balance(counts: Any) -> Balance:
+    """Return the balance of a confusion matrix (K, K) with at least one pair; classes without a
+    pair do not count.
+
+    >>> balance([[45, 0], [5, 0]])  # always the first class: 45 of 50 right
+    Balance(always=0.9, balanced=0.5, uneven=True)
+    """
+    table = np.asarray(counts, np.float64)
+    sizes = table.sum(1)
+    kept = sizes > 0
+    recall = table.diagonal()[kept] / sizes[kept]
+    largest = float(sizes.max() / sizes.sum())
+    return Balance(largest, float(recall.mean()), largest * int(kept.sum()) >= UNEVEN)
 
 
 def macro_f1(

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from omnivat.head.linear_maps import fit_maps
 from omnivat.kit.progress import OnStep, Step
 from omnivat.kit.seeding import derive_seed
+from omnivat.measure.gaps.confusion import balance
 from omnivat.measure.known import few, measured
 from omnivat.measure.readers import Reader, of_maps
 from omnivat.measure.rungs import NOTHING
@@ -17,6 +18,12 @@ from omnivat.study.shift.reading import READINGS, Features
 
 FOLDS = 3  # of objects, for the accuracy at home
 MEASURES = ("home", "away", "away, with a profile")
+# beside them where classes are uneven
+UNEVEN = (
+    "home, balanced over classes",
+    "away, balanced over classes",
+    "away, always the largest class",
+)
 Array = NDArray[Any]
 
 
@@ -25,7 +32,8 @@ def probes(features: Features, on_step: OnStep) -> list[Record]:
 
     The maps learn all pairs of one domain. "home" is their accuracy on held-out objects of that
     domain. With a profile, the target's channels get the source's mean and variance first, from a
-    few pairs without labels, which are not tested: the mean of several draws.
+    few pairs without labels, which are not tested: the mean of several draws. Where a tested
+    domain has uneven classes, balanced accuracies and the share of its largest class follow.
     """
     data = features.embeddings.unsplit
     places = {name: features.members(name) for name in features.domains}
@@ -37,8 +45,12 @@ def probes(features: Features, on_step: OnStep) -> list[Record]:
     records = []
     for done, source in enumerate(names):
         home = places[source]
-        for view, right in _home(features, home).items():
-            records.append(record("probe", "home", right, view, source, source, n=len(home)))
+        for view, counts in _home(features, home).items():
+            place, n = (view, source, source), len(home)
+            right = float(counts.diagonal().sum() / counts.sum()) if counts.any() else float("nan")
+            records.append(record("probe", "home", right, *place, n=n))
+            if counts.any() and (own := balance(counts)).uneven:
+                records.append(record("probe", UNEVEN[0], own.balanced, *place, n=n))
         maps = maps_of(features, source, home)
         for target in (name for name in names if name != source):
             there = data.select(places[target])
@@ -49,6 +61,12 @@ def probes(features: Features, on_step: OnStep) -> list[Record]:
                     ends = {"low": share["low"], "high": share["high"], "n": found["pairs"]}
                     place = view, source, target
                     records.append(record("probe", measure, share["accuracy"], *place, **ends))
+                main = features.views[-1]
+                counts = next(x["confusion"] for x in found["domains"] if x["domain"] == target)
+                if known is NOTHING and found["pairs"] and (own := balance(counts)).uneven:
+                    for name, value in zip(UNEVEN[1:], (own.balanced, own.always), strict=True):
+                        place = main, source, target
+                        records.append(record("probe", name, value, *place, n=found["pairs"]))
         on_step(Step(done=done + 1, total=len(names), text=f"probe of {source}"))
     return records + [line for view in features.views for line in _means(records, view, names)]
 
@@ -68,37 +86,36 @@ def maps_of(features: Features, source: str, rows: NDArray[np.int64]) -> Reader:
     return of_maps(fitted, data.header, source=source, classes=classes)
 
 
-def _home(features: Features, home: NDArray[np.int64]) -> dict[str, float]:
-    """Return accuracies on held-out objects; NaN with fewer objects than folds."""
+def _home(features: Features, home: NDArray[np.int64]) -> dict[str, Array]:
+    """Return confusion matrices (K, K) of held-out objects; zeros with fewer objects than folds."""
     data = features.embeddings
     label, objects = data.label[home], data.objects[home]
     kinds = np.unique(objects)
     mixed = np.random.default_rng(derive_seed(0, "home")).permutation(len(kinds))
     part = (np.argsort(mixed) % FOLDS)[np.searchsorted(kinds, objects)]
-    right: dict[str, list[Array]] = {view: [] for view in features.views}
+    size = len(data.header.classes)
+    counts = {view: np.zeros((size, size), np.int64) for view in features.views}
     for k in range(FOLDS if len(kinds) >= FOLDS else 0):
         train, test = part != k, part == k
         if len(np.unique(label[train])) > 1:
             maps = maps_of(features, "", home[train])
             said = maps.answers(data, home[test], data.header.classes)
-            for view, answers in right.items():
-                answers.append(said[READINGS[view]] == label[test])
-    return {
-        view: float(np.concatenate(values).mean()) if values else float("nan")
-        for view, values in right.items()
-    }
+            for view, table in counts.items():
+                np.add.at(table, (label[test], said[READINGS[view]]), 1)
+    return counts
 
 
 def _means(records: list[Record], view: str, names: list[str]) -> list[Record]:
     """Return the means over sources and targets; domains are drawn again for the intervals."""
     random = np.random.default_rng(derive_seed(0, "domains"))
     drawn = random.integers(len(names), size=(1000, len(names)))
-    tables = {measure: np.full((len(names), len(names)), np.nan) for measure in MEASURES}
+    nothing = np.full((len(names), len(names)), np.nan)
+    tables = {measure: nothing.copy() for measure in (*MEASURES, *UNEVEN)}
     for one in records:
         if one["modality"] == view:
             place = names.index(one["from"]), names.index(one["to"])
             tables[one["measure"]][place] = one["value"]
-    home, away, known = tables.values()
+    home, away, known = (tables[measure] for measure in MEASURES)
     tables["loss: home less away"] = np.diag(home)[:, None] - away
     tables["gain of the profile"] = known - away
     means = []
@@ -108,14 +125,14 @@ def _means(records: list[Record], view: str, names: list[str]) -> list[Record]:
         low = high = None
         if len(names) > 2:
             blocks = [
-                table[d, d] if measure == "home" else table[np.ix_(d, d)]
+                table[d, d] if measure.startswith("home") else table[np.ix_(d, d)]
                 for d in drawn
                 if len(set(d)) > 1
             ]
             values = [np.nanmean(some) for some in blocks if not np.isnan(some).all()]
             low, high = np.nanquantile(values, [0.025, 0.975]).tolist()
         count = int((~np.isnan(table)).sum())
-        note = f"mean, {count} {'domains' if measure == 'home' else 'pairs of domains'}"
+        note = f"mean, {count} {'domains' if measure.startswith('home') else 'pairs of domains'}"
         mean = float(np.nanmean(table))
         means.append(record("probe", measure, mean, view, low=low, high=high, note=note))
     return means

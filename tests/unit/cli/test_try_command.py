@@ -112,10 +112,11 @@ def reading(share):
     return {"share": share, "low": share - 0.1, "high": share + 0.1}
 
 
-def figures(head, maps, photo=0.4, domain="TAG"):
+def figures(head, maps, photo=0.4, domain="TAG", always=0.2):
     names = {"both": (head, maps), "vis": (photo, 0.3), "tac": (0.3, 0.3)}
     shares = {k: v for n, (a, b) in names.items() for k, v in ((n, a), (trial.probe_of(n), b))}
-    known = {"domain": domain, "pairs": 50, "objects": 10, "always the largest class": 0.2}
+    known = {"domain": domain, "pairs": 50, "objects": 10, "always the largest class": always}
+    known |= {"uneven": always > 0.5, "balanced": {"both": 0.5}}
     return known | {name: reading(share) for name, share in shares.items()}
 
 
@@ -129,8 +130,38 @@ def test_the_last_sentence_tells_what_to_take(head, maps, advice):
 
 
 def test_one_image_that_beats_both_is_remarked():
-    assert "Photo only beats both images" in trial._sentence(figures(0.5, 0.5, photo=0.6))
-    assert "beats" not in trial._sentence(figures(0.5, 0.5))
+    assert "Photo only beats both images" in trial._sentence(figures(0.5, 0.5, photo=0.65))
+    assert "beats" not in trial._sentence(figures(0.5, 0.5, photo=0.55)), "within the interval"
+
+
+@pytest.mark.parametrize(
+    ("head", "maps", "advice"),
+    [
+        (0.9, 0.84, "neither is above always naming the largest class (85 %)"),
+        (0.99, 0.84, "take the head: alone above always naming the largest class (85 %)"),
+        (0.84, 0.99, "take the linear maps: alone above"),
+    ],
+)
+def test_no_sentence_recommends_what_is_not_above_the_largest_class(head, maps, advice):
+    said = trial.conclusion([figures(head, maps, domain="B", always=0.85)], "TAG")
+    assert advice in said
+
+
+def test_balanced_accuracy_stands_beside_accuracy_where_classes_are_uneven(
+    make_embeddings, tmp_path, tried
+):
+    data = make_embeddings()
+    rare = np.where(np.arange(len(data)) % 10, 0, 1)  # nine of ten pairs are of one class
+    random = np.random.default_rng(0)
+    noise = {name: random.normal(size=data.vis.shape).astype(np.float32) for name in ("vis", "tac")}
+    data = replace(data, label=rare, vis_flip=None, tac_flip=None, **noise)
+    save_embeddings(tmp_path / "mine.safetensors", data)
+    said = tried(tmp_path / "mine.safetensors")
+    home, away = json.loads((tmp_path / "mine-try" / "figures.json").read_text())
+    assert home["uneven"] and away["uneven"] and away["always the largest class"] == 0.9
+    assert abs(away["balanced"]["both"] - 0.5) < 0.2 < away["both"]["share"]
+    assert said.count("balanced over classes") == 2
+    assert "neither is above always naming the largest class (90 %)" in said
 
 
 def test_noise_without_classes_in_it_is_not_praised(tmp_path, tried):

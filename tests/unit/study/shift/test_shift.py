@@ -15,7 +15,7 @@ from omnivat.cli import main
 from omnivat.kit.progress import ignore
 from omnivat.study.shift import read_features
 from omnivat.study.shift.measure import _summed, gaps, interval, neighbours, retrieval
-from omnivat.study.shift.probe import probes
+from omnivat.study.shift.probe import UNEVEN, probes
 from omnivat.study.shift.reading import features_of
 from omnivat.study.shift.report import numbers
 from omnivat.study.shift.words import methods, notes
@@ -191,6 +191,15 @@ def test_the_command_writes_a_page_figures_and_a_table_that_no_spreadsheet_compu
     }
     assert any(r["from"] == "'=A" for r in rows)
     assert not [cell for r in rows for cell in r.values() if cell[:1] in ("=", "+", "@")]
+
+
+def test_balanced_accuracy_and_the_largest_class_stand_beside_probes_of_uneven_classes(made):
+    labels = np.array(["wood", "steel"])[(np.arange(80) % 10 == 0).astype(int)]
+    records = probes(read_features(made(material=labels)), ignore)
+    found = {r["measure"]: r["value"] for r in records if r["note"] and r["modality"] == "both"}
+    assert found["away, always the largest class"] == 0.9
+    assert found["away, balanced over classes"] < found["away"]
+    assert not any(r["measure"] in UNEVEN for r in probes(read_features(made()), ignore))
 
 
 @pytest.mark.parametrize(
