@@ -30,13 +30,32 @@ def about(resources: Resources) -> Reply:
 
 
 def head_facts(resources: Resources) -> Reply:
-    """Return the classes of the first head, and how it was trained."""
+    """Return the classes of the first head, how it was trained, and on `real` pairs, how often it
+    was correct.
+    """
     head = resources.head()
     return {
         "classes": list(head.settings.classes),
         "source": head.source,
         "epochs": without_nan(head.metrics.get("epochs", [])),
+        "real": real_pairs(head.metrics),
     }
+
+
+def real_pairs(metrics: Reply) -> Reply | None:
+    """Return how many real pairs each reading gets right, raw and with a profile; None if a head's
+    metrics have no such counts.
+    """
+    counts: Any = metrics.get("real")
+    match counts:
+        case {
+            "pairs": int(),
+            "always": int(),
+            "as they come": {"fused": int(), "vis": int(), "tac": int()},
+            "profile": {"fused": int(), "vis": int(), "tac": int()},
+        }:
+            return {name: counts[name] for name in ("pairs", "always", "as they come", "profile")}
+    return None
 
 
 def own(resources: Resources) -> Reply:

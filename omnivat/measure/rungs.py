@@ -105,38 +105,42 @@ def known_of(row: Row) -> Known | None:
 # title, help    of its button above the map, and `remark` below: {apart} of sensors, {first} as
 #                they come, {gain} in points
 RUNGS: list[Row] = [
-    _row(NOTHING, id="home", words="its own sensor", home=True, bar="at home"),
+    _row(NOTHING, id="home", words="its own sensor", home=True, bar="training domain"),
     _row(
         NOTHING,
-        brief="nothing",
-        bar="away",
+        brief="nothing from the new sensor",
+        bar="new domains",
         map=0,
-        title="As they come",
-        remark="One press is threaded. Sensors lie {apart} apart.",
+        title="Raw features",
+        remark="The lines join one press as seen by all eight sensors."
+        " Mean distance between sensors: {apart}.",
     ),
     {
         "id": "mean",
         "words": "each sensor’s mean",
         "map": 1,
-        "title": "Mean moved",
-        "help": "Each sensor’s mean becomes the mean of all",
-        "remark": "The offset is gone: sensors lie {apart} apart, not {first}. {gain}",
+        "title": "Align means",
+        "brief": "the mean of each sensor’s features",
+        "help": "Move each sensor’s mean to the mean of all sensors",
+        "remark": "Mean distance between sensors: {apart} instead of {first}. {gain}",
     },
     {
         "id": "spread",
         "words": "each sensor’s mean and spread",
         "map": 2,
-        "title": "Mean and spread",
-        "help": "Each feature’s spread becomes that of all, too",
-        "remark": "Sensors shift and stretch features; both are undone. {gain}",
+        "title": "Align means and spreads",
+        "brief": "the mean and the spread of each sensor’s features",
+        "help": "Also scale each feature of a sensor to the spread of all sensors",
+        "remark": "Sensors shift and stretch features."
+        " Aligning means and spreads undoes both. {gain}",
     },
     {"id": "p", "words": "nothing", "order": True},
     *(_row(pairs(count)) for count in (1, 2, 5, 10)),
-    _row(pairs(20), step=2, bar="away, pictures"),
+    _row(pairs(20), step=2, bar="with pictures"),
     _row(pairs(50)),
     _row(pairs(ALL, every=True)),
     _row(labels(1)),
-    _row(labels(3), step=3, bar="away, labels"),
+    _row(labels(3), step=3, bar="with labels"),
     _row(labels(5)),
     *(
         {"id": known.name, "words": known.words}

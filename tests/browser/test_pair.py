@@ -70,7 +70,7 @@ def test_p_is_moved_in_a_section_of_its_own_and_leaves_the_prediction(open_page)
         "before => document.querySelector('.pair .at-p').innerText !== before", arg=before
     )
     assert said(page, "fused") == prediction
-    assert "guessing" in page.inner_text(".pair .about-p")
+    assert "chance" in page.inner_text(".pair .about-p")
 
 
 def test_a_csv_of_one_file_twice_pairs_nothing_and_in_its_folder_two_pictures_of_one_name(
@@ -109,7 +109,7 @@ def test_own_pairs_are_counted_taught_and_saved(open_page):
     page.click(".pair .own [data-send=teach]")
     page.wait_for_selector(".pair .taught table")
     report = page.inner_text(".pair .taught p")
-    assert re.search(r"Right before: \d of 4\. After: \d of 4\.", report)
+    assert re.search(r"Correct before teaching: \d of 4\. After teaching: \d of 4\.", report)
     page.wait_for_selector(".pair .taught-now")
     page.wait_for_selector(ANSWERED)
     assert page.locator(".pair .bars th:has-text('cork')").count() == 1
@@ -429,8 +429,10 @@ def test_a_folder_goes_from_a_drop_to_predictions_of_the_next_pictures_by_the_ta
     page.set_input_files(FOLDER, tmp_path / "first")
     page.wait_for_selector(".pair .many table")
     settle(page)
-    assert "20 pictures without labels bring" in line.inner_text()
-    assert page.locator(".pair .own:has-text('What is it really?')").count() == 1  # the first opens
+    assert "a profile of 20 unlabelled pictures raises accuracy" in line.inner_text()
+    assert (
+        page.locator(".pair .own:has-text('What is the true class?')").count() == 1
+    )  # the first opens
     before = page.inner_text(".pair .many tbody")
     names = page.locator(".pair .many .link").all_inner_texts()
     for row, name in enumerate(names):

@@ -108,5 +108,8 @@ def test_two_real_sensors_open_chapter_two_with_home_away_pictures_and_labels(op
         f"{int(100 * one['accuracy'] + 0.5)} %" for one in wanted
     ]
     words = page.inner_text(".explore .split.own .provenance")
-    assert "from GelSight; away is DIGIT, 8 pairs; known: nothing; 8 pairs without" in words
+    assert (
+        "trained on GelSight and tested on 8 pairs of DIGIT. The model was given nothing from the"
+        " new sensor, then 8 pairs without" in words
+    )
     assert "the project’s simulated touches" in page.inner_text(".explore .lead")

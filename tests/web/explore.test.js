@@ -192,21 +192,24 @@ test("an accuracy names its head, and a learned p is not a round one", () => {
   const learned = frames({ head: { learned_order: 0.5 }, curves: accuracy });
   says(headOf(learned, 1), /60\u00a0%.*one unseen domain/);
   const by = (of, stop) => String(ofFrames(of, stop, "2 pairs")).replaceAll("\u00a0", " ");
-  assert.match(by(learned, 1), /By the loaded head at its learned p = 0\.50, from A; 2 pairs; known: nothing\./);
+  assert.match(
+    by(learned, 1),
+    /Measured with the loaded head at its learned p = 0\.50, trained on A and tested on 2 pairs\. The model was given nothing from/,
+  );
   const near = frames({ head: { learned_order: 0.5035 }, orders: [0, 0.5, 0.5035], curves: accuracy });
-  assert.match(by(near, 1), /the loaded head, moved to p = 0\.50,/);
+  assert.match(by(near, 1), /the loaded head, changed to p = 0\.50,/);
   assert.match(by(near, 2), /its learned p = 0\.503/);
   const many = { "seeds:accuracy/unseen/mean": [0.3, 0.6, 0.4] };
-  assert.match(by(frames({ head: { kind: "retrained", seeds: [0, 1] }, curves: many }), 1), /2 heads trained at p = /);
+  assert.match(by(frames({ head: { kind: "retrained", seeds: [0, 1] }, curves: many }), 1), /2 heads for p = /);
   says(headOf(frames({ head: { source: "Z" } }), 1), /trained on Z, which is not in this set/);
 });
 
 test("the chapter of the order speaks of p only as far as the accuracy bears", () => {
   const at = (share, stop = 1) =>
     LESSONS.order.words(sceneOf(frames({ curves: { "accuracy/unseen": share } }), { stop }));
-  assert.match(at([0.3, 0.9, 0.4]).title, /^At one order, two kinds/);
-  assert.match(at([0.3, 0.9, 0.4], 0).title, /^At which order/);
-  assert.match(at([0.6, 0.62, 0.61]).title, /hardly matters/);
+  assert.match(at([0.3, 0.9, 0.4]).title, /^At one value of p, two kinds/);
+  assert.match(at([0.3, 0.9, 0.4], 0).title, /^At which value of p/);
+  assert.match(at([0.6, 0.62, 0.61]).title, /hardly changes accuracy/);
   assert.doesNotMatch(at(null).title, /matters/);
   const flat = frames({ curves: { "accuracy/unseen": [0.6, 0.61, 0.6] }, head: { learned_order: 0.5 } });
   assert.equal(startOf("order", flat, flat), 0.5);
@@ -220,7 +223,7 @@ test("no winner is named where two intervals overlap", () => {
     look_alikes: { pairs: 20, "answers/vis": vis, "answers/tac": tac },
   });
   const words = (vis, tac) => `${LESSONS.fooled.words({ own: frames(), facts: { unseen: unseen(vis, tac) } }).remark}`;
-  assert.match(words(share(0.2, 0.1, 0.3), share(0.5, 0.4, 0.6)), /only touch can tell/);
+  assert.match(words(share(0.2, 0.1, 0.3), share(0.5, 0.4, 0.6)), /the touch alone is correct more often/);
   assert.match(words(share(0.4, 0.2, 0.6), share(0.5, 0.3, 0.7)), /overlap/);
 });
 
@@ -282,7 +285,7 @@ test("a what-if names its learned p and how accurate the head is at the orders t
   const curves = { "accuracy/unseen": [0.3, 0.9, 0.4] };
   says(
     modeWords(frames({ head: { learned_order: 0.5014 }, fits: [0.47, 0.53], curves })),
-    /What if only p moved\?.*p = 0\.501.*Elsewhere its mean accuracy in unseen domains is 35\u00a0% \(guessing: 50/,
+    /What if only p changed\?.*p = 0\.501.*Outside the band, its mean accuracy in unseen domains is 35\u00a0% \(chance: 50/,
   );
 });
 
@@ -341,13 +344,25 @@ test("what is lost leads from home to away, and a term that does not apply has n
   assert.deepEqual(
     rows.map(({ name, text, ends }) => [name, text, ...ends.map((v) => v.toFixed(2))]),
     [
-      ["at home", "80\u00a0%", "0.00", "0.80"],
+      ["training domain", "80\u00a0%", "0.00", "0.80"],
       ["another sensor", "−24", "0.56", "0.80"],
       ["other objects", "+4", "0.56", "0.60"],
-      ["away", "60\u00a0%", "0.00", "0.60"],
+      ["new domain", "60\u00a0%", "0.00", "0.60"],
     ],
   );
-  assert.equal(rows[1].title, "95 % interval -34 to -14 points");
+  assert.equal(rows[1].title, "95 % interval: -34 to -14 points");
+  const odd = {
+    home: [74.4, 0, 0],
+    sensor: [10.4, 0, 0],
+    scene: [1.4, 0, 0],
+    interplay: [5.4, 0, 0],
+    objects: [0.4, 0, 0],
+  };
+  const shown = barsOf({ ...odd, away: [56.8, 0, 0] }).map(({ text }) => +text.replace("−", "-").replace(/\D*%/, ""));
+  assert.equal(
+    shown.at(-1),
+    shown.slice(0, -1).reduce((sum, v) => sum + v),
+  ); // the figures add up
 });
 
 test("in the chapter of the order the stops between which p was dragged are kept, by frames", () => {

@@ -36,7 +36,7 @@ test("of nodes with one class for nearly every pair, the page says that and conc
   assert.deepEqual(constant(VOTES), [false, true, true]);
   const said = `${worth(VOTES, 1920)}`;
   assert.match(said, /2 of 3 nodes/);
-  assert.match(said, /alone predict <i>wood<\/i> or <i>glass<\/i> for at least 95/);
+  assert.match(said, /alone, predict <i>wood<\/i> or <i>glass<\/i> for at least 95/);
   assert.ok(!/shift|direction/.test(said)); // equal classes do not show equal shifts
   says(worth([VOTES[0]], 10), /different classes for different pairs/);
 });

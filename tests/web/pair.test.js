@@ -10,7 +10,7 @@ import { curveHtml, ownHtml } from "../../app/web/pair/own.js";
 import { describe } from "../../app/web/pair/own-pictures.js";
 import { named, paired } from "../../app/web/pair/pairing.js";
 import { about } from "../../app/web/pair/rasters.js";
-import { atChance, gainOf, readerHtml } from "../../app/web/pair/reader.js";
+import { cautionOf, cautionsOf, gainOf, readerHtml } from "../../app/web/pair/reader.js";
 import { after, isOwn, keyOf, lessonsOf, mixed, READING, START, tallies } from "../../app/web/pair/state.js";
 import { lineHtml } from "../../app/web/pair/steps.js";
 import {
@@ -64,7 +64,7 @@ test("an image unlike the training images makes every reading that uses it a gue
   for (const html of [cards(STRANGE, {}), liveHtml(live)].map(String)) {
     const [both, photo, touch] = html.split("<article").slice(1);
     for (const guessed of [both, photo]) {
-      assert.match(guessed, /This is a guess.*The photo is unlike anything it has seen/);
+      assert.match(guessed, /This is a guess.*The photo is unlike all training images/);
       assert.ok(!guessed.includes("%"));
     }
     assert.match(touch, /steel <b>70/);
@@ -76,7 +76,7 @@ test("the list of classes and the other heads have grey columns and no figures f
   const grey = [...html.matchAll(/<td data-reading="(\w+)" class="of-guess"/g)].map(([, reading]) => reading);
   assert.deepEqual(grey, ["fused", "vis", "fused", "vis"]);
   assert.equal(html.match(/\(guess\)/g).length, 2);
-  assert.match(html, /Grey: figures for a guess/);
+  assert.match(html, /Grey figures belong to a guess/);
   assert.doesNotMatch(String(classTable({ ...PAIR, images: { vis: { guess: false } } })), /guess/);
   const [, , own, other] = String(rivalsHtml(STRANGE, [{ ...PAIR, label: "other" }])).split("<tr>");
   for (const row of [own, other]) {
@@ -86,26 +86,26 @@ test("the list of classes and the other heads have grey columns and no figures f
 });
 
 test("a figure is read out with the prediction, and of a guess none", () => {
-  assert.equal(spoken(STRANGE), "wood? This is a guess.");
-  assert.match(spoken(PAIR), /^wood, 90/);
+  assert.equal(String(spoken(STRANGE)), "wood? This is a guess.");
+  assert.match(String(spoken(PAIR)), /^wood, 90/);
 });
 
 test("with one image there is no reading of both", () => {
   const html = String(
     cards({ classes: CLASSES, exact: { readings: { fused: [0.3, 0.7], tac: [0.3, 0.7] } }, images: {} }, {}),
   );
-  assert.match(html, /Add the photo to see both together/);
-  assert.match(html, /class="reading none" data-reading="vis">.*No photo here/);
+  assert.match(html, /Add the photo to predict from both/);
+  assert.match(html, /class="reading none" data-reading="vis">.*This pair has no photo/);
 });
 
 test("a prediction is judged by the class of the images that it used; a visitor's picture has none", () => {
   const apart = { vis: "wood", tac: "steel" };
   for (const [used, truths, words] of [
-    [["vis"], apart, /right/],
+    [["vis"], apart, /correct/],
     [["tac"], apart, /it is steel/],
     [["vis", "tac"], apart, /follows the photo/],
-    [["vis"], { vis: "cork" }, /a class this head has not learned/],
-    [["tac"], { vis: "", tac: "wood" }, /right/],
+    [["vis"], { vis: "cork" }, /a class that the head does not know/],
+    [["tac"], { vis: "", tac: "wood" }, /correct/],
     [["vis", "tac"], { vis: "", tac: "wood" }, /^null/],
   ])
     says(judged({ label: "wood", used }, truths, CLASSES), words);
@@ -113,17 +113,18 @@ test("a prediction is judged by the class of the images that it used; a visitor'
 });
 
 test("familiarity is said in words and as a share of the training images", () => {
-  const image = { words: "unlike the training images", quantile: 0.01 };
+  const image = { words: "unlike the training images", guess: true, quantile: 0.01 };
   for (const [about, words] of [
-    [image, /^Unlike the training images: 1 of 100 training photos has a farther neighbour\.$/],
-    [{ words: "familiar", quantile: 0.25 }, /^Familiar: 25 of 100/], // an ordinary rank
+    [image, /^Unlike the training photos: only 1 of 100 is more unusual\.$/],
+    [{ words: "familiar", quantile: 0.08 }, /^Similar to the training photos, but only just: 8 of 100 are/],
+    [{ words: "familiar", quantile: 0.25 }, /^Similar to the training photos: 25 of 100 are more unusual\.$/],
     [{ words: "familiar", quantile: 1, cosine: 1 }, /one of the training photos/],
     [{}, /has no record/],
   ])
     says(sentence("vis", about), words);
   const near = { images: { vis: { nearest: [{ pair: 1, cosine: 0.5 }] } }, of: "A" };
   const html = familiarHtml(near, { vis: image }, { frames: frames(), sprite: null });
-  says(html, /<i class="right" style="--at:0\.01">.*title="Open this pair of B".*<b>steel<\/b> 0\.50/s);
+  says(html, /<i class="wrong" style="--at:0\.01">.*title="Open this pair of B".*<b>steel<\/b> 0\.50/s);
 });
 
 test("each reading is counted over the pairs that had its images", () => {
@@ -139,10 +140,10 @@ test("each reading is counted over the pairs that had its images", () => {
 test("the line names the next step: teaching waits for two pairs of each of two classes", () => {
   for (const [tab, words] of [
     [{}, /<li aria-current="step">Drop/],
-    [OWN, /<li aria-current="step">Label.*Or make a profile/],
+    [OWN, /<li aria-current="step">Label.*or make a profile/],
     [{ ...OWN, counts: { tac: 5 } }, /So far: none yet/],
     [{ pairs: LABELLED }, /✓ See<\/li><li aria-current="step">Label.*So far: wood 1, steel 1/],
-    [{ pairs: [...LABELLED, ...LABELLED] }, /<li aria-current="step">Teach.*Teach it your 4 pairs\.</],
+    [{ pairs: [...LABELLED, ...LABELLED] }, /<li aria-current="step">Teach.*Teach the head your 4 pairs\.</],
   ])
     says(lineHtml({ ...START, ...tab }), words);
 });
@@ -152,10 +153,10 @@ test("a gain is told as it was measured, and none of another head than the one t
   const nothing = { rung: "none", known: "nothing", accuracy: 0.5, from: "this head" };
   const line = (more, third = measured) =>
     lineHtml({ ...START, pairs: [...LABELLED, ...LABELLED], rungs: [nothing, third], ...more });
-  says(line({}), /On simulated sensors three labels a class bring 12\.5 points \(this head\)\./);
-  says(line({ simulated: false }), /On this set’s unseen sensors three/);
+  says(line({}), /On simulated sensors three labels a class raise accuracy by 12\.5 points \(this head\)\./);
+  says(line({ simulated: false }), /On the unseen sensors three/);
   for (const other of [line({ head: "own" }), line({}, { ...measured, from: "records" })])
-    assert.doesNotMatch(String(other), /bring/);
+    assert.doesNotMatch(String(other), /raise/);
 });
 
 test("a pair labelled again keeps its last label", () => {
@@ -209,7 +210,7 @@ test("a picture is called by its pair of the set, by its example or by its file"
 test("pictures nearer to the other side are asked about only if all of them are", () => {
   const [near, far] = [{ strays: false }, { strays: true }];
   for (const [images, words] of [
-    [{ vis: far, tac: far }, /Are these two swapped\?/],
+    [{ vis: far, tac: far }, /Are photo and touch swapped\?/],
     [{ vis: far, tac: near }, /^null/],
     [{ vis: far }, /Is this a touch\?/],
     [{}, /^null/],
@@ -293,7 +294,7 @@ test("parts that change nothing are not shown", () => {
   says(explained({ class: "wood", drops: nothing }), /no single part matters/);
   says(
     explained({ class: "<wood>", drops: [[0.2, 0]], taught: true }),
-    /taught<\/b> <b>&lt;wood&gt;<\/b>: orange supports <i>&lt;wood&gt;<\/i>\. Hiding a part changes its probability by at most 20/,
+    /taught<\/b> <b>&lt;wood&gt;<\/b>: orange parts support <i>&lt;wood&gt;<\/i>\. Hiding a part changes its probability by at most 20/,
   );
 });
 
@@ -319,8 +320,8 @@ test("the band is what the head was trained for", () => {
   ])
     assert.deepEqual(band(span, fits), wanted);
   for (const [span, linear, words] of [
-    [[0.5, 0.5], false, /guessing \(50/],
-    [[0, 1], false, /trained for every p/],
+    [[0.5, 0.5], false, /chance \(50/],
+    [[0, 1], false, /trained for all values of p/],
     [[0.5, 0.5], true, /no part/],
   ])
     says(aboutP({ learned: 0.5, span, classes: CLASSES, linear }), words);
@@ -383,11 +384,33 @@ test("own pictures are read by the head for them, and nothing else is", () => {
   }
 });
 
-test("the page says what pictures without labels bring, and where touch is at chance", () => {
-  assert.deepEqual(atChance(FACTS), ["tac"]);
-  assert.match(gainOf(FACTS), /bring 5\.0 points/);
-  says(readerHtml(FACTS, true, "A"), /touch is at chance/);
-  says(readerHtml(FACTS, false, "A"), /learned from A alone/);
+test("the page says what unlabelled pictures bring, and which head reads", () => {
+  assert.match(gainOf(FACTS), /raises accuracy from 70\.0\u00a0% to 75\.0\u00a0%/);
+  says(readerHtml(FACTS, true, "A"), /trained on all simulated sensors/);
+  says(readerHtml(FACTS, false, "A"), /trained on A only/);
+});
+
+test("a reading of own pictures carries what its head read right on real pairs, whichever head and with or without a profile", () => {
+  const tested = { ...FACTS.real, "as they come": { fused: 12, vis: 10, tac: 1 } };
+  const tab = { ...START, ...OWN, answer: PAIR, classes: CLASSES, facts: FACTS, tested };
+  const card = (more) => String(verdictHtml({ ...tab, ...more })).split('data-reading="tac"')[1];
+  assert.match(card({ head: "own" }), /At chance: do not trust this.*correct for 3;.*for 10\./);
+  assert.match(card({ head: "" }), /At chance: do not trust this.*correct for 1;/);
+  assert.match(card({ head: "own", profile: "x" }), /correct for 5;/);
+  assert.match(card({ head: "", tested: null }), /Do not trust this.*never tested on real/);
+  for (const more of [{ vis: "row:1", tac: "row:1" }, { taught: true }, { tested: null, simulated: false }])
+    assert.doesNotMatch(card(more), /trust/);
+  assert.doesNotMatch(String(cautionOf(tab, { reading: "fused", used: ["vis", "tac"], guess: false })), /At chance/);
+  assert.equal(cautionOf(tab, { reading: "fused", used: ["vis", "tac"], guess: true }), null);
+  assert.match(String(spoken(PAIR, (said) => cautionOf({ ...tab, head: "own" }, said))), /At chance/);
+  assert.match(
+    String(liveHtml({ ...PAIR, readings: PAIR.exact.readings }, (said) => cautionOf({ ...tab, head: "own" }, said))),
+    /At chance/,
+  );
+  assert.match(
+    String(cautionsOf({ ...tab, head: "own" })),
+    /for 9 with both images, for 9 with the photo only, for 3 with the touch only/,
+  );
 });
 
 const SHOWN = { vis: "row:0", tac: "row:0", answer: PAIR, classes: CLASSES };
@@ -477,9 +500,12 @@ test("a label of the table is counted at once, and a new prediction keeps labels
 test("labels of the table are counted with a line on where the count comes from", () => {
   const rows = [{ ...READ[0], classes: CLASSES, label: "wood" }];
   const html = String(manyHtml({ ...START, rows, source: "A" }));
-  assert.match(html, /1 pair: 0 guesses.*Right: photo only 1 of 1\./s);
-  assert.match(html, /By the head as trained, from A; 1 labelled of your 1 pair; known: nothing\./);
-  assert.doesNotMatch(String(manyHtml({ ...START, rows: READ })), /as trained/);
+  assert.match(html, /1 pair: 0 guesses.*Correct with the photo only: 1 of 1\./s);
+  assert.match(
+    html,
+    /Measured with the head before teaching, trained on A and tested on 1 labelled of your 1 pair\. The model was given nothing from your sensor\./,
+  );
+  assert.doesNotMatch(String(manyHtml({ ...START, rows: READ })), /before teaching/);
 });
 
 test("a profile is kept, followed by the pair and the table, and dropped without a trace", () => {
@@ -498,7 +524,7 @@ test("the pair comes back in place of the cameras, once", () => {
     ["camerasSwitched"],
     ["framed", { frame: { idle: true, readings: {} }, line: "No contact." }],
   );
-  says(verdictHtml(tab), /No contact/);
+  says(verdictHtml(tab), /There is no contact/);
   const off = after(tab, "camerasSwitched", {});
   assert.deepEqual([off.tab.on, off.tab.frame, off.next, off.halt], [false, null, { predict: {} }, ["live"]]);
   assert.deepEqual(told(SHOWN, ["camerasSwitched"], ["camerasOff", "No source."]).next, {});

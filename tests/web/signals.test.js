@@ -45,6 +45,6 @@ test("a pair of signals is called two recordings", () => {
     cards({ classes: ["a", "b"], exact: { readings: { fused: [1, 0], vis: [1, 0] } }, images: {} }, {}),
   );
   assert.match(html, /First only/);
-  assert.match(html, /No second recording here/);
+  assert.match(html, /This pair has no second recording/);
   assert.doesNotMatch(html, /[Pp]hoto|[Tt]ouch/);
 });

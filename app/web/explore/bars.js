@@ -2,7 +2,7 @@
 
 import { html } from "./root.js";
 
-/** A scale with an interval and its mean; a line where guessing is. @param {Share | undefined} share @param {number} chance */
+/** A scale with an interval and its mean; a line at chance. @param {Share | undefined} share @param {number} chance */
 export const scaleOf = (share, chance) =>
   html`<span class="scale" style="--chance:${chance}">${
     share &&

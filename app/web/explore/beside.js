@@ -8,18 +8,19 @@ import { axes, axisNames, lassoLine } from "../shared/marks.js";
 import { means } from "../shared/means.js";
 import { ACCURACY, values } from "../shared/measures.js";
 import { listen } from "../shared/pointer.js";
+import { ofFrames } from "../shared/provenance.js";
 import { OUTPUT, stageNamed, stepsOf } from "../shared/stages.js";
 import { making, tell } from "../shared/view.js";
-import { whence } from "./chapters.js";
 import { figure, gaps, kindOf, map, pairLines, showLayers, shown } from "./maps.js";
 import { $, change, fill, html, options, put, scene, send, state } from "./root.js";
 import { isDouble, painted } from "./scene.js";
 
-/** The accuracy of frames at a stop, and whose it is; only where the head predicts.
- * @type {(frames: Frames, stage: string, stop: number, unseen: Unseen | null) => false | Html} */
-export const right = (frames, stage, stop, unseen) =>
-  stage === OUTPUT &&
-  html`${figure("right, unseen", ACCURACY, values(frames, ACCURACY, stage), stop)}${whence(frames, stop, unseen)}`;
+/** The accuracy of frames at a stop on the pairs of the first map, and whose it is; only where the head predicts.
+ * @type {(frames: Frames, stage: string, stop: number) => false | null | Html} */
+export const right = (frames, stage, stop) => {
+  const share = stage === OUTPUT && figure("accuracy", ACCURACY, values(frames, ACCURACY, stage), stop);
+  return share && html`${share}${ofFrames(frames, stop, "the same pairs", null)}`;
+};
 
 /** @type {Cloud} */
 let cloud;
@@ -83,7 +84,7 @@ export async function load() {
   await attempt(
     async () => {
       const frames = await framesBy(name, scene.own, (step) => tell(wait, making(step)), loadFiner);
-      if (frames.pairs !== scene.own.pairs) throw new Refusal("This head’s map belongs to another set.");
+      if (frames.pairs !== scene.own.pairs) throw new Refusal("The map of this head belongs to another set.");
       if (state.head2 !== name) return;
       send("arrived", { other: { name, frames } });
       tell(wait, "");
@@ -117,7 +118,7 @@ export function show() {
   cloud.box.dataset.order = String(p);
   fill(
     $(".pane-title"),
-    html`${isReady() && [gaps(frames, stage(), stop), " ", !same && right(frames, stage(), stop, unseen)]}`,
+    html`${isReady() && [gaps(frames, stage(), stop), " ", !same && right(frames, stage(), stop)]}`,
   );
   fill(
     $(".now .pane"),
@@ -156,6 +157,7 @@ const grouped = (/** @type {number} */ n) => n.toLocaleString("en-US");
 
 /** The sentence below both maps. @param {ReturnType<typeof counted>} counts */
 export function sentence({ all, corrected, broken, wrong }) {
-  if (!all) return html`There are no test pairs here: all are training pairs, or have a class that the head lacks.`;
+  if (!all)
+    return html`There are no test pairs here: each pair was used for training or has a class that the head does not know.`;
   return html`From the left map to the right, <b>${grouped(corrected + broken + wrong)}</b> of ${grouped(all)} predictions change: <span class="right">${grouped(corrected)} corrected</span>, <span class="wrong">${grouped(broken)} broken</span>, ${grouped(wrong)} still wrong.`;
 }

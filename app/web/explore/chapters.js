@@ -40,17 +40,17 @@ export const rightAt = (frames, stop) => values(frames, ACCURACY, OUTPUT)?.[stop
 export function headOf(frames, stop) {
   const right = rightAt(frames, stop);
   return Number.isFinite(right)
-    ? html`<b class="large">${percent(right)}</b> <span>right in ${unseenDomains(frames)}</span>`
-    : html`<small>Unseen accuracy is unknown here: ${blind(frames)}</small>`;
+    ? html`<b class="large">${percent(right)}</b> <span>correct in ${unseenDomains(frames)}</span>`
+    : html`<small>There is no accuracy for unseen domains: ${blind(frames)}</small>`;
 }
 
 /** Why there is no unseen accuracy. @param {Frames} frames */
 function blind(frames) {
   const { source, domains, labelled } = frames;
   if (labelled === false) return "the pairs have no classes.";
-  if (!source) return "the source of the head is not stated.";
+  if (!source) return "the file of the head does not name its training domain.";
   if (!domains.includes(source)) return `the head was trained on ${source}, which is not in this set.`;
-  return strangers(frames) ? "it was not measured." : "there is no domain that the head has not seen.";
+  return strangers(frames) ? "it was not measured." : "the set has no domain besides the training domain.";
 }
 
 /** Where the accuracy at one stop comes from; null if it is not known.
@@ -68,7 +68,7 @@ export function featuresHtml({ own, facts: { fit } }) {
     const value = values(own, id, INPUT)?.[0] ?? NaN;
     return Number.isFinite(value) && html`<dt title="${help}">${title}</dt><dd>${value.toFixed(2)}</dd>`;
   });
-  return html`<span class="measured"><b>The encoder’s features, no head.</b></span><dl class="gaps">${gaps}</dl>${headlessHtml(fit)}`;
+  return html`<span class="measured"><b>Features of the encoder, without a head.</b></span><dl class="gaps">${gaps}</dl>${headlessHtml(fit)}`;
 }
 
 const headlessHtml = (/** @type {Fit | null} */ fit) =>
@@ -82,42 +82,42 @@ function order(scene) {
   const accuracy = decided(frames);
   const figure = headOf(frames, stop);
   const from = whence(frames, stop, facts.unseen) ?? html``;
-  if (!accuracy) return { title: "When does the order p decide?", figure, remark: html`Drag p: the map follows.` };
+  if (!accuracy) return { title: "When does the order p matter?", figure, remark: html`Drag p to change the map.` };
   const { best, low, high, range } = accuracy;
   if (range < CLEAR)
     return {
-      title: "On this set the order p hardly matters.",
+      title: "On this set, the order p hardly changes accuracy.",
       figure,
       whence: from,
-      remark: html`Drag p. Accuracy stays between ${percent(low)} and ${percent(high)}.`,
+      remark: html`Drag p. At every p, accuracy lies between ${percent(low)} and ${percent(high)}.`,
     };
   const kinds = `${inWords(frames.classes.length)} kinds of ${frames.signals ? "signal" : "pair"}`;
   return {
     title:
       Math.abs(frames.orders[stop] - best) < 0.026
-        ? `At one order, ${kinds} come apart.`
-        : `At which order do ${kinds} come apart?`,
+        ? `At one value of p, ${kinds} separate.`
+        : `At which value of p do ${kinds} separate?`,
     figure,
     whence: from,
     remark: whole(scene)
-      ? html`Accuracy falls to ${percent(low)} at worst. Grey: on touch sensors every order does about as well.`
-      : html`Drag <i>p</i> from end to end. ${modeOf(frames).note}`,
+      ? html`At the worst p, accuracy falls to ${percent(low)}. Grey line: on touch sensors, accuracy is about the same at every p.`
+      : html`Drag <i>p</i> from 0 to 1. ${modeOf(frames).note}`,
   };
 }
 
 /** @type {(scene: Scene) => Words} */
 function fooled({ own, facts: { unseen, fit } }) {
   const words = { title: "When is touch needed?", figure: html``, remark: html`` };
-  if (own.headless) return { ...words, title: "Who is fooled? That takes a head.", remark: headlessHtml(fit) };
+  if (own.headless) return { ...words, title: "This chapter needs a head.", remark: headlessHtml(fit) };
   if (!unseen) return words;
   const alike = unseen.look_alikes;
   const pairs = unseen.domains.reduce((sum, domain) => sum + (domain.is_source ? 0 : domain.pairs), 0);
   if (!alike)
     return {
-      title: "Which domains fool the head?",
-      figure: unseen.unseen["answers/fused"] ? html`` : html`Learned from ${own.source}: ${blind(own)}`,
+      title: "In which domains does the head fail?",
+      figure: unseen.unseen["answers/fused"] ? html`` : html`There is no accuracy for unseen domains: ${blind(own)}`,
       remark: unseen.domains.some((domain) => domain["answers/fused"])
-        ? html`Each bar has its 95 % interval. The thin line is guessing.${ofOwn(own, unseenPairs(own, unseen))}`
+        ? html`Black bar: 95 % interval. Thin line: chance.${ofOwn(own, unseenPairs(own, unseen))}`
         : html``,
     };
   const [photo, touch] = [alike["answers/vis"], alike["answers/tac"]];
@@ -125,12 +125,12 @@ function fooled({ own, facts: { unseen, fit } }) {
   const share = (/** @type {Reading} */ reading) => percent(unseen.unseen[`answers/${reading}`]?.share);
   return {
     ...words,
-    figure: html`<b>${percent(alike.pairs / pairs)}</b> of the unseen pairs look like another class.`,
+    figure: html`In <b>${percent(alike.pairs / pairs)}</b> of the unseen pairs, the photo looks like another class.`,
     remark: html`${
       lower.high < higher.low
-        ? `Where a photo deceives, only ${higher === touch ? "touch" : "the photo"} can tell.`
-        : "The intervals of photo and touch overlap, so neither is surely ahead."
-    } Mean of ${unseenDomains(own)}: photo ${share("vis")}, touch ${share("tac")}, both ${share("fused")}.${ofOwn(own, `${alike.pairs} look-alikes`)}`,
+        ? `For these pairs, the ${higher === touch ? "touch" : "photo"} alone is correct more often.`
+        : "For these pairs, the intervals of photo and touch overlap: neither is clearly better."
+    } For all unseen pairs, the photo alone is correct in ${share("vis")}, the touch in ${share("tac")}, both together in ${share("fused")}.${ofOwn(own, `the ${alike.pairs} look-alikes`)}`,
   };
 }
 

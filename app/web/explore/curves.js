@@ -39,7 +39,7 @@ export const accuracy = () =>
       if (innerWidth < 820) return 110;
       if (state.chapter !== "order") return 0.165 * innerHeight;
       if (isLecture()) return 0.4 * innerHeight;
-      return Math.min(560, 0.24 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
+      return Math.min(560, 0.18 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
     },
     (scale) => html`${TABLES.measures.filter((row) => can(row, "predictions")).map((row) => curve(row, scale))}`,
   );
@@ -56,7 +56,7 @@ export const features = () =>
 export const together = () =>
   charts(
     ".together",
-    () => 112,
+    () => 72,
     (scale) => {
       const { frames, stop } = scene;
       const known = BRIEF.map(({ id, title }) => ({ name: id, title, values: values(frames, id, OUTPUT) }));
@@ -129,7 +129,7 @@ function pale(scale) {
   const words = (/** @type {number} */ y, /** @type {string} */ text) =>
     html`<text x="${scale.x(1) - 2}" y="${y}" text-anchor="end">${text}</text>`;
   const guessing = scale.y(1 / scene.frames.classes.length) + 17;
-  return html`<path class="pale" d="${scale.line(zip(orders, share))}"/>${words(scale.y(Math.max(...share)) - 7, title)}${words(guessing, "guessing")}`;
+  return html`<path class="pale" d="${scale.line(zip(orders, share))}"/>${words(scale.y(Math.max(...share)) - 7, title)}${words(guessing, "chance")}`;
 }
 
 /** The band of orders that the head was trained for. @param {Scale} scale */
@@ -155,4 +155,4 @@ const dots = (own, scale) =>
 
 /** @type {(orders: number[], all: number[]) => Point[]} */
 const zip = (orders, all) => orders.map((p, i) => [p, all[i]]);
-const DASHED = html`<p class="hint">Dashed: the raw embedding; for accuracy, guessing.</p>`;
+const DASHED = html`<p class="hint">Dashed line: the raw embedding; for accuracy, chance.</p>`;

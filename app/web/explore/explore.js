@@ -8,8 +8,8 @@ import { $, html, put, send, state } from "./root.js";
 import { wire } from "./wiring.js";
 
 const WORDS = /** @type {Record<string, string>} */ ({
-  sensors: "Photos and touches of materials: p hardly matters",
-  chirps: "Signals that only one p tells apart: p is everything",
+  sensors: "Photos and touches of materials; p hardly changes accuracy",
+  chirps: "Signals that separate at only one value of p",
 });
 
 export async function start() {

@@ -23,9 +23,9 @@ function listed() {
   if (filtering(scene, state).length) return { pairs: either((point) => mask[point] === 1) };
   if (state.chapter !== "fooled") return { pairs: [] };
   const { strange, alike } = strangePairs(scene);
-  if (alike.length) return { why: "look like another class", pairs: alike };
+  if (alike.length) return { why: "pairs look like another class", pairs: alike };
   const wrong = strange.filter((pair) => frames.prediction[stop * frames.pairs + pair] !== frames.label[pair]);
-  return { why: "unseen pairs predicted wrong", pairs: wrong };
+  return { why: "unseen pairs are predicted wrong", pairs: wrong };
 }
 
 /** @param {Listed} listed */
@@ -72,7 +72,7 @@ export function showGrid() {
   if (!pairs.length) return put(box, html``);
   const first = why ? LESSON : SHOWN;
   const tools = html`<div class="row">${points && html`<button class="clear">Clear</button>`}<button class="csv" data-save="csv">Save as CSV</button><label>Tag <input type="text" class="tagging" maxlength="40" placeholder="a word, then Enter"></label></div>`;
-  const tiles = html`<div class="tiles">${pairs.slice(0, first).map(tile)}</div>${pairs.length > first && html`<p class="hint">${pairs.length - first} more pairs are in the CSV.</p>`}`;
+  const tiles = html`<div class="tiles">${pairs.slice(0, first).map(tile)}</div>${pairs.length > first && html`<p class="hint">The CSV file has ${pairs.length - first} more pairs.</p>`}`;
   put(box, html`${heading(list)}${why ? [tiles, tools] : [tools, tiles]}`); // a chapter shows the pictures first
 }
 

@@ -11,7 +11,7 @@ import { listen } from "../shared/pointer.js";
 import { INPUT, isStill, stageNamed } from "../shared/stages.js";
 import { can, modeOf } from "../shared/tables.js";
 import { pictures } from "./pictures.js";
-import { $, choice, html, options, put, scene, state } from "./root.js";
+import { $, choice, html, options, percent, put, scene, state } from "./root.js";
 import { filtering, isDouble, lit, loneDomain, near, painted } from "./scene.js";
 
 /** @type {Record<string, string>} */
@@ -130,7 +130,9 @@ function title(kind) {
   const hides = filtering(scene, state);
   const partly = hides.length && !(domain && hides.length === 1);
   return html`<span class="where-at">${stageNamed(state.stage).title}, p = ${orderText(frames.orders[stop])} <small>${METHODS[kind] ?? kind}</small></span>${gaps(frames, state.stage, stop, domain)}${
-    partly ? html`<span>${hides.join(" · ")}: gaps are of ${domain ? "the whole domain" : "all pairs"}</span>` : null
+    partly
+      ? html`<span>${hides.join(" · ")}. The gaps are those of ${domain ? "the whole domain" : "all pairs"}.</span>`
+      : null
   }`;
 }
 
@@ -140,19 +142,23 @@ const meaning = ({ signals }) => (signals ? "● one recording  ▲ the other" :
 /** What to know about the map: how far its neighbours can be trusted, and which stop it shows.
  * @param {Frames} frames @param {ReturnType<Frames["positions"]>} frame @param {number} stop @param {string} kind */
 function notes(frames, { trust, stops, drawn }, stop, kind) {
-  const analysed = state.chapter === "analyse";
+  const analysed = state.chapter === "analyse" && !isDouble(scene, state); // two maps leave no room
   const still = isStill(state.stage, frames);
   return [
-    analysed && Number.isFinite(trust) && `Trust ${trust?.toFixed(2)}.`,
-    kind !== state.map && `This step has no ${METHODS[state.map]}.`,
-    stops > 1 && drawn !== stop && `Shown is p = ${orderText(frames.orders[drawn])}, the nearest of ${stops} stops.`,
+    analysed &&
+      Number.isFinite(trust) &&
+      `${percent(trust ?? 0)} of neighbours here are true neighbours (trust ${trust?.toFixed(2)}).`,
+    kind !== state.map && `This step has no ${METHODS[state.map]} map.`,
+    stops > 1 &&
+      drawn !== stop &&
+      `The map shows p = ${orderText(frames.orders[drawn])}, the nearest of ${stops} stops.`,
     analysed &&
       still &&
       stops === 1 &&
       state.stage !== INPUT &&
-      "One map for every p: the transform changes no distance.",
+      "The map is the same at every p, because the transform changes no distance.",
     analysed && !still && modeOf(frames).note,
-    analysed && kind === "umap" && "Distances and scale have no meaning.",
+    analysed && kind === "umap" && "Ignore distances and scale.",
   ]
     .filter(Boolean)
     .join(" ");

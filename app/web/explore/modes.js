@@ -12,7 +12,7 @@ import { $, choice, html, percent, scene, send, state } from "./root.js";
 const trainings = ({ seeds = [], width }) =>
   [seeds.length > 1 && `${seeds.length} trainings for each stop`, width && `width ${width}`].filter(Boolean).join(", ");
 
-const SIGNALS = " Each pair is two recordings of one signal: “photo” stands for the first, “touch” for the second.";
+const SIGNALS = " Each pair consists of two recordings of one signal: “photo” is the first, “touch” the second.";
 
 /** An explanation of the chosen mode, and of a set of signals. @param {Frames} frames */
 export function modeWords(frames) {
@@ -22,7 +22,7 @@ export function modeWords(frames) {
   const sentence = worded(words, {
     source,
     trainings: more && ` (${more})`,
-    band: (meta.head?.seeds?.length ?? 0) > 1 ? "; the pale band is from the lowest to the highest training" : "",
+    band: (meta.head?.seeds?.length ?? 0) > 1 ? "; the pale band spans all trainings" : "",
     learned: Number.isFinite(learned) ? orderText(+learned.toFixed(3)) : "its own p",
     elsewhere: has(frames, "what-if") ? elsewhere(frames) : "",
   });
@@ -37,7 +37,7 @@ function elsewhere(frames) {
   const own = curve?.filter((v, i) => Number.isFinite(v) && !(low <= frames.orders[i] && frames.orders[i] <= high));
   if (!own?.length) return "";
   const mean = own.reduce((sum, v) => sum + v, 0) / own.length;
-  return `Elsewhere its mean accuracy in unseen domains is ${percent(mean)} (guessing: ${percent(1 / frames.classes.length)}). `;
+  return `Outside the band, its mean accuracy in unseen domains is ${percent(mean)} (chance: ${percent(1 / frames.classes.length)}). `;
 }
 
 /** The mode that is wanted: the one in the address, or the first of the set. */

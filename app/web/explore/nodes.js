@@ -18,7 +18,7 @@ let asking = new AbortController(); // a handle: of the request that is on its w
 export function follow() {
   if (state.chapter !== "analyse" || !panelIsOpen("nodes")) return;
   asking.abort();
-  if (state.pin === null) return fill($(".nodes"), html`<p class="hint">Pin a pair: click a point of the map.</p>`);
+  if (state.pin === null) return fill($(".nodes"), html`<p class="hint">Click a point on the map to pin a pair.</p>`);
   const { signal } = (asking = new AbortController());
   awaited(new Promise((done) => setTimeout(done, PAUSE)).then(() => (signal.aborted ? undefined : grow(signal))));
 }
@@ -49,7 +49,7 @@ function show(tree) {
 export function nodesHtml(tree, { votes, pairs }) {
   const moved = Math.abs(tree.order - tree.learned) > 1e-3 ? ", moved from its learned p" : ", its learned p";
   return html`<p class="hint">The loaded head at p = ${tree.order.toFixed(3)}${moved}.${!tree.in_use && " This head predicts without its tree."}</p>${drawTree(tree, constant(votes))}
-    <p class="hint">${keys(tree.classes.map((name, k) => [name, classColour(k)]))} Area: norm. Bar: what the node alone predicts.</p><p class="worth">${worth(votes, pairs)}</p>${angles(tree)}`;
+    <p class="hint">${keys(tree.classes.map((name, k) => [name, classColour(k)]))} Circle area: size (norm) of the node. Bar: class probabilities from this node alone.</p><p class="worth">${worth(votes, pairs)}</p>${angles(tree)}`;
 }
 
 /** Which nodes are constant. @param {Votes | undefined} votes */
@@ -60,11 +60,11 @@ export function worth(votes, pairs = 0) {
   if (!votes) return html``;
   const fixed = votes.filter(({ share }) => share >= ALIKE);
   if (!fixed.length)
-    return html`Each of the ${votes.length} nodes alone predicts different classes for different pairs.`;
+    return html`Each of the ${votes.length} nodes, used alone, predicts different classes for different pairs.`;
   const classes = [...new Set(fixed.map((node) => node.class))].map(
     (name, i) => html`${i > 0 && " or "}<i>${name}</i>`,
   );
-  return html`<b>${fixed.length} of ${votes.length} nodes</b> (dashed) alone predict ${classes} for at least ${percent(ALIKE)} of the set’s ${pairs.toLocaleString("en-US")} pairs.`;
+  return html`<b>${fixed.length} of ${votes.length} nodes</b> (dashed), used alone, predict ${classes} for at least ${percent(ALIKE)} of the ${pairs.toLocaleString("en-US")} pairs of the set.`;
 }
 
 /** How near the nodes of each layer are to right angles, which NOD pushes them to. @param {Tree} tree */
@@ -76,7 +76,7 @@ function angles({ layers, arrangement }) {
     const mean = off.reduce((sum, v) => sum + v, 0) / off.length;
     return html`<li>nodes ${nodes[0] + 1}–${nodes[nodes.length - 1] + 1}: ${mean.toFixed(2)}</li>`;
   });
-  return html`<p class="hint">Mean |cosine|; NOD pushes it to 0 (right angles):</p><ul class="angles">${words}</ul>`;
+  return html`<p class="hint">Mean |cosine| between nodes of a level. The loss NOD pushes it to 0 (right angles):</p><ul class="angles">${words}</ul>`;
 }
 
 /** @param {Tree} tree @param {boolean[]} fixed */

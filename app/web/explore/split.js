@@ -8,18 +8,15 @@ import { html, percent } from "./root.js";
 const TERMS = [
   ["sensor", "another sensor"],
   ["scene", "another scene"],
-  ["interplay", "both at once"],
+  ["interplay", "both together"],
   ["objects", "other objects"],
 ];
 
 /** A bar from one share to another. @typedef {{name: string, ends: number[], text: string, title: string, kind?: string}} Bar */
 
-const signed = (/** @type {number} */ points) => {
-  const whole = Math.round(points);
-  return whole ? `${whole > 0 ? "+" : "−"}${Math.abs(whole)}` : "0";
-};
+const signed = (/** @type {number} */ points) => (points ? `${points > 0 ? "+" : "−"}${Math.abs(points)}` : "0");
 const range = (/** @type {number} */ low, /** @type {number} */ high) =>
-  `95 % interval ${low.toFixed(0)} to ${high.toFixed(0)} points`;
+  `95 % interval: ${low.toFixed(0)} to ${high.toFixed(0)} points`;
 
 /** Bars from home to away: what is lost or gained lies between them. @param {Record<string, Interval>} loss @returns {Bar[]} */
 export function barsOf(loss) {
@@ -33,16 +30,17 @@ export function barsOf(loss) {
   const lost = TERMS.filter(([term]) => loss[term].some((v) => v)).map(([term, name]) => {
     const [points, low, high] = loss[term];
     const ends = [(left - points) / 100, left / 100];
+    const before = Math.round(left);
     left -= points;
     return {
       name,
       ends: ends.toSorted((a, b) => a - b),
-      text: signed(-points),
+      text: signed(Math.round(left) - before), // rounded so that the figures add up
       title: range(-high, -low),
       kind: points > 0 ? "lost" : "gained",
     };
   });
-  return [whole("at home", loss.home), ...lost, whole("away", loss.away)];
+  return [whole("training domain", loss.home), ...lost, whole("new domain", loss.away)];
 }
 
 /** @param {Bar[]} bars */
@@ -52,8 +50,8 @@ const list = (bars) =>
 /** The loss by one reading as bars, and where it comes from. `dots`: 0 as printed, 1 filled.
  * @param {Pick<Twins, "split" | "presses">} twins @param {Input} reading @param {number} dots */
 export function splitHtml({ split, presses }, reading, dots) {
-  const pairs = `mean of ${split.sources} sources and their seven other domains, ${Math.max(...presses[reading])} twins${dots ? ", dots filled" : ""}`;
-  return html`${list(barsOf(split.loss[reading][dots]))}${provenance({ head: split.head, source: "one domain each", pairs })}`;
+  const pairs = `${Math.max(...presses[reading])} ${reading === "touch" ? "presses" : "objects"}${dots ? " with filled dots" : ""} in the seven others; each figure is the mean over ${split.sources} training domains`;
+  return html`${list(barsOf(split.loss[reading][dots]))}${provenance({ head: split.head, source: "one domain each", pairs, known: "nothing from the new domain" })}`;
 }
 
 /** The rungs with a bar of the page's own set. */
@@ -65,7 +63,7 @@ export function ownHtml(known) {
   const rows = OWN_ROWS.map(({ id, bar: name = "" }) => {
     const { accuracy, low = 0, high = 0, problem } = known[id] ?? {};
     const text = problem ? "–" : accuracy === undefined ? "…" : percent(accuracy);
-    const title = problem ?? (accuracy === undefined ? "" : `95 % interval ${percent(low)} to ${percent(high)}`);
+    const title = problem ?? (accuracy === undefined ? "" : `95 % interval: ${percent(low)} to ${percent(high)}`);
     return { name, ends: [0, accuracy ?? 0], text, title };
   });
   const others = OWN_ROWS.filter(({ home }) => !home);
@@ -76,8 +74,8 @@ export function ownHtml(known) {
     provenance({
       head: "the loaded head",
       source: away.source ?? "",
-      pairs: `away is ${Object.keys(away.domains ?? {}).join(", ")}, ${away.pairs?.toLocaleString("en-US")} pairs`,
-      known: others.flatMap(({ id, brief }) => brief ?? known[id]?.known ?? []).join("; "),
+      pairs: `${away.pairs?.toLocaleString("en-US")} pairs of ${Object.keys(away.domains ?? {}).join(", ")}`,
+      known: others.flatMap(({ id, brief }) => brief ?? known[id]?.known ?? []).join(", then "),
     });
-  return html`${list(rows)}${missing.map((problem) => html`<p class="hint">Not known: ${problem}</p>`)}${from && from}`;
+  return html`${list(rows)}${missing.map((problem) => html`<p class="hint">A bar is missing: ${problem}</p>`)}${from && from}`;
 }

@@ -10,8 +10,8 @@ import { strangePairs, UNSEEN } from "./scene.js";
 
 /** @type {{key: Reading, label: string, title?: string}[]} */
 const READINGS = [
-  { key: "vis", label: "Photo", title: "The touch is absent" },
-  { key: "tac", label: "Touch", title: "The photo is absent" },
+  { key: "vis", label: "Photo", title: "Without the touch" },
+  { key: "tac", label: "Touch", title: "Without the photo" },
   { key: "fused", label: "Both" },
 ];
 const SHOWN = 3; // look-alikes with both pictures, at most
@@ -60,7 +60,7 @@ function showLookers(unseen) {
     .slice(0, shown)
     .map(
       (pair) =>
-        html`<button data-pair="${pair}"><span class="thumbs">${read(pair, "vis", "photo")}${read(pair, "tac", "touch")}</span>${unseen.classes[frames.label[pair]]}, like ${names.looks_like[pair]}</button>`,
+        html`<button data-pair="${pair}"><span class="thumbs">${read(pair, "vis", "photo")}${read(pair, "tac", "touch")}</span>Is ${unseen.classes[frames.label[pair]]}; looks like ${names.looks_like[pair]}</button>`,
     );
   put(box, html`${buttons}`);
 }
@@ -95,20 +95,20 @@ function bars(facts) {
       const about = {
         kind: is_source && "source",
         title: words,
-        more: html`${is_source && html` <b class="tag source">source</b>`}<span class="sr">, ${pairs} test pairs</span>`,
+        more: html`${is_source && html` <b class="tag source">training</b>`}<span class="sr">, ${pairs} test pairs</span>`,
       };
       return row(name, domain[key], about, uneven ? always : chance);
     });
   const title =
-    "How often the touch nearest to a photo in the same domain has its class; each image is seen alone, at F̂";
-  return html`${rows}<hr>${row("unseen, mean", unseen[key], { kind: "mean-row" })}${row("retrieval", unseen.retrieval, { title })}${ofOwn(scene.own, `its test pairs, ${unseenPairs(scene.own, facts)}`)}`;
+    "Share of photos whose nearest touch in the same domain (by F̂) has the same class. The head reads each image alone.";
+  return html`${rows}<hr>${row("mean, unseen", unseen[key], { kind: "mean-row" })}${row("retrieval", unseen.retrieval, { title })}${ofOwn(scene.own, `its own test pairs and ${unseenPairs(scene.own, facts)}`)}`;
 }
 
 /** The balance of a domain's classes by the chosen reading, in words where they are uneven. @param {Unseen} facts @param {string} name */
 function unevenness({ confusion }, name) {
   const found = balance(confusion[state.reading][name]);
   const { always, balanced, uneven } = found;
-  const words = `Classes are uneven here: ${percent(balanced)} right as the mean over classes; always naming the largest class is right for ${percent(always)}.`;
+  const words = `The classes are uneven here: the mean over classes is ${percent(balanced)}, and always naming the largest class is correct for ${percent(always)}.`;
   return { ...found, words: uneven ? words : "" };
 }
 
@@ -120,8 +120,8 @@ export function showConfusion() {
   const counts = confusion[state.reading][stranger];
   const most = Math.max(1, ...counts.flat());
   const names = [
-    [UNSEEN, "all strangers"],
-    ...domains.map(({ name, is_source }) => [name, is_source ? `${name} (source)` : name]),
+    [UNSEEN, "all unseen domains"],
+    ...domains.map(({ name, is_source }) => [name, is_source ? `${name} (training domain)` : name]),
   ];
   const button = (/** @type {number} */ count, /** @type {number} */ truth, /** @type {number} */ answer) => {
     const on = cell?.truth === truth && cell.answer === answer;
@@ -137,8 +137,8 @@ export function showConfusion() {
     html`<table><thead><tr><th scope="col"><small>true ↓</small></th>${classes.map((name) => html`<th scope="col" title="${name}">${name}</th>`)}</tr></thead><tbody>${rows}</tbody></table>`,
   );
   $(".cell-words").textContent = cell
-    ? "These pairs are on the map and in the table below, which shows what is predicted at the current p."
-    : `${unevenness(facts, stranger).words} Choose a cell to see its pairs.`.trim();
+    ? "The map and the pictures show only these pairs, with the predictions at the current p."
+    : `${unevenness(facts, stranger).words} Choose a cell to see its pairs on the map.`.trim();
 }
 
 /** Show the confusion matrix of another domain. @param {string} stranger */

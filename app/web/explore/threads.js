@@ -224,7 +224,7 @@ export function tell() {
   const own = isOwn();
   const share = (/** @type {number} */ v) => html`<b>${percent(v)}</b>`;
   const apart = gap[at].toFixed(2);
-  const gain = `The heads gain ${Math.round(100 * (accuracy[at] - accuracy[0]))} points.`;
+  const gain = `Accuracy on other sensors rises by ${Math.round(100 * (accuracy[at] - accuracy[0]))} points.`;
   const { order, words, brief = words, remark = "" } = rungOf(state);
   const title = `Where do ${own ? "the project’s simulated touches" : "the touches"} go?`;
   if (order) {
@@ -241,12 +241,12 @@ export function tell() {
   }
   return showWords({
     title,
-    figure: html`${share(accuracy[at])} right on another sensor. ${share(nearest[at])} lie nearest to their own twin; by sensor:`,
+    figure: html`${share(accuracy[at])} correct on another sensor (mean of eight training sensors). For ${share(nearest[at])} of presses, the nearest picture from another sensor shows the same press. By sensor:`,
     remark: worded(remark, { apart, first: gap[0].toFixed(2), gain }),
     whence: provenance({
       head: "eight logistic regressions",
       source: "one sensor each",
-      pairs: "the seven others’ twins",
+      pairs: "the other seven",
       known: brief,
     }),
   });

@@ -12,14 +12,23 @@ export const READINGS = [
   { key: "fused", label: "Both", table: "both", title: "Sensor and scene change" },
 ];
 const DOTS = [
-  { key: "", label: "as it comes" },
-  { key: "1", label: "dots filled", title: "Each dot takes the colours around it, in training too" },
+  { key: "", label: "raw picture" },
+  { key: "1", label: "dots filled", title: "Each printed dot gets the colours around it, in training and test" },
 ];
 const [PHOTO, TOUCH, FILLED] = [0, 1, 2]; // rows of a sheet of pictures
 const WORDS = {
-  tac: { what: "sensor", same: html`Same object, same press; only the <b>sensor</b> changed.`, learned: "touches" },
-  vis: { what: "scene", same: html`Same object; only <b>room and camera</b> changed.`, learned: "photos" },
-  fused: { what: "domain", same: html`Same object, same press; <b>sensor and scene</b> changed.`, learned: "pairs" },
+  tac: {
+    ...{ what: "sensor", on: "on", learned: "touches", tested: "presses" },
+    same: html`All pictures show the same press on the same object. Only the <b>sensor</b> differs.`,
+  },
+  vis: {
+    ...{ what: "scene", on: "in", learned: "photos", tested: "objects" },
+    same: html`All photos show the same object. Only <b>room and camera</b> differ.`,
+  },
+  fused: {
+    ...{ what: "domain", on: "in", learned: "pairs", tested: "objects" },
+    same: html`The object and the press are the same. <b>Sensor and scene</b> differ.`,
+  },
 };
 
 /** The index that a text names in a list; 0 for any other text. @param {string} text @param {unknown[]} list */
@@ -93,6 +102,7 @@ function showChoices(at) {
   const known = [0, ...pictures].map((n) => ({ key: String(n), label: n ? String(n) : "none" }));
   choice(".presses", "press", presses, String(at.press));
   choice(".touch .dots", "dots", DOTS);
+  fill($("#ov-known"), html`Unlabelled pictures of the new ${WORDS[at.reading].what}`);
   choice(".known", "known", known);
   choice(".given", "reading", READINGS);
   draw($(".touch .from"), options(domains.map(({ sensor }, i) => [i, sensor])));
@@ -101,7 +111,7 @@ function showChoices(at) {
 }
 
 const interval = (/** @type {number} */ low, /** @type {number} */ high, /** @type {number} */ chance) =>
-  `95 % interval ${percent(low)} to ${percent(high)}; guessing: ${percent(chance)}`;
+  `95 % interval: ${percent(low)} to ${percent(high)}; chance: ${percent(chance)}`;
 
 /** The object, what is read in its picture by each domain, and what the domain is that is pointed at.
  * @param {Chosen} at @param {Figures} figures @param {number} pointed */
@@ -115,32 +125,32 @@ function pictures(at, { said, truth, shares, chance }, pointed) {
     const right = said[i] === truth;
     const [share, low, high] = shares[i];
     return html`<figure class="twin ${i === at.from && "home"} ${right && "is-right"}" tabindex="0" data-domain="${i}">
-      <span class="tile" role="img" aria-label="${sensor} of this press, read as ${classes[said[i]]}"><i style="${picture(photo ? PHOTO : TOUCH, i)}"></i><i class="filled" style="${picture(FILLED, i)};opacity:${at.dots}"></i>${at.reading === "fused" && html`<i class="inset" style="${picture(PHOTO, i)}"></i>`}</span>
-      <b class="said">${marked(right, classes[said[i]])}</b><figcaption>${sensor}${i === at.from && html` <small>learned here</small>`}</figcaption>
+      <span class="tile" role="img" aria-label="This press by ${sensor}, predicted as ${classes[said[i]]}"><i style="${picture(photo ? PHOTO : TOUCH, i)}"></i><i class="filled" style="${picture(FILLED, i)};opacity:${at.dots}"></i>${at.reading === "fused" && html`<i class="inset" style="${picture(PHOTO, i)}"></i>`}</span>
+      <b class="said">${marked(right, classes[said[i]])}</b><figcaption>${sensor}${i === at.from && html` <small>(training ${WORDS[at.reading].what})</small>`}</figcaption>
       <span class="share" title="${interval(low, high, chance)}"><span class="scale" style="--share:${share};--low:${low};--high:${high};--chance:${chance}"><i class="fill"></i><i class="range"></i></span><output>${percent(share)}</output></span></figure>`;
   });
   const { about, scene: place } = domains[pointed] ?? {};
   const seen = `Photographed ${place}.`;
   const legend = about
     ? { tac: about, vis: seen, fused: `${about} ${seen}` }[at.reading]
-    : "95\u00a0% intervals; line: guessing.";
+    : "Black bar: 95\u00a0% interval. Thin line: chance.";
   return html`<figure class="object"><span class="tile" role="img" aria-label="the object, ${classes[truth]}"><i style="${picture(photo ? TOUCH : PHOTO, at.from)}"></i></span><figcaption><b>${classes[truth]}</b>${looks && html`<br><small>looks like ${looks}</small>`}</figcaption></figure>${cards}<p class="legend" aria-live="polite">${legend}</p>`;
 }
 
 /** The share read right on another sensor, and where it comes from. @param {Chosen} at @param {Figures} figures */
 function showFigures(at, { away: [share, low, high], shares, chance }) {
   const { domains, head, known, presses } = scene.twins;
-  const { what, same, learned } = WORDS[at.reading];
+  const { what, on, same, learned, tested } = WORDS[at.reading];
   const n = [0, ...known[at.table]][at.rung]; // of some there are no more
   fill($(".touch .same"), same);
   fill(
     $(".touch .figure"),
-    html`<b class="large" title="${interval(low, high, chance)}">${percent(share)}</b> right on another ${what}, <b>${percent(shares[at.from][0])}</b> on the first.`,
+    html`<b class="large" title="${interval(low, high, chance)}">${percent(share)}</b> correct ${on} another ${what}, <b>${percent(shares[at.from][0])}</b> ${on} the training ${what}.`,
   );
-  const dots = "Dots are filled with the colours around them, in training too: nothing is known of the new sensor.";
-  const few = `${n} pictures of the new ${what} give each feature’s mean and spread. No label is used.`;
+  const dots = "Each printed dot gets the colours around it, in training and test.";
+  const few = `${n} pictures of the new ${what} provide the mean and spread of each feature.`;
   fill($(".touch .remark"), html`${[at.dots && dots, n && few].filter(Boolean).join(" ")}`);
   $(".from-where .head").title = head.replace("{source}", domains[at.from].name);
   $(".from-where .what").textContent =
-    `${learned}; ${presses[at.table][at.from]} twins; known: ${n ? `${n} other pictures` : "nothing"}.`;
+    `${learned} and tested on ${presses[at.table][at.from]} ${tested}. The model was given ${n ? `${n} unlabelled pictures` : "nothing"} from the new ${what}.`;
 }

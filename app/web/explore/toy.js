@@ -14,7 +14,13 @@ const SIGNAL = 66;
 const PLANE = 146;
 /** The two operations: what each does, in words after "signal" and "clouds", and to a number. */
 const ACTS = /** @type {const} */ ([
-  { act: "turned", title: "1 · The transform turns", signal: ", transformed", cloud: ", turned", when: "at every p" },
+  {
+    act: "turned",
+    title: "1 · The transform rotates",
+    signal: ", transformed",
+    cloud: ", rotated",
+    when: "at every p",
+  },
   {
     act: "clipped",
     title: "2 · The ReLU clips",
@@ -58,11 +64,11 @@ function toyHtml(toy, p) {
   const planes = ACTS.map(
     ({ act, cloud }) => html`<div class="plane">${PLANES.svg(`two clouds${cloud}`, plane(clouds, i, act))}</div>`,
   );
-  return html`<p>Two signals, <b class="vis">a photo’s</b> and <b class="tac">a touch’s</b>. <b>Drag p</b> above; now <output>p = ${orderText(orders[i])}</output>.</p>
+  return html`<p>The two signals belong to <b class="vis">a photo</b> and <b class="tac">a touch</b>. <b>Drag p</b> above; now <output>p = ${orderText(orders[i])}</output>.</p>
 <div class="toy-grid">${ACTS.map(({ title }) => html`<h4>${title}</h4>`)}${waves}${far("distance", "signals")}${planes}${far("gap", "clouds")}</div>
 <h4>Distance against p</h4>
 ${apart(toy, orders[i])}
-<p class="hint">Solid: real part; dotted: imaginary part. Near p = 0.35 each signal becomes one spike. The clouds show one coefficient of 40 photos ● and 40 touches ▲; the transform rotates them by p quarter turns.</p>`;
+<p class="hint">Solid line: real part. Dotted line: imaginary part. Near p = 0.35, each signal becomes one spike. The clouds show one coefficient of 40 photos ● and 40 touches ▲. The transform rotates them by p quarter turns.</p>`;
 }
 
 /** Real and imaginary part of one signal after an operation.
@@ -120,6 +126,6 @@ export const showWave = (p) =>
     const line = WAVE.line(all.map((v, k) => [k / (all.length - 1), v]));
     draw(
       $(".wave"),
-      html`<svg class="chart" viewBox="0 0 300 74" preserveAspectRatio="none" role="img" aria-label="One chirp, turned by p: its sharpest sample has ${Math.max(...all).toFixed(2)} of 1"><path d="${line}"/></svg>`,
+      html`<svg class="chart" viewBox="0 0 300 74" preserveAspectRatio="none" role="img" aria-label="One chirp, transformed with order p: its largest sample is ${Math.max(...all).toFixed(2)} of 1"><path d="${line}"/></svg>`,
     );
   }, $(".wave"));

@@ -52,11 +52,11 @@ export const STEPS = [
     needs: "twins",
     set: () => PRESS,
     ask: () =>
-      "A model learned materials from the first sensor’s touches. Seven others image the same presses. Of what it reads right at home, how much does it still read?",
+      "A model was trained to recognise materials from the touches of one sensor. Seven other sensors image the same presses. What share of its own-sensor accuracy does it keep on them?",
     options: ["Nearly all", "More than half", "Less than half"],
     right: (at) => [2 - steps(away(at)[0] / home(at), 0.5, 0.9)],
     reveal: (at) =>
-      html`${b(home(at))} on its own sensor, ${b(away(at)[0])} on the seven others. Only the sensor changed.`,
+      html`Its accuracy is ${b(home(at))} on its own sensor and ${b(away(at)[0])} on the seven others. Only the sensor differs.`,
   },
   {
     title: "The dots",
@@ -64,12 +64,12 @@ export const STEPS = [
     needs: "twins",
     set: () => PRESS,
     ask: () =>
-      "Dots are printed on some gels. Now each dot takes the colours around it, in training too. How much of the loss comes back?",
+      "Some sensors have dots printed on their gel. Now each dot gets the colours around it, in training and test. How much of the lost accuracy returns?",
     options: ["Hardly any", "Less than half", "More than half"],
     right: (at) => [steps(mended(at), 0.1, 0.5)],
     after: () => ({ dots: "1" }),
     reveal: (at) =>
-      html`${b(away(at, 1)[0])} in place of ${b(away(at)[0])}: the head had learned the dots. Nothing was known of the new sensors.`,
+      html`Accuracy on new sensors rises from ${b(away(at)[0])} to ${b(away(at, 1)[0])}: the model had learned the dots. It was given nothing from the new sensors.`,
   },
   {
     title: "Without one label",
@@ -77,7 +77,7 @@ export const STEPS = [
     needs: "twins",
     set: () => PRESS,
     ask: (at) =>
-      `Instead, ${most(at)} pictures of each new sensor give the mean and spread of each feature; no label is used. Does that bring more than filled dots?`,
+      `Now the dots stay as they are, and ${most(at)} unlabelled pictures of each new sensor provide the mean and spread of each feature. Does this help more than filling the dots?`,
     options: ["More", "About as much", "Less"],
     right: (at) => {
       const [few, filled] = [away(at, 0, most(at)), away(at, 1)];
@@ -85,7 +85,7 @@ export const STEPS = [
     },
     after: (at) => ({ known: `${most(at)}` }),
     reveal: (at) =>
-      html`${b(away(at, 0, most(at))[0])}; filled dots bring ${b(away(at, 1)[0])}, and both together ${b(away(at, 1, most(at))[0])}.`,
+      html`Unlabelled pictures give ${b(away(at, 0, most(at))[0])}, filled dots ${b(away(at, 1)[0])}, and both together ${b(away(at, 1, most(at))[0])}.`,
   },
   {
     title: "Where they go",
@@ -93,12 +93,12 @@ export const STEPS = [
     needs: "places",
     set: () => placed(0),
     ask: () =>
-      "Each colour is a sensor, and a thread joins one press. Suppose each sensor’s mean is taken away. Does the head read its touches again?",
-    options: ["Mostly", "Not yet"],
+      "Each colour is a sensor, and the lines join one press as seen by all sensors. Suppose we align the means of all sensors. Does accuracy on new sensors recover?",
+    options: ["Mostly", "Hardly"],
     right: ({ places: { accuracy } }) => [accuracy[1] - accuracy[0] > 0.5 * (accuracy[2] - accuracy[0]) ? 0 : 1],
     after: () => placed(2),
     reveal: ({ places: { accuracy } }) =>
-      html`${b(accuracy[0])} as they come, ${b(accuracy[1])} with the mean moved, ${b(accuracy[2])} with mean and spread: sensors shift features and stretch them.`,
+      html`Accuracy is ${b(accuracy[0])} with raw features, ${b(accuracy[1])} with aligned means, and ${b(accuracy[2])} with aligned means and spreads. Sensors shift features and stretch them.`,
   },
   {
     title: "The order p on touch",
@@ -106,30 +106,31 @@ export const STEPS = [
     needs: "pale",
     set: () => placed(0),
     ask: () =>
-      "The slider turns all features by an order p; each stop has heads of its own. How far does accuracy on new sensors range?",
-    options: ["Over ten points", "Less"],
+      "The slider sets the order p of the fractional Fourier transform. Each stop shows heads trained at that p. How much does accuracy on new sensors vary with p?",
+    options: ["By ten points or more", "By less"],
     right: ({ pale }) => [range(pale) >= CLEAR ? 0 : 1],
     after: () => ({ rung: BY_ORDER }),
-    reveal: ({ pale }) => html`It lies ${within(pale)}. Drag p: the points and both gaps move all the same.`,
+    reveal: ({ pale }) =>
+      html`It lies ${within(pale)} at every p. Drag p: the points and both gaps change, accuracy hardly does.`,
   },
   {
-    title: "When does p decide?",
+    title: "When does p matter?",
     chapter: "order",
     ask: () =>
-      "Each colour is a kind of signal, each stop of the slider a head trained at that p. Where do the colours come apart?",
-    options: [...ORDERS.map((p) => `Near ${p}`), "Everywhere alike"],
+      "Each colour is a kind of signal, and each stop of the slider shows a head trained at that p. At which p do the colours separate?",
+    options: [...ORDERS.map((p) => `Near ${p}`), "Equally at every p"],
     right: (at) =>
       range(at.curve) < CLEAR ? [3] : [...ORDERS.keys()].filter((i) => Math.abs(ORDERS[i] - best(at)) <= NEAR),
     after: (at) => (known(at.curve).length ? { p: best(at) } : {}),
     reveal: (at) =>
       known(at.curve).length
-        ? html`Accuracy in unseen domains lies ${within(at.curve)}; the best order is p = <b>${best(at).toFixed(2)}</b>. There the chirp is sharp.`
-        : html`These data cannot tell: the head's source or its accuracy is not known here.`,
+        ? html`Accuracy in unseen domains lies ${within(at.curve)} and is highest at p = <b>${best(at).toFixed(2)}</b>, where the chirp becomes one spike.`
+        : html`These data cannot show it, because the training domain of the head or its accuracy is unknown.`,
   },
   {
     title: "When is touch needed?",
     chapter: "fooled",
-    ask: () => "Some things look like another class. For them, which is right more often on its own?",
+    ask: () => "Some photos look like another class. For these pairs, which image alone is correct more often?",
     options: ["The photo", "The touch"],
     right: (at) => {
       const found = alone(at);
@@ -139,12 +140,12 @@ export const STEPS = [
     reveal: (at) => {
       const found = alone(at);
       return found
-        ? html`On <b>${found.pairs}</b> such pairs the photo is right in ${b(found.photo.share)}, the touch in ${b(found.touch.share)}.${found.doubt && " Their intervals overlap, so neither is surely ahead."}`
+        ? html`For the <b>${found.pairs}</b> pairs of this kind, the photo alone is correct in ${b(found.photo.share)} and the touch alone in ${b(found.touch.share)}.${found.doubt && " The intervals overlap, so neither is clearly better."}`
         : html`No pair of this set looks like another class.`;
     },
   },
   {
-    title: "Why does it fail on the next sensor?",
+    title: "Why does the model fail on the next sensor?",
     chapter: "touch",
     needs: "twins",
     set: (at) => ({ ...PRESS, dots: "1", known: `${most(at)}` }),
@@ -155,9 +156,9 @@ export const STEPS = [
 /** The title's answer in sentences of the page's own figures: what failed, what mended it, what p does.
  * @param {Figures} at */
 export const answer = (at) =>
-  html`It had learned its sensor together with the materials: on another one it reads ${b(away(at)[0])} instead of ${b(home(at))}. ${
-    mended(at) > 0.5 ? "Most of that were the dots printed on its gel: filled" : "With the printed dots filled"
-  }, it reads ${b(away(at, 1)[0])}, and with ${most(at)} pictures without labels ${b(away(at, 1, most(at))[0])}.${
+  html`It learned its sensor together with the materials: on another sensor, accuracy is ${b(away(at)[0])} instead of ${b(home(at))}. ${
+    mended(at) > 0.5 && "Most of the loss comes from the dots printed on its gel. "
+  }With filled dots, accuracy is ${b(away(at, 1)[0])}; with ${most(at)} unlabelled pictures as well, ${b(away(at, 1, most(at))[0])}.${
     known(at.pale).length > 0 &&
-    html` Over all orders p, accuracy lies ${within(at.pale)} on the sensors, ${within(at.curve)} on the chirps.`
+    html` Over all values of p, accuracy lies ${within(at.pale)} on the sensors and ${within(at.curve)} on the chirps.`
   }`;

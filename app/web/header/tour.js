@@ -44,8 +44,8 @@ function rest(explore, on) {
  * @param {TourStep} step @param {string} option @param {Figures} figures */
 function verdictOf({ right = () => [], options = [] }, option, figures) {
   const words = right(figures).map((i) => options[i]);
-  if (words.includes(option)) return html`<b class="right">As you predicted.</b> `;
-  return words.length ? html`<b class="wrong">Not so. Correct: “${words.join("”, “")}”.</b> ` : null;
+  if (words.includes(option)) return html`<b class="right">Correct.</b> `;
+  return words.length ? html`<b class="wrong">No: “${words.join("” or “")}”.</b> ` : null;
 }
 
 /** Walk the steps. @param {any} figures as in Figures, those that are there */

@@ -181,8 +181,8 @@ export class Feed extends View {
     this.rest = rest && { shape, ...rest };
     this.say(
       rest
-        ? `Rest picture: the mean of ${FRAMES} frames.`
-        : "No rest picture: the frames differ as by a touch. Take it again without touching the sensor.",
+        ? `The rest picture is the mean of ${FRAMES} frames.`
+        : "There is no rest picture, because the frames differ as if the sensor was touched. Take it again without touching the sensor.",
     );
   }
 }

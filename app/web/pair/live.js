@@ -22,8 +22,8 @@ export function controlsHtml({ on, line, recording, notes }) {
   const off = !on && " disabled";
   const guide = (/** @type {string} */ what, /** @type {string} */ words, /** @type {string} */ title) =>
     button("guide", words, html`data-what="${what}" title="${title}"${off}`);
-  return html`<div class="row">${button("camerasSwitched", on ? "Stop" : "Start", html`class="main" ${pressed(on)}`)}${guide("rest", "Rest picture", "Do not touch: ten frames of the sensor at rest")}${guide("calibrate", "Calibrate", "Ten frames of different presses make the profile of My sensor")}</div>
-    <div class="row"><label>Label <input type="text" class="label" maxlength="40" size="8"></label>${guide("label", "Add to my pairs", "The pictures of now join your labelled pairs")}${button("recordSwitched", "Record", html`${pressed(recording)}${off}`)}</div>
+  return html`<div class="row">${button("camerasSwitched", on ? "Stop" : "Start", html`class="main" ${pressed(on)}`)}${guide("rest", "Rest picture", "Take ten frames of the untouched sensor")}${guide("calibrate", "Calibrate", "Take ten frames of different presses and make a profile of them")}</div>
+    <div class="row"><label>Label <input type="text" class="label" maxlength="40" size="8"></label>${guide("label", "Add to my pairs", "Add the current pictures to your labelled pairs")}${button("recordSwitched", "Record", html`${pressed(recording)}${off}`)}</div>
     ${status(notes.live, "guided")}${status(line, "rate")}`;
 }
 
@@ -63,7 +63,7 @@ export async function live(desk, _, signal) {
     const run = { shown: 0, sent: 0, times: [] };
     why = feeds.some(({ on }) => on)
       ? (await Promise.all(Array.from({ length: AT_ONCE }, () => loop(desk, run, signal))))[0]
-      : "No source is chosen: choose a camera or a video file for the photo, the touch or both.";
+      : "No source is chosen. Choose a camera or a video file for the photo, the touch or both.";
   };
   try {
     await attempt(read, (/** @type {string} */ problem) => send("told", { problem }));
@@ -93,9 +93,9 @@ async function loop(desk, run, signal) {
     const number = ++run.sent;
     const began = performance.now();
     const { there, idle } = drawn(desk);
-    if (!there.length) return "Live has stopped: no source is left.";
+    if (!there.length) return "Live has stopped, because no source is left.";
     if (idle) {
-      desk.send("framed", { frame: AT_REST, line: "No contact, so no class." });
+      desk.send("framed", { frame: AT_REST, line: "No contact, so no prediction." });
       await pause(IDLE);
       continue;
     }
@@ -130,7 +130,7 @@ const GUIDES = {
   async rest({ feeds }, tell) {
     const touch = /** @type {Desk["feeds"][number]} */ (feeds.find(({ modality }) => modality === "tac"));
     if (touch.on) await touch.takeRest((n) => tell(`Do not touch the sensor: ${n} of ${FRAMES}.`));
-    else touch.say("A rest picture is of the touch: choose its source first.");
+    else touch.say("A rest picture shows the untouched sensor. Choose the source of the touch first.");
   },
   /** Frames of different presses become the profile of My sensor; frames without contact are left out. */
   async calibrate(desk, tell) {
@@ -147,8 +147,8 @@ const GUIDES = {
   /** The newest frames join the visitor's labelled pairs. */
   async label(desk) {
     const label = labelIn(desk);
-    if (!label) return "Type what it is as the label first.";
-    if (drawn(desk).idle) return "No contact, so no pair. Press the sensor.";
+    if (!label) return "Type the true class as the label first.";
+    if (drawn(desk).idle) return "There is no contact, so no pair was added. Press the sensor.";
     /** @type {Pair} */
     const pair = {};
     for (const [modality, file] of await filesOf(desk, "live")) pair[modality] = await upload(file, desk.send);
@@ -194,4 +194,4 @@ function rate(times, now) {
 
 /** @param {Replies["live"]} answer @param {string} fps @param {number} trip @param {number} [kept] */
 const toldOf = ({ ms }, fps, trip, kept) =>
-  `${fps} predictions/s; ${Math.round(trip)} ms from camera to prediction (encoder ${ms.encoder} ms, head ${ms.head} ms). ${kept === undefined ? "No picture is kept." : `${kept} pairs recorded.`}`;
+  `${fps} predictions per second; ${Math.round(trip)} ms from camera to prediction (encoder ${ms.encoder} ms, head ${ms.head} ms). ${kept === undefined ? "No picture is kept." : `${kept} pairs recorded.`}`;

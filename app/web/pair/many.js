@@ -2,7 +2,22 @@
 
 import { csv as written } from "../shared/csv.js";
 import { asTrained } from "./own.js";
-import { button, headed, html, kinds, opener, plural, READINGS, row, status, table, titleOf } from "./parts.js";
+import {
+  button,
+  headed,
+  html,
+  kinds,
+  opener,
+  paragraph,
+  plural,
+  READINGS,
+  readFrom,
+  row,
+  status,
+  table,
+  titleOf,
+} from "./parts.js";
+import { cautionsOf } from "./reader.js";
 import { labelledOf, tallies } from "./state.js";
 import { brief, readingsOf } from "./verdict.js";
 
@@ -17,7 +32,9 @@ export function manyHtml(tab) {
   }
   if (rows.length) return tableHtml(tab, close);
   if (!unnamed && !notes.many) return null;
-  const asked = unnamed && `${plural(unnamed.count, "picture")} without vis or tac in the name. They are`;
+  const asked =
+    unnamed &&
+    `The names of ${plural(unnamed.count, "picture")} contain neither vis nor tac. Are they photos or touches?`;
   return html`<div class="stand"><p role="status">${asked ?? notes.many}</p>${unnamed && kinds("dropped")}${close}</div>`;
 }
 
@@ -26,17 +43,15 @@ function tableHtml(tab, close) {
   const { rows, taught, notes } = tab;
   const guesses = rows.filter((row) => saidOf(row).some(({ guess }) => guess));
   const labelled = labelledOf(rows);
-  const scores = tallies(labelled).map(
-    ({ reading, right, of }) => `${titleOf(reading).toLowerCase()} ${right} of ${of}`,
-  );
-  const count = taught
-    ? "By the head taught on your labelled pairs. "
-    : scores.length && `Right: ${scores.join(", ")}. `;
+  const scores = tallies(labelled).map(({ reading, right, of }) => `${readFrom(reading)}: ${right} of ${of}`);
+  const caution = cautionsOf(tab);
+  const count = taught ? "Predicted by the head that you taught. " : scores.length && `Correct ${scores.join(", ")}. `;
   const names = new Set(rows.flatMap(({ classes = [], label }) => [...classes, label || []].flat()));
   const size = plural(rows.length, "pair");
-  const acts = html`<span class="row">${button("rowsProfiled", "Profile of these", html`title="Their mean and spread, without labels"`)}${button("rowsTaught", "Teach", html`class="main"`)}${button("csv", "Save as CSV")}${close}</span>`;
+  const acts = html`<span class="row">${button("rowsProfiled", "Profile of these", html`title="Make a profile of these pictures: their mean and spread, without labels"`)}${button("rowsTaught", "Teach", html`class="main"`)}${button("csv", "Save as CSV")}${close}</span>`;
   return html`${headed(`${size}: ${plural(guesses.length, "guess", "guesses")}`, acts)}
-    ${status(html`${count || null}“?” marks a guess: a picture unlike ${taught ? "those that you labelled" : "anything the head has seen"}. Type a label; a name opens its pair.${notes.many}`)}
+    ${status(html`${count || null}“?” marks a guess: the picture is unlike ${taught ? "those that you labelled" : "all training images"}. Type the true class as a label. Click a name to open its pair.${notes.many}`)}
+    ${caution && paragraph("caution", caution)}
     ${!taught && scores.length > 0 && asTrained(tab, `${labelled.length} labelled of your ${size}`)}
     <datalist id="ov-classes">${[...names].map((name) => html`<option value="${name}">`)}</datalist>
     ${table(
@@ -59,7 +74,7 @@ function rowHtml(one, i, taught) {
   });
   const open = opener(name, { vis, tac }, html`class="link"`);
   const field = html`<input type="text" list="ov-classes" maxlength="40" size="9" name="value" data-send="rowLabelled" data-label="${i}" aria-label="Label of ${name}" value="${label}">`;
-  return row(html`${open} ${taught && label && html`<small>taught with it</small>`}`, [field, ...cells]);
+  return row(html`${open} ${taught && label && html`<small>used for teaching</small>`}`, [field, ...cells]);
 }
 
 /** One line for each pair: label, and class, probability and guess of each reading. @param {Row[]} rows */

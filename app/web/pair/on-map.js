@@ -46,8 +46,8 @@ export function pairMap(panel, frames) {
     asking = new AbortController();
     attempt(async () => {
       placed = await ask("place", { ...pair, order, map: kind() }, asking.signal);
-      const how = placed.exact ? "exact" : "estimated between the nearest neighbours";
-      note.textContent = `Pale: all pairs at p = ${orderText(placed.order)}. Places are ${how}. Click a point to choose its pair.`;
+      const how = placed.exact ? "exact" : "estimated from its nearest neighbours";
+      note.textContent = `Pale points: all pairs at p = ${orderText(placed.order)}. The place of this pair is ${how}. Click a point to open its pair.`;
       cloud.paintMarks();
     }, note);
   };

@@ -2,18 +2,18 @@
 
 import { Scale } from "../shared/chart.js";
 import { provenance } from "../shared/provenance.js";
-import { button, headed, hint, html, opener, percent, pressed, row, signed, status, table, titleOf } from "./parts.js";
+import { button, headed, hint, html, opener, percent, pressed, readFrom, row, signed, status, table } from "./parts.js";
 import { isHeld, isOwn, keyOf, labelOf, missing, tallies } from "./state.js";
 
-/** What the head that reads own pictures learned from. @param {PairTab} tab */
+/** What the head that reads own pictures was trained on. @param {PairTab} tab */
 const sourceOf = ({ head, source }) => (head ? "all simulated sensors" : source);
 /** Where a count of own pairs comes from. @param {PairTab} tab @param {string} pairs */
 export const asTrained = (tab, pairs) =>
   provenance({
-    head: "the head as trained",
+    head: "the head before teaching",
     source: sourceOf(tab),
     pairs,
-    known: tab.profile ? "a profile of your pictures" : "nothing",
+    known: tab.profile ? "a profile of your pictures, without labels" : "nothing from your sensor",
   });
 
 /** The panel; null without a pair of the visitor's. @param {PairTab} tab */
@@ -22,7 +22,7 @@ export function ownHtml(tab) {
   if (!classes.length || (!pairs.length && !isOwn(tab))) return null;
   const counted = pairs.length
     ? [countedHtml(tab), teachingHtml(tab)]
-    : hint("Choose the class, and the page counts how often it is right about your pairs.");
+    : hint("Choose the true class. The page then counts how often its predictions are correct.");
   return html`${isOwn(tab) && questionHtml(tab)}${counted}${status(notes.own)}`;
 }
 
@@ -33,22 +33,21 @@ function questionHtml(tab) {
   const buttons = [...new Set([...tab.classes, ...tab.pairs.map(({ label }) => label)])].map((name) =>
     button("answered", name, html`data-label="${name}"${off} ${pressed(name === chosen)}`),
   );
-  return html`${headed("What is it really?")}<form class="row labels">${buttons}<label>other <input type="text" name="label" maxlength="40" size="10"${off}></label><button type="submit"${off}>Add</button></form>`;
+  return html`${headed("What is the true class?")}<form class="row labels">${buttons}<label>another class <input type="text" name="label" maxlength="40" size="10"${off}></label><button type="submit"${off}>Add</button></form>`;
 }
 
 /** @param {PairTab} tab */
 function countedHtml(tab) {
   const { pairs } = tab;
   const scores = tallies(pairs).map(
-    ({ reading, right, of }) =>
-      html`<span>${signed(reading, titleOf(reading).toLowerCase())} <b>${right} of ${of}</b></span> `,
+    ({ reading, right, of }) => html`<span>${signed(reading, readFrom(reading))}: <b>${right} of ${of}</b></span> `,
   );
   const chips = pairs.map(({ vis, tac, label, name }) => {
     const open = opener(html`${label}<small>${name}</small>`, { vis, tac }, html`class="open"`);
     const key = html`class="drop" data-key="${keyOf({ vis, tac })}" aria-label="Forget ${name}"`;
     return html`<li>${open}${button("forgotten", "×", key)}</li>`;
   });
-  return html`<div class="tally"><b>Right so far:</b> ${scores}</div>${asTrained(tab, `your ${pairs.length} labelled pairs`)}<ul class="row chips">${chips}</ul>`;
+  return html`<div class="tally"><b>Correct so far:</b> ${scores}</div>${asTrained(tab, `your ${pairs.length} labelled pairs`)}<ul class="row chips">${chips}</ul>`;
 }
 
 /** @param {PairTab} tab */
@@ -61,7 +60,7 @@ function teachingHtml(tab) {
       button("used", tab.taught ? "Back to the head as trained" : "Predict with the taught head", pressed(tab.taught)),
       save("Save the taught head", "save/head", "taught-head.zip"),
     ]
-  }${save("Save my pairs as a set", "save/set", "my-pairs.zip", "Their embeddings, as a file for this page and the commands")}${button("savePictures", "Save the pictures", html`title="The pictures in folders by class, for omnivat embed"`)}</div>${lacking && hint(lacking)}${tab.report && reportHtml(tab.report, tab.labels, sourceOf(tab))}`;
+  }${save("Save my pairs as a set", "save/set", "my-pairs.zip", "Save their embeddings as a file that this page and the commands read")}${button("savePictures", "Save the pictures", html`title="Save the pictures in folders by class, for omnivat embed"`)}</div>${lacking && hint(lacking)}${tab.report && reportHtml(tab.report, tab.labels, sourceOf(tab))}`;
 }
 
 /** What labels bring: the mean share of right pairs over objects of each class, in the band of all draws. @param {Labels} labels */
@@ -73,13 +72,13 @@ export function curveHtml({ points, words }) {
   const ticks = [1, last].map((count) => [count, `${count} object${count > 1 ? "s" : ""} a class`]);
   const figures = points.map(({ objects, right }) => `${objects}: ${percent(right)}`).join(", ");
   const drawn = scale.svg(
-    `Right pairs by labelled objects of a class: ${figures}`,
+    `Share of correct pairs by number of labelled objects per class: ${figures}`,
     scale.grid([0, 0.5, 1], percent),
     scale.ticks(ticks),
     html`<path class="band" d="${scale.area(along("most"), along("least"))}"/><path class="mean" d="${scale.line(along("right"))}"/>`,
   );
   const how =
-    "Each pair is predicted by a head taught without it. Line: mean of ten draws of the objects that teach; band: from the least to the most.";
+    "Each pair is predicted by a head that was taught without it. Line: mean of ten random choices of objects. Band: lowest to highest.";
   return html`<div class="labels-bring"><h4>How many more labels?</h4><p>${words}</p>${points.length > 1 && [drawn, hint(how)]}</div>`;
 }
 
@@ -97,12 +96,12 @@ function reportHtml({ judged, right, share }, labels, source) {
   );
   const from = provenance({
     head: "heads taught without the pair",
-    source: `${source} and your other pairs`,
+    source: `${source} and on your other pairs`,
     pairs: `your ${length} labelled pairs`,
-    known: "the labels of the others",
+    known: "the labels of your other pairs",
   });
-  return html`<div class="taught"><p><b>Right before: ${right.before} of ${length}. After: ${right.after} of ${length}.</b></p>
+  return html`<div class="taught"><p><b>Correct before teaching: ${right.before} of ${length}. After teaching: ${right.after} of ${length}.</b></p>
     ${from}
-    ${hint(`The head's own probabilities enter with weight ${share.toFixed(2)}, and a linear map learned from your pairs is added. Features do not change. One pair of each class, or a tenth of them, is left out at a time. One pair is ${Math.round(100 / length)} points here.`)}
-    ${table("Your pairs before and after teaching", ["It is", "before", "after"], rows)}${labels && curveHtml(labels)}</div>`;
+    ${hint(`The taught head adds a linear map, learned from your pairs, to the head’s own probabilities, which have weight ${share.toFixed(2)}. The features do not change. Each pair is predicted without it: one pair of each class, or a tenth of them, is left out at a time. One pair counts ${Math.round(100 / length)} points.`)}
+    ${table("Your pairs before and after teaching", ["True class", "before", "after"], rows)}${labels && curveHtml(labels)}</div>`;
 }

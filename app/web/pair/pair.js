@@ -19,7 +19,7 @@ import { pairMap } from "./on-map.js";
 import { ownHtml } from "./own.js";
 import { chosenFiles, droppedFiles, takeLinked } from "./own-pictures.js";
 import { button, drawPart, fill, hint, html, IMAGES, opener, put, speakOfSignals, TERMS } from "./parts.js";
-import { readerHtml } from "./reader.js";
+import { cautionOf, readerHtml } from "./reader.js";
 import { realHtml } from "./real.js";
 import { madeOf as profileOf, sensorHtml } from "./sensor.js";
 import { galleryHtml, slotsHtml } from "./slots.js";
@@ -36,10 +36,10 @@ const PARTS = {
   ".problem": ({ notes }) => (notes.problem ? html`${notes.problem}` : null),
   ".profile-now": ({ counts }) =>
     counts &&
-    html`In use for your pictures: the profile of ${profileOf(counts)}. ${button("profileDropped", "Stop using it")}`,
+    html`The profile of ${profileOf(counts)} is applied to your pictures. ${button("profileDropped", "Stop using it")}`,
   ".started": ({ away }) =>
     away &&
-    html`A new pair: the ${TERMS[away.vis ? "vis" : "tac"].one} before it was taken away. ${opener("Put it back", away)}`,
+    html`You started a new pair, so the ${TERMS[away.vis ? "vis" : "tac"].one} of the old one was removed. ${opener("Put it back", away)}`,
   ".slots": slotsHtml,
   ".sensor": sensorHtml,
   ".controls": controlsHtml,
@@ -64,7 +64,7 @@ const PARTS = {
     if (!answer || !heads.length) return null;
     return rivals ? rivalsHtml(answer, rivals) : undefined;
   },
-  ".aloud": ({ answer }) => (answer ? html`${spoken(answer)}` : undefined),
+  ".aloud": (tab) => (tab.answer ? html`${spoken(tab.answer, (said) => cautionOf(tab, said))}` : undefined),
 };
 
 /** The tab on the screen: it takes events, draws what they make of the tab, and has the work done that follows. */
@@ -220,7 +220,7 @@ export async function start(root) {
   attempt(async () => send("arrived", { rungs: (await ladder()).rungs }), quiet);
   attempt(async () => {
     const { head, embeddings } = await loaded();
-    send("arrived", { source: head.source, simulated: embeddings.simulated });
+    send("arrived", { source: head.source, tested: head.real ?? null, simulated: embeddings.simulated });
   }, quiet);
   if (!held)
     attempt(

@@ -9,8 +9,10 @@ export { draw, fill, html, NO_CLASS, options, percent, put, row, table } from ".
 /** The two images of a pair, in words. @type {Record<Modality, {title: string, one: string, many: string}>} */
 export const TERMS = {
   vis: { title: "Photo", one: "photo", many: "photos" },
-  tac: { title: "Touch", one: "touch", many: "touch images" },
+  tac: { title: "Touch", one: "touch", many: "touches" },
 };
+/** What was read, in a sentence on counts. @param {Reading} reading */
+export const readFrom = (reading) => (reading === "fused" ? "with both images" : `with the ${TERMS[reading].one} only`);
 /** @param {Reading} reading */
 export const titleOf = (reading) => (reading === "fused" ? "Both" : `${TERMS[reading].title} only`);
 /** Words with the sign of a reading, which is that of its image; its title if there are none.

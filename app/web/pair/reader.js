@@ -1,6 +1,6 @@
 /** Which head reads the visitor's own pictures, and what it reads right in sensors that it has not seen. */
 
-import { button, folded, hint, html, IMAGES, percent, READINGS, row, signed, table } from "./parts.js";
+import { button, folded, hint, html, percent, READINGS, readFrom, row, signed, table } from "./parts.js";
 
 /** The most pictures without labels that the record has. @param {Partial<OwnReader>} facts */
 const mostOf = ({ left_out: shares = {} }) => Math.max(...Object.keys(shares).map(Number));
@@ -9,19 +9,43 @@ const mostOf = ({ left_out: shares = {} }) => Math.max(...Object.keys(shares).ma
 export function gainOf(facts) {
   const most = mostOf(facts);
   const [none, some] = [0, most].map((count) => facts.left_out?.[count].fused ?? NaN);
-  return `${most} pictures without labels bring ${(100 * (some - none)).toFixed(1)} points on simulated sensors that it has not seen: ${percent(some)} of pairs right, ${percent(none)} without.`;
+  return `On unseen simulated sensors, a profile of ${most} unlabelled pictures raises accuracy from ${percent(none, 1)} to ${percent(some, 1)}.`;
 }
 
-/** The modalities that are no better than naming the most frequent class on real pairs, even with a profile.
- * @param {Partial<OwnReader>} facts */
-export const atChance = ({ real }) => IMAGES.filter((name) => real && real.profile[name] <= real.always);
+/** What to know of a reading of the visitor's own pictures: what the head that made it read right on real pairs. Nothing
+ * for other pictures, for a guess, which has no figure, and for a head that the visitor's labels taught.
+ * @param {Pick<PairTab, "facts" | "tested" | "simulated" | "head" | "taught" | "profile" | "vis" | "tac">} tab
+ * @param {Pick<Said, "reading" | "used" | "guess">} said */
+export function cautionOf(tab, { reading, used, guess }) {
+  if (tab.taught || guess || !used.some((name) => tab[name]?.startsWith("image:"))) return null;
+  const real = realOf(tab);
+  if (!real) return tab.simulated ? html`<b>Do not trust this.</b> ${UNTESTED}` : null;
+  const right = counts(real, tab)[reading];
+  const count = `On ${real.pairs} real pairs, this reading was correct for ${right}; always naming the most frequent class, for ${real.always}.`;
+  return html`${right <= real.always && html`<b>At chance: do not trust this.</b> `}${count}`;
+}
+
+/** The same for a table of pairs, in one sentence. @param {PairTab} tab */
+export function cautionsOf(tab) {
+  const real = realOf(tab);
+  if (tab.taught || (!real && !tab.simulated)) return null;
+  if (!real) return html`<b>Do not trust these predictions.</b> ${UNTESTED}`;
+  const words = READINGS.map((reading) => `for ${counts(real, tab)[reading]} ${readFrom(reading)}`);
+  return html`<b>Do not trust single predictions.</b> On ${real.pairs} real pairs, the head was correct ${words.join(", ")}; always naming the most frequent class was correct for ${real.always}.`;
+}
+
+const UNTESTED = "The head was trained on simulated pairs and was never tested on real ones.";
+/** What the head that reads own pictures read right on real pairs, if measured. @param {Pick<PairTab, "facts" | "tested" | "head">} tab */
+const realOf = ({ facts, tested, head }) => (head ? facts.real : tested);
+/** @param {NonNullable<OwnReader["real"]>} real @param {Pick<PairTab, "profile">} tab */
+const counts = (real, { profile }) => real[profile ? "profile" : "as they come"];
 
 /** facts: of the head for own pictures; on: whether it reads; source: what the other head learned from.
  * @param {Partial<OwnReader>} facts @param {boolean} on @param {string} source */
 export function readerHtml(facts, on, source) {
   const other = (/** @type {string} */ words) => button("readerSwitched", words, html`class="reader-switch"`);
   if (!on)
-    return html`${hint(`Your pictures are read by the head of the chapters, which learned from ${source} alone.`)}${other("Use the head for own pictures")}`;
+    return html`${hint(`The head of the chapters, trained on ${source} only, reads your pictures.`)}${other("Use the head for own pictures")}`;
   const { left_out: shares = {}, real } = facts;
   const most = mostOf(facts);
   const rows = READINGS.map((reading) =>
@@ -31,14 +55,7 @@ export function readerHtml(facts, on, source) {
       ...(real ? [String(real["as they come"][reading]), `${real.profile[reading]} of ${real.pairs}`] : []),
     ]),
   );
-  const heads = ["It reads right", "simulated, as they come", `with ${most} pictures`];
-  if (real) heads.push("real, as they come", "with a profile");
-  const chance = atChance(facts).map((name) => (name === "tac" ? "touch" : "photo"));
-  const note =
-    real &&
-    chance.length > 0 &&
-    hint(
-      html`<b>On real pairs its reading of the ${chance.join(" and the ")} is at chance</b>: always naming the most frequent class is right for ${real.always} of ${real.pairs}. Do not trust it.`,
-    );
-  return html`${hint("Read by the head for own pictures, which learned from all simulated sensors.")}${note}${folded("Photo and touch apart", table("What the head for own pictures reads right", heads, rows))}${other("Use the head of the chapters")}`;
+  const heads = ["Correct", "simulated, raw", `with ${most} pictures`];
+  if (real) heads.push("real, raw", "with a profile");
+  return html`${hint("The head for own pictures, trained on all simulated sensors, reads your pictures.")}${folded("How often is it correct?", table("Pairs that the head for own pictures reads correctly", heads, rows))}${other("Use the head of the chapters")}`;
 }

@@ -18,7 +18,7 @@ export function credit({ authors, licence, terms, changes }) {
 /** The shelf; null where a server can have none. @param {PairTab} tab */
 export function realHtml({ real, ...tab }) {
   if (!real || (!real.local && !real.sets.length && !real.left_out.length)) return null;
-  const command = html`None here. Run <code>python -m omnivat fetch touch-and-go</code> in the folder of the server, and reload the page.`;
+  const command = html`This server has no real pairs. Run <code>python -m omnivat fetch touch-and-go</code> in its folder, and reload the page.`;
   const lines = real.left_out.map(hint);
   const none = real.local && !real.sets.length && !lines.length && hint(command);
   return html`<h3>Real</h3>${real.sets.map((set, k) => setHtml(tab, set, k))}${lines}${none}`;
@@ -46,5 +46,5 @@ function setHtml(tab, set, k) {
     );
   });
   return html`<figure><figcaption class="hint"><b>${set.title}</b>, by ${set.authors}. ${terms}.${changes}${count}</figcaption>
-    <div class="gallery" tabindex="0" role="group" aria-label="Pairs of ${short(set)} to pick">${pairs}</div></figure>`;
+    <div class="gallery" tabindex="0" role="group" aria-label="Pairs of ${short(set)}">${pairs}</div></figure>`;
 }

@@ -34,14 +34,14 @@ export function sensorHtml({ counts, rest, doing, doubt, notes, before, answer }
   const [own, other] = [rest, OTHER[rest]].map((kind) => TERMS[kind].many);
   const question =
     doubt &&
-    html`${doubt.strange} of ${doubt.of} look more like ${other} than like ${own}. They are ${kinds("sampled")}`;
+    html`${doubt.strange} of ${doubt.of} pictures look more like ${other} than like ${own}. What are they? ${kinds("sampled")}`;
   const progress =
     doing.sample &&
     html`Reading picture ${doing.sample.done} of ${doing.sample.total}… ${button("samplingStopped", "Cancel")}`;
   const choices = IMAGES.toReversed().map((name) => [name, TERMS[name].many]);
-  return html`<h3>My sensor</h3>${hint(counts ? `In use: profile of ${madeOf(counts)}. Check it with labelled pairs.` : "5 to 50 pictures, no labels.")}
+  return html`<h3>My sensor</h3>${hint(counts ? `The profile of ${madeOf(counts)} is in use. Label some pairs to check it.` : "Give 5 to 50 unlabelled pictures of one sensor.")}
     <div class="row">${chooser("sampled", "Pictures", html`multiple`)}${chooser("sampled", "Folder", html`webkitdirectory multiple`)}${use}</div>
-    ${folded("Names", html`<label>Pictures not named vis or tac are <select name="rest" data-send="arrived">${options(choices, rest)}</select></label>`)}
+    ${folded("Names", html`<label>Pictures without vis or tac in the name are <select name="rest" data-send="arrived">${options(choices, rest)}</select></label>`)}
     ${status(progress ?? question ?? notes.sensor)}${before && answer && comparedHtml(before, answer)}`;
 }
 
@@ -51,5 +51,5 @@ function comparedHtml(before, after) {
   const rows = readingsOf(before).map(
     (said, i) => said.label && row(titleOf(said.reading), [brief(said), brief(then[i])]),
   );
-  return table("This pair with the profile", ["This pair", "as it comes", "with the profile"], rows.filter(Boolean));
+  return table("This pair with the profile", ["This pair", "raw", "with the profile"], rows.filter(Boolean));
 }

@@ -27,12 +27,12 @@ function slotHtml(tab, modality) {
   const parts = tab.explained[modality];
   const of = html`data-modality="${modality}"`;
   const choose = html`multiple ${of} accept="image/*,.tif,.tiff,.webp,.png,.jpg" aria-label="Choose a ${one}"`;
-  const why = html`class="where" ${of} title="Hide one part after the other and see how the prediction changes"${(!ref || ref.startsWith("row:")) && " disabled"}`;
+  const why = html`class="where" ${of} title="Hide one part of the image after the other and show how the prediction changes"${(!ref || ref.startsWith("row:")) && " disabled"}`;
   const away = html`class="clear" aria-label="Remove the ${one}"${!ref && " disabled"}`;
-  const empty = other ? "Empty: only the other image is used." : "Empty.";
+  const empty = other ? "Empty. The prediction uses the other image only." : "Empty.";
   return html`<div class="slot panel ${doing && "busy"}" ${of} tabindex="0" aria-label="${title}: ${modality.toUpperCase()}. Drop or paste an image here.">
     <h3>${signed(modality, title)}</h3>${tab.filming === modality ? FILM : pictureHtml(tab, modality)}
-    <div class="row">${chooser("dropped", "Choose file", choose)}${button("photograph", "Camera", html`class="camera" ${of} title="Take one picture"`)}${button("explain", "Where?", why)}${opener("Remove", { [modality]: "" }, away)}</div>
+    <div class="row">${chooser("dropped", "Choose file", choose)}${button("photograph", "Camera", html`class="camera" ${of} title="Take one picture with a camera"`)}${button("explain", "Where?", why)}${opener("Remove", { [modality]: "" }, away)}</div>
     <p class="what hint">${doing || (parts ? told(parts) : ref ? describe(tab, ref).text : empty)}</p>
   </div>`;
 }
@@ -47,7 +47,7 @@ function pictureHtml({ set, explained, sent, ...tab }, modality) {
   const image = sent[ref];
   const example = kind === "example" && { src: exampleOf(name, modality), alt: `${title} of ${name}` };
   const { src, alt } = example || { src: image?.src, alt: `${title}: ${image?.name}` };
-  const none = html`<span>${ref ? "sent earlier" : "Drop or paste an image"}</span>`;
+  const none = html`<span>${ref ? "This picture was sent earlier" : "Drop or paste an image"}</span>`;
   const shown = src
     ? html`<img src="${src}" alt="${alt}">`
     : kind === "row" && tileOf(set, +name, modality, 150, title);
@@ -62,8 +62,8 @@ export function galleryHtml({ examples, set, take, vis, tac }) {
   const offers = shelf(examples, set.frames);
   if (!offers.length && set.gone) return null; // no map is being computed
   const none = set.frames
-    ? "There are no examples. Upload images, or pin a pair in Explore."
-    : "The set’s pairs appear with its map, which is being computed. Your own images work meanwhile.";
+    ? "This set has no examples. Upload images, or pin a pair in Explore."
+    : "The examples appear with the map, which is being drawn. Your own images can be used meanwhile.";
   return html`${offers.map(({ ref, truth, domain, path = "", pair: row }) => {
     const name = `${truth}, ${domain}`;
     const pictures = IMAGES.map((modality) =>

@@ -7,7 +7,7 @@ const OWN = "own"; // the server's name of the head for own pictures
 const FEWEST = 2; // fewest pairs of a class, and fewest classes, for teaching
 const MOST = 500; // pairs of a recording
 const APART = 300; // milliseconds between two of them
-export const READING = "Reading the image (the first one also loads the encoder)…";
+export const READING = "Reading the image… The first image takes longer, because the encoder is loaded.";
 
 /** What is known of a pair that is not there. */
 const NOTHING = { busy: false, answer: null, familiar: null, rivals: null, before: null };
@@ -21,6 +21,7 @@ export const START = {
   rungs: [],
   real: null,
   source: "its own training pairs",
+  tested: null,
   simulated: true,
   head: "",
   vis: null,
@@ -40,7 +41,7 @@ export const START = {
   on: false,
   frame: null,
   recording: null,
-  line: "Cameras or video files; no picture is kept unless you record.",
+  line: "Use cameras or video files. No picture is kept unless you record.",
   profile: "",
   counts: null,
   rest: "tac",
@@ -87,7 +88,7 @@ export function missing(pairs) {
   for (const { label } of pairs) counts.set(label, (counts.get(label) ?? 0) + 1);
   if ([...counts.values()].filter((count) => count >= FEWEST).length >= FEWEST) return "";
   const there = [...counts].map((count) => count.join(" ")).join(", ") || "none yet";
-  return `Label two pairs of each of two classes to teach it. So far: ${there}.`;
+  return `To teach the head, label two pairs of each of two classes. So far: ${there}.`;
 }
 
 /** The lessons of a request about the pair `now`, which is never predicted from its own label.
@@ -181,7 +182,7 @@ const EVENTS = {
       ? EVENTS.camerasOff(tab, "")
       : {
           on: true,
-          line: "Opening the sources; the first picture also loads the encoder…",
+          line: "Opening the cameras… The first picture takes longer, because the encoder is loaded.",
           notes: { ...tab.notes, problem: "", live: "" },
           next: { live: {} },
         },
@@ -242,7 +243,7 @@ const EVENTS = {
   // my sensor
   sampled: ({ doubt }, { files = doubt?.files ?? [], kind }) => ({ doubt: null, next: { sample: { files, kind } } }),
   samplingStopped: ({ notes, doing }) => ({
-    notes: { ...notes, sensor: "Cancelled; nothing was changed." },
+    notes: { ...notes, sensor: "Cancelled. Nothing was changed." },
     doing: { ...doing, sample: undefined },
     halt: ["sample"],
   }),

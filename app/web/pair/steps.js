@@ -23,9 +23,9 @@ function gains(at, { head, rungs, simulated }) {
   const climbed = rungs.filter(({ rung, from }) => own.has(rung) && from === nothing?.from);
   if (head || !nothing || !climbed.length) return "";
   const words = climbed.map(
-    ({ known, accuracy }) => `${known} bring ${(100 * (accuracy - nothing.accuracy)).toFixed(1)} points`,
+    ({ known, accuracy }) => `${known} raise accuracy by ${(100 * (accuracy - nothing.accuracy)).toFixed(1)} points`,
   );
-  return ` On ${simulated ? "simulated" : "this set’s unseen"} sensors ${words.join(", ")} (${nothing.from}).`;
+  return ` On ${simulated ? "simulated" : "the unseen"} sensors ${words.join(" and ")} (${nothing.from}).`;
 }
 
 /** What the next step is and what it brings, in a sentence. @param {number} at @param {PairTab} tab */
@@ -33,14 +33,14 @@ function nextStep(at, tab) {
   const { pairs, report, counts, head, facts } = tab;
   const points = gains(at, tab);
   if (at === 0)
-    return "Drop photos, touches, a folder or a CSV anywhere here. As they come, expect guesses: the head has not seen your sensor.";
+    return "Drop photos, touches, a folder or a CSV file anywhere on this page. Expect guesses at first, because the head has not seen your sensor.";
   if (at === 2 && !pairs.length && !counts)
-    return `Label two pairs of each of two classes. Or make a profile of pictures without labels.${head ? ` ${gainOf(facts)}` : points}`;
+    return `Label two pairs of each of two classes, or make a profile of unlabelled pictures.${head ? ` ${gainOf(facts)}` : points}`;
   if (at === 2) return missing(pairs);
-  if (at === 3) return `Teach it your ${pairs.length} pairs.${points}`;
+  if (at === 3) return `Teach the head your ${pairs.length} pairs.${points}`;
   const { judged, right } = /** @type {Taught} */ (report);
   const profile = counts ? " --profile my-sensor.safetensors" : "";
-  return `${percent(right.after / judged.length)} of your pairs are right with each left out, ${percent(right.before / judged.length)} before. Drop the next pictures: the taught head reads them. Save it and unpack it for the command line: omnivat predict --head taught-head --pairs FOLDER${profile}.`;
+  return `Teaching raised the share of correct pairs from ${percent(right.before / judged.length)} to ${percent(right.after / judged.length)}, each pair predicted without its own label. Drop the next pictures for the taught head, or save it for the command line: omnivat predict --head taught-head --pairs FOLDER${profile}.`;
 }
 
 /** @param {PairTab} tab */

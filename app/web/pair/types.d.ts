@@ -84,7 +84,8 @@ interface PairTab {
   set: PairSet;
   heads: HeadRow[]; // compared with the first one
   rungs: Rung[];
-  source: string; // what the head of the chapters learned from
+  source: string; // what the head of the chapters was trained on
+  tested: OwnReader["real"] | null; // what it read right on real pairs, if measured
   simulated: boolean; // whether the set of the chapters is
   real: Replies["real"] | null;
 

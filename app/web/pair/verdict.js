@@ -21,6 +21,7 @@ import {
   TERMS,
   table,
 } from "./parts.js";
+import { cautionOf } from "./reader.js";
 import { tileOf } from "./slots.js";
 import { labelOf, mixed } from "./state.js";
 
@@ -30,6 +31,7 @@ function best(classes, row) {
   return { label: classes[at], share: row[at] };
 }
 
+const LIVE = "image:"; // frames of cameras are the visitor's own pictures
 const ABSENT = { row: [], label: "", share: 0, used: [], strange: [], guess: false };
 
 /** What each reading of a pair predicts; nothing without its images.
@@ -66,34 +68,38 @@ const cardsOf = (all, words) =>
 /** A prediction by what `readingsOf` takes. @param {Answer} answer */
 export const readingsIn = ({ classes, exact, images }) => readingsOf({ classes, ...exact, images });
 
-/** Three cards. `truths`: the class of each image, if known; `yours`: the lessons decide what is familiar.
- * @param {Answer} answer @param {Truths} truths @param {boolean} [yours] */
-export function cards(answer, truths, yours) {
+/** Three cards. `truths`: the class of each image, if known; `yours`: the lessons decide what is familiar; `caution`: what
+ * to know of a reading.
+ * @param {Answer} answer @param {Truths} truths @param {boolean} [yours] @param {(one: Said) => Html | null} [caution] */
+export function cards(answer, truths, yours, caution = () => null) {
   const [given] = imagesOf(answer.exact.readings);
   return cardsOf(readingsIn(answer), (one) => {
-    if (one.label) return [called(one, yours), judged(one, truths, answer.classes)];
-    if (one.reading === "fused") return hint(`Add the ${TERMS[OTHER[given]].one} to see both together.`);
-    return hint(`No ${TERMS[one.reading].one} here.`);
+    if (one.label) return [called(one, yours, caution), judged(one, truths, answer.classes)];
+    if (one.reading === "fused") return hint(`Add the ${TERMS[OTHER[given]].one} to predict from both images.`);
+    return hint(`This pair has no ${TERMS[one.reading].one}.`);
   });
 }
 
-/** The prediction of the newest frames of the cameras. @param {Frame} frame */
-export function liveHtml(frame) {
+/** The prediction of the newest frames of the cameras. @param {Frame} frame @param {(one: Said) => Html | null} [caution] */
+export function liveHtml(frame, caution) {
   const there = readingsOf(frame).filter(({ label }) => label);
   const [words, below] = frame.idle
-    ? [null, "No contact: press the sensor on something."]
-    : [cardsOf(there, (one) => called(one, frame.yours)), "Everything below belongs to the pair chosen before."];
+    ? [null, "There is no contact. Press the sensor on something."]
+    : [
+        cardsOf(there, (one) => called(one, frame.yours, caution)),
+        "The panels below belong to the pair chosen before.",
+      ];
   return html`<p><b class="tag">live</b></p>${words}${hint(below)}`;
 }
 
 /** The panel of the prediction. @param {PairTab} tab */
 export function verdictHtml(tab) {
   const { answer, question, frame, busy } = tab;
-  if (frame) return liveHtml(frame);
+  if (frame) return liveHtml(frame, (said) => cautionOf({ ...tab, vis: LIVE, tac: LIVE }, said));
   if (!answer)
     return hint(
       busy
-        ? "Predicting… the first prediction takes a few seconds."
+        ? "Predicting… The first prediction takes a few seconds."
         : "Choose a pair to see the prediction. One image is enough.",
     );
   const label = labelOf(tab);
@@ -102,17 +108,23 @@ export function verdictHtml(tab) {
     tab.taught &&
     paragraph(
       "taught-now",
-      html`<b class="tag">taught</b> by your ${label ? "other pairs; this one was left out" : "pairs"}.`,
+      html`<b class="tag">taught</b> The head was taught with your ${label ? "other pairs; this one was left out" : "pairs"}.`,
     );
-  const mix = mixed(tab) && paragraph("made-of", "Two pictures of different pairs: not counted, not taught.");
-  return html`${by}${madeOf(truths) ?? mix}${cards(answer, truths, Boolean(question?.lessons))}`;
+  const mix =
+    mixed(tab) &&
+    paragraph("made-of", "These pictures come from different pairs, so they are neither counted nor taught.");
+  return html`${by}${madeOf(truths) ?? mix}${cards(answer, truths, Boolean(question?.lessons), (said) => cautionOf(tab, said))}`;
 }
 
-/** A prediction in words; a guess has no figure. @param {Said} said @param {boolean} [yours] */
-function called({ label, share, strange }, yours) {
-  if (!strange.length) return paragraph("said", label, html` <b>${percent(share)}</b>`);
+/** A prediction in words; a guess has no figure. @param {Said} said @param {boolean} [yours]
+ * @param {(one: Said) => Html | null} [caution] */
+function called(said, yours, caution = () => null) {
+  const { label, share, strange } = said;
+  const note = caution(said);
+  if (!strange.length)
+    return html`${paragraph("said", label, html` <b>${percent(share)}</b>`)}${note && paragraph("caution", note)}`;
   const what = strange.length > 1 ? "Both images are" : `The ${TERMS[strange[0]].one} is`;
-  const seen = yours ? "the pictures that you labelled" : "anything it has seen";
+  const seen = yours ? "the pictures that you labelled" : "all training images";
   return html`<p class="said guess">${label}?</p><p class="guessed"><b>This is a guess.</b> ${what} unlike ${seen}.</p>`;
 }
 
@@ -123,10 +135,13 @@ export function judged({ label, used }, truths, classes) {
   if (!truth || !other) return null; // a visitor's picture has no class of its own
   if (truth !== other) {
     const follows = used.find((name) => truths[name] === label);
-    return paragraph("follows", `It follows ${follows ? `the ${TERMS[follows].one}` : "neither"}.`);
+    return paragraph(
+      "follows",
+      follows ? `The prediction follows the ${TERMS[follows].one}.` : "The prediction follows neither image.",
+    );
   }
-  if (label === truth) return paragraph("right", "✓ right");
-  return paragraph("wrong", `✗ it is ${truth}`, !classes.includes(truth) && ", a class this head has not learned");
+  if (label === truth) return paragraph("right", "✓ correct");
+  return paragraph("wrong", `✗ it is ${truth}`, !classes.includes(truth) && ", a class that the head does not know");
 }
 
 /** One line above the cards: the two classes of a mixed pair. @param {Truths} truths */
@@ -150,18 +165,19 @@ export function classTable(answer) {
   const grey =
     columns.some(({ guess }) => guess) &&
     hint(
-      "Grey: figures for a guess. They were calibrated on images like the training images, so they mean little here.",
+      "Grey figures belong to a guess. They mean little, because they were calibrated on images like the training images.",
     );
   const at = answer.linear
-    ? "By linear maps, in which p has no part."
-    : `At the learned p = ${answer.learned.toFixed(4)}.`;
+    ? "Linear maps make this prediction; they do not use p."
+    : `The prediction uses the learned p = ${answer.learned.toFixed(4)}.`;
   return html`${table("Every class", ["Class", ...head], rows)}${grey}${hint(at)}`;
 }
 
-/** The prediction in one sentence, for a screen reader. @param {Answer} answer */
-export function spoken(answer) {
-  const [{ label, share, guess }] = readingsIn(answer).filter((said) => said.label);
-  return guess ? `${label}? This is a guess.` : `${label}, ${percent(share)}`;
+/** The prediction in a sentence or two, for a screen reader. @param {Answer} answer @param {(one: Said) => Html | null} [caution] */
+export function spoken(answer, caution = () => null) {
+  const [said] = readingsIn(answer).filter((said) => said.label);
+  const { label, share, guess } = said;
+  return guess ? html`${label}? This is a guess.` : html`${label}, ${percent(share)}. ${caution(said)}`;
 }
 
 /** The same pair by other heads; a reading that is a guess has no figure. All heads share the encoder.
@@ -175,23 +191,27 @@ export function rivalsHtml(answer, others) {
     return row(html`${one.label} <small>p = ${one.exact.order.toFixed(3)}</small>`, cells);
   });
   const head = ["Head", ...READINGS.map((reading) => signed(reading))];
-  return html`${headed("The same pair, other heads", hint("Each at its own learned p."))}${table("Predictions of several heads", head, lines)}`;
+  return html`${headed("Predictions of other heads for this pair", hint("Each head uses its own learned p."))}${table("Predictions of several heads", head, lines)}`;
 }
 
 const SIDE = 104; // CSS pixels of a neighbour: large enough to see what it is
+const JUST = 0.1; // from this quantile on, an image is clearly similar to the training images
 const SAME = 0.9999; // the cosine of an image with itself, rounded
 
 /** One sentence on an image, from its quantile among the training images.
  * @param {Modality} modality @param {Partial<Familiarity>} image */
 export function sentence(modality, { words, guess, cosine = 0, quantile = 0 }, yours = false) {
   const { one, many } = TERMS[modality];
-  if (words === undefined) return `This head has no record of how familiar a ${one} is.`;
+  if (words === undefined) return `The head has no record of how familiar a ${one} is.`;
   if (yours)
-    return guess ? `Farther from your labelled ${many} than they are from one another.` : `Like your labelled ${many}.`;
-  if (cosine > SAME) return `Familiar: it is one of the training ${many}.`;
-  const farther = Math.round(100 * quantile);
-  const count = farther < 1 ? "fewer than 1" : farther > 99 ? "more than 99" : farther;
-  return `${capital(words)}: ${count} of 100 training ${many} ${count === 1 ? "has" : "have"} a farther neighbour.`;
+    return guess
+      ? `Unlike your labelled ${many}, which are more similar to one another.`
+      : `Similar to your labelled ${many}.`;
+  if (cosine > SAME) return `This is one of the training ${many}.`;
+  const unusual = Math.round(100 * quantile);
+  const count = unusual < 1 ? "fewer than 1" : unusual > 99 ? "more than 99" : unusual;
+  const near = quantile < JUST ? ", but only just" : "";
+  return `${guess ? "Unlike" : "Similar to"} the training ${many}${guess ? "" : near}: ${guess ? "only " : ""}${count} of 100 ${count === 1 ? "is" : "are"} more unusual.`;
 }
 
 /** A question about pictures that are nearer to the training images of the other slot; null if none is.
@@ -203,10 +223,13 @@ export function swapHtml(images, { vis, tac }) {
   const [words, act] =
     there.length > 1
       ? [
-          `Are these two swapped? The ${one} is nearer to the training ${other.many}, the ${other.one} to the ${many}.`,
+          `Are photo and touch swapped? The ${one} is more similar to the training ${other.many}, the ${other.one} to the training ${many}.`,
           "Swap them",
         ]
-      : [`Is this a ${other.one}? It is nearer to those than to the training ${many}.`, "Move it"];
+      : [
+          `Is this a ${other.one}? It is more similar to the training ${other.many} than to the training ${many}.`,
+          "Move it",
+        ];
   return paragraph("note swapped", words, " ", opener(act, { vis: tac, tac: vis }));
 }
 
@@ -219,11 +242,11 @@ export function familiarHtml(near, images, set, yours) {
     const mark = image.guess ? "wrong" : "right";
     const known = image.quantile !== undefined;
     return html`<div class="look" data-modality="${modality}"><h4>${signed(modality, capital(TERMS[modality].one))}</h4>
-      ${paragraph(known ? mark : "hint", sentence(modality, image, yours))}
+      ${paragraph(image.guess ? "wrong" : "hint", sentence(modality, image, yours))}
       ${known && html`<div class="meter" aria-hidden="true"><i class="${mark}" style="--at:${image.quantile}"></i></div>`}
       <div class="nearest">${near.images[modality]?.nearest.map((one) => neighbour(one, modality, set))}</div></div>`;
   });
-  return html`${headed("Seen before?", hint(`Nearest: ${near.of}`))}<div class="looked">${looks}</div>`;
+  return html`${headed("Is it similar to the training images?", hint(`Nearest among ${near.of}`))}<div class="looked">${looks}</div>`;
 }
 
 /** @param {{pair: number, cosine: number}} near @param {Modality} modality @param {PairSet} set */

@@ -54,7 +54,7 @@ export class WhatIf extends View {
     this.lines.show({ classes, p, rows: stops[reading], learned, band: band(span, set?.frames?.fits) });
     for (const one of [this.spectra, this.attention]) one.mark(stop);
     const words = guess
-      ? html`<b>${label}?</b> A guess at every p, because an image is unlike anything seen.`
+      ? html`<b>${label}?</b> This is a guess at every p, because an image is unlike all training images.`
       : html`<b>${label} ${percent(share)}</b>.`;
     draw(this.$(".at-p"), html`With p = ${p.toFixed(2)}, ${titleOf(reading).toLowerCase()}: ${words}`);
   }
@@ -89,6 +89,6 @@ export function band(span, fits) {
 export function aboutP({ learned, span, classes, linear }) {
   if (linear) return "Linear maps of the embeddings decide here, and p has no part in them: every curve is flat.";
   if (span[1] > span[0])
-    return `This head was trained for every p from ${span[0].toFixed(2)} to ${span[1].toFixed(2)} (shaded).`;
-  return `Weights stay those of the learned p = ${learned.toFixed(3)}. Shaded: the orders this head was trained for. Elsewhere the weights do not fit, and predictions are little better than guessing (${percent(1 / classes.length)}), so a rise or fall there means little. Explore shows heads trained at each p.`;
+    return `This head was trained for all values of p from ${span[0].toFixed(2)} to ${span[1].toFixed(2)} (shaded).`;
+  return `The weights stay those of the learned p = ${learned.toFixed(3)}. The shaded band shows the values of p that this head was trained for. Outside it the weights do not fit: predictions are little better than chance (${percent(1 / classes.length)}), so a rise or fall means little. Explore shows heads trained at each p.`;
 }

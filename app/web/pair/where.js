@@ -31,9 +31,9 @@ export function changed(drops) {
 export function told({ class: name, drops, taught }) {
   const { most, any, needed, against } = changed(drops);
   const parts = [
-    needed && html`orange supports <i>${name}</i>`,
+    needed && html`orange parts support <i>${name}</i>`,
     needed && against && "; ",
-    against && "blue contradicts it",
+    against && "blue parts contradict it",
   ];
   const words = any
     ? html`: ${parts}. Hiding a part changes its probability by at most ${percent(most)}.`

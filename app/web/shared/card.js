@@ -39,7 +39,7 @@ export function verdict(frames, pair, stop) {
 /** The class that a pair imitates, in words; "" if none. @param {PairNames | null} pairs @param {number} pair */
 export function imitation(pairs, pair) {
   const [looks, feels] = [pairs?.looks_like[pair], pairs?.feels_like[pair]];
-  if (looks) return `looks like ${looks}: only touch can tell`;
+  if (looks) return `looks like ${looks}`;
   return feels ? `feels like ${feels}` : "";
 }
 
@@ -61,8 +61,8 @@ export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = nu
   const note = imitation(pairs, pair);
   const sure = Number.isFinite(confidence) && `, ${Math.round(100 * confidence)} %`;
   const predicted = html`<dt>Predicted</dt><dd class="${labelled && (right ? "right" : "wrong")}">${labelled && (right ? "✓ " : "✗ ")}${said}${sure}</dd>`;
-  const more = html`<div class="near"><h4>Nearest by cosine${frames.foreign && ", raw embedding,"} to <span><button class="find" data-of="0">VIS</button> <button class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>
-    <div class="row">${!headless && html`<button class="open">Open in Pair ›</button>`}<button class="unpin">Unpin</button></div>`;
+  const more = html`<div class="near"><h4>Nearest by cosine${frames.foreign && " of raw embeddings"} to <span><button class="find" data-of="0">VIS</button> <button class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>
+    <div class="row">${!headless && html`<button class="open">Open in Try a pair ›</button>`}<button class="unpin">Unpin</button></div>`;
   return html`<h3>Pair ${pair}${pinned && html` <span class="tag">pinned</span>`}</h3>
     ${pictures(pair)}
     <dl><dt>Domain</dt><dd>${domain}${domain === frames.source && html` <small class="source">source</small>`}</dd><dt>Class</dt><dd>${labelled ? truth : "–"}${note && html` <small>${note}</small>`}</dd>

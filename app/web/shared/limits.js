@@ -4,8 +4,8 @@ import { held } from "./held.js";
 import { html, isSimulated, percent, put } from "./text.js";
 import { theSet } from "./theset.js";
 
-const SIMULATED = html`<b>Simulated</b> by this project: photos and touches are rendered. No figure here is about a real sensor.`;
-const REAL = html`<b>Real pairs</b>, according to the file’s header.`;
+const SIMULATED = html`These data are <b>simulated</b>: this project rendered all photos and touches. No figure on this page describes a real sensor.`;
+const REAL = html`These are <b>real pairs</b>, according to the header of the file.`;
 
 /** @param {Frames} frames */
 function limitsOf(frames) {
@@ -19,13 +19,13 @@ function limitsOf(frames) {
   );
   const facts = [
     `${pairs.toLocaleString("en-US")} pairs in ${domains.length} domains. Encoder: ${encoder}.`,
-    origin && `Origin: ${origin}.`,
-    !headless && `The loaded head learned from ${source} alone.`,
-    !headless && "Accuracy is on pairs outside the training.",
-    !headless && "Probabilities are calibrated on the source, and overconfident elsewhere.",
-    "Each stop of p is exact; lines between are not.",
-    `Map positions are at most ${percent(error, 3)} of the radius off.`,
-    held ? "Your images stay in this browser." : "Of your images, the server keeps embeddings alone.",
+    origin && `Origin of the data: ${origin}.`,
+    !headless && `The loaded head was trained on ${source} only.`,
+    !headless && "Accuracy is measured on pairs that were not used for training.",
+    !headless && "Probabilities are calibrated on the training domain. In other domains they are too high.",
+    "Each stop of p is exact. Lines between stops are interpolated.",
+    `Map positions are rounded by at most ${percent(error, 3)} of the radius of the map.`,
+    held ? "Your images stay in this browser." : "The server does not store your images, only their feature vectors.",
   ];
   return html`<p>${simulated || domains.some(isSimulated) ? SIMULATED : REAL}</p>
     <ul>${facts.filter(Boolean).map((fact) => html`<li>${fact}</li>`)}</ul>`;
@@ -34,7 +34,7 @@ function limitsOf(frames) {
 /** Fill the panel when it opens. @param {HTMLElement} panel */
 export function limits(panel) {
   panel.addEventListener("toggle", async () => {
-    put(panel, html`<p>Reading what is loaded…</p>`);
+    put(panel, html`<p>Loading…</p>`);
     const set = await theSet().catch(() => null);
     put(panel, set ? limitsOf(set.frames) : html`<p>${SIMULATED}</p>`);
   });

@@ -1,12 +1,12 @@
-/** Where an accuracy comes from, in one line: which head, learned from what, over which pairs, what was known. */
+/** Where an accuracy comes from, in two sentences: head, training data, test data, what the head was given of the new domain. */
 
 import { orderText } from "./frames.js";
 import { modeOf, worded } from "./tables.js";
 import { html } from "./text.js";
 
-/** @param {{head: string, source: string, pairs: string, known?: string}} from */
-export const provenance = ({ head, source, pairs, known = "nothing" }) =>
-  html`<p class="provenance">By ${head}, from ${source}; ${pairs}; known: ${known}.</p>`;
+/** `known` is null where a text beside it tells. @param {{head: string, source: string, pairs: string, known?: string | null}} from */
+export const provenance = ({ head, source, pairs, known = "nothing from these domains" }) =>
+  html`<p class="provenance">Measured with ${head}, trained on ${source} and tested on ${pairs}.${known && ` The model was given ${known}.`}</p>`;
 
 /** Who predicts in frames at one stop, in words. @param {Frames} frames @param {number} stop */
 function predictor(frames, stop) {
@@ -27,18 +27,18 @@ export function strangers({ domains, source, domain }) {
   return domains.filter((name, i) => name !== source && there.has(i)).length;
 }
 
-/** The pairs that an accuracy of frames is over, in words. `unseen`: the summary of the domains, once known.
+/** The pairs that an accuracy of frames was measured on, in words. `unseen`: the summary of the domains, once known.
  * @param {Frames} frames @param {{domains: {is_source?: boolean, pairs: number}[]} | null} [unseen] */
 export function unseenPairs(frames, unseen) {
   const count = unseen?.domains.reduce((sum, one) => sum + (one.is_source ? 0 : one.pairs), 0);
   const many = strangers(frames);
-  const mean = `mean of ${many} unseen domain${many === 1 ? "" : "s"}`;
-  return count ? `${mean}, ${count.toLocaleString("en-US")} pairs` : mean;
+  const mean = many === 1 ? "1 unseen domain" : `mean of ${many} unseen domains`;
+  return count ? `${count.toLocaleString("en-US")} pairs (${mean})` : mean;
 }
 
 /** The line below an accuracy of frames at one stop; nothing where nothing predicts.
- * @param {Frames} frames @param {number} stop @param {string} pairs */
-export const ofFrames = (frames, stop, pairs) =>
+ * @param {Frames} frames @param {number} stop @param {string} pairs @param {null} [known] */
+export const ofFrames = (frames, stop, pairs, known) =>
   frames.headless || !frames.source
     ? html``
-    : provenance({ head: predictor(frames, stop), source: frames.source, pairs });
+    : provenance({ head: predictor(frames, stop), source: frames.source, pairs, known });

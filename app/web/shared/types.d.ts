@@ -354,7 +354,7 @@ interface Known extends Omit<Rung, "from"> {
 }
 /** What is loaded; a part with a `problem` has nothing else. */
 interface Facts {
-  head: { problem?: string; classes: string[]; source: string; epochs?: Omit<Epoch, "measures" | "map">[] };
+  head: { problem?: string; classes: string[]; source: string; real?: OwnReader["real"]; epochs?: Omit<Epoch, "measures" | "map">[] };
   embeddings: { problem?: string; pairs: number; domains: string[]; simulated: boolean };
   sensor: Partial<Profile> & { problem?: string };
 }

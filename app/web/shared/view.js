@@ -22,8 +22,10 @@ export function tell(wait, sentence, problem = false) {
 
 /** What to say while the server makes maps. @param {Step | null} step */
 export const making = (step) => {
-  const far = step?.total ? `, ${step.done} of ${step.total}` : step?.text && `: ${step.text}`;
-  return far ? `Computing maps${far}. Pair works meanwhile.` : "Computing the map…";
+  const far = step?.total
+    ? `Drawing map ${step.done} of ${step.total}`
+    : step?.text && `Drawing the maps: ${step.text}`;
+  return far ? `${far}. Try a pair can be used meanwhile.` : "Drawing the map…";
 };
 
 /** Handle the clicks in a box: selector -> what a click in such an element does.
