@@ -32,6 +32,7 @@ class Method:
     device: str = "cpu"
     differentiable: bool = True
     slow: bool = False
+    continuous: bool = False  # it samples the continuous transform, which is another transform
 
 
 def _keep_nothing(transform: Transform) -> Callable[[Tensor], Callable[[float], Tensor]]:
@@ -108,22 +109,33 @@ def _torch_frft() -> dict[str, Method]:
         "torch-frft dfrft, eigenvectors kept": Method(
             module.dfrft, cached, differentiable=False, slow=True
         ),
-        "torch-frft frft (chirp)": Method(chirp.frft, _keep_nothing(chirp.frft), slow=True),
+        "torch-frft frft (chirp)": Method(
+            chirp.frft, _keep_nothing(chirp.frft), slow=True, continuous=True
+        ),
     }
 
 
 def _torch_frft2d() -> dict[str, Method]:
-    module = need("torch_frft2d", purpose="the comparison with torch-frft2d")
+    """The algorithm of torch-frft2d, which turns two axes, on one axis: its own parts, in order."""
+    parts = need("torch_frft2d._frft2d", purpose="the comparison with torch-frft2d")
 
     def transform(x: Tensor, order: float | Tensor) -> Tensor:
-        field = torch.fft.ifftshift(x, -1)[None]  # its two axes take one angle: rows would mix
-        angle = torch.as_tensor(order, dtype=torch.float32).reshape(1, 1) * (math.pi / 2)
-        field = field.movedim(0, 1)  # (B, 1, N): a second axis of one sample
-        found = module.frft2d_multi(field, angle.expand(len(x), 1))
-        shifted: Tensor = torch.fft.fftshift(found[:, 0, 0], -1)
-        return shifted
+        field = x.to(x.dtype.to_complex())
+        turned = parts._cdft(field, -1)
+        orders = torch.as_tensor(order, dtype=x.dtype).reshape(-1)
+        orders = torch.remainder(orders + 2, 4) - 2
+        far = (orders.abs() < 0.5) | (orders.abs() > 1.5)  # from the spectrum, an order less
+        near = torch.where(far, torch.remainder(orders + 1, 4) - 2, orders)
+        into, low, high, out, scale = parts._axis_terms(x.shape[-1], near[None], field.dtype)
+        doubled = (parts._interp2x_last(one)[None] for one in (turned, field))
+        source = torch.where(far[:, None, None], *doubled)
+        found = parts._chirp_conv_last(source, *(term[0][:, None] for term in (into, low, high)))
+        found = found * (out[0] * scale[0][:, None])[:, None]
+        result: Tensor = found if torch.is_tensor(order) and order.dim() else found[0]
+        return result
 
-    return {"torch-frft2d (chirp)": Method(transform, _keep_nothing(transform), slow=True)}
+    chirp = Method(transform, _keep_nothing(transform), slow=True, continuous=True)
+    return {"torch-frft2d, on one axis (chirp)": chirp}
 
 
 def methods() -> dict[str, Method]:

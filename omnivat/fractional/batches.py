@@ -20,34 +20,38 @@ from omnivat.fractional.splits import Split
 from omnivat.fractional.workers import for_each
 
 _ELEMENTS = 2**17  # of one real plane; with its scratch space it fills a core's L2 cache
-_WORTH_A_LOOP = 16  # rows; with fewer, phases for each row are cheaper than a piece for each order
 _WORTH_WORKERS = 2**18  # numbers in the result; fewer are not worth a second thread
 
 
 class Piece(NamedTuple):
-    """Some rows of coefficients.
+    """Some rows of coefficients: g orders, and b rows of each.
 
     rows: their place in the broadcast batch; phases: returns cos and sin of -πpk/2, as planes.
     """
 
     rows: slice
-    values: Inexact[Tensor, "b N"]
-    phases: Callable[[], Float[Tensor, "2 #b N"]]
+    values: Inexact[Tensor, "g b N"]
+    phases: Callable[[], Float[Tensor, "2 g 1 N"]]
 
 
 def slices(rows: Inexact[Tensor, "R N"]) -> Iterator[slice]:
     """Split rows into slices for the cache; on an accelerator, one slice."""
-    count, size = rows.shape
-    step = max(16, _ELEMENTS // size) if rows.device.type == "cpu" else max(count, 1)
+    count, step = len(rows), _at_once(rows)
     for start in range(0, count, step):
         yield slice(start, min(start + step, count))
 
 
+def _at_once(rows: Inexact[Tensor, "... N"]) -> int:
+    """Return the number of rows in a piece."""
+    size = rows.shape[-1]
+    return max(16, _ELEMENTS // size) if rows.device.type == "cpu" else max(rows[..., 0].numel(), 1)
+
+
 def _planar_phases(
-    order: Float64[Tensor, " b"], indices: Float64[Tensor, " N"], like: Tensor
-) -> Float[Tensor, "2 b N"]:
+    order: Float64[Tensor, " g"], indices: Float64[Tensor, " N"], like: Tensor
+) -> Float[Tensor, "2 g 1 N"]:
     """Phases as planes, cast to the precision of the values."""
-    both = torch.view_as_real(phases(order, indices)).movedim(-1, 0)
+    both = torch.view_as_real(phases(order[:, None], indices)).movedim(-1, 0)
     return both.to(like.dtype.to_real(), memory_format=torch.contiguous_format, copy=True)
 
 
@@ -59,7 +63,8 @@ def pieces(
 ) -> Iterator[Piece]:
     """Yield all rows of the batch of shape `lead`, to which values and order broadcast, in order.
 
-    If many rows share an order, its phases are computed once; otherwise for each row.
+    The phases of an order are computed once. A piece holds several orders if the rows that share
+    an order are too few to fill it.
     """
     size = values.shape[-1]
     rows = values.expand(*lead, size)
@@ -68,18 +73,22 @@ def pieces(
     while varying and order.shape[varying - 1] == 1:
         varying -= 1
     sharing = math.prod(lead[varying:])
-    if varying and sharing < _WORTH_A_LOOP:
-        rows, each = rows.reshape(-1, size), order.expand(lead).flatten()
-        for some in slices(rows):
-            yield Piece(some, rows[some], partial(_planar_phases, each[some], indices, values))
-        return
     orders = order.view(order.shape[:varying]).expand(lead[:varying])
+    together = _at_once(rows) // max(sharing, 1)
+    if varying and together > 1:
+        groups, each = rows.reshape(-1, sharing, size), orders.flatten()
+        for start in range(0, len(each), together):
+            own = each[start : start + together]
+            part = slice(start * sharing, (start + len(own)) * sharing)
+            found = partial(_planar_phases, own, indices, values)
+            yield Piece(part, groups[start : start + together], found)
+        return
     for number, place in enumerate(np.ndindex(lead[:varying])):
         shared = _planar_phases(orders[place][None], indices, values)
         group, start = rows[place].reshape(-1, size), number * sharing
         for some in slices(group):
             place_of_some = slice(start + some.start, start + some.stop)
-            yield Piece(place_of_some, group[some], lambda shared=shared: shared)  # type: ignore[misc]
+            yield Piece(place_of_some, group[some][None], lambda shared=shared: shared)  # type: ignore[misc]
 
 
 def planes(x: Inexact[Tensor, "*any"]) -> Float[Tensor, "#2 *any"]:
@@ -131,6 +140,7 @@ def synthesise_rows(
     def work(piece: Piece) -> None:
         cosine_sine, c = piece.phases(), piece.values
         z = planes(c * torch.complex(*cosine_sine)) if c.is_complex() else c * cosine_sine
+        z = z.flatten(1, 2)
         if planar:
             split.restore(z, flat[:, piece.rows])
         else:
@@ -163,19 +173,19 @@ def turned_back(
 
     def work(piece: Piece) -> None:
         part = grad[:, piece.rows] if planar else planes(grad[piece.rows])
-        g = torch.empty_like(part, memory_format=torch.contiguous_format)
+        c = piece.values
+        g = part.new_empty(2, *c.shape)
         split.analyse(part.reshape(-1, size), g.view(-1, size))
         cosine, sine = piece.phases()  # U = (cosine - i sine)(G0 + i G1)
         real = (g[0] * cosine).addcmul_(g[1], sine)
         minus = (g[0] * sine).addcmul_(g[1], cosine, value=-1)  # -Im U
-        c = piece.values
         if c.is_complex():
-            torch.complex(real, -minus, out=to_values[piece.rows])
+            torch.complex(real, -minus, out=to_values[piece.rows].view(c.shape))
             density = minus * c.real + real * c.imag
         else:
-            to_values[piece.rows] = real
+            to_values[piece.rows] = real.flatten(0, 1)
             density = minus * c
-        to_order[piece.rows] = density @ slope
+        to_order[piece.rows] = (density @ slope).flatten()
 
     for_each(work, pieces(values, order, lead, split.indices), spread=_spread(to_values))
     return (

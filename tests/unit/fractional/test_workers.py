@@ -9,6 +9,7 @@ import pytest
 import torch
 
 from omnivat.fractional import coefficients, dfrft, synthesise
+from omnivat.fractional.batches import pieces
 from omnivat.fractional.build import build_split
 from omnivat.fractional.workers import for_each, side_by_side
 
@@ -119,3 +120,17 @@ def test_a_forked_child_has_workers_of_its_own():
     if not child:
         os._exit(0 if side_by_side([lambda: 1, lambda: 2]) == wanted else 1)
     assert os.waitpid(child, 0)[1] == 0
+
+
+@pytest.mark.parametrize(("rows", "orders", "found"), [(16, 21, 1), (1, 400, 1), (600, 3, 6)])
+def test_few_rows_of_several_orders_are_one_piece_and_an_order_has_its_phases_once(
+    rows, orders, found
+):
+    lead = torch.Size([orders, rows])
+    p = torch.linspace(0, 2, orders, dtype=torch.float64)[:, None]
+    made = list(pieces(torch.zeros(rows, 256), p, lead, torch.arange(256, dtype=torch.float64)))
+    assert len(made) == found
+    assert [one.rows.stop - one.rows.start for one in made] == [
+        one.values[..., 0].numel() for one in made
+    ]
+    assert all(one.phases().shape == (2, len(one.values), 1, 256) for one in made)
