@@ -5,7 +5,16 @@ from these sums, or refuses; `surface.py` computes slopes and heights by the lam
 derives them.
 """
 
-from omnivat.data.relief.lamps import Lamps, NoLampsError, lamps
+from omnivat.data.relief.lamps import Lamps, NoLampsError, alone, lamps
 from omnivat.data.relief.surface import drawn, heights, slopes, with_known_height
 
-__all__ = ["Lamps", "NoLampsError", "drawn", "heights", "lamps", "slopes", "with_known_height"]
+__all__ = [
+    "Lamps",
+    "NoLampsError",
+    "alone",
+    "drawn",
+    "heights",
+    "lamps",
+    "slopes",
+    "with_known_height",
+]

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from omnivat.data.relief.filters import Array, fast, resized
-from omnivat.data.relief.lamps import Lamps, clean
+from omnivat.data.relief.filters import Array, blurred, fast, resized, scale
+from omnivat.data.relief.lamps import Lamps, alone, clean
+from omnivat.data.relief.moments import SMOOTH
 from omnivat.kit.errors import DataError
 
-STEEP = 42.0  # of 255: what a slope of 1 adds to a drawn picture
+BENT = 84.0  # of 255: twice what a curvature of 1 adds to a drawn picture
 
 
 def slopes(picture: Array, lamps: Lamps, *, dots: str = "fill") -> Array:
@@ -99,22 +100,29 @@ def with_known_height(lamps: Lamps, picture: Array, *, pixel: float, height: flo
     return replace(lamps, steepness=height / (pixel * rise))
 
 
-def drawn(picture: Array, lamps: Lamps, *, dots: str = "fill") -> Array:
-    """Return a touch (H, W, 3) uint8 as an encoder reads its relief, (H, W, 3) uint8.
+def drawn(picture: Array, lamps: Lamps | None = None, *, dots: str = "fill") -> Array:
+    """Return a touch (H, W, 3) uint8 as an encoder reads its relief, (H, W, 3) uint8: how it bends.
 
-    Red is the slope to the right and green that downwards, around mid-grey; blue is their length.
-    Steep slopes are bounded by tanh.
+    lamps  of its sensor; None: those of this picture alone, where nothing is known of the sensor
+
+    All three channels are the relief's curvature: dark where it bends away like an edge, light in
+    a hollow, mid-grey where it is even.
     """
-    found = slopes(picture, lamps, dots=dots)
-    return painted(found)
+    clear = clean(picture, dots)
+    return painted(slopes(clear, lamps or alone(clear, dots="keep"), dots="keep"))
 
 
 def painted(slopes: Array) -> Array:
-    """Return slopes (H, W, 2) as a picture (H, W, 3) uint8 (`drawn`)."""
-    bounded = 255 * np.tanh(slopes * (STEEP / 255))
-    length = np.sqrt(np.square(bounded).sum(-1, keepdims=True))
-    light = 128 + np.concatenate([bounded, length], -1) / 2
-    return np.clip(np.rint(light), 0, 255).astype(np.uint8)
+    """Return slopes (H, W, 2) as a picture (H, W, 3) uint8 (`drawn`).
+
+    Curvature is the divergence of the slopes, smoothed, and 1 is its root mean square in the
+    picture; tanh bounds it.
+    """
+    smooth = blurred(slopes, SMOOTH * scale(slopes))
+    bend = np.gradient(smooth[..., 0], axis=1) + np.gradient(smooth[..., 1], axis=0)
+    bend /= np.sqrt(np.square(bend).mean()) + 1e-3  # rounding of an even picture stays small
+    grey = np.rint(128 + 127.5 * np.tanh(bend * (BENT / 255)))
+    return np.repeat(np.clip(grey, 0, 255).astype(np.uint8)[..., None], 3, axis=2)
 
 
 def integrated(slopes: Array) -> Array:
