@@ -45,7 +45,7 @@ def run(options: argparse.Namespace) -> None:
 
 def images_of(place: Path) -> list[Path]:
     """Return the images under a folder, or the file itself; raises DataError if there are none."""
-    from omnivat.data.readers.files import is_image_name
+    from omnivat.data.naming import is_image_name
 
     if not place.is_dir():
         return [place]

@@ -52,7 +52,6 @@ def run(options: argparse.Namespace) -> None:
     """Read the pairs, print a summary, embed them."""
     from omnivat.data.pairs import summary_table
     from omnivat.data.readers import read_pairs
-    from omnivat.data.readers.files import modalities_of
     from omnivat.data.rest import with_rest
     from omnivat.data.store import manifest_place
     from omnivat.encoders.embed import embed_pairs
@@ -70,8 +69,6 @@ def run(options: argparse.Namespace) -> None:
     found = read_pairs(options.pairs, **passed(options, "reader", "strict", "seed"), **of_reader)
     found = with_rest(found, options.tac_rest or "none")
     print(summary_table(found))
-    if len(there := modalities_of([p.vis for p in found.pairs], [p.tac for p in found.pairs])) == 1:
-        print(f"{'photos' if there[0] == 'vis' else 'touches'} alone: each stands for both images")
     if rested := sum(pair.tac_rest is not None for pair in found.pairs):
         print(f"a rest picture is subtracted from {rested} of {len(found.pairs)} tactile images")
     names = ("weights", "tac_weights", "device", "download", "precision", "dtype", "manifest")

@@ -129,14 +129,12 @@ def _pairs(
     """Return VIS, TAC, the side of the square crop of TAC, and its rest picture, for each pair."""
     if options.pairs:
         from omnivat.data.readers import read_pairs
-        from omnivat.data.readers.files import modalities_of
         from omnivat.data.rest import with_rest
 
         found = with_rest(read_pairs(options.pairs), rest).pairs
-        there = modalities_of([p.vis for p in found], [p.tac for p in found])
 
         def image(pair: "Pair", name: str) -> Path | None:
-            return getattr(pair, name) if name in there else None
+            return getattr(pair, name) if pair.alone in ("", name) else None
 
         return [(image(p, "vis"), image(p, "tac"), p.tac_crop, p.tac_rest) for p in found]
     paths = [None if name == MISSING else Path(name) for name in options.images]

@@ -32,7 +32,6 @@ def run(options: argparse.Namespace) -> None:
     import torch
 
     from omnivat.data.materials import NO_CLASS
-    from omnivat.data.readers.files import modalities_of
     from omnivat.head.checkpoint import require_head_folder, save_head
     from omnivat.head.curve import curve
     from omnivat.head.teach import Lesson, judged, taught
@@ -41,7 +40,7 @@ def run(options: argparse.Namespace) -> None:
     head, embeddings = head_and_set(options)
     if options.domain:
         embeddings = embeddings.in_domain(options.domain)
-    there = modalities_of(embeddings.rows["vis"], embeddings.rows["tac"])
+    there = embeddings.header.modalities
     images = {n: torch.from_numpy(getattr(embeddings, n).copy()).float() for n in there}
     names, objects = embeddings.header.classes, embeddings.rows["object"]
     lessons = [

@@ -11,6 +11,7 @@ from omnivat.data.arrays import walked
 from omnivat.data.materials import NO_CLASS
 from omnivat.kit.errors import DataError
 from omnivat.kit.seeding import derive_seed
+from omnivat.kit.stages import IMAGES
 
 Array = NDArray[np.float32]
 VECTORS = ("vis", "tac", "vis_flip", "tac_flip")
@@ -31,6 +32,7 @@ class Header:
     text_hash: str = ""  # of the text tower in the encoder's checkpoint, if any
     # domain -> hashes of the rest pictures that were subtracted from its tactile images
     tac_rest: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    modalities: tuple[str, ...] = IMAGES  # that every pair has; of one alone, it stands for both
 
     @property
     def key(self) -> tuple[str, str, str]:

@@ -4,6 +4,9 @@ The same picture gives the same pixels from any file format:
 
 - transparency is blended with white, so hidden colours have no effect;
 - 16-bit values keep their upper 8 bits, grey and colour alike; floating values must be in [0, 1];
+- a grey picture of more than 8 bits, such as a depth map, whose values between the lowest and the
+  highest hundredth span less than a sixteenth of the range is stretched: these two become 0 and
+  255; a colour picture that would lose its contrast so is refused;
 - the EXIF rotation is applied, colour profiles are not;
 - only the first frame of an animation is used;
 - a picture with a shorter side over 2,047 pixels, or over 6 megapixels, is reduced by an integer
@@ -24,24 +27,31 @@ from typing import Any
 
 from PIL import Image
 
+from omnivat.data.naming import COMMON, FORMATS, SUFFIXES
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import read_whole
 
 warnings.filterwarnings("ignore", category=UserWarning, module="PIL")  # of damaged notes in a file
 
 ORIENTATION = 0x0112  # tag of EXIF
+HEIC = (b"heic", b"heix", b"heim", b"heis", b"hevc")  # in the first box of such a file
+DOUBLE = {b"II": "F;64F", b"MM": "F;64BF"}  # a TIFF of 64-bit floats, by the order of its bytes
 MAX_PIXELS = 64_000_000  # checked in the header, before decoding
 MAX_FILE_BYTES = 300_000_000
 MIN_SIDE, MAX_SIDE = 8, 65_535  # pixels; JPEG and GIF have no longer side
 SHORT_SIDE = 1024  # lower limit of a reduced picture
 STRIP_PIXELS = 1_000_000
 MOST_PIXELS = 6_000_000  # upper limit of a reduced picture
-COMMON = ("PNG", "JPEG", "WEBP", "GIF", "BMP", "TIFF")
-FORMATS = (*COMMON, "PPM", "QOI", "JPEG2000", "AVIF")
+FLAT = 1 / 16  # share of the range below which a picture of more than 8 bits loses its contrast
 REMEDY = "save it as PNG or JPEG and try again"
 
-_MODULES = {"JPEG2000": "Jpeg2KImagePlugin", "WEBP": "WebPImagePlugin"}
-_UPRIGHT = {  # EXIF orientation -> rotation to upright
+_MODULES = {
+    "JPEG2000": "PIL.Jpeg2KImagePlugin",
+    "WEBP": "PIL.WebPImagePlugin",
+    "DIB": "PIL.BmpImagePlugin",
+    "HEIF": "pillow_heif",
+}
+UPRIGHT = {  # EXIF orientation -> rotation to upright
     2: Image.Transpose.FLIP_LEFT_RIGHT,
     3: Image.Transpose.ROTATE_180,
     4: Image.Transpose.FLIP_TOP_BOTTOM,
@@ -52,7 +62,10 @@ _UPRIGHT = {  # EXIF orientation -> rotation to upright
 }
 
 
-VISITORS: dict[str, Any] = {"kinds": COMMON, "pixels": 24_000_000}  # of uploads, for `opened`
+VISITORS: dict[str, Any] = {
+    "kinds": tuple(COMMON),
+    "pixels": 24_000_000,
+}  # of uploads, for `opened`
 
 
 def read_image(
@@ -73,7 +86,7 @@ def read_image(
 
 
 def opened(
-    content: bytes, name: str, *, kinds: Sequence[str] = FORMATS, pixels: int = MAX_PIXELS
+    content: bytes, name: str, *, kinds: Sequence[str] = tuple(FORMATS), pixels: int = MAX_PIXELS
 ) -> Image.Image:
     """Return the image in a file's bytes, of which only the header is read.
 
@@ -84,14 +97,13 @@ def opened(
     Raises DataError as `read_image` does.
     """
     for kind in kinds:
-        import_module(f"PIL.{_MODULES.get(kind, kind.capitalize() + 'ImagePlugin')}")
-        opener, accepts = Image.OPEN[kind]
-        if accepts and accepts(content[:16]):
+        accepts = _accepts(kind, content, name)
+        if accepts:
             break
     else:
         raise DataError(f"'{name}' is not an image of a known kind; {REMEDY}.")
     with _explained(name, f"is a damaged {kind} file"):
-        image = opener(BytesIO(content), "")
+        image = Image.OPEN[kind][0](BytesIO(content), "")
     check_size(*image.size, name)
     if kind != "JPEG" and image.width * image.height > pixels:
         raise DataError(
@@ -99,6 +111,28 @@ def opened(
             f"{pixels / 1e6:.0f} megapixels here. Scale it down, or save it as JPEG."
         )
     return image
+
+
+def _accepts(kind: str, content: bytes, name: str) -> bool:
+    """Return whether a file's first bytes are of a kind, and load its decoder."""
+    if kind == "HEIF":
+        if content[4:8] != b"ftyp" or not any(brand in content[8:64] for brand in HEIC):
+            return False
+        try:
+            import_module("pillow_heif").register_heif_opener()
+        except ImportError as error:
+            raise DataError(
+                f"'{name}' is a HEIC picture; install pillow-heif, or save it as JPEG."
+            ) from error
+        return True
+    module = import_module(_MODULES.get(kind, f"PIL.{kind.capitalize()}ImagePlugin"))
+    if kind == "TIFF":  # Pillow decodes 64-bit floats, and lists no TIFF of them
+        for order, raw in DOUBLE.items():
+            for white in (0, 1):
+                module.OPEN_INFO.setdefault((order, white, (3,), 1, (64,), ()), ("F", raw))
+    accepts = Image.OPEN[kind][1]
+    named = SUFFIXES.get(Path(name).suffix.lower()) == kind
+    return bool(accepts(content[:16])) if accepts else named
 
 
 @contextmanager
@@ -113,6 +147,8 @@ def _explained(name: str, what: str) -> Iterator[None]:
             f"'{name}' takes more memory to read than there is; scale it down, or save it as JPEG."
         ) from error
     except Exception as error:  # a decoder may raise any error for bad bytes
+        if "unknown pixel mode" in str(error):
+            what = "holds numbers of a type that is not read"
         raise DataError(f"'{name}' {what}; {REMEDY}.") from error
 
 
@@ -160,9 +196,20 @@ def upright(image: Image.Image, name: str, *, reduced: bool = True) -> Image.Ima
         if reduced:
             scale = draft_scale(*image.size)
             image.draft(None, (image.width // scale, image.height // scale))  # only JPEG does
+        deep = ";16" in str(getattr(image, "tile", "")) and not image.mode.startswith(
+            "I"
+        )  # 16-bit colour
         image.load()
-        turned = _UPRIGHT.get(_turn(image))
+        turned = UPRIGHT.get(_turn(image))
         seen = _eight_bit_rgb(image, name, factor(*image.size) if reduced else 1)
+    if deep:
+        counts = seen.histogram()
+        low, high = _middle([sum(counts[level::256]) for level in range(256)])
+        if (levels := high - low) < FLAT * 256:
+            raise DataError(
+                f"'{name}' holds 16-bit colour, of which 8 bits keep {levels} levels; stretch it"
+                " and save it as 8-bit PNG."
+            )
     return seen if turned is None else seen.transpose(turned)
 
 
@@ -216,27 +263,35 @@ def _levels(image: Image.Image, name: str) -> Callable[[Image.Image], Image.Imag
         return None
     import numpy as np
 
-    if not image.mode.startswith("I;16"):  # of which no value is outside
-        step = max(1, STRIP_PIXELS // image.width)
-        boxes = [
-            (0, top, image.width, min(image.height, top + step))
-            for top in range(0, image.height, step)
-        ]
-        ends = [
-            (values.min(), values.max())
-            for values in (np.asarray(image.crop(box)) for box in boxes)
-        ]
-        low, high, most = float(np.min(ends)), float(np.max(ends)), 1 if floating else 65535
-        if not (low >= 0 and high <= most):  # also true of NaN
-            raise DataError(
-                f"'{name}' holds values from {low:.9g} to {high:.9g}, expected 0 to {most}; save it"
-                " as 8- or 16-bit PNG."
-            )
+    step, most = max(1, STRIP_PIXELS // image.width), 1.0 if floating else 65535.0
+    counts = np.zeros(65536, np.int64)
+    for top in range(0, image.height, step):
+        values = np.asarray(image.crop((0, top, image.width, min(image.height, top + step))))
+        least, highest = float(values.min()), float(values.max())
+        if not (least >= 0 and highest <= most):  # also true of NaN
+            span = f"values from {least:.9g} to {highest:.9g}, expected 0 to {most:.0f}"
+            raise DataError(f"'{name}' holds {span}; save it as 8- or 16-bit PNG.")
+        counts += np.bincount((values.ravel() * (65535 / most)).astype(np.int64), minlength=65536)
+    low, high = _middle(counts)
+    flat = 0 < high - low < FLAT * 65536
 
     def eight_bits(strip: Image.Image) -> Image.Image:
         values = np.asarray(strip)
-        return Image.fromarray(
-            (np.rint(values * 255) if floating else values.astype(np.uint32) >> 8).astype(np.uint8)
-        )
+        if flat:
+            values = ((values * (65535 / most) - low) / (high - low)).clip(0, 1)
+        scaled = np.rint(values * 255.0) if flat or floating else values.astype(np.uint32) >> 8
+        return Image.fromarray(scaled.astype(np.uint8))
 
     return eight_bits
+
+
+def _middle(counts: Any) -> tuple[int, int]:
+    """Return the lowest and highest hundredth of values by their counts; if these are one, the
+    lowest and highest value.
+    """
+    import numpy as np
+
+    low, high = np.searchsorted(np.cumsum(counts), np.array([0.01, 0.99]) * np.sum(counts))
+    if low == high:
+        low, high = np.flatnonzero(counts)[[0, -1]]
+    return int(low), int(high)

@@ -1,12 +1,13 @@
 """A pair: a photo (VIS) and a tactile image (TAC) of one contact, with names."""
 
-from collections import Counter
-from collections.abc import Sequence
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from omnivat.data.materials import in_order
 from omnivat.kit.errors import DataError, printable
+from omnivat.kit.stages import IMAGES
 
 TEXTS = ("object", "split", "part", "looks_like", "feels_like")  # of a pair, or ""
 NAMED = 3  # reasons in an error; skipped items named for a reason
@@ -27,6 +28,7 @@ class Pair:
     feels_like: str = ""  # the class that it imitates by touch, or ""
     tac_crop: int = 0  # central square before resizing, pixels; 0: no crop
     tac_rest: Path | None = None  # picture of the untouched sensor, to be subtracted
+    alone: str = ""  # "vis" or "tac": the only picture, which stands for both
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,24 +92,51 @@ class PairSet:
         """Return the domains in order of first appearance."""
         return tuple(dict.fromkeys(pair.domain for pair in self.pairs))
 
+    def modalities(self) -> tuple[str, ...]:
+        """Return the modalities that every pair has."""
+        return modalities_of(pair.alone for pair in self.pairs)
+
     def materials(self) -> tuple[str, ...]:
         """Return the classes: the five materials first, in their usual order, then the others."""
         return in_order({pair.material for pair in self.pairs})
 
 
+def modalities_of(alone: Iterable[str]) -> tuple[str, ...]:
+    """Return the modalities that all of some pairs have, by the `alone` of each."""
+    named = {*alone} - {""}
+    return tuple(half for half in IMAGES if named <= {half})
+
+
 def summary_table(pairs: PairSet) -> str:
-    """Return the loaded pairs, and the skipped items with reasons, as lines of text."""
+    """Return what a person checks of loaded pairs, as lines of text: pairs, objects, splits,
+    domains and classes, objects on both sides of a split, and what was left out and why.
+    """
     classes = pairs.materials()
     places = Counter((p.domain, p.part, p.split, p.material) for p in pairs.pairs)
+    things: dict[tuple[str, ...], set[str]] = defaultdict(set)
+    splits: dict[tuple[str, str], set[str]] = defaultdict(set)
+    for number, p in enumerate(pairs.pairs):
+        things[p.domain, p.part, p.split].add(p.object or f"\0{number}")
+        if p.object and p.split:
+            splits[p.domain, p.object].add(p.split)
     rows = [
-        [domain, part or "-", split or "-", *map(str, numbers), str(sum(numbers))]
-        for domain, part, split in dict.fromkeys((p.domain, p.part, p.split) for p in pairs.pairs)
+        [domain, part or "-", split or "-", *map(str, numbers), str(sum(numbers)), str(len(names))]
+        for (domain, part, split), names in things.items()
         for numbers in [[places[domain, part, split, name] for name in classes]]
     ]
     simulated = " (simulated)" if pairs.simulated else ""
-    lines = [f"{len(pairs.pairs)} pairs from {printable(pairs.origin or 'no origin')}{simulated}"]
+    alone = {"vis": "; photos alone", "tac": "; touches alone"}.get(
+        "+".join(pairs.modalities()), ""
+    )
+    lines = [
+        f"{len(pairs.pairs)} pairs from {printable(pairs.origin or 'no origin')}{simulated}{alone}"
+    ]
     if rows:
-        lines += _aligned(["domain", "part", "split", *classes, "pairs"], rows)
+        lines += _aligned(["domain", "part", "split", *classes, "pairs", "objects"], rows)
+    if divided := [name for (_, name), found in splits.items() if len(found) > 1]:
+        lines.append(
+            f"objects in more than one split: {len(divided)}, such as '{printable(divided[0])}'"
+        )
     if pairs.skipped:
         lines += ["", *_aligned(["skipped", "why", "for example"], _reasons(pairs))]
     return "\n".join(lines)

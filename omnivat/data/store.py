@@ -150,6 +150,7 @@ def _metadata(header: Header, count: int, width: int) -> dict[str, str]:
         "domains": json.dumps(header.domains),
         "classes": json.dumps(header.classes),
         "simulated": json.dumps(header.simulated),
+        **({"modalities": "+".join(header.modalities)} if header.modalities != IMAGES else {}),
         **({"tac_rest": json.dumps(header.tac_rest)} if header.tac_rest else {}),
         "origin": header.origin,
         "pairs": str(count),
@@ -230,6 +231,9 @@ def header_of(metadata: Mapping[str, str]) -> Header:
         origin=metadata["origin"],
         precision=metadata.get("precision", "fp32"),
         text_hash=metadata.get("text_hash", ""),
+        modalities=tuple(
+            m for m in IMAGES if m in metadata.get("modalities", "vis+tac").split("+")
+        ),
         tac_rest={
             domain: name_list(hashes, "tac_rest", MOST_NAMES)
             for domain, hashes in object_in(metadata.get("tac_rest", "{}").encode(), "rest").items()

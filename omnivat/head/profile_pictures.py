@@ -6,17 +6,11 @@ from pathlib import Path
 
 import numpy as np
 
+from omnivat.data.naming import is_image_name, modality_of
 from omnivat.data.pairs import Skipped
 from omnivat.data.profile import Profile, channels_of
 from omnivat.data.readers import read_pairs, recognised
-from omnivat.data.readers.files import (
-    folders_in,
-    is_image_name,
-    modalities_of,
-    modality_of,
-    show,
-    visible,
-)
+from omnivat.data.readers.files import folders_in, show, visible
 from omnivat.data.rest import RESTED, with_rest
 from omnivat.encoders.base import Encoder, for_modality
 from omnivat.encoders.cache import Source, embed_image
@@ -83,10 +77,12 @@ def _of_pairs(folder: Path, rest: str | None) -> list[Picture]:
         if not folder.is_dir():
             raise
         return []
-    there = modalities_of([p.vis for p in pairs], [p.tac for p in pairs])
-    photos = [_picture("vis", path) for path in dict.fromkeys(pair.vis for pair in pairs)]
-    touches = [replace(_picture("tac", p.tac), crop=p.tac_crop, rest=p.tac_rest) for p in pairs]
-    return photos * ("vis" in there) + touches * ("tac" in there)
+    photos = dict.fromkeys(pair.vis for pair in pairs if pair.alone != "tac")
+    return [_picture("vis", path) for path in photos] + [
+        replace(_picture("tac", p.tac), crop=p.tac_crop, rest=p.tac_rest)
+        for p in pairs
+        if p.alone != "vis"
+    ]
 
 
 def _images(folder: Path) -> list[Path]:

@@ -6,7 +6,7 @@ import { IMAGES } from "../shared/images.js";
 const TAC = new Set(["tac", "tactile", "touch", "gelsight", "gel", "digit"]);
 const VIS = new Set(["vis", "visual", "vision", "photo", "rgb", "video", "surface"]);
 const FILLER = new Set(["image", "img", "frame", "picture"]); // words that tell pictures apart in no way
-const PICTURE = /\.(a?png|jpe?g?|jfif|webp|bmp|dib|tiff?|gif|p[pgn]m|tga|jp2|j2k|avif)$/i;
+const PICTURE = /\.(png|apng|jpg|jpeg|jpe|jfif|webp|gif|bmp|tif|tiff)$/i;
 const WHOLE = "Choose the folder that holds them, so that the page sees their paths.";
 const LABELS = ["material", "class", "label"];
 

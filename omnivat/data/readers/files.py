@@ -1,21 +1,22 @@
 """Files of data sets: checks of names, frames in a folder, and small tables, JSON and lists."""
 
+import codecs
 import csv
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from io import StringIO
 from pathlib import Path
 
-from omnivat.kit.errors import DataError, printable
+from omnivat.data.naming import SUFFIXES, composed
+from omnivat.kit.errors import DataError, first_line, printable
 from omnivat.kit.files import read_whole
-from omnivat.kit.stages import IMAGES
-from omnivat.kit.tables import suggestion
+from omnivat.kit.tables import need, suggestion
 
 MOST_TEXT = 1_000_000_000  # bytes of a table or list; a million pairs take 200 MB
 is_file = os.path.isfile  # unlike Path.is_file, it never raises for long names
-SUFFIXES = "png apng jpg jpeg jpe jfif webp bmp dib tif tiff gif ppm pgm pnm tga jp2 j2k avif"
-IMAGE_SUFFIXES = frozenset(f".{suffix}" for suffix in SUFFIXES.split())
+TABLES = (".csv", ".tsv", ".xlsx")
+DELIMITERS = ",;\t"
 
 
 def show(path: Path | str) -> str:
@@ -51,26 +52,6 @@ def number_in(value: object, low: float, high: float, what: str) -> float:
     return number
 
 
-def is_image_name(name: str) -> bool:
-    """True if a file's suffix, in any case, is that of an image."""
-    return os.path.splitext(name)[1].lower() in IMAGE_SUFFIXES
-
-
-def modality_of(path: Path) -> str:
-    """Return "vis" or "tac" by the end of a file's stem or its folder's name; "" for neither."""
-    stem, folder = path.stem.lower(), path.parent.name.lower()
-    return next((n for n in IMAGES if stem == n or stem.endswith(f"_{n}") or folder == n), "")
-
-
-def modalities_of(vis: Sequence[Path | str], tac: Sequence[Path | str]) -> tuple[str, ...]:
-    """Return the modalities of pairs by the names of their pictures: one if the same picture stands
-    for both.
-    """
-    if list(vis) != list(tac) or not any(map(str, vis)):
-        return IMAGES
-    return ("tac",) if all(modality_of(Path(name)) == "tac" for name in vis) else ("vis",)
-
-
 def visible(folder: Path) -> Iterator[os.DirEntry[str]]:
     """Yield the entries of a folder, sorted by name, without hidden ones.
 
@@ -95,7 +76,7 @@ def number_of(path: Path) -> int | None:
     return int(number[0]) if (number := re.search(r"[0-9]+$", path.stem)) else None
 
 
-def frames_in(folder: Path, suffixes: frozenset[str] = IMAGE_SUFFIXES) -> dict[int, Path]:
+def frames_in(folder: Path, suffixes: Container[str] = SUFFIXES) -> dict[int, Path]:
     """Return the frames in a folder by the number at the end of their names, in that order.
 
     If a frame has two formats, the first by name counts. Names without a number are ignored.
@@ -116,7 +97,9 @@ def frames_in(folder: Path, suffixes: frozenset[str] = IMAGE_SUFFIXES) -> dict[i
 
 def read_text(file: Path) -> str:
     """Return a file as text, with any bytes; raises DataError if it cannot be read."""
-    return read_whole(file, MOST_TEXT, show(file)).decode("utf-8-sig", errors="replace")
+    content = read_whole(file, MOST_TEXT, show(file))
+    wide = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))  # "Unicode text" of Excel
+    return content.decode("utf-16" if wide else "utf-8-sig", errors="replace")
 
 
 def read_lines(file: Path) -> list[str]:
@@ -124,51 +107,78 @@ def read_lines(file: Path) -> list[str]:
     return [line.strip() for line in read_text(file).splitlines()]
 
 
-def read_cells(file: Path) -> list[list[str]]:
-    """Return the rows of a CSV with stripped cells, without empty rows."""
+def delimiter_of(text: str) -> str:
+    """Return the comma, semicolon or tab that separates the cells of a table's first line.
+
+    >>> delimiter_of("vis;tac;material"), delimiter_of('"a;b",c'), delimiter_of("vis")
+    (';', ',', ',')
+    """
+    first = re.sub(r'"[^"]*"', "", text.partition("\n")[0])
+    return max(DELIMITERS, key=first.count)
+
+
+def numbered_rows(file: Path) -> dict[int, list[str]]:
+    """Return the rows of a table by their lines, with stripped cells and without empty rows: a CSV
+    with commas, semicolons or tabs, or the first sheet of an .xlsx.
+
+    Raises DataError for a file that cannot be read.
+    """
+    if file.suffix.lower() == ".xlsx":
+        rows = dict(enumerate(_sheet(file), start=1))
+    else:
+        text = read_text(file)
+        hint = text[:4].lower() == "sep="  # a line for spreadsheets alone
+        text = text.partition("\n")[2] if hint else text
+        reader = csv.reader(StringIO(text, newline=""), delimiter=delimiter_of(text), strict=True)
+        try:
+            rows = {line: row for row in reader if (line := reader.line_num + hint)}
+        except csv.Error as error:
+            raise DataError(
+                f"'{show(file)}' cannot be read as a CSV after line {reader.line_num} ({error})."
+                " Look for a quotation mark that is not closed."
+            ) from error
+        if "\ufffd" in text:
+            raise DataError(f"'{show(file)}' is not UTF-8 text. Save it as 'CSV UTF-8'.")
+    stripped = {line: [composed(cell).strip() for cell in row] for line, row in rows.items()}
+    return {line: row for line, row in stripped.items() if any(row)}
+
+
+def _sheet(file: Path) -> Iterator[list[str]]:
+    openpyxl = need("openpyxl", purpose="reading .xlsx; or save the table as CSV")
+    read_whole(file, MOST_TEXT, show(file))
     try:
-        rows = [[cell.strip() for cell in row] for row in csv.reader(StringIO(read_text(file)))]
-    except csv.Error as error:
-        raise DataError(f"'{show(file)}' cannot be read as a CSV ({error}).") from error
-    return [row for row in rows if any(row)]
+        for row in openpyxl.load_workbook(file, read_only=True, data_only=True).active.values:
+            yield ["" if cell is None else str(cell) for cell in row]
+    except Exception as error:  # openpyxl and zipfile have many kinds
+        raise DataError(
+            f"'{show(file)}' cannot be read ({first_line(error)}); save it as CSV."
+        ) from error
 
 
 def read_rows(file: Path, needed: Sequence[str] = ()) -> dict[int, dict[str, str]]:
-    """Return the rows of a person's own CSV, by their lines and the names in its first row.
+    """Return the rows of a person's own table, by their lines and the names in its first row.
 
     Raises DataError without a `needed` name, for another encoding, for a quotation mark that is not
     closed, and for a row with more cells than there are names.
     """
-    text = read_text(file)
-    reader = csv.DictReader(StringIO(text, newline=""), restval="", strict=True)
-    try:
-        header = [name.strip().lower() for name in reader.fieldnames or ()]
-        reader.fieldnames = header
-        rows = [(reader.line_num, row) for row in reader]
-    except csv.Error as error:
-        raise DataError(
-            f"'{show(file)}' cannot be read as a CSV after line {reader.line_num} ({error}). "
-            "Look for a quotation mark that is not closed."
-        ) from error
-    if "\ufffd" in text:
-        raise DataError(f"'{show(file)}' is not UTF-8 text. Save it as 'CSV UTF-8'.")
+    rows = numbered_rows(file)
+    header = [name.lower() for name in rows.pop(next(iter(rows), 0), [])]
     for name in needed:
         if name not in header:
             raise DataError(
                 f"'{show(file)}' has no column '{name}'; its first row has"
-                f" {show(', '.join(header) or 'no names')}, expected {', '.join(needed)}, separated"
-                f" by commas.{suggestion(name, header)}"
+                f" {show(', '.join(header) or 'no names')}, expected"
+                f" {', '.join(needed)}.{suggestion(name, header)}"
             )
-    for line, row in rows:
-        if None in row:
+    for line, row in rows.items():
+        if any(row[len(header) :]):
             raise DataError(
                 f"'{show(file)}' has more cells in line {line} than in its first row; a comma"
                 " inside a name needs quotation marks."
             )
     return {
-        line: {name: cell.strip() for name, cell in row.items()}
-        for line, row in rows
-        if any(map(str.strip, row.values()))
+        line: dict(zip(header, row + [""] * len(header), strict=False))
+        for line, row in rows.items()
     }
 
 

@@ -1,4 +1,4 @@
-"""Folders of pictures called NAME_vis and NAME_tac, or in folders vis and tac:
+"""Folders of pictures called NAME_vis and NAME_tac, or in folders of photos and of touches:
 <root>/<domain>/<class>/[<object>/]<name>_vis.png beside <name>_tac.png.
 """
 
@@ -6,17 +6,19 @@ import os
 import re
 from collections import defaultdict
 from pathlib import Path
+from typing import NamedTuple
 
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
-from omnivat.data.pairs import Pair, PairSet, Skipped
-from omnivat.data.readers.files import (
-    folders_in,
+from omnivat.data.naming import (
+    composed,
+    halves_among,
     is_image_name,
-    is_text,
     modality_of,
-    show,
-    visible,
+    set_name,
+    split_of,
 )
+from omnivat.data.pairs import Pair, PairSet, Skipped
+from omnivat.data.readers.files import folders_in, is_text, show, visible
 from omnivat.data.rest import REST
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
@@ -25,40 +27,66 @@ HALF = re.compile(r"_(vis|tac)$", re.IGNORECASE)
 LAYOUT = "<domain>/<class>/<name>_vis.png beside <name>_tac.png"
 
 
+class Place(NamedTuple):
+    """What the folders above some pictures tell."""
+
+    names: tuple[str, ...] = ()  # of domain, class and object
+    half: str = ""
+    split: str = ""
+    leading: bool = False  # the first folder is a split's or a modality's
+
+
 def recognises(source: Path) -> bool:
     """True for any folder; this reader is the last one tried."""
     return source.is_dir()
 
 
-def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
+def read(
+    source: Path, *, strict: bool = False, seed: int = 0, vis: str = "", tac: str = ""
+) -> PairSet:
     """Return the pairs of a plain folder; of photos or touches alone, each stands for both.
 
-    source  a folder with one folder for each domain
-    strict  keep the five materials only
-    seed    not used: every pair is kept
+    source    a folder with one folder for each domain
+    strict    keep the five materials only
+    seed      not used: every pair is kept
+    vis, tac  names of the folders of photos and of touches; "": vis and tac, or two folders side
+              by side whose words tell, such as rgb and gelsight
 
     Of the folders below `source`, the first names the domain, the second the class in lower case,
     the others the object, which no split divides. Missing ones give the name of `source`,
-    "unlabelled" and no object; folders vis and tac do not count. A single image without its
-    partner, and a duplicate, is skipped and listed.
-    Raises DataError without pairs, or for two classes or domains of the same name.
+    "unlabelled" and no object. Folders of photos and touches do not count, nor do train, val and
+    test, which are splits; below one of these, a single folder names the class.
+    A single image without its partner, and a duplicate, is left out and listed.
+    Raises DataError without pairs, for two classes or domains of the same name, and for a split
+    beside a domain.
     """
-    pictures, skipped = _walked(source)
-    alone = len({half for halves in pictures.values() for half in halves}) == 1
+    pictures, skipped = _walked(source, {vis.casefold(): "vis", tac.casefold(): "tac"})
+    alone = {half for halves in pictures.values() for half in halves}
+    one = alone.pop() if len(alone) == 1 else ""
     pairs = []
-    for (*parts, name), halves in pictures.items():
-        material = class_key(parts[1]) if len(parts) > 1 else NO_CLASS
-        if why := _why_not(halves, material, alone=alone, strict=strict):
-            skipped.append(Skipped(what=show("/".join((*parts, name))), why=why))
+    for (place, name), halves in pictures.items():
+        domain, group, *things = (
+            *[""] * (place.leading and len(place.names) == 1),
+            *place.names,
+            "",
+            "",
+        )
+        material = class_key(group) or NO_CLASS
+        if why := _why_not(halves, material, alone=bool(one), strict=strict):
+            what = "/".join(filter(None, (place.split, *place.names, name)))
+            skipped.append(Skipped(what=show(what), why=why))
             continue
         first, last = min(halves), max(halves)  # of both "tac" and "vis", of one the same
+        thing = "/".join(filter(None, things))
         pairs.append(
             Pair(
                 vis=halves[last][0],
                 tac=halves[first][0],
-                domain=parts[0] if parts else source.resolve().name or "pictures",
+                domain=domain or set_name(source.resolve()),
                 material=material,
-                object=f"{material}/{'/'.join(parts[2:])}" if len(parts) > 2 else "",
+                object=f"{material}/{thing}" if thing else "",
+                split=place.split,
+                alone=one,
             )
         )
     if not pairs:
@@ -66,14 +94,14 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     return PairSet(
         pairs=tuple(pairs),
         skipped=tuple(skipped),
-        origin=f"folder '{source.name or source}'" + (", one picture of each pair" * alone),
+        origin=f"folder '{source.name or source}'" + (", one picture of each pair" * bool(one)),
     )
 
 
-Pictures = dict[tuple[str, ...], dict[str, list[Path]]]  # by folders and name, and modality
+Pictures = dict[tuple[Place, str], dict[str, list[Path]]]  # by place and name, and modality
 
 
-def _walked(root: Path) -> tuple[Pictures, list[Skipped]]:
+def _walked(root: Path, named: dict[str, str]) -> tuple[Pictures, list[Skipped]]:
     """Return the pictures in a folder and in those below it, and what was skipped."""
     pictures: Pictures = defaultdict(dict)
     skipped: list[Skipped] = []
@@ -82,21 +110,26 @@ def _walked(root: Path) -> tuple[Pictures, list[Skipped]]:
     def skip(path: Path, why: str) -> None:
         skipped.append(Skipped(what=show(path.relative_to(root)), why=why))
 
-    def enter(folder: Path, *parts: str) -> None:
-        """Read a folder; `parts` are its domain, class and object."""
+    def enter(folder: Path, place: Place) -> None:
         for entry in visible(folder):
             path = folder / entry.name
-            half = modality_of(path)
+            half = place.half or modality_of(path)
             if path.is_dir() or path.name == REST or not (half or is_image_name(path.name)):
                 continue
             if why := _no_picture(path, half):
                 skip(path, why)
             else:
-                halves = pictures[(*parts, HALF.sub("", path.stem))]
-                halves.setdefault(half, []).append(path)
+                name = composed(HALF.sub("", path.stem))
+                pictures[place._replace(half=""), name].setdefault(half, []).append(path)
         inner = folders_in(folder)
-        if len(parts) < 2:
-            _require_names(inner, ("domains", "classes")[len(parts)])
+        halves = _halves(inner, named)
+        others = [child for child in inner if child.name not in halves]
+        splits = _splits(others, top=not place.names)
+        if len(place.names) < 2:
+            _require_names(
+                [child for child in others if child.name not in splits],
+                ("domains", "classes")[len(place.names)],
+            )
         for child in inner:
             real = os.path.realpath(child)
             if real in seen or Path(os.path.realpath(root)).is_relative_to(real):
@@ -105,11 +138,51 @@ def _walked(root: Path) -> tuple[Pictures, list[Skipped]]:
                 skip(child, "may not be opened: its permissions forbid it")
             else:
                 seen.add(real)
-                name = child.name.strip()
-                enter(child, *parts, *(() if name.lower() in IMAGES else (name,)))
+                name, leading = child.name, place.leading or not place.names
+                if name in halves:
+                    enter(child, place._replace(half=halves[name], leading=leading))
+                elif name in splits:
+                    enter(child, place._replace(split=splits[name], leading=leading))
+                else:
+                    enter(child, place._replace(names=(*place.names, composed(name.strip()))))
 
-    enter(root)
+    enter(root, Place())
     return pictures, skipped
+
+
+def _halves(folders: list[Path], named: dict[str, str]) -> dict[str, str]:
+    """Return the modality of each folder that holds one: those named, those called vis and tac,
+    and two side by side whose words tell.
+    """
+    known = named if any(named) else dict(zip(IMAGES, IMAGES, strict=True))
+    found = {f.name: known[low] for f in folders if (low := f.name.strip().casefold()) in known}
+    words = halves_among(folder.name for folder in folders)
+    if not found and not any(named) and len(words["vis"]) == len(words["tac"]) == 1:
+        found = {words[half][0]: half for half in IMAGES}
+    return found
+
+
+def _splits(folders: list[Path], *, top: bool) -> dict[str, str]:
+    """Return the split of each folder that is one's; a class may be called "train" beside others.
+
+    Raises DataError if a split lies beside domains.
+    """
+    found = {folder.name: split for folder in folders if (split := split_of(folder.name))}
+    others = [folder for folder in folders if folder.name not in found]
+    if not found or not any(map(_has_pictures, others)):
+        return found
+    if not top:
+        return {}
+    raise DataError(
+        f"Is '{show(next(iter(found)))}' beside '{show(others[0].name)}' a split or a domain? Put"
+        f" the pairs of a split into folders train, val and test alone, or rename the domain."
+    )
+
+
+def _has_pictures(folder: Path) -> bool:
+    return any(is_image_name(entry.name) for entry in visible(folder)) or any(
+        map(_has_pictures, (child for child in folders_in(folder) if not child.is_symlink()))
+    )
 
 
 def _no_picture(path: Path, half: str) -> str:
@@ -148,12 +221,17 @@ def _require_names(folders: list[Path], kind: str) -> None:
 
 
 def _no_pairs(source: Path, skipped: list[Skipped]) -> str:
-    if any((source / name).is_file() for name in ("meta/info.json", "videos.csv")):
+    from omnivat.data.recordings import is_recording
+
+    if is_recording(source):
         return (
             f"'{show(source)}' holds recordings; make pairs of them first: `python -m omnivat"
             f" import {show(source)} --out PAIRS`."
         )
-    message = f"No pairs in '{show(source)}'; expected {LAYOUT}."
+    message = (
+        f"No pairs in '{show(source)}'; expected {LAYOUT}, or folders of photos and of touches,"
+        " named with --vis and --tac."
+    )
     if skipped:
         message += f" {len(skipped)} skipped, such as '{skipped[0].what}': {skipped[0].why}."
     return message

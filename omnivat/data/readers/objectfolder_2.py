@@ -14,7 +14,14 @@ from random import Random
 
 from omnivat.data.materials import class_key, ruled, rules
 from omnivat.data.pairs import Pair, PairSet, Tally
-from omnivat.data.readers.files import folders_in, frames_in, is_file, number_of, read_cells, show
+from omnivat.data.readers.files import (
+    folders_in,
+    frames_in,
+    is_file,
+    number_of,
+    numbered_rows,
+    show,
+)
 from omnivat.kit.errors import DataError
 from omnivat.kit.schema import read_object
 from omnivat.kit.seeding import derive_seed
@@ -88,7 +95,7 @@ def _materials(table: Path) -> dict[int, str]:
             f"No table of objects at '{show(table)}'. The release does not name the materials: "
             "copy objects.csv of the ObjectFolder repository there."
         )
-    rows = read_cells(table)
+    rows = numbered_rows(table).values()
     return {int(row[0]): class_key(row[3]) for row in rows if len(row) > 3 and row[0].isdecimal()}
 
 

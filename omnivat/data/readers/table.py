@@ -1,52 +1,63 @@
-"""A CSV of pairs: one row for each pair, columns vis and tac (one of the two is enough), and
+"""A table of pairs: one row for each pair, columns vis and tac (one of the two is enough), and
 optional ones.
 """
 
 import os
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
+from omnivat.data.naming import COLUMNS, SPLITS, found_file, half_of, set_name, split_of
 from omnivat.data.pairs import TEXTS, Pair, PairSet, Skipped
-from omnivat.data.readers.files import is_file, modality_of, read_rows, show
+from omnivat.data.readers.files import TABLES, is_file, read_rows, show
 from omnivat.kit.errors import DataError
+from omnivat.kit.stages import IMAGES
 from omnivat.kit.tables import suggestion
 
-NEEDED = ("vis", "tac", "domain", "material")  # in each row, but a table may lack some of them
-OTHER = {"vis": "tac", "tac": "vis"}  # one that is absent: the same picture stands for both
-SPLITS = ("train", "val", "test")
+OTHER = {"vis": "tac", "tac": "vis"}
+RARE = 0.1  # share of rows without a picture up to which they are left out
 Row = dict[str, str]
 
 
 def recognises(source: Path) -> bool:
-    """True for a CSV, or for a folder with a pairs.csv."""
-    return source.suffix.lower() == ".csv" if is_file(source) else is_file(source / "pairs.csv")
+    """True for a table, or for a folder with a pairs.csv."""
+    return source.suffix.lower() in TABLES if is_file(source) else is_file(source / "pairs.csv")
 
 
-def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
-    """Return the pairs of a CSV in UTF-8, separated by commas, with names in its first row.
+def read(
+    source: Path, *, strict: bool = False, seed: int = 0, vis: str = "", tac: str = ""
+) -> PairSet:
+    """Return the pairs of a table in UTF-8, with commas, semicolons or tabs, or of an .xlsx, with
+    names in its first row.
 
-    source  the file, or a folder with `pairs.csv`; its paths are relative to its folder
-    strict  keep the five materials only
-    seed    not used: every pair is kept
+    source    the file, or a folder with `pairs.csv`; its paths are relative to its folder
+    strict    keep the five materials only
+    seed      not used: every pair is kept
+    vis, tac  names of the columns of photos and touches; "": found by their words
 
-    Without domains, the table's folder names it; without material (or class, or label)
-    there are no classes; of vis or tac alone, each picture stands for both. A row without an image
-    or a name, or a repeated row, is skipped and listed. Raises DataError for another kind of file,
-    an unknown split, the same images under two names, or no pairs.
+    Without domains, the table's folder names it; without material (or class, or label) there are
+    no classes. Where more than a tenth of the rows have one picture alone, it stands for both, and
+    the set has the modality that every row has; fewer such rows are left out. A row without an
+    image or a name, or a repeated row, is left out and listed.
+    Raises DataError for another kind of file, an unknown split, the same images under two names, or
+    no pairs.
     """
     file = source / "pairs.csv" if source.is_dir() else source
     pairs: list[Pair] = []
     skipped: list[Skipped] = []
     first: dict[tuple[str, str], tuple[int, Pair]] = {}  # the two files -> row of first appearance
-    for number, row in _rows(file).items():
+    rows = _rows(file, {"vis": vis, "tac": tac})
+    alone = _stands_for_both(list(rows.values()))
+    for number, row in rows.items():
         texts: dict[str, Any] = {name: class_key(row.get(name, "")) for name in TEXTS}
         pair = Pair(
-            vis=_path(file.parent, row["vis"]),
-            tac=_path(file.parent, row["tac"]),
+            vis=found_file(file.parent, row["vis"] or row["tac"]),
+            tac=found_file(file.parent, row["tac"] or row["vis"]),
             domain=row["domain"],
             material=class_key(row["material"]),
-            **texts | {"object": row.get("object", "")},
+            alone=alone if not all(row[half] for half in IMAGES) else "",
+            **texts | {"object": row.get("object", ""), "split": split_of(texts["split"])},
         )
         why = _why_not(file, number, row, pair, strict)
         if not why:
@@ -73,53 +84,61 @@ def read(source: Path, *, strict: bool = False, seed: int = 0) -> PairSet:
     return PairSet(pairs=tuple(pairs), skipped=tuple(skipped), origin=f"table '{file.name}'")
 
 
-def _rows(file: Path) -> dict[int, Row]:
-    """Return the rows by their lines, with what the table leaves to be known."""
+def _rows(file: Path, named: dict[str, str]) -> dict[int, Row]:
+    """Return the rows by their lines, with the project's names of columns and the domain and
+    class that the table leaves out.
+    """
     rows = read_rows(file)
-    filled = {name for row in rows.values() for name, cell in row.items() if cell}
-    if "material" not in filled and (other := filled & {"class", "label"}):
-        (material, *_), filled = sorted(other), filled | {"material"}
-        rows = {line: row | {"material": row[material]} for line, row in rows.items()}
-    others = filled - {*NEEDED, *TEXTS}
-    absent = [name for name in NEEDED if name not in filled]
-    for name in absent if rows else ():
-        meant = suggestion(name, others)
-        if meant or not OTHER.keys() & filled:
+    filled = dict.fromkeys(name for row in rows.values() for name, cell in row.items() if cell)
+    theirs = {name: [name, *others] for name, others in COLUMNS.items()}
+    for half in IMAGES:
+        by_word = [name for name in filled if half_of(name) == half]
+        theirs[half] = [named[half]] if named[half] else [half] * (half in filled) or by_word
+        if len(theirs[half]) > 1:
             raise DataError(
-                f"'{show(file)}' has no column '{name}'; its first row has"
-                f" {show(', '.join(next(iter(rows.values()))))}, expected vis and tac, and perhaps"
-                f" domain, material, {', '.join(TEXTS)}, separated by commas.{meant}"
+                f"'{show(file)}' has the columns {show(', '.join(theirs[half]))}; name one with"
+                f" --{half} COLUMN."
             )
-    known = {"domain": file.resolve().parent.name or "pictures", "material": NO_CLASS}
-    for row in rows.values():
-        for name in absent:
-            row[name] = known[name] if name in known else row[OTHER[name]]
-        row["alone"] = next((OTHER[name] for name in absent if name in OTHER), "")
-    return rows
+    found = {ours: [name for name in names if name in filled] for ours, names in theirs.items()}
+    for name in ("domain", "material", *IMAGES) if rows else ():
+        meant = suggestion(named.get(name) or name, {*filled} - {*found, *TEXTS})
+        lost = name in IMAGES and (named[name] or not any(found[half] for half in IMAGES))
+        if not found[name] and (meant or lost):
+            raise DataError(
+                f"'{show(file)}' has no column '{named.get(name) or name}'; its first row has"
+                f" {show(', '.join(next(iter(rows.values()))))}, expected vis and tac, and perhaps"
+                f" domain, material, {', '.join(TEXTS)}.{meant}"
+            )
+    absent = {"domain": set_name(file.resolve().parent), "material": NO_CLASS, "object": ""}
+    return {
+        line: row
+        | {name: row[there[0]] if there else absent.get(name, "") for name, there in found.items()}
+        for line, row in rows.items()
+    }
+
+
+def _stands_for_both(rows: list[Row]) -> str:
+    """Return the half that stands for both in rows without the other, or "" if such rows are
+    left out.
+    """
+    alone = Counter(half for row in rows for half in IMAGES if row[half] and not row[OTHER[half]])
+    ((half, _),) = alone.most_common(1) or (("", 0),)
+    return half if alone.total() > RARE * len(rows) else ""
 
 
 def _why_not(file: Path, number: int, row: Row, pair: Pair, strict: bool) -> str:
     """Return why a row gives no pair, or ""."""
-    for name in NEEDED:
-        if not row[name]:
+    for name in ("domain", "material", *IMAGES):
+        if not row[name] and name != OTHER.get(pair.alone):
             return f"'{name}' is empty"
     if strict and pair.material not in MATERIALS:
         return f"strict: not one of {', '.join(MATERIALS)}"
-    for name in OTHER:
+    for name in IMAGES:
         if not is_file(getattr(pair, name)):
             return f"the {name} image is not there"
-    touch = modality_of(pair.tac) == "tac"
-    if row["alone"] and touch != (row["alone"] == "tac"):
-        return "a picture alone, whose name tells a touch: NAME_tac.png, or in a folder tac"
-    if pair.split and pair.split not in SPLITS:
+    if row.get("split") and not pair.split:
         raise DataError(
             f"'{show(file)}', row {number}: there is no split '{show(row['split'])}'; "
-            f"expected {', '.join(SPLITS)} or nothing.{suggestion(pair.split, SPLITS)}"
+            f"expected {', '.join(SPLITS)} or nothing.{suggestion(row['split'], SPLITS)}"
         )
     return ""
-
-
-def _path(folder: Path, cell: str) -> Path:
-    """Return the path in a cell; backslashes work, too."""
-    path = folder / cell
-    return path if is_file(path) else folder / cell.replace("\\", "/")

@@ -15,7 +15,7 @@ from random import Random
 
 from omnivat.data.materials import MATERIALS, class_key, ruled, rules_in_text
 from omnivat.data.pairs import Pair, PairSet, Tally
-from omnivat.data.readers.files import frames_in, is_file, read_cells, read_names, show
+from omnivat.data.readers.files import frames_in, is_file, numbered_rows, read_names, show
 from omnivat.data.splits import split_by_object
 from omnivat.data.tac3d import draw_all
 from omnivat.kit.errors import DataError
@@ -110,7 +110,7 @@ def _contacts(source: Path, strict: bool, left_out: Tally) -> Iterator[Contact]:
         if not is_file(file):
             left_out.add(f"{part} part", f"no {file.name}")
             continue
-        for cells in read_cells(file):
+        for cells in numbered_rows(file).values():
             item = RENAMED.get(cells[0], cells[0])
             folder = source / f"data_{part}" / item
             material, why = material_of(item, " ".join(cells[7:]), overrides, strict=strict)

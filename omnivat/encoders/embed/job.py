@@ -190,6 +190,7 @@ def merge(
         simulated=source.simulated,
         origin=source.origin,
         tac_rest=rests,
+        modalities=found.modalities(),
     )
     kind, shape = vector_type(dtype), (len(found.pairs), encoder.width)
     vectors = {

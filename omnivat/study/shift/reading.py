@@ -13,7 +13,6 @@ from torch import Tensor
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.foreign import import_embeddings, read_columns
 from omnivat.data.materials import NO_CLASS
-from omnivat.data.readers.files import modalities_of
 from omnivat.data.store import load_embeddings
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
@@ -121,7 +120,7 @@ def features_of(
     """
     return Features(
         embeddings=data.sampled(MOST, seed=seed),
-        modalities=modalities or modalities_of(data.rows["vis"], data.rows["tac"]),
+        modalities=modalities or data.header.modalities,
         labelled=labelled and len(np.unique(data.label)) > 1,
         drawn_of=len(data),
     )

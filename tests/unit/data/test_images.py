@@ -1,9 +1,12 @@
 """All kinds of image files: read correctly, or refused in one sentence."""
 
+import re
 import struct
+import sys
 import zlib
 from contextlib import suppress
 from io import BytesIO
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +21,7 @@ from omnivat.data.images import (
     read_image,
     upright,
 )
+from omnivat.data.naming import COMMON, FORMATS, is_image_name
 from omnivat.kit.errors import DataError
 
 RANDOM = np.random.default_rng(7)
@@ -49,10 +53,40 @@ def refusal(source, name="touch.png"):
 LOSSLESS = {"WEBP": {"lossless": True}, "JPEG2000": {"irreversible": False}}
 
 
-@pytest.mark.parametrize("kind", ["PNG", "BMP", "TIFF", "PPM", "QOI", *LOSSLESS])
-def test_the_same_pixels_come_out_of_every_lossless_file(kind):
-    options = LOSSLESS.get(kind, {})
-    assert np.array_equal(values(encoded(Image.fromarray(RGB), kind, **options)), RGB)
+@pytest.mark.parametrize("kind", ["PNG", "BMP", "TIFF", "PPM", "QOI", "TGA", "DIB", *LOSSLESS])
+def test_the_same_pixels_come_out_of_every_lossless_file(kind, tmp_path):
+    file = tmp_path / f"a.{FORMATS[kind].split()[0]}"
+    file.write_bytes(encoded(Image.fromarray(RGB), kind, **LOSSLESS.get(kind, {})))
+    assert np.array_equal(values(file), RGB)
+
+
+def test_documents_listing_page_and_decoder_share_one_table_of_formats(tmp_path):
+    suffixes = [suffix for all in FORMATS.values() for suffix in all.split()]
+    root = Path(__file__).parents[3]
+    listed = re.search(r"vis\.png +([a-z0-9 ]+), upper", (root / "docs/data.md").read_text("utf-8"))
+    assert listed and listed[1].split() == suffixes
+    script = (root / "app/web/pair/pairing.js").read_text("utf-8")
+    common = [suffix for all in COMMON.values() for suffix in all.split()]
+    assert re.search(r"PICTURE = /\\\.\((.*)\)\$/i", script)[1].split("|") == common
+    for kind, all in FORMATS.items():
+        if kind == "HEIF":
+            continue
+        for suffix in all.split():
+            file = tmp_path / f"a.{suffix}"
+            file.write_bytes(encoded(Image.fromarray(RGB), kind))
+            assert is_image_name(file.name) and read_image(file).size == (32, 24), suffix
+
+
+def test_heic_is_read_where_its_decoder_is_installed_and_else_explained(tmp_path, monkeypatch):
+    content = b"\0\0\0\x18ftypheic\0\0\0\0mif1heic"
+    with monkeypatch.context() as patch:
+        patch.setitem(sys.modules, "pillow_heif", None)
+        assert "install pillow-heif, or save it as JPEG" in refusal(content, "a.heic")
+    heif = pytest.importorskip("pillow_heif")
+    heif.from_pillow(Image.fromarray(np.full((48, 64, 3), (200, 40, 40), np.uint8))).save(
+        tmp_path / "a.heic"
+    )
+    assert np.allclose(values(tmp_path / "a.heic"), (200, 40, 40), atol=8)
 
 
 @pytest.mark.parametrize("kind", ["PNG", "TIFF"])
@@ -60,6 +94,36 @@ def test_sixteen_bits_of_grey_keep_their_upper_eight(kind):
     wide = GREY.astype(np.uint16) * 256 + 77
     read = values(encoded(Image.fromarray(wide), kind))
     assert np.array_equal(read, np.repeat(GREY[..., None], 3, axis=2))
+
+
+@pytest.mark.parametrize("low", [300, 30_000])
+def test_a_deep_picture_that_would_lose_its_contrast_is_stretched_or_refused(low):
+    ramp = np.linspace(low, low + 400, 64 * 64).reshape(64, 64)
+    deep = ramp.astype(np.uint16)
+    deep[0, 0] = 0  # a hole of a depth camera: under a hundredth of the pixels
+    read = values(encoded(Image.fromarray(deep), "TIFF"))[..., 0]
+    assert read.min() == 0 and read.max() == 255 and len(np.unique(read)) > 200
+    unit = values(encoded(Image.fromarray((ramp / 65535).astype(np.float32)), "TIFF"))[..., 0]
+    assert np.abs(unit.astype(int) - read)[1:].max() <= 1
+    body = b"".join(b"\0" + row.tobytes() for row in np.repeat(deep, 3, 1).astype(">u2"))
+    assert "16-bit colour, of which 8 bits keep" in refusal(png((64, 64), 2, 16, body))
+
+
+def tiff(numbers, bits):
+    """Return a little-endian TIFF of grey floats, which Pillow does not write in 64 bits."""
+    body = numbers.tobytes()
+    high, wide = numbers.shape
+    tags = {256: wide, 257: high, 258: bits, 259: 1, 262: 1, 273: 8, 277: 1, 278: high}
+    tags |= {279: len(body), 339: 3}
+    table = b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in tags.items())
+    head = b"II*\0" + struct.pack("<I", 8 + len(body))
+    return head + body + struct.pack("<H", len(tags)) + table + b"\0" * 4
+
+
+def test_a_tiff_of_64_bit_floats_is_read_and_one_of_another_type_is_named():
+    unit = (GREY / 255).astype("<f8")
+    assert np.array_equal(values(tiff(unit, 64))[..., 0], GREY)
+    assert "numbers of a type that is not read" in refusal(tiff(unit.astype("<f2"), 16))
 
 
 def png(size, mode, depth, body):

@@ -15,8 +15,8 @@ def pair(material, domain="TAG", **names):
 FOUND = PairSet(
     pairs=(
         pair("felt", split="train"),
-        pair("wood", split="train"),
-        pair("wood", split="test"),
+        pair("wood", split="train", object="chair"),
+        pair("wood", split="test", object="chair"),
         pair("glass", domain="TQ-DIGIT", part="indoor"),
     ),
     skipped=(
@@ -31,10 +31,11 @@ FOUND = PairSet(
 def test_the_summary_names_every_column_and_counts_every_pair():
     assert summary_table(FOUND).split("\n") == [
         "4 pairs from a test",
-        "domain    part    split  wood  glass  felt  pairs",
-        "TAG       -       train  1     0      1     2",
-        "TAG       -       test   1     0      0     1",
-        "TQ-DIGIT  indoor  -      0     1      0     1",
+        "domain    part    split  wood  glass  felt  pairs  objects",
+        "TAG       -       train  1     0      1     2      2",
+        "TAG       -       test   1     0      0     1      1",
+        "TQ-DIGIT  indoor  -      0     1      0     1      1",
+        "objects in more than one split: 1, such as 'chair'",
         "",
         "skipped  why       for example",
         "1203     no half   a; b; c; and 1 more",

@@ -7,7 +7,7 @@ import pytest
 import torch
 from PIL import Image
 
-from omnivat.data.readers.files import modality_of
+from omnivat.data.naming import modality_of
 from omnivat.data.rest import RESTED
 from omnivat.encoders.wrapping import TorchEncoder
 from omnivat.head.profile_pictures import pictures_in, profile_of_pictures

@@ -72,6 +72,41 @@ def test_folders_name_what_they_can_and_pictures_alone_stand_for_both(tree, file
     assert found.origin == f"folder '{root.name}'{ending}" and not found.skipped
 
 
+@pytest.mark.parametrize(
+    ("files", "pairs"),
+    [
+        (["train/wood/a_*.png", "Test/wood/a_*.png"], [("", "train"), ("", "test")]),
+        (["val_set/D/wood/a_*.png"], [("D", "val")]),
+        (["D/valid/wood/a_*.png", "D/train/wood/a_*.png"], [("D", "train"), ("D", "val")]),
+        (["D/wood/train/a_*.png"], [("D", "train")]),
+        (["train/wood/a_*.png", "notes/read.me"], [("", "train")]),
+    ],
+)
+def test_folders_called_after_a_split_are_splits_and_never_domains(tree, files, pairs):
+    root = tree(*files)
+    found = read(root)
+    assert {(p.domain, p.split, p.material) for p in found.pairs} == {
+        (domain or root.name, split, "wood") for domain, split in pairs
+    }
+
+
+def test_a_split_beside_a_domain_is_a_question_and_a_class_called_train_is_a_class(tree):
+    assert read(tree("D/wood/a_*.png", "D/train/a_*.png")).materials() == ("wood", "train")
+    with pytest.raises(DataError, match="Is 'test' beside 'D' a split or a domain"):
+        read(tree("test/wood/a_*.png"))
+
+
+@pytest.mark.parametrize("where", ["{}/a.png", "{}/wood/a.png", "D/wood/{}/a.png"])
+def test_photos_and_touches_are_paired_from_folders_whose_words_tell_or_that_are_named(tree, where):
+    root = tree(where.format("rgb"), where.format("gelsight_mini"))
+    (pair,) = read(root).pairs
+    assert ("rgb" in pair.vis.parts, "gelsight_mini" in pair.tac.parts) == (True, True)
+    assert pair.material == ("wood" if "wood" in where else NO_CLASS)
+    tree(where.format("left"))
+    (other,) = read_pairs(root, vis="RGB", tac="left").pairs
+    assert other.vis == pair.vis and "left" in other.tac.parts
+
+
 @pytest.mark.parametrize("other", ["wood", "WOOD", "Wood ", "Ｗｏｏｄ"])
 def test_two_classes_of_one_name_are_refused_with_both_folders(tree, other):
     root = tree("D/Wood/a_*.png", f"D/{other}/b_*.png")

@@ -30,7 +30,7 @@ def test_an_unknown_reader_gets_a_suggestion(tmp_path):
     ("reader", "option", "message"),
     [
         ("touch_and_go", "by_folders", "no option 'by_folders'.*Did you mean 'by_folder'"),
-        ("folder", "camera", "'folder' has no option 'camera'; it has none"),
+        ("folder", "camera", "'folder' has no option 'camera'; it has vis, tac"),
     ],
 )
 def test_an_unknown_option_is_refused_with_those_there_are(tmp_path, reader, option, message):

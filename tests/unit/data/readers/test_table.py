@@ -1,5 +1,7 @@
 """A CSV of pairs: what is read, what is skipped, what is refused."""
 
+import unicodedata
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -47,6 +49,39 @@ def test_a_row_gives_a_pair_with_all_that_is_known(table, tmp_path):
     assert found.origin == "table 'pairs.csv'"
 
 
+@pytest.mark.parametrize(("alone", "pairs", "there"), [(1, 19, ("vis", "tac")), (5, 20, ("tac",))])
+def test_rows_without_a_photo_are_left_out_if_few_and_make_a_set_of_touches_if_many(
+    table, tree, reasons, alone, pairs, there
+):
+    tree(*(f"t{k}.png" for k in range(20)))
+    rows = [f"{'' if k < alone else 'v.png'},t{k}.png,rig,wood,mug,test" for k in range(20)]
+    found = read_pairs(table(f"{HEADER},object,split\n" + "\n".join(rows)))
+    assert (len(found.pairs), found.modalities()) == (pairs, there)
+    assert {(p.domain, p.object, p.split) for p in found.pairs} == {("rig", "mug", "test")}
+    assert reasons(found) == {f"row {k + 2}": "'vis' is empty" for k in range(20 - pairs)}
+
+
+@pytest.mark.parametrize("form", ["NFC", "NFD"])
+def test_a_name_is_found_in_any_unicode_form(tmp_path, tree, form):
+    other = {"NFC": "NFD", "NFD": "NFC"}[form]
+    tree(*(unicodedata.normalize(form, name) for name in ("béton/ü_vis.png", "béton/ü_tac.png")))
+    cells = unicodedata.normalize(other, "béton/ü_vis.png,béton\\ü_tac.png,wood,Tür")
+    (tmp_path / "pairs.csv").write_text(f"vis,tac,material,object\n{cells}", "utf-8")
+    (pair,) = read_pairs(tmp_path).pairs
+    assert pair.tac.is_file() and pair.object == unicodedata.normalize("NFC", "Tür")
+
+
+def test_a_spreadsheet_is_a_table(tmp_path, tree):
+    openpyxl = pytest.importorskip("openpyxl")
+    tree("v.png", "t.png")
+    book = openpyxl.Workbook()
+    for row in (["vis", "tac", "Sensor", "Class", "item"], ["v.png", "t.png", "rig", "Wood", 7]):
+        book.active.append(row)
+    book.save(tmp_path / "pairs.xlsx")
+    (pair,) = read_pairs(tmp_path / "pairs.xlsx").pairs
+    assert (pair.domain, pair.material, pair.object) == ("rig", "wood", "7")
+
+
 def test_a_byte_order_mark_and_windows_line_ends_are_accepted(table):
     assert len(read_pairs(table(f"{HEADER}\r\nv.png,t.png,D,wood\r\n", "utf-8-sig")).pairs) == 1
 
@@ -56,20 +91,26 @@ def test_a_byte_order_mark_and_windows_line_ends_are_accepted(table):
     [
         ("vis\nv.png\n", "v.png", "v.png"),
         ("vis,label\nv.png, Unlabelled\n", "v.png", "v.png"),
-        ("tac\nt_tac.png\n", "t_tac.png", "t_tac.png"),
+        ("tac\nt.png\n", "t.png", "t.png"),  # the column tells the modality, not the name
         ("vis,tac\nv.png,t_tac.png\n", "v.png", "t_tac.png"),
+        ("Photo;Tactile image\nv.png;t.png\n", "v.png", "t.png"),
+        ("sep=;\nvis;tac\nv.png;t.png\n", "v.png", "t.png"),
+        ("vis\ttac\nV.PNG\tt.png\n", "v.png", "t.png"),
     ],
 )
 def test_of_one_row_a_picture_alone_stands_for_both(table, tmp_path, text, vis, tac):
-    (pair,) = read_pairs(table(text)).pairs
+    found = read_pairs(table(text))
+    (pair,) = found.pairs
     assert (pair.vis, pair.tac) == (tmp_path / vis, tmp_path / tac)
+    both = ("vis", "tac") if vis != tac else ("vis" if vis == "v.png" else "tac",)
+    assert found.modalities() == both
     assert (pair.domain, pair.material) == (tmp_path.name, NO_CLASS)
 
 
 @pytest.mark.parametrize(
     ("row", "why"),
     [
-        ("v.png,,TAG,wood", "'tac' is empty"),
+        (",,TAG,wood", "'vis' is empty"),
         ("v.png,t.png", "'domain' is empty"),
         ("nowhere.png,t.png,TAG,wood", "the vis image is not there"),
         ("v.png," + "t" * 300 + ".png,TAG,wood", "the tac image is not there"),
@@ -98,12 +139,10 @@ def test_strict_leaves_out_classes_beyond_the_five(table, reasons):
     ("text", "message"),
     [
         ("", "none of its 0 rows"),
-        ("vis\nt_tac.png\n", "a picture alone, whose name tells a touch"),
-        ("tac\nt.png\n", "NAME_tac.png, or in a folder tac"),
+        ("vis,touch_a,touch_b\nv.png,t.png,t.png", "touch_a, touch_b; name one with --tac COLUMN"),
         (f"{HEADER}\nx,y,D,wood\n", "The first reason, row 2: the vis image is not there"),
         ("vis,tac,domain,materials\nv.png,t.png,D,wood", "no column 'material'.*mean 'materials'"),
         ("v.png,t.png,TAG,wood\na,b,c,d", "no column 'vis'; its first row has v.png, t.png"),
-        ("vis;tac\nv.png;t.png\n", "first row has vis;tac, expected .* separated by commas"),
         (f'{HEADER}\n"v.png,t.png,TAG,wood\n', "quotation mark that is not closed"),
         (f"{HEADER}\nv.png,t.png,TAG,wood,more\n", "more cells in line 2 than in its first row"),
         (f"{HEADER},split\nv.png,t.png,TAG,wood,tset\n", "no split 'tset'.*mean 'test'"),

@@ -1,0 +1,156 @@
+"""What names tell: formats of picture files, photo or touch, splits, and which names are equal.
+
+The rules of every reader, of recordings and of foreign files; documents and the page follow them.
+"""
+
+import os
+import re
+import unicodedata
+from collections.abc import Iterable, Mapping
+from functools import lru_cache
+from itertools import pairwise
+from pathlib import Path
+
+from omnivat.kit.stages import IMAGES
+
+COMMON = {  # formats that visitors of the page may send -> suffixes of their files
+    "PNG": "png apng",
+    "JPEG": "jpg jpeg jpe jfif",
+    "WEBP": "webp",
+    "GIF": "gif",
+    "BMP": "bmp",
+    "TIFF": "tif tiff",
+}
+FORMATS = COMMON | {
+    "PPM": "ppm pgm pnm",
+    "QOI": "qoi",
+    "JPEG2000": "jp2 j2k",
+    "HEIF": "heic heif",
+    "AVIF": "avif",
+    "DIB": "dib",
+    "TGA": "tga",  # last: nothing in its content tells this format
+}
+SUFFIXES = {f".{suffix}": kind for kind, all in FORMATS.items() for suffix in all.split()}
+VIDEOS = (".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg")
+HALVES = {
+    "vis": "vis vision visual photo photos rgb color colour",
+    "tac": "tac tact tacto tactile touch touches gelsight gelslim digit duragel dtact tactip",
+    "?": "gel gels finger fingers fingertip fingertips elastomer",  # a touch, or a camera there
+}
+COLUMNS = {  # of tables and files of vectors -> other names of theirs
+    "material": ("class", "label"),
+    "domain": ("sensor",),
+    "object": ("item",),
+}
+SPLITS = {
+    "train": "train training trainset train_set",
+    "val": "val valid validation dev valset val_set validation_set",
+    "test": "test testing testset test_set",
+}
+
+
+def _by_word(table: Mapping[str, str]) -> dict[str, str]:
+    return {word: name for name, words in table.items() for word in words.split()}
+
+
+_HALF_OF, _SPLIT_OF = _by_word(HALVES), _by_word(SPLITS)
+
+
+def is_image_name(name: str) -> bool:
+    """True if a file's suffix, in any case, is that of a picture."""
+    return os.path.splitext(name)[1].lower() in SUFFIXES
+
+
+def half_of(name: str) -> str:
+    """Return "vis" or "tac" by the whole words of a name, "?" if they leave it open, or "".
+
+    >>> [half_of(name) for name in ("observation.tactile.left", "GelSight2", "wrist_rgb")]
+    ['tac', 'tac', 'vis']
+    >>> [half_of(name) for name in ("contact_cam", "angel_top", "finger_left")]
+    ['', '', '?']
+    """
+    found = set()
+    for text in re.findall(r"[^\W\d_]+", name):
+        parts = re.findall(r"[A-Z]?[^A-Z]+|[A-Z]+(?![^A-Z])", text)
+        words = [text, *parts, *map("".join, pairwise(parts))]  # Gel, Sight
+        found |= {_HALF_OF.get(word.lower(), "") for word in words}
+    return next((half for half in ("tac", "vis", "?") if half in found), "")
+
+
+def halves_among(names: Iterable[str]) -> dict[str, list[str]]:
+    """Return the names by `half_of`, those without a word under "".
+
+    >>> halves_among(["wrist", "tactile_left", "tactile_right"])
+    {'vis': [], 'tac': ['tactile_left', 'tactile_right'], '?': [], '': ['wrist']}
+    """
+    found: dict[str, list[str]] = {half: [] for half in (*HALVES, "")}
+    for name in names:
+        found[half_of(name)].append(name)
+    return found
+
+
+def modality_of(path: Path) -> str:
+    """Return "vis" or "tac" by the end of a file's stem, or else by its folder's name; "" for
+    neither.
+    """
+    stem, folder = path.stem.lower(), path.parent.name.lower()
+    ends = (half for half in IMAGES if stem == half or stem.endswith(f"_{half}"))
+    return next(ends, folder if folder in IMAGES else "")
+
+
+def split_of(name: str) -> str:
+    """Return "train", "val" or "test" for a name of one, or "".
+
+    >>> split_of("Validation"), split_of("train_set"), split_of("steel")
+    ('val', 'train', '')
+    """
+    return _SPLIT_OF.get(re.sub(r"[\s-]+", "_", name.strip().casefold()), "")
+
+
+def set_name(folder: Path) -> str:
+    """Return the name of the nearest folder, from `folder` up, that is not a split's."""
+    above = (place.name for place in (folder, *folder.parents))
+    return next((composed(name) for name in above if name and not split_of(name)), "pictures")
+
+
+def composed(name: str) -> str:
+    """Return a name with composed letters: macOS writes "é" as two characters."""
+    return unicodedata.normalize("NFC", name)
+
+
+def found_file(folder: Path, name: str) -> Path:
+    """Return the file that a table names from `folder`; backslashes, other Unicode forms and
+    letters of another case are no obstacle where one file fits. The plain path if none does.
+    """
+    plain = folder / name
+    if os.path.exists(plain):
+        return plain
+    path = folder
+    for part in Path(name.replace("\\", "/")).parts:
+        if not os.path.exists(path / part):
+            near = _listed(path).get(_same(part), ())
+            exact = [other for other in near if composed(other) == composed(part)] or near
+            if len(exact) != 1:
+                return plain
+            part = exact[0]
+        path = path / part
+    return path
+
+
+def _same(name: str) -> str:
+    return composed(name).casefold()
+
+
+def _listed(folder: Path) -> dict[str, list[str]]:
+    try:
+        return _by_same_name(folder, folder.stat().st_mtime_ns)
+    except (OSError, ValueError):
+        return {}
+
+
+@lru_cache(maxsize=16)  # a table names many files of one folder
+def _by_same_name(folder: Path, changed: int) -> dict[str, list[str]]:
+    found: dict[str, list[str]] = {}
+    for name in os.listdir(folder):
+        found.setdefault(_same(name), []).append(name)
+    return found
