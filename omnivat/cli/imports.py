@@ -6,8 +6,9 @@ material=class] python -m omnivat import LEROBOT --out PAIRS [--frames 5] [--pic
 """
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import (
     assigned,
@@ -25,6 +26,12 @@ from omnivat.cli.arguments import (
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
 
+if TYPE_CHECKING:
+    from omnivat.data.pairs import PairSet
+
+ALIGN = "photo and touch films of different length: one moment of both, or one share of each"
+LOOK = "also draw some pairs as a contact sheet, to check them"
+
 
 def add(parser: argparse.ArgumentParser) -> None:
     words = (
@@ -40,6 +47,8 @@ def add(parser: argparse.ArgumentParser) -> None:
         encoder=text("name of the vectors' encoder; recordings need none", "NAME"),
         preprocessing=text("preprocessing of the images"),
         origin=text("one line on the file's origin"),
+        align=one_of(("time", "share"), ALIGN),
+        look=path(LOOK, "FILE.png"),
         frames=count("pairs of each recording; default: 5", default=5, metavar="N"),
         pick=one_of(("even", "contact"), moments),
         vis=text("LeRobot: camera of the photos", "CAMERA"),
@@ -90,21 +99,36 @@ def run(options: argparse.Namespace) -> None:
 
 def _recordings(options: argparse.Namespace) -> None:
     """Write pictures of recordings as a folder of pairs."""
+    from omnivat.data.readers import read_pairs
     from omnivat.data.recordings import clips_of, write_pairs
 
     clips = clips_of(options.file, **passed(options, "vis", "tac", "domain", "labels"))
     with progress_bar("import") as show:
-        made, skipped = write_pairs(
-            clips, options.out, **passed(options, "frames", "pick"), on_step=show
+        made = write_pairs(
+            clips, options.out, **passed(options, "frames", "pick", "align"), on_step=show
         )
-    for one in skipped[:3]:
-        print(f"left out: {one.what}: {one.why}")
-    if len(skipped) > 3:
-        print(f"left out: {len(skipped) - 3} more")
+    for cameras in made.cameras:
+        print(f"cameras: {cameras}")
+    if made.unequal:
+        how = "the time that both films last" if options.align == "time" else "shares of each film"
+        print(f"paired over {how}, which differ in length: {'; '.join(made.unequal[:5])}")
+    origin = f"'{options.file}'"
+    found = replace(read_pairs(options.out), origin=origin, skipped=tuple(made.skipped))
+    checked(found, options.look)
     print(
-        f"{made} pairs of {len(clips) - len(skipped)} recordings; next: python -m omnivat try"
-        f" {options.out}"
+        f"{made.pairs} pairs of {len(clips) - len(made.skipped)} recordings; next: python -m"
+        f" omnivat try {options.out}"
     )
+
+
+def checked(pairs: "PairSet", look: Path | None) -> None:
+    """Print what a person checks of an imported set, and draw a contact sheet."""
+    from omnivat.data.look import contact_sheet
+    from omnivat.data.pairs import summary_table
+
+    print(summary_table(pairs), flush=True)
+    if look:
+        print(f"{contact_sheet(pairs, look)} pairs are drawn in {look}")
 
 
 def foreign(options: argparse.Namespace) -> dict[str, Any]:

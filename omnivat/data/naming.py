@@ -11,7 +11,9 @@ from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
 
+from omnivat.kit.errors import DataError, printable
 from omnivat.kit.stages import IMAGES
+from omnivat.kit.tables import suggestion
 
 COMMON = {  # formats that visitors of the page may send -> suffixes of their files
     "PNG": "png apng",
@@ -105,6 +107,16 @@ def split_of(name: str) -> str:
     ('val', 'train', '')
     """
     return _SPLIT_OF.get(re.sub(r"[\s-]+", "_", name.strip().casefold()), "")
+
+
+def checked_split(name: str, what: str) -> str:
+    """Return the split of a name, "" of none; raises DataError with `what` for another name."""
+    if name and not split_of(name):
+        raise DataError(
+            f"{what}: there is no split '{printable(name[:60])}'; expected {', '.join(SPLITS)} or"
+            f" nothing.{suggestion(name.casefold(), SPLITS)}"
+        )
+    return split_of(name)
 
 
 def set_name(folder: Path) -> str:

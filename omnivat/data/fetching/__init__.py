@@ -17,7 +17,7 @@ from omnivat.data.fetching.heights import drawn, load_heights
 from omnivat.data.fetching.layouts import LAYOUTS, Box, Item
 from omnivat.data.fetching.repository import DamagedError, Repository
 from omnivat.data.images import read_image
-from omnivat.data.recordings.tracks import Track, pictures
+from omnivat.data.recordings.tracks import Film
 from omnivat.data.recordings.writing import moments, plain
 from omnivat.kit.errors import DataError, SettingsError, WriteError, first_line
 from omnivat.kit.files import (
@@ -210,8 +210,9 @@ def _write_picture(path: str, content: bytes, box: Box | None, target: Path) -> 
         film = target.with_suffix(kind)
         film.write_bytes(content)
         try:
-            track = Track(file=film)
-            next(pictures(track, moments(track, None, 1, "contact"))).save(target)
+            track = Film(file=film)
+            (moment,) = moments({"tac": track}, None, 1, "contact")["tac"]
+            next(track.pictures([moment])).save(target)
         finally:
             film.unlink()
     elif box:

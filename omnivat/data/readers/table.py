@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
-from omnivat.data.naming import COLUMNS, SPLITS, found_file, half_of, set_name, split_of
+from omnivat.data.naming import COLUMNS, checked_split, found_file, half_of, set_name
 from omnivat.data.pairs import TEXTS, Pair, PairSet, Skipped
 from omnivat.data.readers.files import TABLES, is_file, read_rows, show
 from omnivat.kit.errors import DataError
@@ -47,7 +47,7 @@ def read(
     pairs: list[Pair] = []
     skipped: list[Skipped] = []
     first: dict[tuple[str, str], tuple[int, Pair]] = {}  # the two files -> row of first appearance
-    rows = _rows(file, {"vis": vis, "tac": tac})
+    rows, columns = rows_of(file, vis=vis, tac=tac)
     alone = _stands_for_both(list(rows.values()))
     for number, row in rows.items():
         texts: dict[str, Any] = {name: class_key(row.get(name, "")) for name in TEXTS}
@@ -57,7 +57,11 @@ def read(
             domain=row["domain"],
             material=class_key(row["material"]),
             alone=alone if not all(row[half] for half in IMAGES) else "",
-            **texts | {"object": row.get("object", ""), "split": split_of(texts["split"])},
+            **texts
+            | {
+                "object": row.get("object", ""),
+                "split": checked_split(texts["split"], f"'{show(file)}', row {number}"),
+            },
         )
         why = _why_not(file, number, row, pair, strict)
         if not why:
@@ -81,13 +85,21 @@ def read(
             f"No pairs in '{show(file)}': none of its {len(skipped)} rows can be"
             f" used.{first_reason}"
         )
-    return PairSet(pairs=tuple(pairs), skipped=tuple(skipped), origin=f"table '{file.name}'")
+    origin = ", ".join(filter(None, (f"table '{file.name}'", columns)))
+    return PairSet(pairs=tuple(pairs), skipped=tuple(skipped), origin=origin)
 
 
-def _rows(file: Path, named: dict[str, str]) -> dict[int, Row]:
-    """Return the rows by their lines, with the project's names of columns and the domain and
-    class that the table leaves out.
+def rows_of(
+    file: Path, *, vis: str = "", tac: str = "", domain: str = ""
+) -> tuple[dict[int, Row], str]:
+    """Return the rows of a table of files by their lines, with the project's names of columns and
+    the domain and class that the table leaves out; and which other columns name photos and touches.
+
+    vis, tac  names of these columns; "": vis and tac, or one each whose words tell
+    domain    of all pairs if the table has none; "": the table's folder
+    Raises DataError for a table without such columns, or with several whose words tell.
     """
+    named = {"vis": vis.lower(), "tac": tac.lower()}
     rows = read_rows(file)
     filled = dict.fromkeys(name for row in rows.values() for name, cell in row.items() if cell)
     theirs = {name: [name, *others] for name, others in COLUMNS.items()}
@@ -109,12 +121,19 @@ def _rows(file: Path, named: dict[str, str]) -> dict[int, Row]:
                 f" {show(', '.join(next(iter(rows.values()))))}, expected vis and tac, and perhaps"
                 f" domain, material, {', '.join(TEXTS)}.{meant}"
             )
-    absent = {"domain": set_name(file.resolve().parent), "material": NO_CLASS, "object": ""}
-    return {
+    absent = {
+        "domain": domain or set_name(file.resolve().parent),
+        "material": NO_CLASS,
+        "object": "",
+    }
+    filled_in = {
         line: row
         | {name: row[there[0]] if there else absent.get(name, "") for name, there in found.items()}
         for line, row in rows.items()
     }
+    words = {"vis": "photos", "tac": "touches"}
+    columns = [f"{words[m]} of '{found[m][0]}'" for m in IMAGES if found[m] and found[m] != [m]]
+    return filled_in, ", ".join(columns)
 
 
 def _stands_for_both(rows: list[Row]) -> str:
@@ -136,9 +155,4 @@ def _why_not(file: Path, number: int, row: Row, pair: Pair, strict: bool) -> str
     for name in IMAGES:
         if not is_file(getattr(pair, name)):
             return f"the {name} image is not there"
-    if row.get("split") and not pair.split:
-        raise DataError(
-            f"'{show(file)}', row {number}: there is no split '{show(row['split'])}'; "
-            f"expected {', '.join(SPLITS)} or nothing.{suggestion(row['split'], SPLITS)}"
-        )
     return ""

@@ -1,15 +1,20 @@
-"""Pairs of pictures from recordings: LeRobot data sets with tactile images, and videos with a
-table of labels.
+"""Pairs of pictures from recordings: LeRobot data sets with tactile images, videos with a table of
+labels, and the recordings of tactile packages.
 """
 
-from collections.abc import Sequence
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from omnivat.data.materials import NO_CLASS, class_key
-from omnivat.data.readers.files import number_in, read_rows
+from omnivat.data.naming import VIDEOS, checked_split, found_file
+from omnivat.data.readers.files import TABLES, number_in, numbered_rows, show, visible
+from omnivat.data.readers.table import rows_of
 from omnivat.data.recordings.lerobot import INFO, LeRobot
-from omnivat.data.recordings.tracks import Clip, Track
+from omnivat.data.recordings.tactile import TACTILE, tactile_clips, tactile_track
+from omnivat.data.recordings.tracks import Clip, Film, Track
 from omnivat.data.recordings.writing import write_pairs
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.stages import IMAGES
@@ -18,18 +23,47 @@ __all__ = ["clips_of", "is_recording", "write_pairs"]
 
 TABLE = "videos.csv"  # of a folder of videos
 DAY = 86_400.0  # seconds; no recording of a contact is longer
-VIDEOS = (".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg")
+HEAD = 16_384  # bytes of a table that are searched for names of recordings
+RECORDED = (*VIDEOS, *TACTILE)
 
 
 def is_recording(source: Path) -> bool:
-    """True for a LeRobot data set, a folder with a videos.csv, or a CSV that names videos."""
+    """True for a LeRobot data set, a table of videos or a folder that holds one, and recordings of
+    tactile packages.
+    """
+    if source.suffix.lower() in TACTILE:
+        return True
     if source.is_dir():
-        return (source / INFO).is_file() or (source / TABLE).is_file()
-    if source.suffix.lower() != ".csv" or not source.is_file():
-        return False
-    with source.open(encoding="utf-8-sig", errors="replace") as lines:
-        first = [next(lines, "") for _ in range(2)][1].lower()
-    return any(ending in first for ending in VIDEOS)
+        return (source / INFO).is_file() or bool(_tactile(source)) or _table(source) is not None
+    return source.is_file() and source.suffix.lower() in TABLES and _names_recordings(source)
+
+
+def _names_recordings(table: Path) -> bool:
+    if table.suffix.lower() == ".xlsx":
+        cells = [cell for row in numbered_rows(table).values() for cell in row]
+        return any(cell.lower().endswith(RECORDED) for cell in cells)
+    with table.open("rb") as file:
+        head = file.read(HEAD).replace(b"\0", b"").lower()
+    return any(ending.encode() in head for ending in RECORDED)
+
+
+def _table(folder: Path) -> Path | None:
+    """Return the table of videos in a folder, or None without one.
+
+    Raises DataError if there are several.
+    """
+    files = [folder / entry.name for entry in visible(folder) if entry.is_file()]
+    found = [f for f in files if f.suffix.lower() in TABLES and _names_recordings(f)]
+    if (folder / TABLE).is_file():
+        return folder / TABLE
+    if len(found) > 1:
+        names = ", ".join(show(file.name) for file in found)
+        raise DataError(f"'{show(folder)}' has several tables of recordings ({names}); name one.")
+    return found[0] if found else None
+
+
+def _tactile(folder: Path) -> list[Path]:
+    return [folder / e.name for e in visible(folder) if e.name.lower().endswith(TACTILE)]
 
 
 def clips_of(
@@ -42,38 +76,43 @@ def clips_of(
 ) -> list[Clip]:
     """Return the recordings in `source`.
 
-    vis, tac  LeRobot: names of cameras; "" and () choose by name
-    domain    of all pairs; "": the name of the data set, or of the tactile camera if there are
-              several
-    labels    LeRobot: a CSV with the columns episode and material, perhaps domain, object, split
+    vis, tac  names of the cameras of LeRobot, or of the columns of a table; "" and (): by words
+    domain    of all pairs; "": the name of the data set or of the sensor, or of the tactile camera
+              if there are several
+    labels    a table with the columns episode (of LeRobot) or file, material, perhaps domain,
+              object, split
 
     Raises DataError for another layout, or if the cameras cannot be told.
     """
     if source.is_dir() and (source / INFO).is_file():
         return LeRobot(source).clips(vis, tac, domain, labels)
-    if vis or tac or labels:
-        raise SettingsError(
-            "--vis, --tac and --labels are for LeRobot; here the table has names and labels."
-        )
-    return _videos(source / TABLE if source.is_dir() else source, domain)
+    if source.suffix.lower() in TACTILE or (source.is_dir() and (files := _tactile(source))):
+        one = source.suffix.lower() in TACTILE
+        return [c for f in ([source] if one else files) for c in tactile_clips(f, domain, labels)]
+    if labels or len(tac) > 1:
+        raise SettingsError("--labels and several --tac are for LeRobot; a table has its labels.")
+    table = _table(source) if source.is_dir() else source
+    if table is None:
+        raise DataError(f"'{show(source)}' has no {TABLE}, which names recordings and labels.")
+    rows, columns = rows_of(table, vis=vis, tac="".join(tac), domain=domain)
+    return [_clip(table, number, row, domain, columns) for number, row in rows.items()]
 
 
-def _videos(file: Path, domain: str) -> list[Clip]:
-    """Return the recordings of a table: vis and tac name videos; start and end are seconds."""
-    return [
-        Clip(
-            read=partial(_filmed, file.parent, row),
-            name=f"row {number}",
-            domain=row.get("domain") or domain or file.absolute().parent.name,
-            material=class_key(row["material"]) or NO_CLASS,
-            object=row.get("object") or f"row {number}",
-            split=row.get("split", ""),
-        )
-        for number, row in read_rows(file, ("material",)).items()
-    ]
+def _clip(file: Path, number: int, row: Mapping[str, str], domain: str, columns: str) -> Clip:
+    """Return the recording of a row: vis and tac name videos; start and end are seconds."""
+    where = f"'{show(file)}', row {number}"
+    return Clip(
+        read=partial(_filmed, file.parent, row),
+        name=f"row {number}",
+        domain=row["domain"] or domain or show(file.absolute().parent.name),
+        material=class_key(row["material"]) or NO_CLASS,
+        object=row["object"] or f"row {number}",
+        split=checked_split(row.get("split", ""), where),
+        cameras=columns,
+    )
 
 
-def _filmed(folder: Path, row: dict[str, str]) -> tuple[dict[str, Track], float | None]:
+def _filmed(folder: Path, row: Mapping[str, str]) -> tuple[dict[str, Track], float | None]:
     """Return the tracks of a row, and its length in seconds; None for the video's."""
     given = [name for name in ("start", "end", "tac_delay") if row.get(name)]
     seconds = {name: number_in(row[name], -DAY, DAY, name) for name in given}
@@ -81,7 +120,12 @@ def _filmed(folder: Path, row: dict[str, str]) -> tuple[dict[str, Track], float 
     names = {half: row[half] for half in IMAGES if row.get(half)}
     if not names:
         raise DataError("It names no video; name one under vis or tac.")
-    tracks = {
-        half: Track(file=folder / name, start=start + delay[half]) for half, name in names.items()
-    }
+    tracks: dict[str, Track] = {}
+    for half, name in names.items():
+        file, begin = found_file(folder, name), start + delay[half]
+        if os.path.splitext(name)[1].lower() in TACTILE:
+            frames = tactile_track(file)
+            tracks[half] = replace(frames, times=[time - begin for time in frames.times])
+        else:
+            tracks[half] = Film(file=file, start=begin)
     return tracks, seconds["end"] - start if "end" in seconds else None

@@ -6,21 +6,20 @@ https://huggingface.co/docs/lerobot/lerobot-dataset-v3 and its predecessor descr
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from omnivat.data.materials import NO_CLASS, class_key
+from omnivat.data.naming import checked_split, halves_among, set_name
 from omnivat.data.readers.files import number_in, read_lines, read_rows, show
-from omnivat.data.recordings.tracks import Clip, Track, parquet_rows
+from omnivat.data.recordings.tracks import Clip, Film, Track, parquet_rows, stored
 from omnivat.kit.errors import DataError
 from omnivat.kit.schema import object_in, read_object
 
 INFO = Path("meta") / "info.json"
 MOST = 10**9  # episodes, frames, seconds
 PLACE = re.compile(r"{(\w+):?(0?\d{0,2}d?)}")  # in the template of a path
-TOUCH = re.compile(r"tac|touch|gel|digit|finger", re.IGNORECASE)
 
 
 class LeRobot:
@@ -71,14 +70,15 @@ class LeRobot:
                 continue
             for touch, place in zip(touches, places, strict=True):
                 task = one["task"] if len(tasks) > 1 else NO_CLASS
-                halves = {"vis": photo, "tac": touch} if photo else {"tac": touch}
+                halves = {half: name for half, name in (("vis", photo), ("tac", touch)) if name}
                 clip = Clip(
                     read=partial(self._read, one, halves),
                     name=f"episode {number} {place}".rstrip(),
-                    domain=row.get("domain") or domain or place or self.root.resolve().name,
-                    material=class_key(row.get("material") or task),
+                    domain=row.get("domain") or domain or place or set_name(self.root.resolve()),
+                    material=class_key(row.get("material") or task) or NO_CLASS,
                     object=row.get("object") or f"episode {number}",
-                    split=row.get("split", ""),
+                    split=checked_split(row.get("split", ""), f"--labels, episode {number}"),
+                    cameras=f"photo {photo or 'none'}, touch {touch or 'none'}",
                 )
                 clips.append(clip)
         if not clips:
@@ -100,17 +100,22 @@ class LeRobot:
         for name in filter(None, (vis, *tac)):
             if name not in self.cameras:
                 raise DataError(f"There is no camera '{show(name)}'; there are {show(there)}.")
-        touches = list(tac) or [
-            name for name in self.cameras if TOUCH.search(name.rpartition(".")[2])
-        ]
-        others = [name for name in self.cameras if name not in touches]
-        if not touches:
+        halves = halves_among(self.cameras)
+        touches = list(tac) or halves["tac"]
+        if not touches and not vis:
             raise DataError(
-                f"No camera is called tactile; name one with --tac. There are {show(there)}."
+                "No camera is called tactile; name one with --tac, or the photos alone with --vis."
+                f" There are {show(there)}."
             )
-        if not vis and len(others) > 1:
-            raise DataError(f"Name the camera of photos with --vis: {show(', '.join(others))}.")
-        return vis or (others[0] if others else ""), touches
+        others = [name for name in self.cameras if name not in touches]
+        named = [name for name in halves["vis"] if name in others]
+        photos = [vis] if vis else named if len(named) == 1 else others
+        if len(photos) > 1 or (not vis and photos and photos[0] in halves["?"]):
+            raise DataError(
+                f"The touch is {show(' and '.join(touches))}. Name the camera of photos with --vis:"
+                f" {show(', '.join(others))}."
+            )
+        return "".join(photos), touches or [""]
 
     def _episodes(self) -> list[dict[str, Any]]:
         """Return index, length, task and places of each episode; of one that cannot be read, its
@@ -157,9 +162,10 @@ class LeRobot:
             raise DataError(
                 f"'{show(self.root / INFO)}' leads out of the data set: '{show(file)}'."
             )
-        found = Track(file=file, episode=number, fps=self.fps, column="" if film else key)
+        if not film:
+            return stored(file, key, number, self.fps)
         start = number_in(episode.get(f"{place}/from_timestamp") or 0.0, 0, MOST, "from_timestamp")
-        return replace(found, start=start) if film else found
+        return Film(file=file, start=start, fps=self.fps)
 
 
 def _parsed(line: str) -> dict[str, Any]:

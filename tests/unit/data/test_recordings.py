@@ -11,6 +11,7 @@ import pytest
 from PIL import Image
 
 from omnivat.cli import main
+from omnivat.data.materials import NO_CLASS
 from omnivat.data.readers import read_pairs
 from omnivat.data.recordings import clips_of, is_recording, write_pairs
 from omnivat.data.recordings.tracks import Track, pictures
@@ -120,7 +121,7 @@ def test_each_layout_gives_the_pictures_of_the_same_moments(tmp_path, version, k
         pytest.importorskip("av")
     root = lerobot(tmp_path / "press", version, kind)
     assert is_recording(root)
-    count, skipped = write_pairs(clips_of(root), tmp_path / "out", frames=4)
+    count, skipped, *_ = write_pairs(clips_of(root), tmp_path / "out", frames=4)
     assert (count, skipped) == (12, [])
     found = read_pairs(tmp_path / "out")
     assert found.domains() == ("press",) and set(found.materials()) == {"press wood", "press steel"}
@@ -154,7 +155,7 @@ def test_a_table_of_videos_gives_labels_parts_and_a_delay(tmp_path):
     )
     (tmp_path / "mine.csv").write_text("\n".join(rows))
     assert is_recording(tmp_path / "mine.csv")
-    assert write_pairs(clips_of(tmp_path / "mine.csv"), tmp_path / "out", frames=1) == (2, [])
+    assert write_pairs(clips_of(tmp_path / "mine.csv"), tmp_path / "out", frames=1)[:2] == (2, [])
     first, second = read_pairs(tmp_path / "out").pairs
     assert (first.material, first.object, first.split, second.split) == (
         "wood",
@@ -189,7 +190,7 @@ def test_damaged_and_missing_videos_are_left_out_with_reasons(tmp_path):
     names = ("good", "cut", "text", "gone")
     lines = [f"{name}.mp4,{name}.mp4,wood," for name in names] + ["good.mp4,good.mp4,wood,99"]
     (tmp_path / "videos.csv").write_text("vis,tac,material,end\n" + "\n".join(lines))
-    count, skipped = write_pairs(clips_of(tmp_path), tmp_path / "out", frames=2)
+    count, skipped, *_ = write_pairs(clips_of(tmp_path), tmp_path / "out", frames=2)
     assert count == 2 and len(skipped) == 4
     assert "ends before" in skipped[-1].why and all(one.why.endswith(".") for one in skipped)
 
@@ -246,7 +247,8 @@ def test_an_odd_description_is_refused_in_a_sentence(tmp_path, change, words):
 
 
 @pytest.mark.parametrize(
-    ("tasks", "material"), [("wood", "wood"), (["wood"], "wood"), ({"a": 1}, ""), ([["x"]], "")]
+    ("tasks", "material"),
+    [("wood", "wood"), (["wood"], "wood"), ({"a": 1}, NO_CLASS), ([["x"]], NO_CLASS)],
 )
 def test_a_task_is_a_text_or_the_first_of_a_list(tmp_path, tasks, material):
     root = lerobot(tmp_path / "press")
@@ -269,7 +271,7 @@ def test_one_damaged_episode_is_left_out_and_named(tmp_path):
         json.dumps(good),
     )
     (root / "meta" / "episodes.jsonl").write_text("\n".join([json.dumps(good), *odd]))
-    count, skipped = write_pairs(clips_of(root), tmp_path / "out", frames=2)
+    count, skipped, *_ = write_pairs(clips_of(root), tmp_path / "out", frames=2)
     assert count == 2 and len(skipped) == len(odd)
     whys = ["It has no number or length."] * 5 + ["It is listed twice."]
     assert [one.why for one in skipped] == whys
@@ -281,7 +283,7 @@ def test_a_stored_picture_is_bytes_and_never_the_name_of_a_file(tmp_path):
     cell = {"bytes": str(tmp_path / "secret.png")}
     cells = [{"episode_index": 1, "frame_index": k, VIS: cell, TAC: cell} for k in range(LENGTH)]
     table(root / "data" / "chunk-000" / "episode_000001.parquet", cells)
-    count, skipped = write_pairs(clips_of(root), tmp_path / "out", frames=2)
+    count, skipped, *_ = write_pairs(clips_of(root), tmp_path / "out", frames=2)
     assert (count, [one.what for one in skipped]) == (4, ["episode 1"])
 
 
@@ -296,7 +298,7 @@ def test_two_touch_cameras_whose_names_end_alike_keep_their_own_pictures(tmp_pat
     for n in range(3):
         file = root / f"data/chunk-000/episode_{n:06d}.parquet"
         table(file, [{"episode_index": n, **cells}] * LENGTH)
-    count, _ = write_pairs(clips_of(root), tmp_path / "out", frames=2)
+    count, *_ = write_pairs(clips_of(root), tmp_path / "out", frames=2)
     found = read_pairs(tmp_path / "out")
     assert count == len({pair.tac for pair in found.pairs}) == 12
     assert found.domains() == (left, right)
@@ -304,6 +306,56 @@ def test_two_touch_cameras_whose_names_end_alike_keep_their_own_pictures(tmp_pat
         (left, 50),
         (right, 150),
     }
+
+
+@pytest.mark.parametrize(
+    ("cameras", "photo", "touches"),
+    [
+        (["images.wrist", "tactile.left", "tactile.right"], "images.wrist", 2),
+        (["images.rgb", "images.depth", "images.GelSight_1"], "images.rgb", 1),
+        (["images.contact_cam_scene", "images.digit0"], "images.contact_cam_scene", 1),
+        (["images.stack_view", "images.obstacle_cam", "gelsightMini"], "--vis", 0),
+        (["images.angel_top", "images.finger_left"], "--tac", 0),
+        (["images.finger_cam", "images.left_tac"], "--vis", 0),
+        (["images.top"], "the photos alone with --vis", 0),
+    ],
+)
+def test_cameras_are_recognised_by_whole_words_and_others_are_asked_for(
+    tmp_path, cameras, photo, touches
+):
+    root = lerobot(tmp_path / "press")
+    description = info("v2.1", "image", features={name: {"dtype": "image"} for name in cameras})
+    (root / "meta" / "info.json").write_text(json.dumps(description))
+    if not touches:
+        with pytest.raises(DataError, match=photo):
+            clips_of(root)
+        return
+    chosen = {clip.cameras for clip in clips_of(root)}
+    assert len(chosen) == touches and all(one.startswith(f"photo {photo}, touch") for one in chosen)
+
+
+@pytest.mark.parametrize(
+    ("column", "there"), [("tac", ("tac",)), ("vis", ("vis",)), ("mixed", ("tac",))]
+)
+def test_films_of_one_modality_keep_the_objects_splits_and_domain_of_their_table(
+    tmp_path, column, there, capsys
+):
+    rows = ["vis;tac;Class;sensor;object;split"]
+    for k, (thing, split) in enumerate((("mug", "train"), ("mug", "Training"), ("fork", "test"))):
+        film(tmp_path / f"{k}.mp4", range(100, 120))
+        halves = {"tac": ("", f"{k}.mp4"), "vis": (f"{k}.mp4", "")}
+        mixed = ("2.mp4" * (k == 2), f"{k}.mp4")
+        rows.append(";".join((*halves.get(column, mixed), "ceramic", "rig, left", thing, split)))
+    (tmp_path / "press.csv").write_text("\n".join(rows))
+    sheet = tmp_path / "look.png"
+    line = ["import", str(tmp_path), "--out", str(tmp_path / "out"), "--frames", "2"]
+    assert main([*line, "--look", str(sheet)]) == 0
+    found = read_pairs(tmp_path / "out")
+    assert found.modalities() == there and found.domains() == ("rig, left",)
+    names = [("mug", "train")] * 4 + [("fork", "test")] * 2
+    assert [(pair.object, pair.split) for pair in found.pairs] == names
+    said = capsys.readouterr().out
+    assert "rig, left  -     train  4        4      1" in said and sheet.is_file()
 
 
 def test_names_that_are_equal_as_folders_get_folders_of_their_own(tmp_path):
@@ -325,7 +377,7 @@ def test_a_pipe_is_refused_wherever_a_file_is_named(tmp_path, capsys):
     for name in ("v.mp4", "in.csv", "in.npz"):
         os.mkfifo(tmp_path / name)
     (tmp_path / "videos.csv").write_text("vis,tac,material\nv.mp4,v.mp4,wood\na.mp4,a.mp4,wood\n")
-    count, skipped = write_pairs(clips_of(tmp_path), tmp_path / "out", frames=2)
+    count, skipped, *_ = write_pairs(clips_of(tmp_path), tmp_path / "out", frames=2)
     assert count == 2 and "pipe or device" in skipped[0].why
     for line in (
         ["try", str(tmp_path / "in.csv")],
@@ -349,6 +401,8 @@ def test_unknown_cameras_and_settings_are_refused_in_a_sentence(tmp_path):
     assert ["start is" in one for one in problems] == [True, True, True, False]
     assert "names no video" in problems[-1]
     with pytest.raises(SettingsError, match="for LeRobot"):
+        clips_of(tmp_path, tac=["x", "y"])
+    with pytest.raises(DataError, match="has no column 'x'"):
         clips_of(tmp_path, vis="x")
     assert not is_recording(Path("none.csv"))
 
