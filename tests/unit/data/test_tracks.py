@@ -4,10 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from omnivat.data import images
 from omnivat.data.recordings import clips_of, write_pairs
-from omnivat.data.recordings.tracks import Film
-from omnivat.kit.errors import DataError
 from tests.unit.data.films import MATRICES, film, turned
 
 
@@ -67,10 +64,3 @@ def test_films_of_other_length_and_rate_are_paired_by_time_or_by_share(
     assert shown(tmp_path / "out", "vis") == pytest.approx(photos, abs=1.5)
     assert shown(tmp_path / "out", "tac") == pytest.approx(touches, abs=1.5)
     assert made.unequal == ["row 2 (0.8 s, 2.0 s)"]
-
-
-def test_a_frame_has_the_limit_of_a_picture(tmp_path, monkeypatch):
-    film(tmp_path / "a.mp4", [100] * 3)
-    monkeypatch.setattr(images, "MAX_PIXELS", 48 * 48 - 1)
-    with pytest.raises(DataError, match="48 × 48 pixels, more than"):
-        next(Film(file=tmp_path / "a.mp4").pictures([0.0]))
