@@ -34,6 +34,7 @@ FORMATS = COMMON | {
 }
 SUFFIXES = {f".{suffix}": kind for kind, all in FORMATS.items() for suffix in all.split()}
 VIDEOS = (".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg")
+TACTILE = (".hapt", ".touch")  # recordings of tactile packages
 HALVES = {
     "vis": "vis vision visual photo photos rgb color colour",
     "tac": "tac tact tacto tactile touch touches gelsight gelslim digit duragel dtact tactip",

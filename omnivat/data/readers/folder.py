@@ -10,6 +10,8 @@ from typing import NamedTuple
 
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
 from omnivat.data.naming import (
+    TACTILE,
+    VIDEOS,
     composed,
     halves_among,
     is_image_name,
@@ -221,9 +223,8 @@ def _require_names(folders: list[Path], kind: str) -> None:
 
 
 def _no_pairs(source: Path, skipped: list[Skipped]) -> str:
-    from omnivat.data.recordings import is_recording
-
-    if is_recording(source):
+    known = any((source / name).is_file() for name in ("meta/info.json", "videos.csv"))
+    if known or any(e.name.lower().endswith((*VIDEOS, *TACTILE)) for e in visible(source)):
         return (
             f"'{show(source)}' holds recordings; make pairs of them first: `python -m omnivat"
             f" import {show(source)} --out PAIRS`."

@@ -9,11 +9,11 @@ from functools import partial
 from pathlib import Path
 
 from omnivat.data.materials import NO_CLASS, class_key
-from omnivat.data.naming import VIDEOS, checked_split, found_file
+from omnivat.data.naming import TACTILE, VIDEOS, checked_split, found_file
 from omnivat.data.readers.files import TABLES, number_in, numbered_rows, show, visible
 from omnivat.data.readers.table import rows_of
 from omnivat.data.recordings.lerobot import INFO, LeRobot
-from omnivat.data.recordings.tactile import TACTILE, tactile_clips, tactile_track
+from omnivat.data.recordings.tactile import tactile_clips, tactile_track
 from omnivat.data.recordings.tracks import Clip, Film, Track
 from omnivat.data.recordings.writing import write_pairs
 from omnivat.kit.errors import DataError, SettingsError

@@ -28,7 +28,6 @@ from omnivat.kit.files import require_regular
 from omnivat.kit.schema import object_in, read_object
 from omnivat.kit.tables import need
 
-TACTILE = (".hapt", ".touch")
 EVENT, SHAPE = struct.Struct("<32sd"), struct.Struct("<III")
 MOST_RATE = 1e6  # pictures a second
 # how to read a sensor's pictures, and its domain, material and object
