@@ -6,6 +6,7 @@ priority.
 """
 
 import logging
+from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from concurrent.futures import wait as ended
@@ -36,8 +37,9 @@ class JobStopped(BaseException):
 class Lane:
     """Jobs of one kind: at most `slots` running, and the waiting ones.
 
-    Smaller priorities go first; among equals, paused jobs, then the oldest. One of several slots is
-    for jobs of priority 0, so that a rush of uploads does not hold up drags.
+    Smaller priorities go first; among equals, paused jobs, then the visitor with the fewest jobs
+    before, then the oldest. One of several slots is for jobs of priority 0, so that a rush of
+    uploads does not hold up drags.
     """
 
     def __init__(self, slots: int, threads: ThreadPoolExecutor) -> None:
@@ -48,7 +50,14 @@ class Lane:
 
     def in_order(self) -> "list[Job[Any]]":
         """Return the waiting jobs, the next one first."""
-        return sorted(self.waiting, key=lambda job: (job.priority, not job.begun, job.number))
+        before = Counter(job.visitor for job in self.running)
+        turn = {}
+        for job in sorted(self.waiting, key=lambda job: job.number):
+            turn[job] = before[job.visitor]
+            before[job.visitor] += 1
+        return sorted(
+            self.waiting, key=lambda job: (job.priority, not job.begun, turn[job], job.number)
+        )
 
     def let_in(self) -> None:
         """Start or wake the jobs that may run now; the caller holds the lock."""
@@ -204,11 +213,12 @@ class Jobs:
         priority    smaller numbers run first; a running job yields at its next check
         deadline_s  seconds of running, without waiting
 
-        Raises BusyError if too many jobs are waiting.
+        Raises BusyError if too many jobs are waiting, or half as many of the visitor.
         """
         line, requests = self._lanes[lane], self._lanes["quick"]
         with line.changed:
-            if len(line.waiting) >= WAITING_JOBS:
+            own = sum(job.visitor == visitor for job in line.waiting)
+            if len(line.waiting) >= WAITING_JOBS or (visitor and own >= WAITING_JOBS // 2):
                 raise BusyError("Too much is waiting here already; try again in a minute.")
             number = next(self._numbers)
             job = Job(work, line, requests, owner, visitor, priority, deadline_s, number)

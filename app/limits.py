@@ -4,11 +4,14 @@ MAX_IMAGE_BYTES = 20_000_000  # a phone's photo is 3 to 12 MB
 DECODE_S = 3  # CPU seconds to decode one picture
 DECODE_WAIT_S = 8  # seconds after which decoding is killed
 DECODER_BYTES = 220_000_000  # memory of such a process
-IDLE_S = 20  # seconds without a byte of an upload
+IDLE_S = 20  # seconds of an idle connection, of a request's head, and without a byte of an upload
 BODY_S = 600  # seconds for a whole upload
-# of uvicorn: open connections, of which more get 503; seconds of an idle one; connections that wait
-# to be accepted
-CONNECTIONS = {"limit_concurrency": 400, "timeout_keep_alive": IDLE_S, "backlog": 128}
+SLOWEST = 10_000  # bytes a second of a reader; each further unread byte has its time beside IDLE_S
+CONNECTIONS = 400  # open ones; a request on a further one gets 503
+# of one address, behind which a class may be: half of everything stays for the others
+SHARE = CONNECTIONS // 2  # connections
+AT_ONCE = 100  # requests at a time; more wait
+UPLOADS = 8  # uploads that arrive at a time; more wait
 MAX_QUESTION_BYTES = 10_000
 MAX_API_BYTES = 4_000_000  # of a request to the API, small pictures included
 REPORT_S = 600  # seconds of a report by the API

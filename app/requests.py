@@ -7,15 +7,16 @@ import json
 import os
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from ipaddress import IPv4Address, ip_address, ip_network
 from pathlib import Path
 from time import monotonic
 from typing import TypeVar
+from weakref import WeakValueDictionary
 
 from starlette.requests import Request
 
+from app.connections import visitor_at
 from app.jobs import Jobs
-from app.limits import BODY_S, IDLE_S, MAX_QUESTION_BYTES
+from app.limits import BODY_S, IDLE_S, MAX_QUESTION_BYTES, UPLOADS
 from app.resources import Resources
 from app.scratch import Scratch
 from app.state import Question
@@ -25,6 +26,7 @@ from omnivat.kit.errors import DataError
 T = TypeVar("T")
 LOOK_S = 0.25  # seconds between two checks for a disconnected visitor
 QUESTION_S = 120  # longest time for a reply, in seconds
+ARRIVING: WeakValueDictionary[str, asyncio.Semaphore] = WeakValueDictionary()  # by visitor
 
 
 class TooLargeError(DataError):
@@ -45,18 +47,11 @@ def set_of(sets: VisitorSets, request: Request) -> Resources:
 
 
 def visitor_of(request: Request) -> str:
-    """Return the visitor's address; of IPv6 the network, as one visitor has 2^64 addresses.
+    """Return the visitor's address, as `visitor_at` does.
 
     Behind a proxy on this machine it is the address that the proxy reports (X-Forwarded-For).
     """
-    host = request.client.host if request.client else ""
-    try:
-        address = ip_address(host.partition("%")[0])
-    except ValueError:
-        return host
-    if isinstance(address, IPv4Address):
-        return host
-    return str(address.ipv4_mapped or ip_network((address, 64), strict=False))
+    return visitor_at(request.client.host if request.client else "")
 
 
 async def blocks(request: Request, limit: int, what: str) -> AsyncIterator[bytes]:
@@ -132,12 +127,16 @@ async def done(
 async def received(
     request: Request, scratch: Scratch, limit: int, what: str
 ) -> AsyncIterator[Path]:
-    """Yield a temporary file with the request's bytes; raises the errors of `blocks`."""
+    """Yield a temporary file with the request's bytes; raises the errors of `blocks`.
+
+    Of one visitor, UPLOADS arrive at a time, which bounds what they take of the disk.
+    """
     file = scratch.folder("images") / os.urandom(8).hex()
     try:
-        with file.open("wb") as handle:
-            async for block in blocks(request, limit, what):
-                handle.write(block)
+        async with ARRIVING.setdefault(visitor_of(request), asyncio.Semaphore(UPLOADS)):
+            with file.open("wb") as handle:
+                async for block in blocks(request, limit, what):
+                    handle.write(block)
         yield file
     finally:
         file.unlink(missing_ok=True)

@@ -36,15 +36,13 @@ def profile(resources: Resources, question: Question) -> Reply:
     source = resources.head().source_profile
     before = profile_in(resources, question)
     given = {"vis": question.get("photos") or [], "tac": question.get("touches") or []}
-    if not all(isinstance(some, list) for some in given.values()):
+    if not all(isinstance(some, list) and all(some) for some in given.values()):
         raise DataError("photos and touches have to be lists of uploaded pictures.")
     if not 0 < sum(map(len, given.values())) <= MOST_AT_ONCE:
         raise DataError(f"Send 1 to {MOST_AT_ONCE} pictures of your sensor at a time.")
     channels = dict(before.channels) if before else {}
     for name, some in given.items():
-        rows = [
-            resources.embedding(ref, name) for one in some if (ref := ref_from(one)) is not None
-        ]
+        rows = [resources.embedding(ref, name) for ref in map(ref_from, some) if ref]
         if rows:
             found = channels_of(np.stack(rows))
             channels[name] = joined(channels[name], found) if name in channels else found

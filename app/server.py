@@ -7,7 +7,6 @@ import signal
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partialmethod
 from importlib import import_module
 from threading import Lock
 from time import monotonic
@@ -16,7 +15,6 @@ from typing import Any
 from app.components import WEB, component, head, theme
 from app.guard import Guard, alone, rules, warning
 from app.light import light_imports
-from app.limits import CONNECTIONS
 from app.preflight import free_port, keeps_nothing, parser, require_files
 from app.scratch import sweep
 from app.views import VIEWS
@@ -76,12 +74,14 @@ def build() -> Any:
 def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any) -> Any:
     """Serve the page until it is stopped; with `prevent_thread_lock`, return at once."""
     from starlette.middleware import Middleware
-    from uvicorn import Config
+    from uvicorn import config
 
+    from app.connections import Turns
     from app.routes import routes
 
-    # Gradio starts uvicorn without settings of its own
-    Config.__init__ = partialmethod(Config.__init__, ws="none", **CONNECTIONS)  # type: ignore[method-assign, assignment]
+    # Gradio starts uvicorn with the protocols of these tables
+    config.HTTP_PROTOCOLS["auto"] = "app.connections:Connection"
+    config.WS_PROTOCOLS["auto"] = None
     guarded = rules(arguments.host, arguments.allow_host, framed=arguments.allow_framing)
     return page.launch(
         server_name=arguments.host,
@@ -89,7 +89,7 @@ def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any
         inbrowser=not arguments.no_browser,
         app_kwargs={
             "routes": routes(resources, api=arguments.api),
-            "middleware": [Middleware(Guard, rules=guarded)],
+            "middleware": [Middleware(Turns), Middleware(Guard, rules=guarded)],
             "lifespan": alone,
             "docs_url": None,
             "redoc_url": None,

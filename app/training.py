@@ -89,7 +89,7 @@ class Trainings:
 
         A training is cancelled if its state is not requested for ABANDONED_S seconds. Raises
         DataError for invalid settings, or if the visitor already has one in the queue; BusyError if
-        the queue is full.
+        the queue is full, or half of it is of their address.
         """
         address = VISITOR.get()
         if (
@@ -108,10 +108,11 @@ class Trainings:
                 raise DataError(
                     "Your training before this one still runs or waits; cancel it first."
                 )
-            if len(active) >= MOST_RUNS:
-                raise BusyError(
-                    f"{MOST_RUNS} trainings run or wait here already; try again in a few minutes."
-                )
+            own = sum(one[0] == address for one in active)
+            if len(active) >= MOST_RUNS or own >= MOST_RUNS // 2:
+                full = len(active) >= MOST_RUNS
+                what = f"{MOST_RUNS} trainings" if full else f"{own} trainings of your address"
+                raise BusyError(f"{what} run or wait here already; try again in a few minutes.")
             run.job = self._sets.shared.jobs.start(
                 lambda job: self._work(job, run, resources.owner),
                 lane="long",

@@ -48,12 +48,18 @@ class Profile:
     key       the encoder of the pictures: name, hash of the weights, preprocessing
     domain    name of the domain; "" if it has none
     step      of a head's source: the share of the way that another sensor is moved onto it
+
+    Raises DataError without channels.
     """
 
     channels: dict[str, Channels]
     key: tuple[str, str, str]
     domain: str = ""
     step: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not self.channels:
+            raise DataError("A profile needs one picture or more; there are none.")
 
     @property
     def width(self) -> int:

@@ -49,6 +49,19 @@ def test_waiting_jobs_have_places_and_the_better_priority_goes_first(jobs):
     assert order == ["soon", "late"]
 
 
+def test_a_visitor_with_one_job_does_not_wait_for_all_of_another(jobs, monkeypatch):
+    monkeypatch.setattr("app.jobs.WAITING_JOBS", 8)
+    first, go, there = held(jobs, visitor="many")
+    there.wait(60)
+    many = [jobs.start(lambda _: None, lane="long", visitor="many") for _ in range(4)]
+    with pytest.raises(BusyError):
+        jobs.start(lambda _: None, lane="long", visitor="many")
+    few = [jobs.start(lambda _: None, lane="long", visitor="few") for _ in range(2)]
+    assert [job.place for job in few] == [1, 3] and [job.place for job in many] == [2, 4, 5, 6]
+    go.set()
+    first.future.result(60)
+
+
 def test_a_running_job_gives_way_to_a_better_one_and_goes_on_after_it(jobs):
     slow, go, there = held(jobs, priority=5)
     there.wait(60)

@@ -14,6 +14,7 @@ from app.sensor import profile, save_sensor
 from app.server import main
 from app.views.pair import many
 from omnivat.data.profile import channels_of, joined
+from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 
 from .conftest import sentence, served
@@ -64,6 +65,12 @@ def test_predictions_follow_the_profile_and_go_back_without_it(visiting):
     assert before["readings"] != after["readings"]
     assert before["images"] == after["images"] != {}  # what is familiar stays
     assert again == before
+
+
+@pytest.mark.parametrize("photos", [[None], [""], ["image:0", None], [0], {"a": 1}, "image:0"])
+def test_a_list_that_names_no_picture_makes_no_profile(visiting, photos):
+    with pytest.raises(DataError, match="uploaded pictures"):
+        profile(visiting, {"photos": photos})
 
 
 def test_more_pictures_are_added_to_a_profile(visiting):

@@ -112,17 +112,18 @@ def test_a_head_is_loaded_without_symbolic_algebra():
     subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, timeout=600)
 
 
-def test_connections_are_limited_by_the_servers_own_settings(resources, monkeypatch):
+def test_the_server_starts_with_connections_that_have_limits(resources, monkeypatch):
     import uvicorn
 
-    from app.limits import CONNECTIONS
+    from app.connections import Connection
     from app.server import launch
 
     class Page:
         def launch(self, **_):
             return uvicorn.Config(lambda: None, port=1)
 
-    monkeypatch.setattr(uvicorn.Config, "__init__", uvicorn.Config.__init__)
+    for table in ("HTTP_PROTOCOLS", "WS_PROTOCOLS"):
+        monkeypatch.setattr(uvicorn.config, table, dict(getattr(uvicorn.config, table)))
     found = launch(Page(), resources, parser().parse_args([]))
-    assert {name: getattr(found, name) for name in CONNECTIONS} == CONNECTIONS
-    assert (found.ws, found.port) == ("none", 1)
+    found.load()
+    assert (found.http_protocol_class, found.ws_protocol_class) == (Connection, None)

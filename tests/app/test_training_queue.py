@@ -66,11 +66,24 @@ def test_four_visitors_wait_in_order_and_a_cancelled_place_is_free(queue):
 def test_a_full_queue_refuses_in_a_sentence(queue, monkeypatch):
     monkeypatch.setattr(training, "MOST_RUNS", 2)
     trainings, start = queue
-    runs = [start(name) for name in ("ann", "bob")]
+    runs = [start(name, name) for name in ("ann", "bob")]
     with pytest.raises(BusyError, match="2 trainings run or wait here already"):
         start("cy")
     trainings.cancel({"run": runs[1]})
     start("cy")
+
+
+def test_invented_names_of_one_address_have_half_of_the_queue_and_another_goes_before(
+    queue, monkeypatch
+):
+    monkeypatch.setattr(training, "MOST_RUNS", 6)
+    trainings, start = queue
+    runs = [start(name, "192.0.2.1") for name in "abc"]
+    with pytest.raises(BusyError, match="3 trainings of your address run"):
+        start("d", "192.0.2.1")
+    other = start("e", "192.0.2.2")
+    until(lambda: standing(trainings, runs)[0] == ("running", 0))
+    assert standing(trainings, [other, *runs[1:]]) == [("waiting", n) for n in (1, 2, 3)]
 
 
 def test_the_training_of_a_visitor_who_left_makes_way(queue, monkeypatch):
