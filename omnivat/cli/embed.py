@@ -5,14 +5,37 @@ python -m omnivat embed PAIRS --encoder clip-vit-b16 --tac-encoder my_touch.py:l
 """
 
 import argparse
+from collections.abc import Sequence
 from os.path import realpath
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import DOTS, declare, download, flag, one_of, passed, path, progress_bar
+from omnivat.cli.arguments import (
+    DOTS,
+    declare,
+    download,
+    flag,
+    one_of,
+    passed,
+    path,
+    progress_bar,
+    several,
+)
 from omnivat.data.readers import READERS
+from omnivat.data.relief.files import TOUCH
 from omnivat.encoders.base import ENCODERS, JOINED
-from omnivat.kit.errors import SettingsError
+from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.files import require_writable
+
+ALONE = "alone"
+LAMPS = (
+    "for the relief: a profile with the lamps of its domain, once or for several domains; alone:"
+    " each touch is drawn by itself and nothing is known of a sensor; default: its own touches give"
+    " a domain's lamps"
+)
+if TYPE_CHECKING:
+    from omnivat.data.relief import Lamps
+    from omnivat.data.store import Header
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -43,6 +66,8 @@ def add(parser: argparse.ArgumentParser) -> None:
         engine=one_of(("local", "ray"), "this machine, or a Ray cluster"),
         manifest=one_of(("csv", "parquet"), "kind of the table next to the embeddings"),
         dots=one_of(DOTS, "printed dots of a gel in tactile images: fill them first, or keep them"),
+        touch=one_of(TOUCH, "read touch in its colours, or drawn as its relief (docs/relief.md)"),
+        lamps=several(LAMPS, "FILE|alone"),
         no_flips=flag("leave out the mirrored copies"),
     )
     download(parser)
@@ -72,9 +97,12 @@ def run(options: argparse.Namespace) -> None:
     if rested := sum(pair.tac_rest is not None for pair in found.pairs):
         print(f"a rest picture is subtracted from {rested} of {len(found.pairs)} tactile images")
     names = ("weights", "tac_weights", "device", "download", "precision", "dtype", "manifest")
-    how = passed(options, *names, "engine", "workers", "dots") | {"flips": not options.no_flips}
+    how = passed(options, *names, "engine", "workers", "dots", "touch")
+    how |= {"flips": not options.no_flips, "lamps": lamps_in(options.lamps, found.domains())}
     with progress_bar(f"embed with {encoder}") as show:
         report = embed_pairs(found, encoder, options.out, **how, on_step=show)
+    for line in touch_lines(report.header):
+        print(line)
     for skipped in report.skipped:
         print(f"skipped {skipped.what}: {skipped.why}")
     resumed = f", {report.resumed} of them by an earlier run" if report.resumed else ""
@@ -82,3 +110,34 @@ def run(options: argparse.Namespace) -> None:
         f"{report.embedded} pairs embedded{resumed} in {report.seconds:.0f} s, "
         f"{len(report.skipped)} skipped; written to {report.out}"
     )
+
+
+def lamps_in(options: Sequence[str], domains: Sequence[str]) -> "dict[str, Lamps] | None":
+    """Return domain -> lamps of profiles; None if each touch is drawn by itself.
+
+    Raises DataError for a profile without lamps.
+    """
+    from omnivat.data.profile import domain_of, load_profile
+
+    if ALONE in options:
+        return None
+    found = {}
+    for file in options:
+        profile = load_profile(file)
+        if profile.lamps is None:
+            raise DataError(
+                f"The profile '{file}' holds no lamps; make it again from five touches or more."
+            )
+        found[domain_of(profile, domains, "")] = profile.lamps
+    return found
+
+
+def touch_lines(header: "Header") -> list[str]:
+    """Return how the touches of each domain were drawn, in words; none if lamps were not sought."""
+    return [
+        f"{name}: each touch drawn as its relief by itself. {one}"
+        if isinstance(one, str)
+        else f"{name}: touch drawn as its relief by lamps from {one.pictures} touches, confidence"
+        f" {one.confidence:.2f}"
+        for name, one in header.lamps.items()
+    ]

@@ -159,6 +159,11 @@ def table(
                 f"Mean of {len(draws)} draws of these pictures; the mean of targets deviates by "
                 f"{100 * pstdev(draws):.1f} points between draws."
             )
+    if lit := max((record["lamps_from"] for record in records), default=0):
+        lines.append(
+            f"Touch is drawn as its relief: lamps of domains are known from up to {lit} touches"
+            " without labels. Not comparable with strict domain generalisation."
+        )
     if any(record["trained_on"] for record in records):
         lines.append(
             "The set has no split: the source's row is measured on the head's training pairs."

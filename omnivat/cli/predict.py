@@ -59,6 +59,7 @@ def run(options: argparse.Namespace) -> None:
 
     from omnivat.data.dots import dots_of
     from omnivat.data.profile import load_profile
+    from omnivat.data.relief.files import touch_of
     from omnivat.data.rest import RESTED
     from omnivat.encoders import load_encoder
     from omnivat.encoders.cache import default_cache, embed_pair
@@ -72,8 +73,16 @@ def run(options: argparse.Namespace) -> None:
     rested = head.encoder["preprocessing"].endswith(RESTED)
     pairs = _pairs(options, _rest(options, rested))
     where = passed(options, "weights", "tac_weights", "device", "download")
-    made = head.encoder["weights_hash"], dots_of(head.encoder["preprocessing"])
-    encoder = load_encoder(head.encoder["name"], **where, weights_hash=made[0], dots=made[1])
+    preprocessing, lamps = head.encoder["preprocessing"], profile.lamps if profile else None
+    touch = touch_of(preprocessing)
+    encoder = load_encoder(
+        head.encoder["name"],
+        **where,
+        weights_hash=head.encoder["weights_hash"],
+        dots=dots_of(preprocessing),
+        touch=touch,
+        lamps={"": lamps} if lamps else {},
+    )
     head.require(
         (encoder.name, encoder.weights_hash, encoder.preprocessing + (RESTED if rested else "")),
         encoder.width,
@@ -96,12 +105,14 @@ def run(options: argparse.Namespace) -> None:
             predictions.append({"vis": vis and str(vis), "tac": tac and str(tac), **predicted})
     if not predictions:
         raise DataError(f"None of the {len(pairs)} pairs in '{options.pairs}' could be read.")
-    context = {"head": str(folder), "source": head.source, "encoder": encoder.name}
+    context = {"head": str(folder), "source": head.source, "encoder": encoder.name, "touch": touch}
+    if touch == "relief":
+        context["lamps"] = f"of {lamps.pictures} touches" if lamps else "of each touch alone"
     records = [predicted | context for predicted in predictions]
     if options.json:
         print(as_json(records[0] if len(records) == 1 and not options.pairs else records))
     else:
-        print("\n".join(_readable(predicted, head.source) for predicted in predictions))
+        print("\n".join(_readable(predicted, head.source) for predicted in records))
 
 
 def _rest(options: argparse.Namespace, rested: bool) -> str:
@@ -145,11 +156,12 @@ def _pairs(
 def _readable(predicted: dict[str, Any], source: str) -> str:
     alone = {WORDS[name]: column for name, column in predicted["modalities"].items()}
     columns = {"both": predicted["probabilities"], **alone} if len(alone) > 1 else alone
+    lit = predicted.get("lamps") if predicted["tac"] is not None else None
     lines = [
         (
             f"{predicted['vis'] or 'no VIS'} + {predicted['tac'] or 'no TAC'}:"
             f" {predicted['prediction']}  (order p = {predicted['order']:.3f}, head trained on"
-            f" {source})"
+            f" {source}{f'; touch as its relief, by lamps {lit}' if lit else ''})"
         ),
         "  " + f"{'class':>9} " + " ".join(f"{name:>10}" for name in columns),
     ]

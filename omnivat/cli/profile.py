@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from omnivat.cli.arguments import DOTS, declare, download, one_of, passed, path, progress_bar, text
+from omnivat.data.relief.files import TOUCH
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
 
@@ -35,6 +36,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         tac=path("a folder of tactile images alone", "DIR"),
         domain=text("name of the domain; of a set: the one to take"),
         dots=one_of(DOTS, "printed dots of a gel in tactile images, as for `embed`"),
+        touch=one_of(TOUCH, "read touch in its colours or drawn as its relief, as for `embed`"),
     )
     download(parser)
 
@@ -62,7 +64,10 @@ def run(options: argparse.Namespace) -> None:
     save_profile(options.out, profile)
     words = {"vis": "photos", "tac": "tactile images"}
     counts = " and ".join(f"{count:,} {words[name]}" for name, count in profile.counts.items())
-    print(f"profile of {counts}, no labels read; written to {options.out}")
+    lamps = (
+        profile.lamps and f", with the lamps of the gel (confidence {profile.lamps.confidence:.2f})"
+    )
+    print(f"profile of {counts}{lamps or ''}, no labels read; written to {options.out}")
 
 
 def _of_pictures(options: argparse.Namespace) -> "Profile":
@@ -71,7 +76,7 @@ def _of_pictures(options: argparse.Namespace) -> "Profile":
 
     found = pictures_in(options.pictures, vis=options.vis, tac=options.tac, rest=options.tac_rest)
     encoder = load_encoder(
-        options.encoder, **passed(options, "weights", "device", "download", "dots")
+        options.encoder, **passed(options, "weights", "device", "download", "dots", "touch")
     )
     with progress_bar(f"embed with {encoder.name}") as show:
         profile, skipped = profile_of_pictures(encoder, found, domain=options.domain, on_step=show)

@@ -15,10 +15,22 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.cli.arguments import declare, download, flag, passed, path, progress_bar, text
+from omnivat.cli.arguments import (
+    declare,
+    download,
+    flag,
+    one_of,
+    passed,
+    path,
+    progress_bar,
+    several,
+    text,
+)
+from omnivat.cli.embed import LAMPS, lamps_in, touch_lines
 from omnivat.cli.fetch import bring
 from omnivat.cli.imports import add_foreign, foreign
 from omnivat.cli.thumbnails import start_of
+from omnivat.data.relief.files import TOUCH
 from omnivat.encoders.base import DEFAULT_ENCODER
 from omnivat.kit.errors import DataError, SettingsError, printable
 from omnivat.kit.files import replacing, require_regular, require_writable, write_json
@@ -42,6 +54,8 @@ def add(parser: argparse.ArgumentParser) -> None:
         "device",
         out=path("folder to write; default: beside PAIRS", "DIR"),
         source=text("domain to train on; default: the largest"),
+        touch=one_of(TOUCH, "read touch in its colours, or drawn as its relief (docs/relief.md)"),
+        lamps=several(LAMPS, "FILE|alone"),
         no_page=flag("write the folder, open no page"),
     )
     download(parser)
@@ -158,9 +172,15 @@ def _embed(options: argparse.Namespace, out: Path) -> list[str]:
     print(summary_table(pairs), flush=True)
     with progress_bar(f"embed with {options.encoder}") as show:
         report = embed_pairs(
-            pairs, options.encoder, out / SET, **passed(options, "device", "download"), on_step=show
+            pairs,
+            options.encoder,
+            out / SET,
+            **passed(options, "device", "download", "touch"),
+            lamps=lamps_in(options.lamps, pairs.domains()),
+            on_step=show,
         )
     notes = [f"Skipped {one.what}: {one.why}" for one in report.skipped]
+    notes += touch_lines(report.header)
     embeddings = load_embeddings(out / SET)
     root = start_of(options.pairs, embeddings.rows["vis"])
     try:

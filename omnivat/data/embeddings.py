@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,9 @@ from omnivat.data.materials import NO_CLASS
 from omnivat.kit.errors import DataError
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
+
+if TYPE_CHECKING:
+    from omnivat.data.relief import Lamps
 
 Array = NDArray[np.float32]
 VECTORS = ("vis", "tac", "vis_flip", "tac_flip")
@@ -33,11 +36,19 @@ class Header:
     # domain -> hashes of the rest pictures that were subtracted from its tactile images
     tac_rest: Mapping[str, Sequence[str]] = field(default_factory=dict)
     modalities: tuple[str, ...] = IMAGES  # that every pair has; of one alone, it stands for both
+    # domain -> the lamps by which its relief was drawn, or why each touch was drawn by itself
+    lamps: "Mapping[str, Lamps | str]" = field(default_factory=dict)
 
     @property
     def key(self) -> tuple[str, str, str]:
         """The fields that must be equal for a comparison."""
         return self.encoder, self.weights_hash, self.preprocessing
+
+    @property
+    def lit_by(self) -> dict[str, int]:
+        """Domain -> touches that gave the lamps of its relief: what was known of it."""
+        lit = self.lamps.items()
+        return {name: one.pictures for name, one in lit if not isinstance(one, str)}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

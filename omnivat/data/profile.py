@@ -18,6 +18,8 @@ from safetensors import SafetensorError
 
 from omnivat.data.arrays import LARGE_BYTES, Column, column, read_arrays, walked, write_arrays
 from omnivat.data.embeddings import Embeddings
+from omnivat.data.relief import Lamps
+from omnivat.data.relief.files import packed, unpacked
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import replacing
 from omnivat.kit.schema import LONGEST_NAME
@@ -42,7 +44,7 @@ class Channels:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Profile:
-    """Channel statistics of one domain, for each modality by itself.
+    """Channel statistics of one domain, for each modality by itself, and its lamps.
 
     channels  "vis", "tac" or both
     key       the encoder of the pictures: name, hash of the weights, preprocessing
@@ -50,12 +52,14 @@ class Profile:
     step      of a head's source: the share of the way that another sensor is moved onto it
 
     Raises DataError without channels.
+    lamps     of the sensor; None if they are not known
     """
 
     channels: dict[str, Channels]
     key: tuple[str, str, str]
     domain: str = ""
     step: float = 1.0
+    lamps: Lamps | None = None
 
     def __post_init__(self) -> None:
         if not self.channels:
@@ -145,6 +149,7 @@ def profile_of(
         channels={name: channels_of(getattr(embeddings, name), rows) for name in modalities},
         key=embeddings.header.key,
         domain=domain,
+        lamps=None if isinstance(lit := embeddings.header.lamps.get(domain), str) else lit,
     )
 
 
@@ -308,6 +313,8 @@ def save_profile(file: str | Path, profile: Profile) -> None:
         header[f"{name}_count"] = str(one.count)
     if profile.step != 1:
         header["step"] = repr(profile.step)
+    if profile.lamps is not None:
+        header["lamps"] = packed(profile.lamps)
     with replacing(file) as temporary:
         write_arrays(temporary, columns, {"format": FORMAT, **header})
 
@@ -341,6 +348,7 @@ def load_profile(file: str | Path) -> Profile:
             key=(metadata["encoder"], metadata["weights_hash"], metadata["preprocessing"]),
             domain=metadata.get("domain", "")[:LONGEST_NAME],
             step=step,
+            lamps=unpacked(metadata["lamps"]) if "lamps" in metadata else None,
         )
     except (SafetensorError, OSError, ValueError, KeyError) as error:
         raise DataError(

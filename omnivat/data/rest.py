@@ -5,6 +5,7 @@ TVL (Fu et al., ICML 2024), gsrobotics (the mean of the first frames).
 """
 
 from collections import defaultdict
+from collections.abc import Callable
 from dataclasses import replace
 from hashlib import blake2b
 from pathlib import Path
@@ -12,7 +13,7 @@ from pathlib import Path
 from PIL import Image, ImageChops
 
 from omnivat.data.domains import DOMAINS, paper_name
-from omnivat.data.images import read_bytes
+from omnivat.data.images import central_square, read_bytes, read_image
 from omnivat.data.pairs import Pair, PairSet
 from omnivat.kit.errors import DataError
 
@@ -27,6 +28,28 @@ def minus_rest(image: Image.Image, rest: Image.Image) -> Image.Image:
     """Return clip((image - rest) / 255 + 0.5) in 8 bits; `rest` is resized to the image's size."""
     still = rest.resize(image.size, Image.Resampling.BICUBIC)
     return ImageChops.subtract(image, still, offset=128)
+
+
+def seen(
+    content: bytes | Image.Image,
+    name: str,
+    *,
+    crop: int = 0,
+    rest: bytes = b"",
+    clean: Callable[[Image.Image], Image.Image] = lambda image: image,
+) -> Image.Image:
+    """Return a picture as an encoder gets it: upright, cropped to its central square, less the
+    picture of the untouched sensor if `rest` has that file's bytes.
+
+    clean  fills printed dots: they move, and would show twice in a difference
+
+    Raises DataError as `read_image` does.
+    """
+    image = central_square(read_image(content, name, reduced=not crop), crop)
+    if not rest:
+        return image
+    still = central_square(read_image(rest, "the rest picture", reduced=not crop), crop)
+    return minus_rest(clean(image), clean(still))
 
 
 def with_rest(loaded: PairSet, choice: str) -> PairSet:

@@ -28,9 +28,11 @@ from omnivat.data.arrays import (
 from omnivat.data.domains import require_domain_names
 from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header
 from omnivat.data.pairs import TEXTS
+from omnivat.data.relief import Lamps
+from omnivat.data.relief.files import packed, unpacked
 from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import replacing, write_csv
-from omnivat.kit.schema import columns_in, json_in, name_list, object_in
+from omnivat.kit.schema import columns_in, json_in, name_list, object_in, texts
 from omnivat.kit.stages import IMAGES
 from omnivat.kit.tables import need, require_choice
 
@@ -152,6 +154,7 @@ def _metadata(header: Header, count: int, width: int) -> dict[str, str]:
         "simulated": json.dumps(header.simulated),
         **({"modalities": "+".join(header.modalities)} if header.modalities != IMAGES else {}),
         **({"tac_rest": json.dumps(header.tac_rest)} if header.tac_rest else {}),
+        **_texts_of(header.lamps),
         "origin": header.origin,
         "pairs": str(count),
         "width": str(width),
@@ -238,7 +241,24 @@ def header_of(metadata: Mapping[str, str]) -> Header:
             domain: name_list(hashes, "tac_rest", MOST_NAMES)
             for domain, hashes in object_in(metadata.get("tac_rest", "{}").encode(), "rest").items()
         },
+        lamps=_lamps_of(metadata),
     )
+
+
+def _texts_of(lamps: Mapping[str, Lamps | str]) -> dict[str, str]:
+    """Return two entries of a header: lamps by domain, and reasons of domains without."""
+    kept = {name: one for name, one in lamps.items() if isinstance(one, str)}
+    lit = {name: packed(one) for name, one in lamps.items() if not isinstance(one, str)}
+    entries = {"lamps": lit, "kept": kept}
+    return {name: json.dumps(entry) for name, entry in entries.items() if entry}
+
+
+def _lamps_of(metadata: Mapping[str, str]) -> dict[str, Lamps | str]:
+    lit, kept = (
+        texts(object_in(metadata.get(name, "{}").encode(), name), name)
+        for name in ("lamps", "kept")
+    )
+    return {**kept, **{name: unpacked(text) for name, text in lit.items()}}
 
 
 def _check(file: Path, embeddings: Embeddings) -> None:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import torch
     from PIL import Image
 
+    from omnivat.data.relief import Lamps
     from omnivat.encoders.wrapping import WithoutDots
 
 
@@ -70,7 +71,7 @@ class DotsFilled(PairEncoder):
         from omnivat.data.dots import FILLED
         from omnivat.encoders.wrapping import WithoutDots
 
-        touches = for_modality(inner, "tac")
+        touches, self.plain = for_modality(inner, "tac"), inner
         self.vis, self.tac = for_modality(inner, "vis"), WithoutDots(touches)
         self.one_network = self.vis is touches
         self.name, self.width, self.precision = inner.name, inner.width, inner.precision
@@ -78,17 +79,41 @@ class DotsFilled(PairEncoder):
         self.preprocessing = inner.preprocessing + FILLED
 
 
-def for_modality(encoder: "Encoder", modality: str) -> "Encoder":
-    """Return the encoder for "vis" or "tac"; a single encoder serves both."""
+class ReliefDrawn(DotsFilled):
+    """An encoder whose tactile images are drawn as their relief.
+
+    lamps  domain -> its lamps; a touch of another domain, as with `tac`, is drawn by itself alone
+    """
+
+    def __init__(self, inner: "Encoder", lamps: "Mapping[str, Lamps]") -> None:
+        from omnivat.data.relief.files import RELIEF
+        from omnivat.encoders.wrapping import WithoutDots
+
+        super().__init__(inner.plain if isinstance(inner, DotsFilled) else inner)
+        self.preprocessing += RELIEF
+        touches = self.tac.inner
+        self.tac = WithoutDots(touches, relief=True)
+        self.of = {name: WithoutDots(touches, own, relief=True) for name, own in lamps.items()}
+
+
+def for_modality(encoder: "Encoder", modality: str, domain: str = "") -> "Encoder":
+    """Return the encoder for "vis" or "tac"; a single encoder serves both.
+
+    domain  of a tactile image, whose lamps draw its relief
+    """
     if not isinstance(encoder, PairEncoder):
         return encoder
-    return encoder.vis if modality == "vis" else encoder.tac
+    if modality == "vis":
+        return encoder.vis
+    return encoder.of.get(domain, encoder.tac) if isinstance(encoder, ReliefDrawn) else encoder.tac
 
 
 def made_by(encoder: "Encoder") -> tuple[str, ...]:
     """Return what an embedding depends on beside its image, for caches and unfinished files."""
     if isinstance(encoder, PairEncoder):
-        return made_by(encoder.vis) + made_by(encoder.tac)
+        drawn = encoder.of if isinstance(encoder, ReliefDrawn) else {}
+        lit = (part for name, one in drawn.items() for part in (name, *made_by(one)))
+        return *made_by(encoder.vis), *made_by(encoder.tac), *lit
     probe = getattr(encoder, "probe", "")
     return encoder.name, encoder.weights_hash, encoder.precision, encoder.preprocessing, probe
 
@@ -148,6 +173,8 @@ def load_encoder(
     download: str = "ask",
     weights_hash: str = "",
     dots: str = "keep",
+    touch: str = "colours",
+    lamps: "Mapping[str, Lamps] | None" = None,
 ) -> Encoder:
     """Load the encoder called `name`.
 
@@ -163,6 +190,8 @@ def load_encoder(
     weights_hash    expected hash, if known: without `weights`, the last file with that hash is read
     dots            "fill": printed dots of tactile images are filled before they are encoded; a
                     picture of stripes, which the encoder "strip" reads, has none
+    touch           "colours", or "relief": tactile images are drawn as their relief after their
+                    dots are filled, by the `lamps` of their domain or each by itself
 
     Raises MissingNameError for an unknown name, SettingsError for an unavailable precision or
     device, DataError if the encoder violates the contract or a checkpoint is missing; the message
@@ -183,7 +212,19 @@ def load_encoder(
         encoder = PairEncoder(
             *map(_load_one, names, (weights, tac_weights), hashes, (settings,) * 2)
         )
+    if touch == "relief":
+        require_filled(name, dots)
+        return ReliefDrawn(encoder, lamps or {})
     return DotsFilled(encoder) if dots == "fill" and name != "strip" else encoder
+
+
+def require_filled(name: str, dots: str) -> None:
+    """Raise SettingsError for an encoder, or a choice of `dots`, with which no relief is drawn."""
+    if name == "strip" or dots != "fill":
+        raise SettingsError(
+            "A relief is drawn from pictures of a gel whose printed dots were filled; leave out"
+            f" {'the encoder strip' if name == 'strip' else '--dots keep'}."
+        )
 
 
 def _load_one(

@@ -19,8 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from omnivat.data.images import central_square, read_bytes, read_image
-from omnivat.data.rest import minus_rest
+from omnivat.data.images import read_bytes, read_image
+from omnivat.data.rest import seen
 from omnivat.encoders.base import Encoder, for_modality, made_by
 from omnivat.kit.files import cache_folder, replacing
 
@@ -136,18 +136,12 @@ def embed_views(
 
     @lru_cache(maxsize=1)
     def pixels() -> "torch.Tensor":
-        seen = central_square(read_image(content, name, reduced=not crop), crop)
-        if calm:
-            still = central_square(read_image(calm, str(rest), reduced=not crop), crop)
-            # dots move, and would show twice in the difference
-            if isinstance(encoder, WithoutDots):
-                seen, still = encoder.cleaned(seen), encoder.cleaned(still)
-            seen = minus_rest(seen, still)
-        return encoder.preprocess(seen)
+        clean = {"clean": encoder.cleaned} if isinstance(encoder, WithoutDots) else {}
+        return encoder.preprocess(seen(content, name, crop=crop, rest=calm, **clean))
 
     def compute(flip: bool) -> Array:
-        seen = pixels().flip(-1) if flip else pixels()
-        return np.asarray(encoder.embed(seen[None])[0].cpu())
+        ready = pixels().flip(-1) if flip else pixels()
+        return np.asarray(encoder.embed(ready[None])[0].cpu())
 
     if cache is None:
         return [compute(flip) for flip in flips]

@@ -10,6 +10,7 @@
 Used as `--encoder their_module:load --weights FILE`; docs/encoders.md has whole examples."""
 
 from collections.abc import Callable, Sequence
+from hashlib import blake2b
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ from PIL import Image
 from torch import Tensor, nn
 
 from omnivat.data.dots import FILLED, fill_dots
+from omnivat.data.relief import Lamps, drawn
+from omnivat.data.relief.files import RELIEF, packed
 from omnivat.encoders.onnx_runtime import in_onnx_runtime
 from omnivat.encoders.running import (
     ONNX,
@@ -183,15 +186,27 @@ class NamedEncoder:
 
 
 class WithoutDots(NamedEncoder):
-    """An encoder of tactile images that fills their printed dots first."""
+    """An encoder of tactile images that fills their printed dots first.
 
-    def __init__(self, inner: Any) -> None:
+    relief  it then draws their relief in place of their colours
+    lamps   of the sensor, for the relief; None: those that each picture gives alone
+    """
+
+    def __init__(self, inner: Any, lamps: Lamps | None = None, *, relief: bool = False) -> None:
         super().__init__(inner, inner.name)
-        self.preprocessing += FILLED
+        self.preprocessing += FILLED + RELIEF * relief
+        self.inner, self.lamps, self.relief = inner, lamps, relief
+        if lamps is not None:
+            self.probe += blake2b(packed(lamps).encode(), digest_size=8).hexdigest()
 
     def preprocess(self, image: Image.Image) -> Tensor:
-        """Convert an RGB image, without its dots, to the tensor (C, H, W) for `embed`."""
-        return super().preprocess(self.cleaned(image))
+        """Convert an RGB image, without its dots or drawn as its relief, to the tensor (C, H, W)
+        for `embed`.
+        """
+        clean = self.cleaned(image)
+        if self.relief:
+            clean = Image.fromarray(drawn(np.asarray(clean), self.lamps, dots="keep"))
+        return super().preprocess(clean)
 
     def cleaned(self, image: Image.Image) -> Image.Image:
         """Return the image without its dots, or as it is if it has none."""

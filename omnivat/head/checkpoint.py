@@ -23,6 +23,7 @@ from omnivat.data.profile import (
     require_key,
     save_profile,
 )
+from omnivat.data.relief.files import RELIEF
 from omnivat.data.rest import RESTED
 from omnivat.data.store import Embeddings
 from omnivat.head.calibration import Familiarity, load_familiarity, save_familiarity, tensors_in
@@ -43,6 +44,7 @@ ENCODER = ("name", "weights_hash", "preprocessing")
 # ways to make embeddings: mark in a set's preprocessing, in words, how to embed so, and how not so
 MADE = (
     (FILLED, "the dots of touch filled", "with --dots fill", "with --dots keep"),
+    (RELIEF, "touch drawn as its relief", "with --touch relief", "with --touch colours"),
     (RESTED, "a rest picture subtracted from touch", "with --tac-rest", "without --tac-rest"),
 )
 

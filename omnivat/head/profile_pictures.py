@@ -12,8 +12,9 @@ from omnivat.data.profile import Profile, channels_of
 from omnivat.data.readers import read_pairs, recognised
 from omnivat.data.readers.files import folders_in, show, visible
 from omnivat.data.rest import RESTED, with_rest
-from omnivat.encoders.base import Encoder, for_modality
+from omnivat.encoders.base import DotsFilled, Encoder, ReliefDrawn, for_modality
 from omnivat.encoders.cache import Source, embed_image
+from omnivat.encoders.embed.relief import lamps_or_reason
 from omnivat.kit.errors import DataError, OmniVatError
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.stages import IMAGES
@@ -95,17 +96,25 @@ def _images(folder: Path) -> list[Path]:
 def profile_of_pictures(
     encoder: Encoder, pictures: Sequence[Picture], *, domain: str = "", on_step: OnStep = ignore
 ) -> tuple[Profile, tuple[Skipped, ...]]:
-    """Embed pictures and return their profile, and those that could not be read.
+    """Embed pictures and return their profile, with the lamps if touches give them, and those
+    that could not be read.
 
+    Lamps need an encoder that fills dots; one that draws the relief of touch uses them.
     Raises DataError if no picture can be read.
     """
     rows: dict[str, list[np.ndarray]] = {name: [] for name in IMAGES}
+    touches = [p for p in pictures if p.modality == "tac" and isinstance(encoder, DotsFilled)]
+    lit = lamps_or_reason([(p.source, p.crop, p.rest) for p in touches]) if touches else None
     skipped = []
+    if isinstance(lit, str):
+        skipped, lit = [Skipped(what="the lamps of the gel", why=lit)], None
+    elif lit is not None and isinstance(encoder, ReliefDrawn):
+        encoder = ReliefDrawn(encoder, {domain: lit})
     for done, picture in enumerate(pictures):
         on_step(Step(done=done, total=len(pictures), text=picture.name))
         try:
             embedded = embed_image(
-                for_modality(encoder, picture.modality),
+                for_modality(encoder, picture.modality, domain),
                 picture.source,
                 crop=picture.crop,
                 rest=picture.rest,
@@ -122,4 +131,4 @@ def profile_of_pictures(
     if not channels:
         first = next((f" The first: {one.why}" for one in skipped), "")
         raise DataError(f"None of the pictures could be read.{first}")
-    return Profile(channels=channels, key=key, domain=domain), tuple(skipped)
+    return Profile(channels=channels, key=key, domain=domain, lamps=lit), tuple(skipped)

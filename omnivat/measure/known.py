@@ -170,8 +170,8 @@ def measured(
     scores               by reading: accuracy, low, high, macro_f1 and macro_f1_union
     domains              the same of each domain, the source too, with name ("domain"), "is_source",
                          "trained_on" (the test pairs are those that the head learned), "left_out",
-                         "objects", "known_pairs", "confusion" (K, K) by both images in the first
-                         draw
+                         "objects", "known_pairs", "lamps_from" (touches that gave the lamps of its
+                         relief), "confusion" (K, K) by both images in the first draw
 
     F1 averages the classes present in the domain; the "union" variant also averages classes that
     were only predicted. Raises DataError for embeddings of another encoder.
@@ -195,7 +195,7 @@ def measured(
     names = tuple(dict.fromkeys((*head.classes, *embeddings.header.classes)))
     label = label_map(head.classes, embeddings.header.classes)[embeddings.label]
     label = np.where(embeddings.labelled, label, -1)
-    seeds = known.seeds(seed, draws)
+    lit, seeds = embeddings.header.lit_by, known.seeds(seed, draws)
     nothing = np.full((len(seeds), len(label)), -1, np.int32)
     said = {"fused": nothing.copy()}  # by reading: (draws, N) predicted class; -1: not tested
     domains: dict[str, dict[str, Any]] = {}
@@ -243,7 +243,7 @@ def measured(
     }
     return {
         "rung": known.name,
-        "known": known.words,
+        "known": known.words + (f"; lamps from up to {max(lit.values())} touches" if lit else ""),
         "source": head.source,
         "classes": list(names[:count]),
         **_ends(means.get("fused", {})),
@@ -284,6 +284,7 @@ def _facts(part: Part, source: str, count: int) -> dict[str, Any]:
         "pairs": count,
         "left_out": len(part.rows) - count,
         "known_pairs": part.known_pairs,
+        "lamps_from": part.embeddings.header.lit_by.get(part.domain, 0),
     }
 
 

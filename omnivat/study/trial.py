@@ -249,7 +249,9 @@ def _in_target(
     of_maps = next(one for one in of_maps["domains"] if one["domain"] == name)
     counts = {main: plain["confusion"], probe_of(main): of_maps["confusion"]}
     found = _record(name, data.label[known], plain["objects"], shares, counts)
-    text = f"{lead}, of which nothing was known: {_sentence(found)}"
+    lit = data.header.lit_by.get(name)
+    of = f"lamps from {lit} touches were" if lit else "nothing was"
+    text = f"{lead}, of which {of} known: {_sentence(found)}"
     try:
         pictures = few(there, head.source)
     except DataError as error:

@@ -42,7 +42,7 @@ class Lamps:
     colours     (3, 2): what a slope to the right and one downwards add to red, green and blue of
                 255. A slope is positive where the gel comes nearer to the camera along it; 1 is
                 the root mean square over the pictures.
-    background  (h, w, 3) float32, reduced: the median picture, subtracted first; None if the slow
+    background  (h, w, 3) uint8, reduced: the median picture, subtracted first; None if the slow
                 light alone is subtracted
     ratio       smallest curl over the next, 0 to 1: below 0.3 for one gel in good pictures
     confidence  cosine to the lamps of infinitely many such pictures that 95 % of bootstrap draws
@@ -91,7 +91,7 @@ def lamps(pictures: Iterable[Array], *, dots: str = "fill") -> Lamps:
         )
     backgrounds: list[Array | None] = [None]
     if len(small) >= MEDIAN and len({picture.shape for picture in small}) == 1:
-        backgrounds.append(np.median(small, 0).astype(np.float32))
+        backgrounds.append(np.rint(np.median(small, 0)).astype(np.uint8))
     tried = []
     for background in backgrounds:
         fields = [

@@ -38,7 +38,7 @@ def slopes(picture: Array, lamps: Lamps, *, dots: str = "fill") -> Array:
                 f"The picture has {width} × {height} pixels, and the lamps' background {across} ×"
                 f" {down}; pass whole pictures of the same camera."
             )
-        light -= resized(lamps.background, height, width)
+        light -= resized(lamps.background.astype(np.float32), height, width)
     mixture = np.linalg.pinv(lamps.colours).T.astype(np.float32)
     return np.asarray(fast(light) @ mixture)
 

@@ -4,7 +4,7 @@ one set.
 
 import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from hashlib import blake2b
@@ -19,6 +19,7 @@ from safetensors.numpy import save
 from omnivat.data.arrays import Column, read_arrays
 from omnivat.data.embeddings import Array, indices
 from omnivat.data.pairs import TEXTS, Pair, PairSet, Skipped
+from omnivat.data.relief import Lamps
 from omnivat.data.rest import RESTED, rests_of
 from omnivat.data.store import Header, vector_type, write_columns
 from omnivat.encoders import Encoder
@@ -73,7 +74,7 @@ def embed_one(
     encoder: Encoder, flips: tuple[bool, ...], cache: EmbeddingCache, pair: Pair
 ) -> list[Array] | Skipped:
     """Return a pair's vectors (D,) in the order of the columns, or the reason of a failure."""
-    photos, touches = for_modality(encoder, "vis"), for_modality(encoder, "tac")
+    photos, touches = for_modality(encoder, "vis"), for_modality(encoder, "tac", pair.domain)
     try:
         vis = embed_views(photos, pair.vis, cache, flips=flips)
         tac = embed_views(
@@ -175,6 +176,7 @@ def merge(
     *,
     dtype: str,
     manifest: str,
+    lamps: Mapping[str, Lamps | str],
 ) -> Header:
     """Write the parts as one set of embeddings, with one part in memory at a time."""
     found = PairSet(pairs=tuple(pair for part in parts for pair in part.pairs))
@@ -191,6 +193,7 @@ def merge(
         origin=source.origin,
         tac_rest=rests,
         modalities=found.modalities(),
+        lamps={name: lamps[name] for name in found.domains() if name in lamps},
     )
     kind, shape = vector_type(dtype), (len(found.pairs), encoder.width)
     vectors = {

@@ -2,14 +2,19 @@
 
 import os
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from types import MappingProxyType
 
 from omnivat.data.pairs import PairSet, Skipped
+from omnivat.data.relief import Lamps
 from omnivat.data.store import Header, manifest_place, require_own, vector_type
 from omnivat.encoders import load_encoder
+from omnivat.encoders.base import require_filled
 from omnivat.encoders.embed.job import Part, Parts, chunks_of, merge
+from omnivat.encoders.embed.relief import lamps_of_domains
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.files import require_writable
 from omnivat.kit.progress import OnStep, Step, ignore
@@ -46,6 +51,8 @@ def embed_pairs(
     engine: str = "local",
     flips: bool = True,
     dots: str = "fill",
+    touch: str = "colours",
+    lamps: Mapping[str, Lamps] | None = MappingProxyType({}),
     workers: int | None = None,
     dtype: str = "float32",
     manifest: str = "csv",
@@ -57,6 +64,11 @@ def embed_pairs(
     engine      "local", or "ray" for a cluster; both write the same file
     flips       also embed mirrored images, for training
     dots        "fill": printed dots of touch are filled first (`omnivat.data.dots`); or "keep"
+    touch       "colours", or "relief": touch is drawn as its relief (`omnivat.data.relief`), by the
+                lamps of its domain, from at most 50 of its touches. In a domain without lamps each
+                touch is drawn by itself, and the header has the reason
+    lamps       domain -> lamps that are known, for "relief"; None: each touch is drawn by itself,
+                so that nothing is known of a sensor
     workers     images in parallel; default: every core
     dtype       of the file: "float32", or "float16" for half the size
     manifest    "csv" or "parquet": the readable table next to `out`
@@ -87,6 +99,12 @@ def embed_pairs(
         download=download,
         dots=dots,
     )
+    lit: dict[str, Lamps | str] = {}
+    if touch == "relief":
+        require_filled(encoder_name, dots)
+        lit = {} if lamps is None else lamps_of_domains(pairs.pairs, lamps)
+        found = {name: one for name, one in lit.items() if not isinstance(one, str)}
+        load_here = partial(load_here, touch=touch, lamps=found)
     begun = time.monotonic()
     encoder, parts, total = load_here(), Parts(out), len(pairs.pairs)
     with parts.claimed():
@@ -108,7 +126,14 @@ def embed_pairs(
         finished = [part for chunk in chunks if (part := parts.read(chunk)) is not None]
         _require_all(finished, len(chunks), pairs, parts)
         header = merge(
-            out, finished, pairs, encoder, chunks[0].columns, dtype=dtype, manifest=manifest
+            out,
+            finished,
+            pairs,
+            encoder,
+            chunks[0].columns,
+            dtype=dtype,
+            manifest=manifest,
+            lamps=lit,
         )
         parts.remove()
     return EmbedReport(

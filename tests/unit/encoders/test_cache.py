@@ -57,7 +57,7 @@ def test_a_mirrored_image_has_the_embedding_of_the_mirrored_pixels():
 
 
 def test_both_views_decode_the_image_once(monkeypatch):
-    from omnivat.encoders import cache as module
+    from omnivat.data import rest as module
 
     decoded = []
     original = module.read_image

@@ -1,0 +1,75 @@
+"""Lamps as text for headers, the mark of sets whose touches are drawn as relief, and which pictures
+of a domain give its lamps.
+"""
+
+import json
+from base64 import b64decode, b64encode
+from collections.abc import Sequence
+from io import BytesIO
+from typing import TypeVar
+
+import numpy as np
+from PIL import Image
+
+from omnivat.data.relief.lamps import Lamps
+from omnivat.kit.errors import DataError
+from omnivat.kit.schema import object_in
+
+RELIEF = "; TAC drawn as its relief"  # in a set's preprocessing, after the dots
+TOUCH = ("colours", "relief")  # how touch is read; the first is the default
+MOST = 50  # pictures of a domain that give its lamps
+WIDEST = 1024  # pixels of a background's side, far above any that `lamps` makes
+NUMBERS = ("ratio", "confidence", "pictures", "steepness")
+T = TypeVar("T")
+
+
+def touch_of(preprocessing: str) -> str:
+    """Return "relief" or "colours", as which a set's preprocessing took touch."""
+    return "relief" if RELIEF in preprocessing else "colours"
+
+
+def spread(items: Sequence[T], most: int = MOST) -> list[T]:
+    """Return at most `most` of the items, evenly spread, from the first to the last.
+
+    >>> spread("abcdefghi", 3)
+    ['a', 'e', 'i']
+    """
+    index = np.linspace(0, len(items) - 1, min(most, len(items))).round().astype(int)
+    return [items[i] for i in index]
+
+
+def packed(lamps: Lamps) -> str:
+    """Return lamps as JSON, from which `unpacked` makes exactly the same."""
+    record = {name: getattr(lamps, name) for name in NUMBERS} | {"colours": lamps.colours.tolist()}
+    if lamps.background is not None:
+        with BytesIO() as file:
+            Image.fromarray(lamps.background).save(file, "PNG")
+            record["background"] = b64encode(file.getvalue()).decode()
+    return json.dumps(record)
+
+
+def unpacked(text: str) -> Lamps:
+    """Return the lamps of `packed`; raises DataError for another text."""
+    record = object_in(text.encode(), "lamps")
+    try:
+        steepness, background = record["steepness"], record.get("background")
+        found = Lamps(
+            colours=np.array(record["colours"], float),
+            background=None if background is None else _pixels(background),
+            ratio=float(record["ratio"]),
+            confidence=float(record["confidence"]),
+            pictures=int(record["pictures"]),
+            steepness=None if steepness is None else float(steepness),
+        )
+    except (KeyError, TypeError, ValueError, OSError) as error:
+        raise DataError(f"The lamps cannot be read ({error!s:.80}); make them again.") from error
+    if found.colours.shape != (3, 2) or not np.isfinite(found.colours).all():
+        raise DataError("The lamps' colours are not 3 × 2 finite numbers; make them again.")
+    return found
+
+
+def _pixels(background: str) -> "np.ndarray[tuple[int, ...], np.dtype[np.uint8]]":
+    image = Image.open(BytesIO(b64decode(background)), formats=["PNG"])
+    if max(image.size) > WIDEST or image.mode != "RGB":
+        raise ValueError(f"a background of {image.width} × {image.height} pixels, {image.mode}")
+    return np.asarray(image)

@@ -1,0 +1,70 @@
+"""`--touch relief` from pictures to a prediction: lamps, heads and sets that fit, what is named."""
+
+import json
+from shutil import copytree
+
+import pytest
+
+from omnivat import EXAMPLES, load_embeddings
+
+pytestmark = pytest.mark.slow
+GELS = ("TQ-DIGIT-sim", "TQ-GelMini-sim")
+
+
+@pytest.fixture(scope="module")
+def work(tmp_path_factory):
+    """Shipped pairs of two gels, and two pairs of a third."""
+    root = tmp_path_factory.mktemp("relief")
+    for name in GELS:
+        copytree(EXAMPLES / "pairs" / name, root / "pairs" / name)
+    copytree(EXAMPLES / "pairs" / "TAG-sim" / "glass", root / "pairs" / "few" / "glass")
+    return root
+
+
+def test_pictures_become_a_head_of_relief_that_reads_a_sensor_by_its_profile(work, run):
+    said = run("embed", work / "pairs", "--touch", "relief", "--out", work / "relief.safetensors")
+    assert (
+        "TQ-DIGIT-sim: touch drawn as its relief by lamps from 8 touches, confidence 0.9"
+        in said.out
+    )
+    assert "few: each touch drawn as its relief by itself. Lamps need 3 pictures of one" in said.out
+    run("train", "--embeddings", work / "relief.safetensors", "--source", "TQ-DIGIT-sim",
+        "--out", work / "head", "--set", "width=16", "--set", "epochs=3")  # fmt: skip
+    fits = "--head", work / "head", "--embeddings", work / "relief.safetensors"
+    record = json.loads(run("evaluate", *fits, "--json").out)
+    assert record["known"] == "nothing: pictures as they come; lamps from up to 8 touches"
+    assert {one["domain"]: one["lamps_from"] for one in record["domains"]} == {
+        "TQ-DIGIT-sim": 8, "TQ-GelMini-sim": 8, "few": 0,
+    }  # fmt: skip
+    assert "Not comparable with strict" in run("evaluate", *fits).out
+
+    mini = work / "pairs" / "TQ-GelMini-sim"
+    said = run("profile", mini, "--out", work / "mini.safetensors", "--touch", "relief")
+    assert "8 photos and 8 tactile images, with the lamps of the gel (confidence 0.9" in said.out
+    pair = next(mini.glob("glass/*_vis.jpg")), next(mini.glob("glass/*_tac.jpg"))
+    base = "predict", *pair, "--no-cache", "--head", work / "head"
+    assert "touch as its relief, by lamps of each touch alone" in run(*base).out
+    said = run(*base, "--profile", work / "mini.safetensors")
+    assert "touch as its relief, by lamps of 8 touches" in said.out
+    said = run(*base[:-2], "--profile", work / "mini.safetensors", code=1)
+    assert (
+        "TAC drawn as its relief" in said.err and "Make the profile with that encoder" in said.err
+    )
+
+    said = run("evaluate", "--head", work / "head", code=1)
+    assert "Embed the pairs with --touch relief, or choose a head that fits" in said.err
+    said = run("evaluate", "--embeddings", work / "relief.safetensors", code=1)
+    assert "made with touch drawn as its relief" in said.err and "--touch colours" in said.err
+
+
+def test_lamps_of_a_profile_are_taken_for_its_domain(work, run):
+    run("profile", work / "pairs" / GELS[0], "--out", work / "digit.safetensors", "--domain", "few")
+    base = "embed", work / "pairs", "--touch", "relief", "--out", work / "known.safetensors"
+    said = run(*base, "--no-flips", "--lamps", work / "digit.safetensors")
+    assert "few: touch drawn as its relief by lamps from 8 touches" in said.out
+    alone = run(*base[:-1], work / "alone.safetensors", "--no-flips", "--lamps", "alone")
+    assert "drawn as its relief" not in alone.out
+    assert load_embeddings(work / "alone.safetensors").header.lit_by == {}
+    run("profile", work / "pairs" / "few", "--out", work / "few.safetensors")
+    said = run(*base, "--lamps", work / "few.safetensors", code=1)
+    assert "few.safetensors' holds no lamps; make it again from five touches or more" in said.err
