@@ -55,6 +55,7 @@ _PUBLIC = {
     "taught": "omnivat.head.teach:taught",
     "judged": "omnivat.head.teach:judged",
     "curve": "omnivat.head.curve:curve",
+    "sensor_card": "omnivat.measure.card.changes:sensor_card",
     # what it is worth
     "measured": "omnivat.measure.known:measured",
     "NOTHING": "omnivat.measure.rungs:NOTHING",

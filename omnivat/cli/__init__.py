@@ -20,7 +20,18 @@ from omnivat.kit.files import require_writable
 from omnivat.kit.tables import suggestion
 
 NAMES = (  # in the order of the help; a command's file has its name, or that in FILES
-    *("try", "fetch", "predict", "embed", "dots", "import", "train", "evaluate", "profile"),
+    *(
+        "try",
+        "fetch",
+        "predict",
+        "embed",
+        "dots",
+        "sensor",
+        "import",
+        "train",
+        "evaluate",
+        "profile",
+    ),
     *("teach", "protocol", "ablate", "report", "reproduce", "sweep", "gaps", "project"),
     *("thumbnails", "export", "prompts"),
 )

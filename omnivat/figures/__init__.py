@@ -11,6 +11,7 @@ _ROOMS = {
     "maps": ("map_figure", "frames_map", "pictures"),
     "curves": ("lines", "gap_curves", "staircase"),
     "scores": ("dots", "strangers", "ladder", "gap_tables"),
+    "card": ("rose",),
     "page": ("html_page", "write"),
 }
 _PUBLIC = {n: f"omnivat.figures.{room}:{n}" for room, names in _ROOMS.items() for n in names}

@@ -1,0 +1,274 @@
+"""What changed between two cards, the likeliest first, with the evidence and the remedy."""
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from omnivat.measure.card.card import SensorCard, card_of, cosine
+from omnivat.measure.card.traits import Array
+
+FITS = 0.9  # least likeness at which an arrangement explains what changed
+GAIN = 0.12  # of likeness over the pictures as they are, from which on an arrangement is named
+FAR, NEARLY = 0.5, 0.8  # a gain so large that a poorer fit is enough: the lamps changed, too
+SURE = 3.0  # standard errors of a difference, from which on it is named
+APART = 0.035  # of 1 less the cosine of two lamps
+STEADY = 20.0  # degrees by which a colour's direction may differ before it counts as turned
+COLOURS = ("red", "green", "blue")
+PROFILE = "A profile of 20 pictures undoes a part of it: omnivat profile."
+MEND = "Write the pictures as the old sensor's: --mend FOLDER."
+RELIEF = "Read touches by their relief, with the sensor's own lamps: --touch relief."
+# points that touch loses if only this part changes: from every gel to every other, and with the
+# dots filled (docs/benchmarks/twins.json, "parts")
+COSTS = {
+    "dots": (19.3, 0.5),
+    "lamps": (7.9, 4.0),
+    "noise": (3.4, 1.7),
+    "sharpness": (3.3, 1.1),
+    "tint": (2.1, 0.6),
+    "scale": (1.7, 0.7),
+}
+
+
+class Change(NamedTuple):
+    """One part of a sensor that changed; `size` is the difference over the smallest one named."""
+
+    part: str
+    evidence: str
+    remedy: str
+    size: float
+
+
+class Arrangement(NamedTuple):
+    """How one sensor's pictures become those of another.
+
+    grid    turns rows and columns of an array (h, w, ...); `back` undoes it
+    slopes  (2, 2): turns slopes to the right and downwards
+    """
+
+    part: str
+    words: str
+    channels: tuple[int, ...]
+    grid: Callable[[Array], Array]
+    back: Callable[[Array], Array]
+    slopes: tuple[tuple[int, int], tuple[int, int]]
+
+
+class Measure(NamedTuple):
+    """A number of every picture, and the smallest difference of its mean that is named."""
+
+    part: str
+    row: str
+    least: float
+    more: str  # what B is if its number is larger; {} is the change
+    less: str
+    remedy: str
+
+
+def turned_by(quarters: int) -> Callable[[Array], Array]:
+    """Return the turn of an array (h, w, ...) by quarters, anticlockwise."""
+    return lambda a: np.rot90(a, quarters)
+
+
+RGB, BGR = (0, 1, 2), (2, 1, 0)
+AS_IT_IS = Arrangement("", "", RGB, turned_by(0), turned_by(0), ((1, 0), (0, 1)))
+ARRANGEMENTS = (
+    Arrangement("channels", "red and blue are swapped", BGR, turned_by(0), turned_by(0),
+                ((1, 0), (0, 1))),
+    Arrangement("mirrored", "pictures are mirrored from left to right", RGB, np.fliplr, np.fliplr,
+                ((-1, 0), (0, 1))),
+    Arrangement("mirrored", "pictures are mirrored from top to bottom", RGB, np.flipud, np.flipud,
+                ((1, 0), (0, -1))),
+    Arrangement("turned", "pictures are turned by 180°", RGB, turned_by(2), turned_by(2),
+                ((-1, 0), (0, -1))),
+    Arrangement("turned", "pictures are turned by 90° clockwise", RGB, turned_by(3), turned_by(1),
+                ((0, -1), (1, 0))),
+    Arrangement("turned", "pictures are turned by 90° anticlockwise", RGB, turned_by(1),
+                turned_by(3), ((0, 1), (-1, 0))),
+)  # fmt: skip
+MEASURES = (
+    Measure("strength", "strength", 0.16, "a slope adds {} more colour",
+            "a slope adds {} less colour", RELIEF),
+    Measure("sharpness", "sharpness", 0.25, "edges are {} sharper", "edges are {} less sharp",
+            f"Focus the camera. {PROFILE}"),
+    Measure("noise", "noise", 0.2, "grain is {} stronger", "grain is {} weaker", PROFILE),
+    Measure("tint", "red", 0.06, "the gel looks {} redder beside green",
+            "the gel looks {} less red beside green", PROFILE),
+    Measure("tint", "blue", 0.06, "the gel looks {} bluer beside green",
+            "the gel looks {} less blue beside green", PROFILE),
+    Measure("tint", "brightness", 0.1, "the gel is {} brighter", "the gel is {} darker", PROFILE),
+    Measure("scale", "pitch", 0.06, "dots lie {} wider apart in the picture",
+            "dots lie {} closer together in the picture",
+            "Crop the pictures to the same field of the gel."),
+)  # fmt: skip
+
+
+def sensor_card(pictures: Iterable[Array], against: Iterable[Array] | None = None) -> SensorCard:
+    """Return the card of a sensor from touches without labels, and what changed.
+
+    pictures  5 to 200 touch images of one sensor, (H, W, 3) uint8; 25 show most
+    against   touches of another sensor, or of the same one before; objects may be others. The
+              card's `changes` then lists what changed, the likeliest first; () if nothing did
+
+    Raises DataError for fewer than 5 pictures.
+
+    >>> from omnivat import EXAMPLES
+    >>> from omnivat.data.images import read_image
+    >>> files = sorted((EXAMPLES / "pairs" / "TAG-sim").glob("*/*_tac.jpg"))
+    >>> touches = [np.asarray(read_image(file)) for file in files]
+    >>> swapped = sensor_card([one[..., ::-1] for one in touches], against=touches)
+    >>> [change.part for change in swapped.changes]
+    ['channels']
+    """
+    card = card_of(pictures)
+    if against is None:
+        return card
+    return replace(card, changes=changes_between(card_of(against), card))
+
+
+def changes_between(old: SensorCard, new: SensorCard) -> tuple[Change, ...]:
+    """Return what changed from one sensor, or one state of it, to another; () if nothing did."""
+    arranged, kept = arrangement_of(old, new)
+    found = [] if kept is None else [kept]
+    rest = [
+        *dots_changed(old, new),
+        *lamps_changed(old, new, arranged),
+        *numbers_changed(old, new, arranged),
+    ]
+    rest.sort(key=lambda one: -one.size)
+    seen: set[str] = set()
+    for one in rest:  # the strongest evidence of each part
+        if one.part not in seen:
+            seen.add(one.part)
+            found.append(one)
+    return tuple(found)
+
+
+def arrangement_of(old: SensorCard, new: SensorCard) -> tuple[Arrangement, Change | None]:
+    """Return how the old sensor's pictures are arranged in the new one's, and the change if any."""
+    before = likeness(old, new, AS_IT_IS)
+    best, after = AS_IT_IS, before
+    for one in ARRANGEMENTS:
+        now = likeness(old, new, one)
+        if now.mean() > after.mean():
+            best, after = one, now
+    gained = float(after.mean() - before.mean())
+    if best is AS_IT_IS or after.min() < (FITS if gained < FAR else NEARLY) or gained < GAIN:
+        return AS_IT_IS, None
+    evidence = (
+        f"The new sensor's light and lamps fit the old one's at {after.mean():.2f} if {best.words},"
+        f" and at {before.mean():.2f} as they are (1 is a perfect fit)."
+    )
+    return best, Change(best.part, evidence, MEND, gained / GAIN)
+
+
+def likeness(old: SensorCard, new: SensorCard, way: Arrangement) -> Array:
+    """Return cosines of the gel's light and, where both are known, of the lamps."""
+    field = way.grid(old.field)[..., way.channels]
+    if field.shape != new.field.shape:
+        return np.zeros(1)
+    found = [cosine(centred(field), centred(new.field))]
+    if old.lamps is not None and new.lamps is not None:
+        found.append(abs(cosine(turned(old.lamps.colours, way), new.lamps.colours)))
+    return np.array(found)
+
+
+def centred(field: Array) -> Array:
+    """Return the gel's light (h, w, 3) less its mean brightness: unevenness and tint."""
+    return np.asarray(field / field.mean() - 1)
+
+
+def turned(colours: Array, way: Arrangement) -> Array:
+    """Return the lamps' colours (3, 2) of pictures that are arranged so."""
+    return np.asarray(colours[list(way.channels)] @ np.array(way.slopes).T)
+
+
+def lamps_changed(old: SensorCard, new: SensorCard, way: Arrangement) -> Iterator[Change]:
+    """Yield the change of the lamps, if both cards have them."""
+    if old.lamps is None or new.lamps is None:
+        return
+    a, b = (
+        one / np.linalg.norm(one) for one in (turned(old.lamps.colours, way), new.lamps.colours)
+    )
+    b = b if (a * b).sum() > 0 else -b
+    unsure = 1.5 * (2 - old.lamps.confidence - new.lamps.confidence)
+    size = (1 - float((a * b).sum())) / max(APART, unsure)
+    if size > 1:
+        yield Change(
+            "lamps",
+            f"{difference(a, b)} Likeness of the lamps: {(a * b).sum():.2f} (1 is the same).",
+            RELIEF,
+            size,
+        )
+
+
+def difference(a: Array, b: Array) -> str:
+    """Return how the lamps b (3, 2) differ from a, as a sentence."""
+    angles = [np.degrees(np.arctan2(one[:, 1], -one[:, 0])) for one in (a, b)]
+    turns = (angles[1] - angles[0] + 180) % 360 - 180
+    weight = np.linalg.norm(a, axis=1)
+    middle = float(np.average(turns, weights=weight))
+    if abs(middle) > STEADY and np.abs(turns - middle)[weight > 0.3].max(initial=0) < 2 * STEADY:
+        return f"The lamps are turned by {abs(middle):.0f}°, {'anti' * (middle > 0)}clockwise."
+    ratios = np.linalg.norm(b, axis=1) / np.maximum(weight, 1e-6)
+    ratios /= np.median(ratios)
+    worst = int(np.abs(np.log(ratios)).argmax())
+    if np.abs(np.log(ratios[worst])) > np.log(1.2):
+        word = "stronger" if ratios[worst] > 1 else "weaker"
+        return (
+            f"The {COLOURS[worst]} light is {abs(ratios[worst] - 1):.0%} {word} beside the others."
+        )
+    return "Directions or colours of the lamps differ."
+
+
+def dots_changed(old: SensorCard, new: SensorCard) -> Iterator[Change]:
+    """Yield the change of the printed dots."""
+    a, b = (float(one.rows["dots"].mean()) for one in (old, new))
+    shared = (a * old.pictures + b * new.pictures) / (old.pictures + new.pictures)
+    spread = np.sqrt(shared * (1 - shared) * (1 / old.pictures + 1 / new.pictures))
+    size = abs(b - a) / max(0.35, SURE * float(spread))
+    if size > 1 or (abs(b - a) > 0.9):
+        verb = "has gained" if b > a else "has lost"
+        yield Change(
+            "dots",
+            f"The gel {verb} printed dots: {a:.0%} of the old pictures show a grid of dots, and"
+            f" {b:.0%} of the new.",
+            "Fill the dots, as every command does without --dots keep.",
+            max(size, 1.0),
+        )
+
+
+def numbers_changed(old: SensorCard, new: SensorCard, way: Arrangement) -> Iterator[Change]:
+    """Yield the changes of what has a number in every picture."""
+    for measure in MEASURES:
+        row = measure.row
+        if row == "pitch" and min(old.of("dots")[0], new.of("dots")[0]) < 0.5:
+            continue
+        (a, spread_a), (b, spread_b) = old.of(row), new.of(row)
+        if way.channels != AS_IT_IS.channels and row in ("red", "blue"):
+            a, spread_a = old.of("blue" if row == "red" else "red")
+        step = np.log(b / a) if row == "pitch" else b - a
+        error = float(np.hypot(spread_a, spread_b)) / (a if row == "pitch" else 1)
+        size = abs(step) / max(measure.least, SURE * error)
+        if size > 1:
+            words = measure.more if step > 0 else measure.less
+            sentence = words.format(f"{abs(np.expm1(step)):.0%}")
+            yield Change(
+                measure.part,
+                f"{sentence[0].upper()}{sentence[1:]} ({abs(step) / max(error, 1e-9):.0f} standard"
+                " errors).",
+                measure.remedy,
+                float(size),
+            )
+
+
+def cost_of(part: str) -> str:
+    """Return what such a change takes on the simulated twins, as a sentence; "" if not measured."""
+    if part not in COSTS:
+        return ""
+    kept, filled = COSTS[part]
+    return (
+        f"Between simulated sensors that differ in this alone, touch loses {kept:.0f} points of"
+        f" accuracy, and {filled:.0f} with the dots filled."
+    )

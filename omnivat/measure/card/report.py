@@ -1,0 +1,90 @@
+"""A sensor's card in words and as JSON."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from omnivat.measure.card.card import SensorCard
+from omnivat.measure.card.changes import COLOURS, cost_of
+
+
+def record(card: SensorCard) -> Mapping[str, Any]:
+    """Return the card as JSON takes it; `changed` lists parts, the likeliest first."""
+    lit = card.lamps
+    share, _ = card.of("dots")
+    found: dict[str, Any] = {
+        "pictures": card.pictures,
+        "size": list(card.size),
+        "lamps": None if lit is None else lit.colours.round(2).tolist(),
+        "confidence": None if lit is None else round(lit.confidence, 3),
+        "halves": None if card.halves is None else round(card.halves, 3),
+        "no_lamps": card.unlit,
+        "tint": card.field.mean((0, 1)).round(1).tolist(),
+        "uneven": round(card.uneven, 3),
+        "dots": round(share, 3),
+        "pitch": rounded(card.of("pitch")[0]),
+        "strength": rounded(card.of("strength")[0]),
+        "sharpness": rounded(card.of("sharpness")[0]),
+        "noise": rounded(np.exp(card.of("noise")[0])),
+        "missing": card.missing,
+    }
+    if card.changes is not None:
+        found["changed"] = [change.part for change in card.changes]
+        found["changes"] = [change._asdict() for change in card.changes]
+    return found
+
+
+def rounded(value: float) -> float | None:
+    """Return a number with three decimals, or None for NaN."""
+    return None if value != value else round(float(value), 3)
+
+
+def markdown(card: SensorCard, title: str) -> str:
+    """Return the card as Markdown."""
+    share, _ = card.of("dots")
+    (grain, _), (pitch, _) = card.of("noise"), card.of("pitch")
+    tint = card.field.mean((0, 1))
+    rows = [
+        ("pictures", f"{card.pictures} of {card.size[0]} × {card.size[1]} pixels"),
+        ("lamps", lamps_in_words(card)),
+        ("gel's mean colour", " ".join(f"{n} {v:.0f}" for n, v in zip(COLOURS, tint, strict=True))),
+        ("unevenness of its light", f"{card.uneven:.0%} of its mean"),
+        (
+            "printed dots",
+            f"in {share:.0%} of the pictures"
+            + (f", {pitch:.1%} of the picture apart" if pitch == pitch else ""),
+        ),
+        ("grain", f"{np.exp(grain):.1f} of 255"),
+    ]
+    text = [f"# {title}", "", "| what | found |", "| --- | --- |"]
+    text += [f"| {name} | {words} |" for name, words in rows]
+    text += ["", card.missing] if card.missing else []
+    if card.changes is not None:
+        text += ["", changes_in_words(card)]
+    return "\n".join(text) + "\n"
+
+
+def lamps_in_words(card: SensorCard) -> str:
+    """Return from where each colour comes, and how sure that is; or why it is not known."""
+    if card.lamps is None:
+        return card.unlit
+    colours = card.lamps.colours
+    angles = np.degrees(np.arctan2(colours[:, 1], -colours[:, 0])) % 360
+    words = [f"{name} from {angle:.0f}°" for name, angle in zip(COLOURS, angles, strict=True)]
+    halves = "" if card.halves is None else f", halves of the pictures agree at {card.halves:.2f}"
+    return (
+        f"{', '.join(words)} (0° is the right, 90° the top); confidence"
+        f" {card.lamps.confidence:.2f}{halves}"
+    )
+
+
+def changes_in_words(card: SensorCard) -> str:
+    """Return what changed as numbered sentences."""
+    if not card.changes:
+        return "Nothing changed that these pictures show."
+    lines = ["What changed, the likeliest first:", ""]
+    for number, change in enumerate(card.changes, 1):
+        sentences = (change.evidence, cost_of(change.part), change.remedy)
+        lines.append(f"{number}. **{change.part}**: {' '.join(filter(None, sentences))}")
+    return "\n".join(lines)

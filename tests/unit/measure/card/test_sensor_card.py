@@ -1,0 +1,128 @@
+"""The card of a sensor: one known part of a simulated gel is changed, and the card names it."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from omnivat import sensor_card
+from omnivat.cli import main
+from omnivat.kit.errors import DataError
+from omnivat.kit.seeding import derive_seed
+from omnivat.measure.card.card import card_of
+from omnivat.measure.card.changes import COSTS, changes_between
+from simulator.domains import SIMULATED
+from simulator.drawing import tactile
+from simulator.plan import planned
+from simulator.sensors import SENSORS, Lamp
+from simulator.things import thing
+
+GEL = SENSORS["DIGIT"]
+SIDE = 160
+TURNED = tuple(Lamp(a + 50, colour, spill) for a, colour, spill in GEL.lamps)
+
+
+def touches(sensor, seed):
+    """Presses of objects that no other folder has, drawn small."""
+    domain = replace(SIMULATED["TAG"], seed_base=seed)
+    objects = [p for m in ("wood", "steel", "ceramic") for p in planned(domain, m, pairs=60)[:5]]
+    return [
+        np.uint8(
+            np.rint(255 * tactile(thing(p, seed=0), sensor, derive_seed(0, p.object), size=160))
+        )
+        for p in objects
+    ]
+
+
+@pytest.fixture(scope="module")
+def before():
+    return card_of(touches(GEL, 91_000))
+
+
+@pytest.fixture(scope="module")
+def after():
+    return touches(GEL, 92_000)
+
+
+def parts(old, pictures):
+    return [change.part for change in changes_between(old, card_of(pictures))]
+
+
+def test_other_objects_alone_are_no_change(before, after):
+    assert parts(before, after) == []
+
+
+@pytest.mark.parametrize(
+    ("part", "turn"),
+    [
+        ("channels", lambda a: a[..., ::-1]),
+        ("mirrored", lambda a: a[:, ::-1]),
+        ("mirrored", lambda a: a[::-1]),
+        ("turned", lambda a: np.rot90(a)),
+        ("turned", lambda a: np.rot90(a, 2)),
+    ],
+)
+def test_swapped_channels_mirrored_and_turned_pictures_are_named_alone(before, after, part, turn):
+    assert parts(before, [np.ascontiguousarray(turn(one)) for one in after]) == [part]
+
+
+CHANGED = {
+    "lamps": replace(
+        GEL, lamps=tuple(Lamp(a + 50, colour, spill) for a, colour, spill in GEL.lamps)
+    ),
+    "dots": replace(GEL, markers=SENSORS["GelSight"].markers),
+    "tint": replace(GEL, base=(0.58, 0.50, 0.44)),
+    "noise": replace(GEL, noise=3 * GEL.noise),
+    "sharpness": replace(GEL, blur=4.0),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("part", CHANGED)
+def test_a_changed_part_of_a_gel_is_named_first(before, part):
+    assert parts(before, touches(CHANGED[part], 93_000))[0] == part
+
+
+def test_the_command_names_what_changed_and_writes_pictures_as_the_old_sensor_has_them(
+    before, after, tmp_path, capsys
+):
+    for name, pictures in (("old", touches(GEL, 91_000)), ("new", [a[:, ::-1] for a in after])):
+        (tmp_path / name).mkdir()
+        for k, one in enumerate(pictures):
+            Image.fromarray(one).save(tmp_path / name / f"{k:02d}_tac.png")
+    old, new, mended = (str(tmp_path / name) for name in ("old", "new", "mended"))
+    rose = tmp_path / "rose.png"
+    command = ["sensor", new, "--against", old, "--mend", mended, "--figure", str(rose)]
+    assert main(command) == 0
+    assert "1. **mirrored**" in capsys.readouterr().out
+    assert rose.read_bytes()[:4] == b"\x89PNG"
+    with Image.open(tmp_path / "mended" / "00_tac.png") as image:
+        first = np.asarray(image)
+    assert np.array_equal(first, after[0])
+    assert main(["sensor", mended, "--against", old, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["changed"] == []
+
+
+def test_too_few_flat_and_grey_pictures_give_one_sentence(after):
+    with pytest.raises(DataError, match="needs 5 touch images or more, better 25, and there is 1"):
+        sensor_card(after[:1])
+    with pytest.raises(DataError, match="there are none"):
+        sensor_card([])
+    for flat in (np.full((96, 96, 3), 90, np.uint8), np.repeat(after[0][..., :1], 3, -1)):
+        card = sensor_card([flat] * 6)
+        assert card.lamps is None
+        assert card.unlit.count("\n") == 0 and card.unlit.endswith(".")
+
+
+def test_what_a_change_costs_is_what_the_twins_record():
+    from pathlib import Path
+
+    record = json.loads(Path("docs/benchmarks/twins.json").read_text(encoding="utf-8"))
+    every = record["parts"]["every"]
+    names = {"dots": "markers", "noise": "camera", "sharpness": "softness", "scale": "field, depth"}
+    for part, (kept, filled) in COSTS.items():
+        found = every[names.get(part, part)]
+        for words, printed in (("as it comes", kept), ("dots filled", filled)):
+            assert abs(np.ravel(found[words])[0]) == pytest.approx(printed, abs=0.06)
