@@ -54,17 +54,20 @@ class Shared:
         self._encoders: dict[str, Lazy[Encoder]] = {}
         self._lock = Lock()
 
-    def encoder(self, name: str, weights_hash: str = "", dots: str = "keep") -> "Encoder":
-        """Return the encoder with that name and weights, loaded once for all; `dots` as in
-        `load_encoder`.
+    def encoder(
+        self, name: str, weights_hash: str = "", dots: str = "keep", touch: str = "colours"
+    ) -> "Encoder":
+        """Return the encoder with that name and weights, loaded once for all; `dots` and `touch`
+        as in `load_encoder`. A relief is drawn from each touch by itself.
 
         Its weights are read from their last known location; nothing is downloaded.
         """
         from omnivat.encoders.base import load_encoder
 
-        load = partial(load_encoder, name, weights_hash=weights_hash, download="no", dots=dots)
+        made = partial(load_encoder, name, weights_hash=weights_hash, download="no")
+        load = partial(made, dots=dots, touch=touch)
         with self._lock:
-            lazy = self._encoders.setdefault(f"{name} {weights_hash} {dots}", Lazy(load))
+            lazy = self._encoders.setdefault(f"{name} {weights_hash} {dots} {touch}", Lazy(load))
         return lazy()
 
     def close(self) -> None:
@@ -226,9 +229,10 @@ class Resources:
     def _load_encoder(self) -> "Encoder":
         wanted = self.head().encoder
         from omnivat.data.dots import dots_of
+        from omnivat.data.relief.files import touch_of
 
-        dots = dots_of(wanted["preprocessing"])
-        encoder = self.shared.encoder(wanted["name"], wanted["weights_hash"], dots)
+        how = dots_of(wanted["preprocessing"]), touch_of(wanted["preprocessing"])
+        encoder = self.shared.encoder(wanted["name"], wanted["weights_hash"], *how)
         made = (encoder.name, encoder.weights_hash, encoder.preprocessing)
         self.head().require(made, encoder.width, what="Images encoded here")
         return encoder

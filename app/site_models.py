@@ -166,6 +166,7 @@ def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
     Python.
     """
     from omnivat.data.dots import dots_of
+    from omnivat.data.relief.files import touch_of
     from omnivat.data.strips import ENCODER as STRIP
     from omnivat.encoders.base import for_modality
     from omnivat.encoders.efficientnet import NAME, EfficientNetLite0
@@ -174,7 +175,7 @@ def write_encoder(resources: Resources, folder: Path) -> dict[str, Any] | None:
 
     wanted = resources.head().encoder
     sides = {NAME: SIDE, STRIP: 0}  # of the picture that it reads; 0: any
-    if wanted["name"] not in sides:
+    if wanted["name"] not in sides or touch_of(wanted["preprocessing"]) == "relief":
         return None
     file = folder / f"encoder-{wanted['weights_hash']}.onnx"
     encoder = for_modality(resources.encoder(), "vis")

@@ -311,10 +311,8 @@ def save_profile(file: str | Path, profile: Profile) -> None:
     for name, one in profile.channels.items():
         columns |= {f"{name}_mean": column(one.mean), f"{name}_variance": column(one.variance)}
         header[f"{name}_count"] = str(one.count)
-    if profile.step != 1:
-        header["step"] = repr(profile.step)
-    if profile.lamps is not None:
-        header["lamps"] = packed(profile.lamps)
+    header |= {"step": repr(profile.step)} if profile.step != 1 else {}
+    header |= {"lamps": packed(profile.lamps)} if profile.lamps else {}
     with replacing(file) as temporary:
         write_arrays(temporary, columns, {"format": FORMAT, **header})
 

@@ -12,6 +12,7 @@ _ROOMS = {
     "curves": ("lines", "gap_curves", "staircase"),
     "scores": ("dots", "strangers", "ladder", "gap_tables"),
     "card": ("rose",),
+    "surface": ("relief",),
     "page": ("html_page", "write"),
 }
 _PUBLIC = {n: f"omnivat.figures.{room}:{n}" for room, names in _ROOMS.items() for n in names}

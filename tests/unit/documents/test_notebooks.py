@@ -9,9 +9,9 @@ FOLDER = Path(__file__).resolve().parents[3] / "docs" / "notebooks"
 BOOKS = sorted(path.stem for path in FOLDER.glob("*.ipynb"))
 
 
-def test_there_are_four_notebooks_without_outputs():
+def test_there_are_five_notebooks_without_outputs():
     nbformat = pytest.importorskip("nbformat")
-    assert len(BOOKS) == 4
+    assert len(BOOKS) == 5
     for name in BOOKS:
         book = nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
         nbformat.validate(book)
