@@ -16,6 +16,7 @@ STYLES = (
     "explore/explore",
     "explore/analyse",
     "explore/chapters",
+    "explore/gaps",
     "pair/pair",
     "train/train",
     "shared/narrow",

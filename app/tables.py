@@ -1,8 +1,9 @@
-"""What the page offers, as rows: modes of p, measures, steps, colours, methods, rungs.
+"""What the page offers, as rows: modes of p, measures, steps, colours, methods, rungs, domains.
 
 Each row has an id, a title and what it can do; scripts go by the ability, never by a name.
-`app/web/shared/tables.json` has them, but for two: a gap of `omnivat.measure.gaps` is a measure,
-too, and the rungs are those of `omnivat.measure.rungs`.
+`app/web/shared/tables.json` has them, but for three: a gap of `omnivat.measure.gaps` is a measure,
+too, the rungs are those of `omnivat.measure.rungs`, and the domains are the paper's with their
+sensors.
 """
 
 import json
@@ -10,6 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from omnivat.data.domains import DOMAINS
 from omnivat.measure.gaps import GAPS, NAMES
 from omnivat.measure.rungs import RUNGS
 
@@ -39,5 +41,6 @@ def tables_html() -> str:
         for name, title in titles.items()
     ]
     rows = tables() | {"measures": [*tables()["measures"], *gaps], "rungs": RUNGS}
+    rows["domains"] = [{"id": name, "title": domain.title} for name, domain in DOMAINS.items()]
     text = json.dumps(rows, ensure_ascii=False).replace("<", "\\u003c")  # no tag ends the element
     return f'<script type="application/json" id="omnivat-tables">{text}</script>'

@@ -18,14 +18,19 @@ class Domain:
     series: tuple[str, ...] = ()  # parts of TacQuad: "indoor", "outdoor"
     ceramic: bool = True  # TacQuad has no ceramic objects
 
+    @property
+    def title(self) -> str:
+        """The sensor, and the data set in brackets."""
+        return f"{self.sensor} ({self.name})"
+
 
 DOMAINS = {
     domain.name: domain
     for domain in (
         Domain(name="TAG", sensor="GelSight"),
         Domain(name="OF Real", sensor="GelSlim"),
-        Domain(name="OF 2.0 A", sensor="Taxim"),
-        Domain(name="OF 2.0 B", sensor="Taxim"),
+        Domain(name="OF 2.0 A", sensor="Taxim GelSight"),
+        Domain(name="OF 2.0 B", sensor="Taxim GelSight Mini"),
         Domain(name="TQ-DIGIT", sensor="DIGIT", series=("indoor", "outdoor"), ceramic=False),
         Domain(
             name="TQ-GelMini", sensor="GelSight Mini", series=("indoor", "outdoor"), ceramic=False

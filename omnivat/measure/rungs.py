@@ -101,7 +101,7 @@ def known_of(row: Row) -> Known | None:
 # home           measured on the source in place of the targets
 # bar            its name among the bars of a visitor's own set
 # step           of the line of *Try a pair* that names its gain: 2 before labels, 3 before teaching
-# map            the number of the twins' map that it draws; `order`: the set's own map, by p
+# map            the number of the twins' map that it draws
 # title, help    of its button above the map, and `remark` below: {apart} of sensors, {first} as
 #                they come, {gain} in points
 RUNGS: list[Row] = [
@@ -134,7 +134,6 @@ RUNGS: list[Row] = [
         "remark": "Sensors shift and stretch features."
         " Aligning means and spreads undoes both. {gain}",
     },
-    {"id": "p", "words": "nothing", "order": True},
     *(_row(pairs(count)) for count in (1, 2, 5, 10)),
     _row(pairs(20), step=2, bar="with pictures"),
     _row(pairs(50)),

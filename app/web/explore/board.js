@@ -15,23 +15,23 @@ import * as beside from "./beside.js";
 import { featuresHtml, headOf, LESSONS, rightAt, whence } from "./chapters.js";
 import * as curves from "./curves.js";
 import * as finder from "./finder.js";
+import * as gaps from "./gaps.js";
 import { showGrid, showNeighbours } from "./grid.js";
 import * as maps from "./maps.js";
 import { modeWords } from "./modes.js";
 import * as nodes from "./nodes.js";
 import { openPanel, panelIsOpen, rememberPanels } from "./panels.js";
 import { listen, peek } from "./pictures.js";
-import { $, change, fill, html, put, scene, send, state } from "./root.js";
+import { $, change, fill, html, put, scene, send, showWords, state } from "./root.js";
 import { labelCsv } from "./saving.js";
 import { isDouble, nearKey, nearStage, nextPoint, packed, painted, unpacked } from "./scene.js";
 import { showSteps } from "./staircase.js";
 import * as strangers from "./strangers.js";
-import * as threads from "./threads.js";
 import * as toy from "./toy.js";
 
 /** @type {ReturnType<typeof orderBar>} */
 let bar;
-/** What draws them. @type {Record<"ride" | "curves" | "together", () => void>} */
+/** What draws them. @type {Record<"ride" | "curves", () => void>} */
 let charts;
 /** @type {Pointing} */
 const pointing = {
@@ -52,12 +52,17 @@ export function build() {
   if (maps.map) return;
   maps.build(pointing);
   listen();
+  gaps.listen(() => {
+    maps.showNow();
+    gaps.show();
+    announceSoon();
+  });
   finder.listen();
   rememberPanels(() => {
     showToy();
     nodes.follow();
   });
-  charts = { ride: curves.accuracy(), curves: curves.features(), together: curves.together() };
+  charts = { ride: curves.accuracy(), curves: curves.features() };
 }
 
 /** Facts about the set or its head have come. */
@@ -66,6 +71,7 @@ export function learned() {
   showColours();
   showLesson();
   if (scene.facts.unseen && state.cell) followCell();
+  if (state.chapter === "gaps") gaps.follow();
   showPictures();
 }
 
@@ -74,6 +80,7 @@ export function start(frames) {
   send("started", frames);
   resetMaps();
   replace(frames);
+  if (state.chapter === "gaps") gaps.open();
   const points = unpacked(state.sel, 2 * frames.pairs).filter(maps.shown);
   if (points.length) select(points);
 }
@@ -102,8 +109,8 @@ export function showOrder() {
   const { frames, stop } = send("moved", {});
   bar.show(stop);
   showCurves();
-  if (state.chapter === "where") charts.together();
   showSteps();
+  if (state.chapter === "gaps") gaps.show();
   showToy();
   nodes.follow();
   if (state.chapter === "order") toy.showWave(frames.orders[stop]);
@@ -119,19 +126,13 @@ export function showOrder() {
 function showLesson() {
   const { frames, stop, facts } = scene;
   const lesson = LESSONS[state.chapter];
-  if (state.chapter === "where") threads.tell();
+  if (state.chapter === "gaps") gaps.tell();
   else if (lesson?.words) showWords(lesson.words(scene));
   else
     fill(
       $(".stage .score"),
       frames.headless ? featuresHtml(scene) : html`${headOf(frames, stop)}${whence(frames, stop, facts.unseen)}`,
     );
-}
-
-/** @param {Words} words */
-export function showWords({ title, figure, remark, whence = html`` }) {
-  for (const [name, words] of Object.entries({ title: html`${title}`, figure, remark, whence }))
-    fill($(`.stage .${name}`), html`${words}`);
 }
 
 export function showStage() {
@@ -146,6 +147,7 @@ export function showStage() {
 }
 
 function showCurves() {
+  if (state.chapter === "gaps") return;
   charts.ride();
   charts.curves();
 }
@@ -212,7 +214,7 @@ export function showCard() {
   const frames = painted(scene, state);
   const pair = hovered >= 0 ? hovered % frames.pairs : (state.pin ?? -1);
   const pinned = pair >= 0 && pair === state.pin;
-  $('[data-panel="card"]').hidden = state.chapter !== "analyse" && state.pin === null;
+  $('[data-panel="card"]').hidden = state.chapter === "gaps" || (state.chapter !== "analyse" && state.pin === null);
   put($(".card"), card(frames, sprite, pair, stop, pinned, sample, facts.pairs));
   if (pinned) showNeighbours();
 }
@@ -274,6 +276,7 @@ function showPictures() {
 }
 
 const announceSoon = afterwards(() => {
+  if (state.chapter === "gaps") return gaps.announce();
   const { frames, stop } = scene;
   const [{ id, title }] = GAPS;
   const gap = values(frames, id, featuresOf(state.stage))?.[stop];

@@ -134,9 +134,10 @@ function fooled({ own, facts: { unseen, fit } }) {
   };
 }
 
-/** What follows a chapter, and its words; the workbench has none, and the second chapter has its own.
+/** What follows a chapter, and its words; the workbench has none, and the second and third have their own.
  * @type {Record<string, {to: string, next: string, words?: (scene: Scene) => Words}>} */
 export const LESSONS = {
+  gaps: { to: "where", next: "Next →" },
   where: { to: "order", next: "Next →" },
   order: { words: order, to: "fooled", next: "Next →" },
   fooled: { words: fooled, to: "analyse", next: "Analyse →" },

@@ -1,10 +1,10 @@
-/** Charts against p: one for each measure, or accuracy and both gaps in one. Click or drag one to move p. */
+/** Charts against p, one for each measure. Click or drag one to move p. */
 
 import { dragged, Scale } from "../shared/chart.js";
-import { asText, axis, BRIEF, gapsOf, spread, values } from "../shared/measures.js";
+import { asText, axis, gapsOf, spread, values } from "../shared/measures.js";
 import { span } from "../shared/order.js";
 import { isLecture } from "../shared/palette.js";
-import { INPUT, OUTPUT } from "../shared/stages.js";
+import { INPUT } from "../shared/stages.js";
 import { can, has, TABLES } from "../shared/tables.js";
 import { $, change, draw, html, scene, state } from "./root.js";
 import { loneDomain, whole } from "./scene.js";
@@ -50,26 +50,6 @@ export const features = () =>
     ".all",
     () => 108,
     (scale) => html`${gapsOf(scene.frames).map((row) => curve(row, scale))}${DASHED}`,
-  );
-
-/** Accuracy and both gaps in one chart, each with its value at the present stop. */
-export const together = () =>
-  charts(
-    ".together",
-    () => 72,
-    (scale) => {
-      const { frames, stop } = scene;
-      const known = BRIEF.map(({ id, title }) => ({ name: id, title, values: values(frames, id, OUTPUT) }));
-      const key = known.map(
-        ({ name, title, values }) =>
-          html`<span class="${name}">${title.toLowerCase()} <output>${asText(name, values?.[stop], 2)}</output></span>`,
-      );
-      const lines = known.map(
-        ({ name, values }) => values && html`<path class="${name}" d="${scale.line(zip(frames.orders, values))}"/>`,
-      );
-      const drawn = scale.svg("Accuracy and both gaps against p", scale.grid([0, 1], String), nowOf(scale), lines);
-      return html`<p class="key">${key}</p>${drawn}`;
-    },
   );
 
 /** The line at the present p. @param {Scale} scale */

@@ -10,12 +10,15 @@ import { colouring, colouringsOf, isDark } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { INPUT, isStill, stageNamed } from "../shared/stages.js";
 import { can, modeOf } from "../shared/tables.js";
+import { gapLines, pairOnMap, withPair } from "./gap-marks.js";
 import { pictures } from "./pictures.js";
 import { $, choice, html, options, percent, put, scene, state } from "./root.js";
 import { filtering, isDouble, lit, loneDomain, near, painted } from "./scene.js";
 
 /** @type {Record<string, string>} */
 export const METHODS = { pca: "PCA", umap: "UMAP" };
+const GLIDE = 140; // milliseconds from one stop to the next
+const PALE = 0.75;
 const TOOLS = 46; // CSS pixels that the tools of the workbench cover at the top of the map
 
 /** @type {Cloud} */
@@ -41,8 +44,13 @@ export function build(on) {
   const colours = () => painted(scene, state);
   const named = names(colours, shown);
   const scaled = axes(() => axisNames(kindOf(state.stage)));
+  /** @param {Painter} paint @returns {Painter} */
+  const ofGaps = (paint) => (x, cloud) => state.chapter === "gaps" && paint(x, cloud);
   map.painters = [
-    (x, cloud) => (state.chapter === "analyse" ? scaled(x, cloud) : shapes(x, cloud, meaning(scene.frames))),
+    ofGaps(gapLines(shown)),
+    (x, cloud) =>
+      state.chapter !== "gaps" &&
+      (state.chapter === "analyse" ? scaled(x, cloud) : shapes(x, cloud, shapeWords(scene.frames))),
     pictures,
     means(colours, shown),
     (x, cloud) =>
@@ -51,8 +59,9 @@ export function build(on) {
         cloud,
         near(scene, state).map(({ point }) => point),
       ),
-    pairLines,
-    (x, cloud) => cloud.view.zoom < 3 && named(x, cloud),
+    (x, cloud) => state.chapter !== "gaps" && pairLines(x, cloud),
+    ofGaps(pairOnMap(kindOf)),
+    (x, cloud) => cloud.view.zoom < 3 && state.chapter !== "gaps" && named(x, cloud),
     (x) => lassoLine(x, drawing.polygon),
   ];
 }
@@ -60,7 +69,7 @@ export function build(on) {
 /** Another set or chapter: room for its points, the whole map in view. */
 export function reset() {
   const over = getComputedStyle($(".tools")).position === "absolute"; // on a phone they stand above the map
-  map.top = state.chapter === "analyse" && over && !isDouble(scene, state) ? TOOLS : 0;
+  map.top = ["gaps", "analyse"].includes(state.chapter) && over && !isDouble(scene, state) ? TOOLS : 0;
   if (map.count !== 2 * scene.own.pairs) map.hold(2 * scene.own.pairs);
   map.resetView();
 }
@@ -91,6 +100,7 @@ export function showColourings() {
 export const showLayers = (cloud = map, frames = scene.frames, stop = scene.stop) => {
   cloud.halves = [0, frames.pairs].map((from) => scene.mask.subarray(from, from + frames.pairs).includes(1));
   cloud.layers = layersOf(painted(scene, state, frames), stop, shown, isLit);
+  if (state.chapter === "gaps") for (const { style } of cloud.layers) style.alpha *= PALE; // lines and stars stand out
   cloud.redraw();
 };
 
@@ -100,7 +110,8 @@ export function showNow() {
   const kind = kindOf(state.stage);
   if (!kind) return;
   const frame = frames.positions(kind, state.stage, stop);
-  map.show(frame);
+  if (state.chapter === "gaps") map.glide(withPair(frame, kind), GLIDE);
+  else map.show(frame);
   map.box.dataset.order = String(frames.orders[isStill(state.stage, frames) ? stop : frame.drawn]);
   $(".approximate").textContent = notes(frames, frame, stop, kind);
   put($('[data-panel="step"] .map-title'), title(kind));
@@ -137,7 +148,7 @@ function title(kind) {
 }
 
 /** @type {(frames: Frames) => string} */
-const meaning = ({ signals }) => (signals ? "● one recording  ▲ the other" : "● photo  ▲ touch");
+export const shapeWords = ({ signals }) => (signals ? "● one recording  ▲ the other" : "● photo  ▲ touch");
 
 /** What to know about the map: how far its neighbours can be trusted, and which stop it shows.
  * @param {Frames} frames @param {ReturnType<Frames["positions"]>} frame @param {number} stop @param {string} kind */

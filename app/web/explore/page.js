@@ -9,6 +9,7 @@ import { theSet } from "../shared/theset.js";
 import { making, tell } from "../shared/view.js";
 import * as board from "./board.js";
 import { LESSONS, startOf } from "./chapters.js";
+import * as gaps from "./gaps.js";
 import { framesOfMode, isOtherWanted } from "./modes.js";
 import { $, all, scene, send, state } from "./root.js";
 import * as threads from "./threads.js";
@@ -48,21 +49,17 @@ export async function enter() {
   layOut(chapter);
   const late = () => state.chapter !== chapter;
   return attempt(async () => {
-    if (chapter === "touch") {
-      await touch.open();
+    const still = { touch, where: threads }[chapter]; // their pictures do not follow p
+    if (still) {
+      await still.open();
       return late() || opened(chapter);
     }
-    if (chapter === "where") {
-      await threads.open();
-      if (late()) return;
-      telling(null);
-      $().classList.add("ready");
-    }
-    const data = await dataOf(setOf(chapter, scene.sets), (step) => !scene.chapter && telling(step));
+    const set = chapter === "gaps" ? gaps.chosenHead().set : setOf(chapter, scene.sets);
+    const data = await dataOf(set, (step) => !scene.chapter && telling(step));
     if (late()) return;
     if (scene.own !== data.own) send("loaded", data);
     board.build();
-    const frames = await framesOfMode(say);
+    const frames = await (chapter === "gaps" ? gaps.framesOfHead(say) : framesOfMode(say));
     if (late() || !frames) return;
     if (state.p === null) openAt(startOf(chapter, frames, data.own));
     if (state.pin !== null && !(state.pin < frames.pairs)) change({ pin: null });
@@ -118,7 +115,7 @@ async function refine(data) {
   telling(null);
   data.own = own;
   if (scene.own !== coarse) return;
-  const shown = scene.frames === coarse;
+  const shown = (scene.frames.whole ?? scene.frames) === coarse;
   send("arrived", { own });
-  if (shown && scene.chapter) board.replace(own);
+  if (shown && scene.chapter) board.replace(scene.chapter === "gaps" ? gaps.atStops(own) : own);
 }

@@ -2,7 +2,7 @@
 
 import { radios } from "../shared/radios.js";
 import { state } from "../shared/store.js";
-import { draw } from "../shared/text.js";
+import { draw, fill, html } from "../shared/text.js";
 import { after, START } from "./state.js";
 
 export { change, state } from "../shared/store.js";
@@ -20,6 +20,12 @@ export const $ = (selector = "") => document.querySelector(`.ov.explore ${select
 
 /** All parts that fit a selector. @type {(selector: string) => Found[]} */
 export const all = (selector) => [...document.querySelectorAll(`.ov.explore ${selector}`)];
+
+/** Write the words and figures of a chapter. @param {Words} words */
+export function showWords({ title, figure, remark, whence = html`` }) {
+  for (const [name, words] of Object.entries({ title: html`${title}`, figure, remark, whence }))
+    fill($(`.stage .${name}`), html`${words}`);
+}
 
 /** Draw buttons of which one is chosen: a value of the address.
  * @param {string} selector @param {"map" | "mode" | "press" | "dots" | "known" | "reading" | "rung"} name

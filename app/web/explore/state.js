@@ -23,6 +23,10 @@ export const START = /** @type {Scene} */ (
     twin: -1,
     alone: -1,
     glided: "",
+    trail: [],
+    opening: null,
+    chosen: { key: "", pair: {}, row: -1, journey: null, note: "" },
+    node: -1,
     pointer: [0, 0],
   })
 );
@@ -34,7 +38,13 @@ const EVENTS = {
   /** Another set: nothing of the one before stays. */
   loaded: (_, { set, own, sprite, modes }) => ({
     ...{ set, own, sprite, modes, frames: own, facts: UNKNOWN, stop: 0, hovered: -1, nearest: null, cell: null },
-    ...{ stranger: UNSEEN, selected: new Set(), highlight: null, mask: new Uint8Array(2 * own.pairs).fill(1) },
+    ...{
+      stranger: UNSEEN,
+      selected: new Set(),
+      highlight: null,
+      opening: null,
+      mask: new Uint8Array(2 * own.pairs).fill(1),
+    },
   }),
   /** A fact about another set changes nothing. */
   learned: (scene, { set, facts }) => (set === scene.set ? { facts: { ...scene.facts, ...facts } } : {}),
@@ -44,7 +54,10 @@ const EVENTS = {
     selected: new Set(),
     sample: frames.label.findIndex((label, pair) => frames.headless || label === frames.prediction[pair]),
   }),
-  replaced: (scene, frames, address) => ({ frames, ...moved({ ...scene, frames }, {}, address) }),
+  replaced: (scene, frames, address) => {
+    const { stop = 0, ...more } = moved({ ...scene, frames }, {}, address);
+    return { frames, stop, ...more, trail: [3, 2, 1].map((by) => stop - by).filter((at) => at >= 0) };
+  },
   moved,
   filtered,
   cellFollowed,
@@ -57,13 +70,14 @@ const EVENTS = {
  * @param {Scene} scene @param {Name} name @param {SceneEvents[Name]} told @param {State} address @returns {Scene} */
 export const after = (scene, name, told, address) => ({ ...scene, ...EVENTS[name](scene, told, address) });
 
-/** p has moved: its stop, and in the chapter of the order the stops between which it was dragged.
- * @param {Scene} scene @param {unknown} _ @param {State} address */
-function moved({ frames, dragged }, _, { p, chapter }) {
+/** p has moved: its stop, the last ones before it, and in the chapter of the order the stops between which it was dragged.
+ * @param {Scene} scene @param {unknown} _ @param {State} address @returns {Partial<Scene>} */
+function moved({ frames, dragged, stop: before, trail }, _, { p, chapter }) {
   const stop = frames.stop(p);
+  const last = stop === before ? trail : [...trail, before].slice(-3);
   const [from, to] = dragged.get(frames) ?? [Infinity, -Infinity];
-  if (chapter !== "order" || (from <= stop && stop <= to)) return { stop };
-  return { stop, dragged: new Map(dragged).set(frames, [Math.min(from, stop), Math.max(to, stop)]) };
+  if (chapter !== "order" || (from <= stop && stop <= to)) return { stop, trail: last };
+  return { stop, trail: last, dragged: new Map(dragged).set(frames, [Math.min(from, stop), Math.max(to, stop)]) };
 }
 
 /** Hidden points leave the selection and the pointer. @param {Scene} scene @param {unknown} _ @param {State} address */

@@ -1,4 +1,4 @@
-/** Chapter 2: the touches of all twins on one map, a thread from a press to its twins, and what moves them. */
+/** Chapter 3: the touches of all twins on one map, a thread from a press to its twins, and what moves them. */
 
 import { address, ask, attempt } from "../shared/api.js";
 import { Cloud } from "../shared/cloud.js";
@@ -7,13 +7,10 @@ import { held } from "../shared/held.js";
 import { domainColour, isDark } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { provenance } from "../shared/provenance.js";
-import { awaited } from "../shared/ready.js";
-import { modeOf, PLACES, rungOf, worded } from "../shared/tables.js";
+import { PLACES, rungOf, worded } from "../shared/tables.js";
 import { bytesOf } from "../shared/text.js";
-import { showWords } from "./board.js";
-import { decided, whence } from "./chapters.js";
 import { sheet } from "./pictures.js";
-import { $, change, choice, draw, fill, html, percent, scene, send, state } from "./root.js";
+import { $, change, choice, draw, fill, html, percent, scene, send, showWords, state } from "./root.js";
 import { OWN_ROWS, ownHtml, splitHtml } from "./split.js";
 import { chosen, READINGS } from "./touch.js";
 
@@ -28,17 +25,10 @@ const BOUNDS = [
   [1, 1],
 ];
 
-const eased = (/** @type {number} */ share) => share * share * (3 - 2 * share);
-const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
-
 /** A point is 8 × press + sensor. @type {Cloud} */
 export let cloud;
 /** Method -> positions of each place. @type {Record<string, Uint16Array[]>} */
 const places = {};
-// handles of a glide: its next frame, and what ends the wait for it
-let moving = 0;
-let arrived = (/** @type {number} */ _) => {};
-
 /** Whether the page shows another set than the project's, whose bars then stand above those of the twins. */
 const isOwn = () => scene.first === "analyse" && !held;
 
@@ -101,7 +91,6 @@ export function show() {
   if (!cloud) return;
   const { twins } = scene;
   const { table, dots } = chosen(twins, state);
-  $().dataset.moved = rungOf(state).order ? "order" : "twins";
   choice(".places", "rung", CHOICES);
   choice(".split.twins .segments", "reading", READINGS);
   showSensors();
@@ -126,7 +115,7 @@ async function measure() {
   }
 }
 
-/** The place that the figures are of; the order p moves the points of another map. */
+/** The place that is shown. */
 const placeNow = () => rungOf(state).map ?? 0;
 
 function showSensors() {
@@ -150,31 +139,15 @@ function showLayers() {
   cloud.redraw();
 }
 
-/** Let the points glide to the chosen place; with reduced motion, or on another method, they are there at once. */
+/** Let the points glide to the chosen place; on another method they are there at once. */
 function glide() {
   const kind = state.map;
   const wanted = `${kind} ${placeNow()}`;
   if (wanted === scene.glided) return;
-  const to = places[kind][placeNow()];
-  const from =
-    scene.glided.startsWith(kind) &&
-    !calm() &&
-    $(".threads").checkVisibility() &&
-    Float32Array.from(cloud.frame?.points ?? to);
+  const frame = { points: places[kind][placeNow()], bounds: BOUNDS };
+  if (scene.glided.startsWith(kind)) cloud.glide(frame, GLIDE);
+  else cloud.show(frame);
   send("arrived", { glided: wanted });
-  cancelAnimationFrame(moving);
-  const begun = performance.now();
-  const step = (/** @type {number} */ now) => {
-    const share = from ? Math.min(1, Math.max(0, (now - begun) / GLIDE)) : 1;
-    const near = eased(share);
-    const points = from && share < 1 ? Float32Array.from(from, (v, i) => v + near * (to[i] - v)) : to;
-    cloud.show({ points, bounds: BOUNDS });
-    if (share < 1) moving = requestAnimationFrame(step);
-    else arrived(0);
-  };
-  arrived(0);
-  awaited(new Promise((done) => (arrived = done)));
-  step(begun);
 }
 
 /** Draw the thread of the press under the pointer, or of the chosen one with its pictures. @type {Painter} */
@@ -225,22 +198,9 @@ export function tell() {
   const share = (/** @type {number} */ v) => html`<b>${percent(v)}</b>`;
   const apart = gap[at].toFixed(2);
   const gain = `Accuracy on other sensors rises by ${Math.round(100 * (accuracy[at] - accuracy[0]))} points.`;
-  const { order, words, brief = words, remark = "" } = rungOf(state);
-  const title = `Where do ${own ? "the project’s simulated touches" : "the touches"} go?`;
-  if (order) {
-    const { frames, stop, facts, chapter } = scene;
-    const there = chapter === "where"; // else the frames are on their way
-    const ends = there ? decided(frames) : null;
-    const pairs = own ? "this set" : `${there ? frames.pairs.toLocaleString("en-US") : ""} other pairs`;
-    return showWords({
-      title,
-      figure: html`${ends && html`Accuracy stays between ${share(ends.low)} and ${share(ends.high)}, at every p.`}`,
-      remark: html`p moves the points and both gaps of ${pairs}. ${there && modeOf(frames).note}`,
-      whence: html`${ends && whence(frames, stop, facts.unseen)}`,
-    });
-  }
+  const { words, brief = words, remark = "" } = rungOf(state);
   return showWords({
-    title,
+    title: `Where do ${own ? "the project’s simulated touches" : "the touches"} go?`,
     figure: html`${share(accuracy[at])} correct on another sensor (mean of eight training sensors). For ${share(nearest[at])} of presses, the nearest picture from another sensor shows the same press. By sensor:`,
     remark: worded(remark, { apart, first: gap[0].toFixed(2), gain }),
     whence: provenance({

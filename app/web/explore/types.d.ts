@@ -37,6 +37,14 @@ interface Other {
   name: string;
   frames: Frames;
 }
+/** The pair of the second chapter: what names it, its row of the set or -1, its journey, or why there is none. */
+interface ChosenPair {
+  key: string;
+  pair: Pair;
+  row: number;
+  journey: Journey | null;
+  note: string;
+}
 /** The state of Explore beside the address. */
 interface Scene extends SetData {
   sets: SetRow[];
@@ -81,6 +89,12 @@ interface Scene extends SetData {
   alone: number;
   /** the place and method that the map of the twins shows or glides to */
   glided: string;
+  /** the second chapter: the pair to open with, the chosen one, the stops before this one, and the node of the tree that is
+   * pointed at */
+  opening: Ref | null;
+  chosen: ChosenPair;
+  trail: number[];
+  node: number;
   /** where the pointer is on the maps, in the window */
   pointer: Point;
   /** what the loaded head reads right on the page's own set, by what is known: a record, or why there is none */

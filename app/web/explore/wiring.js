@@ -1,11 +1,11 @@
 /** Controls of Explore, connected to what they do; and what is drawn when the address changes. */
 
 import { openChapter, watch, watchIn, writeAddress } from "../shared/store.js";
-import { BY_ORDER, rungOf } from "../shared/tables.js";
 import { openTab } from "../shared/tabs.js";
 import { onClick, press } from "../shared/view.js";
 import * as beside from "./beside.js";
 import * as board from "./board.js";
+import * as gaps from "./gaps.js";
 import { tagListed } from "./grid.js";
 import { map } from "./maps.js";
 import * as nodes from "./nodes.js";
@@ -18,8 +18,8 @@ import { chooseCell, chooseStranger } from "./strangers.js";
 import * as threads from "./threads.js";
 import * as touch from "./touch.js";
 
-/** Whether the board's map is on the screen; the first chapter has none, the second another one until p moves. */
-const isMapped = () => state.chapter !== "touch" && (state.chapter !== "where" || Boolean(rungOf(state).order));
+/** Whether the board's map is on the screen; the first chapter has none, the third another one. */
+const isMapped = () => !["touch", "where"].includes(state.chapter);
 const shownMap = () => (isMapped() ? map : threads.cloud);
 
 /** What a click does, by what is clicked. @type {Record<string, (button: Found) => unknown>} */
@@ -45,7 +45,7 @@ const CLICKS = {
   ".lasso": (button) => press(button, send("lassoSwitched", {}).lasso),
   "[data-switch]": ({ dataset }) => toggle(dataset.switch),
   "[data-save]": ({ dataset }) => saveAs(dataset.save),
-  ".card .open": () => openTab("pair"),
+  ".card .open, .try-own": () => openTab("pair"),
   ".unpin": () => board.pick(-1),
   ".find": ({ dataset }) => board.findNear(+dataset.of),
   "[data-pair]": ({ dataset }) => board.pick(+dataset.pair),
@@ -61,6 +61,7 @@ const FIELDS = {
   change: {
     "[data-value]": ({ dataset, value }) => change({ [dataset.value]: value }),
     ".alike input": () => toggle("alike"),
+    ".of-head": ({ value: by }) => change({ by }),
     ".of-steps": ({ value: stairs }) => {
       send("arrived", { stairs });
       showSteps();
@@ -85,7 +86,6 @@ function lecture() {
 
 /** The names whose change draws something on the board, and what. @type {[string[], () => unknown][]} */
 const DRAWN = [
-  [["p"], () => state.chapter === "where" && change({ rung: BY_ORDER })],
   [["stage", "map"], board.showStage],
   [["colour", "domain", "class", "modality"], board.showColours],
   [["find", "alike", "range"], board.refilter],
@@ -95,6 +95,7 @@ const DRAWN = [
   [["pin"], board.showCard],
   [["pin"], nodes.follow],
   [["pin"], board.paintMarks],
+  [["pin", "vis", "tac", "map"], () => state.chapter === "gaps" && gaps.follow()],
   [["beside"], board.resetMaps],
   [["beside", "means"], board.showMeans],
   [["head2"], beside.load],
@@ -119,10 +120,10 @@ export function wire() {
     if (typing || event.ctrlKey || event.metaKey || event.altKey || state.view !== "explore") return;
     if (key.toLowerCase() === "f" || (key === "Escape" && document.body.classList.contains("lecturing"))) lecture();
   });
-  watch(["chapter"], enter);
+  watch(["chapter", "by"], enter);
   watch(["press", "from", "dots", "known", "reading"], () => scene.chapter === "touch" && touch.show());
-  watch(["rung", "map", "press", "reading", "dots"], () => state.chapter === "where" && threads.show());
-  const isThere = () => scene.chapter === state.chapter && !["", "touch"].includes(scene.chapter); // its set is there
-  watchIn("explore", ["p", "rung"], () => isThere() && board.showOrder());
+  watch(["rung", "map", "press", "reading", "dots"], () => scene.chapter === "where" && threads.show());
+  const isThere = () => scene.chapter === state.chapter && scene.chapter !== "" && isMapped(); // its set is there
+  watchIn("explore", ["p"], () => isThere() && board.showOrder());
   for (const [names, draw] of DRAWN) watch(names, () => isThere() && draw());
 }

@@ -1,6 +1,6 @@
 /** The tour: a question in each chapter, options, and what is then told. Every figure is one of the page's own. */
 
-import { BY_ORDER, PLACES } from "../shared/tables.js";
+import { PLACES } from "../shared/tables.js";
 import { html, percent } from "../shared/text.js";
 
 const CLEAR = 0.1; // of accuracy: a smaller change over p is called small
@@ -88,6 +88,17 @@ export const STEPS = [
       html`Unlabelled pictures give ${b(away(at, 0, most(at))[0])}, filled dots ${b(away(at, 1)[0])}, and both together ${b(away(at, 1, most(at))[0])}.`,
   },
   {
+    title: "p and the gaps",
+    chapter: "gaps",
+    needs: "gaps",
+    ask: () =>
+      "Photos lie apart from touches, and sensors from one another. The slider turns all features by an order p. Does p close these two gaps?",
+    options: ["Yes, one of them or both", "No"],
+    right: ({ gaps }) => [gaps.closed ? 0 : 1],
+    reveal: ({ gaps, pale }) =>
+      html`${gaps.words} ${known(pale).length > 0 && html`With a head trained at each p, accuracy on new sensors lies ${within(pale)}.`} Drag p and see.`,
+  },
+  {
     title: "Where they go",
     chapter: "where",
     needs: "places",
@@ -99,19 +110,6 @@ export const STEPS = [
     after: () => placed(2),
     reveal: ({ places: { accuracy } }) =>
       html`Accuracy is ${b(accuracy[0])} with raw features, ${b(accuracy[1])} with aligned means, and ${b(accuracy[2])} with aligned means and spreads. Sensors shift features and stretch them.`,
-  },
-  {
-    title: "The order p on touch",
-    chapter: "where",
-    needs: "pale",
-    set: () => placed(0),
-    ask: () =>
-      "The slider sets the order p of the fractional Fourier transform. Each stop shows heads trained at that p. How much does accuracy on new sensors vary with p?",
-    options: ["By ten points or more", "By less"],
-    right: ({ pale }) => [range(pale) >= CLEAR ? 0 : 1],
-    after: () => ({ rung: BY_ORDER }),
-    reveal: ({ pale }) =>
-      html`It lies ${within(pale)} at every p. Drag p: the points and both gaps change, accuracy hardly does.`,
   },
   {
     title: "When does p matter?",

@@ -1,5 +1,6 @@
 /** The guided tour through the chapters. The visitor predicts, then the tour shows the result. */
 
+import { verdictOn } from "../explore/gap-words.js";
 import { choices, framesOf, twins, twinsMap, unseen } from "../shared/facts.js";
 import { ACCURACY, values } from "../shared/measures.js";
 import { setOf } from "../shared/sets.js";
@@ -18,8 +19,9 @@ export async function startTour() {
   const { sets, twins: there } = await choices();
   const [first, second] = ["order", "fooled"].map((chapter) => setOf(chapter, sets));
   const none = () => null;
-  const [{ frames: own }, { modes }, strangers, seen, places] = await Promise.all([
+  const [{ frames: own }, { frames: home }, { modes }, strangers, seen, places] = await Promise.all([
     theSet(() => {}, first),
+    theSet(() => {}, setOf("gaps", sets)),
     choices(first),
     unseen(second).catch(none),
     there ? twins().catch(none) : null,
@@ -29,7 +31,7 @@ export async function startTour() {
   const pale = sets.find(({ name }) => name === "sensors" && first !== second)?.curve?.share;
   const curve = values(frames, ACCURACY, OUTPUT);
   openTab("explore");
-  show({ unseen: strangers ?? {}, pale, twins: seen, places, curve, orders: frames.orders });
+  show({ unseen: strangers ?? {}, gaps: verdictOn(home), pale, twins: seen, places, curve, orders: frames.orders });
 }
 
 /** Hide the figures of Explore and let its controls rest, or not. @param {HTMLElement} explore @param {boolean} on */

@@ -10,13 +10,14 @@ interface Figures {
   curve: number[] | null;
   pale: number[];
   unseen: Pick<Unseen, "look_alikes">;
+  gaps: NonNullable<ReturnType<typeof import("../explore/gap-words.js").verdictOn>>;
 }
 /** A step of the tour; without `ask` it tells only. */
 interface TourStep {
   title: string;
   chapter: string;
   /** the figure without which it is left out */
-  needs?: "twins" | "places" | "pale";
+  needs?: "twins" | "places" | "gaps";
   /** what the chapter opens with, and what is shown with the result */
   set?: (at: Figures) => Partial<State>;
   after?: (at: Figures) => Partial<State>;

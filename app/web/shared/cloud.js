@@ -4,12 +4,16 @@ import { drawingOn } from "./canvas.js";
 import { density } from "./density.js";
 import { isDark, isLecture, onTheme } from "./palette.js";
 import { Pixels, stampShape } from "./points.js";
+import { awaited } from "./ready.js";
 
 const GROUND = { light: "#ffffff", dark: "#0f172a" };
 const MARGIN = 0.06; // of the shorter side, kept free around all points
 const FITTED = { zoom: 1, dx: 0, dy: 0 };
 const KEYS =
   "Points: arrows pan, plus and minus zoom, 0 fits, N and B step through pairs, Enter pins, S selects what is in view, Escape clears the selection";
+
+const eased = (/** @type {number} */ share) => share * share * (3 - 2 * share);
+const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
 export class Cloud {
   count = 0;
@@ -30,6 +34,9 @@ export class Cloud {
   halves = [true, true]; // whether the map is as wide as the VIS points, and as the TAC points
   top = 0; // at the top, what tools cover
   pending = 0;
+  // handles of a glide: its next frame, and what ends the wait for it
+  gliding = 0;
+  arrived = (/** @type {unknown} */ _) => {};
 
   /** `count` points: the first half VIS, the second half TAC. @param {HTMLElement} box @param {number} count */
   constructor(box, count) {
@@ -72,8 +79,36 @@ export class Cloud {
   /** Show other positions: u16 pairs within bounds [[xmin, ymin], [xmax, ymax]]. The map is as wide as its
    * extents, which are those of all stops, so that the scale stays. @param {Positions} frame */
   show(frame) {
+    this.stop();
     this.frame = frame;
     this.redraw();
+  }
+
+  stop() {
+    cancelAnimationFrame(this.gliding);
+    this.arrived(0);
+  }
+
+  /** Let the points glide to other positions of the same map; at once where motion is not wanted, or nobody looks.
+   * @param {Positions} frame @param {number} ms */
+  glide(frame, ms) {
+    const [{ points: to, bounds }, before] = [frame, this.frame];
+    const alike = before?.points.length === to.length && String(before.bounds) === String(bounds);
+    if (!before || !alike || calm() || document.hidden || !this.box.checkVisibility()) return this.show(frame);
+    this.stop();
+    const from = Float32Array.from(before.points);
+    const points = new Float32Array(from.length);
+    awaited(new Promise((done) => (this.arrived = done)));
+    const begun = performance.now();
+    const step = (/** @type {number} */ now) => {
+      const share = eased(Math.min(1, Math.max(0, (now - begun) / ms)));
+      if (share === 1) return this.show(frame);
+      for (let i = 0; i < from.length; i++) points[i] = from[i] + share * (to[i] - from[i]);
+      this.frame = { ...frame, points };
+      this.draw();
+      this.gliding = requestAnimationFrame(step);
+    };
+    return step(begun);
   }
 
   /** Pixels from u16: x = u·ax + bx, y = v·ay + by; one scale for both axes. */
@@ -159,6 +194,23 @@ export class Cloud {
   /** @param {number} point @returns {Point} */
   place(point) {
     return [this.x[point], this.y[point]];
+  }
+
+  /** Pixels of what a frame has beyond the points: marks that glide with them. @returns {Point[]} */
+  extras() {
+    const { ax, bx, ay, by } = this.transform();
+    const { points } = /** @type {Positions} */ (this.frame);
+    const count = points.length / 2 - this.count;
+    return Array.from({ length: count }, (_, i) => {
+      const at = 2 * (this.count + i);
+      return [points[at] * ax + bx, points[at + 1] * ay + by];
+    });
+  }
+
+  /** Pixels of a position in map units. @param {Point} place @returns {Point} */
+  spot([x, y]) {
+    const { scale, middle, ox, oy } = this.transform();
+    return [ox + scale * (x - middle.x), oy - scale * (y - middle.y)];
   }
 
   /** The `wanted` point nearest to a position, within `reach`; or -1.

@@ -27,6 +27,8 @@ export class Frames {
     this.label = this.array("label");
     this.prediction = this.array("prediction");
     this.confidence = this.array("confidence");
+    /** @type {Frames | null} */
+    this.whole = null; // the frames of all stops, of which these are some
     this.coarse = false; // whether finer frames will follow
     this.by = ""; // what predicts, in words, if it is not the loaded head
     this.still = false; // whether it predicts the same at every p
@@ -84,6 +86,32 @@ export class Frames {
   /** The stop nearest to p: an index into `orders`. @param {number} p */
   stop(p) {
     return nearest(this.orders, p);
+  }
+
+  /** The same at some of the stops, given as indices. Maps of other stops are left out. @param {number[]} stops
+   * @returns {Frames} */
+  only(stops) {
+    const { orders, pairs, meta } = this;
+    const of = (/** @type {any} */ all, wide = 1) =>
+      stops.flatMap((stop) => [...all.slice(stop * wide, (stop + 1) * wide)]);
+    const mapped = (/** @type {FramesMeta["maps"][string]} */ map) =>
+      map.orders.length === 1
+        ? map
+        : { ...map, orders: map.orders.map((stop) => stops.indexOf(stop)).map((at) => (at < 0 ? Infinity : at)) };
+    const entries = (/** @type {Record<string, any>} */ all, /** @type {(one: any) => any} */ change) =>
+      Object.fromEntries(Object.entries(all).map(([name, one]) => [name, change(one)]));
+    return Object.assign(Object.create(this), {
+      whole: this,
+      orders: of(orders),
+      prediction: Uint8Array.from(of(this.prediction, pairs)),
+      confidence: Uint8Array.from(of(this.confidence, pairs)),
+      meta: {
+        ...meta,
+        orders: of(orders),
+        curves: entries(meta.curves, (one) => of(one)),
+        maps: entries(meta.maps, mapped),
+      },
+    });
   }
 
   /** @param {string} name */

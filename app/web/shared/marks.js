@@ -11,7 +11,7 @@ const inks = new Map();
 onTheme(() => inks.clear());
 
 /** A variable of the style sheet, read once for each theme. @param {Element} canvas @param {string} name */
-function ink(canvas, name) {
+export function ink(canvas, name) {
   let found = inks.get(name);
   if (!found) inks.set(name, (found = getComputedStyle(canvas).getPropertyValue(name).trim()));
   return found;

@@ -4,6 +4,7 @@ import { segment, stroked } from "./canvas.js";
 import { colouring, isDark, isLecture } from "./palette.js";
 import { SHAPES } from "./points.js";
 import { state } from "./store.js";
+import { sensorOf } from "./tables.js";
 
 /** @typedef {CanvasRenderingContext2D} Context @typedef {import("./cloud.js").Cloud} Cloud */
 /** @typedef {{name: string, colour: string, vis: Point | null, tac: Point | null, both: Point | null}} Group */
@@ -21,9 +22,10 @@ const inkOf = () => (isDark() ? "#f8fafc" : "#0f172a");
 
 /** The groups of a colouring by values of the pairs, or all points as one, and their means in CSS pixels: of VIS, of TAC,
  * of both.
- * @param {Frames} frames @param {Cloud} cloud @param {(point: number) => boolean} shown @param {Colouring} chosen
+ * @param {Frames} frames @param {Cloud} cloud @param {(point: number) => boolean} shown
+ * @param {Pick<Colouring, "values" | "groups" | "of">} chosen
  * @returns {Group[]} */
-function groupsOf(frames, cloud, shown, chosen) {
+export function groupsOf(frames, cloud, shown, chosen) {
   /** @type {[string, string][]} */
   const groups = chosen.values ? chosen.groups(frames) : [["", inkOf()]];
   const of = chosen.values ? chosen.of(frames, 0) : () => 0;
@@ -117,7 +119,7 @@ export function names(frames, shown) {
       const groups = settled(groupsOf(frames(), cloud, shown, chosen), chosen.of(frames(), 0), cloud, shown);
       const labels = groups.flatMap(({ name, colour, both, x, y }) => {
         if (!both) return [];
-        const text = name.replace(/-sim$/, "") + (name === frames().source ? " · source" : "");
+        const text = sensorOf(name) + (name === frames().source ? " · source" : "");
         return [{ text, colour, x, y, wide: context.measureText(text).width + 22 }];
       });
       const below = cloud.box.closest(".stage") ? 44 : 0; // Explore's buttons stand there

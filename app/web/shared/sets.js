@@ -6,7 +6,7 @@ const SENSORS = "sensors";
  * @param {string} chapter @param {SetRow[]} listed */
 export function setOf(chapter, listed) {
   const shown = listed.find((set) => set.shown)?.name;
-  const wanted = { order: LESSON, where: SENSORS, fooled: SENSORS }[chapter];
+  const wanted = { order: LESSON, fooled: SENSORS }[chapter];
   if (!shown && chapter !== "order") return "";
   return wanted && wanted !== shown && listed.some(({ name }) => name === wanted) ? wanted : "";
 }

@@ -2,7 +2,7 @@
 
 import { afterwards } from "./ready.js";
 import { INPUT, OUTPUT } from "./stages.js";
-import { BY_ORDER, OWN_MODE, PLACES, TABLES } from "./tables.js";
+import { OWN_MODE, PLACES, TABLES } from "./tables.js";
 
 /** The tabs from the server; a saved page has Explore only. */
 const VIEWS = document.querySelector("meta[name=omnivat-views]")?.getAttribute("content")?.split(" ") ?? ["explore"];
@@ -22,7 +22,7 @@ const DEFAULTS = {
   range: "", // histogram:from:to, joined by ~
   cell: "", // of the confusion matrix: truth~predicted~domain
   sel: "", // selected points, see scene.js
-  rung: PLACES[0]?.id ?? "", // what is moved in the second chapter
+  rung: PLACES[0]?.id ?? "", // what is moved in the third chapter
   p: /** @type {any} */ (null), // until the frames are there
   stage: OUTPUT,
   map: "umap",
@@ -33,6 +33,7 @@ const DEFAULTS = {
   pin: null,
   vis: null,
   tac: null,
+  by: "",
   p2: null,
   stage2: INPUT,
   head2: "",
@@ -43,6 +44,7 @@ const DEFAULTS = {
  * @type {Record<string, Partial<State>>} */
 const CHAPTERS = {
   touch: { reading: "tac" },
+  gaps: {},
   where: { map: "pca" },
   order: { map: "pca", colour: "class" },
   fooled: { mode: OWN_MODE, colour: "correctness" },
@@ -61,7 +63,7 @@ const CHOICES = {
   reading: ["fused", "vis", "tac"],
   alike: ["", "1"],
   dots: ["", "1"],
-  rung: [...PLACES.map(({ id }) => id), BY_ORDER],
+  rung: PLACES.map(({ id }) => id),
   stage: KEYS,
   stage2: KEYS,
   map: ["pca", "umap"],

@@ -79,7 +79,6 @@ interface RungRow {
   bar?: string;
   step?: number;
   map?: number;
-  order?: boolean;
   title?: string;
   help?: string;
   remark?: string;
@@ -90,6 +89,7 @@ interface Tables {
   stages: Stage[];
   colours: ColourRow[];
   methods: { id: string; title: string }[];
+  domains: { id: string; title: string }[];
   rungs: RungRow[];
 }
 
@@ -222,6 +222,8 @@ interface State {
   pin: number | null;
   vis: Ref | null;
   tac: Ref | null;
+  /** the head of the second chapter: a mode of p or a head beside the first, of a set */
+  by: string;
   p2: number | null;
   stage2: string;
   head2: string;
@@ -326,6 +328,18 @@ interface HeadRow {
   generation?: string;
   mffa?: boolean;
   source?: string;
+}
+/** A pair at every stop of a head's maps (P): positions in map units, predictions, and the nodes of its tree (N). */
+interface Journey {
+  orders: number[];
+  stops: number[];
+  classes: string[];
+  learned: number;
+  maps: Record<string, { places: Partial<Record<Modality, Point[]>>; nodes: Point[][]; exact: boolean }>;
+  readings: Partial<Record<Reading, number[][]>>;
+  tree: { parents: number[]; in_use: boolean; probabilities: number[][][]; norms: number[][] };
+  images: Prediction["images"];
+  own: { classes: string[]; readings: Probabilities } | null;
 }
 interface Tree {
   classes: string[];
@@ -516,6 +530,7 @@ interface Replies {
   neighbours: { neighbours: { point: number; cosine: number }[] };
   ladder: { rungs: Rung[]; sources: string[]; kept?: boolean };
   known: Known;
+  journey: Journey;
   place: { points: Partial<Record<Modality, Point>>; order: number; exact: boolean };
   predictions: {
     label: string;
