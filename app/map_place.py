@@ -3,17 +3,21 @@
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
-from app.familiar import looked_at, readings_of
+from app.familiar import looked_at, predict_one
+from app.modes import mode_files
 from app.pair_input import asked, pair_of, rounded
 from app.resources import Resources, state_of
-from app.state import Lazy, Question, Reply, order_from
+from app.state import Lazy, Question, Reply, one_of, order_from
 from omnivat.head.heads import OWN
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES, STAGES
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import numpy as np
 
+    from omnivat.head.checkpoint import Head
     from omnivat.maps.frames import FrameSet
     from omnivat.maps.journey import MapStop
 
@@ -25,23 +29,28 @@ KEPT_STOPS = 64_000_000  # bytes of a set's features at all stops; more are comp
 
 
 def journey(resources: Resources, question: Question) -> Reply:
-    """Return a pair at every stop of the first head's maps, as `omnivat.maps.journey` has it.
+    """Return a pair at every stop of a head's maps, as `omnivat.maps.journey` has it.
 
-    question  {"vis", "tac": references}
+    question  {"vis", "tac": references; "head": a name, the first one if left out; or "mode": a
+              mode of p whose frames and head stand next to the set}
     return    `orders` and `stops` of the frames (P); `classes`, `learned`; `maps`: method ->
               `places` by modality (P, 2), `nodes` (P, N, 2) in map units, and `exact`; `readings`:
               reading -> (P, K); `tree`: `parents`, `in_use`, `probabilities` (P, N, K), `norms`
-              (P, N); `images`: the familiarity of each; `own`: `classes` and `readings` of the head
-              for own pictures, null unless all pictures are the visitor's and there is such a head
+              (P, N); `images`: the familiarity of each; `own`: `classes`, `readings` and `images`
+              of the head for own pictures, null unless all pictures are the visitor's and there is
+              such a head
 
-    Raises DataError if the map is still being computed or head and set do not fit.
+    Raises DataError if the map is still being computed, head and set do not fit, or the weights of
+    a mode are not there.
     """
     from omnivat.head.dtg import parents
     from omnivat.kit.threads import one_thread
     from omnivat.maps.journey import journey
 
-    named = asked(resources, {**question, "head": ""})
-    head, (_, stops) = named.head, _maps(resources)
+    question = {**question, "head": question.get("head") or ""}
+    named = asked(resources, question)
+    head, file = _reader(resources, question)
+    _, stops = _maps(resources, head, file)
     with one_thread():  # a second one waits more than it works
         found = journey(head, stops(), named.pair["vis"], named.pair["tac"])
     rows = {name: values[:, 0].numpy() for name, values in found.readings.items()}
@@ -49,6 +58,7 @@ def journey(resources: Resources, question: Question) -> Reply:
     refs = [str(ref) for name in IMAGES if (ref := question.get(name))]
     by_own = OWN in resources.heads and all(ref.startswith("image:") for ref in refs)
     own = asked(resources, {**question, "head": OWN}) if by_own else None
+    by_maps = own and {"classes": list(own.head.settings.classes), **predict_one(own)}
     return {
         "orders": found.orders,
         "stops": found.stops,
@@ -70,7 +80,7 @@ def journey(resources: Resources, question: Question) -> Reply:
             "norms": rounded(found.node_lengths[:, 0].numpy()),
         },
         "images": looked_at(named),
-        "own": own and {"classes": list(own.head.settings.classes), "readings": readings_of(own)},
+        "own": by_maps,
     }
 
 
@@ -108,24 +118,39 @@ def place(resources: Resources, question: Question) -> Reply:
     return {"points": points, "order": order, "exact": found.exact}
 
 
-def _maps(resources: Resources) -> "Maps":
-    """Return the frames of the first head that are there, and what places pairs at their stops,
-    kept for the next pair unless it is large. Raises DataError without frames.
+def _reader(resources: Resources, question: Question) -> "tuple[Head, Path | None]":
+    """Return the head that a question names, and the file of its frames that is there."""
+    from omnivat.head.checkpoint import load_head
+
+    mode = question.get("mode") or ""
+    if not mode:
+        head = resources.head_named(question.get("head"))
+        return head, resources.frame_jobs[question.get("head") or ""].state().file
+    file = mode_files(resources.where).get(one_of("mode", mode, mode_files(resources.where)))
+    folder = file and file.with_suffix("")
+    if not (folder and folder.is_dir()):
+        raise DataError("The weights behind these frames are not here, so this pair has no tree.")
+    return resources.mode_heads.once(mode, lambda: load_head(folder)), file
+
+
+def _maps(resources: Resources, head: "Head", file: "Path | None") -> "Maps":
+    """Return a head's frames, and what places pairs at their stops, kept for the next pair unless
+    it is large. Raises DataError without frames.
     """
     from omnivat.maps.frames import read_frames
     from omnivat.maps.frames.builder import UMAP_STOPS
     from omnivat.maps.journey import map_stops
     from omnivat.maps.sweep.walk import KEPT_PAIRS
 
-    file = resources.frames.state().file
     if file is None:
         raise DataError("The map is still being computed; try again when it is there.")
 
     def made() -> "Maps":
-        frames, head, embeddings = read_frames(file), resources.head(), resources.embeddings()
+        frames, embeddings = read_frames(file), resources.embeddings()
 
         def stops() -> "Iterable[MapStop]":
-            kept = resources.coefficients() if len(embeddings) <= KEPT_PAIRS else None
+            few = len(embeddings) <= KEPT_PAIRS and head is resources.head()
+            kept = resources.coefficients() if few else None
             return map_stops(head, embeddings, frames, kept=kept)
 
         size = 2 * len(embeddings) * head.settings.width * 4 * UMAP_STOPS
@@ -138,7 +163,7 @@ def _drawn(resources: Resources, question: Question) -> "tuple[float, Array]":
     """Return the requested map of the head's output at its stop nearest to the requested order:
     order, positions (2N, 2).
     """
-    kind, (frames, _) = str(question.get("map")), _maps(resources)
+    kind, (frames, _) = str(question.get("map")), _maps(resources, *_reader(resources, {}))
     maps = frames.maps.get(f"{kind}/{OUTPUT}")
     if maps is None:
         raise DataError(f"There is no map '{kind:.20}' to place the pair on.")

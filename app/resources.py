@@ -101,7 +101,8 @@ class Resources:
         self.features: Recent[Array] = Recent(KEPT_FEATURES)  # by stage and order
         self.results: Recent[Reply] = Recent(KEPT_FEATURES)  # by method or tree
         # of the map, by file, and what places pairs at its stops
-        self.drawn_frames: Recent[tuple[FrameSet, Callable[[], Iterable[MapStop]]]] = Recent(1)
+        self.drawn_frames: Recent[tuple[FrameSet, Callable[[], Iterable[MapStop]]]] = Recent(2)
+        self.mode_heads: Recent[Head] = Recent(1)  # beside frames of their own
         # from visitors' labelled pairs, and of their sensors
         self.taught: Recent[tuple[Head, Familiarity | None]] = Recent(KEPT_TAUGHT, private=True)
         self.profiles: Recent[Profile] = Recent(KEPT_PROFILES, private=True)

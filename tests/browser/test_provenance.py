@@ -18,7 +18,8 @@ SHARES = """() => {
     const { parentElement: of, data } = texts.currentNode;
     // probabilities of one pair, axes and counts of neighbours are no accuracies
     if (!/\\d\\s%/.test(data) || !shown(of)
-      || of.closest('svg, .sr, .card, .legend, .provenance, .changed, .approximate')) continue;
+      || of.closest('svg, .sr, .card, .chosen, .legend, .provenance, .changed, .approximate'))
+      continue;
     found.push(data);
     let box = of.closest(about);
     if (box?.matches('.press')) box = box.parentElement;
@@ -35,7 +36,7 @@ VIEWS = [
     "chapter=touch",
     "chapter=touch&dots=1&known=50&reading=fused",
     "chapter=where&rung=spread",
-    "chapter=where&rung=p",
+    "chapter=gaps&p=0.2",
     "chapter=order",
     "chapter=fooled&reading=tac",
     "chapter=analyse",

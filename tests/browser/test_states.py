@@ -9,7 +9,8 @@ pytestmark = pytest.mark.browser
 SIZES = [(1280, 720), (1024, 768), (2560, 1440), (400, 800)]
 VIEWS = {  # and what of each needs no scrolling, on a phone and elsewhere
     "chapter=touch": ([], []),
-    "chapter=where": ([".threads", ".places", ".stage .title"], [".order", ".together svg"]),
+    "chapter=gaps": ([".map", ".order", ".gap-bars"], [".gap-steps", ".chosen", ".stage .figure"]),
+    "chapter=where": ([".threads", ".places", ".stage .title"], []),
     "chapter=order": ([".map", ".over svg", ".order", ".stage .title"], []),
     "chapter=fooled": ([".stage .map", ".lookers", ".stage .title"], [".readings"]),
     "chapter=analyse&pin=3": ([], []),

@@ -6,12 +6,11 @@ import { readFileSync } from "node:fs";
 const rungs = [
   { id: "none", words: "nothing: as they come", map: 0 },
   { id: "spread", words: "mean and spread", map: 2 },
-  { id: "p", words: "nothing", order: true },
   { id: "n20", words: "20 pairs", step: 2 },
   { id: "k3", words: "three labels", step: 3 },
 ];
 const file = readFileSync(new URL("../../app/web/shared/tables.json", import.meta.url), "utf8");
-const rows = JSON.stringify({ ...JSON.parse(file), rungs });
+const rows = JSON.stringify({ ...JSON.parse(file), rungs, domains: [{ id: "TAG", title: "GelSight (TAG)" }] });
 globalThis.document ??= {
   querySelector: (what) => (what === "#omnivat-tables" ? { textContent: rows } : null),
   body: { classList: { contains: () => false }, dataset: {} },

@@ -272,8 +272,9 @@ test("the chapter of the order shows the chirps, the others the set of the page 
   const sets = (shown) => ["sensors", "chirps"].map((name) => ({ name, shown: name === shown }));
   for (const [chapter, listed, wanted] of [
     ["order", sets("sensors"), "chirps"],
-    ["where", sets("sensors"), ""],
-    ["where", sets("chirps"), "sensors"],
+    ["gaps", sets("chirps"), ""],
+    ["fooled", sets("sensors"), ""],
+    ["fooled", sets("chirps"), "sensors"],
     ["analyse", sets("chirps"), ""],
     ["fooled", sets(""), ""],
     ["order", [], ""],

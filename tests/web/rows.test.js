@@ -27,7 +27,7 @@ const WRITTEN = /\b(state|scene)\.\w+(\.\w+)* (\?\?|\|\||&&|[-+*/])?= |Object\.a
 test("no script asks a mode, measure, step, rung, colour or method for its name", () => {
   assert.ok(rungs.includes("spread") && SCRIPTS.length > 80);
   assert.deepEqual(found(COMPARED), []);
-  for (const line of ['stage !== "raw"', 'if (rung === "p")', '["mean", "spread"].includes(rung)', 'case "every":'])
+  for (const line of ['stage !== "raw"', 'if (rung === "mean")', '["mean", "spread"].includes(rung)', 'case "every":'])
     assert.equal(found(COMPARED, [["made.js", line]]).length, 1, line);
 });
 

@@ -23,6 +23,7 @@ const figures = (more = {}) => ({
   curve: [0.3, 0.9, 0.4],
   unseen,
   twins: twins(),
+  gaps: { closed: false, words: "Over the whole range of p" },
   places: { accuracy: [0.29, 0.31, 0.52] },
   pale: [0.55, 0.56],
   ...more,
@@ -30,8 +31,8 @@ const figures = (more = {}) => ({
 const rightOf = ({ right, options }, at = figures()) => right(at).map((i) => options[i]);
 const named = (title) => STEPS.find((step) => step.title === title);
 
-test("each question has its options and one that is right, over four chapters, and the last step tells", () => {
-  assert.deepEqual([...new Set(STEPS.map(({ chapter }) => chapter))], ["touch", "where", "order", "fooled"]);
+test("each question has its options and one that is right, over five chapters, and the last step tells", () => {
+  assert.deepEqual([...new Set(STEPS.map(({ chapter }) => chapter))], ["touch", "gaps", "where", "order", "fooled"]);
   for (const step of STEPS) assert.doesNotMatch(String(step.reveal(figures())), /NaN|undefined|–/, step.title);
   for (const step of STEPS.filter(({ ask }) => ask)) {
     const right = rightOf(step);
@@ -49,7 +50,8 @@ test("what is right follows the figures on the screen", () => {
     ["Without one label", "About as much", { twins: twins(0.29, 0.52) }],
     ["Where they go", "Hardly"],
     ["Where they go", "Mostly", { places: { accuracy: [0.3, 0.5, 0.52] } }],
-    ["The order p on touch", "By ten points or more", { pale: [0.3, 0.8] }],
+    ["p and the gaps", "No"],
+    ["p and the gaps", "Yes, one of them or both", { gaps: { closed: true } }],
     ["When does p matter?", "Near 0.35"],
     ["When does p matter?", "Equally at every p", { curve: [0.6, 0.61, 0.6] }],
     ["When is touch needed?", "The touch"],
@@ -63,7 +65,7 @@ test("there is no verdict where intervals overlap or figures are missing", () =>
   const doubt = figures({ unseen: { look_alikes: alike } });
   assert.deepEqual(named("When is touch needed?").right(doubt), []);
   assert.match(String(named("When is touch needed?").reveal(doubt)), /overlap/);
-  const blind = figures({ unseen: {}, twins: null, places: null, pale: null, curve: null });
+  const blind = figures({ unseen: {}, twins: null, places: null, gaps: null, pale: null, curve: null });
   for (const step of STEPS.filter(({ needs }) => !needs)) {
     assert.deepEqual(step.right(blind), [], step.title);
     assert.doesNotMatch(String(step.reveal(blind)), /NaN|undefined|Infinity/, step.title);

@@ -6,20 +6,19 @@ import { choices } from "../shared/facts.js";
 import { orderText } from "../shared/frames.js";
 import { framesBy, headLabel, heads } from "../shared/headsets.js";
 import { asText, axis, GAPS, values } from "../shared/measures.js";
-import { starAt } from "../shared/pair-marks.js";
+import { journeyStop, starAt } from "../shared/pair-marks.js";
+import { treeSvg } from "../shared/pair-tree.js";
 import { colouring } from "../shared/palette.js";
 import { checked } from "../shared/radios.js";
 import { awaited } from "../shared/ready.js";
 import { OUTPUT, stageNamed, stepsOf } from "../shared/stages.js";
 import { can, modeOf, OWN_MODE, sensorOf, TABLES } from "../shared/tables.js";
 import { rightAt, whence } from "./chapters.js";
-import { journeyStop } from "./gap-marks.js";
 import { headIn, headText, pairOf, rowOf } from "./gap-pair.js";
 import { verdictOn } from "./gap-words.js";
 import { map, shapeWords, showLayers } from "./maps.js";
 import { framesOfMode } from "./modes.js";
 import { $, draw, fill, html, options, percent, put, scene, send, showWords, state } from "./root.js";
-import { treeSvg } from "./tree.js";
 
 const SIDE = 66; // CSS pixels of a picture
 const STOPS = 21; // at most, of a map without UMAP
@@ -68,7 +67,10 @@ async function offer() {
     listed.map(async (row) => {
       const set = row === listed[0] ? "" : row.name;
       const { modes } = await choices(set);
-      const some = modes.map((mode) => [headText({ set, mode }), titleOf(mode)]);
+      const some = [OWN_MODE, ...modes.filter((mode) => mode !== OWN_MODE)].map((mode) => [
+        headText({ set, mode }),
+        titleOf(mode),
+      ]);
       return { title: row.title, rows: some };
     }),
   );
@@ -167,10 +169,13 @@ async function keepPicture(ref, name) {
   showPair();
 }
 
+/** The stop of the chosen pair's journey at this p; -1 if it has none. */
+const stopNow = () => journeyStop(scene.chosen.journey, scene.frames.orders[scene.stop]);
+
 /** The chosen pair: its pictures, what is predicted at this p, and its tree. */
 function showPair() {
   const { journey, note } = scene.chosen;
-  const at = journeyStop();
+  const at = stopNow();
   const tree = journey && at >= 0 && journey.tree.parents.length > 0;
   fill(
     $(".chosen"),
@@ -209,9 +214,10 @@ function saidHtml(at) {
   const guess = html`<p><b>${said?.name}?</b> A guess: the ${strange.join(" and the ")} ${strange.length > 1 ? "are" : "is"} unlike all training images. So is the position.</p>`;
   const sure = said && Number.isFinite(said.share) && ` ${percent(said.share)}`;
   const own = journey?.own && best(journey.own.classes, journey.own.readings.fused);
+  const unsure = Object.values(journey?.own?.images ?? {}).some(({ guess }) => guess);
   return html`<div class="said-of"><p>${truth ? html`<b>${truth}</b>, ${sensorOf(domain)}` : html`<b>Your pair</b>`}</p>${
     said && (strange.length ? guess : html`<p>${mark}<b>${said.name}</b>${sure}</p>`)
-  }${own && html`<p>Linear maps, which have no p: <b>${own.name}</b> ${percent(own.share)}</p>`}<button class="link try-own">Try your own pair</button></div>`;
+  }${own && html`<p>Linear maps, which have no p: <b>${own.name}${unsure && "?"}</b>${!unsure && ` ${percent(own.share)}`}</p>`}<button class="link try-own">Try your own pair</button></div>`;
 }
 
 let asking = new AbortController(); // a handle: of the request that is on its way
@@ -246,13 +252,10 @@ export function follow() {
   }
   asking.abort();
   const { signal } = (asking = new AbortController());
-  const note = frames.foreign
-    ? "The weights behind these frames are not here, so this pair has no tree."
-    : "Placing this pair and its tree at every stop…";
-  const chosen = { key, pair, row, journey: null, note };
+  const chosen = { key, pair, row, journey: null, note: "Placing this pair and its tree at every stop…" };
   send("arrived", { chosen, node: -1 });
   repaint();
-  if (!frames.foreign) awaited(travel(chosen, signal));
+  awaited(travel(chosen, signal));
 }
 
 /** @param {ChosenPair} chosen @param {AbortSignal} signal */
@@ -320,7 +323,7 @@ export function announce() {
   const gaps = GAPS.map(
     ({ id, title }) => `${title.toLowerCase()} ${asText(id, values(frames, id, state.stage)?.[stop], 2)}`,
   );
-  const { domain, truth, said } = known(journeyStop());
+  const { domain, truth, said } = known(stopNow());
   const pair = truth ? `pair${chosen.row >= 0 ? ` ${chosen.row}` : ""}, ${truth}, ${sensorOf(domain)}` : "your pair";
   $(".announcement").textContent = [
     `p ${orderText(frames.orders[stop])}, ${stageNamed(state.stage).step}`,

@@ -1,23 +1,25 @@
-/** The place of the open pair on a small map of F̂. */
+/** The open pair on a small map of F̂, with its tree, at the p of the slider: as the head of the chapters reads it. */
 
-import { ask, attempt } from "../shared/api.js";
 import { Cloud } from "../shared/cloud.js";
 import { shownBy } from "../shared/filters.js";
-import { orderText } from "../shared/frames.js";
+import { nearest, orderText } from "../shared/frames.js";
 import { layersOf } from "../shared/layers.js";
-import { axes, axisNames, pairLine } from "../shared/marks.js";
-import { isDark } from "../shared/palette.js";
+import { axes, axisNames } from "../shared/marks.js";
+import { guessesOf, pairMarks, placesAt, withMarks } from "../shared/pair-marks.js";
 import { listen } from "../shared/pointer.js";
 import { OUTPUT } from "../shared/stages.js";
-import { change, state, watch } from "../shared/store.js";
-import { IMAGES } from "./parts.js";
+import { change, state, watch, watchIn } from "../shared/store.js";
 
-/** Returns what shows a pair at an order. @param {HTMLElement} panel @param {Frames} frames */
+const GLIDE = 140; // milliseconds from one stop to the next
+const TRAIL = 3; // stops
+
+/** Returns what shows a pair's journey; before it is there, null. @param {HTMLElement} panel @param {Frames} frames */
 export function pairMap(panel, frames) {
   const [box, note] = /** @type {NodeListOf<HTMLElement>} */ (panel.querySelectorAll(".still, .where-note"));
-  /** @type {Replies["place"] | null} */
-  let placed = null;
-  let asking = new AbortController();
+  /** @type {Journey | null} */
+  let journey = null;
+  /** @type {number[]} */
+  let trail = []; // stops of the journey, the last one shown
   const cloud = new Cloud(box, 2 * frames.pairs);
   const kind = () => (frames.kinds(OUTPUT).includes(state.map) ? state.map : frames.kinds(OUTPUT)[0]);
   const shown = shownBy(frames);
@@ -28,36 +30,40 @@ export function pairMap(panel, frames) {
       if (point >= 0) change({ pin, vis: `row:${pin}`, tac: `row:${pin}` });
     },
   });
-  cloud.painters = [axes(() => axisNames(kind())), (context) => placed && paint(context, cloud, placed.points)];
+  cloud.painters = [
+    axes(() => axisNames(kind())),
+    (context) =>
+      pairMarks(context, cloud, {
+        journey,
+        before: journey
+          ? trail.slice(0, -1).map((at) => placesAt(/** @type {Journey} */ (journey), kind(), at).places)
+          : [],
+      }),
+  ];
 
-  /** @param {number | null} [order] */
-  function points(order) {
-    const stop = frames.stop(order ?? frames.meta.head?.learned_order ?? 0.5);
+  function draw() {
+    const p = state.p ?? frames.meta.head?.learned_order ?? 0.5;
+    const at = journey ? nearest(journey.orders, p) : -1;
+    const stop = journey ? frames.stop(journey.orders[at]) : frames.stop(p);
+    if (at !== trail.at(-1)) trail = [...trail, at].slice(-TRAIL - 1);
     cloud.layers = layersOf(frames, stop, shown, () => false, 0.34);
-    cloud.show(frames.positions(kind(), OUTPUT, stop));
+    const frame = frames.positions(kind(), OUTPUT, stop);
+    cloud.glide(journey ? withMarks(frame, placesAt(journey, kind(), at)) : frame, GLIDE);
+    box.dataset.order = String(frames.orders[stop]);
+    if (!journey) return;
+    const far = Object.values(guessesOf(journey)).some(Boolean);
+    const how = journey.maps[kind()]?.exact ? "exact" : "estimated between the nearest neighbours";
+    note.textContent = `Pale: all pairs at p = ${orderText(frames.orders[stop])}. Stars: the nodes of the tree. Positions are ${how}${far ? "; dashed marks are guesses, because the image is unlike all training images" : ""}. Click a point to choose its pair.`;
   }
-  watch(["colour"], () => points(state.p));
-  points(state.p); // a canvas without a drawing is black
+  watch(["colour", "map"], draw);
+  watchIn("pair", ["p"], draw);
+  draw(); // a canvas without a drawing is black
 
-  /** @param {Pair} pair @param {number | null} [order] */
-  return (pair, order) => {
-    points(order);
-    asking.abort();
-    asking = new AbortController();
-    attempt(async () => {
-      placed = await ask("place", { ...pair, order, map: kind() }, asking.signal);
-      const how = placed.exact ? "exact" : "estimated from its nearest neighbours";
-      note.textContent = `Pale points: all pairs at p = ${orderText(placed.order)}. The place of this pair is ${how}. Click a point to open its pair.`;
-      cloud.paintMarks();
-    }, note);
+  /** @param {Journey | null} next @param {string} [problem] */
+  return (next, problem = "") => {
+    journey = next;
+    trail = [];
+    note.textContent = problem;
+    draw();
   };
-}
-
-/** @param {CanvasRenderingContext2D} context @param {Cloud} cloud @param {Replies["place"]["points"]} points */
-function paint(context, cloud, points) {
-  const { scale, middle, ox, oy } = cloud.transform();
-  /** Pixels of a position in map units. @param {Point} place @returns {Point} */
-  const at = ([x, y]) => [ox + scale * (x - middle.x), oy - scale * (y - middle.y)];
-  const places = IMAGES.map((name) => points[name] && at(points[name]));
-  pairLine(context, cloud, places, isDark() ? "#38bdf8" : "#1e293b");
 }

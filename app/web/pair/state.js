@@ -10,7 +10,7 @@ const APART = 300; // milliseconds between two of them
 export const READING = "Reading the image… The first image takes longer, because the encoder is loaded.";
 
 /** What is known of a pair that is not there. */
-const NOTHING = { busy: false, answer: null, familiar: null, rivals: null, before: null };
+const NOTHING = { busy: false, answer: null, familiar: null, rivals: null, before: null, journey: null, moving: null };
 
 /** @type {PairTab} */
 export const START = {
@@ -146,7 +146,7 @@ const recorded = ({ recording }) => (recording?.length ? { saveRecording: record
 /** @type {{[Name in keyof PairEvents]: (tab: PairTab, told: PairEvents[Name]) => Change}} */
 const EVENTS = {
   // what came of some work
-  arrived: (tab, parts) => ({ ...parts, next: parts.set && tab.answer ? { place: {} } : {} }),
+  arrived: (tab, parts) => ({ ...parts, next: parts.set && tab.answer ? { travel: {} } : {} }),
   told: ({ notes }, more) => ({ notes: { ...notes, ...more } }),
   doing: ({ doing }, more) => ({ doing: { ...doing, ...more } }),
 
@@ -172,7 +172,7 @@ const EVENTS = {
     question,
     classes: answer.classes,
     notes: { ...tab.notes, problem: tab.lost },
-    next: { familiar: {}, rivals: {}, place: {}, compare: {} },
+    next: { familiar: {}, rivals: {}, travel: {}, compare: {} },
   }),
   failed: ({ notes }, problem) => ({ ...NOTHING, notes: { ...notes, problem } }),
 

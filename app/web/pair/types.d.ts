@@ -107,6 +107,8 @@ interface PairTab {
   classes: string[]; // of the head that answered last
   familiar: Replies["familiar"] | { problem: string } | null;
   rivals: Rival[] | null;
+  journey: Journey | null; // by the head of the chapters, at every stop of p
+  moving: { answer: Predicted; question: Question } | null; // what follows p: of that head where linear maps have predicted
   on: boolean; // whether the cameras are
   frame: Frame | null; // what the cameras show
   line: string; // below the cameras
@@ -171,7 +173,8 @@ interface PairWork {
   pin: { pair: string };
   familiar: unknown;
   rivals: unknown;
-  place: unknown;
+  travel: unknown;
+  everyP: unknown;
   compare: unknown;
   upload: { modality: Modality; file: File };
   live: unknown;
@@ -202,7 +205,7 @@ interface Desk {
   send: <Name extends keyof PairEvents | keyof PairWork>(name: Name, told: (PairEvents & PairWork)[Name]) => unknown;
   box: HTMLElement;
   feeds: import("./feed.js").Feed[];
-  map: ((pair: Pair, order?: number | null) => void) | null;
+  map: ((journey: Journey | null, problem?: string) => void) | null;
 }
 interface Recorded {
   label: string;

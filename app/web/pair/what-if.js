@@ -1,9 +1,12 @@
 /** What if p were different: the same weights at other orders. */
 
 import { ask, attempt } from "../shared/api.js";
+import { nearest, orderText } from "../shared/frames.js";
 import { HUNDREDTHS, orderBar } from "../shared/order.js";
+import { treeSvg } from "../shared/pair-tree.js";
 import { radios } from "../shared/radios.js";
 import { change, state } from "../shared/store.js";
+import { sensorOf } from "../shared/tables.js";
 import { onClick, View } from "../shared/view.js";
 import { Lines } from "./lines.js";
 import { draw, html, percent, titleOf } from "./parts.js";
@@ -32,16 +35,17 @@ export class WhatIf extends View {
    * @param {PairTab | null} tab */
   show(tab = this.tab) {
     this.tab = tab;
-    const { answer, question, set, curves } = tab ?? {};
-    this.box.hidden = !answer;
-    if (!answer || !question || !this.box.open) return;
+    this.box.hidden = !tab?.moving;
+    if (!tab?.moving || !this.box.open) return;
+    const { set, curves, journey } = tab;
+    const { answer, question } = tab.moving;
     const { classes, stops, learned, span, spectra, images } = answer;
     const stop = HUNDREDTHS.stop(state.p);
     this.bar.show(stop);
     if (answer !== this.drawn) {
       this.drawn = answer;
       this.bar.learned(learned);
-      this.$(".about-p").textContent = aboutP(answer);
+      this.$(".about-p").textContent = aboutP(answer, tab.answer?.linear ? tab.source : "");
       this.spectra.show(spectra);
       this.look(question);
     }
@@ -56,6 +60,13 @@ export class WhatIf extends View {
     const words = guess
       ? html`<b>${label}?</b> This is a guess at every p, because an image is unlike all training images.`
       : html`<b>${label} ${percent(share)}</b>.`;
+    const at = journey ? nearest(journey.orders, p) : -1;
+    this.$(".tree-at-p").hidden = !journey?.tree.parents.length;
+    if (journey?.tree.parents.length)
+      draw(
+        this.$(".tree-now"),
+        html`${treeSvg(journey, at)}<p class="hint">At p = ${orderText(journey.orders[at])}: what each node alone predicts.</p>`,
+      );
     draw(this.$(".at-p"), html`With p = ${p.toFixed(2)}, ${titleOf(reading).toLowerCase()}: ${words}`);
   }
 
@@ -85,10 +96,15 @@ export function band(span, fits) {
   return low <= high ? [Math.max(0, low), Math.min(1, high)] : null;
 }
 
-/** The meaning of moving p for this head. @param {Pick<Predicted, "learned" | "span" | "classes" | "linear">} answer */
-export function aboutP({ learned, span, classes, linear }) {
+/** The meaning of moving p for this head. `source`: what the head of the chapters learned from, where it takes the place of
+ * linear maps. @param {Pick<Predicted, "learned" | "span" | "classes" | "linear">} answer */
+export function aboutP({ learned, span, classes, linear }, source = "") {
   if (linear) return "Linear maps of the embeddings decide here, and p has no part in them: every curve is flat.";
-  if (span[1] > span[0])
-    return `This head was trained for all values of p from ${span[0].toFixed(2)} to ${span[1].toFixed(2)} (shaded).`;
-  return `The weights stay those of the learned p = ${learned.toFixed(3)}. The shaded band shows the values of p that this head was trained for. Outside it the weights do not fit: predictions are little better than chance (${percent(1 / classes.length)}), so a rise or fall means little. Explore shows heads trained at each p.`;
+  const whose = source
+    ? `The prediction above comes from linear maps, in which p has no part. Here the head of the chapters reads this pair; it was trained on ${sensorOf(source)} alone. `
+    : "";
+  const [low, high] = span;
+  return high > low
+    ? `${whose}This head was trained for all values of p from ${low.toFixed(2)} to ${high.toFixed(2)} (shaded).`
+    : `${whose}The weights stay those of the learned p = ${learned.toFixed(3)}. The shaded band shows the values of p that this head was trained for. Outside it the weights do not fit: predictions are little better than chance (${percent(1 / classes.length)}), so a rise or fall means little. Explore shows heads trained at each p.`;
 }

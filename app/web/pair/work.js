@@ -7,7 +7,9 @@ import { headLabel } from "../shared/headsets.js";
 import { keep, kept } from "../shared/memory.js";
 import { awaited } from "../shared/ready.js";
 import { save } from "../shared/save.js";
-import { change } from "../shared/store.js";
+import { OUTPUT } from "../shared/stages.js";
+import { change, openChapter } from "../shared/store.js";
+import { openTab } from "../shared/tabs.js";
 import { base64, bytesOf as decoded } from "../shared/text.js";
 import { guide, live, saveRecording } from "./live.js";
 import { csv } from "./many.js";
@@ -96,7 +98,26 @@ export const WORK = {
     const said = (/** @type {string} */ name) => /** @type {Replies["rivals"]} */ (answers)[name] ?? answers;
     send("arrived", { rivals: heads.map((one) => ({ ...said(one.name), label: headLabel(one) })) });
   },
-  place: ({ tab: { vis, tac, answer }, map }) => map?.({ vis, tac }, answer?.linear ? null : answer?.learned),
+  /** The pair at every stop of p: by the head of the chapters where linear maps have predicted, in which p has no part. */
+  async travel({ tab, send, map }, _, signal) {
+    const { vis, tac, answer, question } = tab;
+    if (!answer || !question) return;
+    map?.(null);
+    const own = { vis, tac, head: "" };
+    const [journey, other] = await Promise.all([
+      quietly(ask("journey", { vis, tac }, signal)),
+      answer.linear ? quietly(ask("pair", own, signal)) : null,
+    ]);
+    const there = "problem" in journey ? null : journey;
+    map?.(there, "problem" in journey ? journey.problem : "");
+    const moving = other && !("problem" in other) ? { answer: other, question: own } : { answer, question };
+    send("arrived", { journey: there, moving });
+  },
+  /** Show the open pair in the chapter of the gaps, by the head of the chapters. */
+  everyP() {
+    openChapter("gaps", { by: "", stage: OUTPUT });
+    openTab("explore");
+  },
   /** Open a pair of the set, which Explore then shows too. */
   pin: (_, { pair }) => change({ pin: +pair, vis: `row:${pair}`, tac: `row:${pair}` }),
   /** The open pair without the profile. */

@@ -7,11 +7,46 @@ import { SHAPES } from "./points.js";
 const [SIDE, ROOT, NODE] = [9, 14, 10]; // CSS pixels from the middle of a mark
 const NEAR = 15; // from a star, where it is pointed at
 const GOLD = { root: "#f59e0b", node: "#fde68a" };
-/** @typedef {CanvasRenderingContext2D} Context */
-/** What is drawn, in CSS pixels: a missing image has no place. `trail`: earlier places, the oldest first; `guess`: images
- * whose place is one; `lit`: a node, -1 for none.
- * @typedef {{places: Record<Modality, Point>, nodes: Point[], parents: number[], trail: Record<Modality, Point[]>,
- *   guess: Partial<Record<Modality, boolean>>, lit: number}} PairMarks */
+/** @typedef {CanvasRenderingContext2D} Context @typedef {import("./cloud.js").Cloud} Cloud */
+const LEVELS = 65535; // of a position in frames
+const IMAGES = /** @type {const} */ (["vis", "tac"]);
+
+/** The stop of a journey at an order; -1 if it has none. @param {Journey | null} journey @param {number} order */
+export const journeyStop = (journey, order) => journey?.orders.findIndex((p) => Math.abs(p - order) < 1e-4) ?? -1;
+
+/** Where a pair and its nodes are at a stop of its journey on a map, in map units.
+ * @param {Journey} journey @param {string} kind @param {number} at
+ * @returns {{places: Partial<Record<Modality, Point>>, nodes: Point[]}} */
+export function placesAt({ maps }, kind, at) {
+  const { places, nodes } = maps[kind] ?? { places: {}, nodes: [] };
+  return {
+    places: Object.fromEntries(Object.entries(places).map(([name, all]) => [name, all[at]])),
+    nodes: nodes[at] ?? [],
+  };
+}
+
+/** The positions of a map with those of a pair and its nodes after them, so that all glide together.
+ * @param {Positions} frame @param {ReturnType<typeof placesAt>} marks @returns {Positions} */
+export function withMarks(frame, { places, nodes }) {
+  const [low, high] = frame.bounds;
+  const spots = [...IMAGES.map((name) => places[name] ?? [NaN, NaN]), ...nodes];
+  const more = spots.flatMap((spot) => [0, 1].map((i) => ((spot[i] - low[i]) / (high[i] - low[i])) * LEVELS));
+  const points = new Float32Array(frame.points.length + more.length);
+  points.set(frame.points);
+  points.set(more, frame.points.length);
+  return { ...frame, points };
+}
+
+/** A position of frames in map units. @param {Positions} frame @param {number} point @returns {Point} */
+export function placeIn({ points, bounds: [low, high] }, point) {
+  const at = (/** @type {0 | 1} */ i) => low[i] + (points[2 * point + i] / LEVELS) * (high[i] - low[i]);
+  return [at(0), at(1)];
+}
+
+/** The images of a journey whose class and position are guesses. @param {Journey | null} journey
+ * @returns {Partial<Record<Modality, boolean>>} */
+export const guessesOf = (journey) =>
+  Object.fromEntries(Object.entries(journey?.images ?? {}).map(([name, { guess }]) => [name, guess]));
 
 const SHAPE = /** @type {const} */ ({ vis: "circle", tac: "triangle" });
 const there = (/** @type {Point | undefined} */ place) => Boolean(place && Number.isFinite(place[0]));
@@ -28,17 +63,27 @@ export function star(context, [x, y], radius) {
 /** The star at a place, -1 for none. @param {Point[]} nodes @param {Point} place */
 export function starAt(nodes, [x, y]) {
   const far = nodes.map((node) => Math.hypot(node[0] - x, node[1] - y));
-  const least = Math.min(...far);
-  return least < NEAR ? far.indexOf(least) : -1;
+  const near = far.filter((length) => length < NEAR);
+  return far.indexOf(Math.min(...near));
 }
 
-/** @param {Context} context @param {PairMarks} marks */
-export function pairMarks(context, { places, nodes, parents, trail, guess, lit }) {
+/** Draw the pair that a map has beside its points. `before`: its earlier places in map units, the oldest first; `lit`: a node,
+ * -1 for none.
+ * @param {Context} context @param {Cloud} cloud
+ * @param {{journey: Journey | null, before: Partial<Record<Modality, Point>>[], lit?: number}} of */
+export function pairMarks(context, cloud, { journey, before, lit = -1 }) {
+  const [vis, tac, ...nodes] = cloud.extras();
+  if (!vis) return;
+  /** @type {Record<Modality, Point>} */
+  const places = { vis, tac };
+  const guess = guessesOf(journey);
+  const parents = journey?.tree.parents ?? [];
   const [ink, page, own] = isDark() ? ["#e8eef6", "#0b1220", "#7db4ff"] : ["#0f172a", "#ffffff", "#1d4ed8"];
   context.lineJoin = context.lineCap = "round";
-  const images = /** @type {Modality[]} */ (["vis", "tac"]).filter((name) => there(places[name]));
+  const images = IMAGES.filter((name) => there(places[name]));
   for (const name of images) {
-    const way = [...trail[name], places[name]];
+    const earlier = before.flatMap((one) => (one[name] ? [cloud.spot(/** @type {Point} */ (one[name]))] : []));
+    const way = [...earlier, places[name]];
     for (let i = 1; i < way.length; i++) {
       context.globalAlpha = (0.75 * i) / way.length;
       stroked(context, () => segment(context, way[i - 1], way[i]), [3, own]);

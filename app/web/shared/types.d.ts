@@ -339,7 +339,7 @@ interface Journey {
   readings: Partial<Record<Reading, number[][]>>;
   tree: { parents: number[]; in_use: boolean; probabilities: number[][][]; norms: number[][] };
   images: Prediction["images"];
-  own: { classes: string[]; readings: Probabilities } | null;
+  own: ({ classes: string[] } & Prediction) | null;
 }
 interface Tree {
   classes: string[];

@@ -1,6 +1,6 @@
 /** The tree of the chosen pair as a drawing: a star for each node, as on the map. */
 
-import { html, percent } from "./root.js";
+import { html, percent } from "./text.js";
 
 const [WIDE, ROW, TOP] = [270, 56, 16]; // units of the drawing
 const BELOW = 20; // from a leaf to its words
@@ -16,8 +16,12 @@ const star = (x, y, radius) =>
 export function treeSvg({ classes, tree: { parents, probabilities, in_use: used } }, at) {
   /** @type {number[]} */
   const depth = [];
-  parents.forEach((parent, i) => (depth[i] = parent < 0 ? 0 : depth[parent] + 1));
-  const rows = Object.values(Object.groupBy(parents.keys(), (i) => depth[i])).map((row) => row ?? []);
+  /** @type {number[][]} */
+  const rows = [];
+  parents.forEach((parent, i) => {
+    depth[i] = parent < 0 ? 0 : depth[parent] + 1;
+    (rows[depth[i]] ??= []).push(i);
+  });
   const place = (/** @type {number} */ i) => {
     const row = rows[depth[i]];
     return { x: ((row.indexOf(i) + 0.5) / row.length) * WIDE, y: TOP + depth[i] * ROW };
