@@ -39,6 +39,17 @@ METHODS = {  # row of the README -> method of the records
     "SITR's head, touch alone": "sitr_supcon",
 }
 RUNGS = ("none", "n5", "n20", "k5")
+LIT = {  # column of the table by relief -> its rung, and that of colours that know as much
+    "home": ("home", "home"),
+    "as it comes": ("none", "none"),
+    "lamps of 5": ("l5", "none"),
+    "lamps and profile of 5": ("n5", "n5"),
+    "lamps of 20": ("l20", "none"),
+    "lamps and profile of 20": ("n20", "n20"),
+    "5 labels a class": ("k5", "k5"),
+    "touch, as it comes": ("tac", "tac"),
+    "touch, lamps of 20": ("l20, touch", "tac"),
+}
 Cells = dict[str, dict[str, list[float]]]  # source -> target -> accuracy (%) of each seed
 
 
@@ -83,11 +94,11 @@ def table(text: str, head: str) -> dict[str, list[str]]:
 # the table
 
 
-def cells_of(wanted: str, *, alike: bool = False) -> dict[str, Cells]:
+def cells_of(wanted: str, *, alike: bool = False, record: str = "ladder") -> dict[str, Cells]:
     """Return method -> source -> target -> accuracy of each seed on a rung; `alike`: of the pairs
     that look like another class.
     """
-    first, *runs = lines(RECORDS / "ladder.jsonl.gz")
+    first, *runs = lines(RECORDS / f"{record}.jsonl.gz")
     found: Any = defaultdict(lambda: defaultdict(lambda: defaultdict(list)))
     for run in sorted(runs, key=lambda run: run["seed"]):
         home = first["domains"].index(run["source"])
@@ -167,6 +178,39 @@ def check_table(count: Count) -> None:
     for printed, rung in zip(said.groups(), RUNGS, strict=False):
         maps = by_rung[rung]["linear_maps"]
         count.compare(f"README, linear maps, {rung}", float(printed), mean_of(maps))
+
+
+def check_relief(count: Count) -> None:
+    """Compare the table by relief: accuracies, and gains over colours with their limits."""
+    text = document("docs/benchmarks/table.md")
+    part = text[text.index("## By relief") :]
+    by_rung = {rung: cells_of(rung, record="relief") for rung, _ in LIT.values()}
+    plain = {rung: cells_of(rung) for _, rung in LIT.values()}
+    for name, (seeds, *row) in table(part, "| method | seeds").items():
+        method = METHODS[name]
+        own = next(iter(next(iter(by_rung["n20"][method].values())).values()))
+        count.compare(f"by relief, {name}, seeds", float(seeds), len(own), 0)
+        for (column, (rung, base)), cell in zip(LIT.items(), row, strict=True):
+            if cell == "–":
+                continue
+            mean, _, gain = cell.partition(" ")
+            lit = by_rung[rung][method]
+            count.compare(f"by relief, {name}, {column}", float(mean), mean_of(lit))
+            less = minus(lit, plain[base][method])
+            count.text(f"by relief, {name}, {column}, gain", gain, drawn(less))
+    said = re.search(
+        rf"by relief ({NUMBER}) % as it comes, ({NUMBER}) by lamps of 20 pictures, ({NUMBER}) with",
+        document("README.md"),
+    )
+    assert said, "the README has no finding on the relief"
+    for printed, rung in zip(said.groups(), ("none", "l20", "n20"), strict=True):
+        found = mean_of(by_rung[rung]["linear_maps"])
+        count.compare(f"README, by relief, {rung}", float(printed), found)
+    rungs = [rung for column, (rung, _) in LIT.items() if "," not in column]
+    for name, row in table(part, "| OmniVaT minus").items():
+        for rung, cell in zip(rungs, row, strict=True):
+            less = minus(by_rung[rung]["omnivat"], by_rung[rung][METHODS[name]])
+            count.text(f"by relief, OmniVaT minus {name}, {rung}", cell, drawn(less))
 
 
 def triples(count: Count, what: str, text: str, wanted: Sequence[Cells]) -> None:
@@ -305,6 +349,7 @@ def main() -> None:
         "what OmniVaT is good for": check_good_for,
         "the twins": check_twins,
         "the transform": check_transform,
+        "the table by relief": check_relief,
     }
     failed = False
     for title, check in checks.items():

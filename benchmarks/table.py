@@ -16,6 +16,10 @@ letter, on every rung, seconds of training and the number of parameters. `NAME@1
 learned ten pairs of each class. When all seeds are there, one line more has the mean of their
 probabilities, as it comes: each seed knows other pairs of the target. Finished lines are kept, so a
 stopped run goes on.
+
+With `--relief`, a method learns and reads touches by relief (`benchmarks.relief` embedded them):
+with nothing known by each touch's own lamps, a20 by these and a profile of 20 pairs, l5 and l20 by
+the lamps of 5 or 20 known pairs and nothing else, n5, n20 and k5 by these lamps beside the rest.
 """
 
 import argparse
@@ -33,11 +37,12 @@ from torch import Tensor
 from torch.nn.functional import normalize
 
 from benchmarks._table_methods import METHODS, PUBLISHED, Array, Learned, Raw, published, raw_of
+from benchmarks.relief import FOLDER, KNOWN, Reliefs, order
 from omnivat.cli.arguments import listed, numbers
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.profile import profile_of
 from omnivat.data.store import load_embeddings
-from omnivat.head.heads import LADDERS, default_embeddings
+from omnivat.head.heads import LADDERS, RELIEF, default_embeddings
 from omnivat.head.teach import Lesson
 from omnivat.kit.lines import lines
 from omnivat.kit.stages import IMAGES
@@ -71,7 +76,9 @@ class Measured:
         source: str,
         seed: int,
         methods: Mapping[str, Callable[[Embeddings, str, int], Learned]] = METHODS,
+        relief: Reliefs | None = None,
     ) -> None:
+        self.relief = relief
         name, _, count = name.partition("@")
         if count:
             embeddings = few(embeddings, source, int(count), seed)
@@ -86,6 +93,9 @@ class Measured:
 
     def steps(self) -> Iterator[tuple[str, Reader, Known]]:
         """Yield each rung, with what reads it and what is known of the target."""
+        if self.relief:
+            yield from self.by_relief(self.relief)
+            return
         for name in IMAGES if self.method.alone else ():
             alone = partial(predicted, self.method.readings, modalities=(name,))
             yield name, replace(self.reader, predict=alone), NOTHING
@@ -95,20 +105,39 @@ class Measured:
         for known in steps:
             yield known.name, self.reader, replace(known, draw=self.drawn)
 
+    def by_relief(self, relief: Reliefs) -> Iterator[tuple[str, Reader, Known]]:
+        """Yield the rungs of a reading by relief; at home, the source has its own lamps."""
+        touch = replace(
+            self.reader, predict=partial(predicted, self.method.readings, modalities=("tac",))
+        )
+        yield "home", self.reader, NOTHING
+        alone = replace(NOTHING, rested=relief.alone)
+        yield "none", self.reader, alone
+        yield "a20", self.reader, replace(pairs(20), draw=self.drawn, rested=relief.alone)
+        if self.method.alone:
+            yield "tac", touch, alone
+        for known in KNOWN:
+            read = relief.target(known, self.seed)
+            yield known.name, self.reader, replace(known, draw=self.drawn, rested=read)
+            if known.pairs:
+                lit = replace(NOTHING, rested=read)
+                yield f"l{known.pairs}", self.reader, lit
+                if self.method.alone:
+                    yield f"l{known.pairs}, touch", touch, lit
+
     def drawn(self, stream: str, seed: int, domain: str, pool: Array) -> Array:
-        """Return a pool in the order of the records; pairs without labels and with are the same."""
-        place = [seed, self.set.header.domains.index(domain), *[1] * (stream == "sensors")]
-        mixed: Array = np.random.default_rng(place).permutation(pool)
-        return mixed
+        """Return a pool in the order of the records."""
+        return order(self.set, stream, seed, domain, pool)
 
     def shares(self) -> dict[str, Array]:
         """Return rung -> class probabilities of all test pairs (N, K); NaN where none was made."""
         found: dict[str, Array] = {}
         tested = np.flatnonzero(np.array(self.set.rows["split"]) == "test")
+        own = "home" if self.relief else "none"
         for rung, reader, known in self.steps():
             for part in parts(reader, self.set, known, seed=self.seed):
                 home = part.domain == reader.source
-                if home and rung != "none":
+                if (rung == "home" and not home) or (home and rung != own):
                     continue
                 values = part.reader.predict(part.embeddings, rows=part.rows)["fused"]
                 empty = np.full((len(tested), len(reader.classes)), np.nan, np.float32)
@@ -221,10 +250,13 @@ def main() -> None:
     parser.add_argument("--methods", default=",".join((*METHODS, *PUBLISHED)), help="by name")
     parser.add_argument("--seeds", default="0,1,2,3,4", help="of training and drawing")
     parser.add_argument("--out", type=Path, default=Path("build/table.jsonl"), help="the records")
-    parser.add_argument("--pack", action="store_true", help=f"write them to {LADDERS.name}, too")
+    parser.add_argument("--relief", action="store_true", help=f"touches by relief, of {FOLDER}")
+    parser.add_argument("--pack", action="store_true", help="write them to examples/records, too")
     options = parser.parse_args()
     pin_thread()
     embeddings = load_embeddings(options.embeddings)
+    relief = Reliefs(embeddings) if options.relief else None
+    embeddings = relief.source if relief else embeddings
     mend(options.out)
     done = list(lines(options.out, FORMAT))
     if not done:
@@ -234,15 +266,24 @@ def main() -> None:
         for source in embeddings.header.domains:
             for name in listed(options.methods):  # two of them share one fit
                 if (name, source, seed) not in have:
-                    write_run(embeddings, name, source, seed, options.out)
+                    write_run(embeddings, name, source, seed, options.out, relief)
     if options.pack:
-        average(options.out, listed(options.methods), embeddings.header.domains)
-        LADDERS.write_bytes(gzip.compress(options.out.read_bytes(), 9, mtime=0))
+        if not relief:
+            average(options.out, listed(options.methods), embeddings.header.domains)
+        record = RELIEF if relief else LADDERS
+        record.write_bytes(gzip.compress(options.out.read_bytes(), 9, mtime=0))
 
 
-def write_run(embeddings: Embeddings, name: str, source: str, seed: int, out: Path) -> None:
+def write_run(
+    embeddings: Embeddings,
+    name: str,
+    source: str,
+    seed: int,
+    out: Path,
+    relief: Reliefs | None = None,
+) -> None:
     """Measure one method on one source with one seed; keep its probabilities for their mean."""
-    run = Measured(embeddings, name, source, seed)
+    run = Measured(embeddings, name, source, seed, relief=relief)
     shares = run.shares()
     place = kept(out, name, source, seed)
     place.parent.mkdir(parents=True, exist_ok=True)

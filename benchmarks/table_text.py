@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from omnivat.figures.scores import ladder
 from omnivat.figures.still import svg_of
-from omnivat.head.heads import LADDERS
+from omnivat.head.heads import LADDERS, RELIEF
 from omnivat.kit.files import write_text
 from omnivat.kit.lines import lines
 from omnivat.measure.ladder import FORMAT, letters, marks
@@ -45,6 +45,17 @@ CHIRPS = RECORDS / "chirps.jsonl.gz"
 MARKS = ("<!-- table -->", "<!-- end of table -->")
 FINDINGS = ("<!-- findings -->", "<!-- end of findings -->")
 RUNGS = {"none": "as it comes", "n5": "5 pictures", "n20": "20 pictures", "k5": "5 labels a class"}
+LIT = {  # rungs of the relief -> words, and the rung at which colours know as much
+    "home": ("home", "home"),
+    "none": ("as it comes", "none"),
+    "l5": ("lamps of 5", "none"),
+    "n5": ("lamps and profile of 5", "n5"),
+    "l20": ("lamps of 20", "none"),
+    "n20": ("lamps and profile of 20", "n20"),
+    "k5": ("5 labels a class", "k5"),
+    "tac": ("touch, as it comes", "tac"),
+    "l20, touch": ("touch, lamps of 20", "tac"),
+}
 READINGS = {"none": "both", "vis": "photo alone", "tac": "touch alone"}
 NAMES = {
     "linear_maps": "Linear maps of photo, touch and both",
@@ -107,6 +118,38 @@ class Record:
             for (source, target, seed), value in values.items():
                 tables[name][source, target, seeds.index(seed)] = value
         return tables
+
+
+def by_relief(record: Record, relief: Record) -> list[str]:
+    """Return readings by relief, and in brackets their gain over colours that know as much."""
+    text = [
+        f"| method | seeds | {' | '.join(words for words, _ in LIT.values())} |",
+        "| --- | ---: |" + " ---: |" * len(LIT),
+    ]
+    lit = {rung: relief.cells(rung) for rung in LIT}
+    plain = {rung: record.cells(rung) for _, rung in LIT.values()}
+    for name in sorted(lit["n20"], key=lambda name: -interval(lit["n20"][name])[0]):
+        row = [NAMES[name], str(lit["n20"][name].shape[2])]
+        for rung, (_, base) in LIT.items():
+            if name in lit[rung]:
+                gain = less(lit[rung][name], plain[base][name])
+                row.append(f"{interval(lit[rung][name])[0]:.1f} ({gain})")
+            else:
+                row.append("–")
+        text.append(f"| {' | '.join(row)} |")
+    return text
+
+
+def leads_by_relief(relief: Record) -> list[str]:
+    """Return OmniVaT minus each other method, both by relief."""
+    rungs = {rung: words for rung, (words, _) in LIT.items() if "," not in words}
+    text = [f"| OmniVaT minus | {' | '.join(rungs.values())} |", "| --- |" + " ---: |" * len(rungs)]
+    lit = {rung: relief.cells(rung) for rung in rungs}
+    for name in lit["n20"]:
+        if name != "omnivat":
+            row = [less(cells["omnivat"], cells[name]) for cells in lit.values()]
+            text.append(f"| {NAMES[name]} | {' | '.join(row)} |")
+    return text
 
 
 def interval(cells: Array) -> tuple[float, float, float]:
@@ -382,6 +425,26 @@ def page(record: Record) -> str:
             "",
             *leads(record),
             "",
+            "## By relief",
+            "",
+            (
+                "`python -m benchmarks.table --relief --pack` wrote the record"
+                " (`examples/records/relief.jsonl.gz`): the"
+            ),
+            (
+                "same pairs, with touches read by how the gel bends"
+                " ([by relief](../protocol.md#by-relief)). In brackets: points more than by colours"
+            ),
+            (
+                "that know as much of the target, paired, over the seeds of this table. As it"
+                " comes, each touch is read by the lamps"
+            ),
+            "that it gives alone; lamps of 5 or 20 are those of pictures without labels.",
+            "",
+            *by_relief(record, Record(RELIEF)),
+            "",
+            *leads_by_relief(Record(RELIEF)),
+            "",
             "## What averaging brings",
             "",
             (
@@ -462,7 +525,14 @@ def readme(record: Record) -> str:
     text = between("README.md", [*main_table(record), "", note])
     mean = {rung: interval(record.cells(rung)["linear_maps"])[0] for rung in ("none", "n5", "n20")}
     of_chirps = {name: interval(cells)[0] for name, cells in chirps().items()}
+    relief = Record(RELIEF)
+    lit = {rung: interval(relief.cells(rung)["linear_maps"])[0] for rung in ("none", "l20", "n20")}
     said = {
+        r"by relief [\d.]+ % as it comes, [\d.]+ by lamps of 20 pictures, [\d.]+ with their"
+        r" profile": (
+            "by relief {none:.1f} % as it comes, {l20:.1f} by lamps of 20 pictures, {n20:.1f} with"
+            " their profile".format(**lit)
+        ),
         r"[\d.]+ % as it comes, [\d.]+ with 5 pictures, [\d.]+ with 20": (
             "{none:.1f} % as it comes, {n5:.1f} with 5 pictures, {n20:.1f} with 20".format(**mean)
         ),

@@ -7,6 +7,7 @@ cd "$(dirname "$0")/.."
 full=${1:-build/simulated}
 python -m simulator set --out "$full" --examples examples/pairs
 python -m omnivat embed "$full" --out examples/simulated.safetensors --dtype float16
+python -m benchmarks.relief "$full"  # touches by relief, for the table
 python -m omnivat thumbnails "$full" --embeddings examples/simulated.safetensors --tile 56
 python -m omnivat train --embeddings examples/simulated.safetensors --source TAG-sim \
     --out examples/head --repeat 1,2 --set width=64 --set noise=4 --set shift=1 --set epochs=120

@@ -9,6 +9,8 @@ table=(python -m benchmarks.table --out "$out/table.jsonl")
 "${table[@]}" --seeds 0,1,2,3,4
 "${table[@]}" --seeds 0 --methods linear_maps@10,omnivat@10,linear_maps@20,omnivat@20
 "${table[@]}" --pack
+by_relief=(python -m benchmarks.table --relief --out "$out/relief.jsonl" --seeds 0)
+"${by_relief[@]}" --pack
 python -m benchmarks.table_text
 python -m benchmarks.recompute
 python -m omnivat ablate --embeddings examples/simulated.safetensors --seeds 0,1,2 --jobs "${2:-2}" \

@@ -20,6 +20,7 @@ def _examples() -> Path:
 EXAMPLES = _examples()
 
 LADDERS = EXAMPLES / "records" / "ladder.jsonl.gz"  # of `python -m benchmarks.table --pack`
+RELIEF = EXAMPLES / "records" / "relief.jsonl.gz"  # of the same with --relief
 
 OWN = "own"  # the name of the head for one's own pictures
 

@@ -91,7 +91,7 @@ def parts(
     """
     whole = embeddings if known.rested is None else known.rested
     names = whole.header.domains
-    some = {name: _known(whole, known, name, seed) for name in names if name != reader.source}
+    some = {name: known_rows(whole, known, name, seed) for name in names if name != reader.source}
     some = {name: rows for name, rows in some.items() if len(rows)}
     near = whole
     if some:
@@ -121,7 +121,7 @@ def _able(what: Callable[..., Reader] | None, words: str) -> Callable[..., Reade
     return what
 
 
-def _known(embeddings: Embeddings, known: Known, name: str, seed: int) -> Rows:
+def known_rows(embeddings: Embeddings, known: Known, name: str, seed: int) -> Rows:
     """Return the rows of a domain that are known, with labels or without."""
     pool, draw = embeddings.rows_of(name, split="train"), known.draw or drawn
     if not known.labels:

@@ -1,14 +1,17 @@
 """The one table of results: what a run holds, how labels teach, and how records become figures."""
 
 import json
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import torch
 
 from benchmarks import _table_methods, table, table_text
+from benchmarks.relief import Reliefs, read, write
 from omnivat.data.store import load_embeddings
-from omnivat.head.heads import LADDERS, default_embeddings
+from omnivat.head.heads import LADDERS, RELIEF, default_embeddings
 from omnivat.kit.lines import lines as all_lines
 from omnivat.measure.ladder import FORMAT, letters
 
@@ -28,6 +31,42 @@ def test_a_run_says_a_class_of_every_test_pair_and_home_stands_apart(embeddings)
     for rung, values in shares.items():
         said = letters(table.letters_of(values)) >= 0
         assert (said == (home if rung == "home" else ~home)).all(), rung
+
+
+def test_by_relief_lamps_are_known_of_targets_and_home_has_its_own(embeddings):
+    other = replace(embeddings, tac=embeddings.tac[::-1].copy())
+    relief = SimpleNamespace(source=embeddings, alone=other, target=lambda known, seed: embeddings)
+    shares = table.Measured(embeddings, "nearest_mean", "OF Real-sim", 0, relief=relief).shares()
+    colours = table.Measured(embeddings, "nearest_mean", "OF Real-sim", 0).shares()
+    for rung, same in {
+        "home": "home",
+        "l5": "none",
+        "l20": "none",
+        "n20": "n20",
+        "k5": "k5",
+    }.items():
+        assert np.array_equal(shares[rung], colours[same], equal_nan=True), rung
+    assert np.array_equal(shares["l5, touch"], colours["tac"], equal_nan=True)
+    assert not np.array_equal(shares["none"], colours["none"], equal_nan=True)
+
+
+@pytest.mark.slow
+def test_the_record_by_relief_holds_what_the_shipped_folder_gives():
+    whole, (_, *lines) = load_embeddings(default_embeddings()), all_lines(RELIEF, FORMAT)
+    run = {"method": "nearest_mean", "source": "TAG-sim", "seed": 0}
+    kept = next(one for one in lines if run.items() <= one.items())["answers"]
+    relief = Reliefs(whole)
+    shares = table.Measured(relief.source, *run.values(), relief=relief).shares()
+    assert {rung: table.letters_of(values) for rung, values in shares.items()} == kept
+
+
+def test_features_are_written_as_bytes_that_turn_a_row_by_less_than_a_degree(tmp_path):
+    rows = np.random.default_rng(0).random((4, 1280)).astype(np.float32) ** 12
+    write(tmp_path / "some.npz", {"rows": np.arange(4), "tac": rows})
+    held = read(tmp_path / "some.npz")
+    cosines = (held["tac"] * rows).sum(1) / np.linalg.norm(held["tac"], axis=1)
+    assert (cosines / np.linalg.norm(rows, axis=1) > np.cos(np.radians(1))).all()
+    assert held["rows"].tolist() == [0, 1, 2, 3]
 
 
 def test_the_perceptron_of_the_table_learns_its_source(embeddings):
