@@ -10,7 +10,7 @@ from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from omnivat.encoders.base import DEFAULT_ENCODER
+from omnivat.encoders.base import DEFAULT_ENCODER, JOINED
 from omnivat.head.heads import default_embeddings, default_head, head_named
 from omnivat.kit.config import field_names, parse_assignments, whole
 from omnivat.kit.devices import named
@@ -38,6 +38,10 @@ PROFILE = "profile of a sensor (`omnivat profile`); once or for several domains"
 REST = (
     "picture of the untouched sensor, subtracted from each tactile image; auto: the nearest"
     " rest.png above each image, but not for gels with markers; all: for those, too"
+)
+LAYER = (
+    "read a layer of the encoder (of --tac-encoder, if there is one) in place of its output: its"
+    " number, from 1, or the name of a part"
 )
 DOTS = ("fill", "keep")  # of gels, in tactile images
 EVERY_S = 2.0  # seconds between two lines of a log, at least: short work writes none
@@ -146,6 +150,7 @@ def declare(parser: argparse._ActionsContainer, *names: str, **options: str | Op
     """
     shared: dict[str, Option] = {
         "device": {"default": named(), "help": DEVICE},
+        "layer": {"metavar": "LAYER", "default": "", "help": LAYER},
         "embeddings": path(EMBEDDINGS, default=default_embeddings()),
         "encoder": {"default": DEFAULT_ENCODER, "help": "named as for `embed`"},
         "head": {"type": head_named, "default": default_head(), "help": HEAD},
@@ -164,6 +169,12 @@ def declare(parser: argparse._ActionsContainer, *names: str, **options: str | Op
             "help": "a run for each",
         },
         "set": several("", "key=value", type=assigned),
+        "tac_encoder": {
+            "metavar": "NAME",
+            "default": "",
+            "help": "another encoder for tactile images; named as --encoder",
+        },
+        "tac_weights": path("checkpoint of --tac-encoder"),
         "tac_rest": {"metavar": "FILE|auto|all|none", "help": REST},
         "weights": path("checkpoint of the encoder"),
         "workers": count("threads; default: all cores"),
@@ -171,6 +182,20 @@ def declare(parser: argparse._ActionsContainer, *names: str, **options: str | Op
     for name, own in {**{name: shared[name] for name in names}, **options}.items():
         option = shared[name] | {"help": own} if isinstance(own, str) else own
         parser.add_argument(f"--{name.replace('_', '-')}", **option)
+
+
+ENCODING = ("encoder", "weights", "tac_encoder", "tac_weights", "layer")  # of `encoder_name`
+
+
+def encoder_name(options: argparse.Namespace) -> str:
+    """Return the name for `load_encoder` that the options ENCODING give.
+
+    Raises SettingsError for weights of an encoder that is not named.
+    """
+    if options.tac_weights and not options.tac_encoder:
+        raise SettingsError("--tac-weights needs --tac-encoder; without it both use --weights.")
+    names = [*filter(None, (options.encoder, options.tac_encoder))]
+    return JOINED.join(names) + (f"#{options.layer}" if options.layer else "")
 
 
 def download(parser: argparse.ArgumentParser) -> None:

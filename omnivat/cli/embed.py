@@ -12,18 +12,19 @@ from typing import TYPE_CHECKING
 
 from omnivat.cli.arguments import (
     DOTS,
+    ENCODING,
     declare,
     download,
+    encoder_name,
     flag,
     one_of,
     passed,
-    path,
     progress_bar,
     several,
 )
 from omnivat.data.readers import READERS
 from omnivat.data.relief.files import TOUCH
-from omnivat.encoders.base import ENCODERS, JOINED
+from omnivat.encoders.base import ENCODERS
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.files import require_writable
 
@@ -47,18 +48,13 @@ def add(parser: argparse.ArgumentParser) -> None:
     declare(
         parser,
         "out",
-        "weights",
+        *ENCODING[1:],
         "tac_rest",
         "workers",
         "device",
         encoder=words,
         seed="of balanced subsampling",
         set="an option of the reader, such as by_folder=true (docs/data.md lists them)",
-        tac_encoder={
-            "metavar": "NAME",
-            "help": "another encoder for tactile images; named as above",
-        },
-        tac_weights=path("checkpoint of --tac-encoder"),
         reader=one_of(("auto", *READERS), "layout of PAIRS, recognised from the files"),
         strict=flag("no merged or unknown materials"),
         precision=one_of(("fp32", "bf16", "fp32-onnx"), "precision of the encoder"),
@@ -87,9 +83,7 @@ def run(options: argparse.Namespace) -> None:
             f"--out is '{options.out}', and its table would replace '{options.pairs}'; choose"
             " another name."
         )
-    if options.tac_weights and not options.tac_encoder:
-        raise SettingsError("--tac-weights needs --tac-encoder; without it both use --weights.")
-    encoder = JOINED.join(filter(None, (options.encoder, options.tac_encoder)))
+    encoder = encoder_name(options)
     of_reader = dict(text.split("=", 1) for text in options.set)
     found = read_pairs(options.pairs, **passed(options, "reader", "strict", "seed"), **of_reader)
     found = with_rest(found, options.tac_rest or "none")

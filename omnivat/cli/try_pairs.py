@@ -16,8 +16,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from omnivat.cli.arguments import (
+    ENCODING,
     declare,
     download,
+    encoder_name,
     flag,
     one_of,
     passed,
@@ -48,7 +50,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     add_foreign(parser)
     declare(
         parser,
-        "encoder",
+        *ENCODING,
         "tac_rest",
         "seed",
         "device",
@@ -170,15 +172,11 @@ def _embed(options: argparse.Namespace, out: Path) -> list[str]:
 
     pairs = with_rest(read_pairs(options.pairs), options.tac_rest or "none")
     print(summary_table(pairs), flush=True)
-    with progress_bar(f"embed with {options.encoder}") as show:
-        report = embed_pairs(
-            pairs,
-            options.encoder,
-            out / SET,
-            **passed(options, "device", "download", "touch"),
-            lamps=lamps_in(options.lamps, pairs.domains()),
-            on_step=show,
-        )
+    encoder = encoder_name(options)
+    how = passed(options, "weights", "tac_weights", "device", "download", "touch")
+    how |= {"lamps": lamps_in(options.lamps, pairs.domains())}
+    with progress_bar(f"embed with {encoder}") as show:
+        report = embed_pairs(pairs, encoder, out / SET, **how, on_step=show)
     notes = [f"Skipped {one.what}: {one.why}" for one in report.skipped]
     notes += touch_lines(report.header)
     embeddings = load_embeddings(out / SET)

@@ -41,6 +41,14 @@ DOMAINS = {
 }
 
 
+def sensor_of(domain: str) -> str:
+    """Return the sensor of a domain of the paper, real or simulated; else the domain's own name,
+    which may tell it.
+    """
+    known = DOMAINS.get(paper_name(domain))
+    return known.sensor if known else domain
+
+
 def simulated(name: str) -> str:
     """Return the name of the simulated stand-in of a domain: "TAG" gives "TAG-sim"."""
     return name + SIMULATED_SUFFIX

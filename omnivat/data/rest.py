@@ -24,10 +24,10 @@ CHOICES = ("none", "auto", "all")
 MARKERS = ("GelSight", "GelSlim", "DuraGel", "Tac3D")  # printed dots shift, and would show twice
 
 
-def minus_rest(image: Image.Image, rest: Image.Image) -> Image.Image:
-    """Return clip((image - rest) / 255 + 0.5) in 8 bits; `rest` is resized to the image's size."""
+def minus_rest(image: Image.Image, rest: Image.Image, *, offset: int = 128) -> Image.Image:
+    """Return clip(image - rest + offset) in 8 bits; `rest` is resized to the image's size."""
     still = rest.resize(image.size, Image.Resampling.BICUBIC)
-    return ImageChops.subtract(image, still, offset=128)
+    return ImageChops.subtract(image, still, offset=offset)
 
 
 def seen(

@@ -3,6 +3,7 @@
 import importlib
 import importlib.util
 import inspect
+import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -26,6 +27,8 @@ GROUP = "omnivat.encoders"  # group of entry points of other packages
 IMPORTED = "imported:"  # prefix of an encoder that is not available here
 HUB = "hf:"  # prefix of a folder or hub name of a transformers model
 JOINED = " | "  # separator of the two names, VIS first
+# an encoder's name, the kind of sensor, and a layer: "t3@digit#6"
+CHOSEN = re.compile(r"(.+?)(?:@([\w .-]+))?(?:#([\w.]+))?")
 
 
 class PairEncoder:
@@ -129,6 +132,9 @@ ENCODERS = {
     "clip-rn101": "omnivat.encoders.clip_towers:load",
     "clip": "omnivat.encoders.clip_towers:load",
     "sitr": "omnivat.encoders.sitr:load",
+    "sparsh": "omnivat.encoders.tactile:load_sparsh",
+    "t3": "omnivat.encoders.tactile:load_t3",
+    "anytouch2": "omnivat.encoders.tactile:load_anytouch2",
     "strip": "omnivat.encoders.strip:StripReader",
 }
 
@@ -180,7 +186,9 @@ def load_encoder(
 
     name            a key of ENCODERS; `hf:NAME_OR_FOLDER` for a vision model of transformers;
                     `module:function` or `file.py:function` for your own; the name of an entry point
-                    of the group "omnivat.encoders"; or two of these, "VIS | TAC", one for each
+                    of the group "omnivat.encoders"; or two of these, "VIS | TAC", one for each.
+                    "NAME@SENSOR" holds one kind of sensor for every image, where an encoder takes
+                    it; "NAME#LAYER" gives the mean of a layer's output (`TorchEncoder.at`)
     weights         a checkpoint instead of the default one
     tac_weights     the same for the TAC encoder of two
     device          "cpu", "cuda" or "auto"
@@ -231,19 +239,30 @@ def _load_one(
     name: str, weights: str | Path | None, weights_hash: str, settings: dict[str, Any]
 ) -> Encoder:
     from omnivat.encoders.hub import recall, remember
-    from omnivat.encoders.wrapping import checked
+    from omnivat.encoders.wrapping import TorchEncoder, checked, takes_of
     from omnivat.kit.devices import device_from
 
     given = Path(weights) if weights else None
     place = given or (recall(weights_hash) if weights_hash else None)
     wanted = {**settings, "device": device_from(settings["device"]), "weights": place}
-    loader = _loader_of(name)
-    if name in ENCODERS:
-        encoder: Encoder = loader(**_accepted(loader, name, wanted | {"name": name}))
-    else:
-        encoder = checked(loader(**_accepted(loader, name, wanted)), name)
-    if given is None and name.startswith(HUB):
-        given = Path(name.removeprefix(HUB))  # a folder, or a name on the hub
+    plain, sensor, layer = cast("re.Match[str]", CHOSEN.fullmatch(name)).groups("")
+    loader = _loader_of(plain)
+    named = {"name": plain} if plain in ENCODERS else {}
+    made = loader(**_accepted(loader, plain, wanted | named))
+    if sensor and "sensor" not in takes_of(made):
+        raise SettingsError(
+            f"The encoder '{plain}' takes no kind of sensor; leave out '@{sensor}'."
+        )
+    if layer and not isinstance(made, TorchEncoder):
+        raise SettingsError(f"The encoder '{plain}' has no layers; leave out --layer {layer}.")
+    made = made.at(layer) if layer else made
+    if sensor:
+        made.sensor = sensor
+    encoder: Encoder = made if named else checked(made, name)
+    if named and (sensor or layer):
+        encoder.name += name.removeprefix(plain)
+    if given is None and plain.startswith(HUB):
+        given = Path(plain.removeprefix(HUB))  # a folder, or a name on the hub
     if given and given.exists():
         remember(encoder.weights_hash, given)
     return encoder

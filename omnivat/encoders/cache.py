@@ -125,19 +125,38 @@ def embed_views(
     crop: int = 0,
     flips: Sequence[bool] = (False, True),
     rest: Path | None = None,
+    before: Path | None = None,
+    sensor: str = "",
     name: str = "the image",
 ) -> list[Array]:
-    """Return an embedding (D,) for each of `flips`, mirrored or not; the image is decoded once."""
+    """Return an embedding (D,) for each of `flips`, mirrored or not; the image is decoded once.
+
+    rest    picture of the untouched sensor: subtracted, or given to an encoder that takes it
+    before  the image of a moment before, for encoders that take it
+    sensor  the kind of sensor, likewise
+    """
     name = str(source) if isinstance(source, str | Path) else name
     content = source if isinstance(source, Image.Image) else read_bytes(source, name)
     calm = b"" if rest is None else read_bytes(rest)
 
-    from omnivat.encoders.wrapping import WithoutDots
+    from omnivat.encoders.wrapping import WithoutDots, takes_of
+
+    takes = takes_of(encoder)
+    earlier = read_bytes(before) if before and "before" in takes else b""
+    kind = (getattr(encoder, "sensor", "") or sensor) if "sensor" in takes else ""
+
+    clean: dict[str, Any] = {"clean": encoder.cleaned} if isinstance(encoder, WithoutDots) else {}
+    subtracted = b"" if "rest" in takes else calm
+    picture: Callable[..., Image.Image] = partial(seen, crop=crop, rest=subtracted, **clean)
 
     @lru_cache(maxsize=1)
     def pixels() -> "torch.Tensor":
-        clean = {"clean": encoder.cleaned} if isinstance(encoder, WithoutDots) else {}
-        return encoder.preprocess(seen(content, name, crop=crop, rest=calm, **clean))
+        context: dict[str, Any] = {"sensor": kind} if kind else {}
+        if earlier:
+            context["before"] = picture(earlier, str(before))
+        if calm and "rest" in takes:
+            context["rest"] = picture(calm, str(rest))
+        return encoder.preprocess(picture(content, name), **context)
 
     def compute(flip: bool) -> Array:
         ready = pixels().flip(-1) if flip else pixels()
@@ -145,7 +164,7 @@ def embed_views(
 
     if cache is None:
         return [compute(flip) for flip in flips]
-    keys = _keys(encoder, content, crop, flips, calm)
+    keys = _keys(encoder, content, crop, flips, calm, (earlier, kind.encode()))
     return [
         cache.embedding(key, partial(compute, flip)) for key, flip in zip(keys, flips, strict=True)
     ]
@@ -175,12 +194,19 @@ def embed_pair(
 
 
 def _keys(
-    encoder: Encoder, source: bytes | Image.Image, crop: int, flips: Sequence[bool], calm: bytes
+    encoder: Encoder,
+    source: bytes | Image.Image,
+    crop: int,
+    flips: Sequence[bool],
+    calm: bytes,
+    more: Sequence[bytes],
 ) -> list[str]:
     if isinstance(source, Image.Image):
         upright = read_image(source)
         source = f"{upright.size}".encode() + upright.tobytes()
-    contents = [blake2b(content).hexdigest() for content in ((calm, source) if calm else (source,))]
+    more = more if any(more) else ()  # the key of an image alone
+    parts = (*((calm,) if calm else ()), source, *more)
+    contents = [blake2b(content).hexdigest() for content in parts]
     texts = (
         "\x1f".join((READING, *made_by(encoder), *contents, str(crop), str(flip))) for flip in flips
     )

@@ -16,11 +16,12 @@ from torch import Tensor, nn
 
 from omnivat.data.images import read_image
 from omnivat.encoders.running import pixels
-from omnivat.encoders.weights import Weights, count, read_weights
+from omnivat.encoders.transformer import HEAD, empty, of_torch, patches_by, transformer
+from omnivat.encoders.weights import Weights, read_weights
 from omnivat.encoders.wrapping import TorchEncoder
 from omnivat.kit.errors import DataError
 
-NAME, HEAD = "sitr", 64  # channels of an attention head
+NAME = "sitr"
 MEAN, STD = (-1.2223, -1.8114, -1.7090), (11.7932, 12.7956, 13.6452)  # of differences, 0 to 255
 # Number of presses in a checkpoint -> indices among the 18.
 PRESSES = {
@@ -29,14 +30,6 @@ PRESSES = {
     8: (1, 3, 7, 9, 10, 12, 16, 18),
     9: tuple(range(1, 10)),
     18: tuple(range(1, 19)),
-}
-
-
-LAYER = {  # timm's names of a layer's parts -> those of torch
-    "attn.qkv.": "self_attn.in_proj_",
-    "attn.proj.": "self_attn.out_proj.",
-    "mlp.fc1.": "linear1.",
-    "mlp.fc2.": "linear2.",
 }
 
 
@@ -52,26 +45,17 @@ class Sitr(nn.Module):
 
     def __init__(self, state: Weights, *, side: int, rest: Tensor, presses: Tensor) -> None:
         super().__init__()
-        width, channels, patch, _ = state["patch_embed.proj.weight"].shape
-        hidden, depth = len(state["blocks.0.mlp.fc1.weight"]), count(state, "blocks.")
-        places = (side // patch) ** 2
-        self.patch_embed = nn.ModuleDict({"proj": nn.Conv2d(channels, width, patch, patch)})
-        self.cls_token = nn.Parameter(torch.empty(1, 1, width))
-        self.pos_embed = nn.Parameter(torch.empty(1, places + 1, width))
+        patches = state["patch_embed.proj.weight"]
+        width, places = len(patches), (side // patches.shape[-1]) ** 2
+        self.patch_embed = patches_by(patches)
+        self.cls_token = empty(1, 1, width)
+        self.pos_embed = empty(1, places + 1, width)
         self.calibrated = bool(presses.shape[1])
         if self.calibrated:
-            press = nn.Conv2d(presses.shape[1], width, patch, patch)
-            self.c_patch_embed = nn.ModuleDict({"proj": press})
-            self.c_pos_embed = nn.Parameter(torch.empty(1, places, width))
-        self.blocks = nn.Sequential(
-            *(
-                nn.TransformerEncoderLayer(
-                    width, width // HEAD, hidden, 0.0, "gelu", batch_first=True, norm_first=True
-                )
-                for _ in range(depth)
-            )
-        )
-        self.norm = nn.LayerNorm(width)
+            self.c_patch_embed = patches_by(state["c_patch_embed.proj.weight"])
+            self.c_pos_embed = empty(1, places, width)
+        self.blocks = transformer(state)
+        self.norm = nn.LayerNorm(width, device="meta")
         self.presses: Tensor
         self.register_buffer("rest", rest)
         self.register_buffer("presses", presses)
@@ -105,7 +89,7 @@ def load(
     side, number = _side(state), _presses(state)
     rest, presses = _calibration(state.file.parent / "calibration", number, side)
     network = Sitr(state, side=side, rest=rest, presses=presses)
-    state.renamed({_of_torch(name): value for name, value in state.items()}).fill(network)
+    of_torch(state).fill(network)
 
     def prepare(image: Image.Image) -> Tensor:
         return _normalised(_raw(image, side) - rest)
@@ -117,12 +101,6 @@ def load(
     return TorchEncoder(
         network, prepare=prepare, about=about, device=device, precision=precision, name=NAME
     )
-
-
-def _of_torch(name: str) -> str:
-    for old, new in LAYER.items():
-        name = name.replace(old, new)
-    return name
 
 
 def _side(state: Weights) -> int:

@@ -10,7 +10,9 @@
 Used as `--encoder their_module:load --weights FILE`; docs/encoders.md has whole examples."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from hashlib import blake2b
+from inspect import Parameter, signature
 from typing import Any
 
 import numpy as np
@@ -31,11 +33,16 @@ from omnivat.encoders.running import (
     resized,
     state_hash,
 )
-from omnivat.kit.errors import DataError
+from omnivat.kit.errors import DataError, SettingsError
 
 NOISE = Image.fromarray(  # a test picture, on which two encoders differ
     np.random.default_rng(0).integers(0, 256, (64, 64, 3), dtype=np.uint8)
 )
+CONTEXT = {  # what an encoder may take beside its image, and where it comes from
+    "before": "the touch of a moment before: name it in the table's column tac_before",
+    "rest": "the picture of the untouched sensor: give it with --tac-rest",
+    "sensor": "the kind of sensor: name the domain after it, or write ENCODER@SENSOR",
+}
 IMAGENET_MEAN, IMAGENET_STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 
 
@@ -45,7 +52,9 @@ class TorchEncoder:
     network     (B, C, H, W) -> (B, D), or any output that `pool` converts to (B, D)
     side        side in pixels after resizing
     mean, std   of red, green and blue, for values in 0 to 1
-    prepare     Image -> (C, H, W) float32, instead of resizing and normalising
+    prepare     Image -> (C, H, W) float32, instead of resizing and normalising. It may have more
+                arguments: `before`, the image of a moment before; `rest`, one of the untouched
+                sensor; `sensor`, the kind of sensor. One without a default has to be there
     pool        output of the network -> (B, D), such as `lambda tokens: tokens[:, 0]`
     about       one line on `prepare` and `pool`, for the header of a file
     device      device of the computation
@@ -54,6 +63,9 @@ class TorchEncoder:
     width       D, if it is known; 0 finds and checks it by two runs on a test picture
     name        its name; load_encoder replaces it by the name used for loading
     weights_hash, text_hash  hashes of its weights, "" for those of the network, and of a text tower
+
+    The attribute `takes` names the further arguments of `prepare`. `load_encoder` sets `sensor` to
+    the kind in a name such as "t3@digit", which then holds for every image.
 
     Raises DataError if the network does not return one finite vector for each image.
 
@@ -71,7 +83,7 @@ class TorchEncoder:
         side: int = 224,
         mean: Sequence[float] = IMAGENET_MEAN,
         std: Sequence[float] = IMAGENET_STD,
-        prepare: Callable[[Image.Image], Tensor] | None = None,
+        prepare: Callable[..., Tensor] | None = None,
         pool: Callable[..., Tensor] | None = None,
         about: str = "",
         device: torch.device | str = "cpu",
@@ -87,7 +99,11 @@ class TorchEncoder:
         self.precision = precision
         self.weights_hash = weights_hash or state_hash(network.state_dict())
         self.text_hash = text_hash
-        self._prepare, self._pool = prepare, pool
+        self._prepare, self._pool = prepare or partial(pixels, mean=mean, std=std, side=side), pool
+        taken = signature(self._prepare).parameters
+        self.takes = tuple(name for name in CONTEXT if name in taken)
+        self._needs = [name for name in self.takes if taken[name].default is Parameter.empty]
+        self.sensor = ""
         steps = [resized(side, self.mean, self.std)] if prepare is None else []
         self.preprocessing = ", ".join([*steps, about] if about else steps) or "own preprocessing"
         self._device = torch.device(device)
@@ -97,11 +113,12 @@ class TorchEncoder:
             self.network = in_onnx_runtime(self.network, torch.zeros(1, 3, side, side))
         self.width = width or len(probed(self))
 
-    def preprocess(self, image: Image.Image) -> Tensor:
-        """Convert an RGB image to the tensor (C, H, W) for `embed`."""
-        if self._prepare is not None:
-            return self._prepare(image).to(torch.float32)
-        return pixels(image, self.mean, self.std, self.side)
+    def preprocess(self, image: Image.Image, **context: Any) -> Tensor:
+        """Convert an RGB image to the tensor (C, H, W) for `embed`; `context` by `takes`."""
+        for name in self._needs:
+            if not context.get(name):
+                raise DataError(f"'{self.name}' needs {CONTEXT[name]}.")
+        return self._prepare(image, **context).to(torch.float32)
 
     def embed(self, images: Tensor) -> Tensor:
         """Return the embeddings (B, D) of preprocessed images (B, C, H, W)."""
@@ -111,13 +128,72 @@ class TorchEncoder:
         output: Tensor = self.network(images)
         return output if self._pool is None else self._pool(output)
 
+    def at(self, layer: str) -> "TorchEncoder":
+        """Return an encoder of the mean of one layer's output over its places.
+
+        layer  its number, from 1, in the network's longest list of layers, or the name of any part
+
+        Raises SettingsError for a layer that the network does not have.
+        """
+        if self.precision == ONNX:
+            raise SettingsError(
+                f"--layer and --precision {ONNX} exclude one another; leave one out."
+            )
+        return TorchEncoder(
+            Until(self.network, layer), prepare=self._prepare, pool=averaged, device=self._device,
+            about=f"{self.preprocessing}, layer {layer}, mean of its places",
+            precision=self.precision, name=self.name, weights_hash=self.weights_hash,
+        )  # fmt: skip
+
+
+class Reached(Exception):
+    """Ends a network's run with a layer's output."""
+
+
+class Until(nn.Module):
+    """A network up to one of its layers, whose output it returns."""
+
+    def __init__(self, network: nn.Module, layer: str) -> None:
+        super().__init__()
+        self.network = network
+        lists = [m for m in network.modules() if isinstance(m, nn.ModuleList | nn.Sequential)]
+        longest = max(lists, key=len, default=nn.Sequential())
+        parts = dict(network.named_modules()) | {str(k): m for k, m in enumerate(longest, 1)}
+        if layer not in parts:
+            names = ", ".join(name for name, _ in network.named_children())
+            raise SettingsError(
+                f"There is no layer '{layer}'; give a number from 1 to {len(longest)}, or a part of"
+                f" {names}."
+            )
+        parts[layer].register_forward_hook(self._stop)
+
+    @staticmethod
+    def _stop(module: nn.Module, given: Any, output: Any) -> None:
+        raise Reached(output[0] if isinstance(output, tuple) else output)
+
+    def forward(self, images: Tensor) -> Any:
+        """Return the layer's output for images (B, C, H, W)."""
+        try:
+            self.network(images)
+        except Reached as reached:
+            return reached.args[0]
+        raise DataError("The network does not run this layer; choose another one.")
+
+
+def averaged(output: Tensor) -> Tensor:
+    """Return the mean (B, D) of maps (B, D, H, W) or tokens (B, N, D) over their places."""
+    if output.ndim == 4:
+        return output.mean(dim=(2, 3))
+    return output.mean(dim=1) if output.ndim == 3 else output
+
 
 def probed(encoder: Any) -> Tensor:
     """Return an encoder's vector of a test picture: two runs have to give one that is finite.
 
     Raises DataError with what it gave instead.
     """
-    image = encoder.preprocess(NOISE)
+    context = {"before": NOISE, "rest": NOISE, "sensor": getattr(encoder, "sensor", "") or "DIGIT"}
+    image = encoder.preprocess(NOISE, **{name: context[name] for name in takes_of(encoder)})
     first, second = (encoder.embed(image[None]) for _ in range(2))
     known = not first.is_meta  # a device without values
     if first.ndim != 2 or len(first) != 1 or (known and not first.isfinite().all()):
@@ -132,6 +208,11 @@ def probed(encoder: Any) -> Tensor:
         )
     vector: Tensor = first[0]
     return vector
+
+
+def takes_of(encoder: Any) -> tuple[str, ...]:
+    """Return what of `CONTEXT` an encoder takes beside an image."""
+    return tuple(getattr(encoder, "takes", ()))
 
 
 TEXTS = ("preprocessing", "weights_hash")
@@ -173,10 +254,11 @@ class NamedEncoder:
         self.precision = str(getattr(inner, "precision", "fp32"))
         self.text_hash = str(getattr(inner, "text_hash", ""))
         self.probe = str(getattr(inner, "probe", ""))  # tells apart versions of one's own code
+        self.takes, self.sensor = takes_of(inner), str(getattr(inner, "sensor", ""))
 
-    def preprocess(self, image: Image.Image) -> Tensor:
-        """Convert an RGB image to the tensor (C, H, W) for `embed`."""
-        pixels: Tensor = self._inner.preprocess(image)
+    def preprocess(self, image: Image.Image, **context: Any) -> Tensor:
+        """Convert an RGB image to the tensor (C, H, W) for `embed`; `context` by `takes`."""
+        pixels: Tensor = self._inner.preprocess(image, **context)
         return pixels
 
     def embed(self, images: Tensor) -> Tensor:
@@ -199,14 +281,20 @@ class WithoutDots(NamedEncoder):
         if lamps is not None:
             self.probe += blake2b(packed(lamps).encode(), digest_size=8).hexdigest()
 
-    def preprocess(self, image: Image.Image) -> Tensor:
+    def preprocess(self, image: Image.Image, **context: Any) -> Tensor:
         """Convert an RGB image, without its dots or drawn as its relief, to the tensor (C, H, W)
-        for `embed`.
+        for `embed`; `context` by `takes`.
         """
+        for name, read in (("before", self._drawn), ("rest", self.cleaned)):
+            if name in context:
+                context[name] = read(context[name])
+        return super().preprocess(self._drawn(image), **context)
+
+    def _drawn(self, image: Image.Image) -> Image.Image:
         clean = self.cleaned(image)
-        if self.relief:
-            clean = Image.fromarray(drawn(np.asarray(clean), self.lamps, dots="keep"))
-        return super().preprocess(clean)
+        if not self.relief:
+            return clean
+        return Image.fromarray(drawn(np.asarray(clean), self.lamps, dots="keep"))
 
     def cleaned(self, image: Image.Image) -> Image.Image:
         """Return the image without its dots, or as it is if it has none."""

@@ -16,6 +16,7 @@ from omnivat.kit.stages import IMAGES
 from omnivat.kit.tables import suggestion
 
 OTHER = {"vis": "tac", "tac": "vis"}
+BEFORE = "tac_before"  # column of the touches of a moment before
 RARE = 0.1  # share of rows without a picture up to which they are left out
 Row = dict[str, str]
 
@@ -39,7 +40,8 @@ def read(
     Without domains, the table's folder names it; without material (or class, or label) there are
     no classes. Where more than a tenth of the rows have one picture alone, it stands for both, and
     the set has the modality that every row has; fewer such rows are left out. A row without an
-    image or a name, or a repeated row, is left out and listed.
+    image or a name, or a repeated row, is left out and listed. `tac_before` names the touch of a
+    moment before, for encoders that take several frames.
     Raises DataError for another kind of file, an unknown split, the same images under two names, or
     no pairs.
     """
@@ -57,6 +59,7 @@ def read(
             domain=row["domain"],
             material=class_key(row["material"]),
             alone=alone if not all(row[half] for half in IMAGES) else "",
+            tac_before=found_file(file.parent, before) if (before := row.get(BEFORE)) else None,
             **texts
             | {
                 "object": row.get("object", ""),

@@ -17,6 +17,7 @@ from safetensors import SafetensorError
 from safetensors.numpy import save
 
 from omnivat.data.arrays import Column, read_arrays
+from omnivat.data.domains import sensor_of
 from omnivat.data.embeddings import Array, indices
 from omnivat.data.pairs import TEXTS, Pair, PairSet, Skipped
 from omnivat.data.relief import Lamps
@@ -26,6 +27,7 @@ from omnivat.encoders import Encoder
 from omnivat.encoders.base import for_modality, made_by
 from omnivat.encoders.cache import EmbeddingCache, embed_views
 from omnivat.encoders.hub import images_key, remember
+from omnivat.encoders.wrapping import takes_of
 from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import locked, replacing, writing
 from omnivat.kit.stages import IMAGES
@@ -51,10 +53,15 @@ class Chunk:
 
 def chunks_of(pairs: Sequence[Pair], encoder: Encoder, flips: tuple[bool, ...]) -> Iterator[Chunk]:
     """Split the pairs into chunks."""
+    taken = takes_of(for_modality(encoder, "tac"))
     for index, start in enumerate(range(0, len(pairs), CHUNK)):
         part = tuple(pairs[start : start + CHUNK])
         files = [
-            [p.tac_crop, *(_state(file) for file in (p.vis, p.tac, p.tac_rest) if file)]
+            [
+                p.tac_crop,
+                *(_state(file) for file in (p.vis, p.tac, p.tac_rest, p.tac_before) if file),
+                *[sensor_of(p.domain)][: "sensor" in taken],
+            ]
             for p in part
         ]
         text = json.dumps([made_by(encoder), flips, files])
@@ -73,16 +80,29 @@ def _state(path: Path) -> tuple[str, int, int]:
 def embed_one(
     encoder: Encoder, flips: tuple[bool, ...], cache: EmbeddingCache, pair: Pair
 ) -> list[Array] | Skipped:
-    """Return a pair's vectors (D,) in the order of the columns, or the reason of a failure."""
-    photos, touches = for_modality(encoder, "vis"), for_modality(encoder, "tac", pair.domain)
+    """Return a pair's vectors (D,) in the order of the columns, or the reason of a failure. A
+    picture alone is encoded once, and its vectors stand for both.
+    """
+    of_touch = {"crop": pair.tac_crop, "rest": pair.tac_rest, "before": pair.tac_before}
+    more: dict[str, dict[str, Any]] = {
+        "vis": {},
+        "tac": of_touch | {"sensor": sensor_of(pair.domain)},
+    }
     try:
-        vis = embed_views(photos, pair.vis, cache, flips=flips)
-        tac = embed_views(
-            touches, pair.tac, cache, flips=flips, crop=pair.tac_crop, rest=pair.tac_rest
-        )
+        made = {
+            half: embed_views(
+                for_modality(encoder, half, pair.domain),
+                getattr(pair, half),
+                cache,
+                flips=flips,
+                **more[half],
+            )
+            for half in IMAGES
+            if pair.alone in ("", half)
+        }
     except DataError as error:
         return Skipped(what=f"{pair.vis} + {pair.tac}", why=str(error))
-    return [*vis, *tac]
+    return [vector for half in IMAGES for vector in made.get(half, made.get(pair.alone, []))]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

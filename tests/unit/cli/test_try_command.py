@@ -253,6 +253,18 @@ def test_pairs_without_a_class_among_others_are_neither_learned_nor_tested(
     assert (home["pairs"], home["classes"], away["pairs"]) == (24, 3, 24)
 
 
+def test_touches_may_have_an_encoder_and_a_layer_of_their_own(tmp_path, run, paint):
+    for half in ("vis", "tac"):
+        for k in range(2):
+            paint(tmp_path / "mine" / f"bench/wood/{k}_{half}.png")
+    own = ["--encoder", "strip", "--tac-encoder", "efficientnet-lite0", "--layer", "2"]
+    run("try", tmp_path / "mine", "--no-page", *own)
+    made = load_embeddings(tmp_path / "mine-try" / "set.safetensors")
+    assert made.header.encoder == "strip | efficientnet-lite0#2"
+    said = run("try", tmp_path / "mine", "--tac-weights", "x.pt", code=1).err
+    assert "--tac-weights needs --tac-encoder" in said
+
+
 def test_pictures_with_names_alone_get_thumbnails(tmp_path, tried, paint):
     for name in ("0_vis", "0_tac", "1_vis", "1_tac"):
         paint(tmp_path / "p" / f"{name}.png")

@@ -43,9 +43,7 @@ class Pooled(Tokens):
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
-    """A folder with the page's files, a stand-in for the authors' code, weights and a rest
-    frame.
-    """
+    """A folder with the page's files, a stand-in for the authors' code and weights."""
     stand_in = ModuleType("touch_model")
     makers = {
         "build_touch_model": lambda: Tokens(3),
@@ -63,17 +61,18 @@ def folder(tmp_path, monkeypatch):
     torch.save({"model": Tokens(3).state_dict()}, "my_touch.pt")
     torch.save(Pooled(6).state_dict(), "my_background.pt")
     torch.save(Pooled(3).state_dict(), "my_sensor.pt")
-    Image.new("RGB", (40, 30), (90, 110, 100)).save("rest.png")
     return tmp_path
 
 
 @pytest.mark.parametrize(
     ("name", "function", "channels"),
-    [("my_touch", "load", 3), ("my_background", "load", 6), ("my_sensor", "digit", 3)],
+    [("my_touch", "load", 3), ("my_background", "load", 6), ("my_sensor", "load@GelSight", 4)],
 )
 def test_each_wrapper_of_the_page_is_an_encoder(folder, name, function, channels):
     encoder = load_encoder(f"{name}.py:{function}", weights=folder / f"{name}.pt")
-    pixels = encoder.preprocess(Image.new("RGB", (50, 60), "grey"))
+    grey = Image.new("RGB", (50, 60), "grey")
+    given = {"before": grey, "rest": grey, "sensor": encoder.sensor}
+    pixels = encoder.preprocess(grey, **{name: given[name] for name in encoder.takes})
     assert encoder.width == 6 and pixels.shape == (channels, 224, 224)
     assert encoder.embed(pixels[None]).shape == (1, 6)
 

@@ -191,3 +191,48 @@ def test_code_in_this_folder_and_beside_a_file_is_found_by_the_installed_command
     monkeypatch.setattr(sys, "path", [place for place in sys.path if place])
     assert load_encoder("here_touch:load").width == 4
     assert load_encoder("deeper/wrap_touch.py:load").width == 4
+
+
+# A layer
+
+LAYERS = """
+import torch
+from omnivat.encoders import TorchEncoder
+
+def load():
+    torch.manual_seed(0)
+    body = torch.nn.Sequential(torch.nn.Conv2d(3, 4, 8, 8), torch.nn.ReLU(),
+                               torch.nn.Flatten(2), torch.nn.Linear(16, 7))
+    return TorchEncoder(torch.nn.ModuleDict({"body": body})["body"], side=32,
+                        pool=lambda tokens: tokens.mean(1), about="tokens")
+"""
+
+
+def test_a_layer_is_the_mean_of_its_output_over_its_places(tmp_path, picture):
+    (tmp_path / "layered.py").write_text(LAYERS)
+    name = f"{tmp_path / 'layered'}.py:load"
+    whole = load_encoder(name)
+    image = whole.preprocess(picture)[None]
+    made = {layer: load_encoder(f"{name}#{layer}") for layer in ("1", "2", "3", "0")}
+    with torch.inference_mode():
+        first = whole._inner.network[0](image)
+        wanted = {"1": first.mean((2, 3)), "2": first.relu().mean((2, 3))}
+    wanted |= {"3": first.relu().flatten(2).mean(1), "0": wanted["1"]}  # 0: the name of a part
+    for layer, encoder in made.items():
+        torch.testing.assert_close(encoder.embed(image), wanted[layer])
+        assert encoder.name == f"{name}#{layer}" and f"layer {layer}," in encoder.preprocessing
+        assert encoder.weights_hash == whole.weights_hash
+    assert len({made_by(encoder) for encoder in made.values()}) == 4
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("efficientnet-lite0#17", "no layer '17'; give a number from 1 to 16, or a part of stem,"),
+        ("efficientnet-lite0#tail", "no layer 'tail'"),
+        ("strip#1", "'strip' has no layers; leave out --layer 1"),
+    ],
+)
+def test_a_layer_that_is_not_there_is_refused(name, message):
+    with pytest.raises(SettingsError, match=message):
+        load_encoder(name)

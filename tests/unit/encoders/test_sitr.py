@@ -11,6 +11,7 @@ from torch import nn
 from omnivat.encoders import load_encoder
 from omnivat.encoders.sitr import MEAN, STD, Sitr
 from omnivat.kit.errors import DataError
+from tests.unit.encoders import layers
 
 WIDTH, DEPTH, SIDE, PATCH = 128, 2, 32, 16
 PLACES = (SIDE // PATCH) ** 2
@@ -19,7 +20,7 @@ PLACES = (SIDE // PATCH) ** 2
 def shapes(width, depth, places, presses, patch=16):
     """Names and shapes of the authors' module, read off its definition (hgupt3/gsrl)."""
     found = {"cls_token": (1, 1, width), "pos_embed": (1, places + 1, width)}
-    layers = {
+    parts = {
         "patch_embed.proj": (width, 3, patch, patch),
         "norm": (width,),
         "decoder_pred": (3 * patch**2, width),
@@ -27,26 +28,14 @@ def shapes(width, depth, places, presses, patch=16):
     }
     if presses:
         found["c_pos_embed"] = (1, places, width)
-        layers["c_patch_embed.proj"] = (width, 3 * presses, patch, patch)
-    for block in range(depth):
-        inner = {
-            "attn.qkv": (3 * width, width),
-            "attn.proj": (width, width),
-            "mlp.fc1": (4 * width, width),
-            "mlp.fc2": (width, 4 * width),
-            "norm1": (width,),
-            "norm2": (width,),
-        }
-        layers |= {f"blocks.{block}.{name}": shape for name, shape in inner.items()}
-    for name, shape in layers.items():
+        parts["c_patch_embed.proj"] = (width, 3 * presses, patch, patch)
+    for name, shape in parts.items():
         found |= {f"{name}.weight": shape, f"{name}.bias": shape[:1]}
-    return found
+    return found | layers.shapes(width, depth)
 
 
 def made(presses):
-    random = torch.Generator().manual_seed(0)
-    sizes = shapes(WIDTH, DEPTH, PLACES, presses)
-    return {n: torch.randn(s, generator=random) / s[-1] ** 0.5 for n, s in sizes.items()}
+    return layers.filled(shapes(WIDTH, DEPTH, PLACES, presses))
 
 
 def picture(seed):
@@ -80,22 +69,8 @@ def oracle(state, seed, presses):
         own = conv(stack, weight, bias, PATCH).flatten(2).mT + state["c_pos_embed"]
         tokens = torch.cat((tokens, own), dim=1)
 
-    def part(name, function, x, *more):
-        return function(x, *more, state[f"{name}.weight"], state[f"{name}.bias"])
-
-    linear = nn.functional.linear
-    for block in (f"blocks.{index}" for index in range(DEPTH)):
-        normed = part(f"{block}.norm1", norm, tokens, (WIDTH,))
-        query, key, value = (
-            one.unflatten(2, (-1, 64)).transpose(1, 2)
-            for one in part(f"{block}.attn.qkv", linear, normed).chunk(3, dim=2)
-        )
-        seen = (query @ key.mT / 8).softmax(-1) @ value
-        tokens = tokens + part(f"{block}.attn.proj", linear, seen.transpose(1, 2).flatten(2))
-        normed = part(f"{block}.norm2", norm, tokens, (WIDTH,))
-        hidden = nn.functional.gelu(part(f"{block}.mlp.fc1", linear, normed))
-        tokens = tokens + part(f"{block}.mlp.fc2", linear, hidden)
-    return part("norm", norm, tokens[:, 0], (WIDTH,))
+    tokens = layers.by_hand(state, tokens, DEPTH)
+    return layers.part(state, "norm", norm, tokens[:, 0], (WIDTH,))
 
 
 @pytest.mark.parametrize(
