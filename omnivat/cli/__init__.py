@@ -1,16 +1,18 @@
 """The command line: `python -m omnivat COMMAND`, each command in a file of this folder.
 
 A command has `add`, which declares its arguments, and `run`, which takes them. It may import every
-wing; of the library, nothing imports it. A new command is a module here and its name in `NAMES`.
+wing; of the library, nothing imports it. A new command is a module here and a line in `SUMMARIES`.
 """
 
 import argparse
 import logging
+import signal
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext, suppress
 from importlib import import_module
 from io import TextIOWrapper
+from threading import Timer
 from typing import Any
 
 from omnivat import __version__
@@ -19,25 +21,32 @@ from omnivat.kit.errors import OmniVatError, WriteError, printable
 from omnivat.kit.files import require_writable
 from omnivat.kit.tables import suggestion
 
-NAMES = (  # in the order of the help; a command's file has its name, or that in FILES
-    *(
-        "try",
-        "fetch",
-        "predict",
-        "embed",
-        "dots",
-        "sensor",
-        "import",
-        "train",
-        "evaluate",
-        "profile",
-    ),
-    *("teach", "protocol", "ablate", "report", "reproduce", "sweep", "gaps", "project"),
-    *("thumbnails", "export", "prompts"),
-)
+SUMMARIES = {  # in the order of the help; a command's file has its name, or that in FILES
+    "try": "Embed your own pairs, train a small head, test it on left-out objects, open the page.",
+    "fetch": "Bring a real data set of others as a folder of pairs; without a name, list the sets.",
+    "predict": "Predict the material of pairs of a photo and a touch.",
+    "embed": "Embed a set of pairs with a frozen encoder, once.",
+    "dots": "Fill the dots printed on a gel, and show each picture before and after.",
+    "sensor": "Show what a sensor is like from a folder of its touches, and what changed since.",
+    "import": "Import vectors of another program, or pictures of recordings.",
+    "train": "Train a head on one domain of an embeddings file, and evaluate it on all.",
+    "evaluate": "Evaluate a head on every domain of an embeddings file.",
+    "profile": "Profile a sensor from pictures without labels: the statistics of its embeddings.",
+    "teach": "Teach a head from labelled pairs of a new sensor, and test it on left-out objects.",
+    "protocol": "Run the paper's experiment: one source, unseen targets, some methods and seeds.",
+    "ablate": "Run the paper's ablations, and write their tables and plots.",
+    "report": "Report the domain shift of any features: gaps, retrieval, neighbours, probes, maps.",
+    "reproduce": "Reproduce the paper's tables from its data sets, and print both figures.",
+    "sweep": "Compute gaps, scores and maps of a head as functions of the order p.",
+    "gaps": "Measure the gaps of a set at one stage: between modalities and between domains.",
+    "project": "Draw a map of a set at one stage: a CSV of every point, or an interactive figure.",
+    "thumbnails": "Make the page's sheet of thumbnails for a set of embeddings.",
+    "export": "Write the page's pictures, Explore as one HTML file, or the page as a folder.",
+    "prompts": "Make the LANG bank: text embeddings of the classes in eighty styles.",
+}
 FILES = {"try": "try_pairs", "import": "imports"}  # two keywords of Python
 COMMANDS: dict[str, Any] = {
-    name: import_module(f"omnivat.cli.{FILES.get(name, name)}") for name in NAMES
+    name: import_module(f"omnivat.cli.{FILES.get(name, name)}") for name in SUMMARIES
 }
 PURPOSE = "See why a model trained on one tactile sensor fails on the next."
 
@@ -50,7 +59,7 @@ def parser(
     top.add_argument("--version", action="version", version=f"{program} {__version__}")
     added = top.add_subparsers(dest="command", metavar="COMMAND")
     for name, module in commands.items():
-        summary = (module.__doc__ or "").splitlines()[0]
+        summary = SUMMARIES.get(name) or module.__doc__  # Python may strip a module's
         module.add(added.add_parser(name, help=summary, description=summary))
     return top
 
@@ -62,14 +71,17 @@ def main(
     program: str = "omnivat",
     purpose: str = PURPOSE,
 ) -> int:
-    """Run a command. Return 0 when done, 1 with one sentence on stderr, 2 for wrong usage.
+    """Run a command. Return 0 when done, 1 with one sentence on stderr, 2 for wrong usage, 128 and
+    the number of a signal that stopped it.
 
-    commands  name -> module or other object with a docstring, `add` and `run`; the simulator
-              passes its own
+    commands  name -> module of this folder, or another object with `__doc__`, `add` and `run`; the
+              simulator passes its own
 
     Without a command, print the help.
     """
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
+    if arguments is None:
+        _stop_cleanly()
     given = sys.argv[1:] if arguments is None else list(arguments)
     if given and not given[0].startswith("-") and given[0] not in commands:
         known = f"There is no command '{printable(given[0])}'.{suggestion(given[0], commands)}"
@@ -97,9 +109,9 @@ def main(
     except OmniVatError as error:
         print(f"{program} {options.command}: {error}", file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as stop:
         print("Stopped. Nothing is half-written.", file=sys.stderr)
-        return 130
+        return 128 + (stop.args or (signal.SIGINT,))[0]
     except BrokenPipeError:  # the reader of the pipe closed, as `head` does
         _drop_output()
         return 1
@@ -112,6 +124,22 @@ def main(
         _drop_output()
         return 1
     return 0
+
+
+def _stop_cleanly() -> None:
+    """Let SIGTERM end a command as Ctrl-C does, and let torch load before either does: an exception
+    inside its start aborts the process.
+    """
+
+    def stop(number: int, _: Any) -> None:
+        loading = getattr(getattr(sys.modules.get("torch"), "__spec__", None), "_initializing", 0)
+        if not loading:
+            raise KeyboardInterrupt(number)
+        Timer(0.05, signal.raise_signal, (number,)).start()
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        if signal.getsignal(number) is not signal.SIG_IGN:  # as under nohup
+            signal.signal(number, stop)
 
 
 def _drop_output() -> None:

@@ -44,7 +44,10 @@ def run(options: argparse.Namespace) -> None:
         if options.out.suffix.lower() != ".csv":
             raise SettingsError(f"--out is '{options.out}'; name a file that ends in .csv.")
         require_writable(options.out)
-    from omnivat.kit.tables import load
+    from omnivat.kit.tables import load, need
+
+    if options.method == "umap-learn":  # before the features are computed
+        need("umap", purpose="the umap-learn projection", install="umap-learn")
     from omnivat.maps.projection.quality import quality
     from omnivat.maps.projection.torch_umap import MOST_ROWS
 

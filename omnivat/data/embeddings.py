@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from omnivat.data.arrays import walked
 from omnivat.data.materials import NO_CLASS
-from omnivat.kit.errors import DataError
+from omnivat.kit.errors import DataError, ShapeError
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
 
@@ -61,6 +61,8 @@ class Embeddings:
     rows                column name -> N texts: vis, tac (file names), object, split, part,
                         looks_like, feels_like (classes that a pair imitates, or "")
 
+    Raises ShapeError for vectors of another kind, or of differing shapes.
+
     >>> from omnivat import EXAMPLES, load_embeddings
     >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
     >>> len(pairs), pairs.width, pairs.header.domains[0]
@@ -78,6 +80,27 @@ class Embeddings:
     rows: dict[str, list[str]]
     vis_flip: Array | None = None
     tac_flip: Array | None = None
+
+    def __post_init__(self) -> None:
+        shapes = {}
+        for name in VECTORS:
+            if (own := getattr(self, name)) is None and name not in ("vis", "tac"):
+                continue
+            if (
+                not isinstance(own, np.ndarray)
+                or own.ndim != 2
+                or own.dtype not in (np.float16, np.float32, np.float64)
+            ):
+                raise ShapeError(
+                    f"{name} should be a NumPy array (N, D) of floating-point numbers, not"
+                    f" {type(own).__name__}{getattr(own, 'shape', '')} of"
+                    f" {getattr(own, 'dtype', 'no type')}; convert it first."
+                )
+            shapes[name] = own.shape
+        if set(shapes.values()) != {(len(self.label), self.vis.shape[1])}:
+            raise ShapeError(
+                f"The arrays of {len(self.label)} pairs have differing lengths: {shapes}."
+            )
 
     def __len__(self) -> int:
         return len(self.label)

@@ -16,7 +16,15 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError
 
-from omnivat.data.arrays import LARGE_BYTES, Column, column, read_arrays, walked, write_arrays
+from omnivat.data.arrays import (
+    LARGE_BYTES,
+    Column,
+    column,
+    read_arrays,
+    require_range,
+    walked,
+    write_arrays,
+)
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.relief import Lamps
 from omnivat.data.relief.files import packed, unpacked
@@ -87,7 +95,7 @@ def channels_of(rows: Array, index: NDArray[np.int64] | None = None) -> Channels
     (2, [2.0, 5.0], [4.0, 0.0])
     """
     count, total, squares, start = 0, 0.0, 0.0, None
-    for block in walked(rows, index):
+    for block in require_range(walked(rows, index), "A profile's picture"):
         wide = block.astype(np.float64)
         start = wide[0].copy() if start is None else start  # near the mean: no cancellation
         with np.errstate(invalid="ignore"):  # the loss reports values that are not finite

@@ -308,8 +308,13 @@ def write_manifest(path: Path, columns: Mapping[str, Sequence[str]], kind: str) 
 
 
 def manifest_place(path: Path, kind: str) -> Path:
-    """Return the path of the table next to `path`. Raises SettingsError for an unknown kind."""
+    """Return the path of the table next to `path`, before anything is computed.
+
+    Raises SettingsError for an unknown kind, MissingPackageError for Parquet without pyarrow.
+    """
     require_choice("manifest", kind, MANIFESTS)
+    if kind == "parquet":
+        need("pyarrow", purpose="a Parquet manifest")
     return path.with_suffix(f".{kind}")
 
 

@@ -15,7 +15,7 @@ from omnivat.head.mffa import MFFA
 from omnivat.head.output import Lessons
 from omnivat.head.settings import HeadSettings
 from omnivat.kit.errors import DataError, ShapeError
-from omnivat.kit.shapes import unit
+from omnivat.kit.shapes import floating, require_finite, unit
 from omnivat.kit.stages import IMAGES, MODALITIES
 
 
@@ -109,18 +109,21 @@ class Body(nn.Module):
 
         images  VIS and TAC of input_width, or LANG alone of lang_width, from the encoders
 
-        Raises DataError if none is given, ShapeError for wrong widths or unequal numbers of pairs.
+        Raises DataError if none is given and for values that are not finite,
+        ShapeError for wrong widths or unequal numbers of pairs.
         """
         if not images:
             raise DataError("Neither VIS nor TAC was given; give one of them or both.")
         lang = "lang" in images
         width = self.settings.lang_width if lang else self.settings.input_width
+        images = {name: floating(name, raw) for name, raw in images.items()}
         for name, raw in images.items():
             if raw.ndim != 2 or raw.shape[1] != width:
                 raise ShapeError(
                     f"{name} has shape {tuple(raw.shape)}; this head needs (B, {width}). "
                     "Use embeddings of the encoder that the head was trained with."
                 )
+            require_finite(name, raw)
         first, *others = images.values()
         if any(raw.shape[0] != first.shape[0] for raw in others):
             raise ShapeError(

@@ -7,6 +7,7 @@ from torch import Tensor
 
 from omnivat.data.profile import Profile
 from omnivat.head.checkpoint import Head
+from omnivat.kit.shapes import features
 from omnivat.kit.stages import IMAGES, optional_order
 
 
@@ -38,12 +39,14 @@ def predict_embeddings(
     >>> list(predict_embeddings(head, None, tac)[0]["modalities"])  # touch alone
     ['tac']
     """
-    looked = head.familiarity.look(vis, tac) if head.familiarity else None
-    images = {name: rows for name, rows in (("vis", vis), ("tac", tac)) if rows is not None}
+    given = {name: rows for name, rows in (("vis", vis), ("tac", tac)) if rows is not None}
+    images = dict(zip(given, features(**given), strict=True))
+    as_they_come = [images.get(name) for name in IMAGES]
     if profile is not None:
         images = {name: head.moved(name, rows, profile) for name, rows in images.items()}
     vis, tac = (images[n].to(head.model.classifier.device) if n in images else None for n in IMAGES)
     readings = head.model(vis, tac, order=optional_order(order)).readings
+    looked = head.familiarity.look(*as_they_come) if head.familiarity else None
     shares = {name: values.tolist() for name, values in readings.items()}
     classes, fused = head.settings.classes, readings["fused"].argmax(1).tolist()
 

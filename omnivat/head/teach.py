@@ -21,6 +21,7 @@ from omnivat.head.head import OmniVaT
 from omnivat.head.ridge import Labels, Ridge, ridge, sharpness
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
+from omnivat.kit.shapes import features
 from omnivat.kit.stages import IMAGES
 from omnivat.kit.threads import one_blas_thread, one_thread
 
@@ -46,6 +47,11 @@ class Lesson:
     tac: Tensor | None
     # its name: pairs of one object are left out together; "": an object of its own
     object: str = ""
+
+    def __post_init__(self) -> None:
+        for name in IMAGES:
+            if (rows := getattr(self, name)) is not None:
+                object.__setattr__(self, name, features(**{name: rows})[0])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

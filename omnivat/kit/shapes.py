@@ -2,11 +2,14 @@
 
 from typing import Any
 
+import numpy as np
 import torch
 from torch import Tensor
 from torch.nn.functional import normalize
 
-from omnivat.kit.errors import ShapeError
+from omnivat.kit.errors import DataError, ShapeError
+
+SUMMED = 1e15  # the largest value whose square can be summed in single precision
 
 
 def require_shapes(**tensors: tuple[Any, str]) -> dict[str, int]:
@@ -28,6 +31,70 @@ def require_shapes(**tensors: tuple[Any, str]) -> dict[str, int]:
             raise ShapeError(f"{name} has shape {shape}, expected ({', '.join(letters)}){known}.")
         sizes.update(zip(letters, shape, strict=True))
     return sizes
+
+
+def features(least: int = 1, *, most: float = float("inf"), **sets: Any) -> list[Tensor]:
+    """Return sets of features (N, D) of one width, tensors or arrays, as floating-point tensors.
+
+    least  rows of each set
+    most   the largest magnitude; SUMMED where squares are summed without scaling first
+
+    Whole numbers and half precision become single precision. Raises ShapeError for other axes or
+    too few rows; DataError, with its row and column, for a value that is not finite or above
+    `most`.
+
+    >>> import torch
+    >>> features(a=torch.tensor([[1, 2]]))
+    [tensor([[1., 2.]])]
+    >>> features(a=torch.tensor([[1.0, 2.0], [3.0, float("nan")]]))
+    Traceback (most recent call last):
+        ...
+    omnivat.kit.errors.DataError: a has nan in row 1, column 1, expected finite numbers; leave ...
+    """
+    found = {name: floating(name, values) for name, values in sets.items()}
+    letters = zip("NMQ", found.items(), strict=False)
+    require_shapes(**{name: (values, f"{letter} D") for letter, (name, values) in letters})
+    dtypes = {values.dtype for values in found.values()}
+    for name, values in found.items():
+        if len(values) < least:
+            raise ShapeError(
+                f"{name} has {len(values)} rows; this needs {least} or more. Choose a larger set."
+            )
+        require_finite(name, values, most)
+    wide = torch.float64 if torch.float64 in dtypes else torch.float32
+    return [values.to(wide) for values in found.values()]
+
+
+def floating(name: str, values: Any) -> Tensor:
+    """Return numbers of any kind as a tensor in single or double precision. Raises DataError for
+    anything else.
+    """
+    if not isinstance(values, Tensor):
+        array = np.asarray(values)
+        if array.dtype.kind not in "fiub":
+            raise DataError(f"{name} holds values of type {array.dtype}; give real numbers.")
+        values = torch.from_numpy(array.astype("f8" if array.dtype.itemsize > 4 else "f4"))
+    if values.is_complex():
+        raise DataError(f"{name} has complex numbers; give their real part or their modulus.")
+    return values if values.dtype in (torch.float32, torch.float64) else values.float()
+
+
+def require_finite(name: str, rows: Tensor, most: float = float("inf")) -> None:
+    """Raise DataError, with row and column, for a value of rows (N, D) that is not finite or above
+    `most`. In a program being exported nothing is read.
+    """
+    if torch.compiler.is_exporting() or not rows.numel():
+        return
+    limit = min(most, torch.finfo(rows.dtype).max) if rows.is_floating_point() else most
+    size = rows.detach().abs()
+    if size.max() <= limit:  # false of NaN
+        return
+    row, column = (~(size <= limit)).nonzero()[0].tolist()
+    wanted = f"at most {most:g}" if most < float("inf") else "finite numbers"
+    raise DataError(
+        f"{name} has {float(rows[row, column]):g} in row {row}, column {column}, expected {wanted};"
+        " leave that row out, or scale all rows."
+    )
 
 
 def unit(x: Tensor) -> Tensor:

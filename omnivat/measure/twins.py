@@ -156,7 +156,7 @@ def _checked(arrays: dict[str, NDArray[Any]]) -> Twins:
     if text["format"] != FORMAT:
         raise ValueError("another format")
     head = {k: v if isinstance(v, str) else json.dumps(v) for k, v in text["header"].items()}
-    header = header_of(head)
+    header = header_of(head | {"modalities": "vis+tac"})
     require_domain_names(header.domains)
     (count, sensors, width), shown = arrays["tac"].shape, len(arrays["vis"])
     changed, rows, label = (arrays[name] for name in ("changed", "rows", "label"))

@@ -90,6 +90,8 @@ def fetch(name: str, out: Path, *, source: str = "", on_step: OnStep = ignore) -
         raise WriteError(
             f"'{out}' exists and is not {name} as it is now; name a new folder with --out."
         )
+    if any(pattern.endswith(CLIPS) for pattern in wanted.files):
+        need("av", purpose=f"the films of {name}")
     part = out.absolute().with_name(f".{out.absolute().name}.part")
     if part.is_symlink():
         raise WriteError(f"'{part}' is a link; remove it, or name another folder with --out.")

@@ -9,7 +9,7 @@ from torch import Tensor
 
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.progress import checkpoint
-from omnivat.kit.shapes import require_shapes
+from omnivat.kit.shapes import SUMMED, features, require_shapes
 
 BLOCK = 1024  # rows of the distance matrix held at once
 
@@ -30,11 +30,12 @@ def nearest(points: Tensor, k: int, *, queries: Tensor | None = None) -> Neighbo
     return   (M, k) each; the order of rows at equal distances is not defined
 
     Exact up to rounding, O(N M D), BLOCK rows of distances at a time.
-    Raises SettingsError if there are fewer than k other rows.
+    Raises SettingsError if there are fewer than k other rows, DataError for values that are not
+    finite or above SUMMED.
     """
     own = queries is None
     queries = points if queries is None else queries
-    require_shapes(points=(points, "N D"), queries=(queries, "M D"))
+    points, queries = features(0, most=SUMMED, points=points, queries=queries)
     others = points.shape[0] - own
     if not 1 <= k <= others:
         raise SettingsError(f"{k} neighbours were requested among {others}; choose 1 to {others}.")
@@ -79,7 +80,8 @@ def placed(queries: Tensor, points: Tensor, flat: Tensor) -> Placed:
     A linear map (PCA) is recovered from the points and places new rows exactly. On other maps, new
     rows lie between their nearest neighbours.
     """
-    queries, points, flat = queries.double(), points.double(), flat.double()
+    queries, points = (x.double() for x in features(most=SUMMED, queries=queries, points=points))
+    flat = torch.as_tensor(flat).double()
     known = affine(points, flat)
     return Placed(placed_by(known, queries, points, flat), exact=known is not None)
 

@@ -6,7 +6,7 @@ import torch
 from torch import Tensor
 
 from omnivat.kit.errors import ShapeError
-from omnivat.kit.shapes import require_shapes
+from omnivat.kit.shapes import SUMMED, features
 
 BLOCK = 16_384  # rows centred at once
 
@@ -33,6 +33,7 @@ def project(points: Tensor, *, seed: int = 0, dimensions: int = 2) -> Tensor:
     >>> tuple(project(points).shape)
     (3, 2)
     """
+    (points,) = features(most=SUMMED, points=points)
     return basis(points, dimensions).place(points)
 
 
@@ -42,13 +43,14 @@ def basis(points: Tensor, dimensions: int = 2) -> Basis:
     The largest entry of each axis by modulus is positive. Computed in float64 from the smaller of
     the covariance and the Gram matrix. A direction without variance is still a unit vector, so a
     map is always (N, dimensions).
-    Raises ShapeError for no rows or fewer columns than dimensions.
+    Raises ShapeError for no rows or fewer columns than dimensions, DataError for values that are
+    not finite or above SUMMED.
     """
-    require_shapes(points=(points, "N D"))
+    (points,) = features(most=SUMMED, points=points)
     rows, width = points.shape
-    if rows < 1 or width < dimensions:
+    if width < dimensions:
         raise ShapeError(
-            f"points has shape {(rows, width)}; a map needs 1 row and {dimensions} columns or more."
+            f"points has shape {(rows, width)}; a map needs {dimensions} columns or more."
         )
     mean = points.mean(0)
     few = dimensions <= rows < width

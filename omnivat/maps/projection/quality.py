@@ -8,7 +8,7 @@ import torch
 from torch import Tensor
 
 from omnivat.kit.seeding import derive_seed
-from omnivat.kit.shapes import require_shapes
+from omnivat.kit.shapes import SUMMED, features, require_shapes
 
 SAMPLE = 1000  # rows sampled from a large map
 NEIGHBOURS = 15  # of the trust of a map on the page
@@ -43,6 +43,7 @@ def quality(
     with all N, which costs O(rows N D) instead of O(N² D). The intervals cover the sampling.
     Source: Venna and Kaski, ICANN 2001.
     """
+    points, flat = (features(most=SUMMED, **own)[0] for own in ({"points": points}, {"flat": flat}))
     require_shapes(points=(points, "N D"), flat=(flat, "N C"))
     count = len(points)
     drawn = torch.arange(count)

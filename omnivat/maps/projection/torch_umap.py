@@ -15,7 +15,7 @@ from torch import Tensor
 
 from omnivat.kit.progress import checkpoint
 from omnivat.kit.seeding import derive_seed
-from omnivat.kit.shapes import require_shapes
+from omnivat.kit.shapes import SUMMED, features, require_shapes
 from omnivat.maps.projection import pca
 from omnivat.maps.projection.neighbours import Neighbours, nearest, place
 
@@ -132,6 +132,7 @@ def project(
     With more than MOST_ROWS rows, the descent uses a sample that depends only on the seed. Every
     other row is placed between its nearest neighbours in the sample; see `_spread`.
     """
+    (points,) = features(most=SUMMED, points=points)
     if len(points) < dimensions + 2:
         return pca.project(points, dimensions=dimensions)
     if len(points) > MOST_ROWS:

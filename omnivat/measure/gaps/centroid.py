@@ -3,8 +3,7 @@
 from jaxtyping import Float
 from torch import Tensor
 
-from omnivat.kit.shapes import require_shapes
-from omnivat.measure.gaps.unit import require_rows, unit
+from omnivat.kit.shapes import features, require_shapes, unit
 
 
 def centroid_gap(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, ""]:
@@ -18,8 +17,7 @@ def centroid_gap(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tens
     >>> centroid_gap(photos, touches), centroid_gap(photos, photos)
     (tensor(1.4142), tensor(0.))
     """
-    require_shapes(a=(a, "N D"), b=(b, "M D"))
-    require_rows(1, a=a, b=b)
+    a, b = features(a=a, b=b)
     gap: Tensor = (unit(a).mean(0) - unit(b).mean(0)).norm()
     return gap
 
@@ -36,4 +34,4 @@ def modality_gap(vis: Float[Tensor, "B D"], tac: Float[Tensor, "B D"]) -> Float[
     tensor(2.)
     """
     require_shapes(vis=(vis, "B D"), tac=(tac, "B D"))
-    return centroid_gap(vis, tac)
+    return centroid_gap(*features(vis=vis, tac=tac))

@@ -4,8 +4,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from omnivat.kit.shapes import require_shapes
-from omnivat.measure.gaps.unit import require_rows, unit
+from omnivat.kit.shapes import features, unit
 
 
 def frechet(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, ""]:
@@ -22,8 +21,7 @@ def frechet(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, "
     >>> frechet(a, b)
     tensor(2.)
     """
-    require_shapes(a=(a, "N D"), b=(b, "M D"))
-    require_rows(2, a=a, b=b)
+    a, b = features(2, a=a, b=b)
     a, b = unit(a), unit(b)
     return distance(a.mean(0), _root(a), b.mean(0), _root(b))
 

@@ -11,9 +11,9 @@ from jaxtyping import Float
 from torch import Tensor
 
 from omnivat.kit.seeding import derive_seed
-from omnivat.kit.shapes import require_shapes
+from omnivat.kit.shapes import features
 from omnivat.measure.gaps.centroid import centroid_gap
-from omnivat.measure.gaps.unit import Estimate, require_rows, unit
+from omnivat.measure.gaps.unit import Estimate, unit
 
 BLOCK = 1024  # rows of a kernel matrix held at once
 MOST_ROWS = 20_000  # of both sets together, up to which the kernel is summed exactly
@@ -49,10 +49,9 @@ def mmd_rbf(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Float[Tensor, "
     >>> round(float(mmd_rbf(a, a)), 3), round(float(mmd_rbf(a, b)), 3)
     (0.0, 1.729)
     """
+    a, b = features(a=a, b=b)
     if len(a) + len(b) > MOST_ROWS:
         return mmd_rbf_estimate(a, b).value
-    require_shapes(a=(a, "N D"), b=(b, "M D"))
-    require_rows(1, a=a, b=b)
     a, b = unit(a), unit(b)
     width = _gamma(a, b, len(a) / (len(a) + len(b)))
     same = _mean_kernel(a, a, width) + _mean_kernel(b, b, width)
@@ -72,8 +71,7 @@ def mmd_rbf_estimate(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Estima
     however many rows there are, and holds SAMPLE rows. Source: Rahimi and Recht, NeurIPS 2007;
     Sutherland and Schneider, UAI 2015.
     """
-    require_shapes(a=(a, "N D"), b=(b, "M D"))
-    require_rows(1, a=a, b=b)
+    a, b = features(a=a, b=b)
     generator = torch.Generator().manual_seed(derive_seed(0, "mmd features"))
     each = []
     for some in zip(_groups(a, generator), _groups(b, generator), strict=True):

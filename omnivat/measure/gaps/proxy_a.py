@@ -7,8 +7,8 @@ from jaxtyping import Float, Int
 from torch import Tensor
 
 from omnivat.kit.seeding import derive_seed
-from omnivat.kit.shapes import require_shapes
-from omnivat.measure.gaps.unit import Estimate, require_rows, unit
+from omnivat.kit.shapes import features
+from omnivat.measure.gaps.unit import Estimate, unit
 
 FOLDS = 5
 RIDGE = 1e-2  # penalty of the classifier, as a share of the mean variance of a feature
@@ -38,8 +38,7 @@ def proxy_a_estimate(a: Float[Tensor, "N D"], b: Float[Tensor, "M D"]) -> Estima
 
     A classifier of fewer rows errs a little more; the standard error does not count that.
     """
-    require_shapes(a=(a, "N D"), b=(b, "M D"))
-    require_rows(FOLDS, a=a, b=b)
+    a, b = features(FOLDS, a=a, b=b)
     a, b = unit(a), unit(b)
     width = a.shape[1]
     if len(a) + len(b) < width:  # the same classifier, in coordinates of the rows' own span

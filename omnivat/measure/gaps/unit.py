@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from jaxtyping import Float
 from torch import Tensor
 
-from omnivat.kit.errors import ShapeError
 from omnivat.kit.shapes import unit as unit
 
 
@@ -15,13 +14,3 @@ class Estimate:
 
     value: Float[Tensor, ""]
     error: Float[Tensor, ""]
-
-
-def require_rows(least: int, **sets: Tensor) -> None:
-    """Raise ShapeError for sets with fewer than `least` rows; the message names them."""
-    for name, rows in sets.items():
-        if len(rows) < least:
-            raise ShapeError(
-                f"{name} has {len(rows)} rows; this measure needs {least} or more. Choose a larger"
-                " set."
-            )

@@ -79,7 +79,7 @@ def test_the_spectral_start_of_four_rows_is_exact():
 
 
 def test_pca_wants_two_columns():
-    with pytest.raises(ShapeError, match=r"\(3, 1\); a map needs 1 row and 2 columns"):
+    with pytest.raises(ShapeError, match=r"\(3, 1\); a map needs 2 columns"):
         pca.project(torch.ones(3, 1))
 
 
