@@ -111,7 +111,7 @@ def main(
         return 1
     except KeyboardInterrupt as stop:
         print("Stopped. Nothing is half-written.", file=sys.stderr)
-        return 128 + (stop.args or (signal.SIGINT,))[0]
+        return 128 + int(stop.args[0] if stop.args else signal.SIGINT)
     except BrokenPipeError:  # the reader of the pipe closed, as `head` does
         _drop_output()
         return 1

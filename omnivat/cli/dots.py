@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from omnivat.cli.arguments import declare
 from omnivat.kit.errors import DataError
-from omnivat.kit.files import replacing
+from omnivat.kit.files import nothing_left, replacing
 
 if TYPE_CHECKING:
     from omnivat.data.dots import Dots
@@ -31,14 +31,15 @@ def run(options: argparse.Namespace) -> None:
 
     pictures = [file for place in options.pictures for file in images_of(place)]
     filled = 0
-    for picture in pictures:
-        before = np.asarray(read_image(picture))
-        after, dots = fill_dots(before)
-        print(f"{picture}: {words(dots)}")
-        if dots is not None:
-            filled += 1
-            with replacing(options.out / f"{filled:03d}_{picture.stem}.png") as temporary:
-                Image.fromarray(np.concatenate([before, after], 1)).save(temporary, "PNG")
+    with nothing_left(options.out):
+        for picture in pictures:
+            before = np.asarray(read_image(picture))
+            after, dots = fill_dots(before)
+            print(f"{picture}: {words(dots)}")
+            if dots is not None:
+                filled += 1
+                with replacing(options.out / f"{filled:03d}_{picture.stem}.png") as temporary:
+                    Image.fromarray(np.concatenate([before, after], 1)).save(temporary, "PNG")
     where = f"; before and after are in {options.out}" if filled else ""
     print(f"{filled} of {len(pictures)} pictures have dots{where}")
 

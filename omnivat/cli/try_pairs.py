@@ -35,7 +35,7 @@ from omnivat.cli.thumbnails import start_of
 from omnivat.data.relief.files import TOUCH
 from omnivat.encoders.base import DEFAULT_ENCODER
 from omnivat.kit.errors import DataError, SettingsError, printable
-from omnivat.kit.files import replacing, require_regular, require_writable, write_json
+from omnivat.kit.files import nothing_left, replacing, require_regular, require_writable, write_json
 
 if TYPE_CHECKING:
     from omnivat.study.shift import Features
@@ -78,13 +78,33 @@ def run(options: argparse.Namespace) -> None:
         raise SettingsError(f"--out is the file '{out}'; name a folder.")
     if (out / SET).resolve() == whole:
         raise SettingsError(f"--out would replace '{place}'; name another folder.")
-    from omnivat.data.profile import profile_of, save_profile
-    from omnivat.head.checkpoint import require_head_folder, save_head
-    from omnivat.study.trial import try_pairs
+    from omnivat.head.checkpoint import require_head_folder
 
     require_head_folder(out / HEAD)
     for name in (SET, SUMMARY):
         require_writable(out / name)
+    with nothing_left(out):
+        _write(options, out)
+    if options.no_page:
+        return
+    command = [sys.executable, "-c", PAGE, "--embeddings", str(out / SET)]
+    # without one, the page shows the set through the project's, or its features alone
+    if (out / HEAD).is_dir():
+        command += ["--head", str(out / HEAD)]
+    print(f"The page again: python app.py {' '.join(command[3:])}", flush=True)
+    with subprocess.Popen(command) as page:
+        try:
+            page.wait()
+        except KeyboardInterrupt:  # the page gets it, too, and cleans up
+            page.wait()
+
+
+def _write(options: argparse.Namespace, out: Path) -> None:
+    """Read or embed, train, print the figures, write the folder."""
+    from omnivat.data.profile import profile_of, save_profile
+    from omnivat.head.checkpoint import save_head
+    from omnivat.study.trial import try_pairs
+
     found, notes = _features(options, out)
     classes = len({*found.embeddings.label.tolist()}) if found.labelled else 0
     alone = {"vis": "photos alone", "tac": "touches alone"}.get("+".join(found.modalities))
@@ -111,18 +131,6 @@ def run(options: argparse.Namespace) -> None:
     with replacing(out / SUMMARY) as temporary:
         temporary.write_text("\n".join([*notes, *trial.lines, ""]), encoding="utf-8")
     print(f"Everything is in {out}: {SET}, {len(found.domains)} profiles, {SUMMARY}, figures.json")
-    if options.no_page:
-        return
-    command = [sys.executable, "-c", PAGE, "--embeddings", str(out / SET)]
-    # without one, the page shows the set through the project's, or its features alone
-    if (out / HEAD).is_dir():
-        command += ["--head", str(out / HEAD)]
-    print(f"The page again: python app.py {' '.join(command[3:])}", flush=True)
-    with subprocess.Popen(command) as page:
-        try:
-            page.wait()
-        except KeyboardInterrupt:  # the page gets it, too, and cleans up
-            page.wait()
 
 
 def _features(options: argparse.Namespace, out: Path) -> tuple["Features", list[str]]:

@@ -7,7 +7,7 @@ from torch import Tensor
 
 from omnivat.data.profile import Profile
 from omnivat.head.checkpoint import Head
-from omnivat.kit.shapes import features
+from omnivat.kit.shapes import floating
 from omnivat.kit.stages import IMAGES, optional_order
 
 
@@ -39,8 +39,8 @@ def predict_embeddings(
     >>> list(predict_embeddings(head, None, tac)[0]["modalities"])  # touch alone
     ['tac']
     """
-    given = {name: rows for name, rows in (("vis", vis), ("tac", tac)) if rows is not None}
-    images = dict(zip(given, features(**given), strict=True))
+    given = (("vis", vis), ("tac", tac))
+    images = {name: floating(name, rows) for name, rows in given if rows is not None}
     as_they_come = [images.get(name) for name in IMAGES]
     if profile is not None:
         images = {name: head.moved(name, rows, profile) for name, rows in images.items()}

@@ -21,7 +21,7 @@ from omnivat.head.head import OmniVaT
 from omnivat.head.ridge import Labels, Ridge, ridge, sharpness
 from omnivat.kit.errors import DataError
 from omnivat.kit.progress import checkpoint
-from omnivat.kit.shapes import features
+from omnivat.kit.shapes import floating, require_finite, require_shapes
 from omnivat.kit.stages import IMAGES
 from omnivat.kit.threads import one_blas_thread, one_thread
 
@@ -51,7 +51,10 @@ class Lesson:
     def __post_init__(self) -> None:
         for name in IMAGES:
             if (rows := getattr(self, name)) is not None:
-                object.__setattr__(self, name, features(**{name: rows})[0])
+                own = floating(name, rows)
+                require_shapes(**{name: (own, "B W")})
+                require_finite(name, own)
+                object.__setattr__(self, name, own)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,7 +7,7 @@ import shutil
 import stat
 import sys
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from glob import escape
 from hashlib import file_digest, sha256
 from pathlib import Path
@@ -115,6 +115,25 @@ def replacing_folder(path: Path) -> Iterator[Path]:
             finally:
                 if old.exists() and not path.exists():
                     os.replace(old, path)
+
+
+@contextmanager
+def nothing_left(folder: Path) -> Iterator[None]:
+    """If the block cannot write, as on a full disk, remove the files that it added to a folder.
+
+    For a few quick files; what took long to compute is better kept.
+    """
+    there, before = folder.exists(), set(folder.rglob("*"))
+    try:
+        yield
+    except OSError:  # WriteError is one
+        for added in sorted({*folder.rglob("*")} - before, reverse=True):
+            with suppress(OSError):
+                added.rmdir() if added.is_dir() else added.unlink()
+        if not there:
+            with suppress(OSError):
+                folder.rmdir()
+        raise
 
 
 def sweep_unfinished(target: Path) -> None:

@@ -76,7 +76,8 @@ def floating(name: str, values: Any) -> Tensor:
         values = torch.from_numpy(array.astype("f8" if array.dtype.itemsize > 4 else "f4"))
     if values.is_complex():
         raise DataError(f"{name} has complex numbers; give their real part or their modulus.")
-    return values if values.dtype in (torch.float32, torch.float64) else values.float()
+    found: Tensor = values if values.dtype in (torch.float32, torch.float64) else values.float()
+    return found
 
 
 def require_finite(name: str, rows: Tensor, most: float = float("inf")) -> None:

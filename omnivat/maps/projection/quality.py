@@ -43,7 +43,7 @@ def quality(
     with all N, which costs O(rows N D) instead of O(N² D). The intervals cover the sampling.
     Source: Venna and Kaski, ICANN 2001.
     """
-    points, flat = (features(most=SUMMED, **own)[0] for own in ({"points": points}, {"flat": flat}))
+    (points,), (flat,) = features(most=SUMMED, points=points), features(most=SUMMED, flat=flat)
     require_shapes(points=(points, "N D"), flat=(flat, "N C"))
     count = len(points)
     drawn = torch.arange(count)

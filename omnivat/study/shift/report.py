@@ -9,7 +9,7 @@ from typing import Any
 import torch
 
 from omnivat import figures
-from omnivat.kit.files import write_csv, write_text
+from omnivat.kit.files import nothing_left, write_csv, write_text
 from omnivat.kit.progress import OnStep, Step, ignore
 from omnivat.kit.tables import load
 from omnivat.kit.threads import one_blas_thread, one_thread
@@ -34,7 +34,7 @@ def write_report(
     """Measure, draw, and write report.html, numbers.csv, methods.txt and figures/*.svg; return
     them.
 
-    Raises WriteError if a file cannot be written. Each file is complete or absent.
+    Raises WriteError if a file cannot be written; then none of them is left.
 
     >>> from tempfile import TemporaryDirectory
     >>> import numpy as np
@@ -53,12 +53,14 @@ def write_report(
     records += trusts
     words = methods(features, seed)
     table, text, page = (Path(out, name) for name in ("numbers.csv", "methods.txt", "report.html"))
-    write_csv(table, COLUMNS, ([one[name] for name in COLUMNS] for one in records))
-    write_text(text, words + "\n")
-    files = [
-        figures.write(page.parent / "figures" / f"{name}.svg", one) for name, one in drawn.items()
-    ]
-    write_text(page, figures.html_page("Domain shift", _page(features, records, drawn, words)))
+    with nothing_left(Path(out)):
+        write_csv(table, COLUMNS, ([one[name] for name in COLUMNS] for one in records))
+        write_text(text, words + "\n")
+        files = [
+            figures.write(page.parent / "figures" / f"{name}.svg", one)
+            for name, one in drawn.items()
+        ]
+        write_text(page, figures.html_page("Domain shift", _page(features, records, drawn, words)))
     return [table, text, *files, page]
 
 

@@ -115,6 +115,44 @@ def test_a_killed_command_leaves_nothing_half_written_and_runs_again(
     assert [p.name for p in tmp_path.iterdir() if p.name.startswith(".")] == []
 
 
+STOPPED = """
+import atexit, os, signal, sys
+from omnivat.cli import main
+
+number = getattr(signal, sys.argv.pop(1))
+
+class Finder:  # sends the signal while torch loads
+    def find_spec(self, name, *_):
+        if name == "torch.nn":
+            os.kill(os.getpid(), number)
+
+sys.meta_path.insert(0, Finder())
+atexit.register(lambda: print("torch is", "whole" if "torch.optim" in sys.modules else "cut off"))
+sys.exit(main())
+"""
+
+
+@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_a_command_that_is_stopped_while_torch_loads_ends_in_a_sentence(name, code, tmp_path):
+    ended = subprocess.run(
+        [sys.executable, "-c", STOPPED, name, "evaluate"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert (ended.returncode, ended.stdout) == (code, "torch is whole\n")
+    assert ended.stderr == "Stopped. Nothing is half-written.\n"
+
+
+def test_help_needs_no_docstrings():
+    words = [sys.executable, "-OO", "-m", "omnivat", "--help"]
+    ended = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=600, check=True)
+    assert all(name in ended.stdout for name in cli.SUMMARIES)
+    assert all(text.endswith(".") and text[0].isupper() for text in cli.SUMMARIES.values())
+
+
 def shown(folder):
     """Return the files of a folder that are not a writer's own temporary ones."""
     return [

@@ -16,6 +16,7 @@ from omnivat.data.store import COLUMNS, write_manifest
 from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import (
     cache_folder,
+    nothing_left,
     replacing,
     replacing_folder,
     require_writable,
@@ -25,6 +26,17 @@ from omnivat.kit.files import (
 )
 
 ROW = {name: ["x"] for name in COLUMNS}
+
+
+def test_a_full_disk_removes_the_files_that_were_added_and_no_others(tmp_path):
+    write_text(tmp_path / "old" / "mine.txt", "mine")
+    for folder in (tmp_path / "old", tmp_path / "new"):
+        with pytest.raises(WriteError), nothing_left(folder):
+            write_text(folder / "a" / "1.txt", "1")
+            with replacing(folder / "2.txt"):
+                raise OSError(28, "No space left on device")
+    left = [path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*")]
+    assert left == ["old", "old/mine.txt"]
 
 
 @pytest.mark.parametrize(
