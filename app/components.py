@@ -18,7 +18,7 @@ STYLES = (
     "explore/chapters",
     "explore/gaps",
     "pair/pair",
-    "train/train",
+    "shared/native",
     "shared/narrow",
 )  # in this order: later ones override
 # scripts that the first tab needs

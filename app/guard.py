@@ -1,9 +1,9 @@
 """Access rules of the server and its page, checked before any route.
 
 Pages of other sites may neither send nor read. Host names that others bind to this machine (DNS
-rebinding) are not served. Of Gradio's routes, only those of the page are open: its event streams
-and its API would cost a connection each, for as long as a visitor likes. The page itself loads
-nothing from other hosts.
+rebinding) are not served. Of Gradio's routes, only those of the page and short events are open:
+its event streams would cost a connection each, for as long as a visitor likes. The page itself
+loads nothing from other hosts.
 """
 
 import re
@@ -13,6 +13,7 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from hashlib import sha256
 from ipaddress import ip_address
+from math import inf
 from socket import gethostname
 from typing import Any
 from urllib.parse import urlsplit
@@ -21,11 +22,14 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from app.limits import MAX_QUESTION_BYTES
+
 LOOPBACK = frozenset({"localhost", "127.0.0.1", "::1"})
 OPEN = ("/omnivat/", "/assets/", "/static/", "/svelte/", "/custom_component/")
 PAGE = frozenset(
     ("/", "/config", "/theme.css", "/favicon.ico", "/manifest.json", "/robots.txt")
 ) | {"/gradio_api/startup-events"}  # Gradio requests the last one itself when it starts
+EVENTS = "/gradio_api/run/predict"  # of Gradio's components
 POLICY = (
     "default-src 'self'",
     "style-src 'self' 'unsafe-inline'",
@@ -89,7 +93,10 @@ class Guard:
             await JSONResponse({"error": problem}, 403)(scope, receive, send)
         elif (
             path := scope["path"].removeprefix(scope.get("root_path", ""))
-        ) in PAGE or path.startswith(OPEN):
+        ) == EVENTS and not _size(scope) <= MAX_QUESTION_BYTES:
+            large = {"error": "These settings are too large to be sent; reload the page."}
+            await JSONResponse(large, 413)(scope, receive, send)
+        elif path == EVENTS or path in PAGE or path.startswith(OPEN):
             sent = [(name, value) for name, value in scope["headers"] if name.lower() not in NAMING]
             await self._app({**scope, "headers": sent}, receive, self._guarded(send))
         else:
@@ -123,6 +130,12 @@ class Guard:
             await send(message)
 
         return guarded
+
+
+def _size(scope: Scope) -> float:
+    """Return the length of a request's body, as it is stated; infinite if it is not."""
+    stated = Headers(scope=scope).get("content-length", "")
+    return int(stated) if stated.isascii() and stated.isdigit() and len(stated) < 12 else inf
 
 
 def refused(scope: Scope, rules: Rules) -> str:

@@ -1,10 +1,14 @@
 """The nodes that DTG grows from a pair, and their cosines."""
 
+from typing import TYPE_CHECKING, Any
+
 from app.pair_input import asked, rounded
 from app.resources import Resources
 from app.state import Question, Reply
-from app.training_plan import thinned
 from omnivat.kit.errors import DataError
+
+if TYPE_CHECKING:
+    import numpy as np
 
 # pairs that count; a larger set is thinned evenly, with an error of about a point
 MOST_PAIRS = 5000
@@ -69,3 +73,10 @@ def votes(resources: Resources, question: Question) -> Reply:
         return {"votes": votes, "pairs": len(some)}
 
     return resources.results.once(f"votes {name}", counted)
+
+
+def thinned(count: int, most: int) -> "np.ndarray[Any, Any]":
+    """Return the numbers of at most `most` of `count` pairs, evenly spaced."""
+    import numpy as np
+
+    return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.int64))

@@ -26,10 +26,8 @@ from app.messages import Handler, in_sentences, refusal
 from app.modes import mode_files, modes
 from app.requests import done, question_of, received, set_of, visitor_of
 from app.resources import Resources, require_name
-from app.saving import save_figure
+from app.saving import head_zip, save_figure
 from app.state import VISITOR, Reply
-from app.training import Trainings
-from app.training_plan import offers
 from app.views import explore, pair
 from app.visitor_sets import VisitorSets
 from omnivat.head.heads import EXAMPLES
@@ -41,6 +39,11 @@ Work = Callable[..., Any]  # of the resources and a question; a JSON value, or t
 def real(resources: Resources) -> Reply:
     """Return the fetched sets of real pairs with their terms."""
     return resources.shared.real.listing(local=is_loopback(VISITOR.get()))
+
+
+def head_file(resources: Resources) -> bytes:
+    """Return a zip of a head that was trained here."""
+    return head_zip(resources.head(), "trained-head")
 
 
 QUESTIONS: dict[str, Work] = {
@@ -78,7 +81,7 @@ FACTS: dict[str, Work] = {  # questions without anything in them
     "unseen": explore.unseen,
     "examples": pair.gallery,
 }
-SERVED: dict[str, Work] = {"real": real, "trainings": offers}  # facts of no use without a server
+SERVED: dict[str, Work] = {"real": real, "head.zip": head_file}  # of no use without a server
 # what comes as a file in the body: its work, priority and largest size
 SENT: dict[str, tuple[Work, int, int]] = {
     "live": (pictures.live, 0, MAX_IMAGE_BYTES),
@@ -98,13 +101,11 @@ HOLDS = "X-Holds"  # a page that was opened on another head or set shows a notic
 FRESH = {"Cache-Control": "no-cache"}  # revalidate each time
 
 
-def routes(first: Resources, *, api: bool = False) -> list[Route]:
+def routes(sets: VisitorSets, *, api: bool = False) -> list[Route]:
     """Return all routes; each turns errors into a sentence.
 
     api  True opens the API for programs (app/api.py)
     """
-    sets = VisitorSets(first)
-    trainings = Trainings(sets)
     files: dict[str, Find] = {
         "web/{name:path}": lambda _, name: web_files().get(name),
         "thumbnails.{kind}": thumbnails,
@@ -117,17 +118,10 @@ def routes(first: Resources, *, api: bool = False) -> list[Route]:
         "real/{name:path}": partial(real_picture, sets),
         **{name: partial(compute, sets, work) for name, work in (FACTS | SERVED).items()},
     }
-    questions = {**QUESTIONS, "train": trainings.start}
-    about_training = {
-        "training": trainings.state,
-        "training/cancel": trainings.cancel,
-        "save/trained": trainings.saved,
-    }
     sent = {**SENT, "part": (sets.take_part, 1, max(PARTS.values()))}
     posts: dict[str, Handler] = {
-        **{name: partial(compute, sets, work) for name, work in questions.items()},
+        **{name: partial(compute, sets, work) for name, work in QUESTIONS.items()},
         "load": partial(compute, sets, sets.load, priority=1),
-        **{name: partial(of_training, sets, work) for name, work in about_training.items()},
         **{name: partial(of_file, sets, *row) for name, row in sent.items()},
     }
     return [
@@ -147,12 +141,6 @@ async def compute(
         request, sets.shared.jobs, partial(work, resources, *question), priority=priority
     )
     return as_sent(reply, {HOLDS: resources.holds})
-
-
-async def of_training(sets: VisitorSets, work: Work, request: Request) -> Response:
-    """Reply to a question about a training, even if the set of the address is gone."""
-    question = await question_of(request)
-    return as_sent(await done(request, sets.shared.jobs, partial(work, question)))
 
 
 async def of_file(

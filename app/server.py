@@ -18,6 +18,7 @@ from app.light import light_imports
 from app.preflight import free_port, keeps_nothing, parser, require_files
 from app.scratch import sweep
 from app.views import VIEWS
+from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import MissingPackageError, OmniVatError, printable
 from omnivat.kit.tables import need
 
@@ -56,7 +57,7 @@ def start_log() -> None:
     logging.getLogger("uvicorn.error").addFilter(bounded)  # it has another handler
 
 
-def build() -> Any:
+def build(sets: VisitorSets) -> Any:
     """Return the Gradio page with all tabs, without loading anything heavy."""
     with light_imports():
         import gradio as gr
@@ -66,12 +67,13 @@ def build() -> Any:
         with gr.Tabs(elem_id="views"):
             for name in VIEWS:
                 view = import_module(f"app.views.{name}")
-                with gr.Tab(view.TITLE, id=name, elem_id=f"view-{name}"):
-                    component(name)
+                build_tab = getattr(view, "build", lambda *_, name=name: component(name))
+                with gr.Tab(view.TITLE, id=name, elem_id=f"view-{name}") as tab:
+                    build_tab(sets, tab)
     return page
 
 
-def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any) -> Any:
+def launch(page: Any, sets: VisitorSets, arguments: argparse.Namespace, **more: Any) -> Any:
     """Serve the page until it is stopped; with `prevent_thread_lock`, return at once."""
     from starlette.middleware import Middleware
     from uvicorn import config
@@ -88,7 +90,7 @@ def launch(page: Any, resources: Any, arguments: argparse.Namespace, **more: Any
         server_port=arguments.port,
         inbrowser=not arguments.no_browser,
         app_kwargs={
-            "routes": routes(resources, api=arguments.api),
+            "routes": routes(sets, api=arguments.api),
             "middleware": [Middleware(Turns), Middleware(Guard, rules=guarded)],
             "lifespan": alone,
             "docs_url": None,
@@ -130,11 +132,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     where = replace(where, drawn=chosen.sample, profile=chosen.profile)
     if keeps_nothing(os.environ):
         where = replace(where, computed=shared.scratch.folder("maps"))
-    resources = Resources(where, shared)
+    sets = VisitorSets(Resources(where, shared))
     try:
         if chosen.desktop:
-            return in_window(resources, chosen)
-        launch(build(), resources, chosen)
+            return in_window(sets, chosen)
+        launch(build(sets), sets, chosen)
     except KeyboardInterrupt:  # before the server took over
         log.info("stopped")
     finally:
@@ -142,7 +144,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def in_window(resources: Any, chosen: argparse.Namespace) -> int:
+def in_window(sets: VisitorSets, chosen: argparse.Namespace) -> int:
     """Show the page in a separate window until it is closed; report a missing package."""
     try:
         webview = need("webview", purpose="--desktop", install="pywebview")
@@ -150,8 +152,8 @@ def in_window(resources: Any, chosen: argparse.Namespace) -> int:
         print(f"app.py: {error}", file=sys.stderr)
         return 1
     chosen.no_browser = True
-    page = build()
-    _, address, _ = launch(page, resources, chosen, prevent_thread_lock=True, quiet=True)
+    page = build(sets)
+    _, address, _ = launch(page, sets, chosen, prevent_thread_lock=True, quiet=True)
     webview.create_window("OmniVaT", address, width=1440, height=940)
     webview.start()
     page.close()

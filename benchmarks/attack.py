@@ -169,12 +169,13 @@ def main(arguments: list[str] | None = None) -> int:
     from app.places import places
     from app.resources import Resources
     from app.routes import routes
+    from app.visitor_sets import VisitorSets
     from omnivat.kit.files import write_json
 
     resources = Resources(places())
 
     guarded = [Middleware(Guard, rules=rules("127.0.0.1"))]
-    application = Starlette(routes=routes(resources, api=True), middleware=guarded)
+    application = Starlette(routes=routes(VisitorSets(resources), api=True), middleware=guarded)
     with TestClient(application, base_url="http://127.0.0.1") as client:
         found = attack(client, resources, chosen.seed, chosen.count)
     found["costly"] = costly = Counts()

@@ -1,3 +1,6 @@
-"""Train here: choose settings, watch a head learn, use it. `app.training` does the work."""
+"""Train here: choose settings, watch a head learn, use it. `app.train` does the work."""
+
+from app.train.tab import TrainTab
 
 TITLE = "Train here"
+build = TrainTab

@@ -9,7 +9,7 @@ from omnivat.kit.tables import late
 
 _ROOMS = {
     "maps": ("map_figure", "frames_map", "pictures"),
-    "curves": ("lines", "gap_curves", "staircase"),
+    "curves": ("lines", "gap_curves", "staircase", "training_curves"),
     "scores": ("dots", "strangers", "ladder", "gap_tables"),
     "card": ("rose",),
     "surface": ("relief",),

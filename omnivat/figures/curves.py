@@ -9,7 +9,7 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from omnivat.figures.page import Figure, around, axis, figure, plain
-from omnivat.figures.theme import ACCENT, AREA, MARK, SERIES, SOFT
+from omnivat.figures.theme import ACCENT, AREA, MARK, MODALITIES, SERIES, SOFT
 from omnivat.kit.stages import STAGE_TITLES
 from omnivat.maps.frames.records import FrameSet
 
@@ -79,6 +79,81 @@ def lines(
         yaxis=axis(up, range=around(ends, 0.05)),
         hovermode="x unified",
     )
+
+
+TRAINING: dict[str, dict[str, str]] = {  # panel -> name of a line -> its value in an epoch
+    "Loss": {"total": "loss", "cross-entropy": "cross_entropy"},
+    "Accuracy": {"unseen domains": "accuracy/unseen", "source test": "accuracy/source_test"},
+    "Unseen domains, one image": {
+        "photo only": "accuracy:vis/unseen",
+        "touch only": "accuracy:tac/unseen",
+    },
+    "Gaps of F̂": {"modality": "modality_gap/f_hat", "domain": "domain_gap/f_hat"},
+    "Cosine margin of F̂": {"margin": "margin/f_hat"},
+    "p": {"p": "order"},
+}
+
+
+def training_curves(
+    epochs: Sequence[Mapping[str, Any]],
+    *,
+    total: int | None = None,
+    classes: int = 0,
+    columns: int = 3,
+    title: str = "",
+) -> Figure:
+    """Return losses, accuracies, gaps and p over the epochs of a training; a panel without values
+    is left out.
+
+    epochs   records of epochs, as `head.metrics["epochs"]` or `EpochReport` have them
+    total    epochs of the whole training; None: those that are there
+    classes  number of classes: a dotted line shows the accuracy of guessing
+
+    >>> from omnivat import default_head, load_head
+    >>> figure = training_curves(load_head(default_head()).metrics["epochs"])
+    >>> [words.text.split("<br>")[0] for words in figure.layout.annotations]
+    ['<b>Loss</b>', '<b>p</b>']
+    """
+    panels = {
+        words: series
+        for words, series in TRAINING.items()
+        if any(_is(one.get(key)) for one in epochs for key in series.values())
+    }
+    rows = max(1, -(-len(panels) // columns))
+    look: dict[str, Any] = {"showlegend": False, "margin": {"l": 44, "r": 8, "t": 44, "b": 26}}
+    found = figure([], title=title, height=44 + 190 * rows, **look)
+    gaps = {"horizontal_spacing": 0.16 / columns, "vertical_spacing": 0.3 / rows}
+    make_subplots(rows, columns, figure=found, **gaps)
+    for place, (words, series) in enumerate(panels.items()):
+        chart = {"row": place // columns + 1, "col": place % columns + 1}
+        share = words.startswith(("Accuracy", "Unseen"))
+        text, top = [], 0.0
+        for (name, key), colour in zip(series.items(), _colours(series), strict=False):
+            known = [(k, one[key]) for k, one in enumerate(epochs, 1) if _is(one.get(key))]
+            xs, ys = [k for k, _ in known], [value for _, value in known]
+            line = {"color": colour, "width": 2, "dash": "dash" if "test" in name else "solid"}
+            mode = "lines" if len(xs) > 1 else "markers"
+            found.add_scatter(x=xs, y=ys, mode=mode, line=line, name=name, **chart)
+            top = max([top, *ys])
+            value = (f"{ys[-1]:.1%}" if share else f"{ys[-1]:.3f}") if ys else "–"
+            text.append(f'<span style="color:{colour}">{name}</span> {value}')
+        across = axis(range=[1, max(2, total or len(epochs))], showgrid=False, nticks=4)
+        found.update_xaxes(across, **chart)
+        high = 1.0 if share or words == "p" else 1.08 * top or 1.0
+        form = {"tickformat": ".0%"} if share else {}
+        found.update_yaxes(axis(range=[0, high], nticks=4, **form), **chart)
+        if classes and share:
+            found.add_hline(1 / classes, line_color=SOFT, line_dash="dot", **chart)
+        found.add_annotation(
+            text=f"<b>{words}</b><br>{'&nbsp; '.join(text)}",
+            **{"xref": "x domain", "yref": "y domain", "x": 0, "y": 1, "align": "left"},
+            **{"xanchor": "left", "yanchor": "bottom", "showarrow": False, **chart},
+        )
+    return found
+
+
+def _colours(series: Mapping[str, str]) -> Sequence[str]:
+    return MODALITIES if "photo only" in series else [MARK] if "p" in series else SERIES
 
 
 def _is(value: float | None) -> bool:

@@ -103,8 +103,9 @@ def served(resources, *, api=False, **more):
     from starlette.testclient import TestClient
 
     from app.routes import routes
+    from app.visitor_sets import VisitorSets
 
-    return TestClient(Starlette(routes=routes(resources, api=api)), **more)
+    return TestClient(Starlette(routes=routes(VisitorSets(resources), api=api)), **more)
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from starlette.testclient import TestClient
 
 from app.guard import Guard, rules
 from app.routes import routes
+from app.visitor_sets import VisitorSets
 from benchmarks.attack import attack
 
 
@@ -17,7 +18,7 @@ from benchmarks.attack import attack
 @pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_a_small_attack_is_held_with_a_sentence_for_every_refusal(resources, seed):
     guarded = [Middleware(Guard, rules=rules("127.0.0.1"))]
-    application = Starlette(routes=routes(resources, api=True), middleware=guarded)
+    application = Starlette(routes=routes(VisitorSets(resources), api=True), middleware=guarded)
     with TestClient(application, base_url="http://127.0.0.1") as client:
         found = attack(client, resources, seed, 16)
     resources.shared.close()
@@ -28,7 +29,7 @@ def test_a_small_attack_is_held_with_a_sentence_for_every_refusal(resources, see
 
 @pytest.mark.slow
 def test_no_visitor_finds_a_picture_profile_or_head_of_another(resources):
-    app = Starlette(routes=routes(resources))
+    app = Starlette(routes=routes(VisitorSets(resources)))
     own, other = (TestClient(app, "http://127.0.0.1", client=(f"10.0.1.{k}", 1)) for k in (1, 2))
     with BytesIO() as handle:
         Image.new("RGB", (64, 64), 120).save(handle, "PNG")

@@ -9,6 +9,7 @@ from app.api import WORK
 from app.jobs import Jobs
 from app.messages import BusyError, CancelledError
 from app.routes import FACTS, PROJECT_FILES, QUESTIONS, SENT, routes
+from app.visitor_sets import VisitorSets
 from omnivat.kit.progress import CHECK
 from omnivat.measure.predictions import CHUNK
 
@@ -110,7 +111,9 @@ def work(small_places):
 def test_the_table_has_every_route_that_computes(resources):
     """A new route has to be entered in `WORKING`, which stops it, or be told why it is not."""
     assert set(WORKING) == {*QUESTIONS, *FACTS}
-    paths = {route.path.removeprefix("/omnivat/") for route in routes(resources, api=True)}
+    paths = {
+        route.path.removeprefix("/omnivat/") for route in routes(VisitorSets(resources), api=True)
+    }
     assert paths - set(WORKING) == FILES | {*SENT, "part", "load"} | JOBS | TOOLS
 
 

@@ -3,12 +3,10 @@
 from typing import TYPE_CHECKING, Any
 
 from app.resources import Resources
-from app.state import Question, Reply, one_of
+from app.state import Question, one_of
 from omnivat.kit.errors import DataError
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from omnivat.data.store import Embeddings
     from omnivat.training.from_pairs import TrainingPlan
 
@@ -32,8 +30,9 @@ NUMBERS: dict[str, tuple[str, float, float, float]] = {
 }
 
 
-def offers(resources: Resources) -> Reply:
-    """Return the choices and the defaults; LANG is off if its bank lacks a class of the set.
+def offered(resources: Resources) -> tuple[list[str], str, bool]:
+    """Return the domains to learn from, the one at first, and whether LANG can guide: its bank has
+    each class of the set.
 
     Raises DataError for a set in which no domain has pairs of two classes.
     """
@@ -41,28 +40,14 @@ def offers(resources: Resources) -> Reply:
     from omnivat.encoders.lang.bank import DEFAULT_BANK, load_bank
 
     embeddings, source = resources.embeddings(), resources.head().source
-    header, domains = embeddings.header, list(embeddings.learnable)
+    domains = list(embeddings.learnable)
     if not domains:
         raise DataError(
             "No domain has pairs of two classes, so there is nothing to train a head on."
         )
-    return {
-        "sources": domains,
-        "widths": list(WIDTHS),
-        "orders": list(ORDERS.items()),
-        "numbers": [
-            {"name": name, "words": words, "least": least, "most": most}
-            | {"step": 1 if isinstance(first, int) else "any"}
-            for name, (words, least, most, first) in NUMBERS.items()
-        ],
-        "first": {
-            "source": source if source in domains else domains[0],
-            "width": 64,
-            "order": "gradient",
-            "lang": set(header.classes) - {NO_CLASS} <= set(load_bank(DEFAULT_BANK).classes),
-            **{name: row[-1] for name, row in NUMBERS.items()},
-        },
-    }
+    wanted = set(embeddings.header.classes) - {NO_CLASS}
+    lang = wanted <= set(load_bank(DEFAULT_BANK).classes)
+    return domains, source if source in domains else domains[0], lang
 
 
 def plan_from(question: Question, embeddings: "Embeddings") -> "TrainingPlan":
@@ -107,13 +92,6 @@ def in_words(plan: "TrainingPlan", question: Question) -> str:
     order = ORDERS[question.get("order", "gradient")]
     lang = "LANG" if plan.training.lang else "no LANG"
     return ", ".join([plan.source, f"D = {plan.settings.width}", order, *numbers, lang])
-
-
-def thinned(count: int, most: int) -> "np.ndarray[Any, Any]":
-    """Return the numbers of at most `most` of `count` pairs, evenly spaced."""
-    import numpy as np
-
-    return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.int64))
 
 
 def _number(name: str, value: Any) -> int | float:
