@@ -30,14 +30,13 @@ def about(resources: Resources) -> Reply:
 
 
 def head_facts(resources: Resources) -> Reply:
-    """Return the classes of the first head, how it was trained, and on `real` pairs, how often it
-    was correct.
+    """Return the classes of the first head, its source, and on `real` pairs, how often it was
+    correct.
     """
     head = resources.head()
     return {
         "classes": list(head.settings.classes),
         "source": head.source,
-        "epochs": without_nan(head.metrics.get("epochs", [])),
         "real": real_pairs(head.metrics),
     }
 

@@ -38,6 +38,8 @@ UNSTARTED = (
     "This page needs a browser with JavaScript modules, and a file server: run "
     "<code>python -m http.server</code> in its folder and open <code>http://localhost:8000</code>."
 )
+SCRIPTED = tuple(name for name in VIEWS if (WEB / name).is_dir())  # Gradio lays out the other tabs
+UNSCRIPTED = f'<p class="ov wait problem">{escape(ALONE)}</p>'
 POLICY = "; ".join(
     (
         "default-src 'none'",
@@ -211,7 +213,7 @@ def page(web: str, held: Mapping[str, Any]) -> str:
         )
         panels.append(
             f'<div {tab}" role="tabpanel" aria-labelledby="view-{name}-button"'
-            f" hidden>{html_of(name)}</div>"
+            f" hidden>{html_of(name) if name in SCRIPTED else UNSCRIPTED}</div>"
         )
     return document(
         head=f"""<meta http-equiv="Content-Security-Policy" content="{POLICY}">

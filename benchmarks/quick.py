@@ -26,6 +26,8 @@ from urllib.request import urlopen
 import numpy as np
 from PIL import Image
 
+from app.guard import EVENTS
+from app.train.plan import NUMBERS
 from benchmarks._browser import resident_mb, started, summed
 from benchmarks._machine import machine
 from omnivat.kit.files import write_json
@@ -68,7 +70,8 @@ class Visitor:
         """Return the JSON reply of a POST, or of a GET without a body."""
         method = "GET" if body is None else "POST"
         content = json.dumps(body).encode() if isinstance(body, dict) else body
-        self.connection.request(method, f"/omnivat/{path}", content, self.headers)
+        kind = {"Content-Type": "application/json"} if isinstance(body, dict) else {}
+        self.connection.request(method, f"/{path}", content, self.headers | kind)
         with self.connection.getresponse() as reply:
             whole = reply.read()
         if reply.status != 200:
@@ -77,36 +80,36 @@ class Visitor:
 
     def image(self, number: int) -> str:
         """Upload a picture; return its reference."""
-        ref: str = self.send("image?name=x", picture(1000 * self.number + number))["ref"]
+        ref: str = self.send("omnivat/image?name=x", picture(1000 * self.number + number))["ref"]
         return ref
 
     def own_pair(self, number: int) -> float:
         """Return the seconds from two new pictures to their three readings."""
         began = time.perf_counter()
         pair = {name: self.image(2 * number + k) for k, name in enumerate(("vis", "tac"))}
-        assert len(self.send("pair", pair)["exact"]["readings"]) >= 3
+        assert len(self.send("omnivat/pair", pair)["exact"]["readings"]) >= 3
         return time.perf_counter() - began
 
     def profile(self, first: int) -> float:
         """Return the seconds from PROFILE new pictures to their profile."""
         began = time.perf_counter()
         refs = [self.image(first + k) for k in range(PROFILE)]
-        self.send("profile", {"touches": refs})
+        self.send("omnivat/profile", {"touches": refs})
         return time.perf_counter() - began
 
-    def more(self, source: str) -> tuple[str, dict[str, Any]]:
+    def more(self, training: dict[str, Any]) -> tuple[str, dict[str, Any]]:
         """Return path and body of the further request of this visitor, by its number."""
         if self.number % EVERY == 0:
-            return "train", {"source": source, "width": 16, "epochs": 5}
+            return EVENTS.removeprefix("/"), training
         rows = [f"row:{row}" for row in range(self.number, 600, 60)]
         if self.number % EVERY == 1:
-            return "profile", {"touches": rows}
+            return "omnivat/profile", {"touches": rows}
         if self.number % EVERY == 2:
             lessons = [{"vis": row, "tac": row, "label": str(k % 2)} for k, row in enumerate(rows)]
-            return "teach", {"lessons": lessons}
-        return "place", {"vis": self.image(0), "order": 0.3, "map": "umap"}
+            return "omnivat/teach", {"lessons": lessons}
+        return "omnivat/place", {"vis": self.image(0), "order": 0.3, "map": "umap"}
 
-    def visit(self, source: str, *, mixed: bool) -> Iterator[tuple[str, float]]:
+    def visit(self, training: dict[str, Any], *, mixed: bool) -> Iterator[tuple[str, float]]:
         """Drag p, upload a picture, drag again; some train, or do another thing meanwhile.
 
         Yield names and seconds.
@@ -122,13 +125,23 @@ class Visitor:
             return what, time.perf_counter() - began
 
         if mixed or self.number % EVERY == 0:
-            path, body = self.more(source)
-            yield timed(path, path, body | {"visitor": str(self.number)})
+            path, body = self.more(training)
+            yield timed(path, path, body)
         for k in range(DRAGS):
             row = f"row:{self.number * DRAGS + k}"
-            yield timed("drag", "pair", {"vis": row, "tac": row, "order": k / DRAGS})
+            yield timed("drag", "omnivat/pair", {"vis": row, "tac": row, "order": k / DRAGS})
             if k == DRAGS // 2:
-                yield timed("upload", "image?name=x", self.upload)
+                yield timed("upload", "omnivat/image?name=x", self.upload)
+
+
+def small_training(visitor: Visitor) -> dict[str, Any]:
+    """Return the event of Gradio's components that starts a short training."""
+    _, begin, *_ = visitor.send("config")["dependencies"]
+    source = visitor.send("omnivat/about")["head"]["source"]
+    numbers = {name: row[-1] for name, row in NUMBERS.items()} | {"epochs": 5}
+    settings = (source, "gradient", 16, *numbers.values(), False)
+    data = [None, 1280, "domain", *settings]  # no run before, the page's width, the map's colours
+    return {"data": data, "fn_index": begin["id"], "session_hash": "a"}
 
 
 def measured(visitors: int, *, mixed: bool) -> dict[str, float]:
@@ -139,14 +152,16 @@ def measured(visitors: int, *, mixed: bool) -> dict[str, float]:
                 reply.read()
         one = Visitor(address, 0)
         found = {"first_page_s": first, "first_page_mb": resident_mb(process)}
-        one.send("pair", {"vis": "row:0", "tac": "row:0"})
+        one.send("omnivat/pair", {"vis": "row:0", "tac": "row:0"})
         one.own_pair(0)  # loads the encoder
         found["own_pair_s"] = statistics.median(one.own_pair(k) for k in range(1, PAIRS + 1))
         found["profile_s"] = statistics.median(one.profile(100 * k) for k in (1, 2, 3))
-        source = one.send("trainings")["first"]["source"]
+        training = small_training(one)
         everybody = [Visitor(address, k) for k in range(visitors)]
         with ThreadPoolExecutor(visitors) as crowd:
-            visits = crowd.map(lambda visitor: list(visitor.visit(source, mixed=mixed)), everybody)
+            visits = crowd.map(
+                lambda visitor: list(visitor.visit(training, mixed=mixed)), everybody
+            )
             every = [one for visit in visits for one in visit]
         kinds = Counter(what for what, _ in every)
         for what in ("drag", "upload"):

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from app.about import fit
 from app.requests import done
 from app.resources import Resources
+from app.state import ForgottenError
 from app.train import words
 from app.train.plan import NUMBERS, ORDERS, WIDTHS, offered
 from app.train.runs import KEPT_RUNS, Run, Trainings
@@ -137,7 +138,15 @@ class TrainTab:
         names = _kept(record)[1]
         if not names:
             return {self.timer: self.update(active=False)}
-        run = self.runs.named(names[-1])
+        try:
+            run = self.runs.named(names[-1])
+        except ForgottenError as error:
+            record = {**record, "runs": []}
+            return {self.status: words.status(str(error), problem=True), self.kept: record} | {
+                self.timer: self.update(active=False),
+                self.go: self.update(interactive=True),
+                self.stop: self.update(visible=False),
+            }
         there, active = run.job.state == "done", run.active
         found: Changes = {
             self.status: words.status(words.standing(run), run),

@@ -121,8 +121,8 @@ def training_curves(
     }
     rows = max(1, -(-len(panels) // columns))
     look: dict[str, Any] = {"showlegend": False, "margin": {"l": 44, "r": 8, "t": 44, "b": 26}}
-    found = figure([], title=title, height=44 + 190 * rows, **look)
-    gaps = {"horizontal_spacing": 0.16 / columns, "vertical_spacing": 0.3 / rows}
+    found = figure([], title=title, height=44 + 196 * rows, **look)
+    gaps = {"horizontal_spacing": 0.16 / columns, "vertical_spacing": 0.34 / rows}
     make_subplots(rows, columns, figure=found, **gaps)
     for place, (words, series) in enumerate(panels.items()):
         chart = {"row": place // columns + 1, "col": place % columns + 1}
@@ -140,7 +140,7 @@ def training_curves(
         across = axis(range=[1, max(2, total or len(epochs))], showgrid=False, nticks=4)
         found.update_xaxes(across, **chart)
         high = 1.0 if share or words == "p" else 1.08 * top or 1.0
-        form = {"tickformat": ".0%"} if share else {}
+        form = {"tickformat": ".0%" if share else "", "exponentformat": "none"}
         found.update_yaxes(axis(range=[0, high], nticks=4, **form), **chart)
         if classes and share:
             found.add_hline(1 / classes, line_color=SOFT, line_dash="dot", **chart)

@@ -110,6 +110,13 @@ def test_what_the_page_does_not_use_is_not_there(path):
     assert (got.status_code, got.json()["error"][-1]) == (404, ".")
 
 
+def test_an_event_of_gradios_components_is_small_or_is_refused():
+    sent = client()
+    assert sent.post("/gradio_api/run/predict", content=b"x" * 10_000).text == "Not Found"
+    for content in (b"x" * 10_001, iter([b"x"])):  # one without a stated length
+        assert sent.post("/gradio_api/run/predict", content=content).status_code == 413
+
+
 @pytest.mark.parametrize("name", ["X-Forwarded-Host", "X-Gradio-Server", "Forwarded"])
 def test_a_header_that_names_the_server_never_reaches_its_page(name):
     sent = client().get("/omnivat/a", headers={name: "javascript:1"}).json()["headers"]

@@ -18,10 +18,11 @@ from app.places import places
 from app.preflight import parser
 from app.resources import Resources
 from app.server import build, launch
-resources = Resources(places())
-page = build()
+from app.visitor_sets import VisitorSets
+sets = VisitorSets(Resources(places()))
+page = build(sets)
 chosen = parser().parse_args(["--no-browser"])
-_, address, _ = launch(page, resources, chosen, prevent_thread_lock=True, quiet=True)
+_, address, _ = launch(page, sets, chosen, prevent_thread_lock=True, quiet=True)
 for path in ("", "web/explore/explore.js", "web/shared/page.css", "examples"):
     path = path and f"omnivat/{path}"
     with urllib.request.urlopen(address + path) as answer:
@@ -117,6 +118,7 @@ def test_the_server_starts_with_connections_that_have_limits(resources, monkeypa
 
     from app.connections import Connection
     from app.server import launch
+    from app.visitor_sets import VisitorSets
 
     class Page:
         def launch(self, **_):
@@ -124,6 +126,6 @@ def test_the_server_starts_with_connections_that_have_limits(resources, monkeypa
 
     for table in ("HTTP_PROTOCOLS", "WS_PROTOCOLS"):
         monkeypatch.setattr(uvicorn.config, table, dict(getattr(uvicorn.config, table)))
-    found = launch(Page(), resources, parser().parse_args([]))
+    found = launch(Page(), VisitorSets(resources), parser().parse_args([]))
     found.load()
     assert (found.http_protocol_class, found.ws_protocol_class) == (Connection, None)

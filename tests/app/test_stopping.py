@@ -57,11 +57,11 @@ FILES = {
     "thumbnails.{kind}",
     "example/{name:path}/{modality}",
     "real",
+    "head.zip",
     "real/{name:path}",
     "api/schema",
     *PROJECT_FILES,
 }
-JOBS = {"trainings", "train", "training", "training/cancel", "save/trained"}
 TOOLS = {"mcp", "api/{rest:path}", *(f"api/{tool}" for tool in WORK)}
 
 
@@ -114,7 +114,7 @@ def test_the_table_has_every_route_that_computes(resources):
     paths = {
         route.path.removeprefix("/omnivat/") for route in routes(VisitorSets(resources), api=True)
     }
-    assert paths - set(WORKING) == FILES | {*SENT, "part", "load"} | JOBS | TOOLS
+    assert paths - set(WORKING) == FILES | {*SENT, "part", "load"} | TOOLS
 
 
 @pytest.mark.parametrize("name", [name for name, (_, inside) in WORKING.items() if inside])

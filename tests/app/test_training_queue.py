@@ -3,11 +3,11 @@
 from time import sleep
 
 import pytest
+from app.train import runs as training
+from app.train.runs import Trainings
 
-from app import training
 from app.messages import BusyError
 from app.state import VISITOR
-from app.training import Trainings
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
 
@@ -33,7 +33,7 @@ def queue(resources, monkeypatch):
 
     def start(name, address=""):
         VISITOR.set(address)
-        return trainings.start(sets.first, {**SMALL, "visitor": name})["run"]
+        return trainings.start(sets.first, SMALL, name)
 
     yield trainings, start
     VISITOR.set("")
@@ -42,8 +42,8 @@ def queue(resources, monkeypatch):
 
 def standing(trainings, runs):
     """Return the state and the place of each training."""
-    found = [trainings.state({"run": run}) for run in runs]
-    return [(one["state"], one["place"]) for one in found]
+    jobs = [trainings.named(run).job for run in runs]
+    return [(job.state, job.place) for job in jobs]
 
 
 def test_four_visitors_wait_in_order_and_a_cancelled_place_is_free(queue):
@@ -51,14 +51,14 @@ def test_four_visitors_wait_in_order_and_a_cancelled_place_is_free(queue):
     runs = [start(name) for name in ("ann", "bob", "cy", "dee")]
     until(lambda: standing(trainings, runs)[0] == ("running", 0))
     assert standing(trainings, runs)[1:] == [("waiting", 1), ("waiting", 2), ("waiting", 3)]
-    trainings.cancel({"run": runs[1]})
+    trainings.named(runs[1]).job.cancel()
     left = standing(trainings, runs)
     assert left[1:] == [("cancelled", 0), ("waiting", 1), ("waiting", 2)]
     with pytest.raises(DataError, match="cancel it first"):
         start("dee")
     again = start("bob")  # whose place is free: at the end
     assert standing(trainings, [again]) == [("waiting", 3)]
-    trainings.cancel({"run": runs[0]})
+    trainings.named(runs[0]).job.cancel()
     until(lambda: standing(trainings, runs)[2] == ("running", 0))
     assert standing(trainings, [runs[3], again]) == [("waiting", 1), ("waiting", 2)]
 
@@ -69,7 +69,7 @@ def test_a_full_queue_refuses_in_a_sentence(queue, monkeypatch):
     runs = [start(name, name) for name in ("ann", "bob")]
     with pytest.raises(BusyError, match="2 trainings run or wait here already"):
         start("cy")
-    trainings.cancel({"run": runs[1]})
+    trainings.named(runs[1]).job.cancel()
     start("cy")
 
 

@@ -14,13 +14,25 @@ SLOT = '.pair .slot[data-modality="{}"]'
 READY = {  # what each tab shows once it is there
     "explore": ".ov.explore.ready",
     "pair": ANSWERED,
-    "train": ".train .choices .go",
+    "train": "#train-charts .js-plotly-plot",
 }
 
 
 def settle(page):
     """Wait until every reply of the server, and what follows from it, has come to the page."""
     page.wait_for_selector("body[data-ready]")
+
+
+def train(page, epochs, *, lang=True):
+    """Open the advanced settings of Train here, and train a small head."""
+    page.wait_for_selector("#view-train .go:enabled")
+    page.click("#view-train .advanced > button")
+    page.get_by_label("D, width").click()
+    page.get_by_role("option", name="16", exact=True).click()
+    page.fill("#train-epochs input", str(epochs))
+    if not lang:
+        page.uncheck("#train-lang input")
+    page.click("#view-train .go")
 
 
 def texture(seed):

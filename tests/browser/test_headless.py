@@ -5,9 +5,10 @@ from dataclasses import replace
 import pytest
 
 from omnivat.data.store import save_embeddings
+from omnivat.figures.curves import TRAINING
 
 from .conftest import Server, watched
-from .gestures import MAP
+from .gestures import MAP, train
 
 pytestmark = pytest.mark.browser
 
@@ -94,27 +95,23 @@ def test_a_set_without_classes_and_with_one_domain_says_what_is_missing(opened):
     page.close()
 
 
-def train(page):
-    """Train a small head to its end."""
-    page.wait_for_selector(".train .go")
-    page.click(".train .choices details summary")
-    page.select_option(".train [name=width]", "16")
-    page.fill(".train [name=epochs]", "5")
-    page.click(".train .go")
-    page.wait_for_selector(".train .actions .use")
-
-
 def test_a_head_trained_on_a_set_of_one_domain_shows_what_is_known_of_it(opened):
     page = opened("?view=train", domains=("my-sensor",))
-    page.wait_for_selector(".train .preview h3:has-text('a head for another set')")
-    assert "The set has no other" in page.inner_text(".train .task")
-    train(page)
-    titles = page.locator(".train .both figcaption").all_inner_texts()
+    page.wait_for_selector("#view-train .status:has-text('a head for another set')")
+    assert "The set has no other" in page.inner_text("#view-train .task")
+    train(page, 5)
+    page.wait_for_selector("#train-map .js-plotly-plot")
+    titles = page.locator("#train-charts .annotation-text tspan:first-child").all_inner_texts()
     # no empty chart of accuracy away from home
-    assert titles == ["Loss", "Gaps of F̂", "Cosine margin of F̂", "p"]
-    assert page.locator(".train .colouring option").all_inner_texts() == ["class", "modality"]
-    assert page.locator(".train .legend .key").count() == 5  # the colours on the map
-    page.click(".train .use")
+    assert [one for one in titles if one in TRAINING] == [
+        "Loss",
+        "Gaps of F̂",
+        "Cosine margin of F̂",
+        "p",
+    ]
+    page.click("#view-train label:has-text('class')")
+    page.wait_for_selector("#train-map .legendtext >> nth=4")  # the colours on the map
+    page.click("#view-train .use")
     page.wait_for_selector(
         ".explore.ready .score:has-text('there is no domain that the head has not seen')"
     )
@@ -124,7 +121,8 @@ def test_a_head_trained_on_a_set_of_one_domain_shows_what_is_known_of_it(opened)
 
 def test_a_set_without_classes_says_what_to_do_instead_of_training(opened):
     page = opened("?view=train", classes=("unlabelled",))
-    page.wait_for_selector(".train .problem:has-text('No domain has pairs of two classes')")
-    assert "omnivat report" in page.inner_text(".train .headless pre")
-    assert not page.is_visible(".train .bench, .train .explain")
+    page.wait_for_selector("#view-train .problem:has-text('No domain has pairs of two classes')")
+    assert "omnivat report" in page.inner_text("#view-train .headless pre")
+    assert not page.is_visible("#view-train .choices")
+    assert not page.is_visible("#view-train .task")
     page.close()

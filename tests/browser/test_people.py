@@ -38,7 +38,7 @@ def test_an_audit_finds_nothing_wrong_with_any_tab(audited):
         open_tab(audited, view)
         audited.wait_for_selector(READY[view])
         assert faults(audited) == [], view
-    audited.evaluate("document.querySelector('.train .task').style.color = '#ccd'")
+    audited.evaluate("document.querySelector('#view-train .task').style.color = '#ccd'")
     assert any("contrast" in fault for fault in faults(audited))  # the audit can see
 
 
@@ -55,7 +55,7 @@ def test_the_dark_page_has_contrast_enough_in_any_tab(audited):
 
 # every element that a mouse can use, and whether keys come to it; a group of radios is one stop
 REACH = """view => {
-  const root = document.querySelector(`.ov.${view}`);
+  const root = document.getElementById(`view-${view}`);
   const label = (e) => e.getAttribute('aria-label') ?? e.textContent.slice(0, 30);
   const name = (e) => `${e.tagName}.${e.className?.baseVal ?? e.className} ${label(e)}`;
   const usable = [...root.querySelectorAll('button, select, input, summary, a[href], [tabindex]')]
@@ -189,7 +189,7 @@ HOVERED = """async () => {
 
 KINDS = """view => {
   const seen = new Map();
-  const parts = `.ov.${view} :is(button, summary), .ov.top button`;
+  const parts = `#view-${view} :is(button, summary), .ov.top button`;
   for (const one of document.querySelectorAll(parts)) {
     if (one.disabled || !one.checkVisibility() || !one.textContent.trim()) continue;
     const style = getComputedStyle(one);
@@ -235,6 +235,6 @@ def test_a_button_under_the_pointer_can_be_read_pressed_or_not(open_page, theme)
         settle(page)
         assert faint(page, view) == [], view
     page.add_style_tag(
-        content=".ov button:hover { color: #ccd !important; background: #dde !important; }"
+        content=":is(.ov, #view-train) button:hover { color: #ccd !important; background: #dde !important; }"
     )
     assert faint(page, "train")  # the check can see

@@ -98,7 +98,7 @@ def chapters_analyse_and_a_pair(context, address, folder):
     page.wait_for_selector(".explore .changed:has-text('predictions change')")
     page.press("#view-explore-button", "ArrowLeft")
     page.wait_for_selector("#view-train-button:focus")
-    page.wait_for_selector(".train .problem:has-text('python app.py')")
+    page.wait_for_selector("#view-train .problem:has-text('python app.py')")
 
     picture = next(
         file for file in files_in(folder) if "-example-" in file.name and "vis" in file.name

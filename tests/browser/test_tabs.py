@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from .gestures import MAP, pixels, settle
+from .gestures import MAP, READY, pixels, settle, train
 
 pytestmark = pytest.mark.browser
 
@@ -123,31 +123,21 @@ def test_the_accuracy_of_analyse_names_its_head_its_source_its_pairs_and_what_wa
     )
 
 
-def test_a_head_is_trained_scrubbed_used_and_saved(open_page):
-    page = open_page("?view=train", ".train .go")
-    page.click(".train .choices details summary")
-    page.select_option(".train [name=width]", "16")
-    page.fill(".train [name=epochs]", "6")
-    page.uncheck(".train [name=lang]")
-    page.click(".train .go")
-    page.wait_for_selector(".train .status:has-text('Done: 6 epochs')")
-    assert page.locator(".train .both .charts figure").count() == 6
-    assert page.evaluate(
-        "Math.min(...[...document.querySelectorAll('.train .charts text')].map((t) => "
-        "parseFloat(getComputedStyle(t).fontSize) * t.getScreenCTM().a)) >= 11"
-    )
-    last = page.evaluate("document.querySelector('.train .map canvas').toDataURL()")
-    page.focus(".train .scrubber input")
-    for _ in range(4):
-        page.keyboard.press("ArrowLeft")
-    assert page.inner_text(".train .scrubber output") == "2 of 6"
-    page.wait_for_function(
-        "last => document.querySelector('.train .map canvas').toDataURL() !== last", arg=last
-    )
+def test_a_head_is_trained_used_and_saved_and_a_wrong_setting_is_refused(open_page):
+    page = open_page("?view=train", READY["train"])
+    train(page, 7.5, lang=False)
+    page.wait_for_selector("#view-train .problem:has-text('epochs is 7.5; give a whole number')")
+    page.fill("#train-epochs input", "6")
+    page.click("#view-train .go")
+    page.wait_for_selector("#view-train .status:has-text('Done: 6 epochs')")
+    assert page.locator("#train-charts .subplot").count() == 6
+    page.wait_for_selector("#train-map .js-plotly-plot")
+    page.wait_for_selector("#view-train .earlier td")
     with page.expect_download() as saved:
-        page.click(".train .save")
+        page.click("#view-train .save")
     assert saved.value.path().read_bytes()[:2] == b"PK"
-    page.click(".train .use")
+    page.reload()  # the run is still there
+    page.click("#view-train .use")
     page.wait_for_url("**/?set=*")
     page.wait_for_selector(".ov.explore:visible")
     page.wait_for_selector(".explore .modes [data-key=moved][aria-checked=true]")

@@ -33,7 +33,7 @@ def test_the_tab_of_a_link_opens_even_where_gradio_loses_the_first_clicks(new_pa
             };
         }""")
     page.goto(f"{address}?view=train", wait_until="commit")
-    page.wait_for_selector(".train .go:visible")
+    page.wait_for_selector("#view-train .go:visible")
     page.click("#view-explore-button")
     page.wait_for_selector(READY["explore"])
 

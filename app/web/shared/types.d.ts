@@ -368,7 +368,7 @@ interface Known extends Omit<Rung, "from"> {
 }
 /** What is loaded; a part with a `problem` has nothing else. */
 interface Facts {
-  head: { problem?: string; classes: string[]; source: string; real?: OwnReader["real"]; epochs?: Omit<Epoch, "measures" | "map">[] };
+  head: { problem?: string; classes: string[]; source: string; real?: OwnReader["real"] };
   embeddings: { problem?: string; pairs: number; domains: string[]; simulated: boolean };
   sensor: Partial<Profile> & { problem?: string };
 }
@@ -458,53 +458,6 @@ interface RealSet {
   pairs: { class: string; pictures: Partial<Record<Modality, string>> }[];
 }
 
-// ---- Train here ----
-
-/** The settings of a training; the form's fields. */
-interface Settings {
-  source: string;
-  width: number;
-  order: string;
-  lang: boolean;
-  [number: string]: any;
-}
-interface Offers {
-  sources: string[];
-  widths: number[];
-  orders: string[][];
-  numbers: { name: string; words: string; least: number; most: number; step: string | number }[];
-  first: Settings;
-}
-/** A training that began: its name, and the pairs on its maps. */
-interface Started {
-  run: string;
-  total: number;
-  source: string;
-  words: string;
-  left_out: number;
-  reach: number;
-  domains: string[];
-  classes: string[];
-  domain: number[];
-  label: number[];
-}
-interface Epoch {
-  epoch: number;
-  loss: number;
-  cross_entropy: number;
-  order: number;
-  measures: Record<string, number>;
-  map: string | null;
-}
-interface Standing {
-  state: "waiting" | "running" | "done" | "failed" | "cancelled";
-  place: number;
-  text: string;
-  left: string;
-  problem: string;
-  set: string;
-}
-
 interface Replies {
   about: Facts;
   fit: Fit;
@@ -550,10 +503,6 @@ interface Replies {
   occlusion: { class: string; probability: number; drops: number[][] };
   part: { part: string };
   load: { set: string };
-  trainings: Offers;
-  train: Started;
-  training: Standing & { epochs: Epoch[] };
-  "training/cancel": Standing & { epochs: Epoch[] };
 }
 /** The reply to a path: by the route before its question mark. */
 type ReplyTo<Path extends string> = Path extends keyof Replies

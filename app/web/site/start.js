@@ -15,7 +15,8 @@ async function open(view) {
     tab.tabIndex = chosen ? 0 : -1;
     document.getElementById(tab.getAttribute("aria-controls") ?? "")?.toggleAttribute("hidden", !chosen);
   }
-  if (started.has(view)) return;
+  const panel = document.getElementById(`view-${view}`);
+  if (started.has(view) || !panel?.querySelector("section")) return; // a tab without a script is one sentence
   started.add(view);
   if (view === "pair" && held?.local) {
     const coming = import("./local.js").then(({ prepare }) => prepare()).catch(() => {});
@@ -23,7 +24,7 @@ async function open(view) {
     line.models = coming.then(() => document.body.classList.remove("fetching"));
   }
   const { start } = await import(`../${view}/${view}.js`);
-  await start(document.getElementById(`view-${view}`));
+  await start(panel);
 }
 
 /** With a network, fetch the rest once the first view is there, so that the next visit needs none. */

@@ -166,3 +166,17 @@ def test_a_dot_tells_its_value_interval_and_note_in_words(percent, words):
     record = {"row": "a", "series": "b", "value": 0.6, "low": 0.5, "high": None, "note": "of 9"}
     found = figures.dots([record], title="t", across="", percent=percent)
     assert found.data[0].text == (words,)
+
+
+def test_the_curves_of_a_training_leave_out_what_is_not_measured_and_show_guessing():
+    epochs = [{"loss": 2.0, "cross_entropy": 1.5, "order": 0.5}, {"loss": 1.0, "order": 0.51}]
+    plain = figures.training_curves(epochs, total=40)
+    assert [trace.name for trace in plain.data] == ["total", "cross-entropy", "p"]
+    assert plain.layout.xaxis.range == (1, 40)
+    more = [epochs[0], epochs[1] | {"accuracy/unseen": 0.3, "accuracy/source_test": float("nan")}]
+    found = figures.training_curves(more, classes=5, columns=1)
+    assert {trace.name: trace.mode for trace in found.data}["unseen domains"] == "markers"
+    assert found.layout.shapes[0].y0 == 0.2
+    words = [note.text for note in found.layout.annotations]
+    assert words[1].startswith("<b>Accuracy</b>") and "30.0%" in words[1]
+    assert "source test</span> –" in words[1]
