@@ -184,7 +184,7 @@ def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_i
     page.wait_for_selector(ANSWERED)
     server.stop()
     choose(page, "vis", texture(5))
-    page.wait_for_selector(".pair .problem:has-text('does not respond')")
+    page.wait_for_selector(".top .lost:has-text('does not respond')")
     open_tab(page, "explore")
     before = pixels(page)
     pull(page, grab(page), 0.9)
@@ -192,9 +192,9 @@ def test_a_killed_server_is_told_of_the_drag_goes_on_and_a_new_server_gets_the_i
     assert pixels(page) != before
     server.start()
     open_tab(page, "pair")
-    choose(page, "vis", texture(6))
+    holds(page, "vis", "5.png")
     page.wait_for_selector(".pair .bars td[data-reading=tac]", state="attached")
-    assert page.is_hidden(".pair .problem")
+    assert page.is_hidden(".pair .problem") and page.is_hidden(".top .lost")
     page.close()
 
 

@@ -249,8 +249,15 @@ test("a selection comes back from its text, and what is no selection selects not
   assert.equal(scenes.packed([7, 5, 6, 9]), "5.7-9");
   for (const points of [[], [0], [5, 6, 7, 40, 41, 99], [0, 1, 2, 3]])
     assert.deepEqual(scenes.unpacked(scenes.packed(new Set(points)), 100), points);
+  const scattered = Array.from({ length: 900 }, (_, i) => (i * 389) % 3840);
+  assert.ok(scenes.packed(scattered).length < 700);
+  assert.deepEqual(
+    scenes.unpacked(scenes.packed(scattered), 3840),
+    scattered.toSorted((a, b) => a - b),
+  );
   assert.equal(scenes.packed(Array.from({ length: 9000 }, (_, i) => 7 * i)), "");
-  for (const junk of ["zz.zz", "-x.--", "98.100-99"]) assert.deepEqual(scenes.unpacked(junk, 100), []);
+  for (const junk of ["zz.zz", "-x.--", "98.100-99", "~", "~%%%", "~A", "~ab=c"])
+    assert.deepEqual(scenes.unpacked(junk, 100), []);
   assert.deepEqual(scenes.unpacked("5-3", 100), [5]);
   assert.deepEqual(scenes.unpacked("98.99", 100), [98, 99]);
 });
@@ -410,13 +417,16 @@ test("an event makes another scene and leaves the one before as it was, with wha
   assert.equal(told(before, ["sensorChosen", 2], ["sensorChosen", 2]).alone, -1); // all again
 });
 
-test("look-alikes come from unseen domains and are scored, one of each class", () => {
-  const own = frames({ pairs: 4, domain: [0, 1, 1, 1], label: [0, 1, 1, 0] });
+test("look-alikes come from unseen domains and are scored, one of each class, first where the photo misleads and the touch does not", () => {
+  const own = frames({ pairs: 5, domain: [0, 1, 1, 1, 1], label: [0, 1, 1, 0, 0] });
   const facts = {
-    unseen: { source: "A", pairs: { counts: [1, 1, 1, 1] } },
-    pairs: { looks_like: ["steel", "wood", "wood", ""] },
+    unseen: {
+      source: "A",
+      pairs: { counts: [1, 1, 1, 1, 1], answers: { vis: [0, 0, 0, 0, 1], tac: [0, 0, 1, 0, 1] } },
+    },
+    pairs: { looks_like: ["steel", "wood", "wood", "", "steel"] },
   };
-  assert.deepEqual(lookAlikes({ frames: own, facts }), [1]);
+  assert.deepEqual(lookAlikes({ frames: own, facts }), [2, 4]);
 });
 
 test("p of the chapter of the order waits while another tab is open", () => {

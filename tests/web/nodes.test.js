@@ -48,5 +48,15 @@ test("constant nodes are drawn dashed once the set has been looked at, and only 
 
 test("the mean cosine of each layer stands beside the right angles that NOD pushes it to", () => {
   says(nodesHtml(ONE, {}), /NOD pushes it to 0.*nodes 2–3: 0\.20/);
-  says(nodesHtml({ ...ONE, order: 0.2 }, {}), /moved from its learned p/);
+  says(nodesHtml({ ...ONE, order: 0.2 }, {}), /DTG.*p = 0\.200; its learned p is 0\.500/);
+});
+
+test("no leaf of a tree lies on another, however long its class is", () => {
+  const nodes = Array.from({ length: 7 }, () => ({ ...NODE, probabilities: [0.3, 0.7] }));
+  const html = `${nodesHtml({ ...ONE, classes: ["wood", "a class with a very long name"], parents: [-1, 0, 0, 1, 1, 2, 2], nodes }, {})}`;
+  const names = [...html.matchAll(/class="name" x="([\d.]+)" y="[\d.]+">([^<]*)</g)].map(([, x, name]) => [+x, name]);
+  assert.equal(names.length, 7);
+  for (const [x, name] of names) assert.ok(x - 4 * name.length >= 0, name);
+  const leaves = names.slice(3).map(([x]) => x);
+  for (const [i, x] of leaves.slice(1).entries()) assert.ok(x - leaves[i] >= 8 * names[4][1].length, `${leaves}`);
 });

@@ -197,9 +197,9 @@ test("a picture is called by its pair of the set, by its example or by its file"
   const tab = { examples: [{ name: "x/y", class: "wood", domain: "A" }], set: { frames: frames() }, sent };
   for (const [ref, text, truth = ""] of [
     ["image:f00", "a.png · 3 × 2"],
-    ["image:7", "image:7"],
+    ["image:7", "A picture from an earlier visit"],
     ["row:1", "pair 1 · steel · B", "steel"],
-    ["row:2", "pair 2"],
+    ["row:2", "This set has no pair 2."],
     ["example:x/y", "wood · A", "wood"],
   ]) {
     const said = describe(tab, ref);

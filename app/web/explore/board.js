@@ -1,7 +1,7 @@
 /** What Explore shows of a set: its parts, drawn from the scene and the address, and what visitors do on the map. */
 
 import { ask, attempt, inSet } from "../shared/api.js";
-import { card } from "../shared/card.js";
+import { card, spoken } from "../shared/card.js";
 import { showFilters } from "../shared/filters.js";
 import { orderText } from "../shared/frames.js";
 import { ACCURACY, asText, GAPS, values } from "../shared/measures.js";
@@ -39,7 +39,10 @@ const pointing = {
   hover: (point) => hover(point, true),
   pick: (point) => pick(point),
   lasso: (points) => select(points),
-  next: (by) => hover(nextPoint(scene, by)),
+  next: (by) => {
+    hover(nextPoint(scene, by));
+    announcePairSoon();
+  },
   lassoMode: () => scene.lasso,
   current: () => scene.hovered,
 };
@@ -275,15 +278,26 @@ function showPictures() {
   labelCsv();
 }
 
+/** Speak of the pair that the keys came to or pinned. */
+export const announcePairSoon = afterwards(() => {
+  const { hovered, stop, own } = scene;
+  const pair = hovered >= 0 ? hovered % own.pairs : state.pin;
+  $(".announcement").textContent =
+    pair === null ? "No pair is pinned" : spoken(painted(scene, state), pair, stop, pair === state.pin);
+}, 200);
+
+/** What p changes, spoken once it rests. */
 const announceSoon = afterwards(() => {
   if (state.chapter === "gaps") return gaps.announce();
   const { frames, stop } = scene;
-  const [{ id, title }] = GAPS;
-  const gap = values(frames, id, featuresOf(state.stage))?.[stop];
+  const spokenGaps = GAPS.map(({ id, title }) => {
+    const gap = values(frames, id, featuresOf(state.stage))?.[stop];
+    return Number.isFinite(gap) && `${title.toLowerCase()} ${asText(id, gap)}`;
+  });
   const right = rightAt(frames, stop);
   $(".announcement").textContent = [
     `p ${orderText(frames.orders[stop])}`,
-    Number.isFinite(gap) && `${title.toLowerCase()} ${asText(id, gap)}`,
+    ...spokenGaps,
     Number.isFinite(right) && `accuracy on unseen domains ${asText(ACCURACY, right)}`,
   ]
     .filter(Boolean)

@@ -36,9 +36,9 @@ export const accuracy = () =>
   charts(
     ".over",
     () => {
-      if (innerWidth < 820) return 110;
+      if (innerWidth < 820 || innerHeight <= 500) return 110;
       if (state.chapter !== "order") return 0.165 * innerHeight;
-      if (isLecture()) return 0.4 * innerHeight;
+      if (isLecture()) return 0.28 * innerHeight;
       return Math.min(560, 0.18 * innerHeight + 0.5 * Math.max(0, innerHeight - 720));
     },
     (scale) => html`${TABLES.measures.filter((row) => can(row, "predictions")).map((row) => curve(row, scale))}`,

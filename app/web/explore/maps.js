@@ -52,7 +52,6 @@ export function build(on) {
       state.chapter !== "gaps" &&
       (state.chapter === "analyse" ? scaled(x, cloud) : shapes(x, cloud, shapeWords(scene.frames))),
     pictures,
-    means(colours, shown),
     (x, cloud) =>
       neighbourRings(
         x,
@@ -62,6 +61,7 @@ export function build(on) {
     (x, cloud) => state.chapter !== "gaps" && pairLines(x, cloud),
     ofGaps(pairOnMap(kindOf)),
     (x, cloud) => cloud.view.zoom < 3 && state.chapter !== "gaps" && named(x, cloud),
+    means(colours, shown), // above the names
     (x) => lassoLine(x, drawing.polygon),
   ];
 }

@@ -8,8 +8,9 @@ import { panelIsOpen } from "./panels.js";
 import { $, fill, html, percent, scene, send, state } from "./root.js";
 
 const PAUSE = 60; // ms: at most one request in it while p is dragged
+const LETTERS = 9; // of a class below its node
 const ALIKE = 0.95; // from this share of pairs on, a node counts as constant
-const [ROW, COLUMN, RADIUS, LEAST] = [112, 92, 24, 300]; // units of the drawing
+const [ROW, COLUMN, RADIUS, LEAST] = [126, 74, 24, 296]; // units of the drawing
 /** @typedef {Replies["votes"]["votes"]} Votes */
 
 let asking = new AbortController(); // a handle: of the request that is on its way
@@ -47,8 +48,7 @@ function show(tree) {
 /** tree: the server's reply; votes: of each node over the set, once known.
  * @param {Tree} tree @param {Partial<Replies["votes"]>} set */
 export function nodesHtml(tree, { votes, pairs }) {
-  const moved = Math.abs(tree.order - tree.learned) > 1e-3 ? ", moved from its learned p" : ", its learned p";
-  return html`<p class="hint">The loaded head at p = ${tree.order.toFixed(3)}${moved}.${!tree.in_use && " This head predicts without its tree."}</p>${drawTree(tree, constant(votes))}
+  return html`<p class="hint">The tree (DTG) that the loaded head grows at p = ${tree.order.toFixed(3)}; its learned p is ${tree.learned.toFixed(3)}.${!tree.in_use && " This head predicts without its tree."}</p>${drawTree(tree, constant(votes))}
     <p class="hint">${keys(tree.classes.map((name, k) => [name, classColour(k)]))} Circle area: size (norm) of the node. Bar: class probabilities from this node alone.</p><p class="worth">${worth(votes, pairs)}</p>${angles(tree)}`;
 }
 
@@ -99,7 +99,7 @@ function drawTree({ classes, nodes, parents }, fixed) {
   const edges = placed.map(({ x, y }, i) => {
     const above = placed[parents[i]];
     if (!above) return null;
-    const top = above.y + above.r + 30;
+    const top = above.y + above.r + 44;
     const middle = (top + y) / 2;
     return html`<path class="edge" d="M${above.x} ${top}C${above.x} ${middle} ${x} ${middle} ${x} ${y}"/>`;
   });
@@ -107,6 +107,7 @@ function drawTree({ classes, nodes, parents }, fixed) {
   return html`<svg class="chart tree-view" viewBox="0 0 ${width} ${rows.length * ROW}" role="list" aria-label="Tree of ${nodes.length} nodes">${edges}${discs}</svg>`;
 }
 
+const short = (/** @type {string} */ name) => (name.length > LETTERS ? `${name.slice(0, LETTERS - 1)}…` : name);
 const isDeep = (/** @type {string} */ hex) => rgb(hex).reduce((sum, v, c) => sum + v * [0.3, 0.59, 0.11][c], 0) < 110;
 
 /** @param {{norm: number, probabilities: number[], x: number, y: number, r: number}} node @param {number} number
@@ -115,13 +116,14 @@ function disc({ norm, probabilities, x, y, r }, number, classes, fixed) {
   const best = probabilities.indexOf(Math.max(...probabilities));
   const colour = classColour(best);
   const parts = classes.map((name, k) => `${name} ${percent(probabilities[k], 1)}`).join(", ");
-  let left = x - 38;
+  const side = COLUMN - 14;
+  let left = x - side / 2;
   const bar = probabilities.map((p, k) => {
-    const rect = html`<rect x="${left.toFixed(1)}" y="${y + r + 20}" width="${(76 * p).toFixed(1)}" height="6" style="fill:${classColour(k)}"/>`;
-    left += 76 * p;
+    const rect = html`<rect x="${left.toFixed(1)}" y="${y + r + 35}" width="${(side * p).toFixed(1)}" height="6" style="fill:${classColour(k)}"/>`;
+    left += side * p;
     return rect;
   });
   return html`<g tabindex="0" role="listitem" aria-label="Node ${number}, norm ${norm.toFixed(2)}, ${parts}"><title>Node ${number}: norm ${norm.toFixed(3)}; ${parts}</title>
     <circle class="disc${fixed && " fixed"}" cx="${x}" cy="${y}" r="${r}" style="fill:${colour}"/><text class="index${isDeep(colour) && " pale"}" x="${x}" y="${y + 5}">${number}</text>
-    <text class="name" x="${x}" y="${y + r + 15}">${classes[best]} ${percent(probabilities[best])}</text>${bar}</g>`;
+    <text class="name" x="${x}" y="${y + r + 15}">${short(classes[best])}<tspan x="${x}" dy="15">${percent(probabilities[best])}</tspan></text>${bar}</g>`;
 }

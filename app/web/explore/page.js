@@ -15,6 +15,8 @@ import { $, all, scene, send, state } from "./root.js";
 import * as threads from "./threads.js";
 import * as touch from "./touch.js";
 
+const PROJECT = ["touch", "where", "order"]; // chapters that show the project's data, whatever is loaded
+
 /** Show the sentence of a Refusal; with a link home if the address names a set that may be gone. */
 export function say(/** @type {string} */ sentence) {
   tell($(".wait"), sentence, true);
@@ -47,6 +49,10 @@ export async function enter() {
   const { chapter } = state;
   send("arrived", { chapter: "" });
   layOut(chapter);
+  $().classList.remove("ready"); // nothing of the chapter before stands below this one's name
+  $(".announcement").textContent = "";
+  tell($(".wait"), "Loading this chapter…");
+  let problem = "";
   const late = () => state.chapter !== chapter;
   return attempt(async () => {
     const still = { touch, where: threads }[chapter]; // their pictures do not follow p
@@ -59,14 +65,17 @@ export async function enter() {
     if (late()) return;
     if (scene.own !== data.own) send("loaded", data);
     board.build();
-    const frames = await (chapter === "gaps" ? gaps.framesOfHead(say) : framesOfMode(say));
-    if (late() || !frames) return;
+    const note = (/** @type {string} */ sentence) => (problem = sentence);
+    const frames = await (chapter === "gaps" ? gaps.framesOfHead(note) : framesOfMode(note));
+    if (late()) return;
+    if (!frames) return say(problem);
     if (state.p === null) openAt(startOf(chapter, frames, data.own));
     if (state.pin !== null && !(state.pin < frames.pairs)) change({ pin: null });
     opened(chapter);
     board.start(frames);
     learnAll(data);
     if (data.own.coarse) refine(data);
+    if (problem) say(problem); // another mode is shown than was wanted
   }, say);
 }
 
@@ -85,6 +94,7 @@ function layOut(chapter) {
     button.setAttribute("aria-current", button.dataset.chapter === chapter ? "page" : "false");
     if (button.dataset.chapter === chapter) button.parentElement.scrollLeft = button.offsetLeft - 40; // on a phone
   }
+  $(".whose").hidden = !threads.isOwn() || !PROJECT.includes(chapter);
   const lesson = LESSONS[chapter];
   if (!lesson) return;
   $(".next").textContent = lesson.next;

@@ -4,6 +4,7 @@ import { shownBy } from "../shared/filters.js";
 import { IMAGES } from "../shared/images.js";
 import { featuresOf, INPUT } from "../shared/stages.js";
 import { hidden } from "../shared/store.js";
+import { base64, bytesOf } from "../shared/text.js";
 import { tagOf } from "./tags.js";
 
 export const UNSEEN = "unseen";
@@ -154,9 +155,10 @@ export function lit({ frames, highlight, selected }, point) {
 export const isDouble = ({ frames }, { beside, chapter }) =>
   beside === "1" && chapter === "analyse" && !frames.headless;
 
-const MOST = 8000; // letters; a longer selection is left out of the address
+const MOST = 2000; // letters; a longer selection is left out of the address
 
-/** Selected points as a text for the address: runs of neighbours, each by its ends. @param {Iterable<number>} points */
+/** Selected points as a text for the address: runs of neighbours, each by its ends, or "~" and a bit for each point,
+ * whichever is shorter. @param {Iterable<number>} points */
 export function packed(points) {
   /** @type {Span[]} */
   const runs = [];
@@ -165,7 +167,13 @@ export function packed(points) {
     if (last && last[1] === point - 1) last[1] = point;
     else runs.push([point, point]);
   }
-  const text = runs.map(([from, to]) => (to > from ? `${from}.${to}` : from)).join("-");
+  const listed = runs.map(([from, to]) => (to > from ? `${from}.${to}` : from)).join("-");
+  const bits = new Uint8Array(((runs.at(-1)?.[1] ?? 0) >> 3) + 1);
+  for (const [from, to] of runs) for (let point = from; point <= to; point++) bits[point >> 3] |= 1 << (point & 7);
+  const text =
+    listed.length < Math.max(60, 1.4 * bits.length)
+      ? listed
+      : `~${base64(bits).replaceAll("+", "-").replaceAll("/", "_")}`;
   return text.length > MOST ? "" : text;
 }
 
@@ -174,6 +182,12 @@ export function packed(points) {
 export function unpacked(text, count) {
   /** @type {number[]} */
   const points = [];
+  if (text.startsWith("~")) {
+    const letters = /^~((?:[\w-]{4})*[\w-]{0,3})=*$/.exec(text)?.[1].replaceAll("-", "+").replaceAll("_", "/") ?? "";
+    const bits = bytesOf(letters.length % 4 === 1 ? "" : letters);
+    const all = Array.from({ length: Math.min(count, 8 * bits.length) }, (_, point) => point);
+    return all.filter((point) => bits[point >> 3] & (1 << (point & 7)));
+  }
   let next = 0;
   for (const run of text.split("-")) {
     const [from, to = from] = run.split(".").map((part) => Number.parseInt(part, 10));

@@ -29,7 +29,7 @@ export function showSteps() {
   );
   const outputs = steps.map(
     ({ id }, i) =>
-      html`<output data-step="${id}" class="${id === state.stage && "open"}" style="transform:translateY(${(heights[i] - HIGH).toFixed(1)}px)">${asText(chosen, now[i], 2)}</output>`,
+      html`<output data-step="${id}" role="img" aria-label="${title} after the ${steps[i].step}: ${asText(chosen, now[i], 2)}" class="${id === state.stage && "open"}" style="transform:translateY(${(heights[i] - HIGH).toFixed(1)}px)">${asText(chosen, now[i], 2)}</output>`,
   );
   $(".staircase").style.setProperty("--steps", steps.length);
   draw(

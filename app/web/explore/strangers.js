@@ -17,10 +17,15 @@ const READINGS = [
 const SHOWN = 3; // look-alikes with both pictures, at most
 const ROOM = 165; // CSS pixels for one of them
 
-/** Look-alikes of unseen domains, the first of each class. @type {(scene: Pick<Scene, "frames" | "facts">) => number[]} */
+/** Look-alikes of unseen domains, one of each class; those that show the lesson come first: the photo misleads, the touch
+ * does not. @type {(scene: Pick<Scene, "frames" | "facts">) => number[]} */
 export function lookAlikes({ frames, facts }) {
   const classOf = (/** @type {number} */ pair) => frames.label[pair];
-  const { alike } = strangePairs({ frames, facts });
+  const shows = (/** @type {number} */ pair) => {
+    const { vis, tac } = /** @type {Unseen} */ (facts.unseen).pairs.answers;
+    return Number(vis[pair] !== classOf(pair)) + 2 * Number(tac[pair] === classOf(pair));
+  };
+  const alike = strangePairs({ frames, facts }).alike.sort((a, b) => shows(b) - shows(a));
   const classes = alike.map(classOf);
   return alike.filter((pair, i) => classes.indexOf(classOf(pair)) === i);
 }

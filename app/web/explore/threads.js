@@ -30,7 +30,7 @@ export let cloud;
 /** Method -> positions of each place. @type {Record<string, Uint16Array[]>} */
 const places = {};
 /** Whether the page shows another set than the project's, whose bars then stand above those of the twins. */
-const isOwn = () => scene.first === "analyse" && !held;
+export const isOwn = () => scene.first === "analyse" && !held;
 
 export async function open() {
   const [twins, twinsMap] = await Promise.all([fetchTwins(), fetchMap()]);

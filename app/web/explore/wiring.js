@@ -2,7 +2,7 @@
 
 import { openChapter, watch, watchIn, writeAddress } from "../shared/store.js";
 import { openTab } from "../shared/tabs.js";
-import { onClick, press } from "../shared/view.js";
+import { onClick, press, tell } from "../shared/view.js";
 import * as beside from "./beside.js";
 import * as board from "./board.js";
 import * as gaps from "./gaps.js";
@@ -11,7 +11,7 @@ import { map } from "./maps.js";
 import * as nodes from "./nodes.js";
 import { enter, followMode } from "./page.js";
 import { addressOf } from "./panels.js";
-import { $, change, scene, send, state } from "./root.js";
+import { $, change, percent, scene, send, state } from "./root.js";
 import { loadFile, saveAs, share, showLink } from "./saving.js";
 import { showSteps } from "./staircase.js";
 import { chooseCell, chooseStranger } from "./strangers.js";
@@ -94,6 +94,7 @@ const DRAWN = [
   [["reading"], board.showReading],
   [["pin"], board.showCard],
   [["pin"], nodes.follow],
+  [["pin"], board.announcePairSoon],
   [["pin"], board.paintMarks],
   [["pin", "vis", "tac", "map"], () => state.chapter === "gaps" && gaps.follow()],
   [["beside"], board.resetMaps],
@@ -119,6 +120,10 @@ export function wire() {
     const typing = /** @type {HTMLElement} */ (target).closest?.("input:not([type=range]), select, textarea");
     if (typing || event.ctrlKey || event.metaKey || event.altKey || state.view !== "explore") return;
     if (key.toLowerCase() === "f" || (key === "Escape" && document.body.classList.contains("lecturing"))) lecture();
+  });
+  document.addEventListener("omnivat:arriving", (event) => {
+    const share = /** @type {CustomEvent} */ (event).detail;
+    if (!$().classList.contains("ready")) tell($(".wait"), `Loading this chapter: ${percent(share)}`);
   });
   watch(["chapter", "by"], enter);
   watch(["press", "from", "dots", "known", "reading"], () => scene.chapter === "touch" && touch.show());

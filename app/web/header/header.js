@@ -21,6 +21,9 @@ export function start(root) {
     root.querySelector(".badge").hidden = false;
     if (event instanceof CustomEvent && !event.detail) root.querySelector(".badge").textContent = "real pairs";
   });
+  document.addEventListener("omnivat:lost", (event) => {
+    root.querySelector(".lost").hidden = !(event instanceof CustomEvent && event.detail);
+  });
   limits(root.querySelector(".limits"));
   followArrows();
   showDefinitions();

@@ -54,7 +54,7 @@ function verdictOf({ right = () => [], options = [] }, option, figures) {
 function show(figures) {
   const explore = /** @type {HTMLElement} */ (document.querySelector(".explore"));
   const steps = STEPS.filter(({ needs }) => !needs || figures[needs]);
-  const before = state.chapter;
+  const { view: _, ...before } = state; // what the visitor left
   const box = document.createElement("div");
   box.className = "ov tour";
   box.setAttribute("role", "dialog");
@@ -97,7 +97,7 @@ function show(figures) {
     box.remove();
     rest(explore, false);
     explore.classList.remove("touring");
-    openChapter(before, { tour: -1 });
+    change({ ...before, tour: -1 });
   };
 
   onClick(box, {

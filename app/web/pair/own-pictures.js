@@ -120,10 +120,15 @@ export function describe({ examples, sent, set: { frames } }, ref) {
   }
   if (kind === "row") {
     const there = frames && +name < frames.pairs;
+    if (frames && !there) return { text: `This set has no pair ${name}.` };
     const label = there ? frames.classes[frames.label[+name]] : NO_CLASS;
     const truth = label === NO_CLASS ? "" : label;
     return { text: dotted(`pair ${name}`, truth, there && frames.domains[frames.domain[+name]]), truth };
   }
   const image = sent[ref];
-  return { text: image ? dotted(image.name, `${image.width} × ${image.height}`, image.credit) : ref };
+  return {
+    text: image
+      ? dotted(image.name, `${image.width} × ${image.height}`, image.credit)
+      : "A picture from an earlier visit",
+  };
 }

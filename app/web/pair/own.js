@@ -55,12 +55,12 @@ function teachingHtml(tab) {
   const lacking = missing(tab.pairs);
   const save = (/** @type {string} */ words, /** @type {string} */ path, /** @type {string} */ name, title = "") =>
     button("save", words, html`data-path="${path}" data-name="${name}" title="${title}"`);
-  return html`<div class="row">${button("teach", "Teach it my pairs", html`class="main"${lacking && " disabled"}`)}${
+  return html`<div class="row">${button("teach", "Teach it my pairs", html`class="main" title="${lacking}"${lacking && " disabled"}`)}${
     tab.report && [
       button("used", tab.taught ? "Back to the head as trained" : "Predict with the taught head", pressed(tab.taught)),
       save("Save the taught head", "save/head", "taught-head.zip"),
     ]
-  }${save("Save my pairs as a set", "save/set", "my-pairs.zip", "Save their embeddings as a file that this page and the commands read")}${button("savePictures", "Save the pictures", html`title="Save the pictures in folders by class, for omnivat embed"`)}</div>${lacking && hint(lacking)}${tab.report && reportHtml(tab.report, tab.labels, sourceOf(tab))}`;
+  }${save("Save my pairs as a set", "save/set", "my-pairs.zip", "Save their embeddings as a file that this page and the commands read")}${button("savePictures", "Save the pictures", html`title="Save the pictures in folders by class, for omnivat embed"`)}</div>${tab.report && reportHtml(tab.report, tab.labels, sourceOf(tab))}`;
 }
 
 /** What labels bring: the mean share of right pairs over objects of each class, in the band of all draws. @param {Labels} labels */

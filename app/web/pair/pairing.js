@@ -9,6 +9,7 @@ const FILLER = new Set(["image", "img", "frame", "picture"]); // words that tell
 const PICTURE = /\.(png|apng|jpg|jpeg|jpe|jfif|webp|gif|bmp|tif|tiff)$/i;
 const WHOLE = "Choose the folder that holds them, so that the page sees their paths.";
 const LABELS = ["material", "class", "label"];
+export const LONGEST = 40; // letters of a label, as the server takes them
 
 /** @param {string} path */
 export const isPicture = (path) => PICTURE.test(path);

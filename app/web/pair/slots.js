@@ -14,7 +14,7 @@ const exampleOf = (name, modality) =>
 /** The thumbnail of a pair of the set. @param {PairSet} set @param {number} pair @param {Modality} modality
  * @param {number} side @param {string} words */
 export const tileOf = ({ frames, sprite }, pair, modality, side, words) =>
-  frames && thumbnail(sprite, pair + (modality === "tac" ? frames.pairs : 0), side, words);
+  frames && pair < frames.pairs && thumbnail(sprite, pair + (modality === "tac" ? frames.pairs : 0), side, words);
 
 /** Both slots. @param {PairTab} tab */
 export const slotsHtml = (tab) => html`${IMAGES.map((modality) => slotHtml(tab, modality))}`;

@@ -5,6 +5,7 @@ import { IMAGES, imagesOf, OTHER, READINGS } from "../shared/images.js";
 
 const OWN = "own"; // the server's name of the head for own pictures
 const FEWEST = 2; // fewest pairs of a class, and fewest classes, for teaching
+const NAMED = 5; // classes in a sentence
 const MOST = 500; // pairs of a recording
 const APART = 300; // milliseconds between two of them
 export const READING = "Reading the image… The first image takes longer, because the encoder is loaded.";
@@ -87,8 +88,10 @@ export function missing(pairs) {
   const counts = new Map();
   for (const { label } of pairs) counts.set(label, (counts.get(label) ?? 0) + 1);
   if ([...counts.values()].filter((count) => count >= FEWEST).length >= FEWEST) return "";
-  const there = [...counts].map((count) => count.join(" ")).join(", ") || "none yet";
-  return `To teach the head, label two pairs of each of two classes. So far: ${there}.`;
+  const most = [...counts].sort(([, a], [, b]) => b - a);
+  const there = most.slice(0, NAMED).map((count) => count.join(" "));
+  if (most.length > NAMED) there.push(`${most.length - NAMED} more classes`);
+  return `To teach the head, label two pairs of each of two classes. So far: ${there.join(", ") || "none yet"}.`;
 }
 
 /** The lessons of a request about the pair `now`, which is never predicted from its own label.
@@ -124,12 +127,12 @@ function labelled(tab, pairs) {
 /** Rows with a label and a prediction. @param {Row[]} rows */
 export const labelledOf = (rows) => /** @type {OwnPair[]} */ (rows.filter(({ label, said }) => label && said));
 
-/** Count pairs that have a label and a prediction, each by its last label. @param {PairTab} tab @param {Row[]} more */
-function counted(tab, more) {
-  const fresh = labelledOf(more);
-  const pairs = fresh.reduce((all, one) => [...without(all, keyOf(one)), one], tab.pairs);
-  return fresh.length ? labelled(tab, pairs) : {};
-}
+/** The counted pairs and those of the table, each by its last label. @param {Pick<PairTab, "pairs">} tab @param {Row[]} more */
+export const joined = ({ pairs }, more) =>
+  labelledOf(more).reduce((all, one) => [...without(all, keyOf(one)), one], pairs);
+
+/** Count pairs that have a label and a prediction. @param {PairTab} tab @param {Row[]} more */
+const counted = (tab, more) => (labelledOf(more).length ? labelled(tab, joined(tab, more)) : {});
 
 /** No table. @param {PairTab} tab @returns {Change} */
 const closed = ({ notes, doing }) => ({

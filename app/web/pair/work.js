@@ -14,7 +14,7 @@ import { base64, bytesOf as decoded } from "../shared/text.js";
 import { guide, live, saveRecording } from "./live.js";
 import { csv } from "./many.js";
 import { camera, describe, snapshot, upload } from "./own-pictures.js";
-import { isPicture, named, paired, sorted } from "./pairing.js";
+import { isPicture, LONGEST, named, paired, sorted } from "./pairing.js";
 import { imagesOf, OTHER, plural } from "./parts.js";
 import { credit, short } from "./real.js";
 import { lessonsFor, lessonsOf, READING } from "./state.js";
@@ -252,7 +252,14 @@ async function rowOf(pair, send, signal) {
     const ref = await quietly(upload(/** @type {File} */ (pair[name]), send, signal));
     Object.assign(row, typeof ref === "string" ? { [name]: ref } : ref);
   }
-  return row.vis && row.vis === row.tac ? { ...row, problem: "Photo and touch are the same picture." } : row;
+  if (row.vis && row.vis === row.tac) return { ...row, problem: "Photo and touch are the same picture." };
+  const { length } = pair.label;
+  if (length <= LONGEST) return row;
+  return {
+    ...row,
+    label: "",
+    problem: `The label '${pair.label}' has ${length} letters; at most ${LONGEST} are taken.`,
+  };
 }
 
 /** Pair files by their names or a CSV, send them and predict them, some at a time.

@@ -28,7 +28,10 @@ export async function attempt(act, say) {
   }
 }
 
-const LOST = "The server does not respond. Is it still running? The page continues when it is back.";
+const CLOSED = "The server closed the connection. Try again.";
+const AWAY = "A file of this page did not arrive. Check the connection and try again.";
+const LARGE = 200_000; // bytes of a reply that takes seconds on a slow line
+const PAUSE = 2000; // milliseconds between two looks whether the server is back
 const OTHER = "The server was restarted with another head or set. Reload the page to see it.";
 
 /** The address of a server path; a page without a server has files for some of them. @param {string} path */
@@ -47,11 +50,64 @@ export const inSet = (path, set) =>
 /** @type {Map<string, string>} */
 const holds = new Map(); // address of a set -> what the server held of it at first
 
+/** Whether the server responds again, after how many looks; one wait serves all requests. @type {Promise<number> | null} */
+let returning = null;
+
+/** Wait until the server responds. The page's header tells of it meanwhile. */
+async function waited() {
+  const tell = (/** @type {boolean} */ lost) =>
+    document.dispatchEvent(new CustomEvent("omnivat:lost", { detail: lost }));
+  for (let looks = 0; ; looks++) {
+    const there = await fetch(address("glossary"), { cache: "no-store" }).catch(() => null);
+    if (there) {
+      returning = null;
+      tell(false);
+      return looks;
+    }
+    tell(true);
+    await new Promise((done) => {
+      setTimeout(done, PAUSE);
+      addEventListener("online", done, { once: true });
+    });
+  }
+}
+
+/** The body of a response. A large one tells the share that has arrived. @param {Response} response */
+async function bodyOf(response) {
+  const total = Number(response.headers.get("Content-Length"));
+  const reader = total > LARGE && response.body?.getReader();
+  if (!reader) return response.blob();
+  /** @type {BlobPart[]} */
+  const parts = [];
+  for (let size = 0; ; ) {
+    const { done, value } = await reader.read();
+    if (done) return new Blob(parts);
+    parts.push(/** @type {BlobPart} */ (value));
+    size += value.length;
+    document.dispatchEvent(new CustomEvent("omnivat:arriving", { detail: Math.min(1, size / total) }));
+  }
+}
+
+/** Send a request to the server, and again once the server is back if the connection is lost.
+ * @param {string} path @param {RequestInit} [options] */
+async function sent(path, options) {
+  for (let again = false; ; again = true) {
+    try {
+      const response = await fetch(address(path), options);
+      return new Response(await bodyOf(response), response); // here, as a connection is also lost midway
+    } catch (error) {
+      if (isCancelled(error)) throw error;
+      returning ??= waited();
+      const looks = await returning;
+      options?.signal?.throwIfAborted();
+      if (again && !looks) throw new Refusal(CLOSED);
+    }
+  }
+}
+
 /** @param {Promise<Response>} request @param {string} set */
 async function checked(request, set) {
-  const response = await request.catch((error) => {
-    throw isCancelled(error) ? error : new Refusal(LOST);
-  });
+  const response = await request;
   const now = response.headers.get("X-Holds");
   if (now && (holds.get(set) ?? now) !== now) throw new Refusal(OTHER, 409);
   if (now) holds.set(set, now);
@@ -60,10 +116,15 @@ async function checked(request, set) {
   throw new Refusal(error || `The server refused (${response.status}).`, response.status);
 }
 
+/** @param {unknown} error @returns {never} */
+function unheld(error) {
+  throw isCancelled(error) || error instanceof Refusal ? error : new Refusal(AWAY);
+}
+
 /** The response to a path. @param {string} path @param {RequestInit} [options] */
 export async function get(path, options) {
-  const sent = held ? respond(held, path, options) : fetch(address(path), options);
-  return checked(sent, new URL(path, base).searchParams.get("set") ?? own);
+  const request = held ? respond(held, path, options).catch(unheld) : sent(path, options);
+  return checked(request, new URL(path, base).searchParams.get("set") ?? own);
 }
 
 /** The response to a question or a file. @param {string} path @param {object | Blob} content @param {AbortSignal} [signal] */

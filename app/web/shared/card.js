@@ -36,6 +36,16 @@ export function verdict(frames, pair, stop) {
   };
 }
 
+/** The pair in a sentence, for a screen reader. @param {Frames} frames @param {number} pair @param {number} stop
+ * @param {boolean} pinned */
+export function spoken(frames, pair, stop, pinned) {
+  const { domain, truth, said, right } = verdict(frames, pair, stop);
+  const predicted = said && `predicted as ${said}${frames.labelled ? (right ? ", correct" : ", wrong") : ""}`;
+  return [`Pair ${pair}${pinned ? ", pinned" : ""}`, frames.labelled && truth, domain, predicted]
+    .filter(Boolean)
+    .join(", ");
+}
+
 /** The class that a pair imitates, in words; "" if none. @param {PairNames | null} pairs @param {number} pair */
 export function imitation(pairs, pair) {
   const [looks, feels] = [pairs?.looks_like[pair], pairs?.feels_like[pair]];

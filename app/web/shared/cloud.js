@@ -10,7 +10,7 @@ const GROUND = { light: "#ffffff", dark: "#0f172a" };
 const MARGIN = 0.06; // of the shorter side, kept free around all points
 const FITTED = { zoom: 1, dx: 0, dy: 0 };
 const KEYS =
-  "Points: arrows pan, plus and minus zoom, 0 fits, N and B step through pairs, Enter pins, S selects what is in view, Escape clears the selection";
+  "Points: arrows or two fingers pan, plus and minus or two fingers zoom, 0 fits, N and B step through pairs, Enter pins, S selects what is in view, Escape clears the selection";
 
 const eased = (/** @type {number} */ share) => share * share * (3 - 2 * share);
 const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -249,9 +249,11 @@ export class Cloud {
 
   /** @param {typeof FITTED} view */
   setView(view, quiet = false) {
-    this.view = view;
+    const inside = (/** @type {number} */ shift, /** @type {number} */ side) =>
+      Math.max(-0.5 * side * view.zoom, Math.min(0.5 * side * view.zoom, shift)); // some points stay in view
+    this.view = { ...view, dx: inside(view.dx, this.width), dy: inside(view.dy, this.height) };
     this.redraw();
-    if (!quiet) this.onView?.(view);
+    if (!quiet) this.onView?.(this.view);
   }
 }
 

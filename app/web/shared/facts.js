@@ -52,7 +52,7 @@ export const ladder = (set = "", source = "") =>
   once(`ladder ${set} ${source}`, () => ask(inSet("ladder", set), { source }));
 /** Modes of p and sets; only the head if the server lists none. @returns {Promise<Choices>} */
 export const choices = (set = "") =>
-  once(`modes ${set}`, () => json(inSet("modes", set)).catch(() => ({ modes: [OWN_MODE], sets: [], twins: false })));
+  once(`modes ${set}`, () => json(inSet("modes", set))).catch(() => ({ modes: [OWN_MODE], sets: [], twins: false }));
 
 /** Frames of another mode than the head's; `own` are the head's frames, of the same pairs.
  * @param {string} mode @param {Frames} own */

@@ -118,7 +118,7 @@ export function names(frames, shown) {
     if (chosen.values) {
       const groups = settled(groupsOf(frames(), cloud, shown, chosen), chosen.of(frames(), 0), cloud, shown);
       const labels = groups.flatMap(({ name, colour, both, x, y }) => {
-        if (!both) return [];
+        if (!both || x < 0 || y < 0 || x > width || y > height) return []; // its points are out of view
         const text = sensorOf(name) + (name === frames().source ? " · source" : "");
         return [{ text, colour, x, y, wide: context.measureText(text).width + 22 }];
       });

@@ -1,4 +1,4 @@
-/** Mouse, touch and keys on a map: hover, pick, pan, zoom, lasso. */
+/** Mouse, touch and keys on a map: hover, pick, pan, zoom, lasso. One finger scrolls the page, two move the map. */
 
 import { inside } from "./cloud.js";
 
@@ -28,6 +28,8 @@ export function listen(cloud, acts) {
   /** @type {Record<string, (event: any) => unknown>} */
   const handlers = {
     ...pointed(cloud, on, drawing),
+    touchmove: (/** @type {TouchEvent} */ event) =>
+      (event.touches.length > 1 || drawing.polygon) && event.cancelable && event.preventDefault(),
     wheel: (/** @type {WheelEvent} */ event) => {
       if (!event.ctrlKey && !event.metaKey && document.activeElement !== canvas) return;
       event.preventDefault(); // without a click on the map or Ctrl, the page scrolls
@@ -79,13 +81,14 @@ function pointed(cloud, on, drawing) {
       if (drawing.polygon) {
         drawing.polygon.push(now);
         cloud.paintMarks();
-      } else if (other && fingers.size === 2)
+      } else if (other && fingers.size === 2) {
+        cloud.panBy((now[0] - before[0]) / 2, (now[1] - before[1]) / 2);
         cloud.zoomBy(
           (distance(now, other) || 1) / (distance(before, other) || 1),
           (now[0] + other[0]) / 2,
           (now[1] + other[1]) / 2,
         );
-      else cloud.panBy(now[0] - before[0], now[1] - before[1]);
+      } else if (event.pointerType !== "touch") cloud.panBy(now[0] - before[0], now[1] - before[1]);
       return fingers.set(event.pointerId, now);
     },
     pointerup(event) {

@@ -1,6 +1,6 @@
 /** Open a tab from elsewhere in the page, and keep it in the address. */
 
-import { change, followHistory, state } from "./store.js";
+import { change, followHistory, state, watch } from "./store.js";
 
 const AGAIN = 100; // ms
 
@@ -22,6 +22,15 @@ function openFirst(view, seen = 0) {
   setTimeout(openFirst, AGAIN, view, open ? seen + 1 : 0);
 }
 
+/** The document has the name of the open chapter or tab. */
+function nameDocument() {
+  const { view, chapter } = state;
+  const named = document.querySelector(
+    view === "explore" ? `.chapters [data-chapter="${chapter}"]` : `#view-${view}-button`,
+  );
+  document.title = [named?.textContent?.trim(), "OmniVaT"].filter(Boolean).join(" · ");
+}
+
 export function followTabs() {
   const followed = (/** @type {Found} */ { target }) => {
     const tab = target.closest?.("[role=tab]");
@@ -32,5 +41,7 @@ export function followTabs() {
   };
   document.addEventListener("click", followed, true);
   followHistory(openTab);
+  watch(["view", "chapter"], nameDocument);
+  nameDocument();
   if (state.view !== "explore") openFirst(state.view);
 }

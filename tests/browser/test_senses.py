@@ -1,0 +1,256 @@
+"""How else the page is met: offline, by touch, aloud, in few colours, enlarged, on a slow line."""
+
+import re
+
+import pytest
+
+from .gestures import ANSWERED, READY, settle, texture
+
+pytestmark = pytest.mark.browser
+SAID = ".explore .announcement"
+MARKS = ".explore .now .map canvas + canvas"
+
+
+@pytest.fixture(scope="module")
+def visit(chromium, address):
+    """Return one page for the tests below, which go on where the one before ended."""
+    context = chromium.new_context(viewport={"width": 1280, "height": 720}, has_touch=True)
+    page = context.new_page()
+    page.goto(f"{address}?chapter=fooled", wait_until="commit")
+    page.wait_for_selector(READY["explore"])
+    settle(page)
+    yield page
+    context.close()
+
+
+def chapter(page, name):
+    """Open a chapter."""
+    page.click(f'.explore .chapters [data-chapter="{name}"]')
+    page.wait_for_selector(f'.explore.ready[data-chapter="{name}"]')
+    settle(page)
+
+
+def aloud(page, words):
+    """Wait until the live region says something with these words; return it."""
+    page.wait_for_function(
+        "words => document.querySelector('.explore .announcement').textContent.includes(words)",
+        arg=words,
+    )
+    return page.text_content(SAID)
+
+
+def test_without_a_connection_no_chapter_shows_figures_of_another_and_it_opens_when_it_is_back(
+    visit,
+):
+    visit.context.set_offline(True)
+    visit.click('.explore .chapters [data-chapter="order"]')
+    visit.wait_for_selector(".top .lost:has-text('does not respond')")
+    assert not visit.locator(".explore .stage .title >> visible=true").count()
+    assert visit.text_content(SAID) == ""
+    visit.context.set_offline(False)
+    visit.wait_for_selector('.explore.ready[data-chapter="order"] .figure:has-text("32")')
+    settle(visit)
+    assert visit.is_hidden(".top .lost")
+    assert "for p = 0.80" in visit.inner_text(".explore .lead .provenance").replace("\xa0", " ")
+
+
+def test_the_document_has_the_name_of_what_is_open(visit):
+    chapter(visit, "analyse")
+    assert visit.title() == "Analyse · OmniVaT"
+    visit.click("#view-pair-button")
+    visit.wait_for_function("document.title === 'Try a pair · OmniVaT'")
+    visit.click("#view-explore-button")
+    visit.wait_for_function("document.title === 'Analyse · OmniVaT'")
+
+
+def test_keys_speak_of_the_pair_and_p_of_both_gaps_and_every_stair_has_a_name(visit):
+    visit.focus(MARKS)
+    visit.keyboard.press("n")
+    assert re.fullmatch(
+        r"Pair \d+, \w+, [\w. -]+, predicted as \w+, (correct|wrong)", aloud(visit, "Pair")
+    )
+    visit.keyboard.press("Enter")
+    aloud(visit, ", pinned")
+    visit.focus(".explore .order")
+    visit.keyboard.press("ArrowRight")
+    assert "modality gap 0." in aloud(visit, "domain gap 0.")
+    names = visit.locator(".explore .treads output").evaluate_all(
+        "all => all.map((one) => [one.role, one.ariaLabel])"
+    )
+    assert [role for role, _ in names] == ["img"] * 6
+    assert names[0][1].startswith("Modality gap after the embedding: 0.")
+
+
+def test_a_lasso_leaves_a_short_address(visit):
+    visit.focus(MARKS)
+    for _ in range(6):
+        visit.keyboard.press("+")
+    visit.keyboard.press("s")
+    settle(visit)
+    count = int(visit.inner_text(".explore .pictures h4").split()[0])
+    visit.wait_for_function("location.search.includes('sel=')")
+    assert count > 200 and len(visit.url) < 1200
+    visit.keyboard.press("Escape")
+
+
+def swipe(page, x, *ys, fingers=(0,)):
+    """Move fingers, each some pixels beside x, through heights on the screen."""
+    client = page.context.new_cdp_session(page)
+    for kind, y in [("touchStart", ys[0]), *(("touchMove", y) for y in ys), ("touchEnd", None)]:
+        points = [] if y is None else [{"x": x + d, "y": y, "id": i} for i, d in enumerate(fingers)]
+        client.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    client.detach()
+
+
+def test_on_a_phone_one_finger_scrolls_the_page_and_two_move_the_map(new_page, address):
+    page = new_page((400, 800), has_touch=True, is_mobile=True)
+    page.goto(f"{address}?chapter=order", wait_until="commit")
+    page.wait_for_selector(READY["explore"])
+    settle(page)
+    drawn = "document.querySelector('.explore .now .map canvas').toDataURL()"
+    before = page.evaluate(drawn)
+    box = page.locator(".explore .now .map").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    swipe(page, x, *range(int(y), int(y) - 120, -10))
+    page.wait_for_function("scrollY > 40")
+    assert page.evaluate(drawn) == before
+    page.evaluate("scrollTo(0, 0)")
+    swipe(page, x, *range(int(y), int(y) - 60, -10), fingers=(-40, 40))
+    page.wait_for_function(f"before => {drawn} !== before", arg=before)
+    assert page.evaluate("scrollY") == 0
+
+
+# of the elements that fit, the colours that differ from what is around them
+SHOWN = """of => [...document.querySelectorAll(`.ov.explore ${of}`)].filter((one) =>
+  one.checkVisibility()).map((one) => {
+    const [own, around] = [one, one.parentElement].map((e) => getComputedStyle(e));
+    return own.backgroundColor !== around.backgroundColor || own.stroke !== around.backgroundColor;
+  })"""
+
+
+def test_in_forced_colours_what_is_chosen_bars_keys_and_lines_are_visible(new_page, address):
+    page = new_page(forced_colors="active")
+    for name, parts in {
+        "touch": [".segments [aria-checked=true]", ".chapters [aria-current=page]", ".scale .fill"],
+        "fooled": [".readings .range", ".readings [aria-checked=true]"],
+        "order": [".over .now", ".wave path"],
+        "where": [".sensors i"],
+    }.items():
+        page.goto(f"{address}?chapter={name}", wait_until="commit")
+        page.wait_for_selector(READY["explore"])
+        settle(page)
+        for part in parts:
+            seen = page.evaluate(SHOWN, part)
+            assert seen and all(seen), (name, part)
+    colours = page.locator(".explore .sensors i").evaluate_all(
+        "all => new Set(all.map((one) => getComputedStyle(one).backgroundColor)).size"
+    )
+    assert colours == 8
+
+
+@pytest.mark.parametrize(
+    ("size", "scale"), [((640, 360), 2), ((844, 390), 1)], ids=["200 %", "landscape"]
+)
+def test_enlarged_or_on_its_side_no_part_is_squeezed_or_lies_on_another(
+    new_page, address, size, scale
+):
+    page = new_page(size, device_scale_factor=scale)
+    for name, part in {"touch": ".twin .tile", "where": ".threads", "order": ".map"}.items():
+        page.goto(f"{address}?chapter={name}", wait_until="commit")
+        page.wait_for_selector(READY["explore"])
+        settle(page)
+        box = page.locator(f".explore {part} >> visible=true").first.bounding_box()
+        assert min(box["width"], box["height"]) >= (60 if name == "touch" else 200), name
+        assert page.evaluate("document.scrollingElement.scrollWidth <= innerWidth")
+        title = page.locator(".explore .title >> visible=true").bounding_box()
+        presses = page.locator(".explore .presses >> visible=true")
+        for other in [presses.bounding_box()] if presses.count() else []:
+            assert title["y"] + title["height"] <= other["y"] + 1
+
+
+# letters and the box that holds them, both in CSS pixels
+SIZE = "one => parseFloat(getComputedStyle(one).fontSize)"
+FITS = """one => { const box = one.getBoundingClientRect();
+  return one.scrollWidth <= one.clientWidth + 1 && box.right <= innerWidth
+    && box.bottom <= innerHeight; }"""
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (1920, 1080)], ids=str)
+def test_a_lecture_enlarges_what_is_said_and_not_where_it_comes_from(new_page, address, size):
+    page = new_page(size)
+    page.goto(f"{address}?chapter=touch", wait_until="commit")
+    page.wait_for_selector(READY["explore"])
+    settle(page)
+    small = page.locator(".explore .from-where").evaluate(SIZE)
+    page.keyboard.press("f")
+    large = page.locator(".explore .touch .large")
+    assert large.evaluate(SIZE) >= 110
+    assert large.evaluate(FITS)
+    assert page.locator(".explore .twin figcaption").first.evaluate(SIZE) >= 17 * size[0] / 1280
+    assert page.locator(".explore .from-where").evaluate(SIZE) <= small
+    page.keyboard.press("f")
+    chapter(page, "order")
+    page.keyboard.press("f")
+    assert page.locator(".explore .order-bar label").evaluate(FITS)
+
+
+def test_on_a_slow_line_every_empty_place_has_a_word(new_page, address):
+    page = new_page()
+    page.goto(f"{address}?chapter=touch", wait_until="commit")
+    page.wait_for_selector(READY["explore"])
+    settle(page)
+    client = page.context.new_cdp_session(page)
+    slow = {"offline": False, "latency": 50, "downloadThroughput": 1e5, "uploadThroughput": 1e5}
+    client.send("Network.enable")
+    client.send("Network.setCacheDisabled", {"cacheDisabled": True})
+    client.send("Network.emulateNetworkConditions", slow)
+    page.held = True  # until the line is fast again
+    page.click('.explore .chapters [data-chapter="analyse"]')
+    page.wait_for_selector(".explore .wait:has-text('%')")
+    assert not page.locator(".explore .stage >> visible=true").count()
+    fast = {**slow, "downloadThroughput": -1, "uploadThroughput": -1}
+    client.send("Network.emulateNetworkConditions", fast)
+    page.wait_for_selector('.explore.ready[data-chapter="analyse"]')
+    assert page.is_hidden(".explore .wait")
+
+
+def test_the_tour_leaves_a_chapter_as_it_found_it(open_page):
+    page = open_page("?chapter=touch", READY["explore"])
+    settle(page)
+    before = page.inner_text(".explore .touch .figure")
+    page.click(".tour-start")
+    page.wait_for_selector(".tour [data-option]")
+    page.click(".tour [data-option]")
+    page.click(".tour .next-step")
+    page.click(".tour [data-option]")
+    assert page.inner_text(".explore .touch .figure") != before
+    page.click(".tour .end")
+    settle(page)
+    assert page.inner_text(".explore .touch .figure") == before
+    assert "dots=" not in page.url
+
+
+def test_an_address_of_a_pair_that_is_not_there_shows_no_other_picture(open_page):
+    page = open_page("?view=pair&vis=image:0123456789abcdef&tac=row:99999", ".pair .slot .what")
+    settle(page)
+    words = page.locator(".pair .slot .what").all_inner_texts()
+    assert words == ["A picture from an earlier visit", "This set has no pair 99999."]
+    assert not page.locator(".pair .slot .picture .thumb").count()
+
+
+def test_thirty_classes_are_named_briefly_and_a_table_teaches_only_what_can_be_taught(open_page):
+    page = open_page("?view=pair", ANSWERED)
+    table = ["vis,tac,label", *(f"{i}_vis.png,{i}_tac.png,thing {i}" for i in range(6))]
+    table.append(f"6_vis.png,6_tac.png,{'x' * 41}")
+    pictures = [texture(i) | {"name": f"{i // 2}_{('vis', 'tac')[i % 2]}.png"} for i in range(14)]
+    page.set_input_files(
+        ".pair .lots.pairs input[type=file] >> nth=0",
+        [*pictures, {"name": "t.csv", "mimeType": "text/csv", "buffer": "\n".join(table).encode()}],
+    )
+    page.wait_for_selector(".pair .many table")
+    settle(page)
+    assert page.is_disabled(".pair .many [data-send=rowsTaught]")
+    assert "41 letters; at most 40" in page.inner_text(".pair .many table")
+    page.fill(".pair .many input[name=value] >> nth=0", "thing 1")
+    page.keyboard.press("Tab")
+    page.wait_for_selector(".pair .line:has-text('So far: thing 1 2, thing 2 1')")
