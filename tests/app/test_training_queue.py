@@ -3,11 +3,11 @@
 from time import sleep
 
 import pytest
-from app.train import runs as training
-from app.train.runs import Trainings
 
 from app.messages import BusyError
 from app.state import VISITOR
+from app.train import runs as training
+from app.train.runs import Trainings
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
 

@@ -235,6 +235,7 @@ def test_a_button_under_the_pointer_can_be_read_pressed_or_not(open_page, theme)
         settle(page)
         assert faint(page, view) == [], view
     page.add_style_tag(
-        content=":is(.ov, #view-train) button:hover { color: #ccd !important; background: #dde !important; }"
+        content=":is(.ov, #view-train) button:hover"
+        " { color: #ccd !important; background: #dde !important; }"
     )
     assert faint(page, "train")  # the check can see
