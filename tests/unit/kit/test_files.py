@@ -31,7 +31,7 @@ ROW = {name: ["x"] for name in COLUMNS}
 def test_a_full_disk_removes_the_files_that_were_added_and_no_others(tmp_path):
     write_text(tmp_path / "old" / "mine.txt", "mine")
     for folder in (tmp_path / "old", tmp_path / "new"):
-        with pytest.raises(WriteError), nothing_left(folder):
+        with pytest.raises(WriteError), nothing_left(folder):  # noqa: PT012
             write_text(folder / "a" / "1.txt", "1")
             with replacing(folder / "2.txt"):
                 raise OSError(28, "No space left on device")
