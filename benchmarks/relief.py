@@ -62,7 +62,9 @@ def known(embeddings: Embeddings, what: Known, seed: int, domain: str) -> Array:
 
 def spread(rows: Array, most: int = MOST) -> Array:
     """Return at most `most` rows, spread evenly."""
-    return rows[np.unique(np.linspace(0, len(rows) - 1, min(most, len(rows))).round().astype(int))]
+    places = np.linspace(0, len(rows) - 1, min(most, len(rows))).round().astype(int)
+    some: Array = rows[np.unique(places)]
+    return some
 
 
 class Reliefs:

@@ -433,7 +433,7 @@ def page(record: Record) -> str:
             ),
             (
                 "same pairs, with touches read by how the gel bends"
-                " ([by relief](../protocol.md#by-relief)). In brackets: points more than by colours"
+                " ([relief](../relief.md)). In brackets: points more than by colours"
             ),
             (
                 "that know as much of the target, paired, over the seeds of this table. As it"
