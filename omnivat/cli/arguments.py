@@ -16,7 +16,7 @@ from omnivat.kit.config import field_names, parse_assignments, whole
 from omnivat.kit.devices import named
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.progress import OnStep, Pace, Step
-from omnivat.kit.stages import checked_order
+from omnivat.kit.stages import IMAGES, checked_order
 from omnivat.kit.tables import suggestion
 
 if TYPE_CHECKING:
@@ -156,6 +156,7 @@ def declare(parser: argparse._ActionsContainer, *names: str, **options: str | Op
         "head": {"type": head_named, "default": default_head(), "help": HEAD},
         "jobs": count("parallel processes", default=1),
         "json": flag("print JSON"),
+        "look": path("also draw some pairs as a contact sheet, to check them", "FILE.png"),
         "lang": path("LANG bank; default: the project's own"),
         "only": list_of("some of the ablations", "a,b,c"),
         "order": {"type": order, "metavar": "P", "help": ORDER},
@@ -176,6 +177,8 @@ def declare(parser: argparse._ActionsContainer, *names: str, **options: str | Op
         },
         "tac_weights": path("checkpoint of --tac-encoder"),
         "tac_rest": {"metavar": "FILE|auto|all|none", "help": REST},
+        "vis": text("photos: a folder, column or camera; default: by its words", "NAME"),
+        "tac": text("touches: a folder, column or camera; default: by its words", "NAME"),
         "weights": path("checkpoint of the encoder"),
         "workers": count("threads; default: all cores"),
     }
@@ -212,6 +215,11 @@ def figure(parser: argparse.ArgumentParser, of: str) -> None:
     """Declare --figure, the file of an interactive figure."""
     words = f"also draw {of}: .html (interactive, opens offline), .svg, .png or .json (Plotly)"
     declare(parser, figure=path(words, "FILE"))
+
+
+def halves(options: argparse.Namespace) -> dict[str, str]:
+    """Return which of --vis and --tac are given, for a reader of pairs."""
+    return {half: name for half in IMAGES if (name := getattr(options, half))}
 
 
 def head_and_set(

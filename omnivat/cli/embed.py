@@ -8,7 +8,7 @@ import argparse
 from collections.abc import Sequence
 from os.path import realpath
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import (
     DOTS,
@@ -17,11 +17,13 @@ from omnivat.cli.arguments import (
     download,
     encoder_name,
     flag,
+    halves,
     one_of,
     passed,
     progress_bar,
     several,
 )
+from omnivat.cli.imports import checked
 from omnivat.data.readers import READERS
 from omnivat.data.relief.files import TOUCH
 from omnivat.encoders.base import ENCODERS
@@ -49,6 +51,9 @@ def add(parser: argparse.ArgumentParser) -> None:
         parser,
         "out",
         *ENCODING[1:],
+        "vis",
+        "tac",
+        "look",
         "tac_rest",
         "workers",
         "device",
@@ -71,7 +76,6 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Read the pairs, print a summary, embed them."""
-    from omnivat.data.pairs import summary_table
     from omnivat.data.readers import read_pairs
     from omnivat.data.rest import with_rest
     from omnivat.data.store import manifest_place
@@ -84,10 +88,10 @@ def run(options: argparse.Namespace) -> None:
             " another name."
         )
     encoder = encoder_name(options)
-    of_reader = dict(text.split("=", 1) for text in options.set)
+    of_reader: dict[str, Any] = halves(options) | dict(t.split("=", 1) for t in options.set)
     found = read_pairs(options.pairs, **passed(options, "reader", "strict", "seed"), **of_reader)
     found = with_rest(found, options.tac_rest or "none")
-    print(summary_table(found))
+    checked(found, options.look)
     if rested := sum(pair.tac_rest is not None for pair in found.pairs):
         print(f"a rest picture is subtracted from {rested} of {len(found.pairs)} tactile images")
     names = ("weights", "tac_weights", "device", "download", "precision", "dtype", "manifest")

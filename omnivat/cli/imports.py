@@ -1,8 +1,9 @@
-"""Import embeddings from another program, or pictures of recordings.
+"""Import embeddings, recordings or pictures of another program.
 
 python -m omnivat import FILE --encoder NAME --out set.safetensors [--domain NAME] [--column
-material=class] python -m omnivat import LEROBOT --out PAIRS [--frames 5] [--pick even|contact]
-[--labels episodes.csv] python -m omnivat import videos.csv --out PAIRS
+material=class] python -m omnivat import LEROBOT|videos.csv|RECORDING|hf:OWNER/NAME --out PAIRS
+[--frames 5] [--pick even|contact] [--look FILE.png] python -m omnivat import FOLDER --vis rgb --tac
+gelsight --out PAIRS
 """
 
 import argparse
@@ -30,30 +31,33 @@ if TYPE_CHECKING:
     from omnivat.data.pairs import PairSet
 
 ALIGN = "photo and touch films of different length: one moment of both, or one share of each"
-LOOK = "also draw some pairs as a contact sheet, to check them"
+TOUCHES = "touches: the same; several cameras or columns can be given, one a domain"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     words = (
-        ".npz, .parquet, .h5 or .csv (docs/encoders.md), a LeRobot data set, or a table of videos"
-        " (docs/data.md)"
+        "vectors (docs/encoders.md): .npz, .parquet, .h5, .safetensors or .csv, with --encoder;"
+        " else (docs/data.md) a LeRobot data set, a table of videos, .hapt, .touch, the same files"
+        " with pictures, a folder of pictures, or hf:OWNER/NAME of the model hub"
     )
     parser.add_argument("file", type=Path, help=words)
     add_foreign(parser)
     moments = "moments: evenly spaced, or where the touch differs most"
     declare(
         parser,
-        out="the .safetensors file to write; of recordings, a new folder of pairs",
-        encoder=text("name of the vectors' encoder; recordings need none", "NAME"),
+        "vis",
+        "look",
+        out="the .safetensors file to write; of recordings and pictures, a new folder of pairs",
+        encoder=text("name of the vectors' encoder; pictures need none", "NAME"),
         preprocessing=text("preprocessing of the images"),
         origin=text("one line on the file's origin"),
         align=one_of(("time", "share"), ALIGN),
-        look=path(LOOK, "FILE.png"),
         frames=count("pairs of each recording; default: 5", default=5, metavar="N"),
         pick=one_of(("even", "contact"), moments),
-        vis=text("LeRobot: camera of the photos", "CAMERA"),
-        tac=several("LeRobot: tactile camera; can be given several times", "CAMERA"),
-        labels=path("LeRobot: columns episode, material, perhaps domain, object, split", "CSV"),
+        tac=several(TOUCHES, "NAME"),
+        labels=path(
+            "columns episode (LeRobot) or file, material, perhaps domain, object, split", "CSV"
+        ),
         dtype=one_of(("float32", "float16"), "of the written file"),
     )
 
@@ -72,24 +76,31 @@ def add_foreign(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Read, check, write; print a summary."""
+    from omnivat.data.fetching.hub import PREFIX, hub_folder
+
+    if str(options.file).startswith(PREFIX):
+        options.file = hub_folder(str(options.file))
+    if options.encoder:
+        _vectors(options)
+    else:
+        _pictures(options)
+
+
+def _vectors(options: argparse.Namespace) -> None:
+    """Write vectors as a set of embeddings."""
+    from omnivat.data.embeddings import pairs_of
     from omnivat.data.foreign import import_embeddings
-    from omnivat.data.recordings import is_recording
     from omnivat.data.store import manifest_place, require_own, save_embeddings
 
-    if is_recording(options.file):
-        _recordings(options)
-        return
-    if not options.encoder:
-        raise SettingsError(
-            f"'{options.file}' is no recording, so --encoder has to name the encoder of its"
-            " vectors."
-        )
+    if options.look:
+        raise SettingsError("--look draws pictures, and a file of vectors has none; leave it out.")
     require_writable(options.out, ".safetensors")
     require_own(manifest_place(options.out, "csv"))
     about = passed(options, "encoder", "preprocessing", "origin")
     imported = import_embeddings(options.file, **about, **foreign(options))
     save_embeddings(options.out, imported, dtype=options.dtype)
     header = imported.header
+    checked(pairs_of(imported), None)
     print(
         f"{len(imported)} pairs of width {imported.width} by {header.encoder}: domains"
         f" {', '.join(header.domains)}; materials {', '.join(header.classes)}; written to"
@@ -97,12 +108,14 @@ def run(options: argparse.Namespace) -> None:
     )
 
 
-def _recordings(options: argparse.Namespace) -> None:
-    """Write pictures of recordings as a folder of pairs."""
+def _pictures(options: argparse.Namespace) -> None:
+    """Write pictures of recordings, or those in a file, as a folder of pairs."""
     from omnivat.data.readers import read_pairs
     from omnivat.data.recordings import clips_of, write_pairs
 
-    clips = clips_of(options.file, **passed(options, "vis", "tac", "domain", "labels"))
+    how = foreign(options)
+    how.pop("simulated")
+    clips = clips_of(options.file, **passed(options, "vis", "tac", "labels"), **how)
     with progress_bar("import") as show:
         made = write_pairs(
             clips, options.out, **passed(options, "frames", "pick", "align"), on_step=show
@@ -110,11 +123,13 @@ def _recordings(options: argparse.Namespace) -> None:
     for cameras in made.cameras:
         print(f"cameras: {cameras}")
     if made.unequal:
-        how = "the time that both films last" if options.align == "time" else "shares of each film"
-        print(f"paired over {how}, which differ in length: {'; '.join(made.unequal[:5])}")
-    origin = f"'{options.file}'"
-    found = replace(read_pairs(options.out), origin=origin, skipped=tuple(made.skipped))
-    checked(found, options.look)
+        over = "the time that both films last" if options.align == "time" else "shares of each film"
+        more = f"; and {len(made.unequal) - 5} more" if len(made.unequal) > 5 else ""
+        print(f"paired over {over}, which differ in length: {'; '.join(made.unequal[:5])}{more}")
+    found = read_pairs(options.out)
+    origin, simulated = f"'{options.file}'", found.simulated or options.simulated
+    skipped = (*made.skipped, *found.skipped)
+    checked(replace(found, origin=origin, simulated=simulated, skipped=skipped), options.look)
     print(
         f"{made.pairs} pairs of {len(clips) - len(made.skipped)} recordings; next: python -m"
         f" omnivat try {options.out}"

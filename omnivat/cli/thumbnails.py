@@ -38,8 +38,10 @@ def run(options: argparse.Namespace) -> None:
     print(f"{2 * len(embeddings)} thumbnails written to {out}, {missing} images missing")
 
 
-def start_of(pairs: Path, names: Sequence[str]) -> Path:
+def start_of(pairs: Path, names: Sequence[str], known: Sequence[Path] = ()) -> Path:
     """Return the base folder of the names in an embeddings file.
+
+    known  the photos of its pairs, if they were read
 
     `embed` shortens names by the common path of all images. For a table, and for a data set with
     deeper folders, that is not the given folder.
@@ -48,11 +50,12 @@ def start_of(pairs: Path, names: Sequence[str]) -> Path:
     if not names or (folder / names[0]).is_file():
         return folder
     table = pairs / "pairs.csv" if pairs.is_dir() else pairs
-    if table.is_file():
+    files: Iterable[Path] = known
+    if not known and table.is_file():
         from omnivat.data.readers.table import read
 
-        files: Iterable[Path] = [pair.vis.absolute() for pair in read(table).pairs]
-    else:
+        files = [pair.vis.absolute() for pair in read(table).pairs]
+    elif not known:
         files = folder.rglob(Path(names[0]).name)
     wanted = Path(names[0]).parts
     depth = len(wanted)

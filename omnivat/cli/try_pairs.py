@@ -8,12 +8,13 @@ accepted.
 """
 
 import argparse
+import re
 import shutil
 import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from omnivat.cli.arguments import (
     ENCODING,
@@ -21,6 +22,7 @@ from omnivat.cli.arguments import (
     download,
     encoder_name,
     flag,
+    halves,
     one_of,
     passed,
     path,
@@ -30,12 +32,15 @@ from omnivat.cli.arguments import (
 )
 from omnivat.cli.embed import LAMPS, lamps_in, touch_lines
 from omnivat.cli.fetch import bring
-from omnivat.cli.imports import add_foreign, foreign
+from omnivat.cli.imports import add_foreign, checked, foreign
 from omnivat.cli.thumbnails import start_of
+from omnivat.data.naming import half_of
+from omnivat.data.readers.files import TABLES, numbered_rows
 from omnivat.data.relief.files import TOUCH
 from omnivat.encoders.base import DEFAULT_ENCODER
 from omnivat.kit.errors import DataError, SettingsError, printable
 from omnivat.kit.files import nothing_left, replacing, require_regular, require_writable, write_json
+from omnivat.kit.stages import IMAGES
 
 if TYPE_CHECKING:
     from omnivat.study.shift import Features
@@ -51,6 +56,9 @@ def add(parser: argparse.ArgumentParser) -> None:
     declare(
         parser,
         *ENCODING,
+        "vis",
+        "tac",
+        "look",
         "tac_rest",
         "seed",
         "device",
@@ -140,13 +148,14 @@ def _features(options: argparse.Namespace, out: Path) -> tuple["Features", list[
     from omnivat.study.shift import read_features
 
     place, notes = options.pairs, []
-    pictures = place.is_dir() or (place.suffix.lower() == ".csv" and _of_pictures(place))
+    pictures = place.is_dir() or (place.suffix.lower() in TABLES and _of_pictures(place))
     if pictures:
         notes = _embed(options, out)
+    of_file = foreign(options)
     found = read_features(
         out / SET if pictures else place,
         encoder="" if options.encoder == DEFAULT_ENCODER else options.encoder,
-        **foreign(options),
+        **{**of_file, "columns": {**halves(options), **of_file["columns"]}},
         seed=options.seed,
     )
     if found.drawn_of > len(found.embeddings):
@@ -162,24 +171,26 @@ def _features(options: argparse.Namespace, out: Path) -> tuple["Features", list[
 
 
 def _of_pictures(table: Path) -> bool:
-    """True for a table whose first row has a column vis or tac: names of files, not numbers."""
+    """True for a table whose first row has a column of photos or touches: names of files, not
+    numbered columns of vectors.
+    """
     require_regular(table)
-    with table.open(encoding="utf-8-sig", errors="replace") as lines:
-        header = {name.strip().strip('"').lower() for name in lines.readline().split(",")}
-    return bool(header & {"vis", "tac"}) or not any("_0" in name for name in header)
+    header = next(iter(numbered_rows(table).values()), [])
+    plain = [name for name in header if not re.search(r"_\d+$", name)]
+    return any(half_of(name) in IMAGES for name in plain) or len(plain) == len(header)
 
 
 def _embed(options: argparse.Namespace, out: Path) -> list[str]:
     """Embed the pictures into `out`, with thumbnails; return notes."""
-    from omnivat.data.pairs import summary_table
     from omnivat.data.readers import read_pairs
     from omnivat.data.rest import with_rest
     from omnivat.data.store import load_embeddings
     from omnivat.encoders.embed import embed_pairs
     from omnivat.maps.thumbnails import sheet_of, write_thumbnails
 
-    pairs = with_rest(read_pairs(options.pairs), options.tac_rest or "none")
-    print(summary_table(pairs), flush=True)
+    of_reader: dict[str, Any] = halves(options)
+    pairs = with_rest(read_pairs(options.pairs, **of_reader), options.tac_rest or "none")
+    checked(pairs, options.look)
     encoder = encoder_name(options)
     how = passed(options, "weights", "tac_weights", "device", "download", "touch")
     how |= {"lamps": lamps_in(options.lamps, pairs.domains())}
@@ -188,7 +199,8 @@ def _embed(options: argparse.Namespace, out: Path) -> list[str]:
     notes = [f"Skipped {one.what}: {one.why}" for one in report.skipped]
     notes += touch_lines(report.header)
     embeddings = load_embeddings(out / SET)
-    root = start_of(options.pairs, embeddings.rows["vis"])
+    files = [pair.vis.absolute() for pair in pairs.pairs]
+    root = start_of(options.pairs, embeddings.rows["vis"], files)
     try:
         with progress_bar("thumbnails") as show:
             write_thumbnails(embeddings, root, sheet_of(out / SET), on_step=show)

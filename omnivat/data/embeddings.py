@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from omnivat.data.arrays import walked
 from omnivat.data.materials import NO_CLASS
+from omnivat.data.pairs import TEXTS, Pair, PairSet
 from omnivat.kit.errors import DataError, ShapeError
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.stages import IMAGES
@@ -190,6 +192,30 @@ class Embeddings:
                 values = np.array(self.rows[column], dtype=object)
                 keep = keep & (values == wanted) if any(values[keep]) else keep
         return np.flatnonzero(keep)
+
+
+def pairs_of(embeddings: Embeddings) -> PairSet:
+    """Return the names of a set of embeddings as those of pairs, for its summary."""
+    header = embeddings.header
+    rows: dict[str, Any] = embeddings.rows
+    alone = "".join(header.modalities) if len(header.modalities) == 1 else ""
+    return PairSet(
+        pairs=tuple(
+            Pair(
+                vis=Path(rows["vis"][k]),
+                tac=Path(rows["tac"][k]),
+                domain=header.domains[domain],
+                material=header.classes[label],
+                alone=alone,
+                **{name: rows[name][k] for name in TEXTS},
+            )
+            for k, (domain, label) in enumerate(
+                zip(embeddings.domain, embeddings.label, strict=True)
+            )
+        ),
+        origin=header.origin.removeprefix("imported from "),
+        simulated=header.simulated,
+    )
 
 
 def indices(names: Sequence[str], values: Sequence[str]) -> NDArray[np.int64]:

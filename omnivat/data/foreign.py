@@ -1,15 +1,13 @@
-"""Import embeddings from other programs: NPZ, Parquet, HDF5 or a CSV of vectors.
+"""Import embeddings from other programs: NPZ, Parquet, HDF5, safetensors or a table of vectors.
 
-Each file has the vectors `vis` and `tac`, one row for each pair, and each pair's `material`. In NPZ
-and HDF5 the vectors are arrays (N, D). In Parquet they are columns of lists, or numbered columns
-`vis_0`, `vis_1`, ... as in a CSV. Optional columns: `domain`, `object`, `split`, `part`,
-`looks_like`, `feels_like`, the file names `vis_file` and `tac_file`, and the mirrored vectors
-`vis_flip` and `tac_flip`. No code in a file is run.
+Each file has the vectors `vis` and `tac`, or one of them, one row for each pair, and each pair's
+`material`. In NPZ, HDF5 and safetensors the vectors are arrays (N, D). In Parquet they are columns
+of lists, or numbered columns `vis_0`, `vis_1`, ... as in a CSV. Optional columns: `domain`,
+`object`, `split`, `part`, `looks_like`, `feels_like`, the file names `vis_file` and `tac_file`, and
+the mirrored vectors `vis_flip` and `tac_flip`. No code in a file is run.
 """
 
-import csv
 import re
-import zipfile
 from collections.abc import Mapping, Sequence
 from hashlib import blake2b
 from pathlib import Path
@@ -19,21 +17,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omnivat.data.arrays import require_range
+from omnivat.data.columns import Columns, columns_of
 from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header, indices
 from omnivat.data.materials import in_order
+from omnivat.data.naming import COLUMNS, checked_split, composed, half_of, is_image_name
 from omnivat.data.pairs import TEXTS
 from omnivat.data.readers.files import encodable
 from omnivat.data.store import ROW_NAMES
-from omnivat.kit.errors import DataError, OmniVatError, first_line
-from omnivat.kit.files import require_regular
+from omnivat.kit.errors import DataError, first_line
 from omnivat.kit.stages import IMAGES
-from omnivat.kit.tables import need
 
 PREFIX = "imported:"  # prefix of the encoder's name for imported embeddings
 LABELS = ("domain", "material", *TEXTS)
 FILES = ("vis_file", "tac_file")
-SPLITS = ("train", "val", "test", "")
-Columns = dict[str, NDArray[Any]]
+NAMED = 5  # rows that a message names
 
 
 def import_embeddings(
@@ -42,7 +39,7 @@ def import_embeddings(
     encoder: str,
     domain: str = "",
     material: str = "",
-    classes: Sequence[str] = (),
+    classes: Sequence[str] | None = (),
     columns: Mapping[str, str] | None = None,
     preprocessing: str = "",
     origin: str = "",
@@ -53,12 +50,15 @@ def import_embeddings(
     encoder         name of their encoder; files with the same name count as the same encoder
     domain          of all pairs, if the file has no such column
     material        of all pairs, if the file has no such column
-    classes         names of the numbers in `material`, if it has numbers
+    classes         names of the numbers in `material`, if it has numbers; None: "class 0", ...
     columns         name here -> name in the file, if they differ
     preprocessing   preprocessing of the images, if known
     origin          one line on the file's origin
 
-    If the widths differ, the narrower vectors are padded with zeros.
+    Without columns `vis` or `tac`, one whose words tell is taken, and the origin names it. If the
+    widths differ, the narrower vectors are padded with zeros. Of vectors of one modality,
+    each stands for both. Pairs without a class, a blank or a negative number, are left out, and the
+    origin names them.
     Raises DataError, one sentence with the file and the fault.
 
     >>> from tempfile import TemporaryDirectory
@@ -71,26 +71,34 @@ def import_embeddings(
     (4, 'imported:mine', ('wood', 'steel'))
     """
     place = Path(file)
-    table = read_columns(place)
-    found = _named(table, columns or {}, place)
-    for name in IMAGES:
-        if name not in found:
-            raise DataError(
-                f"'{place}' has no vectors '{name}'; it has {', '.join(table) or 'nothing'}. Name"
-                f" the right one with --column {name}=THEIRS."
-            )
-    count = len(found["vis"])
-    mirrored = all(name in found for name in VECTORS)
+    table = columns_of(place)
+    named = _named_by_words(table, columns or {})
+    found = named_columns(table, named)
+    there = tuple(name for name in IMAGES if name in found)
+    if not there:
+        raise DataError(
+            f"'{place}' has no vectors 'vis' or 'tac'; it has"
+            f" {', '.join(table.names) or 'nothing'}. Name the right ones with --column vis=THEIRS."
+        )
+    count = len(found[there[0]])
+    mirrored = all(f"{name}_flip" in found for name in there)
     vectors = {
-        name: _vectors(found[name], name, count, place)
-        for name in (VECTORS if mirrored else IMAGES)
+        name: _vectors(found[name], name, count, table)
+        for name in (*there, *(f"{name}_flip" for name in there if mirrored))
     }
     texts = {
         name: [text] * count for name, text in (("domain", domain), ("material", material)) if text
     }
-    texts |= {name: _texts(found[name], name, count, place) for name in LABELS if name in found}
-    _require_names(texts, place)
-    texts["material"] = _materials(texts["material"], classes, place)
+    texts |= {name: texts_in(found[name], name, count, place) for name in LABELS if name in found}
+    kept = _require_names(texts, table)
+    texts["split"] = [
+        checked_split(text, f"'{place}', {table.row(row)}")
+        for row, text in enumerate(texts.get("split", [""] * count))
+    ]
+    texts["material"] = class_names([texts["material"][k] for k in kept], classes, place)
+    texts |= {name: [all[k] for k in kept] for name, all in texts.items() if name != "material"}
+    words = "".join(f"; {name} is '{named[name]}'" for name in IMAGES if name in named)
+    left_out = f"; {left_out_rows(kept, count, table)}" if len(kept) < count else ""
     widths = {name: array.shape[1] for name, array in vectors.items()}
     padded = (
         f" ({', '.join(f'{name} {width}' for name, width in widths.items())} values, then zeros)"
@@ -103,82 +111,138 @@ def import_embeddings(
         domains=tuple(dict.fromkeys(texts["domain"])),
         classes=in_order(set(texts["material"])),
         simulated=simulated,
-        origin=origin or f"imported from {place.name}",
+        origin=(origin or f"imported from {place.name}") + words + left_out,
+        modalities=there,
     )
+    arrays = {
+        name: np.pad(array, ((0, 0), (0, max(widths.values()) - widths[name])))[kept]
+        for name, array in vectors.items()
+    }
+    for name in VECTORS:  # of one modality, it stands for both
+        alone = name.replace("vis", there[0]).replace("tac", there[-1])
+        if alone in arrays:
+            arrays.setdefault(name, arrays[alone])
     return Embeddings(
         header=header,
         domain=indices(header.domains, texts["domain"]),
         label=indices(header.classes, texts["material"]),
-        rows=_rows(found, texts, place),
-        **{
-            name: np.pad(array, ((0, 0), (0, max(widths.values()) - widths[name])))
-            for name, array in vectors.items()
-        },
+        rows=_rows(found, texts, kept, place),
+        **arrays,
     )
 
 
-def _rows(columns: Columns, texts: Mapping[str, list[str]], place: Path) -> dict[str, list[str]]:
+def left_out_rows(kept: Sequence[int], count: int, table: Columns) -> str:
+    """Return which rows have no class, for people."""
+    lost = sorted({*range(count)} - {*kept})
+    more = f" and {len(lost) - NAMED} more" if len(lost) > NAMED else ""
+    return (
+        f"{len(lost)} of {count} rows left out, which have no class:"
+        f" {', '.join(map(table.row, lost[:NAMED]))}{more}"
+    )
+
+
+def _rows(
+    columns: Mapping[str, NDArray[Any]],
+    texts: Mapping[str, list[str]],
+    kept: Sequence[int],
+    place: Path,
+) -> dict[str, list[str]]:
     """Return the named columns; files and objects without a name have the row's number."""
-    count = len(texts["material"])
-    rows = {name: texts.get(name, [""] * count) for name in ROW_NAMES}
+    rows = {name: texts.get(name, [""] * len(kept)) for name in ROW_NAMES}
     for name in IMAGES:
-        numbered = np.array([f"{place.stem}/{row}_{name}" for row in range(count)])
-        rows[name] = _texts(columns.get(f"{name}_file", numbered), f"{name}_file", count, place)
+        key = f"{name}_file"
+        files = texts_in(columns[key], key, len(columns[key]), place) if key in columns else []
+        rows[name] = [files[k] if files else f"{place.stem}/{k}_{name}" for k in kept]
     if not any(rows["object"]):
-        rows["object"] = [f"{place.stem}/{row}" for row in range(count)]
+        rows["object"] = [f"{place.stem}/{k}" for k in kept]
     return rows
 
 
-def _named(table: Columns, columns: Mapping[str, str], place: Path) -> Columns:
-    """Return the columns under the names used here, `columns` being their names in the file."""
+def _named_by_words(table: Columns, columns: Mapping[str, str]) -> dict[str, str]:
+    """Return the names of columns, with those of photos and touches that only their words tell.
+
+    Raises DataError if words tell of several.
+    """
+    named = dict(columns)
+    stems = dict.fromkeys(re.sub(r"_\d+$", "", name) for name in table.names)
+    others = [name for name in stems if name not in (*VECTORS, *FILES, *named.values())]
+    for half in IMAGES:
+        told = [name for name in others if half_of(name) == half]
+        if half in named or half in stems or table.path(half) or not told:
+            continue
+        if len(told) > 1:
+            raise DataError(
+                f"'{table.place}' has {', '.join(told)}; name one with --column {half}=THEIRS."
+            )
+        named[half] = told[0]
+    return named
+
+
+def named_columns(table: Columns, columns: Mapping[str, str]) -> dict[str, NDArray[Any]]:
+    """Return the columns under the names used here, `columns` being their names in the file.
+
+    Raises DataError for a name that is not there, and for pictures in the place of vectors.
+    """
     known = (*VECTORS, *LABELS, *FILES)
     for ours, theirs in columns.items():
         if ours not in known:
             raise DataError(
                 f"There is no column '{ours}' to fill; there are {', '.join(sorted(known))}."
             )
-        if _column(table, theirs, place) is None:
-            raise DataError(f"'{place}' has no column '{theirs}'; it has {', '.join(table)}.")
-    named = {name: _column(table, columns.get(name, name), place) for name in known}
-    for other in ("class", "label"):
-        if named["material"] is None:
-            named["material"] = table.get(other)
-    return {name: array for name, array in named.items() if array is not None}
+        if not table.path(theirs) and table.get(theirs) is None:
+            raise DataError(
+                f"'{table.place}' has no column '{theirs}'; it has {', '.join(table.names)}."
+            )
+    found = {}
+    for name in known:
+        theirs = columns.get(name, name)
+        others = () if name in columns else COLUMNS.get(name, ())
+        path = next((p for p in map(table.path, (theirs, *others)) if p), theirs)
+        if name in VECTORS and table.path(path) and table.pictures_of(path):
+            raise DataError(
+                f"'{table.place}' holds pictures in {path}, and not vectors: make a folder of pairs"
+                f" with `python -m omnivat import {table.place} --out PAIRS`, without --encoder."
+            )
+        if (array := table.get(path)) is not None:
+            found[name] = array
+    return found
 
 
-def _column(table: Columns, name: str, place: Path) -> NDArray[Any] | None:
-    """Return a column, or `name_0`, `name_1`, ... as one array (N, D); None if there is neither."""
-    if name in table:
-        return table[name]
-    numbers = sorted(
-        int(key[len(name) + 1 :]) for key in table if re.fullmatch(rf"{re.escape(name)}_\d+", key)
-    )
-    if not numbers:
-        return None
-    if numbers != list(range(numbers[0], numbers[0] + len(numbers))):
+def _vectors(array: NDArray[Any], name: str, count: int, table: Columns) -> Array:
+    if array.ndim == 1 and array.size and is_image_name(str(array[0])):
         raise DataError(
-            f"'{place}' lacks some of the columns {name}_{numbers[0]} to {name}_{numbers[-1]}."
+            f"'{table.place}' names pictures in {name}, and not vectors; make them with `python -m"
+            f" omnivat embed {table.place} --out SET.safetensors`."
         )
-    return np.stack([table[f"{name}_{i}"] for i in numbers], axis=1)
-
-
-def _vectors(array: NDArray[Any], name: str, count: int, place: Path) -> Array:
     if array.ndim != 2 or len(array) != count or not array.size:
         raise DataError(
-            f"'{place}' has {name} of shape {array.shape}, expected ({count}, D): a row of numbers"
-            f" for each pair. Of pictures, make them with `python -m omnivat embed {place} --out"
-            " SET.safetensors`."
+            f"'{table.place}' has {name} of shape {array.shape}, expected ({count}, D): a row of"
+            " numbers for each pair."
         )
     try:
         with np.errstate(over="ignore"):
             values = array.astype(np.float64).astype(np.float32)
-    except ValueError as error:
-        raise DataError(f"'{place}' has no numbers in {name} ({error}).") from error
-    (checked,) = require_range([values], f"{name} of '{place}'")
+    except ValueError:
+        values = np.array([_numbers(row, name, k, table) for k, row in enumerate(array)], "f4")
+    (checked,) = require_range([values], f"{name} of '{table.place}'")
     return checked
 
 
-def _texts(array: NDArray[Any], name: str, count: int, place: Path) -> list[str]:
+def _numbers(cells: NDArray[Any], name: str, row: int, table: Columns) -> list[float]:
+    """Return the numbers in a row of texts, which may have decimal commas."""
+    try:
+        return [float(str(cell).replace(",", ".")) for cell in cells]
+    except ValueError as error:
+        text = "an empty cell" if "''" in str(error) else first_line(error)
+        raise DataError(
+            f"'{table.place}' has no numbers in {name}, {table.row(row)}: {text}."
+        ) from error
+
+
+def texts_in(array: NDArray[Any], name: str, count: int, place: Path) -> list[str]:
+    """Return a column of texts; raises DataError for another shape and for texts that no file can
+    hold.
+    """
     if array.shape != (count,):
         raise DataError(
             f"'{place}' has {name} of shape {array.shape}, expected ({count},): one for each pair."
@@ -187,94 +251,59 @@ def _texts(array: NDArray[Any], name: str, count: int, place: Path) -> list[str]
         value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)
         for value in array.tolist()
     ]
-    return [encodable(text, f"{name} in row {row} of '{place}'") for row, text in enumerate(texts)]
+    return [
+        composed(encodable(text, f"{name} in row {row} of '{place}'"))
+        for row, text in enumerate(texts)
+    ]
 
 
-def _require_names(texts: Mapping[str, list[str]], place: Path) -> None:
+def _require_names(texts: Mapping[str, list[str]], table: Columns) -> list[int]:
+    """Return the rows that have a class; raises DataError if a column or a domain is missing."""
     for name, option in (("material", "--column material=THEIRS"), ("domain", "--domain NAME")):
         if name not in texts:
-            raise DataError(f"'{place}' has no column '{name}'; pass {option}.")
-        if not all(text.strip() for text in texts[name]):
-            raise DataError(f"'{place}' has pairs without a {name}; fill that column.")
-    if unknown := sorted(set(texts.get("split", ())) - set(SPLITS)):
-        raise DataError(
-            f"'{place}' has the split '{unknown[0]}'; there are train, val, test and none."
-        )
+            raise DataError(f"'{table.place}' has no column '{name}'; pass {option}.")
+    for row, text in enumerate(texts["domain"]):
+        if not text.strip():
+            raise DataError(f"'{table.place}' has no domain in {table.row(row)}; fill that column.")
+    kept = labelled_rows(texts["material"])
+    if not kept:
+        raise DataError(f"'{table.place}' has no material in any row; fill that column.")
+    return kept
 
 
-def _materials(texts: list[str], classes: Sequence[str], place: Path) -> list[str]:
-    """Return class names; numbers are looked up in `classes`."""
-    if not all(re.fullmatch(r"\d+", text) for text in texts):
-        return texts
-    highest = max(map(int, texts))
-    if highest >= len(classes):
+def labelled_rows(labels: Sequence[str]) -> list[int]:
+    """Return the rows with a class: neither a blank nor a negative number."""
+    numbers = [_number(text) for text in labels]
+    return [k for k, n in enumerate(numbers) if n != "" and not (isinstance(n, int) and n < 0)]
+
+
+def _number(text: str) -> int | str:
+    """Return the whole number in a text, such as "2" or "2.0"; "" for none, else the text."""
+    text = text.strip()
+    try:
+        value = float(text)
+    except ValueError:
+        return text
+    if value != value:  # NaN, as a missing number of pandas
+        return ""
+    return int(value) if value.is_integer() else text
+
+
+def class_names(labels: Sequence[str], classes: Sequence[str] | None, place: Path) -> list[str]:
+    """Return class names; numbers of any type are looked up in `classes`.
+
+    classes  None: "class 0", "class 1", ...
+    Raises DataError for a number without a name.
+    """
+    numbers = [_number(text) for text in labels]
+    if not all(isinstance(number, int) for number in numbers):
+        return [*labels]
+    if classes is None:
+        return [f"class {number}" for number in numbers]
+    highest = max(numbers, key=int, default=0)
+    if int(highest) >= len(classes):
         raise DataError(
             f"'{place}' numbers its materials 0 to {highest}; name them with --classes "
             f"NAME,NAME,... ({len(classes)} came)."
         )
-    return [classes[int(text)] for text in texts]
-
-
-def read_columns(place: Path) -> Columns:
-    """Return the named arrays of a file; its ending gives the format.
-
-    Raises DataError if it is missing, of another kind or unreadable, MissingPackageError if the
-    package for it is not installed.
-    """
-    require_regular(place)
-    reader = READERS.get(place.suffix.lower())
-    if reader is None:
-        raise DataError(f"'{place}' ends in '{place.suffix}'; there are {', '.join(READERS)}.")
-    try:
-        return reader(place)
-    except OmniVatError:
-        raise
-    except Exception as error:  # each reader has its own errors for damaged files
-        raise DataError(
-            f"'{place}' cannot be read ({first_line(error)}); export it again."
-        ) from error
-
-
-def _npz(place: Path) -> Columns:
-    if not zipfile.is_zipfile(place):
-        raise DataError(f"'{place}' is not an NPZ file; write it with numpy.savez.")
-    with np.load(place, allow_pickle=False) as arrays:
-        try:
-            return {name: arrays[name] for name in arrays.files}
-        except ValueError as error:
-            raise DataError(
-                f"'{place}' holds pickled objects, which are not read; save text as arrays of str."
-            ) from error
-
-
-def _parquet(place: Path) -> Columns:
-    parquet = need("pyarrow.parquet", purpose="reading Parquet", install="pyarrow")
-    table = parquet.read_table(place)
-    found: Columns = {}
-    for name, column in zip(table.column_names, table.columns, strict=True):
-        rows = column.to_pylist()
-        found[name] = np.array(["" if value is None else value for value in rows])
-    return found
-
-
-def _hdf5(place: Path) -> Columns:
-    h5py = need("h5py", purpose="reading HDF5")
-    with h5py.File(place, "r") as file:
-        return {
-            name: dataset.asstr()[()].astype(str) if dataset.dtype.kind == "O" else dataset[()]
-            for name, dataset in file.items()
-            if hasattr(dataset, "dtype")
-        }
-
-
-def _csv(place: Path) -> Columns:
-    with place.open(newline="", encoding="utf-8-sig") as handle:
-        names, *body = csv.reader(handle)
-    if {len(row) for row in body} != {len(names)}:
-        raise DataError(f"'{place}' should have rows of {len(names)} cells below its first row.")
-    return {
-        name: np.array(column) for name, column in zip(names, zip(*body, strict=True), strict=True)
-    }
-
-
-READERS = {".npz": _npz, ".parquet": _parquet, ".h5": _hdf5, ".hdf5": _hdf5, ".csv": _csv}
+    return [classes[int(number)] for number in numbers]

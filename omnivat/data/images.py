@@ -85,6 +85,34 @@ def read_image(
     return upright(source, name, reduced=reduced)
 
 
+def from_array(pixels: Any, name: str) -> Image.Image:
+    """Return the picture in an array (H, W), (H, W, C) or (C, H, W) as upright RGB: bytes, 16-bit
+    grey, or floats from 0 to 1. Raises DataError for another array.
+    """
+    import numpy as np
+
+    if pixels.ndim == 3 and pixels.shape[-1] not in (1, 3, 4):
+        pixels = np.moveaxis(pixels, 0, -1)
+    if pixels.ndim == 3 and pixels.shape[-1] == 1:
+        pixels = pixels[..., 0]
+    if pixels.dtype.kind in "iu" and pixels.dtype.itemsize > 2 and pixels.size:  # of a list
+        pixels = pixels.astype(np.uint8 if 0 <= pixels.min() <= pixels.max() < 256 else np.int32)
+    if pixels.dtype.kind == "f":
+        if pixels.ndim == 3 and pixels.size and 0 <= pixels.min() <= pixels.max() <= 1:
+            pixels = np.rint(pixels * 255).astype(np.uint8)
+        else:
+            pixels = pixels.astype(np.float32)
+    try:
+        return read_image(Image.fromarray(pixels), name, reduced=False)
+    except (TypeError, ValueError) as error:
+        if isinstance(error, DataError):
+            raise
+        raise DataError(
+            f"'{name}' is {pixels.shape} of {pixels.dtype}; a picture is (H, W), (H, W, 3) or"
+            " (3, H, W) of uint8."
+        ) from error
+
+
 def opened(
     content: bytes, name: str, *, kinds: Sequence[str] = tuple(FORMATS), pixels: int = MAX_PIXELS
 ) -> Image.Image:

@@ -6,7 +6,7 @@ The rules of every reader, of recordings and of foreign files; documents and the
 import os
 import re
 import unicodedata
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
 from pathlib import Path
@@ -90,6 +90,46 @@ def halves_among(names: Iterable[str]) -> dict[str, list[str]]:
     for name in names:
         found[half_of(name)].append(name)
     return found
+
+
+def cameras_among(
+    names: Sequence[str], vis: str, tac: Sequence[str], where: str
+) -> tuple[str, list[str], list[str]]:
+    """Return the camera of photos, those of touches, and what tells several of these apart.
+
+    names     of cameras, or of columns of pictures
+    vis, tac  those named by a person; "" and (): by whole words, and a single one left is the photo
+    where     "'NAME'", for errors
+    return    photo ("" without one), touches ([""] without one), a text for each touch
+
+    Raises DataError for an unknown name, and where a choice would be a guess.
+
+    >>> cameras_among(["wrist", "left.tactile", "right.tactile"], "", (), "'press'")
+    ('wrist', ['left.tactile', 'right.tactile'], ['left.tactile', 'right.tactile'])
+    """
+    there = printable(", ".join(names) or "none")
+    for name in filter(None, (vis, *tac)):
+        if name not in names:
+            raise DataError(f"{where} has no camera '{printable(name)}'; it has {there}.")
+    halves = halves_among(names)
+    touches = list(tac) or halves["tac"]
+    if not touches and not vis:
+        raise DataError(
+            f"No camera of {where} is called tactile; name one with --tac, or the photos alone with"
+            f" --vis. There are {there}."
+        )
+    others = [name for name in names if name not in touches]
+    told = [name for name in halves["vis"] if name in others]
+    photos = [vis] if vis else told if len(told) == 1 else others
+    if len(photos) > 1 or (not vis and photos and photos[0] in halves["?"]):
+        raise DataError(
+            f"The touch of {where} is {printable(' and '.join(touches))}. Name the camera of photos"
+            f" with --vis: {printable(', '.join(others))}."
+        )
+    if len(touches) < 2:
+        return "".join(photos), touches or [""], [""]
+    endings = [name.rpartition(".")[2] for name in touches]  # left.tac and right.tac end alike
+    return "".join(photos), touches, endings if len({*endings}) == len(touches) else touches
 
 
 def modality_of(path: Path) -> str:

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from safetensors import SafetensorError
+from safetensors import SafetensorError, safe_open
 
 from omnivat.data.arrays import (
     MOST_COLUMNS,
@@ -214,6 +214,17 @@ def load_embeddings(path: str | Path, *, large: int | None = None) -> Embeddings
         ) from error
     _check(file, embeddings)
     return embeddings
+
+
+def is_embeddings(file: Path) -> bool:
+    """True for a safetensors file, but for another program's, which has another format or none."""
+    if file.suffix.lower() != ".safetensors" or not file.is_file():
+        return file.suffix.lower() == ".safetensors"
+    try:
+        with safe_open(file, framework="numpy") as handle:
+            return (handle.metadata() or {}).get("format") == FORMAT
+    except (SafetensorError, OSError):
+        return True
 
 
 def _single(array: NDArray[Any]) -> Array:

@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from omnivat.cli import main
-from omnivat.data.store import load_embeddings
+from omnivat.data.readers import read_pairs
 from omnivat.head.heads import EXAMPLES
 
 from .fake_sensor import CAMERAS
@@ -298,7 +298,7 @@ def test_live_pictures_join_the_labelled_pairs_and_teach(live, sensor, presses):
     page.wait_for_selector(".pair .verdict:has-text('felt')")
 
 
-def test_live_calibrates_and_records_pairs_that_embed_reads(live, sensor, presses, tmp_path):
+def test_live_calibrates_and_records_a_data_set_that_import_reads(live, sensor, presses, tmp_path):
     calm, pressed = presses("gelsight_mini")
     page = live("gelsight_mini")
     take_rest(page)
@@ -318,15 +318,18 @@ def test_live_calibrates_and_records_pairs_that_embed_reads(live, sensor, presse
         page.click(".pair .cameras [data-send=camerasSwitched]")
     with ZipFile(saved.value.path()) as archive:
         archive.extractall(tmp_path)
-    table = (tmp_path / "recording" / "pairs.csv").read_text(encoding="utf-8").splitlines()
-    assert table[0] == "vis,tac,domain,material,time"
-    assert (
-        main(["embed", str(tmp_path / "recording"), "--out", str(tmp_path / "set.safetensors")])
-        == 0
-    )
-    found = load_embeddings(tmp_path / "set.safetensors")
-    assert len(found) == len(table) - 1 >= 4
-    assert found.header.domains == ("My sensor",) and len(found.header.classes) == 2
+    line = [
+        "import",
+        str(tmp_path / "My sensor"),
+        "--out",
+        str(tmp_path / "pairs"),
+        "--frames",
+        "2",
+    ]
+    assert main(line) == 0
+    found = read_pairs(tmp_path / "pairs")
+    assert len(found.pairs) == 4 and found.domains() == ("My sensor",)
+    assert len(found.materials()) == 2
     page.wait_for_selector(ANSWERED)
 
 

@@ -1,12 +1,12 @@
 /** Live: photo and touch together; the newest frames are sent as soon as the server has replied. */
 
 import { askOfImage, attempt } from "../shared/api.js";
-import { csv } from "../shared/csv.js";
 import { FRAMES } from "./feed.js";
+import { dataSets } from "./lerobot.js";
 import { camera, upload } from "./own-pictures.js";
 import { button, html, pressed, status } from "./parts.js";
 import { lessonsOf } from "./state.js";
-import { contentOf, counted, folderOf, saveZip, taughtBy } from "./work.js";
+import { contentOf, counted, saveZip, taughtBy } from "./work.js";
 
 const AT_ONCE = 2; // requests on the way: one is read while the next one travels
 const WINDOW = 1500; // milliseconds, window of the frame rate
@@ -99,6 +99,7 @@ async function loop(desk, run, signal) {
       await pause(IDLE);
       continue;
     }
+    const sizes = there.map(({ canvas: { width, height } }) => /** @type {const} */ ([width, height]));
     const blobs = await Promise.all(there.map((feed) => feed.blob()));
     const both = there.length > 1;
     const taught = await taughtBy(lessonsOf(desk.tab), number <= AT_ONCE);
@@ -117,7 +118,7 @@ async function loop(desk, run, signal) {
       pair: {
         label: labelIn(desk) || "unlabelled",
         time: Date.now(),
-        pictures: there.map(({ modality }, i) => /** @type {const} */ ([modality, blobs[i]])),
+        pictures: there.map(({ modality }, i) => /** @type {const} */ ([modality, blobs[i], sizes[i]])),
       },
     });
   }
@@ -163,26 +164,9 @@ export async function guide(desk, { what }) {
   tell((await GUIDES[what](desk, tell)) ?? "");
 }
 
-/** Save a recording as a folder. @param {Desk} _ @param {Recorded[]} pairs */
+/** Save a recording as data sets of LeRobot. @param {Desk} _ @param {Recorded[]} pairs */
 export async function saveRecording(_, pairs) {
-  saveZip("recording.zip", await recorded(pairs));
-}
-
-/** Files of a recording: pictures in folders that `omnivat embed` reads, and a table.
- * @param {Recorded[]} pairs @returns {Promise<[string, Uint8Array][]>} */
-export async function recorded(pairs) {
-  /** @type {[string, Uint8Array][]} */
-  const files = [];
-  const lines = [["vis", "tac", "domain", "material", "time"]];
-  for (const [i, { label, time, pictures }] of pairs.entries()) {
-    const paths = { vis: "", tac: "" };
-    for (const [modality, blob] of pictures) {
-      paths[modality] = `My sensor/${folderOf(label)}/${i}_${modality}.jpg`;
-      files.push([`recording/${paths[modality]}`, await contentOf(blob)]);
-    }
-    lines.push([paths.vis, paths.tac, "My sensor", label, new Date(time).toISOString()]);
-  }
-  return [...files, ["recording/pairs.csv", new TextEncoder().encode(csv(lines))]];
+  saveZip("recording.zip", await dataSets(pairs, contentOf));
 }
 
 /** Pictures a second over the last moments; adds `now` to `times`. @param {number[]} times @param {number} now */

@@ -210,7 +210,7 @@ interface Desk {
 interface Recorded {
   label: string;
   time: number;
-  pictures: (readonly [Modality, Blob])[];
+  pictures: (readonly [Modality, Blob, readonly [width: number, height: number]])[];
 }
 type Attended = Attention;
 /** A rest picture: the grey level of each block, and the change beyond which a picture is a contact. */

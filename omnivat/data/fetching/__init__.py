@@ -14,12 +14,13 @@ from typing import Any
 
 from omnivat.data.fetching.archive import unpacked
 from omnivat.data.fetching.heights import drawn, load_heights
+from omnivat.data.fetching.hub import from_hub
 from omnivat.data.fetching.layouts import LAYOUTS, Box, Item
 from omnivat.data.fetching.repository import DamagedError, Repository
 from omnivat.data.images import read_image
 from omnivat.data.recordings.tracks import Film
 from omnivat.data.recordings.writing import moments, plain
-from omnivat.kit.errors import DataError, SettingsError, WriteError, first_line
+from omnivat.kit.errors import DataError, SettingsError, WriteError
 from omnivat.kit.files import (
     read_whole,
     replacing_folder,
@@ -29,7 +30,7 @@ from omnivat.kit.files import (
     writing,
 )
 from omnivat.kit.progress import OnStep, Step, ignore
-from omnivat.kit.tables import entry, need
+from omnivat.kit.tables import entry
 
 TABLE = Path(__file__).with_name("sets.json")
 RECORD_BYTES = 4_000_000
@@ -233,21 +234,8 @@ def _from_hub(wanted: FetchedSet, out: Path, part: Path, source: str, on_step: O
         raise SettingsError(
             f"{wanted.name} comes from the model hub; --from is for the sets in repositories."
         )
-    hub = need("huggingface_hub", purpose=f"fetching {wanted.name}")
-    files = part / "files"
-    try:
-        hub.snapshot_download(
-            wanted.source.partition("/datasets/")[2],
-            repo_type="dataset",
-            revision=wanted.commit,
-            local_dir=files,
-            allow_patterns=list(wanted.files),
-        )
-    except Exception as error:  # the hub and its HTTP client have many kinds
-        why = first_line(error)
-        raise DataError(
-            f"'{wanted.source}' was not fetched ({why}); run the command again, it goes on."
-        ) from error
+    name = wanted.source.partition("/datasets/")[2]
+    files = from_hub(name, wanted.commit, part / "files", wanted.files)
     made = unpacked(sorted(files.glob("*.zip.*")), part / "unpacked", on_step)
     lists = [file for file in made if file.name.startswith("contact_")]
     if not lists:

@@ -7,12 +7,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from typing import Any
 
+from omnivat.data.images import read_image
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.naming import TACTILE, VIDEOS, checked_split, found_file
+from omnivat.data.pairs import Pair
+from omnivat.data.readers import read_pairs
 from omnivat.data.readers.files import TABLES, number_in, numbered_rows, show, visible
+from omnivat.data.readers.folder import HALF
 from omnivat.data.readers.table import rows_of
 from omnivat.data.recordings.lerobot import INFO, LeRobot
+from omnivat.data.recordings.stored import still, stored_clips, stored_files
 from omnivat.data.recordings.tactile import tactile_clips, tactile_track
 from omnivat.data.recordings.tracks import Clip, Film, Track
 from omnivat.data.recordings.writing import write_pairs
@@ -73,14 +79,18 @@ def clips_of(
     tac: Sequence[str] = (),
     domain: str = "",
     labels: Path | None = None,
+    classes: Sequence[str] = (),
+    columns: Mapping[str, str] | None = None,
 ) -> list[Clip]:
-    """Return the recordings in `source`.
+    """Return the recordings in `source`, or its pairs of pictures.
 
-    vis, tac  names of the cameras of LeRobot, or of the columns of a table; "" and (): by words
+    vis, tac  names of cameras, columns of pictures, or folders; "" and (): by their words
     domain    of all pairs; "": the name of the data set or of the sensor, or of the tactile camera
               if there are several
     labels    a table with the columns episode (of LeRobot) or file, material, perhaps domain,
               object, split
+    classes   names of numbered classes, of pictures in a file
+    columns   name here -> name in such a file, if they differ
 
     Raises DataError for another layout, or if the cameras cannot be told.
     """
@@ -89,16 +99,54 @@ def clips_of(
     if source.suffix.lower() in TACTILE or (source.is_dir() and (files := _tactile(source))):
         one = source.suffix.lower() in TACTILE
         return [c for f in ([source] if one else files) for c in tactile_clips(f, domain, labels)]
+    if stored_files(source):
+        return stored_clips(
+            source, vis=vis, tac=tac, domain=domain, classes=classes, columns=columns or {}
+        )
     if labels or len(tac) > 1:
         raise SettingsError("--labels and several --tac are for LeRobot; a table has its labels.")
+    if not is_recording(source):
+        return _paired(source, vis, "".join(tac))
     table = _table(source) if source.is_dir() else source
     if table is None:
         raise DataError(f"'{show(source)}' has no {TABLE}, which names recordings and labels.")
-    rows, columns = rows_of(table, vis=vis, tac="".join(tac), domain=domain)
-    return [_clip(table, number, row, domain, columns) for number, row in rows.items()]
+    rows, cameras = rows_of(table, vis=vis, tac="".join(tac), domain=domain)
+    return [_clip(table, number, row, domain, cameras) for number, row in rows.items()]
 
 
-def _clip(file: Path, number: int, row: Mapping[str, str], domain: str, columns: str) -> Clip:
+def _paired(source: Path, vis: str, tac: str) -> list[Clip]:
+    """Return the pairs of a folder or a table of pictures."""
+    options: dict[str, Any] = {half: n for half, n in (("vis", vis), ("tac", tac)) if n}
+    found = read_pairs(source, **options)
+
+    def read(pair: Pair) -> tuple[dict[str, Track], None]:
+        halves = [half for half in IMAGES if pair.alone in ("", half)]
+        files = {half: getattr(pair, half) for half in halves}
+        return {half: still(file, partial(read_image, file)) for half, file in files.items()}, None
+
+    left_out = [
+        Clip(read=partial(_refused, one.why), name=one.what, domain="", material="", object="")
+        for one in found.skipped
+    ]
+    return left_out + [
+        Clip(
+            read=partial(read, pair),
+            name=HALF.sub("", pair.vis.stem),
+            domain=pair.domain,
+            material=pair.material,
+            object=pair.object,
+            split=pair.split,
+            frames=1,
+        )
+        for pair in found.pairs
+    ]
+
+
+def _refused(why: str) -> tuple[dict[str, Track], None]:
+    raise DataError(why)
+
+
+def _clip(file: Path, number: int, row: Mapping[str, str], domain: str, cameras: str) -> Clip:
     """Return the recording of a row: vis and tac name videos; start and end are seconds."""
     where = f"'{show(file)}', row {number}"
     return Clip(
@@ -108,7 +156,7 @@ def _clip(file: Path, number: int, row: Mapping[str, str], domain: str, columns:
         material=class_key(row["material"]) or NO_CLASS,
         object=row["object"] or f"row {number}",
         split=checked_split(row.get("split", ""), where),
-        cameras=columns,
+        cameras=cameras,
     )
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.data.materials import NO_CLASS, class_key
-from omnivat.data.naming import checked_split, halves_among, set_name
+from omnivat.data.naming import cameras_among, checked_split, set_name
 from omnivat.data.readers.files import number_in, read_lines, read_rows, show
 from omnivat.data.recordings.tracks import Clip, Film, Track, parquet_rows, stored
 from omnivat.kit.errors import DataError
@@ -50,11 +50,8 @@ class LeRobot:
 
     def clips(self, vis: str, tac: Sequence[str], domain: str, labels: Path | None) -> list[Clip]:
         """Return each episode, once for each tactile camera."""
-        photo, touches = self._chosen(vis, tac)
-        places = [""]
-        if len(touches) > 1:  # left.tac and right.tac end alike
-            endings = [name.rpartition(".")[2] for name in touches]
-            places = endings if len(set(endings)) == len(touches) else touches
+        where = f"'{show(self.root)}'"
+        photo, touches, places = cameras_among([*self.cameras], vis, tac, where)
         episodes = self._episodes()
         tasks = {one.get("task") for one in episodes}
         table = (
@@ -93,29 +90,6 @@ class LeRobot:
             raise DataError(episode["problem"])
         tracks = {half: self._track(key, episode) for half, key in halves.items()}
         return tracks, episode["length"] / self.fps
-
-    def _chosen(self, vis: str, tac: Sequence[str]) -> tuple[str, list[str]]:
-        """Return the camera of photos ("" without one) and those of touches."""
-        there = ", ".join(self.cameras) or "none"
-        for name in filter(None, (vis, *tac)):
-            if name not in self.cameras:
-                raise DataError(f"There is no camera '{show(name)}'; there are {show(there)}.")
-        halves = halves_among(self.cameras)
-        touches = list(tac) or halves["tac"]
-        if not touches and not vis:
-            raise DataError(
-                "No camera is called tactile; name one with --tac, or the photos alone with --vis."
-                f" There are {show(there)}."
-            )
-        others = [name for name in self.cameras if name not in touches]
-        named = [name for name in halves["vis"] if name in others]
-        photos = [vis] if vis else named if len(named) == 1 else others
-        if len(photos) > 1 or (not vis and photos and photos[0] in halves["?"]):
-            raise DataError(
-                f"The touch is {show(' and '.join(touches))}. Name the camera of photos with --vis:"
-                f" {show(', '.join(others))}."
-            )
-        return "".join(photos), touches or [""]
 
     def _episodes(self) -> list[dict[str, Any]]:
         """Return index, length, task and places of each episode; of one that cannot be read, its

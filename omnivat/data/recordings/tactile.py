@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from PIL import Image
 
-from omnivat.data.images import read_image
+from omnivat.data.images import from_array
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.naming import COLUMNS, checked_split
 from omnivat.data.readers.files import number_in, read_rows, show
@@ -120,7 +120,11 @@ def _hapt_frames(folder: Path, rate: float, stamps: Any) -> Frames:
         raise DataError(f"'{show(file)}' holds {frames.shape}, and pictures are (T, H, W, C).")
     regular = not isinstance(stamps, list) or len(stamps) != len(frames)
     times = [k / rate for k in range(len(frames))] if regular else _rising(stamps, file)
-    return Frames(file=file, times=times, picture=lambda k: _picture(np.array(frames[k]), file, k))
+    return Frames(
+        file=file,
+        times=times,
+        picture=lambda k: from_array(np.array(frames[k]), f"{folder.name}, picture {k}"),
+    )
 
 
 def _rising(stamps: list[Any], file: Path) -> list[float]:
@@ -128,15 +132,6 @@ def _rising(stamps: list[Any], file: Path) -> list[float]:
     if sorted(times) != times:
         raise DataError(f"The times of '{show(file)}' do not rise.")
     return [time - times[0] for time in times]
-
-
-def _picture(pixels: Any, file: Path, number: int) -> Image.Image:
-    pixels = pixels[..., 0] if pixels.shape[-1] == 1 else pixels
-    name = f"{file.name}, picture {number}"
-    try:
-        return read_image(Image.fromarray(pixels), name, reduced=False)
-    except TypeError as error:  # numbers that are no pixels
-        raise DataError(f"'{show(name)}' holds {pixels.dtype}, and pixels are uint8.") from error
 
 
 def _touch(file: Path) -> Sensors:
@@ -206,7 +201,8 @@ def _touch_frames(file: Path, sensor: str) -> Frames:
         shape = SHAPE.unpack_from(content) if len(content) >= SHAPE.size else (0, 0, 0)
         if shape[2] not in (1, 3, 4) or np.prod(shape, dtype=np.int64) != len(content) - SHAPE.size:
             raise DataError(f"'{show(file)}' has no whole picture {k} of '{show(sensor)}'.")
-        return _picture(np.frombuffer(content, np.uint8, offset=SHAPE.size).reshape(shape), file, k)
+        pixels = np.frombuffer(content, np.uint8, offset=SHAPE.size).reshape(shape)
+        return from_array(pixels, f"{file.name}, picture {k}")
 
     if not places:
         raise DataError(f"'{show(file)}' has no pictures of '{show(sensor)}'.")

@@ -84,13 +84,14 @@ def _saved(
     clip: Clip, shots: Mapping[str, Sequence[Image.Image]], work: Path, number: int
 ) -> list[list[str]]:
     """Write the pictures of a recording below `work`; return the rows of its pairs."""
-    folder = Path(*(plain(part) for part in (clip.domain, clip.material, clip.name)))
-    if (work / folder).exists():  # plain and shortened names may be equal
-        folder = folder.with_name(f"{folder.name} - {number}")
-    (work / folder).mkdir(parents=True, exist_ok=True)
+    stem = "/".join(plain(part) for part in (clip.domain, clip.material, clip.name))
+    still = "_" if clip.frames == 1 else "/000_"
+    if any((work / f"{stem}{still}{half}.png").exists() for half in shots):
+        stem = f"{stem} - {number}"  # plain and shortened names may be equal
+    (work / f"{stem}{still}").parent.mkdir(parents=True, exist_ok=True)
     rows = []
     for k in range(len(next(iter(shots.values())))):
-        names = {half: f"{folder}/{k:03d}_{half}.png" for half in shots}
+        names = {half: f"{stem}{still.replace('000', f'{k:03d}')}{half}.png" for half in shots}
         for half, name in names.items():
             shots[half][k].save(work / name)
         files = [names.get(half, "") for half in IMAGES]

@@ -1,6 +1,5 @@
 """Read features of any encoder, with one or two modalities, with or without classes and domains."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,11 +10,10 @@ from numpy.typing import NDArray
 from torch import Tensor
 
 from omnivat.data.embeddings import Embeddings
-from omnivat.data.foreign import import_embeddings, read_columns
+from omnivat.data.foreign import import_embeddings
 from omnivat.data.materials import NO_CLASS
-from omnivat.data.store import load_embeddings
+from omnivat.data.store import is_embeddings, load_embeddings
 from omnivat.kit.errors import DataError
-from omnivat.kit.stages import IMAGES
 from omnivat.measure.gaps.unit import unit
 
 READINGS = {"vis": "vis", "tac": "tac", "both": "fused"}  # of linear maps and heads, by view
@@ -63,7 +61,7 @@ def read_features(
     simulated: bool = False,
     seed: int = 0,
 ) -> Features:
-    """Return the features in an embeddings file, NPZ, Parquet, HDF5 or CSV.
+    """Return the features in an embeddings file, NPZ, Parquet, HDF5, safetensors or CSV.
 
     columns  name here -> name in the file, as for `omnivat import`; `vis` or `tac` may be absent,
              as may `material` and `domain`
@@ -78,49 +76,29 @@ def read_features(
     (['A', 'B'], ('tac',), False)
     """
     file = Path(file)
-    if file.suffix.lower() == ".safetensors" or file.is_dir():
-        found = features_of(load_embeddings(file), seed=seed)
+    if file.is_dir() or is_embeddings(file):
+        data = load_embeddings(file)
     else:
-        named: dict[str, str] = dict(columns or {})
-        columns_there = read_columns(file)
-        stems = {key for name in columns_there for key in (name, re.sub(r"_\d+$", "", name))}
-        there = tuple(name for name in IMAGES if named.get(name, name) in stems)
-        if len(there) == 1:  # one modality stands for both, and is reported once
-            named |= {name: named.get(there[0], there[0]) for name in IMAGES}
-        labels = next(
-            (
-                columns_there[name]
-                for name in (named.get("material", "material"), "label", "class")
-                if name in columns_there
-            ),
-            None,
-        )
-        if not classes and labels is not None and labels.dtype.kind in "iu" and labels.size:
-            classes = tuple(f"class {k}" for k in range(min(int(labels.max()), 10_000) + 1))
-        imported = import_embeddings(
+        data = import_embeddings(
             file,
             encoder=encoder or file.stem,
             domain=domain or file.stem,
             material=NO_CLASS,
-            classes=classes,
-            columns=named,
+            classes=classes or None,
+            columns=columns,
             simulated=simulated,
         )
-        found = features_of(imported, there or IMAGES, labels is not None, seed=seed)
+    found = features_of(data, seed=seed)
     if found.drawn_of < 2:
         raise DataError(f"'{file}' has {found.drawn_of} pair(s); 2 or more are needed.")
     return found
 
 
-def features_of(
-    data: Embeddings, modalities: tuple[str, ...] = (), labelled: bool = True, *, seed: int = 0
-) -> Features:
-    """Return the features of a set that is loaded; see `read_features`. modalities  (): by its
-    pictures
-    """
+def features_of(data: Embeddings, *, seed: int = 0) -> Features:
+    """Return the features of a set that is loaded; see `read_features`."""
     return Features(
         embeddings=data.sampled(MOST, seed=seed),
-        modalities=modalities or data.header.modalities,
-        labelled=labelled and len(np.unique(data.label)) > 1,
+        modalities=data.header.modalities,
+        labelled=len(np.unique(data.label)) > 1,
         drawn_of=len(data),
     )

@@ -5,6 +5,7 @@ from itertools import product
 import pytest
 
 from omnivat.cli import main
+from omnivat.data.store import load_embeddings
 from omnivat.study import trial
 
 FOLDERS = {  # kind -> names of pictures
@@ -109,8 +110,17 @@ def test_pictures_whose_names_tell_nothing_end_in_the_names_that_would(
     assert "_vis.png" in said and "_tac.png" in said and said.count("\n") == 1
 
 
-def test_touches_in_a_table_have_to_be_named_as_such(tmp_path, run, pictures):
+def test_the_column_of_a_table_tells_that_its_pictures_are_touches(tmp_path, run, pictures):
     place = pictures(tmp_path / "mine", ["{c}{k}.png"]) / "list.csv"
     place.write_text("tac\nwood0.png\n")
-    said = run("embed", place, "--out", tmp_path / "out.safetensors", code=1).err
-    assert "NAME_tac.png, or in a folder tac" in said
+    line = [
+        "embed",
+        place,
+        "--encoder",
+        "strip",
+        "--no-flips",
+        "--out",
+        tmp_path / "out.safetensors",
+    ]
+    assert "touches alone" in run(*line).out
+    assert load_embeddings(tmp_path / "out.safetensors").header.modalities == ("tac",)

@@ -1,15 +1,18 @@
 """`omnivat import`: embeddings made elsewhere, from each kind of file, checked and named."""
 
 import csv
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from safetensors.numpy import save_file
 
 from omnivat.cli import main
 from omnivat.data.foreign import import_embeddings
 from omnivat.data.store import load_embeddings
 from omnivat.kit.errors import DataError
+from omnivat.study.shift import read_features
 
 COUNT = 6
 Table = dict[str, Any]
@@ -118,7 +121,12 @@ def test_columns_of_other_names_are_found(table, tmp_path):
 @pytest.mark.parametrize(
     ("change", "match"),
     [
-        (lambda t: t.pop("tac"), "no vectors 'tac'; it has vis"),
+        (lambda t: [t.pop("vis"), t.pop("tac")], "no vectors 'vis' or 'tac'; it has domain"),
+        (
+            lambda t: t.update(gelsight=t.pop("tac"), digit=t["vis"]),
+            "has gelsight, digit; name one with --column tac=THEIRS",
+        ),
+        (lambda t: t.update(material=np.array([""] * 6)), "no material in any row"),
         (lambda t: t.pop("material"), "no column 'material'; pass --column material"),
         (lambda t: t.pop("domain"), "no column 'domain'; pass --domain"),
         (lambda t: t.update(tac=t["tac"][:5]), r"tac of shape \(5, 4\), expected \(6, D\)"),
@@ -130,8 +138,8 @@ def test_columns_of_other_names_are_found(table, tmp_path):
         ),
         (lambda t: t.update(vis=np.full((6, 4), "x")), "has no numbers in vis"),
         (lambda t: t.update(material=np.arange(6)), "0 to 5; name them with --classes"),
-        (lambda t: t.update(split=np.array(["dev"] * 6)), "the split 'dev'"),
-        (lambda t: t.update(domain=np.array(["a"] * 5 + [""])), "pairs without a domain"),
+        (lambda t: t.update(split=np.array(["tset"] * 6)), "row 0: there is no split 'tset'"),
+        (lambda t: t.update(domain=np.array(["a"] * 5 + [""])), "no domain in row 5"),
         (lambda t: t.update(object=np.array([{}] * 6)), "pickled objects"),
     ],
 )
@@ -157,8 +165,94 @@ def test_numbered_columns_are_found_by_any_name_and_all_of_them_are_needed(tmp_p
             import_embeddings(file, encoder="x", columns={"vis": "img("})
 
 
-@pytest.mark.parametrize("name", [*WRITERS, "set.txt", "set.hdf5"])
+@pytest.mark.parametrize("name", [*WRITERS, "set.txt", "set.hdf5", "set.safetensors"])
 def test_a_file_that_is_not_what_its_ending_says_is_refused(tmp_path, name):
     (tmp_path / name).write_bytes(b"\x00\x01nothing")
     with pytest.raises(DataError, match=name):
         import_embeddings(tmp_path / name, encoder="x")
+
+
+@pytest.mark.parametrize("kind", [str, int, float, np.int8, np.uint16, np.float32, "S4"])
+def test_numbered_labels_of_any_type_have_the_names_that_are_given(table, tmp_path, kind):
+    numbers = np.array([0, 1, 2, 0, 1, 2])
+    table["material"] = numbers.astype(kind) if kind == "S4" else numbers.astype(np.dtype(kind))
+    write_npz(table, tmp_path / "a.npz")
+    names = ("felt", "wood", "cork")
+    found = import_embeddings(tmp_path / "a.npz", encoder="x", classes=names)
+    assert [found.header.classes[k] for k in found.label] == [*names, *names]
+    told = import_embeddings(tmp_path / "a.npz", encoder="x", classes=None)
+    assert set(told.header.classes) == {"class 0", "class 1", "class 2"}
+
+
+@pytest.mark.parametrize("missing", [-1.0, np.nan, "", "-1"])
+def test_pairs_without_a_class_are_left_out_and_named(table, tmp_path, missing):
+    labels = [0, 1, missing, 1, 0, 1]
+    table["material"] = np.array(labels if not isinstance(missing, str) else [*map(str, labels)])
+    write_npz(table, tmp_path / "a.npz")
+    found = import_embeddings(tmp_path / "a.npz", encoder="x", classes=("wood", "felt"))
+    assert len(found) == 5 and found.rows["object"] == ["o0", "o1", "o3", "o4", "o5"]
+    assert found.header.origin.endswith("1 of 6 rows left out, which have no class: row 2")
+    np.testing.assert_array_equal(found.vis, np.delete(table["vis"], 2, 0))
+
+
+def test_columns_that_nobody_asked_for_end_nothing(table, tmp_path):
+    h5py = pytest.importorskip("h5py")
+    pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    objects = np.array([Path("a")] * COUNT, dtype=object)
+    np.savez(tmp_path / "a.npz", **table, paths=objects)
+    columns = {name: array.tolist() for name, array in table.items()}
+    ragged = {
+        "tokens": [[1] * k for k in range(COUNT)],
+        "boxes": [[[1, 2]] * k for k in range(COUNT)],
+    }
+    pq.write_table(pa.table(columns | ragged), tmp_path / "a.parquet")
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name, array in table.items():
+            file[f"features/{name}"] = array.tolist() if array.dtype.kind == "U" else array
+        file["version"] = "1.0"
+        file.create_dataset("jpeg", (COUNT,), h5py.vlen_dtype(np.uint8))
+    for name in ("a.npz", "a.parquet", "a.h5"):
+        found = import_embeddings(tmp_path / name, encoder="x")
+        np.testing.assert_allclose(found.tac, table["tac"], rtol=1e-6)
+
+
+def test_a_row_without_its_numbers_is_named(table, tmp_path):
+    pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    for vector, words in ((None, "nothing in row 4 of vis"), ([1.0], "1 numbers in row 4 of vis")):
+        columns = {name: array.tolist() for name, array in table.items()}
+        columns["vis"][4] = vector
+        pq.write_table(pa.table(columns), tmp_path / "a.parquet")
+        with pytest.raises(DataError, match=words):
+            import_embeddings(tmp_path / "a.parquet", encoder="x")
+    write_csv(table, tmp_path / "a.csv")
+    lines = (tmp_path / "a.csv").read_text().splitlines()
+    for line, words in (("," + lines[4].partition(",")[2], "an empty cell"), ("x", "1 cells")):
+        (tmp_path / "a.csv").write_text("\n".join([*lines[:4], line, *lines[5:]]))
+        with pytest.raises(
+            DataError, match=rf"row 3 \(line 5\).*{words}|{words}.*row 3 \(line 5\)"
+        ):
+            import_embeddings(tmp_path / "a.csv", encoder="x")
+
+
+def test_semicolons_decimal_commas_and_blank_last_lines_are_read(table, tmp_path):
+    write_csv(table, tmp_path / "a.csv")
+    text = (tmp_path / "a.csv").read_text("utf-8")
+    decimals = text.replace(",", ";").replace(".", ",").replace("\n", "\r\n") + "\r\n;;\r\n"
+    (tmp_path / "a.csv").write_text(decimals, "utf-8")
+    found = import_embeddings(tmp_path / "a.csv", encoder="x")
+    np.testing.assert_allclose(found.vis, table["vis"], rtol=1e-6)
+
+
+def test_plain_safetensors_and_vectors_of_one_modality_are_a_set(table, tmp_path):
+    numbers = {"touch": table["tac"], "label": np.arange(COUNT) % 2}
+    save_file(numbers, tmp_path / "a.safetensors")
+    found = read_features(tmp_path / "a.safetensors")
+    assert (found.modalities, found.domains, found.labelled) == (("tac",), ["a"], True)
+    out = tmp_path / "out.safetensors"
+    line = ["import", str(tmp_path / "a.safetensors"), "--encoder", "x", "--domain", "rig"]
+    assert main([*line, "--classes", "wood,felt", "--out", str(out)]) == 0
+    again = load_embeddings(out)
+    assert (again.header.modalities, again.header.classes) == (("tac",), ("wood", "felt"))
+    assert again.header.origin == "imported from a.safetensors; tac is 'touch'"
+    np.testing.assert_array_equal(again.vis, table["tac"])
+    assert read_features(out).modalities == ("tac",)

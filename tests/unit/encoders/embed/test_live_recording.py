@@ -1,4 +1,4 @@
-"""Live's own functions on real frames of GelSights: contact, and a recording that `embed` reads."""
+"""Live's own functions on real frames of GelSights: contact, and a recording for LeRobot."""
 
 import io
 import json
@@ -12,16 +12,15 @@ import pytest
 from PIL import Image
 
 from omnivat.cli import main
-from omnivat.data.store import load_embeddings
+from omnivat.data.readers import read_pairs
 
-pytestmark = pytest.mark.usefixtures("mean_encoder")
 ROOT = Path(__file__).resolve().parents[4]
 SIZE = (256, 192)  # as Live draws them
 SCRIPT = """
 import { readFileSync, writeFileSync } from "node:fs";
 await import(`${ROOT}/tests/web/browser.js`);
 const { apart, blocksOf, restOf } = await import(`${ROOT}/app/web/pair/feed.js`);
-const { recorded } = await import(`${ROOT}/app/web/pair/live.js`);
+const { dataSets } = await import(`${ROOT}/app/web/pair/lerobot.js`);
 const { zipped } = await import(`${ROOT}/app/web/pair/zip.js`);
 const blocks = (name) => blocksOf({ data: readFileSync(name), width: 256, height: 192 });
 const { rest, frames, pictures, out } = JSON.parse(readFileSync(0));
@@ -31,11 +30,13 @@ if (rest) {
   console.log(JSON.stringify(known && frames.map(touched)));
 } else {
   const blob = (name) => new Blob([readFileSync(name)]);
-  const pairs = pictures.map(({ label, ...files }) => {
-    const shots = Object.entries(files).map(([name, file]) => [name, blob(file)]);
-    return { label, time: "2026", pictures: shots };
+  const contentOf = async (blob) => new Uint8Array(await blob.arrayBuffer());
+  const pairs = pictures.map(({ label, ...files }, k) => {
+    const shots = Object.entries(files).map(([name, file]) => [name, blob(file), [256, 192]]);
+    return { label, time: 1e12 + 250 * k, pictures: shots };
   });
-  writeFileSync(out, Buffer.concat(zipped(await recorded(pairs)).map((part) => Buffer.from(part))));
+  const files = zipped(await dataSets(pairs, contentOf));
+  writeFileSync(out, Buffer.concat(files.map((part) => Buffer.from(part))));
 }
 """
 
@@ -88,21 +89,42 @@ def test_a_rest_picture_is_refused_if_the_sensor_was_touched_meanwhile(tmp_path,
 
 
 @pytest.mark.parametrize("halves", [("vis", "tac"), ("tac",)])
-def test_a_recording_of_live_is_embedded(tmp_path, presses, halves):
-    """With photo and touch, and of touches alone."""
+def test_a_recording_of_live_is_a_data_set_of_lerobot_and_is_imported(tmp_path, presses, halves):
+    """With photo and touch, and of touches alone; a source that ends begins another data set."""
+    datasets, pandas = pytest.importorskip("datasets"), pytest.importorskip("pandas")
     _, pressed = presses("gelsight_mini")
     pictures = []
-    for k, one in enumerate(pressed[:6]):
+    for k, one in enumerate(pressed[:7]):
         files = {}
-        for half in halves:
+        for half in halves if k < 6 else ("tac",):
             files[half] = str(tmp_path / f"{k}_{half}")
             Image.fromarray(one).resize(SIZE).save(files[half], "JPEG")
-        pictures.append({"label": ("wood", "a/b", "=felt")[k % 3], **files})
+        pictures.append({"label": ("wood", "a/b ü", "=felt")[min(k // 2, 2)], **files})
     page(pictures=pictures, out=str(tmp_path / "recording.zip"))
     with zipfile.ZipFile(io.BytesIO((tmp_path / "recording.zip").read_bytes())) as packed:
         packed.extractall(tmp_path)
-    line = ["embed", str(tmp_path / "recording"), "--out", str(tmp_path / "set.safetensors")]
+    sets = {path.name for path in tmp_path.glob("My sensor*")}
+    assert sets == ({"My sensor", "My sensor 2"} if len(halves) > 1 else {"My sensor"})
+    root, count = tmp_path / "My sensor", 8 - len(halves)
+    info = json.loads((root / "meta" / "info.json").read_text("utf-8"))
+    kinds = {name: one["dtype"] for name, one in info["features"].items()}
+    features = {
+        n: datasets.Value(k) if k != "image" else datasets.Image() for n, k in kinds.items()
+    }
+    frames = datasets.Dataset.from_parquet(
+        str(root / "data" / "chunk-000" / "file-000.parquet"),
+        features=datasets.Features(features),
+        cache_dir=tmp_path / "cache",
+    )
+    assert frames["timestamp"][:] == [k / info["fps"] for k in frames["frame_index"]]
+    assert frames["time"][:] == [k / 4 for k in range(count)] and info["fps"] == 4
+    assert frames[3]["observation.images.tactile"].size == SIZE
+    tasks = pandas.read_parquet(root / "meta" / "tasks.parquet")
+    assert [tasks.iloc[k].name for k in frames["task_index"]][::2] == ["wood", "a/b ü", "=felt"] + [
+        "=felt"
+    ] * (count == 7)
+    line = ["import", str(root), "--out", str(tmp_path / "pairs"), "--frames", "2"]
     assert main(line) == 0
-    found = load_embeddings(tmp_path / "set.safetensors")
-    assert (len(found), found.header.domains) == (6, ("My sensor",))
-    assert len(found.header.classes) == 3
+    found = read_pairs(tmp_path / "pairs")
+    assert (len(found.pairs), found.domains()) == (6, ("My sensor",))
+    assert found.modalities() == halves and len(found.materials()) == 3

@@ -1,0 +1,160 @@
+"""Pairs whose pictures lie in one file: Parquet by `datasets`, NPZ, HDF5, safetensors."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from omnivat.cli import main
+from omnivat.data.readers import read_pairs
+from omnivat.data.recordings import clips_of
+from omnivat.kit.errors import DataError
+from tests.unit.data.test_tracks import shown
+
+COUNT = 4
+NAMES = ["Wood", "steel"]
+
+
+def greys(first, shape=(16, 24, 3)):
+    return np.stack([np.full(shape, first + k, np.uint8) for k in range(COUNT)])
+
+
+def written_by_datasets(file):
+    datasets = pytest.importorskip("datasets")
+    features = datasets.Features(
+        wrist=datasets.Image(),
+        gelsight=datasets.Image(),
+        depth=datasets.Array2D((2, 2), "float32"),
+        label=datasets.ClassLabel(names=NAMES),
+        item=datasets.Value("string"),
+        tokens=datasets.Sequence(datasets.Value("int32")),
+    )
+    rows = {
+        "wrist": [Image.fromarray(one) for one in greys(50)],
+        "gelsight": [Image.fromarray(one) for one in greys(150)],
+        "depth": [[[0.0, 1], [2, 3]]] * COUNT,
+        "label": [0, 1, 0, 1],
+        "item": ["mug", "fork"] * 2,
+        "tokens": [[1] * k for k in range(COUNT)],
+    }
+    file.parent.mkdir(parents=True, exist_ok=True)
+    datasets.Dataset.from_dict(rows, features=features).to_parquet(file, batch_size=3)
+
+
+def imported(source, out, *more):
+    return main(["import", str(source), "--out", str(out), *more])
+
+
+def labels(folder):
+    return [(p.domain, p.material, p.object, p.split) for p in read_pairs(folder).pairs]
+
+
+def test_parquet_of_the_model_hub_keeps_classes_objects_splits_and_subsets(tmp_path, capsys):
+    root = tmp_path / "press"
+    written_by_datasets(root / "data" / "train-00000-of-00001.parquet")
+    written_by_datasets(root / "new gel" / "validation-00000-of-00001.parquet")
+    assert (
+        imported(root, tmp_path / "out", "--vis", "wrist", "--look", str(tmp_path / "a.png")) == 0
+    )
+    assert labels(tmp_path / "out") == [
+        (domain, *both, split)
+        for domain, split in (("press", "train"), ("new gel", "val"))
+        for both in (("wood", "mug"), ("steel", "fork")) * 2
+    ]
+    assert shown(tmp_path / "out" / "press", "vis") == [51, 53, 50, 52]  # by class
+    assert shown(tmp_path / "out" / "new gel", "tac") == [151, 153, 150, 152]
+    said = capsys.readouterr().out
+    assert "cameras: photo wrist, touch gelsight" in said and (tmp_path / "a.png").is_file()
+
+
+@pytest.mark.parametrize("ending", [".npz", ".h5", ".safetensors"])
+def test_arrays_of_pictures_become_pairs_and_vectors_are_told_apart(tmp_path, ending, capsys):
+    arrays = {
+        "rgb": greys(50),
+        "tactile": greys(150, (3, 16, 24)),
+        "class": np.arange(COUNT) % 2,
+        "sensor": np.array(["new", "old"] * 2),
+    }
+    file = tmp_path / f"a{ending}"
+    if ending == ".npz":
+        np.savez(file, **arrays)
+    elif ending == ".safetensors":
+        pytest.importorskip("safetensors.numpy").save_file(
+            {name: a for name, a in arrays.items() if name != "sensor"}, file
+        )
+    else:
+        with pytest.importorskip("h5py").File(file, "w") as handle:
+            for name, array in arrays.items():
+                handle[f"press/{name}"] = array.tolist() if name == "sensor" else array
+    assert imported(file, tmp_path / "out", "--classes", "wood,felt") == 0
+    found = read_pairs(tmp_path / "out")
+    assert {p.material for p in found.pairs} == {"wood", "felt"} and found.modalities() == (
+        "vis",
+        "tac",
+    )
+    assert set(found.domains()) == ({"new", "old"} if ending != ".safetensors" else {tmp_path.name})
+    assert sorted(shown(tmp_path / "out", "tac")) == [150, 151, 152, 153]
+    np.savez(tmp_path / "b.npz", vis=np.eye(3), tac=np.eye(3))
+    assert imported(tmp_path / "b.npz", tmp_path / "none") == 1
+    assert (
+        "holds no pictures; of vectors, name their encoder with --encoder"
+        in capsys.readouterr().err
+    )
+    one = ["--encoder", "x", "--domain", "A", "--out", str(tmp_path / "b.safetensors")]
+    assert main(["import", str(file), *one]) == 1
+    assert f"import {file} --out PAIRS`, without --encoder" in capsys.readouterr().err
+
+
+def test_bytes_of_pictures_in_a_column_of_any_name_are_read_once_it_is_named(tmp_path):
+    pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    Image.fromarray(greys(9)[0]).save(tmp_path / "a.png")
+    content = (tmp_path / "a.png").read_bytes()
+    columns = {"image": [content, content, b"no picture"], "indenter": ["a", "b", None]}
+    pq.write_table(pa.table(columns), tmp_path / "a.parquet")
+    with pytest.raises(
+        DataError, match="name one with --tac, or the photos alone with --vis.*image"
+    ):
+        clips_of(tmp_path / "a.parquet")
+    out = tmp_path / "out"
+    assert (
+        imported(tmp_path / "a.parquet", out, "--tac", "image", "--column", "material=indenter")
+        == 0
+    )
+    assert read_pairs(out).modalities() == ("tac",) and [one[1] for one in labels(out)] == [
+        "a",
+        "b",
+    ]
+
+
+def test_folders_of_photos_and_touches_that_are_named_become_pairs(tmp_path, capsys):
+    for k, name in enumerate(("cam/wood/1.png", "skin/wood/1.png", "skin/wood/2.png")):
+        file = tmp_path / "press" / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        Image.fromarray(greys(50 * k)[0]).save(file)
+    assert imported(tmp_path / "press", tmp_path / "out", "--vis", "cam", "--tac", "skin") == 0
+    assert labels(tmp_path / "out") == [("press", "wood", "", "")]
+    assert (shown(tmp_path / "out", "vis"), shown(tmp_path / "out", "tac")) == ([0], [50])
+    assert "no _vis image beside the other" in capsys.readouterr().out
+
+
+def test_a_data_set_of_the_model_hub_is_brought_and_named_after_itself(
+    tmp_path, monkeypatch, capsys
+):
+    hub = pytest.importorskip("huggingface_hub")
+    asked = []
+
+    def download(name, *, local_dir, **options):
+        asked.append((name, options["repo_type"], options["revision"]))
+        if name == "lab/none":
+            raise OSError("no such repository")
+        written_by_datasets(local_dir / "data" / "test-00000-of-00001.parquet")
+
+    monkeypatch.setattr(hub, "snapshot_download", download)
+    monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
+    assert imported("hf:lab/press@v1", tmp_path / "out", "--vis", "wrist") == 0
+    assert asked == [("lab/press", "dataset", "v1")]
+    assert {(domain, split) for domain, _, _, split in labels(tmp_path / "out")} == {
+        ("press", "test")
+    }
+    for name, words in (("hf:press", "write it as hf:OWNER/NAME"), ("hf:lab/none", "no such")):
+        assert imported(name, tmp_path / "none") == 1
+        assert words in capsys.readouterr().err
