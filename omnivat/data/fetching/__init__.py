@@ -30,7 +30,7 @@ from omnivat.kit.files import (
     writing,
 )
 from omnivat.kit.progress import OnStep, Step, ignore
-from omnivat.kit.tables import entry
+from omnivat.kit.tables import entry, need
 
 TABLE = Path(__file__).with_name("sets.json")
 RECORD_BYTES = 4_000_000
