@@ -18,6 +18,7 @@ from time import monotonic, sleep
 from typing import Any, Generic, Literal, TypeVar
 
 from app.limits import GIVE_WAY_S, SLOTS, WAITING_JOBS
+from app.memory import TRIM
 from app.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
 from app.state import VISITOR
 from omnivat.kit.errors import OmniVatError
@@ -178,6 +179,7 @@ class Job(Generic[T]):
         with self.lane.changed:
             self.lane.running.discard(self)
             self.lane.let_in()
+        TRIM.soon()
 
     def _stopped(self) -> None:
         self._end("cancelled", CancelledError("This work was cancelled."))

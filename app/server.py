@@ -15,6 +15,7 @@ from typing import Any
 from app.components import WEB, component, head, theme
 from app.guard import Guard, alone, rules, warning
 from app.light import light_imports
+from app.memory import share_arenas
 from app.preflight import free_port, keeps_nothing, parser, require_files
 from app.scratch import sweep
 from app.views import VIEWS
@@ -113,6 +114,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
     # torch's idle threads sleep: visitors share the processors
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+    share_arenas()
     start_log()
     from app.places import places
     from app.resources import Resources, Shared

@@ -122,8 +122,9 @@ export function wire() {
     if (key.toLowerCase() === "f" || (key === "Escape" && document.body.classList.contains("lecturing"))) lecture();
   });
   document.addEventListener("omnivat:arriving", (event) => {
-    const share = /** @type {CustomEvent} */ (event).detail;
-    if (!$().classList.contains("ready")) tell($(".wait"), `Loading this chapter: ${percent(share)}`);
+    const { path, share } = /** @type {CustomEvent} */ (event).detail;
+    const awaited = /^(frames|twins)/.test(path) && !$().classList.contains("ready"); // other tabs load, too
+    if (awaited) tell($(".wait"), `Loading this chapter: ${percent(share)}`);
   });
   watch(["chapter", "by"], enter);
   watch(["press", "from", "dots", "known", "reading"], () => scene.chapter === "touch" && touch.show());

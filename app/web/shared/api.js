@@ -72,8 +72,9 @@ async function waited() {
   }
 }
 
-/** The body of a response. A large one tells the share that has arrived. @param {Response} response */
-async function bodyOf(response) {
+/** The body of a response. A large one tells its path and the share that has arrived.
+ * @param {Response} response @param {string} path */
+async function bodyOf(response, path) {
   const total = Number(response.headers.get("Content-Length"));
   const reader = total > LARGE && response.body?.getReader();
   if (!reader) return response.blob();
@@ -84,7 +85,8 @@ async function bodyOf(response) {
     if (done) return new Blob(parts);
     parts.push(/** @type {BlobPart} */ (value));
     size += value.length;
-    document.dispatchEvent(new CustomEvent("omnivat:arriving", { detail: Math.min(1, size / total) }));
+    const detail = { path, share: Math.min(1, size / total) };
+    document.dispatchEvent(new CustomEvent("omnivat:arriving", { detail }));
   }
 }
 
@@ -94,7 +96,7 @@ async function sent(path, options) {
   for (let again = false; ; again = true) {
     try {
       const response = await fetch(address(path), options);
-      return new Response(await bodyOf(response), response); // here, as a connection is also lost midway
+      return new Response(await bodyOf(response, path), response); // here, as a connection is also lost midway
     } catch (error) {
       if (isCancelled(error)) throw error;
       returning ??= waited();

@@ -1,0 +1,48 @@
+"""Freed memory goes back to the system."""
+
+import ctypes
+import subprocess
+import sys
+
+import pytest
+
+SCRIPT = """
+import sys, time
+from threading import Thread
+from app.memory import Trim, share_arenas
+
+def resident():
+    return int(open("/proc/self/statm").read().split()[1]) * 4096
+
+share_arenas()
+kept = []
+def work():
+    blocks = [bytes(100_000) for _ in range(1000)]  # below the size that glibc maps by itself
+    kept.append(blocks[::100])  # what stays lies between what goes
+
+before = resident()
+for _ in range(4):
+    thread = Thread(target=work)
+    thread.start()
+    thread.join()
+held = resident() - before
+trim = Trim(0.01)
+for _ in range(3):
+    trim.soon()
+while trim._pending:
+    time.sleep(0.01)
+time.sleep(0.05)
+print(held, resident() - before)
+"""
+
+
+@pytest.mark.skipif(
+    not hasattr(ctypes.CDLL(None), "malloc_trim"), reason="memory of this system is not glibc's"
+)
+def test_what_work_frees_between_what_it_keeps_goes_back_to_the_system():
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT], capture_output=True, text=True, check=True
+    )
+    held, after = map(int, done.stdout.split())
+    assert after < held / 2, (held, after)
+    assert after < 20_000_000  # four times 1 MB is kept
