@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
-from omnivat.data.naming import COLUMNS, checked_split, found_file, half_of, set_name
+from omnivat.data.naming import COLUMNS, checked_split, found_file, half_of, modality_of, set_name
 from omnivat.data.pairs import TEXTS, Pair, PairSet, Skipped
 from omnivat.data.readers.files import TABLES, is_file, read_rows, show
 from omnivat.kit.errors import DataError
@@ -50,6 +50,9 @@ def read(
     skipped: list[Skipped] = []
     first: dict[tuple[str, str], tuple[int, Pair]] = {}  # the two files -> row of first appearance
     rows, columns = rows_of(file, vis=vis, tac=tac)
+    for row in rows.values():
+        if row["vis"] == row["tac"]:  # one picture, in both columns
+            row[OTHER[modality_of(Path(row["vis"])) or "vis"]] = ""
     alone = _stands_for_both(list(rows.values()))
     for number, row in rows.items():
         texts: dict[str, Any] = {name: class_key(row.get(name, "")) for name in TEXTS}

@@ -93,6 +93,7 @@ def test_a_byte_order_mark_and_windows_line_ends_are_accepted(table):
         ("vis,label\nv.png, Unlabelled\n", "v.png", "v.png"),
         ("tac\nt.png\n", "t.png", "t.png"),  # the column tells the modality, not the name
         ("vis,tac\nv.png,t_tac.png\n", "v.png", "t_tac.png"),
+        ("vis,tac\nt_tac.png,t_tac.png\n", "t_tac.png", "t_tac.png"),  # one picture, twice
         ("Photo;Tactile image\nv.png;t.png\n", "v.png", "t.png"),
         ("sep=;\nvis;tac\nv.png;t.png\n", "v.png", "t.png"),
         ("vis\ttac\nV.PNG\tt.png\n", "v.png", "t.png"),
