@@ -154,18 +154,18 @@ def draw_set(
         on_step(Step(done=done, total=len(images), text=name))
     for path, sensor in rests.items():
         write_image(path, resting(sensor, size=size))
-    kinds = {kind for _, kind in images}
-    files = {kind: kind if kind in kinds else next(iter(kinds)) for kind in IMAGES}
+    kinds = [name for name in IMAGES if any(kind == name for _, kind in images)]
     pairs = tuple(
         Pair(
-            vis=image_path(out, pair, files["vis"]),
-            tac=image_path(out, pair, files["tac"]),
+            vis=image_path(out, pair, kinds[0]),
+            tac=image_path(out, pair, kinds[-1]),
             domain=simulated(pair.domain),
+            alone=kinds[0] if len(kinds) == 1 else "",
             **{name: getattr(pair, name) for name in ("material", *TEXTS)},
         )
         for pair in plan
     )
-    write_table(out, pairs, [name for name in COLUMNS if files.get(name, name) == name])
+    write_table(out, pairs, [name for name in COLUMNS if name in kinds or name not in IMAGES])
     return PairSet(pairs=pairs, origin=origin, simulated=True)
 
 
