@@ -10,13 +10,13 @@ from collections import Counter, defaultdict
 from ipaddress import IPv4Address, ip_address, ip_network
 from typing import Any
 
-import h11
 from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
-from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.http import h11_impl
 
 from app.limits import AT_ONCE, BODY_S, CONNECTIONS, IDLE_S, SHARE, SLOWEST
 
+STATES = vars(h11_impl)["h11"]  # the package that uvicorn reads requests with
 OPEN: Counter[str] = Counter()  # address -> its connections
 
 
@@ -35,7 +35,7 @@ def visitor_at(host: str) -> str:
     return str(address.ipv4_mapped or ip_network((address, 64), strict=False))
 
 
-class Connection(H11Protocol):
+class Connection(h11_impl.H11Protocol):
     """A connection that ends if its visitor sends or reads too slowly."""
 
     def __init__(self, config: Any, server_state: Any, app_state: Any, _loop: Any = None) -> None:
@@ -81,14 +81,14 @@ class Connection(H11Protocol):
     def on_response_complete(self) -> None:
         """Limit the time of a body that nobody reads."""
         super().on_response_complete()
-        if self.conn.their_state is h11.SEND_BODY:
+        if self.conn.their_state is STATES.SEND_BODY:
             self._limit("read", IDLE_S)
 
     def _watch(self) -> None:
         state = self.conn.their_state
         if state is not self._timed:
             self._timed = state
-            self._limit("read", {h11.IDLE: IDLE_S, h11.SEND_BODY: BODY_S}.get(state, 0))
+            self._limit("read", {STATES.IDLE: IDLE_S, STATES.SEND_BODY: BODY_S}.get(state, 0))
 
     def pause_writing(self) -> None:
         """Limit the time in which the visitor reads what waits."""

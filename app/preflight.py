@@ -63,7 +63,7 @@ def require_files(chosen: argparse.Namespace) -> None:
     load.
     """
     if chosen.profile is not None:
-        from omnivat.data.profile import load_profile
+        from omnivat.data.profile_file import load_profile
 
         load_profile(chosen.profile)
     for folder in filter(None, (chosen.head, *chosen.compare)):

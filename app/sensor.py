@@ -51,7 +51,7 @@ def profile(resources: Resources, question: Question) -> Reply:
 
 def save_sensor(resources: Resources, question: Question) -> bytes:
     """Return the profile named in a request as a file for the page and for `--profile`."""
-    from omnivat.data.profile import save_profile
+    from omnivat.data.profile_file import save_profile
 
     found = profile_in(resources, question)
     if found is None:
@@ -66,7 +66,8 @@ def load_sensor(resources: Resources, file: Path, _: Question) -> Reply:
     """Keep a saved profile; return as `profile` does. Raises DataError if it does not fit the
     head.
     """
-    from omnivat.data.profile import load_profile, require_key
+    from omnivat.data.profile import require_key
+    from omnivat.data.profile_file import load_profile
 
     found = load_profile(file)
     source = resources.head().source_profile

@@ -49,8 +49,8 @@ _PUBLIC = {
     # a new sensor: its profile, lessons, and what more of them would bring
     "profile_of": "omnivat.data.profile:profile_of",
     "profiled": "omnivat.data.profile:profiled",
-    "load_profile": "omnivat.data.profile:load_profile",
-    "save_profile": "omnivat.data.profile:save_profile",
+    "load_profile": "omnivat.data.profile_file:load_profile",
+    "save_profile": "omnivat.data.profile_file:save_profile",
     "Lesson": "omnivat.head.teach:Lesson",
     "taught": "omnivat.head.teach:taught",
     "judged": "omnivat.head.teach:judged",

@@ -228,7 +228,7 @@ def head_and_set(
     """Return the head and the embeddings that fit it, `sample` of the pairs or all, with the
     profiles of the options.
     """
-    from omnivat.data.profile import load_profile
+    from omnivat.data.profile_file import load_profile
     from omnivat.data.store import load_embeddings
     from omnivat.head.checkpoint import load_head
 

@@ -115,7 +115,8 @@ def lamps_in(options: Sequence[str], domains: Sequence[str]) -> "dict[str, Lamps
 
     Raises DataError for a profile without lamps.
     """
-    from omnivat.data.profile import domain_of, load_profile
+    from omnivat.data.profile import domain_of
+    from omnivat.data.profile_file import load_profile
 
     if ALONE in options:
         return None

@@ -63,7 +63,8 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Load both, score every domain, print a table."""
-    from omnivat.data.profile import domain_of, load_profile
+    from omnivat.data.profile import domain_of
+    from omnivat.data.profile_file import load_profile
     from omnivat.measure.known import measured
 
     head, embeddings = head_and_set(options, profiled=False)

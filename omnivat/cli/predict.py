@@ -58,7 +58,7 @@ def run(options: argparse.Namespace) -> None:
     import torch
 
     from omnivat.data.dots import dots_of
-    from omnivat.data.profile import load_profile
+    from omnivat.data.profile_file import load_profile
     from omnivat.data.relief.files import touch_of
     from omnivat.data.rest import RESTED
     from omnivat.encoders import load_encoder

@@ -44,7 +44,8 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Read the embeddings or embed the pictures, write the profile, print what it holds."""
     require_writable(options.out, EMBEDDINGS)
-    from omnivat.data.profile import profile_of, save_profile
+    from omnivat.data.profile import profile_of
+    from omnivat.data.profile_file import save_profile
     from omnivat.data.store import load_embeddings
 
     named = [place for place in (options.pictures, options.vis, options.tac) if place]

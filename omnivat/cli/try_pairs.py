@@ -109,7 +109,8 @@ def run(options: argparse.Namespace) -> None:
 
 def _write(options: argparse.Namespace, out: Path) -> None:
     """Read or embed, train, print the figures, write the folder."""
-    from omnivat.data.profile import profile_of, save_profile
+    from omnivat.data.profile import profile_of
+    from omnivat.data.profile_file import save_profile
     from omnivat.head.checkpoint import save_head
     from omnivat.study.trial import try_pairs
 

@@ -8,37 +8,21 @@ the encoder's output; a rest picture subtracted from each tactile image does the
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from safetensors import SafetensorError
 
-from omnivat.data.arrays import (
-    LARGE_BYTES,
-    Column,
-    column,
-    read_arrays,
-    require_range,
-    walked,
-    write_arrays,
-)
+from omnivat.data.arrays import LARGE_BYTES, require_range, walked
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.relief import Lamps
-from omnivat.data.relief.files import packed, unpacked
 from omnivat.kit.errors import DataError
-from omnivat.kit.files import replacing
-from omnivat.kit.schema import LONGEST_NAME
 from omnivat.kit.stages import IMAGES
 
 Array = NDArray[np.float32]
-FORMAT = "omnivat-profile-1"
-KEY = ("encoder", "weights_hash", "preprocessing")
 MEAN_PRIOR, VARIANCE_PRIOR = 4, 10  # pictures that the source's mean and variance weigh
 STEP_SHIFTED = 0.875  # of a head trained with imitated sensors (docs/decisions/0009)
-MOST = 10**12  # pictures, above any that a file can count
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,7 +43,7 @@ class Profile:
     domain    name of the domain; "" if it has none
     step      of a head's source: the share of the way that another sensor is moved onto it
 
-    Raises DataError without channels.
+    Raises DataError without channels, or for two widths.
     lamps     of the sensor; None if they are not known
     """
 
@@ -70,8 +54,8 @@ class Profile:
     lamps: Lamps | None = None
 
     def __post_init__(self) -> None:
-        if not self.channels:
-            raise DataError("A profile needs one picture or more; there are none.")
+        if len({len(one.mean) for one in self.channels.values()}) != 1:
+            raise DataError("A profile needs one modality or two of equal width.")
 
     @property
     def width(self) -> int:
@@ -301,72 +285,3 @@ def _empty(shape: tuple[int, ...]) -> Array:
         return np.empty(shape, np.float32)
     with TemporaryFile() as file:
         return np.memmap(file, np.float32, "w+", shape=shape)
-
-
-def save_profile(file: str | Path, profile: Profile) -> None:
-    """Write a profile, completely or not at all.
-
-    >>> from tempfile import TemporaryDirectory
-    >>> from omnivat import EXAMPLES, load_profile
-    >>> profile = load_profile(EXAMPLES / "head" / "profile.safetensors")
-    >>> with TemporaryDirectory() as folder:
-    ...     save_profile(Path(folder) / "copy.safetensors", profile)
-    ...     load_profile(Path(folder) / "copy.safetensors").counts == profile.counts
-    True
-    """
-    header = dict(zip(KEY, profile.key, strict=True)) | {"domain": profile.domain}
-    columns: dict[str, Column] = {}
-    for name, one in profile.channels.items():
-        columns |= {f"{name}_mean": column(one.mean), f"{name}_variance": column(one.variance)}
-        header[f"{name}_count"] = str(one.count)
-    header |= {"step": repr(profile.step)} if profile.step != 1 else {}
-    header |= {"lamps": packed(profile.lamps)} if profile.lamps else {}
-    with replacing(file) as temporary:
-        write_arrays(temporary, columns, {"format": FORMAT, **header})
-
-
-def load_profile(file: str | Path) -> Profile:
-    """Read a profile.
-
-    Raises DataError with the file name if it is missing, damaged, or of another kind.
-
-    >>> from tempfile import TemporaryDirectory
-    >>> from omnivat import EXAMPLES, load_embeddings
-    >>> pairs = load_embeddings(EXAMPLES / "chirps" / "chirps.safetensors")
-    >>> with TemporaryDirectory() as folder:
-    ...     file = Path(folder) / "mine.safetensors"
-    ...     save_profile(file, profile_of(pairs, domain="mine"))
-    ...     load_profile(file).domain
-    'mine'
-    """
-    path = Path(file)
-    try:
-        arrays, metadata = read_arrays(path)
-        if metadata.get("format") != FORMAT:
-            raise ValueError(f"format '{metadata.get('format', 'none'):.60}'")
-        channels = {n: _channels(arrays, metadata, n) for n in IMAGES if f"{n}_mean" in arrays}
-        if len({len(one.mean) for one in channels.values()}) != 1:
-            raise ValueError("it needs one modality or two of equal width")
-        if not 0 <= (step := float(metadata.get("step", "1"))) <= 1:
-            raise ValueError("its step is no share from 0 to 1")
-        return Profile(
-            channels=channels,
-            key=(metadata["encoder"], metadata["weights_hash"], metadata["preprocessing"]),
-            domain=metadata.get("domain", "")[:LONGEST_NAME],
-            step=step,
-            lamps=unpacked(metadata["lamps"]) if "lamps" in metadata else None,
-        )
-    except (SafetensorError, OSError, ValueError, KeyError) as error:
-        raise DataError(
-            f"'{path}' is no profile ({error!s:.200}). Make one with `python -m omnivat profile"
-            f" PICTURES --out {path.name}`."
-        ) from error
-
-
-def _channels(arrays: dict[str, Any], metadata: dict[str, str], name: str) -> Channels:
-    mean, variance = (np.array(arrays[f"{name}_{what}"]) for what in ("mean", "variance"))
-    count, sound = int(metadata[f"{name}_count"]), mean.dtype == variance.dtype == np.float32
-    shaped = mean.ndim == 1 and mean.shape == variance.shape and mean.size and 0 < count < MOST
-    if not (sound and shaped and np.isfinite([mean, variance]).all() and (variance >= 0).all()):
-        raise ValueError(f"its {name} statistics are no finite means and variances")
-    return Channels(mean=mean, variance=variance, count=count)

@@ -14,15 +14,8 @@ from safetensors.torch import save
 from torch import Tensor
 
 from omnivat.data.dots import FILLED
-from omnivat.data.profile import (
-    Profile,
-    domain_of,
-    load_profile,
-    moved,
-    profiled,
-    require_key,
-    save_profile,
-)
+from omnivat.data.profile import Profile, domain_of, moved, profiled, require_key
+from omnivat.data.profile_file import load_profile, save_profile
 from omnivat.data.relief.files import RELIEF
 from omnivat.data.rest import RESTED
 from omnivat.data.store import Embeddings

@@ -2,7 +2,7 @@
 see.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -21,6 +21,7 @@ from omnivat.measure.known import few, measured
 from omnivat.measure.predictions import label_map, predicted_probabilities
 from omnivat.measure.readers import Reader
 from omnivat.measure.shares import record, shown
+from omnivat.study.advice import PROBE, WORDS, Record, conclusion, percent, probe_of, sentence
 from omnivat.study.shift.probe import maps_of
 from omnivat.study.shift.reading import READINGS, Features
 from omnivat.training import TrainSettings, Watch, train
@@ -29,14 +30,11 @@ from omnivat.training.training import steps_of
 
 EPOCHS = 40  # of every training
 FOLDS, FEW = 5, 200  # up to FEW pairs; with more, 3
-WORDS = {"both": "both", "vis": "photo only", "tac": "touch only"}
-PROBE = "linear maps"  # of the same vectors: the yardstick
 NO_CLASSES = (
     "the pairs have no classes, or all have the same one. Gaps, retrieval and maps need none:"
     " `python -m omnivat report` measures them."
 )
 Rows = NDArray[np.int64]
-Record = dict[str, Any]  # of a domain
 Labels = NDArray[np.int64]
 
 
@@ -110,7 +108,7 @@ def try_pairs(
         told = {name: labels[tested] for name, labels in said.items()}
         labels = data.label[own][tested]
         records.append(_at_home(source, labels, objects[own][tested], told))
-        lines.append(f"At home, objects that it did not see: {_sentence(records[-1])}")
+        lines.append(f"At home, objects that it did not see: {sentence(records[-1])}")
         lines += alone
     else:
         lines.append(
@@ -190,11 +188,6 @@ def _answers(features: Features, model: OmniVaT, fit: Rows, rows: Rows) -> dict[
     }
 
 
-def probe_of(view: str) -> str:
-    """Return the name of the linear maps' reading in the records."""
-    return f"{PROBE}, {view}"
-
-
 def _at_home(domain: str, labels: Labels, objects: Rows, said: dict[str, Labels]) -> Record:
     """Return the record of pairs whose objects were left out, by the labels that were said."""
     place = np.zeros(len(labels), np.int64), (domain,), objects
@@ -251,7 +244,7 @@ def _in_target(
     found = _record(name, data.label[known], plain["objects"], shares, counts)
     lit = data.header.lit_by.get(name)
     of = f"lamps from {lit} touches were" if lit else "nothing was"
-    text = f"{lead}, of which {of} known: {_sentence(found)}"
+    text = f"{lead}, of which {of} known: {sentence(found)}"
     try:
         pictures = few(there, head.source)
     except DataError as error:
@@ -262,7 +255,7 @@ def _in_target(
         found["profile"] = {"pictures": pictures.pairs, **kept, PROBE: shown(of_maps)}
         text += (
             f" With a profile of {pictures.pairs} of its pairs without labels, which are not"
-            f" tested: {_percent(step['accuracy'])}, {PROBE} {_percent(of_maps['accuracy'])} (mean"
+            f" tested: {percent(step['accuracy'])}, {PROBE} {percent(of_maps['accuracy'])} (mean"
             f" of {len(step['draws'])} draws)."
         )
     shared = {data.rows["object"][k] for k in home} & {data.rows["object"][k] for k in known} - {""}
@@ -283,71 +276,3 @@ def _about(plan: TrainingPlan, source: str) -> str:
         f" noise {settings.noise:g}, shift {settings.shift:g}, {settings.epochs}"
         f" epochs{', with texts' if settings.lang else ''})."
     )
-
-
-def _sentence(record: Record) -> str:
-    """Return the figures of a record; the interval counts objects, since pairs of one are alike."""
-    views = [name for name in WORDS if name in record]
-    main = record[views[0]]
-    n, objects = record["pairs"], record["objects"]
-    text = (
-        f"{round(main['share'] * n)} of {n} pairs right, {_percent(main['share'])} "
-        f"(95 %: {100 * main['low']:.0f} to {100 * main['high']:.0f}, of {objects} objects)"
-    )
-    if record["uneven"]:
-        text += f", balanced over classes {_percent(record['balanced'][views[0]])}"
-    others = [f"{WORDS[name]} {_percent(record[name]['share'])}" for name in views[1:]]
-    others.append(f"{PROBE} of the same vectors {_percent(record[probe_of(views[0])]['share'])}")
-    text += (
-        f"; {', '.join(others)}, always its largest class"
-        f" {_percent(record['always the largest class'])}."
-    )
-    best = max(views, key=lambda name: record[name]["share"])
-    if record[best]["share"] > main["high"]:
-        text += f" {WORDS[best].capitalize()} beats both images: one of the two misleads this head."
-    return text
-
-
-def conclusion(records: Sequence[Record], source: str) -> str:
-    """Return in one sentence what predicts best: in other domains than the source if there are any.
-
-    A lead counts if it exceeds half the width of the head's interval, and a method if its interval
-    is above the share of the largest class.
-    """
-    away = [one for one in records if one["domain"] != source]
-    tested = away or records
-    if not tested:
-        return "In short: no figure can be had from these pairs."
-    views = [name for name in WORDS if name in tested[0]]
-
-    def mean(name: str) -> float:
-        return float(np.mean([one[name]["share"] for one in tested]))
-
-    def above(name: str) -> bool:
-        return float(np.mean([one[name]["low"] for one in tested])) > always
-
-    always = float(np.mean([one["always the largest class"] for one in tested]))
-    width = float(np.mean([one[views[0]]["high"] - one[views[0]]["low"] for one in tested])) / 2
-    head = max(views, key=mean)
-    plain = max(views, key=lambda view: mean(probe_of(view)))
-    where = "another sensor" if away else "objects that it did not see"
-    lead = mean(head) - mean(probe_of(plain))
-    level = f"always naming the largest class ({_percent(always)})"
-    able = {"the head": above(head), "the linear maps": above(probe_of(plain))}
-    if not any(able.values()):
-        advice = f"neither is above {level} within the uncertainty, so take neither"
-    elif not all(able.values()):
-        one = next(name for name, good in able.items() if good)
-        advice = f"take {one}: alone above {level} within the uncertainty"
-    elif abs(lead) <= width:
-        advice = "they are level within the uncertainty, so take the linear maps, which are simpler"
-    else:
-        advice = f"take {'the head' if lead > 0 else 'the linear maps'}"
-    return (
-        f"In short: on {where} the head has {_percent(mean(head))} ({WORDS[head]}) and linear maps"
-        f" {_percent(mean(probe_of(plain)))} ({WORDS[plain]}); {advice}."
-    )
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:.0f} %"

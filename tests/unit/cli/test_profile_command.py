@@ -6,7 +6,8 @@ import shutil
 import numpy as np
 import pytest
 
-from omnivat.data.profile import load_profile, profile_of, save_profile
+from omnivat.data.profile import profile_of
+from omnivat.data.profile_file import load_profile, save_profile
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.head.checkpoint import load_head
 from omnivat.measure.known import measured

@@ -9,12 +9,12 @@ import pytest
 
 from app.server import parser
 from omnivat.cli import try_pairs
-from omnivat.data.profile import load_profile
+from omnivat.data.profile_file import load_profile
 from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.head.checkpoint import load_head
 from omnivat.measure.known import measured
 from omnivat.measure.shares import wilson
-from omnivat.study import trial
+from omnivat.study import advice, trial
 from omnivat.study.shift import read_features
 from omnivat.study.shift.reading import features_of
 
@@ -100,7 +100,7 @@ def test_both_figures_of_a_target_count_objects_and_both_readers_have_a_profile(
     for share, one in (
         (away["both"]["share"], away["both"]),
         (away["profile"]["accuracy"], away["profile"]),
-        (away["profile"][trial.PROBE]["share"], away["profile"][trial.PROBE]),
+        (away["profile"][advice.PROBE]["share"], away["profile"][advice.PROBE]),
     ):
         low, high = wilson(share * 10, 10)
         assert one["low"] == pytest.approx(low, abs=0.02)
@@ -114,37 +114,37 @@ def reading(share):
 
 def figures(head, maps, photo=0.4, domain="TAG", always=0.2):
     names = {"both": (head, maps), "vis": (photo, 0.3), "tac": (0.3, 0.3)}
-    shares = {k: v for n, (a, b) in names.items() for k, v in ((n, a), (trial.probe_of(n), b))}
+    shares = {k: v for n, (a, b) in names.items() for k, v in ((n, a), (advice.probe_of(n), b))}
     known = {"domain": domain, "pairs": 50, "objects": 10, "always the largest class": always}
     known |= {"uneven": always > 0.5, "balanced": {"both": 0.5}}
     return known | {name: reading(share) for name, share in shares.items()}
 
 
 @pytest.mark.parametrize(
-    ("head", "maps", "advice"),
+    ("head", "maps", "words"),
     [(0.8, 0.5, "take the head."), (0.5, 0.8, "take the linear maps."), (0.5, 0.52, "level")],
 )
-def test_the_last_sentence_tells_what_to_take(head, maps, advice):
-    said = trial.conclusion([figures(0.9, 0.1), figures(head, maps, domain="DIGIT")], "TAG")
-    assert said.startswith("In short: on another sensor") and advice in said
+def test_the_last_sentence_tells_what_to_take(head, maps, words):
+    said = advice.conclusion([figures(0.9, 0.1), figures(head, maps, domain="DIGIT")], "TAG")
+    assert said.startswith("In short: on another sensor") and words in said
 
 
 def test_one_image_that_beats_both_is_remarked():
-    assert "Photo only beats both images" in trial._sentence(figures(0.5, 0.5, photo=0.65))
-    assert "beats" not in trial._sentence(figures(0.5, 0.5, photo=0.55)), "within the interval"
+    assert "Photo only beats both images" in advice.sentence(figures(0.5, 0.5, photo=0.65))
+    assert "beats" not in advice.sentence(figures(0.5, 0.5, photo=0.55)), "within the interval"
 
 
 @pytest.mark.parametrize(
-    ("head", "maps", "advice"),
+    ("head", "maps", "words"),
     [
         (0.9, 0.84, "neither is above always naming the largest class (85 %)"),
         (0.99, 0.84, "take the head: alone above always naming the largest class (85 %)"),
         (0.84, 0.99, "take the linear maps: alone above"),
     ],
 )
-def test_no_sentence_recommends_what_is_not_above_the_largest_class(head, maps, advice):
-    said = trial.conclusion([figures(head, maps, domain="B", always=0.85)], "TAG")
-    assert advice in said
+def test_no_sentence_recommends_what_is_not_above_the_largest_class(head, maps, words):
+    said = advice.conclusion([figures(head, maps, domain="B", always=0.85)], "TAG")
+    assert words in said
 
 
 def test_balanced_accuracy_stands_beside_accuracy_where_classes_are_uneven(

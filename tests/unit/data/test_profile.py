@@ -13,14 +13,13 @@ from omnivat.data.profile import (
     channels_of,
     domain_of,
     joined,
-    load_profile,
     moved,
     profile_of,
     profiled,
-    save_profile,
     shrunk,
     standardised,
 )
+from omnivat.data.profile_file import load_profile, save_profile
 from omnivat.kit.errors import DataError
 
 

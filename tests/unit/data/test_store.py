@@ -12,7 +12,8 @@ from safetensors import safe_open
 from safetensors.numpy import save_file
 
 from omnivat.data.arrays import Column, column, read_arrays, write_arrays
-from omnivat.data.profile import load_profile, profile_of, save_profile
+from omnivat.data.profile import profile_of
+from omnivat.data.profile_file import load_profile, save_profile
 from omnivat.data.store import load_embeddings, save_embeddings, write_manifest
 from omnivat.kit.errors import DataError
 

@@ -9,7 +9,8 @@ from PIL import Image
 
 from omnivat.data.dots import FILLED
 from omnivat.data.pairs import Pair, PairSet
-from omnivat.data.profile import load_profile, profile_of, save_profile
+from omnivat.data.profile import profile_of
+from omnivat.data.profile_file import load_profile, save_profile
 from omnivat.data.relief import drawn, lamps
 from omnivat.data.relief.files import RELIEF, packed, spread, unpacked
 from omnivat.data.rest import RESTED, with_rest
