@@ -71,6 +71,12 @@ def map_stops(
 
     A list of the stops serves any number of journeys; each has 2N rows of F-hat.
     Raises DataError if head, embeddings and frames do not fit, or there is no such map.
+
+    >>> from omnivat import EXAMPLES, default_embeddings, load_embeddings, load_head, read_frames
+    >>> head, pairs = load_head(EXAMPLES / "head"), load_embeddings(default_embeddings())
+    >>> stops = map_stops(head, pairs, read_frames(EXAMPLES / "frames.bin"), most=2)
+    >>> [len(one.points) for one in stops]
+    [4320, 4320]
     """
     head.require_embeddings(embeddings)
     if frames.pairs != len(embeddings):

@@ -33,6 +33,7 @@ WORKING = {
     "ladder": ({"source": ""}, 1),
     "known": ({"known": "none"}, 1),
     "place": (PLACE, 1),
+    "journey": (PAIR, 0),  # under a second for all stops
     "predictions": ({"method": "nearest_mean"}, 1),
     "familiar": (PAIR, 2),
     "profile": ({"photos": ["row:3"]}, 0),

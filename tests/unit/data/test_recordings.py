@@ -396,14 +396,16 @@ def test_unknown_cameras_and_settings_are_refused_in_a_sentence(tmp_path):
     with pytest.raises(DataError, match="asked for"):
         write_pairs(clips_of(root), tmp_path / "out", frames=LENGTH + 1)
     rows = ("a.mp4,wood,soon", "a.mp4,wood,inf", "a.mp4,wood,1e300", ",wood,1")
-    (tmp_path / "videos.csv").write_text("\n".join(["tac,material,start", *rows]))
-    problems = [*map(problem, clips_of(tmp_path))]
+    films = tmp_path / "films"
+    films.mkdir()
+    (films / "videos.csv").write_text("\n".join(["tac,material,start", *rows]))
+    problems = [*map(problem, clips_of(films))]
     assert ["start is" in one for one in problems] == [True, True, True, False]
     assert "names no video" in problems[-1]
     with pytest.raises(SettingsError, match="for LeRobot"):
-        clips_of(tmp_path, tac=["x", "y"])
+        clips_of(films, tac=["x", "y"])
     with pytest.raises(DataError, match="has no column 'x'"):
-        clips_of(tmp_path, vis="x")
+        clips_of(films, vis="x")
     assert not is_recording(Path("none.csv"))
 
 
