@@ -57,15 +57,13 @@ def test_the_page_names_the_command_that_trains_a_head(foreign):
     assert found["command"] == "python -m omnivat try 'my set.safetensors'"
 
 
-def test_a_set_without_classes_is_measured_and_nothing_offers_to_train_on_it(foreign):
+def test_a_set_without_classes_is_measured(foreign):
     resources = foreign(domains=("my-sensor",), classes=("unlabelled",))
     frames = read_frames(resources.frames.wait().file)
     assert np.isfinite(frames.curves["modality_gap/raw"]).all()
     assert frames.curves["domain_gap/raw"] == frames.curves["margin/raw"] == [None]
     with served(resources) as client:
         assert "omnivat report" in client.get("/omnivat/fit").json()["command"]
-        refused = client.get("/omnivat/trainings")
-        assert "two classes" in refused.json()["error"]
 
 
 def test_a_head_that_fits_needs_no_remedy(resources):

@@ -1,4 +1,4 @@
-/** A recording as data sets of LeRobot in its layout v3.0 (https://huggingface.co/docs/lerobot/lerobot-dataset-v3). No DOM here. */
+/** A recording as data sets of LeRobot in its layout v3.0. No DOM here. */
 
 import { parquet } from "../shared/parquet.js";
 

@@ -135,9 +135,7 @@ def test_a_profile_file_comes_back_as_it_was(tmp_path, make_embeddings):
     np.testing.assert_array_equal(back.channels["tac"].variance, mine.channels["tac"].variance)
 
 
-@pytest.mark.parametrize(
-    "spoilt", ["mean", "variance", "count", "width", "cut", "format", "none", "step"]
-)
+@pytest.mark.parametrize("spoilt", ["mean", "variance", "count", "cut", "format", "none", "step"])
 def test_a_damaged_profile_file_ends_in_one_sentence(tmp_path, make_embeddings, spoilt):
     file = tmp_path / "p.safetensors"
     mine = profile_of(make_embeddings(), domain="B")
@@ -146,7 +144,6 @@ def test_a_damaged_profile_file_ends_in_one_sentence(tmp_path, make_embeddings, 
         "mean": replace(vis, mean=vis.mean * np.nan),
         "variance": replace(vis, variance=-vis.variance - 1),
         "count": replace(vis, count=-3),
-        "width": replace(vis, mean=vis.mean[:-1], variance=vis.variance[:-1]),
     }.get(spoilt, vis)
     step = float("nan") if spoilt == "step" else 1.0
     save_profile(file, replace(mine, step=step, channels={**mine.channels, "vis": changed}))
