@@ -20,7 +20,7 @@ from omnivat.kit.errors import DataError
 from omnivat.kit.files import write_text
 from omnivat.kit.progress import OnStep, Step, ignore
 
-IMPORT = re.compile(r'(\bfrom\s+|\bimport\s+|\bimport\()"(\.{1,2}/[\w./]+\.js)"')
+IMPORT = re.compile(r'(\bfrom\s+|\bimport\s+|\bimport\()"(\.{1,2}/[\w./-]+\.js)"')
 KINDS = {".js": "text/javascript", ".json": "application/json", ".webp": "image/webp"}
 PREFIX = "omnivat-web/"  # a bare name, which an import map can resolve to a data: address
 FIRST, HEADER = "explore/explore.js", "header/header.js"

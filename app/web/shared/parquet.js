@@ -1,4 +1,4 @@
-/** A Parquet file of one row group, plain and uncompressed (https://parquet.apache.org/docs/file-format). No DOM here. */
+/** A Parquet file of one row group, plain and uncompressed. No DOM here. */
 
 /**
  * A column of a file: numbers, texts, lists of one text each, or pictures.
