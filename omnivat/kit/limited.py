@@ -35,9 +35,9 @@ class Limited:
     `close` ends the processes; they also end with this one.
 
     >>> import pickle
-    >>> limited = Limited("omnivat.kit.pickles:tensors", memory=4 * 10**9, seconds=20, wait=60)
-    >>> limited(pickle.dumps({"epoch": 3}), over="It takes too much memory.")
-    ({}, b'')
+    >>> limited = Limited("pickle:loads", memory=10**9, seconds=5, wait=60)
+    >>> limited(pickle.dumps(({"epoch": 3}, b"own")), over="It takes too much memory.")
+    ({'epoch': 3}, b'own')
     >>> limited.close()
     """
 
