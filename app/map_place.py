@@ -1,21 +1,22 @@
-"""Positions of a pair on a map of the set, at one stop or at all, and the set's features."""
+"""A pair on the maps of the set at every stop of p, and the set's features."""
 
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 from app.familiar import looked_at, predict_one
 from app.modes import mode_files
-from app.pair_input import asked, pair_of, rounded
+from app.pair_input import asked, rounded
 from app.resources import Resources, state_of
-from app.state import Lazy, Question, Reply, one_of, order_from
+from app.state import Lazy, Question, Reply, one_of
 from omnivat.head.heads import OWN
 from omnivat.kit.errors import DataError
-from omnivat.kit.stages import IMAGES, STAGES
+from omnivat.kit.stages import IMAGES
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     import numpy as np
+    from torch import Tensor
 
     from omnivat.head.checkpoint import Head
     from omnivat.maps.frames import FrameSet
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     Array = np.ndarray[Any, Any]
     Maps = tuple[FrameSet, Callable[[], Iterable[MapStop]]]
 
-OUTPUT = STAGES[-1]  # of the head, which the map of Try a pair shows
+DIGITS = 4  # of positions and probabilities
 KEPT_STOPS = 64_000_000  # bytes of a set's features at all stops; more are computed each time
 
 
@@ -53,7 +54,10 @@ def journey(resources: Resources, question: Question) -> Reply:
     _, stops = _maps(resources, head, file)
     with one_thread():  # a second one waits more than it works
         found = journey(head, stops(), named.pair["vis"], named.pair["tac"])
-    rows = {name: values[:, 0].numpy() for name, values in found.readings.items()}
+
+    def plain(values: "Tensor") -> Any:  # of the only pair
+        return rounded(values[:, 0].numpy(), DIGITS)
+
     nodes = found.node_lengths.shape[-1]
     refs = [str(ref) for name in IMAGES if (ref := question.get(name))]
     by_own = OWN in resources.heads and all(ref.startswith("image:") for ref in refs)
@@ -66,56 +70,22 @@ def journey(resources: Resources, question: Question) -> Reply:
         "learned": head.model.order,
         "maps": {
             method: {
-                "places": {name: rounded(rows[:, 0].numpy()) for name, rows in places.items()},
-                "nodes": rounded(found.nodes[method][:, 0].numpy()),
+                "places": {name: plain(rows) for name, rows in places.items()},
+                "nodes": plain(found.nodes[method]),
                 "exact": found.exact[method],
             }
             for method, places in found.places.items()
         },
-        "readings": {name: rounded(values) for name, values in rows.items()},
+        "readings": {name: plain(values) for name, values in found.readings.items()},
         "tree": {
             "parents": parents(head.settings.generation, nodes),
             "in_use": head.settings.tree_at_inference,
-            "probabilities": rounded(found.node_probabilities[:, 0].numpy()),
-            "norms": rounded(found.node_lengths[:, 0].numpy()),
+            "probabilities": plain(found.node_probabilities),
+            "norms": plain(found.node_lengths),
         },
         "images": looked_at(named),
         "own": by_maps,
     }
-
-
-def place(resources: Resources, question: Question) -> Reply:
-    """Place a pair on one map of the first head.
-
-    question  {"vis", "tac": references, "order": p, "map": "pca" or "umap"}
-    return    `points` by modality, each [x, y] in map units; `order` of the map's stop;
-              `exact`: true if no position is an estimate: the pair is on the map, as an example
-              of the set is, or the map is linear
-
-    Raises DataError if there is no such map.
-    """
-    import numpy as np
-    import torch
-
-    from omnivat.maps.projection.neighbours import placed
-    from omnivat.measure.gaps.unit import unit
-
-    order, flat = _drawn(resources, question)
-    refs, _, pair = pair_of(resources, question)
-    halves = dict(zip(IMAGES, np.split(flat, 2), strict=True))
-    points = {
-        name: halves[name][row].tolist()
-        for name, ref in refs.items()
-        if ref and (row := resources.row_of(ref)) is not None
-    }
-    if points.keys() == {name for name, rows in pair.items() if rows is not None}:
-        return {"points": points, "order": order, "exact": True}  # no features are needed
-    with torch.inference_mode():
-        own = resources.head().model(pair["vis"], pair["tac"], order=order).f_hat
-    rows = torch.from_numpy(kept_features(resources, OUTPUT, order))
-    found = placed(unit(torch.cat(list(own.values()))), rows, torch.from_numpy(flat))
-    points = dict(zip(own, found.places.tolist(), strict=True)) | points
-    return {"points": points, "order": order, "exact": found.exact}
 
 
 def _reader(resources: Resources, question: Question) -> "tuple[Head, Path | None]":
@@ -157,20 +127,6 @@ def _maps(resources: Resources, head: "Head", file: "Path | None") -> "Maps":
         return frames, stops if size > KEPT_STOPS else Lazy(lambda: list(stops()))
 
     return resources.drawn_frames.once(repr(state_of(file)), made)
-
-
-def _drawn(resources: Resources, question: Question) -> "tuple[float, Array]":
-    """Return the requested map of the head's output at its stop nearest to the requested order:
-    order, positions (2N, 2).
-    """
-    kind, (frames, _) = str(question.get("map")), _maps(resources, *_reader(resources, {}))
-    maps = frames.maps.get(f"{kind}/{OUTPUT}")
-    if maps is None:
-        raise DataError(f"There is no map '{kind:.20}' to place the pair on.")
-    order = order_from(question.get("order"))
-    wanted = resources.head().model.order if order is None else order
-    stop = min(maps.orders, key=lambda at: abs(frames.orders[at] - wanted))
-    return frames.orders[stop], maps.places(maps.orders.index(stop))
 
 
 def kept_features(resources: Resources, stage: str, order: float | None) -> "Array":

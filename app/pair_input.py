@@ -192,9 +192,9 @@ def _known(lessons: "Sequence[Lesson]", head: "Head") -> "Familiarity | None":
     return Familiarity(rows=rows, quantiles=quantiles) if rows else head.familiarity
 
 
-def rounded(values: "np.ndarray[Any, Any]") -> list[list[float]]:
-    """Round numbers to six digits, enough for the page."""
+def rounded(values: "np.ndarray[Any, Any]", digits: int = 6) -> list[list[float]]:
+    """Round numbers to some digits, enough for the page."""
     import numpy as np
 
-    digits: list[list[float]] = np.round(values.astype(np.float64), 6).tolist()
-    return digits
+    rows: list[list[float]] = np.round(values.astype(np.float64), digits).tolist()
+    return rows

@@ -6,10 +6,12 @@ was loaded through the page.
 
 from collections.abc import Callable, Mapping
 from functools import cache, partial
+from gzip import compress
 from pathlib import Path
 from typing import Any
 
 from starlette.background import BackgroundTask
+from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
@@ -18,9 +20,10 @@ from app import about, nodes, pictures, predictors, sensor, teaching
 from app.api import api_routes
 from app.components import WEB
 from app.familiar import familiar, first
+from app.frame_parts import HEAD, part_of, tag_of
 from app.guard import is_loopback
 from app.limits import MAX_IMAGE_BYTES, PARTS
-from app.map_place import journey, place
+from app.map_place import journey
 from app.mcp import mcp
 from app.messages import Handler, in_sentences, refusal
 from app.modes import mode_files, modes
@@ -56,7 +59,6 @@ QUESTIONS: dict[str, Work] = {
     "neighbours": explore.neighbours,
     "ladder": explore.ladder,
     "known": explore.known,
-    "place": place,
     "journey": journey,
     "predictions": predictors.predictions,
     "familiar": familiar,
@@ -202,8 +204,9 @@ def file_response(
 async def frames(sets: VisitorSets, request: Request) -> Response:
     """Serve the frames of a head, or their progress (202), or the reason of a failure (404).
 
-    A header marks frames of which finer ones will follow. Then head and set load, so that the first
-    request is fast.
+    `part` names one part of them, as `app.frame_parts` has it; `of` the version of the file that it
+    has to belong to. A header marks frames of which finer ones will follow. Then head and set load,
+    so that the first request is fast.
     """
     resources = set_of(sets, request)
     headers, after = {HOLDS: resources.holds, "X-Frames": "fine"}, None
@@ -228,8 +231,37 @@ async def frames(sets: VisitorSets, request: Request) -> Response:
         headers["X-Frames"] = "coarse" if state.step else "fine"
         headers["X-Thumbnails"] = "sheet" if resources.sheet else "none"
         after = BackgroundTask(resources.warm)
+    if part := request.query_params.get("part", ""):
+        return await frame_part(request, file, part, headers, after)
     binary = "application/octet-stream"
     return file_response(request, file, headers, media_type=binary, background=after)
+
+
+async def frame_part(
+    request: Request,
+    file: Path,
+    part: str,
+    headers: Mapping[str, str],
+    background: BackgroundTask | None,
+) -> Response:
+    """Serve one part of a frames file, packed where that makes it smaller; 304 if the browser has
+    it.
+    """
+    asked = request.query_params
+    tag = f'"{tag_of(file)}-{part}"'
+    headers = {**FRESH, **headers, "ETag": tag, "Vary": "Accept-Encoding"}
+    if asked.get("of", tag_of(file)) != tag_of(file):
+        return refusal("These frames were computed again; the new ones follow.", 410)
+    if tag in request.headers.get("if-none-match", ""):
+        return Response(status_code=304, headers=headers, background=background)
+    start = asked.get("from", "0")
+    number = int(start) if start.isascii() and start.isdigit() and len(start) < 6 else -1
+    content = await run_in_threadpool(part_of, file, part, number)
+    if not part.startswith("map:") and "gzip" in request.headers.get("accept-encoding", ""):
+        content = await run_in_threadpool(partial(compress, content, 6, mtime=0))
+        headers["Content-Encoding"] = "gzip"
+    kind = "application/json" if part == HEAD else "application/octet-stream"
+    return Response(content, headers=headers, media_type=kind, background=background)
 
 
 def thumbnails(resources: Resources, kind: str) -> Path | None:

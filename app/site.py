@@ -13,9 +13,11 @@ from html import escape
 from importlib import import_module
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode, urlsplit
 
 from app.components import WEB, head
 from app.export import document, frames_file, html_of, set_files
+from app.frame_parts import HEAD, parts_of
 from app.messages import without_places
 from app.modes import modes
 from app.places import Places
@@ -150,7 +152,13 @@ def fill(folder: Path, desks: Mapping[str, Resources], models: str, on_step: OnS
             else:
                 files.add(f"{name}/{request}", content.encode(), ".json")
         for request, file in whole_files(resources, on_step).items():
-            files.add(f"{name}{request}", file.read_bytes(), file.suffix)
+            if not request.startswith("/frames"):
+                files.add(f"{name}{request}", file.read_bytes(), file.suffix)
+                continue
+            mode = urlsplit(request).query
+            for part, content in parts_of(file):  # each map is fetched when it is shown
+                query = f"{mode}{'&' * bool(mode)}{urlencode({'part': part})}"
+                files.add(f"{name}/frames?{query}", content, ".json" if part == HEAD else ".bin")
     web = write_scripts(folder)
     held = {
         "files": files.names,
@@ -178,6 +186,10 @@ def replies(
         ("votes", {"head": ""}),
         *(("predictions", {"method": method}) for method in METHODS),
         ("ladder", {"source": ""}),
+        *(
+            ("journey", {"vis": ref, "tac": ref, "head": ""})
+            for ref in (f"example:{name}" for name in resources.example_rows())
+        ),
     ):
         body = json.dumps(question, ensure_ascii=False, separators=(",", ":"))
         yield f"{path} {body}", partial(QUESTIONS[path], resources, question)

@@ -5,7 +5,7 @@ first.onnx, own.onnx     the page's head (`omnivat/head/portable.py`), and that 
 familiarity, own-…       of these heads, as their folders have it
 set-N.safetensors        embeddings of PART pairs each, in half precision
 ../encoder-HASH.onnx     one file for all sets of that encoder
-places.safetensors       F-hat to its place on each linear map, by map and stop
+places.safetensors       F-hat to its position on each linear map, by method and stop
 ../resize.onnx           a picture to another size
 ../look.onnx, …          functions of the library (`app/site_programs.py`)
 
@@ -19,7 +19,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from app.familiar import NEAREST, training_pairs
-from app.map_place import kept_features
 from app.pictures import PREVIEW_SIDE
 from app.resources import Resources
 from app.site_runtime import write_runtime
@@ -70,7 +69,6 @@ def write_models(
     for done, (name, resources) in enumerate(desks.items()):
         on_step(Step(done=done, total=len(desks), text=f"models of {name}"))
         write_set(resources, made / name)
-        write_places(resources, made / name / "places.safetensors")
     for file in files_in(made):
         if file.suffix != ".mjs":
             pack(file)
@@ -123,33 +121,34 @@ def write_set(resources: Resources, folder: Path) -> None:
         "pairs": len(embeddings),
         "part": PART,
         "rows": resources.example_rows(),
+        "stops": write_places(resources, folder / "places.safetensors"),
         "rules": RULES,
     }
     write_json(folder / "models.json", record)
 
 
-def write_places(resources: Resources, file: Path) -> None:
-    """Write how rows of F-hat are placed on the linear maps of a set: "MAP STOP" -> (2, D + 1)."""
-    import torch
+def write_places(resources: Resources, file: Path) -> list[tuple[int, float]]:
+    """Write how rows of F-hat are placed on the linear maps of a set: "METHOD STOP" -> (2, D + 1).
+
+    Return the stops of a pair's journey over these maps, each with its order.
+    """
     from safetensors.torch import save_file
 
     from omnivat.maps.frames import read_frames
-    from omnivat.maps.projection.neighbours import affine
+    from omnivat.maps.journey import map_stops
 
-    state, found = resources.frames.wait(), {}
-    if state.file is not None:
-        frames = read_frames(state.file)
-        maps = {name: drawn for name, drawn in frames.maps.items() if name.endswith("/f_hat")}
-        for name, drawn in maps.items():
-            for frame, stop in enumerate(drawn.orders):
-                rows = kept_features(resources, "f_hat", frames.orders[stop])
-                flat = torch.from_numpy(drawn.places(frame))
-                known = affine(torch.from_numpy(rows).double(), flat)
-                if known is None:
-                    break
-                found[f"{name.removesuffix('/f_hat')} {stop}"] = known.T.float().contiguous()
+    found, stops = {}, []
+    file_of_frames = resources.frames.wait().file
+    if file_of_frames is not None:
+        frames = read_frames(file_of_frames)
+        for at in map_stops(resources.head(), resources.embeddings(), frames):
+            stops.append((at.stop, at.order))
+            for method, known in at.affine.items():
+                if known is not None:
+                    found[f"{method} {at.stop}"] = known.T.float().contiguous()
     with replacing(file) as whole:
         save_file(found, whole)
+    return stops
 
 
 def _copied(head: "Head", folder: Path, name: str) -> str:

@@ -16,7 +16,6 @@ from app.views.pair import from_even
 from omnivat.encoders.onnx_runtime import translate
 from omnivat.head.calibration import nearest_cosines, quantile_of
 from omnivat.kit.files import replacing
-from omnivat.maps.projection.neighbours import PLACED_BY, neighbour_shares
 
 Results = tuple[Tensor, ...]
 
@@ -27,23 +26,13 @@ def look(row: Tensor, rows: Tensor, quantiles: Tensor) -> Results:
     return cosines[0, 0], quantile_of(cosines.mean(1), quantiles)[0]
 
 
-def place(query: Tensor, points: Tensor) -> Results:
-    """Return the neighbours (k,) of a row (D,) among points (N, D), float64 and float32, and their
-    shares in its place.
-    """
-    index, share = neighbour_shares(query[None], points.double())
-    return index[0], share[0]
-
-
 def programs() -> dict[str, tuple[Callable[..., Results], tuple[Tensor, ...], tuple[Any, ...]]]:
     """Return name -> rule, examples of its arguments, and the axes of each that vary."""
     many, width, levels = (Dim(name) for name in ("many", "width", "levels"))
-    points = Dim("points", min=PLACED_BY + 1)
     row, rows, even = torch.rand(24), torch.rand(30, 24), torch.rand((), dtype=torch.float64)
     wide = {0: many, 1: width}
     return {
         "look": (look, (row, rows, torch.rand(11)), ({0: width}, wide, {0: levels})),
-        "place": (place, (row.double(), rows), ({0: width}, {0: points, 1: width})),
         "attention": (from_even, (rows, even), (wide, {})),
     }
 

@@ -51,8 +51,8 @@ def main() -> None:
     with started() as (_, address, _), chromium() as browser:
         page = opened(browser, address, "?chapter=analyse")
         page.set_viewport_size(LARGE)
-        chapter(page, "touch", ".explore .twin .said", chosen.out / "page.png")
-        chapter(page, "where", ".explore .together path", chosen.out / "where.png")
+        chapter(page, "gaps", ".explore .tree-of-pair", chosen.out / "page.png")
+        chapter(page, "where", ".explore .places button", chosen.out / "where.png")
         own_picture(page, photo, touch, chosen.out / "own.png")
 
 

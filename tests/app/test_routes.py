@@ -1,10 +1,12 @@
 """The page's routes over HTTP: their replies, and one sentence for every error."""
 
+import base64
 import json
 import logging
 from dataclasses import replace
 from shutil import copytree
 
+import numpy as np
 import pytest
 
 from app.limits import MAX_IMAGE_BYTES
@@ -152,3 +154,44 @@ def test_another_head_is_held_under_another_name(resources, tmp_path):
     copy = copytree(resources.where.head, tmp_path / "copy")
     assert Resources(resources.where).holds == resources.holds
     assert Resources(replace(resources.where, head=copy)).holds != resources.holds
+
+
+def test_a_page_gets_frames_in_parts_that_make_the_file_again(framed):
+    from app.frame_parts import parts_of
+
+    frames = read_frames(framed.frames)
+    with served(Resources(framed)) as client:
+        answer = client.get("/omnivat/frames?part=head")
+        head = answer.json()
+        assert answer.headers["content-encoding"] == "gzip"
+        assert head["tag"] in answer.headers["etag"] and head["pairs"] == frames.pairs
+        curve = frames.curves["modality_gap/f_hat"]
+        assert head["curves"]["modality_gap/f_hat"] == pytest.approx(curve, rel=1e-5)
+        assert base64.b64decode(head["inline"]["label"]) == frames.label.tobytes()
+        for name, content in parts_of(framed.frames):
+            answer = client.get("/omnivat/frames", params={"part": name, "of": head["tag"]})
+            assert answer.content == content
+        assert client.get("/omnivat/frames?part=prediction").content == frames.prediction.tobytes()
+        points = frames.maps["umap/f_hat"].points
+        low, high = (head["extents"]["map:umap/f_hat"][1][at] for at in (0, 2))
+        half = points[:, frames.pairs :, 0]
+        assert (low, high) == (half.min(), half.max())
+        answer = client.get("/omnivat/frames?part=map:umap/f_hat&from=7")
+        stops = np.frombuffer(answer.content, "<u2").reshape(points.shape)
+        assert (stops[:5] == points[[7, 6, 8, 5, 9]]).all()
+        again = {"If-None-Match": answer.headers["etag"]}
+        assert client.get("/omnivat/frames?part=map:umap/f_hat", headers=again).status_code == 304
+
+
+@pytest.mark.parametrize(
+    ("query", "status", "words"),
+    [
+        ("part=map:tsne/f_hat", 400, "no part 'map:tsne/f_hat'"),
+        ("part=map:umap/f_hat&from=21", 400, "no stop 21"),
+        ("part=map:umap/f_hat&from=-1", 400, "no stop -1"),
+        ("part=prediction&of=older", 410, "computed again"),
+    ],
+)
+def test_a_part_that_is_not_there_or_of_an_older_file_is_refused(framed, query, status, words):
+    with served(Resources(framed)) as client:
+        assert words in sentence(client.get(f"/omnivat/frames?{query}"), status)

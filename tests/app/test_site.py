@@ -53,7 +53,8 @@ def test_the_worker_keeps_every_file_below_the_page_and_examples_last(written):
     kept = json.loads(re.match(r"globalThis.omnivatSite = (.*);", script)[1])
     assert sorted(kept["first"] + kept["rest"]) == [n for n in names_in(written) if "/" in n]
     assert {name.split("-")[0] for name in kept["first"]} == {"web"}
-    assert [name for name in kept["rest"] if "-example-" in name] == kept["rest"][-4:]
+    examples = [name for name in kept["rest"] if "-example-" in name]
+    assert len(examples) == 5 and examples == kept["rest"][-5:]  # four pictures and a journey
 
 
 def test_no_file_of_the_page_names_another_host(written):
@@ -100,19 +101,19 @@ def test_the_models_of_a_set_are_its_embeddings_in_parts_and_a_record_of_its_hea
 
 def test_own_pictures_are_placed_on_a_linear_map_as_the_server_places_them(framed, tmp_path):
     resources = Resources(framed)
-    write_places(resources, tmp_path / "places.safetensors")
+    stops = write_places(resources, tmp_path / "places.safetensors")
     places = load_file(tmp_path / "places.safetensors")
     assert {name.split()[0] for name in places} == {"pca"}  # no map between neighbours
     resources._sent.keep("sent", dict.fromkeys(IMAGES, resources.embeddings().vis[7] + 0.2))
-    asked = {"tac": "image:sent", "order": 0.5, "map": "pca"}
-    wanted = map_place.place(resources, asked)
-    row = resources.head().model(
-        None, torch.tensor(resources.embeddings().vis[7:8] + 0.2), order=0.5
-    )
-    row = normalize(row.f_hat["tac"][0].double(), dim=0).numpy()
-    stop = round(wanted["order"] * 100)
-    found = places[f"pca {stop}"] @ np.append(row, 1)
-    np.testing.assert_allclose(found, wanted["points"]["tac"], atol=1e-5)
+    wanted = map_place.journey(resources, {"tac": "image:sent"})
+    assert [stop for stop, _ in stops] == list(wanted["stops"])
+    for at, (stop, order) in enumerate(stops):
+        row = resources.head().model(
+            None, torch.tensor(resources.embeddings().vis[7:8] + 0.2), order=order
+        )
+        row = normalize(row.f_hat["tac"][0].double(), dim=0).numpy()
+        found = places[f"pca {stop}"] @ np.append(row, 1)
+        np.testing.assert_allclose(found, wanted["maps"]["pca"]["places"]["tac"][at], atol=1e-4)
 
 
 def test_a_reply_that_is_a_refusal_is_held_as_its_sentence(framed, tmp_path, monkeypatch):

@@ -10,7 +10,6 @@ pytest.importorskip("onnxscript", reason="the extra [onnx] is not installed")
 
 from app.site_programs import programs, write_programs  # noqa: E402
 from omnivat.head.calibration import nearest_cosines, quantile_of  # noqa: E402
-from omnivat.maps.projection.neighbours import place  # noqa: E402
 
 pytestmark = pytest.mark.slow  # an export takes seconds
 close = np.testing.assert_allclose
@@ -42,15 +41,6 @@ def test_an_image_is_as_familiar_as_the_library_has_it(run, count):
     cosines = nearest_cosines(rows[:1] + 0.5, rows)
     wanted = cosines[0, 0], quantile_of(cosines.mean(1), levels)[0]
     close(run("look", rows[0] + 0.5, rows, levels), wanted, atol=1e-5)
-
-
-def test_a_row_lies_between_its_neighbours_or_on_its_own_point(run):
-    points, flat = torch.randn(50, 6).double(), torch.randn(50, 2).double()
-    for query in (torch.randn(6).double(), points[3]):
-        index, share = run("place", query, points)
-        near = torch.from_numpy(share) @ flat[index]
-        # the points come in single precision
-        close(near, place(query[None], points.float().double(), flat)[0], atol=1e-6)
 
 
 def test_attention_is_in_signed_bytes_of_its_largest_distance_from_even(run):

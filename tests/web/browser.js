@@ -41,6 +41,7 @@ export function frames({ curves = {}, head = {}, orders = [0, 0.5, 1], ...more }
     classes: ["wood", "steel"],
     domain: [0, 1],
     label: [0, 1],
+    confidence: new Uint8Array(2 * orders.length),
     kind: meta.head.kind ?? "moved",
     headless: meta.head.kind === "features",
     labelled: true,

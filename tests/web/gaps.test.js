@@ -12,7 +12,7 @@ import { says } from "./browser.js";
 
 const shipped = (name) => {
   const bytes = readFileSync(new URL(`../../examples/${name}`, import.meta.url));
-  return new Frames(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
+  return Frames.in(bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.length));
 };
 const FRAMES = shipped("frames.bin");
 const text = (markup) => String(markup).replace(/<[^>]*>/g, "");

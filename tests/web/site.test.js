@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { whole } from "../../app/web/site/decode.js";
-import { onLinear } from "../../app/web/site/forest.js";
+import { onLinear } from "../../app/web/site/journey.js";
 import { inTurn, runtime } from "../../app/web/site/runtime.js";
 import { nearest, stacked, tensors } from "../../app/web/site/tensors.js";
 

@@ -114,7 +114,8 @@ export function show() {
   Object.assign(slider, { min: frames.orders[0], max: frames.orders.at(-1), value: p, disabled: fixed });
   $(".beside output").textContent = fixed ? "–" : orderText(p);
   showLayers(cloud, frames, stop);
-  cloud.show(frames.positions(kindOf(stage(), frames), stage(), stop));
+  const there = frames.positions(kindOf(stage(), frames), stage(), stop);
+  if (there) cloud.show(there);
   cloud.box.dataset.order = String(p);
   fill(
     $(".pane-title"),

@@ -94,8 +94,26 @@ export function resetMaps() {
   beside.follow(pointing);
 }
 
+let waiting = 0; // the animation frame in which what has come is drawn
+
+/** A map's next stop has come, or values of the pairs. */
+function arrived() {
+  cancelAnimationFrame(waiting);
+  waiting = requestAnimationFrame(() => {
+    if (!scene.chapter || !maps.map) return;
+    if (scene.frames.confidence.length !== scene.confident) {
+      send("arrived", { confident: scene.frames.confidence.length });
+      showColours();
+      showCard();
+    }
+    maps.showNow();
+    beside.show();
+  });
+}
+
 /** Show other frames of the same pairs. @param {Frames} frames */
 export function replace(frames) {
+  frames.arrivals.add(arrived);
   send("replaced", frames);
   bar.replace(frames);
   bar.learned(state.chapter === "analyse" ? scene.own.learned : NaN); // the mark would give the answer away

@@ -47,6 +47,7 @@ function marksAt(kind, stop) {
   if (journey?.maps[kind] && state.stage === OUTPUT && at >= 0) return placesAt(journey, kind, at);
   if (row < 0) return { places: {}, nodes: [] };
   const frame = frames.positions(kind, state.stage, stop);
+  if (!frame) return { places: {}, nodes: [] };
   return { places: { vis: placeIn(frame, row), tac: placeIn(frame, row + frames.pairs) }, nodes: [] };
 }
 

@@ -217,7 +217,7 @@ function saidHtml(at) {
   const unsure = Object.values(journey?.own?.images ?? {}).some(({ guess }) => guess);
   return html`<div class="said-of"><p>${truth ? html`<b>${truth}</b>, ${sensorOf(domain)}` : html`<b>Your pair</b>`}</p>${
     said && (strange.length ? guess : html`<p>${mark}<b>${said.name}</b>${sure}</p>`)
-  }${own && html`<p>Linear maps, which have no p: <b>${own.name}${unsure && "?"}</b>${!unsure && ` ${percent(own.share)}`}</p>`}<button class="link try-own">Try your own pair</button></div>`;
+  }${own && html`<p>Linear maps, which have no p: <b>${own.name}${unsure && "?"}</b>${!unsure && ` ${percent(own.share)}`}</p>`}${journey && !journey.maps[state.map] && html`<p class="hint">A page without a server places this pair on the PCA map alone.</p>`}<button class="link try-own">Try your own pair</button></div>`;
 }
 
 let asking = new AbortController(); // a handle: of the request that is on its way

@@ -110,6 +110,8 @@ export function showNow() {
   const kind = kindOf(state.stage);
   if (!kind) return;
   const frame = frames.positions(kind, state.stage, stop);
+  $(".map-wait").hidden = Boolean(frame);
+  if (!frame) return;
   if (state.chapter === "gaps") map.glide(withPair(frame, kind), GLIDE);
   else map.show(frame);
   map.box.dataset.order = String(frames.orders[isStill(state.stage, frames) ? stop : frame.drawn]);
@@ -151,7 +153,7 @@ function title(kind) {
 export const shapeWords = ({ signals }) => (signals ? "● one recording  ▲ the other" : "● photo  ▲ touch");
 
 /** What to know about the map: how far its neighbours can be trusted, and which stop it shows.
- * @param {Frames} frames @param {ReturnType<Frames["positions"]>} frame @param {number} stop @param {string} kind */
+ * @param {Frames} frames @param {NonNullable<ReturnType<Frames["positions"]>>} frame @param {number} stop @param {string} kind */
 function notes(frames, { trust, stops, drawn }, stop, kind) {
   const analysed = state.chapter === "analyse" && !isDouble(scene, state); // two maps leave no room
   const still = isStill(state.stage, frames);

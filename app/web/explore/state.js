@@ -16,6 +16,7 @@ export const START = /** @type {Scene} */ (
     known: {},
     dragged: new Map(),
     sample: -1,
+    confident: 0,
     lasso: false,
     stairs: "",
     other: null,

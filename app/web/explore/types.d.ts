@@ -60,6 +60,8 @@ interface Scene extends SetData {
   /** the stop of p, and by frames the stops between which p was dragged in the chapter of the order */
   stop: number;
   dragged: Map<Frames, Span>;
+  /** how many confidences were there when colours were offered */
+  confident: number;
   /** a point; -1 for none */
   hovered: number;
   nearest: Nearest | null;

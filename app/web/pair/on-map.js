@@ -48,15 +48,21 @@ export function pairMap(panel, frames) {
     if (at !== trail.at(-1)) trail = [...trail, at].slice(-TRAIL - 1);
     cloud.layers = layersOf(frames, stop, shown, () => false, 0.34);
     const frame = frames.positions(kind(), OUTPUT, stop);
+    if (!frame) return;
     cloud.glide(journey ? withMarks(frame, placesAt(journey, kind(), at)) : frame, GLIDE);
     box.dataset.order = String(frames.orders[stop]);
     if (!journey) return;
+    if (!journey.maps[kind()]) {
+      note.textContent = `A page without a server places pairs on the PCA map alone.`;
+      return;
+    }
     const far = Object.values(guessesOf(journey)).some(Boolean);
     const how = journey.maps[kind()]?.exact ? "exact" : "estimated between the nearest neighbours";
     note.textContent = `Pale: all pairs at p = ${orderText(frames.orders[stop])}. Stars: the nodes of the tree. Positions are ${how}${far ? "; dashed marks are guesses, because the image is unlike all training images" : ""}. Click a point to choose its pair.`;
   }
   watch(["colour", "map"], draw);
   watchIn("pair", ["p"], draw);
+  frames.arrivals.add(draw);
   draw(); // a canvas without a drawing is black
 
   /** @param {Journey | null} next @param {string} [problem] */

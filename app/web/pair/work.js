@@ -105,7 +105,7 @@ export const WORK = {
     map?.(null);
     const own = { vis, tac, head: "" };
     const [journey, other] = await Promise.all([
-      quietly(ask("journey", { vis, tac }, signal)),
+      quietly(ask("journey", own, signal)),
       answer.linear ? quietly(ask("pair", own, signal)) : null,
     ]);
     const there = "problem" in journey ? null : journey;

@@ -1,32 +1,42 @@
-/** Read the binary of frames: exact map positions for every stop of p, and the curves. */
+/** Frames: exact map positions for every stop of p, and the curves. A map comes when it is first shown, its stop first. */
 
-import { address, get, inSet, Refusal } from "./api.js";
+import { address, get, inSet, Refusal, refused } from "./api.js";
+import { fileOf, held } from "./held.js";
+import { keeper } from "./once.js";
 import { awaited } from "./ready.js";
 import { featuresOf } from "./stages.js";
 import { has, OWN_MODE } from "./tables.js";
-import { NO_CLASS } from "./text.js";
+import { bytesOf, NO_CLASS } from "./text.js";
 
 const MAGIC = "OVFRAMES";
 const ARRAYS = { u8: Uint8Array, u16: Uint16Array };
+/** An array: its values, and which of its stops have come. @typedef {{values: Uint8Array | Uint16Array, there: boolean[]}} Part */
+/** What fetches an array, of a map from one of its stops outward. @typedef {(name: string, from: number) => Promise<Response>} Fetch */
 
 export class Frames {
-  /** @param {ArrayBuffer} buffer */
-  constructor(buffer) {
-    const magic = new TextDecoder().decode(new Uint8Array(buffer, 0, 8));
-    if (magic !== MAGIC) throw new Refusal("This is not a frames file of this version; make it again.");
-    const length = new DataView(buffer).getUint32(8, true);
-    /** @type {FramesMeta} */
-    this.meta = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 12, length)));
-    this.buffer = buffer;
-    this.start = 12 + length; // offsets of arrays count from the end of the JSON
-    this.orders = this.meta.orders;
-    this.pairs = this.meta.pairs;
-    this.domains = this.meta.domains;
-    this.classes = this.meta.classes;
+  /** @param {FramesMeta} meta @param {Fetch | null} [fetchPart] @param {[string, Uint8Array][]} [there] the arrays that are there */
+  constructor(meta, fetchPart = null, there = []) {
+    this.meta = meta;
+    this.fetchPart = fetchPart;
+    this.orders = meta.orders;
+    this.pairs = meta.pairs;
+    this.domains = meta.domains;
+    this.classes = meta.classes;
+    this.once = keeper();
+    this.base = this; // what is fetched belongs to these frames, also by way of what inherits from them
+    /** @type {Set<() => void>} */
+    this.arrivals = new Set(); // called whenever something has come
+    /** @type {Map<string, Part>} */
+    this.parts = new Map();
+    for (const [name, bytes] of there) {
+      const part = this.part(name);
+      new Uint8Array(part.values.buffer).set(bytes);
+      part.there.fill(true);
+    }
     this.domain = this.array("domain");
     this.label = this.array("label");
     this.prediction = this.array("prediction");
-    this.confidence = this.array("confidence");
+    this.confidence = this.array("confidence"); // empty until it has come
     /** @type {Frames | null} */
     this.whole = null; // the frames of all stops, of which these are some
     this.coarse = false; // whether finer frames will follow
@@ -39,6 +49,87 @@ export class Frames {
     this.columns = {};
     /** @type {Map<string, Box[]>} */
     this.extents = new Map(); // array of a map -> the boxes around its VIS and its TAC points at all stops
+  }
+
+  /** The frames in a file. @param {ArrayBuffer} buffer */
+  static in(buffer) {
+    const magic = new TextDecoder().decode(new Uint8Array(buffer, 0, 8));
+    if (magic !== MAGIC) throw new Refusal("This is not a frames file of this version; make it again.");
+    const length = new DataView(buffer).getUint32(8, true);
+    /** @type {FramesMeta} */
+    const meta = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 12, length)));
+    const start = 12 + length; // offsets of arrays count from the end of the JSON
+    const all = Object.entries(meta.arrays).map(([name, { offset, dtype, shape }]) => {
+      const size = shape.reduce((a, b) => a * b, ARRAYS[dtype].BYTES_PER_ELEMENT);
+      return /** @type {[string, Uint8Array]} */ ([name, new Uint8Array(buffer, start + offset, size)]);
+    });
+    return new Frames(meta, null, all);
+  }
+
+  /** The frames of a head part; their predictions come with it. @param {FramesMeta} meta @param {Fetch} fetchPart */
+  static async of(meta, fetchPart) {
+    const inline = Object.entries(meta.inline ?? {}).map(
+      ([name, text]) => /** @type {[string, Uint8Array]} */ ([name, bytesOf(text)]),
+    );
+    const frames = new Frames(meta, fetchPart, inline);
+    await frames.load("prediction");
+    return frames;
+  }
+
+  /** Room for an array. @param {string} name @returns {Part} */
+  part(name) {
+    const there = this.parts.get(name);
+    if (there) return there;
+    const { shape, dtype } = this.meta.arrays[name];
+    const count = shape.reduce((a, b) => a * b, 1);
+    const made = { values: new ARRAYS[dtype](count), there: new Array(shape.length === 3 ? shape[0] : 1).fill(false) };
+    this.parts.set(name, made);
+    return made;
+  }
+
+  /** An array that has come as a whole; else an empty one. @param {string} name */
+  array(name) {
+    const part = this.parts.get(name);
+    return part?.there.every(Boolean) ? part.values : new Uint8Array();
+  }
+
+  /** Fetch an array once, of a map the stop `from` first. @param {string} name @returns {Promise<void>} */
+  load(name, from = 0) {
+    return this.once(name, () => awaited(this.base.fetched(name, from)));
+  }
+
+  /** @param {string} name @param {number} from */
+  async fetched(name, from) {
+    if (!this.fetchPart) return;
+    const response = await this.fetchPart(name, from);
+    const { values, there } = this.part(name);
+    const bytes = new Uint8Array(values.buffer);
+    const size = bytes.length / there.length;
+    const order = [...there.keys()].sort((a, b) => Math.abs(a - from) - Math.abs(b - from) || a - b);
+    const reader = /** @type {ReadableStream<Uint8Array>} */ (response.body).getReader();
+    let [come, told] = [0, 0]; // bytes
+    for (let { value, done } = await reader.read(); !done; { value, done } = await reader.read()) {
+      for (let at = 0; value && at < value.length; ) {
+        const [place, inside] = [Math.floor(come / size), come % size];
+        const some = value.subarray(at, at + size - inside);
+        if (place >= order.length) throw new Refusal("The frames that came are of another size; reload the page.");
+        bytes.set(some, order[place] * size + inside);
+        at += some.length;
+        come += some.length;
+        there[order[place]] = inside + some.length === size;
+      }
+      if (Math.floor(come / size) > told) this.tell();
+      told = Math.floor(come / size);
+    }
+    this.prediction = this.array("prediction");
+    this.confidence = this.array("confidence");
+    if (name.startsWith("map:")) this.load("confidence").catch(() => {});
+    this.tell();
+  }
+
+  /** Something has come. */
+  tell() {
+    for (const act of this.arrivals) act();
   }
 
   /** The mode of p, as `tables.js` has it; "features" without a head. */
@@ -76,13 +167,6 @@ export class Frames {
     return this.meta.embeddings.encoder === "strip";
   }
 
-  /** @param {string} name */
-  array(name) {
-    const entry = this.meta.arrays[name];
-    const count = entry.shape.reduce((a, b) => a * b, 1);
-    return new ARRAYS[entry.dtype](this.buffer, this.start + entry.offset, count);
-  }
-
   /** The stop nearest to p: an index into `orders`. @param {number} p */
   stop(p) {
     return nearest(this.orders, p);
@@ -100,11 +184,11 @@ export class Frames {
         : { ...map, orders: map.orders.map((stop) => stops.indexOf(stop)).map((at) => (at < 0 ? Infinity : at)) };
     const entries = (/** @type {Record<string, any>} */ all, /** @type {(one: any) => any} */ change) =>
       Object.fromEntries(Object.entries(all).map(([name, one]) => [name, change(one)]));
-    return Object.assign(Object.create(this), {
+    /** @type {Frames} */
+    const made = Object.assign(Object.create(this), {
       whole: this,
       orders: of(orders),
       prediction: Uint8Array.from(of(this.prediction, pairs)),
-      confidence: Uint8Array.from(of(this.confidence, pairs)),
       meta: {
         ...meta,
         orders: of(orders),
@@ -112,12 +196,21 @@ export class Frames {
         maps: entries(meta.maps, mapped),
       },
     });
+    const known = { from: this.confidence, rows: this.confidence };
+    const rows = () => {
+      if (known.from !== this.confidence || known.rows === this.confidence)
+        Object.assign(known, { from: this.confidence, rows: Uint8Array.from(of(this.confidence, pairs)) });
+      return known.rows;
+    };
+    return Object.defineProperty(made, "confidence", { get: rows });
   }
 
-  /** @param {string} name */
+  /** The boxes around the points of a map at all stops. @param {string} name */
   extentsOf(name) {
-    let found = this.extents.get(name);
-    if (!found) this.extents.set(name, (found = boxes(this.array(name), this.pairs)));
+    const known = this.meta.extents?.[name] ?? this.extents.get(name);
+    if (known) return known;
+    const found = boxes(this.array(name), this.pairs);
+    this.extents.set(name, found);
     return found;
   }
 
@@ -127,23 +220,38 @@ export class Frames {
     return names.filter(([, of]) => of === featuresOf(stage)).map(([kind]) => kind);
   }
 
-  /** Positions at one stop of one map; `drawn` is the stop of these positions.
-   * @param {string} kind @param {string} stage @param {number} stop */
+  /** Positions at one stop of one map; `drawn` is the stop of these positions. While the map comes, they are of the nearest
+   * stop that is there; null without any.
+   * @param {string} kind @param {string} stage @param {number} stop @returns {Placed | null} */
   positions(kind, stage, stop) {
     const map = this.meta.maps[`${kind}/${featuresOf(stage)}`];
-    const index = nearest(map.orders, stop);
+    const { values, there } = this.part(map.array);
+    const wanted = nearest(map.orders, stop);
+    if (!there[wanted]) this.load(map.array, wanted).catch((error) => refused(error, () => {}));
+    const come = map.orders.map((at, i) => (there[i] ? at : Infinity));
+    const index = nearest(come, stop);
+    if (!there[index]) return null;
     const size = 4 * this.pairs;
     return {
-      points: this.array(map.array).subarray(index * size, (index + 1) * size),
+      points: values.subarray(index * size, (index + 1) * size),
       drawn: map.orders[index],
       stops: map.orders.length,
       bounds: map.bounds,
       trust: map.trust?.[index],
       extents: this.extentsOf(map.array),
-      error: (2 * map.max_error) / (map.bounds[1][0] - map.bounds[0][0]), // share of the radius
     };
   }
+
+  /** The largest error of a position, as a share of its map's radius. */
+  get error() {
+    return Math.max(
+      ...Object.values(this.meta.maps).map(
+        ({ max_error, bounds: [low, high] }) => (2 * max_error) / (high[0] - low[0]),
+      ),
+    );
+  }
 }
+/** @typedef {Positions & {drawn: number, stops: number}} Placed */
 
 /** The index of the value nearest to one; the first of several. @param {number[]} values @param {number} to */
 export const nearest = (values, to) =>
@@ -170,7 +278,7 @@ function boxes(all, pairs) {
 /** p as text: two digits, or three if the stop lies between two hundredths. @param {number} p */
 export const orderText = (p) => (Math.abs(p - +p.toFixed(2)) < 1e-9 ? p.toFixed(2) : p.toFixed(3));
 
-/** @typedef {{head?: string, mode?: string, set?: string, progress?: string}} Named */
+/** @typedef {{head?: string, mode?: string, set?: string, progress?: string, part?: string, from?: string, of?: string}} Named */
 /** @param {Named} named */
 const query = (named) =>
   `frames?${new URLSearchParams(Object.entries(named).filter(([, value]) => value))}`.replace(/\?$/, "");
@@ -184,10 +292,12 @@ export const fetchFrames = (onWait, named = {}) => awaited(fetched(onWait, named
 
 /** @param {(step: Step | null) => void} onWait @param {Named} named */
 async function fetched(onWait, named) {
+  const part = query({ ...named, part: "head" });
+  const inFile = held && !fileOf(held, part); // a page of one file has the whole file
   for (;;) {
-    const response = await get(query(named));
+    const response = await get(inFile ? query(named) : part);
     if (response.status === 200) {
-      const frames = new Frames(await response.arrayBuffer());
+      const frames = inFile ? Frames.in(await response.arrayBuffer()) : await inParts(await response.json(), named);
       frames.coarse = response.headers.get("X-Frames") === "coarse";
       return { frames, drawn: response.headers.get("X-Thumbnails") !== "none" };
     }
@@ -195,6 +305,12 @@ async function fetched(onWait, named) {
     await pause(700);
   }
 }
+
+/** @param {FramesMeta} meta @param {Named} named */
+const inParts = (meta, named) =>
+  Frames.of(meta, (name, from) =>
+    get(query({ ...named, part: name, ...(!held && { from: String(from), of: meta.tag }) })),
+  );
 
 /** Wait for finer frames after coarse ones. @param {(step: Step | null) => void} onWait @param {Named} named */
 export async function whenFine(onWait, named = {}) {

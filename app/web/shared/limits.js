@@ -11,12 +11,6 @@ const REAL = html`These are <b>real pairs</b>, according to the header of the fi
 function limitsOf(frames) {
   const { pairs, domains, headless, source, meta } = frames;
   const { encoder, origin, simulated } = meta.embeddings;
-  const error = Math.max(
-    ...Object.keys(meta.maps).map((name) => {
-      const [kind, stage] = name.split("/");
-      return frames.positions(kind, stage, 0).error;
-    }),
-  );
   const facts = [
     `${pairs.toLocaleString("en-US")} pairs in ${domains.length} domains. Encoder: ${encoder}.`,
     origin && `Origin of the data: ${origin}.`,
@@ -24,7 +18,7 @@ function limitsOf(frames) {
     !headless && "Accuracy is measured on pairs that were not used for training.",
     !headless && "Probabilities are calibrated on the training domain. In other domains they are too high.",
     "Each stop of p is exact. Lines between stops are interpolated.",
-    `Map positions are rounded by at most ${percent(error, 3)} of the radius of the map.`,
+    `Map positions are rounded by at most ${percent(frames.error, 3)} of the radius of the map.`,
     held ? "Your images stay in this browser." : "The server does not store your images, only their feature vectors.",
   ];
   return html`<p>${simulated || domains.some(isSimulated) ? SIMULATED : REAL}</p>

@@ -129,7 +129,10 @@ const differ = (all) => all.some((one) => one !== all[0]);
  * @param {Colourable} frames @param {Colouring} row */
 const fits = (frames, { needs = [], values }) =>
   (!values || differ(values(frames))) &&
-  needs.every((one) => ({ head: !frames.headless, classes: frames.labelled })[one] ?? has(frames, one));
+  needs.every(
+    (one) =>
+      ({ head: !frames.headless, classes: frames.labelled })[one] ?? (has(frames, one) && frames.confidence.length > 0),
+  );
 
 /** The colourings that frames have. @param {Colourable} frames */
 export const colouringsOf = (frames) => COLOURINGS.filter((row) => fits(frames, row));

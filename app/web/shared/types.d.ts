@@ -108,6 +108,10 @@ interface FramesMeta {
     { array: string; orders: number[]; bounds: [Point, Point]; max_error: number; trust?: number[] }
   >;
   curves: Record<string, number[]>;
+  /** of a head part: arrays in base64, the boxes around each map's VIS and TAC points, and the version of the file */
+  inline?: Record<string, string>;
+  extents?: Record<string, Box[]>;
+  tag?: string;
   embeddings: { encoder: string; origin?: string; simulated?: boolean; weights_hash?: string };
   head?: {
     kind?: string;
@@ -484,7 +488,6 @@ interface Replies {
   ladder: { rungs: Rung[]; sources: string[]; kept?: boolean };
   known: Known;
   journey: Journey;
-  place: { points: Partial<Record<Modality, Point>>; order: number; exact: boolean };
   predictions: {
     label: string;
     classes: string[];

@@ -1,15 +1,12 @@
-/** Tree, places on the map and neighbours, from the stages of many pairs at one order. Runs in the worker. */
+/** Tree and neighbours, from the stages of many pairs at one order. Runs in the worker. */
 
 import { IMAGES, imagesOf } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";
 import { quiet } from "./runtime.js";
-import { dot, nearest, norm, rounded, roundedRow, rowOf, rowsOf, stacked, unit } from "./tensors.js";
+import { dot, nearest, norm, rounded, roundedRow, rowOf, rowsOf, unit } from "./tensors.js";
 
 /** @typedef {import("./desk.js").Desk} Desk */
 const STEP = 32; // pairs of one run of the head: 30 ms, for which a question of the visitor may wait
-
-/** The place of a row on a linear map (2, D + 1). @param {ArrayLike<number>} row @param {Tensor} map */
-export const onLinear = (row, map) => [0, 1].map((axis) => dot([...Array.from(row), 1], rowOf(map, axis)));
 
 /** The nodes of a group, and their cosines.
  * @param {Floats[]} units @param {[number, number]} group */
@@ -64,28 +61,6 @@ export const FOREST = {
       nodes: nodes.map((row, n) => ({ norm: rounded(norm(row), 5), probabilities: roundedRow(shares[n]) })),
       layers: head.groups.map((group) => level(units, group)),
     };
-  },
-
-  /** For each image of a pair, its row of the set, its place on a linear map, or its neighbours and their shares, for
-   * places.js. `drawn` is the stop of the map. */
-  async near(desk, question, { stopped }) {
-    const there = imagesOf(question);
-    const ofSet = await Promise.all(there.map((name) => desk.rowOf(question[name])));
-    if (!ofSet.includes(undefined))
-      return { points: Object.fromEntries(there.map((name, i) => [name, { row: ofSet[i] }])) };
-    const [{ order, pair }, head] = [await desk.asked(question), await desk.head()];
-    const wanted = there.map((name) => (there.length > 1 ? `f_hat_${name}` : `${name}_f_hat`));
-    const out = await desk.run(head, [pair], [order], wanted);
-    const map = (await desk.file("places.safetensors"))[`${question.map} ${question.drawn}`];
-    const all = map ? null : stacked(await featuresOf(desk, head, "f_hat", order, stopped));
-    const points = there.map(async (name, i) => {
-      if (ofSet[i] !== undefined) return [name, { row: ofSet[i] }];
-      const row = unit(rowOf(out[wanted[i]], 0));
-      if (map) return [name, { place: onLinear(row, map) }];
-      const [index, share] = await desk.rule("place", row, /** @type {Tensor} */ (all));
-      return [name, { index: Array.from(index.values, Number), share: share.values }];
-    });
-    return { points: Object.fromEntries(await Promise.all(points)) };
   },
 
   async neighbours(desk, { point, stage, order }, { stopped }) {

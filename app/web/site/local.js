@@ -1,10 +1,9 @@
 /** The page's side of the worker: a request of Try a pair in, a Response as the server's out. */
 
 import { held, own } from "../shared/held.js";
-import { placed } from "./places.js";
 
 /** The routes that the browser computes; what else needs a server. */
-export const ROUTES = new Set(["image", "pair", "attention", "familiar", "tree", "place", "neighbours"]);
+export const ROUTES = new Set(["image", "pair", "attention", "familiar", "tree", "journey", "neighbours"]);
 const DEAD = "The models cannot be started in this browser; reload the page, or open it in another one.";
 
 /** @type {Worker | null} */
@@ -59,8 +58,9 @@ export async function prepare() {
  * @param {{ set: string, path: string, query: URLSearchParams, body?: any, signal?: AbortSignal | null, models: string }} asked */
 export async function respond({ set, path, query, body, signal, models }) {
   const content = body instanceof Blob ? await body.arrayBuffer() : (body ?? "{}");
-  const ask = (/** @type {string} */ name, /** @type {any} */ question) =>
-    sent({ base: addressOf(models), set, path: name, query: `${query}`, body: question }, signal);
-  const { status, value } = path === "place" ? await placed(set, content, ask) : await ask(path, content);
+  const { status, value } = await sent(
+    { base: addressOf(models), set, path, query: `${query}`, body: content },
+    signal,
+  );
   return Response.json(value, { status });
 }

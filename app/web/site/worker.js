@@ -3,11 +3,12 @@
 import { Refusal } from "../shared/refusal.js";
 import { Desk } from "./desk.js";
 import { FOREST } from "./forest.js";
+import { JOURNEY } from "./journey.js";
 import { READING } from "./routes.js";
 import { promptly } from "./runtime.js";
 
 const FAILED = "Something went wrong in this browser; the console has the details. Try again, or choose another pair.";
-const ROUTES = { ...READING, ...FOREST };
+const ROUTES = { ...READING, ...FOREST, ...JOURNEY };
 const PATIENT = ["warm", ...Object.keys(FOREST)];
 /** @type {Map<string, Desk>} */
 const desks = new Map();
