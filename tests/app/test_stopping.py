@@ -20,7 +20,6 @@ MORE = [
     {"vis": f"row:{row}", "tac": f"row:{row}", "label": label}
     for row, label in ((42, "cork"), (74, "glass"))
 ]
-PLACE = {**PAIR, "map": "pca"}
 # route -> question, and the fewest checkpoints inside; none for what reads a file or two
 WORKING = {
     "pair": (PAIR, 1),
@@ -32,7 +31,6 @@ WORKING = {
     "neighbours": ({"stage": "f_hat", "point": 0}, 1),
     "ladder": ({"source": ""}, 1),
     "known": ({"known": "none"}, 1),
-    "place": (PLACE, 1),
     "journey": (PAIR, 0),  # under a second for all stops
     "predictions": ({"method": "nearest_mean"}, 1),
     "familiar": (PAIR, 2),
@@ -102,8 +100,6 @@ def work(small_places):
         resources = Resources(replace(small_places, compare=(small_places.head,)))
         if name in FACTS:
             return partial(FACTS[name], resources)
-        if name == "place":
-            resources.frames.wait()
         return partial(QUESTIONS[name], resources, WORKING[name][0])
 
     return of

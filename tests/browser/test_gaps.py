@@ -86,7 +86,7 @@ def test_the_answer_has_the_range_of_both_gaps_and_follows_the_head(gaps, frames
     assert len(said) == 3 and "chirp" in gaps.inner_text(".explore .chosen")
     other = gaps.context.new_page()
     other.goto(gaps.url)  # a link brings head and set back
-    other.wait_for_selector(f"{TREE} >> text=chirp")
+    other.wait_for_selector(f"{TREE} [aria-label*=chirp]")
     assert other.inner_text(".explore .stage .figure") == words
     other.close()
 
