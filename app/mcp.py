@@ -20,9 +20,14 @@ from app.visitor_sets import VisitorSets
 from omnivat import __version__
 from omnivat.kit.errors import DataError, OmniVatError
 
-VERSIONS = ("2025-11-25", "2025-06-18", "2025-03-26")  # newest first
+VERSION = "2026-07-28"  # without a handshake: each request states its version
+SHAKEN = ("2025-11-25", "2025-06-18", "2025-03-26")  # versions that begin with `initialize`
+VERSIONS = (VERSION, *SHAKEN)
+META = "io.modelcontextprotocol/"  # of the names in a message's `_meta`
+SERVER = {"name": "omnivat", "version": __version__}
+KEPT = {"ttlMs": 60_000, "cacheScope": "public"}  # how long a client may keep a list
 LISTED = ("name", "description", "inputSchema", "outputSchema", "annotations")  # of a tool
-PARSE, REQUEST, METHOD, PARAMS = -32700, -32600, -32601, -32602
+PARSE, REQUEST, METHOD, PARAMS, UNSUPPORTED = -32700, -32600, -32601, -32602, -32022
 USE = "Start with about: it names the classes, domains, examples and sets."
 
 
@@ -43,6 +48,7 @@ async def mcp(sets: VisitorSets, request: Request) -> Response:
             asked.update(question_from(body))
         except DataError as error:
             raise RpcError(str(error), PARSE) from error
+        require_version(asked)
         if asked.get("method") != "tools/call" or "id" not in asked:
             return None
         params = asked.get("params")
@@ -65,7 +71,18 @@ async def mcp(sets: VisitorSets, request: Request) -> Response:
             found = replied(asked)
     except OmniVatError as error:
         return _failed(asked.get("id"), error)
+    found = {"resultType": "complete", **found}
     return JSONResponse({"jsonrpc": "2.0", "id": _name(asked.get("id")), "result": found})
+
+
+def require_version(asked: Question) -> None:
+    """Raise RpcError for a request that states an unknown version of the protocol."""
+    params = asked.get("params")
+    meta = params.get("_meta") if _is(params) else None
+    stated = meta.get(f"{META}protocolVersion", VERSION) if _is(meta) else VERSION
+    if stated not in VERSIONS:
+        known = ", ".join(VERSIONS)
+        raise RpcError(f"Version {stated!r:.40} is unknown; there are {known}.", UNSUPPORTED)
 
 
 def replied(asked: Question) -> Reply:
@@ -76,18 +93,28 @@ def replied(asked: Question) -> Reply:
     if method == "initialize":
         wanted = params.get("protocolVersion") if _is(params) else None
         return {
-            "protocolVersion": wanted if wanted in VERSIONS else VERSIONS[0],
+            "protocolVersion": wanted if wanted in SHAKEN else SHAKEN[0],
             "capabilities": {"tools": {}},
-            "serverInfo": {"name": "omnivat", "version": __version__},
+            "serverInfo": SERVER,
             "instructions": USE,
+        }
+    if method == "server/discover":
+        return {
+            "supportedVersions": list(VERSIONS),
+            "capabilities": {"tools": {}},
+            "instructions": USE,
+            "_meta": {f"{META}serverInfo": SERVER},
+            **KEPT,
         }
     if method == "tools/list":
         rows = ((name, *tool, {"readOnlyHint": True}) for name, tool in TOOLS.items())
-        return {"tools": [dict(zip(LISTED, row, strict=True)) for row in rows]}
+        return {"tools": [dict(zip(LISTED, row, strict=True)) for row in rows], **KEPT}
     if not isinstance(method, str) or asked.get("jsonrpc") != "2.0":
         raise RpcError('A request has "jsonrpc": "2.0", an id and a method.', REQUEST)
     raise RpcError(
-        f"The method '{method:.40}' is unknown; there are tools/list and tools/call.", METHOD
+        f"The method '{method:.40}' is unknown; there are server/discover, tools/list and"
+        " tools/call.",
+        METHOD,
     )
 
 
@@ -97,8 +124,10 @@ def _failed(number: Any, error: OmniVatError) -> Response:
     log.info("mcp refused: %s", error)
     head = {"jsonrpc": "2.0", "id": _name(number)}
     if code is None and number is not None and sentence != UNEXPECTED:
-        return JSONResponse({**head, "result": {"content": _text(sentence), "isError": True}})
-    body = {**head, "error": {"code": code or REQUEST, "message": sentence}}
+        found = {"resultType": "complete", "content": _text(sentence), "isError": True}
+        return JSONResponse({**head, "result": found})
+    data = {"data": {"supported": list(VERSIONS)}} if code == UNSUPPORTED else {}
+    body = {**head, "error": {"code": code or REQUEST, "message": sentence, **data}}
     known = code in (METHOD, PARAMS)
     return JSONResponse(body, status_code=200 if known else status_of(error))
 

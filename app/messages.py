@@ -19,7 +19,8 @@ UNEXPECTED = (
     "The page still works: try again, or choose another pair."
 )
 
-PLACE = re.compile(r"(?:/|[A-Za-z]:\\)(?:[^/\\'\"\n]+[/\\])+")  # a path without its last part
+# a path without its last part; not the slash of "tools/list"
+PLACE = re.compile(r"(?<!\w)(?:/|[A-Za-z]:\\)(?:[^/\\'\"\n]+[/\\])+")
 
 
 class CancelledError(OmniVatError):
@@ -45,6 +46,8 @@ def without_places(sentence: str) -> str:
 
     >>> without_places("'/srv/ada/heads/one/settings.json' is missing.")
     "'settings.json' is missing."
+    >>> without_places("There are tools/list and tools/call.")
+    'There are tools/list and tools/call.'
     """
     return PLACE.sub("", sentence)
 

@@ -158,7 +158,30 @@ def test_mcp_lists_and_runs_the_tools_without_a_session(client):
     direct = client.post("/omnivat/api/predict", json={"vis": "row:1"}).json()
     assert got["id"] == 7 and got["result"]["structuredContent"] == direct
     assert json.loads(got["result"]["content"][0]["text"]) == direct
-    assert call(client, "ping").json()["result"] == {}
+    assert call(client, "ping").json()["result"] == {"resultType": "complete"}
+
+
+def test_mcp_is_discovered_without_a_handshake_and_an_unknown_version_names_the_known(client):
+    found = call(client, "server/discover").json()["result"]
+    assert found["supportedVersions"][0] == "2026-07-28" and found["capabilities"] == {"tools": {}}
+    listed = call(client, "tools/list").json()["result"]
+    for one in (found, listed):  # the fields that this version requires
+        assert (one["resultType"], one["cacheScope"], one["ttlMs"]) == (
+            "complete",
+            "public",
+            60_000,
+        )
+    stated = {"_meta": {"io.modelcontextprotocol/protocolVersion": "2026-07-28"}}
+    got = call(client, "tools/call", {"name": "about", **stated}).json()["result"]
+    assert got["resultType"] == "complete" and got["structuredContent"]["classes"]
+    stated["_meta"]["io.modelcontextprotocol/protocolVersion"] = "2031-01-01"
+    got = call(client, "server/discover", stated).json()["error"]
+    assert got["code"] == -32022 and got["data"]["supported"] == found["supportedVersions"]
+
+
+def test_an_unknown_method_names_the_known_ones(client):
+    said = call(client, "prompts/list").json()["error"]["message"]
+    assert said.endswith("there are server/discover, tools/list and tools/call.")
 
 
 def test_mcp_gives_a_tool_s_refusal_as_a_result_that_a_model_can_read(client):
@@ -170,7 +193,7 @@ def test_mcp_gives_a_tool_s_refusal_as_a_result_that_a_model_can_read(client):
 @pytest.mark.parametrize(
     ("message", "status", "code"),
     [
-        ({**JSON_RPC, "method": "server/discover"}, 200, -32601),
+        ({**JSON_RPC, "method": "prompts/list"}, 200, -32601),
         ({**CALL, "params": {"name": "shell"}}, 200, -32602),
         ({**CALL, "params": [1]}, 200, -32602),
         ({**CALL, "params": {"name": "about", "arguments": [1]}}, 200, -32602),
