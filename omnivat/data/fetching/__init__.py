@@ -6,20 +6,23 @@
 import json
 import os
 import shutil
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from omnivat.data.fetching.archive import unpacked
+from omnivat.data.fetching.archive import Folder, unpacked, zipped
 from omnivat.data.fetching.heights import drawn, load_heights
 from omnivat.data.fetching.hub import from_hub
-from omnivat.data.fetching.layouts import LAYOUTS, Box, Item
+from omnivat.data.fetching.layouts import LAYOUTS, ROWS, Box, Item, spaced
 from omnivat.data.fetching.repository import DamagedError, Repository
 from omnivat.data.images import read_image
+from omnivat.data.recordings.stored import stored_clips
 from omnivat.data.recordings.tracks import Film
-from omnivat.data.recordings.writing import moments, plain
+from omnivat.data.recordings.writing import moments, plain, write_pairs
+from omnivat.data.rest import REST
 from omnivat.kit.errors import DataError, SettingsError, WriteError
 from omnivat.kit.files import (
     read_whole,
@@ -35,7 +38,7 @@ from omnivat.kit.tables import entry, need
 TABLE = Path(__file__).with_name("sets.json")
 RECORD_BYTES = 4_000_000
 RECORD, TERMS = "fetched.json", "TERMS.txt"  # beside the pairs
-COLUMNS = ("vis", "tac", "domain", "material", "object", "named", "vis_from", "tac_from")
+COLUMNS = ("vis", "tac", "domain", "material", "object", "split", "named", "vis_from", "tac_from")
 CLIPS, PICKLE = (".mov", ".mp4"), ".pkl"
 KEPT = ("name", "title", "sensor", "terms", "terms_from", "commit", "authors", "changes", "licence")
 
@@ -108,7 +111,7 @@ def fetch(name: str, out: Path, *, source: str = "", on_step: OnStep = ignore) -
             f"{name} needs {need_mb:,} MB while it is fetched, and '{part.parent}' has {free:,} MB"
             " free."
         )
-    if wanted.name == "tacquad":
+    if "/datasets/" in wanted.source:
         _from_hub(wanted, out, part, source, on_step)
     else:
         clone = part / "repository"
@@ -154,13 +157,29 @@ def _from_git(wanted: FetchedSet, out: Path, clone: Path, source: str, on_step: 
         place = f"{wanted.commit[:7]}: it lacks {len(lacking)} files"
         raise DataError(f"'{source or wanted.source}' has no pairs of {wanted.name} at {place}.")
     needed = {path: hashes[path] for item in items for path in (item.vis, item.tac) if path}
+    _save(wanted, out, items, repository.contents, source, on_step, needed, len(listed), lacking)
+
+
+def _save(
+    wanted: FetchedSet,
+    out: Path,
+    items: Sequence[Item],
+    contents: Callable[[Mapping[str, str]], Iterable[tuple[str, bytes]]],
+    source: str,
+    on_step: OnStep,
+    hashes: Mapping[str, str] | None = None,
+    listed: int = 0,
+    lacking: Sequence[str] = (),
+) -> None:
+    """Write a folder of pairs with its table, terms and record; `contents` reads files by their
+    paths and hashes.
+    """
+    paths = (path for item in items for path in (item.vis, item.tac, item.rest) if path)
+    needed = hashes or {path: path for path in paths}
     with replacing_folder(out) as work:
-        write_csv(
-            work / "pairs.csv",
-            COLUMNS,
-            _written(items, repository.contents(needed), len(needed), work, on_step),
-        )
-        _write_terms(wanted, work, source, len(items), len(listed), lacking)
+        rows = _written(items, contents(needed), len(needed), work, on_step)
+        write_csv(work / "pairs.csv", COLUMNS, rows)
+        _write_terms(wanted, work, source, len(items), listed or len(items), lacking)
 
 
 def _once(items: Iterable[Item], hashes: Mapping[str, str]) -> list[Item]:
@@ -190,8 +209,12 @@ def _written(
             made = box or suffix in (*CLIPS, PICKLE)
             names[half] = f"{stem}_{half}{'.png' if made else suffix}"
             uses.setdefault(path, []).append((names[half], box))
-        files = [names.get("vis", names["tac"]), names["tac"]]
-        labels = [item.domain, item.material, item.object, item.named]
+        if item.rest:
+            rest = f"{stem.rpartition('/')[0]}/{REST}"
+            if (rest, None) not in uses.setdefault(item.rest, []):
+                uses[item.rest].append((rest, None))
+        files = [names["vis"] if item.vis else "", names["tac"]]
+        labels = [item.domain, item.material, item.object, item.split, item.named]
         rows.append([*files, *labels, item.vis or item.tac, item.tac])
     for done, (path, content) in enumerate(contents):
         on_step(Step(done=done, total=count, text="pictures"))
@@ -218,8 +241,8 @@ def _write_picture(path: str, content: bytes, box: Box | None, target: Path) -> 
             next(track.pictures([moment])).save(target)
         finally:
             film.unlink()
-    elif box:
-        whole = read_image(content, path)
+    elif box or target.suffix != kind:
+        whole, box = read_image(content, path), box or (0.0, 0.0, 1.0, 1.0)
         left, top, right, bottom = (
             round(share * side) for share, side in zip(box, whole.size * 2, strict=True)
         )
@@ -229,21 +252,50 @@ def _write_picture(path: str, content: bytes, box: Box | None, target: Path) -> 
 
 
 def _from_hub(wanted: FetchedSet, out: Path, part: Path, source: str, on_step: OnStep) -> None:
-    """Bring a set of the model hub, which resumes and checks by itself, and unpack it."""
-    if source:
+    """Bring a set of the model hub: pictures in a zip or in folders, rows of Parquet, or an archive
+    in parts that is unpacked.
+    """
+    if source and not Path(source).is_dir():
         raise SettingsError(
-            f"{wanted.name} comes from the model hub; --from is for the sets in repositories."
+            f"{wanted.name} comes from the model hub; --from is a folder with its files."
         )
     name = wanted.source.partition("/datasets/")[2]
-    files = from_hub(name, wanted.commit, part / "files", wanted.files)
-    made = unpacked(sorted(files.glob("*.zip.*")), part / "unpacked", on_step)
-    lists = [file for file in made if file.name.startswith("contact_")]
-    if not lists:
-        raise DataError(f"The archive of '{wanted.source}' has no contact lists, as it had.")
-    folder = lists[0].parent
-    _write_terms(wanted, folder, "", 0, 0, [])
+    files = Path(source or from_hub(name, wanted.commit, part / "files", wanted.files))
+    archives = sorted(files.glob("*.zip*"))
+    if wanted.name in ROWS:
+        folder = _of_rows(wanted, files, part / "pairs", source, on_step)
+    elif wanted.name in LAYOUTS:
+        with zipped(archives) if archives else nullcontext(Folder(files)) as store:
+            items = list(LAYOUTS[wanted.name](list(store.names), lambda path: ""))
+            if not items:
+                raise DataError(f"'{source or wanted.source}' has no pairs of {wanted.name} now.")
+            _save(wanted, out, items, store.contents, source, on_step)
+        return
+    else:
+        made = unpacked(archives, part / "unpacked", on_step)
+        lists = [file for file in made if file.name.startswith("contact_")]
+        if not lists:
+            raise DataError(f"The archive of '{wanted.source}' has no contact lists, as it had.")
+        folder = lists[0].parent
+        _write_terms(wanted, folder, source, 0, 0, [])
     with writing(out):
         folder.replace(out)
+
+
+def _of_rows(wanted: FetchedSet, files: Path, folder: Path, source: str, on_step: OnStep) -> Path:
+    """Write some touches of each object, split and domain in Parquet files as a folder of pairs."""
+    how = ROWS[wanted.name]
+    known: dict[str, Any] = {"vis": "", "tac": ["image"], "classes": (), "columns": how.columns}
+    found = [
+        replace(clip, object=f"{clip.material} {clip.object}", split=clip.split or "test")
+        for file in sorted(files.rglob("*.parquet"))
+        for clip in stored_clips(file, domain=how.domain(file.stem), **known)
+    ]
+    clips = [*spaced(found, lambda clip: (clip.domain, clip.split, clip.object))]
+    shutil.rmtree(folder, ignore_errors=True)
+    made = write_pairs(clips, folder, on_step=on_step)
+    _write_terms(wanted, folder, source, made.pairs, len(clips), [])
+    return folder
 
 
 def _write_terms(

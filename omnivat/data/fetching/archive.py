@@ -1,16 +1,23 @@
-"""An archive that its authors have cut into parts, unpacked without a joined copy on the disk."""
+"""Archives, which their authors may have cut into parts, read and unpacked without a joined copy on
+the disk; and folders as their files.
+"""
 
+import zlib
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from io import SEEK_CUR, SEEK_END, BufferedReader, RawIOBase
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
-from zipfile import ZipFile
+from zipfile import BadZipFile, ZipFile
 
 from omnivat.kit.errors import DataError, WriteError, first_line
-from omnivat.kit.files import writing
+from omnivat.kit.files import read_whole, writing
 from omnivat.kit.progress import OnStep, Step, ignore
+
+MOST = 300_000_000  # bytes of a file
 
 
 class Joined(RawIOBase):
@@ -45,6 +52,56 @@ class Joined(RawIOBase):
             count = file.readinto(buffer)
         self._at += count
         return count
+
+
+@dataclass(frozen=True, slots=True)
+class Folder:
+    """The files below a folder by their paths."""
+
+    root: Path
+
+    @property
+    def names(self) -> list[str]:
+        """The paths, with slashes."""
+        return [f.relative_to(self.root).as_posix() for f in self.root.rglob("*") if f.is_file()]
+
+    def contents(self, paths: Iterable[str]) -> Iterator[tuple[str, bytes]]:
+        """Yield paths and contents; raises DataError for a file that cannot be read."""
+        for path in paths:
+            yield path, read_whole(self.root / path, MOST)
+
+
+@dataclass(frozen=True, slots=True)
+class Zipped:
+    """The files in a zip archive by their paths."""
+
+    archive: ZipFile
+
+    @property
+    def names(self) -> list[str]:
+        """The paths, with slashes."""
+        return self.archive.namelist()
+
+    def contents(self, paths: Iterable[str]) -> Iterator[tuple[str, bytes]]:
+        """Yield paths and contents; raises DataError for a file of more than MOST bytes."""
+        for path in paths:
+            if self.archive.getinfo(path).file_size > MOST:
+                raise DataError(f"'{path}' of the archive is larger than {MOST / 1e6:.0f} MB.")
+            yield path, self.archive.read(path)
+
+
+@contextmanager
+def zipped(parts: Sequence[Path]) -> Iterator[Zipped]:
+    """Open a zip archive in one or more parts; raises DataError if it is damaged."""
+    with BufferedReader(Joined(parts), 1 << 20) as stream:
+        try:
+            with ZipFile(stream) as archive:
+                yield Zipped(archive)
+        except (BadZipFile, EOFError, zlib.error, NotImplementedError) as error:
+            raise DataError(
+                f"'{parts[0]}' is no whole archive ({first_line(error)}); remove it and run the"
+                " command again."
+            ) from error
 
 
 def unpacked(parts: Sequence[Path], folder: Path, on_step: OnStep = ignore) -> list[Path]:

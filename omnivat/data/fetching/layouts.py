@@ -4,13 +4,15 @@ gave them.
 
 import re
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
-from omnivat.data.materials import class_key, rules, rules_in_text
+from omnivat.data.materials import NO_CLASS, class_key, rules, rules_in_text
 from omnivat.kit.errors import DataError
 
-EACH = 30  # pairs of one object of VT60
+EACH = 30  # pairs of one object of VT60; presses of one class, sensor and split of sets of presses
+MINIS = (0, 4, 5, 6)  # of the sensors of SITR: its code compares these, and 0 with the three others
 Box = tuple[float, float, float, float]  # left, top, right, bottom, as shares of the sides
 STILL_PHOTO, STILL_TOUCH = (0.597, 0.145, 0.98, 0.855), (0.01, 0.02, 0.53, 0.965)
 # of the samples of ObjectFolder Real: copies of 101 to 103, which shift the numbers after them
@@ -28,8 +30,11 @@ class Item:
     object: str  # object, swatch or recording, which no split divides
     named: str = ""  # the authors' word, where `material` is another
     boxes: tuple[Box, Box] | None = None  # of photo and touch, where one file holds both
+    split: str = ""
+    rest: str = ""  # picture of the sensor without contact
 
 
+T = TypeVar("T")
 Names = Sequence[str]
 Text = Callable[[str], str]
 Layout = Callable[[Names, Text], Iterator[Item]]
@@ -153,6 +158,86 @@ def billets(names: Names, text: Text) -> Iterator[Item]:
         yield from layout(names, text)
 
 
+def spaced(items: Iterable[T], key: Callable[[T], Hashable]) -> Iterator[T]:
+    """Yield EACH of the items of every key, evenly spaced in their order."""
+    groups: dict[Hashable, list[T]] = defaultdict(list)
+    for item in items:
+        groups[key(item)].append(item)
+    for group in groups.values():
+        count = min(EACH, len(group))
+        yield from (group[k * len(group) // count] for k in range(count))
+
+
+def sitr(names: Names, text: Text) -> Iterator[Item]:
+    """Yield presses of each class, sensor and split; a class is one object, a press has no other
+    name.
+    """
+    pattern = r"(.*?(train|val)_set/sensor_(\d+)/)samples/class_(\d+)/(\d+)\.png"
+    there = frozenset(names)
+
+    def items() -> Iterator[Item]:
+        for tac, match in _matches(sorted(names), pattern):
+            folder, split, sensor, kind, number = match.groups()
+            rest = f"{folder}calibration/0000.png"
+            yield Item(
+                vis="",
+                tac=tac,
+                domain=f"SITR {int(sensor)}" + " (GelSight Mini)" * (int(sensor) in MINIS),
+                material=f"object {int(kind)}",
+                object=f"{int(sensor)} {split} {int(kind)} {number}",
+                split=split,
+                rest=rest if rest in there else "",
+            )
+
+    return spaced(items(), lambda item: (item.domain, item.split, item.material))
+
+
+def probes(names: Names, text: Text) -> Iterator[Item]:
+    """Yield presses of each pad of the GelSight Mini and each folder below it, an indenter or an
+    object; `initial` is the pad without contact.
+    """
+    pattern = r"(.*gelsight_mini/mini_(pad\d+)(?:_ob)?/(?:([^/]+)/)?)(?:.*/)?([^/]+)\.(?:jpe?g|png)"
+    there = frozenset(names)
+
+    def items() -> Iterator[Item]:
+        for tac, match in _matches(sorted(names), pattern):
+            folder, pad, kind, stem = match.groups()
+            rests = [f"{folder}initial{end}" for end in (".jpg", ".png")]
+            if stem != "initial":
+                yield Item(
+                    vis="",
+                    tac=tac,
+                    domain=f"GelSight Mini, {pad}",
+                    material=class_key(kind or "") or NO_CLASS,
+                    object=f"{pad} {kind or ''} {stem}",
+                    rest=next((rest for rest in rests if rest in there), ""),
+                )
+
+    return spaced(items(), lambda item: (item.domain, item.material))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rows:
+    """How the rows of a set's Parquet files are named: its columns by ours ("": none), and the
+    domain of a file's rows by its name.
+    """
+
+    columns: Mapping[str, str]
+    domain: Callable[[str], str]
+
+
+def _feats(name: str) -> str:
+    """Return the sensor of a file of FEATS; two of its test sets are of another GelSight Mini."""
+    other = re.search(r"diff_sensor_(new|old)_gel", name)
+    return f"GelSight Mini, other, {other[1]} gel" if other else "GelSight Mini"
+
+
+ROWS = {
+    "feats-mini": Rows(
+        columns={"material": "indenter", "object": "indenter_param", "domain": "", "split": ""},
+        domain=_feats,
+    )
+}
 LAYOUTS: dict[str, Layout] = {
     "vt60": vt60,
     "objectfolder-real": objectfolder_real,
@@ -175,6 +260,8 @@ LAYOUTS: dict[str, Layout] = {
     ),
     "hapticmatch": hapticmatch,
     # touches alone: the part of an object is the class, a file the object
+    "sitr": sitr,
+    "glowtact-mini": probes,
     "octopi": files("Octopi", r"dataset/(\w+)_(\d+)\.mov"),
     "digit-parts": files("DIGIT", r"data/(\w+)/interaction_(\d+)\.jpg"),
 }

@@ -46,7 +46,7 @@ def stored_clips(
     vis, tac  names of the columns or arrays of photos and touches; "" and (): by their words
     domain    of all pairs without one; "": the folder's name
     classes   names of numbered classes
-    columns   name here -> name in the file, if they differ
+    columns   name here -> name in the file, if they differ; "": no column
     Raises DataError if a file has no pictures, or if its columns cannot be told.
     """
     root = source if source.is_dir() else source.parent
@@ -93,9 +93,9 @@ def _labels(
     texts = {}
     for name in LABELS:
         theirs = (columns[name],) if name in columns else (name, *COLUMNS.get(name, ()))
-        arrays = (table.get(one) for one in theirs if table.path(one) or name in columns)
+        arrays = (table.get(one) for one in theirs if table.path(one))
         array = next((one for one in arrays if one is not None), None)
-        if array is None and name in columns:
+        if array is None and columns.get(name):
             raise DataError(
                 f"'{table.place}' has no column '{columns[name]}'; it has {', '.join(table.names)}."
             )

@@ -327,7 +327,7 @@ def test_an_unknown_set_names_the_known_ones(tmp_path):
 def test_the_hub_resumes_by_itself_and_has_no_other_source(tmp_path, monkeypatch):
     import huggingface_hub
 
-    with pytest.raises(SettingsError, match="model hub"):
+    with pytest.raises(SettingsError, match="model hub; --from is a folder with its files"):
         fetch("tacquad", tmp_path / "out", source="elsewhere")
 
     def refused(*arguments, **named):
