@@ -64,6 +64,11 @@ def is_image_name(name: str) -> bool:
     return os.path.splitext(name)[1].lower() in SUFFIXES
 
 
+def is_file_name(name: str) -> bool:
+    """True if a file's suffix, in any case, is that of a picture or a recording."""
+    return is_image_name(name) or name.lower().endswith((*VIDEOS, *TACTILE))
+
+
 def half_of(name: str) -> str:
     """Return "vis" or "tac" by the whole words of a name, "?" if they leave it open, or "".
 

@@ -8,7 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
-from omnivat.data.naming import COLUMNS, checked_split, found_file, half_of, modality_of, set_name
+from omnivat.data.naming import (
+    COLUMNS,
+    checked_split,
+    found_file,
+    half_of,
+    is_file_name,
+    modality_of,
+    set_name,
+)
 from omnivat.data.pairs import TEXTS, Pair, PairSet, Skipped
 from omnivat.data.readers.files import TABLES, is_file, read_rows, show
 from omnivat.kit.errors import DataError
@@ -108,10 +116,12 @@ def rows_of(
     named = {"vis": vis.lower(), "tac": tac.lower()}
     rows = read_rows(file)
     filled = dict.fromkeys(name for row in rows.values() for name, cell in row.items() if cell)
+    header = next(iter(rows.values()), {})
     theirs = {name: [name, *others] for name, others in COLUMNS.items()}
     for half in IMAGES:
-        by_word = [name for name in filled if half_of(name) == half]
-        theirs[half] = [named[half]] if named[half] else [half] * (half in filled) or by_word
+        told = [name for name in filled if half_of(name) == half and name != BEFORE]
+        by_word = [name for name in told if any(is_file_name(row[name]) for row in rows.values())]
+        theirs[half] = [named[half]] if named[half] else [half] * (half in header) or by_word
         if len(theirs[half]) > 1:
             raise DataError(
                 f"'{show(file)}' has the columns {show(', '.join(theirs[half]))}; name one with"

@@ -97,6 +97,8 @@ def test_a_byte_order_mark_and_windows_line_ends_are_accepted(table):
         ("Photo;Tactile image\nv.png;t.png\n", "v.png", "t.png"),
         ("sep=;\nvis;tac\nv.png;t.png\n", "v.png", "t.png"),
         ("vis\ttac\nV.PNG\tt.png\n", "v.png", "t.png"),
+        ("vis,tac,vis_from\n,t.png,v.png\n", "t.png", "t.png"),  # the column vis is there
+        ("photo,gelsight,touch_depth,tac_before\nv.png,t.png,2,v.png\n", "v.png", "t.png"),
     ],
 )
 def test_of_one_row_a_picture_alone_stands_for_both(table, tmp_path, text, vis, tac):
