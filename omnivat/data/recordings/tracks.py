@@ -99,17 +99,18 @@ class Film:
                 for packet in container.demux(stream)
                 if packet.size and not packet.is_discard
             )
+            # a closed container has freed what its stream reads
+            unit, origin, other = float(stream.time_base), _origin(stream), _rate_step(stream)
         if not found:
             raise DataError(f"'{show(self.file)}' has no pictures; export it as MP4.")
-        unit, last = float(stream.time_base), found[-1][1]
-        times = np.array([stamp for stamp, _ in found]) * unit - _origin(stream)
-        return times, float(times[-1] + max(last * unit, _step(times, stream)))
+        times = np.array([stamp for stamp, _ in found]) * unit - origin
+        return times, float(times[-1] + max(found[-1][1] * unit, _step(times, other)))
 
     def pictures(self, moments: Sequence[float]) -> "Iterator[Image.Image]":
         """As `Track`."""
         container, stream = _opened(self.file)
         waiting = [self.start + moment for moment in moments]
-        step = 1 / self.fps if self.fps else _step(self._times[0], stream)
+        step = 1 / self.fps if self.fps else _step(self._times[0], _rate_step(stream))
         last, shown = None, 0.0
         with container, _explained(self.file, f"{waiting[0]:.2f} s"):
             for frame in _decoded(container, stream, waiting[0] + NEAR * step):
@@ -164,11 +165,13 @@ def _within(times: NDArray[np.float64], end: float) -> NDArray[np.float64]:
     return np.concatenate([held, times[(times > 0) & (times < end)]])
 
 
-def _step(times: NDArray[np.float64], stream: Any = None) -> float:
-    """Return the seconds between two pictures."""
-    if len(times) > 1:
-        return float(np.median(np.diff(times)))
-    return 1 / float(getattr(stream, "average_rate", None) or 30)
+def _step(times: NDArray[np.float64], alone: float = 1 / 30) -> float:
+    """Return the seconds between two pictures; `alone` for a single one."""
+    return float(np.median(np.diff(times))) if len(times) > 1 else alone
+
+
+def _rate_step(stream: Any) -> float:
+    return 1 / float(stream.average_rate or 30)
 
 
 def _opened(file: Path) -> tuple[Any, Any]:

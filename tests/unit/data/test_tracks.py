@@ -5,6 +5,7 @@ import pytest
 from PIL import Image
 
 from omnivat.data.recordings import clips_of, write_pairs
+from omnivat.data.recordings.tracks import Film
 from tests.unit.data.films import MATRICES, film, turned
 
 
@@ -43,6 +44,12 @@ def test_a_film_lasts_as_long_as_its_pictures(tmp_path, name, options):
     film(tmp_path / name, range(100, 140, 2), **options)
     assert imported(tmp_path, name, name, frames=4).pairs == 4
     assert shown(tmp_path / "out", "vis") == pytest.approx([104, 114, 124, 134], abs=2)
+
+
+def test_a_film_has_the_same_times_at_every_reading(tmp_path):
+    film(tmp_path / "a.mp4", range(100, 120))
+    lengths = {Film(file=tmp_path / "a.mp4").shown(None)[1] for _ in range(100)}
+    assert lengths == {2.0}
 
 
 def test_a_last_picture_that_is_held_is_shown_until_it_ends(tmp_path):
