@@ -131,7 +131,7 @@ def _pictures(options: argparse.Namespace) -> None:
     skipped = (*made.skipped, *found.skipped)
     checked(replace(found, origin=origin, simulated=simulated, skipped=skipped), options.look)
     print(
-        f"{made.pairs} pairs of {len(clips) - len(made.skipped)} recordings; next: python -m"
+        f"{len(found.pairs)} pairs of {len(clips) - len(made.skipped)} recordings; next: python -m"
         f" omnivat try {options.out}"
     )
 

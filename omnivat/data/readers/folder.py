@@ -5,6 +5,7 @@
 import os
 import re
 from collections import defaultdict
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,7 +21,7 @@ from omnivat.data.naming import (
     split_of,
 )
 from omnivat.data.pairs import Pair, PairSet, Skipped
-from omnivat.data.readers.files import folders_in, is_text, show, visible
+from omnivat.data.readers.files import TABLES, folders_in, is_text, show, visible
 from omnivat.data.rest import REST
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
@@ -222,12 +223,29 @@ def _require_names(folders: list[Path], kind: str) -> None:
             )
 
 
+def _films(folder: Path) -> Iterator[Path]:
+    """Yield the recordings in a folder and below."""
+    for entry in visible(folder):
+        if entry.name.lower().endswith((*VIDEOS, *TACTILE)):
+            yield folder / entry.name
+    for child in folders_in(folder):
+        if not child.is_symlink():
+            yield from _films(child)
+
+
 def _no_pairs(source: Path, skipped: list[Skipped]) -> str:
-    known = any((source / name).is_file() for name in ("meta/info.json", "videos.csv"))
-    if known or any(e.name.lower().endswith((*VIDEOS, *TACTILE)) for e in visible(source)):
+    make = f"`python -m omnivat import {show(source)} --out PAIRS`"
+    known = (*TABLES, *TACTILE)
+    film = next(_films(source), None)
+    if any((source / name).is_file() for name in ("meta/info.json", "videos.csv")) or (
+        film and any(entry.name.lower().endswith(known) for entry in visible(source))
+    ):
+        return f"'{show(source)}' holds recordings; make pairs of them first: {make}."
+    if film:
         return (
-            f"'{show(source)}' holds recordings; make pairs of them first: `python -m omnivat"
-            f" import {show(source)} --out PAIRS`."
+            f"'{show(source)}' holds films, such as '{show(film.relative_to(source))}', and no"
+            " table that names them. Write videos.csv there, with a row for each recording and the"
+            f" columns vis or tac (files), material and object; then {make}."
         )
     message = (
         f"No pairs in '{show(source)}'; expected {LAYOUT}, or folders of photos and of touches,"

@@ -23,6 +23,7 @@ from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 from omnivat.kit.tables import suggestion
 
+WORDS = {"vis": "photos", "tac": "touches"}
 OTHER = {"vis": "tac", "tac": "vis"}
 BEFORE = "tac_before"  # column of the touches of a moment before
 RARE = 0.1  # share of rows without a picture up to which they are left out
@@ -147,8 +148,7 @@ def rows_of(
         | {name: row[there[0]] if there else absent.get(name, "") for name, there in found.items()}
         for line, row in rows.items()
     }
-    words = {"vis": "photos", "tac": "touches"}
-    columns = [f"{words[m]} of '{found[m][0]}'" for m in IMAGES if found[m] and found[m] != [m]]
+    columns = [f"{WORDS[m]} of '{found[m][0]}'" for m in IMAGES if found[m] and found[m] != [m]]
     return filled_in, ", ".join(columns)
 
 
@@ -163,6 +163,8 @@ def _stands_for_both(rows: list[Row]) -> str:
 
 def _why_not(file: Path, number: int, row: Row, pair: Pair, strict: bool) -> str:
     """Return why a row gives no pair, or ""."""
+    if pair.alone and not row[pair.alone]:
+        return f"it has no {pair.alone} image, and the set is of {WORDS[pair.alone]} alone"
     for name in ("domain", "material", *IMAGES):
         if not row[name] and name != OTHER.get(pair.alone):
             return f"'{name}' is empty"

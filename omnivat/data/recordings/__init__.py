@@ -11,7 +11,7 @@ from typing import Any
 
 from omnivat.data.images import read_image
 from omnivat.data.materials import NO_CLASS, class_key
-from omnivat.data.naming import TACTILE, VIDEOS, checked_split, found_file
+from omnivat.data.naming import TACTILE, VIDEOS, checked_split, found_file, half_of
 from omnivat.data.pairs import Pair
 from omnivat.data.readers import read_pairs
 from omnivat.data.readers.files import TABLES, number_in, numbered_rows, show, visible
@@ -53,6 +53,12 @@ def _names_recordings(table: Path) -> bool:
     return any(ending.encode() in head for ending in RECORDED)
 
 
+def _has_halves(table: Path) -> bool:
+    """Return whether a table has a column of photos or touches."""
+    header = next(iter(numbered_rows(table).values()), [])
+    return any(half_of(name) in IMAGES for name in header)
+
+
 def _table(folder: Path) -> Path | None:
     """Return the table of videos in a folder, or None without one.
 
@@ -69,7 +75,11 @@ def _table(folder: Path) -> Path | None:
 
 
 def _tactile(folder: Path) -> list[Path]:
-    return [folder / e.name for e in visible(folder) if e.name.lower().endswith(TACTILE)]
+    """Return the recordings of tactile packages in a folder and below."""
+    here = [folder / entry.name for entry in visible(folder)]
+    found = [place for place in here if place.name.lower().endswith(TACTILE)]
+    inner = [p for p in here if p not in found and p.is_dir() and not p.is_symlink()]
+    return found + [place for one in inner for place in _tactile(one)]
 
 
 def clips_of(
@@ -96,9 +106,12 @@ def clips_of(
     """
     if source.is_dir() and (source / INFO).is_file():
         return LeRobot(source).clips(vis, tac, domain, labels)
-    if source.suffix.lower() in TACTILE or (source.is_dir() and (files := _tactile(source))):
-        one = source.suffix.lower() in TACTILE
-        return [c for f in ([source] if one else files) for c in tactile_clips(f, domain, labels)]
+    one = source.suffix.lower() in TACTILE
+    files = [source] if one else _tactile(source) if source.is_dir() else []
+    own = _table(source) if files and not one else None
+    if files and not (own and _has_halves(own)):
+        labels = labels or own  # a table with a column file
+        return [clip for file in files for clip in tactile_clips(file, domain, labels)]
     if stored_files(source):
         return stored_clips(
             source, vis=vis, tac=tac, domain=domain, classes=classes, columns=columns or {}
@@ -107,9 +120,7 @@ def clips_of(
         raise SettingsError("--labels and several --tac are for LeRobot; a table has its labels.")
     if not is_recording(source):
         return _paired(source, vis, "".join(tac))
-    table = _table(source) if source.is_dir() else source
-    if table is None:
-        raise DataError(f"'{show(source)}' has no {TABLE}, which names recordings and labels.")
+    table = (_table(source) if source.is_dir() else source) or source / TABLE
     rows, cameras = rows_of(table, vis=vis, tac="".join(tac), domain=domain)
     return [_clip(table, number, row, domain, cameras) for number, row in rows.items()]
 
@@ -163,7 +174,9 @@ def _clip(file: Path, number: int, row: Mapping[str, str], domain: str, cameras:
 def _filmed(folder: Path, row: Mapping[str, str]) -> tuple[dict[str, Track], float | None]:
     """Return the tracks of a row, and its length in seconds; None for the video's."""
     given = [name for name in ("start", "end", "tac_delay") if row.get(name)]
-    seconds = {name: number_in(row[name], -DAY, DAY, name) for name in given}
+    seconds = {name: number_in(row[name].replace(",", "."), -DAY, DAY, name) for name in given}
+    if seconds.get("end", DAY) <= seconds.get("start", 0.0):
+        raise DataError(f"Its end, {row['end']} s, is not after its start.")
     start, delay = seconds.get("start", 0.0), {"vis": 0.0, "tac": seconds.get("tac_delay", 0.0)}
     names = {half: row[half] for half in IMAGES if row.get(half)}
     if not names:

@@ -20,7 +20,7 @@ from PIL import Image
 
 from omnivat.data.images import from_array
 from omnivat.data.materials import NO_CLASS, class_key
-from omnivat.data.naming import COLUMNS, checked_split
+from omnivat.data.naming import COLUMNS, checked_split, composed
 from omnivat.data.readers.files import number_in, read_rows, show
 from omnivat.data.recordings.tracks import Clip, Frames, Track
 from omnivat.kit.errors import DataError, OmniVatError, first_line
@@ -42,7 +42,9 @@ def tactile_clips(file: Path, domain: str, labels: Path | None = None) -> list[C
     A file that cannot be read gives one whose reading raises DataError.
     """
     table = {row["file"]: row for row in read_rows(labels, ("file",)).values()} if labels else {}
-    row = table.get(file.name) or table.get(file.stem) or {}
+    place = composed(file.as_posix())
+    names = [key for key in table if place.endswith(f"/{key}") or key == composed(file.stem)]
+    row = table[max(names, key=len)] if names else {}
     try:
         sensors = _hapt(file) if file.suffix.lower() == ".hapt" else _touch(file)
     except OmniVatError as error:
@@ -59,7 +61,7 @@ def tactile_clips(file: Path, domain: str, labels: Path | None = None) -> list[C
                 or NO_CLASS,
                 object=thing or file.stem,
                 split=checked_split(row.get("split", ""), f"--labels, file {file.name}"),
-                cameras=f"photo none, touch {told.get('domain', 'none')}",
+                cameras=f"photo none, touch {told['domain']}" if told else "",
             )
         )
     return clips
@@ -88,7 +90,8 @@ def _hapt(folder: Path) -> Sensors:
         raise DataError(
             f"'{show(folder)}' is no folder; write it with haptix.save(data, NAME.hapt)."
         )
-    manifest, labels = read_object(folder / "manifest.json"), read_object(folder / "labels.json")
+    manifest, own = read_object(folder / "manifest.json"), folder / "labels.json"
+    labels = read_object(own) if own.exists() else {}
     sensor, sampling = (_part(manifest, name, folder) for name in ("sensor", "sampling"))
     rate = number_in(sampling.get("rate_hz"), 1e-3, MOST_RATE, f"rate_hz of '{show(folder)}'")
     told = {name: str(labels.get(name) or "") for name in ("material", "object")}

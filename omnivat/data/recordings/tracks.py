@@ -21,6 +21,7 @@ from omnivat.kit.tables import need
 if TYPE_CHECKING:
     from PIL import Image
 
+EARLIER = 10.0  # seconds before a film's start: a transport stream is sought by its bytes
 NEAR = 0.25  # of a frame: a picture so little later counts as shown
 EXIF_OF = {  # signs of a film's display matrix (x from x, y from x, x from y, y from y)
     (-1, 0, 0, 1): 2,
@@ -205,13 +206,13 @@ def _explained(file: Path, where: str) -> Iterator[None]:
 
 def _decoded(container: Any, stream: Any, moment: float) -> Iterator[Any]:
     """Yield frames from one that is shown at `moment` or earlier; a film without an index is
-    decoded from its start.
+    decoded from its start, which some are sought before.
     """
-    for seconds in (moment, 0.0):
+    for seconds in (moment, -EARLIER):
         container.seek(int((seconds + _origin(stream)) / stream.time_base), stream=stream)
         frames = container.decode(stream)
         first = next(frames, None)
-        if first is not None and ((first.time or 0.0) - _origin(stream) <= moment or not seconds):
+        if first is not None and ((first.time or 0.0) - _origin(stream) <= moment or seconds < 0):
             yield first
             yield from frames
             return

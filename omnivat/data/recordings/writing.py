@@ -119,7 +119,8 @@ def moments(
         there = int((spans[half][0] < ends[half]).sum())
         if there < (frames if half == touch else 1):
             raise DataError(
-                f"'{show(track.file)}' has {there} pictures there, and {frames} were asked for."
+                f"'{show(track.file)}' has too few pictures in that time: {there} of {frames};"
+                " choose fewer with --frames, or another start and end."
             )
 
     def even(count: int) -> list[float]:

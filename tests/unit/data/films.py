@@ -20,17 +20,27 @@ MATRICES = {  # a, b, c, d of a film's display matrix, and what it does to its p
 
 
 def film(
-    file, values, spot=slice(0, 48), *, codec="libx264", rate=FPS, sound=0.0, hold=0.0, **options
+    file,
+    values,
+    spot=slice(0, 48),
+    *,
+    codec="libx264",
+    rate=FPS,
+    sound=0.0,
+    hold=0.0,
+    format=None,
+    **options,
 ):
     """Encode a video whose frames are plain greys, in a spot of them.
 
     sound    seconds of silence in it
     hold     seconds that the last picture is shown; 0: as long as the others
+    format   of the container; None: by the file's name
     options  of the container
     """
     av = pytest.importorskip("av")
     file.parent.mkdir(parents=True, exist_ok=True)
-    with av.open(str(file), "w", options=options) as container:
+    with av.open(str(file), "w", format=format, options=options) as container:
         of_codec = {"crf": "4", "g": "7"} if codec == "libx264" else {"g": "7"}
         stream = container.add_stream(codec, rate=rate, options=of_codec)
         stream.width = stream.height = 48

@@ -149,13 +149,15 @@ def test_a_table_of_videos_gives_labels_parts_and_a_delay(tmp_path):
     film(tmp_path / "a.mp4", range(100, 140))
     film(tmp_path / "b.mp4", range(40, 80))
     rows = (
-        "vis,tac,domain,material,object,split,start,end,tac_delay",
-        "a.mp4,b.mp4,lab,Wood,oak,train,1,2,0.5",
-        "a.mp4,b.mp4,lab,steel,,test,2,3,",
+        "vis;tac;domain;material;object;split;start;end;tac_delay",
+        "a.mp4;b.mp4;lab;Wood;oak;train;1;2;0,5",
+        "a.mp4;b.mp4;lab;steel;;test;2.0;3;",
+        "a.mp4;b.mp4;lab;steel;;test;3;2;",
     )
     (tmp_path / "mine.csv").write_text("\n".join(rows))
     assert is_recording(tmp_path / "mine.csv")
-    assert write_pairs(clips_of(tmp_path / "mine.csv"), tmp_path / "out", frames=1)[:2] == (2, [])
+    made = write_pairs(clips_of(tmp_path / "mine.csv"), tmp_path / "out", frames=1)
+    assert (made.pairs, made.skipped[0].why) == (2, "Its end, 2 s, is not after its start.")
     first, second = read_pairs(tmp_path / "out").pairs
     assert (first.material, first.object, first.split, second.split) == (
         "wood",
@@ -355,6 +357,7 @@ def test_films_of_one_modality_keep_the_objects_splits_and_domain_of_their_table
     names = [("mug", "train")] * 4 + [("fork", "test")] * 2
     assert [(pair.object, pair.split) for pair in found.pairs] == names
     said = capsys.readouterr().out
+    assert "6 pairs of 3 recordings" in said
     assert "rig, left  -     train  4        4      1" in said and sheet.is_file()
 
 
@@ -393,7 +396,7 @@ def test_unknown_cameras_and_settings_are_refused_in_a_sentence(tmp_path):
         read_pairs(root)
     with pytest.raises(DataError, match="has no camera 'x'"):
         clips_of(root, vis="x")
-    with pytest.raises(DataError, match="asked for"):
+    with pytest.raises(DataError, match="too few pictures in that time: 20 of 21"):
         write_pairs(clips_of(root), tmp_path / "out", frames=LENGTH + 1)
     rows = ("a.mp4,wood,soon", "a.mp4,wood,inf", "a.mp4,wood,1e300", ",wood,1")
     films = tmp_path / "films"

@@ -90,6 +90,20 @@ def test_a_folder_of_hapt_recordings_keeps_sensors_objects_and_materials(tmp_pat
     assert "does not have its checksum" in capsys.readouterr().out
 
 
+def test_recordings_in_folders_have_the_labels_of_a_table_beside_them(tmp_path):
+    for name in ("wood/a", "steel/a"):
+        core = tmp_path / "in" / f"{name}.hapt"
+        hapt(core, greys(50))
+        (core / "labels.json").unlink()
+    touch(tmp_path / "in" / "b.touch", {"thumb": greys(20)})
+    table = "file;material;object\nwood/a.hapt;oak;plank\na.hapt;iron;pan\nb;felt;hat\n"
+    (tmp_path / "in" / "press.csv").write_text(table)
+    found = {(clip.material, clip.object) for clip in clips_of(tmp_path / "in")}
+    assert found == {("oak", "plank"), ("iron", "pan"), ("felt", "hat")}
+    (tmp_path / "in" / "press.csv").write_text("touch,material\nwood/a.hapt,wood\n")
+    assert [clip.material for clip in clips_of(tmp_path / "in")] == ["wood"]
+
+
 def test_a_touch_file_gives_each_camera_by_its_times_and_the_labels_of_its_payload(tmp_path):
     file = touch(
         tmp_path / "press.touch",

@@ -41,6 +41,7 @@ def test_a_turned_or_mirrored_film_is_shown_upright_photo_and_touch_alike(tmp_pa
         ("live.webm", {"codec": "libvpx", "live": "1"}),  # states no length
         ("sound.mkv", {"codec": "mpeg4", "sound": 4.0}),  # is as long as its sound
         ("plain.avi", {"codec": "mpeg4"}),
+        ("stream.mpg", {"format": "mpegts"}),  # does not begin at 0, and has no index
     ],
 )
 def test_a_film_lasts_as_long_as_its_pictures(tmp_path, name, options):

@@ -129,6 +129,7 @@ def test_strict_leaves_out_classes_beyond_the_five(tree, reasons):
         ([], r"No pairs in '.*'; expected <domain>/<class>/<name>_vis.png"),
         (["D/a_vis.png", "D/b_tac.png"], r"2 skipped, such as 'D/a': no _tac image"),
         (["videos.csv"], "holds recordings; make pairs of them first"),
+        (["wood/a.mp4"], "holds films, such as 'wood/a.mp4', and no table.*Write videos.csv"),
     ],
 )
 def test_a_folder_without_pairs_says_what_was_wanted(tree, files, message):
