@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.data.arrays import LARGE_BYTES, walked
+from omnivat.data.arrays import LARGE_BYTES, require_range, walked
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.relief import Lamps
 from omnivat.kit.errors import DataError
@@ -79,7 +79,7 @@ def channels_of(rows: Array, index: NDArray[np.int64] | None = None) -> Channels
     (2, [2.0, 5.0], [4.0, 0.0])
     """
     count, total, squares, start = 0, 0.0, 0.0, None
-    for block in walked(rows, index):
+    for block in require_range(walked(rows, index), "A profile's picture"):
         wide = block.astype(np.float64)
         start = wide[0].copy() if start is None else start  # near the mean: no cancellation
         with np.errstate(invalid="ignore"):  # the loss reports values that are not finite

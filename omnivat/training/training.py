@@ -113,10 +113,9 @@ def train(
             watch = watch.part(first, whole)
 
         model = build_head(head, seed=derive_seed(seed, "weights"))
-        profile = profile_of(source)
+        profile = profile_of(source, modalities=settings.given)
         if head.standardize:
-            channels = {name: profile.channels[name] for name in settings.given}
-            model.standardize_by(replace(profile, channels=channels))
+            model.standardize_by(profile)
         model = model.train().to(current())
         optimiser, run = make_optimiser(model, settings), ""
         epochs: list[dict[str, float]] = []

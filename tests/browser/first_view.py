@@ -27,7 +27,7 @@ LOOK = """() => {
   const all = seenOf('.explore > :is(.stage, .touch)');
   const high = Math.min(innerHeight, map.bottom) - Math.max(0, map.top);
   return {
-    words: texts.flatMap(([, text]) => text.split(/[ \\n]+/)).length,
+    words: texts.flatMap(([, text]) => text.match(/\\p{L}[^\\s]*/gu) ?? []).length,
     smallest: Math.min(...texts.map(([e]) => size(e))),
     small: texts.filter(([e]) => size(e) < 13.95).map(([, text]) => text).slice(0, 8),
     map: (map.width * high) / (innerWidth * innerHeight),

@@ -23,7 +23,7 @@ const figures = (more = {}) => ({
   curve: [0.3, 0.9, 0.4],
   unseen,
   twins: twins(),
-  gaps: { closed: false, words: "Over the whole range of p" },
+  gaps: { closed: false, words: "Over all p" },
   places: { accuracy: [0.29, 0.31, 0.52] },
   pale: [0.55, 0.56],
   ...more,

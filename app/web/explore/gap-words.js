@@ -42,10 +42,10 @@ const at = (/** @type {number} */ p) => `at p = ${orderText(p)}`;
 
 /** @param {GapOver} gap @param {number} i its place in the sentence */
 function rangeOf({ title, raw, low, high, lowAt, highAt, by }, i) {
-  const from = `from ${two(raw)}${i ? "" : " in the embedding"}`;
-  if (high - low < STILL) return html`the ${title} stays at <b>${two(low)}</b>, ${from}`;
-  if (by === "steps") return html`the ${title} stays between <b>${two(low)}</b> and <b>${two(high)}</b>, ${from}`;
-  return html`the ${title} lies between <b>${two(low)}</b> ${at(lowAt)} and <b>${two(high)}</b> ${at(highAt)}, ${from}`;
+  const before = `(${two(raw)}${i ? "" : " in the embedding"})`;
+  if (high - low < STILL) return html`the ${title} stays at <b>${two(low)}</b> ${before}`;
+  if (by === "steps") return html`the ${title} stays between <b>${two(low)}</b> and <b>${two(high)}</b> ${before}`;
+  return html`the ${title} lies between <b>${two(low)}</b> ${at(lowAt)} and <b>${two(high)}</b> ${at(highAt)} ${before}`;
 }
 
 /** Whether p closes either gap of a head, and what does: an answer, and a sentence with its figures.
@@ -67,6 +67,6 @@ export function verdictOn(frames) {
   return {
     answer,
     closed: closed.length > 0,
-    words: html`Over the whole range of p, ${ranges}.${places && ` Most of the fall is at the ${places}, at every p.`}`,
+    words: html`Over all p, ${ranges}.${places && ` Most of the fall is at the ${places}.`}`,
   };
 }
