@@ -46,10 +46,11 @@ COLUMNS = {  # of tables and files of vectors -> other names of theirs
     "object": ("item",),
 }
 SPLITS = {
-    "train": "train training trainset train_set",
-    "val": "val valid validation dev valset val_set validation_set",
-    "test": "test testing testset test_set",
+    "train": "train training trainset",
+    "val": "val valid validation dev valset",
+    "test": "test testing testset",
 }
+NEUTRAL = "data dataset set split image images img imgs picture pictures"  # beside a split's word
 
 
 def _by_word(table: Mapping[str, str]) -> dict[str, str]:
@@ -57,6 +58,7 @@ def _by_word(table: Mapping[str, str]) -> dict[str, str]:
 
 
 _HALF_OF, _SPLIT_OF = _by_word(HALVES), _by_word(SPLITS)
+_NEUTRAL = frozenset(NEUTRAL.split())
 
 
 def is_image_name(name: str) -> bool:
@@ -138,21 +140,42 @@ def cameras_among(
 
 
 def modality_of(path: Path) -> str:
-    """Return "vis" or "tac" by the end of a file's stem, or else by its folder's name; "" for
+    """Return "vis" or "tac" by the last word of a file's stem, or else by its folder's name; "" for
     neither.
+
+    >>> modality_of(Path("1_tac.png")), modality_of(Path("1 rgb.png")), modality_of(Path("tac/1"))
+    ('tac', 'vis', 'tac')
     """
-    stem, folder = path.stem.lower(), path.parent.name.lower()
-    ends = (half for half in IMAGES if stem == half or stem.endswith(f"_{half}"))
-    return next(ends, folder if folder in IMAGES else "")
+    folder = path.parent.name.lower()
+    return _half_at_end(composed(path.stem))[0] or (folder if folder in IMAGES else "")
+
+
+def without_half(stem: str) -> str:
+    """Return a file's stem without a last word that tells its modality.
+
+    >>> without_half("press_01_GelSight"), without_half("tac")
+    ('press_01', '')
+    """
+    stem = composed(stem)
+    return stem[: len(stem) - _half_at_end(stem)[1]]
+
+
+def _half_at_end(stem: str) -> tuple[str, int]:
+    """Return the modality that the last word of a stem tells, and the length of its end."""
+    end = re.search(r"(?:^|[\W_]+)([^\W\d_]+)$", stem)
+    half = half_of(end[1]) if end else ""
+    return (half, len(end[0])) if end and half in IMAGES else ("", 0)
 
 
 def split_of(name: str) -> str:
     """Return "train", "val" or "test" for a name of one, or "".
 
-    >>> split_of("Validation"), split_of("train_set"), split_of("steel")
+    >>> split_of("Validation"), split_of("1_train_images"), split_of("test bench")
     ('val', 'train', '')
     """
-    return _SPLIT_OF.get(re.sub(r"[\s-]+", "_", name.strip().casefold()), "")
+    words = re.sub(r"^\d+[\s_-]+", "", name.strip().casefold())
+    found = {_SPLIT_OF.get(w, "") for w in re.split(r"[\s_-]+", words) if w not in _NEUTRAL}
+    return "".join(found) if len(found) == 1 else ""
 
 
 def checked_split(name: str, what: str) -> str:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from omnivat.data.materials import in_order
+from omnivat.data.materials import NO_CLASS, in_order
 from omnivat.kit.errors import DataError, printable
 from omnivat.kit.stages import IMAGES
 
@@ -134,6 +134,15 @@ def summary_table(pairs: PairSet) -> str:
     ]
     if rows:
         lines += _aligned(["domain", "part", "split", *classes, "pairs", "objects"], rows)
+    homes: dict[str, set[str]] = defaultdict(set)
+    for p in pairs.pairs:
+        homes[p.material].add(p.domain)
+    apart = len(classes) > 1 and all(len(found) == 1 for found in homes.values())
+    if len(pairs.domains()) > 1 and (apart or classes == (NO_CLASS,)):
+        lines.append(
+            "no class is in two domains, so none is tested across domains; if your folders are"
+            " classes, put them into one folder, which names their domain"
+        )
     if divided := [name for (_, name), found in splits.items() if len(found) > 1]:
         lines.append(
             f"objects in more than one split: {len(divided)}, such as '{printable(divided[0])}'"

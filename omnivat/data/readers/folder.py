@@ -19,6 +19,7 @@ from omnivat.data.naming import (
     modality_of,
     set_name,
     split_of,
+    without_half,
 )
 from omnivat.data.pairs import Pair, PairSet, Skipped
 from omnivat.data.readers.files import TABLES, folders_in, is_text, show, visible
@@ -26,7 +27,6 @@ from omnivat.data.rest import REST
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 
-HALF = re.compile(r"_(vis|tac)$", re.IGNORECASE)
 LAYOUT = "<domain>/<class>/<name>_vis.png beside <name>_tac.png"
 
 
@@ -64,6 +64,7 @@ def read(
     beside a domain.
     """
     pictures, skipped = _walked(source, {vis.casefold(): "vis", tac.casefold(): "tac"})
+    pictures, how = _by_number(pictures)
     alone = {half for halves in pictures.values() for half in halves}
     one = alone.pop() if len(alone) == 1 else ""
     pairs = []
@@ -97,7 +98,8 @@ def read(
     return PairSet(
         pairs=tuple(pairs),
         skipped=tuple(skipped),
-        origin=f"folder '{source.name or source}'" + (", one picture of each pair" * bool(one)),
+        origin=f"folder '{source.name or source}'{how}"
+        + (", one picture of each pair" * bool(one)),
     )
 
 
@@ -122,7 +124,7 @@ def _walked(root: Path, named: dict[str, str]) -> tuple[Pictures, list[Skipped]]
             if why := _no_picture(path, half):
                 skip(path, why)
             else:
-                name = composed(HALF.sub("", path.stem))
+                name = without_half(path.stem)
                 pictures[place._replace(half=""), name].setdefault(half, []).append(path)
         inner = folders_in(folder)
         halves = _halves(inner, named)
@@ -151,6 +153,25 @@ def _walked(root: Path, named: dict[str, str]) -> tuple[Pictures, list[Skipped]]
 
     enter(root, Place())
     return pictures, skipped
+
+
+def _by_number(pictures: Pictures) -> tuple[Pictures, str]:
+    """Return pictures whose names never agree by the numbers at their ends, such as img_01 and
+    gel_01, and words on it; the pictures as they are if each half has more than one wording.
+    """
+    ends = {key: re.fullmatch(r"(.*?)(\d+)", key[1]) for key in pictures}
+    wordings: dict[str, set[str]] = defaultdict(set)
+    merged: Pictures = defaultdict(dict)
+    for key, halves in pictures.items():
+        end = ends[key]
+        if len(halves) > 1 or end is None:
+            return pictures, ""
+        for half, files in halves.items():
+            wordings[half].add(end[1])
+            merged[key[0], str(int(end[2]))].setdefault(half, []).extend(files)
+    if len(wordings) < 2 or any(len(found) > 1 for found in wordings.values()):
+        return pictures, ""
+    return merged, ", paired by number"
 
 
 def _halves(folders: list[Path], named: dict[str, str]) -> dict[str, str]:
@@ -216,7 +237,7 @@ def _require_names(folders: list[Path], kind: str) -> None:
     first: dict[str, Path] = {}
     for folder in folders:
         other = first.setdefault(class_key(folder.name), folder)
-        if other != folder:
+        if composed(other.name) != composed(folder.name):
             raise DataError(
                 f"Two {kind} of one name: '{show(other)}' and '{show(folder)}'. "
                 "Put their pairs into one folder, or rename one."
@@ -247,9 +268,12 @@ def _no_pairs(source: Path, skipped: list[Skipped]) -> str:
             " table that names them. Write videos.csv there, with a row for each recording and the"
             f" columns vis or tac (files), material and object; then {make}."
         )
+    told = halves_among(folder.name for folder in folders_in(source))
+    named = [show(name) for half in (*IMAGES, "?") for name in told[half]]
+    perhaps = f" (perhaps {', '.join(named)})" if named else ""
     message = (
         f"No pairs in '{show(source)}'; expected {LAYOUT}, or folders of photos and of touches,"
-        " named with --vis and --tac."
+        f" named with --vis and --tac{perhaps}."
     )
     if skipped:
         message += f" {len(skipped)} skipped, such as '{skipped[0].what}': {skipped[0].why}."

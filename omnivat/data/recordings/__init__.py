@@ -11,11 +11,10 @@ from typing import Any
 
 from omnivat.data.images import read_image
 from omnivat.data.materials import NO_CLASS, class_key
-from omnivat.data.naming import TACTILE, VIDEOS, checked_split, found_file, half_of
+from omnivat.data.naming import TACTILE, VIDEOS, checked_split, found_file, half_of, without_half
 from omnivat.data.pairs import Pair
 from omnivat.data.readers import read_pairs
 from omnivat.data.readers.files import TABLES, number_in, numbered_rows, show, visible
-from omnivat.data.readers.folder import HALF
 from omnivat.data.readers.table import rows_of
 from omnivat.data.recordings.lerobot import INFO, LeRobot
 from omnivat.data.recordings.stored import still, stored_clips, stored_files
@@ -142,7 +141,7 @@ def _paired(source: Path, vis: str, tac: str) -> list[Clip]:
     return left_out + [
         Clip(
             read=partial(read, pair),
-            name=HALF.sub("", pair.vis.stem),
+            name=without_half(pair.vis.stem),
             domain=pair.domain,
             material=pair.material,
             object=pair.object,

@@ -35,6 +35,8 @@ def test_the_summary_names_every_column_and_counts_every_pair():
         "TAG       -       train  1     0      1     2      2",
         "TAG       -       test   1     0      0     1      1",
         "TQ-DIGIT  indoor  -      0     1      0     1      1",
+        "no class is in two domains, so none is tested across domains; if your folders are"
+        " classes, put them into one folder, which names their domain",
         "objects in more than one split: 1, such as 'chair'",
         "",
         "skipped  why       for example",

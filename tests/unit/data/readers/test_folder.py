@@ -77,6 +77,7 @@ def test_folders_name_what_they_can_and_pictures_alone_stand_for_both(tree, file
     [
         (["train/wood/a_*.png", "Test/wood/a_*.png"], [("", "train"), ("", "test")]),
         (["val_set/D/wood/a_*.png"], [("D", "val")]),
+        (["1_train_images/wood/a_*.png", "test data/wood/a_*.png"], [("", "train"), ("", "test")]),
         (["D/valid/wood/a_*.png", "D/train/wood/a_*.png"], [("D", "train"), ("D", "val")]),
         (["D/wood/train/a_*.png"], [("D", "train")]),
         (["train/wood/a_*.png", "notes/read.me"], [("", "train")]),
@@ -105,6 +106,30 @@ def test_photos_and_touches_are_paired_from_folders_whose_words_tell_or_that_are
     tree(where.format("left"))
     (other,) = read_pairs(root, vis="RGB", tac="left").pairs
     assert other.vis == pair.vis and "left" in other.tac.parts
+
+
+@pytest.mark.parametrize(
+    ("photo", "touch"),
+    [
+        ("D/wood/1_rgb.jpg", "D/wood/1_GelSight.png"),
+        ("D/wood/mug/photo.jpg", "D/wood/mug/touch.png"),
+        ("D/wood/vis/e\u0301_1.png", "D/wood/tac/\u00e9_1.png"),
+        ("D/wood/rgb/img_0001.jpg", "D/wood/gelsight/gel 1.png"),
+        ("rgb/D/wood/img_7.jpg", "gelsight/D/wood/7.png"),
+        ("D\u00e9/wood/1_vis.png", "De\u0301/wood/1_tac.png"),
+    ],
+)
+def test_photo_and_touch_are_one_pair_by_a_last_word_by_number_and_in_any_unicode_form(
+    tree, photo, touch
+):
+    (pair,) = read(tree(photo, touch)).pairs
+    assert (pair.vis.name, pair.tac.name) == (photo.split("/")[-1], touch.split("/")[-1])
+    assert pair.material == "wood"
+
+
+def test_numbers_pair_only_names_of_one_wording_each(tree):
+    with pytest.raises(DataError, match=r"rgb, gelsight.*3 skipped"):
+        read(tree("rgb/wood/img_1.png", "rgb/wood/top_2.png", "gelsight/wood/gel_1.png"))
 
 
 @pytest.mark.parametrize("other", ["wood", "WOOD", "Wood ", "Ｗｏｏｄ"])
