@@ -7,7 +7,7 @@ import json
 import re
 import zipfile
 from collections.abc import Callable, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from safetensors import safe_open
+from safetensors import deserialize, safe_open
 
 from omnivat.data.images import from_array, read_image
 from omnivat.data.readers.files import TABLES, numbered_rows
@@ -124,8 +124,8 @@ def _npz(place: Path) -> Columns:
                 return np.asarray(arrays[name])
             except ValueError as error:
                 raise DataError(
-                    f"'{place}' holds pickled objects in {name}, which are not read; save text as"
-                    " arrays of str."
+                    f"'{place}' holds pickled objects in {name}, which are not read; save one array"
+                    " of numbers, or of str."
                 ) from error
 
     with np.load(place, allow_pickle=False) as arrays:
@@ -138,7 +138,12 @@ def _npz(place: Path) -> Columns:
 def _safetensors(place: Path) -> Columns:
     def read(name: str) -> NDArray[Any]:
         with safe_open(place, framework="numpy") as file:
-            return np.asarray(file.get_tensor(name))
+            if file.get_slice(name).get_dtype() != "BF16":  # which NumPy lacks
+                return np.asarray(file.get_tensor(name))
+        content = place.read_bytes()
+        tensor = dict(deserialize(content))[name]  # type: ignore[no-untyped-call]
+        upper = np.frombuffer(tensor["data"], "<u2").astype("<u4") << 16
+        return upper.view("<f4").reshape(tensor["shape"])
 
     with safe_open(place, framework="numpy") as file:
         names = tuple(file.keys())
@@ -154,6 +159,9 @@ def _hdf5(place: Path) -> Columns:
         with h5py.File(place, "r") as file:
             dataset = file[name]
             text = h5py.check_string_dtype(dataset.dtype)
+            if names := h5py.check_enum_dtype(dataset.dtype):
+                by_number = {number: one for one, number in names.items()}
+                return np.array([by_number.get(k, "") for k in dataset[()].tolist()])
             if dataset.dtype.kind == "O" and not text:
                 raise DataError(f"'{place}' has rows of differing lengths in {name}.")
             return np.asarray(dataset.asstr()[()] if text else dataset[()])
@@ -161,10 +169,18 @@ def _hdf5(place: Path) -> Columns:
     def pictures(name: str) -> Any:
         def one(k: int) -> "Image.Image":
             with h5py.File(place, "r") as file:
-                return from_array(file[name][k], f"{place.name}, {name}, row {k}")
+                cell, what = file[name][k], f"{place.name}, {name}, row {k}"
+            if cell.ndim == 1:  # the bytes of a picture's file
+                return read_image(cell.tobytes(), what, reduced=False)
+            return from_array(cell, what)
 
         with h5py.File(place, "r") as file:
-            found = _of_array(file[name], place, name)
+            dataset = file[name]
+            found = _of_array(dataset, place, name)
+            inner = h5py.check_vlen_dtype(dataset.dtype) or dataset.dtype
+            if inner == np.uint8 and (dataset.ndim + (dataset.dtype.kind == "O")) == 2:
+                with suppress(DataError):
+                    found = read_image(dataset[0].tobytes(), name) and (len(dataset), None)
         return found and (found[0], one)
 
     names: list[str] = []
@@ -204,6 +220,8 @@ def _parquet(place: Path) -> Columns:
 
     def read(name: str) -> NDArray[Any]:
         column = parquet.read_table(place, columns=[name]).column(0)
+        if str(column.type).startswith("dictionary"):  # categories of pandas
+            column = column.cast(column.type.value_type)
         if names := classes.get(name):
             numbers = column.to_pylist()
             return np.array(
@@ -272,13 +290,13 @@ def _values(column: Any, name: str, place: Path) -> NDArray[Any]:
             raise DataError(f"'{place}' has no numbers or texts in {name}.")
         return np.array(cells)
     compute = need("pyarrow.compute", purpose="reading Parquet", install="pyarrow")
-    lengths = compute.list_value_length(column).to_pylist()
+    lengths = [one or 0 for one in compute.list_value_length(column).to_pylist()]
+    first = next((row for row, length in enumerate(lengths) if length), 0)
     for row, length in enumerate(lengths):
-        if length != lengths[0] or length is None:
-            have = "nothing" if length is None else f"{length} numbers"
+        if length != lengths[first]:
             raise DataError(
-                f"'{place}' has {have} in row {row} of {name}, and {lengths[0]} in row 0; every row"
-                " needs as many."
+                f"'{place}' has {f'{length} numbers' if length else 'nothing'} in row {row} of"
+                f" {name}, and {lengths[first]} in row {first}; every row needs as many."
             )
     flat = compute.list_flatten(column).to_numpy()
     return np.asarray(flat).reshape(len(lengths), -1)

@@ -22,9 +22,9 @@ from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header, indices
 from omnivat.data.materials import in_order
 from omnivat.data.naming import COLUMNS, checked_split, composed, half_of, is_image_name
 from omnivat.data.pairs import TEXTS
-from omnivat.data.readers.files import encodable
+from omnivat.data.readers.files import TABLES, encodable
 from omnivat.data.store import ROW_NAMES
-from omnivat.kit.errors import DataError, first_line
+from omnivat.kit.errors import DataError, printable
 from omnivat.kit.stages import IMAGES
 
 PREFIX = "imported:"  # prefix of the encoder's name for imported embeddings
@@ -210,39 +210,53 @@ def named_columns(table: Columns, columns: Mapping[str, str]) -> dict[str, NDArr
 
 def _vectors(array: NDArray[Any], name: str, count: int, table: Columns) -> Array:
     if array.ndim == 1 and array.size and is_image_name(str(array[0])):
+        csv = table.place.with_suffix(".csv") if table.place.suffix not in TABLES else table.place
+        made = "" if csv == table.place else f" save its columns as {csv}, and"
         raise DataError(
-            f"'{table.place}' names pictures in {name}, and not vectors; make them with `python -m"
-            f" omnivat embed {table.place} --out SET.safetensors`."
+            f"'{table.place}' names pictures in {name}, and not vectors;{made} make them with"
+            f" `python -m omnivat embed {csv} --out SET.safetensors`."
         )
     if array.ndim != 2 or len(array) != count or not array.size:
         raise DataError(
             f"'{table.place}' has {name} of shape {array.shape}, expected ({count}, D): a row of"
             " numbers for each pair."
         )
+    if array.dtype.kind == "c":
+        raise DataError(f"'{table.place}' has complex numbers in {name}; save real ones.")
     try:
         with np.errstate(over="ignore"):
             values = array.astype(np.float64).astype(np.float32)
     except ValueError:
         values = np.array([_numbers(row, name, k, table) for k, row in enumerate(array)], "f4")
+    for row, at in np.argwhere(~np.isfinite(values))[:1].tolist():
+        raise DataError(
+            f"'{table.place}' has {values[row, at]} in {name}, {table.row(row)}; leave that row"
+            " out, or compute it again."
+        )
     (checked,) = require_range([values], f"{name} of '{table.place}'")
     return checked
 
 
 def _numbers(cells: NDArray[Any], name: str, row: int, table: Columns) -> list[float]:
     """Return the numbers in a row of texts, which may have decimal commas."""
-    try:
-        return [float(str(cell).replace(",", ".")) for cell in cells]
-    except ValueError as error:
-        text = "an empty cell" if "''" in str(error) else first_line(error)
-        raise DataError(
-            f"'{table.place}' has no numbers in {name}, {table.row(row)}: {text}."
-        ) from error
+    found = []
+    for cell in map(str, cells):
+        try:
+            found.append(float(cell.replace(",", ".")))
+        except ValueError as error:
+            text = f"'{printable(cell[:40])}'" if cell.strip() else "an empty cell"
+            raise DataError(
+                f"'{table.place}' has no numbers in {name}, {table.row(row)}: {text}."
+            ) from error
+    return found
 
 
 def texts_in(array: NDArray[Any], name: str, count: int, place: Path) -> list[str]:
     """Return a column of texts; raises DataError for another shape and for texts that no file can
     hold.
     """
+    if array.shape == (count, 1):
+        array = array[:, 0]
     if array.shape != (count,):
         raise DataError(
             f"'{place}' has {name} of shape {array.shape}, expected ({count},): one for each pair."
@@ -303,7 +317,7 @@ def class_names(labels: Sequence[str], classes: Sequence[str] | None, place: Pat
     highest = max(numbers, key=int, default=0)
     if int(highest) >= len(classes):
         raise DataError(
-            f"'{place}' numbers its materials 0 to {highest}; name them with --classes "
-            f"NAME,NAME,... ({len(classes)} came)."
+            f"'{place}' has the number {highest} as a material, and the first class is 0; name"
+            f" {int(highest) + 1} classes with --classes NAME,NAME,... ({len(classes)} came)."
         )
     return [classes[int(number)] for number in numbers]

@@ -87,7 +87,7 @@ def read_image(
 
 def from_array(pixels: Any, name: str) -> Image.Image:
     """Return the picture in an array (H, W), (H, W, C) or (C, H, W) as upright RGB: bytes, 16-bit
-    grey, or floats from 0 to 1. Raises DataError for another array.
+    values, floats from 0 to 1, or whole ones to 255. Raises DataError for another array.
     """
     import numpy as np
 
@@ -97,8 +97,15 @@ def from_array(pixels: Any, name: str) -> Image.Image:
         pixels = pixels[..., 0]
     if pixels.dtype.kind in "iu" and pixels.dtype.itemsize > 2 and pixels.size:  # of a list
         pixels = pixels.astype(np.uint8 if 0 <= pixels.min() <= pixels.max() < 256 else np.int32)
+    if pixels.dtype == np.uint16 and pixels.ndim == 3:
+        if int(pixels.max()) - int(pixels.min()) < FLAT * 65536:
+            raise DataError(_too_flat(name, (int(pixels.max()) >> 8) - (int(pixels.min()) >> 8)))
+        pixels = (pixels >> 8).astype(np.uint8)
     if pixels.dtype.kind == "f":
-        if pixels.ndim == 3 and pixels.size and 0 <= pixels.min() <= pixels.max() <= 1:
+        whole = pixels.size and 1 < pixels.max() <= 255 and pixels.min() >= 0
+        if whole and (pixels == np.rint(pixels)).all():
+            pixels = pixels.astype(np.uint8)
+        elif pixels.ndim == 3 and pixels.size and 0 <= pixels.min() <= pixels.max() <= 1:
             pixels = np.rint(pixels * 255).astype(np.uint8)
         else:
             pixels = pixels.astype(np.float32)
@@ -109,7 +116,7 @@ def from_array(pixels: Any, name: str) -> Image.Image:
             raise
         raise DataError(
             f"'{name}' is {pixels.shape} of {pixels.dtype}; a picture is (H, W), (H, W, 3) or"
-            " (3, H, W) of uint8."
+            " (3, H, W) of uint8, or of floats from 0 to 1."
         ) from error
 
 
@@ -234,11 +241,15 @@ def upright(image: Image.Image, name: str, *, reduced: bool = True) -> Image.Ima
         counts = seen.histogram()
         low, high = _middle([sum(counts[level::256]) for level in range(256)])
         if (levels := high - low) < FLAT * 256:
-            raise DataError(
-                f"'{name}' holds 16-bit colour, of which 8 bits keep {levels} levels; stretch it"
-                " and save it as 8-bit PNG."
-            )
+            raise DataError(_too_flat(name, levels))
     return seen if turned is None else seen.transpose(turned)
+
+
+def _too_flat(name: str, levels: int) -> str:
+    return (
+        f"'{name}' holds 16-bit colour, of which 8 bits keep {levels} levels; stretch it and save"
+        " it as 8-bit PNG."
+    )
 
 
 def check_size(width: int, height: int, name: str) -> None:

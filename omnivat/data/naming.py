@@ -41,9 +41,9 @@ HALVES = {
     "?": "gel gels finger fingers fingertip fingertips elastomer",  # a touch, or a camera there
 }
 COLUMNS = {  # of tables and files of vectors -> other names of theirs
-    "material": ("class", "label"),
+    "material": ("class", "label", "labels", "class_name"),
     "domain": ("sensor",),
-    "object": ("item",),
+    "object": ("item", "object_id", "object_name"),
 }
 SPLITS = {
     "train": "train training trainset",

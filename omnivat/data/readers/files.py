@@ -8,7 +8,7 @@ from collections.abc import Container, Iterator, Sequence
 from io import StringIO
 from pathlib import Path
 
-from omnivat.data.naming import SUFFIXES, composed
+from omnivat.data.naming import COLUMNS, SUFFIXES, composed
 from omnivat.kit.errors import DataError, first_line, printable
 from omnivat.kit.files import read_whole
 from omnivat.kit.tables import need, suggestion
@@ -180,6 +180,19 @@ def read_rows(file: Path, needed: Sequence[str] = ()) -> dict[int, dict[str, str
         line: dict(zip(header, row + [""] * len(header), strict=False))
         for line, row in rows.items()
     }
+
+
+def read_labels(file: Path, key: str) -> dict[str, dict[str, str]]:
+    """Return the labels in a person's own table by its column `key`, under the names used here.
+
+    Raises DataError as `read_rows`.
+    """
+    ours = {theirs: name for name, all in COLUMNS.items() for theirs in all}
+    found = {}
+    for row in read_rows(file, (key,)).values():
+        renamed = {ours[name]: cell for name, cell in row.items() if name in ours}
+        found[row[key].removesuffix(".0")] = renamed | row  # a spreadsheet's 1.0 is 1
+    return found
 
 
 def read_names(file: Path, key: str, value: str) -> dict[str, str]:

@@ -12,7 +12,7 @@ from typing import Any
 
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.naming import cameras_among, checked_split, set_name
-from omnivat.data.readers.files import number_in, read_lines, read_rows, show
+from omnivat.data.readers.files import number_in, read_labels, read_lines, show
 from omnivat.data.recordings.tracks import Clip, Film, Track, parquet_rows, stored
 from omnivat.kit.errors import DataError
 from omnivat.kit.schema import object_in, read_object
@@ -54,17 +54,16 @@ class LeRobot:
         photo, touches, places = cameras_among([*self.cameras], vis, tac, where)
         episodes = self._episodes()
         tasks = {one.get("task") for one in episodes}
-        table = (
-            {row["episode"]: row for row in read_rows(labels, ("episode", "material")).values()}
-            if labels
-            else {}
-        )
+        table = read_labels(labels, "episode") if labels else {}
+        there = {str(one["episode_index"]) for one in episodes}
+        absent = {"task": "", "problem": "--labels lists this episode, which is not there."}
+        episodes += [absent | {"episode_index": name} for name in table if name not in there]
         clips = []
         for one in episodes:
             number = one["episode_index"]
             row = table.get(str(number), {})
-            if table and not row and "problem" not in one:
-                continue
+            if table and not row:
+                one = {"problem": "--labels does not list this episode."} | one
             for touch, place in zip(touches, places, strict=True):
                 task = one["task"] if len(tasks) > 1 else NO_CLASS
                 halves = {half: name for half, name in (("vis", photo), ("tac", touch)) if name}
@@ -78,8 +77,6 @@ class LeRobot:
                     cameras=f"photo {photo or 'none'}, touch {touch or 'none'}",
                 )
                 clips.append(clip)
-        if not clips:
-            raise DataError(f"No episode of '{show(self.root)}' is used; check --labels.")
         return clips
 
     def _read(

@@ -21,7 +21,7 @@ from PIL import Image
 from omnivat.data.images import from_array
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.naming import COLUMNS, checked_split, composed
-from omnivat.data.readers.files import number_in, read_rows, show
+from omnivat.data.readers.files import number_in, read_labels, show
 from omnivat.data.recordings.tracks import Clip, Frames, Track
 from omnivat.kit.errors import DataError, OmniVatError, first_line
 from omnivat.kit.files import require_regular
@@ -41,7 +41,7 @@ def tactile_clips(file: Path, domain: str, labels: Path | None = None) -> list[C
     labels  a table whose column file names recordings
     A file that cannot be read gives one whose reading raises DataError.
     """
-    table = {row["file"]: row for row in read_rows(labels, ("file",)).values()} if labels else {}
+    table = read_labels(labels, "file") if labels else {}
     place = composed(file.as_posix())
     names = [key for key in table if place.endswith(f"/{key}") or key == composed(file.stem)]
     row = table[max(names, key=len)] if names else {}

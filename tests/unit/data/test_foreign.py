@@ -6,9 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+import torch
 from safetensors.numpy import save_file
+from safetensors.torch import save_file as save_torch
 
 from omnivat.cli import main
+from omnivat.data.columns import columns_of
 from omnivat.data.foreign import import_embeddings
 from omnivat.data.store import load_embeddings
 from omnivat.kit.errors import DataError
@@ -130,14 +133,14 @@ def test_columns_of_other_names_are_found(table, tmp_path):
         (lambda t: t.pop("material"), "no column 'material'; pass --column material"),
         (lambda t: t.pop("domain"), "no column 'domain'; pass --domain"),
         (lambda t: t.update(tac=t["tac"][:5]), r"tac of shape \(5, 4\), expected \(6, D\)"),
-        (lambda t: t.update(vis=t["vis"] * np.nan), "vis of .* has nan in row 0, column 0"),
-        (lambda t: t.update(vis=t["vis"].astype(float) * 1e300), "has -?inf in row 0"),
+        (lambda t: t.update(vis=t["vis"] * np.nan), "has nan in vis, row 0"),
+        (lambda t: t.update(vis=t["vis"].astype(float) * 1e300), "has -?inf in vis, row 0"),
         (
             lambda t: t["domain"].__setitem__(2, "\ud800"),
             "domain in row 2 .* which no file can hold",
         ),
         (lambda t: t.update(vis=np.full((6, 4), "x")), "has no numbers in vis"),
-        (lambda t: t.update(material=np.arange(6)), "0 to 5; name them with --classes"),
+        (lambda t: t.update(material=np.arange(6)), "number 5 as a material.*name 6 classes with"),
         (lambda t: t.update(split=np.array(["tset"] * 6)), "row 0: there is no split 'tset'"),
         (lambda t: t.update(domain=np.array(["a"] * 5 + [""])), "no domain in row 5"),
         (lambda t: t.update(object=np.array([{}] * 6)), "pickled objects"),
@@ -176,12 +179,31 @@ def test_a_file_that_is_not_what_its_ending_says_is_refused(tmp_path, name):
 def test_numbered_labels_of_any_type_have_the_names_that_are_given(table, tmp_path, kind):
     numbers = np.array([0, 1, 2, 0, 1, 2])
     table["material"] = numbers.astype(kind) if kind == "S4" else numbers.astype(np.dtype(kind))
+    table["material"] = table["material"][:, None]  # as a column of a matrix
     write_npz(table, tmp_path / "a.npz")
     names = ("felt", "wood", "cork")
     found = import_embeddings(tmp_path / "a.npz", encoder="x", classes=names)
     assert [found.header.classes[k] for k in found.label] == [*names, *names]
     told = import_embeddings(tmp_path / "a.npz", encoder="x", classes=None)
     assert set(told.header.classes) == {"class 0", "class 1", "class 2"}
+
+
+def test_classes_that_a_file_names_by_numbers_keep_their_names(table, tmp_path):
+    h5py = pytest.importorskip("h5py")
+    pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+    columns = {name: pa.array(array.tolist()) for name, array in table.items()}
+    columns["material"] = columns["material"].dictionary_encode()  # a category of pandas
+    pq.write_table(pa.table(columns), tmp_path / "a.parquet")
+    names = [*dict.fromkeys(table["material"].tolist())]
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        for name in ("vis", "tac"):
+            file[name] = table[name]
+        kind = h5py.enum_dtype({name: k for k, name in enumerate(names)}, basetype="u1")
+        numbers = [names.index(name) for name in table["material"]]
+        file.create_dataset("material", data=np.array(numbers, "u1"), dtype=kind)
+    for name in ("a.parquet", "a.h5"):
+        found = import_embeddings(tmp_path / name, encoder="x", domain="A")
+        assert [found.header.classes[k] for k in found.label] == table["material"].tolist()
 
 
 @pytest.mark.parametrize("missing", [-1.0, np.nan, "", "-1"])
@@ -218,7 +240,10 @@ def test_columns_that_nobody_asked_for_end_nothing(table, tmp_path):
 
 def test_a_row_without_its_numbers_is_named(table, tmp_path):
     pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
-    for vector, words in ((None, "nothing in row 4 of vis"), ([1.0], "1 numbers in row 4 of vis")):
+    for vector, words in (
+        (None, "nothing in row 4 of vis, and 4"),
+        ([1.0], "1 numbers in row 4 of vis"),
+    ):
         columns = {name: array.tolist() for name, array in table.items()}
         columns["vis"][4] = vector
         pq.write_table(pa.table(columns), tmp_path / "a.parquet")
@@ -226,6 +251,13 @@ def test_a_row_without_its_numbers_is_named(table, tmp_path):
             import_embeddings(tmp_path / "a.parquet", encoder="x")
     write_csv(table, tmp_path / "a.csv")
     lines = (tmp_path / "a.csv").read_text().splitlines()
+    cells = lines[4].split(",")
+    faults = [(cell, [*cells[:1], cell, *cells[2:]]) for cell in ("n/a", "nan", "inf")]
+    for word, row in faults:
+        said = f"'{word}'" if word == "n/a" else f"has {word} in vis"
+        (tmp_path / "a.csv").write_text("\n".join([*lines[:4], ",".join(row), *lines[5:]]))
+        with pytest.raises(DataError, match=rf"(?=.*row 3 \(line 5\)).*{said}"):
+            import_embeddings(tmp_path / "a.csv", encoder="x")
     for line, words in (("," + lines[4].partition(",")[2], "an empty cell"), ("x", "1 cells")):
         (tmp_path / "a.csv").write_text("\n".join([*lines[:4], line, *lines[5:]]))
         with pytest.raises(
@@ -244,6 +276,10 @@ def test_semicolons_decimal_commas_and_blank_last_lines_are_read(table, tmp_path
 
 
 def test_plain_safetensors_and_vectors_of_one_modality_are_a_set(table, tmp_path):
+    short = torch.tensor(table["tac"]).bfloat16()
+    save_torch({"tac": short}, tmp_path / "b.safetensors")
+    rough = columns_of(tmp_path / "b.safetensors").get("tac")
+    np.testing.assert_array_equal(rough, short.float().numpy())
     numbers = {"touch": table["tac"], "label": np.arange(COUNT) % 2}
     save_file(numbers, tmp_path / "a.safetensors")
     found = read_features(tmp_path / "a.safetensors")

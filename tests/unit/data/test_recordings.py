@@ -173,10 +173,12 @@ def test_a_table_of_videos_gives_labels_parts_and_a_delay(tmp_path):
 def test_one_modality_and_labels_of_episodes_are_enough_for_the_command(tmp_path, capsys):
     pytest.importorskip("av")
     root = lerobot(tmp_path / "press", "v3.0", "video")
-    (tmp_path / "labels.csv").write_text("episode,material,domain\n0,wood,A\n2,glass,B\n")
+    (tmp_path / "labels.csv").write_text("episode,class,sensor\n0.0,wood,A\n2,glass,B\n9,felt,B\n")
     line = ["import", str(root), "--out", str(tmp_path / "out"), "--frames", "2"]
     assert main([*line, "--labels", str(tmp_path / "labels.csv")]) == 0
-    assert "4 pairs of 2 recordings" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "4 pairs of 2 recordings" in said
+    assert "--labels does not list this episode." in said and "which is not there." in said
     assert read_pairs(tmp_path / "out").domains() == ("A", "B")
     (tmp_path / "videos.csv").write_text(
         f"tac,material\n{root}/videos/{TAC}/chunk-000/file-000.mp4,felt\n"

@@ -5,6 +5,7 @@ import pytest
 from PIL import Image
 
 from omnivat.cli import main
+from omnivat.data.images import from_array
 from omnivat.data.readers import read_pairs
 from omnivat.data.recordings import clips_of
 from omnivat.kit.errors import DataError
@@ -102,6 +103,44 @@ def test_arrays_of_pictures_become_pairs_and_vectors_are_told_apart(tmp_path, en
     one = ["--encoder", "x", "--domain", "A", "--out", str(tmp_path / "b.safetensors")]
     assert main(["import", str(file), *one]) == 1
     assert f"import {file} --out PAIRS`, without --encoder" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("kind", ["of any length", "padded"])
+def test_files_of_pictures_in_hdf5_are_pictures_and_a_plain_row_of_bytes_is_none(tmp_path, kind):
+    h5py = pytest.importorskip("h5py")
+    files = []
+    for grey in greys(50):
+        Image.fromarray(grey).save(tmp_path / "a.png")
+        files.append(np.frombuffer((tmp_path / "a.png").read_bytes(), np.uint8))
+    longest = max(map(len, files))
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        if kind == "padded":
+            file["rgb"] = np.stack([np.pad(one, (0, longest - len(one))) for one in files])
+        else:
+            stored = file.create_dataset("rgb", (COUNT,), h5py.vlen_dtype(np.uint8))
+            for k, one in enumerate(files):
+                stored[k] = one
+        file["tactile"], file["force_rgb"] = greys(150), np.zeros((COUNT, 9), np.uint8)
+    assert imported(tmp_path / "a.h5", tmp_path / "out") == 0
+    assert shown(tmp_path / "out", "vis") == [50, 51, 52, 53]
+
+
+@pytest.mark.parametrize(
+    ("pixels", "grey"),
+    [
+        (np.full((16, 24, 3), 200.0, np.float32), 200),  # whole, so not of 0 to 1
+        (np.full((16, 24), 1.0), 255),
+        (np.linspace(0, 65535, 16 * 24 * 3).reshape(16, 24, 3).astype(np.uint16), 127),
+        (np.full((16, 24, 3), 30000, np.uint16), "16-bit colour, of which 8 bits keep 0 levels"),
+        (np.full((16, 24, 3), 2.5), "or of floats from 0 to 1"),
+    ],
+)
+def test_an_array_is_a_picture_by_a_stated_rule_or_refused(pixels, grey):
+    if isinstance(grey, str):
+        with pytest.raises(DataError, match=grey):
+            from_array(pixels, "a")
+    else:
+        assert round(np.asarray(from_array(pixels, "a")).mean()) == grey
 
 
 def test_bytes_of_pictures_in_a_column_of_any_name_are_read_once_it_is_named(tmp_path):
