@@ -1,9 +1,11 @@
 """The command line: sentences instead of tracebacks, and results as promised."""
 
+import json
 import os
 import re
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from omnivat.cli import COMMANDS, main, parser
@@ -124,6 +126,27 @@ def test_evaluate_draws_its_domains(head_folder, tmp_path, run):
     known = "--head", head_folder, "--embeddings", head_folder.parent / "set.safetensors"
     run("evaluate", *known, "--figure", tmp_path / "f.svg")
     assert "OF Real-sim" in (tmp_path / "f.svg").read_text()
+
+
+def test_evaluate_gives_the_mean_over_classes_and_the_largest_class_where_classes_are_uneven(
+    head_folder, make_embeddings, tmp_path, run
+):
+    full, file = make_embeddings(split=False), tmp_path / "set.safetensors"
+    even = run("evaluate", "--head", head_folder, "--embeddings", head_folder.parent / file.name)
+    largest = np.flatnonzero(full.label == 0)
+    few = [np.flatnonzero(full.label == k)[::6] for k in np.unique(full.label) if k]
+    save_embeddings(file, full.select(np.sort(np.concatenate([largest, *few]))))
+    known = "evaluate", "--head", head_folder, "--embeddings", file
+    head, *lines = run(*known).out.splitlines()
+    assert head.split()[-2:] == ["balanced", "largest"] and "balanced" not in even.out
+    for line, record in zip(lines, json.loads(run(*known, "--json").out)["domains"], strict=False):
+        counts = np.array(record["confusion"], float)
+        there = counts.sum(1)
+        shares = (
+            np.mean((np.diag(counts) / np.maximum(there, 1))[there > 0]),
+            there.max() / there.sum(),
+        )
+        assert line.split()[-2:] == [f"{100 * share:.1f}" for share in shares]
 
 
 @pytest.mark.parametrize("stated", [True, False])
