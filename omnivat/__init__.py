@@ -81,6 +81,7 @@ _PUBLIC = {
     # features of any encoder, without a head
     "read_features": "omnivat.study.shift:read_features",
     "write_report": "omnivat.study.shift:write_report",
+    "compare": "omnivat.study.comparison:compare",
 }
 __all__ = ["__version__", *_PUBLIC]
 __getattr__ = late(__name__, _PUBLIC)

@@ -36,6 +36,7 @@ SUMMARIES = {  # in the order of the help; a command's file has its name, or tha
     "protocol": "Run the paper's experiment: one source, unseen targets, some methods and seeds.",
     "ablate": "Run the paper's ablations, and write their tables and plots.",
     "report": "Report the domain shift of any features: gaps, retrieval, neighbours, probes, maps.",
+    "compare": "Compare encoders: several embeddings of the same pairs in one table.",
     "reproduce": "Reproduce the paper's tables from its data sets, and print both figures.",
     "sweep": "Compute gaps, scores and maps of a head as functions of the order p.",
     "gaps": "Measure the gaps of a set at one stage: between modalities and between domains.",

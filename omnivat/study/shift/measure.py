@@ -1,6 +1,6 @@
 """Gaps with intervals, retrieval both ways, and neighbours across domains, of unit rows."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from itertools import combinations, product
 from typing import Any
 
@@ -68,8 +68,8 @@ def record(
     return {"part": part, "measure": measure, "value": value, **place, **more}
 
 
-def gaps(features: Features, on_step: OnStep) -> list[Record]:
-    """Return both gaps by every measure of `GAPS`, with jackknife intervals and a no-gap level.
+def gaps(features: Features, on_step: OnStep, measures: Iterable[str] = GAPS) -> list[Record]:
+    """Return both gaps by some of `GAPS`, with jackknife intervals and a no-gap level.
 
     Means over domains (photos to touches) or over pairs of domains have intervals: a jackknife of
     BLOCKS blocks of objects. "no gap" is the same measure between two random halves of one domain.
@@ -82,7 +82,7 @@ def gaps(features: Features, on_step: OnStep) -> list[Record]:
     random = np.random.default_rng(derive_seed(0, "blocks"))
     block = random.permutation(objects.max() + 1)[objects] % BLOCKS
     records = []
-    for done, name in enumerate(GAPS):
+    for done, name in enumerate(measures):
         gap: Callable[[Tensor, Tensor], Tensor] = load(GAPS, name, kind="gap")
         each = []
         for left_out in range(-1, BLOCKS):  # -1: none

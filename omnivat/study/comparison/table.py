@@ -1,0 +1,113 @@
+"""The table of a comparison, in Markdown and as a figure."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from omnivat.study.reports.markdown import markdown
+
+Record = Mapping[str, Any]
+
+
+def table(found: Record) -> str:
+    """Return the comparison as a Markdown table, the differences to the first set, and notes."""
+    columns = found["columns"]
+    kinds = _gaps(found)
+    head = ["set", *(c["title"] for c in columns), *kinds.values(), "values", "ms a picture"]
+    rows = [
+        [
+            one["name"],
+            *(_cell(one["cells"].get(c["id"]), c["id"]) for c in columns),
+            *(_gap(one["gaps"].get(kind)) for kind in kinds),
+            str(one["width"]),
+            "–" if one["cost_ms"] is None else f"{one['cost_ms']:.0f}",
+        ]
+        for one in found["sets"]
+    ]
+    first, *others = found["sets"]
+    less = [
+        [f"{one['name']} less {first['name']}"]
+        + [_cell((one["cells"].get(c["id"]) or {}).get("less"), c["id"], "+") for c in columns]
+        for one in others
+    ]
+    differences = markdown(["difference", *(c["title"] for c in columns)], less)
+    return "\n\n".join((markdown(head, rows), differences, " ".join(notes(found)))) + "\n"
+
+
+def notes(found: Record) -> list[str]:
+    """Return what the table shows, in sentences."""
+    what = {"both": "photo and touch", "vis": "photos", "tac": "touches"}[found["view"]]
+    probe = (
+        f"a ridge regression that predicts {found['target']}"
+        if found["target"]
+        else "linear maps, the yardstick of `omnivat report`; percent right"
+    )
+    words = [
+        f"{found['pairs']} pairs{' (simulated)' * found['simulated']} of {len(found['domains'])}"
+        f" domains, {what}: {probe}. Each of {len(found['sources'])} domains is learned;"
+        " home is its own held-out pairs, away the mean over all others."
+    ]
+    if len(found["domains"]) > 1:
+        words.append(
+            f"Pictures have no labels and give a profile; what is known is not tested, and is drawn"
+            f" {found['draws']} times (fewer than 5 or 20 where a domain is small)."
+        )
+    if found["drawn"]:
+        words.append(
+            f"Brackets are 95 % intervals over {found['drawn']}, paired between sets. Bold: better"
+            " than every other set, by intervals that hold together."
+        )
+    else:
+        words.append("A domain has one object only, so there are no intervals and nothing is bold.")
+    if _gaps(found):
+        words.append(
+            "Gaps are distances of centroids; in parentheses, of two halves of one domain."
+        )
+    lit = {s["name"]: s["lamps_from"] for s in found["sets"] if s["lamps_from"]}
+    words += [
+        f"In '{name}' lamps of each domain are known from up to {count} touches, in every column."
+        for name, count in lit.items()
+    ]
+    return words
+
+
+def chart(found: Record) -> list[dict[str, Any]]:
+    """Return the records of `figures.dots`: shares, or R² of numbers."""
+    return [
+        {"row": one["name"], "series": c["title"], **one["cells"][c["id"]]}
+        for one in found["sets"]
+        for c in found["columns"]
+        if c["id"] in one["cells"] and not c["id"].endswith(":mae")
+    ]
+
+
+def _gaps(found: Record) -> dict[str, str]:
+    """Return the gaps that are shown: of modalities, and of touches or else of photos."""
+    there = dict.fromkeys(kind for one in found["sets"] for kind in one["gaps"])
+    of = "tac" if found["view"] != "vis" else "vis"
+    wanted = {
+        "between modalities": "gap of photo and touch",
+        f"between domains, {of}": "gap between sensors",
+    }
+    return {kind: title for kind, title in wanted.items() if kind in there}
+
+
+def _gap(one: Record | None) -> str:
+    if one is None or math.isnan(one["value"]):
+        return "–"
+    level = "" if one["floor"] is None else f" ({one['floor']:.2f})"
+    return f"{one['value']:.2f}{level}"
+
+
+def _cell(one: Record | None, id: str, sign: str = "") -> str:
+    """Return "71.3 [67.0, 75.1]", bold for the best; `sign` "+" for differences."""
+    if one is None:
+        return "–"
+
+    def number(value: float, sign: str = sign) -> str:
+        if id.endswith((":r2", ":mae")):
+            return f"{value:{sign}.3g}"
+        return f"{100 * value:{sign}.1f}"
+
+    ends = "" if one["low"] is None else f" [{number(one['low'], '')}, {number(one['high'], '')}]"
+    return f"**{number(one['value'])}**{ends}" if one.get("best") else number(one["value"]) + ends
