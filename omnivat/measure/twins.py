@@ -171,7 +171,9 @@ def _checked(arrays: dict[str, NDArray[Any]]) -> Twins:
         levels, length = arrays[name], arrays[f"{name}_length"]
         if levels.shape != shape or levels.dtype != np.uint8 or length.shape != shape[:-1]:
             raise ValueError(f"{name} is {levels.dtype} of shape {levels.shape}, expected {shape}")
-        vectors[name] = levels * (np.asarray(length, np.float32) / LEVELS)[..., None]
+        if length.dtype != np.float32 or not ((length >= 0) & np.isfinite(length)).all():
+            raise ValueError(f"{name}_length should be finite float32 from 0")
+        vectors[name] = levels * (length / LEVELS)[..., None]
         for _ in require_range([vectors[name].reshape(-1, width)], name):
             pass
     most = {"label": len(header.classes), "changed": count * sensors, "rows": MOST_BYTES}
@@ -179,6 +181,8 @@ def _checked(arrays: dict[str, NDArray[Any]]) -> Twins:
         own = arrays[name]
         if own.ndim != 1 or own.dtype.kind not in "iu" or not ((own >= 0) & (own < end)).all():
             raise ValueError(f"{name} should be indices below {end}")
+    if len(np.unique(changed)) < len(changed):
+        raise ValueError("changed names a touch twice")
     texts: dict[str, Any] = {name: tuple(text[name]) for name in TEXTS}
     for name, own in {**texts, "label": label}.items():
         if len(own) != count or (name in TEXTS and not all(isinstance(one, str) for one in own)):
