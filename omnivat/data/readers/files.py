@@ -190,7 +190,8 @@ def read_labels(file: Path, key: str) -> dict[str, dict[str, str]]:
     ours = {theirs: name for name, all in COLUMNS.items() for theirs in all}
     found = {}
     for row in read_rows(file, (key,)).values():
-        renamed = {ours[name]: cell for name, cell in row.items() if name in ours}
+        plain = {re.sub(r"[\s-]+", "_", name): cell for name, cell in row.items()}
+        renamed = {ours[name]: cell for name, cell in plain.items() if name in ours}
         found[row[key].removesuffix(".0")] = renamed | row  # a spreadsheet's 1.0 is 1
     return found
 

@@ -3,6 +3,7 @@ optional ones.
 """
 
 import os
+import re
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,7 @@ from omnivat.kit.tables import suggestion
 WORDS = {"vis": "photos", "tac": "touches"}
 OTHER = {"vis": "tac", "tac": "vis"}
 BEFORE = "tac_before"  # column of the touches of a moment before
+OWN = (BEFORE, "start", "end", "tac_delay", "named", "vis_from", "tac_from")  # of our own tables
 RARE = 0.1  # share of rows without a picture up to which they are left out
 Row = dict[str, str]
 
@@ -108,7 +110,8 @@ def rows_of(
     file: Path, *, vis: str = "", tac: str = "", domain: str = ""
 ) -> tuple[dict[int, Row], str]:
     """Return the rows of a table of files by their lines, with the project's names of columns and
-    the domain and class that the table leaves out; and which other columns name photos and touches.
+    the domain and class that the table leaves out; and which other columns name photos and touches,
+    and which are not used.
 
     vis, tac  names of these columns; "": vis and tac, or one each whose words tell
     domain    of all pairs if the table has none; "": the table's folder
@@ -128,7 +131,11 @@ def rows_of(
                 f"'{show(file)}' has the columns {show(', '.join(theirs[half]))}; name one with"
                 f" --{half} COLUMN."
             )
-    found = {ours: [name for name in names if name in filled] for ours, names in theirs.items()}
+    plain = {re.sub(r"[\s-]+", "_", name): name for name in filled}  # "Object ID" is object_id
+    found = {
+        ours: [there for name in names if (there := name if name in filled else plain.get(name))]
+        for ours, names in theirs.items()
+    }
     for name in ("domain", "material", *IMAGES) if rows else ():
         meant = suggestion(named.get(name) or name, {*filled} - {*found, *TEXTS})
         lost = name in IMAGES and (named[name] or not any(found[half] for half in IMAGES))
@@ -149,6 +156,9 @@ def rows_of(
         for line, row in rows.items()
     }
     columns = [f"{WORDS[m]} of '{found[m][0]}'" for m in IMAGES if found[m] and found[m] != [m]]
+    used = {*TEXTS, *OWN, *(name for names in found.values() for name in names[:1])}
+    if others := [name for name in filled if name not in used]:
+        columns.append(f"not used: {', '.join(others)}")
     return filled_in, ", ".join(columns)
 
 

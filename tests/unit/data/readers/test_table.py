@@ -49,6 +49,15 @@ def test_a_row_gives_a_pair_with_all_that_is_known(table, tmp_path):
     assert found.origin == "table 'pairs.csv'"
 
 
+def test_columns_are_found_by_names_of_several_words_and_those_not_used_are_named(table, tree):
+    tree("v.png", "t.png")
+    found = read_pairs(
+        table("Photo file,gelsight,Object ID,class-name,Day\nv.png,t.png,mug 1,Wood,Monday\n")
+    )
+    assert [(pair.object, pair.material) for pair in found.pairs] == [("mug 1", "wood")]
+    assert found.origin.endswith("photos of 'photo file', touches of 'gelsight', not used: day")
+
+
 @pytest.mark.parametrize(("alone", "pairs", "there"), [(1, 19, ("vis", "tac")), (5, 20, ("tac",))])
 def test_rows_without_a_photo_are_left_out_if_few_and_make_a_set_of_touches_if_many(
     table, tree, reasons, alone, pairs, there
