@@ -43,6 +43,12 @@ LAYER = (
     "read a layer of the encoder (of --tac-encoder, if there is one) in place of its output: its"
     " number, from 1, or the name of a part"
 )
+FLIP = (
+    "turn or mirror the touches of every domain, or of one, as those of the sensor that a head"
+    " learned (`omnivat sensor` names the way): left-right, top-bottom, half-turn, clockwise,"
+    " anticlockwise"
+)
+CHANNELS = "bgr: swap red and blue of the touches of every domain, or of one"
 DOTS = ("fill", "keep")  # of gels, in tactile images
 EVERY_S = 2.0  # seconds between two lines of a log, at least: short work writes none
 AT_MOST_S = 60.0  # seconds after which a line comes before the next tenth
@@ -177,6 +183,8 @@ def declare(parser: argparse._ActionsContainer, *names: str, **options: str | Op
         },
         "tac_weights": path("checkpoint of --tac-encoder"),
         "tac_rest": {"metavar": "FILE|auto|all|none", "help": REST},
+        "flip": several(FLIP, "[DOMAIN=]WAY"),
+        "channels": several(CHANNELS, "[DOMAIN=]bgr"),
         "vis": text("photos: a folder, column or camera; default: by its words", "NAME"),
         "tac": text("touches: a folder, column or camera; default: by its words", "NAME"),
         "weights": path("checkpoint of the encoder"),

@@ -55,6 +55,8 @@ def add(parser: argparse.ArgumentParser) -> None:
         "tac",
         "look",
         "tac_rest",
+        "flip",
+        "channels",
         "workers",
         "device",
         encoder=words,
@@ -76,6 +78,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Read the pairs, print a summary, embed them."""
+    from omnivat.data.arranged import ways_in, with_ways
     from omnivat.data.readers import read_pairs
     from omnivat.data.rest import with_rest
     from omnivat.data.store import manifest_place
@@ -91,6 +94,7 @@ def run(options: argparse.Namespace) -> None:
     of_reader: dict[str, Any] = halves(options) | dict(t.split("=", 1) for t in options.set)
     found = read_pairs(options.pairs, **passed(options, "reader", "strict", "seed"), **of_reader)
     found = with_rest(found, options.tac_rest or "none")
+    found = with_ways(found, ways_in(options.flip, options.channels, found.domains()))
     checked(found, options.look)
     if rested := sum(pair.tac_rest is not None for pair in found.pairs):
         print(f"a rest picture is subtracted from {rested} of {len(found.pairs)} tactile images")
@@ -132,8 +136,13 @@ def lamps_in(options: Sequence[str], domains: Sequence[str]) -> "dict[str, Lamps
 
 
 def touch_lines(header: "Header") -> list[str]:
-    """Return how the touches of each domain were drawn, in words; none if lamps were not sought."""
-    return [
+    """Return how the touches of each domain were arranged and drawn, in words; none for touches as
+    they come.
+    """
+    from omnivat.data.arranged import options_of
+
+    ways = [f"{name}: touch read with {options_of(way)}" for name, way in header.tac_way.items()]
+    return ways + [
         f"{name}: each touch drawn as its relief by itself. {one}"
         if isinstance(one, str)
         else f"{name}: touch drawn as its relief by lamps from {one.pictures} touches, confidence"

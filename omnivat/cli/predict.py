@@ -33,6 +33,8 @@ def add(parser: argparse.ArgumentParser) -> None:
         "head",
         "order",
         "tac_rest",
+        "flip",
+        "channels",
         "weights",
         "device",
         "json",
@@ -91,10 +93,12 @@ def run(options: argparse.Namespace) -> None:
     cache = None if options.no_cache else default_cache()
     predictions: list[dict[str, Any]] = []
     with progress_bar("predict") as show:
-        for done, (vis, tac, crop, rest) in enumerate(pairs):
+        for done, (vis, tac, crop, rest, way) in enumerate(pairs):
             show(Step(done=done, total=len(pairs)))
             try:
-                embedded = embed_pair(encoder, vis, tac, cache, tac_crop=crop, tac_rest=rest)
+                embedded = embed_pair(
+                    encoder, vis, tac, cache, tac_crop=crop, tac_rest=rest, tac_way=way
+                )
             except DataError as error:
                 if not options.pairs:
                     raise
@@ -136,21 +140,28 @@ def _rest(options: argparse.Namespace, rested: bool) -> str:
 
 def _pairs(
     options: argparse.Namespace, rest: str
-) -> list[tuple[Path | None, Path | None, int, Path | None]]:
-    """Return VIS, TAC, the side of the square crop of TAC, and its rest picture, for each pair."""
+) -> list[tuple[Path | None, Path | None, int, Path | None, str]]:
+    """Return VIS, TAC, the side of its square crop, its rest picture and arrangement, of pairs."""
+    from omnivat.data.arranged import ways_in, with_ways
+
     if options.pairs:
         from omnivat.data.readers import read_pairs
         from omnivat.data.rest import with_rest
 
-        found = with_rest(read_pairs(options.pairs), rest).pairs
+        loaded = with_rest(read_pairs(options.pairs), rest)
+        ways = ways_in(options.flip, options.channels, loaded.domains())
+        found = with_ways(loaded, ways).pairs
 
         def image(pair: "Pair", name: str) -> Path | None:
             return getattr(pair, name) if pair.alone in ("", name) else None
 
-        return [(image(p, "vis"), image(p, "tac"), p.tac_crop, p.tac_rest) for p in found]
+        return [
+            (image(p, "vis"), image(p, "tac"), p.tac_crop, p.tac_rest, p.tac_way) for p in found
+        ]
     paths = [None if name == MISSING else Path(name) for name in options.images]
     calm = None if rest == "none" else Path(rest)
-    return [(vis, tac, 0, calm) for vis, tac in zip(paths[::2], paths[1::2], strict=True)]
+    way = ways_in(options.flip, options.channels, [""]).get("", "")
+    return [(vis, tac, 0, calm, way) for vis, tac in zip(paths[::2], paths[1::2], strict=True)]
 
 
 def _readable(predicted: dict[str, Any], source: str) -> str:

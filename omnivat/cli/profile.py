@@ -30,6 +30,8 @@ def add(parser: argparse.ArgumentParser) -> None:
         "out",
         "weights",
         "tac_rest",
+        "flip",
+        "channels",
         "device",
         encoder="image encoder, named as for `embed`",
         vis=path("a folder of photos alone", "DIR"),
@@ -72,10 +74,15 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _of_pictures(options: argparse.Namespace) -> "Profile":
+    from dataclasses import replace
+
+    from omnivat.data.arranged import ways_in
     from omnivat.encoders import load_encoder
     from omnivat.head.profile_pictures import pictures_in, profile_of_pictures
 
     found = pictures_in(options.pictures, vis=options.vis, tac=options.tac, rest=options.tac_rest)
+    if way := ways_in(options.flip, options.channels, [""]).get("", ""):
+        found = [replace(one, way=way) if one.modality == "tac" else one for one in found]
     encoder = load_encoder(
         options.encoder, **passed(options, "weights", "device", "download", "dots", "touch")
     )

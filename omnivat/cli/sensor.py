@@ -36,8 +36,8 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> None:
     """Print the card; draw its lamps and write mended pictures if they are wanted."""
     import numpy as np
-    from PIL import Image
 
+    from omnivat.data.arranged import arranged
     from omnivat.data.images import read_image
     from omnivat.measure.card.card import MOST, card_of
     from omnivat.measure.card.changes import AS_IT_IS, arrangement_of, sensor_card
@@ -69,7 +69,7 @@ def run(options: argparse.Namespace) -> None:
                 "Nothing is to be mended: the pictures are neither turned nor mirrored."
             )
         for file in files:
-            picture = way.back(np.asarray(read_image(file)))[..., list(way.channels)]
+            picture = arranged(read_image(file), way.back)
             with replacing(options.mend / f"{file.stem}.png") as temporary:
-                Image.fromarray(np.ascontiguousarray(picture)).save(temporary, "PNG")
+                picture.save(temporary, "PNG")
         print(f"{len(files)} pictures are written to {options.mend} as the old sensor shows them.")

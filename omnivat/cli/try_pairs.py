@@ -60,6 +60,8 @@ def add(parser: argparse.ArgumentParser) -> None:
         "tac",
         "look",
         "tac_rest",
+        "flip",
+        "channels",
         "seed",
         "device",
         out=path("folder to write; default: beside PAIRS", "DIR"),
@@ -183,6 +185,7 @@ def _of_pictures(table: Path) -> bool:
 
 def _embed(options: argparse.Namespace, out: Path) -> list[str]:
     """Embed the pictures into `out`, with thumbnails; return notes."""
+    from omnivat.data.arranged import ways_in, with_ways
     from omnivat.data.readers import read_pairs
     from omnivat.data.rest import with_rest
     from omnivat.data.store import load_embeddings
@@ -191,6 +194,7 @@ def _embed(options: argparse.Namespace, out: Path) -> list[str]:
 
     of_reader: dict[str, Any] = halves(options)
     pairs = with_rest(read_pairs(options.pairs, **of_reader), options.tac_rest or "none")
+    pairs = with_ways(pairs, ways_in(options.flip, options.channels, pairs.domains()))
     checked(pairs, options.look)
     encoder = encoder_name(options)
     how = passed(options, "weights", "tac_weights", "device", "download", "touch")

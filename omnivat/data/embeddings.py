@@ -37,6 +37,8 @@ class Header:
     text_hash: str = ""  # of the text tower in the encoder's checkpoint, if any
     # domain -> hashes of the rest pictures that were subtracted from its tactile images
     tac_rest: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    # domain -> how its touches were turned, and their channels swapped
+    tac_way: Mapping[str, str] = field(default_factory=dict)
     modalities: tuple[str, ...] = IMAGES  # that every pair has; of one alone, it stands for both
     # domain -> the lamps by which its relief was drawn, or why each touch was drawn by itself
     lamps: "Mapping[str, Lamps | str]" = field(default_factory=dict)

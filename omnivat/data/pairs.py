@@ -28,6 +28,7 @@ class Pair:
     feels_like: str = ""  # the class that it imitates by touch, or ""
     tac_crop: int = 0  # central square before resizing, pixels; 0: no crop
     tac_rest: Path | None = None  # picture of the untouched sensor, to be subtracted
+    tac_way: str = ""  # how its touch is turned and its channels are (`omnivat.data.arranged`)
     tac_before: Path | None = None  # tactile image of a moment before, for encoders that take one
     alone: str = ""  # "vis" or "tac": the only picture, which stands for both
 

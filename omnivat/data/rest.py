@@ -12,6 +12,7 @@ from pathlib import Path
 
 from PIL import Image, ImageChops
 
+from omnivat.data.arranged import arranged
 from omnivat.data.domains import DOMAINS, paper_name
 from omnivat.data.images import central_square, read_bytes, read_image
 from omnivat.data.pairs import Pair, PairSet
@@ -36,20 +37,22 @@ def seen(
     *,
     crop: int = 0,
     rest: bytes = b"",
+    way: str = "",
     clean: Callable[[Image.Image], Image.Image] = lambda image: image,
 ) -> Image.Image:
     """Return a picture as an encoder gets it: upright, cropped to its central square, less the
     picture of the untouched sensor if `rest` has that file's bytes.
 
+    way    turns or mirrors it last, or swaps channels (`omnivat.data.arranged`)
     clean  fills printed dots: they move, and would show twice in a difference
 
     Raises DataError as `read_image` does.
     """
     image = central_square(read_image(content, name, reduced=not crop), crop)
     if not rest:
-        return image
+        return arranged(image, way)
     still = central_square(read_image(rest, "the rest picture", reduced=not crop), crop)
-    return minus_rest(clean(image), clean(still))
+    return arranged(minus_rest(clean(image), clean(still)), way)
 
 
 def with_rest(loaded: PairSet, choice: str) -> PairSet:

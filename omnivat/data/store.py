@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 
+from omnivat.data.arranged import require_way
 from omnivat.data.arrays import (
     MOST_COLUMNS,
     Column,
@@ -154,6 +155,7 @@ def _metadata(header: Header, count: int, width: int) -> dict[str, str]:
         "simulated": json.dumps(header.simulated),
         **({"modalities": "+".join(header.modalities)} if header.modalities != IMAGES else {}),
         **({"tac_rest": json.dumps(header.tac_rest)} if header.tac_rest else {}),
+        **({"tac_way": json.dumps(header.tac_way)} if header.tac_way else {}),
         **_texts_of(header.lamps),
         "origin": header.origin,
         "pairs": str(count),
@@ -251,6 +253,12 @@ def header_of(metadata: Mapping[str, str]) -> Header:
         tac_rest={
             domain: name_list(hashes, "tac_rest", MOST_NAMES)
             for domain, hashes in object_in(metadata.get("tac_rest", "{}").encode(), "rest").items()
+        },
+        tac_way={
+            domain: require_way(way)
+            for domain, way in texts(
+                object_in(metadata.get("tac_way", "{}").encode(), "tac_way"), "tac_way"
+            ).items()
         },
         lamps=_lamps_of(metadata),
     )

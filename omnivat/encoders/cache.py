@@ -103,18 +103,21 @@ def embed_image(
     *,
     crop: int = 0,
     rest: Path | None = None,
+    way: str = "",
     name: str = "the image",
 ) -> Array:
     """Return the embedding (D,) of one image: a path, a file's bytes or an open image.
 
     crop    side of the central square to crop to, in pixels; 0: no crop
     rest    picture of the untouched sensor, to be subtracted
+    way     how it is turned, and its channels swapped (`omnivat.data.arranged`)
     name    name of an image that is no path, in errors
 
     With a cache, the same image is neither decoded nor encoded twice.
     Raises DataError as `read_image` does.
     """
-    return embed_views(encoder, source, cache, crop=crop, flips=(False,), rest=rest, name=name)[0]
+    more: dict[str, Any] = {"crop": crop, "rest": rest, "way": way, "name": name}
+    return embed_views(encoder, source, cache, flips=(False,), **more)[0]
 
 
 def embed_views(
@@ -125,6 +128,7 @@ def embed_views(
     crop: int = 0,
     flips: Sequence[bool] = (False, True),
     rest: Path | None = None,
+    way: str = "",
     before: Path | None = None,
     sensor: str = "",
     name: str = "the image",
@@ -147,7 +151,9 @@ def embed_views(
 
     clean: dict[str, Any] = {"clean": encoder.cleaned} if isinstance(encoder, WithoutDots) else {}
     subtracted = b"" if "rest" in takes else calm
-    picture: Callable[..., Image.Image] = partial(seen, crop=crop, rest=subtracted, **clean)
+    picture: Callable[..., Image.Image] = partial(
+        seen, crop=crop, rest=subtracted, way=way, **clean
+    )
 
     @lru_cache(maxsize=1)
     def pixels() -> "torch.Tensor":
@@ -164,7 +170,14 @@ def embed_views(
 
     if cache is None:
         return [compute(flip) for flip in flips]
-    keys = _keys(encoder, content, crop, flips, calm, (earlier, kind.encode()))
+    keys = _keys(
+        encoder,
+        content,
+        crop,
+        flips,
+        calm,
+        (earlier, kind.encode(), *([way.encode()] if way else [])),
+    )
     return [
         cache.embedding(key, partial(compute, flip)) for key, flip in zip(keys, flips, strict=True)
     ]
@@ -178,6 +191,7 @@ def embed_pair(
     *,
     tac_crop: int = 0,
     tac_rest: Path | None = None,
+    tac_way: str = "",
 ) -> tuple[Array | None, Array | None]:
     """Return the embeddings (D,) of a photo and a tactile image; None stays None.
 
@@ -190,7 +204,7 @@ def embed_pair(
         name = f"the {modality.upper()} image"
         return embed_image(for_modality(encoder, modality), source, cache, name=name, **views)
 
-    return one(vis, "vis"), one(tac, "tac", crop=tac_crop, rest=tac_rest)
+    return one(vis, "vis"), one(tac, "tac", crop=tac_crop, rest=tac_rest, way=tac_way)
 
 
 def _keys(

@@ -13,6 +13,7 @@ import torch
 from safetensors.torch import save
 from torch import Tensor
 
+from omnivat.data.arranged import require_ways
 from omnivat.data.dots import FILLED
 from omnivat.data.profile import Profile, domain_of, moved, profiled, require_key
 from omnivat.data.profile_file import load_profile, save_profile
@@ -121,7 +122,12 @@ class Head:
 
     def require_embeddings(self, embeddings: Embeddings) -> None:
         """Raise DataError for a set of embeddings that does not fit this head."""
-        self.require(embeddings.header.key, embeddings.width, what="The embeddings")
+        header = embeddings.header
+        self.require(header.key, embeddings.width, what="The embeddings")
+        learned = self.provenance.get("tac_way", {})
+        require_ways(
+            {name: way for name, way in learned.items() if name in header.domains}, header.tac_way
+        )
 
 
 def _describe(key: tuple[str, ...], width: int) -> str:

@@ -29,6 +29,7 @@ class Picture:
     name: str = ""
     crop: int = 0
     rest: Path | None = None
+    way: str = ""
 
 
 def pictures_in(
@@ -104,7 +105,7 @@ def profile_of_pictures(
     """
     rows: dict[str, list[np.ndarray]] = {name: [] for name in IMAGES}
     touches = [p for p in pictures if p.modality == "tac" and isinstance(encoder, DotsFilled)]
-    lit = lamps_or_reason([(p.source, p.crop, p.rest) for p in touches]) if touches else None
+    lit = lamps_or_reason([(p.source, p.crop, p.rest, p.way) for p in touches]) if touches else None
     skipped = []
     if isinstance(lit, str):
         skipped, lit = [Skipped(what="the lamps of the gel", why=lit)], None
@@ -118,6 +119,7 @@ def profile_of_pictures(
                 picture.source,
                 crop=picture.crop,
                 rest=picture.rest,
+                way=picture.way,
                 name=picture.name,
             )
         except DataError as error:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.numpy import save
 
+from omnivat.data.arranged import ways_of
 from omnivat.data.arrays import Column, read_arrays
 from omnivat.data.domains import sensor_of
 from omnivat.data.embeddings import Array, indices
@@ -59,6 +60,7 @@ def chunks_of(pairs: Sequence[Pair], encoder: Encoder, flips: tuple[bool, ...]) 
         files = [
             [
                 p.tac_crop,
+                *filter(None, [p.tac_way]),
                 *(_state(file) for file in (p.vis, p.tac, p.tac_rest, p.tac_before) if file),
                 *[sensor_of(p.domain)][: "sensor" in taken],
             ]
@@ -83,7 +85,12 @@ def embed_one(
     """Return a pair's vectors (D,) in the order of the columns, or the reason of a failure. A
     picture alone is encoded once, and its vectors stand for both.
     """
-    of_touch = {"crop": pair.tac_crop, "rest": pair.tac_rest, "before": pair.tac_before}
+    of_touch = {
+        "crop": pair.tac_crop,
+        "rest": pair.tac_rest,
+        "before": pair.tac_before,
+        "way": pair.tac_way,
+    }
     more: dict[str, dict[str, Any]] = {
         "vis": {},
         "tac": of_touch | {"sensor": sensor_of(pair.domain)},
@@ -212,6 +219,7 @@ def merge(
         simulated=source.simulated,
         origin=source.origin,
         tac_rest=rests,
+        tac_way=ways_of(found.pairs),
         modalities=found.modalities(),
         lamps={name: lamps[name] for name in found.domains() if name in lamps},
     )

@@ -17,14 +17,14 @@ from omnivat.data.rest import seen
 from omnivat.encoders.cache import Source
 from omnivat.kit.errors import DataError
 
-Touch = tuple[Source, int, Path | None]  # a picture, the side of its crop, and its rest picture
+Touch = tuple[Source, int, Path | None, str]  # a picture, its crop, rest picture, arrangement
 
 
 def lamps_of_domains(pairs: Iterable[Pair], known: Mapping[str, Lamps]) -> dict[str, Lamps | str]:
     """Return domain -> its lamps, `known` ones or from its own touches, or why it has none."""
     touches: dict[str, dict[Touch, None]] = defaultdict(dict)
     for pair in pairs:
-        touches[pair.domain][pair.tac, pair.tac_crop, pair.tac_rest] = None
+        touches[pair.domain][pair.tac, pair.tac_crop, pair.tac_rest, pair.tac_way] = None
     return {
         name: known[name] if name in known else lamps_or_reason(list(some))
         for name, some in touches.items()
@@ -42,11 +42,11 @@ def lamps_or_reason(touches: Sequence[Touch]) -> Lamps | str:
 
 
 def _readable(touches: Iterable[Touch]) -> Iterator[np.ndarray[Any, Any]]:
-    for source, crop, rest in touches:
+    for source, crop, rest, way in touches:
         try:
             content = source if isinstance(source, Image.Image) else read_bytes(source, "a touch")
             calm = read_bytes(rest) if rest else b""
-            image = seen(content, "a touch", crop=crop, rest=calm, clean=_clean)
+            image = seen(content, "a touch", crop=crop, rest=calm, way=way, clean=_clean)
         except DataError:
             continue
         yield fill_dots(np.asarray(image))[0]

@@ -1,23 +1,28 @@
 """What changed between two cards, the likeliest first, with the evidence and the remedy."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
+from omnivat.data.arranged import WAYS, options_of
 from omnivat.measure.card.card import SensorCard, card_of, cosine
 from omnivat.measure.card.traits import Array
 
 FITS = 0.9  # least likeness at which an arrangement explains what changed
 GAIN = 0.12  # of likeness over the pictures as they are, from which on an arrangement is named
 FAR, NEARLY = 0.5, 0.8  # a gain so large that a poorer fit is enough: the lamps changed, too
+OBJECTS = 0.05  # by which the logarithm of relief differs between kinds of objects
 SURE = 3.0  # standard errors of a difference, from which on it is named
 APART = 0.035  # of 1 less the cosine of two lamps
 STEADY = 20.0  # degrees by which a colour's direction may differ before it counts as turned
 COLOURS = ("red", "green", "blue")
 PROFILE = "A profile of 20 pictures undoes a part of it: omnivat profile."
-MEND = "Write the pictures as the old sensor's: --mend FOLDER."
+MEND = (
+    "Read them as the old sensor's: omnivat embed PAIRS --out SET.safetensors {}; try, predict and"
+    " profile take this, too."
+)
 RELIEF = "Read touches by their relief, with the sensor's own lamps: --touch relief."
 # points that touch loses if only this part changes: from every gel to every other, and with the
 # dots filled (docs/benchmarks/twins.json, "parts")
@@ -43,16 +48,24 @@ class Change(NamedTuple):
 class Arrangement(NamedTuple):
     """How one sensor's pictures become those of another.
 
-    grid    turns rows and columns of an array (h, w, ...); `back` undoes it
+    way     as `omnivat.data.arranged` has it; `back` undoes it
     slopes  (2, 2): turns slopes to the right and downwards
     """
 
     part: str
     words: str
-    channels: tuple[int, ...]
-    grid: Callable[[Array], Array]
-    back: Callable[[Array], Array]
+    way: str
+    back: str
     slopes: tuple[tuple[int, int], tuple[int, int]]
+
+    @property
+    def channels(self) -> tuple[int, ...]:
+        """The order of red, green and blue."""
+        return (2, 1, 0) if self.way == "bgr" else (0, 1, 2)
+
+    def grid(self, field: Array) -> Array:
+        """Return an array (h, w, 3) in this arrangement."""
+        return WAYS[self.way](field) if self.way else field
 
 
 class Measure(NamedTuple):
@@ -66,26 +79,19 @@ class Measure(NamedTuple):
     remedy: str
 
 
-def turned_by(quarters: int) -> Callable[[Array], Array]:
-    """Return the turn of an array (h, w, ...) by quarters, anticlockwise."""
-    return lambda a: np.rot90(a, quarters)
-
-
-RGB, BGR = (0, 1, 2), (2, 1, 0)
-AS_IT_IS = Arrangement("", "", RGB, turned_by(0), turned_by(0), ((1, 0), (0, 1)))
+AS_IT_IS = Arrangement("", "", "", "", ((1, 0), (0, 1)))
 ARRANGEMENTS = (
-    Arrangement("channels", "red and blue are swapped", BGR, turned_by(0), turned_by(0),
-                ((1, 0), (0, 1))),
-    Arrangement("mirrored", "pictures are mirrored from left to right", RGB, np.fliplr, np.fliplr,
+    Arrangement("channels", "red and blue are swapped", "bgr", "bgr", ((1, 0), (0, 1))),
+    Arrangement("mirrored", "pictures are mirrored from left to right", "left-right", "left-right",
                 ((-1, 0), (0, 1))),
-    Arrangement("mirrored", "pictures are mirrored from top to bottom", RGB, np.flipud, np.flipud,
+    Arrangement("mirrored", "pictures are mirrored from top to bottom", "top-bottom", "top-bottom",
                 ((1, 0), (0, -1))),
-    Arrangement("turned", "pictures are turned by 180°", RGB, turned_by(2), turned_by(2),
+    Arrangement("turned", "pictures are turned by 180°", "half-turn", "half-turn",
                 ((-1, 0), (0, -1))),
-    Arrangement("turned", "pictures are turned by 90° clockwise", RGB, turned_by(3), turned_by(1),
+    Arrangement("turned", "pictures are turned by 90° clockwise", "clockwise", "anticlockwise",
                 ((0, -1), (1, 0))),
-    Arrangement("turned", "pictures are turned by 90° anticlockwise", RGB, turned_by(1),
-                turned_by(3), ((0, 1), (-1, 0))),
+    Arrangement("turned", "pictures are turned by 90° anticlockwise", "anticlockwise", "clockwise",
+                ((0, 1), (-1, 0))),
 )  # fmt: skip
 MEASURES = (
     Measure("strength", "strength", 0.16, "a slope adds {} more colour",
@@ -160,12 +166,12 @@ def arrangement_of(old: SensorCard, new: SensorCard) -> tuple[Arrangement, Chang
         f"The new sensor's light and lamps fit the old one's at {after.mean():.2f} if {best.words},"
         f" and at {before.mean():.2f} as they are (1 is a perfect fit)."
     )
-    return best, Change(best.part, evidence, MEND, gained / GAIN)
+    return best, Change(best.part, evidence, MEND.format(options_of(best.back)), gained / GAIN)
 
 
 def likeness(old: SensorCard, new: SensorCard, way: Arrangement) -> Array:
     """Return cosines of the gel's light and, where both are known, of the lamps."""
-    field = way.grid(old.field)[..., way.channels]
+    field = way.grid(old.field)
     if field.shape != new.field.shape:
         return np.zeros(1)
     found = [cosine(centred(field), centred(new.field))]
@@ -250,6 +256,8 @@ def numbers_changed(old: SensorCard, new: SensorCard, way: Arrangement) -> Itera
             a, spread_a = old.of("blue" if row == "red" else "red")
         step = np.log(b / a) if row == "pitch" else b - a
         error = float(np.hypot(spread_a, spread_b)) / (a if row == "pitch" else 1)
+        if row == "strength":
+            step, error = supported(step, error, old, new)
         size = abs(step) / max(measure.least, SURE * error)
         if size > 1:
             words = measure.more if step > 0 else measure.less
@@ -261,6 +269,20 @@ def numbers_changed(old: SensorCard, new: SensorCard, way: Arrangement) -> Itera
                 measure.remedy,
                 float(size),
             )
+
+
+def supported(step: float, error: float, old: SensorCard, new: SensorCard) -> tuple[float, float]:
+    """Return the difference of the strength and its standard error, joined with the relief's.
+
+    Each alone is led astray by objects: darkening by a few steep ones, relief by their kind. So no
+    difference is left if the two have opposite signs.
+    """
+    (a, spread_a), (b, spread_b) = old.of("relief"), new.of("relief")
+    both = np.array([step, b - a])
+    if not np.prod(both) > 0:
+        return 0.0, error
+    weights = 1 / np.square([max(error, 1e-6), np.hypot(np.hypot(spread_a, spread_b), OBJECTS)])
+    return float((weights * both).sum() / weights.sum()), float(weights.sum() ** -0.5)
 
 
 def cost_of(part: str) -> str:

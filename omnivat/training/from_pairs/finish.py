@@ -134,8 +134,10 @@ def calibration_of(plan: TrainingPlan, pairs: Embeddings, order: float) -> Tempe
 def _provenance(plan: TrainingPlan) -> dict[str, Any]:
     """Return the provenance of a head of the plan, for the head folder."""
     header, bank = plan.embeddings.header, plan.bank
+    way = header.tac_way.get(plan.source, "")
     return {
         "source": plan.source,
+        **({"tac_way": {plan.source: way}} if way else {}),
         "part": plan.part,
         "simulated": header.simulated,
         "data": header.origin,
