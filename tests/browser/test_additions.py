@@ -85,7 +85,7 @@ def test_a_mode_has_its_words_its_accuracy_and_the_gap_of_its_frames(page, rows)
     page.click(f".explore .modes button:has-text('{mode['title']}')")
     page.wait_for_selector(f".explore[data-kind='{mode['id']}']")
     line = page.inner_text(".explore .score .provenance")
-    assert line.startswith("By " + mode["who"].partition("{")[0].strip())
+    assert line.startswith("Measured with " + mode["who"].partition("{")[0].strip())
     stop = float(page.get_attribute(".explore .map", "data-order"))
     right = frames.curves["accuracy/unseen"][frames.orders.index(stop)]
     assert page.inner_text(".explore .score b.large").split() == [f"{100 * right:.0f}", "%"]

@@ -177,7 +177,7 @@ def test_fingers_pan_pinch_and_pin_on_the_map_and_drag_p(open_page):
     box = page.locator(".explore .map").bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     still = pixels(page)
-    swipe(((x, y), (x + 60, y + 20)))
+    swipe(((x - 30, y), (x + 30, y + 20)), ((x + 30, y), (x + 90, y + 20)))
     panned = pixels(page)
     assert panned != still
     scrolled = page.evaluate("scrollY")

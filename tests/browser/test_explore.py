@@ -22,17 +22,18 @@ def test_the_first_mode_is_a_head_for_each_stop_with_one_accuracy_and_the_other_
     frames = read_frames(EXAMPLES / "retrained.bin")
     share = frames.curves["seeds:accuracy/unseen/mean"][frames.orders.index(0.5)]
     page = open_page(f"{TOOLS}&p=0.5", MAP)
-    assert "A head for each stop" in words(page, ".mode-words")
+    assert "One head for each stop" in words(page, ".mode-words")
     assert "2 trainings for each stop" in words(page, ".mode-words")
     right = f"{100 * share:.0f} %"
-    assert f"{right} right in seven unseen domains\n\nBy 2 heads trained at p = 0.50" in words(
-        page, ".score"
+    assert (
+        f"{right} correct in seven unseen domains\n\nMeasured with 2 heads for p = 0.50"
+        in words(page, ".score")
     )
-    assert words(page, ".stage .side").count(f"{right} right") == 1
+    assert words(page, ".stage .side").count(f"{right} correct") == 1
     assert page.get_attribute(".explore .curves [data-name=accuracy] .spread", "d")
     page.click('.explore .modes [data-key="moved"]')
     page.wait_for_selector(".explore[data-kind=moved]")
-    assert "What if only p moved?" in words(page, ".mode-words")
+    assert "What if only p changed?" in words(page, ".mode-words")
     assert page.locator(".explore .curves .band").count() == 4
     assert not page.locator(".explore .curves [data-name=accuracy] .spread").count()
     page.wait_for_function("location.search.includes('mode=moved')")
@@ -41,7 +42,7 @@ def test_the_first_mode_is_a_head_for_each_stop_with_one_accuracy_and_the_other_
 def test_the_learned_p_is_a_stop_of_its_own_and_is_not_taken_for_a_round_one(open_page):
     learned = read_frames(EXAMPLES / "frames.bin").head["learned_order"]
     page = open_page(f"{MOVED}&map=pca&p=0.5", MAP)
-    assert "moved to p = 0.50" in words(page, ".score")
+    assert "changed to p = 0.50" in words(page, ".score")
     page.click(".explore .learned")
     page.wait_for_function(
         "document.querySelector('.explore .score').textContent.includes('learned')"
@@ -124,7 +125,7 @@ def test_a_filter_changes_title_and_curves_alike_and_the_title_names_the_method(
     assert f"modality gap in {lone} {value:.2f}" in words(page, "[data-panel=step] .map-title")
     assert lone in words(page, ".curves [data-name=modality_gap] .of")
     assert words(page, "[data-panel=step] .map-title small") == "UMAP"
-    assert "scale have no meaning" in words(page, ".approximate")
+    assert "Ignore distances and scale." in words(page, ".approximate")
 
 
 def test_the_pictures_of_a_pair_are_at_the_pointer_and_on_the_map_far_in(open_page):

@@ -73,7 +73,7 @@ def test_the_saved_page_works_from_disk_with_its_toy_and_tour(chromium, tmp_path
     page.click('.explore [data-panel="toy"] summary')
     page.wait_for_selector(".explore .toy .plane path")
     page.click(".tour-start")
-    page.wait_for_selector(".tour h3:has-text('1 of 2')")
+    page.wait_for_selector(".tour h3:has-text('1 of 3')")
     page.click(".tour [data-option]")
     assert re.search(r"\d", page.inner_text(".tour p"))
     page.close()

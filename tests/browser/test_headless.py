@@ -107,7 +107,7 @@ def test_a_head_trained_on_a_set_of_one_domain_shows_what_is_known_of_it(opened)
     page.wait_for_selector("#train-map .legendtext >> nth=4")  # the colours on the map
     page.click("#view-train .use")
     page.wait_for_selector(
-        ".explore.ready .score:has-text('there is no domain that the head has not seen')"
+        ".explore.ready .score:has-text('the set has no domain besides the training domain')"
     )
     assert empty_panels(page) == []
     page.close()

@@ -49,7 +49,7 @@ def test_a_student_can_read_what_a_gap_lies_between_and_what_is_dashed(open_page
     ):
         page.select_option(".explore .of-steps", measure)
         assert between in page.text_content(".explore .stair-name")
-    assert "Dashed: the raw embedding" in page.text_content(".explore .all.curves")
+    assert "Dashed line: the raw embedding" in page.text_content(".explore .all.curves")
 
 
 def test_analyse_is_no_wider_than_its_column_and_no_axis_of_a_lecture_is_cut(open_page):

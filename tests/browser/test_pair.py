@@ -285,10 +285,10 @@ def test_live_pictures_join_the_labelled_pairs_and_teach(live, sensor, presses):
     pressed = presses("gelsight_mini")[1]
     page = live("gelsight_mini")
     page.click(".pair .cameras [data-what=label]")
-    page.wait_for_selector(".pair .cameras .guided:has-text('Type what it is')")
+    page.wait_for_selector(".pair .cameras .guided:has-text('Type the true class')")
     page.focus(".pair .cameras .label")
     page.keyboard.type("co")
-    assert page.evaluate(AFTER_FRAMES) == ["co", True, "Type what it is as the label first."]
+    assert page.evaluate(AFTER_FRAMES) == ["co", True, "Type the true class as the label first."]
     for k, label in enumerate(("cork", "cork", "felt", "felt")):
         sensor.see(pressed[6 * k], page=page)
         page.fill(".pair .cameras .label", label)
@@ -394,16 +394,16 @@ def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(open_page):
     files = [named(f"{k}_tac.png", 71 + k) for k in range(6)]
     broken = {"name": "9_tac.png", "mimeType": "image/png", "buffer": b"no picture"}
     page.set_input_files(".pair .sensor input >> nth=0", [*files, broken])
-    page.wait_for_selector(".pair .sensor:has-text('profile of 6 touch images')")
+    page.wait_for_selector(".pair .sensor:has-text('profile of 6 touches')")
     assert "1 picture was left out" in page.inner_text(".pair .sensor")
     page.wait_for_selector(".pair .sensor table")
     with page.expect_download() as saved:
         page.click(".pair .sensor [data-send=saveProfile]")
     assert saved.value.path().stat().st_size > 5000
     page.reload()
-    page.wait_for_selector(".pair .sensor:has-text('profile of 6 touch images')")
+    page.wait_for_selector(".pair .sensor:has-text('profile of 6 touches')")
     page.click(".pair .sensor [data-send=profileDropped]")
-    page.wait_for_selector(".pair .sensor:has-text('no labels')")
+    page.wait_for_selector(".pair .sensor:has-text('unlabelled pictures')")
 
 
 def own_folder(to, domains):
@@ -442,11 +442,11 @@ def test_a_folder_goes_from_a_drop_to_predictions_of_the_next_pictures_by_the_ta
     for row, name in enumerate(names):
         page.fill(f".pair .many [data-label='{row}']", labels[int(name.split("/")[-1])])
         page.keyboard.press("Tab")
-    assert f"Teach it your {len(labels)} pairs" in line.inner_text()
+    assert f"Teach the head your {len(labels)} pairs" in line.inner_text()
     page.click(".pair .many [data-send=rowsTaught]")
     page.wait_for_selector(".pair .taught table")
     settle(page)
-    assert "of your pairs are right with each left out" in line.inner_text()
+    assert "each pair predicted without its own label" in line.inner_text()
     assert page.inner_text(".pair .many tbody") != before
     assert "objects a class" in page.inner_text(".pair .labels-bring p")
     assert page.locator(".pair .labels-bring .mean").count() == 1

@@ -206,11 +206,12 @@ def test_on_a_slow_line_every_empty_place_has_a_word(new_page, address):
     client.send("Network.emulateNetworkConditions", slow)
     page.held = True  # until the line is fast again
     page.click('.explore .chapters [data-chapter="analyse"]')
-    page.wait_for_selector(".explore .wait:has-text('%')")
-    assert not page.locator(".explore .stage >> visible=true").count()
+    page.wait_for_selector(".explore .map-wait >> visible=true")
+    assert "on its way" in page.inner_text(".explore .map-wait")
     fast = {**slow, "downloadThroughput": -1, "uploadThroughput": -1}
     client.send("Network.emulateNetworkConditions", fast)
     page.wait_for_selector('.explore.ready[data-chapter="analyse"]')
+    page.wait_for_selector(".explore .map-wait", state="hidden")
     assert page.is_hidden(".explore .wait")
 
 

@@ -71,7 +71,7 @@ def test_no_text_is_cut_no_part_lies_on_another_and_map_chart_and_control_need_n
     home = page.url.split("?")[0]
     for view, (parts, wide) in VIEWS.items():
         page.goto(f"{home}?{view}", wait_until="commit")
-        page.wait_for_selector(".explore .provenance >> visible=true")
+        page.wait_for_selector(".explore :is(.provenance, .tree-of-pair) >> visible=true")
         settle(page)
         assert page.evaluate(CUT) == [], view
         assert page.evaluate(OUTSIDE, parts if phone else [*parts, *wide]) == [], view

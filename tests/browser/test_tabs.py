@@ -20,12 +20,12 @@ def test_the_nodes_of_the_pinned_pair_follow_p_and_tell_which_are_constant(open_
     told = page.inner_text(".explore .worth")
     number = re.search(r"(\d) of 7 nodes \(dashed\)", told)
     assert page.locator(".explore .nodes .disc.fixed").count() == (int(number[1]) if number else 0)
-    assert "its learned p" in page.inner_text(".explore .nodes p")
+    assert "its learned p is" in page.inner_text(".explore .nodes p")
     before = page.text_content(".explore .tree-view")
     page.focus(".explore .order")
     for _ in range(20):
         page.keyboard.press("ArrowRight")
-    page.wait_for_selector(".explore .nodes p:has-text('moved from its learned p')")
+    page.wait_for_selector(".explore .nodes p:has-text('grows at p = 0.7')")
     assert page.text_content(".explore .tree-view") != before
 
 
@@ -72,7 +72,8 @@ def counts(page):
           told.selectNodeContents(document.querySelector('.explore .changed'));
           return [told.getBoundingClientRect().bottom,
             ...[...document.querySelectorAll('.explore .corner > *')]
-            .filter((e) => e.textContent).map((e) => e.getBoundingClientRect().top)]; }"""
+            .filter((e) => e.textContent && e.checkVisibility())
+            .map((e) => e.getBoundingClientRect().top)]; }"""
     )
     assert ends[0] <= min(ends[1:])  # it lies on nothing
     parts = [int(n) for n in re.findall(r"(\d+) (?:corrected|broken|still)", text)]
@@ -84,7 +85,9 @@ def counts(page):
 def test_simulated_data_say_so_and_their_limits_open_there(open_page):
     page = open_page()
     page.click(".top .badge:has-text('simulated data')")
-    page.wait_for_selector(".top .limits:has-text('No figure here is about a real sensor')")
+    page.wait_for_selector(
+        ".top .limits:has-text('No figure on this page describes a real sensor')"
+    )
     page.keyboard.press("Escape")
     assert page.is_hidden(".top .limits")
 

@@ -9,12 +9,14 @@ import { listen } from "../shared/pointer.js";
 import { provenance } from "../shared/provenance.js";
 import { PLACES, rungOf, worded } from "../shared/tables.js";
 import { bytesOf } from "../shared/text.js";
+import { METHODS } from "./maps.js";
 import { sheet } from "./pictures.js";
 import { $, change, choice, draw, fill, html, percent, scene, send, showWords, state } from "./root.js";
 import { OWN_ROWS, ownHtml, splitHtml } from "./split.js";
 import { chosen, READINGS } from "./touch.js";
 
 const CHOICES = PLACES.map(({ id, title = "", help }) => ({ key: id, label: title, title: help }));
+const KINDS = Object.entries(METHODS).map(([key, label]) => ({ key, label }));
 const GLIDE = 700; // milliseconds
 const TILE = 46; // CSS pixels of a picture on the map; less on a small one
 const TOUCH = 1; // row of a sheet of pictures
@@ -91,6 +93,7 @@ export function show() {
   if (!cloud) return;
   const { twins } = scene;
   const { table, dots } = chosen(twins, state);
+  choice(".kinds", "map", KINDS);
   choice(".places", "rung", CHOICES);
   choice(".split.twins .segments", "reading", READINGS);
   showSensors();

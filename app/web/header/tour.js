@@ -60,6 +60,7 @@ function show(figures) {
   box.setAttribute("role", "dialog");
   box.setAttribute("aria-label", "Guided tour");
   explore.classList.add("touring");
+  let opening = new MutationObserver(() => {});
 
   /** @param {Html} text @param {Html} buttons @param {string} focused */
   const lay = (text, buttons, focused) => {
@@ -68,7 +69,16 @@ function show(figures) {
       html`<div aria-live="polite"><h3 tabindex="-1">${state.tour + 1} of ${steps.length} · ${steps[state.tour].title}</h3><p>${text}</p></div>
       <div class="row">${buttons}<span class="spring"></span><button class="back"${!state.tour && html` disabled`}>Back</button><button class="end" aria-label="End the tour">✕</button></div>`,
     );
-    /** @type {HTMLElement} */ (box.querySelector(focused)).focus({ preventScroll: true });
+    const focus = () => /** @type {HTMLElement} */ (box.querySelector(focused)).focus({ preventScroll: true });
+    const isThere = () => explore.classList.contains("ready"); // what is hidden takes no focus
+    opening.disconnect();
+    opening = new MutationObserver(() => {
+      if (!isThere()) return;
+      opening.disconnect();
+      focus();
+    });
+    if (isThere()) focus();
+    else opening.observe(explore, { attributeFilter: ["class"] });
   };
 
   /** Show the result after what is said of the prediction. @param {Html | null} verdict */

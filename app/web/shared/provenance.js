@@ -33,7 +33,7 @@ export function unseenPairs(frames, unseen) {
   const count = unseen?.domains.reduce((sum, one) => sum + (one.is_source ? 0 : one.pairs), 0);
   const many = strangers(frames);
   const mean = many === 1 ? "1 unseen domain" : `mean of ${many} unseen domains`;
-  return count ? `${count.toLocaleString("en-US")} pairs (${mean})` : mean;
+  return count ? `${count.toLocaleString("en-US")} pairs (${mean})` : `the pairs of ${mean.replace("mean of ", "")}`;
 }
 
 /** The line below an accuracy of frames at one stop; nothing where nothing predicts.
