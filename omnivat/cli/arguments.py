@@ -49,6 +49,10 @@ FLIP = (
     " anticlockwise"
 )
 CHANNELS = "bgr: swap red and blue of the touches of every domain, or of one"
+TARGET = (
+    "a column of numbers of the table or file, such as force, to predict by ridge regression: R²"
+    " and mean absolute error"
+)
 DOTS = ("fill", "keep")  # of gels, in tactile images
 EVERY_S = 2.0  # seconds between two lines of a log, at least: short work writes none
 AT_MOST_S = 60.0  # seconds after which a line comes before the next tenth
@@ -176,6 +180,7 @@ def declare(parser: argparse._ActionsContainer, *names: str, **options: str | Op
             "help": "a run for each",
         },
         "set": several("", "key=value", type=assigned),
+        "target": text(TARGET, "COLUMN"),
         "tac_encoder": {
             "metavar": "NAME",
             "default": "",

@@ -7,23 +7,11 @@ python -m omnivat compare mine=A.npz theirs=B.npz --only tac --target force
 import argparse
 from pathlib import Path
 
-from omnivat.cli.arguments import (
-    count,
-    declare,
-    figure,
-    flag,
-    one_of,
-    passed,
-    path,
-    progress_bar,
-    text,
-)
+from omnivat.cli.arguments import count, declare, figure, flag, one_of, passed, path, progress_bar
 from omnivat.cli.imports import add_foreign, foreign
 from omnivat.kit.errors import SettingsError
 from omnivat.kit.files import require_writable
 from omnivat.measure.rungs import DRAWS
-
-TARGET = "a column of numbers, such as force: predict it by ridge regression, in place of classes"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -37,9 +25,9 @@ def add(parser: argparse.ArgumentParser) -> None:
     declare(
         parser,
         "seed",
+        "target",
         json=path("also write every number as JSON", "FILE"),
         markdown=path("also write the table as Markdown", "FILE"),
-        target=text(TARGET, "COLUMN"),
         only=one_of(("all", "vis", "tac"), "photos or touches alone, or all that every set has"),
         draws=count(f"draws of known pictures; default: {DRAWS}", default=DRAWS, metavar="N"),
         no_cost=flag("do not time the encoders"),
@@ -64,7 +52,10 @@ def run(options: argparse.Namespace) -> None:
         if name in named:
             raise SettingsError(f"Two sets are called '{name}'; name one with NAME=FILE.")
         named[name] = Path(file)
-    how = foreign(options) | {"seed": options.seed}
+    how = foreign(options) | {
+        "seed": options.seed,
+        "numbers": tuple(filter(None, [options.target])),
+    }
     sets = {name: read_features(file, **how) for name, file in named.items()}
     with progress_bar("compare") as show:
         found = compare(

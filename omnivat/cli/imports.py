@@ -55,6 +55,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         frames=count("pairs of each recording; default: 5", default=5, metavar="N"),
         pick=one_of(("even", "contact"), moments),
         tac=several(TOUCHES, "NAME"),
+        numbers=list_of("columns of numbers to keep, such as force,slip (for --target)", "a,b"),
         labels=path(
             "columns episode (LeRobot) or file, material, perhaps domain, object, split", "CSV"
         ),
@@ -96,7 +97,7 @@ def _vectors(options: argparse.Namespace) -> None:
         raise SettingsError("--look draws pictures, and a file of vectors has none; leave it out.")
     require_writable(options.out, ".safetensors")
     require_own(manifest_place(options.out, "csv"))
-    about = passed(options, "encoder", "preprocessing", "origin")
+    about = passed(options, "encoder", "preprocessing", "origin", "numbers")
     imported = import_embeddings(options.file, **about, **foreign(options))
     save_embeddings(options.out, imported, dtype=options.dtype)
     header = imported.header

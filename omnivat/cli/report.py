@@ -22,6 +22,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     add_foreign(parser)
     declare(
         parser,
+        "target",
         encoder=text("name of the vectors' encoder", "NAME"),
         out="folder to write",
         seed="seed of maps and the random part of a large set; default: 0",
@@ -34,13 +35,26 @@ def run(options: argparse.Namespace) -> None:
         raise SettingsError(f"--out is the file '{options.out}'; name a folder.")
     for name in ("report.html", "numbers.csv", "methods.txt", "figures/x.svg"):
         require_writable(options.out / name)
+    from omnivat.study.comparison import predicted_numbers, sentence
     from omnivat.study.shift import read_features, write_report
+    from omnivat.study.shift.measure import record
 
     found = read_features(
-        options.features, encoder=options.encoder, **foreign(options), seed=options.seed
+        options.features,
+        encoder=options.encoder,
+        **foreign(options),
+        numbers=tuple(filter(None, [options.target])),
+        seed=options.seed,
     )
+    measured = predicted_numbers(found, options.target) if options.target else []
+    more = [
+        record(options.target, one["title"], one["value"], low=one["low"], high=one["high"])
+        for one in measured
+    ]
     with progress_bar("report") as show:
-        files = write_report(found, options.out, seed=options.seed, on_step=show)
+        files = write_report(found, options.out, seed=options.seed, more=more, on_step=show)
     what = " and ".join(found.modalities) + ("" if found.labelled else ", without classes")
     print(f"{len(found.embeddings)} pairs, domains: {', '.join(found.domains)}; {what}")
+    if measured:
+        print(sentence(options.target, measured))
     print(f"{len(files)} files written; open {files[-1]}")

@@ -64,6 +64,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "channels",
         "seed",
         "device",
+        "target",
         out=path("folder to write; default: beside PAIRS", "DIR"),
         source=text("domain to train on; default: the largest"),
         touch=one_of(TOUCH, "read touch in its colours, or drawn as its relief (docs/relief.md)"),
@@ -114,6 +115,7 @@ def _write(options: argparse.Namespace, out: Path) -> None:
     from omnivat.data.profile import profile_of
     from omnivat.data.profile_file import save_profile
     from omnivat.head.checkpoint import save_head
+    from omnivat.study.comparison import predicted_numbers, sentence
     from omnivat.study.trial import try_pairs
 
     found, notes = _features(options, out)
@@ -127,6 +129,10 @@ def _write(options: argparse.Namespace, out: Path) -> None:
     print("\n".join(notes), flush=True)
     with progress_bar("train and test") as show:
         trial = try_pairs(found, source=options.source, seed=options.seed, on_step=show)
+    if options.target:
+        measured = predicted_numbers(found, options.target, seed=options.seed)
+        trial.lines.append(sentence(options.target, measured))
+        trial.records.append({"target": options.target, "columns": measured})
     print("\n".join(trial.lines))
     for k, name in enumerate(found.domains):
         profile = profile_of(
@@ -159,6 +165,7 @@ def _features(options: argparse.Namespace, out: Path) -> tuple["Features", list[
         out / SET if pictures else place,
         encoder="" if options.encoder == DEFAULT_ENCODER else options.encoder,
         **{**of_file, "columns": {**halves(options), **of_file["columns"]}},
+        numbers=tuple(filter(None, [options.target])),
         seed=options.seed,
     )
     if found.drawn_of > len(found.embeddings):

@@ -20,7 +20,14 @@ from omnivat.data.arrays import require_range
 from omnivat.data.columns import Columns, columns_of
 from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header, indices
 from omnivat.data.materials import in_order
-from omnivat.data.naming import COLUMNS, checked_split, composed, half_of, is_image_name
+from omnivat.data.naming import (
+    COLUMNS,
+    are_numbers,
+    checked_split,
+    composed,
+    half_of,
+    is_image_name,
+)
 from omnivat.data.pairs import TEXTS
 from omnivat.data.readers.files import TABLES, encodable
 from omnivat.data.store import ROW_NAMES
@@ -44,6 +51,7 @@ def import_embeddings(
     preprocessing: str = "",
     origin: str = "",
     simulated: bool = False,
+    numbers: Sequence[str] = (),
 ) -> Embeddings:
     """Return the embeddings in a file, checked and named.
 
@@ -54,6 +62,7 @@ def import_embeddings(
     columns         name here -> name in the file, if they differ
     preprocessing   preprocessing of the images, if known
     origin          one line on the file's origin
+    numbers         columns of numbers to keep, such as a force
 
     Without columns `vis` or `tac`, one whose words tell is taken, and the origin names it. If the
     widths differ, the narrower vectors are padded with zeros. Of vectors of one modality,
@@ -126,7 +135,7 @@ def import_embeddings(
         header=header,
         domain=indices(header.domains, texts["domain"]),
         label=indices(header.classes, texts["material"]),
-        rows=_rows(found, texts, kept, place),
+        rows=_rows(found, texts, kept, place) | _measured(table, numbers, kept, count),
         **arrays,
     )
 
@@ -156,6 +165,26 @@ def _rows(
     if not any(rows["object"]):
         rows["object"] = [f"{place.stem}/{k}" for k in kept]
     return rows
+
+
+def _measured(
+    table: Columns, names: Sequence[str], kept: Sequence[int], count: int
+) -> dict[str, list[str]]:
+    """Return columns of numbers as texts. Raises DataError for one that is not there, or none."""
+    found = {}
+    for name in names:
+        if (array := table.get(name)) is None or name in ROW_NAMES:
+            raise DataError(
+                f"'{table.place}' has no column of numbers '{name}'; it has"
+                f" {', '.join(table.names)}."
+            )
+        texts = [
+            "" if text == "nan" else text for text in texts_in(array, name, count, table.place)
+        ]
+        if not are_numbers(texts):
+            raise DataError(f"'{table.place}' holds other things than numbers in '{name}'.")
+        found[name] = [texts[k] for k in kept]
+    return found
 
 
 def _named_by_words(table: Columns, columns: Mapping[str, str]) -> dict[str, str]:

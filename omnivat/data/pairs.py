@@ -31,6 +31,7 @@ class Pair:
     tac_way: str = ""  # how its touch is turned and its channels are (`omnivat.data.arranged`)
     tac_before: Path | None = None  # tactile image of a moment before, for encoders that take one
     alone: str = ""  # "vis" or "tac": the only picture, which stands for both
+    numbers: tuple[tuple[str, str], ...] = ()  # other columns, such as a force, and their texts
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,6 +11,7 @@ from typing import Any
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
 from omnivat.data.naming import (
     COLUMNS,
+    are_numbers,
     checked_split,
     found_file,
     half_of,
@@ -65,6 +66,7 @@ def read(
         if row["vis"] == row["tac"]:  # one picture, in both columns
             row[OTHER[modality_of(Path(row["vis"])) or "vis"]] = ""
     alone = _stands_for_both(list(rows.values()))
+    measured = _numbers(list(rows.values()))
     for number, row in rows.items():
         texts: dict[str, Any] = {name: class_key(row.get(name, "")) for name in TEXTS}
         pair = Pair(
@@ -74,6 +76,7 @@ def read(
             material=class_key(row["material"]),
             alone=alone if not all(row[half] for half in IMAGES) else "",
             tac_before=found_file(file.parent, before) if (before := row.get(BEFORE)) else None,
+            numbers=tuple((name, row.get(name, "")) for name in measured),
             **texts
             | {
                 "object": row.get("object", ""),
@@ -104,6 +107,13 @@ def read(
         )
     origin = ", ".join(filter(None, (f"table '{file.name}'", columns)))
     return PairSet(pairs=tuple(pairs), skipped=tuple(skipped), origin=origin)
+
+
+def _numbers(rows: list[Row]) -> list[str]:
+    """Return the columns that hold numbers and have no other meaning here."""
+    meant = {*COLUMNS, *TEXTS, *IMAGES, *(name for names in COLUMNS.values() for name in names)}
+    names = dict.fromkeys(name for row in rows for name in row if name not in meant)
+    return [name for name in names if name and are_numbers(row.get(name, "") for row in rows)]
 
 
 def rows_of(

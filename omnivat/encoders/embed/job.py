@@ -23,7 +23,7 @@ from omnivat.data.embeddings import Array, indices
 from omnivat.data.pairs import TEXTS, Pair, PairSet, Skipped
 from omnivat.data.relief import Lamps
 from omnivat.data.rest import RESTED, rests_of
-from omnivat.data.store import Header, vector_type, write_columns
+from omnivat.data.store import ROW_NAMES, Header, vector_type, write_columns
 from omnivat.encoders import Encoder
 from omnivat.encoders.base import for_modality, made_by
 from omnivat.encoders.cache import EmbeddingCache, embed_views
@@ -260,7 +260,10 @@ def _names(pairs: Sequence[Pair], files: Sequence[Path], root: str) -> dict[str,
         else {}
     )
     others = {name: [_text(getattr(pair, name)) for pair in pairs] for name in TEXTS}
-    return {"vis": short[::2], "tac": short[1::2], **others, **crops}
+    each = [dict(pair.numbers) for pair in pairs]
+    measured = dict.fromkeys(name for one in each for name in one if name not in ROW_NAMES)
+    numbers = {name: [one.get(name, "") for one in each] for name in measured}
+    return {"vis": short[::2], "tac": short[1::2], **others, **crops, **numbers}
 
 
 def _shared_folder(files: Sequence[Path]) -> str:

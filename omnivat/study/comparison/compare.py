@@ -84,10 +84,7 @@ def compare(
             "The pairs have no classes, so nothing can be read right; name a column of numbers with"
             " --target."
         )
-    sources = sources_of(first, values)
-    if not sources:
-        what = "two classes" if values is None else "differing numbers"
-        raise DataError(f"No domain has ten pairs of {what}, so there is nothing to learn from.")
+    sources = _able(first, values)
     drawn, measured, gap_rows, costs = draws_of(first.embeddings, sources), {}, {}, {}
     total = len(sets) * (len(sources) + 1)
     with one_thread(), one_blas_thread():
@@ -102,7 +99,7 @@ def compare(
             costs[name] = cost_of(one.embeddings.header) if cost else None
             on_step(Step(done=(k + 1) * (len(sources) + 1), total=total, text=f"{name}, gaps"))
     data = first.embeddings
-    enough = all(len(np.unique(data.objects[first.members(d)])) > 1 for d in first.domains)
+    enough = _enough(first)
     ids = list(dict.fromkeys(i for m in measured.values() for i in m))
     cells = {i: _cells({n: m[i] for n, m in measured.items()}, i, enough) for i in ids}
     return {
@@ -131,6 +128,47 @@ def compare(
             for name, one in sets.items()
         ],
     }
+
+
+def predicted_numbers(
+    features: Features, target: str, *, draws: int = DRAWS, seed: int = 0
+) -> list[Record]:
+    """Return R² and mean absolute error of a ridge probe of a column of numbers, by column of
+    `compare`: records {"id", "title", "value", "low", "high"}.
+
+    Raises DataError for a set without these numbers, or without a domain of ten that differ.
+    """
+    values = numbers_in(features, target)
+    sources = _able(features, values)
+    drawn = draws_of(features.embeddings, sources)
+    with one_thread(), one_blas_thread():
+        made = _measured(features, sources, values, drawn, draws, seed, lambda _: None)
+    enough = _enough(features)
+    return [{"id": i, "title": _title(i), **_ends(one, enough)} for i, one in made.items()]
+
+
+def sentence(target: str, records: list[Record]) -> str:
+    """Return `predicted_numbers` in words."""
+
+    def words(one: Record) -> str:
+        ends = "" if one["low"] is None else f" [{one['low']:.2f}, {one['high']:.2f}]"
+        return f"{one['title']} {one['value']:.2f}{ends}"
+
+    return f"{target}, predicted by ridge regression: {'; '.join(map(words, records))}."
+
+
+def _able(features: Features, values: Array | None) -> list[str]:
+    """Return the domains to learn. Raises DataError without one."""
+    if sources := sources_of(features, values):
+        return sources
+    what = "two classes" if values is None else "differing numbers"
+    raise DataError(f"No domain has ten pairs of {what}, so there is nothing to learn from.")
+
+
+def _enough(features: Features) -> bool:
+    """True if every domain has two objects, which intervals can draw."""
+    objects = features.embeddings.objects
+    return all(len(np.unique(objects[features.members(d)])) > 1 for d in features.domains)
 
 
 def _measured(

@@ -14,6 +14,7 @@ import torch
 from numpy.typing import NDArray
 
 from omnivat.data.embeddings import Embeddings
+from omnivat.data.naming import are_numbers
 from omnivat.data.profile import Profile, profile_of
 from omnivat.head.linear_maps import standard_rows
 from omnivat.head.teach import Lesson
@@ -130,7 +131,7 @@ def numbers_in(features: Features, column: str) -> Array:
     Raises DataError for a set without that column, and for a text that is no number.
     """
     rows = features.embeddings.rows
-    own = {name: texts for name, texts in rows.items() if _all_numbers(texts)}
+    own = {name: texts for name, texts in rows.items() if are_numbers(texts)}
     if column not in rows:
         there = f"has the numbers {', '.join(own)}" if own else "has no column of numbers"
         raise DataError(
@@ -140,15 +141,6 @@ def numbers_in(features: Features, column: str) -> Array:
     if column not in own:
         raise DataError(f"The column '{printable(column)}' does not hold numbers; name another.")
     return np.array([float(text) if text.strip() else np.nan for text in rows[column]])
-
-
-def _all_numbers(texts: Sequence[str]) -> bool:
-    try:
-        return bool(np.isfinite([float(text) for text in texts if text.strip()]).all()) and any(
-            text.strip() for text in texts
-        )
-    except ValueError:
-        return False
 
 
 def _possible(column: Column, data: Embeddings) -> bool:

@@ -1,6 +1,6 @@
 """Read features of any encoder, with one or two modalities, with or without classes and domains."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -59,12 +59,14 @@ def read_features(
     classes: tuple[str, ...] = (),
     columns: Mapping[str, str] | None = None,
     simulated: bool = False,
+    numbers: Sequence[str] = (),
     seed: int = 0,
 ) -> Features:
     """Return the features in an embeddings file, NPZ, Parquet, HDF5, safetensors or CSV.
 
     columns  name here -> name in the file, as for `omnivat import`; `vis` or `tac` may be absent,
              as may `material` and `domain`
+    numbers  columns of numbers to keep, such as a force; an embeddings file has its own
     Raises DataError, one sentence with the file and the fault.
 
     >>> from tempfile import TemporaryDirectory
@@ -87,6 +89,7 @@ def read_features(
             classes=classes or None,
             columns=columns,
             simulated=simulated,
+            numbers=numbers,
         )
     found = features_of(data, seed=seed)
     if found.drawn_of < 2:

@@ -29,10 +29,17 @@ Drawn = dict[str, Any]
 
 
 def write_report(
-    features: Features, out: str | Path, *, seed: int = 0, on_step: OnStep = ignore
+    features: Features,
+    out: str | Path,
+    *,
+    seed: int = 0,
+    more: Sequence[Record] = (),
+    on_step: OnStep = ignore,
 ) -> list[Path]:
     """Measure, draw, and write report.html, numbers.csv, methods.txt and figures/*.svg; return
     them.
+
+    more  further records for numbers.csv, such as those of a number that is predicted
 
     Raises WriteError if a file cannot be written; then none of them is left.
 
@@ -50,7 +57,7 @@ def write_report(
     on_step(Step(done=0, total=0, text="maps"))
     drawn, trusts = _maps(features, seed)
     drawn |= _charts(features, records)
-    records += trusts
+    records += [*trusts, *more]
     words = methods(features, seed)
     table, text, page = (Path(out, name) for name in ("numbers.csv", "methods.txt", "report.html"))
     with nothing_left(Path(out)):

@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from omnivat.cli import main
-from omnivat.data.store import save_embeddings
+from omnivat.data.store import load_embeddings, save_embeddings
 from omnivat.kit.errors import DataError
 from omnivat.study.comparison import compare, table
 from omnivat.study.comparison.draws import draws_of
@@ -135,3 +136,29 @@ def test_the_command_writes_table_numbers_and_figure(made, tmp_path, capsys):
     assert "<svg" in out["svg"].read_text(encoding="utf-8")
     assert main(["compare", files[0], files[0]]) == 1
     assert "Two sets are called 'a'; name one with NAME=FILE." in capsys.readouterr().err
+
+
+def test_numbers_of_a_table_reach_the_report_through_embed_and_through_vectors(
+    made, tmp_path, capsys
+):
+    one = made(forced=3).embeddings
+    force = np.array(one.rows["force"], float)
+    names = np.array(one.header.domains)[one.domain]
+    vectors = {"tac": one.tac, "material": one.label, "domain": names, "force": force}
+    np.savez(tmp_path / "v.npz", **vectors)
+    words = ["report", tmp_path / "v.npz", "--out", tmp_path / "out", "--target", "force"]
+    assert main(list(map(str, words))) == 0
+    assert "force, predicted by ridge regression: home, R² 0." in capsys.readouterr().out
+    assert 'force,"home, R²"' in (tmp_path / "out" / "numbers.csv").read_text("utf-8")
+
+    lines = ["tac,domain,material,force,word"]
+    for k in range(4):
+        Image.new("RGB", (64, 64), (40 * k, 90, 90)).save(tmp_path / f"{k}_tac.png")
+        lines.append(f"{k}_tac.png,A,{'wood' if k % 2 else 'steel'},{k}.5,w{k}")
+    (tmp_path / "pairs.csv").write_text("\n".join(lines))
+    out = tmp_path / "set.safetensors"
+    assert (
+        main(["embed", str(tmp_path / "pairs.csv"), "--encoder", "strip", "--out", str(out)]) == 0
+    )
+    rows = load_embeddings(out).rows
+    assert rows["force"] == ["0.5", "1.5", "2.5", "3.5"] and "word" not in rows
