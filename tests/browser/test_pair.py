@@ -450,11 +450,11 @@ def test_a_folder_goes_from_a_drop_to_predictions_of_the_next_pictures_by_the_ta
     assert page.inner_text(".pair .many tbody") != before
     assert "objects a class" in page.inner_text(".pair .labels-bring p")
     assert page.locator(".pair .labels-bring .mean").count() == 1
-    assert page.locator(".pair .many small:has-text('taught with it')").count() == len(labels)
+    assert page.locator(".pair .many small:has-text('used for teaching')").count() == len(labels)
     with page.expect_request(lambda request: request.url.endswith("/omnivat/many")) as sent:
         page.set_input_files(FOLDER, tmp_path / "next")
     assert len(json.loads(sent.value.post_data)["lessons"]) == len(labels)
-    page.wait_for_selector(".pair .many:has-text('By the head taught')")
+    page.wait_for_selector(".pair .many:has-text('4 pairs:'):has-text('those that you labelled')")
     page.click(".pair .many .link >> nth=0")
     page.wait_for_selector(".pair .familiar:has-text('your labelled photos')")
 
