@@ -35,6 +35,7 @@ def run(options: argparse.Namespace) -> None:
         raise SettingsError(f"--out is the file '{options.out}'; name a folder.")
     for name in ("report.html", "numbers.csv", "methods.txt", "figures/x.svg"):
         require_writable(options.out / name)
+    from omnivat.measure.card.of_set import differences
     from omnivat.study.comparison import predicted_numbers, sentence
     from omnivat.study.shift import read_features, write_report
     from omnivat.study.shift.measure import record
@@ -57,4 +58,6 @@ def run(options: argparse.Namespace) -> None:
     print(f"{len(found.embeddings)} pairs, domains: {', '.join(found.domains)}; {what}")
     if measured:
         print(sentence(options.target, measured))
+    for line in differences(found.embeddings):
+        print(line)
     print(f"{len(files)} files written; open {files[-1]}")

@@ -115,6 +115,7 @@ def _write(options: argparse.Namespace, out: Path) -> None:
     from omnivat.data.profile import profile_of
     from omnivat.data.profile_file import save_profile
     from omnivat.head.checkpoint import save_head
+    from omnivat.measure.card.of_set import differences
     from omnivat.study.comparison import predicted_numbers, sentence
     from omnivat.study.trial import try_pairs
 
@@ -126,6 +127,7 @@ def _write(options: argparse.Namespace, out: Path) -> None:
         f"{', '.join(map(printable, found.domains))}; {classes or 'no'} classes"
         + (f"; {alone}: the page draws each twice." if alone else ".")
     )
+    notes += differences(found.embeddings, options.source)
     print("\n".join(notes), flush=True)
     with progress_bar("train and test") as show:
         trial = try_pairs(found, source=options.source, seed=options.seed, on_step=show)

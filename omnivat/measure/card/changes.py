@@ -81,16 +81,16 @@ class Measure(NamedTuple):
 
 AS_IT_IS = Arrangement("", "", "", "", ((1, 0), (0, 1)))
 ARRANGEMENTS = (
-    Arrangement("channels", "red and blue are swapped", "bgr", "bgr", ((1, 0), (0, 1))),
-    Arrangement("mirrored", "pictures are mirrored from left to right", "left-right", "left-right",
+    Arrangement("channels", "Red and blue are swapped", "bgr", "bgr", ((1, 0), (0, 1))),
+    Arrangement("mirrored", "Pictures are mirrored from left to right", "left-right", "left-right",
                 ((-1, 0), (0, 1))),
-    Arrangement("mirrored", "pictures are mirrored from top to bottom", "top-bottom", "top-bottom",
+    Arrangement("mirrored", "Pictures are mirrored from top to bottom", "top-bottom", "top-bottom",
                 ((1, 0), (0, -1))),
-    Arrangement("turned", "pictures are turned by 180°", "half-turn", "half-turn",
+    Arrangement("turned", "Pictures are turned by 180°", "half-turn", "half-turn",
                 ((-1, 0), (0, -1))),
-    Arrangement("turned", "pictures are turned by 90° clockwise", "clockwise", "anticlockwise",
+    Arrangement("turned", "Pictures are turned by 90° clockwise", "clockwise", "anticlockwise",
                 ((0, -1), (1, 0))),
-    Arrangement("turned", "pictures are turned by 90° anticlockwise", "anticlockwise", "clockwise",
+    Arrangement("turned", "Pictures are turned by 90° anticlockwise", "anticlockwise", "clockwise",
                 ((0, 1), (-1, 0))),
 )  # fmt: skip
 MEASURES = (
@@ -163,8 +163,8 @@ def arrangement_of(old: SensorCard, new: SensorCard) -> tuple[Arrangement, Chang
     if best is AS_IT_IS or after.min() < (FITS if gained < FAR else NEARLY) or gained < GAIN:
         return AS_IT_IS, None
     evidence = (
-        f"The new sensor's light and lamps fit the old one's at {after.mean():.2f} if {best.words},"
-        f" and at {before.mean():.2f} as they are (1 is a perfect fit)."
+        f"{best.words}: so arranged, the old sensor's light and lamps fit the new one's at"
+        f" {after.mean():.2f}, and at {before.mean():.2f} as they are (1 is a perfect fit)."
     )
     return best, Change(best.part, evidence, MEND.format(options_of(best.back)), gained / GAIN)
 

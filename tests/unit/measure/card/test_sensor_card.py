@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from omnivat import sensor_card
+from omnivat import embed_pairs, load_embeddings, read_pairs, sensor_card
 from omnivat.cli import main
+from omnivat.data.arranged import with_ways
 from omnivat.kit.errors import DataError
 from omnivat.kit.seeding import derive_seed
+from omnivat.measure.card import of_set
 from omnivat.measure.card.card import card_of
 from omnivat.measure.card.changes import COSTS, changes_between
 from simulator.domains import SIMULATED
@@ -126,3 +128,27 @@ def test_what_a_change_costs_is_what_the_twins_record():
         found = every[names.get(part, part)]
         for words, printed in (("as it comes", kept), ("dots filled", filled)):
             assert abs(np.ravel(found[words])[0]) == pytest.approx(printed, abs=0.06)
+
+
+def test_the_domains_of_a_set_whose_sensors_differ_are_named_in_a_sentence(
+    after, tmp_path, monkeypatch
+):
+    place = tmp_path / "set"
+    mirrored = [np.ascontiguousarray(one[:, ::-1]) for one in after]
+    for unit, pictures in (("unit-a", touches(GEL, 91_000)), ("unit-b", mirrored)):
+        (place / unit / "wood").mkdir(parents=True)
+        for k, one in enumerate(pictures):
+            for half in ("vis", "tac"):
+                Image.fromarray(one).save(place / unit / "wood" / f"{k:02d}_{half}.png")
+    monkeypatch.setattr(of_set, "recall", lambda _: place)
+    pairs, out = read_pairs(place), tmp_path / "set.safetensors"
+
+    def lines(ways):
+        embed_pairs(with_ways(pairs, ways), "strip", out, flips=False)
+        made = load_embeddings(out)
+        return of_set.differences(replace(made, header=replace(made.header, encoder="a network")))
+
+    assert lines({}) == [
+        "unit-b against unit-a: pictures are mirrored from left to right; the rest is as before."
+    ]
+    assert lines({"unit-b": "left-right"}) == []
