@@ -12,6 +12,7 @@ from PIL import Image
 
 from omnivat.data.pairs import PairSet
 from omnivat.kit.errors import DataError, SettingsError
+from omnivat.kit.schema import object_in, texts
 from omnivat.kit.tables import suggestion
 
 Array = np.ndarray[Any, np.dtype[Any]]
@@ -40,11 +41,13 @@ def arranged(picture: Image.Image, way: str) -> Image.Image:
     return Image.fromarray(np.ascontiguousarray(pixels))
 
 
-def require_way(way: str) -> str:
-    """Return an arrangement; raises DataError for another text, as a damaged header has it."""
-    if any(word not in WAYS for word in way.split()):
-        raise DataError(f"'{way:.60}' is no arrangement; it has words of {', '.join(WAYS)}.")
-    return way
+def ways_from(text: str) -> dict[str, str]:
+    """Return domain -> arrangement of a header's JSON; raises DataError for another text."""
+    ways = texts(object_in(text.encode(), "tac_way"), "tac_way")
+    for way in ways.values():
+        if any(word not in WAYS for word in way.split()):
+            raise DataError(f"'{way:.60}' is no arrangement; it has words of {', '.join(WAYS)}.")
+    return ways
 
 
 def ways_in(

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError, safe_open
 
-from omnivat.data.arranged import require_way
+from omnivat.data.arranged import ways_from
 from omnivat.data.arrays import (
     MOST_COLUMNS,
     Column,
@@ -254,12 +254,7 @@ def header_of(metadata: Mapping[str, str]) -> Header:
             domain: name_list(hashes, "tac_rest", MOST_NAMES)
             for domain, hashes in object_in(metadata.get("tac_rest", "{}").encode(), "rest").items()
         },
-        tac_way={
-            domain: require_way(way)
-            for domain, way in texts(
-                object_in(metadata.get("tac_way", "{}").encode(), "tac_way"), "tac_way"
-            ).items()
-        },
+        tac_way=ways_from(metadata.get("tac_way", "{}")),
         lamps=_lamps_of(metadata),
     )
 

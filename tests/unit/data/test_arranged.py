@@ -5,7 +5,15 @@ import pytest
 from PIL import Image
 
 from omnivat.cli import main
-from omnivat.data.arranged import FLIPS, WAYS, arranged, options_of, require_ways, ways_in
+from omnivat.data.arranged import (
+    FLIPS,
+    WAYS,
+    arranged,
+    options_of,
+    require_ways,
+    ways_from,
+    ways_in,
+)
 from omnivat.data.store import load_embeddings
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.measure.card.changes import ARRANGEMENTS
@@ -55,3 +63,9 @@ def test_a_head_that_learned_turned_touches_refuses_the_same_domain_otherwise():
     require_ways({"a": "bgr"}, {"a": "bgr"})
     with pytest.raises(DataError, match="learned the touches of 'a' with --channels bgr"):
         require_ways({"a": "bgr"}, {})
+
+
+def test_a_header_with_an_unknown_arrangement_is_refused_in_a_sentence():
+    assert ways_from('{"a": "left-right bgr"}') == {"a": "left-right bgr"}
+    with pytest.raises(DataError, match="'sideways' is no arrangement; it has words of left-right"):
+        ways_from('{"a": "sideways"}')
