@@ -7,6 +7,7 @@ was loaded through the page.
 from collections.abc import Callable, Mapping
 from functools import cache, partial
 from gzip import compress
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 
-from app import about, nodes, pictures, predictors, sensor, teaching
+from app import about, nodes, pictures, predictors, sensor, teaching, touch_relief
 from app.api import api_routes
 from app.components import WEB
 from app.familiar import familiar, first
@@ -89,6 +90,7 @@ SENT: dict[str, tuple[Work, int, int]] = {
     "live": (pictures.live, 0, MAX_IMAGE_BYTES),
     "image": (pictures.taken, 1, MAX_IMAGE_BYTES),
     "occlusion": (pictures.occlusion, 2, MAX_IMAGE_BYTES),
+    "relief": (touch_relief.relief, 1, MAX_IMAGE_BYTES),
     "sensor": (sensor.load_sensor, 0, PARTS["profile.safetensors"]),
 }
 PROJECT_FILES = {  # the same for every set
@@ -112,6 +114,7 @@ def routes(sets: VisitorSets, *, api: bool = False) -> list[Route]:
         "web/{name:path}": lambda _, name: web_files().get(name),
         "thumbnails.{kind}": thumbnails,
         "example/{name:path}/{modality}": Resources.example,
+        "plotly.js": lambda _: plotly(),
         **{name: lambda _, path=path: path for name, path in PROJECT_FILES.items()},
     }
     gets: dict[str, Handler] = {
@@ -185,6 +188,14 @@ async def file(sets: VisitorSets, find: Find, request: Request) -> Response:
 def web_files() -> dict[str, Path]:
     """Return the page's scripts and styles by their names in URLs."""
     return {p.relative_to(WEB).as_posix(): p for p in WEB.rglob("*") if p.suffix in TYPES}
+
+
+def plotly() -> Path | None:
+    """Return the script of Plotly, which the page loads for a figure in three dimensions."""
+    found = find_spec("plotly")
+    return (
+        Path(found.origin).parent / "package_data/plotly.min.js" if found and found.origin else None
+    )
 
 
 def file_response(

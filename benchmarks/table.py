@@ -25,7 +25,7 @@ the lamps of 5 or 20 known pairs and nothing else, n5, n20 and k5 by these lamps
 import argparse
 import gzip
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -36,7 +36,16 @@ import torch
 from torch import Tensor
 from torch.nn.functional import normalize
 
-from benchmarks._table_methods import METHODS, PUBLISHED, Array, Learned, Raw, published, raw_of
+from benchmarks._table_methods import (
+    METHODS,
+    PUBLISHED,
+    VARIANTS,
+    Array,
+    Learned,
+    Raw,
+    published,
+    raw_of,
+)
 from benchmarks.relief import FOLDER, KNOWN, Reliefs, order
 from omnivat.cli.arguments import listed, numbers
 from omnivat.data.embeddings import Embeddings
@@ -75,7 +84,7 @@ class Measured:
         name: str,
         source: str,
         seed: int,
-        methods: Mapping[str, Callable[[Embeddings, str, int], Learned]] = METHODS,
+        methods: dict[str, Callable[[Embeddings, str, int], Learned]] = METHODS,
         relief: Reliefs | None = None,
     ) -> None:
         self.relief = relief
@@ -87,7 +96,7 @@ class Measured:
         if name in PUBLISHED:
             self.method: Learned = published(name, embeddings, source, seed)
         else:
-            self.method = methods[name](embeddings, source, seed)
+            self.method = (methods | VARIANTS)[name](embeddings, source, seed)
         self.seconds = time.perf_counter() - started
         self.reader = reader_of(self.method, embeddings, source)
 

@@ -12,7 +12,7 @@ _ROOMS = {
     "curves": ("lines", "gap_curves", "staircase", "training_curves"),
     "scores": ("dots", "strangers", "ladder", "gap_tables"),
     "card": ("rose",),
-    "surface": ("relief",),
+    "surface": ("relief", "slopes"),
     "page": ("html_page", "write"),
 }
 _PUBLIC = {n: f"omnivat.figures.{room}:{n}" for room, names in _ROOMS.items() for n in names}

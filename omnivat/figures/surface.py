@@ -43,6 +43,31 @@ def relief(heights: Any, *, title: str, unit: str = "relative", across: float = 
     return drawn
 
 
+def slopes(values: Any, *, title: str) -> Figure:
+    """Return the slopes (H, W, 2) of a touch, to the right and downwards, as two pictures.
+
+    >>> slopes(np.zeros((50, 60, 2)), title="Slopes").data[1].z.shape
+    (50, 60)
+    """
+    step = -(-max(values.shape) // MOST)
+    bound = float(np.quantile(np.abs(values), 0.99)) or 1.0
+    shown = [
+        go.Heatmap(
+            z=values[::step, ::step, k],
+            **{"colorscale": "RdBu_r", "zmin": -bound, "zmax": bound, "showscale": not k},
+            **{"xaxis": f"x{k + 1}", "yaxis": f"y{k + 1}"},
+        )
+        for k in range(2)
+    ]
+    drawn = figure(shown, title=title, height=300)
+    for k, name in enumerate(("to the right", "downwards")):
+        across = {"domain": [0.52 * k, 0.48 + 0.52 * k], "title": name}
+        down = {"autorange": "reversed", "scaleanchor": f"x{k + 1}", "anchor": f"x{k + 1}"}
+        hidden = {"showticklabels": False, "ticks": "", "constrain": "domain"}
+        drawn.update_layout({f"xaxis{k + 1}": across | hidden, f"yaxis{k + 1}": down | hidden})
+    return drawn
+
+
 def _ratio(values: Any) -> dict[str, float]:
     """Return the sides of the box: as wide as the picture, and a quarter as high."""
     height, width = values.shape

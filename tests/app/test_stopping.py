@@ -53,6 +53,7 @@ WORKING = {
 FILES = {
     "web/{name:path}",
     "frames",
+    "plotly.js",
     "thumbnails.{kind}",
     "example/{name:path}/{modality}",
     "real",

@@ -504,3 +504,24 @@ def test_a_photo_is_shown_whole(open_page):
         " getComputedStyle(e).objectFit)"
     )
     assert fits == ["contain", "contain"]
+
+
+def test_the_relief_of_a_touch_turns_by_keys_and_is_saved_and_own_touches_give_its_lamps(open_page):
+    page = open_page("?view=pair", ANSWERED)
+    page.locator(".pair .gallery button").first.click()
+    page.wait_for_selector(f"{SLOT.format('tac')} .picture img[src*=example]")
+    assert not page.locator(".pair .relief .js-plotly-plot").count()  # nothing is loaded before
+    page.click(".pair .relief summary")
+    page.wait_for_selector(".pair .relief [data-as=ply]")
+    eye = "() => document.querySelector('.relief .js-plotly-plot')._fullLayout.scene.camera.eye.x"
+    before = page.evaluate(eye)
+    page.focus(".pair .relief .surface")
+    page.keyboard.press("ArrowRight")
+    page.wait_for_function(f"before => ({eye})() !== before", arg=before)
+    for kind, first in (("png", b"\x89PNG"), ("npy", b"\x93NUMPY"), ("ply", b"ply\n")):
+        with page.expect_download() as saved:
+            page.click(f".pair .relief [data-as={kind}]")
+        with open(saved.value.path(), "rb") as file:
+            assert file.read(len(first)) == first
+    send(page, "tac", 1)
+    page.wait_for_selector(".pair .relief .hint:has-text('4 more pictures of your sensor')")

@@ -21,6 +21,7 @@ import { chosenFiles, droppedFiles, takeLinked } from "./own-pictures.js";
 import { button, drawPart, fill, hint, html, IMAGES, opener, put, speakOfSignals, TERMS } from "./parts.js";
 import { cautionOf, readerHtml } from "./reader.js";
 import { realHtml } from "./real.js";
+import { Relief } from "./relief.js";
 import { madeOf as profileOf, sensorHtml } from "./sensor.js";
 import { galleryHtml, slotsHtml } from "./slots.js";
 import { after, isOwn, START } from "./state.js";
@@ -77,6 +78,7 @@ class PairView extends View {
     /** @type {Partial<Record<keyof PairWork, AbortController>>} */
     this.running = {};
     this.whatIf = new WhatIf(this.$(".what-if-p"), (curves) => this.send("arrived", { curves }));
+    this.relief = new Relief(this.$(".relief"), () => this.tab);
     put(this.$(".feeds"), html`${IMAGES.map(feedHtml)}`);
     this.feeds = [...root.querySelectorAll(".feed")].map(
       (box) => new Feed(/** @type {HTMLElement} */ (box), (line) => this.send("arrived", { line })),
@@ -136,6 +138,7 @@ class PairView extends View {
     this.$(".results").setAttribute("aria-busy", String(tab.busy));
     this.$(".desk").classList.toggle("live", tab.on);
     this.whatIf.show(tab);
+    awaited(this.relief.show());
   }
 
   listen() {

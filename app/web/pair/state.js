@@ -35,6 +35,7 @@ export const START = {
   explained: {},
   reals: {},
   sent: {},
+  touches: [],
   curves: "fused",
   ...NOTHING,
   question: null,
@@ -154,6 +155,8 @@ const EVENTS = {
   doing: ({ doing }, more) => ({ doing: { ...doing, ...more } }),
 
   sent: ({ sent }, more) => ({ sent: { ...sent, ...more } }),
+
+  touched: ({ touches }, more) => ({ touches: [...new Set([...touches, ...more])] }),
 
   // the pair
   again: (tab) => asked(tab),

@@ -99,6 +99,7 @@ interface PairTab {
   explained: Partial<Record<Modality, Parts>>;
   reals: Record<string, Ref>; // real pairs that were sent
   sent: Record<Ref, Picture>; // own pictures
+  touches: Ref[]; // those that are touches
   curves: Reading; // whose curves against p are shown
 
   busy: boolean; // a prediction is on its way
@@ -135,6 +136,7 @@ interface PairEvents {
   told: Partial<PairTab["notes"]>;
   doing: PairTab["doing"];
   sent: PairTab["sent"];
+  touched: Ref[];
   again: unknown;
   opened: Pair;
   uploaded: { modality: Modality; ref: Ref };
@@ -226,4 +228,8 @@ interface Curves {
   rows: number[][];
   learned: number;
   band: [number, number] | null;
+}
+/** Once the relief was opened: plotly.js. */
+interface Window {
+  Plotly: any;
 }

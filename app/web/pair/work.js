@@ -131,7 +131,9 @@ export const WORK = {
   async upload({ send }, { modality, file }) {
     send("told", { problem: "" });
     send("doing", { [modality]: READING });
-    send("uploaded", { modality, ref: await upload(file, send) });
+    const ref = await upload(file, send);
+    if (modality === "tac") send("touched", [ref]);
+    send("uploaded", { modality, ref });
   },
   async photograph({ send, box }, { modality }, signal) {
     const stream = await camera();
@@ -165,6 +167,7 @@ export const WORK = {
       const content = await (await get(`real/${pictures[name]}`)).blob();
       pair[name] = await upload(new File([content], `${words}, ${short(from)}`), send, undefined, credit(from));
     }
+    if (pair.tac) send("touched", [pair.tac]);
     send("fetched", { key, pair });
   },
 
@@ -284,6 +287,10 @@ async function read({ tab, send }, { files, kind }, signal) {
       rows.push(await rowOf(pair, send, signal));
     }
     const there = rows.filter((row) => !row.problem);
+    send(
+      "touched",
+      there.flatMap(({ tac }) => tac ?? []),
+    );
     const answers = there.length ? await predicted(there, lessonsOf(tab), signal) : [];
     send(
       "rowsRead",
@@ -318,6 +325,7 @@ async function sample({ tab, send }, { files, kind }, signal) {
       if (typeof ref === "string") refs[name].push(ref);
       else broken.push(ref.problem);
     }
+    send("touched", refs.tac);
     const pictures = { photos: refs.vis, touches: refs.tac, profile: profile?.profile ?? "" };
     if (refs.vis.length + refs.tac.length) profile = await ask("profile", pictures, signal);
   }

@@ -222,6 +222,13 @@ export function askOfImage(what, blob, about) {
   return replied(post(`${what}?${new URLSearchParams(stated.map(([name, value]) => [name, `${value}`]))}`, blob));
 }
 
+/** The relief of the first of several touches of one sensor. @param {Blob[]} touches @param {string} as @param {string} theme
+ * @param {string} name */
+export function reliefOf(touches, as, theme, name) {
+  const about = new URLSearchParams({ as, theme, name, sizes: touches.map(({ size }) => size).join() });
+  return awaited(post(`relief?${about}`, new Blob(touches)).then((response) => response.blob()));
+}
+
 /** A file that the server makes of a question. Throws a Refusal. @param {string} path @param {Question} question */
 export const made = (path, question) => awaited(post(path, whole(path, question)).then((response) => response.blob()));
 

@@ -6,7 +6,7 @@ derives them.
 """
 
 from omnivat.data.relief.lamps import Lamps, NoLampsError, alone, lamps
-from omnivat.data.relief.surface import drawn, heights, slopes, with_known_height
+from omnivat.data.relief.surface import drawn, heights, ply, slopes, with_known_height
 
 __all__ = [
     "Lamps",
@@ -15,6 +15,7 @@ __all__ = [
     "drawn",
     "heights",
     "lamps",
+    "ply",
     "slopes",
     "with_known_height",
 ]

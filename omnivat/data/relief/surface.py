@@ -155,3 +155,26 @@ def integrated(slopes: Array) -> Array:
     spectrum = dctn(divergence, norm="ortho") / curvature
     spectrum[0, 0] = 0
     return np.asarray(idctn(spectrum, norm="ortho"))
+
+
+def ply(heights: Array) -> bytes:
+    """Return the heights (H, W) as a surface in a binary PLY file, for any 3-D program.
+
+    A pixel is 1 long; right is x, up y, and towards the camera z, in the unit of the heights.
+
+    >>> ply(np.zeros((3, 4)))[:3]
+    b'ply'
+    """
+    rows, columns = np.indices(heights.shape)
+    points = np.stack([columns, -rows, heights], -1).reshape(-1, 3).astype("<f4")
+    at = np.arange(heights.size).reshape(heights.shape)
+    a, b, c, d = at[:-1, :-1], at[:-1, 1:], at[1:, :-1], at[1:, 1:]
+    corners = np.stack([a, c, b, b, c, d], -1).reshape(-1, 3)
+    faces = np.empty(len(corners), [("n", "u1"), ("corners", "<i4", 3)])
+    faces["n"], faces["corners"] = 3, corners
+    head = (
+        f"ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\n"
+        "property float x\nproperty float y\nproperty float z\n"
+        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    return head.encode() + points.tobytes() + faces.tobytes()
