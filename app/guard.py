@@ -57,7 +57,8 @@ class Rules:
 
 
 def rules(host: str, names: Iterable[str] = (), *, framed: bool = False) -> Rules:
-    """Return the rules of a server on `host` with the additional host names `names`.
+    """Return the rules of a server on `host` with the additional host names `names`; "*.NAME" is
+    every name that ends in ".NAME".
 
     Beyond loopback, the machine's own name and numeric addresses are allowed: no other site can
     bind them to it.
@@ -173,7 +174,11 @@ def _known(host: str, rules: Rules) -> bool:
     """True for a name, with or without a port, under which the server may be reached."""
     try:
         name = (urlsplit(f"//{host}").hostname or "").lower().rstrip(".")
-        return name in rules.names or (rules.addresses and bool(ip_address(name)))
+        if name in rules.names or any(
+            own.startswith("*.") and name.endswith(own[1:]) for own in rules.names
+        ):
+            return True
+        return rules.addresses and bool(ip_address(name))
     except ValueError:
         return False
 

@@ -39,7 +39,7 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
     add("--port", type=whole(1, 65535), default=environ.get(PORT) or None, help=text)
     listed = ",".join(environ.get(key, "") for key in CALLED)
     names = [name.strip() for name in listed.split(",") if name.strip()]
-    text = "an additional allowed host name; can be given several times"
+    text = "an additional allowed host name, or '*.example.net' for all below it; can be repeated"
     add("--allow-host", action="append", default=names, metavar="NAME", help=text)
     text = "let other pages show this one in a frame, for notebooks and hosted demos"
     add("--allow-framing", action="store_true", default=FRAMED in environ, help=text)

@@ -45,6 +45,7 @@ _PUBLIC = {
     "trained_head": "omnivat.training.from_pairs:trained_head",
     "load_head": "omnivat.head.checkpoint:load_head",
     "save_head": "omnivat.head.checkpoint:save_head",
+    "predict_pair": "omnivat.head.predict:predict_pair",
     "predict_embeddings": "omnivat.head.predict:predict_embeddings",
     # a new sensor: its profile, lessons, and what more of them would bring
     "profile_of": "omnivat.data.profile:profile_of",

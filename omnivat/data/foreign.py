@@ -20,14 +20,8 @@ from omnivat.data.arrays import require_range
 from omnivat.data.columns import Columns, columns_of
 from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header, indices
 from omnivat.data.materials import in_order
-from omnivat.data.naming import (
-    COLUMNS,
-    are_numbers,
-    checked_split,
-    composed,
-    half_of,
-    is_image_name,
-)
+from omnivat.data.naming import COLUMNS, checked_split, composed, half_of, is_image_name
+from omnivat.data.numbers import numbers_of
 from omnivat.data.pairs import TEXTS
 from omnivat.data.readers.files import TABLES, encodable
 from omnivat.data.store import ROW_NAMES
@@ -135,7 +129,7 @@ def import_embeddings(
         header=header,
         domain=indices(header.domains, texts["domain"]),
         label=indices(header.classes, texts["material"]),
-        rows=_rows(found, texts, kept, place) | _measured(table, numbers, kept, count),
+        rows=_rows(found, texts, kept, place) | numbers_of(table, numbers, kept, count),
         **arrays,
     )
 
@@ -165,26 +159,6 @@ def _rows(
     if not any(rows["object"]):
         rows["object"] = [f"{place.stem}/{k}" for k in kept]
     return rows
-
-
-def _measured(
-    table: Columns, names: Sequence[str], kept: Sequence[int], count: int
-) -> dict[str, list[str]]:
-    """Return columns of numbers as texts. Raises DataError for one that is not there, or none."""
-    found = {}
-    for name in names:
-        if (array := table.get(name)) is None or name in ROW_NAMES:
-            raise DataError(
-                f"'{table.place}' has no column of numbers '{name}'; it has"
-                f" {', '.join(table.names)}."
-            )
-        texts = [
-            "" if text == "nan" else text for text in texts_in(array, name, count, table.place)
-        ]
-        if not are_numbers(texts):
-            raise DataError(f"'{table.place}' holds other things than numbers in '{name}'.")
-        found[name] = [texts[k] for k in kept]
-    return found
 
 
 def _named_by_words(table: Columns, columns: Mapping[str, str]) -> dict[str, str]:

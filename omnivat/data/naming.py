@@ -9,7 +9,6 @@ import unicodedata
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from itertools import pairwise
-from math import isfinite
 from pathlib import Path
 
 from omnivat.kit.errors import DataError, printable
@@ -236,12 +235,3 @@ def _by_same_name(folder: Path, changed: int) -> dict[str, list[str]]:
     for name in os.listdir(folder):
         found.setdefault(_same(name), []).append(name)
     return found
-
-
-def are_numbers(texts: Iterable[str]) -> bool:
-    """True if texts are finite numbers or blank, and one is a number."""
-    there = [text for text in texts if text.strip()]
-    try:
-        return bool(there) and all(isfinite(float(text)) for text in there)
-    except ValueError:
-        return False

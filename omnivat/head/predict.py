@@ -1,14 +1,55 @@
 """Predict the material of pairs, independent of the batch."""
 
+from pathlib import Path
 from typing import Any
 
 import torch
 from torch import Tensor
 
+from omnivat.data.dots import dots_of
 from omnivat.data.profile import Profile
+from omnivat.data.relief.files import touch_of
+from omnivat.encoders import load_encoder
+from omnivat.encoders.cache import embed_pair
 from omnivat.head.checkpoint import Head
 from omnivat.kit.shapes import floating
 from omnivat.kit.stages import IMAGES, optional_order
+
+
+def predict_pair(
+    head: Head,
+    vis: str | Path | None,
+    tac: str | Path | None,
+    *,
+    order: float | None = None,
+    profile: Profile | None = None,
+) -> dict[str, Any]:
+    """Return the record of `predict_embeddings` for a photo and a tactile image, two files.
+
+    vis, tac  one of them may be None
+
+    The head's own encoder reads them; it is loaded in every call, so for many pairs embed them
+    first. Raises DataError for a file that is no picture, and for an encoder that is not here.
+
+    >>> from omnivat import EXAMPLES, load_head
+    >>> touched = EXAMPLES / "pairs" / "TQ-DIGIT-sim" / "glass"
+    >>> files = touched / "glass-27_vis.jpg", touched / "glass-27_tac.jpg"
+    >>> predict_pair(load_head(EXAMPLES / "own"), *files)["prediction"]
+    'glass'
+    """
+    made, lamps = head.encoder, profile.lamps if profile else None
+    encoder = load_encoder(
+        made["name"],
+        weights_hash=made["weights_hash"],
+        dots=dots_of(made["preprocessing"]),
+        touch=touch_of(made["preprocessing"]),
+        lamps={"": lamps} if lamps else {},
+    )
+    key = (encoder.name, encoder.weights_hash, encoder.preprocessing)
+    head.require(key, encoder.width, what="Embeddings of these images")
+    embedded = embed_pair(encoder, *(Path(file) if file else None for file in (vis, tac)))
+    rows = [None if one is None else torch.from_numpy(one[None].copy()) for one in embedded]
+    return predict_embeddings(head, *rows, order=order, profile=profile)[0]
 
 
 @torch.no_grad()

@@ -39,6 +39,16 @@ HOSTS = [
     *((None, host, 403) for host in ("evil.example", "127.0.0.1.evil.example:7860", "192.168.0.3")),
     *((None, host, 403) for host in ("", "localhost@evil.example", "[", "a:b:c")),
     (DEMO, "demo.example", 200),
+    *(
+        (rules("127.0.0.1", ["*.example.net"]), host, status)
+        for host, status in {
+            "a.example.net": 200,
+            "b.a.EXAMPLE.net:443": 200,
+            "example.net": 403,
+            "evilexample.net": 403,
+            "a.example.net.evil.example": 403,
+        }.items()
+    ),
     (rules("0.0.0.0"), "192.168.0.3:7860", 200),  # numeric addresses, beyond loopback
     (rules("0.0.0.0"), "evil.example", 403),
 ]  # fmt: skip

@@ -11,7 +11,6 @@ from typing import Any
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
 from omnivat.data.naming import (
     COLUMNS,
-    are_numbers,
     checked_split,
     found_file,
     half_of,
@@ -19,6 +18,7 @@ from omnivat.data.naming import (
     modality_of,
     set_name,
 )
+from omnivat.data.numbers import are_numbers
 from omnivat.data.pairs import TEXTS, Pair, PairSet, Skipped
 from omnivat.data.readers.files import TABLES, is_file, read_rows, show
 from omnivat.kit.errors import DataError

@@ -14,7 +14,7 @@ import torch
 from numpy.typing import NDArray
 
 from omnivat.data.embeddings import Embeddings
-from omnivat.data.naming import are_numbers
+from omnivat.data.numbers import are_numbers
 from omnivat.data.profile import Profile, profile_of
 from omnivat.head.linear_maps import standard_rows
 from omnivat.head.teach import Lesson
