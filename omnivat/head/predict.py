@@ -47,7 +47,8 @@ def predict_pair(
     )
     key = (encoder.name, encoder.weights_hash, encoder.preprocessing)
     head.require(key, encoder.width, what="Embeddings of these images")
-    embedded = embed_pair(encoder, *(Path(file) if file else None for file in (vis, tac)))
+    photo, touch = (None if file is None else Path(file) for file in (vis, tac))
+    embedded = embed_pair(encoder, photo, touch)
     rows = [None if one is None else torch.from_numpy(one[None].copy()) for one in embedded]
     return predict_embeddings(head, *rows, order=order, profile=profile)[0]
 
