@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable, Sequence
 from math import isfinite
+from typing import Any
 
-from omnivat.data.columns import Columns
 from omnivat.kit.errors import DataError
 
 
@@ -17,9 +17,12 @@ def are_numbers(texts: Iterable[str]) -> bool:
 
 
 def numbers_of(
-    table: Columns, names: Sequence[str], kept: Sequence[int], count: int
+    table: Any, names: Sequence[str], kept: Sequence[int], count: int
 ) -> dict[str, list[str]]:
-    """Return columns of numbers as texts. Raises DataError for one that is not there, or none."""
+    """Return columns of numbers of a file's `Columns` as texts.
+
+    Raises DataError for one that is not there, or holds something else.
+    """
     found = {}
     for name in names:
         if (array := table.get(name)) is None or array.shape != (count,):
