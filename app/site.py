@@ -146,11 +146,11 @@ def fill(folder: Path, desks: Mapping[str, Resources], models: str, on_step: OnS
         for request, reply in replies(resources, desks):
             on_step(Step(done=done, total=len(desks), text=f"{name}: {request}"))
             try:
-                content = json.dumps(reply(), allow_nan=False, separators=(",", ":"))
+                text = json.dumps(reply(), allow_nan=False, separators=(",", ":"))
             except DataError as error:
                 files.refused[f"{name}/{request}"] = without_places(str(error))
             else:
-                files.add(f"{name}/{request}", content.encode(), ".json")
+                files.add(f"{name}/{request}", text.encode(), ".json")
         for request, file in whole_files(resources, on_step).items():
             if not request.startswith("/frames"):
                 files.add(f"{name}{request}", file.read_bytes(), file.suffix)

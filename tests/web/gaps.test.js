@@ -37,7 +37,7 @@ test("the answer has the range over all stops of the shipped frames, and the ste
       says(words, new RegExp(`<b>${end(...curves[`${id}/f_hat`]).toFixed(2)}</b>`));
   says(
     words,
-    new RegExp(`from ${curves["modality_gap/raw"][0].toFixed(2)} in the embedding`),
+    new RegExp(`\\(${curves["modality_gap/raw"][0].toFixed(2)} in the embedding\\)`),
     /projection and the attention/,
   );
 });
@@ -47,7 +47,7 @@ test("a gap is closed by p where it falls more from the worst to the best p than
     [
       gapsOf(0.5, 0.3, [0.1, 0.13, 0.11]),
       "No: the steps of the head close them.",
-      /between 0.10 and 0.13.*projection, at every p/,
+      /between 0.10 and 0.13.*at the projection\./,
     ],
     [gapsOf(0.5, 0.5, [0.4, 0.1, 0.45]), "Yes, for this head.", /0.10 at p = 0.50 and 0.45 at p = 1.00/],
     [gapsOf(0.1, 0.1, [0.2, 0.3, 0.4]), "No, and neither do the steps.", /0.20 at p = 0.00/],
