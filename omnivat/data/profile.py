@@ -272,7 +272,7 @@ def _moved_array(
         for index, profile in owners.items():
             target = profile.channels.get(modality)
             rows = domain[some] == index
-            if target is not None and rows.any():
+            if target is not None and modality in source.channels and rows.any():
                 block[rows] = moved(block[rows], target, source.channels[modality], source.step)
         changed[some] = block
         start += len(block)

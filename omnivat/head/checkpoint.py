@@ -29,7 +29,6 @@ from omnivat.kit.devices import current
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.files import hash_of, replacing, replacing_folder, require_writable, write_json
 from omnivat.kit.schema import read_object, texts
-from omnivat.kit.stages import IMAGES
 
 FORMAT = "omnivat-head-1"
 WEIGHTS, SETTINGS, METRICS = "weights.safetensors", "settings.json", "metrics.json"
@@ -110,12 +109,12 @@ class Head:
     def moved(self, name: str, rows: Tensor, profile: Profile) -> Tensor:
         """Return rows (B, input_width) of a modality, moved from a profiled sensor to the source's.
 
-        A modality that the profile lacks stays as it is. Raises DataError as `profiled` does.
+        A modality that either profile lacks stays as it is. Raises DataError as `profiled` does.
         """
         source = self.source_profile
         require_key(profile, source.key, source.width)
         target = profile.channels.get(name)
-        if target is None:
+        if target is None or name not in source.channels:
             return rows
         near = moved(rows.detach().cpu().numpy(), target, source.channels[name], source.step)
         return torch.from_numpy(near).to(rows)
@@ -229,7 +228,7 @@ def load_head(folder: str | Path, *, dtype: torch.dtype | None = None) -> Head:
     model.temperatures = _temperatures(file, record.get("calibration"))
     model = model.to(device=current(), dtype=dtype)
     profile = load_profile(path / PROFILE) if (path / PROFILE).is_file() else None
-    if profile and (profile.width != settings.input_width or set(profile.channels) != set(IMAGES)):
+    if profile and (profile.width != settings.input_width or not profile.channels):
         raise DataError(f"'{path / PROFILE}' does not fit this head; copy the head folder again.")
     return Head(
         model=model.eval().requires_grad_(False),

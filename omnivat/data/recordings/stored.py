@@ -7,8 +7,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from omnivat.data.class_labels import class_names, labelled_rows
 from omnivat.data.columns import READERS, Columns, columns_of
-from omnivat.data.foreign import class_names, labelled_rows, texts_in
+from omnivat.data.foreign import texts_in
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.naming import COLUMNS, cameras_among, checked_split, set_name, split_of
 from omnivat.data.readers.files import TABLES, show
