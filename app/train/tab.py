@@ -15,7 +15,7 @@ from app.requests import done
 from app.resources import Resources
 from app.state import ForgottenError
 from app.train import words
-from app.train.plan import NUMBERS, ORDERS, WIDTHS, offered
+from app.train.plan import NUMBERS, ORDERS, WIDTHS, offered, titled
 from app.train.runs import KEPT_RUNS, Run, Trainings
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError, OmniVatError
@@ -113,7 +113,9 @@ class TrainTab:
         found = {
             self.wide: pixels,
             self.task: words.task(resources.embeddings().header.domains),
-            self.settings["source"]: self.update(choices=domains, value=first),
+            self.settings["source"]: self.update(
+                choices=[(titled(name), name) for name in domains], value=first
+            ),
             self.settings["lang"]: guided,
             self.timer: self.update(active=True),
         }
@@ -191,7 +193,7 @@ def _map(run: Run, by: Any) -> Any:
     group, names, colours = {
         "class": (label, embeddings.classes, CLASSES),
         "modality": ([0] * len(domain) + [1] * len(domain), ("photo", "touch"), MODALITIES),
-    }.get(by, (domain, embeddings.domains, DOMAINS))
+    }.get(by, (domain, [titled(name) for name in embeddings.domains], DOMAINS))
     drawn = map_figure(places, group, names, title="", colours=colours)
     return _sent(drawn.update_layout(margin={"l": 0, "r": 0, "t": 8, "b": 8}, height=520))
 

@@ -8,6 +8,7 @@ from urllib.parse import quote
 
 import pytest
 
+from omnivat.data.domains import DOMAINS
 from omnivat.data.store import load_embeddings
 from omnivat.head.heads import EXAMPLES, default_embeddings
 from omnivat.maps.frames import read_frames, write_frames
@@ -91,7 +92,7 @@ def test_a_mode_has_its_words_its_accuracy_and_the_gap_of_its_frames(page, rows)
     assert page.inner_text(".explore .score b.large").split() == [f"{100 * right:.0f}", "%"]
     words = page.text_content(".explore .mode-words")
     assert "<" not in words  # it is plain text
-    assert words == mode["lead"] + mode["words"].replace("{source}", frames.head["source"])
+    assert words == mode["lead"] + mode["words"].replace("{source}", DOMAINS["TAG"].title)
     assert page.text_content(".explore .mode-words b") == mode["lead"]
     page.select_option(".explore .of-steps", label="Distance of medians")
     stair = page.locator(".explore .stair[data-name=medians] output.open")

@@ -2,6 +2,7 @@
 
 import pytest
 
+from omnivat.data.domains import DOMAINS
 from omnivat.head.heads import EXAMPLES
 from omnivat.maps.frames import read_frames
 
@@ -122,8 +123,10 @@ def test_a_filter_changes_title_and_curves_alike_and_the_title_names_the_method(
     page = open_page(f"{MOVED}&p=0.3&domain={'~'.join(others)}", MAP)
     value = frames.curves[f"modality_gap/f_hat/{lone}"][frames.orders.index(0.3)]
     assert words(page, ".curves [data-name=modality_gap] output") == f"{value:.3f}"
-    assert f"modality gap in {lone} {value:.2f}" in words(page, "[data-panel=step] .map-title")
-    assert lone in words(page, ".curves [data-name=modality_gap] .of")
+    assert f"modality gap in {DOMAINS['OF Real'].title} {value:.2f}" in words(
+        page, "[data-panel=step] .map-title"
+    )
+    assert DOMAINS["OF Real"].title in words(page, ".curves [data-name=modality_gap] .of")
     assert words(page, "[data-panel=step] .map-title small") == "UMAP"
     assert "Ignore distances and scale." in words(page, ".approximate")
 

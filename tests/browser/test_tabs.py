@@ -119,9 +119,9 @@ def test_a_word_of_the_field_has_its_sentence_where_it_stands_and_not_over_the_t
 def test_the_accuracy_of_analyse_names_its_head_its_source_its_pairs_and_what_was_known(open_page):
     page = open_page("?chapter=analyse&mode=moved", ".explore .score .provenance")
     assert re.fullmatch(
-        r"Measured with the loaded head at its learned p = 0\.503, trained on TAG-sim and tested "
-        r"on \d+ pairs \(mean of 7 unseen domains\)\. The model was given nothing from these "
-        r"domains\.",
+        r"Measured with the loaded head at its learned p = 0\.503, trained on GelSight \(TAG\) and "
+        r"tested on \d+ pairs \(mean of 7 unseen domains\)\. The model was given nothing from "
+        r"these domains\.",
         page.inner_text(".explore .score .provenance").replace("\N{NO-BREAK SPACE}", " "),
     )
 

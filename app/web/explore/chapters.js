@@ -4,7 +4,7 @@ import { remedyHtml } from "../shared/headless.js";
 import { ACCURACY, values } from "../shared/measures.js";
 import { ofFrames, strangers, unseenPairs } from "../shared/provenance.js";
 import { INPUT, OUTPUT } from "../shared/stages.js";
-import { modeOf, TABLES } from "../shared/tables.js";
+import { modeOf, sensorOf, TABLES } from "../shared/tables.js";
 import { html, percent } from "./root.js";
 import { whole } from "./scene.js";
 
@@ -49,7 +49,7 @@ function blind(frames) {
   const { source, domains, labelled } = frames;
   if (labelled === false) return "the pairs have no classes.";
   if (!source) return "the file of the head does not name its training domain.";
-  if (!domains.includes(source)) return `the head was trained on ${source}, which is not in this set.`;
+  if (!domains.includes(source)) return `the head was trained on ${sensorOf(source)}, which is not in this set.`;
   return strangers(frames) ? "it was not measured." : "the set has no domain besides the training domain.";
 }
 

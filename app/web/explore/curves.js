@@ -5,7 +5,7 @@ import { asText, axis, gapsOf, spread, values } from "../shared/measures.js";
 import { span } from "../shared/order.js";
 import { isLecture } from "../shared/palette.js";
 import { INPUT } from "../shared/stages.js";
-import { can, has, TABLES } from "../shared/tables.js";
+import { can, has, sensorOf, TABLES } from "../shared/tables.js";
 import { $, change, draw, html, scene, state } from "./root.js";
 import { loneDomain, whole } from "./scene.js";
 
@@ -71,7 +71,7 @@ function curve(measure, box) {
   const ghost = accurate
     ? frames.orders.map(() => 1 / frames.classes.length)
     : stage !== INPUT && values(frames, name, INPUT, only);
-  const of = only || (together && domain ? "all domains" : accurate ? "unseen domains" : "");
+  const of = (only && sensorOf(only)) || (together && domain ? "all domains" : accurate ? "unseen domains" : "");
   const value = own?.[stop] ?? NaN;
   const [a, b] = scale.xs;
   const ends = [a, (a + b) / 2, b].map((p, i) => [p, i === 1 ? "p" : +p.toFixed(2)]);

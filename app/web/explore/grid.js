@@ -3,6 +3,7 @@
 import { imitation, thumbnail, verdict } from "../shared/card.js";
 import { orderText } from "../shared/frames.js";
 import { ofFrames } from "../shared/provenance.js";
+import { sensorOf } from "../shared/tables.js";
 import { $, html, percent, put, scene, state } from "./root.js";
 import { filtering, near, painted, strangePairs } from "./scene.js";
 import { tagOf, tagPairs } from "./tags.js";
@@ -38,7 +39,7 @@ function heading({ points, why, pairs }) {
     Object.entries(Object.groupBy(verdicts, (v) => v[key]))
       .map(([name, of]) => ({ name, count: of?.length ?? 0 }))
       .sort((a, b) => b.count - a.count)
-      .map(({ name, count }) => `${name} ${count}`)
+      .map(({ name, count }) => `${key === "domain" ? sensorOf(name) : name} ${count}`)
       .join(" · ");
   const judged = !frames.headless && frames.labelled;
   const share = percent(verdicts.filter(({ right }) => right).length / pairs.length);
@@ -56,7 +57,7 @@ function tile(pair) {
   const { truth, domain, said, right } = verdict(painted(scene, state), pair, stop);
   const note = imitation(facts.pairs, pair);
   const tag = tagOf(frames, pair);
-  const name = `Pair ${pair}, ${truth}${note && `, ${note}`}, ${domain}, ${said && `predicted ${said}`}${tag && `, tag ${tag}`}`;
+  const name = `Pair ${pair}, ${truth}${note && `, ${note}`}, ${sensorOf(domain)}, ${said && `predicted ${said}`}${tag && `, tag ${tag}`}`;
   const words = said
     ? html`${!right && `${truth} `}<span class="${right ? "right" : "wrong"}">${marked(right, said)}</span>`
     : truth;
@@ -94,6 +95,6 @@ export const neighboursHtml = (points, { frames, sprite }) =>
   html`${points.map(({ point, cosine }) => {
     const half = point < frames.pairs ? "VIS" : "TAC";
     const pair = point % frames.pairs;
-    const name = `${half} of pair ${pair}, ${frames.classes[frames.label[pair]]}, ${frames.domains[frames.domain[pair]]}, cosine ${cosine.toFixed(3)}`;
+    const name = `${half} of pair ${pair}, ${frames.classes[frames.label[pair]]}, ${sensorOf(frames.domains[frames.domain[pair]])}, cosine ${cosine.toFixed(3)}`;
     return html`<button data-point="${point}" title="${name}" aria-label="${name}">${thumbnail(sprite, point, 48, half)}<small>${half} ${cosine.toFixed(2)}</small></button>`;
   })}`;

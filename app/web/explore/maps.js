@@ -9,7 +9,7 @@ import { asText, GAPS, values } from "../shared/measures.js";
 import { colouring, colouringsOf, isDark } from "../shared/palette.js";
 import { listen } from "../shared/pointer.js";
 import { INPUT, isStill, stageNamed } from "../shared/stages.js";
-import { can, modeOf } from "../shared/tables.js";
+import { can, modeOf, sensorOf } from "../shared/tables.js";
 import { gapLines, pairOnMap, withPair } from "./gap-marks.js";
 import { pictures } from "./pictures.js";
 import { $, choice, html, options, percent, put, scene, state } from "./root.js";
@@ -131,7 +131,7 @@ export const figure = (words, measure, values, stop) =>
 export function gaps(frames, stage, stop, domain = "") {
   const rows = GAPS.filter((row) => !domain || can(row, "domain"));
   return rows.map(({ id, title }, i) => {
-    const words = `${title.toLowerCase()}${domain && ` in ${domain}`}`;
+    const words = `${title.toLowerCase()}${domain && ` in ${sensorOf(domain)}`}`;
     return [i > 0 && " ", figure(words, id, values(frames, id, stage, domain), stop)];
   });
 }

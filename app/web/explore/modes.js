@@ -5,7 +5,7 @@ import { framesOf } from "../shared/facts.js";
 import { orderText } from "../shared/frames.js";
 import { ACCURACY, values } from "../shared/measures.js";
 import { OUTPUT } from "../shared/stages.js";
-import { has, modeOf, OWN_MODE, worded } from "../shared/tables.js";
+import { has, modeOf, OWN_MODE, sensorOf, worded } from "../shared/tables.js";
 import { $, choice, html, percent, scene, send, state } from "./root.js";
 
 /** @type {(head: NonNullable<FramesMeta["head"]>) => string} */
@@ -20,7 +20,7 @@ export function modeWords(frames) {
   const more = trainings(meta.head ?? {});
   const { lead, words = "" } = modeOf(frames);
   const sentence = worded(words, {
-    source,
+    source: sensorOf(source),
     trainings: more && ` (${more})`,
     band: (meta.head?.seeds?.length ?? 0) > 1 ? "; the pale band spans all trainings" : "",
     learned: Number.isFinite(learned) ? orderText(+learned.toFixed(3)) : "its own p",

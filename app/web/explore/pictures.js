@@ -2,6 +2,7 @@
 
 import { thumbnailPair, verdict } from "../shared/card.js";
 import { colouring } from "../shared/palette.js";
+import { sensorOf } from "../shared/tables.js";
 import { $, html, put, scene, send, state } from "./root.js";
 import { painted } from "./scene.js";
 
@@ -90,6 +91,6 @@ export function peek(pair, pointed) {
   box.hidden = pair < 0 || !pointed || !sprite;
   if (box.hidden) return;
   const { truth, domain } = verdict(painted(scene, state), pair, stop);
-  put(box, html`${thumbnailPair(frames, sprite, pair, PEEK)}<p><b>${truth}</b> · ${domain}</p>`);
+  put(box, html`${thumbnailPair(frames, sprite, pair, PEEK)}<p><b>${truth}</b> · ${sensorOf(domain)}</p>`);
   follow();
 }

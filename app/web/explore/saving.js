@@ -6,7 +6,7 @@ import { axisNames } from "../shared/marks.js";
 import { colouring } from "../shared/palette.js";
 import { save } from "../shared/save.js";
 import { stageNamed } from "../shared/stages.js";
-import { modeOf } from "../shared/tables.js";
+import { modeOf, sensorOf } from "../shared/tables.js";
 import { csv, png, svg } from "./exports.js";
 import { showGrid } from "./grid.js";
 import { kindOf, METHODS, map, shown } from "./maps.js";
@@ -68,7 +68,7 @@ function caption() {
     stageNamed(state.stage).title,
     !frames.headless && `p = ${orderText(frames.orders[stop])}`,
     modeOf(frames).caption,
-    frames.source && `trained on ${frames.source}`,
+    frames.source && `trained on ${sensorOf(frames.source)}`,
     METHODS[state.map],
     ...filtering(scene, state),
     simulated ? "simulated data" : origin,

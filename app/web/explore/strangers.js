@@ -2,6 +2,7 @@
 
 import { thumbnail } from "../shared/card.js";
 import { unseenPairs } from "../shared/provenance.js";
+import { sensorOf } from "../shared/tables.js";
 import { balance, barRow, scaleOf } from "./bars.js";
 import { ofOwn } from "./chapters.js";
 import { marked } from "./grid.js";
@@ -102,7 +103,7 @@ function bars(facts) {
         title: words,
         more: html`${is_source && html` <b class="tag source">training</b>`}<span class="sr">, ${pairs} test pairs</span>`,
       };
-      return row(name, domain[key], about, uneven ? always : chance);
+      return row(sensorOf(name), domain[key], about, uneven ? always : chance);
     });
   const title =
     "Share of photos whose nearest touch in the same domain (by F̂) has the same class. The head reads each image alone.";
@@ -126,7 +127,7 @@ export function showConfusion() {
   const most = Math.max(1, ...counts.flat());
   const names = [
     [UNSEEN, "all unseen domains"],
-    ...domains.map(({ name, is_source }) => [name, is_source ? `${name} (training domain)` : name]),
+    ...domains.map(({ name, is_source }) => [name, `${sensorOf(name)}${is_source ? " (training domain)" : ""}`]),
   ];
   const button = (/** @type {number} */ count, /** @type {number} */ truth, /** @type {number} */ answer) => {
     const on = cell?.truth === truth && cell.answer === answer;

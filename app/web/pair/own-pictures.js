@@ -3,6 +3,7 @@
 import { attempt, Refusal, sendImage } from "../shared/api.js";
 import { drawingOn } from "../shared/canvas.js";
 import { change, links, state } from "../shared/store.js";
+import { sensorOf } from "../shared/tables.js";
 import { IMAGES, NO_CLASS, TERMS } from "./parts.js";
 
 const LARGEST = 20e6; // bytes
@@ -116,14 +117,14 @@ export function describe({ examples, sent, set: { frames } }, ref) {
   const dotted = (/** @type {unknown[]} */ ...words) => words.filter(Boolean).join(" · ");
   if (kind === "example") {
     const example = examples.find((one) => one.name === name);
-    return { text: example ? dotted(example.class, example.domain) : name, truth: example?.class };
+    return { text: example ? dotted(example.class, sensorOf(example.domain)) : name, truth: example?.class };
   }
   if (kind === "row") {
     const there = frames && +name < frames.pairs;
     if (frames && !there) return { text: `This set has no pair ${name}.` };
     const label = there ? frames.classes[frames.label[+name]] : NO_CLASS;
     const truth = label === NO_CLASS ? "" : label;
-    return { text: dotted(`pair ${name}`, truth, there && frames.domains[frames.domain[+name]]), truth };
+    return { text: dotted(`pair ${name}`, truth, there && sensorOf(frames.domains[frames.domain[+name]])), truth };
   }
   const image = sent[ref];
   return {

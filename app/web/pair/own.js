@@ -2,11 +2,12 @@
 
 import { Scale } from "../shared/chart.js";
 import { provenance } from "../shared/provenance.js";
+import { sensorOf } from "../shared/tables.js";
 import { button, headed, hint, html, opener, percent, pressed, readFrom, row, signed, status, table } from "./parts.js";
 import { isHeld, isOwn, keyOf, labelOf, missing, tallies } from "./state.js";
 
 /** What the head that reads own pictures was trained on. @param {PairTab} tab */
-const sourceOf = ({ head, source }) => (head ? "all simulated sensors" : source);
+const sourceOf = ({ head, source }) => (head ? "all simulated sensors" : sensorOf(source));
 /** Where a count of own pairs comes from. @param {PairTab} tab @param {string} pairs */
 export const asTrained = (tab, pairs) =>
   provenance({

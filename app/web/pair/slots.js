@@ -3,6 +3,7 @@
 import { address } from "../shared/api.js";
 import { thumbnail } from "../shared/card.js";
 import { shelf } from "../shared/pick.js";
+import { sensorOf } from "../shared/tables.js";
 import { describe, partsOf } from "./own-pictures.js";
 import { button, chooser, hint, html, IMAGES, OTHER, opener, pressed, signed, TERMS } from "./parts.js";
 import { changed, told } from "./where.js";
@@ -65,7 +66,7 @@ export function galleryHtml({ examples, set, take, vis, tac }) {
     ? "This set has no examples. Upload images, or pin a pair in Explore."
     : "The examples appear with the map, which is being drawn. Your own images can be used meanwhile.";
   return html`${offers.map(({ ref, truth, domain, path = "", pair: row }) => {
-    const name = `${truth}, ${domain}`;
+    const name = `${truth}, ${sensorOf(domain)}`;
     const pictures = IMAGES.map((modality) =>
       row === undefined ? pictured(exampleOf(path, modality)) : tileOf(set, row, modality, 48, TERMS[modality].one),
     );

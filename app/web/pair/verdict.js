@@ -1,6 +1,7 @@
 /** The prediction of one pair in words: both, photo only, touch only. Data in, markup out. */
 
 import { classColour } from "../shared/palette.js";
+import { sensorOf } from "../shared/tables.js";
 import { describe } from "./own-pictures.js";
 import {
   button,
@@ -255,7 +256,7 @@ function neighbour({ pair, cosine }, modality, set) {
   const { one } = TERMS[modality];
   const label = frames?.classes[frames.label[pair]] ?? NO_CLASS;
   const name = label === NO_CLASS ? "" : label;
-  const where = frames && ` of ${frames.domains[frames.domain[pair]]}`;
+  const where = frames && ` of ${sensorOf(frames.domains[frames.domain[pair]])}`;
   const picture = tileOf(set, pair, modality, SIDE, name ? `${one} of ${name}` : one);
   return button(
     "pin",

@@ -1,7 +1,7 @@
 /** The card of one pair: thumbnails, class and prediction. */
 
 import { saidOf } from "./palette.js";
-import { has } from "./tables.js";
+import { has, sensorOf } from "./tables.js";
 import { html } from "./text.js";
 
 /** A thumbnail from the sheet: VIS of pair i is tile i, TAC is tile N + i.
@@ -41,7 +41,7 @@ export function verdict(frames, pair, stop) {
 export function spoken(frames, pair, stop, pinned) {
   const { domain, truth, said, right } = verdict(frames, pair, stop);
   const predicted = said && `predicted as ${said}${frames.labelled ? (right ? ", correct" : ", wrong") : ""}`;
-  return [`Pair ${pair}${pinned ? ", pinned" : ""}`, frames.labelled && truth, domain, predicted]
+  return [`Pair ${pair}${pinned ? ", pinned" : ""}`, frames.labelled && truth, sensorOf(domain), predicted]
     .filter(Boolean)
     .join(", ");
 }
@@ -75,7 +75,7 @@ export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = nu
     <div class="row">${!headless && html`<button class="open">Open in Try a pair ›</button>`}<button class="unpin">Unpin</button></div>`;
   return html`<h3>Pair ${pair}${pinned && html` <span class="tag">pinned</span>`}</h3>
     ${pictures(pair)}
-    <dl><dt>Domain</dt><dd>${domain}${domain === frames.source && html` <small class="source">source</small>`}</dd><dt>Class</dt><dd>${labelled ? truth : "–"}${note && html` <small>${note}</small>`}</dd>
+    <dl><dt>Domain</dt><dd>${sensorOf(domain)}${domain === frames.source && html` <small class="source">source</small>`}</dd><dt>Class</dt><dd>${labelled ? truth : "–"}${note && html` <small>${note}</small>`}</dd>
     ${said && predicted}</dl>
     ${pinned && more}`;
 }

@@ -2,6 +2,7 @@
 
 import { colouring } from "./palette.js";
 import { hidden, state, toggle } from "./store.js";
+import { sensorOf } from "./tables.js";
 import { html, put } from "./text.js";
 
 /** @type {[Filter, string, (f: Frames) => string[]][]} */
@@ -33,7 +34,7 @@ export function showFilters(box, frames, onPoint) {
   };
   /** @param {Filter} kind @param {string} name */
   const choice = (kind, name) =>
-    html`<label data-kind="${kind}" data-name="${name}"><input type="checkbox"${!hidden(kind).has(name) && html` checked`}>${sign(kind, name)}<span>${name}${name === frames.source && html` <b class="source" title="the domain that the head was trained on">source</b>`}</span></label>`;
+    html`<label data-kind="${kind}" data-name="${name}"><input type="checkbox"${!hidden(kind).has(name) && html` checked`}>${sign(kind, name)}<span>${kind === "domain" ? sensorOf(name) : name}${name === frames.source && html` <b class="source" title="the domain that the head was trained on">source</b>`}</span></label>`;
   const own = KINDS.some(([kind]) => kind === id);
   put(
     box,

@@ -1,7 +1,7 @@
 /** Where an accuracy comes from, in two sentences: head, training data, test data, what the head was given of the new domain. */
 
 import { orderText } from "./frames.js";
-import { modeOf, worded } from "./tables.js";
+import { modeOf, sensorOf, worded } from "./tables.js";
 import { html } from "./text.js";
 
 /** `known` is null where a text beside it tells. @param {{head: string, source: string, pairs: string, known?: string | null}} from */
@@ -41,4 +41,4 @@ export function unseenPairs(frames, unseen) {
 export const ofFrames = (frames, stop, pairs, known) =>
   frames.headless || !frames.source
     ? html``
-    : provenance({ head: predictor(frames, stop), source: frames.source, pairs, known });
+    : provenance({ head: predictor(frames, stop), source: sensorOf(frames.source), pairs, known });
