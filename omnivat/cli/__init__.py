@@ -45,6 +45,30 @@ SUMMARIES = {  # in the order of the help; a command's file has its name, or tha
     "export": "Write the page's pictures, Explore as one HTML file, or the page as a folder.",
     "prompts": "Make the LANG bank: text embeddings of the classes in eighty styles.",
 }
+EXAMPLES = {  # what a command takes, on the files that come with the program
+    "try": "examples/pairs --out tried",
+    "fetch": "",
+    "predict": "--pairs examples/pairs/TQ-DIGIT-sim",
+    "embed": "examples/pairs --encoder strip --out mine.safetensors",
+    "dots": "examples/pairs/TQ-DIGIT-sim --out filled",
+    "sensor": "examples/pairs/TQ-DIGIT-sim --against examples/pairs/TAG-sim",
+    "import": "features.npz --out imported.safetensors",
+    "train": "--source TAG-sim --out head --set epochs=20",
+    "evaluate": "--unlabelled 20",
+    "profile": "examples/pairs/TQ-DIGIT-sim --out digit.safetensors",
+    "teach": "--embeddings examples/simulated.safetensors --domain TQ-DIGIT-sim --out taught",
+    "protocol": "--sources TAG-sim --methods linear_maps,nearest_mean --out protocol",
+    "ablate": "--only components --sources TAG-sim --out ablation",
+    "report": "examples/simulated.safetensors --out report",
+    "compare": "lite0=examples/simulated.safetensors mine=mine.safetensors",
+    "reproduce": "--data DATA --out reproduced",
+    "sweep": "--stops 5 --csv sweep.csv",
+    "gaps": "--stage raw",
+    "project": "--stage f_hat --out map.csv",
+    "thumbnails": "examples/pairs --embeddings mine.safetensors --out sheet",
+    "export": "--out map.png --order 0.5",
+    "prompts": "--encoder minilm --out bank.safetensors",
+}
 FILES = {"try": "try_pairs", "import": "imports"}  # two keywords of Python
 COMMANDS: dict[str, Any] = {
     name: import_module(f"omnivat.cli.{FILES.get(name, name)}") for name in SUMMARIES
@@ -61,7 +85,12 @@ def parser(
     added = top.add_subparsers(dest="command", metavar="COMMAND")
     for name, module in commands.items():
         summary = SUMMARIES.get(name) or module.__doc__  # Python may strip a module's
-        module.add(added.add_parser(name, help=summary, description=summary))
+        line = (
+            f"Example: python -m {program} {name} {EXAMPLES[name]}"
+            if commands is COMMANDS
+            else None
+        )
+        module.add(added.add_parser(name, help=summary, description=summary, epilog=line))
     return top
 
 

@@ -167,8 +167,10 @@ def rows_of(
     }
     columns = [f"{WORDS[m]} of '{found[m][0]}'" for m in IMAGES if found[m] and found[m] != [m]]
     used = {*TEXTS, *OWN, *(name for names in found.values() for name in names[:1])}
-    if others := [name for name in filled if name not in used]:
-        columns.append(f"not used: {', '.join(others)}")
+    numbers = set(_numbers(list(rows.values())))
+    for what, some in (("numbers", filled.keys() & numbers), ("not used", filled.keys() - numbers)):
+        if others := [name for name in filled if name in some and name not in used]:
+            columns.append(f"{what}: {', '.join(others)}")
     return filled_in, ", ".join(columns)
 
 

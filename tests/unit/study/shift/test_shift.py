@@ -244,7 +244,7 @@ def test_the_methods_name_what_was_measured_and_nothing_else(made):
 def test_what_cannot_be_reported_is_one_sentence_and_no_folder(made, tmp_path, capsys):
     code, out = report(made(pairs=40, vis=np.full((40, 16), np.nan)), tmp_path)
     assert code == 1 and not out.exists()
-    assert "has nan in row 0, column 0" in capsys.readouterr().err
+    assert "has nan in vis, row 0" in capsys.readouterr().err
     code, _ = report(tmp_path / "none.npz", tmp_path)
     assert code == 1 and "No such file" in capsys.readouterr().err
     (tmp_path / "out").write_text("x")
