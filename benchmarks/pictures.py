@@ -20,7 +20,7 @@ LARGE = {"width": 1440, "height": 900}
 def shot(page: Any, to: Path) -> None:
     """Write the window as a PNG of 256 colours, a third as large."""
     seen = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
-    seen.quantize(256).save(to, optimize=True)
+    seen.quantize(256, method=Image.Quantize.MAXCOVERAGE).save(to, optimize=True)
 
 
 def chapter(page: Any, name: str, ready: str, to: Path) -> None:

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from .gestures import ANSWERED, READY, settle, texture
+from .gestures import ANSWERED, READY, pixels, settle, texture
 
 pytestmark = pytest.mark.browser
 SAID = ".explore .announcement"
@@ -108,12 +108,12 @@ def test_on_a_phone_one_finger_scrolls_the_page_and_two_move_the_map(new_page, a
     page.wait_for_selector(READY["explore"])
     settle(page)
     drawn = "document.querySelector('.explore .now .map canvas').toDataURL()"
-    before = page.evaluate(drawn)
+    before = pixels(page, ".explore .now .map")
     box = page.locator(".explore .now .map").bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
     swipe(page, x, *range(int(y), int(y) - 120, -10))
     page.wait_for_function("scrollY > 40")
-    assert page.evaluate(drawn) == before
+    assert pixels(page, ".explore .now .map") == before
     page.evaluate("scrollTo(0, 0)")
     swipe(page, x, *range(int(y), int(y) - 60, -10), fingers=(-40, 40))
     page.wait_for_function(f"before => {drawn} !== before", arg=before)
