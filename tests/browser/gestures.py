@@ -83,6 +83,7 @@ def place_of_a_point(page):
 
 def grab(page, share=0.5, of=".explore .order"):
     """Press the mouse on the slider at a share of its length; return its box."""
+    page.locator(of).scroll_into_view_if_needed()
     box = page.locator(of).bounding_box()
     page.mouse.move(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
     page.mouse.down()
