@@ -1,10 +1,12 @@
 """Dragging p: handled in the browser, exact at every stop, during any other activity."""
 
 from dataclasses import replace
+from urllib.parse import parse_qsl, urlsplit
 
 import numpy as np
 import pytest
 
+from app.frame_parts import part_of
 from omnivat.head.heads import EXAMPLES, default_embeddings, default_head
 from omnivat.maps.frames import read_frames, write_frames
 
@@ -16,7 +18,10 @@ STOPS = (37, 100)  # between whole orders, and at one
 STAGES = ("relu", "f_hat")
 READ = """async ({ stops, stages }) => {
   const { fetchFrames } = await import(new URL('omnivat/web/shared/frames.js', document.baseURI));
+  const { featuresOf } = await import(new URL('omnivat/web/shared/stages.js', document.baseURI));
   const { frames } = await fetchFrames(() => {});
+  const maps = stages.map((stage) => frames.meta.maps[`pca/${featuresOf(stage)}`].array);
+  for (const part of [...maps, 'confidence']) await frames.load(part);
   const place = (map, point) => {
     const [[x0, y0], [x1, y1]] = map.bounds;
     return [x0 + map.points[2 * point] / 65535 * (x1 - x0),
@@ -132,7 +137,9 @@ def test_finer_frames_take_the_place_of_coarse_ones_in_the_middle_of_a_drag(
         elif ready:
             route.fallback()
         else:
-            route.fulfill(path=tmp_path / "coarse.bin", headers={"X-Frames": "coarse"})
+            wanted = dict(parse_qsl(urlsplit(route.request.url).query))
+            part = part_of(tmp_path / "coarse.bin", wanted["part"], int(wanted.get("from", 0)))
+            route.fulfill(body=part, headers={"X-Frames": "coarse"})
 
     page.route("**/omnivat/frames*", answer)
     page.route(
