@@ -32,8 +32,9 @@ export function strangers({ domains, source, domain }) {
 export function unseenPairs(frames, unseen) {
   const count = unseen?.domains.reduce((sum, one) => sum + (one.is_source ? 0 : one.pairs), 0);
   const many = strangers(frames);
-  const mean = many === 1 ? "1 unseen domain" : `mean of ${many} unseen domains`;
-  return count ? `${count.toLocaleString("en-US")} pairs (${mean})` : `the pairs of ${mean.replace("mean of ", "")}`;
+  const all = many === 1 ? "1 unseen domain" : `${many} unseen domains`;
+  const mean = `${many === 1 ? "" : "mean of "}${all}`;
+  return count ? `${count.toLocaleString("en-US")} pairs (${mean})` : `the pairs of ${all}`;
 }
 
 /** The line below an accuracy of frames at one stop; nothing where nothing predicts.
