@@ -178,6 +178,28 @@ def split_of(name: str) -> str:
     return "".join(found) if len(found) == 1 else ""
 
 
+def splits_within(names: Iterable[str]) -> dict[str, tuple[str, str]]:
+    """Return name -> the rest of it and its split, of names that begin or end with a split's word,
+    where one rest has two splits.
+
+    >>> splits_within(["wood_train", "wood_test", "glass"])
+    {'wood_train': ('wood', 'train'), 'wood_test': ('wood', 'test')}
+    >>> splits_within(["test bench", "train seat"])
+    {}
+    """
+    found = {}
+    for name in names:
+        for pattern in (
+            r"(?P<word>[^\W_]+)[\s_-]+(?P<rest>.+)",
+            r"(?P<rest>.+?)[\s_-]+(?P<word>[^\W_]+)",
+        ):
+            match = re.fullmatch(pattern, name.strip())
+            if match and (split := _SPLIT_OF.get(match["word"].casefold())):
+                found[name] = match["rest"], split
+    told = {(rest.casefold(), split) for rest, split in found.values()}
+    return found if len({rest for rest, _ in told}) < len(told) else {}
+
+
 def checked_split(name: str, what: str) -> str:
     """Return the split of a name, "" of none; raises DataError with `what` for another name."""
     if name and not split_of(name):

@@ -5,6 +5,7 @@ import csv
 import os
 import re
 from collections.abc import Container, Iterator, Sequence
+from contextlib import suppress
 from io import StringIO
 from pathlib import Path
 
@@ -16,7 +17,8 @@ from omnivat.kit.tables import need, suggestion
 MOST_TEXT = 1_000_000_000  # bytes of a table or list; a million pairs take 200 MB
 is_file = os.path.isfile  # unlike Path.is_file, it never raises for long names
 TABLES = (".csv", ".tsv", ".xlsx")
-DELIMITERS = ",;\t"
+DELIMITERS = ",;\t|"
+WINDOWS = "cp1252"  # of tables that are not UTF-8: what spreadsheets in Western Europe write
 
 
 def show(path: Path | str) -> str:
@@ -102,13 +104,37 @@ def read_text(file: Path) -> str:
     return content.decode("utf-16" if wide else "utf-8-sig", errors="replace")
 
 
+def table_text(file: Path) -> tuple[str, str]:
+    """Return the text of a table and its encoding: UTF-8, UTF-16 or, where neither fits,
+    Windows-1252. Raises DataError for bytes that are no text in these.
+    """
+    content = read_whole(file, MOST_TEXT, show(file))
+    few = len(content[:200]) // 4  # a zero in every other byte
+    low, high = content[1:200:2].count(0) > few, content[:200:2].count(0) > few
+    bom = content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE))  # "Unicode text" of Excel
+    wide = "utf-16" if bom else "utf-16-le" if low else "utf-16-be" if high else ""
+    for encoding in (wide, "utf-8-sig", WINDOWS):
+        with suppress(UnicodeDecodeError):
+            if encoding:
+                text = content.decode(encoding)
+                if encoding != WINDOWS or "\0" not in text:
+                    return text, encoding
+    raise DataError(f"'{show(file)}' is not UTF-8 text. Save it as 'CSV UTF-8'.")
+
+
+def encoding_note(file: Path) -> str:
+    """Return a note on a table that is not in Unicode, or ""."""
+    old = file.suffix.lower() != ".xlsx" and table_text(file)[1] == WINDOWS
+    return "read as Windows-1252, as it is not UTF-8" if old else ""
+
+
 def read_lines(file: Path) -> list[str]:
     """Return the lines of a file, stripped; empty lines stay."""
     return [line.strip() for line in read_text(file).splitlines()]
 
 
 def delimiter_of(text: str) -> str:
-    """Return the comma, semicolon or tab that separates the cells of a table's first line.
+    """Return the comma, semicolon, tab or bar that separates the cells of a table's first line.
 
     >>> delimiter_of("vis;tac;material"), delimiter_of('"a;b",c'), delimiter_of("vis")
     (';', ',', ',')
@@ -119,14 +145,14 @@ def delimiter_of(text: str) -> str:
 
 def numbered_rows(file: Path) -> dict[int, list[str]]:
     """Return the rows of a table by their lines, with stripped cells and without empty rows: a CSV
-    with commas, semicolons or tabs, or the first sheet of an .xlsx.
+    with commas, semicolons, tabs or bars, or the first sheet of an .xlsx.
 
     Raises DataError for a file that cannot be read.
     """
     if file.suffix.lower() == ".xlsx":
         rows = dict(enumerate(_sheet(file), start=1))
     else:
-        text = read_text(file)
+        text, _ = table_text(file)
         hint = text[:4].lower() == "sep="  # a line for spreadsheets alone
         text = text.partition("\n")[2] if hint else text
         reader = csv.reader(StringIO(text, newline=""), delimiter=delimiter_of(text), strict=True)
@@ -137,8 +163,6 @@ def numbered_rows(file: Path) -> dict[int, list[str]]:
                 f"'{show(file)}' cannot be read as a CSV after line {reader.line_num} ({error})."
                 " Look for a quotation mark that is not closed."
             ) from error
-        if "\ufffd" in text:
-            raise DataError(f"'{show(file)}' is not UTF-8 text. Save it as 'CSV UTF-8'.")
     stripped = {line: [composed(cell).strip() for cell in row] for line, row in rows.items()}
     return {line: row for line, row in stripped.items() if any(row)}
 
@@ -158,11 +182,14 @@ def _sheet(file: Path) -> Iterator[list[str]]:
 def read_rows(file: Path, needed: Sequence[str] = ()) -> dict[int, dict[str, str]]:
     """Return the rows of a person's own table, by their lines and the names in its first row.
 
-    Raises DataError without a `needed` name, for another encoding, for a quotation mark that is not
-    closed, and for a row with more cells than there are names.
+    Of columns of one name, the second is called "name (2)". Raises DataError without a `needed`
+    name, for another encoding, for a quotation mark that is not closed, and for a row with more
+    cells than there are names.
     """
     rows = numbered_rows(file)
-    header = [name.lower() for name in rows.pop(next(iter(rows), 0), [])]
+    lower = [name.lower() for name in rows.pop(next(iter(rows), 0), [])]
+    before = [lower[:k].count(name) if name else 0 for k, name in enumerate(lower)]
+    header = [f"{name} ({n + 1})" if n else name for name, n in zip(lower, before, strict=True)]
     for name in needed:
         if name not in header:
             raise DataError(

@@ -19,6 +19,7 @@ from omnivat.data.naming import (
     modality_of,
     set_name,
     split_of,
+    splits_within,
     without_half,
 )
 from omnivat.data.pairs import Pair, PairSet, Skipped
@@ -58,7 +59,8 @@ def read(
     Of the folders below `source`, the first names the domain, the second the class in lower case,
     the others the object, which no split divides. Missing ones give the name of `source`,
     "unlabelled" and no object. Folders of photos and touches do not count, nor do train, val and
-    test, which are splits; below one of these, a single folder names the class.
+    test, which are splits; below one of these, a single folder names the class. Nor does the word of
+    a split at an end of a name, such as wood_train beside wood_test.
     A single image without its partner, and a duplicate, is left out and listed.
     Raises DataError without pairs, for two classes or domains of the same name, and for a split
     beside a domain.
@@ -130,9 +132,10 @@ def _walked(root: Path, named: dict[str, str]) -> tuple[Pictures, list[Skipped]]
         halves = _halves(inner, named)
         others = [child for child in inner if child.name not in halves]
         splits = _splits(others, top=not place.names)
+        within = splits_within(child.name for child in others if child.name not in splits)
         if len(place.names) < 2:
             _require_names(
-                [child for child in others if child.name not in splits],
+                [child for child in others if child.name not in {**splits, **within}],
                 ("domains", "classes")[len(place.names)],
             )
         for child in inner:
@@ -149,7 +152,10 @@ def _walked(root: Path, named: dict[str, str]) -> tuple[Pictures, list[Skipped]]
                 elif name in splits:
                     enter(child, place._replace(split=splits[name], leading=leading))
                 else:
-                    enter(child, place._replace(names=(*place.names, composed(name.strip()))))
+                    name, split = within.get(name, (name, place.split))
+                    names = (*place.names, composed(name.strip()))
+                    leading = leading if split != place.split else place.leading
+                    enter(child, place._replace(names=names, split=split, leading=leading))
 
     enter(root, Place())
     return pictures, skipped

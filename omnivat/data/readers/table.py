@@ -20,7 +20,7 @@ from omnivat.data.naming import (
 )
 from omnivat.data.numbers import are_numbers
 from omnivat.data.pairs import TEXTS, Pair, PairSet, Skipped
-from omnivat.data.readers.files import TABLES, is_file, read_rows, show
+from omnivat.data.readers.files import TABLES, encoding_note, is_file, read_rows, show
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 from omnivat.kit.tables import suggestion
@@ -41,7 +41,7 @@ def recognises(source: Path) -> bool:
 def read(
     source: Path, *, strict: bool = False, seed: int = 0, vis: str = "", tac: str = ""
 ) -> PairSet:
-    """Return the pairs of a table in UTF-8, with commas, semicolons or tabs, or of an .xlsx, with
+    """Return the pairs of a table with commas, semicolons, tabs or bars, or of an .xlsx, with
     names in its first row.
 
     source    the file, or a folder with `pairs.csv`; its paths are relative to its folder
@@ -166,6 +166,7 @@ def rows_of(
         for line, row in rows.items()
     }
     columns = [f"{WORDS[m]} of '{found[m][0]}'" for m in IMAGES if found[m] and found[m] != [m]]
+    columns += filter(None, [encoding_note(file)])
     used = {*TEXTS, *OWN, *(name for names in found.values() for name in names[:1])}
     numbers = set(_numbers(list(rows.values())))
     for what, some in (("numbers", filled.keys() & numbers), ("not used", filled.keys() - numbers)):

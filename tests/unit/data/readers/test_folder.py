@@ -81,6 +81,9 @@ def test_folders_name_what_they_can_and_pictures_alone_stand_for_both(tree, file
         (["D/valid/wood/a_*.png", "D/train/wood/a_*.png"], [("D", "train"), ("D", "val")]),
         (["D/wood/train/a_*.png"], [("D", "train")]),
         (["train/wood/a_*.png", "notes/read.me"], [("", "train")]),
+        (["wood_train/a_*.png", "wood_Test/b_*.png"], [("", "train"), ("", "test")]),
+        (["D/train-wood/a_*.png", "D/val-wood/b_*.png"], [("D", "train"), ("D", "val")]),
+        (["D_training/wood/a_*.png", "D_test/wood/b_*.png"], [("D", "train"), ("D", "test")]),
     ],
 )
 def test_folders_called_after_a_split_are_splits_and_never_domains(tree, files, pairs):

@@ -165,9 +165,29 @@ def test_what_is_no_such_table_is_refused_in_one_sentence(table, text, message):
         read_pairs(table(text))
 
 
-def test_another_encoding_is_refused_with_the_remedy(table):
+@pytest.mark.parametrize("encoding", ["latin-1", "cp1252", "utf-16", "utf-16-le", "utf-16-be"])
+@pytest.mark.parametrize("cells", [",", ";", "\t", "|"])
+def test_tables_of_other_encodings_and_separators_are_read_and_old_ones_noted(
+    table, encoding, cells
+):
+    text = f"{HEADER},object\nv.png,t.png,D,h\xf6lzern,Krug\n"
+    found = read_pairs(table(text.replace(",", cells), encoding))
+    assert [(p.material, p.object) for p in found.pairs] == [("h\xf6lzern", "Krug")]
+    assert ("read as Windows-1252" in found.origin) is (encoding in ("latin-1", "cp1252"))
+
+
+def test_bytes_that_are_no_text_are_refused_with_the_remedy(table, tmp_path):
+    file = table("")
+    file.write_bytes(b"\xff\x81\x00\x00\x01,\x90")
     with pytest.raises(DataError, match="is not UTF-8 text. Save it as 'CSV UTF-8'"):
-        read_pairs(table(f"{HEADER}\nv.png,t.png,D,h\xf6lzern\n", "latin-1"))
+        read_pairs(file)
+
+
+def test_of_two_columns_of_one_name_the_first_is_used_and_the_other_is_named(table):
+    found = read_pairs(table("vis,tac,material,note,Material\nv.png,t.png,wood,,steel\n"))
+    assert found.pairs[0].material == "wood" and "not used: material (2)" in found.origin
+    with pytest.raises(DataError, match="touch, touch .2.; name one with --tac COLUMN"):
+        read_pairs(table("vis,touch,touch\nv.png,t.png,t_tac.png\n"))
 
 
 def test_a_file_that_is_no_csv_is_refused(tree):
