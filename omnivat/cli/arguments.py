@@ -287,8 +287,8 @@ def numbers(text: str) -> tuple[int, ...]:
 
 
 def assigned(text: str) -> str:
-    """Return a text of the form key=value, for argparse."""
-    if not all(text.partition("=")):
+    """Return a text of the form key=value, for argparse; the value may be empty."""
+    if not all(text.partition("=")[:2]):
         raise argparse.ArgumentTypeError(f"'{text}'; write it as key=value")
     return text
 

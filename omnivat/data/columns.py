@@ -6,9 +6,9 @@ Only the columns that are needed are opened, so others may hold anything. No cod
 import json
 import re
 import zipfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import deserialize, safe_open
 
-from omnivat.data.images import from_array, read_image
+from omnivat.data.images import MIN_SIDE, from_array, opened, read_image
+from omnivat.data.naming import FORMATS
 from omnivat.data.readers.files import TABLES, numbered_rows
 from omnivat.kit.errors import DataError, OmniVatError, first_line
 from omnivat.kit.files import require_regular
@@ -28,22 +29,39 @@ if TYPE_CHECKING:
 
     from PIL import Image
 
-Picture = "Callable[[int], Image.Image]"
+COLOURS = (1, 3, 4)  # numbers of channels
+TOLD = tuple(kind for kind in FORMATS if kind != "TGA")  # by their first bytes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pictures:
+    """The pictures of a column.
+
+    rows     their number; 0: a single picture
+    one      gives the picture of a row, or of a place in the list of a row
+    lengths  of the lists, if each row has one
+    """
+
+    rows: int
+    one: "Callable[[int, int], Image.Image]"
+    lengths: Sequence[int] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Columns:
     """The columns of a file, read one by one.
 
-    read      gives a column by its name, with any error of its format
-    pictures  gives a function from a row to its picture, or None for a column of anything else
-    lines     of the rows in a table of text
+    read        gives a column by its name, with any error of its format
+    pictures    gives the pictures of a column, or None for one of anything else
+    attributes  gives those of a group or a column of HDF5
+    lines       of the rows in a table of text
     """
 
     place: Path
     names: tuple[str, ...]
     read: Callable[[str], NDArray[Any]]
-    pictures: "Callable[[str], tuple[int, Callable[[int], Image.Image]] | None]"
+    pictures: Callable[[str], Pictures | None]
+    attributes: Callable[[str], Mapping[str, Any]] = lambda _: {}
     lines: Sequence[int] = ()
 
     def get(self, name: str) -> NDArray[Any] | None:
@@ -69,10 +87,8 @@ class Columns:
         ends = [key for key in self.names if key.rpartition("/")[2] == name]
         return name if name in self.names else ends[0] if len(ends) == 1 else ""
 
-    def pictures_of(self, name: str) -> "tuple[int, Callable[[int], Image.Image]] | None":
-        """Return the number of rows and a function from a row to its picture, if a column has
-        pictures. Raises DataError.
-        """
+    def pictures_of(self, name: str) -> Pictures | None:
+        """Return the pictures of a column, if it has any. Raises DataError."""
         with _explained(self.place):
             return self.pictures(path) if (path := self.path(name)) else None
 
@@ -107,11 +123,39 @@ def columns_of(place: Path) -> Columns:
         return reader(place)
 
 
-def _of_array(array: Any, place: Path, name: str) -> Any:
-    """Return the number of pictures in an array (N, H, W) or with channels, and a reader."""
-    if array.ndim not in (3, 4) or array.dtype.kind not in "uf":
+def _of_array(array: Any, place: Path, name: str) -> Pictures | None:
+    """Return the pictures in an array: one, (N, H, W), (N, H, W, C), (N, C, H, W), or lists of
+    these; two axes are a picture in a group, or if the name ends in a number.
+    """
+    shape, what = array.shape, f"{place.name}, {name}"
+    numbered, inner = name[-1:].isdigit(), "/" in name
+    if array.dtype.kind not in "iuf" or (array.ndim < 3 and array.dtype.itemsize > 2):
         return None
-    return len(array), lambda k: from_array(np.asarray(array[k]), f"{place.name}, {name}, row {k}")
+
+    def is_picture(*axes: int) -> bool:
+        sides = axes[:-1] if axes[-1] in COLOURS else axes[1:] if axes[0] in COLOURS else ()
+        return min((axes if len(axes) == 2 else sides) or (0,)) >= MIN_SIDE
+
+    alone = {2: numbered or inner, 3: shape[-1:] in [(c,) for c in COLOURS] or numbered}
+    if alone.get(array.ndim) and is_picture(*shape):
+        return Pictures(rows=0, one=lambda _, __: from_array(np.asarray(array[()]), what))
+    if array.ndim in (3, 4) and is_picture(*shape[1:]):
+        return Pictures(
+            rows=len(array), one=lambda k, _: from_array(np.asarray(array[k]), f"{what}, row {k}")
+        )
+    if array.ndim in (4, 5) and is_picture(*shape[2:]):
+        return Pictures(
+            rows=len(array),
+            one=lambda k, t: from_array(np.asarray(array[k, t]), f"{what}, row {k}, {t}"),
+            lengths=[shape[1]] * len(array),
+        )
+    return None
+
+
+def _pixels(array: Any, place: Path, name: str) -> Pictures:
+    if found := _of_array(array, place, name):
+        return found
+    raise DataError(f"'{place}' holds no pictures in {name}.")
 
 
 def _npz(place: Path) -> Columns:
@@ -166,27 +210,41 @@ def _hdf5(place: Path) -> Columns:
                 raise DataError(f"'{place}' has rows of differing lengths in {name}.")
             return np.asarray(dataset.asstr()[()] if text else dataset[()])
 
-    def pictures(name: str) -> Any:
-        def one(k: int) -> "Image.Image":
+    def encoded(cell: Any) -> bytes:
+        return bytes(cell.tobytes() if hasattr(cell, "tobytes") else cell)
+
+    def pictures(name: str) -> Pictures | None:
+        def file_in(k: int, _: int) -> "Image.Image":
             with h5py.File(place, "r") as file:
-                cell, what = file[name][k], f"{place.name}, {name}, row {k}"
-            if cell.ndim == 1:  # the bytes of a picture's file
-                return read_image(cell.tobytes(), what, reduced=False)
-            return from_array(cell, what)
+                cell = file[name][k] if rows else file[name][()]
+            return read_image(encoded(cell), f"{place.name}, {name}, row {k}", reduced=False)
+
+        def pixels(k: int, t: int) -> "Image.Image":
+            with h5py.File(place, "r") as file:
+                return _pixels(file[name], place, name).one(k, t)
 
         with h5py.File(place, "r") as file:
             dataset = file[name]
-            found = _of_array(dataset, place, name)
             inner = h5py.check_vlen_dtype(dataset.dtype) or dataset.dtype
-            if inner == np.uint8 and (dataset.ndim + (dataset.dtype.kind == "O")) == 2:
+            axes = dataset.ndim + (dataset.dtype.kind in "OV")
+            rows = len(dataset) if axes == 2 else 0
+            if (inner == np.uint8 or dataset.dtype.kind == "V") and axes in (1, 2) and dataset.size:
                 with suppress(DataError):
-                    found = read_image(dataset[0].tobytes(), name) and (len(dataset), None)
-        return found and (found[0], one)
+                    opened(encoded(dataset[0] if rows else dataset[()]), name, kinds=TOLD)
+                    return Pictures(rows=rows, one=file_in)
+            found = _of_array(dataset, place, name)
+        return found and replace(found, one=pixels)
+
+    def attributes(name: str) -> Mapping[str, Any]:
+        with h5py.File(place, "r") as file:
+            return dict((file[name] if name else file).attrs.items())
 
     names: list[str] = []
     with h5py.File(place, "r") as file:
         file.visititems(lambda name, one: names.append(name) if hasattr(one, "dtype") else None)
-    return Columns(place=place, names=tuple(names), read=read, pictures=pictures)
+    return Columns(
+        place=place, names=tuple(names), read=read, pictures=pictures, attributes=attributes
+    )
 
 
 def _text(place: Path) -> Columns:
@@ -212,7 +270,11 @@ def _text(place: Path) -> Columns:
 def _parquet(place: Path) -> Columns:
     parquet = need("pyarrow.parquet", purpose="reading Parquet", install="pyarrow")
     file = parquet.ParquetFile(place)
-    schema = file.schema_arrow
+    schema, compute = (
+        file.schema_arrow,
+        need("pyarrow.compute", purpose="reading Parquet", install="pyarrow"),
+    )
+    types = need("pyarrow.types", purpose="reading Parquet", install="pyarrow")
     classes = _class_names(schema.metadata or {})
     starts = np.cumsum(
         [0, *(file.metadata.row_group(g).num_rows for g in range(file.num_row_groups))]
@@ -231,25 +293,43 @@ def _parquet(place: Path) -> Columns:
 
     @lru_cache(maxsize=2)  # rows are read in order
     def group(number: int, name: str) -> list[Any]:
-        return list(file.read_row_group(number, columns=[name]).column(0).to_pylist())
+        return list(column(number, name).to_pylist())
 
-    def pictures(name: str) -> Any:
-        kind = schema.field(name).type
-        if not _holds_pictures(kind, lambda: group(0, name)[:1] if len(starts) > 1 else []):
+    def column(number: int, name: str) -> Any:
+        cells = file.read_row_group(number, columns=[name]).column(0).combine_chunks()
+        return getattr(cells, "storage", cells)
+
+    def pictures(name: str) -> Pictures | None:
+        kind = getattr(schema.field(name).type, "storage_type", schema.field(name).type)
+
+        def first() -> list[Any]:
+            cells = column(0, name)[:1].to_pylist() if len(starts) > 1 else []
+            return [one for cell in cells for one in (cell if listed else [cell])]
+
+        item, depth = kind, 0
+        while hasattr(item, "value_type"):
+            item, depth = item.value_type, depth + 1
+        listed = depth == (4 if types.is_integer(item) else 1)
+        if not _holds_pictures(item, depth - listed, first):
             return None
 
-        def one(k: int) -> "Image.Image":
+        def one(k: int, t: int) -> "Image.Image":
             number = int(np.searchsorted(starts, k, side="right")) - 1
             cell = group(number, name)[k - starts[number]]
+            cell = cell[t] if listed else cell
             content = cell.get("bytes") if isinstance(cell, dict) else cell
-            what = f"{place.name}, {name}, row {k}"
+            what = f"{place.name}, {name}, row {k}" + f", {t}" * listed
             if isinstance(content, list):
                 return from_array(np.array(content), what)
             if not isinstance(content, bytes) or not content:  # a text would be read as a path
                 raise DataError(f"'{what}' has no picture.")
             return read_image(content, what, reduced=False)
 
-        return int(starts[-1]), one
+        lengths: list[int] = []
+        for number in range(len(starts) - 1) if listed else ():
+            counts = compute.list_value_length(column(number, name))
+            lengths += [length or 0 for length in counts.to_pylist()]
+        return Pictures(rows=int(starts[-1]), one=one, lengths=lengths)
 
     return Columns(place=place, names=tuple(schema.names), read=read, pictures=pictures)
 
@@ -264,9 +344,13 @@ def _class_names(metadata: dict[bytes, bytes]) -> dict[str, list[str]]:
         return {}
 
 
-def _holds_pictures(kind: Any, first: Callable[[], list[Any]]) -> bool:
-    """Return whether a type of Arrow is that of pictures; bytes are looked at."""
+def _holds_pictures(kind: Any, depth: int, first: Callable[[], list[Any]]) -> bool:
+    """Return whether lists, `depth` of them in each other, of a type of Arrow are pictures; bytes
+    are looked at.
+    """
     types = need("pyarrow.types", purpose="reading Parquet", install="pyarrow")
+    if depth:
+        return depth in (2, 3) and types.is_integer(kind)
     if types.is_struct(kind):
         return "bytes" in {kind.field(k).name for k in range(kind.num_fields)}
     if types.is_binary(kind) or types.is_large_binary(kind):
@@ -274,10 +358,7 @@ def _holds_pictures(kind: Any, first: Callable[[], list[Any]]) -> bool:
             return all(read_image(cell or b"", "it") is not None for cell in first())
         except DataError:
             return False
-    depth = 0
-    while hasattr(kind, "value_type"):
-        kind, depth = kind.value_type, depth + 1
-    return depth in (2, 3) and types.is_integer(kind)
+    return False
 
 
 def _values(column: Any, name: str, place: Path) -> NDArray[Any]:

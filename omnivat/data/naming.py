@@ -50,6 +50,7 @@ SPLITS = {
     "val": "val valid validation dev valset",
     "test": "test testing testset",
 }
+NO_PHOTO = {"depth", "mask", "masks", "seg", "segmentation", "disparity"}  # beside other cameras
 NEUTRAL = "data dataset set split image images img imgs picture pictures"  # beside a split's word
 
 
@@ -126,6 +127,8 @@ def cameras_among(
             f" --vis. There are {there}."
         )
     others = [name for name in names if name not in touches]
+    seen = [name for name in others if not NO_PHOTO & {*re.split(r"[\W_\d]+", name.lower())}]
+    others = others if vis or not seen else seen
     told = [name for name in halves["vis"] if name in others]
     photos = [vis] if vis else told if len(told) == 1 else others
     if len(photos) > 1 or (not vis and photos and photos[0] in halves["?"]):

@@ -59,8 +59,8 @@ def read(
     Of the folders below `source`, the first names the domain, the second the class in lower case,
     the others the object, which no split divides. Missing ones give the name of `source`,
     "unlabelled" and no object. Folders of photos and touches do not count, nor do train, val and
-    test, which are splits; below one of these, a single folder names the class. Nor does the word of
-    a split at an end of a name, such as wood_train beside wood_test.
+    test, which are splits; below one of these, a single folder names the class. Nor does the word
+    of a split at an end of a name, such as wood_train beside wood_test.
     A single image without its partner, and a duplicate, is left out and listed.
     Raises DataError without pairs, for two classes or domains of the same name, and for a split
     beside a domain.

@@ -96,8 +96,8 @@ def clips_of(
     vis, tac  names of cameras, columns of pictures, or folders; "" and (): by their words
     domain    of all pairs; "": the name of the data set or of the sensor, or of the tactile camera
               if there are several
-    labels    a table with the columns episode (of LeRobot) or file, material, perhaps domain,
-              object, split
+    labels    a table with the columns episode (of LeRobot and groups) or file, material, perhaps
+              domain, object, split
     classes   names of numbered classes, of pictures in a file
     columns   name here -> name in such a file, if they differ
 
@@ -113,7 +113,13 @@ def clips_of(
         return [clip for file in files for clip in tactile_clips(file, domain, labels)]
     if stored_files(source):
         return stored_clips(
-            source, vis=vis, tac=tac, domain=domain, classes=classes, columns=columns or {}
+            source,
+            vis=vis,
+            tac=tac,
+            domain=domain,
+            classes=classes,
+            columns=columns or {},
+            labels=labels,
         )
     if labels or len(tac) > 1:
         raise SettingsError("--labels and several --tac are for LeRobot; a table has its labels.")

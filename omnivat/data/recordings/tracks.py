@@ -58,7 +58,7 @@ class Clip:
 
     read     gives its tracks by modality and its seconds (None: all), or raises DataError
     cameras  which camera is the photo and which the touch, for people
-    frames   pairs of it; 0: as many as are wanted of each recording
+    frames   pairs of it at most; 0: as many as are wanted of each recording
     """
 
     name: str

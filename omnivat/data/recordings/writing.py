@@ -63,7 +63,7 @@ def write_pairs(
             on_step(Step(done=done, total=len(clips), text=clip.name))
             try:
                 tracks, length = clip.read()
-                times = moments(tracks, length, clip.frames or frames, pick, align)
+                times = moments(tracks, length, min(frames, clip.frames or frames), pick, align)
                 shots = {half: list(t.pictures(times[half])) for half, t in tracks.items()}
             except DataError as error:
                 skipped.append(Skipped(what=clip.name, why=str(error)))

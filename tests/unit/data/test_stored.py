@@ -164,6 +164,40 @@ def test_bytes_of_pictures_in_a_column_of_any_name_are_read_once_it_is_named(tmp
     ]
 
 
+@pytest.mark.parametrize("kind", ["files", "pixels"])
+def test_a_list_of_pictures_in_a_row_is_a_film_of_one_object(tmp_path, kind, capsys):
+    """The frames are chosen as those of films are; a shorter list gives what it has."""
+    datasets = pytest.importorskip("datasets")
+    films = [[Image.fromarray(one) for one in greys(10 * k)[: 4 - k]] for k in range(2)] + [[]]
+    features = {"wrist": datasets.Image(), "label": datasets.Value("string")}
+    rows = {"wrist": [Image.fromarray(greys(90)[k]) for k in range(3)], "label": ["a", "b", "a"]}
+    if kind == "files":
+        features["tactile"] = datasets.Sequence(datasets.Image())
+        rows["tactile"] = films
+        datasets.Dataset.from_dict(rows, features=datasets.Features(features)).to_parquet(
+            tmp_path / "a.parquet", batch_size=2
+        )
+    else:
+        pa, pq = pytest.importorskip("pyarrow"), pytest.importorskip("pyarrow.parquet")
+        table = datasets.Dataset.from_dict(rows, features=datasets.Features(features)).data.table
+        pixels = [np.stack([*map(np.asarray, one)]).tolist() if one else [] for one in films]
+        deep = pa.list_(pa.list_(pa.list_(pa.list_(pa.uint8()))))
+        pq.write_table(
+            table.append_column("tactile", pa.array(pixels, deep)), tmp_path / "a.parquet"
+        )
+    for frames, touches in ((2, [1, 3, 11, 12]), (9, [0, 1, 2, 3, 10, 11, 12])):
+        out = tmp_path / str(frames)
+        assert imported(tmp_path / "a.parquet", out, "--frames", str(frames)) == 0
+        found = read_pairs(out).pairs
+        assert [int(np.asarray(Image.open(p.tac)).mean()) for p in found] == touches
+        vis = [int(np.asarray(Image.open(p.vis)).mean()) for p in found]
+        assert {*zip(vis, (p.object for p in found), strict=True)} == {
+            (90, "a 000000"),
+            (91, "a 000001"),
+        }
+    assert "Its list of tac is empty" in capsys.readouterr().out
+
+
 def test_folders_of_photos_and_touches_that_are_named_become_pairs(tmp_path, capsys):
     for k, name in enumerate(("cam/wood/1.png", "skin/wood/1.png", "skin/wood/2.png")):
         file = tmp_path / "press" / name
