@@ -2,8 +2,11 @@
 style sheets.
 """
 
+import re
 from collections.abc import Sequence
+from functools import cache
 from pathlib import Path
+from posixpath import dirname, normpath
 from typing import Any
 
 from app.tables import tables_html
@@ -21,11 +24,22 @@ STYLES = (
     "shared/native",
     "shared/narrow",
 )  # in this order: later ones override
-# scripts that the first tab needs
-EARLY = (
-    "explore/explore",
-    *(f"shared/{part}" for part in ("cloud", "store", "frames", "measures", "api")),
-)
+IMPORTED = re.compile(r'(?:from|import) "(\.[^"]+)"')
+
+
+@cache
+def needed(script: str = "explore/explore.js") -> tuple[str, ...]:
+    """Return the names of a script and of all scripts that it imports, relative to `web/`.
+
+    A browser that knows them from the start fetches them at once, in place of finding one in
+    another.
+    """
+    found = [script]
+    for name in found:  # grows
+        text = (WEB / name).read_text(encoding="utf-8")
+        names = [normpath(f"{dirname(name)}/{other}") for other in IMPORTED.findall(text)]
+        found += dict.fromkeys(other for other in names if other not in found)
+    return tuple(found)
 
 
 def component(name: str) -> None:
@@ -45,15 +59,13 @@ def component(name: str) -> None:
 
 
 def head(views: Sequence[str], web: str = "omnivat/web") -> str:
-    """Return the HTML head: styles, early scripts, the names of the tabs, and the rows
-    of `app/tables.py`.
+    """Return the HTML head: styles, the names of the tabs, and the rows of `app/tables.py`.
 
     web  where the scripts and styles are, relative to the page
     """
     return "\n".join(
         [
             *(f'<link rel="stylesheet" href="{web}/{name}.css">' for name in STYLES),
-            *(f'<link rel="modulepreload" href="{web}/{name}.js">' for name in EARLY),
             f'<meta name="omnivat-views" content="{" ".join(views)}">',
             tables_html(),
         ]

@@ -79,10 +79,13 @@ def is_loopback(host: str) -> bool:
 
 
 class Guard:
-    """An ASGI application wrapped in the rules."""
+    """An ASGI application wrapped in the rules; `links` are sent with each page, as the header
+    `Link`.
+    """
 
-    def __init__(self, app: ASGIApp, rules: Rules) -> None:
+    def __init__(self, app: ASGIApp, rules: Rules, links: str = "") -> None:
         self._app, self._rules = app, rules
+        self._links = {"link": links} if links else {}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve a request, or refuse it with a sentence; the page has no WebSocket."""
@@ -125,7 +128,7 @@ class Guard:
                 start, *parts = held
                 body = b"".join(part.get("body", b"") for part in parts)
                 held.clear()
-                MutableHeaders(scope=start).update(headers(body, self._rules))
+                MutableHeaders(scope=start).update(headers(body, self._rules) | self._links)
                 await send(start)
                 message = {"type": "http.response.body", "body": body}
             await send(message)

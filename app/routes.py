@@ -13,9 +13,11 @@ from typing import Any
 
 from starlette.background import BackgroundTask
 from starlette.concurrency import run_in_threadpool
+from starlette.middleware.gzip import GZipMiddleware
 from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
+from starlette.types import Receive, Scope, Send
 
 from app import about, nodes, pictures, predictors, sensor, teaching, touch_relief
 from app.api import api_routes
@@ -99,10 +101,20 @@ PROJECT_FILES = {  # the same for every set
     "twins/map": EXAMPLES / "twins.map.json",
     **{f"twins/{file.name}": file for file in sorted((EXAMPLES / "twins").glob("*.webp"))},
 }
+PACKED = {"/", *(f"/omnivat/{name}" for name in (*FACTS, "glossary", "twins", "twins/map"))}
 MISSING = "There is no such file here; the page goes on without it."
 TYPES = {".js": "text/javascript", ".css": "text/css"}
 HOLDS = "X-Holds"  # a page that was opened on another head or set shows a notice
 FRESH = {"Cache-Control": "no-cache"}  # revalidate each time
+
+
+class Packed(GZipMiddleware):
+    """Packs the page and the facts: Gradio packs only what is named .js, .css or .json."""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve a request."""
+        path = scope.get("path", "").removeprefix(scope.get("root_path", ""))
+        await (super().__call__ if path in PACKED else self.app)(scope, receive, send)
 
 
 def routes(sets: VisitorSets, *, api: bool = False) -> list[Route]:

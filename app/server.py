@@ -12,7 +12,7 @@ from threading import Lock
 from time import monotonic
 from typing import Any
 
-from app.components import WEB, component, head, theme
+from app.components import WEB, component, head, needed, theme
 from app.guard import Guard, alone, rules, warning
 from app.light import light_imports
 from app.memory import share_arenas
@@ -80,19 +80,24 @@ def launch(page: Any, sets: VisitorSets, arguments: argparse.Namespace, **more: 
     from uvicorn import config
 
     from app.connections import Turns
-    from app.routes import routes
+    from app.routes import Packed, routes
 
     # Gradio starts uvicorn with the protocols of these tables
     config.HTTP_PROTOCOLS["auto"] = "app.connections:Connection"
     config.WS_PROTOCOLS["auto"] = None
     guarded = rules(arguments.host, arguments.allow_host, framed=arguments.allow_framing)
+    early = ", ".join(f"<omnivat/web/{name}>; rel=modulepreload" for name in needed())
     return page.launch(
         server_name=arguments.host,
         server_port=arguments.port,
         inbrowser=not arguments.no_browser,
         app_kwargs={
             "routes": routes(sets, api=arguments.api),
-            "middleware": [Middleware(Turns), Middleware(Guard, rules=guarded)],
+            "middleware": [
+                Middleware(Turns),
+                Middleware(Packed, compresslevel=6),
+                Middleware(Guard, rules=guarded, links=early),
+            ],
             "lifespan": alone,
             "docs_url": None,
             "redoc_url": None,

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode, urlsplit
 
-from app.components import WEB, head
+from app.components import WEB, head, needed
 from app.export import document, frames_file, html_of, set_files
 from app.frame_parts import HEAD, parts_of
 from app.messages import without_places
@@ -227,11 +227,13 @@ def page(web: str, held: Mapping[str, Any]) -> str:
             f'<div {tab}" role="tabpanel" aria-labelledby="view-{name}-button"'
             f" hidden>{html_of(name) if name in SCRIPTED else UNSCRIPTED}</div>"
         )
+    early = "".join(f'<link rel="modulepreload" href="{web}/{name}">' for name in needed())
     return document(
         head=f"""<meta http-equiv="Content-Security-Policy" content="{POLICY}">
 <title>OmniVaT</title>
 <link rel="icon" href="{web}/shared/icon.svg">
 {head(VIEWS, web)}
+{early}
 <link rel="stylesheet" href="{web}/site/site.css">""",
         kind=' class="site"',
         body=f"""<p class="ov wait problem unstarted">{UNSTARTED}</p>

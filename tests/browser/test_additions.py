@@ -140,7 +140,7 @@ def test_a_rung_is_named_with_its_gain_in_the_line_of_own_pictures(page, rows):
     page.set_input_files(".pair .slots input[type=file] >> nth=0", texture(1))
     page.click(".pair .reader-switch")  # the rungs are those of the head of the chapters
     gain = page.locator(f".pair .line:has-text('{rows[1]['RUNGS']['words']} raise')")
-    gain.wait_for(timeout=60_000)  # the ladder is climbed again, as its file lacks the rung
+    gain.wait_for()  # the ladder is climbed again, as its file lacks the rung
     gains = re.findall(r"(\d+ pairs) .*? raise accuracy by (-?\d+\.\d) points", gain.inner_text())
     few, many = (float(dict(gains)[f"{count} pairs"]) for count in (3, 20))
     assert 0 < few < many

@@ -80,3 +80,19 @@ def test_fifty_visitors_at_once_are_all_answered_and_each_what_it_asked(address)
     alone = {row: answer(row) for row in set(rows)}
     assert together == [alone[row] for row in rows]
     assert len({json.dumps(one) for one in together}) == 25
+
+
+def test_the_page_is_packed_and_names_every_script_that_its_first_view_loads(new_page, address):
+    page = new_page()
+    reply = page.goto(address)
+    page.wait_for_selector(".explore.ready")
+    named = [part.split(">")[0].lstrip("< ") for part in reply.header_value("link").split(",")]
+    loaded = page.evaluate("performance.getEntriesByType('resource').map((one) => one.name)")
+    scripts = {one.removeprefix(address) for one in loaded if "/omnivat/web/explore/" in one}
+    assert (
+        {one for one in scripts if one.endswith(".js")}
+        <= set(named)
+        <= {one.removeprefix(address) for one in loaded}
+    )
+    assert reply.header_value("content-encoding") == "gzip"
+    assert page.request.get(f"{address}omnivat/twins").headers["content-encoding"] == "gzip"
