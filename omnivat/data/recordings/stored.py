@@ -2,22 +2,15 @@
 `datasets` writes it, and arrays of pictures in HDF5, NPZ or safetensors, perhaps in groups.
 """
 
-import re
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from omnivat.data.class_labels import class_names, labelled_rows
-from omnivat.data.columns import READERS, Columns, Pictures, columns_of
-from omnivat.data.foreign import texts_in
+from omnivat.data.columns import READERS, Pictures, columns_of
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.naming import (
-    COLUMNS,
     cameras_among,
     checked_split,
     composed,
@@ -25,46 +18,28 @@ from omnivat.data.naming import (
     set_name,
     split_of,
 )
-from omnivat.data.readers.files import TABLES, number_of, read_labels, show
-from omnivat.data.recordings.groups import AFTER, Place, classes_of, tell
+from omnivat.data.readers.files import TABLES, show
+from omnivat.data.recordings.groups import AFTER, Place, tell
+from omnivat.data.recordings.labels import (
+    LABELS,
+    Column,
+    Recording,
+    from_lists,
+    from_masks,
+    from_names,
+    from_table,
+    named_classes,
+    near_labels,
+)
 from omnivat.data.recordings.tracks import Clip, Frames, Track
-from omnivat.kit.errors import DataError, SettingsError, printable
+from omnivat.kit.errors import DataError, SettingsError
 
 if TYPE_CHECKING:
     from PIL import Image
 
 STORED = tuple(ending for ending in READERS if ending not in TABLES)
 GROUPED = (".h5", ".hdf5", ".npz")  # in a folder, a file for each recording or class
-LABELS = ("domain", "material", "object", "split")
 PICTURES = "pictures"  # the camera of pictures whose names tell none
-NAMED = 3  # recordings that a message names
-
-
-class Column(NamedTuple):
-    """One column of pictures: its file, name, pictures and place."""
-
-    table: Columns
-    name: str
-    pictures: Pictures
-    place: Place
-
-
-@dataclass(slots=True)
-class Recording:
-    """The columns of one recording, or of one single picture of each camera."""
-
-    columns: list[Column] = field(default_factory=list)
-    texts: dict[str, list[str]] = field(default_factory=dict)  # a label for each row, or one
-    origins: dict[str, str] = field(default_factory=dict)  # the array of each label
-    problem: str = ""
-
-    @property
-    def place(self) -> Place:
-        return self.columns[0].place
-
-    @property
-    def name(self) -> str:
-        return "/".join(filter(None, (*self.place.units, self.place.shot)))
 
 
 def stored_files(source: Path) -> list[Path]:
@@ -124,8 +99,8 @@ def stored_clips(
         above = [p for p in file.relative_to(root).parent.parts if p != "data" and not split_of(p)]
         only = Recording(columns=found)
         only.place.split = split
-        _labels(only, columns)
-        _named_classes([only], classes, file)
+        near_labels(only, columns)
+        named_classes([only], classes, file)
         clips += _clips([only], vis, tac, domain, (*above,), root)
     return clips
 
@@ -167,181 +142,16 @@ def _grouped(
         recordings[place.split, *place.units, "/", place.shot].columns.append(column)
     made = [*recordings.values()]
     for one in made:
-        _labels(one, columns)
-    _from_lists(made)
-    _from_masks(made)
-    _from_table(made, labels)
-    _from_names(made, columns, files[0])
-    _named_classes(made, classes, files[0])
+        near_labels(one, columns)
+    from_lists(made)
+    from_masks(made)
+    from_table(made, labels)
+    from_names(made, columns, files[0])
+    named_classes(made, classes, files[0])
     if len(files) == 1:
         for one in made:
             one.place.split = one.place.split or split_of(files[0].stem)
     return _clips(made, vis, tac, domain, (), root)
-
-
-def _labels(one: Recording, columns: Mapping[str, str]) -> None:
-    """Note the labels that arrays and attributes near a recording give: one, or one a row."""
-    column = one.columns[0]
-    inner = column.name.split("/")[:-1]
-    units = [k for k, part in enumerate(inner) if composed(part) in one.place.units]
-    top = inner[: units[-1] + 1] if units else []  # arrays below are the recording's own
-    table = column.table
-    for label in LABELS:
-        theirs = (columns[label],) if label in columns else (label, *COLUMNS.get(label, ()))
-        for key in map(str.casefold, filter(None, theirs)):
-            name = _array(table, key, inner, top)
-            cell = table.get(name) if name else _attribute(table, key, column.name)
-            if cell is None or (label not in columns and not _may_label(cell)):
-                continue
-            array = np.asarray(cell).reshape(-1) if np.size(cell) == 1 else np.asarray(cell)
-            one.texts[label] = texts_in(array, label, len(array), table.place)
-            one.origins[label] = f"{table.place}:{name}" if name else ""
-            break
-        else:
-            if columns.get(label) and not one.place.units:
-                raise DataError(
-                    f"'{table.place}' has no column '{columns[label]}'; it has"
-                    f" {', '.join(table.names)}."
-                )
-
-
-def _may_label(cell: Any) -> bool:
-    """Return whether an array may hold labels: texts or whole numbers, one for each row."""
-    array = np.asarray(cell)
-    flat = array.ndim < 2 or array.shape[1:] == (1,)
-    return flat and (array.dtype.kind != "f" or bool((array % 1 == 0)[np.isfinite(array)].all()))
-
-
-def _array(table: Columns, key: str, inner: list[str], top: list[str]) -> str:
-    """Return the array of a name that is nearest to a column: in its group or one above, or in
-    its recording; "" without one.
-    """
-    near = []
-    for name in table.names:
-        parts = name.split("/")
-        above = parts[:-1]
-        mine = above == inner[: len(above)] or above[: len(top)] == top
-        if mine and key in (parts[-1].casefold(), name.casefold()):
-            near.append((sum(a == b for a, b in zip(above, inner, strict=False)), name))
-    return max(near)[1] if near else ""
-
-
-def _attribute(table: Columns, key: str, name: str) -> Any:
-    """Return the attribute of a name of a column, or of the nearest group above it."""
-    while True:
-        for theirs, value in table.attributes(name).items():
-            if theirs.casefold() == key and np.size(value) == 1:
-                return value
-        if not name:
-            return None
-        name = name.rpartition("/")[0]
-
-
-def _from_lists(made: Sequence[Recording]) -> None:
-    """Deal out an array that has a label for each of several recordings, numbered from 0; one of
-    another length tells nothing about them.
-    """
-    of_many = Counter(origin for one in made for origin in one.origins.values() if origin)
-    numbers = [number_of(Path(one.name)) for one in made]
-    dealt = sorted(-1 if n is None else n for n in numbers) == [*range(len(made))]
-    for one, number in zip(made, numbers, strict=True):
-        for label, origin in one.origins.items():
-            if of_many[origin] > 1 and (texts := one.texts[label])[1:]:
-                fits = dealt and len(texts) == len(made)
-                one.texts[label] = [texts[number or 0]] if fits else []
-                if not fits:
-                    del one.texts[label]
-
-
-def _from_masks(made: Sequence[Recording]) -> None:
-    """Take the splits of robomimic: arrays mask/train and mask/valid name recordings."""
-    for table in {id(one.columns[0].table): one.columns[0].table for one in made}.values():
-        for name in table.names:
-            above, _, split = name.rpartition("/")
-            if above.rpartition("/")[2] == "mask" and (split := split_of(split)):
-                listed = {
-                    *map(
-                        composed, texts_in(array := table.read(name), name, len(array), table.place)
-                    )
-                }
-                for one in made:
-                    if one.columns[0].table is table and listed & {*one.place.units}:
-                        one.texts.setdefault("split", [split])
-
-
-def _from_table(made: Sequence[Recording], labels: Path | None) -> None:
-    """Take the labels of a table whose column episode or file names recordings."""
-    if labels is None:
-        return
-    if not any(one.place.units for one in made):
-        raise SettingsError("--labels is for recordings; this file has one pair in each row.")
-    try:
-        table = read_labels(labels, "episode")
-    except DataError:
-        table = read_labels(labels, "file")
-    rows = {Path(name).with_suffix("").as_posix(): row for name, row in table.items()}
-    for one in made:
-        units = "/".join(one.place.units)
-        names = [units, *one.place.units[::-1], str(number_of(Path(units)))]
-        names = [name for name in rows if f"/{name}".endswith(f"/{units}")] + names
-        row = next((rows[name] for name in names if name in rows), None)
-        if row is None:
-            one.problem = "--labels does not list it."
-        one.texts |= {name: [text] for name, text in (row or {}).items() if text and name in LABELS}
-
-
-def _from_names(made: Sequence[Recording], columns: Mapping[str, str], file: Path) -> None:
-    """Take classes, domains and objects from the names of groups, as far as nothing else gives
-    them. Raises DataError for recordings whose class nothing tells.
-    """
-    named = "material" not in columns and not any("material" in one.texts for one in made)
-    places = {one.place.units: one.place.counted for one in made}
-    groups, domains = classes_of(places)
-    words = {re.sub(r"\d+$", "", units[-1]) for units in places if units}
-    for one in made:
-        units, told = one.place.units, {*one.texts.get("domain", ())}
-        if units in domains and not one.texts.get("domain"):
-            one.texts["domain"] = [domains[units]]
-            told.add(domains[units])
-        if named and units in groups:
-            one.texts["material"] = [groups[units]]
-            told.add(groups[units])
-        if units and not {*units} <= told and not any(one.texts.get("object", ())):
-            split = one.place.split if len(words) < 2 else ""  # demo_0 of train is not that of test
-            one.texts["object"] = ["/".join(filter(None, (split, *units)))]
-    lost = [one for one in made if one.place.units and not one.texts.get("material")]
-    if len(lost) == len(made) and "material" not in columns:
-        more = ", …" if len(lost) > NAMED else ""
-        attributes = dict.fromkeys(
-            key
-            for column in lost[0].columns[:1]
-            for name in ("", *_groups(column.name), column.name)
-            for key in column.table.attributes(name)
-        )
-        there = f" (there are {', '.join(attributes)})" if attributes else ""
-        raise DataError(
-            f"'{show(file)}' holds recordings, {printable(', '.join(o.name for o in lost[:NAMED]))}"
-            f"{more}, and no class of them. Give a table of the columns episode and material with"
-            f" --labels TABLE, or name an attribute or array with --column material=NAME{there};"
-            " without classes, --column material= imports them."
-        )
-
-
-def _groups(name: str) -> Iterator[str]:
-    parts = name.split("/")
-    yield from ("/".join(parts[:k]) for k in range(1, len(parts)))
-
-
-def _named_classes(made: Sequence[Recording], classes: Sequence[str], file: Path) -> None:
-    """Give numbered classes their names, and rows without a class ""."""
-    all = [(one, k) for one in made for k in range(len(one.texts.get("material", ())))]
-    texts = [one.texts["material"][k] for one, k in all]
-    kept = labelled_rows(texts)
-    named = dict(
-        zip(kept, class_names([texts[k] for k in kept], classes or None, file), strict=True)
-    )
-    for number, (one, k) in enumerate(all):
-        one.texts["material"][k] = named.get(number, "")
 
 
 def _clips(
