@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 
 from omnivat.data.arrays import require_range
 from omnivat.data.class_labels import class_names, labelled_rows
-from omnivat.data.columns import Columns, columns_of
+from omnivat.data.columns import columns_of
 from omnivat.data.embeddings import VECTORS, Array, Embeddings, Header, indices
 from omnivat.data.materials import in_order
+from omnivat.data.named_columns import Columns
 from omnivat.data.naming import COLUMNS, checked_split, composed, half_of, is_image_name
 from omnivat.data.numbers import numbers_of
 from omnivat.data.pairs import TEXTS

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from omnivat.data.columns import Columns, Pictures
 from omnivat.data.images import from_array, read_image
+from omnivat.data.named_columns import Columns, Pictures
 from omnivat.kit.errors import DataError
 from omnivat.kit.tables import need
 

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from omnivat.data.class_labels import class_names, labelled_rows
-from omnivat.data.columns import Columns, Pictures
 from omnivat.data.foreign import texts_in
+from omnivat.data.named_columns import Columns, Pictures
 from omnivat.data.naming import COLUMNS, composed, split_of
-from omnivat.data.readers.files import number_of, show
+from omnivat.data.readers.files import number_of, numbered_rows, read_labels, show
 from omnivat.data.recordings.groups import Place, classes_of
 from omnivat.kit.errors import DataError, SettingsError, printable
 

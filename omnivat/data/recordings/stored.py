@@ -8,8 +8,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from omnivat.data.columns import READERS, Pictures, columns_of
+from omnivat.data.columns import READERS, columns_of
 from omnivat.data.materials import NO_CLASS, class_key
+from omnivat.data.named_columns import Pictures
 from omnivat.data.naming import (
     cameras_among,
     checked_split,

@@ -1,0 +1,92 @@
+"""Named columns of a file, read one by one, of numbers, texts or pictures."""
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from omnivat.kit.errors import DataError, OmniVatError, first_line
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pictures:
+    """The pictures of a column.
+
+    rows     their number; 0: a single picture
+    one      gives the picture of a row, or of a place in the list of a row
+    lengths  of the lists, if each row has one
+    """
+
+    rows: int
+    one: "Callable[[int, int], Image.Image]"
+    lengths: Sequence[int] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Columns:
+    """The columns of a file, read one by one.
+
+    read        gives a column by its name, with any error of its format
+    pictures    gives the pictures of a column, or None for one of anything else
+    attributes  gives those of a group or a column of HDF5
+    lines       of the rows in a table of text
+    """
+
+    place: Path
+    names: tuple[str, ...]
+    read: Callable[[str], NDArray[Any]]
+    pictures: Callable[[str], Pictures | None]
+    attributes: Callable[[str], Mapping[str, Any]] = lambda _: {}
+    lines: Sequence[int] = ()
+
+    def get(self, name: str) -> NDArray[Any] | None:
+        """Return a column, `name_0`, `name_1`, ... as one array (N, D), or the only column of that
+        name in a group; None if there is none. Raises DataError.
+        """
+        with explained(self.place):
+            if path := self.path(name):
+                return self.read(path)
+            pattern = rf"{re.escape(name)}_(\d+)"
+            numbers = sorted(int(m[1]) for key in self.names if (m := re.fullmatch(pattern, key)))
+            if not numbers:
+                return None
+            if numbers != list(range(numbers[0], numbers[0] + len(numbers))):
+                raise DataError(
+                    f"'{self.place}' lacks some of the columns {name}_{numbers[0]} to"
+                    f" {name}_{numbers[-1]}."
+                )
+            return np.stack([self.read(f"{name}_{k}") for k in numbers], axis=1)
+
+    def path(self, name: str) -> str:
+        """Return the full name of a column, which may lie in a group, or ""."""
+        ends = [key for key in self.names if key.rpartition("/")[2] == name]
+        return name if name in self.names else ends[0] if len(ends) == 1 else ""
+
+    def pictures_of(self, name: str) -> Pictures | None:
+        """Return the pictures of a column, if it has any. Raises DataError."""
+        with explained(self.place):
+            return self.pictures(path) if (path := self.path(name)) else None
+
+    def row(self, number: int) -> str:
+        """Return the name of a row in a message."""
+        return f"row {number}" + (f" (line {self.lines[number]})" if self.lines else "")
+
+
+@contextmanager
+def explained(place: Path) -> "Iterator[None]":
+    try:
+        yield
+    except OmniVatError:
+        raise
+    except Exception as error:  # each format has its own errors for damaged files
+        raise DataError(
+            f"'{place}' cannot be read ({first_line(error)}); export it again."
+        ) from error
