@@ -207,27 +207,3 @@ def test_folders_of_photos_and_touches_that_are_named_become_pairs(tmp_path, cap
     assert labels(tmp_path / "out") == [("press", "wood", "", "")]
     assert (shown(tmp_path / "out", "vis"), shown(tmp_path / "out", "tac")) == ([0], [50])
     assert "no _vis image beside the other" in capsys.readouterr().out
-
-
-def test_a_data_set_of_the_model_hub_is_brought_and_named_after_itself(
-    tmp_path, monkeypatch, capsys
-):
-    hub = pytest.importorskip("huggingface_hub")
-    asked = []
-
-    def download(name, *, local_dir, **options):
-        asked.append((name, options["repo_type"], options["revision"]))
-        if name == "lab/none":
-            raise OSError("no such repository")
-        written_by_datasets(local_dir / "data" / "test-00000-of-00001.parquet")
-
-    monkeypatch.setattr(hub, "snapshot_download", download)
-    monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
-    assert imported("hf:lab/press@v1", tmp_path / "out", "--vis", "wrist") == 0
-    assert asked == [("lab/press", "dataset", "v1")]
-    assert {(domain, split) for domain, _, _, split in labels(tmp_path / "out")} == {
-        ("press", "test")
-    }
-    for name, words in (("hf:press", "write it as hf:OWNER/NAME"), ("hf:lab/none", "no such")):
-        assert imported(name, tmp_path / "none") == 1
-        assert words in capsys.readouterr().err
