@@ -3,6 +3,7 @@
 Hostile images, heads, sets, requests (to the page, the API and MCP) and callers are sent to the
 page's routes. A case passes if the status is below 500 within the time limit, an error is one
 sentence, and no sentence contains a folder of the server. Failures are printed with their seed.
+With --fuzz, every reader of files is fuzzed instead (`benchmarks/_fuzz.py`).
 """
 
 import argparse
@@ -18,6 +19,8 @@ from typing import Any
 
 from benchmarks._attack_costly import decoded
 from benchmarks._attack_files import heads, images, questions, sets, spoilt_tensors
+from benchmarks._fuzz import report
+from benchmarks._fuzz_readers import READERS
 
 SLOW_S = 5.0  # seconds; a slower reply is a failure
 TOOLS = ("about", "predict", "gaps")  # of the API; a report takes minutes
@@ -160,7 +163,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--count", type=int, default=200, help="hostile things of each kind")
     parser.add_argument("--out", type=Path, default=OUT)
+    parser.add_argument("--fuzz", action="store_true", help="damage files of every reader instead")
+    parser.add_argument("--reader", choices=READERS, help="with --fuzz: this one alone")
+    parser.add_argument("--minutes", type=float, default=2, help="with --fuzz: of each reader")
+    parser.add_argument("--keep", type=Path, help="with --fuzz: folder for the files of findings")
     chosen = parser.parse_args(arguments)
+    if chosen.fuzz:
+        names = [chosen.reader] if chosen.reader else list(READERS)
+        return report(names, chosen.seed, chosen.minutes, chosen.keep)
     from starlette.applications import Starlette
     from starlette.middleware import Middleware
     from starlette.testclient import TestClient

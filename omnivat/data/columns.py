@@ -3,10 +3,10 @@
 Only the columns that are needed are opened, so others may hold anything. No code in a file is run.
 """
 
+import sys
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from safetensors import deserialize, safe_open
 
+from omnivat.data.hdf5 import arrays
 from omnivat.data.images import MIN_SIDE, from_array, opened, read_image
 from omnivat.data.named_columns import Columns, Pictures, explained
 from omnivat.data.naming import FORMATS
@@ -21,7 +22,6 @@ from omnivat.data.parquet import parquet_columns
 from omnivat.data.readers.files import TABLES, numbered_rows
 from omnivat.kit.errors import DataError
 from omnivat.kit.files import require_regular
-from omnivat.kit.tables import need
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -73,28 +73,27 @@ def _of_array(array: Any, place: Path, name: str) -> Pictures | None:
     return None
 
 
-def _pixels(array: Any, place: Path, name: str) -> Pictures:
-    if found := _of_array(array, place, name):
-        return found
-    raise DataError(f"'{place}' holds no pictures in {name}.")
-
-
 def _npz(place: Path) -> Columns:
     if not zipfile.is_zipfile(place):
         raise DataError(f"'{place}' is not an NPZ file; write it with numpy.savez.")
 
     def read(name: str) -> NDArray[Any]:
-        with np.load(place, allow_pickle=False) as arrays:
+        with np.load(place, allow_pickle=False) as found:
             try:
-                return np.asarray(arrays[name])
+                array = np.asarray(found[name])
             except ValueError as error:
                 raise DataError(
                     f"'{place}' holds pickled objects in {name}, which are not read; save one array"
                     " of numbers, or of str."
                 ) from error
+        texts = array.tobytes() if array.dtype.kind == "U" else b""
+        letters = np.frombuffer(texts, np.dtype("u4").newbyteorder(array.dtype.byteorder))
+        if letters.max(initial=0) > sys.maxunicode:
+            raise DataError(f"'{place}' holds texts in {name} that are no Unicode; save it again.")
+        return array
 
-    with np.load(place, allow_pickle=False) as arrays:
-        names = tuple(arrays.files)
+    with np.load(place, allow_pickle=False) as found:
+        names = tuple(found.files)
     return Columns(
         place=place, names=names, read=read, pictures=lambda n: _of_array(read(n), place, n)
     )
@@ -118,53 +117,31 @@ def _safetensors(place: Path) -> Columns:
 
 
 def _hdf5(place: Path) -> Columns:
-    h5py = need("h5py", purpose="reading HDF5")
-
-    def read(name: str) -> NDArray[Any]:
-        with h5py.File(place, "r") as file:
-            dataset = file[name]
-            text = h5py.check_string_dtype(dataset.dtype)
-            if names := h5py.check_enum_dtype(dataset.dtype):
-                by_number = {number: one for one, number in names.items()}
-                return np.array([by_number.get(k, "") for k in dataset[()].tolist()])
-            if dataset.dtype.kind == "O" and not text:
-                raise DataError(f"'{place}' has rows of differing lengths in {name}.")
-            return np.asarray(dataset.asstr()[()] if text else dataset[()])
-
-    def encoded(cell: Any) -> bytes:
-        return bytes(cell.tobytes() if hasattr(cell, "tobytes") else cell)
+    there, attributes = arrays(place)
 
     def pictures(name: str) -> Pictures | None:
+        own = there[name]
+        axes = own.ndim + (own.dtype.kind in "OV")
+        rows = len(own) if axes == 2 else 0
+
+        def encoded(k: int) -> bytes:
+            return own[k if rows else ()].tobytes()
+
         def file_in(k: int, _: int) -> "Image.Image":
-            with h5py.File(place, "r") as file:
-                cell = file[name][k] if rows else file[name][()]
-            return read_image(encoded(cell), f"{place.name}, {name}, row {k}", reduced=False)
+            return read_image(encoded(k), f"{place.name}, {name}, row {k}", reduced=False)
 
-        def pixels(k: int, t: int) -> "Image.Image":
-            with h5py.File(place, "r") as file:
-                return _pixels(file[name], place, name).one(k, t)
+        if (own.of_bytes or own.dtype.kind == "V") and axes in (1, 2) and own.size:
+            with suppress(DataError):
+                opened(encoded(0), name, kinds=TOLD)
+                return Pictures(rows=rows, one=file_in)
+        return _of_array(own, place, name)
 
-        with h5py.File(place, "r") as file:
-            dataset = file[name]
-            inner = h5py.check_vlen_dtype(dataset.dtype) or dataset.dtype
-            axes = dataset.ndim + (dataset.dtype.kind in "OV")
-            rows = len(dataset) if axes == 2 else 0
-            if (inner == np.uint8 or dataset.dtype.kind == "V") and axes in (1, 2) and dataset.size:
-                with suppress(DataError):
-                    opened(encoded(dataset[0] if rows else dataset[()]), name, kinds=TOLD)
-                    return Pictures(rows=rows, one=file_in)
-            found = _of_array(dataset, place, name)
-        return found and replace(found, one=pixels)
-
-    def attributes(name: str) -> Mapping[str, Any]:
-        with h5py.File(place, "r") as file:
-            return dict((file[name] if name else file).attrs.items())
-
-    names: list[str] = []
-    with h5py.File(place, "r") as file:
-        file.visititems(lambda name, one: names.append(name) if hasattr(one, "dtype") else None)
     return Columns(
-        place=place, names=tuple(names), read=read, pictures=pictures, attributes=attributes
+        place=place,
+        names=tuple(there),
+        read=lambda name: there[name][()],
+        pictures=pictures,
+        attributes=lambda name: attributes.get(name, {}),
     )
 
 

@@ -167,7 +167,7 @@ def _accepts(kind: str, content: bytes, name: str) -> bool:
                 module.OPEN_INFO.setdefault((order, white, (3,), 1, (64,), ()), ("F", raw))
     accepts = Image.OPEN[kind][1]
     named = SUFFIXES.get(Path(name).suffix.lower()) == kind
-    return bool(accepts(content[:16])) if accepts else named
+    return bool(accepts(content[:16].ljust(16, b"\0"))) if accepts else named
 
 
 @contextmanager

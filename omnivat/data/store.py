@@ -47,6 +47,7 @@ MANIFESTS = ("csv", "parquet")
 COLUMNS = ("domain", "material", *ROW_NAMES)
 DTYPES = ("float32", "float16")
 MOST_NAMES = 65_536  # domains or classes
+MOST_LAMPS = 400  # domains with lamps
 MOST_CELLS = 1_000_000  # domains times classes: entries of the table of counts
 
 __all__ = ["FORMAT", "ROW_NAMES", "Embeddings", "Header", "load_embeddings", "save_embeddings"]
@@ -272,6 +273,8 @@ def _lamps_of(metadata: Mapping[str, str]) -> dict[str, Lamps | str]:
         texts(object_in(metadata.get(name, "{}").encode(), name), name)
         for name in ("lamps", "kept")
     )
+    if len(lit) > MOST_LAMPS:  # each is a picture, which text holds in little room
+        raise DataError(f"The lamps of {len(lit):,} domains are stated, and {MOST_LAMPS} are read.")
     return {**kept, **{name: unpacked(text) for name, text in lit.items()}}
 
 

@@ -6,14 +6,32 @@ import math
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
 
+import numpy as np
 import torch
 from jaxtyping import Float64, Inexact, Shaped
 from torch import Tensor
 from torch.autograd.forward_ad import unpack_dual
 
-from omnivat.kit.errors import SettingsError, ShapeError
+from omnivat.kit.errors import DataError, SettingsError, ShapeError, first_line
 
 _KEPT = (torch.float32, torch.float64, torch.complex64, torch.complex128)
+
+
+def tensor_of(x: Tensor | Any) -> Tensor:
+    """Return a tensor as it is, and an array or list of numbers as one in single or double
+    precision. Raises DataError for anything else.
+    """
+    if isinstance(x, Tensor):
+        return x
+    try:
+        array = np.asarray(x)
+    except ValueError as error:  # a list of lists of differing lengths
+        raise DataError(f"x is no array of numbers ({first_line(error)}).") from error
+    if array.dtype.kind not in "fcbiu":
+        raise DataError(f"x holds values of type {array.dtype}; give a tensor or array of numbers.")
+    kind, parts = ("c", 2) if array.dtype.kind == "c" else ("f", 1)
+    wide = array.dtype.kind in "fc" and array.dtype.itemsize > 4 * parts
+    return torch.from_numpy(array.astype(f"{kind}{(8 if wide else 4) * parts}"))
 
 
 def working_precision(x: Shaped[Tensor, "..."]) -> Inexact[Tensor, "..."]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import torch
 from jaxtyping import Complex, Float, Float64, Inexact, Shaped
@@ -18,6 +18,7 @@ from omnivat.fractional.arguments import (
     checked_order,
     full_precision,
     readable,
+    tensor_of,
     working_precision,
 )
 from omnivat.fractional.batches import product_rows
@@ -27,21 +28,23 @@ from omnivat.kit.errors import ShapeError
 
 
 def coefficients(
-    x: Shaped[Tensor, "..."], dim: int = -1, *, centered: bool = False
+    x: Shaped[Tensor, "..."] | Any, dim: int = -1, *, centered: bool = False
 ) -> Coefficients:
     """The part of the transform that does not depend on the order: x in the eigenbasis.
 
-    x: any shape, real or complex. float64 stays float64; half and integers use float32.
+    x: a tensor or array of any shape, real or complex. float64 stays float64; half and integers use
+    float32.
     dim: the axis of length N that is transformed.
     centered: the origin is sample N//2 instead of sample 0, in input and output.
 
-    Raises ShapeError if the axis is missing or empty.
+    Raises ShapeError if the axis is missing or empty, DataError if x holds no numbers.
 
     >>> x = torch.randn(3, 64)
     >>> kept = coefficients(x)  # once; then each order is one product
     >>> all(torch.allclose(synthesise(kept, p), dfrft(x, p), atol=1e-5) for p in (0.2, 0.35, 0.5))
     True
     """
+    x = tensor_of(x)
     dim = axis_from_end(x, dim)
     x = working_precision(x)
     if centered:
@@ -84,7 +87,7 @@ def synthesise(
 
 
 def dfrft(
-    x: Shaped[Tensor, "..."],
+    x: Shaped[Tensor, "..."] | Any,
     order: float | Shaped[Tensor, "..."],
     dim: int = -1,
     *,
@@ -135,6 +138,7 @@ def dfrft(
     >>> p.grad.isfinite().item()
     True
     """
+    x = tensor_of(x)
     wants_gradient = torch.is_grad_enabled() and (
         x.requires_grad or (isinstance(order, Tensor) and order.requires_grad)
     )

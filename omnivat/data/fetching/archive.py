@@ -2,7 +2,7 @@
 the disk; and folders as their files.
 """
 
-import zlib
+import shutil
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -11,7 +11,7 @@ from io import SEEK_CUR, SEEK_END, BufferedReader, RawIOBase
 from itertools import accumulate
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile, ZipFile
+from zipfile import ZipFile
 
 from omnivat.kit.errors import DataError, WriteError, first_line
 from omnivat.kit.files import read_whole, writing
@@ -76,6 +76,7 @@ class Zipped:
     """The files in a zip archive by their paths."""
 
     archive: ZipFile
+    place: Path
 
     @property
     def names(self) -> list[str]:
@@ -87,21 +88,30 @@ class Zipped:
         for path in paths:
             if self.archive.getinfo(path).file_size > MOST:
                 raise DataError(f"'{path}' of the archive is larger than {MOST / 1e6:.0f} MB.")
-            yield path, self.archive.read(path)
+            with _explained(self.place):
+                content = self.archive.read(path)
+            yield path, content
+
+
+@contextmanager
+def _explained(place: Path) -> Iterator[None]:
+    try:
+        yield
+    except Exception as error:  # a damaged archive raises errors of every kind
+        raise DataError(
+            f"'{place}' is no whole archive ({first_line(error)}); remove it and run the command"
+            " again."
+        ) from error
 
 
 @contextmanager
 def zipped(parts: Sequence[Path]) -> Iterator[Zipped]:
     """Open a zip archive in one or more parts; raises DataError if it is damaged."""
     with BufferedReader(Joined(parts), 1 << 20) as stream:
-        try:
-            with ZipFile(stream) as archive:
-                yield Zipped(archive)
-        except (BadZipFile, EOFError, zlib.error, NotImplementedError) as error:
-            raise DataError(
-                f"'{parts[0]}' is no whole archive ({first_line(error)}); remove it and run the"
-                " command again."
-            ) from error
+        with _explained(parts[0]):
+            archive = ZipFile(stream)
+        with archive:
+            yield Zipped(archive, parts[0])
 
 
 def unpacked(parts: Sequence[Path], folder: Path, on_step: OnStep = ignore) -> list[Path]:
@@ -115,6 +125,12 @@ def unpacked(parts: Sequence[Path], folder: Path, on_step: OnStep = ignore) -> l
     try:
         with BufferedReader(Joined(parts), 1 << 20) as stream, ZipFile(stream) as archive:
             members = archive.infolist()
+            size, free = sum(one.file_size for one in members), shutil.disk_usage(folder).free
+            if size > free:
+                raise WriteError(
+                    f"The archive unpacks to {size / 1e6:,.0f} MB, and '{folder}' has"
+                    f" {free / 1e6:,.0f} MB free."
+                )
             for done, member in enumerate(members):
                 on_step(Step(done=done, total=len(members), text="files of the archive"))
                 with writing(folder):

@@ -11,13 +11,14 @@ width, channels and pixels.
 import hashlib
 import struct
 from collections.abc import Callable, Iterator, Mapping
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from PIL import Image
 
+from omnivat.data.hdf5 import Stored, arrays
 from omnivat.data.images import from_array
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.naming import COLUMNS, checked_split, composed
@@ -26,9 +27,9 @@ from omnivat.data.recordings.tracks import Clip, Frames, Track
 from omnivat.kit.errors import DataError, OmniVatError, first_line
 from omnivat.kit.files import require_regular
 from omnivat.kit.schema import object_in, read_object
-from omnivat.kit.tables import need
 
 EVENT, SHAPE = struct.Struct("<32sd"), struct.Struct("<III")
+CHUNKS = "sensor_chunks"
 MOST_RATE = 1e6  # pictures a second
 # how to read a sensor's pictures, and its domain, material and object
 Sensors = dict[str, tuple[Callable[[], Frames], Mapping[str, str]]]
@@ -115,7 +116,7 @@ def _hapt_frames(folder: Path, rate: float, stamps: Any) -> Frames:
         frames = np.load(file, mmap_mode="r", allow_pickle=False)
         digest = hashlib.sha256(np.ascontiguousarray(frames).data).hexdigest()
         expected = sums.read_text().strip() if sums.is_file() else digest
-    except (OSError, ValueError, EOFError) as error:
+    except Exception as error:  # NumPy has many kinds for a damaged header
         raise DataError(f"'{show(file)}' cannot be read ({first_line(error)}).") from error
     if digest != expected:
         raise DataError(f"'{show(file)}' does not have its checksum; copy the recording again.")
@@ -139,8 +140,10 @@ def _rising(stamps: list[Any], file: Path) -> list[float]:
 
 def _touch(file: Path) -> Sensors:
     """Return the cameras of a `.touch` file by their sensors."""
-    with _opened(file) as handle:
-        config = object_in(_text(handle["config"][()]), f"config of '{show(file)}'")
+    there, _ = arrays(file)
+    if missing := [name for name in ("config", CHUNKS) if name not in there]:
+        raise DataError(f"'{show(file)}' has no {missing[0]}, as a .touch file does.")
+    config = object_in(str(there["config"][()]).encode(), f"config of '{show(file)}'")
     payload = {
         str(one.get("label", "")).lower(): str(one.get("default") or "")
         for one in _list(config, "payload")
@@ -151,7 +154,7 @@ def _touch(file: Path) -> Sensors:
         name = str(sensor.get("sensor_name", ""))
         number = sensor.get("serial_id") or name
         domain = f"{sensor.get('sensor_type', 'sensor')} {number}".strip()
-        found[name] = partial(_touch_frames, file, name), told | {"domain": domain}
+        found[name] = partial(_touch_frames, file, name, there[CHUNKS]), told | {"domain": domain}
     return found
 
 
@@ -166,41 +169,30 @@ def _payload(payload: Mapping[str, str], name: str) -> str:
     return next((value for key, value in payload.items() if words & {*key.split()} and value), "")
 
 
-def _opened(file: Path) -> Any:
-    h5py = need("h5py", purpose="reading .touch files")
-    require_regular(file, show(file))
-    try:
-        handle = h5py.File(file, "r")
-        missing = [name for name in ("config", "sensor_chunks") if name not in handle]
-    except OSError as error:
-        raise DataError(f"'{show(file)}' cannot be read ({first_line(error)}).") from error
-    if missing:
-        raise DataError(f"'{show(file)}' has no {missing[0]}, as a .touch file does.")
-    return handle
-
-
-def _text(value: Any) -> bytes:
-    return value if isinstance(value, bytes) else str(value).encode()
-
-
-def _touch_frames(file: Path, sensor: str) -> Frames:
+def _touch_frames(file: Path, sensor: str, chunks: Stored) -> Frames:
     """Return a sensor's pictures; one chunk of the file is in memory at a time."""
     places: list[tuple[float, int, int, int]] = []  # time, chunk, first and last byte
-    with _opened(file) as handle:
-        try:
-            for number, chunk in enumerate(handle["sensor_chunks"]):
-                for start, end in _events(content := bytes(chunk), sensor):
-                    stream, time = EVENT.unpack_from(content, start)
-                    if stream.rstrip(b"\0") == b"camera":
-                        places.append((time, number, start + EVENT.size, end))
-        except (struct.error, ValueError, TypeError) as error:
-            raise DataError(f"'{show(file)}' is damaged after {len(places)} pictures.") from error
+
+    @lru_cache(maxsize=1)
+    def chunk(number: int) -> bytes:
+        return chunks[number].tobytes()
+
+    try:
+        for number in range(len(chunks)):
+            for start, end in _events(content := chunk(number), sensor):
+                stream, time = EVENT.unpack_from(content, start)
+                if stream.rstrip(b"\0") == b"camera":
+                    places.append((time, number, start + EVENT.size, end))
+    except (struct.error, LookupError, ValueError) as error:
+        why = f" ({first_line(error)})" if isinstance(error, DataError) else ""
+        raise DataError(
+            f"'{show(file)}' is damaged after {len(places)} pictures{why.rstrip('.')}."
+        ) from error
     places.sort()
 
     def picture(k: int) -> Image.Image:
         _, number, start, end = places[k]
-        with _opened(file) as handle:
-            content = bytes(handle["sensor_chunks"][number][start:end])
+        content = chunk(number)[start:end]
         shape = SHAPE.unpack_from(content) if len(content) >= SHAPE.size else (0, 0, 0)
         if shape[2] not in (1, 3, 4) or np.prod(shape, dtype=np.int64) != len(content) - SHAPE.size:
             raise DataError(f"'{show(file)}' has no whole picture {k} of '{show(sensor)}'.")

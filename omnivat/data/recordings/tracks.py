@@ -179,14 +179,15 @@ def _opened(file: Path) -> tuple[Any, Any]:
     av = need("av", purpose="reading videos")
     require_regular(file, show(file))
     try:
-        container = av.open(str(file))
+        container = av.open(str(file), metadata_errors="replace")
         stream = container.streams.video[0]
-    except (av.error.FFmpegError, OSError, IndexError) as error:
+        width, height = stream.width, stream.height
+    except Exception as error:  # PyAV has many kinds for damaged files
         raise DataError(
             f"'{show(file)}' is no video that can be read; export it as MP4."
         ) from error
-    if stream.width:  # 0 if the container does not state it
-        check_size(stream.width, stream.height, show(file))
+    if width:  # 0 if the container does not state it
+        check_size(width, height, show(file))
     return container, stream
 
 

@@ -18,7 +18,7 @@ from omnivat.kit.schema import object_in
 RELIEF = "; TAC drawn as its relief"  # in a set's preprocessing, after the dots
 TOUCH = ("colours", "relief")  # how touch is read; the first is the default
 MOST = 50  # pictures of a domain that give its lamps
-WIDEST = 1024  # pixels of a background's side, far above any that `lamps` makes
+MOST_PIXELS = 250_000  # of a background, above any that `lamps` makes
 NUMBERS = ("ratio", "confidence", "pictures", "steepness")
 T = TypeVar("T")
 
@@ -70,6 +70,6 @@ def unpacked(text: str) -> Lamps:
 
 def _pixels(background: str) -> "np.ndarray[tuple[int, ...], np.dtype[np.uint8]]":
     image = Image.open(BytesIO(b64decode(background)), formats=["PNG"])
-    if max(image.size) > WIDEST or image.mode != "RGB":
+    if image.width * image.height > MOST_PIXELS or image.mode != "RGB":
         raise ValueError(f"a background of {image.width} × {image.height} pixels, {image.mode}")
     return np.asarray(image)
