@@ -41,10 +41,14 @@ HALVES = {
     "?": "gel gels finger fingers fingertip fingertips elastomer",  # a touch, or a camera there
 }
 COLUMNS = {  # of tables and files of vectors -> other names of theirs
-    "material": ("class", "label", "labels", "class_name"),
-    "domain": ("sensor",),
-    "object": ("item", "object_id", "object_name"),
+    "material": ("class", "label", "labels", "class_name", "category", "material_name"),
+    "domain": ("sensor", "sensor_type", "sensor_name"),
+    "object": (
+        *("item", "object_id", "object_name", "item_id"),
+        *("specimen", "specimen_id", "instance", "instance_id"),
+    ),
 }
+SPLIT_COLUMNS = ("set", "subset", "partition")  # of tables, where each cell names a split
 SPLITS = {
     "train": "train training trainset",
     "val": "val valid validation dev valset",
@@ -225,19 +229,35 @@ def composed(name: str) -> str:
 
 
 def found_file(folder: Path, name: str) -> Path:
-    """Return the file that a table names from `folder`; backslashes, other Unicode forms and
-    letters of another case are no obstacle where one file fits. The plain path if none does.
+    """Return the file that a table names from `folder`; backslashes, other Unicode forms, letters
+    of another case and a suffix left out are no obstacle where one file fits. Of a path that is
+    absolute on another machine, its end counts. The plain path if nothing fits.
     """
     plain = folder / name
     if os.path.exists(plain):
         return plain
+    parts = Path(name.replace("\\", "/")).parts
+    foreign = os.path.isabs(name) or re.match(r"[A-Za-z]:$|//|/$", parts[0] if parts else "")
+    for first in range(1, len(parts)) if foreign else (0,):
+        if found := _fitting(folder, parts[first:]):
+            return found
+    return plain
+
+
+def _fitting(folder: Path, parts: Sequence[str]) -> Path | None:
     path = folder
-    for part in Path(name.replace("\\", "/")).parts:
+    for part in parts:
         if not os.path.exists(path / part):
-            near = _listed(path).get(_same(part), ())
+            listed = _listed(path)
+            near = listed.get(_same(part), ()) or [
+                name
+                for names in listed.values()
+                for name in names
+                if is_file_name(name) and _same(os.path.splitext(name)[0]) == _same(part)
+            ]
             exact = [other for other in near if composed(other) == composed(part)] or near
             if len(exact) != 1:
-                return plain
+                return None
             part = exact[0]
         path = path / part
     return path

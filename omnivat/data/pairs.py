@@ -145,6 +145,11 @@ def summary_table(pairs: PairSet) -> str:
             "no class is in two domains, so none is tested across domains; if your folders are"
             " classes, put them into one folder, which names their domain"
         )
+    nameless = sum(not p.object for p in pairs.pairs)
+    if 0 < nameless < len(pairs.pairs):
+        lines.append(
+            f"{nameless} pairs name no object, and others do; each counts as its own object"
+        )
     if divided := [name for (_, name), found in splits.items() if len(found) > 1]:
         lines.append(
             f"objects in more than one split: {len(divided)}, such as '{printable(divided[0])}'"

@@ -24,17 +24,22 @@ def parquet_columns(place: Path) -> Columns:
     """Return the columns of a Parquet file, with any error of pyarrow."""
     parquet = need("pyarrow.parquet", purpose="reading Parquet", install="pyarrow")
     file = parquet.ParquetFile(place)
-    schema, compute = (
-        file.schema_arrow,
-        need("pyarrow.compute", purpose="reading Parquet", install="pyarrow"),
-    )
+    schema = file.schema_arrow
+    compute = need("pyarrow.compute", purpose="reading Parquet", install="pyarrow")
     types = need("pyarrow.types", purpose="reading Parquet", install="pyarrow")
     classes = _class_names(schema.metadata or {})
     starts = np.cumsum(
         [0, *(file.metadata.row_group(g).num_rows for g in range(file.num_row_groups))]
     )
 
+    def require_one(name: str) -> None:
+        if (count := schema.names.count(name)) > 1:
+            raise DataError(
+                f"'{place}' has {count} columns called {name}; rename or leave out some."
+            )
+
     def read(name: str) -> NDArray[Any]:
+        require_one(name)
         column = parquet.read_table(place, columns=[name]).column(0)
         if str(column.type).startswith("dictionary"):  # categories of pandas
             column = column.cast(column.type.value_type)
@@ -54,9 +59,11 @@ def parquet_columns(place: Path) -> Columns:
         return getattr(cells, "storage", cells)
 
     def pictures(name: str) -> Pictures | None:
-        kind = getattr(schema.field(name).type, "storage_type", schema.field(name).type)
+        kind = schema.types[schema.names.index(name)]
+        kind = getattr(kind, "storage_type", kind)
 
         def first() -> list[Any]:
+            require_one(name)
             cells = column(0, name)[:1].to_pylist() if len(starts) > 1 else []
             return [one for cell in cells for one in (cell if listed else [cell])]
 
@@ -66,6 +73,7 @@ def parquet_columns(place: Path) -> Columns:
         listed = depth == (4 if types.is_integer(item) else 1)
         if not _holds_pictures(item, depth - listed, first):
             return None
+        require_one(name)
 
         def one(k: int, t: int) -> "Image.Image":
             number = int(np.searchsorted(starts, k, side="right")) - 1
@@ -76,7 +84,9 @@ def parquet_columns(place: Path) -> Columns:
             if isinstance(content, list):
                 return from_array(np.array(content), what)
             if not isinstance(content, bytes) or not content:  # a text would be read as a path
-                raise DataError(f"'{what}' has no picture.")
+                raise DataError(
+                    f"'{what}' has no picture; write the bytes of its file, not its path."
+                )
             return read_image(content, what, reduced=False)
 
         lengths: list[int] = []

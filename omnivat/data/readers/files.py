@@ -9,7 +9,7 @@ from contextlib import suppress
 from io import StringIO
 from pathlib import Path
 
-from omnivat.data.naming import COLUMNS, SUFFIXES, composed
+from omnivat.data.naming import COLUMNS, SUFFIXES, composed, is_file_name
 from omnivat.kit.errors import DataError, first_line, printable
 from omnivat.kit.files import read_whole
 from omnivat.kit.tables import need, suggestion
@@ -17,6 +17,7 @@ from omnivat.kit.tables import need, suggestion
 MOST_TEXT = 1_000_000_000  # bytes of a table or list; a million pairs take 200 MB
 is_file = os.path.isfile  # unlike Path.is_file, it never raises for long names
 TABLES = (".csv", ".tsv", ".xlsx")
+TITLES = 10  # rows in which a table's header is looked for
 DELIMITERS = ",;\t|"
 WINDOWS = "cp1252"  # of tables that are not UTF-8: what spreadsheets in Western Europe write
 
@@ -122,9 +123,12 @@ def table_text(file: Path) -> tuple[str, str]:
     raise DataError(f"'{show(file)}' is not UTF-8 text. Save it as 'CSV UTF-8'.")
 
 
-def encoding_note(file: Path) -> str:
-    """Return a note on a table that is not in Unicode, or ""."""
-    old = file.suffix.lower() != ".xlsx" and table_text(file)[1] == WINDOWS
+def table_note(file: Path) -> str:
+    """Return a note on a table that is not in Unicode, or not the sheet that is shown first."""
+    if file.suffix.lower() == ".xlsx":
+        name, first, _ = _sheet(file)
+        return f"sheet '{show(name)}'" if name != first else ""
+    old = table_text(file)[1] == WINDOWS
     return "read as Windows-1252, as it is not UTF-8" if old else ""
 
 
@@ -145,12 +149,13 @@ def delimiter_of(text: str) -> str:
 
 def numbered_rows(file: Path) -> dict[int, list[str]]:
     """Return the rows of a table by their lines, with stripped cells and without empty rows: a CSV
-    with commas, semicolons, tabs or bars, or the first sheet of an .xlsx.
+    with commas, semicolons, tabs or bars, or of an .xlsx the first sheet that names files, else the
+    one that is shown.
 
     Raises DataError for a file that cannot be read.
     """
     if file.suffix.lower() == ".xlsx":
-        rows = dict(enumerate(_sheet(file), start=1))
+        rows = dict(enumerate(_sheet(file)[2], start=1))
     else:
         text, _ = table_text(file)
         hint = text[:4].lower() == "sep="  # a line for spreadsheets alone
@@ -167,12 +172,26 @@ def numbered_rows(file: Path) -> dict[int, list[str]]:
     return {line: row for line, row in stripped.items() if any(row)}
 
 
-def _sheet(file: Path) -> Iterator[list[str]]:
+def _sheet(file: Path) -> tuple[str, str, list[list[str]]]:
+    """Return a sheet's name, that of the sheet that is shown, and the sheet's rows; each cell of
+    merged ones has their text.
+    """
     openpyxl = need("openpyxl", purpose="reading .xlsx; or save the table as CSV")
     read_whole(file, MOST_TEXT, show(file))
     try:
-        for row in openpyxl.load_workbook(file, read_only=True, data_only=True).active.values:
-            yield ["" if cell is None else str(cell) for cell in row]
+        book = openpyxl.load_workbook(file, data_only=True)
+        shown = book.active
+        for sheet in [shown, *(one for one in book.worksheets if one is not shown)]:
+            cells = [["" if cell is None else str(cell) for cell in row] for row in sheet.values]
+            if any(is_file_name(cell) for row in cells for cell in row):
+                break
+        else:
+            sheet = shown
+            cells = [["" if cell is None else str(cell) for cell in row] for row in sheet.values]
+        for one in sheet.merged_cells.ranges:
+            for row, column in one.cells:
+                cells[row - 1][column - 1] = cells[one.min_row - 1][one.min_col - 1]
+        return sheet.title, shown.title, cells
     except Exception as error:  # openpyxl and zipfile have many kinds
         raise DataError(
             f"'{show(file)}' cannot be read ({first_line(error)}); save it as CSV."
@@ -182,11 +201,17 @@ def _sheet(file: Path) -> Iterator[list[str]]:
 def read_rows(file: Path, needed: Sequence[str] = ()) -> dict[int, dict[str, str]]:
     """Return the rows of a person's own table, by their lines and the names in its first row.
 
-    Of columns of one name, the second is called "name (2)". Raises DataError without a `needed`
-    name, for another encoding, for a quotation mark that is not closed, and for a row with more
-    cells than there are names.
+    Rows above these with one cell, such as a title, do not count. Of columns of one name, the
+    second is called "name (2)".
+    Raises DataError without a `needed` name, for another encoding, for a quotation mark that is not
+    closed, and for a row with more cells than there are names.
     """
     rows = numbered_rows(file)
+    filled = {line: sum(map(bool, row)) for line, row in [*rows.items()][:TITLES]}
+    for line in filled:
+        if filled[line] > 1 or max(filled.values()) < 2:
+            break
+        del rows[line]
     lower = [name.lower() for name in rows.pop(next(iter(rows), 0), [])]
     before = [lower[:k].count(name) if name else 0 for k, name in enumerate(lower)]
     header = [f"{name} ({n + 1})" if n else name for name, n in zip(lower, before, strict=True)]

@@ -274,6 +274,11 @@ def _no_pairs(source: Path, skipped: list[Skipped]) -> str:
             " table that names them. Write videos.csv there, with a row for each recording and the"
             f" columns vis or tac (files), material and object; then {make}."
         )
+    if any(entry.name.endswith(".arrow") for entry in visible(source)):
+        return (
+            f"'{show(source)}' is a set that `datasets` saved; write it with"
+            " datasets.load_from_disk(FOLDER).to_parquet(FILE), and import that file."
+        )
     told = halves_among(folder.name for folder in folders_in(source))
     named = [show(name) for half in (*IMAGES, "?") for name in told[half]]
     perhaps = f" (perhaps {', '.join(named)})" if named else ""

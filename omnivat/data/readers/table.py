@@ -5,22 +5,25 @@ optional ones.
 import os
 import re
 from collections import Counter
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from omnivat.data.materials import MATERIALS, NO_CLASS, class_key
 from omnivat.data.naming import (
     COLUMNS,
+    SPLIT_COLUMNS,
     checked_split,
     found_file,
     half_of,
     is_file_name,
     modality_of,
     set_name,
+    split_of,
 )
 from omnivat.data.numbers import are_numbers
 from omnivat.data.pairs import TEXTS, Pair, PairSet, Skipped
-from omnivat.data.readers.files import TABLES, encoding_note, is_file, read_rows, show
+from omnivat.data.readers.files import TABLES, is_file, read_rows, show, table_note
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 from omnivat.kit.tables import suggestion
@@ -28,7 +31,12 @@ from omnivat.kit.tables import suggestion
 WORDS = {"vis": "photos", "tac": "touches"}
 OTHER = {"vis": "tac", "tac": "vis"}
 BEFORE = "tac_before"  # column of the touches of a moment before
-OWN = (BEFORE, "start", "end", "tac_delay", "named", "vis_from", "tac_from")  # of our own tables
+TIMES = {  # of films -> other names of theirs
+    "start": ("start_time", "start_s", "begin", "onset"),
+    "end": ("end_time", "end_s", "stop"),
+    "tac_delay": ("touch_delay", "delay"),
+}
+OWN = (BEFORE, *TIMES, "named", "vis_from", "tac_from")  # of our own tables
 RARE = 0.1  # share of rows without a picture up to which they are left out
 Row = dict[str, str]
 
@@ -131,17 +139,21 @@ def rows_of(
     rows = read_rows(file)
     filled = dict.fromkeys(name for row in rows.values() for name, cell in row.items() if cell)
     header = next(iter(rows.values()), {})
-    theirs = {name: [name, *others] for name, others in COLUMNS.items()}
+    theirs = {name: [name, *others] for name, others in {**COLUMNS, **TIMES}.items()}
     for half in IMAGES:
         told = [name for name in filled if half_of(name) == half and name != BEFORE]
-        by_word = [name for name in told if any(is_file_name(row[name]) for row in rows.values())]
+        by_word = [name for name in told if _names_files(rows, name, file.parent)]
         theirs[half] = [named[half]] if named[half] else [half] * (half in header) or by_word
         if len(theirs[half]) > 1:
             raise DataError(
                 f"'{show(file)}' has the columns {show(', '.join(theirs[half]))}; name one with"
                 f" --{half} COLUMN."
             )
-    plain = {re.sub(r"[\s-]+", "_", name): name for name in filled}  # "Object ID" is object_id
+    theirs["split"] = ["split", *(n for n in SPLIT_COLUMNS if _names_splits(rows, n))]
+    plain = {  # "Object ID" is object_id, and "Start [s]" is start
+        re.sub(r"[\s-]+", "_", re.sub(r"\s*[\[(](s|sec|seconds)[\])]$", "", name)): name
+        for name in filled
+    }
     found = {
         ours: [there for name in names if (there := name if name in filled else plain.get(name))]
         for ours, names in theirs.items()
@@ -153,7 +165,7 @@ def rows_of(
             raise DataError(
                 f"'{show(file)}' has no column '{named.get(name) or name}'; its first row has"
                 f" {show(', '.join(next(iter(rows.values()))))}, expected vis and tac, and perhaps"
-                f" domain, material, {', '.join(TEXTS)}.{meant}"
+                f" domain, material, {', '.join(TEXTS)}.{meant or _perhaps(rows, filled)}"
             )
     absent = {
         "domain": domain or set_name(file.resolve().parent),
@@ -166,13 +178,33 @@ def rows_of(
         for line, row in rows.items()
     }
     columns = [f"{WORDS[m]} of '{found[m][0]}'" for m in IMAGES if found[m] and found[m] != [m]]
-    columns += filter(None, [encoding_note(file)])
+    columns += filter(None, [table_note(file)])
     used = {*TEXTS, *OWN, *(name for names in found.values() for name in names[:1])}
     numbers = set(_numbers(list(rows.values())))
     for what, some in (("numbers", filled.keys() & numbers), ("not used", filled.keys() - numbers)):
-        if others := [name for name in filled if name in some and name not in used]:
+        if others := [name for name in filled if name and name in some and name not in used]:
             columns.append(f"{what}: {', '.join(others)}")
     return filled_in, ", ".join(columns)
+
+
+def _perhaps(rows: dict[int, Row], names: Iterable[str]) -> str:
+    """Return which columns may be named as photos or touches, for an error."""
+    files = [name for name in names if any(is_file_name(row[name]) for row in rows.values())]
+    shown = show(", ".join(files))
+    return (
+        f" Name the columns of photos and touches with --vis and --tac: {shown}." if files else ""
+    )
+
+
+def _names_files(rows: dict[int, Row], name: str, folder: Path) -> bool:
+    """Return whether cells of a column are files, perhaps without their suffixes."""
+    cells = [cell for row in rows.values() if (cell := row[name])]
+    return any(map(is_file_name, cells)) or any(is_file(found_file(folder, c)) for c in cells[:3])
+
+
+def _names_splits(rows: dict[int, Row], name: str) -> bool:
+    cells = {row[name] for row in rows.values() if row.get(name)}
+    return all(map(split_of, cells))
 
 
 def _stands_for_both(rows: list[Row]) -> str:

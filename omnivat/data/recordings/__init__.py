@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from omnivat.data.class_labels import class_names
 from omnivat.data.images import read_image
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.naming import TACTILE, VIDEOS, checked_split, found_file, half_of, without_half
@@ -44,12 +45,23 @@ def is_recording(source: Path) -> bool:
 
 
 def _names_recordings(table: Path) -> bool:
+    cells: set[str] = set()
     if table.suffix.lower() == ".xlsx":
-        cells = [cell for row in numbered_rows(table).values() for cell in row]
-        return any(cell.lower().endswith(RECORDED) for cell in cells)
-    with table.open("rb") as file:
-        head = file.read(HEAD).replace(b"\0", b"").lower()
-    return any(ending.encode() in head for ending in RECORDED)
+        cells = _cells(table)
+        if any(cell.endswith(RECORDED) for cell in cells):
+            return True
+    else:
+        with table.open("rb") as file:
+            head = file.read(HEAD).replace(b"\0", b"").lower()
+        if any(ending.encode() in head for ending in RECORDED):
+            return True
+    films = [e.name.lower() for e in visible(table.parent) if e.name.lower().endswith(RECORDED)]
+    stems = {os.path.splitext(name)[0] for name in films}  # suffixes may be left out
+    return bool(stems) and not stems.isdisjoint(cells or _cells(table))
+
+
+def _cells(table: Path) -> set[str]:
+    return {cell.lower() for row in numbered_rows(table).values() for cell in row}
 
 
 def _has_halves(table: Path) -> bool:
@@ -81,7 +93,24 @@ def _tactile(folder: Path) -> list[Path]:
     return found + [place for one in inner for place in _tactile(one)]
 
 
-def clips_of(
+def clips_of(source: Path, *, classes: Sequence[str] = (), **how: Any) -> list[Clip]:
+    """Return the recordings in `source`, or its pairs of pictures.
+
+    classes  names of numbered classes
+    how      as `_clips_of`
+
+    Raises DataError for another layout, or if the cameras cannot be told.
+    """
+    clips = _clips_of(source, classes=classes, **how)
+    known = [k for k, clip in enumerate(clips) if clip.material not in ("", NO_CLASS)]
+    if classes:
+        named = class_names([clips[k].material for k in known], classes, source)
+        for k, name in zip(known, named, strict=True):
+            clips[k] = replace(clips[k], material=class_key(name))
+    return clips
+
+
+def _clips_of(
     source: Path,
     *,
     vis: str = "",
@@ -152,6 +181,7 @@ def _paired(source: Path, vis: str, tac: str) -> list[Clip]:
             material=pair.material,
             object=pair.object,
             split=pair.split,
+            cameras=found.origin,
             frames=1,
         )
         for pair in found.pairs
@@ -170,16 +200,24 @@ def _clip(file: Path, number: int, row: Mapping[str, str], domain: str, cameras:
         name=f"row {number}",
         domain=row["domain"] or domain or show(file.absolute().parent.name),
         material=class_key(row["material"]) or NO_CLASS,
-        object=row["object"] or f"row {number}",
+        object=row["object"]
+        or " ".join(filter(None, (row["tac"] or row["vis"], class_key(row["material"])))),
         split=checked_split(row.get("split", ""), where),
         cameras=cameras,
     )
 
 
+def _seconds(text: str, name: str) -> float:
+    """Return the seconds in a text such as "2,5", "1:30" or "00:01:30"."""
+    parts = text.replace(",", ".").split(":")
+    numbers = [number_in(part, -DAY, DAY, name) for part in parts[-3:]]
+    return float(sum(number * 60.0**k for k, number in enumerate(reversed(numbers))))
+
+
 def _filmed(folder: Path, row: Mapping[str, str]) -> tuple[dict[str, Track], float | None]:
     """Return the tracks of a row, and its length in seconds; None for the video's."""
     given = [name for name in ("start", "end", "tac_delay") if row.get(name)]
-    seconds = {name: number_in(row[name].replace(",", "."), -DAY, DAY, name) for name in given}
+    seconds = {name: _seconds(row[name], name) for name in given}
     if seconds.get("end", DAY) <= seconds.get("start", 0.0):
         raise DataError(f"Its end, {row['end']} s, is not after its start.")
     start, delay = seconds.get("start", 0.0), {"vis": 0.0, "tac": seconds.get("tac_delay", 0.0)}

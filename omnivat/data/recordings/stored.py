@@ -4,9 +4,12 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from omnivat.data.columns import READERS, columns_of
 from omnivat.data.materials import NO_CLASS, class_key
@@ -107,11 +110,20 @@ def stored_clips(
 
 
 def _require_pictures(found: Sequence[Column], files: Sequence[Path]) -> None:
-    if not found:
-        raise DataError(
-            f"'{show(files[0])}' holds no pictures; of vectors, name their encoder with --encoder"
-            " NAME."
-        )
+    if found:
+        return
+    table = columns_of(files[0])
+    for name in table.names:
+        with suppress(DataError):
+            cells = np.ravel(np.asarray(table.get(name)))
+            if cells.size and is_file_name(str(cells[0])):
+                raise SettingsError(
+                    f"'{show(files[0])}' names pictures in {show(name)}, and holds none; save its"
+                    f" columns as {show(files[0].with_suffix('.csv'))}, and import that."
+                )
+    raise DataError(
+        f"'{show(files[0])}' holds no pictures; of vectors, name their encoder with --encoder NAME."
+    )
 
 
 def _grouped(

@@ -37,6 +37,7 @@ def test_the_summary_names_every_column_and_counts_every_pair():
         "TQ-DIGIT  indoor  -      0     1      0     1      1",
         "no class is in two domains, so none is tested across domains; if your folders are"
         " classes, put them into one folder, which names their domain",
+        "2 pairs name no object, and others do; each counts as its own object",
         "objects in more than one split: 1, such as 'chair'",
         "",
         "skipped  why       for example",

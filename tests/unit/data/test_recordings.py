@@ -170,6 +170,29 @@ def test_a_table_of_videos_gives_labels_parts_and_a_delay(tmp_path):
     assert seen(second.tac) == pytest.approx(65, abs=1.5)
 
 
+def test_a_folder_of_films_with_a_spreadsheet_of_parts_keeps_one_object_of_a_film(tmp_path, capsys):
+    """Names without suffixes, clock times, units in headers, and numbered classes."""
+    openpyxl = pytest.importorskip("openpyxl")
+    film(tmp_path / "Gel 1.mp4", range(40, 80))
+    book = openpyxl.Workbook()
+    for row in (
+        ["Touch video", "Start [s]", "End (s)", "Label"],
+        ["gel 1", "0,5", "00:00:01", 0],
+        ["gel 1", "0:02", "2.5", 0],
+        ["gel 1", "3", "3.5", 1],
+    ):
+        book.active.append(row)
+    book.save(tmp_path / "notes.xlsx")
+    line = ["import", str(tmp_path), "--out", str(tmp_path / "out"), "--frames", "1"]
+    assert main([*line, "--classes", "wood,felt"]) == 0
+    found = sorted(
+        (round(seen(p.tac)), p.material, p.object) for p in read_pairs(tmp_path / "out").pairs
+    )
+    assert [one[1:] for one in found] == [("wood", "gel 1 0")] * 2 + [("felt", "gel 1 1")]
+    assert [one[0] for one in found] == pytest.approx([47, 62, 72], abs=1.5)
+    assert "touches of 'touch video'" in capsys.readouterr().out
+
+
 def test_one_modality_and_labels_of_episodes_are_enough_for_the_command(tmp_path, capsys):
     pytest.importorskip("av")
     root = lerobot(tmp_path / "press", "v3.0", "video")

@@ -91,6 +91,34 @@ def test_a_spreadsheet_is_a_table(tmp_path, tree):
     assert (pair.domain, pair.material, pair.object) == ("rig", "wood", "7")
 
 
+def test_a_laboratory_s_spreadsheet_loses_no_object(tmp_path, tree):
+    """A title, a sheet of notes, merged cells, paths of another machine, suffixes left out."""
+    openpyxl = pytest.importorskip("openpyxl")
+    tree("in/v1.png", "in/v2.png", "in/t1.png", "in/t2.png")
+    book = openpyxl.Workbook()
+    book.active.append(["Notes"])
+    sheet = book.create_sheet("May")
+    for row in (
+        ["Presses of May"],
+        ["Photo", "Touch file", "Category", "Specimen", "Set", "Sensor type"],
+        ["C:\\rec\\in\\V1.png", "in/t1", "Wood", "mug 1", "Train", "Mini"],
+        ["/srv/rec/in/v2.png", "in/t2", None, None, "Train", "Mini"],
+    ):
+        sheet.append(row)
+    sheet.merge_cells("C3:C4")
+    sheet.merge_cells("D3:D4")
+    book.save(tmp_path / "book.xlsx")
+    found = read_pairs(tmp_path / "book.xlsx")
+    assert [(p.vis.name, p.tac.name) for p in found.pairs] == [
+        ("v1.png", "t1.png"),
+        ("v2.png", "t2.png"),
+    ]
+    assert {(p.domain, p.material, p.object, p.split) for p in found.pairs} == {
+        ("Mini", "wood", "mug 1", "train")
+    }
+    assert "sheet 'May'" in found.origin
+
+
 def test_a_byte_order_mark_and_windows_line_ends_are_accepted(table):
     assert len(read_pairs(table(f"{HEADER}\r\nv.png,t.png,D,wood\r\n", "utf-8-sig")).pairs) == 1
 
