@@ -269,10 +269,7 @@ def _texts_of(lamps: Mapping[str, Lamps | str]) -> dict[str, str]:
 
 
 def _lamps_of(metadata: Mapping[str, str]) -> dict[str, Lamps | str]:
-    lit, kept = (
-        texts(object_in(metadata.get(name, "{}").encode(), name), name)
-        for name in ("lamps", "kept")
-    )
+    lit, kept = (texts(object_in(metadata.get(n, "{}").encode(), n), n) for n in ("lamps", "kept"))
     if len(lit) > MOST_LAMPS:  # each is a picture, which text holds in little room
         raise DataError(f"The lamps of {len(lit):,} domains are stated, and {MOST_LAMPS} are read.")
     return {**kept, **{name: unpacked(text) for name, text in lit.items()}}
