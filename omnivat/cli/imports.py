@@ -143,6 +143,8 @@ def checked(pairs: "PairSet", look: Path | None) -> None:
     from omnivat.data.pairs import summary_table
 
     print(summary_table(pairs), flush=True)
+    if not any(pair.object for pair in pairs.pairs):
+        print("no pair names its object, so each counts as one: name those that several pairs show")
     if look:
         print(f"{contact_sheet(pairs, look)} pairs are drawn in {look}")
 

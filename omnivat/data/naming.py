@@ -228,6 +228,16 @@ def composed(name: str) -> str:
     return unicodedata.normalize("NFC", name)
 
 
+def one_spelling(names: Iterable[str]) -> list[str]:
+    """Return names in their first spelling: another case or blanks make no other object.
+
+    >>> one_spelling(["Mug 1", "mug  1 ", "fork"])
+    ['Mug 1', 'Mug 1', 'fork']
+    """
+    first: dict[str, str] = {}
+    return [first.setdefault(" ".join(_same(name).split()), name) for name in names]
+
+
 def found_file(folder: Path, name: str) -> Path:
     """Return the file that a table names from `folder`; backslashes, other Unicode forms, letters
     of another case and a suffix left out are no obstacle where one file fits. Of a path that is

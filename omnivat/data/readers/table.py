@@ -18,6 +18,7 @@ from omnivat.data.naming import (
     half_of,
     is_file_name,
     modality_of,
+    one_spelling,
     set_name,
     split_of,
 )
@@ -177,6 +178,11 @@ def rows_of(
         | {name: row[there[0]] if there else absent.get(name, "") for name, there in found.items()}
         for line, row in rows.items()
     }
+    for name in ("object", "domain"):
+        for row, text in zip(
+            filled_in.values(), one_spelling(r[name] for r in filled_in.values()), strict=True
+        ):
+            row[name] = text
     columns = [f"{WORDS[m]} of '{found[m][0]}'" for m in IMAGES if found[m] and found[m] != [m]]
     columns += filter(None, [table_note(file)])
     used = {*TEXTS, *OWN, *(name for names in found.values() for name in names[:1])}

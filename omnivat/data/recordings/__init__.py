@@ -12,7 +12,15 @@ from typing import Any
 from omnivat.data.class_labels import class_names
 from omnivat.data.images import read_image
 from omnivat.data.materials import NO_CLASS, class_key
-from omnivat.data.naming import TACTILE, VIDEOS, checked_split, found_file, half_of, without_half
+from omnivat.data.naming import (
+    TACTILE,
+    VIDEOS,
+    checked_split,
+    found_file,
+    half_of,
+    one_spelling,
+    without_half,
+)
 from omnivat.data.pairs import Pair
 from omnivat.data.readers import read_pairs
 from omnivat.data.readers.files import TABLES, number_in, numbered_rows, show, visible
@@ -107,7 +115,11 @@ def clips_of(source: Path, *, classes: Sequence[str] = (), **how: Any) -> list[C
         named = class_names([clips[k].material for k in known], classes, source)
         for k, name in zip(known, named, strict=True):
             clips[k] = replace(clips[k], material=class_key(name))
-    return clips
+    things, places = (one_spelling(getattr(c, n) for c in clips) for n in ("object", "domain"))
+    return [
+        replace(clip, object=thing, domain=place)
+        for clip, thing, place in zip(clips, things, places, strict=True)
+    ]
 
 
 def _clips_of(

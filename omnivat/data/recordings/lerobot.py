@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.data.materials import NO_CLASS, class_key
-from omnivat.data.naming import cameras_among, checked_split, set_name
+from omnivat.data.naming import cameras_among, checked_split, set_name, split_of
 from omnivat.data.readers.files import number_in, read_labels, read_lines, show
 from omnivat.data.recordings.tracks import Clip, Film, Track, parquet_rows, stored
 from omnivat.kit.errors import DataError
@@ -19,6 +19,7 @@ from omnivat.kit.schema import object_in, read_object
 
 INFO = Path("meta") / "info.json"
 MOST = 10**9  # episodes, frames, seconds
+MOST_EPISODES = 10**6  # of a split
 PLACE = re.compile(r"{(\w+):?(0?\d{0,2}d?)}")  # in the template of a path
 
 
@@ -58,7 +59,7 @@ class LeRobot:
         there = {str(one["episode_index"]) for one in episodes}
         absent = {"task": "", "problem": "--labels lists this episode, which is not there."}
         episodes += [absent | {"episode_index": name} for name in table if name not in there]
-        clips = []
+        clips, splits = [], self._splits()
         for one in episodes:
             number = one["episode_index"]
             row = table.get(str(number), {})
@@ -73,7 +74,8 @@ class LeRobot:
                     domain=row.get("domain") or domain or place or set_name(self.root.resolve()),
                     material=class_key(row.get("material") or task) or NO_CLASS,
                     object=row.get("object") or f"episode {number}",
-                    split=checked_split(row.get("split", ""), f"--labels, episode {number}"),
+                    split=checked_split(row.get("split", ""), f"--labels, episode {number}")
+                    or splits.get(number, ""),
                     cameras=f"photo {photo or 'none'}, touch {touch or 'none'}",
                 )
                 clips.append(clip)
@@ -114,6 +116,19 @@ class LeRobot:
                 seen.add(number)
             found.append(row | {"task": _task(row.get("tasks"))})
         return found
+
+    def _splits(self) -> dict[Any, str]:
+        """Return each episode's split, if the data set states several, as "0:80" and "80:99"."""
+        stated = self.info.get("splits")
+        stated = stated.items() if isinstance(stated, dict) else ()
+        spans = {split_of(name): re.fullmatch(r"(\d{1,9}):(\d{1,9})", str(v)) for name, v in stated}
+        told = {name: span for name, span in spans.items() if name and span}
+        return {
+            number: name
+            for name, span in told.items()
+            for number in range(int(span[1]), min(int(span[2]), int(span[1]) + MOST_EPISODES))
+            if len(told) > 1
+        }
 
     def _track(self, key: str, episode: Mapping[str, Any]) -> Track:
         number = episode["episode_index"]

@@ -133,6 +133,16 @@ def test_each_layout_gives_the_pictures_of_the_same_moments(tmp_path, version, k
             assert abs(seen(file) - grey(episode, frame, half)) < 1.5, (pair, half)
 
 
+def test_splits_that_a_data_set_states_are_kept_and_a_single_one_tells_nothing(tmp_path):
+    for name, splits, expected in (
+        ("two", {"train": "0:2", "test": "2:3"}, ["train", "train", "test"]),
+        ("one", {"train": "0:3"}, [""] * 3),
+        ("odd", {"train": "all", "test": [2]}, [""] * 3),
+    ):
+        clips = clips_of(lerobot(tmp_path / name, "v3.0", splits=splits))
+        assert [clip.split for clip in clips] == expected
+
+
 def test_contact_picks_the_moments_whose_touch_differs_most(tmp_path):
     touch = [50] * 12 + [200, 210, 220] + [50] * 5
     film(tmp_path / "t.mkv", touch, spot=slice(12, 24))  # which has no length of its own

@@ -102,7 +102,8 @@ def test_a_laboratory_s_spreadsheet_loses_no_object(tmp_path, tree):
         ["Presses of May"],
         ["Photo", "Touch file", "Category", "Specimen", "Set", "Sensor type"],
         ["C:\\rec\\in\\V1.png", "in/t1", "Wood", "mug 1", "Train", "Mini"],
-        ["/srv/rec/in/v2.png", "in/t2", None, None, "Train", "Mini"],
+        ["/srv/rec/in/v2.png", "in/t2", None, None, "Train", "mini "],
+        ["in/v1.png", "in/t2", "wood", "MUG  1", "Train", "Mini"],
     ):
         sheet.append(row)
     sheet.merge_cells("C3:C4")
@@ -112,6 +113,7 @@ def test_a_laboratory_s_spreadsheet_loses_no_object(tmp_path, tree):
     assert [(p.vis.name, p.tac.name) for p in found.pairs] == [
         ("v1.png", "t1.png"),
         ("v2.png", "t2.png"),
+        ("v1.png", "t2.png"),
     ]
     assert {(p.domain, p.material, p.object, p.split) for p in found.pairs} == {
         ("Mini", "wood", "mug 1", "train")
