@@ -147,31 +147,38 @@ def cameras_among(
 
 
 def modality_of(path: Path) -> str:
-    """Return "vis" or "tac" by the last word of a file's stem, or else by its folder's name; "" for
-    neither.
+    """Return "vis" or "tac" by the last word of a file's stem, else by its first one, or else by
+    its folder's name; "" for neither.
 
-    >>> modality_of(Path("1_tac.png")), modality_of(Path("1 rgb.png")), modality_of(Path("tac/1"))
+    >>> modality_of(Path("1_tac.png")), modality_of(Path("rgb 1.png")), modality_of(Path("tac/1"))
     ('tac', 'vis', 'tac')
     """
     folder = path.parent.name.lower()
-    return _half_at_end(composed(path.stem))[0] or (folder if folder in IMAGES else "")
+    return _told(composed(path.stem))[0] or (folder if folder in IMAGES else "")
 
 
 def without_half(stem: str) -> str:
-    """Return a file's stem without a last word that tells its modality.
+    """Return a file's stem without the word that tells its modality.
 
-    >>> without_half("press_01_GelSight"), without_half("tac")
-    ('press_01', '')
+    >>> without_half("press_01_GelSight"), without_half("rgb_7"), without_half("tac")
+    ('press_01', '7', '')
     """
-    stem = composed(stem)
-    return stem[: len(stem) - _half_at_end(stem)[1]]
+    return _told(composed(stem))[1]
 
 
-def _half_at_end(stem: str) -> tuple[str, int]:
-    """Return the modality that the last word of a stem tells, and the length of its end."""
+def half_at_end(stem: str) -> tuple[str, str]:
+    """Return the modality that the last word of a stem tells, "" for none, and the rest."""
     end = re.search(r"(?:^|[\W_]+)([^\W\d_]+)$", stem)
     half = half_of(end[1]) if end else ""
-    return (half, len(end[0])) if end and half in IMAGES else ("", 0)
+    return (half, stem[: end.start()]) if end and half in IMAGES else ("", stem)
+
+
+def _told(stem: str) -> tuple[str, str]:
+    half, rest = half_at_end(stem)
+    first = re.match(r"([^\W\d_]+)[\W_]+(?=.)", stem)
+    if not half and first and half_of(first[1]) in IMAGES:
+        return half_of(first[1]), stem[first.end() :]
+    return half, rest
 
 
 def split_of(name: str) -> str:

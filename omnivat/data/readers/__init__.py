@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.data.domains import is_simulated, require_domain_names
+from omnivat.data.naming import VIDEOS
 from omnivat.data.pairs import PairSet
 from omnivat.data.readers.files import show
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.tables import load, require_choice, suggestion
 
+ARCHIVES = (".zip", ".tar", ".gz", ".tgz", ".bz2", ".xz", ".7z", ".rar")
 # Tried in this order if no reader is named. A reader is a module with `read` and `recognises`.
 READERS = {
     "csv": "omnivat.data.readers.table:read",
@@ -33,9 +35,15 @@ def recognised(source: Path) -> str:
     for name, target in READERS.items():
         if import_module(target.split(":")[0]).recognises(source):
             return name
+    kind, place = source.suffix.lower(), f"'{show(source)}'"
+    if kind in VIDEOS:
+        columns = "vis or tac (files), material and object"
+        raise DataError(f"{place} is a film; import a table that names it, with columns {columns}.")
+    if kind in ARCHIVES:
+        raise DataError(f"{place} is an archive; unpack it, and give the folder.")
     raise DataError(
-        f"'{show(source)}' is a file, but pairs come from a folder or a CSV. "
-        "Give the folder it lies in, or a .csv with the columns vis, tac, domain, material."
+        f"{place} is a file, but pairs come from a folder or a CSV. Give the folder it lies in, or"
+        " a .csv with the columns vis, tac, domain, material."
     )
 
 

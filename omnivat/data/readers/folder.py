@@ -14,6 +14,7 @@ from omnivat.data.naming import (
     TACTILE,
     VIDEOS,
     composed,
+    half_of,
     halves_among,
     is_image_name,
     modality_of,
@@ -28,6 +29,8 @@ from omnivat.data.rest import REST
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 
+WORDS = {"vis": "photos", "tac": "touches"}
+NO_WORD = "its name ends neither in _vis nor in _tac"
 LAYOUT = "<domain>/<class>/<name>_vis.png beside <name>_tac.png"
 
 
@@ -97,6 +100,8 @@ def read(
         )
     if not pairs:
         raise DataError(_no_pairs(source, skipped))
+    if one:
+        _require_no_others(one, skipped)
     return PairSet(
         pairs=tuple(pairs),
         skipped=tuple(skipped),
@@ -215,12 +220,24 @@ def _has_pictures(folder: Path) -> bool:
     )
 
 
+def _require_no_others(one: str, skipped: list[Skipped]) -> None:
+    """Raise DataError if the set is of one modality, and pictures of the other one are left out."""
+    for lost in skipped:
+        half = half_of(Path(lost.what).stem)
+        if lost.why == NO_WORD and half in IMAGES and half != one:
+            raise DataError(
+                f"'{lost.what}' has a word of {WORDS[half]} inside its name, so that only"
+                f" {WORDS[one]} are left; begin or end the name with that word, or put photos and"
+                " touches into folders named with --vis and --tac."
+            )
+
+
 def _no_picture(path: Path, half: str) -> str:
     """Return why a file is not part of a pair, or ""."""
     if not is_text(str(path)):
         return "a name in its path is not UTF-8; rename it"
     if not half:
-        return "its name ends neither in _vis nor in _tac"
+        return NO_WORD
     if not is_image_name(path.name):
         return f"'{show(path.suffix)}' is not a suffix of images"
     return "" if path.is_file() else "cannot be opened (a broken link?)"

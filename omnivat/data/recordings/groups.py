@@ -10,7 +10,7 @@ from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from omnivat.data.naming import half_of, split_of, without_half
+from omnivat.data.naming import half_at_end, half_of, split_of
 from omnivat.kit.stages import IMAGES
 
 # words of groups that hold the cameras of one recording
@@ -125,7 +125,7 @@ def _near(here: Sequence[Place], depth: int, named: Collection[str]) -> _Near:
         if half_of(name) or name in named or (not place.still and _words(name) & CAMERAS):
             inside = True  # beside a camera, others are cameras
         columns.add(name)
-        shots[without_half(name)] += place.still
+        shots[half_at_end(name)[1]] += place.still
         if number := ENDS_IN_NUMBER.fullmatch(name):
             series[number[1]] += not place.still
     return _Near(
@@ -160,7 +160,7 @@ def _tell_group(place: Place, depth: int, near: _Near, named: Collection[str]) -
 def _tell_last(place: Place, near: _Near, named: Collection[str]) -> None:
     """Note what a column's own name tells."""
     name = place.names[-1]
-    shot, number = without_half(name), ENDS_IN_NUMBER.fullmatch(name)
+    (_, shot), number = half_at_end(name), ENDS_IN_NUMBER.fullmatch(name)
     camera = bool(_words(name) & CAMERAS - SHOTS)
     if name in named:
         place.seen_by(name)

@@ -130,6 +130,15 @@ def test_photo_and_touch_are_one_pair_by_a_last_word_by_number_and_in_any_unicod
     assert pair.material == "wood"
 
 
+def test_a_word_that_begins_a_name_tells_its_half_and_one_inside_is_a_question(tree):
+    found = read(tree("D/wood/rgb_1.png", "D/wood/tactile_1.png", "D/wood/tactile_2.png"))
+    assert [(p.vis.name, p.tac.name) for p in found.pairs] == [("rgb_1.png", "tactile_1.png")]
+    assert [one.why for one in found.skipped] == ["no _vis image beside the other"]
+    root = tree("E/wood/1_rgb.png", "E/wood/1_gelsight_left.png")
+    with pytest.raises(DataError, match="1_gelsight_left.png' has a word of touches inside"):
+        read(root / "E")
+
+
 def test_numbers_pair_only_names_of_one_wording_each(tree):
     with pytest.raises(DataError, match=r"rgb, gelsight.*3 skipped"):
         read(tree("rgb/wood/img_1.png", "rgb/wood/top_2.png", "gelsight/wood/gel_1.png"))
