@@ -157,6 +157,10 @@ def _text(place: Path) -> Columns:
     cells = [row + [""] * (len(header) - len(row)) for row in rows.values()]
 
     def read(name: str) -> NDArray[Any]:
+        if (count := header.count(name)) > 1:
+            raise DataError(
+                f"'{place}' has {count} columns called {name}; rename or leave out some."
+            )
         at = header.index(name)
         return np.array([row[at] for row in cells])
 

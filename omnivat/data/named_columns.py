@@ -55,7 +55,10 @@ class Columns:
             if path := self.path(name):
                 return self.read(path)
             pattern = rf"{re.escape(name)}_(\d+)"
-            numbers = sorted(int(m[1]) for key in self.names if (m := re.fullmatch(pattern, key)))
+            found = {
+                int(m[1]): key for key in self.names if (m := re.fullmatch(pattern, key, re.I))
+            }
+            numbers = sorted(found)
             if not numbers:
                 return None
             if numbers != list(range(numbers[0], numbers[0] + len(numbers))):
@@ -63,12 +66,16 @@ class Columns:
                     f"'{self.place}' lacks some of the columns {name}_{numbers[0]} to"
                     f" {name}_{numbers[-1]}."
                 )
-            return np.stack([self.read(f"{name}_{k}") for k in numbers], axis=1)
+            return np.stack([self.read(found[k]) for k in numbers], axis=1)
 
     def path(self, name: str) -> str:
-        """Return the full name of a column, which may lie in a group, or ""."""
+        """Return the full name of a column, which may lie in a group and be written as a person
+        does, such as "Object ID" for object_id; "" of none or several.
+        """
         ends = [key for key in self.names if key.rpartition("/")[2] == name]
-        return name if name in self.names else ends[0] if len(ends) == 1 else ""
+        alike = [key for key in self.names if _plain(key.rpartition("/")[2]) == name]
+        found = [name] if name in self.names else ends or alike
+        return found[0] if len(found) == 1 else ""
 
     def pictures_of(self, name: str) -> Pictures | None:
         """Return the pictures of a column, if it has any. Raises DataError."""
@@ -78,6 +85,10 @@ class Columns:
     def row(self, number: int) -> str:
         """Return the name of a row in a message."""
         return f"row {number}" + (f" (line {self.lines[number]})" if self.lines else "")
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[\s-]+", "_", name.strip().lower())
 
 
 @contextmanager

@@ -92,6 +92,22 @@ def test_each_kind_of_file_becomes_the_same_set(table, tmp_path, name):
     assert found.rows["vis"][2] == "set/2_vis"
 
 
+def test_columns_as_people_write_them_lose_no_object_and_none_is_taken_of_two(table, tmp_path):
+    theirs = {"vis": "Vis", "tac": "TAC", "material": "Class Name", "object": "Object ID"}
+    renamed = {theirs.get(name, name): array for name, array in table.items()}
+    for name, write in WRITERS.items():
+        write(renamed, tmp_path / name)
+        found = import_embeddings(tmp_path / name, encoder="x")
+        assert found.rows["object"] == list(table["object"])
+        assert [found.header.classes[i] for i in found.label] == list(table["material"])
+    text = (tmp_path / "set.csv").read_text("utf-8").replace("split", "Class Name")
+    (tmp_path / "two.csv").write_text(text, "utf-8")
+    with pytest.raises(DataError, match="has no column 'material'"):
+        import_embeddings(tmp_path / "two.csv", encoder="x")
+    with pytest.raises(DataError, match="has 2 columns called Class Name; rename or leave out"):
+        import_embeddings(tmp_path / "two.csv", encoder="x", columns={"material": "Class Name"})
+
+
 def test_files_imported_under_one_name_are_of_one_encoder(table, tmp_path):
     write_npz(table, tmp_path / "a.npz")
     table["vis"] = table["vis"] + 1
