@@ -4,6 +4,7 @@ A profile is mean and variance of each embedding channel; no picture is in it. R
 `app.pair_input` then moves uploaded images onto the statistics of the head's source.
 """
 
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
@@ -46,7 +47,8 @@ def profile(resources: Resources, question: Question) -> Reply:
         if rows:
             found = channels_of(np.stack(rows))
             channels[name] = joined(channels[name], found) if name in channels else found
-    return _kept(resources, Profile(channels=channels, key=source.key, domain=DOMAIN))
+    made = Profile(channels=channels, key=source.key, domain=DOMAIN)
+    return _kept(resources, replace(before, channels=channels) if before else made)
 
 
 def save_sensor(resources: Resources, question: Question) -> bytes:
@@ -81,7 +83,10 @@ def from_the_start(resources: Resources) -> Reply:
 
 
 def _kept(resources: Resources, profile: "Profile") -> Reply:
+    from omnivat.data.relief.files import packed
+
     parts = [(one.mean.tobytes(), one.variance.tobytes()) for one in profile.channels.values()]
-    name = content_name(repr([profile.counts, *parts]).encode())
+    rest = (profile.domain, profile.step, packed(profile.lamps) if profile.lamps else "")
+    name = content_name(repr([profile.counts, *parts, rest]).encode())
     resources.profiles.keep(name, profile)
     return {"profile": name, "counts": profile.counts}

@@ -52,9 +52,9 @@ class Ordinary(Visitor):
         chance, found = Random(self.number), []
         row = f"row:{self.number}"
         kinds: dict[str, tuple[str, Any]] = {
-            "drag": ("pair", {"vis": row, "tac": row}),
-            "fact": ("about", None),
-            "upload": ("image?name=x", self.upload),
+            "drag": ("omnivat/pair", {"vis": row, "tac": row}),
+            "fact": ("omnivat/about", None),
+            "upload": ("omnivat/image?name=x", self.upload),
         }
         while time.monotonic() < until:
             time.sleep(chance.expovariate(1 / PAUSE_S))
@@ -174,7 +174,7 @@ def main() -> int:
     chosen = parser.parse_args()
     with started() as (server, address, _):
         one = Visitor(address, 0)
-        one.send("pair", {"vis": "row:0", "tac": "row:0"})
+        one.send("omnivat/pair", {"vis": "row:0", "tac": "row:0"})
         one.image(0)  # head, set and encoder are loaded
         found: dict[str, Any] = {
             name: watched(address, chosen.visitors, 60 * minutes, beside=name == "beside")

@@ -123,6 +123,7 @@ def write_twins(path: Path, made: Twins) -> None:
             raise DataError(
                 f"{name} has values outside of 0 to {255 / LEVELS:.3f}; twins are of ReLU features."
             )
+        length *= LEVELS / np.linalg.norm(level, axis=-1)  # what is read is written the same again
         arrays |= {name: level.astype(np.uint8), f"{name}_length": length.astype(np.float32)}
     text = {name: getattr(made, name) for name in TEXTS}
     text |= {"format": FORMAT, "header": asdict(made.header), "as_filled": made.as_filled}

@@ -73,7 +73,9 @@ def test_a_file_keeps_every_row_to_the_size_of_a_byte(tmp_path):
 
     for name in ("vis", "tac", "filled", "printed"):
         one, other = getattr(before, name), getattr(after, name)
-        assert np.abs(one - other).max() <= 0.5 / 512 * np.linalg.norm(one, axis=-1).max()
+        lengths = [np.linalg.norm(rows, axis=-1) for rows in (one, other)]
+        assert np.abs(one - other).max() <= 0.6 / 512 * lengths[0].max()
+        np.testing.assert_allclose(*lengths, rtol=1e-6)  # else copies of copies would shrink
     np.testing.assert_array_equal(after.filled[:, 1], after.tac[:, 1])
     assert (after.header, after.objects, after.as_filled) == (
         before.header,
