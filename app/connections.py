@@ -52,6 +52,7 @@ class Connection(h11_impl.H11Protocol):
         if self.hold(visitor_at(self.client[0] if self.client else "")):
             self._watch()
         else:
+            self.connections.discard(self)  # at once: requests of others count those there are
             transport.abort()
 
     def hold(self, visitor: str) -> bool:

@@ -38,9 +38,10 @@ class JobStopped(BaseException):
 class Lane:
     """Jobs of one kind: at most `slots` running, and the waiting ones.
 
-    Smaller priorities go first; among equals, paused jobs, then the visitor with the fewest jobs
-    before, then the oldest. One of several slots is for jobs of priority 0, so that a rush of
-    uploads does not hold up drags.
+    The visitor with the fewest jobs before goes first, whatever the priority of another's second
+    job; the server's own work has no visitor and waits for none. Then smaller priorities go first;
+    among equals, paused jobs, then the oldest. One of several slots is for jobs of priority 0, so
+    that a rush of uploads does not hold up drags.
     """
 
     def __init__(self, slots: int, threads: ThreadPoolExecutor) -> None:
@@ -49,24 +50,24 @@ class Lane:
         self.waiting: list[Job[Any]] = []
         self.changed = Condition()  # a paused job was woken or stopped
 
-    def in_order(self) -> "list[Job[Any]]":
-        """Return the waiting jobs, the next one first."""
-        before = Counter(job.visitor for job in self.running)
+    def in_order(self, paused: "Job[Any] | None" = None) -> "list[Job[Any]]":
+        """Return the waiting jobs, the next one first; as if a running one were `paused`."""
+        before = Counter(job.visitor for job in self.running - {paused})
         turn = {}
-        for job in sorted(self.waiting, key=lambda job: job.number):
-            turn[job] = before[job.visitor]
+        waiting = [*self.waiting, *([paused] if paused else [])]
+        for job in sorted(waiting, key=lambda job: (job.priority, not job.begun, job.number)):
+            turn[job] = before[job.visitor] if job.visitor else 0
             before[job.visitor] += 1
-        return sorted(
-            self.waiting, key=lambda job: (job.priority, not job.begun, turn[job], job.number)
-        )
+        return sorted(waiting, key=lambda job: (turn[job], job.priority, not job.begun, job.number))
 
     def let_in(self) -> None:
         """Start or wake the jobs that may run now; the caller holds the lock."""
         for job in self.in_order():
             later = sum(one.priority > 0 for one in self.running)
-            room = max(1, self._slots - 1) - later if job.priority > 0 else 1
-            if room < 1 or len(self.running) >= self._slots:
+            if len(self.running) >= self._slots:
                 break
+            if job.priority > 0 and later >= max(1, self._slots - 1):
+                continue
             self.waiting.remove(job)
             self.running.add(job)
             job.since = monotonic()
@@ -113,7 +114,7 @@ class Job(Generic[T]):
                     "This took longer than allowed and was stopped; try something smaller."
                 )
             better = any(one.priority < self.priority for one in self.lane.waiting)
-            if better and not self.cancelled:
+            if better and not self.cancelled and self.lane.in_order(self)[0] is not self:
                 self.left_s -= spent
                 self.lane.running.remove(self)
                 self.lane.waiting.append(self)

@@ -125,7 +125,8 @@ def questions(chance: random.Random, count: int) -> Iterator[dict[str, Any]]:
     """Yield requests with valid and hostile values under the page's names."""
     names = ("vis", "tac", "order", "stage", "map", "point", "nodes", "method", "head", "lessons",
              "reading", "modality", "row", "rows", "class", "domain", "pair", "k", "label",
-             "measure", "set")  # fmt: skip
+             "measure", "set", "pairs", "photos", "touches", "profile", "taught", "mode", "colour",
+             "theme", "parts", "compare")  # fmt: skip
     for _ in range(count):
         asked = {name: chance.choice(ATOMS) for name in chance.sample(names, chance.randint(0, 6))}
         for name in ("vis", "tac"):

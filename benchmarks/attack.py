@@ -70,7 +70,7 @@ def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Coun
     """Send `count` hostile inputs of each kind; return the results."""
     from app.routes import QUESTIONS
 
-    kinds = ("images", "questions", "api", "heads", "sets", "profiles", "callers")
+    kinds = ("images", "touches", "questions", "api", "heads", "sets", "profiles", "callers")
     found = {name: Counts() for name in kinds}
 
     def send(kind: str, what: str, address: str, **more: Any) -> Any:
@@ -83,6 +83,13 @@ def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Coun
     client.post("/omnivat/image", content=next(iter(images(random.Random(0), 1))))  # the encoder
     for k, content in enumerate(images(random.Random(seed), count)):
         send("images", f"image {k}", "/omnivat/image?name=x", content=content)
+        chosen = random.Random(f"{seed} {k}")
+        sizes = chosen.choice(
+            (len(content), f"9,{len(content) - 9}", "", "0", "٣", "-1,1", "9" * 99)
+        )
+        words = f"sizes={sizes}&as={chosen.choice(('figures', 'npy', 'ply', '', 'x'))}&theme=%00"
+        way = chosen.choice((f"relief?{words}", "live?modality=tac"))
+        send("touches", f"image {k} to {way}", f"/omnivat/{way}", content=content)
         if len(content) < 2_000_000:
             address = "data:image/png;base64," + b64encode(content).decode()
             send("api", f"image {k}", "/omnivat/api/predict", json={"vis": address})

@@ -25,16 +25,17 @@ from urllib.parse import urlsplit
 
 import numpy as np
 
+from app.guard import EVENTS
 from benchmarks._browser import resident_mb, started
 from benchmarks._machine import machine
-from benchmarks.quick import Visitor, picture
+from benchmarks.quick import Visitor, picture, small_training
 from omnivat.kit.files import write_json
 
 OUT = Path("docs/benchmarks/hostile.json")
 HOSTILE = "127.0.0.2"
 LATE_S, PAUSE_S = 30, 1.0  # a visitor's patience; mean seconds between two of its requests
 ROLES = {"silent": 200, "slow head": 100, "no reader": 50, "training": 10, "live": 250}
-HEAD = "{} /omnivat/{} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: {}\r\n\r\n"
+HEAD = "{} /{} HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: {}\r\n\r\n"
 
 
 class Ordinary(Visitor):
@@ -65,15 +66,18 @@ class Ordinary(Visitor):
             began = time.monotonic()
             try:
                 self.send(path, body)
-            except (HTTPException, OSError, ValueError):
+            except (HTTPException, OSError, ValueError) as error:
                 self.connection.close()
-                kind = "failed"
+                kind = f"failed: {kind}, {error or type(error).__name__}"
             found.append((kind, time.monotonic() - began))
         return found
 
 
-async def hostile(port: int, until: float) -> Counter[str]:
-    """Play all roles until a moment; return how often each did its work."""
+async def hostile(port: int, until: float, event: dict[str, Any]) -> Counter[str]:
+    """Play all roles until a moment; return how often each did its work.
+
+    event  that starts a training
+    """
     counts: Counter[str] = Counter()
     frame, names = picture(7), iter(range(10**9))
 
@@ -95,34 +99,35 @@ async def hostile(port: int, until: float) -> Counter[str]:
         await reader.read(1)
 
     async def slow(_: Any, writer: Any) -> None:
-        for letter in HEAD.format("GET", "about", 0):
+        for letter in HEAD.format("GET", "omnivat/about", 0):
             writer.write(letter.encode())
             await writer.drain()
             await asyncio.sleep(5)
 
     async def blind(_: Any, writer: Any) -> None:
-        writer.write(HEAD.format("GET", "frames", 0).encode() * 50)  # more than a system keeps
+        many = HEAD.format("GET", "omnivat/frames", 0).encode() * 50  # more than a system keeps
+        writer.write(many)
         await writer.wait_closed()
 
-    def sender(path: str, body: Callable[[], bytes]) -> Callable[[Any, Any], Any]:
+    def sender(path: str, kind: str, body: Callable[[], bytes]) -> Callable[[Any, Any], Any]:
         async def play(reader: Any, writer: Any) -> None:
             content = body()
-            writer.write(HEAD.format("POST", path, len(content)).encode() + content)
+            head = HEAD.format("POST", path, len(content)).replace("Host", f"{kind}\r\nHost", 1)
+            writer.write(head.encode() + content)
             head = await reader.readuntil(b"\r\n\r\n")
             counts[f"{path.partition('?')[0]}: {head[9:12].decode()}"] += 1
 
         return play
 
     def training() -> bytes:
-        name = {"visitor": f"v{next(names)}", "source": "TAG-sim", "width": 64, "epochs": 200}
-        return json.dumps(name).encode()
+        return json.dumps(event | {"session_hash": f"v{next(names)}"}).encode()
 
     plays = {
         "silent": silent,
         "slow head": slow,
         "no reader": blind,
-        "training": sender("train", training),
-        "live": sender("live?modality=vis", lambda: frame),
+        "training": sender(EVENTS[1:], "Content-Type: application/json", training),
+        "live": sender("omnivat/live?modality=vis", "Accept: */*", lambda: frame),
     }
     await asyncio.gather(
         *(connected(r, plays[r]) for r, most in ROLES.items() for _ in range(most))
@@ -130,33 +135,39 @@ async def hostile(port: int, until: float) -> Counter[str]:
     return counts
 
 
-def attacked(port: int, until: float, told: Any) -> None:
+def attacked(port: int, until: float, event: dict[str, Any], told: Any) -> None:
     """Run the hostile client in this process; send its counts."""
-    told.send(asyncio.run(hostile(port, until)))
+    told.send(asyncio.run(hostile(port, until, event)))
 
 
-def watched(address: str, visitors: int, seconds: float, *, beside: bool) -> dict[str, Any]:
-    """Return what visitors met for some seconds, alone or beside the hostile address."""
+def watched(
+    address: str, visitors: int, seconds: float, event: dict[str, Any] | None = None
+) -> dict[str, Any]:
+    """Return what visitors met for some seconds; with the `event` that starts a training, beside
+    the hostile address.
+    """
     until = time.monotonic() + seconds
     counts: dict[str, int] = {}
     hear, tell = multiprocessing.Pipe(duplex=False)
     port = urlsplit(address).port
-    process = multiprocessing.Process(target=attacked, args=(port, until, tell), daemon=True)
-    if beside:
+    process = multiprocessing.Process(target=attacked, args=(port, until, event, tell), daemon=True)
+    if event:
         process.start()
     with ThreadPoolExecutor(visitors) as crowd:
         everybody = [Ordinary(address, k) for k in range(visitors)]
         every = [one for visit in crowd.map(lambda v: v.stay(until), everybody) for one in visit]
-    if beside:
+    if event:
         counts = dict(sorted(hear.recv().items()))
         process.join()
     seconds_of = {
         kind: [s for name, s in every if name == kind] for kind in ("drag", "fact", "upload")
     }
-    failed = sum(name == "failed" for name, _ in every)
+    why = Counter(name for name, _ in every if name.startswith("failed"))
+    failed = why.total()
     return {
         "requests": len(every),
         "failed": failed,
+        "why": dict(why),
         "succeeded": round(1 - failed / max(len(every), 1), 5),
         "p95_s": {k: round(float(np.quantile(s or [0], 0.95)), 3) for k, s in seconds_of.items()},
         "slowest_s": round(max(s for _, s in every), 2),
@@ -176,9 +187,13 @@ def main() -> int:
         one = Visitor(address, 0)
         one.send("omnivat/pair", {"vis": "row:0", "tac": "row:0"})
         one.image(0)  # head, set and encoder are loaded
+        event = small_training(one)
         found: dict[str, Any] = {
-            name: watched(address, chosen.visitors, 60 * minutes, beside=name == "beside")
-            for name, minutes in (("alone", chosen.quiet), ("beside", chosen.minutes))
+            name: watched(address, chosen.visitors, 60 * minutes, given)
+            for name, minutes, given in (
+                ("alone", chosen.quiet, None),
+                ("beside", chosen.minutes, event),
+            )
         }
         found["server_mb"] = round(resident_mb(server))
     record = {"machine": machine(), "visitors": chosen.visitors, "minutes": chosen.minutes} | found

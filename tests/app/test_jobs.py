@@ -62,6 +62,22 @@ def test_a_visitor_with_one_job_does_not_wait_for_all_of_another(jobs, monkeypat
     first.future.result(60)
 
 
+def test_frames_of_one_visitor_do_not_starve_another_ones_upload(jobs):
+    first, go, there = held(jobs, visitor="many")
+    there.wait(60)
+    frames = [jobs.start(lambda _: None, lane="long", visitor="many") for _ in range(4)]
+    upload = jobs.start(lambda _: None, lane="long", visitor="few", priority=1)
+    assert (upload.place, frames[0].place) == (1, 2)
+    go.set()
+    first.future.result(60)
+    upload, go, there = held(jobs, visitor="few", priority=1)  # its turn, and it goes on
+    there.wait(60)
+    more = [jobs.start(lambda _: None, lane="long", visitor="many") for _ in range(2)]
+    more[0].future.result(60)
+    go.set()
+    upload.future.result(60)
+
+
 def test_a_running_job_gives_way_to_a_better_one_and_goes_on_after_it(jobs):
     slow, go, there = held(jobs, priority=5)
     there.wait(60)
