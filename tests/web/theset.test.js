@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import "./browser.js";
-import { Frames } from "../../app/web/shared/frames.js";
+import { fetchFrames } from "../../app/web/shared/frames.js";
 import { theSet } from "../../app/web/shared/theset.js";
 
 globalThis.document.dispatchEvent ??= () => true;
@@ -46,15 +46,18 @@ test("no thumbnails are requested for a set that has none, and no map before it 
   assert.deepEqual(asked, ["/omnivat/frames?part=head", "/omnivat/frames?part=prediction&from=0&of=t1"]);
 });
 
-test("the shown stop of a map comes first, and is drawn before the others have come", async () => {
+test("the shown stop of a map comes first, is drawn before the others have come, and comes again if the line is lost", async () => {
   let source;
   const asked = [];
-  const frames = await Frames.of(head(), async (name, from) => {
-    asked.push([name, from]);
+  globalThis.fetch = async (url) => {
+    const { part, from } = Object.fromEntries(new URL(url).searchParams);
+    if (part === "head") return new Response(JSON.stringify(head()));
+    asked.push([part, Number(from)]);
     return new Response(
-      name === "map:b" ? new ReadableStream({ start: (control) => (source = control) }) : new Uint8Array(3),
+      part === "map:b" ? new ReadableStream({ start: (control) => (source = control) }) : new Uint8Array(3),
     );
-  });
+  };
+  const { frames } = await fetchFrames(() => {});
   let arrivals = 0;
   frames.arrivals.add(() => (arrivals += 1));
   assert.equal(frames.positions("umap", "f_hat", 2), null);
@@ -65,6 +68,9 @@ test("the shown stop of a map comes first, and is drawn before the others have c
   source.enqueue(stop(7).subarray(0, 3));
   await settled();
   assert.equal(frames.positions("umap", "f_hat", 2), null);
+  source.error(new TypeError("the connection was lost"));
+  await settled();
+  source.enqueue(stop(7).subarray(0, 3));
   source.enqueue(new Uint8Array([...stop(7).subarray(3), ...stop(5)]));
   await settled();
   assert.deepEqual(
@@ -77,6 +83,7 @@ test("the shown stop of a map comes first, and is drawn before the others have c
   assert.equal(frames.positions("umap", "f_hat", 0).points[0], 3);
   assert.deepEqual(asked, [
     ["prediction", 0],
+    ["map:b", 2],
     ["map:b", 2],
     ["confidence", 0],
   ]);

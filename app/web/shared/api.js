@@ -90,18 +90,19 @@ async function bodyOf(response, path) {
   }
 }
 
-/** Send a request to the server, and again once the server is back if the connection is lost.
- * @param {string} path @param {RequestInit} [options] */
-async function sent(path, options) {
+/** Send a request to the server, and again once the server is back if the connection is lost. Whoever reads a body while it
+ * comes (`whole` is false) sends the request again if it ends midway.
+ * @param {string} path @param {Sent} [options] */
+async function sent(path, { whole = true, ...options } = {}) {
   for (let again = false; ; again = true) {
     try {
       const response = await fetch(address(path), options);
-      return new Response(await bodyOf(response, path), response); // here, as a connection is also lost midway
+      return whole ? new Response(await bodyOf(response, path), response) : response; // a connection is also lost midway
     } catch (error) {
       if (isCancelled(error)) throw error;
       returning ??= waited();
       const looks = await returning;
-      options?.signal?.throwIfAborted();
+      options.signal?.throwIfAborted();
       if (again && !looks) throw new Refusal(CLOSED);
     }
   }
@@ -123,7 +124,8 @@ function unheld(error) {
   throw isCancelled(error) || error instanceof Refusal ? error : new Refusal(AWAY);
 }
 
-/** The response to a path. @param {string} path @param {RequestInit} [options] */
+/** @typedef {RequestInit & {whole?: boolean}} Sent */
+/** The response to a path. @param {string} path @param {Sent} [options] */
 export async function get(path, options) {
   const request = held ? respond(held, path, options).catch(unheld) : sent(path, options);
   return checked(request, new URL(path, base).searchParams.get("set") ?? own);

@@ -9,6 +9,7 @@ import { has, OWN_MODE } from "./tables.js";
 import { bytesOf, NO_CLASS } from "./text.js";
 
 const MAGIC = "OVFRAMES";
+const TRIES = 3; // of an array whose connection is lost midway
 const ARRAYS = { u8: Uint8Array, u16: Uint16Array };
 /** An array: its values, and which of its stops have come. @typedef {{values: Uint8Array | Uint16Array, there: boolean[]}} Part */
 /** What fetches an array, of a map from one of its stops outward. @typedef {(name: string, from: number) => Promise<Response>} Fetch */
@@ -98,10 +99,24 @@ export class Frames {
     return this.once(name, () => awaited(this.base.fetched(name, from)));
   }
 
-  /** @param {string} name @param {number} from */
+  /** An array, requested again if the connection is lost midway. @param {string} name @param {number} from */
   async fetched(name, from) {
-    if (!this.fetchPart) return;
-    const response = await this.fetchPart(name, from);
+    for (let tries = 0; this.fetchPart; tries++) {
+      try {
+        await this.read(name, from, await this.fetchPart(name, from));
+        break;
+      } catch (error) {
+        if (error instanceof Refusal || tries === TRIES) throw error;
+      }
+    }
+    this.prediction = this.array("prediction");
+    this.confidence = this.array("confidence");
+    if (name.startsWith("map:")) this.load("confidence").catch(() => {});
+    this.tell();
+  }
+
+  /** Read an array while it comes. @param {string} name @param {number} from @param {Response} response */
+  async read(name, from, response) {
     const { values, there } = this.part(name);
     const bytes = new Uint8Array(values.buffer);
     const size = bytes.length / there.length;
@@ -121,10 +136,6 @@ export class Frames {
       if (Math.floor(come / size) > told) this.tell();
       told = Math.floor(come / size);
     }
-    this.prediction = this.array("prediction");
-    this.confidence = this.array("confidence");
-    if (name.startsWith("map:")) this.load("confidence").catch(() => {});
-    this.tell();
   }
 
   /** Something has come. */
@@ -309,7 +320,7 @@ async function fetched(onWait, named) {
 /** @param {FramesMeta} meta @param {Named} named */
 const inParts = (meta, named) =>
   Frames.of(meta, (name, from) =>
-    get(query({ ...named, part: name, ...(!held && { from: String(from), of: meta.tag }) })),
+    get(query({ ...named, part: name, ...(!held && { from: String(from), of: meta.tag }) }), { whole: false }),
   );
 
 /** Wait for finer frames after coarse ones. @param {(step: Step | null) => void} onWait @param {Named} named */
