@@ -176,6 +176,7 @@ def _named_by_words(table: Columns, columns: Mapping[str, str]) -> dict[str, str
         if half in named or half in stems or table.path(half) or not told:
             continue
         if len(told) > 1:
+            _require_vectors(table, next(iter(told)))
             raise DataError(
                 f"'{table.place}' has {', '.join(told)}; name one with --column {half}=THEIRS."
             )
@@ -203,14 +204,19 @@ def named_columns(table: Columns, columns: Mapping[str, str]) -> dict[str, NDArr
         theirs = columns.get(name, name)
         others = () if name in columns else COLUMNS.get(name, ())
         path = next((p for p in map(table.path, (theirs, *others)) if p), theirs)
-        if name in VECTORS and table.path(path) and table.pictures_of(path):
-            raise DataError(
-                f"'{table.place}' holds pictures in {path}, and not vectors: make a folder of pairs"
-                f" with `python -m omnivat import {table.place} --out PAIRS`, without --encoder."
-            )
+        if name in VECTORS and table.path(path):
+            _require_vectors(table, path)
         if (array := table.get(path)) is not None:
             found[name] = array
     return found
+
+
+def _require_vectors(table: Columns, name: str) -> None:
+    if table.path(name) and table.pictures_of(name):
+        raise DataError(
+            f"'{table.place}' holds pictures in {name}, and not vectors: make a folder of pairs"
+            f" with `python -m omnivat import {table.place} --out PAIRS`, without --encoder."
+        )
 
 
 def _vectors(array: NDArray[Any], name: str, count: int, table: Columns) -> Array:

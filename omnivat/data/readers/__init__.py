@@ -9,13 +9,14 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.data.domains import is_simulated, require_domain_names
-from omnivat.data.naming import VIDEOS
+from omnivat.data.naming import TACTILE, VIDEOS
 from omnivat.data.pairs import PairSet
 from omnivat.data.readers.files import show
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.kit.tables import load, require_choice, suggestion
 
 ARCHIVES = (".zip", ".tar", ".gz", ".tgz", ".bz2", ".xz", ".7z", ".rar")
+OF_PROGRAMS = (".npz", ".parquet", ".h5", ".hdf5", *TACTILE)
 # Tried in this order if no reader is named. A reader is a module with `read` and `recognises`.
 READERS = {
     "csv": "omnivat.data.readers.table:read",
@@ -41,6 +42,11 @@ def recognised(source: Path) -> str:
         raise DataError(f"{place} is a film; import a table that names it, with columns {columns}.")
     if kind in ARCHIVES:
         raise DataError(f"{place} is an archive; unpack it, and give the folder.")
+    if kind in OF_PROGRAMS:
+        make = f"`python -m omnivat import {show(source)} --out PAIRS`"
+        raise DataError(
+            f"{place} is a file of another program; make a folder of pairs first: {make}."
+        )
     raise DataError(
         f"{place} is a file, but pairs come from a folder or a CSV. Give the folder it lies in, or"
         " a .csv with the columns vis, tac, domain, material."

@@ -187,6 +187,13 @@ def test_groups_are_classes_objects_domains_and_splits_by_their_names(
     assert [one.removeprefix("press: ") for one in told] == expected
 
 
+@pytest.mark.parametrize("command", ["try", "embed"])
+def test_commands_for_pairs_name_the_import_of_a_file_with_pictures(tmp_path, capsys, command):
+    file = written(tmp_path / "a.h5", {f"{c}/{h}": film(0) for c in "ab" for h in ("rgb", "tac")})
+    assert main([command, str(file), "--out", str(tmp_path / "out.safetensors")]) == 1
+    assert f"import {file} --out PAIRS`" in capsys.readouterr().err
+
+
 def test_what_groups_do_not_pair_is_refused_or_left_out_with_its_reason(tmp_path, capsys):
     file = written(tmp_path / "a.h5", {"wood/rgb": film(0, 3), "wood/tac": film(9, 4)})
     assert main(["import", str(file), "--out", str(tmp_path / "none")]) == 1
