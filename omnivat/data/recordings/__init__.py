@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 from omnivat.data.class_labels import class_names
-from omnivat.data.images import read_image
 from omnivat.data.materials import NO_CLASS, class_key
 from omnivat.data.naming import (
     TACTILE,
@@ -26,7 +25,8 @@ from omnivat.data.readers import read_pairs
 from omnivat.data.readers.files import TABLES, number_in, numbered_rows, show, visible
 from omnivat.data.readers.table import rows_of
 from omnivat.data.recordings.lerobot import INFO, LeRobot
-from omnivat.data.recordings.stored import still, stored_clips, stored_files
+from omnivat.data.recordings.stacks import count_in, stack
+from omnivat.data.recordings.stored import stored_clips, stored_files
 from omnivat.data.recordings.tactile import tactile_clips, tactile_track
 from omnivat.data.recordings.tracks import Clip, Film, Track
 from omnivat.data.recordings.writing import write_pairs
@@ -176,11 +176,11 @@ def _paired(source: Path, vis: str, tac: str) -> list[Clip]:
     options: dict[str, Any] = {half: n for half, n in (("vis", vis), ("tac", tac)) if n}
     found = read_pairs(source, **options)
 
-    def read(pair: Pair) -> tuple[dict[str, Track], None]:
+    def read(pair: Pair) -> tuple[dict[str, Track], float]:
         halves = [half for half in IMAGES if pair.alone in ("", half)]
-        files = {half: getattr(pair, half) for half in halves}
-        return {half: still(file, partial(read_image, file)) for half, file in files.items()}, None
+        return {half: stack(getattr(pair, half)) for half in halves}, 1.0
 
+    counts = [count_in(pair.vis if pair.alone == "vis" else pair.tac) for pair in found.pairs]
     left_out = [
         Clip(read=partial(_refused, one.why), name=one.what, domain="", material="", object="")
         for one in found.skipped
@@ -191,12 +191,12 @@ def _paired(source: Path, vis: str, tac: str) -> list[Clip]:
             name=without_half(pair.vis.stem),
             domain=pair.domain,
             material=pair.material,
-            object=pair.object,
+            object=pair.object or pair.tac.name * (count > 1),
             split=pair.split,
-            cameras=found.origin,
-            frames=1,
+            cameras=found.origin + "; some pictures are films" * (max(counts) > 1),
+            frames=count,
         )
-        for pair in found.pairs
+        for pair, count in zip(found.pairs, counts, strict=True)
     ]
 
 

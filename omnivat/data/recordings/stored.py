@@ -283,8 +283,3 @@ def _row(file: Path, halves: Mapping[str, Pictures], row: int) -> tuple[dict[str
 
 def _track(file: Path, count: int, picture: "Callable[[int], Image.Image]") -> Track:
     return Frames(file=file, times=[k / count for k in range(count)], picture=picture)
-
-
-def still(file: Path, picture: "Callable[[], Image.Image]") -> Track:
-    """Return a single picture as a track."""
-    return Frames(file=file, times=[0.0], picture=lambda _: picture())

@@ -203,6 +203,26 @@ def test_a_folder_of_films_with_a_spreadsheet_of_parts_keeps_one_object_of_a_fil
     assert "touches of 'touch video'" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("ending", ["tif", "gif", "webp"])
+def test_a_stack_of_pictures_is_a_film_of_one_object(tmp_path, ending, capsys):
+    def saved(name, levels):
+        first, *others = [Image.new("RGB", (48, 48), (10,) * 3) for _ in levels]
+        for image, level in zip((first, *others), levels, strict=True):
+            image.paste((level,) * 3, (0, 0, 24, 12))  # an eighth of it
+        named = {"append_images": others, "save_all": True} if others else {}
+        first.save(tmp_path / name, **named, **({"lossless": True} if ending == "webp" else {}))
+
+    saved(f"a.{ending}", [10, 10, 250, 10])
+    saved("b.png", [90])
+    (tmp_path / "t.csv").write_text(f"vis,tac,material\nb.png,a.{ending},wood\nb.png,b.png,felt\n")
+    line = ["import", str(tmp_path / "t.csv"), "--out", str(tmp_path / "out")]
+    assert main([*line, "--frames", "2", "--pick", "contact"]) == 0
+    pairs = read_pairs(tmp_path / "out").pairs
+    found = [(p.material, p.object, round(seen(p.tac))) for p in pairs if p.material == "wood"]
+    assert found == [("wood", f"a.{ending}", 10), ("wood", f"a.{ending}", 40)]
+    assert "some pictures are films" in capsys.readouterr().out
+
+
 def test_one_modality_and_labels_of_episodes_are_enough_for_the_command(tmp_path, capsys):
     pytest.importorskip("av")
     root = lerobot(tmp_path / "press", "v3.0", "video")
