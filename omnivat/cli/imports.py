@@ -112,6 +112,7 @@ def _vectors(options: argparse.Namespace) -> None:
 def _pictures(options: argparse.Namespace) -> None:
     """Write pictures of recordings, or those in a file, as a folder of pairs."""
     from omnivat.data.readers import read_pairs
+    from omnivat.data.readers.files import table_note
     from omnivat.data.recordings import clips_of, write_pairs
 
     how = foreign(options)
@@ -121,6 +122,8 @@ def _pictures(options: argparse.Namespace) -> None:
         made = write_pairs(
             clips, options.out, **passed(options, "frames", "pick", "align"), on_step=show
         )
+    if options.labels and (note := table_note(options.labels)):
+        print(f"{options.labels}: {note}")
     for cameras in made.cameras:
         print(f"cameras: {cameras}")
     if made.unequal:

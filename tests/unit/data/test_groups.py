@@ -78,7 +78,8 @@ def test_episodes_without_a_class_name_options_that_give_it(tmp_path, capsys):
     told = capsys.readouterr().err
     assert "demo_0, demo_1, demo_2, and no class of them" in told and "there are kind" in told
     table = tmp_path / "t.csv"
-    table.write_text("episode,material,object\ndemo_0,wood,mug\n1,felt,mug\ndata/demo_2,wood,\n")
+    rows = "episode,material,object,note\ndemo_0,wood,mug,\xfc\n1,felt,mug\ndata/demo_2,wood,\n"
+    table.write_bytes(rows.encode("cp1252"))
     for option, kinds, things in (
         (["--labels", table], ["wood", "felt", "wood"], ["mug", "mug", "demo_2"]),
         (["--column", "material=kind"], ["wood", "felt", "wood"], ["demo_0", "demo_1", "demo_2"]),
@@ -88,6 +89,8 @@ def test_episodes_without_a_class_name_options_that_give_it(tmp_path, capsys):
         found = imported(file, out, "--frames", 1, *option)
         by_grey = sorted(found, key=lambda one: one[4])
         assert [one[1:3] for one in by_grey] == [*zip(kinds, things, strict=True)]
+        noted = "t.csv: read as Windows-1252" in capsys.readouterr().out
+        assert noted is (option[0] == "--labels")
 
 
 @pytest.mark.parametrize("ending", [".hdf5", ".npz"])

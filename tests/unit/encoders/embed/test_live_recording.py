@@ -128,3 +128,4 @@ def test_a_recording_of_live_is_a_data_set_of_lerobot_and_is_imported(tmp_path, 
     found = read_pairs(tmp_path / "pairs")
     assert (len(found.pairs), found.domains()) == (6, ("My sensor",))
     assert found.modalities() == halves and len(found.materials()) == 3
+    assert info["codebase_version"] == "v3.0" and len({p.object for p in found.pairs}) == 3
