@@ -181,6 +181,7 @@ def require_head_folder(folder: str | Path, *, also: Sequence[str] = ()) -> None
         raise DataError(f"'{target}' is a file; name a folder for the head.")
     allowed = {WEIGHTS, SETTINGS, METRICS, FAMILIARITY, PROFILE, *also}
     foreign = {path.name for path in target.iterdir()} - allowed if target.is_dir() else set()
+    foreign = {n for n in foreign if not (n[0] == "." and n.endswith(".tmp"))}  # a killed writer's
     if foreign:
         raise DataError(
             f"'{target}' holds '{min(foreign)}', which is not part of a head and would be lost; "

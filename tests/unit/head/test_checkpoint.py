@@ -11,7 +11,7 @@ from safetensors.torch import load_file, save_file
 
 from omnivat.data.dots import FILLED
 from omnivat.data.rest import RESTED
-from omnivat.head.checkpoint import head_hash, load_head, save_head
+from omnivat.head.checkpoint import head_hash, load_head, require_head_folder, save_head
 from omnivat.kit.errors import DataError
 
 
@@ -62,6 +62,14 @@ def test_saving_replaces_an_older_head_and_nothing_else(folder, tmp_path):
         save_head(other, head)
     assert (other / "chapter.txt").read_text() == "years of work"
     assert sorted(p.name for p in tmp_path.iterdir()) == ["copy", "thesis"]
+
+
+def test_what_a_killed_training_was_writing_does_not_hold_up_the_next_run(tmp_path):
+    (tmp_path / ".training.safetensors.ab12.tmp").write_text("half")
+    require_head_folder(tmp_path)
+    (tmp_path / ".notes").write_text("mine")
+    with pytest.raises(DataError, match=r"holds '\.notes', which is not part of a head"):
+        require_head_folder(tmp_path)
 
 
 def test_a_save_that_fails_leaves_the_old_head_whole(folder, monkeypatch):
