@@ -2,6 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
+from app.mend import mend_in
 from app.pair_input import OTHER, Asked, pair_of, rounded
 from app.resources import Resources
 from app.state import Question, Reply
@@ -42,7 +43,8 @@ def familiar(resources: Resources, question: Question) -> Reply:
         near = _nearest(resources, name, raw, index, resources.row_of(ref))
         images[name] = {"nearest": near}
         if ref.kind == "image" and not question.get("profile"):
-            raw = torch.from_numpy(resources.embedding(ref, OTHER[name]).copy())[None]
+            own = resources.embedding(ref, OTHER[name], mend_in(question))
+            raw = torch.from_numpy(own.copy())[None]
             images[name]["strays"] = (
                 _nearest(resources, OTHER[name], raw, index)[0]["cosine"] > near[0]["cosine"]
             )

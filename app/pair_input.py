@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from app.mend import mend_in
 from app.resources import Resources
 from app.state import ForgottenError, Question, Ref, content_name, order_from, ref_from
 from omnivat.kit.errors import DataError
@@ -43,7 +44,8 @@ def asked(
 ) -> Asked:
     """Return what a request names.
 
-    question  {"vis", "tac": references; "order": p; "profile", "head": names; "lessons", or
+    question  {"vis", "tac": references; "order": p; "profile", "head": names; "mend": how own
+              touches are mended (`app.mend`); "lessons", or
               "taught": the name of a head taught before}
     rows      embeddings (B, input_width) of pictures that came with the request
 
@@ -67,6 +69,7 @@ def pair_of(
     import torch
 
     checkpoint()
+    mend = mend_in(question)
     refs = {name: None if name in rows else ref_from(question.get(name)) for name in IMAGES}
     if not rows and not any(refs.values()):
         raise DataError("Choose a pair first: a VIS image, a TAC image or both.")
@@ -74,7 +77,7 @@ def pair_of(
     count = max(map(len, rows.values()), default=1)
     for name, ref in refs.items():
         if ref:
-            row = torch.from_numpy(resources.embedding(ref, name).copy())[None]
+            row = torch.from_numpy(resources.embedding(ref, name, mend).copy())[None]
             before[name] = row.expand(count, -1)
     profile = profile_in(resources, question)
     if profile is None:
@@ -124,7 +127,7 @@ def reader_of(resources: Resources, question: Question) -> "tuple[Head, Familiar
 def taught_name(question: Question) -> str:
     """Return the name of the head that a request's lessons teach."""
     text = json.dumps(
-        [question.get(name) for name in ("head", "profile", "lessons")], sort_keys=True
+        [question.get(name) for name in ("head", "profile", "mend", "lessons")], sort_keys=True
     )
     return content_name(text.encode("utf-8", "replace"))
 

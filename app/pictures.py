@@ -9,6 +9,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from app.familiar import predict_one
+from app.mend import mend_in, mended
 from app.pair_input import OTHER, asked, rounded
 from app.resources import Resources
 from app.state import Question, Reply, one_of
@@ -31,7 +32,7 @@ SIDE = 448  # pixels; the image is first scaled down to this, encoders use 224
 
 def taken(resources: Resources, content: Content, question: Question) -> Reply:
     """Embed an image; return its name and a small preview. The picture itself is not kept."""
-    ref, found = resources.take_image(content, name_in(question))
+    ref, found = resources.take_image(content, name_in(question), mend_in(question))
     return {
         "ref": str(ref),
         "width": found.width,
@@ -43,6 +44,14 @@ def taken(resources: Resources, content: Content, question: Question) -> Reply:
 def name_in(question: Question) -> str:
     """Return the name of a request's picture."""
     return str(question.get("name", ""))[:120] or "the image"
+
+
+def decoded(
+    resources: Resources, content: Content, question: Question, modality: str = "tac"
+) -> "Image":
+    """Return the picture in a request, decoded in a limited process; a touch is mended."""
+    image = resources.shared.decoder.read(content, name_in(question)).image
+    return mended(image, mend_in(question)) if modality == "tac" else image
 
 
 def preview(image: "Image") -> str:
@@ -68,19 +77,18 @@ def live(resources: Resources, content: Content, question: Question) -> Reply:
 
     from omnivat.encoders.base import for_modality
 
-    read = resources.shared.decoder.read
     encoders = {one: for_modality(resources.encoder(), one) for one in OTHER}
     with torch.inference_mode():
         pixels = {
-            one: encoders[one].preprocess(read(part, name_in(question)).image)
+            one: encoders[one].preprocess(decoded(resources, part, question, one))
             for one, part in _parts(content, question).items()
         }
-        decoded = perf_counter()
+        began = perf_counter()
         rows = {one: encoders[one].embed(some[None]) for one, some in pixels.items()}
         embedded = perf_counter()
     named = asked(resources, question, rows)
     found = predict_one(named)
-    ms = {"encoder": embedded - decoded, "head": perf_counter() - embedded}
+    ms = {"encoder": embedded - began, "head": perf_counter() - embedded}
     ms = {part: round(1000 * seconds, 1) for part, seconds in ms.items()}
     return {"classes": list(named.head.settings.classes), **found, "ms": ms}
 
@@ -114,7 +122,7 @@ def occlusion(resources: Resources, content: Content, question: Question) -> Rep
     from omnivat.encoders.base import for_modality
 
     modality = one_of("modality", question.get("modality"), OTHER)
-    image = resources.shared.decoder.read(content, name_in(question)).image
+    image = decoded(resources, content, question, modality)
     image.thumbnail((SIDE, SIDE))
     whole, mean = (torch.from_numpy(np.array(one)) for one in (image, image.resize((1, 1))))
     shown = [image, *(fromarray(part.numpy()) for part in hidden(whole[None], mean))]

@@ -14,6 +14,7 @@ from app.decoder import Decoder, Picture
 from app.frames_job import FramesJob
 from app.jobs import Jobs
 from app.limits import MAPPED_BYTES
+from app.mend import mended
 from app.places import Places, example_name, find_examples, head_names
 from app.real import RealPairs
 from app.scratch import Scratch
@@ -142,8 +143,9 @@ class Resources:
             )
         return head
 
-    def embedding(self, ref: Ref, modality: str) -> "Array":
-        """Return the embedding (input_width,) of an image of the modality "vis" or "tac".
+    def embedding(self, ref: Ref, modality: str, mend: str = "") -> "Array":
+        """Return the embedding (input_width,) of an image of the modality "vis" or "tac"; a
+        visitor's touch is read as `mend` has it.
 
         Raises DataError if there is no such image, ForgottenError if an uploaded one is no longer
         kept.
@@ -153,7 +155,9 @@ class Resources:
             return self._from_set(row, modality)
         if ref.kind == "example":
             ref, _ = self.take_image(self.example(ref.name, modality), ref.name)
-        kept = self._sent.get(ref.name)
+        kept = self._sent.get(ref.name + mend)
+        if kept is None and modality == "vis":
+            kept = self._sent.get(ref.name)
         if kept is None:
             raise ForgottenError("The server no longer has this image; send it again.")
         return kept[modality]
@@ -169,16 +173,16 @@ class Resources:
             raise DataError(f"No pair has the number '{ref.name:.20}'; there are 0 to {count - 1}.")
         return int(ref.name)
 
-    def take_image(self, source: bytes | Path, name: str) -> tuple[Ref, Picture]:
+    def take_image(self, source: bytes | Path, name: str, mend: str = "") -> tuple[Ref, Picture]:
         """Embed an image from bytes or a file; return its reference and the decoded picture, as
-        `Decoder.read` does.
+        `Decoder.read` does. As a touch it is mended (`app.mend`).
         """
         content = source if isinstance(source, bytes) else source.read_bytes()
         key, found = content_name(content), self.shared.decoder.read(content, name)
-        self._sent.once(key, lambda: self._embedded(found))
+        self._sent.once(key + mend, lambda: self._embedded(found, mend))
         return Ref("image", key), found
 
-    def _embedded(self, picture: Picture) -> "dict[str, Array]":
+    def _embedded(self, picture: Picture, mend: str) -> "dict[str, Array]":
         """Return an image's vector as photo and as touch; what is the same is computed once."""
         import torch
 
@@ -188,9 +192,9 @@ class Resources:
         photo, touch = (for_modality(encoder, name) for name in IMAGES)
         seen = photo.preprocess(picture.image)
         vis = photo.embed(seen[None])[0].numpy()
-        if photo is touch:
+        if photo is touch and not mend:
             return {"vis": vis, "tac": vis}
-        felt = touch.preprocess(picture.image)
+        felt = touch.preprocess(mended(picture.image, mend))
         same = getattr(encoder, "one_network", False) and torch.equal(seen, felt)
         return {"vis": vis, "tac": vis if same else touch.embed(felt[None])[0].numpy()}
 

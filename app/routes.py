@@ -19,7 +19,7 @@ from starlette.responses import FileResponse, JSONResponse, Response
 from starlette.routing import Route
 from starlette.types import Receive, Scope, Send
 
-from app import about, nodes, pictures, predictors, sensor, teaching, touch_relief
+from app import about, nodes, pictures, predictors, sensor, sensor_card, teaching, touch_relief
 from app.api import api_routes
 from app.components import WEB
 from app.familiar import familiar, first
@@ -93,6 +93,7 @@ SENT: dict[str, tuple[Work, int, int]] = {
     "image": (pictures.taken, 1, MAX_IMAGE_BYTES),
     "occlusion": (pictures.occlusion, 2, MAX_IMAGE_BYTES),
     "relief": (touch_relief.relief, 1, MAX_IMAGE_BYTES),
+    "card": (sensor_card.card, 1, MAX_IMAGE_BYTES),
     "sensor": (sensor.load_sensor, 0, PARTS["profile.safetensors"]),
 }
 PROJECT_FILES = {  # the same for every set

@@ -9,6 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+from app.mend import FILL, mend_in
 from app.pair_input import profile_in
 from app.resources import Resources
 from app.state import Question, Reply, content_name, ref_from
@@ -25,7 +26,7 @@ def profile(resources: Resources, question: Question) -> Reply:
     """Make a profile of uploaded images, or add them to one.
 
     question  {"photos", "touches": references, at most MOST_AT_ONCE; "profile": one to add to}
-    return    `profile`, its name, and `counts` of pictures by modality
+    return    `profile`, its name, `counts` of pictures by modality, how touches are mended
 
     Raises DataError for no images or too many, or a head without its source's profile;
     ForgottenError for an image that is not kept.
@@ -41,14 +42,16 @@ def profile(resources: Resources, question: Question) -> Reply:
         raise DataError("photos and touches have to be lists of uploaded pictures.")
     if not 0 < sum(map(len, given.values())) <= MOST_AT_ONCE:
         raise DataError(f"Send 1 to {MOST_AT_ONCE} pictures of your sensor at a time.")
-    channels = dict(before.channels) if before else {}
+    channels, mend = dict(before.channels) if before else {}, mend_in(question)
     for name, some in given.items():
-        rows = [resources.embedding(ref, name) for ref in map(ref_from, some) if ref]
+        rows = [resources.embedding(ref, name, mend) for ref in map(ref_from, some) if ref]
         if rows:
             found = channels_of(np.stack(rows))
             channels[name] = joined(channels[name], found) if name in channels else found
-    made = Profile(channels=channels, key=source.key, domain=DOMAIN)
-    return _kept(resources, replace(before, channels=channels) if before else made)
+    way = " ".join(word for word in mend.split() if word != FILL)
+    made = Profile(channels=channels, key=source.key, domain=DOMAIN, way=way)
+    kept = _kept(resources, replace(before, channels=channels) if before else made)
+    return {**kept, "mend": mend}
 
 
 def save_sensor(resources: Resources, question: Question) -> bytes:
@@ -86,7 +89,8 @@ def _kept(resources: Resources, profile: "Profile") -> Reply:
     from omnivat.data.relief.files import packed
 
     parts = [(one.mean.tobytes(), one.variance.tobytes()) for one in profile.channels.values()]
-    rest = (profile.domain, profile.step, packed(profile.lamps) if profile.lamps else "")
+    lamps = packed(profile.lamps) if profile.lamps else ""
+    rest = (profile.domain, profile.step, profile.way, lamps)
     name = content_name(repr([profile.counts, *parts, rest]).encode())
     resources.profiles.keep(name, profile)
-    return {"profile": name, "counts": profile.counts}
+    return {"profile": name, "counts": profile.counts, "mend": profile.way}

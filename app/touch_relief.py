@@ -4,7 +4,7 @@ import json
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
-from app.pictures import Content, name_in
+from app.pictures import Content, decoded, name_in
 from app.resources import Resources
 from app.state import Question, Reply, one_of
 from omnivat.kit.errors import DataError
@@ -33,10 +33,9 @@ def relief(resources: Resources, content: Content, question: Question) -> bytes 
     from omnivat.data.relief import heights, lamps, ply, slopes
 
     kind = one_of("as", question.get("as"), KINDS)
-    read = resources.shared.decoder.read
     touches = []
-    for part in parts(content, str(question.get("sizes", ""))):
-        image = read(part, name_in(question)).image
+    for part in parts(content, str(question.get("sizes", "")), MOST):
+        image = decoded(resources, part, question)
         touches.append(fill_dots(np.asarray(image))[0])
         checkpoint()
     gel = lamps(touches, dots="keep")
@@ -72,14 +71,15 @@ def drawn(name: str, heights: Any, slopes: Any, gel: "Lamps", theme: str) -> Rep
     return {"figures": plots, "caption": caption}
 
 
-def parts(content: Content, sizes: str) -> list[bytes]:
-    """Return the pictures in a body; raises DataError if they are not all of it."""
+def parts(content: Content, sizes: str, most: int) -> list[bytes]:
+    """Return the pictures in a body; raises DataError if they are not all of it, or more than
+    `most`."""
     whole = content if isinstance(content, bytes) else content.read_bytes()
-    numbers = [int(one) if one.isdecimal() else 0 for one in sizes[:400].split(",")]
-    if len(numbers) > MOST or not all(numbers) or sum(numbers) != len(whole):
+    numbers = [int(one) if one.isdecimal() else 0 for one in sizes[: 9 * most].split(",")]
+    if len(numbers) > most or not all(numbers) or sum(numbers) != len(whole):
         raise DataError(
             f"sizes is '{sizes:.40}' for {len(whole):,} bytes; give the bytes of each of 1 to"
-            f" {MOST} touches, with commas."
+            f" {most} touches, with commas."
         )
     ends = [sum(numbers[: k + 1]) for k in range(len(numbers))]
     return [whole[end - size : end] for end, size in zip(ends, numbers, strict=True)]

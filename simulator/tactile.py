@@ -24,9 +24,13 @@ def touch(thing: Thing, press: Press, sensor: Sensor, *, size: int, seed: int) -
     `seed` fixes the gel, its wear, and the noise.
     """
     sensor = used(sensor, np.random.default_rng(derive_seed(seed, "gel")))
-    sheet = pressed_gel(thing, press, sensor, size=size)
-    image = blotted(untouched(sensor, size=size) + lit(sheet, sensor), sensor, seed=seed)
-    image = _marked(image, sheet, sensor, press.shear)
+    return imaged(pressed_gel(thing, press, sensor, size=size), sensor, press.shear, seed=seed)
+
+
+def imaged(sheet: Array, sensor: Sensor, shear: Sequence[float], *, seed: int) -> Array:
+    """Return the tactile image (size, size, 3), 0 to 1, of a pressed gel (size, size; mm)."""
+    image = blotted(untouched(sensor, size=len(sheet)) + lit(sheet, sensor), sensor, seed=seed)
+    image = _marked(image, sheet, sensor, shear)
     return photographed(image, blur=sensor.blur, grain=sensor.noise, seed=seed)
 
 

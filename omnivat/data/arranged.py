@@ -44,10 +44,14 @@ def arranged(picture: Image.Image, way: str) -> Image.Image:
 def ways_from(text: str) -> dict[str, str]:
     """Return domain -> arrangement of a header's JSON; raises DataError for another text."""
     ways = texts(object_in(text.encode(), "tac_way"), "tac_way")
-    for way in ways.values():
-        if any(word not in WAYS for word in way.split()):
-            raise DataError(f"'{way:.60}' is no arrangement; it has words of {', '.join(WAYS)}.")
-    return ways
+    return {name: known_way(way) for name, way in ways.items()}
+
+
+def known_way(way: str) -> str:
+    """Return an arrangement; raises DataError for another text."""
+    if any(word not in WAYS for word in way.split()):
+        raise DataError(f"'{way:.60}' is no arrangement; it has words of {', '.join(WAYS)}.")
+    return way
 
 
 def ways_in(

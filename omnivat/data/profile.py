@@ -43,8 +43,10 @@ class Profile:
     domain    name of the domain; "" if it has none
     step      of a head's source: the share of the way that another sensor is moved onto it
 
-    Raises DataError without channels, or for two widths.
     lamps     of the sensor; None if they are not known
+    way       how its touches were arranged before they were read (`omnivat.data.arranged`)
+
+    Raises DataError without channels, or for two widths.
     """
 
     channels: dict[str, Channels]
@@ -52,6 +54,7 @@ class Profile:
     domain: str = ""
     step: float = 1.0
     lamps: Lamps | None = None
+    way: str = ""
 
     def __post_init__(self) -> None:
         if len({len(one.mean) for one in self.channels.values()}) != 1:

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from safetensors import SafetensorError
 
+from omnivat.data.arranged import known_way
 from omnivat.data.arrays import Column, column, read_arrays, write_arrays
 from omnivat.data.profile import Channels, Profile
 from omnivat.data.relief.files import packed, unpacked
@@ -37,6 +38,7 @@ def save_profile(file: str | Path, profile: Profile) -> None:
         header[f"{name}_count"] = str(one.count)
     header |= {"step": repr(profile.step)} if profile.step != 1 else {}
     header |= {"lamps": packed(profile.lamps)} if profile.lamps else {}
+    header |= {"way": profile.way} if profile.way else {}
     with replacing(file) as temporary:
         write_arrays(temporary, columns, {"format": FORMAT, **header})
 
@@ -69,6 +71,7 @@ def load_profile(file: str | Path) -> Profile:
             domain=metadata.get("domain", "")[:LONGEST_NAME],
             step=step,
             lamps=unpacked(metadata["lamps"]) if "lamps" in metadata else None,
+            way=known_way(metadata.get("way", "")),
         )
     except (SafetensorError, OSError, ValueError, KeyError) as error:
         raise DataError(

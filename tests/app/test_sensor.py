@@ -1,19 +1,24 @@
 """My sensor: a profile of a visitor's unlabelled pictures, and what follows from it."""
 
 from dataclasses import replace
+from io import BytesIO
 
 import numpy as np
 import pytest
 import torch
 from hypothesis import given
 from hypothesis import strategies as st
+from PIL import Image
 
 from app.about import about
 from app.pair_input import pair_of
 from app.sensor import profile, save_sensor
+from app.sensor_card import MOST_TOUCHES
 from app.server import main
 from app.views.pair import many
+from omnivat.data.images import read_image
 from omnivat.data.profile import channels_of, joined
+from omnivat.head.heads import EXAMPLES
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 
@@ -106,3 +111,81 @@ def test_a_profile_of_the_command_line_is_in_use_from_the_start(visiting, tmp_pa
 def test_a_profile_that_is_not_there_stops_the_start_in_one_sentence(capsys, tmp_path):
     assert main(["--profile", str(tmp_path / "no.safetensors"), "--no-browser"]) == 1
     assert "is no profile" in capsys.readouterr().err
+
+
+def sent(pictures):
+    """Return pictures as files of one body, and their sizes."""
+    bodies = []
+    for picture in pictures:
+        with BytesIO() as file:
+            Image.fromarray(np.ascontiguousarray(picture)).save(file, "PNG")
+            bodies.append(file.getvalue())
+    return b"".join(bodies), ",".join(str(len(one)) for one in bodies)
+
+
+@pytest.fixture(scope="module")
+def gel():
+    """Return the example touches of one gel, (H, W, 3)."""
+    files = sorted((EXAMPLES / "pairs" / "TAG-sim").glob("*/*_tac.jpg"))
+    return [np.asarray(read_image(file)) for file in files]
+
+
+def test_two_folders_in_one_request_give_two_cards_and_the_word_that_mends_the_new_one(
+    resources, gel
+):
+    content, sizes = sent([*(one[:, ::-1] for one in gel), *gel])
+    with served(resources) as client:
+        found = client.post(f"/omnivat/card?new={len(gel)}&sizes={sizes}", content=content).json()
+    assert [(one["part"], one["mend"]) for one in found["changes"]] == [("mirrored", "left-right")]
+    new, old = found["cards"]
+    assert new["pictures"] == old["pictures"] == len(gel)
+    assert np.array(new["lamps"]).shape == (3, 2) and new["background"].startswith("data:image")
+    assert all(grain > 0 and sharp > 0 for grain, sharp in found["gels"].values())
+
+
+def test_flat_grey_single_and_too_many_touches_are_told_in_one_sentence(resources, gel):
+    grey = np.repeat(gel[0][..., :1], 3, -1)
+    with served(resources) as client:
+
+        def card(pictures):
+            content, sizes = sent(pictures)
+            return client.post(f"/omnivat/card?sizes={sizes}", content=content)
+
+        assert "needs 5 touch images" in sentence(card(gel[:1]))
+        assert f"1 to {MOST_TOUCHES}" in sentence(card([gel[0][:8, :8]] * (MOST_TOUCHES + 1)))
+        for flat in (grey, np.full_like(grey, 90)):
+            reply = card([flat] * 5).json()
+            assert reply["changes"] is None and reply["cards"][0]["lamps"] is None
+            assert reply["cards"][0]["no_lamps"].endswith(".")
+
+
+def test_a_touch_is_read_as_the_request_mends_it_and_a_photo_as_it_comes(resources, gel):
+    mirrored, plain = (sent([one])[0] for one in (gel[0][:, ::-1], gel[0]))
+    with served(resources) as client:
+
+        def rows(content, mend=""):
+            ref = client.post(f"/omnivat/image?name=x&mend={mend}", content=content).json()["ref"]
+            made = [client.post("/omnivat/many", json={"pairs": [{kind: ref}], "mend": mend}).json()
+                    for kind in IMAGES]  # fmt: skip
+            return [one["pairs"][0]["readings"] for one in made], ref
+
+        (photo, touch), _ = rows(mirrored, "left-right")
+        (as_photo, as_touch), _ = rows(plain)
+        assert touch == as_touch and photo != as_photo
+        assert rows(mirrored)[0][0] == photo
+        other = client.post(
+            "/omnivat/many", json={"pairs": [{"tac": rows(plain)[1]}], "mend": "bgr"}
+        )
+        assert other.status_code == 410  # the page then sends the picture again
+        wrong = client.post("/omnivat/many", json={"pairs": [{"tac": "image:0"}], "mend": "<b>"})
+    assert "left-right" in sentence(wrong)
+
+
+def test_a_profile_file_keeps_how_its_touches_were_mended(visiting):
+    for k in range(5):
+        kept = dict.fromkeys(IMAGES, visiting.embeddings().vis[k])
+        visiting._sent.keep(f"{k}left-right", kept)
+    made = profile(visiting, {"touches": refs(5), "mend": "left-right"})
+    with served(visiting) as client:
+        again = client.post("/omnivat/sensor", content=save_sensor(visiting, made)).json()
+    assert again == made and made["mend"] == "left-right"

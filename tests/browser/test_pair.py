@@ -393,7 +393,10 @@ def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(open_page):
     send(page, "tac", 70)
     files = [named(f"{k}_tac.png", 71 + k) for k in range(6)]
     broken = {"name": "9_tac.png", "mimeType": "image/png", "buffer": b"no picture"}
-    page.set_input_files(".pair .sensor input >> nth=0", [*files, broken])
+    page.click(".pair .sensor summary")
+    page.set_input_files(".pair .sensor [data-side=now] input >> nth=0", [*files, broken])
+    page.wait_for_selector(".pair .sensor:has-text('touch 7')")  # which has no card
+    page.click(".pair .sensor [data-send=sampled]")
     page.wait_for_selector(".pair .sensor:has-text('profile of 6 touches')")
     assert "1 picture was left out" in page.inner_text(".pair .sensor")
     page.wait_for_selector(".pair .sensor table")
@@ -401,9 +404,43 @@ def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(open_page):
         page.click(".pair .sensor [data-send=saveProfile]")
     assert saved.value.path().stat().st_size > 5000
     page.reload()
-    page.wait_for_selector(".pair .sensor:has-text('profile of 6 touches')")
+    page.wait_for_selector(".pair .profile-now:has-text('profile of 6 touches')")
+    page.click(".pair .sensor summary")
     page.click(".pair .sensor [data-send=profileDropped]")
     page.wait_for_selector(".pair .sensor:has-text('unlabelled pictures')")
+
+
+def test_a_mirrored_sensor_is_named_and_one_click_reads_its_touches_as_the_old_ones(
+    open_page, tmp_path
+):
+    page = open_page("?view=pair", ANSWERED, size=(1280, 720))
+    scripts = "performance.getEntriesByType('resource').map(({ name }) => name).join()"
+    assert "pair/sensor.js" not in page.evaluate(scripts)  # it comes when the panel opens
+    for name, mirror in (("new", True), ("old", False)):
+        (tmp_path / name).mkdir()
+        for k, file in enumerate(sorted((EXAMPLES / "pairs" / "TAG-sim").glob("*/*_tac.jpg"))):
+            with Image.open(file) as image:
+                picture = np.asarray(image)[:, ::-1] if mirror else np.asarray(image)
+            Image.fromarray(np.ascontiguousarray(picture)).save(tmp_path / name / f"{k}.png")
+    page.focus(".pair .sensor summary")
+    page.keyboard.press("Enter")
+    folder = ".pair .sensor [data-side={}] [webkitdirectory]"
+    page.set_input_files(folder.format("now"), tmp_path / "new")
+    page.wait_for_selector(".pair .sensor .rose")
+    assert "red from" in page.get_attribute(".pair .sensor .rose", "aria-label")
+    page.wait_for_selector(f"{SLOT.format('tac')} .what:has-text('.png')")  # the first one opens
+    settle(page)
+    page.set_input_files(folder.format("before"), tmp_path / "old")
+    page.wait_for_selector(".pair .sensor .changes b:has-text('Mirrored')")
+    assert page.locator(".pair .sensor .changes li").count() == 1
+    assert page.locator(".pair .sensor .drawn").count() == 2
+    page.focus(".pair .sensor .changes button")
+    page.keyboard.press("Enter")
+    page.wait_for_selector(".pair .sensor table:has-text('mended') tbody tr")
+    assert page.get_attribute(".pair .sensor .changes button", "aria-pressed") == "true"
+    assert "mirrored from left to right" in page.inner_text(".pair .profile-now")
+    page.click(".pair .profile-now button")
+    page.wait_for_selector(".pair .profile-now", state="hidden")
 
 
 def own_folder(to, domains):
@@ -468,7 +505,9 @@ def test_photos_given_as_touches_are_asked_about_and_their_profile_can_be_taken_
     for file in (tmp_path / "own").glob("*_vis.jpg"):
         copyfile(file, photos / file.name.replace("_vis", ""))
     page = open_page("?view=pair", ANSWERED, size=(1440, 900))
-    page.set_input_files(".pair .sensor label:has-text('Folder') input", photos)
+    page.click(".pair .sensor summary")
+    page.set_input_files(".pair .sensor [data-side=now] [webkitdirectory]", photos)
+    page.click(".pair .sensor [data-send=sampled]")
     page.wait_for_selector(".pair .sensor [role=status]:has-text('look more like photos')")
     page.click(".pair .sensor [data-kind=vis]")
     page.wait_for_selector(".pair .profile-now:has-text('the profile of 8 photos')")

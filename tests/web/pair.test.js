@@ -11,6 +11,7 @@ import { describe } from "../../app/web/pair/own-pictures.js";
 import { named, paired } from "../../app/web/pair/pairing.js";
 import { about } from "../../app/web/pair/rasters.js";
 import { cautionOf, cautionsOf, gainOf, readerHtml } from "../../app/web/pair/reader.js";
+import { roseHtml } from "../../app/web/pair/sensor.js";
 import { after, isOwn, keyOf, lessonsOf, mixed, READING, START, tallies } from "../../app/web/pair/state.js";
 import { lineHtml } from "../../app/web/pair/steps.js";
 import {
@@ -516,6 +517,34 @@ test("a profile is kept, followed by the pair and the table, and dropped without
   );
   const gone = after(tab, "profileDropped", {}).tab;
   assert.deepEqual([gone.profile, gone.counts, gone.notes.sensor], ["", null, ""]);
+});
+
+test("a second click on a remedy takes it back, and a profile of touches as they came goes with the first", () => {
+  const { tab, next } = told(OWN, ["profiled", { profile: "p", counts: { tac: 6 } }], ["mended", { word: "bgr" }]);
+  assert.deepEqual([tab.mend, tab.profile, tab.counts], ["bgr", "", null]);
+  assert.deepEqual(Object.keys(next), ["predict", "rows", "keepProfile"]);
+  const both = after(tab, "mended", { word: "half-turn" }).tab;
+  assert.equal(both.mend, "bgr half-turn");
+  assert.equal(after(both, "mended", { word: "bgr" }).tab.mend, "half-turn");
+  assert.equal(after(both, "mended", {}).tab.mend, "");
+});
+
+test("the first touch of a card takes an example's place, and no own pair's", () => {
+  const card = /** @type {any} */ ({ cards: [], changes: null, gels: {} });
+  assert.equal(after(START, "cardRead", { card, tac: "image:7" }).tab.tac, "image:7");
+  assert.equal(after(OWN, "cardRead", { card, tac: "image:7" }).tab.tac, OWN.tac);
+});
+
+test("a lamp is drawn and told on the side from which it lights", () => {
+  const rose = String(
+    roseHtml([
+      [0, 2],
+      [-1, 0],
+      [1, -1],
+    ]),
+  );
+  assert.match(rose, /red from 90°, green from 0°, blue from 225°/);
+  assert.match(rose, /<line x2="0\.0" y2="-34\.0" class="red"/);
 });
 
 test("the pair comes back in place of the cameras, once", () => {

@@ -22,7 +22,7 @@ export function controlsHtml({ on, line, recording, notes }) {
   const off = !on && " disabled";
   const guide = (/** @type {string} */ what, /** @type {string} */ words, /** @type {string} */ title) =>
     button("guide", words, html`data-what="${what}" title="${title}"${off}`);
-  return html`<div class="row">${button("camerasSwitched", on ? "Stop" : "Start", html`class="main" ${pressed(on)}`)}${guide("rest", "Rest picture", "Take ten frames of the untouched sensor")}${guide("calibrate", "Calibrate", "Take ten frames of different presses and make a profile of them")}</div>
+  return html`<div class="row">${button("camerasSwitched", on ? "Stop" : "Start", html`class="main" ${pressed(on)}`)}${guide("rest", "Rest picture", "Take ten frames of the untouched sensor")}${guide("calibrate", "Calibrate", "Take ten frames of different presses for the card and the profile of My sensor")}</div>
     <div class="row"><label>Label <input type="text" class="label" maxlength="40" size="8"></label>${guide("label", "Add to my pairs", "Add the current pictures to your labelled pairs")}${button("recordSwitched", "Record", html`${pressed(recording)}${off}`)}</div>
     ${status(notes.live, "guided")}${status(line, "rate")}`;
 }
@@ -133,7 +133,7 @@ const GUIDES = {
     if (touch.on) await touch.takeRest((n) => tell(`Do not touch the sensor: ${n} of ${FRAMES}.`));
     else touch.say("A rest picture shows the untouched sensor. Choose the source of the touch first.");
   },
-  /** Frames of different presses become the profile of My sensor; frames without contact are left out. */
+  /** Frames of different presses become the card and the profile of My sensor; frames without contact are left out. */
   async calibrate(desk, tell) {
     /** @type {Chosen[]} */
     const files = [];
@@ -143,7 +143,10 @@ const GUIDES = {
       for (const [, file] of await filesOf(desk, taken)) files.push({ path: file.name, file });
       taken++;
     }
-    if (desk.tab.on) desk.send("sampled", { files, kind: "tac" });
+    if (!desk.tab.on) return;
+    /** @type {HTMLDetailsElement} */ (desk.box.querySelector(".sensor")).open = true;
+    desk.send("carded", { files });
+    desk.send("sampled", { files, kind: "tac" });
   },
   /** The newest frames join the visitor's labelled pairs. */
   async label(desk) {

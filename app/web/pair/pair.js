@@ -18,11 +18,23 @@ import { manyHtml } from "./many.js";
 import { pairMap } from "./on-map.js";
 import { ownHtml } from "./own.js";
 import { chosenFiles, droppedFiles, takeLinked } from "./own-pictures.js";
-import { button, drawPart, fill, hint, html, IMAGES, opener, put, speakOfSignals, TERMS } from "./parts.js";
+import {
+  button,
+  drawPart,
+  fill,
+  hint,
+  html,
+  IMAGES,
+  madeOf,
+  mendedBy,
+  opener,
+  put,
+  speakOfSignals,
+  TERMS,
+} from "./parts.js";
 import { cautionOf, readerHtml } from "./reader.js";
 import { realHtml } from "./real.js";
 import { Relief } from "./relief.js";
-import { madeOf as profileOf, sensorHtml } from "./sensor.js";
 import { galleryHtml, slotsHtml } from "./slots.js";
 import { after, isOwn, START } from "./state.js";
 import { lineHtml } from "./steps.js";
@@ -31,18 +43,20 @@ import { WhatIf } from "./what-if.js";
 import { tint } from "./where.js";
 import { NOTES, restore, TOGETHER, WORK } from "./work.js";
 
+const SENSOR = ".sensor .lots"; // whose script comes when it is opened
+
 /** Each part of the tab: null hides it, undefined leaves it until something new is there.
  * @type {Record<string, (tab: PairTab) => Html | null | undefined>} */
 const PARTS = {
   ".problem": ({ notes }) => (notes.problem ? html`${notes.problem}` : null),
-  ".profile-now": ({ counts }) =>
-    counts &&
-    html`The profile of ${profileOf(counts)} is applied to your pictures. ${button("profileDropped", "Stop using it")}`,
+  ".profile-now": ({ counts, mend }) =>
+    counts || mend
+      ? html`${counts && html`The profile of ${madeOf(counts)} is applied to your pictures. ${button("profileDropped", "Stop using it")} `}${mend && html`Your touches are read ${mendedBy(mend)}. ${button("mended", "Read them as they come")}`}`
+      : null,
   ".started": ({ away }) =>
     away &&
     html`You started a new pair, so the ${TERMS[away.vis ? "vis" : "tac"].one} of the old one was removed. ${opener("Put it back", away)}`,
   ".slots": slotsHtml,
-  ".sensor": sensorHtml,
   ".controls": controlsHtml,
   ".gallery": galleryHtml,
   ".real": realHtml,
@@ -86,6 +100,12 @@ class PairView extends View {
     /** @type {Desk["map"]} */
     this.map = null;
     loading(this.$(".loading"));
+    const sensor = /** @type {HTMLDetailsElement} */ (this.$(".sensor"));
+    sensor.ontoggle = async () => {
+      if (!sensor.open || PARTS[SENSOR]) return;
+      PARTS[SENSOR] = (await awaited(import("./sensor.js"))).sensorHtml;
+      this.draw();
+    };
     this.listen();
     this.draw();
   }
@@ -94,8 +114,8 @@ class PairView extends View {
   send = (name, told) => {
     const { tab, next, halt } = after(this.tab, name, told);
     this.tab = tab;
-    const { vis, tac, head, profile } = tab;
-    Object.assign(visit, { head, profile });
+    const { vis, tac, head, profile, mend } = tab;
+    Object.assign(visit, { head, profile, mend });
     for (const work of halt) this.running[work]?.abort();
     change({ vis, tac, p: state.p ?? tab.answer?.learned ?? null });
     this.draw();
@@ -160,7 +180,7 @@ class PairView extends View {
       send("answered", { label: event.target.elements.label.value.trim() });
       event.target.reset();
     };
-    const slotOf = (/** @type {Found} */ { target }) => target.closest(".slot");
+    const slotOf = (/** @type {Found} */ { target }) => target.closest(".slot, [data-drop]");
     box.ondragover = (/** @type {DragEvent} */ event) => {
       event.preventDefault();
       slotOf(event)?.classList.add("over");
@@ -171,14 +191,14 @@ class PairView extends View {
       const slot = slotOf(event);
       slot?.classList.remove("over");
       const files = await given;
-      if (files.length) send("dropped", { files, ...slot?.dataset });
+      if (files.length) send(slot?.dataset.drop ?? "dropped", { files, ...slot?.dataset });
     };
     box.ondrop = (/** @type {Found} */ event) => {
       event.preventDefault();
       awaited(taken(event, droppedFiles(event.dataTransfer)));
     };
     box.onpaste = (/** @type {Found} */ event) =>
-      slotOf(event) && taken(event, chosenFiles(event.clipboardData.files).slice(0, 1));
+      slotOf(event)?.dataset.modality && taken(event, chosenFiles(event.clipboardData.files).slice(0, 1));
     watch(IMAGES, () => {
       const { vis, tac } = state;
       if (vis !== this.tab.vis || tac !== this.tab.tac) send("opened", { vis, tac });

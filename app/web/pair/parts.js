@@ -1,6 +1,6 @@
 /** What all parts of Try a pair use: the words for images and readings, small pieces of markup, and how a part is drawn. */
 
-import { IMAGES } from "../shared/images.js";
+import { IMAGES, imagesOf } from "../shared/images.js";
 import { draw, html } from "../shared/text.js";
 
 export { IMAGES, imagesOf, OTHER, READINGS } from "../shared/images.js";
@@ -28,6 +28,29 @@ export function speakOfSignals() {
     Object.assign(TERMS[IMAGES[i]], { title: capital(which), one: `${which} recording`, many: `${which} recordings` }),
   );
 }
+
+/** How own touches are mended before they are read, by the word of a request. @type {Record<string, string>} */
+export const MENDS = {
+  "left-right": "mirrored from left to right",
+  "top-bottom": "mirrored from top to bottom",
+  "half-turn": "turned by 180°",
+  clockwise: "turned clockwise",
+  anticlockwise: "turned anticlockwise",
+  bgr: "with red and blue swapped",
+  fill: "with their dots filled",
+};
+/** @param {string} mend */
+export const mendedBy = (mend) =>
+  mend
+    .split(" ")
+    .map((word) => MENDS[word])
+    .join(" and ");
+
+/** What a profile was made of, in words. @param {NonNullable<PairTab["counts"]>} counts */
+export const madeOf = (counts) =>
+  imagesOf(counts)
+    .map((name) => plural(counts[name] ?? 0, TERMS[name].one, TERMS[name].many))
+    .join(" and ");
 
 /** A button that tells an event, with what its data attributes say.
  * @param {string} event @param {unknown} words @param {Html | string} [attributes] */

@@ -41,7 +41,7 @@ function slotHtml(tab, modality) {
 const FILM = html`<div class="picture filming"><video autoplay playsinline muted></video><div class="row"><button class="main">Take it</button><button>Cancel</button></div></div>`;
 
 /** @param {PairTab} tab @param {Modality} modality */
-function pictureHtml({ set, explained, sent, ...tab }, modality) {
+function pictureHtml({ set, explained, sent, mend, ...tab }, modality) {
   const { title } = TERMS[modality];
   const ref = tab[modality] ?? "";
   const [kind, name] = partsOf(ref);
@@ -55,7 +55,8 @@ function pictureHtml({ set, explained, sent, ...tab }, modality) {
   const parts = explained[modality];
   const any = parts && changed(parts.drops).any;
   const tint = any && html`<canvas role="img" aria-label="Parts of the image that the prediction depends on"></canvas>`;
-  return html`<div class="picture ${any && "seen"}">${shown || none}${tint}</div>`;
+  const way = modality === "tac" && kind === "image" && mend;
+  return html`<div class="picture ${any && "seen"} ${way}">${shown || none}${tint}</div>`;
 }
 
 /** The shelf. @param {PairTab} tab */

@@ -46,15 +46,17 @@ export const START = {
   line: "Use cameras or video files. No picture is kept unless you record.",
   profile: "",
   counts: null,
-  rest: "tac",
   doubt: null,
+  mend: "",
+  folders: { now: [], before: [] },
+  card: null,
   pairs: [],
   taught: false,
   report: null,
   labels: null,
   rows: [],
   unnamed: null,
-  notes: { problem: "", own: "", sensor: "", many: "", live: "" },
+  notes: { problem: "", own: "", sensor: "", card: "", many: "", live: "" },
 };
 
 /** A pair is identified by its two images. @param {Pair} pair */
@@ -247,14 +249,33 @@ const EVENTS = {
   },
 
   // my sensor
-  sampled: ({ doubt }, { files = doubt?.files ?? [], kind }) => ({ doubt: null, next: { sample: { files, kind } } }),
+  // cards of the folders so far
+  carded: ({ folders, notes }, { files, side = "now" }) => ({
+    folders: { ...folders, [side]: files },
+    card: null,
+    notes: { ...notes, card: "" },
+    next: { card: {} },
+  }),
+  // the first touch takes the place of an example, so that a remedy shows in its prediction
+  cardRead: (tab, { card, tac }) => ({ card, ...(tac && !isOwn(tab) ? EVENTS.opened(tab, { vis: null, tac }) : {}) }),
+  // what was made of touches as they came is not one of mended touches
+  mended: (tab, { word = "" }) => {
+    const words = new Set(tab.mend.split(" ").filter(Boolean));
+    if (!words.delete(word) && word) words.add(word);
+    const mend = word ? [...words].join(" ") : "";
+    return again(tab, { mend, profile: "", counts: null, before: null }, { keepProfile: {} });
+  },
+  sampled: ({ doubt, folders }, { files = doubt?.files ?? folders.now, kind }) => ({
+    doubt: null,
+    next: { sample: { files, kind } },
+  }),
   samplingStopped: ({ notes, doing }) => ({
     notes: { ...notes, sensor: "Cancelled. Nothing was changed." },
     doing: { ...doing, sample: undefined },
     halt: ["sample"],
   }),
-  profiled: (tab, { profile, counts, note = "" }) => {
-    const change = { profile, counts, doubt: null, before: null, notes: { ...tab.notes, sensor: note } };
+  profiled: (tab, { profile, counts, mend = tab.mend, note = "" }) => {
+    const change = { profile, counts, mend, doubt: null, before: null, notes: { ...tab.notes, sensor: note } };
     return again(tab, change, { keepProfile: {} });
   },
   profileDropped: (tab) => ({ ...EVENTS.profiled(tab, { profile: "", counts: {} }), counts: null }),

@@ -94,7 +94,7 @@ interface PairTab {
   lost: string; // what the address named and could not be had, until another pair is chosen
   away: Pair | null; // the image that a new picture took away
   take: "both" | Modality; // of an example
-  doing: { [modality in Modality]?: string } & { fetch?: string; guide?: string; read?: Progress; sample?: Progress }; // work in hand
+  doing: { [modality in Modality]?: string } & { fetch?: string; guide?: string; read?: Progress; sample?: Progress; card?: string }; // work in hand
   filming: Modality | "";
   explained: Partial<Record<Modality, Parts>>;
   reals: Record<string, Ref>; // real pairs that were sent
@@ -118,7 +118,9 @@ interface PairTab {
   head: string; // what reads own pictures; "": the head of the chapters
   profile: string;
   counts: Profile["counts"] | null; // pictures in the profile
-  rest: Modality; // what pictures of a profile are whose names do not tell
+  mend: string; // how own touches are mended before they are read, in words of MENDS
+  folders: Record<"now" | "before", Chosen[]>; // of the sensor's card
+  card: Replies["card"] | null;
   doubt: Doubt | null;
   before: (Prediction & { classes: string[] }) | null; // the open pair without the profile
 
@@ -128,7 +130,7 @@ interface PairTab {
   labels: Labels | null; // what fewer labels of each class teach
   rows: Row[]; // of many pairs
   unnamed: { files: Chosen[]; count: number } | null; // files whose names do not tell photo from touch
-  notes: { problem: string; own: string; sensor: string; many: string; live: string };
+  notes: { problem: string; own: string; sensor: string; card: string; many: string; live: string };
 }
 /** What is told to the tab: an event and what goes with it. */
 interface PairEvents {
@@ -164,6 +166,9 @@ interface PairEvents {
   rowsPredicted: Row[];
   rowsTaught: unknown;
   rowsProfiled: unknown;
+  carded: { files: Chosen[]; side?: string };
+  cardRead: { card: Replies["card"]; tac: Ref | null };
+  mended: { word?: string };
   sampled: { files?: Chosen[]; kind?: Modality };
   samplingStopped: unknown;
   profiled: Profile & { note?: string };
@@ -194,6 +199,7 @@ interface PairWork {
   read: { files: Chosen[]; kind?: Modality };
   rows: unknown;
   profileOf: { photos: Ref[]; touches: Ref[] };
+  card: unknown;
   sample: { files: Chosen[]; kind?: Modality };
   load: { files: { file: Blob }[] };
   keepProfile: unknown;

@@ -1,7 +1,7 @@
 /** The work that Try a pair needs: requests to the server, files in and out. Its end is told as an event; a Refusal
  * becomes a sentence in the part that NOTES names. */
 
-import { ask, askOfImage, attempt, bytesOf, get, made, Refusal, readerOf, visit } from "../shared/api.js";
+import { ask, askOfImage, attempt, bytesOf, cardOf, get, made, Refusal, readerOf, visit } from "../shared/api.js";
 import { loaded } from "../shared/facts.js";
 import { headLabel } from "../shared/headsets.js";
 import { keep, kept } from "../shared/memory.js";
@@ -17,7 +17,7 @@ import { camera, describe, snapshot, upload } from "./own-pictures.js";
 import { isPicture, LONGEST, named, paired, sorted } from "./pairing.js";
 import { imagesOf, OTHER, plural } from "./parts.js";
 import { credit, short } from "./real.js";
-import { lessonsFor, lessonsOf, READING } from "./state.js";
+import { isOwn, lessonsFor, lessonsOf, READING } from "./state.js";
 import { said } from "./verdict.js";
 import { zipped } from "./zip.js";
 
@@ -25,6 +25,9 @@ const ROWS_AT_ONCE = 12; // pairs of one request
 const PICTURES_AT_ONCE = 50; // of a profile
 const FEW = 5; // pictures of a kind
 const LOOKED_AT = 3; // pictures whose kind is checked
+const TOUCHES = 25; // of each folder of a card
+const LARGEST = 20e6; // bytes of a card's request
+const MEND = "omnivat-mend";
 const KEPT = "omnivat-sensor"; // of this visit: survives a reload, not the browser's end
 
 /** What was asked for, or why it was refused. @template Reply @param {Promise<Reply>} asking @returns {Promise<Reply | {problem: string}>} */
@@ -79,6 +82,7 @@ export const NOTES = {
   ...{ count: "own", teach: "own", save: "own", savePictures: "own" },
   ...{ read: "many", rows: "many", guide: "live" },
   ...{ profileOf: "sensor", sample: "sensor", load: "sensor", keepProfile: "sensor", saveProfile: "sensor" },
+  card: "card",
 };
 
 /** @type {{[Name in keyof PairWork]: (desk: Desk, what: PairWork[Name], signal: AbortSignal) => unknown}} */
@@ -121,9 +125,9 @@ export const WORK = {
   /** Open a pair of the set, which Explore then shows too. */
   pin: (_, { pair }) => change({ pin: +pair, vis: `row:${pair}`, tac: `row:${pair}` }),
   /** The open pair without the profile. */
-  async compare({ tab: { vis, tac, counts, question }, send }, _, signal) {
-    if (!counts || ![vis, tac].some((ref) => ref?.startsWith("image:"))) return;
-    const plain = { pairs: [{ vis, tac }], lessons: question?.lessons, profile: "" };
+  async compare({ tab: { vis, tac, counts, mend, question }, send }, _, signal) {
+    if (!(counts || mend) || ![vis, tac].some((ref) => ref?.startsWith("image:"))) return;
+    const plain = { pairs: [{ vis, tac }], lessons: question?.lessons, profile: "", mend: "" };
     const { classes, pairs } = await ask("many", plain, signal);
     send("arrived", { before: { classes, ...pairs[0] } });
   },
@@ -221,11 +225,13 @@ export const WORK = {
   async profileOf({ send }, pictures) {
     send("profiled", await ask("profile", { ...pictures, profile: "" }));
   },
+  card: (...asked) => awaited(card(...asked)),
   sample: (...asked) => awaited(sample(...asked)),
   async load({ send }, { files }) {
     send("profiled", await profileIn(files[0].file));
   },
   async keepProfile({ tab }) {
+    keep(MEND, tab.mend || null, true);
     keep(KEPT, tab.profile ? base64(await contentOf(await profileFile())) : null, true);
   },
   async saveProfile() {
@@ -236,6 +242,8 @@ export const WORK = {
 /** Send the visit's profile again: after a reload, or to a server that has lost it. True if it is back. @param {Desk} desk */
 export async function restore({ send }) {
   const text = kept(KEPT, true);
+  const mend = kept(MEND, true);
+  if (mend) send("arrived", { mend });
   if (text) send("arrived", { profile: "", counts: null });
   await attempt(
     async () => {
@@ -300,10 +308,31 @@ async function read({ tab, send }, { files, kind }, signal) {
   send("allRead", {});
 }
 
+/** The cards of the folders; what the first touch of the new one shows takes an example's place.
+ * @param {Desk} desk @param {unknown} _ @param {AbortSignal} signal */
+async function card({ tab, send }, _, signal) {
+  const { now, before } = tab.folders;
+  const touches = [now, before].map((files) =>
+    files.flatMap(({ path, file }) => (isPicture(path) && named(path).modality !== "vis" ? file : [])),
+  );
+  if (!touches[0].length) throw new Refusal("Give touches of your sensor: JPEG, PNG, WebP, BMP or TIFF pictures.");
+  const all = touches.flat();
+  const mean = all.reduce((sum, { size }) => sum + size, 0) / all.length;
+  const most = Math.min(TOUCHES, Math.floor(LARGEST / mean / touches.filter(({ length }) => length).length));
+  const some = touches.map((files) =>
+    files.length <= most ? files : Array.from({ length: most }, (_, k) => files[Math.floor((k * files.length) / most)]),
+  );
+  send("doing", { card: `Reading ${plural(some.flat().length, "touch", "touches")}…` });
+  const found = await cardOf(some.flat(), some[0].length, signal);
+  const tac = tab.on || isOwn(tab) ? null : await upload(some[0][0], send, signal);
+  if (tac) send("touched", [tac]);
+  send("cardRead", { card: found, tac });
+}
+
 /** Make a profile of pictures. The profile in use stays until the new one is complete.
  * @param {Desk} desk @param {PairWork["sample"]} what @param {AbortSignal} signal */
-async function sample({ tab, send }, { files, kind }, signal) {
-  const rest = kind ?? tab.rest;
+async function sample({ send }, { files, kind }, signal) {
+  const rest = kind ?? "tac";
   const untold = files.filter(({ path }) => isPicture(path) && !named(path).modality).slice(0, kind ? 0 : LOOKED_AT);
   let strange = 0; // of a few pictures whose names do not tell, those that look like the other kind
   for (const { file } of untold) {

@@ -156,9 +156,9 @@ export const isForgotten = (error) => error instanceof Refusal && error.status =
 const isCancelled = (error) => error instanceof Error && error.name === "AbortError";
 
 /** The profile of this visitor's sensor, which predictions follow; `renew` sends it to a server that has lost it;
- * `head` reads the visitor's own pictures, "" is the first one.
- * @type {{profile: string, head: string, renew: () => Promise<boolean>}} */
-export const visit = { profile: "", head: "", renew: async () => false };
+ * `head` reads the visitor's own pictures, "" is the first one; `mend` is how their touches are mended first.
+ * @type {{profile: string, head: string, mend: string, renew: () => Promise<boolean>}} */
+export const visit = { profile: "", head: "", mend: "", renew: async () => false };
 const READ = new Set(["pair", "many", "attention", "familiar", "teach", "curve", "taught", "save/head"]); // by that head
 
 /** The images of a question's pairs. @param {Pictured} question @returns {Ref[]} */
@@ -175,7 +175,8 @@ export function readerOf({ lessons = [], ...question }) {
 /** A question with the visitor's profile, and with the head that reads it. @param {string} path @param {Question} question */
 function whole(path, question) {
   const head = READ.has(path) ? readerOf(question) : "";
-  return { ...(visit.profile && { profile: visit.profile }), ...(head && { head }), ...question };
+  const { profile, mend } = visit;
+  return { ...(profile && { profile }), ...(mend && { mend }), ...(head && { head }), ...question };
 }
 
 /** Send a request; if the server has lost an uploaded image or the profile, send that again first.
@@ -200,7 +201,7 @@ async function answered(path, question, signal) {
 /** @param {Blob} blob @param {string} name @param {AbortSignal} [signal] @returns {Promise<Replies["image"]>} */
 export async function sendImage(blob, name, signal) {
   /** @type {Replies["image"]} */
-  const sent = await replied(post(`image?name=${encodeURIComponent(name)}`, blob, signal));
+  const sent = await replied(post(`image?${new URLSearchParams({ name, mend: visit.mend })}`, blob, signal));
   files.set(sent.ref, [blob, name]);
   return sent;
 }
@@ -220,14 +221,24 @@ export async function bytesOf(ref, modality) {
  * @param {{modality: string, other?: Ref | null, order?: number | null, taught?: string, split?: number, head?: string}} about
  * @returns {Promise<Replies[What]>} */
 export function askOfImage(what, blob, about) {
-  const stated = Object.entries({ ...about, profile: visit.profile }).filter(([, value]) => value || value === 0);
+  const stated = Object.entries({ ...about, profile: visit.profile, mend: visit.mend }).filter(
+    ([, value]) => value || value === 0,
+  );
   return replied(post(`${what}?${new URLSearchParams(stated.map(([name, value]) => [name, `${value}`]))}`, blob));
 }
+
+/** @param {Blob[]} touches */
+const sizesOf = (touches) => touches.map(({ size }) => size).join();
+
+/** The cards of two folders of touches, of which some are the first one's, and what changed.
+ * @param {Blob[]} touches @param {number} first @param {AbortSignal} signal @returns {Promise<Replies["card"]>} */
+export const cardOf = (touches, first, signal) =>
+  replied(post(`card?${new URLSearchParams({ new: `${first}`, sizes: sizesOf(touches) })}`, new Blob(touches), signal));
 
 /** The relief of the first of several touches of one sensor. @param {Blob[]} touches @param {string} as @param {string} theme
  * @param {string} name */
 export function reliefOf(touches, as, theme, name) {
-  const about = new URLSearchParams({ as, theme, name, sizes: touches.map(({ size }) => size).join() });
+  const about = new URLSearchParams({ as, theme, name, mend: visit.mend, sizes: sizesOf(touches) });
   return awaited(post(`relief?${about}`, new Blob(touches)).then((response) => response.blob()));
 }
 

@@ -309,8 +309,23 @@ interface Attention {
   scale: number;
 }
 /** A visitor's sensor: the name of its profile, and the pictures in it. */
+/** What touches show of their sensor: the server's card, its directions to the right and downwards. */
+interface SensorCard {
+  pictures: number;
+  size: number[];
+  lamps: number[][] | null;
+  no_lamps: string;
+  halves: number | null;
+  dots: number;
+  pitch: number | null;
+  noise: number;
+  sharpness: number | null;
+  missing: string;
+  background: string;
+}
 interface Profile {
   profile: string;
+  mend?: string;
   counts: Partial<Record<Modality, number>>;
 }
 /** What teaching changed. */
@@ -503,6 +518,11 @@ interface Replies {
   taught: { taught: string };
   image: { ref: Ref; width: number; height: number; preview: string };
   live: { classes: string[]; ms: { encoder: number; head: number } } & Prediction;
+  card: {
+    cards: SensorCard[];
+    changes: { part: string; evidence: string; cost: string; remedy: string; mend: string; profile: boolean }[] | null;
+    gels: Record<string, number[]>; // grain and sharpness of simulated gels
+  };
   occlusion: { class: string; probability: number; drops: number[][] };
   part: { part: string };
   load: { set: string };

@@ -15,7 +15,7 @@ FEWEST, MOST = 5, 200  # pictures
 SMOOTH, RIM = 3.0, 8.0  # pixels of 224: for the strength
 DRAWS = 200  # of the bootstrap
 SETTLED = 0.97  # confidence of lamps above which more pictures are not needed
-EACH = ("relief", "sharpness", "noise", "brightness", "red", "blue", "dots", "pitch")
+EACH = ("relief", "sharpness", "softness", "noise", "brightness", "red", "blue", "dots", "pitch")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,9 +27,10 @@ class SensorCard:
     lamps     the gel's lamps, or None; `unlit` then states why
     halves    cosine between the lamps of every other picture and of the rest, or None
     field     (h, w, 3) the gel's light without relief, in cells: the median picture
-    rows      a number for each picture (n,) by its name in EACH: logarithms of relief, sharpness,
-              noise, brightness and of red and blue over green; 1 for a picture with dots; the
-              dots' pitch over the picture's shorter side (NaN without dots)
+    rows      a number for each picture (n,) by its name in EACH: logarithms of relief, sharpness
+              (that of fine edges, and of soft ones), noise, brightness and of red and blue over
+              green; 1 for a picture with dots; the dots' pitch over the picture's shorter side
+              (NaN without dots)
     strength  logarithm of the colour that a slope adds, up to a constant of the gel, and its
               standard error; None without lamps
     missing   what more touches would settle, or ""
@@ -53,7 +54,7 @@ class SensorCard:
             return self.strength or (float("nan"), float("nan"))
         row = self.rows[name]
         kept = row[np.isfinite(row)]
-        if not len(kept):
+        if len(kept) < min(FEWEST, len(row)):
             return float("nan"), float("nan")
         return float(kept.mean()), float(kept.std() / np.sqrt(max(len(kept) - 1, 1)))
 
@@ -143,7 +144,8 @@ def _number(one: Traits, name: str) -> float:
     tint = np.maximum(one.tint, 1.0)
     values: dict[str, Any] = {
         "relief": lambda: np.log(one.coarse),
-        "sharpness": lambda: np.log(one.fine / one.coarse),
+        "sharpness": lambda: np.log(one.edge or np.nan),
+        "softness": lambda: np.log(one.soft / one.coarse),
         "noise": lambda: np.log(max(one.noise, 0.1)),
         "brightness": lambda: np.log(tint.mean()),
         "red": lambda: np.log(tint[0] / tint[1]),

@@ -15,6 +15,7 @@ GAIN = 0.12  # of likeness over the pictures as they are, from which on an arran
 FAR, NEARLY = 0.5, 0.8  # a gain so large that a poorer fit is enough: the lamps changed, too
 OBJECTS = 0.05  # by which the logarithm of relief differs between kinds of objects
 SURE = 3.0  # standard errors of a difference, from which on it is named
+AGREED = 2.5  # the same for the strength, of which two signs have to agree
 APART = 0.035  # of 1 less the cosine of two lamps
 STEADY = 20.0  # degrees by which a colour's direction may differ before it counts as turned
 COLOURS = ("red", "green", "blue")
@@ -37,12 +38,17 @@ COSTS = {
 
 
 class Change(NamedTuple):
-    """One part of a sensor that changed; `size` is the difference over the smallest one named."""
+    """One part of a sensor that changed.
+
+    size  the difference over the smallest one named
+    way   the arrangement of touches that mends it (`omnivat.data.arranged`)
+    """
 
     part: str
     evidence: str
     remedy: str
     size: float
+    way: str = ""
 
 
 class Arrangement(NamedTuple):
@@ -96,7 +102,9 @@ ARRANGEMENTS = (
 MEASURES = (
     Measure("strength", "strength", 0.16, "a slope adds {} more colour",
             "a slope adds {} less colour", RELIEF),
-    Measure("sharpness", "sharpness", 0.25, "edges are {} sharper", "edges are {} less sharp",
+    Measure("sharpness", "sharpness", 0.12, "edges are {} sharper", "edges are {} less sharp",
+            f"Focus the camera. {PROFILE}"),
+    Measure("sharpness", "softness", 0.25, "soft edges are {} sharper", "soft edges are {} weaker",
             f"Focus the camera. {PROFILE}"),
     Measure("noise", "noise", 0.2, "grain is {} stronger", "grain is {} weaker", PROFILE),
     Measure("tint", "red", 0.06, "the gel looks {} redder beside green",
@@ -142,7 +150,12 @@ def changes_between(old: SensorCard, new: SensorCard) -> tuple[Change, ...]:
         *lamps_changed(old, new, arranged),
         *numbers_changed(old, new, arranged),
     ]
-    rest.sort(key=lambda one: -one.size)
+    grain = new.of("noise")[0] - old.of("noise")[0]
+    if grain > 0 and any(one.part == "noise" for one in rest):  # which drowns edges
+        rest = [one for one in rest if one.part != "sharpness"]
+    # a crop also softens edges, and softening after the camera also smooths grain
+    first = ("scale", "sharpness" if grain < 0 else "")
+    rest.sort(key=lambda one: (one.part not in first, -one.size))
     seen: set[str] = set()
     for one in rest:  # the strongest evidence of each part
         if one.part not in seen:
@@ -166,7 +179,9 @@ def arrangement_of(old: SensorCard, new: SensorCard) -> tuple[Arrangement, Chang
         f"{best.words}: so arranged, the old sensor's light and lamps fit the new one's at"
         f" {after.mean():.2f}, and at {before.mean():.2f} as they are (1 is a perfect fit)."
     )
-    return best, Change(best.part, evidence, MEND.format(options_of(best.back)), gained / GAIN)
+    return best, Change(
+        best.part, evidence, MEND.format(options_of(best.back)), gained / GAIN, best.back
+    )
 
 
 def likeness(old: SensorCard, new: SensorCard, way: Arrangement) -> Array:
@@ -258,7 +273,8 @@ def numbers_changed(old: SensorCard, new: SensorCard, way: Arrangement) -> Itera
         error = float(np.hypot(spread_a, spread_b)) / (a if row == "pitch" else 1)
         if row == "strength":
             step, error = supported(step, error, old, new)
-        size = abs(step) / max(measure.least, SURE * error)
+        sure = AGREED if row == "strength" else SURE
+        size = abs(step) / max(measure.least, sure * error)
         if size > 1:
             words = measure.more if step > 0 else measure.less
             sentence = words.format(f"{abs(np.expm1(step)):.0%}")

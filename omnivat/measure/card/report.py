@@ -8,6 +8,15 @@ import numpy as np
 from omnivat.measure.card.card import SensorCard
 from omnivat.measure.card.changes import COLOURS, cost_of
 
+# grain, of 255, and sharpness of the simulated gels (python -m benchmarks.sensor --gel-traits)
+GELS = {
+    "GelSight": (4.8, 0.78),
+    "GelSlim": (3.6, 0.65),
+    "DIGIT": (4.4, 0.62),
+    "GelSight Mini": (2.4, 0.75),
+    "DuraGel": (3.4, 0.70),
+}
+
 
 def record(card: SensorCard) -> Mapping[str, Any]:
     """Return the card as JSON takes it; `changed` lists parts, the likeliest first."""
@@ -43,7 +52,7 @@ def rounded(value: float) -> float | None:
 def markdown(card: SensorCard, title: str) -> str:
     """Return the card as Markdown."""
     share, _ = card.of("dots")
-    (grain, _), (pitch, _) = card.of("noise"), card.of("pitch")
+    grain, sharp, pitch = (card.of(row)[0] for row in ("noise", "sharpness", "pitch"))
     tint = card.field.mean((0, 1))
     rows = [
         ("pictures", f"{card.pictures} of {card.size[0]} × {card.size[1]} pixels"),
@@ -55,7 +64,13 @@ def markdown(card: SensorCard, title: str) -> str:
             f"in {share:.0%} of the pictures"
             + (f", {pitch:.1%} of the picture apart" if pitch == pitch else ""),
         ),
-        ("grain", f"{np.exp(grain):.1f} of 255"),
+        ("grain", f"{np.exp(grain):.1f} of 255 (simulated gels {_gels(0, 1)})"),
+        (
+            "sharpness",
+            f"{np.exp(sharp):.2f} (simulated gels {_gels(1, 2)})"
+            if sharp == sharp
+            else "grain drowns the edges",
+        ),
     ]
     text = [f"# {title}", "", "| what | found |", "| --- | --- |"]
     text += [f"| {name} | {words} |" for name, words in rows]
@@ -63,6 +78,12 @@ def markdown(card: SensorCard, title: str) -> str:
     if card.changes is not None:
         text += ["", changes_in_words(card)]
     return "\n".join(text) + "\n"
+
+
+def _gels(which: int, digits: int) -> str:
+    """Return the range of a number over the simulated gels."""
+    values = [numbers[which] for numbers in GELS.values()]
+    return f"{min(values):.{digits}f} to {max(values):.{digits}f}"
 
 
 def lamps_in_words(card: SensorCard) -> str:

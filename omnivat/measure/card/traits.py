@@ -10,10 +10,11 @@ from omnivat.data.relief.filters import SLOW, blurred, reduced, scale
 
 Array = np.ndarray[Any, np.dtype[Any]]
 FIELD = 14  # cells of the shorter side in which the slow light is kept
-FINE, COARSE = 1.5, 12.0  # widths, pixels of 224: relief between each and its double
-SHARPEST = 0.999  # quantile of the fine relief: its edges
-PLANE = 0.45 / (4 * np.pi)  # energy of white grain between a Gaussian and its double, times width²
+# relief between two widths, pixels of 224
+FINE, MIDDLE, SOFT, COARSE = (1.0, 1.5), (2.0, 3.0), (1.5, 3.0), (12.0, 24.0)
+SHARPEST = 0.999  # quantile of the relief of edges
 EXTREME = 5.4  # the same quantile of the mean of three squared normal numbers
+DROWNED = 0.1  # of the grain's share in an edge: the least that is told from it
 FAINT = 0.05  # of 255: energy below is grain
 
 
@@ -23,15 +24,18 @@ class Traits:
 
     field   (h, w, 3): the slow light in cells; tint: its mean (3,)
     noise   standard deviation of the grain
-    fine    size of the sharpest edges, in relief 1.5 to 3 pixels of 224 wide
-    coarse  root mean square of the relief 12 to 24 pixels wide; both less the grain's share
+    edge    size of the sharpest edges in relief of FINE over that of MIDDLE, less the grain's
+            share; None if grain drowns them
+    soft    size of the edges of SOFT, which a strong blur leaves above the grain
+    coarse  root mean square of the relief of COARSE
     """
 
     filled: Array
     dots: Dots | None
     field: Array
     noise: float
-    fine: float
+    edge: float | None
+    soft: float
     coarse: float
 
     @property
@@ -45,12 +49,30 @@ def traits_of(picture: Array) -> Traits:
     filled, dots = fill_dots(picture)
     light = filled.astype(np.float32)
     grain = grain_of(light)
-    unit = scale(light)
-    fine, coarse = (band(light, width * unit) for width in (FINE, COARSE))
-    edge = np.quantile(fine, SHARPEST) - PLANE * grain**2 * EXTREME / (FINE * unit) ** 2
     field = reduced(blurred(reduced(filled, 112), SLOW / 2), FIELD)
-    levels = (float(np.sqrt(max(one, FAINT**2))) for one in (edge, coarse.mean()))
-    return Traits(filled, dots, field, grain, *levels)
+    coarse = float(np.sqrt(max(band(light, COARSE).mean(), FAINT**2)))
+    soft = float(np.sqrt(max(edges(light, SOFT, grain)[0], FAINT**2)))
+    return Traits(filled, dots, field, grain, edge_of(light, grain), soft, coarse)
+
+
+def edge_of(light: Array, grain: float) -> float | None:
+    """Return how sharp the sharpest edges of a picture (H, W, C) are, as `Traits` has it."""
+    (fine, drowned), (middle, least) = (edges(light, widths, grain) for widths in (FINE, MIDDLE))
+    if middle <= max(least, FAINT**2):
+        return None
+    return float(np.sqrt(max(fine, DROWNED * drowned, FAINT**2) / middle))
+
+
+def edges(light: Array, widths: tuple[float, float], grain: float) -> tuple[float, float]:
+    """Return the energy of the sharpest edges less the grain's share, and that share."""
+    share = EXTREME * grain**2 * of_grain(widths, scale(light))
+    return float(np.quantile(band(light, widths), SHARPEST)) - share, share
+
+
+def of_grain(widths: tuple[float, float], unit: float) -> float:
+    """Return the energy of white grain of size 1 between two widths, in units of pixels."""
+    near, far = (np.square(width * unit) for width in widths)
+    return float((1 / near + 1 / far - 4 / (near + far)) / (4 * np.pi))
 
 
 def grain_of(light: Array) -> float:
@@ -62,9 +84,9 @@ def grain_of(light: Array) -> float:
     return float(np.median(np.abs(corners)) / (6 * 0.6745))
 
 
-def band(light: Array, width: float) -> Array:
-    """Return the energy (H, W) of a picture's relief between a width and its double: the mean
+def band(light: Array, widths: tuple[float, float]) -> Array:
+    """Return the energy (H, W) of a picture's relief between two widths, pixels of 224: the mean
     square over the colours.
     """
-    near = blurred(light, width)
-    return np.asarray(np.square(near - blurred(light, 2 * width)).mean(-1))
+    near, far = (blurred(light, width * scale(light)) for width in widths)
+    return np.asarray(np.square(near - far).mean(-1))

@@ -1,0 +1,260 @@
+"""The sensor card on simulated gels of which one known part was changed.
+
+    python -m benchmarks.sensor [--record docs/benchmarks/sensor.jsonl] [--draw 0 1] [--gels DIGIT]
+    python -m benchmarks.sensor --gel-traits
+
+Each draw presses other objects into a gel for two folders. The second is imaged again with each
+change of CHANGES, and its card is compared with that of the first. A row of the record holds what
+was named at one number of touches; a row that is there is not computed again. The table is of the
+whole record: the share of pairs of folders in which the part is named first, with its 95 %
+interval. `--gel-traits` prints grain and sharpness of the gels as they are
+(`omnivat.measure.card.report.GELS`).
+"""
+
+import argparse
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from statistics import median
+from time import process_time
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks._machine import machine
+from omnivat.kit.seeding import derive_seed
+from omnivat.kit.threads import pin_thread
+from omnivat.measure.card.card import SensorCard, card_of
+from omnivat.measure.card.changes import changes_between
+from simulator.contact import pressed_gel
+from simulator.domains import SIMULATED
+from simulator.drawing import pressing
+from simulator.plan import planned
+from simulator.sensors import GELS, Lamp, Markers, Sensor
+from simulator.tactile import imaged, used
+from simulator.things import thing
+
+Picture = NDArray[np.uint8]
+RECORD = Path("docs/benchmarks/sensor.jsonl")
+MATERIALS = ("wood", "steel", "plastic", "ceramic", "glass")
+COUNTS = (10, 25, 100)
+SIZE = 224  # pixels
+FOLDERS = 200_000  # number of the first object; folders are APART
+APART = 1_000
+
+
+class Change(NamedTuple):
+    """A part of a gel, how much it changes, and how."""
+
+    part: str
+    words: str
+    sensor: Callable[[Sensor], Sensor] = lambda gel: gel
+    picture: Callable[[Picture], Picture] = lambda picture: picture
+
+
+def _of(name: str, part: str, words: str, factor: float) -> Change:
+    """Return the change of a number of the gel by a factor."""
+    return Change(part, words, lambda gel: replace(gel, **{name: factor * getattr(gel, name)}))
+
+
+def _turned(angle: float) -> Change:
+    def sensor(gel: Sensor) -> Sensor:
+        lamps = [Lamp(one.azimuth + angle, one.colour, one.spill) for one in gel.lamps]
+        return replace(gel, lamps=tuple(lamps))
+
+    return Change("lamps", f"all turned by {angle:.0f}°", sensor)
+
+
+def _weak(share: float) -> Change:
+    def sensor(gel: Sensor) -> Sensor:
+        first, *rest = gel.lamps
+        red, green, blue = first.colour
+        colour = (share * red, share * green, share * blue)
+        return replace(gel, lamps=(Lamp(first.azimuth, colour, first.spill), *rest))
+
+    return Change("lamps", f"one at {share:.0%}", sensor)
+
+
+def _tint(step: float) -> Change:
+    def sensor(gel: Sensor) -> Sensor:
+        red, green, blue = gel.base
+        return replace(gel, base=(red + step, green, blue - step))
+
+    return Change("tint", f"red + {step:.2f}, blue − {step:.2f}", sensor)
+
+
+def _blur(more: float) -> Change:
+    return Change(
+        "sharpness", f"{more:.1f} pixels more blur", lambda gel: replace(gel, blur=gel.blur + more)
+    )
+
+
+def _crop(share: float) -> Change:
+    from PIL import Image
+
+    def picture(whole: Picture) -> Picture:
+        rim = round(SIZE * (1 - share) / 2)
+        inner = Image.fromarray(whole[rim:-rim, rim:-rim])
+        return np.asarray(inner.resize((SIZE, SIZE), Image.Resampling.BICUBIC))
+
+    return Change("scale", f"cropped to {share:.0%}", picture=picture)
+
+
+DOTS = Markers(pitch=2.0, radius=0.28, uneven=0.06)
+CHANGES = (
+    Change("", "nothing"),
+    Change("channels", "red and blue swapped", picture=lambda picture: picture[..., ::-1]),
+    Change("mirrored", "left to right", picture=lambda picture: picture[:, ::-1]),
+    Change("turned", "by 180°", picture=lambda picture: picture[::-1, ::-1]),
+    *map(_turned, (50, 20, 10)),
+    *map(_weak, (0.35, 0.6, 0.8)),
+    Change("dots", "gained", lambda gel: replace(gel, markers=DOTS)),
+    Change("dots", "lost", lambda gel: replace(gel, markers=None)),
+    *map(_tint, (0.14, 0.05, 0.02)),
+    *(_of("gain", "strength", f"at {share:.0%}", share) for share in (0.55, 0.75, 0.85)),
+    *map(_blur, (3.0, 2.0, 1.2)),
+    *(_of("noise", "noise", f"× {factor}", factor) for factor in (3, 1.6, 1.3)),
+    *map(_crop, (0.65, 0.8)),
+)
+
+
+def fits(change: Change, gel: Sensor) -> bool:
+    """Return whether a gel can change so: dots come where none are, and go, or scale, where all
+    pictures have them."""
+    dotted = gel.markers is not None
+    if change.words == "gained":
+        return not dotted
+    return not (change.words == "lost" or change.part == "scale") or (dotted and not gel.plain_gels)
+
+
+class Pressed:
+    """A folder of presses, to be imaged by gels of one shape: (sheet, shear, seed) of each."""
+
+    def __init__(self, gel: Sensor, folder: int, count: int) -> None:
+        domain = replace(SIMULATED["TAG"], seed_base=FOLDERS + APART * folder)
+        each = -(-count // len(MATERIALS))
+        plans = [planned(domain, material, pairs=60) for material in MATERIALS]
+        self.presses = []
+        for plan in [plans[k % 5][k // 5] for k in range(5 * each)][:count]:
+            stream = derive_seed(0, "pair", plan.domain, plan.material, plan.object, plan.number)
+            press = pressing(np.random.default_rng(derive_seed(stream, "press")))
+            seed = derive_seed(stream, "sensor")
+            worn = used(gel, np.random.default_rng(derive_seed(seed, "gel")))
+            sheet = pressed_gel(thing(plan, seed=0), press, worn, size=SIZE)
+            self.presses.append((sheet, press.shear, seed))
+
+    def seen(self, gel: Sensor, change: Change = CHANGES[0]) -> list[Picture]:
+        """Return the pictures (SIZE, SIZE, 3) of a gel that was changed."""
+        changed = change.sensor(gel)
+        pictures = []
+        for sheet, shear, seed in self.presses:
+            worn = used(changed, np.random.default_rng(derive_seed(seed, "gel")))
+            image = 255 * imaged(sheet, worn, shear, seed=seed)
+            pictures.append(np.ascontiguousarray(change.picture(np.rint(image).astype(np.uint8))))
+        return pictures
+
+
+def named(old: SensorCard, pictures: Sequence[Picture]) -> list[str]:
+    """Return the parts that changed, the likeliest first."""
+    return [change.part for change in changes_between(old, card_of(pictures))]
+
+
+def rows_of(name: str, draw: int, counts: Sequence[int]) -> list[Mapping[str, Any]]:
+    """Return a row of the record for each number of touches of one gel."""
+    gel, most = GELS[name], max(counts)
+    place = 2 * (draw * len(GELS) + list(GELS).index(name))
+    before, after = (Pressed(gel, place + k, most) for k in (0, 1))
+    plain = before.seen(gel)
+    old = {count: card_of(plain[:count]) for count in counts}
+    found: dict[int, dict[str, list[str]]] = {count: {} for count in counts}
+    seconds: dict[int, list[float]] = {count: [] for count in counts}
+    for change in CHANGES:
+        if not fits(change, gel):
+            continue
+        pictures = after.seen(gel, change)
+        for count in counts:
+            began = process_time()
+            found[count][f"{change.part} {change.words}"] = named(old[count], pictures[:count])
+            seconds[count].append(process_time() - began)
+    return [
+        {"gel": name, "draw": draw, "touches": count, "seconds": round(median(seconds[count]), 2),
+         "named": found[count]}
+        for count in counts
+    ]  # fmt: skip
+
+
+def interval(right: int, of: int) -> tuple[float, float]:
+    """Return Wilson's 95 % interval of a share.
+
+    >>> [round(end, 2) for end in interval(0, 30)]
+    [0.0, 0.11]
+    """
+    z = 1.96
+    middle, width = right + z * z / 2, z * np.sqrt(right * (of - right) / of + z * z / 4)
+    return max(0.0, (middle - width) / (of + z * z)), min(1.0, (middle + width) / (of + z * z))
+
+
+def table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return the record as Markdown: a line for each change, a column for each count of touches."""
+    counts = sorted({row["touches"] for row in rows})
+    text = [f"| changed | {' | '.join(f'{count} touches' for count in counts)} |",
+            f"| --- |{' --- |' * len(counts)}"]  # fmt: skip
+    for change in CHANGES:
+        cells = []
+        for count in counts:
+            key = f"{change.part} {change.words}"
+            lists = [r["named"][key] for r in rows if r["touches"] == count and key in r["named"]]
+            right = sum((one or [""])[0] == change.part for one in lists)
+            low, high = interval(right, len(lists)) if lists else (0, 1)
+            cells.append(f"{right} of {len(lists)} ({low:.0%} to {high:.0%})")
+        text.append(
+            f"| {f'{change.part}: ' * bool(change.part)}{change.words} | {' | '.join(cells)} |"
+        )
+    for count in counts:
+        spent = sorted(row["seconds"] for row in rows if row["touches"] == count)
+        text.append(
+            f"\n{count} touches: {median(spent):.1f} s of one core, {spent[0]:.1f} to"
+            f" {spent[-1]:.1f}."
+        )
+    return "\n".join(text)
+
+
+def gel_traits(count: int = 50) -> None:
+    """Print grain, of 255, and sharpness of the simulated gels."""
+    for name, gel in GELS.items():
+        card = card_of(Pressed(gel, 900, count).seen(gel))
+        grain, sharp = (float(np.exp(card.of(row)[0])) for row in ("noise", "sharpness"))
+        print(f'    "{name}": ({grain:.1f}, {sharp:.2f}),')
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--record", type=Path, default=RECORD)
+    parser.add_argument("--gels", nargs="*", choices=GELS, default=list(GELS))
+    parser.add_argument("--draw", nargs="*", type=int, default=[])
+    parser.add_argument("--touches", nargs="+", type=int, default=COUNTS)
+    parser.add_argument("--gel-traits", action="store_true")
+    options = parser.parse_args(arguments)
+    pin_thread()
+    if options.gel_traits:
+        return gel_traits()
+    rows = []
+    if options.record.is_file():
+        rows = [
+            json.loads(line) for line in options.record.read_text(encoding="utf-8").splitlines()
+        ]
+    there = {(row["gel"], row["draw"], row["touches"]) for row in rows}
+    for draw in options.draw:
+        for name in options.gels:
+            counts = [count for count in options.touches if (name, draw, count) not in there]
+            for row in rows_of(name, draw, counts) if counts else []:
+                rows.append(row)
+                with options.record.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps(row, ensure_ascii=False) + "\n")
+    print(table(rows), machine(), sep="\n\n")
+
+
+if __name__ == "__main__":
+    main()
