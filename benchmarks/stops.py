@@ -29,6 +29,7 @@ ROOT, OUT = Path(__file__).parents[1], Path("docs/benchmarks/stops.json")
 SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGKILL)
 LONGEST_S = 600
 TIMES = ("seconds", "time", "date", "started", "ended")  # endings of keys of such figures
+TIMED = "report.md"  # a table with seconds, of records that are compared
 SMALL = "--set width=16 --set epochs=4 --set lang=false"
 COMMANDS = {  # what each makes lies in {out}; {set} is a set of embeddings, {pairs} a folder
     "embed": "omnivat embed {pairs} --encoder strip --out {out}/e.safetensors",
@@ -73,7 +74,7 @@ def made_in(folder: Path) -> dict[str, str]:
         return [plain(one) for one in value] if isinstance(value, list) else value
 
     found = {}
-    for file in sorted(file for file in folder.rglob("*") if file.is_file()):
+    for file in sorted(f for f in folder.rglob("*") if f.is_file() and f.name != TIMED):
         content = file.read_bytes()
         if file.suffix in (".json", ".jsonl"):
             lines = content.splitlines() if file.suffix == ".jsonl" else [content]
