@@ -173,8 +173,9 @@ def _tell_last(place: Place, near: _Near, named: Collection[str]) -> None:
     elif place.still and name in near.columns:
         place.shot = name
     elif number and (number[1] in near.series or _words(name) <= EVENTS) and not place.still:
-        place.met(name, counted=True)
-        place.seen_by(number[1] if half_of(name) else "")
+        half = half_of(name)  # rgb_0 and tac_0 are of one recording
+        place.met(name[len(number[1]) :].strip(BETWEEN) if half else name, counted=True)
+        place.seen_by(number[1] if half else "")
     elif name in near.columns:
         place.met(name, counted=bool(number))
     else:

@@ -161,6 +161,12 @@ ALONE = ["felt . . None 10", "wood . . None 0", "wood . . None 1"]
             ["felt touch_1 . 11 111", "wood touch_0 . 1 101"],
         ),
         (
+            "rgb_0*2=0 rgb_1*2=1 rgb_2*2=2 rgb_3*2=3 rgb_4*2=4 tac_0*2=100 tac_1*2=101 tac_2*2=102"
+            ' tac_3*2=103 tac_4*2=104 labels=["a","b","a","b","c"]',
+            ["--frames", 1],
+            ["a 0 . 1 101", "a 2 . 3 103", "b 1 . 2 102", "b 3 . 4 104", "c 4 . 5 105"],
+        ),
+        (
             '0/left_tactile=100 0/right_tactile=120 0/wrist=0 0/label="wood" 0/item="mug"',
             [],
             ["left_tactile: wood mug . 0 100", "right_tactile: wood mug . 0 120"],
