@@ -73,8 +73,8 @@ def write_pairs(
                 unequal.append(f"{clip.name} ({', '.join(f'{end:.1f} s' for end in ends)})")
             rows += _saved(clip, shots, work, done)
         if not rows:
-            why = f" The first, '{skipped[0].what}': {skipped[0].why}" if skipped else ""
-            raise DataError(f"None of the {len(clips)} recordings can be read.{why}")
+            why = [f" The first, '{one.what}': {one.why.rstrip('.')}." for one in skipped[:1]]
+            raise DataError(f"None of the {len(clips)} recordings can be read.{''.join(why)}")
         write_csv(work / "pairs.csv", COLUMNS, rows)
     cameras = dict.fromkeys(clip.cameras for clip in clips if clip.cameras)
     return Written(len(rows), skipped, unequal, [*cameras])

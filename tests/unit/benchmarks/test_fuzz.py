@@ -96,6 +96,7 @@ FOUND = {  # by this fuzzing, once: reader, case, and what is said of it ("": it
     "letters beyond Unicode": ("stored", changed("a.npz", beyond_unicode), "no Unicode"),
     "groups in place of arrays": ("recordings", changed("a.touch", groups), "has no config"),
     "places before the archive": ("archives", changed("a.zip", lambda c: c[64:]), "whole archive"),
+    "no pictures": ("tables", lambda name: {"t.csv": of("t.csv")(name)["t.csv"]}, r"not there\.$"),
     "lamps of 401 domains": ("sets", changed("b.safetensors", lit), "lamps of 401 domains"),
 }
 
