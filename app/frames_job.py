@@ -12,7 +12,7 @@ from app.limits import LARGE_SET
 from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import cache_folder, hash_of
 from omnivat.kit.progress import Step
-from omnivat.kit.stages import STOPS
+from omnivat.kit.stages import IMAGES, STOPS
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -38,13 +38,13 @@ class FramesState:
     problem: str = ""
 
 
-def cache_name(head: Path, embeddings: Path, drawn: int) -> str:
-    """Return a hash of both files and of `drawn`, as `Places` has it. Raises DataError if a file
+def cache_name(head: Path, embeddings: Path, drawn: int, *beside: Path) -> str:
+    """Return a hash of all files and of `drawn`, as `Places` has it. Raises DataError if a file
     is missing.
     """
     from omnivat.maps.frames.file import VERSION
 
-    files = (head / "weights.safetensors", head / "settings.json", embeddings)
+    files = (head / "weights.safetensors", head / "settings.json", embeddings, *beside)
     for file in files:
         if not file.is_file():
             raise DataError(
@@ -104,14 +104,14 @@ class FramesJob:
 
         where = self._of.where
         folder = where.computed or cache_folder() / "frames"
-        name = cache_name(self._of.folders[self._name], where.embeddings, where.drawn)
+        names = self._of.folders[self._name], where.embeddings, where.drawn
+        name = cache_name(*names, *self._beside())
         fine, coarse, first = (folder / f"{name}{kind}.bin" for kind in ("", "-coarse", "-first"))
         if readable(fine):
             self._file = fine
         else:
             job.report(LOADING)
-            embeddings = self._of.embeddings()
-            head = self._fitting(embeddings)
+            head, embeddings = self._read()
             passes = [(coarse, COARSE, DEFAULT_MAPS)] if head else []
             passes.append((fine, STOPS, DEFAULT_MAPS))
             if len(embeddings) > LARGE_SET and not readable(coarse):
@@ -126,16 +126,36 @@ class FramesJob:
                 job.priority = LAST_TOUCH
                 job.check()
 
-    def _fitting(self, embeddings: "Embeddings") -> "Head | None":
-        """Return the head; None if it is the first one and of another encoder than the set."""
+    def _beside(self) -> list[Path]:
+        """Return the set beside a compared head, as `omnivat try` writes it, if there is one."""
+        file = self._of.folders[self._name].parent / "set.safetensors"
+        return [file] if self._name and file.is_file() else []
+
+    def _read(self) -> "tuple[Head | None, Embeddings]":
+        """Return head and pairs: no head if the first one is of another encoder than the set; of a
+        compared head of another encoder, the same pairs from the set beside it.
+        """
+        pairs: Embeddings = self._of.embeddings()
         head: Head = self._of.heads[self._name]()
         try:
-            head.require_embeddings(embeddings)
+            head.require_embeddings(pairs)
         except DataError:
-            if self._name:
+            if not self._name:
+                return None, pairs
+            if not (beside := self._beside()):
                 raise
-            return None
-        return head
+            from omnivat.data.store import load_embeddings
+            from omnivat.study.comparison.matching import matched
+            from omnivat.study.shift.reading import Features
+
+            sets = {"the page's set": pairs, self._name: load_embeddings(beside[0])}
+            both = {
+                name: Features(embeddings=one, modalities=IMAGES, labelled=True, drawn_of=len(one))
+                for name, one in sets.items()
+            }
+            pairs = matched(both)[self._name].embeddings
+            head.require_embeddings(pairs)
+        return head, pairs
 
     def _build(
         self,

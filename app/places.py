@@ -48,6 +48,12 @@ def places(
     return replace(found, compare=tuple(compare), own=None if head else found.own)
 
 
+def head_in(folder: Path) -> Path:
+    """Return the folder of a head; of a folder that `omnivat try` wrote, the one inside it."""
+    inside = folder / "head"
+    return inside if (inside / "settings.json").is_file() else folder
+
+
 def shipped_places(name: str) -> Places:
     """Return the locations of a set of the project; `omnivat.head.heads.shipped_sets` lists
     them.
@@ -71,7 +77,7 @@ def head_names(where: Places) -> dict[str, Path]:
     """Return the folder of each head by its name in requests; "" is the first one."""
     names = {"": where.head}
     for folder in where.compare:
-        name = folder.name or "head"
+        name = (folder.parent if folder.name == "head" else folder).name or "head"
         while name in names or name == OWN:
             name += "'"
         names[name] = folder

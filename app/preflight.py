@@ -31,7 +31,10 @@ def parser(environ: Mapping[str, str] = os.environ) -> argparse.ArgumentParser:
     add("--profile", type=Path, metavar="FILE", help="profile of your sensor (`omnivat profile`)")
     text = f"draw N pairs of a set that has more; {DRAWN_PAIRS:,} if left out"
     add("--sample", type=whole(1, MOST_PAIRS), default=DRAWN_PAIRS, metavar="N", help=text)
-    text = "a head to compare with the first; can be given several times"
+    text = (
+        "a head to compare with the first, or a folder that `omnivat try` wrote of the same pairs, "
+        "with another encoder, too; can be given several times"
+    )
     add("--compare", type=Path, action="append", default=[], metavar="DIR", help=text)
     text = f"address to listen on; ${NAME}, or this machine alone"
     add("--host", default=environ.get(NAME) or "127.0.0.1", help=text)

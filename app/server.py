@@ -121,10 +121,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
     share_arenas()
     start_log()
-    from app.places import places
+    from app.places import head_in, places
     from app.resources import Resources, Shared
 
     try:
+        chosen.compare = [head_in(folder) for folder in chosen.compare]
         require_files(chosen)
         chosen.port = free_port(chosen.host, chosen.port)
     except OmniVatError as error:

@@ -3,11 +3,17 @@
 from dataclasses import replace
 from threading import Event
 
+import numpy as np
 import pytest
+import torch
 
 from app import frames_job
 from app.frames_job import cache_name
+from app.places import head_in
 from app.resources import Resources, Shared
+from omnivat.cli import main
+from omnivat.data.store import load_embeddings, save_embeddings
+from omnivat.head.checkpoint import load_head
 from omnivat.kit.errors import DataError
 from omnivat.maps.frames import read_frames
 
@@ -26,6 +32,22 @@ def few_stops(monkeypatch, tmp_path):
     # the learned order lies outside, so that no stop is added at it
     monkeypatch.setattr(frames_job, "STOPS", (0.0, 0.1, 0.2))
     monkeypatch.setattr(frames_job, "COARSE", (0.0, 0.2))
+
+
+@pytest.fixture
+def other_encoder(make_embeddings, tmp_path):
+    """Return a folder as `omnivat try` writes it: the same pairs in another order, by another
+    encoder, and a head.
+    """
+    found = make_embeddings(width=20, seed=1)
+    found = replace(found, header=replace(found.header, encoder="other-encoder"))
+    folder = tmp_path / "other"
+    folder.mkdir()
+    save_embeddings(folder / "set.safetensors", found.select(np.arange(len(found))[::-1]))
+    few = ["--set", "width=16", "--set", "epochs=2"]
+    where = ["--embeddings", str(folder / "set.safetensors"), "--out", str(folder / "head")]
+    assert main(["train", *where, "--source", "TAG-sim", *few]) == 0
+    return folder
 
 
 @pytest.fixture
@@ -103,6 +125,28 @@ def test_the_name_changes_with_the_part_of_the_set_the_version_of_the_file_and_t
     monkeypatch.setattr(frames_job, "RECIPE", 99)
     names.add(cache_name(*files, 0))
     assert len(names) == 4
+
+
+def test_a_compared_head_of_another_encoder_draws_the_same_pairs_by_the_set_beside_it(
+    small_places, other_encoder
+):
+    where = replace(small_places, compare=(head_in(other_encoder),))
+    resources = Resources(where, Shared(), owner="own")
+    (name,) = set(resources.frame_jobs) - {""}
+    state = resources.frame_jobs[name].wait()
+    assert (name, state.problem) == (other_encoder.name, "")
+    made, page = read_frames(state.file), resources.embeddings()
+    own = load_embeddings(other_encoder / "set.safetensors")
+    rows = [own.rows["vis"].index(text) for text in page.rows["vis"]]
+    vis, tac = (torch.from_numpy(np.array(part[rows])) for part in (own.vis, own.tac))
+    with torch.inference_mode():
+        right = load_head(other_encoder / "head").model(vis, tac, order=0.1).reading("fused")
+    assert rows != sorted(rows) and made.embeddings["encoder"] == "other-encoder"
+    assert (made.prediction[1] == right.argmax(1).numpy()).all()
+    save_embeddings(other_encoder / "set.safetensors", own.select(np.arange(9)))
+    again = Resources(where, resources.shared, owner="own").frame_jobs[name].wait()
+    assert "do not hold the same pairs" in again.problem
+    resources.shared.close()
 
 
 @pytest.mark.parametrize(

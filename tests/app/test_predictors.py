@@ -15,9 +15,9 @@ def two_heads(resources, small_places):
     return Resources(replace(small_places, compare=(small_places.head,)))
 
 
-def test_a_compared_head_is_listed_by_the_name_of_its_folder(two_heads):
+def test_a_compared_head_is_listed_by_the_name_of_the_folder_that_it_is_in(two_heads):
     first, other = predictors.heads(two_heads)
-    assert (first["name"], other["name"]) == ("", two_heads.where.head.name)
+    assert (first["name"], other["name"]) == ("", two_heads.where.head.parent.name)
     assert other["generation"] == "tree"
     assert other["source"] == "TAG-sim"
 
