@@ -73,7 +73,8 @@ def run(options: argparse.Namespace) -> None:
     head = load_head(folder, dtype=precise(current()))
     profile = load_profile(options.profile) if options.profile else None
     rested = head.encoder["preprocessing"].endswith(RESTED)
-    pairs = _pairs(options, _rest(options, rested))
+    way = profile.way if profile and not (options.flip or options.channels) else ""
+    pairs = _pairs(options, _rest(options, rested), way)
     where = passed(options, "weights", "tac_weights", "device", "download")
     preprocessing, lamps = head.encoder["preprocessing"], profile.lamps if profile else None
     touch = touch_of(preprocessing)
@@ -139,9 +140,12 @@ def _rest(options: argparse.Namespace, rested: bool) -> str:
 
 
 def _pairs(
-    options: argparse.Namespace, rest: str
+    options: argparse.Namespace, rest: str, of_profile: str
 ) -> list[tuple[Path | None, Path | None, int, Path | None, str]]:
-    """Return VIS, TAC, the side of its square crop, its rest picture and arrangement, of pairs."""
+    """Return VIS, TAC, the side of its square crop, its rest picture and arrangement, of pairs.
+
+    of_profile  the arrangement that the sensor's profile records, where no option names another
+    """
     from omnivat.data.arranged import ways_in, with_ways
 
     if options.pairs:
@@ -150,6 +154,8 @@ def _pairs(
 
         loaded = with_rest(read_pairs(options.pairs), rest)
         ways = ways_in(options.flip, options.channels, loaded.domains())
+        if of_profile:
+            ways = dict.fromkeys(loaded.domains(), of_profile)
         found = with_ways(loaded, ways).pairs
 
         def image(pair: "Pair", name: str) -> Path | None:
@@ -160,7 +166,7 @@ def _pairs(
         ]
     paths = [None if name == MISSING else Path(name) for name in options.images]
     calm = None if rest == "none" else Path(rest)
-    way = ways_in(options.flip, options.channels, [""]).get("", "")
+    way = ways_in(options.flip, options.channels, [""]).get("", of_profile)
     return [(vis, tac, 0, calm, way) for vis, tac in zip(paths[::2], paths[1::2], strict=True)]
 
 

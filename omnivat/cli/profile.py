@@ -81,7 +81,8 @@ def _of_pictures(options: argparse.Namespace) -> "Profile":
     from omnivat.head.profile_pictures import pictures_in, profile_of_pictures
 
     found = pictures_in(options.pictures, vis=options.vis, tac=options.tac, rest=options.tac_rest)
-    if way := ways_in(options.flip, options.channels, [""]).get("", ""):
+    way = ways_in(options.flip, options.channels, [""]).get("", "")
+    if way:
         found = [replace(one, way=way) if one.modality == "tac" else one for one in found]
     encoder = load_encoder(
         options.encoder, **passed(options, "weights", "device", "download", "dots", "touch")
@@ -90,4 +91,4 @@ def _of_pictures(options: argparse.Namespace) -> "Profile":
         profile, skipped = profile_of_pictures(encoder, found, domain=options.domain, on_step=show)
     for one in skipped:
         print(f"skipped {one.what}: {one.why}", file=sys.stderr)
-    return profile
+    return replace(profile, way=way)

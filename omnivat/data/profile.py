@@ -145,6 +145,7 @@ def profile_of(
         key=embeddings.header.key,
         domain=domain,
         lamps=None if isinstance(lit := embeddings.header.lamps.get(domain), str) else lit,
+        way=embeddings.header.tac_way.get(domain, ""),
     )
 
 

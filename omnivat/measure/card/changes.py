@@ -14,6 +14,7 @@ FITS = 0.9  # least likeness at which an arrangement explains what changed
 GAIN = 0.12  # of likeness over the pictures as they are, from which on an arrangement is named
 FAR, NEARLY = 0.5, 0.8  # a gain so large that a poorer fit is enough: the lamps changed, too
 OBJECTS = 0.05  # by which the logarithm of relief differs between kinds of objects
+LEAST = 0.12  # error of a difference of the strength: less is luck of the pictures
 SURE = 3.0  # standard errors of a difference, from which on it is named
 AGREED = 2.5  # the same for the strength, of which two signs have to agree
 APART = 0.035  # of 1 less the cosine of two lamps
@@ -294,10 +295,10 @@ def supported(step: float, error: float, old: SensorCard, new: SensorCard) -> tu
     difference is left if the two have opposite signs.
     """
     (a, spread_a), (b, spread_b) = old.of("relief"), new.of("relief")
-    both = np.array([step, b - a])
+    both, error = np.array([step, b - a]), max(error, LEAST)
     if not np.prod(both) > 0:
         return 0.0, error
-    weights = 1 / np.square([max(error, 1e-6), np.hypot(np.hypot(spread_a, spread_b), OBJECTS)])
+    weights = 1 / np.square([error, np.hypot(np.hypot(spread_a, spread_b), OBJECTS)])
     return float((weights * both).sum() / weights.sum()), float(weights.sum() ** -0.5)
 
 

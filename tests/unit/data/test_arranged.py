@@ -1,10 +1,13 @@
 """Touches of another sensor are turned or recoloured as a head's: the options of `embed`."""
 
+from argparse import Namespace
+
 import numpy as np
 import pytest
 from PIL import Image
 
 from omnivat.cli import main
+from omnivat.cli.predict import _pairs
 from omnivat.data.arranged import (
     FLIPS,
     WAYS,
@@ -14,6 +17,8 @@ from omnivat.data.arranged import (
     ways_from,
     ways_in,
 )
+from omnivat.data.profile import profile_of
+from omnivat.data.profile_file import load_profile, save_profile
 from omnivat.data.store import load_embeddings
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.measure.card.changes import ARRANGEMENTS
@@ -41,6 +46,10 @@ def test_the_remedy_of_an_arrangement_gives_the_embeddings_of_the_pictures_as_th
     assert np.allclose(found["old"].tac, found["new"].tac, atol=1e-6)
     assert found["old"].header.tac_way == {}
     assert found["new"].header.tac_way == {"unit": way.back}
+    save_profile(tmp_path / "unit.safetensors", profile_of(found["new"], domain="unit"))
+    kept = load_profile(tmp_path / "unit.safetensors").way
+    asked = Namespace(pairs=None, images=["a.png", "b.png"], flip=[], channels=[])
+    assert _pairs(asked, "none", kept)[0][-1] == way.back  # `predict` then reads touches so
 
 
 def test_every_way_has_an_option_and_one_domain_may_be_named():

@@ -131,7 +131,7 @@ def test_what_a_change_costs_is_what_the_twins_record():
 
 
 def test_the_domains_of_a_set_whose_sensors_differ_are_named_in_a_sentence(
-    after, tmp_path, monkeypatch
+    after, tmp_path, monkeypatch, capsys
 ):
     place = tmp_path / "set"
     mirrored = [np.ascontiguousarray(one[:, ::-1]) for one in after]
@@ -152,3 +152,6 @@ def test_the_domains_of_a_set_whose_sensors_differ_are_named_in_a_sentence(
         "unit-b against unit-a: pictures are mirrored from left to right; the rest is as before."
     ]
     assert lines({"unit-b": "left-right"}) == []
+    monkeypatch.setattr(of_set, "differences", lambda _: ["The line of the card."])
+    assert main(["report", str(out), "--out", str(tmp_path / "report")]) == 0
+    assert "The line of the card." in capsys.readouterr().out
