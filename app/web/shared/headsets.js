@@ -2,7 +2,7 @@
 
 import { ask, json, once } from "./api.js";
 import { fetchFrames, whenFine } from "./frames.js";
-import { TABLES } from "./tables.js";
+import { sensorOf, TABLES } from "./tables.js";
 
 const METHOD = "method:";
 /** @type {Map<string, Frames>} */
@@ -13,7 +13,7 @@ export const heads = () => once("heads", () => json("heads"));
 
 /** @param {HeadRow} head */
 export const headLabel = ({ name, folder, problem, source, mffa, generation }) =>
-  `${name || folder}${problem ? "" : ` · ${source} · ${mffa ? generation : "no MFFA"}`}`;
+  `${name || folder}${problem ? "" : ` · ${sensorOf(source)} · ${mffa ? generation : "no MFFA"}`}`;
 /** The methods that can be fitted: on the pairs of the head's source, by their classes.
  * @param {Frames} frames @returns {[value: string, label: string][]} */
 export const methodsFor = ({ source, domains, labelled }) =>
