@@ -13,7 +13,7 @@ export const heads = () => once("heads", () => json("heads"));
 
 /** @param {HeadRow} head */
 export const headLabel = ({ name, folder, problem, source, mffa, generation }) =>
-  `${name || folder}${problem ? "" : ` · ${sensorOf(source)} · ${mffa ? generation : "no MFFA"}`}`;
+  `${name || folder}${problem ? "" : ` · ${sensorOf(source ?? "")} · ${mffa ? generation : "no MFFA"}`}`;
 /** The methods that can be fitted: on the pairs of the head's source, by their classes.
  * @param {Frames} frames @returns {[value: string, label: string][]} */
 export const methodsFor = ({ source, domains, labelled }) =>
