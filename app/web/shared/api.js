@@ -201,7 +201,9 @@ async function answered(path, question, signal) {
 /** @param {Blob} blob @param {string} name @param {AbortSignal} [signal] @returns {Promise<Replies["image"]>} */
 export async function sendImage(blob, name, signal) {
   /** @type {Replies["image"]} */
-  const sent = await replied(post(`image?${new URLSearchParams({ name, ...(visit.mend && { mend: visit.mend }) })}`, blob, signal));
+  const sent = await replied(
+    post(`image?name=${encodeURIComponent(name)}${visit.mend && `&mend=${visit.mend}`}`, blob, signal),
+  );
   files.set(sent.ref, [blob, name]);
   return sent;
 }
