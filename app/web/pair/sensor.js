@@ -66,7 +66,7 @@ const sideHtml = (
   title,
   files,
   card,
-) => html`<div class="side" data-drop="carded" data-side="${side}">${headed(title)}
+) => html`<div class="folder-side" data-drop="carded" data-side="${side}">${headed(title)}
     <div class="row">${["", "webkitdirectory "].map((folder) => chooser("carded", folder ? "Folder" : "Pictures", html`${folder}multiple data-side="${side}" aria-label="${folder ? "Folder" : "Pictures"}: ${title}"`))}</div>
     ${card ? drawnHtml(card) : hint(files.length ? plural(files.length, "file") : "Drop touches here.")}</div>`;
 
