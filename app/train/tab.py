@@ -70,7 +70,9 @@ class TrainTab:
         orders = [(text, name) for name, text in ORDERS.items()]
         found["order"] = chosen(orders, value="gradient", label="What p does")
         with gr.Row(elem_classes="acts"):
-            self.go = gr.Button("Train", variant="primary", elem_classes="go")
+            self.go = gr.Button(  # pressed once there are choices
+                "Train", variant="primary", elem_classes="go", interactive=False
+            )
             self.stop = gr.Button("Cancel", visible=False, elem_classes="stop")
         with gr.Accordion("Advanced", open=False, elem_classes="advanced"):
             found["width"] = chosen([*WIDTHS], value=64, label="D, width")
@@ -117,6 +119,7 @@ class TrainTab:
                 choices=[(titled(name), name) for name in domains], value=first
             ),
             self.settings["lang"]: guided,
+            self.go: self.update(interactive=True),
             self.timer: self.update(active=True),
         }
         if epochs := resources.head().metrics.get("epochs"):
