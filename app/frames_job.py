@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.jobs import Job
 from app.limits import LARGE_SET
+from omnivat.head.heads import SET
 from omnivat.kit.errors import DataError, WriteError
 from omnivat.kit.files import cache_folder, hash_of
 from omnivat.kit.progress import Step
@@ -128,7 +129,7 @@ class FramesJob:
 
     def _beside(self) -> list[Path]:
         """Return the set beside a compared head, as `omnivat try` writes it, if there is one."""
-        file = self._of.folders[self._name].parent / "set.safetensors"
+        file = self._of.folders[self._name].parent / SET
         return [file] if self._name and file.is_file() else []
 
     def _read(self) -> "tuple[Head | None, Embeddings]":

@@ -33,4 +33,9 @@ def mended(touch: "Image", mend: str) -> "Image":
         from omnivat.data.dots import fill_dots
 
         touch = fromarray(fill_dots(np.asarray(touch))[0])
-    return arranged(touch, " ".join(word for word in mend.split() if word != FILL))
+    return arranged(touch, way_in(mend))
+
+
+def way_in(mend: str) -> str:
+    """Return the arrangement in the words of `mend`, as a profile records it."""
+    return " ".join(word for word in mend.split() if word != FILL)

@@ -7,6 +7,7 @@ from pathlib import Path
 from app.limits import DRAWN_PAIRS
 from omnivat.head.heads import (
     EXAMPLES,
+    HEAD,
     OWN,
     default_embeddings,
     default_head,
@@ -50,7 +51,7 @@ def places(
 
 def head_in(folder: Path) -> Path:
     """Return the folder of a head; of a folder that `omnivat try` wrote, the one inside it."""
-    inside = folder / "head"
+    inside = folder / HEAD
     return inside if (inside / "settings.json").is_file() else folder
 
 
@@ -77,7 +78,7 @@ def head_names(where: Places) -> dict[str, Path]:
     """Return the folder of each head by its name in requests; "" is the first one."""
     names = {"": where.head}
     for folder in where.compare:
-        name = (folder.parent if folder.name == "head" else folder).name or "head"
+        name = (folder.parent if folder.name == HEAD else folder).name or HEAD
         while name in names or name == OWN:
             name += "'"
         names[name] = folder

@@ -9,7 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from app.mend import FILL, mend_in
+from app.mend import mend_in, way_in
 from app.pair_input import profile_in
 from app.resources import Resources
 from app.state import Question, Reply, content_name, ref_from
@@ -48,8 +48,7 @@ def profile(resources: Resources, question: Question) -> Reply:
         if rows:
             found = channels_of(np.stack(rows))
             channels[name] = joined(channels[name], found) if name in channels else found
-    way = " ".join(word for word in mend.split() if word != FILL)
-    made = Profile(channels=channels, key=source.key, domain=DOMAIN, way=way)
+    made = Profile(channels=channels, key=source.key, domain=DOMAIN, way=way_in(mend))
     kept = _kept(resources, replace(before, channels=channels) if before else made)
     return {**kept, "mend": mend}
 

@@ -38,6 +38,7 @@ from omnivat.data.naming import half_of
 from omnivat.data.readers.files import TABLES, numbered_rows
 from omnivat.data.relief.files import TOUCH
 from omnivat.encoders.base import DEFAULT_ENCODER
+from omnivat.head.heads import HEAD, SET
 from omnivat.kit.errors import DataError, SettingsError, printable
 from omnivat.kit.files import nothing_left, replacing, require_regular, require_writable, write_json
 from omnivat.kit.stages import IMAGES
@@ -45,7 +46,7 @@ from omnivat.kit.stages import IMAGES
 if TYPE_CHECKING:
     from omnivat.study.shift import Features
 
-SET, HEAD, SUMMARY = "set.safetensors", "head", "summary.txt"
+SUMMARY = "summary.txt"
 PAGE = "from app.server import main; raise SystemExit(main())"
 
 

@@ -16,7 +16,7 @@ from safetensors import deserialize, safe_open
 
 from omnivat.data.hdf5 import arrays
 from omnivat.data.images import MIN_SIDE, from_array, opened, read_image
-from omnivat.data.named_columns import Columns, Pictures, explained
+from omnivat.data.named_columns import Columns, Pictures, explained, require_one
 from omnivat.data.naming import FORMATS
 from omnivat.data.parquet import parquet_columns
 from omnivat.data.readers.files import TABLES, numbered_rows
@@ -157,10 +157,7 @@ def _text(place: Path) -> Columns:
     cells = [row + [""] * (len(header) - len(row)) for row in rows.values()]
 
     def read(name: str) -> NDArray[Any]:
-        if (count := header.count(name)) > 1:
-            raise DataError(
-                f"'{place}' has {count} columns called {name}; rename or leave out some."
-            )
+        require_one(place, header, name)
         at = header.index(name)
         return np.array([row[at] for row in cells])
 

@@ -87,6 +87,12 @@ class Columns:
         return f"row {number}" + (f" (line {self.lines[number]})" if self.lines else "")
 
 
+def require_one(place: Path, names: Sequence[str], name: str) -> None:
+    """Raise DataError if several columns of a file have a name."""
+    if (count := names.count(name)) > 1:
+        raise DataError(f"'{place}' has {count} columns called {name}; rename or leave out some.")
+
+
 def _plain(name: str) -> str:
     return re.sub(r"[\s-]+", "_", name.strip().lower())
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from omnivat.data.images import from_array, read_image
-from omnivat.data.named_columns import Columns, Pictures
+from omnivat.data.named_columns import Columns, Pictures, require_one
 from omnivat.kit.errors import DataError
 from omnivat.kit.tables import need
 
@@ -32,14 +32,8 @@ def parquet_columns(place: Path) -> Columns:
         [0, *(file.metadata.row_group(g).num_rows for g in range(file.num_row_groups))]
     )
 
-    def require_one(name: str) -> None:
-        if (count := schema.names.count(name)) > 1:
-            raise DataError(
-                f"'{place}' has {count} columns called {name}; rename or leave out some."
-            )
-
     def read(name: str) -> NDArray[Any]:
-        require_one(name)
+        require_one(place, schema.names, name)
         column = parquet.read_table(place, columns=[name]).column(0)
         if str(column.type).startswith("dictionary"):  # categories of pandas
             column = column.cast(column.type.value_type)
@@ -63,7 +57,7 @@ def parquet_columns(place: Path) -> Columns:
         kind = getattr(kind, "storage_type", kind)
 
         def first() -> list[Any]:
-            require_one(name)
+            require_one(place, schema.names, name)
             cells = column(0, name)[:1].to_pylist() if len(starts) > 1 else []
             return [one for cell in cells for one in (cell if listed else [cell])]
 
@@ -73,7 +67,7 @@ def parquet_columns(place: Path) -> Columns:
         listed = depth == (4 if types.is_integer(item) else 1)
         if not _holds_pictures(item, depth - listed, first):
             return None
-        require_one(name)
+        require_one(place, schema.names, name)
 
         def one(k: int, t: int) -> "Image.Image":
             number = int(np.searchsorted(starts, k, side="right")) - 1

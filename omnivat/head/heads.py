@@ -22,6 +22,7 @@ EXAMPLES = _examples()
 LADDERS = EXAMPLES / "records" / "ladder.jsonl.gz"  # of `python -m benchmarks.table --pack`
 RELIEF = EXAMPLES / "records" / "relief.jsonl.gz"  # of the same with --relief
 
+SET, HEAD = "set.safetensors", "head"  # in a folder that `omnivat try` writes
 OWN = "own"  # the name of the head for one's own pictures
 
 # Sets of the project: name -> folder of their frames and head, and embeddings file
