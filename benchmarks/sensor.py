@@ -6,15 +6,16 @@
 Each draw presses other objects into a gel for two folders. The second is imaged again with each
 change of CHANGES, and its card is compared with that of the first. A row of the record holds what
 was named at one number of touches; a row that is there is not computed again. The table is of the
-whole record: the share of pairs of folders in which the part is named first, with its 95 %
-interval. `--gel-traits` prints grain and sharpness of the gels as they are
-(`omnivat.measure.card.report.GELS`).
+whole record: the share of pairs of folders in which the part is named first, with Wilson's 95 %
+interval. `python -m benchmarks.table_text` writes it into docs/sensor.md. `--gel-traits` prints
+grain and sharpness of the gels as they are (`omnivat.measure.card.report.GELS`).
 """
 
 import argparse
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 from statistics import median
 from time import process_time
@@ -26,8 +27,9 @@ from numpy.typing import NDArray
 from benchmarks._machine import machine
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.threads import pin_thread
-from omnivat.measure.card.card import SensorCard, card_of
+from omnivat.measure.card.card import card_of, summed
 from omnivat.measure.card.changes import changes_between
+from omnivat.measure.card.traits import traits_of
 from simulator.contact import pressed_gel
 from simulator.domains import SIMULATED
 from simulator.drawing import pressing
@@ -37,7 +39,7 @@ from simulator.tactile import imaged, used
 from simulator.things import thing
 
 Picture = NDArray[np.uint8]
-RECORD = Path("docs/benchmarks/sensor.jsonl")
+RECORD = Path(__file__).resolve().parents[1] / "docs" / "benchmarks" / "sensor.jsonl"
 MATERIALS = ("wood", "steel", "plastic", "ceramic", "glass")
 COUNTS = (10, 25, 100)
 SIZE = 224  # pixels
@@ -64,7 +66,7 @@ def _turned(angle: float) -> Change:
         lamps = [Lamp(one.azimuth + angle, one.colour, one.spill) for one in gel.lamps]
         return replace(gel, lamps=tuple(lamps))
 
-    return Change("lamps", f"all turned by {angle:.0f}°", sensor)
+    return Change("lamps", f"turned by {angle:.0f}°", sensor)
 
 
 def _weak(share: float) -> Change:
@@ -74,7 +76,7 @@ def _weak(share: float) -> Change:
         colour = (share * red, share * green, share * blue)
         return replace(gel, lamps=(Lamp(first.azimuth, colour, first.spill), *rest))
 
-    return Change("lamps", f"one at {share:.0%}", sensor)
+    return Change("lamps", f"one at {100 * share:.0f} %", sensor)
 
 
 def _tint(step: float) -> Change:
@@ -82,12 +84,12 @@ def _tint(step: float) -> Change:
         red, green, blue = gel.base
         return replace(gel, base=(red + step, green, blue - step))
 
-    return Change("tint", f"red + {step:.2f}, blue − {step:.2f}", sensor)
+    return Change("tint", f"redder by {step:.2f}", sensor)
 
 
 def _blur(more: float) -> Change:
     return Change(
-        "sharpness", f"{more:.1f} pixels more blur", lambda gel: replace(gel, blur=gel.blur + more)
+        "sharpness", f"{more:g} pixels less", lambda gel: replace(gel, blur=gel.blur + more)
     )
 
 
@@ -99,12 +101,12 @@ def _crop(share: float) -> Change:
         inner = Image.fromarray(whole[rim:-rim, rim:-rim])
         return np.asarray(inner.resize((SIZE, SIZE), Image.Resampling.BICUBIC))
 
-    return Change("scale", f"cropped to {share:.0%}", picture=picture)
+    return Change("scale", f"cropped to {100 * share:.0f} %", picture=picture)
 
 
 DOTS = Markers(pitch=2.0, radius=0.28, uneven=0.06)
 CHANGES = (
-    Change("", "nothing"),
+    Change("", "nothing (right: nothing named)"),
     Change("channels", "red and blue swapped", picture=lambda picture: picture[..., ::-1]),
     Change("mirrored", "left to right", picture=lambda picture: picture[:, ::-1]),
     Change("turned", "by 180°", picture=lambda picture: picture[::-1, ::-1]),
@@ -113,7 +115,7 @@ CHANGES = (
     Change("dots", "gained", lambda gel: replace(gel, markers=DOTS)),
     Change("dots", "lost", lambda gel: replace(gel, markers=None)),
     *map(_tint, (0.14, 0.05, 0.02)),
-    *(_of("gain", "strength", f"at {share:.0%}", share) for share in (0.55, 0.75, 0.85)),
+    *(_of("gain", "strength", f"at {100 * share:.0f} %", share) for share in (0.55, 0.75, 0.85)),
     *map(_blur, (3.0, 2.0, 1.2)),
     *(_of("noise", "noise", f"× {factor}", factor) for factor in (3, 1.6, 1.3)),
     *map(_crop, (0.65, 0.8)),
@@ -145,20 +147,14 @@ class Pressed:
             sheet = pressed_gel(thing(plan, seed=0), press, worn, size=SIZE)
             self.presses.append((sheet, press.shear, seed))
 
-    def seen(self, gel: Sensor, change: Change = CHANGES[0]) -> list[Picture]:
-        """Return the pictures (SIZE, SIZE, 3) of a gel that was changed."""
-        changed = change.sensor(gel)
+    def seen(self, gel: Sensor) -> list[Picture]:
+        """Return the pictures (SIZE, SIZE, 3) of a gel."""
         pictures = []
         for sheet, shear, seed in self.presses:
-            worn = used(changed, np.random.default_rng(derive_seed(seed, "gel")))
+            worn = used(gel, np.random.default_rng(derive_seed(seed, "gel")))
             image = 255 * imaged(sheet, worn, shear, seed=seed)
-            pictures.append(np.ascontiguousarray(change.picture(np.rint(image).astype(np.uint8))))
+            pictures.append(np.rint(image).astype(np.uint8))
         return pictures
-
-
-def named(old: SensorCard, pictures: Sequence[Picture]) -> list[str]:
-    """Return the parts that changed, the likeliest first."""
-    return [change.part for change in changes_between(old, card_of(pictures))]
 
 
 def rows_of(name: str, draw: int, counts: Sequence[int]) -> list[Mapping[str, Any]]:
@@ -166,18 +162,23 @@ def rows_of(name: str, draw: int, counts: Sequence[int]) -> list[Mapping[str, An
     gel, most = GELS[name], max(counts)
     place = 2 * (draw * len(GELS) + list(GELS).index(name))
     before, after = (Pressed(gel, place + k, most) for k in (0, 1))
-    plain = before.seen(gel)
-    old = {count: card_of(plain[:count]) for count in counts}
+    plain = [traits_of(picture) for picture in before.seen(gel)]
+    old = {count: summed(plain[:count]) for count in counts}
+    untouched = after.seen(gel)
     found: dict[int, dict[str, list[str]]] = {count: {} for count in counts}
     seconds: dict[int, list[float]] = {count: [] for count in counts}
     for change in CHANGES:
         if not fits(change, gel):
             continue
-        pictures = after.seen(gel, change)
+        seen = untouched if change.sensor(gel) == gel else after.seen(change.sensor(gel))
+        began = process_time()
+        read = [traits_of(np.ascontiguousarray(change.picture(picture))) for picture in seen]
+        each = (process_time() - began) / most
         for count in counts:
             began = process_time()
-            found[count][f"{change.part} {change.words}"] = named(old[count], pictures[:count])
-            seconds[count].append(process_time() - began)
+            changes = changes_between(old[count], summed(read[:count]))
+            found[count][f"{change.part} {change.words}"] = [one.part for one in changes]
+            seconds[count].append(count * each + process_time() - began)
     return [
         {"gel": name, "draw": draw, "touches": count, "seconds": round(median(seconds[count]), 2),
          "named": found[count]}
@@ -196,29 +197,48 @@ def interval(right: int, of: int) -> tuple[float, float]:
     return max(0.0, (middle - width) / (of + z * z)), min(1.0, (middle + width) / (of + z * z))
 
 
-def table(rows: Sequence[Mapping[str, Any]]) -> str:
-    """Return the record as Markdown: a line for each change, a column for each count of touches."""
+def recorded(file: Path = RECORD) -> list[Mapping[str, Any]]:
+    """Return the rows of a record, none if there is no file."""
+    text = file.read_text(encoding="utf-8") if file.is_file() else ""
+    return [json.loads(line) for line in text.splitlines()]
+
+
+def table(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Return the record as Markdown: the changes of a part in a line, numbers of touches in
+    columns; then the interval of each share.
+    """
     counts = sorted({row["touches"] for row in rows})
-    text = [f"| changed | {' | '.join(f'{count} touches' for count in counts)} |",
-            f"| --- |{' --- |' * len(counts)}"]  # fmt: skip
-    for change in CHANGES:
-        cells = []
+    text = ["| changed | " + " | ".join(f"{count} touches" for count in counts) + " |"]
+    text.append("| --- |" + " --- |" * len(counts))
+    shares: set[tuple[int, int]] = set()
+    for part, some in groupby(CHANGES, lambda change: change.part):
+        kind, cells = [*some], []
         for count in counts:
-            key = f"{change.part} {change.words}"
-            lists = [r["named"][key] for r in rows if r["touches"] == count and key in r["named"]]
-            right = sum((one or [""])[0] == change.part for one in lists)
-            low, high = interval(right, len(lists)) if lists else (0, 1)
-            cells.append(f"{right} of {len(lists)} ({low:.0%} to {high:.0%})")
-        text.append(
-            f"| {f'{change.part}: ' * bool(change.part)}{change.words} | {' | '.join(cells)} |"
-        )
-    for count in counts:
-        spent = sorted(row["seconds"] for row in rows if row["touches"] == count)
-        text.append(
-            f"\n{count} touches: {median(spent):.1f} s of one core, {spent[0]:.1f} to"
-            f" {spent[-1]:.1f}."
-        )
-    return "\n".join(text)
+            found = [named_first(rows, change, count) for change in kind]
+            shares.update(found)
+            cells.append(", ".join(f"{right}/{of}" for right, of in found))
+        words = f"{part} {'; '.join(change.words for change in kind)}".strip()
+        text.append(f"| {words} | {' | '.join(cells)} |")
+    ends = [
+        f"{right}/{of} {100 * low:.0f}–{100 * high:.0f}"
+        for right, of in sorted(shares, key=lambda share: (-share[1], share[0]))
+        for low, high in [interval(right, of)]
+    ]
+    return [*text, "", f"Wilson's 95 % intervals, in percent: {', '.join(ends)}."]
+
+
+def named_first(rows: Sequence[Mapping[str, Any]], change: Change, count: int) -> tuple[int, int]:
+    """Return in how many pairs of folders a change is named first, and how many pairs there are."""
+    key = f"{change.part} {change.words}"
+    lists = [row["named"][key] for row in rows if row["touches"] == count and key in row["named"]]
+    return sum((one or [""])[0] == change.part for one in lists), len(lists)
+
+
+def spent(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield the time of a card at each count of touches, as a sentence."""
+    for count in sorted({row["touches"] for row in rows}):
+        each = sorted(row["seconds"] for row in rows if row["touches"] == count)
+        yield f"{count} touches: {median(each):.1f} s, {each[0]:.1f} to {each[-1]:.1f}."
 
 
 def gel_traits(count: int = 50) -> None:
@@ -240,11 +260,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     pin_thread()
     if options.gel_traits:
         return gel_traits()
-    rows = []
-    if options.record.is_file():
-        rows = [
-            json.loads(line) for line in options.record.read_text(encoding="utf-8").splitlines()
-        ]
+    rows = recorded(options.record)
     there = {(row["gel"], row["draw"], row["touches"]) for row in rows}
     for draw in options.draw:
         for name in options.gels:
@@ -253,7 +269,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
                 rows.append(row)
                 with options.record.open("a", encoding="utf-8") as file:
                     file.write(json.dumps(row, ensure_ascii=False) + "\n")
-    print(table(rows), machine(), sep="\n\n")
+    print(*table(rows), "", *spent(rows), machine(), sep="\n")
 
 
 if __name__ == "__main__":

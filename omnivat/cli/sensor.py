@@ -5,6 +5,7 @@ python -m omnivat sensor NEW [--against OLD] [--json] [--figure FILE.png] [--men
 
 import argparse
 import json
+from dataclasses import replace
 from pathlib import Path
 
 from omnivat.cli.arguments import declare, path
@@ -40,7 +41,7 @@ def run(options: argparse.Namespace) -> None:
     from omnivat.data.arranged import arranged
     from omnivat.data.images import read_image
     from omnivat.measure.card.card import MOST, card_of
-    from omnivat.measure.card.changes import AS_IT_IS, arrangement_of, sensor_card
+    from omnivat.measure.card.changes import AS_IT_IS, arrangement_of, changes_between
     from omnivat.measure.card.report import markdown, record
 
     if options.mend and not options.against:
@@ -53,21 +54,21 @@ def run(options: argparse.Namespace) -> None:
         spread = np.linspace(0, len(names) - 1, min(len(names), MOST)).round().astype(int)
         return [np.asarray(read_image(names[k])) for k in spread]
 
-    old = read(images_of(options.against)) if options.against else None
-    card = sensor_card(read(files), old)
+    card, old = card_of(read(files)), None
+    if options.against:
+        old = card_of(read(images_of(options.against)))
+        card = replace(card, changes=changes_between(old, card))
     title = f"The sensor of {options.pictures[0].name}"
     print(json.dumps(record(card), indent=1) if options.json else markdown(card, title))
     if options.figure:
         from omnivat import figures
 
-        before = [] if old is None else [("before", card_of(old).lamps)]
+        before = [] if old is None else [("before", old.lamps)]
         figures.write(options.figure, figures.rose([*before, ("now", card.lamps)], title=title))
     if options.mend and old is not None:
-        way, _ = arrangement_of(card_of(old), card)
+        way, _ = arrangement_of(old, card)
         if way is AS_IT_IS:
-            raise SettingsError(
-                "Nothing is to be mended: the pictures are neither turned nor mirrored."
-            )
+            raise SettingsError(NOTHING)
         for file in files:
             picture = arranged(read_image(file), way.back)
             with replacing(options.mend / f"{file.stem}.png") as temporary:

@@ -30,6 +30,7 @@ const SIDES = [
 ];
 const COLOURS = ["red", "green", "blue"];
 const MOST_DOTS = 14; // along a side of the drawing
+const PROFILE = "Use a profile of these pictures";
 /** What has a bar: its name, its value in a card, its place in a gel's numbers and its unit.
  * @type {[string, (card: Card) => number, number, string][]} */
 const BARS = [
@@ -55,7 +56,7 @@ export function sensorHtml(tab) {
   return html`${hint(words)}
     <div class="sides">${SIDES.map(([side, title], i) => sideHtml(side, title, folders[side], card?.cards[i]))}</div>
     ${status(doing.card ?? notes.card)}${card && [barsHtml(card), changesHtml(card, tab)]}
-    <div class="row">${folders.now.length > 0 && button("sampled", "Use a profile of these pictures")}${use}</div>
+    <div class="row">${folders.now.length > 0 && !card?.changes?.some(({ profile }) => profile) && button("sampled", PROFILE)}${use}</div>
     ${status(progress ?? question ?? notes.sensor)}${before && answer && comparedHtml(before, answer)}`;
 }
 
@@ -73,8 +74,8 @@ const sideHtml = (
 /** The gel's light, its lamps and its dots, drawn and in words. @param {Card} card */
 function drawnHtml({ background, lamps, no_lamps, halves, dots, pitch, pictures, size, missing }) {
   const sure = halves === null ? "" : ` The lamps of both halves agree at ${halves.toFixed(2)}.`;
-  return html`<div class="drawn"><img src="${background}" alt="Light of the gel without relief">${lamps && roseHtml(lamps)}${dotsHtml(dots, pitch)}</div>
-    ${hint(`${plural(pictures, "picture")} of ${size.join(" × ")} pixels.${lamps ? sure : ` ${no_lamps}`} ${missing}`)}`;
+  return html`<div class="drawn"><img src="${background}" alt="Light of the gel without relief">${lamps && roseHtml(lamps)}${pitch && dots >= 0.5 && dotsHtml(dots, pitch)}</div>
+    ${hint(`${plural(pictures, "picture")} of ${size.join(" × ")} pixels${dots < 0.5 ? `, ${dots ? percent(dots) : "none"} with printed dots` : ""}.${lamps ? sure : ` ${no_lamps}`} ${missing}`)}`;
 }
 
 /** From where each colour lights the gel: as far from the middle as it is strong. @param {number[][]} lamps */
@@ -92,13 +93,12 @@ export function roseHtml(lamps) {
   return html`<svg class="rose" viewBox="-50 -50 100 100" role="img" aria-label="Lamps: ${words.join(", ")}; 0° is the right, 90° the top"><circle r="34"/>${rays}</svg>`;
 }
 
-/** The grid of printed dots. @param {number} share @param {number | null} pitch */
+/** The grid of printed dots. @param {number} share @param {number} pitch */
 function dotsHtml(share, pitch) {
-  const [half, side] = [share >= 0.5, Math.min(MOST_DOTS, Math.max(2, Math.round(1 / (pitch ?? 1))))];
-  const words = half && pitch ? `, ${percent(pitch)} of the picture apart` : "";
+  const side = Math.min(MOST_DOTS, Math.max(2, Math.round(1 / pitch)));
   const place = (/** @type {number} */ k) => ((100 * (k + 0.5)) / side - 50).toFixed(1);
-  const all = Array.from({ length: half ? side * side : 0 }, (_, k) => k);
-  return html`<svg class="dots" viewBox="-50 -50 100 100" role="img" aria-label="Printed dots in ${percent(share)} of the pictures${words}">${all.map((k) => html`<circle r="2" cx="${place(k % side)}" cy="${place(Math.floor(k / side))}"/>`)}${!half && html`<text y="5">no dots</text>`}</svg>`;
+  const all = Array.from({ length: side * side }, (_, k) => k);
+  return html`<svg class="dots" viewBox="-50 -50 100 100" role="img" aria-label="Printed dots in ${percent(share)} of the pictures, ${percent(pitch)} of the picture apart">${all.map((k) => html`<circle r="2" cx="${place(k % side)}" cy="${place(Math.floor(k / side))}"/>`)}</svg>`;
 }
 
 /** Grain and sharpness as bars, with a mark for each simulated gel. @param {Cards} card */
@@ -114,14 +114,15 @@ function barsHtml({ cards, gels }) {
     );
     return row(name, [html`${bars}`]);
   });
-  return html`<table class="gauges" aria-label="Beside simulated gels">${rows}</table>${hint("Each mark is a simulated gel. The second bar is the other folder.")}`;
+  return html`<table class="gauges" aria-label="Beside simulated gels">${rows}</table>${hint(`Each mark is a simulated gel.${cards.length > 1 ? " The second bar is the other folder." : ""}`)}`;
 }
 
 /** What changed, the likeliest first, and what mends it. @param {Cards} card @param {PairTab} tab */
 function changesHtml({ changes }, { mend, counts }) {
   if (!changes) return null;
   if (!changes.length) return hint("Nothing changed that these pictures show.");
-  return html`<ol class="changes">${changes.map(({ part, evidence, cost, remedy, mend: word, profile }) => {
+  const first = changes.findIndex(({ profile }) => profile); // whose button stands for all
+  return html`<ol class="changes">${changes.map(({ part, evidence, cost, remedy, mend: word, profile }, i) => {
     const words = word
       ? button(
           "mended",
@@ -129,7 +130,9 @@ function changesHtml({ changes }, { mend, counts }) {
           html`data-word="${word}" ${pressed(mend.split(" ").includes(word))}`,
         )
       : profile
-        ? button("sampled", "Use a profile of these pictures", html`data-kind="tac" ${pressed(counts)}`)
+        ? i === first
+          ? button("sampled", PROFILE, html`data-kind="tac" ${pressed(counts)}`)
+          : "The same profile undoes a part of it."
         : remedy;
     return html`<li><b>${capital(part)}.</b> ${evidence} ${cost && html`<small>${cost}</small>`} <div class="row">${words}</div></li>`;
   })}</ol>`;

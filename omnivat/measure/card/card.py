@@ -70,16 +70,20 @@ def card_of(pictures: Iterable[Array]) -> SensorCard:
 
     Raises DataError for fewer than FEWEST pictures.
     """
-    read = [traits_of(picture) for picture, _ in zip(pictures, range(MOST), strict=False)]
+    return summed([traits_of(picture) for picture, _ in zip(pictures, range(MOST), strict=False)])
+
+
+def summed(read: list[Traits]) -> SensorCard:
+    """Return the card of a sensor from the traits of its touches; see `card_of`."""
     if len(read) < FEWEST:
         there = "is 1" if len(read) == 1 else f"are {len(read) or 'none'}"
         raise DataError(
             f"A sensor's card needs {FEWEST} touch images or more, better 25, and there {there};"
             " add some."
         )
-    shapes = [one.filled.shape for one in read]
-    common = max(set(shapes), key=shapes.count)
-    same = [one for one in read if one.filled.shape == common]
+    sizes = [one.size for one in read]
+    common = max(set(sizes), key=sizes.count)
+    same = [one for one in read if one.size == common]
     found, unlit = lit_by(same)
     halves = [lit_by(same[start::2])[0] for start in (0, 1)]
     agreement = None
@@ -87,7 +91,7 @@ def card_of(pictures: Iterable[Array]) -> SensorCard:
         agreement = abs(cosine(halves[0].colours, halves[1].colours))
     return SensorCard(
         pictures=len(read),
-        size=(common[1], common[0]),
+        size=common,
         lamps=found,
         unlit=unlit,
         halves=agreement,

@@ -263,6 +263,10 @@ def dots_changed(old: SensorCard, new: SensorCard) -> Iterator[Change]:
 
 def numbers_changed(old: SensorCard, new: SensorCard, way: Arrangement) -> Iterator[Change]:
     """Yield the changes of what has a number in every picture."""
+    sizes = " × ".join(map(str, new.size)), " × ".join(map(str, old.size))
+    sized = ""
+    if sizes[0] != sizes[1]:
+        sized = " The pictures have {} pixels, and had {}: this alone changes it.".format(*sizes)
     for measure in MEASURES:
         row = measure.row
         if row == "pitch" and min(old.of("dots")[0], new.of("dots")[0]) < 0.5:
@@ -282,7 +286,7 @@ def numbers_changed(old: SensorCard, new: SensorCard, way: Arrangement) -> Itera
             yield Change(
                 measure.part,
                 f"{sentence[0].upper()}{sentence[1:]} ({abs(step) / max(error, 1e-9):.0f} standard"
-                " errors).",
+                f" errors).{sized if measure.part in ('sharpness', 'noise') else ''}",
                 measure.remedy,
                 float(size),
             )

@@ -7,8 +7,10 @@ import numpy as np
 
 from omnivat.data.dots import Dots, fill_dots
 from omnivat.data.relief.filters import SLOW, blurred, reduced, scale
+from omnivat.data.relief.lamps import clean
 
 Array = np.ndarray[Any, np.dtype[Any]]
+LARGEST = 240  # pixels of the shorter side, to which larger pictures are reduced
 FIELD = 14  # cells of the shorter side in which the slow light is kept
 # relief between two widths, pixels of 224
 FINE, MIDDLE, SOFT, COARSE = (1.0, 1.5), (2.0, 3.0), (1.5, 3.0), (12.0, 24.0)
@@ -22,6 +24,7 @@ FAINT = 0.05  # of 255: energy below is grain
 class Traits:
     """One picture's. Light is in steps of 255.
 
+    size    (width, height) as it came; `filled` (H, W, 3) is reduced, without dots
     field   (h, w, 3): the slow light in cells; tint: its mean (3,)
     noise   standard deviation of the grain
     edge    size of the sharpest edges in relief of FINE over that of MIDDLE, less the grain's
@@ -30,6 +33,7 @@ class Traits:
     coarse  root mean square of the relief of COARSE
     """
 
+    size: tuple[int, int]
     filled: Array
     dots: Dots | None
     field: Array
@@ -45,14 +49,16 @@ class Traits:
 
 
 def traits_of(picture: Array) -> Traits:
-    """Return the traits of a touch (H, W, 3) uint8."""
-    filled, dots = fill_dots(picture)
+    """Return the traits of a touch (H, W, 3) uint8. Raises DataError for another array."""
+    height, width, _ = clean(picture, "keep").shape
+    small = np.rint(reduced(picture, LARGEST)).astype(np.uint8)
+    filled, dots = fill_dots(small)
     light = filled.astype(np.float32)
     grain = grain_of(light)
     field = reduced(blurred(reduced(filled, 112), SLOW / 2), FIELD)
     coarse = float(np.sqrt(max(band(light, COARSE).mean(), FAINT**2)))
     soft = float(np.sqrt(max(edges(light, SOFT, grain)[0], FAINT**2)))
-    return Traits(filled, dots, field, grain, edge_of(light, grain), soft, coarse)
+    return Traits((width, height), filled, dots, field, grain, edge_of(light, grain), soft, coarse)
 
 
 def edge_of(light: Array, grain: float) -> float | None:

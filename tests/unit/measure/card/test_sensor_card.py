@@ -15,6 +15,7 @@ from omnivat.kit.seeding import derive_seed
 from omnivat.measure.card import of_set
 from omnivat.measure.card.card import card_of
 from omnivat.measure.card.changes import COSTS, changes_between
+from omnivat.measure.card.traits import traits_of
 from simulator.domains import SIMULATED
 from simulator.drawing import tactile
 from simulator.plan import planned
@@ -116,6 +117,25 @@ def test_too_few_flat_and_grey_pictures_give_one_sentence(after):
         card = sensor_card([flat] * 6)
         assert card.lamps is None
         assert card.unlit.count("\n") == 0 and card.unlit.endswith(".")
+
+
+def test_large_pictures_are_read_reduced_and_other_arrays_are_refused(after):
+    one = traits_of(np.kron(after[0], np.ones((6, 6, 1), np.uint8)))
+    assert one.size == (960, 960)
+    assert one.filled.shape == (240, 240, 3)
+    with pytest.raises(DataError, match="has shape .160, 160. and type uint8"):
+        sensor_card([after[0][..., 0]] * 6)
+
+
+def test_a_change_of_size_is_stated_beside_grain_and_sharpness(before, after):
+    found = changes_between(
+        before, card_of([np.kron(a, np.ones((2, 2, 1), np.uint8)) for a in after])
+    )
+    told = {
+        change.part: "have 320 × 320 pixels, and had 160 × 160" in change.evidence
+        for change in found
+    }
+    assert told and told == {part: part in ("noise", "sharpness") for part in told}
 
 
 def test_what_a_change_costs_is_what_the_twins_record():
