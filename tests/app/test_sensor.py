@@ -173,6 +173,13 @@ def test_a_touch_is_read_as_the_request_mends_it_and_a_photo_as_it_comes(resourc
         (as_photo, as_touch), _ = rows(plain)
         assert touch == as_touch and photo != as_photo
         assert rows(mirrored)[0][0] == photo
+        live = [
+            client.post(f"/omnivat/live?modality=tac&mend={mend}", content=content).json()[
+                "readings"
+            ]
+            for content, mend in ((mirrored, "left-right"), (plain, ""), (mirrored, ""))
+        ]
+        assert live[0] == live[1] != live[2]
         other = client.post(
             "/omnivat/many", json={"pairs": [{"tac": rows(plain)[1]}], "mend": "bgr"}
         )

@@ -413,7 +413,7 @@ def test_a_profile_of_my_sensor_is_followed_and_survives_a_reload(open_page):
 def test_a_mirrored_sensor_is_named_and_one_click_reads_its_touches_as_the_old_ones(
     open_page, tmp_path
 ):
-    page = open_page("?view=pair", ANSWERED, size=(1280, 720))
+    page = open_page("?view=pair", ANSWERED, size=(1280, 720), permissions=["camera"])
     scripts = "performance.getEntriesByType('resource').map(({ name }) => name).join()"
     assert "pair/sensor.js" not in page.evaluate(scripts)  # it comes when the panel opens
     for name, mirror in (("new", True), ("old", False)):
@@ -439,8 +439,19 @@ def test_a_mirrored_sensor_is_named_and_one_click_reads_its_touches_as_the_old_o
     page.wait_for_selector(".pair .sensor table:has-text('mended') tbody tr")
     assert page.get_attribute(".pair .sensor .changes button", "aria-pressed") == "true"
     assert "mirrored from left to right" in page.inner_text(".pair .profile-now")
-    page.click(".pair .profile-now button")
+    page.evaluate("localStorage['omnivat-live-vis'] = JSON.stringify({ device: 'none' })")
+    page.reload()  # after which touches are read so, too, and those of Live
+    page.wait_for_selector(".pair .profile-now:has-text('mirrored from left to right')")
+    page.wait_for_selector(ANSWERED)
+    page.held = True
+    page.click(".pair .cameras > summary")
+    with page.expect_request("**/omnivat/live?modality=tac&*mend=left-right*"):
+        page.click(".pair .cameras [data-send=camerasSwitched]")
+    page.wait_for_selector(".pair .verdict .tag:has-text('live')")
+    with page.expect_request(lambda sent: "/live?" in sent.url and "mend" not in sent.url):
+        page.click(".pair .profile-now button")
     page.wait_for_selector(".pair .profile-now", state="hidden")
+    page.click(".pair .cameras [data-send=camerasSwitched]")
 
 
 def own_folder(to, domains):

@@ -239,7 +239,8 @@ def difference(a: Array, b: Array) -> str:
     if np.abs(np.log(ratios[worst])) > np.log(1.2):
         word = "stronger" if ratios[worst] > 1 else "weaker"
         return (
-            f"The {COLOURS[worst]} light is {abs(ratios[worst] - 1):.0%} {word} beside the others."
+            f"The {COLOURS[worst]} light is {100 * abs(ratios[worst] - 1):.0f} % {word} beside the"
+            " others."
         )
     return "Directions or colours of the lamps differ."
 
@@ -254,8 +255,8 @@ def dots_changed(old: SensorCard, new: SensorCard) -> Iterator[Change]:
         verb = "has gained" if b > a else "has lost"
         yield Change(
             "dots",
-            f"The gel {verb} printed dots: {a:.0%} of the old pictures show a grid of dots, and"
-            f" {b:.0%} of the new.",
+            f"The gel {verb} printed dots: {100 * a:.0f} % of the old pictures show a grid of"
+            f" dots, and {100 * b:.0f} % of the new.",
             "Fill the dots, as every command does without --dots keep.",
             max(size, 1.0),
         )
@@ -282,7 +283,7 @@ def numbers_changed(old: SensorCard, new: SensorCard, way: Arrangement) -> Itera
         size = abs(step) / max(measure.least, sure * error)
         if size > 1:
             words = measure.more if step > 0 else measure.less
-            sentence = words.format(f"{abs(np.expm1(step)):.0%}")
+            sentence = words.format(f"{100 * abs(np.expm1(step)):.0f} %")
             yield Change(
                 measure.part,
                 f"{sentence[0].upper()}{sentence[1:]} ({abs(step) / max(error, 1e-9):.0f} standard"
@@ -312,6 +313,6 @@ def cost_of(part: str) -> str:
         return ""
     kept, filled = COSTS[part]
     return (
-        f"Between simulated sensors that differ in this alone, touch loses {kept:.0f} points of"
-        f" accuracy, and {filled:.0f} with the dots filled."
+        f"Between simulated sensors that differ in this alone, touch loses {kept:.2g} points of"
+        f" accuracy, and {filled:.2g} with the dots filled."
     )

@@ -58,11 +58,11 @@ def markdown(card: SensorCard, title: str) -> str:
         ("pictures", f"{card.pictures} of {card.size[0]} × {card.size[1]} pixels"),
         ("lamps", lamps_in_words(card)),
         ("gel's mean colour", " ".join(f"{n} {v:.0f}" for n, v in zip(COLOURS, tint, strict=True))),
-        ("unevenness of its light", f"{card.uneven:.0%} of its mean"),
+        ("unevenness of its light", f"{100 * card.uneven:.0f} % of its mean"),
         (
             "printed dots",
-            f"in {share:.0%} of the pictures"
-            + (f", {pitch:.1%} of the picture apart" if pitch == pitch else ""),
+            f"in {100 * share:.0f} % of the pictures"
+            + (f", {100 * pitch:.1f} % of the picture apart" if pitch == pitch else ""),
         ),
         ("grain", f"{np.exp(grain):.1f} of 255 (simulated gels {_gels(0, 1)})"),
         (
