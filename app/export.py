@@ -9,7 +9,7 @@ from posixpath import normpath
 from typing import Any
 
 from app import about
-from app.components import STYLES, WEB
+from app.components import STYLES, WEB, html_of
 from app.modes import fitting_files, modes
 from app.places import Places
 from app.resources import Resources
@@ -119,11 +119,6 @@ def document(*, held: Mapping[str, Any], **parts: str) -> str:
     """
     index = json.dumps(held, ensure_ascii=False, separators=(",", ":")).replace("</", "<\\/")
     return PAGE.format(held=index, header=html_of("header"), **parts)
-
-
-def html_of(name: str) -> str:
-    """Return the HTML of the component `web/<name>`."""
-    return (WEB / name / f"{name}.html").read_text(encoding="utf-8")
 
 
 def held_files(where: Places, frames: Path) -> dict[str, str]:

@@ -8,7 +8,7 @@ loads nothing from other hosts.
 
 import re
 from base64 import b64encode
-from collections.abc import AsyncIterator, Iterable
+from collections.abc import AsyncIterator, Iterable, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from hashlib import sha256
@@ -44,6 +44,10 @@ POLICY = (
 )
 # headers that would name this server in its page
 NAMING = (b"forwarded", b"x-forwarded-host", b"x-gradio-server")
+# what a browser never opens as a document that runs scripts
+INERT = frozenset(
+    ("application/javascript", "text/javascript", "text/css", "image/webp", "application/json")
+)
 INLINE = re.compile(rb"<script(?![^>]*\ssrc=)[^>]*>(.*?)</script>", re.DOTALL)
 
 
@@ -79,12 +83,16 @@ def is_loopback(host: str) -> bool:
 
 
 class Guard:
-    """An ASGI application wrapped in the rules; `links` are sent with each page, as the header
-    `Link`.
+    """An ASGI application wrapped in the rules.
+
+    links  sent with each page, as the header `Link`
+    added  what each page has more than Gradio's, before the first place of each key
     """
 
-    def __init__(self, app: ASGIApp, rules: Rules, links: str = "") -> None:
-        self._app, self._rules = app, rules
+    def __init__(
+        self, app: ASGIApp, rules: Rules, links: str = "", added: Mapping[bytes, str] | None = None
+    ) -> None:
+        self._app, self._rules, self._added = app, rules, added or {}
         self._links = {"link": links} if links else {}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -120,7 +128,10 @@ class Guard:
                 ):
                     held.append(message)
                     return
-                sent.update(headers(b"", self._rules))
+                found = headers(b"", self._rules)
+                if sent.get("content-type", "").split(";")[0] in INERT:
+                    del found["content-security-policy"]  # half of a small script's reply
+                sent.update(found)
             elif held:
                 held.append(message)
                 if message.get("more_body"):
@@ -128,7 +139,12 @@ class Guard:
                 start, *parts = held
                 body = b"".join(part.get("body", b"") for part in parts)
                 held.clear()
-                MutableHeaders(scope=start).update(headers(body, self._rules) | self._links)
+                for place, more in self._added.items():
+                    body = body.replace(place, more.encode() + place, 1)
+                sent = MutableHeaders(scope=start)
+                sent.update(headers(body, self._rules) | self._links)
+                if body:  # the reply to HEAD has none
+                    sent["content-length"] = str(len(body))
                 await send(start)
                 message = {"type": "http.response.body", "body": body}
             await send(message)

@@ -12,7 +12,7 @@ from threading import Lock
 from time import monotonic
 from typing import Any
 
-from app.components import WEB, component, head, needed, theme
+from app.components import FIRST, WEB, component, first, head, needed, styles, theme
 from app.guard import Guard, alone, rules, warning
 from app.light import light_imports
 from app.memory import share_arenas
@@ -86,7 +86,19 @@ def launch(page: Any, sets: VisitorSets, arguments: argparse.Namespace, **more: 
     config.HTTP_PROTOCOLS["auto"] = "app.connections:Connection"
     config.WS_PROTOCOLS["auto"] = None
     guarded = rules(arguments.host, arguments.allow_host, framed=arguments.allow_framing)
-    early = ", ".join(f"<omnivat/web/{name}>; rel=modulepreload" for name in needed())
+    early = ", ".join(
+        [
+            "<omnivat/modes>; rel=preload; as=fetch; crossorigin",
+            *(f"<omnivat/web/{name}>; rel=modulepreload" for name in needed(FIRST)),
+        ]
+    )
+    titles = [import_module(f"app.views.{name}").TITLE for name in VIEWS]
+    # what the first figure needs comes before Gradio's own scripts
+    added = {
+        b"</head>": head(VIEWS),
+        b"<gradio-app": first(titles),
+        b' crossorigin src="./assets/': ' fetchpriority="low"',
+    }
     return page.launch(
         server_name=arguments.host,
         server_port=arguments.port,
@@ -96,14 +108,14 @@ def launch(page: Any, sets: VisitorSets, arguments: argparse.Namespace, **more: 
             "middleware": [
                 Middleware(Turns),
                 Middleware(Packed, compresslevel=6),
-                Middleware(Guard, rules=guarded, links=early),
+                Middleware(Guard, rules=guarded, links=early, added=added),
             ],
             "lifespan": alone,
             "docs_url": None,
             "redoc_url": None,
         },
         theme=theme(),
-        head=head(VIEWS),
+        head=styles(),  # once more, behind Gradio's own
         favicon_path=WEB / "shared" / "icon.svg",
         footer_links=[],
         run_history=False,

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode, urlsplit
 
-from app.components import WEB, head, needed
-from app.export import document, frames_file, html_of, set_files
+from app.components import WEB, head, html_of, needed
+from app.export import document, frames_file, set_files
 from app.frame_parts import HEAD, parts_of
 from app.messages import without_places
 from app.modes import modes

@@ -162,6 +162,16 @@ def test_only_the_inline_scripts_that_the_page_came_with_run():
     assert "unsafe-inline" not in scripts
 
 
+def test_what_a_page_has_more_than_gradios_is_part_of_it_and_its_scripts_run():
+    more = {b"</html>": "<script>let b = 2;</script>", b"missing": "nothing"}
+    guarded = Middleware(Guard, rules=rules("127.0.0.1"), added=more)
+    app = Starlette(routes=[Route("/", page)], middleware=[guarded])
+    got = TestClient(app, base_url="http://127.0.0.1:7860").get("/")
+    assert got.text == PAGE.replace("</html>", "<script>let b = 2;</script></html>")
+    assert got.headers["content-security-policy"].count("sha256-") == 2
+    assert int(got.headers["content-length"]) == len(got.content)
+
+
 def test_no_page_may_frame_it_unless_asked_for():
     closed, framed = client().get("/"), client(rules("127.0.0.1", framed=True)).get("/")
     assert closed.headers["x-frame-options"] == "DENY"

@@ -17,6 +17,37 @@ def words(page, selector):
     return text.replace("\xa0", " ")
 
 
+@pytest.mark.parametrize("width", [1280, 400])
+def test_a_chapter_is_there_before_gradio_and_nothing_moves_or_is_lost_when_gradio_comes(
+    chromium, address, width
+):
+    page = chromium.new_page(viewport={"width": width, "height": 720})
+    held = []
+    page.route("**/assets/index-*.js", lambda route: held.append(route))
+    place = "JSON.stringify(document.querySelector('.explore').getBoundingClientRect())"
+    try:
+        page.goto(f"{address}?chapter=gaps&map=pca", wait_until="commit")
+        page.wait_for_selector(f".explore.ready {MAP.removeprefix('.explore ')}")
+        assert not page.locator("#view-explore-button, body[data-ready]").count()
+        opened = page.get_attribute(MAP, "data-order")
+        moved = "old => document.querySelector('.explore .map').dataset.order !== old"
+        page.focus(".explore .order-bar [role=slider], .explore .order-bar input")
+        page.keyboard.press("ArrowRight")
+        page.wait_for_function(moved, arg=opened)
+        before = page.evaluate(place), page.get_attribute(MAP, "data-order")
+        focused = page.evaluate("document.activeElement.outerHTML")
+        held[0].continue_()
+        page.wait_for_selector("body[data-ready]")
+        page.wait_for_selector("#omnivat-first", state="detached")
+        assert page.locator("#view-explore .explore").is_visible()
+        assert before == (page.evaluate(place), page.get_attribute(MAP, "data-order"))
+        assert page.evaluate("document.activeElement.outerHTML") == focused
+        page.keyboard.press("ArrowRight")
+        page.wait_for_function(moved, arg=before[1])
+    finally:
+        page.close()
+
+
 def test_the_first_mode_is_a_head_for_each_stop_with_one_accuracy_and_the_other_a_what_if(
     open_page,
 ):
