@@ -276,11 +276,10 @@ async function travel({ key, pair }, signal) {
 /** The domains on the map by their colours; one that is pointed at stands out. */
 function showKeys() {
   const { frames } = scene;
-  $(".map-shapes").textContent = `${shapeWords(frames)}  ★ node`;
   const groups = colouring(frames, "domain").groups(frames);
   draw(
     $(".map-keys"),
-    html`${groups.map(([name, colour]) => html`<span class="key" data-domain-key="${name}"><i style="background:${colour}"></i>${sensorOf(name)}${name === frames.source && html` <b>source</b>`}</span>`)}`,
+    html`${groups.map(([name, colour]) => html`<span class="key" data-domain-key="${name}"><i style="background:${colour}"></i>${sensorOf(name)}${name === frames.source && html` <b>source</b>`}</span>`)}<span class="map-shapes">${shapeWords(frames)}  ★ node</span>`,
   );
 }
 
