@@ -45,18 +45,19 @@ def needed(script: str = EXPLORE) -> tuple[str, ...]:
 
 
 def component(name: str) -> None:
-    """Add the component `web/<name>/<name>.html`; the script next to it starts it. Explore is in
-    the page already (`first`), and only moves.
+    """Add the component `web/<name>/<name>.html`; the script next to it starts it. Header and
+    Explore are in the page already (`first`), and only move.
     """
     import gradio as gr
 
-    is_first = name == "explore"
-    script, act = (FIRST, "adopt") if is_first else (f"{name}/{name}.js", "start")
+    early = name in ("header", "explore")
+    script = FIRST if early else f"{name}/{name}.js"
+    call = f"adopt('{name}', element)" if early else "start(element)"
     gr.HTML(
-        html_template="<div></div>" if is_first else html_of(name),
+        html_template="<div></div>" if early else html_of(name),
         js_on_load=(
             f"import(new URL('omnivat/web/{script}', document.baseURI))"
-            f".then(module => module.{act}(element))"
+            f".then(module => module.{call})"
             f".catch(error => console.error('{name}', error));"
         ),
         apply_default_css=False,
@@ -70,15 +71,14 @@ def html_of(name: str) -> str:
 
 
 def first(titles: Sequence[str]) -> str:
-    """Return what is in the page before Gradio starts: the name, the titles of the tabs, Explore,
-    and the script that starts it. Over a slow line, the first figure so is there in half the time.
+    """Return what is in the page before Gradio starts: the header, the titles of the tabs, Explore,
+    and the script that starts them. Over a slow line, the first figure so is there in half the
+    time.
     """
     tabs = "".join(f"<span>{escape(title)}</span>" for title in titles)
-    name, _ = html_of("header").split('<div class="marks">')
-    return (
-        f'<div id="omnivat-first"><div class="early" aria-hidden="true">{name}</header>{tabs}</div>'
-        f'{html_of("explore")}</div><script type="module" async src="omnivat/web/{FIRST}"></script>'
-    )
+    parts = f'{html_of("header")}<div class="early" aria-hidden="true">{tabs}</div>'
+    script = f'<script type="module" async src="omnivat/web/{FIRST}"></script>'
+    return f'<div id="omnivat-first">{parts}{html_of("explore")}</div>{script}'
 
 
 def styles(web: str = "omnivat/web") -> str:

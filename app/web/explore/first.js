@@ -1,8 +1,10 @@
-/** Starts Explore in the page as it is sent. Gradio, which takes longer, finds it there and takes it into its tab. */
+/** Starts header and Explore in the page as it is sent. Gradio, which takes longer, takes both to their places. */
 
+import { start as startHeader } from "../header/header.js";
 import { kept } from "../shared/memory.js";
 import { awaited } from "../shared/ready.js";
 import { state } from "../shared/store.js";
+import { nameDocument } from "../shared/tabs.js";
 import { start } from "./explore.js";
 
 const shell = /** @type {HTMLElement} */ (document.getElementById("omnivat-first"));
@@ -14,14 +16,22 @@ explore.hidden = state.view !== "explore";
 /** @type {() => void} */
 let moved = () => {};
 awaited(new Promise((done) => (moved = () => done(null))));
+startHeader(shell);
 start();
 
-/** Move Explore into its tab, with what is focused in it. @param {HTMLElement} tab */
-export function adopt(tab) {
+/** @type {Map<Element | null, HTMLElement>} */
+const places = new Map();
+
+/** Tell where Gradio has the part `name`; both parts move there together, with what is focused in them.
+ * @param {"header" | "explore"} name @param {HTMLElement} place */
+export function adopt(name, place) {
+  places.set(name === "explore" ? explore : shell.querySelector(".top"), place);
+  if (places.size < 2) return;
   const focused = /** @type {HTMLElement | null} */ (document.activeElement);
-  tab.append(explore);
+  for (const [part, at] of places) if (part) at.append(part);
   focused?.focus({ preventScroll: true });
   explore.hidden = false;
   shell.remove();
+  nameDocument();
   moved();
 }

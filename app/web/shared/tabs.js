@@ -23,7 +23,7 @@ function openFirst(view, seen = 0) {
 }
 
 /** The document has the name of the open chapter or tab. */
-function nameDocument() {
+export function nameDocument() {
   const { view, chapter } = state;
   const named = document.querySelector(
     view === "explore" ? `.chapters [data-chapter="${chapter}"]` : `#view-${view}-button`,
