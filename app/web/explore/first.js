@@ -8,6 +8,7 @@ import { nameDocument } from "../shared/tabs.js";
 import { start } from "./explore.js";
 
 const shell = /** @type {HTMLElement} */ (document.getElementById("omnivat-first"));
+const header = /** @type {HTMLElement} */ (shell.querySelector(".top"));
 const explore = /** @type {HTMLElement} */ (shell.querySelector(".explore"));
 const theme = kept("omnivat-theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
 document.body.classList.toggle("dark", theme === "dark");
@@ -16,19 +17,19 @@ explore.hidden = state.view !== "explore";
 /** @type {() => void} */
 let moved = () => {};
 awaited(new Promise((done) => (moved = () => done(null))));
-startHeader(shell);
+startHeader(header);
 start();
 
-/** @type {Map<Element | null, HTMLElement>} */
+/** @type {Map<Element, HTMLElement>} */
 const places = new Map();
 
 /** Tell where Gradio has the part `name`; both parts move there together, with what is focused in them.
  * @param {"header" | "explore"} name @param {HTMLElement} place */
 export function adopt(name, place) {
-  places.set(name === "explore" ? explore : shell.querySelector(".top"), place);
+  places.set({ header, explore }[name], place);
   if (places.size < 2) return;
   const focused = /** @type {HTMLElement | null} */ (document.activeElement);
-  for (const [part, at] of places) if (part) at.append(part);
+  for (const [part, at] of places) at.append(part);
   focused?.focus({ preventScroll: true });
   explore.hidden = false;
   shell.remove();
