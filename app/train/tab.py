@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from app.about import fit
 from app.requests import done
 from app.resources import Resources
-from app.state import ForgottenError
+from app.state import ForgottenError, Recent
 from app.train import words
 from app.train.plan import NUMBERS, ORDERS, WIDTHS, offered, titled
 from app.train.runs import KEPT_RUNS, Run, Trainings
@@ -37,6 +37,8 @@ class TrainTab:
         import gradio as gr
 
         self.sets, self.runs, self.update = sets, Trainings(sets), gr.update
+        # a page's newest run: a look may carry the record from before that run
+        self.newest: Recent[str] = Recent(KEPT_RUNS)
         self.task = gr.HTML(words.task(()))
         with gr.Row(elem_classes="bench"):
             with gr.Column(scale=0, min_width=250, elem_classes="choices") as self.form:
@@ -135,12 +137,15 @@ class TrainTab:
         visitor = visitor or os.urandom(12).hex()
         question = dict(zip(self.settings, values, strict=True))
         key = self.runs.start(self._set(request), question, visitor)
+        self.newest.keep(request.session_hash or "", key)
         record = {"visitor": visitor, "runs": [*before, key][-KEPT_RUNS:]}
         return {self.kept: record} | self.look(request, record, pixels, by)
 
-    def look(self, _: "Request", record: Any, pixels: float, by: Any) -> Changes:
+    def look(self, request: "Request", record: Any, pixels: float, by: Any) -> Changes:
         """Show the newest run as far as it is."""
         names = _kept(record)[1]
+        newest = self.newest.get(request.session_hash or "")
+        names += [newest] if newest and newest not in names else []
         if not names:
             return {self.timer: self.update(active=False)}
         try:

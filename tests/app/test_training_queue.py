@@ -1,13 +1,15 @@
 """Train here: several visitors in one queue."""
 
 from time import sleep
+from types import SimpleNamespace
 
 import pytest
 
 from app.messages import BusyError
-from app.state import VISITOR
+from app.state import VISITOR, Recent
 from app.train import runs as training
 from app.train.runs import Trainings
+from app.train.tab import TrainTab
 from app.visitor_sets import VisitorSets
 from omnivat.kit.errors import DataError
 
@@ -97,3 +99,20 @@ def test_the_training_of_a_visitor_who_left_makes_way(queue, monkeypatch):
     now[0] = 1.4 * training.ABANDONED_S
     until(lambda: standing(trainings, [next_one]) == [("running", 0)])
     assert standing(trainings, [left]) == [("cancelled", 0)]
+
+
+def test_a_page_that_has_just_begun_a_training_looks_at_it_though_its_record_is_older(queue):
+    trainings, _ = queue
+    page = TrainTab.__new__(TrainTab)  # without Gradio: parts are their names
+    parts = ("kept", "status", "timer", "go", "stop", "colour", "map", "charts", "earlier")
+    vars(page).update({name: name for name in parts}, update=dict, newest=Recent(9))
+    page.sets, page.runs, page.settings = trainings.sets, trainings, dict.fromkeys(SMALL)
+    asking = SimpleNamespace(session_hash="a page", query_params={})
+    record = page.begin(asking, None, 1280, "domain", *SMALL.values())["kept"]
+    for known in (None, record):  # None: the page sent its look before it had the reply
+        seen = page.look(asking, known, 1280, "domain")
+        assert seen["timer"]["active"] and not seen["go"]["interactive"]
+    other = SimpleNamespace(session_hash="another page", query_params={})
+    assert page.look(other, None, 1280, "domain") == {"timer": {"active": False}}
+    page.cancel(asking, record, 1280, "domain")
+    until(lambda: not page.look(asking, None, 1280, "domain")["timer"]["active"])
