@@ -1,6 +1,6 @@
 """The sensor card on simulated gels of which one known part was changed.
 
-    python -m benchmarks.sensor [--record docs/benchmarks/sensor.jsonl] [--draw 0 1] [--gels DIGIT]
+    python -m benchmarks.sensor [--draw 0 1] [--touches 10 25] [--gels DIGIT] [--only "by 180°"]
     python -m benchmarks.sensor --gel-traits
 
 Each draw presses other objects into a gel for two folders. The second is imaged again with each
@@ -106,7 +106,7 @@ def _crop(share: float) -> Change:
 
 DOTS = Markers(pitch=2.0, radius=0.28, uneven=0.06)
 CHANGES = (
-    Change("", "nothing (right: nothing named)"),
+    Change("", "nothing"),
     Change("channels", "red and blue swapped", picture=lambda picture: picture[..., ::-1]),
     Change("mirrored", "left to right", picture=lambda picture: picture[:, ::-1]),
     Change("turned", "by 180°", picture=lambda picture: picture[::-1, ::-1]),
@@ -157,8 +157,10 @@ class Pressed:
         return pictures
 
 
-def rows_of(name: str, draw: int, counts: Sequence[int]) -> list[Mapping[str, Any]]:
-    """Return a row of the record for each number of touches of one gel."""
+def rows_of(
+    name: str, draw: int, counts: Sequence[int], only: Sequence[str]
+) -> list[Mapping[str, Any]]:
+    """Return a row of the record for each number of touches of one gel; `only` some changes."""
     gel, most = GELS[name], max(counts)
     place = 2 * (draw * len(GELS) + list(GELS).index(name))
     before, after = (Pressed(gel, place + k, most) for k in (0, 1))
@@ -168,7 +170,7 @@ def rows_of(name: str, draw: int, counts: Sequence[int]) -> list[Mapping[str, An
     found: dict[int, dict[str, list[str]]] = {count: {} for count in counts}
     seconds: dict[int, list[float]] = {count: [] for count in counts}
     for change in CHANGES:
-        if not fits(change, gel):
+        if not fits(change, gel) or change.words not in only:
             continue
         seen = untouched if change.sensor(gel) == gel else after.seen(change.sensor(gel))
         began = process_time()
@@ -215,8 +217,8 @@ def table(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         kind, cells = [*some], []
         for count in counts:
             found = [named_first(rows, change, count) for change in kind]
-            shares.update(found)
-            cells.append(", ".join(f"{right}/{of}" for right, of in found))
+            shares.update(share for share in found if share[1])
+            cells.append(", ".join(f"{right}/{of}" if of else "–" for right, of in found))
         words = f"{part} {'; '.join(change.words for change in kind)}".strip()
         text.append(f"| {words} | {' | '.join(cells)} |")
     ends = [
@@ -255,6 +257,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--gels", nargs="*", choices=GELS, default=list(GELS))
     parser.add_argument("--draw", nargs="*", type=int, default=[])
     parser.add_argument("--touches", nargs="+", type=int, default=COUNTS)
+    parser.add_argument("--only", nargs="+", default=[change.words for change in CHANGES])
     parser.add_argument("--gel-traits", action="store_true")
     options = parser.parse_args(arguments)
     pin_thread()
@@ -265,7 +268,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for draw in options.draw:
         for name in options.gels:
             counts = [count for count in options.touches if (name, draw, count) not in there]
-            for row in rows_of(name, draw, counts) if counts else []:
+            for row in rows_of(name, draw, counts, options.only) if counts else []:
                 rows.append(row)
                 with options.record.open("a", encoding="utf-8") as file:
                     file.write(json.dumps(row, ensure_ascii=False) + "\n")

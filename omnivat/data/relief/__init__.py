@@ -5,12 +5,13 @@ from these sums, or refuses; `surface.py` computes slopes and heights by the lam
 derives them.
 """
 
-from omnivat.data.relief.lamps import Lamps, NoLampsError, alone, lamps
+from omnivat.data.relief.lamps import Lamps, NoLampsError, UnsettledError, alone, lamps
 from omnivat.data.relief.surface import drawn, heights, ply, slopes, with_known_height
 
 __all__ = [
     "Lamps",
     "NoLampsError",
+    "UnsettledError",
     "alone",
     "drawn",
     "heights",

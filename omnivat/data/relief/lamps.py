@@ -35,6 +35,10 @@ class NoLampsError(DataError):
     """Pictures do not give a gel's lamps; the sentence gives the reason."""
 
 
+class UnsettledError(NoLampsError):
+    """More pictures of the same gel may give its lamps."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lamps:
     """The lamps of one sensor.
@@ -85,7 +89,7 @@ def lamps(pictures: Iterable[Array], *, dots: str = "fill") -> Lamps:
     small = [reduced(clean(picture, dots), REDUCED) for picture in pictures]
     if len(small) < FEWEST:
         there = "is 1" if len(small) == 1 else f"are {len(small) or 'none'}"
-        raise NoLampsError(
+        raise UnsettledError(
             f"Lamps need {FEWEST} pictures of one sensor or more, and there {there}; add"
             f" {FEWEST - len(small)}."
         )
@@ -105,7 +109,7 @@ def lamps(pictures: Iterable[Array], *, dots: str = "fill") -> Lamps:
     found = colours_of(mixture, moments.mean(np.ones(len(small))))
     sure = _confidence(moments, found)
     if sure < SURE:
-        raise NoLampsError(
+        raise UnsettledError(
             f"These {len(small)} pictures do not settle the lamps: their confidence is {sure:.2f},"
             f" and {SURE} is needed. Add pictures of other things, or turn the object between"
             " touches."
@@ -200,7 +204,7 @@ def _require_one_gel(moments: Moments, ratio: float) -> None:
                 f" other lamps than {sum(other)}. Pass the pictures of each sensor by themselves."
             )
     if ratio > WOUND:
-        raise NoLampsError(
+        raise UnsettledError(
             "The colours of these pictures are not those of a relief under lamps: the curl of the"
             f" best slopes is {ratio:.2f} of the next best's, and at most {WOUND} is accepted. Pass"
             " touch images of one gel with coloured lamps, neither turned nor recoloured."

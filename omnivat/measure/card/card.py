@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from omnivat.data.relief import Lamps, NoLampsError, lamps
+from omnivat.data.relief import Lamps, NoLampsError, UnsettledError, lamps
 from omnivat.data.relief.filters import blurred, fast, scale
 from omnivat.kit.errors import DataError
 from omnivat.measure.card.traits import Array, Traits, traits_of
@@ -33,7 +33,7 @@ class SensorCard:
               (NaN without dots)
     strength  logarithm of the colour that a slope adds, up to a constant of the gel, and its
               standard error; None without lamps
-    missing   what more touches would settle, or ""
+    missing   what more touches may settle, or ""
     changes   what changed from another card, the likeliest first; None if none was given
     """
 
@@ -84,7 +84,7 @@ def summed(read: list[Traits]) -> SensorCard:
     sizes = [one.size for one in read]
     common = max(set(sizes), key=sizes.count)
     same = [one for one in read if one.size == common]
-    found, unlit = lit_by(same)
+    found, unlit, unsettled = lit_by(same)
     halves = [lit_by(same[start::2])[0] for start in (0, 1)]
     agreement = None
     if halves[0] is not None and halves[1] is not None:
@@ -98,16 +98,16 @@ def summed(read: list[Traits]) -> SensorCard:
         field=np.median([one.field for one in same], 0),
         rows={name: np.array([_number(one, name) for one in read]) for name in EACH},
         strength=None if found is None else strength_of(same, found),
-        missing=_missing(found, len(same)),
+        missing=_missing(found, len(same)) if found or unsettled else "",
     )
 
 
-def lit_by(read: list[Traits]) -> tuple[Lamps | None, str]:
-    """Return the lamps of the pictures, or None and the sentence that states why not."""
+def lit_by(read: list[Traits]) -> tuple[Lamps | None, str, bool]:
+    """Return the lamps of the pictures; or None, why not, and whether more pictures may help."""
     try:
-        return lamps((one.filled for one in read), dots="keep"), ""
+        return lamps((one.filled for one in read), dots="keep"), "", False
     except NoLampsError as error:
-        return None, str(error)
+        return None, str(error), isinstance(error, UnsettledError)
 
 
 def strength_of(read: list[Traits], lit: Lamps) -> tuple[float, float] | None:
@@ -168,4 +168,4 @@ def _missing(found: Lamps | None, count: int) -> str:
         return ""
     # the error of the lamps falls with the number of pictures
     needed = max(20, round(count * (1 - sure) / (1 - SETTLED))) if found else max(20, 2 * count)
-    return f"About {min(needed, MOST) - count} more touches would settle the lamps."
+    return f"About {min(needed, MOST) - count} more touches may settle the lamps."

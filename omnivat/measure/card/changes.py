@@ -264,10 +264,10 @@ def dots_changed(old: SensorCard, new: SensorCard) -> Iterator[Change]:
 
 def numbers_changed(old: SensorCard, new: SensorCard, way: Arrangement) -> Iterator[Change]:
     """Yield the changes of what has a number in every picture."""
-    sizes = " × ".join(map(str, new.size)), " × ".join(map(str, old.size))
     sized = ""
-    if sizes[0] != sizes[1]:
-        sized = " The pictures have {} pixels, and had {}: this alone changes it.".format(*sizes)
+    if min(new.size) != min(old.size):
+        sizes = " × ".join(map(str, new.size)), " × ".join(map(str, old.size))
+        sized = " The pictures have {} pixels and had {}, which alone changes this.".format(*sizes)
     for measure in MEASURES:
         row = measure.row
         if row == "pitch" and min(old.of("dots")[0], new.of("dots")[0]) < 0.5:

@@ -117,6 +117,9 @@ def test_too_few_flat_and_grey_pictures_give_one_sentence(after):
         card = sensor_card([flat] * 6)
         assert card.lamps is None
         assert card.unlit.count("\n") == 0 and card.unlit.endswith(".")
+        assert card.missing == ""  # more such pictures do not help
+    noise = np.random.default_rng(0).integers(256, size=(8, 96, 96, 3), dtype=np.uint8)
+    assert sensor_card(noise).missing.startswith("About 12 more")
 
 
 def test_large_pictures_are_read_reduced_and_other_arrays_are_refused(after):
@@ -132,7 +135,7 @@ def test_a_change_of_size_is_stated_beside_grain_and_sharpness(before, after):
         before, card_of([np.kron(a, np.ones((2, 2, 1), np.uint8)) for a in after])
     )
     told = {
-        change.part: "have 320 × 320 pixels, and had 160 × 160" in change.evidence
+        change.part: "have 320 × 320 pixels and had 160 × 160" in change.evidence
         for change in found
     }
     assert told and told == {part: part in ("noise", "sharpness") for part in told}
