@@ -5,9 +5,9 @@
 
 FOLDER is what `python -m simulator twins` drew; of an interrupted drawing, objects count as
 photographed that have all photographs. `--learn KEPT FILLED` are the embeddings that heads learn
-from: the simulated domains, with the dots kept and filled. The head is logistic regression on
-standardised unit rows, learned from the training pairs of one domain. The split of a loss into
-its parts is that of docs/benchmarks/twins.json.
+from: the simulated domains, with the dots kept and filled; those by relief are in examples/relief.
+The head is logistic regression on standardised unit rows, learned from the training pairs of one
+domain. The split of a loss into its parts is that of docs/benchmarks/twins.json.
 """
 
 import argparse
@@ -25,10 +25,13 @@ from PIL import Image
 from sklearn.linear_model import LogisticRegression
 from sklearn.neighbors import NearestNeighbors
 
+from benchmarks.relief import Reliefs
 from omnivat.data.domains import paper_name
 from omnivat.data.dots import fill_dots
 from omnivat.data.embeddings import Embeddings
+from omnivat.data.materials import MATERIALS
 from omnivat.data.profile import Channels, channels_of, shrunk
+from omnivat.data.relief import NoLampsError, drawn, lamps
 from omnivat.data.store import load_embeddings
 from omnivat.encoders import load_encoder
 from omnivat.head.heads import EXAMPLES
@@ -49,6 +52,8 @@ READINGS = {"touch": ("tac",), "photo": ("vis",), "both": ("vis", "tac")}
 PICTURES = (5, 20, 50, 200)  # without labels
 # twins are tested in thirds, with pictures of the other two; draws of these pictures
 PARTS, DRAWS = 3, 5
+LIT = (0, 5, 20)  # pictures that give lamps, and a profile beside them; more change little
+KEPT, FILLED, RELIEF = 0, 1, 2  # how a touch is read: dots as printed, filled, by relief
 C = 0.003
 TILE, PRESS, QUALITY = 144, 56, 80  # pixels of a picture, of a small one; of WebP
 
@@ -81,11 +86,15 @@ def learned(rows: Array, labels: Array) -> Plain:
 
 
 def rows_of(vectors: Mapping[str, Array], reading: str) -> Array:
-    """Return unit rows (..., W) of a reading, side by side for both."""
+    """Return unit rows (..., N, W) of a reading, side by side for both."""
     parts = [vectors[name] for name in READINGS[reading]]
-    count = min(map(len, parts))  # of the twins, some have no photograph
+    count = min(part.shape[-2] for part in parts)  # of the twins, some have no photograph
     return np.concatenate(
-        [p[:count] / np.linalg.norm(p[:count], axis=-1, keepdims=True) for p in parts], axis=-1
+        [
+            p[..., :count, :] / np.linalg.norm(p[..., :count, :], axis=-1, keepdims=True)
+            for p in parts
+        ],
+        axis=-1,
     )
 
 
@@ -96,17 +105,28 @@ def thirds(count: int, classes: int) -> list[Array]:
     return [np.flatnonzero(np.arange(count) // classes % PARTS == part) for part in range(PARTS)]
 
 
+def pools(count: int, pictures: int, classes: int, *, seed: int) -> list[tuple[Array, Array]]:
+    """Return for each third its indices, and those of `pictures` of the others, known without
+    labels.
+    """
+    random = np.random.default_rng([seed, pictures])
+    return [
+        (part, random.permutation(np.setdiff1d(np.arange(count), part))[:pictures])
+        for part in thirds(count, classes)
+    ]
+
+
 def predicted(head: Plain, rows: Array, pictures: int, classes: int, *, seed: int) -> Array:
     """Return probabilities (N, K) of rows (N, W), with `pictures` rows of the other thirds known
-    without labels.
+    without labels. Rows may be (PARTS, N, W): as they are read by what is known in each third.
     """
-    if not pictures:
-        return head.probabilities(rows)
-    random = np.random.default_rng([seed, pictures])
-    found = np.zeros((len(rows), len(head.model.classes_)))
-    for part in thirds(len(rows), classes):
-        pool = random.permutation(np.setdiff1d(np.arange(len(rows)), part))[:pictures]
-        found[part] = head.probabilities(rows[part], shrunk(channels_of(rows[pool]), head.own))
+    rows = np.broadcast_to(rows, (PARTS, *rows.shape[-2:]))
+    found = np.zeros((rows.shape[1], len(head.model.classes_)))
+    for own, (part, pool) in zip(
+        rows, pools(rows.shape[1], pictures, classes, seed=seed), strict=True
+    ):
+        known = shrunk(channels_of(own[pool]), head.own) if pictures else None
+        found[part] = head.probabilities(own[part], known)
     return found
 
 
@@ -130,44 +150,104 @@ class Seen:
         return int(self.right.shape[-1])
 
 
-def seen(head: Plain, rows: Array, label: Array, source: int, classes: int) -> Seen:
-    """Predict twins (N, S, W) with no picture, and with each of `PICTURES`, of the target."""
-    shape = (1 + len(PICTURES), rows.shape[1], len(label))
+def seen(
+    head: Plain, rows: Sequence[Array], label: Array, source: int, classes: int, look: int
+) -> Seen:
+    """Predict twins with no picture, and with each of `PICTURES`, of the target.
+
+    rows  (S, N, W), or (S, PARTS, N, W), for each number of pictures, and last for the source
+    """
+    targets, draws = len(rows[0]), 1 if look == RELIEF else DRAWS
+    shape = (1 + len(PICTURES), targets, len(label))
     right, said, sure = np.zeros(shape), np.zeros(shape, int), np.zeros(shape)
     for r, pictures in enumerate((0, *PICTURES)):
-        for target in range(rows.shape[1]):
-            known = 0 if target == source else pictures
-            for draw in range(DRAWS if known else 1):
-                shares = predicted(head, rows[:, target], known, classes, seed=draw)
+        for target in range(targets):
+            known, read = (0, rows[-1]) if target == source else (pictures, rows[r])
+            known = min(known, LIT[-1]) if look == RELIEF else known
+            count = draws if known else 1
+            for draw in range(count):
+                shares = predicted(head, read[target], known, classes, seed=draw)
                 answer = head.model.classes_[shares.argmax(1)]
                 right[r, target] += answer == label
                 if not draw:
                     said[r, target], sure[r, target] = answer, shares.max(1)
-            right[r, target] /= DRAWS if known else 1
+            right[r, target] /= count
     return Seen(right=right, said=said, sure=sure)
 
 
-def everything(made: Twins, learning: Sequence[Embeddings]) -> dict[tuple[str, int, int], Seen]:
-    """Return (reading, source, dots) -> predictions; dots 0: as printed, 1: filled, in training and
-    test.
+def everything(
+    made: Twins, learning: Sequence[Embeddings], relief: Mapping[str, Sequence[Array]]
+) -> dict[tuple[str, int, int], Seen]:
+    """Return (reading, source, look) -> predictions; a look is that of training and test.
 
-    learning  the set that the heads learn from, with the dots as printed and filled
+    learning  the set that the heads learn from, by look
+    relief    "touch", "both" -> `by_relief` of its twins by each sensor
     """
     found = {}
     classes = len(made.header.classes)
-    for dots, pairs in enumerate(learning):
-        vectors = {"vis": made.vis, "tac": made.filled if dots else made.tac}
-        for reading in READINGS:
-            if dots and reading == "photo":
-                continue
-            tested = rows_of(vectors, reading)
+    for look, pairs in enumerate(learning):
+        for reading in READINGS if not look else ("touch", "both"):
+            rows = [_tested(made, reading, look, r, relief) for r in range(2 + len(PICTURES))]
+            count = rows[0].shape[-2]
             for source, name in enumerate(made.header.domains):
                 own = pairs.in_domain(name, split="train")
                 head = learned(rows_of(own.vectors, reading), own.label)
-                found[reading, source, dots] = seen(
-                    head, tested, made.label[: len(tested)], source, classes
+                found[reading, source, look] = seen(
+                    head, rows, made.label[:count], source, classes, look
                 )
     return found
+
+
+def _tested(
+    made: Twins, reading: str, look: int, r: int, relief: Mapping[str, Sequence[Array]]
+) -> Array:
+    """Return unit rows of twins (S, N, W), or (S, PARTS, N, W), with the pictures of number r."""
+    vis = np.swapaxes(made.vis, 0, 1)
+    if look == RELIEF:
+        tac = np.stack([one[min(r, len(LIT) - 1)] for one in relief[reading]])
+        vis = np.broadcast_to(vis[:, None], (*tac.shape[:2], *vis.shape[1:]))
+    else:
+        tac = np.swapaxes(made.filled if look else made.tac, 0, 1)
+    return rows_of({"vis": vis, "tac": tac}, reading)
+
+
+def by_relief(pictures: Sequence[Array], count: int, classes: int, encoder: Any) -> Array:
+    """Return embeddings (LIT, PARTS, count, W) of the first touches of a sensor by relief.
+
+    pictures  touches (H, W, 3), their dots filled
+
+    Each third, and its pool, is read by the lamps of the pool, and where it gives none, or with no
+    picture, by each touch's own.
+    """
+    found = np.full((len(LIT), PARTS, count, encoder.width), np.nan, np.float32)
+    alone = embedded(encoder, [drawn(one, dots="keep") for one in pictures[:count]])
+    for r, number in enumerate(LIT):
+        for k, (part, pool) in enumerate(pools(count, number, classes, seed=0)):
+            read = np.union1d(part, pool)
+            try:
+                by = lamps((pictures[i] for i in pool), dots="keep")
+            except NoLampsError:
+                found[r, k, read] = alone[read]
+            else:
+                images = [drawn(pictures[i], by, dots="keep") for i in read]
+                found[r, k, read] = embedded(encoder, images)
+    return found
+
+
+def reliefs(folder: Path, photographed: int) -> dict[str, list[Array]]:
+    """Return "touch", "both" -> `by_relief` of the touches of each sensor; both are fewer."""
+    encoder, classes = load_encoder("efficientnet-lite0"), len(MATERIALS)
+    found: dict[str, list[Array]] = {"touch": [], "both": []}
+    for domain in SIMULATED.values():
+        touches = [fill_dots(picture(folder, unmet, domain))[0] for unmet in unmet_objects()]
+        for reading, count in (("touch", len(touches)), ("both", photographed)):
+            found[reading].append(by_relief(touches, count, classes, encoder))
+    return found
+
+
+def picture(folder: Path, unmet: Planned, domain: SimulatedDomain, kind: str = "tac") -> Array:
+    """Return an image (H, W, 3) uint8 of an object in a domain."""
+    return np.asarray(Image.open(image_path(folder, twin(unmet, domain), kind)).convert("RGB"))
 
 
 def shown(made: Twins, first: Seen, filled: Seen, each: int = 4) -> list[int]:
@@ -187,7 +267,10 @@ def shown(made: Twins, first: Seen, filled: Seen, each: int = 4) -> list[int]:
 
 
 def page(
-    made: Twins, learning: Sequence[Embeddings], about: Sequence[Mapping[str, str]]
+    made: Twins,
+    learning: Sequence[Embeddings],
+    relief: Mapping[str, Sequence[Array]],
+    about: Sequence[Mapping[str, str]],
 ) -> tuple[dict[str, Any], list[int]]:
     """Return the contents of `examples/twins.json`, and the numbers of the objects that it shows.
 
@@ -197,19 +280,21 @@ def page(
     domains     name, sensor, scene and one sentence about the sensor
     known       reading -> how many pictures each of `pictures` stands for: fewer where the twins
                 have no more
+    lamps       how many of them a reading by relief takes at most
     learned     by source: indices of the classes that its head knows
     presses     reading -> by source: how many twins of these classes were tested
-    accuracy    reading -> [source][dots][R][target] -> [share, low, high] over these presses, 95 %
-                over objects; dots 0 as printed, 1 filled in training and test; photos have no dots
-    away        reading -> [source][dots][R] -> the same, for the mean of the other seven domains
-    verdicts    reading -> [source][dots][R] -> a digit for each shown object and target: the
+    accuracy    reading -> [source][look][R][target] -> [share, low, high] over these presses, 95 %
+                over objects; look 0: dots as printed, 1: filled, 2: touch by relief, in training
+                and test; photos have the first only
+    away        reading -> [source][look][R] -> the same, for the mean of the other seven domains
+    verdicts    reading -> [source][look][R] -> a digit for each shown object and target: the
                 predicted class
     confidence  the same with two digits each: its probability in percent, 99 at most
     shown       class, name, press (its number among the twins), looks_like, feels_like, sheet (its
                 pictures)
     """
-    heads = everything(made, learning)
-    objects = shown(made, heads["touch", 0, 0], heads["touch", 0, 1])
+    heads = everything(made, learning, relief)
+    objects = shown(made, heads["touch", 0, KEPT], heads["touch", 0, FILLED])
     classes, sources = made.header.classes, range(len(made.header.domains))
     known = [
         np.unique(learning[0].in_domain(name, split="train").label) for name in made.header.domains
@@ -221,10 +306,10 @@ def page(
             reading: [
                 [
                     [
-                        cell(heads[reading, source, dots], source, r)
+                        cell(heads[reading, source, look], source, r)
                         for r in range(1 + len(PICTURES))
                     ]
-                    for dots in ((0,) if reading == "photo" else (0, 1))
+                    for look in ((KEPT,) if reading == "photo" else (KEPT, FILLED, RELIEF))
                 ]
                 for source in sources
             ]
@@ -250,6 +335,7 @@ def page(
             reading: [min(n, some.count * (PARTS - 1) // PARTS) for n in PICTURES]
             for reading, some in ((r, heads[r, 0, 0]) for r in READINGS)
         },
+        "lamps": LIT[-1],
         "learned": [some.tolist() for some in known],
         "presses": {
             reading: [int(tested[s][: heads[reading, s, 0].count].sum()) for s in sources]
@@ -285,16 +371,19 @@ def sheets(made: Twins, objects: Sequence[int], pictures: Path, fill: Fill, fold
     pictures  the folder that `python -m simulator twins` wrote
     fill      picture (H, W, 3) -> the same with the printed dots filled
     A sheet has a column for each domain, and three rows: photograph, touch, touch with the dots
-    filled.
+    filled. The relief of each touch by itself, in grey, has a sheet of its own, of one row.
     """
     row = Image.new("RGB", (PRESS * len(objects), PRESS))
     for k, n in enumerate(objects):
         stem = made.objects[n].split("/")[-1]
         sheet = Image.new("RGB", (TILE * len(made.header.domains), TILE * 3))
+        relief = Image.new("L", (sheet.width, TILE))
         for column, domain in enumerate(made.header.domains):
             place = pictures / domain / stem.split("-")[0]
             touch = Image.open(place / f"{stem}_tac.png").convert("RGB")
             clean = Image.fromarray(fill(np.asarray(touch)))
+            bent = Image.fromarray(drawn(np.asarray(clean), dots="keep")[..., 0])
+            relief.paste(bent.resize((TILE, TILE), Image.Resampling.LANCZOS), (TILE * column, 0))
             for line, image in enumerate(
                 (Image.open(place / f"{stem}_vis.png").convert("RGB"), touch, clean)
             ):
@@ -305,13 +394,14 @@ def sheets(made: Twins, objects: Sequence[int], pictures: Path, fill: Fill, fold
             if not column:
                 row.paste(touch.resize((PRESS, PRESS), Image.Resampling.LANCZOS), (PRESS * k, 0))
         write_image(folder / f"{k:02d}.webp", sheet)
+        write_image(folder / f"{k:02d}.relief.webp", relief, quality=50)
     write_image(folder / "presses.webp", row)
 
 
-def write_image(path: Path, image: Image.Image) -> None:
+def write_image(path: Path, image: Image.Image, quality: int = QUALITY) -> None:
     """Write a WebP file."""
     with replacing(path) as temporary:
-        image.save(temporary, "WEBP", quality=QUALITY, method=6)
+        image.save(temporary, "WEBP", quality=quality, method=6)
 
 
 def moved(rows: Array) -> tuple[Array, Array, Array]:
@@ -458,16 +548,13 @@ def write_json(path: Path, content: Mapping[str, Any]) -> None:
 
 
 def gathered(folder: Path, learning: Sequence[Embeddings]) -> Twins:
-    """Embed the twins of a folder, with the dots kept and filled."""
+    """Embed the twins of a folder, with the dots kept and filled, and by relief."""
     encoder, plan = load_encoder("efficientnet-lite0"), unmet_objects()
     header = learning[0].header
 
     def images(kind: str, objects: Sequence[Planned]) -> list[Array]:
-        twins_of = [twin(unmet, domain) for unmet in objects for domain in SIMULATED.values()]
-        return [
-            np.asarray(Image.open(image_path(folder, pair, kind)).convert("RGB"))
-            for pair in twins_of
-        ]
+        of_all = [(unmet, domain) for unmet in objects for domain in SIMULATED.values()]
+        return [picture(folder, unmet, domain, kind) for unmet, domain in of_all]
 
     def rows(pictures: Sequence[Array]) -> Array:
         return embedded(encoder, pictures).reshape(-1, len(SIMULATED), encoder.width)
@@ -482,10 +569,12 @@ def gathered(folder: Path, learning: Sequence[Embeddings]) -> Twins:
         : [*map(whole, plan), False].index(False) // len(header.classes) * len(header.classes)
     ]
     printed = np.flatnonzero((learning[0].tac != learning[1].tac).any(-1))
+    relief = reliefs(folder, len(photographed))
     return Twins(
         vis=rows(images("vis", photographed)),
         tac=rows(touches),
         filled=rows(clean),
+        relief=by_own_and_lamps(relief["touch"]),
         label=np.array([header.classes.index(unmet.material) for unmet in plan]),
         objects=tuple(unmet.object for unmet in plan),
         looks_like=tuple(unmet.looks_like for unmet in plan),
@@ -495,6 +584,16 @@ def gathered(folder: Path, learning: Sequence[Embeddings]) -> Twins:
         printed=learning[0].tac[printed],
         rows=printed,
     )
+
+
+def by_own_and_lamps(relief: Sequence[Array]) -> Array:
+    """Return (2, N, S, W) of `by_relief` of each sensor: by own lamps, and by those of 20."""
+    parts = thirds(relief[0].shape[2], len(MATERIALS))
+    found = np.empty((2, relief[0].shape[2], len(relief), relief[0].shape[3]), np.float32)
+    for sensor, one in enumerate(relief):
+        for k, part in enumerate(parts):
+            found[:, part, sensor] = one[[0, -1], k][:, part]
+    return found
 
 
 def embedded(encoder: Any, images: Sequence[Array]) -> Array:
@@ -546,7 +645,8 @@ def main() -> None:
             return
         made = twins()
         domains = [about(name, SIMULATED[paper_name(name)]) for name in made.header.domains]
-        content, objects = page(made, learning, domains)
+        learning.append(Reliefs(learning[FILLED]).source)
+        content, objects = page(made, learning, reliefs(options.page, len(made.vis)), domains)
         write_json(EXAMPLES / "twins.json", content | {"split": split()})
         write_json(EXAMPLES / "twins.map.json", threads(made, learning[0]))
         sheets(made, objects, options.page, lambda p: fill_dots(p)[0], EXAMPLES / "twins")

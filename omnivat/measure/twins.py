@@ -2,7 +2,7 @@
 embeddings.
 
 Any method can be tested on "only the sensor changed" (`docs/twins.md`). A shipped value is one byte
-of a unit row, and rows of ReLU features are mostly zeros, so 7,800 rows take 4 MB; they turn by
+of a unit row, and rows of ReLU features are mostly zeros, so 8,900 rows take 5 MB; they turn by
 less than a degree.
 """
 
@@ -18,16 +18,17 @@ from omnivat.data.arrays import require_range
 from omnivat.data.domains import require_domain_names
 from omnivat.data.embeddings import Array, Embeddings, Header
 from omnivat.data.npz import read_npz
+from omnivat.data.relief.files import RELIEF
 from omnivat.data.store import header_of
 from omnivat.head.heads import EXAMPLES
 from omnivat.kit.errors import DataError, first_line
 from omnivat.kit.files import replacing
 from omnivat.kit.schema import object_in
 
-FORMAT = "omnivat-twins-1"
+FORMAT = "omnivat-twins-2"
 LEVELS = 512  # bytes for one unit
 MOST_BYTES = 500_000_000  # of all arrays of a file
-KINDS = ("vis", "tac", "filled", "printed")
+KINDS = ("vis", "tac", "filled", "relief", "printed")
 TEXTS = ("objects", "looks_like", "feels_like")
 
 
@@ -38,6 +39,9 @@ class Twins:
 
     tac      (N, S, W) touches by sensor s, dots as printed on the gel
     filled   (N, S, W) the same touches, printed dots filled
+    relief   (2, N, S, W) the same touches, drawn as their relief: each by the lamps that it gives
+             alone (nothing known of the sensor), and by those of 20 presses of the other two thirds
+             of the objects; thirds go round by fives
     vis      (M, S, W) photographs of the first M objects in scene s
     label    (N,) indices into `header.classes`
     objects  N names; no head has met these objects
@@ -62,6 +66,7 @@ class Twins:
     vis: Array
     tac: Array
     filled: Array
+    relief: Array
     label: NDArray[np.int64]
     objects: tuple[str, ...]
     looks_like: tuple[str, ...]  # the class that the object imitates by sight, or ""
@@ -71,21 +76,27 @@ class Twins:
     printed: Array
     rows: NDArray[np.int64]
 
-    def pairs(self, sensor: str, scene: str = "", *, filled: bool = False) -> Embeddings:
+    def pairs(
+        self, sensor: str, scene: str = "", *, filled: bool = False, relief: bool = False
+    ) -> Embeddings:
         """Return the M photographed presses by one sensor, in one scene, as pairs for any head or
         command.
 
         scene   a domain; "": the sensor's own
         filled  with the printed dots filled
+        relief  each touch drawn as its relief by the lamps that it gives alone
 
         Raises DataError for a domain that the twins lack.
         """
         of_touch, of_photo = self.place(sensor), self.place(scene or sensor)
-        count = len(self.vis)
+        count, preprocessing = len(self.vis), self.header.preprocessing
+        if filled or relief:
+            preprocessing = self.as_filled + RELIEF * relief
+        touches = self.relief[0] if relief else self.filled if filled else self.tac
         return Embeddings(
-            header=replace(self.header, preprocessing=self.as_filled) if filled else self.header,
+            header=replace(self.header, preprocessing=preprocessing),
             vis=self.vis[:, of_photo],
-            tac=(self.filled if filled else self.tac)[:count, of_touch],
+            tac=touches[:count, of_touch],
             domain=np.full(count, of_touch),
             label=self.label[:count],
             rows={
@@ -116,7 +127,8 @@ def write_twins(path: Path, made: Twins) -> None:
     changed = np.flatnonzero((made.filled != made.tac).any(-1).ravel())
     some = made.filled.reshape(-1, made.filled.shape[-1])[changed]
     arrays: dict[str, Any] = {"label": made.label, "changed": changed, "rows": made.rows}
-    for name, values in zip(KINDS, (made.vis, made.tac, some, made.printed), strict=True):
+    kinds = (made.vis, made.tac, some, made.relief, made.printed)
+    for name, values in zip(KINDS, kinds, strict=True):
         length = np.linalg.norm(values, axis=-1)
         level = np.round(LEVELS * values / length[..., None])
         if not ((level >= 0) & (level <= 255)).all():
@@ -165,6 +177,7 @@ def _checked(arrays: dict[str, NDArray[Any]]) -> Twins:
         "tac": (count, len(header.domains), width),
         "vis": (min(shown, count), sensors, width),
         "filled": (len(changed), width),
+        "relief": (2, count, sensors, width),
         "printed": (len(rows), width),
     }
     vectors: dict[str, Any] = {}

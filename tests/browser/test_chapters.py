@@ -1,8 +1,10 @@
 """The chapters of Explore in a real Chromium, used as a person uses them."""
 
 import json
+from io import BytesIO
 
 import pytest
+from PIL import Image
 
 from omnivat.head.heads import EXAMPLES
 
@@ -87,7 +89,7 @@ def test_the_pictures_of_a_press_are_in_view_at_once_and_nothing_is_wider_than_t
 ):
     page = open_page(TOUCH, SAID, size=size)
     assert page.evaluate(WHOLE, ".explore .twin-pictures .tile") >= pictures
-    assert page.evaluate(WHOLE, ".explore .dots button") == 2
+    assert page.evaluate(WHOLE, ".explore .dots button") == 3
     assert page.evaluate("document.scrollingElement.scrollWidth <= innerWidth")
     seen = page.evaluate(LOOK)
     assert seen["words"] <= 150
@@ -115,6 +117,32 @@ def test_dots_and_pictures_combine_and_every_sensor_can_be_the_one_that_was_lear
     for group in (".dots", ".known", ".given"):
         assert touch.locator(f".explore .touch {group} [aria-checked=true]").count() == 1
     assert percents(touch)[-1] == percent(twins["away"]["both"][source][1][rung][0])
+
+
+def test_by_relief_the_pictures_are_grey_and_more_of_them_are_read_right(touch, twins):
+    touch.click(".explore .dots [data-key='1']")
+    colours = int(percents(touch)[-1].split()[0])
+    assert touch.locator(".explore .twin .relief").count() == 0  # its sheet is not fetched yet
+    touch.focus(".explore .dots [aria-checked=true]")
+    touch.keyboard.press("ArrowRight")
+    touch.wait_for_selector(".explore .dots [data-key=relief][aria-checked=true]:focus")
+    assert said(touch) == verdicts(touch, twins, 0, 2, 0)
+    assert percents(touch)[-1] == percent(twins["away"]["touch"][0][2][0][0])
+    assert int(percents(touch)[-1].split()[0]) > colours
+    assert "Nothing is known of the new sensor" in touch.inner_text(".explore .touch .remark")
+    tiles = touch.locator(".explore .twin .relief")
+    assert tiles.count() == 8
+    sheet = tiles.first.evaluate("one => getComputedStyle(one).backgroundImage.slice(5, -2)")
+    picture = Image.open(BytesIO(touch.request.get(sheet).body()))
+    assert picture.size == (8 * 144, 144)
+    assert ", as its relief" in touch.get_attribute(".explore .twin .tile", "aria-label")
+    touch.click(".explore .known [data-key='200']")
+    assert "20 pictures of the new sensor provide its lamps" in touch.inner_text(
+        ".explore .touch .remark"
+    )
+    assert said(touch) == verdicts(touch, twins, 0, 2, 4)
+    touch.click(".explore .given [data-key='vis']")
+    assert tiles.count() == 0
 
 
 def test_keys_choose_press_dots_and_pictures_and_a_focused_sensor_is_described(touch, twins):
@@ -151,7 +179,7 @@ def test_printed_or_in_a_lecture_the_first_chapter_keeps_its_pictures_and_says_t
     touch.keyboard.press("f")
     touch.wait_for_selector("body.lecturing")
     assert touch.locator(f"{SAID} >> visible=true").count() == 8
-    assert touch.locator(".explore .dots button >> visible=true").count() == 2
+    assert touch.locator(".explore .dots button >> visible=true").count() == 3
     assert touch.evaluate("document.scrollingElement.scrollWidth <= innerWidth")
     touch.keyboard.press("f")
     touch.emulate_media(media="print")
@@ -204,19 +232,18 @@ def test_every_press_is_threaded_and_points_glide_through_three_places(open_page
     assert page.locator(".explore .sensors [aria-pressed=true]").count() == 1
 
 
-def test_what_is_lost_is_split_by_reading_with_or_without_dots(open_page, twins):
+def test_what_is_lost_is_split_by_reading_and_by_look(open_page, twins):
     from playwright.sync_api import expect
 
     loss = twins["split"]["loss"]
-    for dots in (0, 1):
-        page = open_page(
-            f"?chapter=where&dots={dots or ''}", '.explore.ready[data-chapter="where"]'
-        )
+    for look, key in enumerate(("", "1", "relief")):
+        page = open_page(f"?chapter=where&dots={key}", '.explore.ready[data-chapter="where"]')
         if not page.is_visible(".split"):  # the page remembers an open panel
             page.click("[data-panel=split] summary")
         for key, reading in (("tac", "touch"), ("vis", "photo"), ("fused", "both")):
             page.click(f".split [data-key={key}]")
-            cell = loss[reading][dots if reading != "photo" else 0]
+            at = min(look, 1) if reading != "photo" else 0  # by relief, that of filled dots
+            cell = loss[reading][at]
             shown = page.locator(".split output")
             home, away = (f"{int(cell[name][0] + 0.5)} %" for name in ("home", "away"))
             expect(shown.first).to_have_text(home, timeout=60_000)

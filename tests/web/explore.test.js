@@ -335,8 +335,21 @@ test("the page opens with the press that is read best once its dots are filled, 
 test("an address that names no press, sensor or number of pictures opens with the first", () => {
   openChapter("touch");
   change({ from: "99", press: "-1", known: "7", dots: "", reading: "fused" });
-  assert.deepEqual(chosen(twins, state), { reading: "fused", table: "both", press: 0, from: 0, dots: 0, rung: 0 });
+  assert.deepEqual(chosen(twins, state), { reading: "fused", table: "both", press: 0, from: 0, look: 0, rung: 0 });
   change({ from: "0", press: "", known: "0", reading: "tac" });
+});
+
+test("a touch is read by relief where the address has it, and a photo never is", () => {
+  for (const [dots, reading, look] of [
+    ["", "tac", 0],
+    ["1", "fused", 1],
+    ["relief", "tac", 2],
+    ["relief", "vis", 0],
+  ]) {
+    change({ dots, reading, press: "0" });
+    assert.equal(chosen(twins, state).look, look);
+  }
+  change({ dots: "", reading: "tac", press: "" });
 });
 
 test("what is lost leads from home to away, and a term that does not apply has no row", () => {

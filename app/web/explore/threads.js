@@ -92,7 +92,7 @@ export function chooseSensor(domain) {
 export function show() {
   if (!cloud) return;
   const { twins } = scene;
-  const { table, dots } = chosen(twins, state);
+  const { table, look } = chosen(twins, state);
   choice(".kinds", "map", KINDS);
   choice(".places", "rung", CHOICES);
   choice(".split.twins .segments", "reading", READINGS);
@@ -100,7 +100,7 @@ export function show() {
   showLayers();
   glide();
   cloud.paintMarks();
-  fill($(".split.twins .bars"), splitHtml(twins, table, dots));
+  fill($(".split.twins .bars"), splitHtml(twins, table, look));
   tell();
 }
 

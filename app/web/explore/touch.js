@@ -11,10 +11,12 @@ export const READINGS = [
   { key: "vis", label: "Photo", table: "photo", title: "Only the scene changes" },
   { key: "fused", label: "Both", table: "both", title: "Sensor and scene change" },
 ];
-const DOTS = [
+const LOOKS = [
   { key: "", label: "raw picture" },
   { key: "1", label: "dots filled", title: "Each printed dot gets the colours around it, in training and test" },
+  { key: "relief", label: "relief", title: "How the gel bends, in place of its colours, in training and test" },
 ];
+const RELIEF = 2; // of these
 const [PHOTO, TOUCH, FILLED] = [0, 1, 2]; // rows of a sheet of pictures
 const WORDS = {
   tac: {
@@ -54,7 +56,7 @@ export function chosen(twins, address) {
     table,
     press: pressOf(twins, address),
     from: within(address.from, twins.domains),
-    dots: Number(address.dots === "1" && key !== "vis"),
+    look: key === "vis" ? 0 : LOOKS.findIndex(({ key }) => key === address.dots),
     rung: Math.max(0, [0, ...twins.pictures].indexOf(Number(address.known))),
   };
 }
@@ -63,12 +65,12 @@ export function chosen(twins, address) {
 
 /** The figures at what is chosen: `away` and each target's [share, low, high], and the class read in each image.
  * @param {Twins} twins @param {Chosen} at */
-function read({ away, accuracy, verdicts, domains, shown, learned }, { table, from, dots, rung, press }) {
+function read({ away, accuracy, verdicts, domains, shown, learned }, { table, from, look, rung, press }) {
   const count = domains.length;
   return {
-    away: away[table][from][dots][rung],
-    shares: accuracy[table][from][dots][rung],
-    said: Array.from({ length: count }, (_, i) => Number(verdicts[table][from][dots][rung][press * count + i])),
+    away: away[table][from][look][rung],
+    shares: accuracy[table][from][look][rung],
+    said: Array.from({ length: count }, (_, i) => Number(verdicts[table][from][look][rung][press * count + i])),
     truth: shown[press].class,
     chance: 1 / learned[from].length,
   };
@@ -101,7 +103,7 @@ function showChoices(at) {
   }));
   const known = [0, ...pictures].map((n) => ({ key: String(n), label: n ? String(n) : "none" }));
   choice(".presses", "press", presses, String(at.press));
-  choice(".touch .dots", "dots", DOTS);
+  choice(".touch .dots", "dots", LOOKS);
   fill($("#ov-known"), html`Unlabelled pictures of the new ${WORDS[at.reading].what}`);
   choice(".known", "known", known);
   choice(".given", "reading", READINGS);
@@ -121,11 +123,13 @@ function pictures(at, { said, truth, shares, chance }, pointed) {
   const photo = at.reading === "vis";
   const picture = (/** @type {number} */ row, /** @type {number} */ column) =>
     html`background:url('${address(`twins/${sheet}`)}') ${(100 * column) / (domains.length - 1)}% ${50 * row}%/${100 * domains.length}% 300%`;
+  const bent = (/** @type {number} */ column) =>
+    html`background:url('${address(`twins/${sheet.replace(".", ".relief.")}`)}') ${(100 * column) / (domains.length - 1)}% 0/${100 * domains.length}% 100%`;
   const cards = domains.map(({ sensor }, i) => {
     const right = said[i] === truth;
     const [share, low, high] = shares[i];
     return html`<figure class="twin ${i === at.from && "home"} ${right && "is-right"}" tabindex="0" data-domain="${i}">
-      <span class="tile" role="img" aria-label="This press by ${sensor}, predicted as ${classes[said[i]]}"><i style="${picture(photo ? PHOTO : TOUCH, i)}"></i><i class="filled" style="${picture(FILLED, i)};opacity:${at.dots}"></i>${at.reading === "fused" && html`<i class="inset" style="${picture(PHOTO, i)}"></i>`}</span>
+      <span class="tile" role="img" aria-label="This press by ${sensor}${at.look === RELIEF && ", as its relief"}, predicted as ${classes[said[i]]}"><i style="${picture(photo ? PHOTO : TOUCH, i)}"></i><i class="filled" style="${picture(FILLED, i)};opacity:${Math.min(at.look, 1)}"></i>${at.look === RELIEF && html`<i class="relief" style="${bent(i)}"></i>`}${at.reading === "fused" && html`<i class="inset" style="${picture(PHOTO, i)}"></i>`}</span>
       <b class="said">${marked(right, classes[said[i]])}</b><figcaption>${sensor}${i === at.from && html` <small>(training ${WORDS[at.reading].what})</small>`}</figcaption>
       <span class="share" title="${interval(low, high, chance)}"><span class="scale" style="--share:${share};--low:${low};--high:${high};--chance:${chance}"><i class="fill"></i><i class="range"></i></span><output>${percent(share)}</output></span></figure>`;
   });
@@ -139,17 +143,22 @@ function pictures(at, { said, truth, shares, chance }, pointed) {
 
 /** The share read right on another sensor, and where it comes from. @param {Chosen} at @param {Figures} figures */
 function showFigures(at, { away: [share, low, high], shares, chance }) {
-  const { domains, head, known, presses } = scene.twins;
+  const { domains, head, known, lamps, presses } = scene.twins;
   const { what, on, same, learned, tested } = WORDS[at.reading];
-  const n = [0, ...known[at.table]][at.rung]; // of some there are no more
+  const lit = at.look === RELIEF;
+  const n = Math.min([0, ...known[at.table]][at.rung], lit ? lamps : Infinity); // of some there are no more
   fill($(".touch .same"), same);
   fill(
     $(".touch .figure"),
     html`<b class="large" title="${interval(low, high, chance)}">${percent(share)}</b> correct ${on} another ${what}, <b>${percent(shares[at.from][0])}</b> ${on} the training ${what}.`,
   );
-  const dots = "Each printed dot gets the colours around it, in training and test.";
-  const few = `${n} pictures of the new ${what} provide the mean and spread of each feature.`;
-  fill($(".touch .remark"), html`${[at.dots && dots, n && few].filter(Boolean).join(" ")}`);
+  const looks = [
+    "",
+    "Each printed dot gets the colours around it, in training and test.",
+    `Grey shows how the gel bends: dark at edges, light in hollows. ${n ? "" : "Nothing is known of the new sensor: each picture alone gives its relief."}`,
+  ];
+  const few = `${n} pictures of the new ${what} provide ${lit ? "its lamps and " : ""}the mean and spread of each feature.`;
+  fill($(".touch .remark"), html`${[looks[at.look], n && few].filter(Boolean).join(" ")}`);
   $(".from-where .head").title = head.replace("{source}", domains[at.from].name);
   $(".from-where .what").textContent =
     `${learned} and tested on ${presses[at.table][at.from]} ${tested}. The model was given ${n ? `${n} unlabelled pictures` : "nothing"} from the new ${what}.`;

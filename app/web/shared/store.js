@@ -15,7 +15,7 @@ const DEFAULTS = {
   reading: "fused",
   press: "", // of the twins: a number of those shown; the chapter chooses one
   from: "0", // the domain that a head learned from
-  dots: "", // "1": filled
+  dots: "", // "1": filled; "relief": touch by relief
   known: "0", // pictures of the new sensor, without labels
   alike: "",
   find: "",
@@ -62,7 +62,7 @@ const CHOICES = {
   mode: ["", ...TABLES.modes.map(({ id }) => id)],
   reading: ["fused", "vis", "tac"],
   alike: ["", "1"],
-  dots: ["", "1"],
+  dots: ["", "1", "relief"],
   rung: PLACES.map(({ id }) => id),
   stage: KEYS,
   stage2: KEYS,

@@ -427,7 +427,8 @@ interface Toy {
   distances: Record<"signals" | "clouds", { turned: number[]; clipped: number[] }>;
 }
 type Input = "touch" | "photo" | "both";
-/** What heads predict of the twins. Lists are by source, dots, pictures, sensor; `away` is over the other sensors. */
+/** What heads predict of the twins. Lists are by source, look (dots as printed, filled; relief), pictures, sensor;
+ * `away` is over the other sensors. */
 interface Twins {
   simulated: boolean;
   made_by: string;
@@ -437,6 +438,7 @@ interface Twins {
   objects: number;
   pictures: number[];
   known: Record<Input, number[]>;
+  lamps: number;
   learned: number[][];
   presses: Record<Input, number[]>;
   accuracy: Record<Input, Interval[][][][]>;

@@ -51,7 +51,7 @@ def unseen():
 
 
 def test_the_sensor_alone_costs_more_than_half_and_filled_dots_bring_back_most_of_it(twins):
-    printed, filled = twins["away"]["touch"][0]
+    printed, filled, relief = twins["away"]["touch"][0]
     home = twins["accuracy"]["touch"][0][0][0][0][0]
     assert said(1) == [*percents(home, printed[0][0]), "20"]
     assert said(2) == percents(filled[0][0])
@@ -61,6 +61,8 @@ def test_the_sensor_alone_costs_more_than_half_and_filled_dots_bring_back_most_o
     assert printed[-1][2] > filled[0][1]
     assert printed[-1][1] < filled[0][2]
     assert twins["pictures"][-1] == 200
+    assert said(4)[:3] == [*percents(relief[0][0], relief[2][0]), "20"]
+    assert relief[0][0] > filled[0][0]
 
 
 def test_at_every_p_the_steps_close_both_gaps_and_p_moves_them_little():
@@ -68,7 +70,7 @@ def test_at_every_p_the_steps_close_both_gaps_and_p_moves_them_little():
     gaps = [curves[f"{name}/f_hat"] for name in ("modality_gap", "domain_gap")]
     raw = [curves[f"{name}/raw"][0] for name in ("modality_gap", "domain_gap")]
     ends = [end for gap in gaps for end in (min(gap), max(gap))]
-    assert said(4)[:6] == [f"{value:.2f}" for value in (*ends, *raw)]
+    assert said(5)[:6] == [f"{value:.2f}" for value in (*ends, *raw)]
     assert all(
         max(gap) - min(gap) < before - max(gap) for gap, before in zip(gaps, raw, strict=True)
     )
@@ -76,13 +78,13 @@ def test_at_every_p_the_steps_close_both_gaps_and_p_moves_them_little():
 
 def test_the_mean_alone_mends_little_and_mean_and_spread_more():
     places = json.loads((EXAMPLES / "twins.map.json").read_text(encoding="utf-8"))["accuracy"]
-    assert said(5)[:3] == percents(*places)
+    assert said(6)[:3] == percents(*places)
     assert places[1] - places[0] < 0.5 * (places[2] - places[0])
 
 
 def test_chirps_have_the_order_and_the_figures_of_the_key():
     orders, right = trained(EXAMPLES / "chirps")
-    assert said(6) == [
+    assert said(7) == [
         f"{orders[right.argmax()]:g}",
         *percents(right.max(), right[orders == 1][0]),
         "1",
@@ -94,8 +96,8 @@ def test_chirps_have_the_order_and_the_figures_of_the_key():
 def test_the_touch_is_right_where_the_photo_deceives(unseen):
     alike = unseen["look_alikes"]
     photo, touch = alike["answers/vis"], alike["answers/tac"]
-    assert said(7) == percents(touch["share"], photo["share"])
-    assert said(8) == percents(touch["low"], touch["high"], photo["low"], photo["high"])
+    assert said(8) == percents(touch["share"], photo["share"])
+    assert said(9) == percents(touch["low"], touch["high"], photo["low"], photo["high"])
     assert touch["low"] > photo["high"] and photo["share"] < unseen["chance"]
 
 
@@ -103,4 +105,4 @@ def test_the_step_after_the_relu_is_the_first_that_moves_with_p():
     curves = frames_header(EXAMPLES / "frames.bin")["curves"]
     moves = [np.ptp(np.array(curves[f"domain_gap/{stage}"], float)) > 1e-6 for stage in STAGES]
     assert moves == [False, False, True, True, True]
-    assert "after the ReLU" in key(9)
+    assert "after the ReLU" in key(10)
