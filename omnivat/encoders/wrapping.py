@@ -40,7 +40,7 @@ NOISE = Image.fromarray(  # a test picture, on which two encoders differ
 )
 CONTEXT = {  # what an encoder may take beside its image, and where it comes from
     "before": "the touch of a moment before: name it in the table's column tac_before",
-    "rest": "the picture of the untouched sensor: give it with --tac-rest",
+    "rest": "the picture of the untouched sensor: give it with --tac-rest all",
     "sensor": "the kind of sensor: name the domain after it, or write ENCODER@SENSOR",
 }
 IMAGENET_MEAN, IMAGENET_STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
@@ -230,6 +230,8 @@ def checked(encoder: Any, name: str) -> "NamedEncoder":
     for part in TEXTS:
         if not isinstance(getattr(encoder, part), str) or not getattr(encoder, part):
             raise DataError(f"'{name}' has no text in {part}; it identifies the weights.")
+    if isinstance(encoder, TorchEncoder):
+        encoder.name = name
     named = NamedEncoder(encoder, name)
     vector = probed(named)
     if len(vector) != named.width:

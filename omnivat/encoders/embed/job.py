@@ -108,7 +108,9 @@ def embed_one(
             if pair.alone in ("", half)
         }
     except DataError as error:
-        return Skipped(what=f"{pair.vis} + {pair.tac}", why=str(error))
+        return Skipped(
+            what=" + ".join(dict.fromkeys(map(str, (pair.vis, pair.tac)))), why=str(error)
+        )
     return [vector for half in IMAGES for vector in made.get(half, made.get(pair.alone, []))]
 
 

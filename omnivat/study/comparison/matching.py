@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from omnivat.data.embeddings import Embeddings
 from omnivat.kit.errors import DataError, printable
 from omnivat.study.shift.reading import Features
 
@@ -39,8 +40,21 @@ def matched(sets: Mapping[str, Features], view: str = "") -> dict[str, Features]
     for name, one in sets.items():
         place = {key: k for k, key in enumerate(keys[name])}
         rows = np.array([place[key] for key in wanted]) if unique else np.arange(len(wanted))
-        found[name] = replace(one, embeddings=one.embeddings.select(rows), modalities=kept)
+        data = _unpadded(one.embeddings.select(rows), kept)
+        found[name] = replace(one, embeddings=data, modalities=kept)
     return found
+
+
+def _unpadded(data: Embeddings, kept: tuple[str, ...]) -> Embeddings:
+    """Leave out the zeros that make an encoder as wide as that of the other modality, where this is
+    not compared: a profile and the step of a training depend on the width.
+    """
+    if len(kept) > 1:
+        return data
+    used = np.flatnonzero(getattr(data, kept[0]).any(0))
+    width = int(used[-1]) + 1 if len(used) else data.width
+    narrow: dict[str, Any] = {name: rows[:, :width] for name, rows in data.vectors.items()}
+    return replace(data, **narrow)
 
 
 def _named(sets: Mapping[str, Features], column: str) -> bool:

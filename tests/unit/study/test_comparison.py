@@ -84,6 +84,15 @@ def test_pairs_in_another_order_are_the_same_pairs(made):
     assert one.embeddings.rows == two.embeddings.rows
 
 
+def test_zeros_beside_a_narrow_encoder_change_no_cell_of_its_modality(made):
+    one = made(clear=1)
+    wide = {n: np.pad(rows, ((0, 0), (0, 500))) for n, rows in one.embeddings.vectors.items()}
+    padded = replace(one, embeddings=replace(one.embeddings, **wide))
+    found = compare({"one": one, "padded": padded}, view="tac", draws=2, cost=False)
+    first, other = ([c["value"] for c in one["cells"].values()] for one in found["sets"])
+    assert first == other and [one["width"] for one in found["sets"]] == [WIDTH, WIDTH]
+
+
 def test_without_a_split_whole_objects_are_left_out_at_home(made):
     one = made(clear=3)
     whole = replace(one, embeddings=one.embeddings.unsplit)
