@@ -159,4 +159,5 @@ def kept_features(resources: Resources, stage: str, order: float | None) -> "Arr
             features: Array = torch.cat([unit(rows["vis"]), unit(rows["tac"])]).numpy()
         return features
 
-    return resources.features.once(key, staged)
+    # those of the embedding are ten times as large as others, and made as fast as they are read
+    return staged() if model is None else resources.features.once(key, staged)
