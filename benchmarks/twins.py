@@ -142,7 +142,6 @@ class Seen:
 
     right: Array  # (R, T, N) share of draws that are right
     said: Array  # (R, T, N) class of the first draw
-    sure: Array  # (R, T, N) its probability
 
     @property
     def count(self) -> int:
@@ -159,7 +158,7 @@ def seen(
     """
     targets, draws = len(rows[0]), 1 if look == RELIEF else DRAWS
     shape = (1 + len(PICTURES), targets, len(label))
-    right, said, sure = np.zeros(shape), np.zeros(shape, int), np.zeros(shape)
+    right, said = np.zeros(shape), np.zeros(shape, int)
     for r, pictures in enumerate((0, *PICTURES)):
         for target in range(targets):
             known, read = (0, rows[-1]) if target == source else (pictures, rows[r])
@@ -170,9 +169,9 @@ def seen(
                 answer = head.model.classes_[shares.argmax(1)]
                 right[r, target] += answer == label
                 if not draw:
-                    said[r, target], sure[r, target] = answer, shares.max(1)
+                    said[r, target] = answer
             right[r, target] /= count
-    return Seen(right=right, said=said, sure=sure)
+    return Seen(right=right, said=said)
 
 
 def everything(
@@ -289,7 +288,6 @@ def page(
     away        reading -> [source][look][R] -> the same, for the mean of the other seven domains
     verdicts    reading -> [source][look][R] -> a digit for each shown object and target: the
                 predicted class
-    confidence  the same with two digits each: its probability in percent, 99 at most
     shown       class, name, press (its number among the twins), looks_like, feels_like, sheet (its
                 pictures)
     """
@@ -357,11 +355,6 @@ def page(
             for k, n in enumerate(objects)
         ],
         "verdicts": table(lambda seen, s, r: "".join(map(str, seen.said[r][:, objects].T.ravel()))),
-        "confidence": table(
-            lambda seen, s, r: "".join(
-                f"{min(int(100 * v), 99):02d}" for v in seen.sure[r][:, objects].T.ravel()
-            )
-        ),
     }, objects
 
 

@@ -445,7 +445,6 @@ interface Twins {
   away: Record<Input, Interval[][][]>;
   shown: { class: number; name: string; press: number; looks_like: string; feels_like: string; sheet: string }[];
   verdicts: Record<Input, string[][][]>;
-  confidence: Record<Input, string[][][]>;
   split: { head: string; sources: number; loss: Record<Input, Record<string, Interval>[]> };
 }
 /** Where the twins' touches are: as they come, mean moved, mean and spread moved. */
