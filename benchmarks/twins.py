@@ -567,7 +567,7 @@ def gathered(folder: Path, learning: Sequence[Embeddings]) -> Twins:
         vis=rows(images("vis", photographed)),
         tac=rows(touches),
         filled=rows(clean),
-        relief=by_own_and_lamps(relief["touch"]),
+        relief=np.stack([np.nanmax(one[0], axis=0) for one in relief["touch"]], axis=1),
         label=np.array([header.classes.index(unmet.material) for unmet in plan]),
         objects=tuple(unmet.object for unmet in plan),
         looks_like=tuple(unmet.looks_like for unmet in plan),
@@ -577,16 +577,6 @@ def gathered(folder: Path, learning: Sequence[Embeddings]) -> Twins:
         printed=learning[0].tac[printed],
         rows=printed,
     )
-
-
-def by_own_and_lamps(relief: Sequence[Array]) -> Array:
-    """Return (2, N, S, W) of `by_relief` of each sensor: by own lamps, and by those of 20."""
-    parts = thirds(relief[0].shape[2], len(MATERIALS))
-    found = np.empty((2, relief[0].shape[2], len(relief), relief[0].shape[3]), np.float32)
-    for sensor, one in enumerate(relief):
-        for k, part in enumerate(parts):
-            found[:, part, sensor] = one[[0, -1], k][:, part]
-    return found
 
 
 def embedded(encoder: Any, images: Sequence[Array]) -> Array:

@@ -2,7 +2,7 @@
 embeddings.
 
 Any method can be tested on "only the sensor changed" (`docs/twins.md`). A shipped value is one byte
-of a unit row, and rows of ReLU features are mostly zeros, so 8,900 rows take 5 MB; they turn by
+of a unit row, and rows of ReLU features are mostly zeros, so 6,500 rows take 3.5 MB; they turn by
 less than a degree.
 """
 
@@ -39,9 +39,7 @@ class Twins:
 
     tac      (N, S, W) touches by sensor s, dots as printed on the gel
     filled   (N, S, W) the same touches, printed dots filled
-    relief   (2, N, S, W) the same touches, drawn as their relief: each by the lamps that it gives
-             alone (nothing known of the sensor), and by those of 20 presses of the other two thirds
-             of the objects; thirds go round by fives
+    relief   (N, S, W) the same touches, each drawn as its relief by the lamps that it gives alone
     vis      (M, S, W) photographs of the first M objects in scene s
     label    (N,) indices into `header.classes`
     objects  N names; no head has met these objects
@@ -84,7 +82,7 @@ class Twins:
 
         scene   a domain; "": the sensor's own
         filled  with the printed dots filled
-        relief  each touch drawn as its relief by the lamps that it gives alone
+        relief  drawn as their relief
 
         Raises DataError for a domain that the twins lack.
         """
@@ -92,7 +90,7 @@ class Twins:
         count, preprocessing = len(self.vis), self.header.preprocessing
         if filled or relief:
             preprocessing = self.as_filled + RELIEF * relief
-        touches = self.relief[0] if relief else self.filled if filled else self.tac
+        touches = self.relief if relief else self.filled if filled else self.tac
         return Embeddings(
             header=replace(self.header, preprocessing=preprocessing),
             vis=self.vis[:, of_photo],
@@ -177,7 +175,7 @@ def _checked(arrays: dict[str, NDArray[Any]]) -> Twins:
         "tac": (count, len(header.domains), width),
         "vis": (min(shown, count), sensors, width),
         "filled": (len(changed), width),
-        "relief": (2, count, sensors, width),
+        "relief": (count, sensors, width),
         "printed": (len(rows), width),
     }
     vectors: dict[str, Any] = {}

@@ -33,7 +33,7 @@ def made():
         vis=rows[:3],
         tac=rows,
         filled=rows + np.float32(0.25) * np.array([[1], [0]], np.float32),
-        relief=np.stack([3 * rows, 4 * rows]),
+        relief=3 * rows,
         label=np.array([0, 1, 0, 1]),
         objects=("a", "b", "c", "d"),
         header=HEADER,
@@ -53,7 +53,7 @@ def test_pairs_take_the_touch_of_one_domain_and_the_photograph_of_another():
     assert found.header.preprocessing == "plain"
     assert made().pairs("A-sim", filled=True).header.preprocessing == "filled"
     bent = made().pairs("B-sim", relief=True)
-    np.testing.assert_array_equal(bent.tac, made().relief[0, :3, 1])
+    np.testing.assert_array_equal(bent.tac, made().relief[:3, 1])
     assert touch_of(bent.header.preprocessing) == "relief"
 
 
@@ -65,7 +65,7 @@ def wide():
         vis=rows,
         tac=2 * rows,
         filled=np.where([[[True], [False]]], rows, 2 * rows),
-        relief=np.stack([rows[::-1], 3 * rows]),
+        relief=rows[::-1],
         label=np.array([0, 1, 0]),
         printed=rows[:, 0],
         rows=np.arange(3),
@@ -118,7 +118,7 @@ SPOILT = {
     "a touch that is filled twice": {"changed": np.zeros(3, int)},
     "a length for the other axis": {"tac_length": np.ones((2, 3), np.float32)},
     "touches of another width": {"tac": np.zeros((3, 2, 7), np.uint8)},
-    "a relief of one kind": {"relief": np.zeros((1, 3, 2, 400), np.uint8)},
+    "reliefs of two kinds": {"relief": np.zeros((2, 3, 2, 400), np.uint8)},
     "rows of floats": {"rows": np.zeros(3)},
     "dots beyond the touches": {"changed": np.arange(3) + 4},
     "objects of Python": {"vis": np.full(3, None)},
@@ -173,7 +173,7 @@ def test_a_plain_head_of_the_shipped_sets_reads_the_twins_as_the_page_says():
         return rows / np.linalg.norm(rows, axis=-1, keepdims=True)
 
     bent = Reliefs(learning).source
-    ways.append((presses.relief[0], replace(bent, vis_flip=None, tac_flip=None)))
+    ways.append((presses.relief, replace(bent, vis_flip=None, tac_flip=None)))
     for look, (touches, pairs) in enumerate(ways):
         own = pairs.in_domain("TAG-sim", split="train")
         rows = unit(own.tac)
