@@ -294,7 +294,7 @@ def _heads(folder: Path) -> dict[str, Any]:
 
     encoder = {"name": "e", "weights_hash": "w", "preprocessing": "p"}
     model = OmniVaT(HeadSettings(classes=CLASSES, input_width=8, lang_width=4, width=8))
-    rows = {name: torch.ones(2, 8) for name in ("vis", "tac")}
+    rows = {name: torch.ones(2, 8) for name in ("vis", "tac", "relief")}
     known = Familiarity(rows=rows, quantiles={name: torch.arange(3.0) for name in rows})
     head = Head(model=model, encoder=encoder, provenance={"source": "A"}, familiarity=known)
     save_head(folder / "a", head)
@@ -316,7 +316,7 @@ def _twins(folder: Path) -> dict[str, Any]:
     from omnivat.measure.twins import TEXTS, twins, write_twins
 
     shipped = twins()
-    few: dict[str, Any] = {name: np.ones((3, 8, 8), "f4") for name in ("vis", "tac")}
+    few: dict[str, Any] = {name: np.ones((3, 8, 8), "f4") for name in ("vis", "tac", "relief")}
     texts: dict[str, Any] = {name: getattr(shipped, name)[:3] for name in TEXTS}
     printed: dict[str, Any] = {"printed": np.ones((2, 8), "f4"), "rows": shipped.rows[:2]}
     made = replace(shipped, filled=few["tac"] * 2, label=shipped.label[:3], **printed)
