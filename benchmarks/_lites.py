@@ -22,13 +22,14 @@ class Pooled(nn.Module):
             "efficientnet_lite_pytorch", purpose="Lite1", install="efficientnet-lite-pytorch"
         )
         self.network = published.EfficientNet.from_name(name)
-        if state is not None:
+        self.scale = 1.0 if state else 1e8  # in an untrained network values nearly vanish
+        if state:
             self.network.load_state_dict(state)
 
     def forward(self, images: Tensor) -> Tensor:
         """Return the features of images."""
         maps: Tensor = self.network.extract_features(images)
-        return maps.mean(dim=(2, 3))
+        return maps.mean(dim=(2, 3)) * self.scale
 
 
 def lite1(device: str = "cpu") -> TorchEncoder:

@@ -20,6 +20,7 @@ import torch
 from PIL import Image
 from torch import Tensor, nn
 
+from omnivat.data.arrays import require_range
 from omnivat.data.dots import FILLED, fill_dots
 from omnivat.data.relief import Lamps, drawn
 from omnivat.data.relief.files import RELIEF, packed
@@ -206,6 +207,8 @@ def probed(encoder: Any) -> Tensor:
             f"'{encoder.name}' gives another embedding each time; switch off dropout, masks and "
             "other random parts of the network."
         )
+    if known:  # a set would be refused at its end
+        list(require_range([first.float().cpu().numpy()], f"A vector of '{encoder.name}'"))
     vector: Tensor = first[0]
     return vector
 

@@ -46,6 +46,12 @@ def nan():
     found = load()
     found.network[2].bias.data.fill_(float("nan"))
     return found
+
+def vanishing():
+    found = load()
+    for value in found.network.parameters():
+        value.data *= 1e-9
+    return found
 """
 
 
@@ -106,6 +112,7 @@ def test_an_entry_point_is_an_encoder(module, monkeypatch):
         ("own_encoder:nameless", "has no text in weights_hash; it identifies the weights"),
         ("own_encoder:wrong_width", "gave 5 values for one image, and its width is 7"),
         ("own_encoder:nan", "one finite vector"),
+        ("own_encoder:vanishing", "A vector of 'own_encoder:vanishing' has no value above"),
         ("own_encoder:absent", "no function 'absent'"),
         ("no_such_module:load", "cannot be imported .ModuleNotFoundError"),
         ("nowhere.py:load", "no file 'nowhere.py'"),
