@@ -594,8 +594,8 @@ def embedded(encoder: Any, images: Sequence[Array]) -> Array:
 
 
 def split() -> dict[str, Any]:
-    """Return the loss of linear maps from the record: reading -> [dots kept, filled] -> term ->
-    [mean, low, high] in points.
+    """Return the loss of linear maps from the record: reading -> [dots kept, filled; by relief] ->
+    term -> [mean, low, high] in points.
     """
     maps = json.loads(RECORD.read_bytes())["split"]["linear_maps"]
     terms = ("home", "sensor", "scene", "interplay", "objects", "away")
@@ -604,7 +604,9 @@ def split() -> dict[str, Any]:
         "sources": len(maps["sources"]),
         "loss": {
             reading: [
-                {term: maps[dots][reading][term] for term in terms} for dots in ("kept", "filled")
+                {term: maps[look][reading][term] for term in terms}
+                for look in ("kept", "filled", "relief")
+                if reading in maps[look]
             ]
             for reading in READINGS
         },

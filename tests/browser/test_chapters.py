@@ -242,8 +242,7 @@ def test_what_is_lost_is_split_by_reading_and_by_look(open_page, twins):
             page.click("[data-panel=split] summary")
         for key, reading in (("tac", "touch"), ("vis", "photo"), ("fused", "both")):
             page.click(f".split [data-key={key}]")
-            at = min(look, 1) if reading != "photo" else 0  # by relief, that of filled dots
-            cell = loss[reading][at]
+            cell = loss[reading][look if reading != "photo" else 0]
             shown = page.locator(".split output")
             home, away = (f"{int(cell[name][0] + 0.5)} %" for name in ("home", "away"))
             expect(shown.first).to_have_text(home, timeout=60_000)

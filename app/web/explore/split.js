@@ -47,12 +47,11 @@ export function barsOf(loss) {
 const list = (bars) =>
   html`${bars.map(({ name, ends, text, title, kind }) => barRow(name, barOf(ends, kind), text, { title }))}`;
 
-/** The loss by one reading as bars, and where it comes from. `look`: 0 dots as printed, 1 filled, 2 by relief, of which the split is that of 1.
+/** The loss by one reading as bars, and where it comes from. `look`: 0 dots as printed, 1 filled, 2 by relief.
  * @param {Pick<Twins, "split" | "presses">} twins @param {Input} reading @param {number} look */
 export function splitHtml({ split, presses }, reading, look) {
-  const at = Math.min(look, split.loss[reading].length - 1); // by relief the loss is not split
-  const pairs = `${Math.max(...presses[reading])} ${reading === "touch" ? "presses" : "objects"}${["", " with filled dots"][at]} in the seven others; each figure is the mean over ${split.sources} training domains`;
-  return html`${list(barsOf(split.loss[reading][at]))}${provenance({ head: split.head, source: "one domain each", pairs, known: "nothing from the new domain" })}`;
+  const pairs = `${Math.max(...presses[reading])} ${reading === "touch" ? "presses" : "objects"}${["", " with filled dots", " by relief"][look]} in the seven others; each figure is the mean over ${split.sources} training domains`;
+  return html`${list(barsOf(split.loss[reading][look]))}${provenance({ head: split.head, source: "one domain each", pairs, known: "nothing from the new domain" })}`;
 }
 
 /** The rungs with a bar of the page's own set. */
