@@ -173,12 +173,14 @@ def _pairs(
 def _readable(predicted: dict[str, Any], source: str) -> str:
     alone = {WORDS[name]: column for name, column in predicted["modalities"].items()}
     columns = {"both": predicted["probabilities"], **alone} if len(alone) > 1 else alone
-    lit = predicted.get("lamps") if predicted["tac"] is not None else None
+    lit = predicted.get("lamps")
+    touch = f"; touch as its relief, by lamps {lit}" if lit else "; touch in its colours"
+    touch = touch if predicted["tac"] is not None else ""
     lines = [
         (
             f"{predicted['vis'] or 'no VIS'} + {predicted['tac'] or 'no TAC'}:"
             f" {predicted['prediction']}  (order p = {predicted['order']:.3f}, head trained on"
-            f" {source}{f'; touch as its relief, by lamps {lit}' if lit else ''})"
+            f" {source}{touch})"
         ),
         "  " + f"{'class':>9} " + " ".join(f"{name:>10}" for name in columns),
     ]

@@ -68,7 +68,9 @@ def run(options: argparse.Namespace) -> None:
     words = {"vis": "photos", "tac": "tactile images"}
     counts = " and ".join(f"{count:,} {words[name]}" for name, count in profile.counts.items())
     lamps = (
-        profile.lamps and f", with the lamps of the gel (confidence {profile.lamps.confidence:.2f})"
+        profile.lamps
+        and f", with the lamps of the gel (confidence {profile.lamps.confidence:.2f}), by which a"
+        " head of relief reads touch"
     )
     print(f"profile of {counts}{lamps or ''}, no labels read; written to {options.out}")
 

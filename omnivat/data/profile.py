@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from omnivat.data.arrays import LARGE_BYTES, require_range, walked
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.relief import Lamps
+from omnivat.data.relief.files import RELIEF
 from omnivat.kit.errors import DataError
 from omnivat.kit.stages import IMAGES
 
@@ -44,6 +45,8 @@ class Profile:
     step      of a head's source: the share of the way that another sensor is moved onto it
 
     lamps     of the sensor; None if they are not known
+    relief    statistics of the same touches drawn as their relief by these lamps, for heads that
+              read it; None without, or where `channels` are by relief themselves
     way       how its touches were arranged before they were read (`omnivat.data.arranged`)
 
     Raises DataError without channels, or for two widths.
@@ -54,6 +57,7 @@ class Profile:
     domain: str = ""
     step: float = 1.0
     lamps: Lamps | None = None
+    relief: Channels | None = None
     way: str = ""
 
     def __post_init__(self) -> None:
@@ -64,6 +68,13 @@ class Profile:
     def width(self) -> int:
         """W, the encoder's width."""
         return len(next(iter(self.channels.values())).mean)
+
+    def read_by(self, key: tuple[str, str, str]) -> "Profile":
+        """Return the profile as a head of this encoder reads it: by relief, where it holds that."""
+        lit = (*self.key[:2], self.key[2] + RELIEF)
+        if self.relief is None or key != lit:
+            return self
+        return replace(self, channels=self.channels | {"tac": self.relief}, key=lit, relief=None)
 
     @property
     def counts(self) -> dict[str, int]:

@@ -33,7 +33,8 @@ def save_profile(file: str | Path, profile: Profile) -> None:
     """
     header = dict(zip(KEY, profile.key, strict=True)) | {"domain": profile.domain}
     columns: dict[str, Column] = {}
-    for name, one in profile.channels.items():
+    relief = {"relief": profile.relief} if profile.relief else {}
+    for name, one in (profile.channels | relief).items():
         columns |= {f"{name}_mean": column(one.mean), f"{name}_variance": column(one.variance)}
         header[f"{name}_count"] = str(one.count)
     header |= {"step": repr(profile.step)} if profile.step != 1 else {}
@@ -62,7 +63,11 @@ def load_profile(file: str | Path) -> Profile:
         arrays, metadata = read_arrays(path)
         if metadata.get("format") != FORMAT:
             raise ValueError(f"format '{metadata.get('format', 'none'):.60}'")
-        channels = {n: _channels(arrays, metadata, n) for n in IMAGES if f"{n}_mean" in arrays}
+        kinds = (*IMAGES, "relief")
+        channels = {n: _channels(arrays, metadata, n) for n in kinds if f"{n}_mean" in arrays}
+        relief = channels.pop("relief", None)
+        if relief and {len(one.mean) for one in channels.values()} - {len(relief.mean)}:
+            raise ValueError("its relief has another width")
         if not 0 <= (step := float(metadata.get("step", "1"))) <= 1:
             raise ValueError("its step is no share from 0 to 1")
         return Profile(
@@ -71,6 +76,7 @@ def load_profile(file: str | Path) -> Profile:
             domain=metadata.get("domain", "")[:LONGEST_NAME],
             step=step,
             lamps=unpacked(metadata["lamps"]) if "lamps" in metadata else None,
+            relief=relief,
             way=known_way(metadata.get("way", "")),
         )
     except (SafetensorError, OSError, ValueError, KeyError) as error:

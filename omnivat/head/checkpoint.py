@@ -93,7 +93,8 @@ class Head:
         Raises DataError if the head lacks its source's profile, or a profile does not fit the set.
         """
         domains = embeddings.header.domains
-        owners = {domain_of(one, domains, self.source): one for one in profiles}
+        read = [one.read_by(embeddings.header.key) for one in profiles]
+        owners = {domain_of(one, domains, self.source): one for one in read}
         return profiled(embeddings, owners, self.source_profile) if owners else embeddings
 
     @property
@@ -112,6 +113,7 @@ class Head:
         A modality that either profile lacks stays as it is. Raises DataError as `profiled` does.
         """
         source = self.source_profile
+        profile = profile.read_by(source.key)
         require_key(profile, source.key, source.width)
         target = profile.channels.get(name)
         if target is None or name not in source.channels:

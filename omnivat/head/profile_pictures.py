@@ -100,37 +100,50 @@ def profile_of_pictures(
     """Embed pictures and return their profile, with the lamps if touches give them, and those
     that could not be read.
 
-    Lamps need an encoder that fills dots; one that draws the relief of touch uses them.
+    Lamps need an encoder that fills dots; one that draws the relief of touch uses them, and
+    another's profile also holds the statistics of the reliefs.
     Raises DataError if no picture can be read.
     """
-    rows: dict[str, list[np.ndarray]] = {name: [] for name in IMAGES}
+    rows: dict[str, list[np.ndarray]] = {name: [] for name in (*IMAGES, "relief")}
     touches = [p for p in pictures if p.modality == "tac" and isinstance(encoder, DotsFilled)]
     lit = lamps_or_reason([(p.source, p.crop, p.rest, p.way) for p in touches]) if touches else None
-    skipped = []
+    skipped: list[Skipped] = []
+    bent: ReliefDrawn | None = None
     if isinstance(lit, str):
         skipped, lit = [Skipped(what="the lamps of the gel", why=lit)], None
-    elif lit is not None and isinstance(encoder, ReliefDrawn):
-        encoder = ReliefDrawn(encoder, {domain: lit})
+    elif lit is not None:
+        bent = ReliefDrawn(encoder, {domain: lit})
+        if isinstance(encoder, ReliefDrawn):
+            encoder, bent = bent, None
     for done, picture in enumerate(pictures):
         on_step(Step(done=done, total=len(pictures), text=picture.name))
+        looks = {picture.modality: encoder}
+        if bent and picture.modality == "tac":
+            looks["relief"] = bent
         try:
-            embedded = embed_image(
-                for_modality(encoder, picture.modality, domain),
-                picture.source,
-                crop=picture.crop,
-                rest=picture.rest,
-                way=picture.way,
-                name=picture.name,
-            )
+            embedded = {
+                look: embed_image(
+                    for_modality(one, picture.modality, domain),
+                    picture.source,
+                    crop=picture.crop,
+                    rest=picture.rest,
+                    way=picture.way,
+                    name=picture.name,
+                )
+                for look, one in looks.items()
+            }
         except DataError as error:
             skipped.append(Skipped(what=picture.name, why=str(error)))
         else:
-            rows[picture.modality].append(embedded)
+            for look, row in embedded.items():
+                rows[look].append(row)
     on_step(Step(done=len(pictures), total=len(pictures), text=""))
     rested = RESTED if any(picture.rest for picture in pictures) else ""
     key = encoder.name, encoder.weights_hash, encoder.preprocessing + rested
     channels = {name: channels_of(np.stack(some)) for name, some in rows.items() if some}
+    relief = channels.pop("relief", None)
     if not channels:
         first = next((f" The first: {one.why}" for one in skipped), "")
         raise DataError(f"None of the pictures could be read.{first}")
-    return Profile(channels=channels, key=key, domain=domain, lamps=lit), tuple(skipped)
+    made = Profile(channels=channels, key=key, domain=domain, lamps=lit, relief=relief)
+    return made, tuple(skipped)

@@ -50,6 +50,10 @@ def test_pictures_become_a_head_of_relief_that_reads_a_sensor_by_its_profile(wor
     assert (
         "TAC drawn as its relief" in said.err and "Make the profile with that encoder" in said.err
     )
+    run("profile", mini, "--out", work / "colours.safetensors")  # it serves heads of both
+    both = "--profile", work / "colours.safetensors"
+    assert "touch as its relief, by lamps of 8 touches" in run(*base, *both).out
+    assert "all domains; touch in its colours)" in run(*base[:-2], *both).out
 
     said = run("evaluate", "--head", work / "head", code=1)
     assert "Embed the pairs with --touch relief, or choose a head that fits" in said.err

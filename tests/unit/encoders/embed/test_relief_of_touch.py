@@ -144,6 +144,14 @@ def test_a_profile_holds_the_lamps_by_which_its_touches_are_drawn(touch, pairs, 
     of_set = profile_of(made, made.rows_of("gel"), domain="gel")
     assert np.allclose(again.channels["tac"].mean, of_set.channels["tac"].mean, atol=1e-4)
     assert (of_set.lamps is not None) == (touch == "relief")
+    assert (again.relief is not None) == (touch == "colours")
+    if again.relief:  # it is the profile that an encoder of reliefs makes, too
+        drawn = ReliefDrawn(MeanColour(), {})
+        other, _ = profile_of_pictures(drawn, pictures_in(tmp_path / "gel"), domain="gel")
+        lit = again.read_by((*again.key[:2], drawn.preprocessing))
+        assert lit.key == other.key and lit.relief is None
+        assert np.array_equal(lit.channels["tac"].mean, other.channels["tac"].mean)
+        assert again.read_by(again.key) is again
 
 
 def test_a_profile_of_touches_that_give_no_lamps_states_the_reason(tmp_path, pairs):
