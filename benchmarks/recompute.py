@@ -306,14 +306,14 @@ def check_twins(count: Count) -> None:
     record = json.loads((ROOT / "examples" / "twins.json").read_text(encoding="utf-8"))
     said = re.search(
         r"(\d+) % on the sensor that it learned, (\d+) on seven others; with the dots filled (\d+)"
-        r" and (\d+)",
+        r" and (\d+); by relief (\d+) and (\d+)",
         document("README.md"),
     )
     assert said, "the README has no finding on dots"
-    for dots in (0, 1):
-        home, away = (record[key]["touch"][0][dots][0] for key in ("accuracy", "away"))
-        for printed, share in zip(said.groups()[2 * dots :], (home[0][0], away[0]), strict=False):
-            count.compare(f"README, twins, dots {dots}", float(printed), 100 * share, 0.5)
+    for look in range(3):
+        home, away = (record[key]["touch"][0][look][0] for key in ("accuracy", "away"))
+        for printed, share in zip(said.groups()[2 * look :], (home[0][0], away[0]), strict=False):
+            count.compare(f"README, twins, look {look}", float(printed), 100 * share, 0.5)
 
 
 # the transform
