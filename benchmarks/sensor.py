@@ -15,7 +15,7 @@ import argparse
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import groupby
+from itertools import groupby, takewhile
 from pathlib import Path
 from statistics import median
 from time import process_time
@@ -89,7 +89,7 @@ def _tint(step: float) -> Change:
 
 def _blur(more: float) -> Change:
     return Change(
-        "sharpness", f"{more:g} pixels less", lambda gel: replace(gel, blur=gel.blur + more)
+        "sharpness", f"less by {more:g} pixels", lambda gel: replace(gel, blur=gel.blur + more)
     )
 
 
@@ -213,20 +213,23 @@ def table(rows: Sequence[Mapping[str, Any]]) -> list[str]:
     text = ["| changed | " + " | ".join(f"{count} touches" for count in counts) + " |"]
     text.append("| --- |" + " --- |" * len(counts))
     shares: set[tuple[int, int]] = set()
-    for part, some in groupby(CHANGES, lambda change: change.part):
+    for (part, _), some in groupby(CHANGES, lambda one: (one.part, one.words.split()[0])):
         kind, cells = [*some], []
         for count in counts:
             found = [named_first(rows, change, count) for change in kind]
             shares.update(share for share in found if share[1])
-            cells.append(", ".join(f"{right}/{of}" if of else "–" for right, of in found))
-        words = f"{part} {'; '.join(change.words for change in kind)}".strip()
-        text.append(f"| {words} | {' | '.join(cells)} |")
+            told = [f"{right}/{of}" if of else "–" for right, of in found]
+            cells.append(", ".join(told) if {*told} != {"–"} else "–")
+        first, *others = (change.words.split() for change in kind)
+        start = len([*takewhile(lambda same: len({*same}) == 1, zip(first, *others, strict=False))])
+        words = "; ".join(" ".join(one) for one in (first, *(other[start:] for other in others)))
+        text.append(f"| {f'{part} {words}'.strip()} | {' | '.join(cells)} |")
     ends = [
         f"{right}/{of} {100 * low:.0f}–{100 * high:.0f}"
         for right, of in sorted(shares, key=lambda share: (-share[1], share[0]))
         for low, high in [interval(right, of)]
     ]
-    return [*text, "", f"Wilson's 95 % intervals, in percent: {', '.join(ends)}."]
+    return [*text, "", f"Wilson's 95 % intervals (%): {', '.join(ends)}."]
 
 
 def named_first(rows: Sequence[Mapping[str, Any]], change: Change, count: int) -> tuple[int, int]:

@@ -3,11 +3,12 @@ markers.
 
     python -m benchmarks.table_text [--check]
 
-It also writes the table of gains in docs/new-sensor.md, the first finding of the README and the
-findings of the report. A cell is accuracy in percent: the mean over sources of the mean over
-targets, over seeds. Its 95 % interval draws sources, then the targets of each, then seeds, all with
-replacement (10,000 draws). A difference is paired: both methods have the same source, target and
-seed. The mean of several heads has no seed to draw, and there is one set, so sets are not drawn.
+It also writes the tables of docs/new-sensor.md, docs/protocol.md and docs/sensor.md, the first
+finding of the README and the findings of the report. A cell is accuracy in percent: the mean over
+sources of the mean over targets, over seeds. Its 95 % interval draws sources, then the targets of
+each, then seeds, all with replacement (10,000 draws). A difference is paired: both methods have the
+same source, target and seed. The mean of several heads has no seed to draw, and there is one set,
+so sets are not drawn.
 
 docs/benchmarks/chirps.jsonl.gz is `runs.jsonl` of
 
@@ -29,6 +30,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks import sensor
 from omnivat.figures.scores import ladder
 from omnivat.figures.still import svg_of
 from omnivat.head.heads import LADDERS, RELIEF
@@ -566,6 +568,7 @@ def main() -> None:
         PAGE.with_suffix(".svg"): picture(record),
         ROOT / "README.md": readme(record),
         ROOT / "docs" / "new-sensor.md": between("docs/new-sensor.md", gains(record)),
+        ROOT / "docs" / "sensor.md": between("docs/sensor.md", sensor.table(sensor.recorded())),
         ROOT / "docs" / "protocol.md": between("docs/protocol.md", good_for(record)),
         ROOT / "paper" / "paper.md": between("paper/paper.md", findings(record), FINDINGS),
     }
