@@ -10,6 +10,7 @@ import os
 import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from threading import Lock
 from typing import TYPE_CHECKING
@@ -104,7 +105,8 @@ class VisitorSets:
         key = content_name(text.encode("utf-8", "backslashreplace"))
         fits = any(name in parts for name in HEAD)  # a set alone may be of another encoder
         if self._loaded.get(key) is None:
-            self._made(key, lambda folder: self._placed(folder, parts, beside.where, compare), fits)
+            placed = partial(self._placed, parts=parts, base=beside.where, compare=compare)
+            self._made(key, placed, beside, fits)
         return {"set": key}
 
     def adopt(self, head: "Head", *, beside: str) -> str:
@@ -113,23 +115,26 @@ class VisitorSets:
         """
         from omnivat.head.checkpoint import save_head
 
-        base = self.named(beside).where
+        base = self.named(beside)
 
         def placed(folder: Path) -> Places:
             saved = save_head(folder / "head", head)
-            return self._alone(
-                replace(base, head=saved, own=None, computed=folder, frames=None), folder
-            )
+            where = replace(base.where, head=saved, own=None, computed=folder, frames=None)
+            return self._alone(where, folder)
 
-        return self._made(os.urandom(12).hex(), placed)
+        return self._made(os.urandom(12).hex(), placed, base)
 
-    def _made(self, key: str, placed: Callable[[Path], Places], fits: bool = True) -> str:
+    def _made(
+        self, key: str, placed: Callable[[Path], Places], beside: Resources, fits: bool = True
+    ) -> str:
         """Fill a new folder, check its content and, if it has to, that the heads fit the set;
-        add it as a visitor set.
+        add it as a visitor set. One set of pairs is in memory once.
         """
         folder = self.shared.scratch.folder(os.urandom(8).hex())
         try:
             made = Resources(placed(folder), self.shared, owner=key)
+            if made.where.embeddings == beside.where.embeddings:
+                made.embeddings = beside.embeddings
             checkpoint()
             embeddings = made.embeddings()
             if not len(embeddings):
