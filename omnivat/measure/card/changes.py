@@ -198,7 +198,7 @@ def likeness(old: SensorCard, new: SensorCard, way: Arrangement) -> Array:
 
 def centred(field: Array) -> Array:
     """Return the gel's light (h, w, 3) less its mean brightness: unevenness and tint."""
-    return np.asarray(field / field.mean() - 1)
+    return np.asarray(field / max(field.mean(), 1e-6) - 1)
 
 
 def turned(colours: Array, way: Arrangement) -> Array:

@@ -108,11 +108,12 @@ def test_the_command_names_what_changed_and_writes_pictures_as_the_old_sensor_ha
     assert json.loads(capsys.readouterr().out)["changed"] == []
 
 
-def test_too_few_flat_and_grey_pictures_give_one_sentence(after):
+def test_too_few_flat_and_grey_pictures_give_one_sentence(before, after):
     with pytest.raises(DataError, match="needs 5 touch images or more, better 25, and there is 1"):
         sensor_card(after[:1])
     with pytest.raises(DataError, match="there are none"):
         sensor_card([])
+    assert changes_between(before, card_of([np.zeros_like(after[0])] * 5))  # black, no warning
     for flat in (np.full((96, 96, 3), 90, np.uint8), np.repeat(after[0][..., :1], 3, -1)):
         card = sensor_card([flat] * 6)
         assert card.lamps is None
