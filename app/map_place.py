@@ -126,7 +126,8 @@ def _maps(resources: Resources, head: "Head", file: "Path | None") -> "Maps":
         size = 2 * len(embeddings) * head.settings.width * 4 * UMAP_STOPS
         return frames, stops if size > KEPT_STOPS else Lazy(lambda: list(stops()))
 
-    return resources.drawn_frames.once(repr(state_of(file)), made)
+    key = f"{resources.holds} {state_of(file)}"
+    return resources.shared.drawn_frames.once(key, made)
 
 
 def kept_features(resources: Resources, stage: str, order: float | None) -> "Array":

@@ -52,6 +52,8 @@ class Shared:
     def __init__(self) -> None:
         self.jobs, self.decoder, self.scratch = Jobs(), Decoder(), Scratch()
         self.real = RealPairs(Path())
+        # frames of a map, by file, and what places pairs at their stops: tens of MB each
+        self.drawn_frames: Recent[tuple[FrameSet, Callable[[], Iterable[MapStop]]]] = Recent(2)
         self._encoders: dict[str, Lazy[Encoder]] = {}
         self._lock = Lock()
 
@@ -101,8 +103,6 @@ class Resources:
         self.frames = self.frame_jobs[""]
         self.features: Recent[Array] = Recent(KEPT_FEATURES)  # by stage and order
         self.results: Recent[Reply] = Recent(KEPT_FEATURES)  # by method or tree
-        # of the map, by file, and what places pairs at its stops
-        self.drawn_frames: Recent[tuple[FrameSet, Callable[[], Iterable[MapStop]]]] = Recent(2)
         self.mode_heads: Recent[Head] = Recent(1)  # beside frames of their own
         # from visitors' labelled pairs, and of their sensors
         self.taught: Recent[tuple[Head, Familiarity | None]] = Recent(KEPT_TAUGHT, private=True)
