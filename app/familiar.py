@@ -139,11 +139,12 @@ def _nearest(
     from omnivat.measure.gaps.unit import unit
 
     def training() -> "Index":
-        return unit(torch.from_numpy(copied(getattr(resources.embeddings(), name)[index]))).numpy()
+        rows = torch.from_numpy(copied(getattr(resources.embeddings(), name)[index]))
+        return unit(rows).half().numpy()  # the cosines that are sent have four digits
 
     rows = resources.features.once(f"training {name} {len(index)} {index[:1]}", training)
     query = unit(raw.float())
-    found = nearest(torch.from_numpy(rows), min(NEAREST + 1, len(rows)), queries=query)
+    found = nearest(torch.from_numpy(rows).float(), min(NEAREST + 1, len(rows)), queries=query)
     near = [
         {"pair": int(index[i]), "cosine": round(1 - float(d) ** 2 / 2, 4)}
         for i, d in zip(found.index[0].tolist(), found.distance[0].tolist(), strict=True)

@@ -115,19 +115,21 @@ def _maps(resources: Resources, head: "Head", file: "Path | None") -> "Maps":
     if file is None:
         raise DataError("The map is still being computed; try again when it is there.")
 
+    embeddings = resources.embeddings()
+    size = 2 * len(embeddings) * head.settings.width * 4 * UMAP_STOPS
+
     def made() -> "Maps":
-        frames, embeddings = read_frames(file), resources.embeddings()
+        frames = read_frames(file)
 
         def stops() -> "Iterable[MapStop]":
             few = len(embeddings) <= KEPT_PAIRS and head is resources.head()
             kept = resources.coefficients() if few else None
             return map_stops(head, embeddings, frames, kept=kept)
 
-        size = 2 * len(embeddings) * head.settings.width * 4 * UMAP_STOPS
         return frames, stops if size > KEPT_STOPS else Lazy(lambda: list(stops()))
 
     key = f"{resources.holds} {state_of(file)}"
-    return resources.shared.drawn_frames.once(key, made)
+    return resources.shared.drawn_frames.once(key, made, min(size, KEPT_STOPS))
 
 
 def kept_features(resources: Resources, stage: str, order: float | None) -> "Array":

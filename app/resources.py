@@ -41,6 +41,7 @@ log = logging.getLogger(__name__)
 KEPT_IMAGES = 512  # embeddings of uploaded images; about 5 kB each
 KEPT_TAUGHT = 8  # they share all weights except the classifier
 KEPT_PROFILES = 200  # 20 kB each
+MAPS_BYTES = 32_000_000  # of the features at all stops of the last maps; the newest may be above
 KEPT_FEATURES = 6  # the whole set at one stage and order; some MB each
 
 
@@ -52,8 +53,10 @@ class Shared:
     def __init__(self) -> None:
         self.jobs, self.decoder, self.scratch = Jobs(), Decoder(), Scratch()
         self.real = RealPairs(Path())
-        # frames of a map, by file, and what places pairs at their stops: tens of MB each
-        self.drawn_frames: Recent[tuple[FrameSet, Callable[[], Iterable[MapStop]]]] = Recent(2)
+        # frames of a map, and what places pairs at their stops
+        self.drawn_frames: Recent[tuple[FrameSet, Callable[[], Iterable[MapStop]]]] = Recent(
+            2, room=MAPS_BYTES
+        )
         self._encoders: dict[str, Lazy[Encoder]] = {}
         self._lock = Lock()
 

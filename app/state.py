@@ -130,12 +130,12 @@ class Recent(Generic[V]):
                 dropped.append(self._values.popitem(last=False)[1][0])
         return dropped
 
-    def once(self, name: str, make: Callable[[], V]) -> V:
+    def once(self, name: str, make: Callable[[], V], size: int = 0) -> V:
         """Return the value called `name`; make and keep it if it is not kept."""
         kept = self.get(name)
         if kept is None:
             checkpoint()
-            self.keep(name, kept := make())
+            self.keep(name, kept := make(), size)
         return kept
 
     def _bytes(self) -> int:
