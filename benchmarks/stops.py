@@ -127,7 +127,8 @@ def disturbed(
                 _, told = process.communicate(timeout=LONGEST_S)
                 how = number.name
             faults = ["a traceback"] if b"Traceback" in told else []
-            if process.returncode not in (0, 128 + number, -number):
+            # the last: Python's own, for any signal that comes while it starts or closes
+            if process.returncode not in (0, 128 + number, -number, -signal.SIGINT):
                 faults.append(f"it ended with {process.returncode}")
             if made_in(out) != whole:  # else it was over, and some commands replace nothing
                 again = started(name, names, out)

@@ -10,8 +10,14 @@ import { start } from "./explore.js";
 const shell = /** @type {HTMLElement} */ (document.getElementById("omnivat-first"));
 const header = /** @type {HTMLElement} */ (shell.querySelector(".top"));
 const explore = /** @type {HTMLElement} */ (shell.querySelector(".explore"));
-const theme = kept("omnivat-theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
-document.body.classList.toggle("dark", theme === "dark");
+function themed() {
+  const theme = kept("omnivat-theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+  const { classList } = document.body;
+  if (classList.contains("dark") !== (theme === "dark")) classList.toggle("dark");
+}
+themed();
+const watcher = new MutationObserver(themed); // Gradio sets its own when it starts
+watcher.observe(document.body, { attributeFilter: ["class"] });
 explore.hidden = state.view !== "explore";
 
 /** @type {() => void} */
@@ -33,6 +39,7 @@ export function adopt(name, place) {
   focused?.focus({ preventScroll: true });
   explore.hidden = false;
   shell.remove();
+  watcher.disconnect();
   nameDocument();
   moved();
 }
