@@ -7,7 +7,7 @@ import sys
 import pytest
 
 SCRIPT = """
-import sys, time
+import sys
 from threading import Thread
 from app.memory import Trim, share_arenas
 
@@ -26,12 +26,10 @@ for _ in range(4):
     thread.start()
     thread.join()
 held = resident() - before
-trim = Trim(0.01)
+trim = Trim(1.0)
 for _ in range(3):
     trim.soon()
-while trim._pending:
-    time.sleep(0.01)
-time.sleep(0.05)
+trim._pending.join()
 print(held, resident() - before)
 """
 
