@@ -50,3 +50,10 @@ test("a name whose mean lies between two clouds stands in one of them", () => {
   assert.deepEqual([found[1].x, found[1].y], [61, 149.5]);
   assert.equal(found[2].both, 0);
 });
+
+test("points of a larger set before, which have no group yet, count for no name", () => {
+  const cloud = { count: 8, width: 300, height: 200, x: [10, 12, 90, 99, 11, 9, 91, 99], y: [5, 6, 9, 9, 5, 6, 9, 9] };
+  const of = (/** @type {number} */ pair) => [0, 0][pair]; // two pairs are known, the cloud has four
+  const [{ x, y }] = settled([{ both: [10, 5] }], of, cloud, () => true);
+  assert.deepEqual([x, y], [10.5, 5.5]);
+});

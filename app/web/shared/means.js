@@ -80,7 +80,8 @@ export function settled(groups, of, cloud, shown) {
   /** @type {Point[][]} */
   const members = groups.map(() => []);
   for (let point = 0; point < cloud.count; point += step)
-    if (shown(point)) members[of(point % (cloud.count / 2))].push([cloud.x[point], cloud.y[point]]);
+    // no group: for a moment, the points are still those of a larger set before
+    if (shown(point)) members[of(point % (cloud.count / 2))]?.push([cloud.x[point], cloud.y[point]]);
   return groups.map((group, i) => {
     /** @param {Point} place */
     const around = ([x, y]) => members[i].filter((one) => (one[0] - x) ** 2 + (one[1] - y) ** 2 < reach);
