@@ -9,7 +9,7 @@ from posixpath import normpath
 from typing import Any
 
 from app import about
-from app.components import STYLES, WEB, html_of
+from app.components import EXPLORE, STYLES, WEB, html_of
 from app.modes import fitting_files, modes
 from app.places import Places
 from app.resources import Resources
@@ -23,7 +23,7 @@ from omnivat.kit.progress import OnStep, Step, ignore
 IMPORT = re.compile(r'(\bfrom\s+|\bimport\s+|\bimport\()"(\.{1,2}/[\w./-]+\.js)"')
 KINDS = {".js": "text/javascript", ".json": "application/json", ".webp": "image/webp"}
 PREFIX = "omnivat-web/"  # a bare name, which an import map can resolve to a data: address
-FIRST, HEADER = "explore/explore.js", "header/header.js"
+HEADER = "header/header.js"
 
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width">
@@ -39,7 +39,7 @@ PAGE = """<!doctype html>
 ALONE = "This page is a single file without a server, so this does not work here."
 SCRIPTS = f"""<script type="importmap">{{modules}}</script>
 <script type="module">
-import {{{{ start }}}} from "{PREFIX}{FIRST}";
+import {{{{ start }}}} from "{PREFIX}{EXPLORE}";
 import {{{{ start as startHeader }}}} from "{PREFIX}{HEADER}";
 document.body.classList.toggle("dark", matchMedia("(prefers-color-scheme: dark)").matches);
 startHeader(document.querySelector("#omnivat-header"));
@@ -147,7 +147,7 @@ def set_files(resources: Resources, frames: Path) -> dict[str, Path]:
 def scripts() -> dict[str, str]:
     """Return every script that Explore and its tour need, by bare name, as a data: address."""
     found: dict[str, str] = {}
-    waiting = [FIRST, HEADER]
+    waiting = [EXPLORE, HEADER]
     while waiting:
         name = waiting.pop()
         if PREFIX + name in found:

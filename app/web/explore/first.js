@@ -1,6 +1,6 @@
 /** Starts header and Explore in the page as it is sent. Gradio, which takes longer, takes both to their places. */
 
-import { start as startHeader } from "../header/header.js";
+import { start as startHeader, THEME } from "../header/header.js";
 import { kept } from "../shared/memory.js";
 import { awaited } from "../shared/ready.js";
 import { state } from "../shared/store.js";
@@ -11,7 +11,7 @@ const shell = /** @type {HTMLElement} */ (document.getElementById("omnivat-first
 const header = /** @type {HTMLElement} */ (shell.querySelector(".top"));
 const explore = /** @type {HTMLElement} */ (shell.querySelector(".explore"));
 function themed() {
-  const theme = kept("omnivat-theme") ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+  const theme = kept(THEME) ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
   const { classList } = document.body;
   if (classList.contains("dark") !== (theme === "dark")) classList.toggle("dark");
 }

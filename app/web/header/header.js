@@ -30,11 +30,11 @@ export function start(root) {
   followTabs();
 }
 
-const KEPT = "omnivat-theme";
+export const THEME = "omnivat-theme"; // key of the chosen one in the browser
 
 /** @param {HTMLElement} button */
 function followTheme(button) {
-  const chosen = kept(KEPT);
+  const chosen = kept(THEME);
   if (chosen) document.body.classList.toggle("dark", chosen === "dark");
   let dark = false;
   const onPaper = () => {
@@ -43,5 +43,5 @@ function followTheme(button) {
   };
   addEventListener("beforeprint", onPaper, { capture: true }); // before the maps draw
   addEventListener("afterprint", () => document.body.classList.toggle("dark", dark));
-  button.onclick = () => keep(KEPT, document.body.classList.toggle("dark") ? "dark" : "light");
+  button.onclick = () => keep(THEME, document.body.classList.toggle("dark") ? "dark" : "light");
 }
