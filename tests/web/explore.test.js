@@ -136,7 +136,7 @@ test("pairs are found by name, class and domain, and look-alikes by what they im
   change({ range: "" });
 });
 
-test("another set forgets what was pointed at, selected and known; a late fact of the set before changes nothing", () => {
+test("another set forgets pointer, selection and facts; a late fact of the set before changes nothing", () => {
   const before = sceneOf(frames(), { hovered: 1, selected: new Set([1]), facts: { pairs: {} } });
   const now = told(before, ["loaded", { set: "chirps", own: frames({ pairs: 1 }), sprite: null, modes: [] }]);
   assert.deepEqual([now.hovered, now.selected.size, now.facts.pairs, now.mask.length], [-1, 0, null, 2]);
@@ -194,7 +194,7 @@ test("an accuracy names its head, and a learned p is not a round one", () => {
   const by = (of, stop) => String(ofFrames(of, stop, "2 pairs")).replaceAll("\u00a0", " ");
   assert.match(
     by(learned, 1),
-    /Measured with the loaded head at its learned p = 0\.50, trained on A and tested on 2 pairs\. The model was given nothing from/,
+    /loaded head at its learned p = 0\.50, trained on A and tested on 2 pairs\. The model was given nothing from/,
   );
   const near = frames({ head: { learned_order: 0.5035 }, orders: [0, 0.5, 0.5035], curves: accuracy });
   assert.match(by(near, 1), /the loaded head, changed to p = 0\.50,/);
@@ -293,7 +293,7 @@ test("a what-if names its learned p and how accurate the head is at the orders t
   const curves = { "accuracy/unseen": [0.3, 0.9, 0.4] };
   says(
     modeWords(frames({ head: { learned_order: 0.5014 }, fits: [0.47, 0.53], curves })),
-    /What if only p changed\?.*p = 0\.501.*Outside the band, its mean accuracy in unseen domains is 35\u00a0% \(chance: 50/,
+    /What if only p changed\?.*p = 0\.501.*its mean accuracy in unseen domains is 35\u00a0% \(chance: 50/,
   );
 });
 
@@ -430,7 +430,7 @@ test("an event makes another scene and leaves the one before as it was, with wha
   assert.equal(told(before, ["sensorChosen", 2], ["sensorChosen", 2]).alone, -1); // all again
 });
 
-test("look-alikes come from unseen domains and are scored, one of each class, first where the photo misleads and the touch does not", () => {
+test("look-alikes are scored pairs of unseen domains, one of each class, where the photo alone misleads first", () => {
   const own = frames({ pairs: 5, domain: [0, 1, 1, 1, 1], label: [0, 1, 1, 0, 0] });
   const facts = {
     unseen: {

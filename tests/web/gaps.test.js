@@ -3,8 +3,8 @@ import { readFileSync } from "node:fs";
 import test from "node:test";
 import "./browser.js";
 import { firstPair, headIn, headText, pairOf, rowOf } from "../../app/web/explore/gap-pair.js";
-import { gapOver, verdictOn } from "../../app/web/explore/gap-words.js";
 import { Frames } from "../../app/web/shared/frames.js";
+import { gapOver, verdictOn } from "../../app/web/shared/gap-words.js";
 import { GAPS } from "../../app/web/shared/measures.js";
 import { starAt } from "../../app/web/shared/pair-marks.js";
 import { treeSvg } from "../../app/web/shared/pair-tree.js";
@@ -42,7 +42,7 @@ test("the answer has the range over all stops of the shipped frames, and the ste
   );
 });
 
-test("a gap is closed by p where it falls more from the worst to the best p than from the embedding to the worst", () => {
+test("p closes a gap that falls more from the worst p to the best than from the embedding to the worst", () => {
   for (const [frames, wanted, pattern] of [
     [
       gapsOf(0.5, 0.3, [0.1, 0.13, 0.11]),
@@ -116,7 +116,7 @@ test("a head in the address keeps its set, its mode or its name, and an unknown 
   assert.equal(headIn({ by: "elsewhere/moved" }, sets).set, "");
 });
 
-test("the tree has a star for each node with what it alone predicts, and a star is found where it is pointed at", () => {
+test("the tree has a star for each node with its prediction, and a star is found at the pointer", () => {
   const probabilities = [Array.from({ length: 7 }, (_, i) => (i % 2 ? [0.9, 0.1] : [0.2, 0.8]))];
   const tree = { parents: [-1, 0, 0, 1, 1, 2, 2], probabilities, in_use: true };
   const svg = treeSvg({ classes: ["wood", "steel"], tree }, 0);

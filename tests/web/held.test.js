@@ -43,7 +43,8 @@ test("what needs a server, and what the server would refuse, is a sentence", asy
 test("a request with a picture goes to the worker, with its set and its parameters apart", async () => {
   const { held } = await import("../../app/web/shared/held.js");
   held.local = `data:text/javascript,${encodeURIComponent(
-    'export const ROUTES = new Set(["live"]); export const respond = async (asked) => { globalThis.asked = asked; return new Response("{}"); };',
+    'export const ROUTES = new Set(["live"]);' +
+      'export const respond = async (asked) => { globalThis.asked = asked; return new Response("{}"); };',
   )}`;
   const body = new Blob(["x"]);
   await get("live?modality=vis&set=chirps", { method: "POST", body });

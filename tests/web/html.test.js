@@ -8,8 +8,20 @@ test("a value in markup is escaped, and markup in markup is not", () => {
   const rows = [name, "b & c"].map((one) => html`<li>${one}</li>`);
   assert.equal(
     String(html`<ul title="${name}">${rows}</ul>`),
-    `<ul title="&lt;img onerror=&quot;x&quot;&gt;&#39;"><li>&lt;img onerror=&quot;x&quot;&gt;&#39;</li><li>b &amp; c</li></ul>`,
+    '<ul title="&lt;img onerror=&quot;x&quot;&gt;&#39;">' +
+      "<li>&lt;img onerror=&quot;x&quot;&gt;&#39;</li><li>b &amp; c</li></ul>",
   );
+});
+
+test("a line break in a template is a space between words or in a tag, and nothing beside a tag or a value", () => {
+  const value = "a\n b"; // one in a value stays
+  const made = html`<p class="x"
+    title="two
+      words">${value}
+    <b>three
+      words</b>
+  </p>`;
+  assert.equal(String(made), '<p class="x" title="two words">a\n b<b>three words</b></p>');
 });
 
 test("what is absent is left out, and zero is not", () => {

@@ -53,7 +53,8 @@ test("the mean cosine of each layer stands beside the right angles that NOD push
 
 test("no leaf of a tree lies on another, however long its class is", () => {
   const nodes = Array.from({ length: 7 }, () => ({ ...NODE, probabilities: [0.3, 0.7] }));
-  const html = `${nodesHtml({ ...ONE, classes: ["wood", "a class with a very long name"], parents: [-1, 0, 0, 1, 1, 2, 2], nodes }, {})}`;
+  const classes = ["wood", "a class with a very long name"];
+  const html = `${nodesHtml({ ...ONE, classes, parents: [-1, 0, 0, 1, 1, 2, 2], nodes }, {})}`;
   const names = [...html.matchAll(/class="name" x="([\d.]+)" y="[\d.]+">([^<]*)</g)].map(([, x, name]) => [+x, name]);
   assert.equal(names.length, 7);
   for (const [x, name] of names) assert.ok(x - 4 * name.length >= 0, name);

@@ -46,7 +46,7 @@ test("no thumbnails are requested for a set that has none, and no map before it 
   assert.deepEqual(asked, ["/omnivat/frames?part=head", "/omnivat/frames?part=prediction&from=0&of=t1"]);
 });
 
-test("the shown stop of a map comes first, is drawn before the others have come, and comes again if the line is lost", async () => {
+test("the shown stop of a map comes first and is drawn before the others, again if the line is lost", async () => {
   let source;
   const asked = [];
   globalThis.fetch = async (url) => {

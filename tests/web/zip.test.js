@@ -21,7 +21,8 @@ test("another program reads the files back", () => {
   const file = join(mkdtempSync(join(tmpdir(), "zip-")), "a.zip");
   writeFileSync(file, Buffer.concat(zipped(files).map((part) => Buffer.from(part))));
   const script =
-    "import sys, zipfile; z = zipfile.ZipFile(sys.argv[1]); assert z.testzip() is None; print([(i.filename, i.file_size) for i in z.infolist()])";
+    "import sys, zipfile; z = zipfile.ZipFile(sys.argv[1]); assert z.testzip() is None; " +
+    "print([(i.filename, i.file_size) for i in z.infolist()])";
   const said = execFileSync("python3", ["-c", script, file], {
     encoding: "utf-8",
     env: { ...process.env, PYTHONIOENCODING: "utf-8" },

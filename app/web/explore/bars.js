@@ -6,11 +6,13 @@ import { html } from "./root.js";
 export const scaleOf = (share, chance) =>
   html`<span class="scale" style="--chance:${chance}">${
     share &&
-    html`<i class="range" style="--low:${share.low};--high:${share.high}"></i><i class="mean" style="--share:${share.share}"></i>`
+    html`<i class="range" style="--low:${share.low};--high:${share.high}"></i>
+      <i class="mean" style="--share:${share.share}"></i>`
   }</span>`;
 
-/** What accuracy hides where one class is larger than others, of a confusion matrix: the share of the largest class, the mean
- * over classes of the share right, and whether the largest class has 1.5 times the mean size. @param {number[][]} counts */
+/** What accuracy hides where one class is larger than others, of a confusion matrix: the share of the largest class,
+ * the mean over classes of the share right, and whether the largest class has 1.5 times the mean size.
+ * @param {number[][]} counts */
 export function balance(counts) {
   const sizes = counts.map((row) => row.reduce((sum, n) => sum + n, 0));
   const whole = sizes.reduce((sum, n) => sum + n, 0) || 1;
@@ -25,6 +27,7 @@ export const barOf = ([from, to], kind = "") =>
   html`<span class="scale" style="--from:${from};--to:${to}"><i class="bar ${kind}"></i></span>`;
 
 /** A row of bars. @param {string} name @param {Html} scale @param {Markup} figure
- * @param {{kind?: string, title?: string, more?: Markup | false}} [about] */
+ * @param {{kind?: string, title?: Markup, more?: Markup | false}} [about] */
 export const barRow = (name, scale, figure, { kind = "", title = "", more = "" } = {}) =>
-  html`<div class="bar-row ${kind}" data-domain="${name}" title="${title}"><span class="who">${name.replace(/-sim$/, "")}${more}</span>${scale}<output>${figure}</output></div>`;
+  html`<div class="bar-row ${kind}" data-domain="${name}" title="${title}"><span class="who">
+    ${name.replace(/-sim$/, "")}${more}</span>${scale}<output>${figure}</output></div>`;

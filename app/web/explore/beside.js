@@ -2,7 +2,7 @@
 
 import { attempt, Refusal } from "../shared/api.js";
 import { Cloud } from "../shared/cloud.js";
-import { orderText } from "../shared/frames.js";
+import { classOf, orderText } from "../shared/frames.js";
 import { framesBy, headLabel, heads, isMethod, methodsFor } from "../shared/headsets.js";
 import { axes, axisNames, lassoLine } from "../shared/marks.js";
 import { means } from "../shared/means.js";
@@ -123,7 +123,8 @@ export function show() {
   );
   fill(
     $(".now .pane"),
-    html`<b>${stageNamed(state.stage).title}</b> p = ${orderText(scene.frames.orders[scene.stop])} ${gaps(scene.frames, state.stage, scene.stop)}`,
+    html`<b>${stageNamed(state.stage).title}</b> p
+      = ${orderText(scene.frames.orders[scene.stop])} ${gaps(scene.frames, state.stage, scene.stop)}`,
   );
   const counts = unseen?.pairs.counts;
   $(".changed").hidden = !counts || !isReady() || same;
@@ -135,18 +136,16 @@ export function show() {
 function changes(counts, frames, stop) {
   const said = (/** @type {Frames} */ of, /** @type {number} */ at) => (/** @type {number} */ pair) =>
     of.classes[of.prediction[at * of.pairs + pair]];
-  const truth = (/** @type {number} */ pair) => scene.frames.classes[scene.frames.label[pair]];
+  const truth = (/** @type {number} */ pair) => classOf(scene.frames, pair);
   const pairs = Array.from(counts, (_, pair) => pair).filter((pair) => counts[pair]);
   return sentence(counted(pairs, said(scene.frames, scene.stop), said(frames, stop), truth));
 }
 
 export const paintMarks = () => isDouble(scene, state) && cloud?.paintMarks();
 
-/**
- * The number of pairs, and of changed predictions: corrected, broken, still wrong. Each function gives the class of a pair.
- * @typedef {(pair: number) => string} ClassOf
- * @type {(pairs: number[], left: ClassOf, right: ClassOf, truth: ClassOf) => Record<"all" | "corrected" | "broken" | "wrong", number>}
- */
+/** @typedef {(pair: number) => string} ClassOf */
+/** The number of pairs, and of changed predictions: corrected, broken, still wrong. Each function gives the class of a
+ * pair. @param {number[]} pairs @param {ClassOf} left @param {ClassOf} right @param {ClassOf} truth */
 export function counted(pairs, left, right, truth) {
   const changed = pairs.filter((pair) => left(pair) !== right(pair));
   const corrected = changed.filter((pair) => right(pair) === truth(pair)).length;
@@ -159,6 +158,9 @@ const grouped = (/** @type {number} */ n) => n.toLocaleString("en-US");
 /** The sentence below both maps. @param {ReturnType<typeof counted>} counts */
 export function sentence({ all, corrected, broken, wrong }) {
   if (!all)
-    return html`There are no test pairs here: each pair was used for training or has a class that the head does not know.`;
-  return html`From the left map to the right, <b>${grouped(corrected + broken + wrong)}</b> of ${grouped(all)} predictions change: <span class="right">${grouped(corrected)} corrected</span>, <span class="wrong">${grouped(broken)} broken</span>, ${grouped(wrong)} still wrong.`;
+    return html`There are no test pairs here: each pair was used for training or has a class that the head does not
+      know.`;
+  return html`From the left map to the right, <b>${grouped(corrected + broken + wrong)}
+    </b> of ${grouped(all)} predictions change: <span class="right">${grouped(corrected)} corrected</span>
+    , <span class="wrong">${grouped(broken)} broken</span>, ${grouped(wrong)} still wrong.`;
 }

@@ -68,7 +68,8 @@ export function featuresHtml({ own, facts: { fit } }) {
     const value = values(own, id, INPUT)?.[0] ?? NaN;
     return Number.isFinite(value) && html`<dt title="${help}">${title}</dt><dd>${value.toFixed(2)}</dd>`;
   });
-  return html`<span class="measured"><b>Features of the encoder, without a head.</b></span><dl class="gaps">${gaps}</dl>${headlessHtml(fit)}`;
+  return html`<span class="measured"><b>Features of the encoder, without a head.</b></span>
+    <dl class="gaps">${gaps}</dl>${headlessHtml(fit)}`;
 }
 
 const headlessHtml = (/** @type {Fit | null} */ fit) =>
@@ -100,7 +101,8 @@ function order(scene) {
     figure,
     whence: from,
     remark: whole(scene)
-      ? html`At the worst p, accuracy falls to ${percent(low)}. Grey line: on touch sensors, accuracy is about the same at every p.`
+      ? html`At the worst p, accuracy falls to ${percent(low)}. Grey line: on touch sensors, accuracy is about the same
+        at every p.`
       : html`Drag <i>p</i> from 0 to 1. ${modeOf(frames).note}`,
   };
 }
@@ -130,7 +132,8 @@ function fooled({ own, facts: { unseen, fit } }) {
       lower.high < higher.low
         ? `For these pairs, the ${higher === touch ? "touch" : "photo"} alone is correct more often.`
         : "For these pairs, the intervals of photo and touch overlap: neither is clearly better."
-    } For all unseen pairs, the photo alone is correct in ${share("vis")}, the touch in ${share("tac")}, both together in ${share("fused")}.${ofOwn(own, `the ${alike.pairs} look-alikes`)}`,
+    } For all unseen pairs, the photo alone is correct in ${share("vis")}, the touch in ${share("tac")}, both together
+      in ${share("fused")}.${ofOwn(own, `the ${alike.pairs} look-alikes`)}`,
   };
 }
 

@@ -90,10 +90,12 @@ function curve(measure, box) {
     Number.isFinite(value) &&
       html`<circle class="now" r="4" cx="${scale.x(frames.orders[stop])}" cy="${scale.y(value)}"/>`,
   );
-  return html`<figure data-name="${name}"><figcaption class="${accurate && "sr"}" title="${help}"><span>${title} <small class="of">${of}</small></span><output>${asText(name, value)}</output></figcaption>${drawn}</figure>`;
+  return html`<figure data-name="${name}"><figcaption class="${accurate && "sr"}" title="${help}"><span>${title} <small
+    class="of">${of}</small></span><output>${asText(name, value)}</output></figcaption>${drawn}</figure>`;
 }
 
-/** The values that may be drawn: in the chapter of the order those between which p was dragged. @param {number[]} own */
+/** The values that may be drawn: in the chapter of the order those between which p was dragged.
+ * @param {number[]} own */
 function visible(own) {
   if (state.chapter !== "order") return own;
   const [from, to] = scene.dragged.get(scene.frames) ?? [1, 0];
@@ -109,7 +111,8 @@ function pale(scale) {
   const words = (/** @type {number} */ y, /** @type {string} */ text) =>
     html`<text x="${scale.x(1) - 2}" y="${y}" text-anchor="end">${text}</text>`;
   const guessing = scale.y(1 / scene.frames.classes.length) + 17;
-  return html`<path class="pale" d="${scale.line(zip(orders, share))}"/>${words(scale.y(Math.max(...share)) - 7, title)}${words(guessing, "chance")}`;
+  return html`<path class="pale" d="${scale.line(zip(orders, share))}"/>
+    ${words(scale.y(Math.max(...share)) - 7, title)}${words(guessing, "chance")}`;
 }
 
 /** The band of orders that the head was trained for. @param {Scale} scale */

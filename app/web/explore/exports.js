@@ -31,7 +31,8 @@ export function csv(frames, points, frame, stop, { stage, map }) {
 const LINE = 17; // CSS pixels between the lines under an exported map
 const rule = drawingOn(new OffscreenCanvas(1, 1));
 
-/** Positions of the legend's keys, in as many lines as the width requires. @param {Legend} legend @param {number} width */
+/** Positions of the legend's keys, in as many lines as the width requires. @param {Legend} legend
+ * @param {number} width */
 function keys(legend, width) {
   rule.font = "12px sans-serif";
   let left = 8;
@@ -78,7 +79,8 @@ export function png(cloud, caption, legend) {
 }
 
 /** The map as vector shapes; `names` of its axes, if they mean anything.
- * @param {Cloud} cloud @param {string} caption @param {Legend} legend @param {ReturnType<typeof import("../shared/marks.js").axisNames>} names */
+ * @param {Cloud} cloud @param {string} caption @param {Legend} legend
+ * @param {ReturnType<typeof import("../shared/marks.js").axisNames>} names */
 export function svg(cloud, caption, legend, names) {
   const [width, height] = [cloud.width, cloud.height].map(Math.round);
   const shapes = cloud.layers.map(({ style: { shape, colour, radius, alpha }, at, count }, i) => {
@@ -91,12 +93,15 @@ export function svg(cloud, caption, legend, names) {
   const { placed, height: band } = keys(legend, width);
   const legends = placed.map(
     ({ name, colour, x, y }) =>
-      html`<rect x="${x}" y="${height + y}" width="10" height="10" fill="${colour}"/><text x="${x + 14}" y="${height + y + 10}">${name}</text>`,
+      html`<rect x="${x}" y="${height + y}" width="10" height="10" fill="${colour}"/><text x="${x + 14}"
+        y="${height + y + 10}">${name}</text>`,
   );
   const axes =
     names &&
-    html`<text x="6" y="15" font-weight="600">↑ ${names.y}</text><text x="${width - 8}" y="${height - 6}" font-weight="600" text-anchor="end">${names.x} →</text>`;
-  const text = html`<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height + band}" font-family="sans-serif" font-size="12">
+    html`<text x="6" y="15" font-weight="600">↑ ${names.y}</text>
+      <text x="${width - 8}" y="${height - 6}" font-weight="600" text-anchor="end">${names.x} →</text>`;
+  const text = html`<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height + band}"
+    font-family="sans-serif" font-size="12">
 <rect width="100%" height="100%" fill="#fff"/><svg width="${width}" height="${height}">${shapes}</svg>
 ${axes}
 <text x="8" y="${height + LINE}">${caption}</text>${legends}</svg>`;

@@ -32,7 +32,8 @@ export function shifted(range, [low, high], by, upper) {
 /** The range in the address once one histogram has another; one that keeps all is left out.
  * @param {string} kept @param {string} name @param {Span} span @param {Span | null} range */
 export function ranged(kept, name, [low, high], range) {
-  const [from, to] = (range ?? [low, high]).map((end) => +end.toFixed(4)); // as the address holds it: a link shows the same pairs
+  // as the address holds it: a link shows the same pairs
+  const [from, to] = (range ?? [low, high]).map((end) => +end.toFixed(4));
   const ranges = rangesOf({ range: kept });
   if (to > from && (from > low || to < high)) ranges[name] = [from, to];
   else delete ranges[name];
@@ -76,8 +77,13 @@ function histogramHtml({ name, title, help }, all, seen) {
     counts
       .map((n, i) => (n ? `M${i + 0.08} ${HIGH}V${HIGH - (n / most) * (HIGH - 2)}H${i + 0.92}V${HIGH}Z` : ""))
       .join("");
-  return html`<figure data-name="${name}" title="${help}"><figcaption>${title} <button class="link" ${!range && "hidden"}>clear</button></figcaption>
-    <svg class="chart" viewBox="0 0 ${BINS} ${HIGH}" preserveAspectRatio="none" role="slider" tabindex="0" aria-label="${title}: drag to keep a range; arrows move its lower end, Shift and arrows its upper end" aria-valuemin="${low}" aria-valuemax="${high}" aria-valuenow="${from}" aria-valuetext="${range ? `${from} to ${to}` : "all"}"><path class="all" d="${bars(counts)}"/><path class="kept" d="${bars(histogram(all, ends, seen))}"/></svg>
+  return html`<figure data-name="${name}" title="${help}"><figcaption>${title} <button class="link"
+    ${!range && "hidden"}>clear</button></figcaption>
+    <svg class="chart" viewBox="0 0 ${BINS} ${HIGH}" preserveAspectRatio="none" role="slider" tabindex="0"
+      aria-label="${title}: drag to keep a range; arrows move its lower end, Shift and arrows its upper end"
+      aria-valuemin="${low}" aria-valuemax="${high}" aria-valuenow="${from}"
+      aria-valuetext="${range ? `${from} to ${to}` : "all"}"><path class="all" d="${bars(counts)}"/><path class="kept"
+      d="${bars(histogram(all, ends, seen))}"/></svg>
     <span class="ends"><small>${low}</small><small>${high}</small></span></figure>`;
 }
 

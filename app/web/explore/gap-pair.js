@@ -1,5 +1,6 @@
 /** The pair and the head that the second chapter shows, by the address. No DOM here. */
 
+import { classOf, domainOf } from "../shared/frames.js";
 import { OWN_MODE } from "../shared/tables.js";
 
 const HEAD = "head:";
@@ -17,7 +18,8 @@ export function firstPair(frames) {
 }
 
 /** The chosen pair: of the page's own set the one in the address, of another its pinned pair; or the one to open with.
- * @param {Pick<Scene, "set" | "frames" | "opening">} scene @param {Pick<State, "vis" | "tac" | "pin">} address @returns {Pair} */
+ * @param {Pick<Scene, "set" | "frames" | "opening">} scene @param {Pick<State, "vis" | "tac" | "pin">} address
+ * @returns {Pair} */
 export function pairOf({ set, frames, opening }, { vis, tac, pin }) {
   if (!set && (vis || tac)) return { vis, tac };
   const ref = pin === null ? (opening ?? `row:${firstPair(frames.whole ?? frames)}`) : `row:${pin}`;
@@ -33,7 +35,7 @@ export function rowOf({ frames, facts }, { vis, tac }) {
   const [domain, truth, stem] = name.split("/");
   const names = facts.pairs.name;
   return frames.label.findIndex(
-    (k, pair) => names[pair] === stem && frames.classes[k] === truth && frames.domains[frames.domain[pair]] === domain,
+    (_, pair) => names[pair] === stem && classOf(frames, pair) === truth && domainOf(frames, pair) === domain,
   );
 }
 
@@ -50,7 +52,8 @@ export function headIn({ by }, sets) {
     : { set, mode: what || OWN_MODE, head: "" };
 }
 
-/** The same as a text for the address; "" for the page's own head. @param {{set?: string, mode?: string, head?: string}} of */
+/** The same as a text for the address; "" for the page's own head.
+ * @param {{set?: string, mode?: string, head?: string}} of */
 export function headText({ set = "", mode = OWN_MODE, head = "" }) {
   const what = head ? `${HEAD}${head}` : mode === OWN_MODE && !set ? "" : mode;
   return set ? `${set}/${what}` : what;

@@ -4,6 +4,7 @@ import { address, ask, attempt, bytesOf, inSet, json, once } from "../shared/api
 import { thumbnail, verdict } from "../shared/card.js";
 import { choices } from "../shared/facts.js";
 import { orderText } from "../shared/frames.js";
+import { verdictOn } from "../shared/gap-words.js";
 import { framesBy, headLabel, heads } from "../shared/headsets.js";
 import { asText, axis, GAPS, values } from "../shared/measures.js";
 import { journeyStop, starAt } from "../shared/pair-marks.js";
@@ -15,7 +16,6 @@ import { OUTPUT, stageNamed, stepsOf } from "../shared/stages.js";
 import { can, modeOf, OWN_MODE, sensorOf, TABLES } from "../shared/tables.js";
 import { rightAt, whence } from "./chapters.js";
 import { headIn, headText, pairOf, rowOf } from "./gap-pair.js";
-import { verdictOn } from "./gap-words.js";
 import { map, shapeWords, showLayers } from "./maps.js";
 import { framesOfMode } from "./modes.js";
 import { $, draw, fill, html, options, percent, put, scene, send, showWords, state } from "./root.js";
@@ -78,7 +78,12 @@ async function offer() {
   for (const one of others) groups[0].rows.push([headText({ head: one.name }), headLabel(one)]);
   put(
     $(".of-head"),
-    html`${groups.map(({ title, rows }) => (title ? html`<optgroup label="${title}">${options(rows, state.by)}</optgroup>` : options(rows, state.by)))}`,
+    html`${groups.map(({ title, rows }) =>
+      title
+        ? html`<optgroup label="${title}">
+      ${options(rows, state.by)}</optgroup>`
+        : options(rows, state.by),
+    )}`,
   );
 }
 
@@ -93,7 +98,9 @@ export function tell() {
   if (!told) return showWords({ title, figure: html`This needs a head.`, remark: html`` });
   const away = can(modeOf(frames), "what-if") && stop !== frames.stop(frames.learned) && rightAt(frames, stop);
   const remark = away
-    ? html`The weights belong to p = ${orderText(+frames.learned.toFixed(2))}. Here ${percent(away)} of pairs in unseen domains are correct, there ${percent(rightAt(frames, frames.stop(frames.learned)))}: a small gap alone is worth nothing.${whence(frames, stop, facts.unseen)}`
+    ? html`The weights belong to p = ${orderText(+frames.learned.toFixed(2))}. Here ${percent(away)} of pairs in unseen
+      domains are correct, there ${percent(rightAt(frames, frames.stop(frames.learned)))}: a small gap alone is worth
+      nothing.${whence(frames, stop, facts.unseen)}`
     : html``;
   return showWords({ title, figure: html`<b>${told.answer}</b> ${told.words}`, remark });
 }
@@ -118,7 +125,9 @@ function showBars() {
     const now = values(frames, id, stage)?.[stop] ?? NaN;
     const ends = [Math.min, Math.max].map((end) => end(...all.filter(Number.isFinite)) / most);
     const what = (frames.signals && signals) || between;
-    return html`<div class="gap-row ${id}" title="${help}"><span class="who"><b>${title}</b> <small>${what}</small></span><span class="scale" style="--to:${now / most};--low:${ends[0]};--high:${ends[1]}"><i class="bar"></i><i class="range"></i></span><output>${asText(id, now, 2)}</output></div>`;
+    return html`<div class="gap-row ${id}" title="${help}"><span class="who"><b>${title}</b> <small>
+      ${what}</small></span><span class="scale" style="--to:${now / most};--low:${ends[0]};--high:${ends[1]}">
+      <i class="bar"></i><i class="range"></i></span><output>${asText(id, now, 2)}</output></div>`;
   });
   draw($(".gap-bars"), html`${rows}`);
 }
@@ -129,16 +138,19 @@ function showSteps() {
   const most = top();
   const steps = stepsOf(frames).map(({ id, step, brief, help }) => {
     const gaps = GAPS.map((row) => ({ ...row, now: values(frames, row.id, id)?.[stop] ?? NaN }));
-    const words = `${step}: ${gaps.map(({ id, title, now }) => `${title.toLowerCase()} ${asText(id, now, 2)}`).join(", ")}`;
+    const words = gaps.map(({ id, title, now }) => `${title.toLowerCase()} ${asText(id, now, 2)}`);
     const bars = gaps.map(
       ({ id, now }) =>
         html`<span class="${id}" style="--to:${now / most}"><output>${asText(id, now, 2)}</output><i></i></span>`,
     );
-    return html`<button role="radio" data-stage="${id}" title="${help}" aria-label="${words}" ${checked(id === state.stage)}><span class="columns" aria-hidden="true">${bars}</span><span class="long">${step}</span><span class="brief">${brief}</span></button>`;
+    return html`<button role="radio" data-stage="${id}" title="${help}" aria-label="${step}: ${words.join(", ")}"
+      ${checked(id === state.stage)}><span class="columns" aria-hidden="true">${bars}</span>
+      <span class="long">${step}</span><span class="brief">${brief}</span></button>`;
   });
   draw(
     $(".gap-steps"),
-    html`<p>Both gaps after each step</p><div role="radiogroup" aria-label="Steps of the head; each opens its map">${steps}</div>`,
+    html`<p>Both gaps after each step</p><div role="radiogroup" aria-label="Steps of the head; each opens its map">
+      ${steps}</div>`,
   );
 }
 
@@ -179,7 +191,8 @@ function showPair() {
   const tree = journey && at >= 0 && journey.tree.parents.length > 0;
   fill(
     $(".chosen"),
-    html`<div class="pair-now"><span class="thumbs">${IMAGES.map(pictureOf)}</span>${saidHtml(at)}</div><div class="tree-now">${tree ? treeSvg(journey, at) : html`<p class="hint" role="status">${note}</p>`}</div>`,
+    html`<div class="pair-now"><span class="thumbs">${IMAGES.map(pictureOf)}</span>${saidHtml(at)}</div>
+      <div class="tree-now">${tree ? treeSvg(journey, at) : html`<p class="hint" role="status">${note}</p>`}</div>`,
   );
   light();
 }
@@ -211,13 +224,24 @@ function saidHtml(at) {
   const strange = IMAGES.filter(({ name }) => journey?.images[name]?.guess).map(({ title }) => title);
   const right = said?.name === truth;
   const mark = truth && html`<span class="${right ? "right" : "wrong"}">${right ? "✓" : "✗"}</span> `;
-  const guess = html`<p><b>${said?.name}?</b> A guess: the ${strange.join(" and the ")} ${strange.length > 1 ? "are" : "is"} unlike all training images. So is the position.</p>`;
+  const guess = html`<p><b>${said?.name}?</b> A guess:
+    the ${strange.join(" and the ")} ${strange.length > 1 ? "are" : "is"} unlike all training images.
+    So is the position.</p>`;
   const sure = said && Number.isFinite(said.share) && ` ${percent(said.share)}`;
   const own = journey?.own && best(journey.own.classes, journey.own.readings.fused);
   const unsure = Object.values(journey?.own?.images ?? {}).some(({ guess }) => guess);
-  return html`<div class="said-of"><p>${truth ? html`<b>${truth}</b>, ${sensorOf(domain)}` : html`<b>Your pair</b>`}</p>${
-    said && (strange.length ? guess : html`<p>${mark}<b>${said.name}</b>${sure}</p>`)
-  }${own && html`<p>Linear maps, which have no p: <b>${own.name}${unsure && "?"}</b>${!unsure && ` ${percent(own.share)}`}</p>`}${journey && !journey.maps[state.map] && html`<p class="hint">A page without a server places this pair on the PCA map alone.</p>`}<button class="link try-own">Try your own pair</button></div>`;
+  return html`<div class="said-of"><p>${truth ? html`<b>${truth}</b>, ${sensorOf(domain)}` : html`<b>Your pair</b>`}
+    </p>${said && (strange.length ? guess : html`<p>${mark}<b>${said.name}</b>${sure}</p>`)}${
+      own &&
+      html`<p>Linear maps, which have no p: <b>${own.name}${unsure && "?"}</b>
+    ${!unsure && ` ${percent(own.share)}`}</p>`
+    }
+    ${
+      journey &&
+      !journey.maps[state.map] &&
+      html`<p class="hint">A page without a server places this pair on the PCA
+    map alone.</p>`
+    }<button class="link try-own">Try your own pair</button></div>`;
 }
 
 let asking = new AbortController(); // a handle: of the request that is on its way
@@ -279,7 +303,11 @@ function showKeys() {
   const groups = colouring(frames, "domain").groups(frames);
   draw(
     $(".map-keys"),
-    html`${groups.map(([name, colour]) => html`<span class="key" data-domain-key="${name}"><i style="background:${colour}"></i>${sensorOf(name)}${name === frames.source && html` <b>source</b>`}</span>`)}<span class="map-shapes">${shapeWords(frames)}  ★ node</span>`,
+    html`${groups.map(
+      ([name, colour]) => html`<span class="key" data-domain-key="${name}">
+      <i style="background:${colour}"></i>${sensorOf(name)}${name === frames.source && html` <b>source</b>`}</span>`,
+    )}
+      <span class="map-shapes">${shapeWords(frames)}  ★ node</span>`,
   );
 }
 
@@ -301,7 +329,8 @@ function point(name) {
 
 let repaint = () => {}; // draws the map with the pair, and what is beside it
 
-/** Let pointer and focus on a node light it, in the tree and on the map; `redraw` draws both. @param {() => void} redraw */
+/** Let pointer and focus on a node light it, in the tree and on the map; `redraw` draws both.
+ * @param {() => void} redraw */
 export function listen(redraw) {
   repaint = () => map.frame && redraw();
   const keyed = (/** @type {At} */ { target }) => point(target.closest?.("[data-domain-key]")?.dataset.domainKey);

@@ -1,7 +1,7 @@
 /** Pictures of points: the neighbours of the pinned pair, and the pairs that are selected, found, or fooled. */
 
 import { imitation, thumbnail, verdict } from "../shared/card.js";
-import { orderText } from "../shared/frames.js";
+import { classOf, domainOf, orderText } from "../shared/frames.js";
 import { ofFrames } from "../shared/provenance.js";
 import { sensorOf } from "../shared/tables.js";
 import { $, html, percent, put, scene, state } from "./root.js";
@@ -44,8 +44,11 @@ function heading({ points, why, pairs }) {
   const judged = !frames.headless && frames.labelled;
   const share = percent(verdicts.filter(({ right }) => right).length / pairs.length);
   const home = verdicts.filter(({ domain }) => domain === frames.source).length;
+  const right = judged && `; ${share} predicted right at p = ${orderText(frames.orders[stop])}`;
   return html`<h4>${points ? `${points} points selected` : `${pairs.length} pairs found`}</h4>
-    <p class="hint">${pairs.length} pairs${judged && `; ${share} predicted right at p = ${orderText(frames.orders[stop])}`}.<br><b>Domains</b> ${tally("domain")}<br><b>Classes</b> ${tally("truth")}</p>${judged && ofFrames(frames, stop, `these pairs, ${home} of them of its source`)}`;
+    <p class="hint">${pairs.length} pairs${right}.<br><b>Domains</b> ${tally("domain")}<br>
+    <b>Classes</b> ${tally("truth")}</p>
+    ${judged && ofFrames(frames, stop, `these pairs, ${home} of them of its source`)}`;
 }
 
 /** A verdict with its mark. @param {boolean} right @param {string} said */
@@ -57,11 +60,15 @@ function tile(pair) {
   const { truth, domain, said, right } = verdict(painted(scene, state), pair, stop);
   const note = imitation(facts.pairs, pair);
   const tag = tagOf(frames, pair);
-  const name = `Pair ${pair}, ${truth}${note && `, ${note}`}, ${sensorOf(domain)}, ${said && `predicted ${said}`}${tag && `, tag ${tag}`}`;
+  const name = [`Pair ${pair}`, truth, note, sensorOf(domain), said && `predicted ${said}`, tag && `tag ${tag}`]
+    .filter(Boolean)
+    .join(", ");
   const words = said
     ? html`${!right && `${truth} `}<span class="${right ? "right" : "wrong"}">${marked(right, said)}</span>`
     : truth;
-  return html`<button data-pair="${pair}" title="${name}" aria-label="${name}"><span class="thumbs">${thumbnail(sprite, pair, SIDE, "VIS")}${thumbnail(sprite, pair + frames.pairs, SIDE, "TAC")}</span><small>${words}${tag && html` <i class="tag">${tag}</i>`}</small></button>`;
+  return html`<button data-pair="${pair}" title="${name}" aria-label="${name}"><span class="thumbs">
+    ${thumbnail(sprite, pair, SIDE, "VIS")}${thumbnail(sprite, pair + frames.pairs, SIDE, "TAC")}</span><small>${words}
+    ${tag && html` <i class="tag">${tag}</i>`}</small></button>`;
 }
 
 /** Show the pictures. */
@@ -72,8 +79,11 @@ export function showGrid() {
   box.parentElement.hidden = !pairs.length || !["fooled", "analyse"].includes(state.chapter);
   if (!pairs.length) return put(box, html``);
   const first = why ? LESSON : SHOWN;
-  const tools = html`<div class="row">${points && html`<button class="clear">Clear</button>`}<button class="csv" data-save="csv">Save as CSV</button><label>Tag <input type="text" class="tagging" maxlength="40" placeholder="a word, then Enter"></label></div>`;
-  const tiles = html`<div class="tiles">${pairs.slice(0, first).map(tile)}</div>${pairs.length > first && html`<p class="hint">The CSV file has ${pairs.length - first} more pairs.</p>`}`;
+  const tools = html`<div class="row">${points && html`<button class="clear">Clear</button>`}
+    <button class="csv" data-save="csv">Save as CSV</button><label>Tag <input type="text" class="tagging"
+    maxlength="40" placeholder="a word, then Enter"></label></div>`;
+  const tiles = html`<div class="tiles">${pairs.slice(0, first).map(tile)}</div>
+    ${pairs.length > first && html`<p class="hint">The CSV file has ${pairs.length - first} more pairs.</p>`}`;
   put(box, html`${heading(list)}${why ? [tiles, tools] : [tools, tiles]}`); // a chapter shows the pictures first
 }
 
@@ -95,6 +105,8 @@ export const neighboursHtml = (points, { frames, sprite }) =>
   html`${points.map(({ point, cosine }) => {
     const half = point < frames.pairs ? "VIS" : "TAC";
     const pair = point % frames.pairs;
-    const name = `${half} of pair ${pair}, ${frames.classes[frames.label[pair]]}, ${sensorOf(frames.domains[frames.domain[pair]])}, cosine ${cosine.toFixed(3)}`;
-    return html`<button data-point="${point}" title="${name}" aria-label="${name}">${thumbnail(sprite, point, 48, half)}<small>${half} ${cosine.toFixed(2)}</small></button>`;
+    const where = `${classOf(frames, pair)}, ${sensorOf(domainOf(frames, pair))}`;
+    const name = `${half} of pair ${pair}, ${where}, cosine ${cosine.toFixed(3)}`;
+    return html`<button data-point="${point}" title="${name}" aria-label="${name}">
+      ${thumbnail(sprite, point, 48, half)}<small>${half} ${cosine.toFixed(2)}</small></button>`;
   })}`;

@@ -126,7 +126,8 @@ export const figure = (words, measure, values, stop) =>
     ? html`<span class="gap">${words} <b>${asText(measure, values?.[stop], 2)}</b></span>`
     : null;
 
-/** Both gaps of frames at a stop, or that between the images of one domain. @param {Frames} frames @param {string} stage
+/** Both gaps of frames at a stop, or that between the images of one domain. @param {Frames} frames
+ * @param {string} stage
  * @param {number} stop */
 export function gaps(frames, stage, stop, domain = "") {
   const rows = GAPS.filter((row) => !domain || can(row, "domain"));
@@ -142,18 +143,20 @@ function title(kind) {
   const domain = loneDomain(scene, state);
   const hides = filtering(scene, state);
   const partly = hides.length && !(domain && hides.length === 1);
-  return html`<span class="where-at">${stageNamed(state.stage).title}, p = ${orderText(frames.orders[stop])} <small>${METHODS[kind] ?? kind}</small></span>${gaps(frames, state.stage, stop, domain)}${
-    partly
-      ? html`<span>${hides.join(" · ")}. The gaps are those of ${domain ? "the whole domain" : "all pairs"}.</span>`
-      : null
-  }`;
+  return html`<span class="where-at">${stageNamed(state.stage).title}, p = ${orderText(frames.orders[stop])} <small>
+    ${METHODS[kind] ?? kind}</small></span>${gaps(frames, state.stage, stop, domain)}${
+      partly
+        ? html`<span>${hides.join(" · ")}. The gaps are those of ${domain ? "the whole domain" : "all pairs"}.</span>`
+        : null
+    }`;
 }
 
 /** @type {(frames: Frames) => string} */
 export const shapeWords = ({ signals }) => (signals ? "● one recording  ▲ the other" : "● photo  ▲ touch");
 
 /** What to know about the map: how far its neighbours can be trusted, and which stop it shows.
- * @param {Frames} frames @param {NonNullable<ReturnType<Frames["positions"]>>} frame @param {number} stop @param {string} kind */
+ * @param {Frames} frames @param {NonNullable<ReturnType<Frames["positions"]>>} frame @param {number} stop
+ * @param {string} kind */
 function notes(frames, { trust, stops, drawn }, stop, kind) {
   const analysed = state.chapter === "analyse" && !isDouble(scene, state); // two maps leave no room
   const still = isStill(state.stage, frames);

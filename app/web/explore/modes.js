@@ -29,7 +29,8 @@ export function modeWords(frames) {
   return html`${lead && html`<b>${lead}</b>`}${sentence}${frames.signals && SIGNALS}`;
 }
 
-/** The accuracy at the orders that the head was not trained for, in words; "" if not measured. @param {Frames} frames */
+/** The accuracy at the orders that the head was not trained for, in words; "" if not measured.
+ * @param {Frames} frames */
 function elsewhere(frames) {
   const [low, high] = frames.fits ?? [NaN, NaN];
   /** @type {number[] | null} */
@@ -37,7 +38,8 @@ function elsewhere(frames) {
   const own = curve?.filter((v, i) => Number.isFinite(v) && !(low <= frames.orders[i] && frames.orders[i] <= high));
   if (!own?.length) return "";
   const mean = own.reduce((sum, v) => sum + v, 0) / own.length;
-  return `Outside the band, its mean accuracy in unseen domains is ${percent(mean)} (chance: ${percent(1 / frames.classes.length)}). `;
+  const chance = percent(1 / frames.classes.length);
+  return `Outside the band, its mean accuracy in unseen domains is ${percent(mean)} (chance: ${chance}). `;
 }
 
 /** The mode that is wanted: the one in the address, or the first of the set. */
@@ -47,14 +49,16 @@ const wantedMode = () => (scene.modes.includes(state.mode) ? state.mode : scene.
 function showModes() {
   const { modes, own } = scene;
   const options = modes.map((key) => {
-    const { title = "", help } = modeOf({ kind: key === OWN_MODE ? own.kind : key }); // the loaded head may be one for every p
+    // the loaded head may be one for every p
+    const { title = "", help } = modeOf({ kind: key === OWN_MODE ? own.kind : key });
     return { key, label: title, title: help };
   });
   $(".modes").hidden = modes.length < 2;
   choice(".modes", "mode", options, scene.mode);
 }
 
-/** The frames of a mode; null if they cannot be had or others are wanted by then. `say` shows the sentence of a Refusal.
+/** The frames of a mode; null if they cannot be had or others are wanted by then. `say` shows the sentence of a
+ * Refusal.
  * @param {(sentence: string) => void} say @returns {Promise<Frames | null>} */
 export async function framesOfMode(say, wanted = wantedMode()) {
   const { own, set } = send("arrived", { wanted });

@@ -48,8 +48,12 @@ function show(tree) {
 /** tree: the server's reply; votes: of each node over the set, once known.
  * @param {Tree} tree @param {Partial<Replies["votes"]>} set */
 export function nodesHtml(tree, { votes, pairs }) {
-  return html`<p class="hint">The tree (DTG) that the loaded head grows at p = ${tree.order.toFixed(3)}; its learned p is ${tree.learned.toFixed(3)}.${!tree.in_use && " This head predicts without its tree."}</p>${drawTree(tree, constant(votes))}
-    <p class="hint">${keys(tree.classes.map((name, k) => [name, classColour(k)]))} Circle area: size (norm) of the node. Bar: class probabilities from this node alone.</p><p class="worth">${worth(votes, pairs)}</p>${angles(tree)}`;
+  return html`<p class="hint">The tree (DTG) that the loaded head grows at p = ${tree.order.toFixed(3)}; its learned p
+    is ${tree.learned.toFixed(3)}.${!tree.in_use && " This head predicts without its tree."}</p>
+    ${drawTree(tree, constant(votes))}
+    <p class="hint">${keys(tree.classes.map((name, k) => [name, classColour(k)]))} Circle area: size (norm) of the
+      node. Bar: class probabilities from this node alone.</p><p class="worth">${worth(votes, pairs)}</p>
+      ${angles(tree)}`;
 }
 
 /** Which nodes are constant. @param {Votes | undefined} votes */
@@ -64,7 +68,8 @@ export function worth(votes, pairs = 0) {
   const classes = [...new Set(fixed.map((node) => node.class))].map(
     (name, i) => html`${i > 0 && " or "}<i>${name}</i>`,
   );
-  return html`<b>${fixed.length} of ${votes.length} nodes</b> (dashed), used alone, predict ${classes} for at least ${percent(ALIKE)} of the ${pairs.toLocaleString("en-US")} pairs of the set.`;
+  return html`<b>${fixed.length} of ${votes.length} nodes</b> (dashed), used alone, predict ${classes} for at
+    least ${percent(ALIKE)} of the ${pairs.toLocaleString("en-US")} pairs of the set.`;
 }
 
 /** How near the nodes of each layer are to right angles, which NOD pushes them to. @param {Tree} tree */
@@ -76,7 +81,8 @@ function angles({ layers, arrangement }) {
     const mean = off.reduce((sum, v) => sum + v, 0) / off.length;
     return html`<li>nodes ${nodes[0] + 1}–${nodes[nodes.length - 1] + 1}: ${mean.toFixed(2)}</li>`;
   });
-  return html`<p class="hint">Mean |cosine| between nodes of a level. The loss NOD pushes it to 0 (right angles):</p><ul class="angles">${words}</ul>`;
+  return html`<p class="hint">Mean |cosine| between nodes of a level. The loss NOD pushes it to 0 (right angles):</p>
+    <ul class="angles">${words}</ul>`;
 }
 
 /** @param {Tree} tree @param {boolean[]} fixed */
@@ -104,7 +110,8 @@ function drawTree({ classes, nodes, parents }, fixed) {
     return html`<path class="edge" d="M${above.x} ${top}C${above.x} ${middle} ${x} ${middle} ${x} ${y}"/>`;
   });
   const discs = placed.map((node, i) => disc(node, i + 1, classes, fixed[i]));
-  return html`<svg class="chart tree-view" viewBox="0 0 ${width} ${rows.length * ROW}" role="list" aria-label="Tree of ${nodes.length} nodes">${edges}${discs}</svg>`;
+  return html`<svg class="chart tree-view" viewBox="0 0 ${width} ${rows.length * ROW}" role="list"
+    aria-label="Tree of ${nodes.length} nodes">${edges}${discs}</svg>`;
 }
 
 const short = (/** @type {string} */ name) => (name.length > LETTERS ? `${name.slice(0, LETTERS - 1)}…` : name);
@@ -119,11 +126,15 @@ function disc({ norm, probabilities, x, y, r }, number, classes, fixed) {
   const side = COLUMN - 14;
   let left = x - side / 2;
   const bar = probabilities.map((p, k) => {
-    const rect = html`<rect x="${left.toFixed(1)}" y="${y + r + 35}" width="${(side * p).toFixed(1)}" height="6" style="fill:${classColour(k)}"/>`;
+    const rect = html`<rect x="${left.toFixed(1)}" y="${y + r + 35}" width="${(side * p).toFixed(1)}" height="6"
+      style="fill:${classColour(k)}"/>`;
     left += side * p;
     return rect;
   });
-  return html`<g tabindex="0" role="listitem" aria-label="Node ${number}, norm ${norm.toFixed(2)}, ${parts}"><title>Node ${number}: norm ${norm.toFixed(3)}; ${parts}</title>
-    <circle class="disc${fixed && " fixed"}" cx="${x}" cy="${y}" r="${r}" style="fill:${colour}"/><text class="index${isDeep(colour) && " pale"}" x="${x}" y="${y + 5}">${number}</text>
-    <text class="name" x="${x}" y="${y + r + 15}">${short(classes[best])}<tspan x="${x}" dy="15">${percent(probabilities[best])}</tspan></text>${bar}</g>`;
+  return html`<g tabindex="0" role="listitem" aria-label="Node ${number}, norm ${norm.toFixed(2)}, ${parts}">
+    <title>Node ${number}: norm ${norm.toFixed(3)}; ${parts}</title>
+    <circle class="disc${fixed && " fixed"}" cx="${x}" cy="${y}" r="${r}" style="fill:${colour}"/>
+      <text class="index${isDeep(colour) && " pale"}" x="${x}" y="${y + 5}">${number}</text>
+    <text class="name" x="${x}" y="${y + r + 15}">${short(classes[best])}
+      <tspan x="${x}" dy="15">${percent(probabilities[best])}</tspan></text>${bar}</g>`;
 }

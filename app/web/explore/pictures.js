@@ -23,7 +23,8 @@ export function sheet(url, onLoad) {
 }
 
 /** Indices of the points in view; null if there are more than `most`.
- * @param {Pick<import("../shared/cloud.js").Cloud, "count" | "x" | "y" | "width" | "height">} cloud @param {Wanted} shown */
+ * @param {Pick<import("../shared/cloud.js").Cloud, "count" | "x" | "y" | "width" | "height">} cloud
+ * @param {Wanted} shown */
 export function inView({ count, x, y, width, height }, shown, most = MOST) {
   const points = [];
   for (let point = 0; point < count; point++) {

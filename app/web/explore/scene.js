@@ -1,6 +1,7 @@
 /** What is read of the state of Explore and of the address. No DOM here. */
 
 import { shownBy } from "../shared/filters.js";
+import { classOf, domainOf } from "../shared/frames.js";
 import { IMAGES } from "../shared/images.js";
 import { featuresOf, INPUT } from "../shared/stages.js";
 import { hidden } from "../shared/store.js";
@@ -38,7 +39,9 @@ export function wantedPoints(scene, address) {
   const alike = address.alike === "1" ? facts.pairs?.looks_like : null;
   const words = address.find.trim().toLowerCase().split(/\s+/);
   const text = (/** @type {number} */ pair) =>
-    `${facts.pairs?.name[pair] ?? ""} ${tagOf(frames, pair)} ${pair} ${frames.classes[frames.label[pair]]} ${frames.domains[frames.domain[pair]]}`.toLowerCase();
+    [facts.pairs?.name[pair], tagOf(frames, pair), pair, classOf(frames, pair), domainOf(frames, pair)]
+      .join(" ")
+      .toLowerCase();
   const ranges = HISTOGRAMS.flatMap(({ name }) => {
     const [values, range] = [facts.unseen?.pairs[name], rangesOf(address)[name]];
     return values && range ? [{ values, range }] : [];
@@ -56,7 +59,8 @@ export function wantedPoints(scene, address) {
   };
 }
 
-/** The pairs of unseen domains that are scored, and those of them that look like another class; none before they are known.
+/** The pairs of unseen domains that are scored, and those of them that look like another class; none before they are
+ * known.
  * @type {(scene: Pick<Scene, "frames" | "facts">) => Record<"strange" | "alike", number[]>} */
 export function strangePairs({ frames, facts: { unseen, pairs } }) {
   const source = frames.domains.indexOf(unseen?.source ?? "");
@@ -88,7 +92,8 @@ export function rangesOf({ range }) {
   return ranges;
 }
 
-/** The only domain that the filters leave; "" if there are several. @type {(scene: Pick<Scene, "frames">, address: State) => string} */
+/** The only domain that the filters leave; "" if there are several.
+ * @type {(scene: Pick<Scene, "frames">, address: State) => string} */
 export function loneDomain({ frames }, address) {
   const [domain, ...more] = left("domain", frames.domains, address);
   return domain && !more.length ? domain : "";
@@ -144,8 +149,8 @@ export function lit({ frames, highlight, selected }, point) {
   if (!highlight) return !selected.size || selected.has(point);
   const pair = point % frames.pairs;
   const names = {
-    domain: frames.domains[frames.domain[pair]],
-    class: frames.classes[frames.label[pair]],
+    domain: domainOf(frames, pair),
+    class: classOf(frames, pair),
     modality: point < frames.pairs ? "VIS" : "TAC",
   };
   return names[highlight.kind] === highlight.name;

@@ -1,4 +1,5 @@
-/** Chapter 2: what heads lose on another domain, split into sensor, scene and other objects; and on the page's own set. */
+/** Chapter 2: what heads lose on another domain, split into sensor, scene and other objects; and on the page's own
+ * set. */
 
 import { provenance } from "../shared/provenance.js";
 import { TABLES } from "../shared/tables.js";
@@ -12,13 +13,15 @@ const TERMS = [
   ["objects", "other objects"],
 ];
 
-/** A bar from one share to another. @typedef {{name: string, ends: number[], text: string, title: string, kind?: string}} Bar */
+/** A bar from one share to another.
+ * @typedef {{name: string, ends: number[], text: string, title: string, kind?: string}} Bar */
 
 const signed = (/** @type {number} */ points) => (points ? `${points > 0 ? "+" : "−"}${Math.abs(points)}` : "0");
 const range = (/** @type {number} */ low, /** @type {number} */ high) =>
   `95 % interval: ${low.toFixed(0)} to ${high.toFixed(0)} points`;
 
-/** Bars from home to away: what is lost or gained lies between them. @param {Record<string, Interval>} loss @returns {Bar[]} */
+/** Bars from home to away: what is lost or gained lies between them. @param {Record<string, Interval>} loss
+ * @returns {Bar[]} */
 export function barsOf(loss) {
   let left = loss.home[0];
   const whole = (/** @type {string} */ name, /** @type {Interval} */ [share, low, high]) => ({
@@ -50,8 +53,12 @@ const list = (bars) =>
 /** The loss by one reading as bars, and where it comes from. `look`: 0 dots as printed, 1 filled, 2 by relief.
  * @param {Pick<Twins, "split" | "presses">} twins @param {Input} reading @param {number} look */
 export function splitHtml({ split, presses }, reading, look) {
-  const pairs = `${Math.max(...presses[reading])} ${reading === "touch" ? "presses" : "objects"}${["", " with filled dots", " by relief"][look]} in the seven others; each figure is the mean over ${split.sources} training domains`;
-  return html`${list(barsOf(split.loss[reading][look]))}${provenance({ head: split.head, source: "one domain each", pairs, known: "nothing from the new domain" })}`;
+  const what = `${reading === "touch" ? "presses" : "objects"}${["", " with filled dots", " by relief"][look]}`;
+  const pairs =
+    `${Math.max(...presses[reading])} ${what} in the seven others; ` +
+    `each figure is the mean over ${split.sources} training domains`;
+  return html`${list(barsOf(split.loss[reading][look]))}
+    ${provenance({ head: split.head, source: "one domain each", pairs, known: "nothing from the new domain" })}`;
 }
 
 /** The rungs with a bar of the page's own set. */
@@ -77,5 +84,6 @@ export function ownHtml(known) {
       pairs: `${away.pairs?.toLocaleString("en-US")} pairs of ${Object.keys(away.domains ?? {}).join(", ")}`,
       known: others.flatMap(({ id, brief }) => brief ?? known[id]?.known ?? []).join(", then "),
     });
-  return html`${list(rows)}${missing.map((problem) => html`<p class="hint">A bar is missing: ${problem}</p>`)}${from && from}`;
+  return html`${list(rows)}${missing.map((problem) => html`<p class="hint">A bar is missing: ${problem}</p>`)}
+    ${from && from}`;
 }

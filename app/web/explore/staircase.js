@@ -25,11 +25,14 @@ export function showSteps() {
   const what = (frames.signals && signals) || between;
   const heads = steps.map(
     ({ id, help, short, step, brief }) =>
-      html`<button role="radio" data-stage="${id}" title="${help}" ${checked(id === state.stage)}><b>${symbol(short)}</b><span class="long">${step}</span><span class="brief">${brief}</span></button>`,
+      html`<button role="radio" data-stage="${id}" title="${help}" ${checked(id === state.stage)}>
+        <b>${symbol(short)}</b><span class="long">${step}</span><span class="brief">${brief}</span></button>`,
   );
   const outputs = steps.map(
     ({ id }, i) =>
-      html`<output data-step="${id}" role="img" aria-label="${title} after the ${steps[i].step}: ${asText(chosen, now[i], 2)}" class="${id === state.stage && "open"}" style="transform:translateY(${(heights[i] - HIGH).toFixed(1)}px)">${asText(chosen, now[i], 2)}</output>`,
+      html`<output data-step="${id}" role="img" aria-label="${title} after the ${steps[i].step}:
+        ${asText(chosen, now[i], 2)}" class="${id === state.stage && "open"}"
+        style="transform:translateY(${(heights[i] - HIGH).toFixed(1)}px)">${asText(chosen, now[i], 2)}</output>`,
   );
   $(".staircase").style.setProperty("--steps", steps.length);
   draw(
@@ -37,8 +40,12 @@ export function showSteps() {
     html`<div class="stair"><select class="of-steps" aria-label="What the stairs show">${options(
       measures.map(({ id, title }) => [id, title]),
       chosen,
-    )}</select><div class="treads heads" role="radiogroup" aria-label="Step of the head; opens its map">${heads}</div></div>
-    <div class="stair" data-name="${chosen}"><span class="stair-name" title="${help}">${title} <small>${what}</small></span><div class="treads"><svg viewBox="0 0 ${steps.length} ${HIGH}" preserveAspectRatio="none" aria-hidden="true"><path class="under" d="${line}V${HIGH}H0Z"/><path class="tread" d="${line}"/></svg>${outputs}</div></div>`,
+    )}</select><div class="treads heads" role="radiogroup" aria-label="Step of the head; opens its map">
+      ${heads}</div></div>
+    <div class="stair" data-name="${chosen}"><span class="stair-name" title="${help}">${title} <small>
+      ${what}</small></span><div class="treads"><svg viewBox="0 0 ${steps.length} ${HIGH}" preserveAspectRatio="none"
+      aria-hidden="true"><path class="under" d="${line}V${HIGH}H0Z"/><path class="tread" d="${line}"/></svg>
+      ${outputs}</div></div>`,
   );
   $(".of-steps").value = chosen; // a visitor may have chosen one that these frames lack
 }

@@ -71,7 +71,8 @@ const EVENTS = {
  * @param {Scene} scene @param {Name} name @param {SceneEvents[Name]} told @param {State} address @returns {Scene} */
 export const after = (scene, name, told, address) => ({ ...scene, ...EVENTS[name](scene, told, address) });
 
-/** p has moved: its stop, the last ones before it, and in the chapter of the order the stops between which it was dragged.
+/** p has moved: its stop, the last ones before it, and in the chapter of the order the stops between which it was
+ * dragged.
  * @param {Scene} scene @param {unknown} _ @param {State} address @returns {Partial<Scene>} */
 function moved({ frames, dragged, stop: before, trail }, _, { p, chapter }) {
   const stop = frames.stop(p);

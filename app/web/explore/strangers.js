@@ -18,8 +18,8 @@ const READINGS = [
 const SHOWN = 3; // look-alikes with both pictures, at most
 const ROOM = 165; // CSS pixels for one of them
 
-/** Look-alikes of unseen domains, one of each class; those that show the lesson come first: the photo misleads, the touch
- * does not. @type {(scene: Pick<Scene, "frames" | "facts">) => number[]} */
+/** Look-alikes of unseen domains, one of each class; those that show the lesson come first: the photo misleads, the
+ * touch does not. @type {(scene: Pick<Scene, "frames" | "facts">) => number[]} */
 export function lookAlikes({ frames, facts }) {
   const classOf = (/** @type {number} */ pair) => frames.label[pair];
   const shows = (/** @type {number} */ pair) => {
@@ -60,13 +60,16 @@ function showLookers(unseen) {
     const said = unseen.pairs.answers[image][pair];
     const right = said === frames.label[pair];
     const picture = thumbnail(sprite, image === "tac" ? frames.pairs + pair : pair, side, label);
-    return html`<figure>${picture}<figcaption class="${right ? "right" : "wrong"}">${marked(right, unseen.classes[said])}</figcaption></figure>`;
+    return html`<figure>${picture}<figcaption class="${right ? "right" : "wrong"}">
+      ${marked(right, unseen.classes[said])}</figcaption></figure>`;
   };
   const buttons = lookAlikes(scene)
     .slice(0, shown)
     .map(
       (pair) =>
-        html`<button data-pair="${pair}"><span class="thumbs">${read(pair, "vis", "photo")}${read(pair, "tac", "touch")}</span>Is ${unseen.classes[frames.label[pair]]}; looks like ${names.looks_like[pair]}</button>`,
+        html`<button data-pair="${pair}"><span class="thumbs">${read(pair, "vis", "photo")}
+          ${read(pair, "tac", "touch")}</span>Is ${unseen.classes[frames.label[pair]]}; looks
+          like ${names.looks_like[pair]}</button>`,
     );
   put(box, html`${buttons}`);
 }
@@ -76,7 +79,8 @@ function showReadings({ look_alikes, unseen, chance }) {
   const buttons = READINGS.map(({ label, ...row }) => {
     const share = (look_alikes ?? unseen)[`answers/${row.key}`];
     const figure = share
-      ? html`<b>${percent(share.share)}</b> <small>${(100 * share.low).toFixed(0)}–${(100 * share.high).toFixed(0)}</small>`
+      ? html`<b>${percent(share.share)}</b> <small>${(100 * share.low).toFixed(0)}–${(100 * share.high).toFixed(0)}
+        </small>`
       : "–";
     return { ...row, label: html`<span>${label}</span>${scaleOf(share, chance)}<output>${figure}</output>` };
   });
@@ -101,20 +105,26 @@ function bars(facts) {
       const about = {
         kind: is_source && "source",
         title: words,
-        more: html`${is_source && html` <b class="tag source">training</b>`}<span class="sr">, ${pairs} test pairs</span>`,
+        more: html`${is_source && html` <b class="tag source">training</b>`}
+          <span class="sr">, ${pairs} test pairs</span>`,
       };
       return row(sensorOf(name), domain[key], about, uneven ? always : chance);
     });
-  const title =
-    "Share of photos whose nearest touch in the same domain (by F̂) has the same class. The head reads each image alone.";
-  return html`${rows}<hr>${row("mean, unseen", unseen[key], { kind: "mean-row" })}${row("retrieval", unseen.retrieval, { title })}${ofOwn(scene.own, `its own test pairs and ${unseenPairs(scene.own, facts)}`)}`;
+  const title = html`Share of photos whose nearest touch in the same domain (by F̂) has the same class. The head reads
+    each image alone.`;
+  return html`${rows}<hr>${row("mean, unseen", unseen[key], { kind: "mean-row" })}
+    ${row("retrieval", unseen.retrieval, { title })}
+    ${ofOwn(scene.own, `its own test pairs and ${unseenPairs(scene.own, facts)}`)}`;
 }
 
-/** The balance of a domain's classes by the chosen reading, in words where they are uneven. @param {Unseen} facts @param {string} name */
+/** The balance of a domain's classes by the chosen reading, in words where they are uneven. @param {Unseen} facts
+ * @param {string} name */
 function unevenness({ confusion }, name) {
   const found = balance(confusion[state.reading][name]);
   const { always, balanced, uneven } = found;
-  const words = `The classes are uneven here: the mean over classes is ${percent(balanced)}, and always naming the largest class is correct for ${percent(always)}.`;
+  const words =
+    `The classes are uneven here: the mean over classes is ${percent(balanced)}, and always naming the largest ` +
+    `class is correct for ${percent(always)}.`;
   return { ...found, words: uneven ? words : "" };
 }
 
@@ -131,7 +141,10 @@ export function showConfusion() {
   ];
   const button = (/** @type {number} */ count, /** @type {number} */ truth, /** @type {number} */ answer) => {
     const on = cell?.truth === truth && cell.answer === answer;
-    return html`<td class="${truth === answer && "hit"}"><button aria-pressed="${String(on)}" data-truth="${truth}" data-answer="${answer}" style="--s:${((100 * count) / most).toFixed(0)}%" aria-label="${classes[truth]} predicted as ${classes[answer]}: ${count} pairs" ${!count && html`disabled`}>${count || ""}</button></td>`;
+    return html`<td class="${truth === answer && "hit"}"><button aria-pressed="${String(on)}" data-truth="${truth}"
+      data-answer="${answer}" style="--s:${((100 * count) / most).toFixed(0)}%"
+      aria-label="${classes[truth]} predicted as ${classes[answer]}: ${count} pairs" ${!count && html`disabled`}>
+      ${count || ""}</button></td>`;
   };
   const rows = counts.map(
     (row, truth) =>
@@ -140,7 +153,9 @@ export function showConfusion() {
   put($(".of-domain"), options(names, stranger));
   put(
     $(".confusion"),
-    html`<table><thead><tr><th scope="col"><small>true ↓</small></th>${classes.map((name) => html`<th scope="col" title="${name}">${name}</th>`)}</tr></thead><tbody>${rows}</tbody></table>`,
+    html`<table><thead><tr><th scope="col"><small>true ↓</small></th>
+      ${classes.map((name) => html`<th scope="col" title="${name}">${name}</th>`)}</tr></thead>
+      <tbody>${rows}</tbody></table>`,
   );
   $(".cell-words").textContent = cell
     ? "The map and the pictures show only these pairs, with the predictions at the current p."

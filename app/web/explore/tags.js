@@ -2,6 +2,7 @@
 
 import { Refusal } from "../shared/api.js";
 import { cells, csv } from "../shared/csv.js";
+import { classOf } from "../shared/frames.js";
 import { keep, keptJson } from "../shared/memory.js";
 
 const LONGEST = 40; // letters of a tag
@@ -36,7 +37,7 @@ export function tagPairs(frames, pairs, tag) {
 export const tagsCsv = (frames, names) =>
   csv([
     ["pair", "name", "class", "tag"],
-    ...[...tagsOf(frames)].map(([pair, tag]) => [pair, names?.[pair] ?? "", frames.classes[frames.label[pair]], tag]),
+    ...[...tagsOf(frames)].map(([pair, tag]) => [pair, names?.[pair] ?? "", classOf(frames, pair), tag]),
   ]);
 
 /** Take the tags of a CSV with the columns pair and tag; returns how many pairs have one now. Throws a Refusal.

@@ -125,7 +125,9 @@ function showSensors() {
   const { twins, twinsMap, alone } = scene;
   const buttons = twins.domains.map(
     ({ sensor }, i) =>
-      html`<button data-domain="${i}" aria-pressed="${String(alone === i)}"><i style="background:${domainColour(i)}"></i>${sensor}<b>${percent(twinsMap.own_twin[i][placeNow()])}</b></button>`,
+      html`<button data-domain="${i}" aria-pressed="${String(alone === i)}">
+        <i style="background:${domainColour(i)}"></i>${sensor}
+        <b>${percent(twinsMap.own_twin[i][placeNow()])}</b></button>`,
   );
   draw($(".sensors"), html`${buttons}`);
 }
@@ -204,7 +206,8 @@ export function tell() {
   const { words, brief = words, remark = "" } = rungOf(state);
   return showWords({
     title: `Where do ${own ? "the project’s simulated touches" : "the touches"} go?`,
-    figure: html`${share(accuracy[at])} correct on another sensor (mean of eight training sensors). For ${share(nearest[at])} of presses, the nearest picture from another sensor shows the same press. By sensor:`,
+    figure: html`${share(accuracy[at])} correct on another sensor (mean of eight training sensors).
+      For ${share(nearest[at])} of presses, the nearest picture from another sensor shows the same press. By sensor:`,
     remark: worded(remark, { apart, first: gap[0].toFixed(2), gain }),
     whence: provenance({
       head: "eight logistic regressions",

@@ -99,7 +99,7 @@ function showChoices(at) {
   const presses = shown.map((press, i) => ({
     key: String(i),
     title: `${classes[press.class]}, press ${i + 1}`,
-    label: html`<span style="background:url('${address("twins/presses.webp")}') ${(100 * i) / (shown.length - 1 || 1)}% 0/${100 * shown.length}% 100%"></span>`,
+    label: html`<span style="${background("presses.webp", i, shown.length)}"></span>`,
   }));
   const known = [0, ...pictures].map((n) => ({ key: String(n), label: n ? String(n) : "none" }));
   choice(".presses", "press", presses, String(at.press));
@@ -112,6 +112,11 @@ function showChoices(at) {
   $(".touch .dots").hidden = at.reading === "vis";
 }
 
+/** A tile of a sheet of pictures, as a style. @param {string} sheet @param {number} column @param {number} columns */
+const background = (sheet, column, columns, row = 0, rows = 1) =>
+  `background:url('${address(`twins/${sheet}`)}') ${(100 * column) / (columns - 1 || 1)}% ` +
+  `${(100 * row) / (rows - 1 || 1)}%/${100 * columns}% ${100 * rows}%`;
+
 const interval = (/** @type {number} */ low, /** @type {number} */ high, /** @type {number} */ chance) =>
   `95 % interval: ${percent(low)} to ${percent(high)}; chance: ${percent(chance)}`;
 
@@ -122,23 +127,32 @@ function pictures(at, { said, truth, shares, chance }, pointed) {
   const { sheet, looks_like: looks } = shown[at.press];
   const photo = at.reading === "vis";
   const picture = (/** @type {number} */ row, /** @type {number} */ column) =>
-    html`background:url('${address(`twins/${sheet}`)}') ${(100 * column) / (domains.length - 1)}% ${50 * row}%/${100 * domains.length}% 300%`;
-  const bent = (/** @type {number} */ column) =>
-    html`background:url('${address(`twins/${sheet.replace(".", ".relief.")}`)}') ${(100 * column) / (domains.length - 1)}% 0/${100 * domains.length}% 100%`;
+    background(sheet, column, domains.length, row, 3);
+  const bent = (/** @type {number} */ column) => background(sheet.replace(".", ".relief."), column, domains.length);
   const cards = domains.map(({ sensor }, i) => {
     const right = said[i] === truth;
     const [share, low, high] = shares[i];
     return html`<figure class="twin ${i === at.from && "home"} ${right && "is-right"}" tabindex="0" data-domain="${i}">
-      <span class="tile" role="img" aria-label="This press by ${sensor}${at.look === RELIEF && ", as its relief"}, predicted as ${classes[said[i]]}"><i style="${picture(photo ? PHOTO : TOUCH, i)}"></i><i class="filled" style="${picture(FILLED, i)};opacity:${Math.min(at.look, 1)}"></i>${at.look === RELIEF && html`<i class="relief" style="${bent(i)}"></i>`}${at.reading === "fused" && html`<i class="inset" style="${picture(PHOTO, i)}"></i>`}</span>
-      <b class="said">${marked(right, classes[said[i]])}</b><figcaption>${sensor}${i === at.from && html` <small>(training ${WORDS[at.reading].what})</small>`}</figcaption>
-      <span class="share" title="${interval(low, high, chance)}"><span class="scale" style="--share:${share};--low:${low};--high:${high};--chance:${chance}"><i class="fill"></i><i class="range"></i></span><output>${percent(share)}</output></span></figure>`;
+      <span class="tile" role="img" aria-label="This press by ${sensor}${at.look === RELIEF && ", as its relief"},
+        predicted as ${classes[said[i]]}"><i style="${picture(photo ? PHOTO : TOUCH, i)}"></i>
+        <i class="filled" style="${picture(FILLED, i)};opacity:${Math.min(at.look, 1)}"></i>
+        ${at.look === RELIEF && html`<i class="relief" style="${bent(i)}"></i>`}
+        ${at.reading === "fused" && html`<i class="inset" style="${picture(PHOTO, i)}"></i>`}</span>
+      <b class="said">${marked(right, classes[said[i]])}</b><figcaption>${sensor}
+        ${i === at.from && html` <small>(training ${WORDS[at.reading].what})</small>`}</figcaption>
+      <span class="share" title="${interval(low, high, chance)}"><span class="scale"
+        style="--share:${share};--low:${low};--high:${high};--chance:${chance}"><i class="fill"></i>
+        <i class="range"></i></span><output>${percent(share)}</output></span></figure>`;
   });
   const { about, scene: place } = domains[pointed] ?? {};
   const seen = `Photographed ${place}.`;
   const legend = about
     ? { tac: about, vis: seen, fused: `${about} ${seen}` }[at.reading]
     : "Black bar: 95\u00a0% interval. Thin line: chance.";
-  return html`<figure class="object"><span class="tile" role="img" aria-label="the object, ${classes[truth]}"><i style="${picture(photo ? TOUCH : PHOTO, at.from)}"></i></span><figcaption><b>${classes[truth]}</b>${looks && html`<br><small>looks like ${looks}</small>`}</figcaption></figure>${cards}<p class="legend" aria-live="polite">${legend}</p>`;
+  return html`<figure class="object"><span class="tile" role="img" aria-label="the object, ${classes[truth]}">
+    <i style="${picture(photo ? TOUCH : PHOTO, at.from)}"></i></span><figcaption><b>${classes[truth]}</b>
+    ${looks && html`<br><small>looks like ${looks}</small>`}</figcaption></figure>${cards}
+    <p class="legend" aria-live="polite">${legend}</p>`;
 }
 
 /** The share read right on another sensor, and where it comes from. @param {Chosen} at @param {Figures} figures */
@@ -150,16 +164,21 @@ function showFigures(at, { away: [share, low, high], shares, chance }) {
   fill($(".touch .same"), same);
   fill(
     $(".touch .figure"),
-    html`<b class="large" title="${interval(low, high, chance)}">${percent(share)}</b> correct ${on} another ${what}, <b>${percent(shares[at.from][0])}</b> ${on} the training ${what}.`,
+    html`<b class="large" title="${interval(low, high, chance)}">
+      ${percent(share)}</b> correct ${on} another ${what}, <b>${percent(shares[at.from][0])}</b> ${on} the
+      training ${what}.`,
   );
   const looks = [
     "",
     "Each printed dot gets the colours around it, in training and test.",
-    `Grey shows how the gel bends: dark at edges, light in hollows. ${n ? "" : "Nothing is known of the new sensor: each picture alone gives its relief."}`,
+    "Grey shows how the gel bends: dark at edges, light in hollows.",
   ];
-  const few = `${n} pictures of the new ${what} provide ${lit ? "its lamps and " : ""}the mean and spread of each feature.`;
-  fill($(".touch .remark"), html`${[looks[at.look], n && few].filter(Boolean).join(" ")}`);
+  const few = n
+    ? html` ${n} pictures of the new ${what} provide ${lit && "its lamps and "}the mean and spread of each feature.`
+    : lit && " Nothing is known of the new sensor: each picture alone gives its relief.";
+  fill($(".touch .remark"), html`${looks[at.look]}${few}`);
   $(".from-where .head").title = head.replace("{source}", domains[at.from].name);
-  $(".from-where .what").textContent =
-    `${learned} and tested on ${presses[at.table][at.from]} ${tested}. The model was given ${n ? `${n} unlabelled pictures` : "nothing"} from the new ${what}.`;
+  const given = n ? `${n} unlabelled pictures` : "nothing";
+  const about = `${learned} and tested on ${presses[at.table][at.from]} ${tested}`;
+  $(".from-where .what").textContent = `${about}. The model was given ${given} from the new ${what}.`;
 }

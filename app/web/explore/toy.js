@@ -64,18 +64,22 @@ function toyHtml(toy, p) {
   const planes = ACTS.map(
     ({ act, cloud }) => html`<div class="plane">${PLANES.svg(`two clouds${cloud}`, plane(clouds, i, act))}</div>`,
   );
-  return html`<p>The two signals belong to <b class="vis">a photo</b> and <b class="tac">a touch</b>. <b>Drag p</b> above; now <output>p = ${orderText(orders[i])}</output>.</p>
-<div class="toy-grid">${ACTS.map(({ title }) => html`<h4>${title}</h4>`)}${waves}${far("distance", "signals")}${planes}${far("gap", "clouds")}</div>
+  return html`<p>The two signals belong to <b class="vis">a photo</b> and <b class="tac">a touch</b>. <b>Drag
+    p</b> above; now <output>p = ${orderText(orders[i])}</output>.</p>
+<div class="toy-grid">${ACTS.map(({ title }) => html`<h4>${title}</h4>`)}${waves}${far("distance", "signals")}${planes}
+  ${far("gap", "clouds")}</div>
 <h4>Distance against p</h4>
 ${apart(toy, orders[i])}
-<p class="hint">Solid line: real part. Dotted line: imaginary part. Near p = 0.35, each signal becomes one spike. The clouds show one coefficient of 40 photos ● and 40 touches ▲. The transform rotates them by p quarter turns.</p>`;
+<p class="hint">Solid line: real part. Dotted line: imaginary part. Near p = 0.35, each signal becomes one spike. The
+  clouds show one coefficient of 40 photos ● and 40 touches ▲. The transform rotates them by p quarter turns.</p>`;
 }
 
 /** Real and imaginary part of one signal after an operation.
  * @param {number[]} re @param {number[]} im @param {string} colour @param {Act} act */
 function wave(re, im, colour, act) {
   const line = (/** @type {number[]} */ all) => WAVES.line(all.map((v, k) => [k / (all.length - 1), after(act, v)]));
-  return html`<path class="zero" d="M0 ${SIGNAL / 2}H${HALF}"/><path d="${line(im)}" style="stroke:${colour}" class="im"/><path d="${line(re)}" style="stroke:${colour}"/>`;
+  return html`<path class="zero" d="M0 ${SIGNAL / 2}H${HALF}"/><path d="${line(im)}" style="stroke:${colour}"
+    class="im"/><path d="${line(re)}" style="stroke:${colour}"/>`;
 }
 
 /** Two clouds in the plane, and the line between their means.
@@ -87,7 +91,8 @@ function plane(clouds, i, act) {
     const dots = places.map(([x, y]) => OUTLINES[shape](x, y, 2)).join("");
     return { middle, path: html`<path d="${dots}" style="fill:${colour}"/>` };
   });
-  return html`<path class="zero" d="M0 ${PLANE / 2}H${HALF}M${HALF / 2} 0V${PLANE}"/>${drawn.map(({ path }) => path)}<path class="gap-line" d="${drawn.map(({ middle }, k) => `${k ? "L" : "M"}${middle}`).join("")}"/>`;
+  return html`<path class="zero" d="M0 ${PLANE / 2}H${HALF}M${HALF / 2} 0V${PLANE}"/>${drawn.map(({ path }) => path)}
+    <path class="gap-line" d="${drawn.map(({ middle }, k) => `${k ? "L" : "M"}${middle}`).join("")}"/>`;
 }
 
 /** Both distances against p, before and after the ReLU. @param {Toy} toy @param {number} p */
@@ -126,6 +131,8 @@ export const showWave = (p) =>
     const line = WAVE.line(all.map((v, k) => [k / (all.length - 1), v]));
     draw(
       $(".wave"),
-      html`<svg class="chart" viewBox="0 0 300 74" preserveAspectRatio="none" role="img" aria-label="One chirp, transformed with order p: its largest sample is ${Math.max(...all).toFixed(2)} of 1"><path d="${line}"/></svg>`,
+      html`<svg class="chart" viewBox="0 0 300 74" preserveAspectRatio="none" role="img"
+        aria-label="One chirp, transformed with order p: its largest sample is ${Math.max(...all).toFixed(2)} of 1">
+        <path d="${line}"/></svg>`,
     );
   }, $(".wave"));

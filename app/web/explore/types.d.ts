@@ -91,8 +91,8 @@ interface Scene extends SetData {
   alone: number;
   /** the place and method that the map of the twins shows or glides to */
   glided: string;
-  /** the second chapter: the pair to open with, the chosen one, the stops before this one, and the node of the tree that is
-   * pointed at */
+  /** the second chapter: the pair to open with, the chosen one, the stops before this one, and the node of the tree
+   * that is pointed at */
   opening: Ref | null;
   chosen: ChosenPair;
   trail: number[];

@@ -52,11 +52,13 @@ export const STEPS = [
     needs: "twins",
     set: () => PRESS,
     ask: () =>
-      "A model was trained to recognise materials from the touches of one sensor. Seven other sensors image the same presses. What share of its own-sensor accuracy does it keep on them?",
+      html`A model was trained to recognise materials from the touches of one sensor. Seven other sensors image the same
+        presses. What share of its own-sensor accuracy does it keep on them?`,
     options: ["Nearly all", "More than half", "Less than half"],
     right: (at) => [2 - steps(away(at)[0] / home(at), 0.5, 0.9)],
     reveal: (at) =>
-      html`Its accuracy is ${b(home(at))} on its own sensor and ${b(away(at)[0])} on the seven others. Only the sensor differs.`,
+      html`Its accuracy is ${b(home(at))} on its own sensor and ${b(away(at)[0])} on the seven others. Only the sensor
+        differs.`,
   },
   {
     title: "The dots",
@@ -64,12 +66,14 @@ export const STEPS = [
     needs: "twins",
     set: () => PRESS,
     ask: () =>
-      "Some sensors have dots printed on their gel. Now each dot gets the colours around it, in training and test. How much of the lost accuracy returns?",
+      html`Some sensors have dots printed on their gel. Now each dot gets the colours around it, in training and test.
+        How much of the lost accuracy returns?`,
     options: ["Hardly any", "Less than half", "More than half"],
     right: (at) => [steps(mended(at), 0.1, 0.5)],
     after: () => ({ dots: "1" }),
     reveal: (at) =>
-      html`Accuracy on new sensors rises from ${b(away(at)[0])} to ${b(away(at, 1)[0])}: the model had learned the dots. It was given nothing from the new sensors.`,
+      html`Accuracy on new sensors rises from ${b(away(at)[0])} to ${b(away(at, 1)[0])}: the model had learned the
+        dots. It was given nothing from the new sensors.`,
   },
   {
     title: "Without one label",
@@ -77,7 +81,8 @@ export const STEPS = [
     needs: "twins",
     set: () => PRESS,
     ask: (at) =>
-      `Now the dots stay as they are, and ${most(at)} unlabelled pictures of each new sensor provide the mean and spread of each feature. Does this help more than filling the dots?`,
+      html`Now the dots stay as they are, and ${most(at)} unlabelled pictures of each new sensor provide the mean and
+        spread of each feature. Does this help more than filling the dots?`,
     options: ["More", "About as much", "Less"],
     right: (at) => {
       const [few, filled] = [away(at, 0, most(at)), away(at, 1)];
@@ -85,18 +90,22 @@ export const STEPS = [
     },
     after: (at) => ({ known: `${most(at)}` }),
     reveal: (at) =>
-      html`Unlabelled pictures give ${b(away(at, 0, most(at))[0])}, filled dots ${b(away(at, 1)[0])}, and both together ${b(away(at, 1, most(at))[0])}.`,
+      html`Unlabelled pictures give ${b(away(at, 0, most(at))[0])}, filled dots ${b(away(at, 1)[0])}, and both
+        together ${b(away(at, 1, most(at))[0])}.`,
   },
   {
     title: "p and the gaps",
     chapter: "gaps",
     needs: "gaps",
     ask: () =>
-      "Photos lie apart from touches, and sensors from one another. The slider turns all features by an order p. Does p close these two gaps?",
+      html`Photos lie apart from touches, and sensors from one another. The slider turns all features by an order p.
+        Does p close these two gaps?`,
     options: ["Yes, one of them or both", "No"],
     right: ({ gaps }) => [gaps.closed ? 0 : 1],
     reveal: ({ gaps, pale }) =>
-      html`${gaps.words} ${known(pale).length > 0 && html`With a head trained at each p, accuracy on new sensors lies ${within(pale)}.`} Drag p and see.`,
+      html`${gaps.words} ${
+        known(pale).length > 0 && html`With a head trained at each p, accuracy on new sensors lies ${within(pale)}.`
+      } Drag p and see.`,
   },
   {
     title: "Where they go",
@@ -104,31 +113,35 @@ export const STEPS = [
     needs: "places",
     set: () => placed(0),
     ask: () =>
-      "Each colour is a sensor, and the lines join one press as seen by all sensors. Suppose we align the means of all sensors. Does accuracy on new sensors recover?",
+      html`Each colour is a sensor, and the lines join one press as seen by all sensors. Suppose we align the means of
+        all sensors. Does accuracy on new sensors recover?`,
     options: ["Mostly", "Hardly"],
     right: ({ places: { accuracy } }) => [accuracy[1] - accuracy[0] > 0.5 * (accuracy[2] - accuracy[0]) ? 0 : 1],
     after: () => placed(2),
     reveal: ({ places: { accuracy } }) =>
-      html`Accuracy is ${b(accuracy[0])} with raw features, ${b(accuracy[1])} with aligned means, and ${b(accuracy[2])} with aligned means and spreads. Sensors shift features and stretch them.`,
+      html`Accuracy is ${b(accuracy[0])} with raw features, ${b(accuracy[1])} with aligned means,
+        and ${b(accuracy[2])} with aligned means and spreads. Sensors shift features and stretch them.`,
   },
   {
     title: "When does p matter?",
     chapter: "order",
     ask: () =>
-      "Each colour is a kind of signal, and each stop of the slider shows a head trained at that p. At which p do the colours separate?",
+      html`Each colour is a kind of signal, and each stop of the slider shows a head trained at that p. At which p do
+        the colours separate?`,
     options: [...ORDERS.map((p) => `Near ${p}`), "Equally at every p"],
     right: (at) =>
       range(at.curve) < CLEAR ? [3] : [...ORDERS.keys()].filter((i) => Math.abs(ORDERS[i] - best(at)) <= NEAR),
     after: (at) => (known(at.curve).length ? { p: best(at) } : {}),
     reveal: (at) =>
       known(at.curve).length
-        ? html`Accuracy in unseen domains lies ${within(at.curve)} and is highest at p = <b>${best(at).toFixed(2)}</b>, where the chirp becomes one spike.`
+        ? html`Accuracy in unseen domains lies ${within(at.curve)} and is highest at
+          p = <b>${best(at).toFixed(2)}</b>, where the chirp becomes one spike.`
         : html`These data cannot show it, because the training domain of the head or its accuracy is unknown.`,
   },
   {
     title: "When is touch needed?",
     chapter: "fooled",
-    ask: () => "Some photos look like another class. For these pairs, which image alone is correct more often?",
+    ask: () => html`Some photos look like another class. For these pairs, which image alone is correct more often?`,
     options: ["The photo", "The touch"],
     right: (at) => {
       const found = alone(at);
@@ -138,7 +151,9 @@ export const STEPS = [
     reveal: (at) => {
       const found = alone(at);
       return found
-        ? html`For the <b>${found.pairs}</b> pairs of this kind, the photo alone is correct in ${b(found.photo.share)} and the touch alone in ${b(found.touch.share)}.${found.doubt && " The intervals overlap, so neither is clearly better."}`
+        ? html`For the <b>${found.pairs}</b> pairs of this kind, the photo alone is correct
+          in ${b(found.photo.share)} and the touch alone
+          in ${b(found.touch.share)}.${found.doubt && " The intervals overlap, so neither is clearly better."}`
         : html`No pair of this set looks like another class.`;
     },
   },
@@ -154,9 +169,12 @@ export const STEPS = [
 /** The title's answer in sentences of the page's own figures: what failed, what mended it, what p does.
  * @param {Figures} at */
 export const answer = (at) =>
-  html`It learned its sensor together with the materials: on another sensor, accuracy is ${b(away(at)[0])} instead of ${b(home(at))}. ${
-    mended(at) > 0.5 && "Most of the loss comes from the dots printed on its gel. "
-  }With filled dots, accuracy is ${b(away(at, 1)[0])}; with ${most(at)} unlabelled pictures as well, ${b(away(at, 1, most(at))[0])}.${
-    known(at.pale).length > 0 &&
-    html` Over all values of p, accuracy lies ${within(at.pale)} on the sensors and ${within(at.curve)} on the chirps.`
-  }`;
+  html`It learned its sensor together with the materials: on another sensor, accuracy is ${b(away(at)[0])} instead
+    of ${b(home(at))}. ${
+      mended(at) > 0.5 && "Most of the loss comes from the dots printed on its gel. "
+    }With filled dots, accuracy is ${b(away(at, 1)[0])}; with ${most(at)} unlabelled pictures as
+    well, ${b(away(at, 1, most(at))[0])}.${
+      known(at.pale).length > 0 &&
+      html` Over all values of p, accuracy lies ${within(at.pale)} on the sensors and ${within(at.curve)} on the
+        chirps.`
+    }`;

@@ -1,7 +1,7 @@
 /** The guided tour through the chapters. The visitor predicts, then the tour shows the result. */
 
-import { verdictOn } from "../explore/gap-words.js";
 import { choices, framesOf, twins, twinsMap, unseen } from "../shared/facts.js";
+import { verdictOn } from "../shared/gap-words.js";
 import { ACCURACY, values } from "../shared/measures.js";
 import { setOf } from "../shared/sets.js";
 import { OUTPUT } from "../shared/stages.js";
@@ -66,8 +66,11 @@ function show(figures) {
   const lay = (text, buttons, focused) => {
     put(
       box,
-      html`<div aria-live="polite"><h3 tabindex="-1">${state.tour + 1} of ${steps.length} · ${steps[state.tour].title}</h3><p>${text}</p></div>
-      <div class="row">${buttons}<span class="spring"></span><button class="back"${!state.tour && html` disabled`}>Back</button><button class="end" aria-label="End the tour">✕</button></div>`,
+      html`<div aria-live="polite"><h3 tabindex="-1">${state.tour + 1} of ${steps.length} · ${steps[state.tour].title}
+        </h3><p>${text}</p></div>
+      <div class="row">${buttons}<span class="spring"></span>
+        <button class="back"${!state.tour && html` disabled`}>Back</button>
+        <button class="end" aria-label="End the tour">✕</button></div>`,
     );
     const focus = () => /** @type {HTMLElement} */ (box.querySelector(focused)).focus({ preventScroll: true });
     const isThere = () => explore.classList.contains("ready"); // what is hidden takes no focus
@@ -100,7 +103,7 @@ function show(figures) {
     if (!ask) return tell(null);
     rest(explore, true);
     const buttons = options.map((words) => html`<button data-option="${words}">${words}</button>`);
-    return lay(html`${ask(figures)}`, html`<span class="row">${buttons}</span>`, "h3");
+    return lay(ask(figures), html`<span class="row">${buttons}</span>`, "h3");
   };
 
   const end = () => {

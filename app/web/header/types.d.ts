@@ -1,8 +1,8 @@
 /** The records of the tour, for `tsc` alone: no browser loads this file. */
 
-/** The page's own figures that the tour asks for: what heads predict of the twins, and their map; accuracy over p on the
- * chirps (`curve` at `orders`) and on the sensors (`pale`); what the loaded head predicts in unseen domains. A figure that
- * is missing leaves out the steps that need it. */
+/** The page's own figures that the tour asks for: what heads predict of the twins, and their map; accuracy over p on
+ * the chirps (`curve` at `orders`) and on the sensors (`pale`); what the loaded head predicts in unseen domains. A
+ * figure that is missing leaves out the steps that need it. */
 interface Figures {
   twins: Twins;
   places: TwinsMap;
@@ -10,7 +10,7 @@ interface Figures {
   curve: number[] | null;
   pale: number[];
   unseen: Pick<Unseen, "look_alikes">;
-  gaps: NonNullable<ReturnType<typeof import("../explore/gap-words.js").verdictOn>>;
+  gaps: NonNullable<ReturnType<typeof import("../shared/gap-words.js").verdictOn>>;
 }
 /** A step of the tour; without `ask` it tells only. */
 interface TourStep {
@@ -21,7 +21,7 @@ interface TourStep {
   /** what the chapter opens with, and what is shown with the result */
   set?: (at: Figures) => Partial<State>;
   after?: (at: Figures) => Partial<State>;
-  ask?: (at: Figures) => string;
+  ask?: (at: Figures) => Html;
   options?: string[];
   /** places of the options that are right; none if the data cannot decide */
   right?: (at: Figures) => number[];

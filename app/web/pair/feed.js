@@ -38,13 +38,17 @@ const MENUS = {
 export const feedHtml = (
   name,
 ) => html`<div class="feed" data-modality="${name}"><h4>${signed(name, TERMS[name].title)}</h4>
-  <canvas width="160" height="120" role="img" aria-label="${TERMS[name].title}, as it is sent"></canvas>
-  ${Object.entries(MENUS).map(([menu, [title, all]]) => html`<label>${title} <select class="${menu}">${options(all)}</select></label>`)}
+  <canvas width="160" height="120" role="img" aria-label="${TERMS[name].title}, as it is sent"></canvas>${" "}
+  ${Object.entries(MENUS).map(
+    ([menu, [title, all]]) => html`<label>${title} <select class="${menu}">
+    ${options(all)}</select></label>`,
+  )}
   <input type="file" class="clip" hidden accept="video/*" aria-label="Video of the ${TERMS[name].one}">
   ${status("", "state")}</div>`;
 
 export class Feed extends View {
-  /** tell(sentence) shows why a source could not be opened. @param {HTMLElement} box @param {(sentence: string) => void} tell */
+  /** tell(sentence) shows why a source could not be opened. @param {HTMLElement} box
+   * @param {(sentence: string) => void} tell */
   constructor(box, tell) {
     super(box);
     this.modality = /** @type {Modality} */ (box.dataset.modality);
@@ -93,7 +97,8 @@ export class Feed extends View {
     return [...menus, this.clip.files?.[0]?.name, this.video.videoWidth, this.video.videoHeight].join();
   }
 
-  /** Tell what became of the rest picture or the source; it stays until something else does. @param {string} sentence */
+  /** Tell what became of the rest picture or the source; it stays until something else does.
+   * @param {string} sentence */
   say(sentence) {
     this.$(".state").textContent = sentence;
   }
@@ -134,7 +139,7 @@ export class Feed extends View {
     if (this.rest && this.rest.shape !== this.shape) {
       this.rest = null;
       this.say(
-        `The rest picture of the ${this.term} was dropped, because its source, crop, turn or size changed. Take it again.`,
+        `The rest picture of the ${this.term} was dropped: its source, crop, turn or size changed. Take it again.`,
       );
     }
     const { crop, turn } = this.menus;
@@ -182,7 +187,8 @@ export class Feed extends View {
     this.say(
       rest
         ? `The rest picture is the mean of ${FRAMES} frames.`
-        : "There is no rest picture, because the frames differ as if the sensor was touched. Take it again without touching the sensor.",
+        : "There is no rest picture, because the frames differ as if the sensor was touched. Take it again without " +
+            "touching the sensor.",
     );
   }
 }
@@ -190,7 +196,8 @@ export class Feed extends View {
 /** @param {HTMLCanvasElement} canvas */
 const grey = (canvas) => blocksOf(drawingOn(canvas).getImageData(0, 0, canvas.width, canvas.height));
 
-/** Mean grey level of each of GRID x GRID blocks of a picture. @param {Pick<ImageData, "data" | "width" | "height">} picture */
+/** Mean grey level of each of GRID x GRID blocks of a picture.
+ * @param {Pick<ImageData, "data" | "width" | "height">} picture */
 export function blocksOf({ data, width, height }) {
   const sums = new Float32Array(GRID * GRID);
   const counts = new Float32Array(GRID * GRID);
@@ -216,7 +223,8 @@ export function apart(one, other) {
   return Math.max(...changes.map((change) => Math.abs(change - median)));
 }
 
-/** The rest picture of some frames and the limit beyond which a picture is a contact; null if they differ as by a touch.
+/** The rest picture of some frames and the limit beyond which a picture is a contact; null if they differ as by a
+ * touch.
  * @param {Float32Array[]} frames */
 export function restOf(frames) {
   const mean = frames[0].map((_, i) => frames.reduce((sum, one) => sum + one[i], 0) / frames.length);

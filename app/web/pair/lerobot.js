@@ -13,8 +13,8 @@ const number = (dtype) => ({ dtype, shape: [1], names: null });
 
 /**
  * Files by their paths: a folder for each set of sources and sizes of pictures, which a data set has in every frame. An
- * episode is a run of pictures with one label, its task. LeRobot wants frames at equal times, so `timestamp` counts them
- * at the mean rate, and `time` has the seconds since the recording began.
+ * episode is a run of pictures with one label, its task. LeRobot wants frames at equal times, so `timestamp` counts
+ * them at the mean rate, and `time` has the seconds since the recording began.
  * @param {Recorded[]} pairs @param {ContentOf} contentOf @returns {Promise<[string, Uint8Array][]>}
  */
 export async function dataSets(pairs, contentOf) {

@@ -52,8 +52,10 @@ export class Lines extends View {
       const line = scale.line(rows.map((row, i) => [i / stops, row[k]]));
       return {
         line: html`<path d="${line}" style="stroke:${style}"/>`,
-        name: html`<text class="name" x="${scale.right + 6}" y="${labels[k] + 4}"><tspan style="fill:${style}">━ </tspan>${name}</text>`,
-        dot: html`<circle r="4" cx="${scale.x(p)}" cy="${scale.y(rows[Math.round(p * stops)][k])}" style="fill:${style}"/>`,
+        name: html`<text class="name" x="${scale.right + 6}" y="${labels[k] + 4}"><tspan style="fill:${style}">
+          ━ </tspan>${name}</text>`,
+        dot: html`<circle r="4" cx="${scale.x(p)}" cy="${scale.y(rows[Math.round(p * stops)][k])}"
+          style="fill:${style}"/>`,
       };
     });
     // outside the band is a what-if, drawn pale

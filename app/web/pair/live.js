@@ -5,8 +5,9 @@ import { FRAMES } from "./feed.js";
 import { dataSets } from "./lerobot.js";
 import { camera, upload } from "./own-pictures.js";
 import { button, html, pressed, status } from "./parts.js";
+import { counted, taughtBy } from "./replies.js";
 import { lessonsOf } from "./state.js";
-import { contentOf, counted, saveZip, taughtBy } from "./work.js";
+import { contentOf, saveZip } from "./zip.js";
 
 const AT_ONCE = 2; // requests on the way: one is read while the next one travels
 const WINDOW = 1500; // milliseconds, window of the frame rate
@@ -22,8 +23,13 @@ export function controlsHtml({ on, line, recording, notes }) {
   const off = !on && " disabled";
   const guide = (/** @type {string} */ what, /** @type {string} */ words, /** @type {string} */ title) =>
     button("guide", words, html`data-what="${what}" title="${title}"${off}`);
-  return html`<div class="row">${button("camerasSwitched", on ? "Stop" : "Start", html`class="main" ${pressed(on)}`)}${guide("rest", "Rest picture", "Take ten frames of the untouched sensor")}${guide("calibrate", "Calibrate", "Take ten frames of different presses for the card and the profile of My sensor")}</div>
-    <div class="row"><label>Label <input type="text" class="label" maxlength="40" size="8"></label>${guide("label", "Add to my pairs", "Add the current pictures to your labelled pairs")}${button("recordSwitched", "Record", html`${pressed(recording)}${off}`)}</div>
+  return html`<div class="row">${button("camerasSwitched", on ? "Stop" : "Start", html`class="main" ${pressed(on)}`)}
+    ${guide("rest", "Rest picture", "Take ten frames of the untouched sensor")}
+    ${guide("calibrate", "Calibrate", "Take ten frames of different presses for the card and the profile of My sensor")}
+    </div>
+    <div class="row"><label>Label <input type="text" class="label" maxlength="40" size="8"></label>
+      ${guide("label", "Add to my pairs", "Add the current pictures to your labelled pairs")}
+      ${button("recordSwitched", "Record", html`${pressed(recording)}${off}`)}</div>
     ${status(notes.live, "guided")}${status(line, "rate")}`;
 }
 
@@ -45,7 +51,8 @@ const filesOf = ({ feeds }, name) =>
 /** What is typed as the label. @param {Desk} desk */
 const labelIn = ({ box }) => /** @type {Found} */ (box.querySelector(".cameras .label")).value.trim();
 
-/** Send what the sources show until they are switched off. @param {Desk} desk @param {unknown} _ @param {AbortSignal} signal */
+/** Send what the sources show until they are switched off. @param {Desk} desk @param {unknown} _
+ * @param {AbortSignal} signal */
 export async function live(desk, _, signal) {
   const { send, feeds, box } = desk;
   let why = "";
@@ -73,7 +80,8 @@ export async function live(desk, _, signal) {
   }
 }
 
-/** Open the sources. Names of cameras are told only once one was allowed. @param {Desk["feeds"]} feeds @param {AbortSignal} signal */
+/** Open the sources. Names of cameras are told only once one was allowed. @param {Desk["feeds"]} feeds
+ * @param {AbortSignal} signal */
 async function openAll(feeds, signal) {
   const cameras = feeds.filter(({ menus }) => menus.device.value !== "file");
   if (cameras.length) {
@@ -181,4 +189,5 @@ function rate(times, now) {
 
 /** @param {Replies["live"]} answer @param {string} fps @param {number} trip @param {number} [kept] */
 const toldOf = ({ ms }, fps, trip, kept) =>
-  `${fps} predictions per second; ${Math.round(trip)} ms from camera to prediction (encoder ${ms.encoder} ms, head ${ms.head} ms). ${kept === undefined ? "No picture is kept." : `${kept} pairs recorded.`}`;
+  `${fps} predictions per second; ${Math.round(trip)} ms from camera to prediction (encoder ${ms.encoder} ms, ` +
+  `head ${ms.head} ms). ${kept === undefined ? "No picture is kept." : `${kept} pairs recorded.`}`;

@@ -9,8 +9,8 @@ const HEAD = ["weights.safetensors", "settings.json", "metrics.json", "familiari
 export function loading(box) {
   if (held) {
     box.querySelector("summary").textContent = "More with Python";
-    box.querySelector("div").textContent =
-      `${held.alone} It brings labels and teaching, many pairs, profiles, Live, Where?, and heads and sets of your own.`;
+    const more = "It brings labels and teaching, many pairs, profiles, Live, Where?, and heads and sets of your own.";
+    box.querySelector("div").textContent = `${held.alone} ${more}`;
     return;
   }
   const [button, back, note] = box.querySelectorAll(".go, .back, [role=status]");

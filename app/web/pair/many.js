@@ -28,14 +28,16 @@ export function manyHtml(tab) {
   if (doing.read) {
     const { done, total, wait } = doing.read;
     const left = wait ? ` About ${wait} s left.` : "";
-    return html`<div class="stand"><p>Reading pair ${done} of ${total}…${left}</p><progress value="${done / total}" aria-label="Pairs"></progress>${button("stopped", "Cancel")}</div>`;
+    return html`<div class="stand"><p>Reading pair ${done} of ${total}…${left}</p>
+      <progress value="${done / total}" aria-label="Pairs"></progress>${button("stopped", "Cancel")}</div>`;
   }
   if (rows.length) return tableHtml(tab, close);
   if (!unnamed && !notes.many) return null;
   const asked =
     unnamed &&
     `The names of ${plural(unnamed.count, "picture")} contain neither vis nor tac. Are they photos or touches?`;
-  return html`<div class="stand"><p role="status">${asked ?? notes.many}</p>${unnamed && kinds("dropped")}${close}</div>`;
+  return html`<div class="stand"><p role="status">${asked ?? notes.many}</p>${unnamed && kinds("dropped")}
+    ${close}</div>`;
 }
 
 /** @param {PairTab} tab @param {Html} close */
@@ -49,9 +51,18 @@ function tableHtml(tab, close) {
   const count = taught ? leftOut(tab) : scores.length && `Correct ${scores.join(", ")}. `;
   const names = new Set(rows.flatMap(({ classes = [], label }) => [...classes, label || []].flat()));
   const size = plural(rows.length, "pair");
-  const acts = html`<span class="row">${button("rowsProfiled", "Profile of these", html`title="Make a profile of these pictures: their mean and spread, without labels"`)}${button("rowsTaught", "Teach", html`class="main" title="${lacking}"${lacking && " disabled"}`)}${button("csv", "Save as CSV")}${close}</span>`;
+  const acts = html`<span class="row">${button(
+    "rowsProfiled",
+    "Profile of these",
+    html`title="Make a profile of these
+    pictures: their mean and spread, without labels"`,
+  )}
+    ${button("rowsTaught", "Teach", html`class="main" title="${lacking}"${lacking && " disabled"}`)}
+    ${button("csv", "Save as CSV")}${close}</span>`;
   return html`${headed(`${size}: ${plural(guesses.length, "guess", "guesses")}`, acts)}
-    ${status(html`${count || null}“?” marks a guess: the picture is unlike ${taught ? "those that you labelled" : "all training images"}. Type the true class as a label. Click a name to open its pair.${notes.many}`)}
+    ${status(html`${count || null}“?” marks a guess: the picture is
+      unlike ${taught ? "those that you labelled" : "all training images"}. Type the true class as a label. Click a
+      name to open its pair.${notes.many}`)}
     ${caution && paragraph("caution", caution)}
     ${!taught && scores.length > 0 && asTrained(tab, `${labelled.length} labelled of your ${size}`)}
     <datalist id="ov-classes">${[...names].map((name) => html`<option value="${name}">`)}</datalist>
@@ -65,7 +76,9 @@ function tableHtml(tab, close) {
 /** The honest figure of a taught head, before a table that is none. @param {Pick<PairTab, "report">} tab */
 const leftOut = ({ report }) =>
   report &&
-  html`<b>With each pair left out, the taught head is correct for ${report.right.after} of ${report.judged.length}.</b> The table looks better, because the head was taught with these labels. `;
+  html`<b>With each pair left out, the taught head is correct
+    for ${report.right.after} of ${report.judged.length}.</b> The table looks better, because the head was
+    taught with these labels. `;
 
 /** What each reading of a row predicts. @param {Row} row */
 const saidOf = ({ classes = [], readings = {}, images }) => readingsOf({ classes, readings, images });
@@ -79,7 +92,8 @@ function rowHtml(one, i, taught) {
     return html`<td class="${mark}">${brief(said)}</td>`;
   });
   const open = opener(name, { vis, tac }, html`class="link"`);
-  const field = html`<input type="text" list="ov-classes" maxlength="40" size="9" name="value" data-send="rowLabelled" data-label="${i}" aria-label="Label of ${name}" value="${label}">`;
+  const field = html`<input type="text" list="ov-classes" maxlength="40" size="9" name="value" data-send="rowLabelled"
+    data-label="${i}" aria-label="Label of ${name}" value="${label}">`;
   return row(html`${open} ${taught && label && html`<small>used for teaching</small>`}`, [field, ...cells]);
 }
 

@@ -58,7 +58,10 @@ export function pairMap(panel, frames) {
     }
     const far = Object.values(guessesOf(journey)).some(Boolean);
     const how = journey.maps[kind()]?.exact ? "exact" : "estimated between the nearest neighbours";
-    note.textContent = `Pale: all pairs at p = ${orderText(frames.orders[stop])}. Stars: the nodes of the tree. Positions are ${how}${far ? "; dashed marks are guesses, because the image is unlike all training images" : ""}. Click a point to choose its pair.`;
+    const guessed = far ? "; dashed marks are guesses, because the image is unlike all training images" : "";
+    note.textContent =
+      `Pale: all pairs at p = ${orderText(frames.orders[stop])}. Stars: the nodes of the tree. Positions are ` +
+      `${how}${guessed}. Click a point to choose its pair.`;
   }
   watch(["colour", "map"], draw);
   watchIn("pair", ["p"], draw);

@@ -2,6 +2,7 @@
 
 import { attempt, Refusal, sendImage } from "../shared/api.js";
 import { drawingOn } from "../shared/canvas.js";
+import { classOf, domainOf } from "../shared/frames.js";
 import { change, links, state } from "../shared/store.js";
 import { sensorOf } from "../shared/tables.js";
 import { IMAGES, NO_CLASS, TERMS } from "./parts.js";
@@ -9,7 +10,8 @@ import { IMAGES, NO_CLASS, TERMS } from "./parts.js";
 const LARGEST = 20e6; // bytes
 
 /** Upload a file, and tell what was sent; of many, with their signal, the page keeps no preview.
- * @param {File} file @param {(event: "sent", what: Record<Ref, Picture>) => unknown} send @param {AbortSignal} [signal] */
+ * @param {File} file @param {(event: "sent", what: Record<Ref, Picture>) => unknown} send
+ * @param {AbortSignal} [signal] */
 export async function upload(file, send, signal, credit = "") {
   const { name, size } = file;
   if (size > LARGEST)
@@ -76,7 +78,8 @@ export function snapshot(box, stream, signal) {
 
 const REFERENCE = /^(row|example|image):/;
 
-/** Send the pictures of the address; they then are references like others. Returns them, and what went wrong as a sentence. */
+/** Send the pictures of the address; they then are references like others. Returns them, and what went wrong as a
+ * sentence. */
 export async function takeLinked() {
   /** @type {Record<Ref, Picture>} */
   const sent = {};
@@ -122,9 +125,9 @@ export function describe({ examples, sent, set: { frames } }, ref) {
   if (kind === "row") {
     const there = frames && +name < frames.pairs;
     if (frames && !there) return { text: `This set has no pair ${name}.` };
-    const label = there ? frames.classes[frames.label[+name]] : NO_CLASS;
+    const label = there ? classOf(frames, +name) : NO_CLASS;
     const truth = label === NO_CLASS ? "" : label;
-    return { text: dotted(`pair ${name}`, truth, there && sensorOf(frames.domains[frames.domain[+name]])), truth };
+    return { text: dotted(`pair ${name}`, truth, there && sensorOf(domainOf(frames, +name))), truth };
   }
   const image = sent[ref];
   return {

@@ -51,11 +51,17 @@ const PARTS = {
   ".problem": ({ notes }) => (notes.problem ? html`${notes.problem}` : null),
   ".profile-now": ({ counts, mend }) =>
     counts || mend
-      ? html`${counts && html`The profile of ${madeOf(counts)} is applied to your pictures. ${button("profileDropped", "Stop using it")} `}${mend && html`Your touches are read ${mendedBy(mend)}. ${button("mended", "Read them as they come")}`}`
+      ? html`${
+          counts &&
+          html`The profile of ${madeOf(counts)} is applied to your
+        pictures. ${button("profileDropped", "Stop using it")} `
+        }
+        ${mend && html`Your touches are read ${mendedBy(mend)}. ${button("mended", "Read them as they come")}`}`
       : null,
   ".started": ({ away }) =>
     away &&
-    html`You started a new pair, so the ${TERMS[away.vis ? "vis" : "tac"].one} of the old one was removed. ${opener("Put it back", away)}`,
+    html`You started a new pair, so the ${TERMS[away.vis ? "vis" : "tac"].one} of the old one was
+      removed. ${opener("Put it back", away)}`,
   ".slots": slotsHtml,
   ".controls": controlsHtml,
   ".gallery": galleryHtml,
@@ -110,7 +116,8 @@ class PairView extends View {
     this.draw();
   }
 
-  /** @template {keyof PairEvents | keyof PairWork} Name @param {Name} name @param {(PairEvents & PairWork)[Name]} told */
+  /** @template {keyof PairEvents | keyof PairWork} Name @param {Name} name
+   * @param {(PairEvents & PairWork)[Name]} told */
   send = (name, told) => {
     const { tab, next, halt } = after(this.tab, name, told);
     this.tab = tab;
@@ -122,7 +129,8 @@ class PairView extends View {
     for (const [work, what] of Object.entries(next)) this.work(/** @type {keyof PairWork} */ (work), what);
   };
 
-  /** Do some work; a newer one of its kind stops it, unless they go TOGETHER. @param {keyof PairWork} name @param {any} what */
+  /** Do some work; a newer one of its kind stops it, unless they go TOGETHER. @param {keyof PairWork} name
+   * @param {any} what */
   async work(name, what) {
     const beside = TOGETHER.includes(name);
     if (!beside) this.running[name]?.abort();

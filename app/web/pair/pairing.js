@@ -51,9 +51,9 @@ export const sorted = (files, rest) =>
 
 /**
  * Pairs of some files. table: text of a CSV with columns vis, tac, or ""; classes: folders with these names are labels;
- * rest: what pictures are whose names do not tell, if anybody said it.
- * Returns {pairs, alone: files without a place in a pair, problem}; `problem` is why nothing was paired, if names do not
- * tell which file is meant.
+ * rest: what pictures are whose names do not tell, if anybody said it. Returns
+ * {pairs, alone: files without a place in a pair, problem}; `problem` is why nothing was paired, if names do not tell
+ * which file is meant.
  * @param {Chosen[]} files @param {string} table @param {string[]} classes @param {Modality} [rest]
  * @returns {{pairs: FilePair[], alone: Chosen[], problem: string}}
  */

@@ -1,4 +1,5 @@
-/** What all parts of Try a pair use: the words for images and readings, small pieces of markup, and how a part is drawn. */
+/** What all parts of Try a pair use: the words for images and readings, small pieces of markup, and how a part is
+ * drawn. */
 
 import { IMAGES, imagesOf } from "../shared/images.js";
 import { draw, html } from "../shared/text.js";

@@ -24,9 +24,11 @@ export class Spectra extends View {
         const { width, top } = spectra[name];
         const { title, one } = TERMS[name];
         return html`<figure><figcaption>${signed(name, title)}</figcaption>
-      <div class="heat"><span class="up">p</span><canvas role="img" aria-label="Spectrum of the ${one} over p"></canvas><i class="cursor"></i></div>
+      <div class="heat"><span class="up">p</span>
+        <canvas role="img" aria-label="Spectrum of the ${one} over p"></canvas><i class="cursor"></i></div>
       <canvas class="profile" role="img" aria-label="Spectrum of the ${one} at the current p"></canvas>
-      <p class="ends hint"><span>entry 0</span><span>${width} entries · brightest = ${top.toPrecision(3)}</span><span>${width - 1}</span></p></figure>`;
+      <p class="ends hint"><span>entry 0</span><span>${width} entries · brightest = ${top.toPrecision(3)}</span>
+        <span>${width - 1}</span></p></figure>`;
       })}`,
     );
     this.all = there.map((name, i) => ({
@@ -64,13 +66,15 @@ export class Spectra extends View {
   }
 }
 
-/** A sentence about the weights. @param {number} count @param {number} scale the largest distance of a weight from 1/count */
+/** A sentence about the weights. @param {number} count @param {number} scale the largest distance of a weight from
+ * 1/count */
 export function about(count, scale) {
   const points = (100 * scale).toPrecision(2);
   const even = percent(1 / count, 1);
   return scale < WORTH
     ? `Nothing to see: each of the ${count} tokens gets the uniform ${even}, within ${points} points, at every p.`
-    : `Rows attend to columns, over ${count} tokens (real parts, then imaginary). Uniform: ${even}. Orange is more, blue is less; full colour is ${points} points.`;
+    : `Rows attend to columns, over ${count} tokens (real parts, then imaginary). Uniform: ${even}. Orange is more, ` +
+        `blue is less; full colour is ${points} points.`;
 }
 
 /** Attention among the tokens of one modality; a sentence replaces a uniform one. */
@@ -86,7 +90,9 @@ export class Attention extends View {
     const shown = reply && reply.scale >= WORTH ? there : [];
     const figures = shown.map(
       (name) =>
-        html`<figure><figcaption>${signed(name, TERMS[name].title)}</figcaption><canvas class="square" role="img" aria-label="Attention of each token of the ${TERMS[name].one} to each, at this p"></canvas></figure>`,
+        html`<figure><figcaption>${signed(name, TERMS[name].title)}</figcaption>
+          <canvas class="square" role="img" aria-label="Attention of each token of the ${TERMS[name].one} to each, at
+          this p"></canvas></figure>`,
     );
     put(this.box, html`${words && hint(words)}${figures}`);
     const canvases = this.box.querySelectorAll("canvas");

@@ -9,11 +9,12 @@ const mostOf = ({ left_out: shares = {} }) => Math.max(...Object.keys(shares).ma
 export function gainOf(facts) {
   const most = mostOf(facts);
   const [none, some] = [0, most].map((count) => facts.left_out?.[count].fused ?? NaN);
-  return `On unseen simulated sensors, a profile of ${most} unlabelled pictures raises accuracy from ${percent(none, 1)} to ${percent(some, 1)}.`;
+  const [from, to] = [percent(none, 1), percent(some, 1)];
+  return `On unseen simulated sensors, a profile of ${most} unlabelled pictures raises accuracy from ${from} to ${to}.`;
 }
 
-/** What to know of a reading of the visitor's own pictures: what the head that made it read right on real pairs. Nothing
- * for other pictures, for a guess, which has no figure, and for a head that the visitor's labels taught.
+/** What to know of a reading of the visitor's own pictures: what the head that made it read right on real pairs.
+ * Nothing for other pictures, for a guess, which has no figure, and for a head that the visitor's labels taught.
  * @param {Pick<PairTab, "facts" | "tested" | "simulated" | "head" | "taught" | "profile" | "vis" | "tac">} tab
  * @param {Pick<Said, "reading" | "used" | "guess">} said */
 export function cautionOf(tab, { reading, used, guess }) {
@@ -21,8 +22,8 @@ export function cautionOf(tab, { reading, used, guess }) {
   const real = realOf(tab);
   if (!real) return tab.simulated ? html`<b>Do not trust this.</b> ${UNTESTED}` : null;
   const right = counts(real, tab)[reading];
-  const count = `On ${real.pairs} real pairs, this reading was correct for ${right}; always naming the most frequent class, for ${real.always}.`;
-  return html`${right <= real.always && html`<b>At chance: do not trust this.</b> `}${count}`;
+  return html`${right <= real.always && html`<b>At chance: do not trust this.</b> `}On ${real.pairs} real pairs, this
+    reading was correct for ${right}; always naming the most frequent class, for ${real.always}.`;
 }
 
 /** The same for a table of pairs, in one sentence. @param {PairTab} tab */
@@ -31,11 +32,13 @@ export function cautionsOf(tab) {
   if (tab.taught || (!real && !tab.simulated)) return null;
   if (!real) return html`<b>Do not trust these predictions.</b> ${UNTESTED}`;
   const words = READINGS.map((reading) => `for ${counts(real, tab)[reading]} ${readFrom(reading)}`);
-  return html`<b>Do not trust single predictions.</b> On ${real.pairs} real pairs, the head was correct ${words.join(", ")}; always naming the most frequent class was correct for ${real.always}.`;
+  return html`<b>Do not trust single predictions.</b> On ${real.pairs} real pairs, the head was
+    correct ${words.join(", ")}; always naming the most frequent class was correct for ${real.always}.`;
 }
 
 const UNTESTED = "The head was trained on simulated pairs and was never tested on real ones.";
-/** What the head that reads own pictures read right on real pairs, if measured. @param {Pick<PairTab, "facts" | "tested" | "head">} tab */
+/** What the head that reads own pictures read right on real pairs, if measured.
+ * @param {Pick<PairTab, "facts" | "tested" | "head">} tab */
 const realOf = ({ facts, tested, head }) => (head ? facts.real : tested);
 /** @param {NonNullable<OwnReader["real"]>} real @param {Pick<PairTab, "profile">} tab */
 const counts = (real, { profile }) => real[profile ? "profile" : "as they come"];
@@ -45,7 +48,8 @@ const counts = (real, { profile }) => real[profile ? "profile" : "as they come"]
 export function readerHtml(facts, on, source) {
   const other = (/** @type {string} */ words) => button("readerSwitched", words, html`class="reader-switch"`);
   if (!on)
-    return html`${hint(`The head of the chapters, trained on ${source} only, reads your pictures.`)}${other("Use the head for own pictures")}`;
+    return html`${hint(`The head of the chapters, trained on ${source} only, reads your pictures.`)}
+      ${other("Use the head for own pictures")}`;
   const { left_out: shares = {}, real } = facts;
   const most = mostOf(facts);
   const rows = READINGS.map((reading) =>
@@ -57,5 +61,7 @@ export function readerHtml(facts, on, source) {
   );
   const heads = ["Correct", "simulated, raw", `with ${most} pictures`];
   if (real) heads.push("real, raw", "with a profile");
-  return html`${hint("The head for own pictures, trained on all simulated sensors, reads your pictures.")}${folded("How often is it correct?", table("Pairs that the head for own pictures reads correctly", heads, rows))}${other("Use the head of the chapters")}`;
+  return html`${hint("The head for own pictures, trained on all simulated sensors, reads your pictures.")}
+    ${folded("How often is it correct?", table("Pairs that the head for own pictures reads correctly", heads, rows))}
+    ${other("Use the head of the chapters")}`;
 }

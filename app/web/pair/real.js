@@ -1,4 +1,5 @@
-/** Real pairs of others, which the owner of the server has fetched: with their terms, and read like dropped pictures. */
+/** Real pairs of others, which the owner of the server has fetched: with their terms, and read like dropped
+ * pictures. */
 
 import { address } from "../shared/api.js";
 import { button, hint, html, imagesOf, pressed } from "./parts.js";
@@ -18,7 +19,8 @@ export function credit({ authors, licence, terms, changes }) {
 /** The shelf; null where a server can have none. @param {PairTab} tab */
 export function realHtml({ real, ...tab }) {
   if (!real || (!real.local && !real.sets.length && !real.left_out.length)) return null;
-  const command = html`This server has no real pairs. Run <code>python -m omnivat fetch touch-and-go</code> in its folder, and reload the page.`;
+  const command = html`This server has no real pairs. Run <code>python -m omnivat fetch touch-and-go</code> in its
+    folder, and reload the page.`;
   const lines = real.left_out.map(hint);
   const none = real.local && !real.sets.length && !lines.length && hint(command);
   return html`<h3>Real</h3>${real.sets.map((set, k) => setHtml(tab, set, k))}${lines}${none}`;
@@ -42,9 +44,11 @@ function setHtml(tab, set, k) {
         imagesOf(pictures).map((one) => pictured(address(`real/${pictures[one]}`))),
         words,
       ),
-      html`data-key="${key}" title="${label}, ${credit(set)}" aria-label="${label}" ${pressed(open)}${tab.doing.fetch === key && html` aria-busy="true"`}`,
+      html`data-key="${key}" title="${label}, ${credit(set)}" aria-label="${label}" ${pressed(open)}
+        ${tab.doing.fetch === key && html` aria-busy="true"`}`,
     );
   });
-  return html`<figure><figcaption class="hint"><b>${set.title}</b>, by ${set.authors}. ${terms}.${changes}${count}</figcaption>
+  return html`<figure><figcaption class="hint"><b>${set.title}</b>, by ${set.authors}. ${terms}.${changes}
+    ${count}</figcaption>
     <div class="gallery" tabindex="0" role="group" aria-label="Pairs of ${short(set)}">${pairs}</div></figure>`;
 }

@@ -17,8 +17,8 @@ const TURNS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDo
 const STEP = 0.15; // radians
 const STEEPEST = 1.5;
 
-/** Touches of the same sensor as the open one, which is the first: of its domain's examples, or the visitor's own of this
- * visit. @param {PairTab} tab @returns {Ref[]} */
+/** Touches of the same sensor as the open one, which is the first: of its domain's examples, or the visitor's own of
+ * this visit. @param {PairTab} tab @returns {Ref[]} */
 export function touchesOf({ tac, examples, touches, sent }) {
   if (!tac || tac.startsWith("row:")) return [];
   const domain = examples.find(({ name }) => tac === `example:${name}`)?.domain;
@@ -36,7 +36,8 @@ export function lacking(tab) {
   const more = FEWEST - touchesOf(tab).length;
   const own = tab.tac.startsWith("image:");
   return more > 0
-    ? `${plural(more, "more picture")} of ${own ? "your" : "this"} sensor would give its lamps, and with them the relief. Labels are not needed.`
+    ? `${plural(more, "more picture")} of ${own ? "your" : "this"} sensor would give its lamps, and with them the ` +
+        "relief. Labels are not needed."
     : "";
 }
 
@@ -79,7 +80,10 @@ export class Relief extends View {
       const words = { png: "PNG picture", npy: "NPY: slopes, heights", ply: "PLY surface" };
       draw(
         this.$(".row"),
-        html`${Object.entries(words).map(([as, label]) => html`<button type="button" data-as="${as}">${label}</button>`)}`,
+        html`${Object.entries(words).map(
+          ([as, label]) => html`<button type="button"
+          data-as="${as}">${label}</button>`,
+        )}`,
       );
       this.say(`${caption} Drag the surface, or use the arrow keys, to turn it.`);
     }, this.$(".hint"));

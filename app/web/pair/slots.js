@@ -28,17 +28,22 @@ function slotHtml(tab, modality) {
   const parts = tab.explained[modality];
   const of = html`data-modality="${modality}"`;
   const choose = html`multiple ${of} accept="image/*,.tif,.tiff,.webp,.png,.jpg" aria-label="Choose a ${one}"`;
-  const why = html`class="where" ${of} title="Hide one part of the image after the other and show how the prediction changes"${(!ref || ref.startsWith("row:")) && " disabled"}`;
+  const why = html`class="where" ${of} title="Hide one part of the image after the other and show how the prediction
+    changes"${(!ref || ref.startsWith("row:")) && " disabled"}`;
   const away = html`class="clear" aria-label="Remove the ${one}"${!ref && " disabled"}`;
   const empty = other ? "Empty. The prediction uses the other image only." : "Empty.";
-  return html`<div class="slot panel ${doing && "busy"}" ${of} tabindex="0" aria-label="${title}: ${modality.toUpperCase()}. Drop or paste an image here.">
+  return html`<div class="slot panel ${doing && "busy"}" ${of} tabindex="0"
+    aria-label="${title}: ${modality.toUpperCase()}. Drop or paste an image here.">
     <h3>${signed(modality, title)}</h3>${tab.filming === modality ? FILM : pictureHtml(tab, modality)}
-    <div class="row">${chooser("dropped", "Choose file", choose)}${button("photograph", "Camera", html`class="camera" ${of} title="Take one picture with a camera"`)}${button("explain", "Where?", why)}${opener("Remove", { [modality]: "" }, away)}</div>
+    <div class="row">${chooser("dropped", "Choose file", choose)}
+      ${button("photograph", "Camera", html`class="camera" ${of} title="Take one picture with a camera"`)}
+      ${button("explain", "Where?", why)}${opener("Remove", { [modality]: "" }, away)}</div>
     <p class="what hint">${doing || (parts ? told(parts) : ref ? describe(tab, ref).text : empty)}</p>
   </div>`;
 }
 
-const FILM = html`<div class="picture filming"><video autoplay playsinline muted></video><div class="row"><button class="main">Take it</button><button>Cancel</button></div></div>`;
+const FILM = html`<div class="picture filming"><video autoplay playsinline muted></video>
+  <div class="row"><button class="main">Take it</button><button>Cancel</button></div></div>`;
 
 /** @param {PairTab} tab @param {Modality} modality */
 function pictureHtml({ set, explained, sent, mend, ...tab }, modality) {

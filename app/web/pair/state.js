@@ -1,5 +1,6 @@
-/** Try a pair as one object, and what each event makes of it: what changes, the work that follows (in `next`) and the work
- * in hand that stops (in `halt`). work.js does the work and tells its end as another event. No DOM and no request here. */
+/** Try a pair as one object, and what each event makes of it: what changes, the work that follows (in `next`) and the
+ * work in hand that stops (in `halt`). work.js does the work and tells its end as another event. No DOM and no request
+ * here. */
 
 import { IMAGES, imagesOf, OTHER, READINGS } from "../shared/images.js";
 
@@ -111,7 +112,8 @@ export const lessonsOf = ({ taught, pairs }, now) => {
 /** A label waits until uploads and predictions are there: it would go to the pair before them. @param {PairTab} tab */
 export const isHeld = ({ busy, doing }) => busy || Boolean(doing.fetch) || [doing.vis, doing.tac].includes(READING);
 
-/** Everything about the open pair is requested again. @param {PairTab} tab @param {Partial<PairTab>} change @returns {Change} */
+/** Everything about the open pair is requested again. @param {PairTab} tab @param {Partial<PairTab>} change
+ * @returns {Change} */
 function asked(tab, change = {}) {
   const there = imagesOf({ ...tab, ...change }).length > 0;
   return { away: null, explained: {}, ...(there ? { busy: true } : NOTHING), ...change, next: { predict: {} } };
@@ -121,7 +123,8 @@ function asked(tab, change = {}) {
  * @param {PairTab} tab @param {Partial<PairTab>} change @param {Partial<PairWork>} [more] */
 const again = (tab, change, more) => ({ ...asked(tab, change), next: { predict: {}, rows: {}, ...more } });
 
-/** Labels changed: discard what was taught from the old ones. @param {PairTab} tab @param {OwnPair[]} pairs @returns {Change} */
+/** Labels changed: discard what was taught from the old ones. @param {PairTab} tab @param {OwnPair[]} pairs
+ * @returns {Change} */
 function labelled(tab, pairs) {
   const change = { pairs, report: null, labels: null, taught: false, notes: { ...tab.notes, own: "" } };
   return { ...(tab.taught ? again(tab, change) : change), halt: ["curve"] };
@@ -130,7 +133,8 @@ function labelled(tab, pairs) {
 /** Rows with a label and a prediction. @param {Row[]} rows */
 export const labelledOf = (rows) => /** @type {OwnPair[]} */ (rows.filter(({ label, said }) => label && said));
 
-/** The counted pairs and those of the table, each by its last label. @param {Pick<PairTab, "pairs">} tab @param {Row[]} more */
+/** The counted pairs and those of the table, each by its last label. @param {Pick<PairTab, "pairs">} tab
+ * @param {Row[]} more */
 export const joined = ({ pairs }, more) =>
   labelledOf(more).reduce((all, one) => [...without(all, keyOf(one)), one], pairs);
 

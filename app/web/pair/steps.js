@@ -15,8 +15,8 @@ function stepOf({ rows, pairs, report, taught, vis, tac }) {
   return pairs.length || rows.length || isOwn({ vis, tac }) ? 2 : 0;
 }
 
-/** What the rungs of a step bring beside nothing, in words. The ladder is that of the head of the chapters; what another
- * head reads, or was measured with, is no gain of it. @param {number} at @param {PairTab} tab */
+/** What the rungs of a step bring beside nothing, in words. The ladder is that of the head of the chapters; what
+ * another head reads, or was measured with, is no gain of it. @param {number} at @param {PairTab} tab */
 function gains(at, { head, rungs, simulated }) {
   const nothing = rungs.find(({ rung }) => rung === PLACES[0].id);
   const own = new Set(TABLES.rungs.flatMap(({ step, id }) => (step === at ? id : [])));
@@ -33,14 +33,19 @@ function nextStep(at, tab) {
   const { pairs, report, counts, head, facts } = tab;
   const points = gains(at, tab);
   if (at === 0)
-    return "Drop photos, touches, a folder or a CSV file anywhere on this page. Expect guesses at first, because the head has not seen your sensor.";
+    return html`Drop photos, touches, a folder or a CSV file anywhere on this page. Expect guesses at first, because the
+      head has not seen your sensor.`;
   if (at === 2 && !pairs.length && !counts)
-    return `Label two pairs of each of two classes, or make a profile of unlabelled pictures.${head ? ` ${gainOf(facts)}` : points}`;
+    return html`Label two pairs of each of two classes, or make a profile of unlabelled
+      pictures.${head ? ` ${gainOf(facts)}` : points}`;
   if (at === 2) return missing(pairs);
   if (at === 3) return `Teach the head your ${pairs.length} pairs.${points}`;
   const { judged, right } = /** @type {Taught} */ (report);
   const profile = counts ? " --profile my-sensor.safetensors" : "";
-  return `Teaching raised the share of correct pairs from ${percent(right.before / judged.length)} to ${percent(right.after / judged.length)}, each pair predicted without its own label. Drop the next pictures for the taught head, or save it for the command line: omnivat predict --head taught-head --pairs FOLDER${profile}.`;
+  const [before, after] = [right.before, right.after].map((count) => percent(count / judged.length));
+  return html`Teaching raised the share of correct pairs from ${before} to ${after}, each pair predicted without its own
+    label. Drop the next pictures for the taught head, or save it for the command line: omnivat predict --head
+    taught-head --pairs FOLDER${profile}.`;
 }
 
 /** @param {PairTab} tab */

@@ -94,7 +94,8 @@ interface PairTab {
   lost: string; // what the address named and could not be had, until another pair is chosen
   away: Pair | null; // the image that a new picture took away
   take: "both" | Modality; // of an example
-  doing: { [modality in Modality]?: string } & { fetch?: string; guide?: string; read?: Progress; sample?: Progress; card?: string }; // work in hand
+  // work in hand
+  doing: { [work in Modality | "fetch" | "guide" | "card"]?: string } & { read?: Progress; sample?: Progress };
   filming: Modality | "";
   explained: Partial<Record<Modality, Parts>>;
   reals: Record<string, Ref>; // real pairs that were sent
@@ -109,7 +110,8 @@ interface PairTab {
   familiar: Replies["familiar"] | { problem: string } | null;
   rivals: Rival[] | null;
   journey: Journey | null; // by the head of the chapters, at every stop of p
-  moving: { answer: Predicted; question: Question } | null; // what follows p: of that head where linear maps have predicted
+  // what follows p: of that head where linear maps have predicted
+  moving: { answer: Predicted; question: Question } | null;
   on: boolean; // whether the cameras are
   frame: Frame | null; // what the cameras show
   line: string; // below the cameras

@@ -1,5 +1,6 @@
 /** The prediction of one pair in words: both, photo only, touch only. Data in, markup out. */
 
+import { classOf, domainOf } from "../shared/frames.js";
 import { classColour } from "../shared/palette.js";
 import { sensorOf } from "../shared/tables.js";
 import { describe } from "./own-pictures.js";
@@ -63,15 +64,17 @@ export const brief = ({ label, share, guess }) =>
 const cardsOf = (all, words) =>
   html`<div class="readings">${all.map((one) => {
     const absent = one.reading !== "fused" && html` title="The other image is absent"`;
-    return html`<article class="reading ${!one.label && "none"}" data-reading="${one.reading}"><h3${absent}>${signed(one.reading)}</h3>${words(one)}</article>`;
+    return html`<article class="reading ${!one.label && "none"}" data-reading="${one.reading}">
+      <h3${absent}>${signed(one.reading)}</h3>${words(one)}</article>`;
   })}</div>`;
 
 /** A prediction by what `readingsOf` takes. @param {Answer} answer */
 export const readingsIn = ({ classes, exact, images }) => readingsOf({ classes, ...exact, images });
 
-/** Three cards. `truths`: the class of each image, if known; `yours`: the lessons decide what is familiar; `caution`: what
- * to know of a reading.
- * @param {Answer} answer @param {Truths} truths @param {boolean} [yours] @param {(one: Said) => Html | null} [caution] */
+/** Three cards. `truths`: the class of each image, if known; `yours`: the lessons decide what is familiar; `caution`:
+ * what to know of a reading.
+ * @param {Answer} answer @param {Truths} truths @param {boolean} [yours]
+ * @param {(one: Said) => Html | null} [caution] */
 export function cards(answer, truths, yours, caution = () => null) {
   const [given] = imagesOf(answer.exact.readings);
   return cardsOf(readingsIn(answer), (one) => {
@@ -81,7 +84,8 @@ export function cards(answer, truths, yours, caution = () => null) {
   });
 }
 
-/** The prediction of the newest frames of the cameras. @param {Frame} frame @param {(one: Said) => Html | null} [caution] */
+/** The prediction of the newest frames of the cameras. @param {Frame} frame
+ * @param {(one: Said) => Html | null} [caution] */
 export function liveHtml(frame, caution) {
   const there = readingsOf(frame).filter(({ label }) => label);
   const [words, below] = frame.idle
@@ -109,12 +113,14 @@ export function verdictHtml(tab) {
     tab.taught &&
     paragraph(
       "taught-now",
-      html`<b class="tag">taught</b> The head was taught with your ${label ? "other pairs; this one was left out" : "pairs"}.`,
+      html`<b class="tag">taught</b> The head was taught with
+        your ${label ? "other pairs; this one was left out" : "pairs"}.`,
     );
   const mix =
     mixed(tab) &&
     paragraph("made-of", "These pictures come from different pairs, so they are neither counted nor taught.");
-  return html`${by}${madeOf(truths) ?? mix}${cards(answer, truths, Boolean(question?.lessons), (said) => cautionOf(tab, said))}`;
+  return html`${by}${madeOf(truths) ?? mix}
+    ${cards(answer, truths, Boolean(question?.lessons), (said) => cautionOf(tab, said))}`;
 }
 
 /** A prediction in words; a guess has no figure. @param {Said} said @param {boolean} [yours]
@@ -126,7 +132,8 @@ function called(said, yours, caution = () => null) {
     return html`${paragraph("said", label, html` <b>${percent(share)}</b>`)}${note && paragraph("caution", note)}`;
   const what = strange.length > 1 ? "Both images are" : `The ${TERMS[strange[0]].one} is`;
   const seen = yours ? "the pictures that you labelled" : "all training images";
-  return html`<p class="said guess">${label}?</p><p class="guessed"><b>This is a guess.</b> ${what} unlike ${seen}.</p>`;
+  return html`<p class="said guess">${label}?</p>
+    <p class="guessed"><b>This is a guess.</b> ${what} unlike ${seen}.</p>`;
 }
 
 /** Whether a prediction is right; for a mixed pair, which image it follows.
@@ -151,7 +158,8 @@ export const madeOf = ({ vis, tac }) =>
     ? paragraph("made-of", html`${TERMS.vis.title}: <b>${vis}</b>. ${TERMS.tac.title}: <b>${tac}</b>.`)
     : null;
 
-/** Every class under every reading; columns of guesses are grey. @param {Answer & Pick<Predicted, "learned" | "linear">} answer */
+/** Every class under every reading; columns of guesses are grey.
+ * @param {Answer & Pick<Predicted, "learned" | "linear">} answer */
 export function classTable(answer) {
   const columns = readingsIn(answer).filter(({ label }) => label);
   const [{ label: winner }] = columns; // the first is both, if both are there
@@ -159,22 +167,23 @@ export function classTable(answer) {
   const rows = answer.classes.map((name, k) => {
     const cells = columns.map(
       ({ reading, row: shares, guess }) =>
-        html`<td data-reading="${reading}" class="${guess && "of-guess"}"><span class="bar ${reading}" style="--share:${shares[k]}"></span><span class="share">${percent(shares[k], 1)}</span></td>`,
+        html`<td data-reading="${reading}" class="${guess && "of-guess"}"><span class="bar ${reading}"
+          style="--share:${shares[k]}"></span><span class="share">${percent(shares[k], 1)}</span></td>`,
     );
     return row(html`<i class="${name === winner && "best"}" style="background:${classColour(k)}"></i>${name}`, cells);
   });
   const grey =
     columns.some(({ guess }) => guess) &&
-    hint(
-      "Grey figures belong to a guess. They mean little, because they were calibrated on images like the training images.",
-    );
+    hint(html`Grey figures belong to a guess. They mean little, because they were calibrated on images like the training
+      images.`);
   const at = answer.linear
     ? "Linear maps make this prediction; they do not use p."
     : `The prediction uses the learned p = ${answer.learned.toFixed(4)}.`;
   return html`${table("Every class", ["Class", ...head], rows)}${grey}${hint(at)}`;
 }
 
-/** The prediction in a sentence or two, for a screen reader. @param {Answer} answer @param {(one: Said) => Html | null} [caution] */
+/** The prediction in a sentence or two, for a screen reader. @param {Answer} answer
+ * @param {(one: Said) => Html | null} [caution] */
 export function spoken(answer, caution = () => null) {
   const [said] = readingsIn(answer).filter((said) => said.label);
   const { label, share, guess } = said;
@@ -192,7 +201,8 @@ export function rivalsHtml(answer, others) {
     return row(html`${one.label} <small>p = ${one.exact.order.toFixed(3)}</small>`, cells);
   });
   const head = ["Head", ...READINGS.map((reading) => signed(reading))];
-  return html`${headed("Predictions of other heads for this pair", hint("Each head uses its own learned p."))}${table("Predictions of several heads", head, lines)}`;
+  return html`${headed("Predictions of other heads for this pair", hint("Each head uses its own learned p."))}
+    ${table("Predictions of several heads", head, lines)}`;
 }
 
 const SIDE = 104; // CSS pixels of a neighbour: large enough to see what it is
@@ -211,8 +221,9 @@ export function sentence(modality, { words, guess, cosine = 0, quantile = 0 }, y
   if (cosine > SAME) return `This is one of the training ${many}.`;
   const unusual = Math.round(100 * quantile);
   const count = unusual < 1 ? "fewer than 1" : unusual > 99 ? "more than 99" : unusual;
-  const near = quantile < JUST ? ", but only just" : "";
-  return `${guess ? "Unlike" : "Similar to"} the training ${many}${guess ? "" : near}: ${guess ? "only " : ""}${count} of 100 ${count === 1 ? "is" : "are"} more unusual.`;
+  const rest = `${count} of 100 ${count === 1 ? "is" : "are"} more unusual.`;
+  if (guess) return `Unlike the training ${many}: only ${rest}`;
+  return `Similar to the training ${many}${quantile < JUST ? ", but only just" : ""}: ${rest}`;
 }
 
 /** A question about pictures that are nearer to the training images of the other slot; null if none is.
@@ -224,7 +235,8 @@ export function swapHtml(images, { vis, tac }) {
   const [words, act] =
     there.length > 1
       ? [
-          `Are photo and touch swapped? The ${one} is more similar to the training ${other.many}, the ${other.one} to the training ${many}.`,
+          html`Are photo and touch swapped? The ${one} is more similar to the training ${other.many}, the ${other.one}
+            to the training ${many}.`,
           "Swap them",
         ]
       : [
@@ -234,8 +246,10 @@ export function swapHtml(images, { vis, tac }) {
   return paragraph("note swapped", words, " ", opener(act, { vis: tac, tac: vis }));
 }
 
-/** The panel: familiarity and nearest training pairs; `set` has thumbnails and names of domains and classes, once loaded.
- * @param {Replies["familiar"]} near @param {Predicted["images"]} images @param {PairSet} set @param {boolean} [yours] */
+/** The panel: familiarity and nearest training pairs; `set` has thumbnails and names of domains and classes, once
+ * loaded.
+ * @param {Replies["familiar"]} near @param {Predicted["images"]} images @param {PairSet} set
+ * @param {boolean} [yours] */
 export function familiarHtml(near, images, set, yours) {
   const looks = imagesOf(near.images).map((modality) => {
     /** @type {Partial<Familiarity>} */
@@ -244,19 +258,23 @@ export function familiarHtml(near, images, set, yours) {
     const known = image.quantile !== undefined;
     return html`<div class="look" data-modality="${modality}"><h4>${signed(modality, capital(TERMS[modality].one))}</h4>
       ${paragraph(image.guess ? "wrong" : "hint", sentence(modality, image, yours))}
-      ${known && html`<div class="meter" aria-hidden="true"><i class="${mark}" style="--at:${image.quantile}"></i></div>`}
+      ${
+        known &&
+        html`<div class="meter" aria-hidden="true"><i class="${mark}"
+        style="--at:${image.quantile}"></i></div>`
+      }
       <div class="nearest">${near.images[modality]?.nearest.map((one) => neighbour(one, modality, set))}</div></div>`;
   });
-  return html`${headed("Is it similar to the training images?", hint(`Nearest among ${near.of}`))}<div class="looked">${looks}</div>`;
+  return html`${headed("Is it similar to the training images?", hint(`Nearest among ${near.of}`))}
+    <div class="looked">${looks}</div>`;
 }
 
 /** @param {{pair: number, cosine: number}} near @param {Modality} modality @param {PairSet} set */
 function neighbour({ pair, cosine }, modality, set) {
   const { frames } = set;
   const { one } = TERMS[modality];
-  const label = frames?.classes[frames.label[pair]] ?? NO_CLASS;
-  const name = label === NO_CLASS ? "" : label;
-  const where = frames && ` of ${sensorOf(frames.domains[frames.domain[pair]])}`;
+  const name = frames ? classOf(frames, pair).replace(NO_CLASS, "") : "";
+  const where = frames && ` of ${sensorOf(domainOf(frames, pair))}`;
   const picture = tileOf(set, pair, modality, SIDE, name ? `${one} of ${name}` : one);
   return button(
     "pin",

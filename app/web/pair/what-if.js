@@ -65,7 +65,8 @@ export class WhatIf extends View {
     if (journey?.tree.parents.length)
       draw(
         this.$(".tree-now"),
-        html`${treeSvg(journey, at)}<p class="hint">At p = ${orderText(journey.orders[at])}: what each node alone predicts.</p>`,
+        html`${treeSvg(journey, at)}<p class="hint">At p = ${orderText(journey.orders[at])}: what each
+          node alone predicts.</p>`,
       );
     draw(this.$(".at-p"), html`With p = ${p.toFixed(2)}, ${titleOf(reading).toLowerCase()}: ${words}`);
   }
@@ -96,15 +97,19 @@ export function band(span, fits) {
   return low <= high ? [Math.max(0, low), Math.min(1, high)] : null;
 }
 
-/** The meaning of moving p for this head. `source`: what the head of the chapters learned from, where it takes the place of
- * linear maps. @param {Pick<Predicted, "learned" | "span" | "classes" | "linear">} answer */
+/** The meaning of moving p for this head. `source`: what the head of the chapters learned from, where it takes the
+ * place of linear maps. @param {Pick<Predicted, "learned" | "span" | "classes" | "linear">} answer */
 export function aboutP({ learned, span, classes, linear }, source = "") {
   if (linear) return "Linear maps of the embeddings decide here, and p has no part in them: every curve is flat.";
   const whose = source
-    ? `The prediction above comes from linear maps, in which p has no part. Here the head of the chapters reads this pair; it was trained on ${sensorOf(source)} alone. `
+    ? "The prediction above comes from linear maps, in which p has no part. Here the head of the chapters reads this " +
+      `pair; it was trained on ${sensorOf(source)} alone. `
     : "";
   const [low, high] = span;
   return high > low
     ? `${whose}This head was trained for all values of p from ${low.toFixed(2)} to ${high.toFixed(2)} (shaded).`
-    : `${whose}The weights stay those of the learned p = ${learned.toFixed(3)}. The shaded band shows the values of p that this head was trained for. Outside it the weights do not fit: predictions are little better than chance (${percent(1 / classes.length)}), so a rise or fall means little. Explore shows heads trained at each p.`;
+    : `${whose}The weights stay those of the learned p = ${learned.toFixed(3)}. The shaded band shows the values of ` +
+        "p that this head was trained for. Outside it the weights do not fit: predictions are little better than " +
+        `chance (${percent(1 / classes.length)}), so a rise or fall means little. Explore shows heads trained at each
+p.`;
 }

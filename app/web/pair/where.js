@@ -37,6 +37,7 @@ export function told({ class: name, drops, taught }) {
   ];
   const words = any
     ? html`: ${parts}. Hiding a part changes its probability by at most ${percent(most)}.`
-    : `: no single part matters. Hiding any part changes its probability by less than ${percent(Math.max(most, 0.001), 1)}.`;
+    : html`: no single part matters. Hiding any part changes its probability by less
+        than${" "}${percent(Math.max(most, 0.001), 1)}.`;
   return html`${taught && html`<b class="tag">taught</b> `}<b>${name}</b>${words}`;
 }

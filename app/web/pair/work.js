@@ -17,9 +17,9 @@ import { camera, describe, snapshot, upload } from "./own-pictures.js";
 import { isPicture, LONGEST, named, paired, sorted } from "./pairing.js";
 import { imagesOf, OTHER, plural } from "./parts.js";
 import { credit, short } from "./real.js";
+import { counted, predicted, quietly, taughtBy } from "./replies.js";
 import { isOwn, lessonsFor, lessonsOf, READING } from "./state.js";
-import { said } from "./verdict.js";
-import { zipped } from "./zip.js";
+import { contentOf, saveZip } from "./zip.js";
 
 const ROWS_AT_ONCE = 12; // pairs of one request
 const PICTURES_AT_ONCE = 50; // of a profile
@@ -30,48 +30,13 @@ const LARGEST = 20e6; // bytes of a card's request
 const MEND = "omnivat-mend";
 const KEPT = "omnivat-sensor"; // of this visit: survives a reload, not the browser's end
 
-/** What was asked for, or why it was refused. @template Reply @param {Promise<Reply>} asking @returns {Promise<Reply | {problem: string}>} */
-const quietly = (asking) =>
-  asking.catch((error) => {
-    if (!(error instanceof Refusal)) throw error;
-    return { problem: error.message };
-  });
-
-/** Pairs with what is predicted for exactly them: by the head as trained, or by what lessons teach.
- * @template {Pair} Some @param {Some[]} pairs @param {{lessons?: Lesson[]}} [lessons] @param {AbortSignal} [signal] */
-async function predicted(pairs, lessons, signal) {
-  const asked = pairs.map(({ vis, tac }) => ({ vis, tac }));
-  const { classes, pairs: answers } = await ask("many", { pairs: asked, ...lessons }, signal);
-  return pairs.map((pair, i) => ({ ...pair, ...answers[i], classes, said: said(classes, answers[i].readings) }));
-}
-
-/** A labelled pair for the count. @param {Lesson & {name: string}} pair */
-export const counted = async (pair) => (await predicted([pair]))[0];
-
-let last = { lessons: "", taught: "" }; // a handle of the server's: nothing of it is drawn
-/** The name of the head that lessons teach; "" without lessons. `fresh` to teach again if the server may have dropped the
- * head. @param {{lessons?: Lesson[]}} of */
-export async function taughtBy({ lessons }, fresh = true) {
-  if (!lessons) return "";
-  const key = JSON.stringify(lessons);
-  if (fresh || last.lessons !== key) last = { lessons: key, taught: (await ask("taught", { lessons })).taught };
-  return last.taught;
-}
-
 /** The profile in a file. @param {Blob} body @returns {Promise<Profile>} */
 const profileIn = async (body) => (await get("sensor", { method: "POST", body })).json();
 /** The profile of this visit as a file. */
 const profileFile = () => made("save/sensor", { profile: visit.profile });
 
-/** @param {Blob} blob */
-export const contentOf = async (blob) => new Uint8Array(await blob.arrayBuffer());
-
-/** @param {string} name @param {[string, Uint8Array][]} files */
-export const saveZip = (name, files) =>
-  save(name, new Blob(/** @type {BlobPart[]} */ (zipped(files)), { type: "application/zip" }));
-
 /** A label as the name of a folder. @param {string} label */
-export const folderOf = (label) => label.replaceAll(/[\\/:]/g, "_");
+const folderOf = (label) => label.replaceAll(/[\\/:]/g, "_");
 
 /** Work of which a newer one stops no older one. @type {(keyof PairWork)[]} */
 export const TOGETHER = ["upload", "explain", "count"];
@@ -102,7 +67,8 @@ export const WORK = {
     const said = (/** @type {string} */ name) => /** @type {Replies["rivals"]} */ (answers)[name] ?? answers;
     send("arrived", { rivals: heads.map((one) => ({ ...said(one.name), label: headLabel(one) })) });
   },
-  /** The pair at every stop of p: by the head of the chapters where linear maps have predicted, in which p has no part. */
+  /** The pair at every stop of p: by the head of the chapters where linear maps have predicted, in which p has no
+   * part. */
   async travel({ tab, send, map }, _, signal) {
     const { vis, tac, answer, question } = tab;
     if (!answer || !question) return;
@@ -239,7 +205,8 @@ export const WORK = {
   },
 };
 
-/** Send the visit's profile again: after a reload, or to a server that has lost it. True if it is back. @param {Desk} desk */
+/** Send the visit's profile again: after a reload, or to a server that has lost it. True if it is back.
+ * @param {Desk} desk */
 export async function restore({ send }) {
   const text = kept(KEPT, true);
   const mend = kept(MEND, true);
@@ -255,7 +222,8 @@ export async function restore({ send }) {
   return Boolean(visit.profile);
 }
 
-/** A pair of files as a row: its pictures are sent. @param {FilePair} pair @param {Desk["send"]} send @param {AbortSignal} signal @returns {Promise<Row>} */
+/** A pair of files as a row: its pictures are sent. @param {FilePair} pair @param {Desk["send"]} send
+ * @param {AbortSignal} signal @returns {Promise<Row>} */
 async function rowOf(pair, send, signal) {
   /** @type {Row} */
   const row = { ...pair, vis: null, tac: null };
@@ -283,7 +251,8 @@ async function read({ tab, send }, { files, kind }, signal) {
   if (!total && alone.length && !table && !kind) return send("arrived", { unnamed: { files, count: alone.length } });
   const none = table
     ? "The CSV names none of these pictures. Drop it together with them; it needs the columns vis and tac."
-    : `No pair was recognised among ${plural(files.length, "file")}. Name them x_vis and x_tac, or add a CSV with the columns vis and tac.`;
+    : `No pair was recognised among ${plural(files.length, "file")}. Name them x_vis and x_tac, or add a CSV with ` +
+      "the columns vis and tac.";
   const left = alone.length ? ` ${plural(alone.length, "picture")} left out: no partner by name.` : "";
   send("told", { many: total ? left : problem || none });
   const began = Date.now();

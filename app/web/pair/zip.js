@@ -1,5 +1,7 @@
 /** An uncompressed zip; pictures are compressed already. No DOM here. */
 
+import { save } from "../shared/save.js";
+
 /** The checksum of each file in a zip. @param {Uint8Array} bytes */
 export function crc32(bytes) {
   let crc = 0xffffffff;
@@ -40,3 +42,10 @@ export function zipped(files) {
   const counts = numbers(2, 0, 0, files.length, files.length);
   return [...body, ...directory, mark(5, 6), counts, numbers(4, length(directory), offset), numbers(2, 0)];
 }
+
+/** @param {Blob} blob */
+export const contentOf = async (blob) => new Uint8Array(await blob.arrayBuffer());
+
+/** @param {string} name @param {[string, Uint8Array][]} files */
+export const saveZip = (name, files) =>
+  save(name, new Blob(/** @type {BlobPart[]} */ (zipped(files)), { type: "application/zip" }));

@@ -50,7 +50,8 @@ export const inSet = (path, set) =>
 /** @type {Map<string, string>} */
 const holds = new Map(); // address of a set -> what the server held of it at first
 
-/** Whether the server responds again, after how many looks; one wait serves all requests. @type {Promise<number> | null} */
+/** Whether the server responds again, after how many looks; one wait serves all requests.
+ * @type {Promise<number> | null} */
 let returning = null;
 
 /** Wait until the server responds. The page's header tells of it meanwhile. */
@@ -90,14 +91,15 @@ async function bodyOf(response, path) {
   }
 }
 
-/** Send a request to the server, and again once the server is back if the connection is lost. Whoever reads a body while it
- * comes (`whole` is false) sends the request again if it ends midway.
+/** Send a request to the server, and again once the server is back if the connection is lost. Whoever reads a body
+ * while it comes (`whole` is false) sends the request again if it ends midway.
  * @param {string} path @param {Sent} [options] */
 async function sent(path, { whole = true, ...options } = {}) {
   for (let again = false; ; again = true) {
     try {
       const response = await fetch(address(path), options);
-      return whole ? new Response(await bodyOf(response, path), response) : response; // a connection is also lost midway
+      // a connection is also lost midway
+      return whole ? new Response(await bodyOf(response, path), response) : response;
     } catch (error) {
       if (isCancelled(error)) throw error;
       returning ??= waited();
@@ -131,7 +133,8 @@ export async function get(path, options) {
   return checked(request, new URL(path, base).searchParams.get("set") ?? own);
 }
 
-/** The response to a question or a file. @param {string} path @param {object | Blob} content @param {AbortSignal} [signal] */
+/** The response to a question or a file. @param {string} path @param {object | Blob} content
+ * @param {AbortSignal} [signal] */
 function post(path, content, signal) {
   const file = content instanceof Blob && content;
   /** @type {HeadersInit} */
@@ -159,7 +162,8 @@ const isCancelled = (error) => error instanceof Error && error.name === "AbortEr
  * `head` reads the visitor's own pictures, "" is the first one; `mend` is how their touches are mended first.
  * @type {{profile: string, head: string, mend: string, renew: () => Promise<boolean>}} */
 export const visit = { profile: "", head: "", mend: "", renew: async () => false };
-const READ = new Set(["pair", "many", "attention", "familiar", "teach", "curve", "taught", "save/head"]); // by that head
+// by that head
+const READ = new Set(["pair", "many", "attention", "familiar", "teach", "curve", "taught", "save/head"]);
 
 /** The images of a question's pairs. @param {Pictured} question @returns {Ref[]} */
 const imagesIn = ({ lessons = [], pairs = [], vis, tac }) =>
@@ -172,7 +176,8 @@ export function readerOf({ lessons = [], ...question }) {
   return refs.length && refs.every((ref) => ref.startsWith("image:")) ? visit.head : "";
 }
 
-/** A question with the visitor's profile, and with the head that reads it. @param {string} path @param {Question} question */
+/** A question with the visitor's profile, and with the head that reads it. @param {string} path
+ * @param {Question} question */
 function whole(path, question) {
   const head = READ.has(path) ? readerOf(question) : "";
   const { profile, mend } = visit;
@@ -220,7 +225,7 @@ export async function bytesOf(ref, modality) {
 
 /** Send an image with a request; `taught` names a taught head, `split` the bytes of the first of two pictures.
  * @template {"occlusion" | "live"} What @param {What} what @param {Blob} blob
- * @param {{modality: string, other?: Ref | null, order?: number | null, taught?: string, split?: number, head?: string}} about
+ * @param {{modality: string, other?: Ref | null, taught?: string, split?: number, head?: string}} about
  * @returns {Promise<Replies[What]>} */
 export function askOfImage(what, blob, about) {
   const stated = Object.entries({ ...about, profile: visit.profile, mend: visit.mend }).filter(
@@ -237,7 +242,8 @@ const sizesOf = (touches) => touches.map(({ size }) => size).join();
 export const cardOf = (touches, first, signal) =>
   replied(post(`card?${new URLSearchParams({ new: `${first}`, sizes: sizesOf(touches) })}`, new Blob(touches), signal));
 
-/** The relief of the first of several touches of one sensor. @param {Blob[]} touches @param {string} as @param {string} theme
+/** The relief of the first of several touches of one sensor. @param {Blob[]} touches @param {string} as
+ * @param {string} theme
  * @param {string} name */
 export function reliefOf(touches, as, theme, name) {
   const about = new URLSearchParams({ as, theme, name, mend: visit.mend, sizes: sizesOf(touches) });

@@ -23,7 +23,8 @@ export function paintCells(canvas, columns, rows, colour) {
 }
 
 /** Stroke a path in several widths and colours, the widest first.
- * @param {CanvasRenderingContext2D} context @param {() => void} trace @param {...[width: number, colour: string]} strokes */
+ * @param {CanvasRenderingContext2D} context @param {() => void} trace
+ * @param {...[width: number, colour: string]} strokes */
 export function stroked(context, trace, ...strokes) {
   context.beginPath();
   trace();

@@ -1,5 +1,6 @@
 /** The card of one pair: thumbnails, class and prediction. */
 
+import { classOf, domainOf } from "./frames.js";
 import { saidOf } from "./palette.js";
 import { has, sensorOf } from "./tables.js";
 import { html } from "./text.js";
@@ -26,8 +27,8 @@ export const thumbnailPair = ({ pairs }, sprite, pair, side) =>
 export function verdict(frames, pair, stop) {
   const said = saidOf(frames, pair, stop);
   return {
-    domain: frames.domains[frames.domain[pair]],
-    truth: frames.classes[frames.label[pair]],
+    domain: domainOf(frames, pair),
+    truth: classOf(frames, pair),
     said: frames.headless ? "" : frames.classes[said],
     right: !frames.headless && said === frames.label[pair],
     // other heads have no temperature
@@ -53,29 +54,38 @@ export function imitation(pairs, pair) {
   return feels ? `feels like ${feels}` : "";
 }
 
-/** The card of a pair; `pairs` has the names, once loaded. Without a pair, -1, the card shows the pair `sample`, if any.
- * @param {Frames} frames @param {Sprite | null} sprite @param {number} pair @param {number} stop @param {boolean} pinned
+/** The card of a pair; `pairs` has the names, once loaded. Without a pair, -1, the card shows the pair `sample`, if
+ * any.
+ * @param {Frames} frames @param {Sprite | null} sprite @param {number} pair @param {number} stop
+ * @param {boolean} pinned
  * @param {PairNames | null} pairs */
 export function card(frames, sprite, pair, stop, pinned, sample = -1, pairs = null) {
   const { labelled, headless } = frames;
   /** @param {number} pair */
   const pictures = (pair) => sprite && pair >= 0 && thumbnailPair(frames, sprite, pair, 124);
   if (pair < 0) {
-    const name = sample >= 0 && labelled && `: ${frames.classes[frames.label[sample]]}`;
+    const name = sample >= 0 && labelled && `: ${classOf(frames, sample)}`;
     const [title, points] = frames.signals
       ? ["Two recordings of one signal", "● one recording, ▲ the other"]
       : ["A photo and a touch", "● photo, ▲ touch"];
-    return html`<h3>${title}${name}</h3>${pictures(sample)}<p class="hint">${points}. <span class="keys" title="Keys: N and B step through pairs, Enter pins"><b>Point</b> at one, <b>click</b> to pin.</span></p>`;
+    return html`<h3>${title}${name}</h3>${pictures(sample)}<p class="hint">${points}. <span class="keys"
+      title="Keys: N and B step through pairs, Enter pins"><b>Point</b> at one, <b>click</b> to pin.</span></p>`;
   }
   const { domain, truth, said, right, confidence } = verdict(frames, pair, stop);
   const note = imitation(pairs, pair);
   const sure = Number.isFinite(confidence) && `, ${Math.round(100 * confidence)} %`;
-  const predicted = html`<dt>Predicted</dt><dd class="${labelled && (right ? "right" : "wrong")}">${labelled && (right ? "✓ " : "✗ ")}${said}${sure}</dd>`;
-  const more = html`<div class="near"><h4>Nearest by cosine${frames.foreign && " of raw embeddings"} to <span><button class="find" data-of="0">VIS</button> <button class="find" data-of="1">TAC</button></span></h4><div class="found"></div></div>
-    <div class="row">${!headless && html`<button class="open">Open in Try a pair ›</button>`}<button class="unpin">Unpin</button></div>`;
+  const predicted = html`<dt>Predicted</dt><dd class="${labelled && (right ? "right" : "wrong")}">
+    ${labelled && (right ? "✓ " : "✗ ")}${said}${sure}</dd>`;
+  const more = html`<div class="near"><h4>Nearest by cosine${frames.foreign && " of raw embeddings"} to <span>
+    <button class="find" data-of="0">VIS</button> <button class="find" data-of="1">TAC</button></span></h4>
+    <div class="found"></div></div>
+    <div class="row">${!headless && html`<button class="open">Open in Try a pair ›</button>`}
+      <button class="unpin">Unpin</button></div>`;
   return html`<h3>Pair ${pair}${pinned && html` <span class="tag">pinned</span>`}</h3>
     ${pictures(pair)}
-    <dl><dt>Domain</dt><dd>${sensorOf(domain)}${domain === frames.source && html` <small class="source">source</small>`}</dd><dt>Class</dt><dd>${labelled ? truth : "–"}${note && html` <small>${note}</small>`}</dd>
+    <dl><dt>Domain</dt><dd>${sensorOf(domain)}
+      ${domain === frames.source && html` <small class="source">source</small>`}</dd><dt>Class</dt>
+      <dd>${labelled ? truth : "–"}${note && html` <small>${note}</small>`}</dd>
     ${said && predicted}</dl>
     ${pinned && more}`;
 }

@@ -29,7 +29,8 @@ export class Scale {
   /** @param {number} v */
   y = (v) => this.base - share(v, this.ys) * (this.base - this.top);
 
-  /** A line through points [x, y]; one without a value ends it, and the next begins another. @param {number[][]} points */
+  /** A line through points [x, y]; one without a value ends it, and the next begins another.
+   * @param {number[][]} points */
   line(points) {
     let before = false;
     return points
@@ -48,11 +49,13 @@ export class Scale {
   across = (kind, v) =>
     html`<line class="${kind}" x1="${this.left}" x2="${this.right}" y1="${this.y(v)}" y2="${this.y(v)}"/>`;
 
-  /** Lines across at some values, with their figures. @param {number[]} values @param {(v: number) => string | number} figure */
+  /** Lines across at some values, with their figures. @param {number[]} values
+   * @param {(v: number) => string | number} figure */
   grid(values, figure) {
     return html`${values.map(
       (v) =>
-        html`${this.across("grid", v)}<text x="${this.left - 6}" y="${this.y(v) + 4}" text-anchor="end">${figure(v)}</text>`,
+        html`${this.across("grid", v)}<text x="${this.left - 6}" y="${this.y(v) + 4}" text-anchor="end">
+          ${figure(v)}</text>`,
     )}`;
   }
 
@@ -71,7 +74,8 @@ export class Scale {
    * @param {string} kind @param {number} from @param {number} to */
   band(kind, from, to) {
     const [left, right] = [from, to].map(this.x);
-    return html`<rect class="${kind}" x="${left}" y="${this.top}" width="${Math.max(0, right - left)}" height="${this.base - this.top}"/>`;
+    return html`<rect class="${kind}" x="${left}" y="${this.top}" width="${Math.max(0, right - left)}"
+      height="${this.base - this.top}"/>`;
   }
 
   /** A line at a value of the axis. @param {number} v */

@@ -10,7 +10,8 @@ const GROUND = { light: "#ffffff", dark: "#0f172a" };
 const MARGIN = 0.06; // of the shorter side, kept free around all points
 const FITTED = { zoom: 1, dx: 0, dy: 0 };
 const KEYS =
-  "Points: arrows or two fingers pan, plus and minus or two fingers zoom, 0 fits, N and B step through pairs, Enter pins, S selects what is in view, Escape clears the selection";
+  "Points: arrows or two fingers pan, plus and minus or two fingers zoom, 0 fits, N and B step through pairs, " +
+  "Enter pins, S selects what is in view, Escape clears the selection";
 
 const eased = (/** @type {number} */ share) => share * share * (3 - 2 * share);
 const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;

@@ -1,7 +1,7 @@
 /** Facts about the set and its heads; each is fetched once. */
 
 import { ask, inSet, json, once, Refusal } from "./api.js";
-import { fetchFrames } from "./frames.js";
+import { classOf, fetchFrames } from "./frames.js";
 import { OWN_MODE } from "./tables.js";
 import { bytesOf } from "./text.js";
 
@@ -59,7 +59,7 @@ export const choices = (set = "") =>
 export const framesOf = (mode, own, set = "") =>
   once(`frames ${mode} ${set}`, async () => {
     const { frames } = await fetchFrames(() => {}, { mode, set });
-    if (frames.pairs !== own.pairs || !frames.label.every((k, i) => frames.classes[k] === own.classes[own.label[i]]))
+    if (frames.pairs !== own.pairs || frames.label.some((_, pair) => classOf(frames, pair) !== classOf(own, pair)))
       throw new Refusal("The frames of this mode belong to other pairs; make them again with `omnivat sweep`.");
     frames.foreign = true;
     return frames;

@@ -14,11 +14,13 @@ const KINDS = [
 /** @type {Record<string, string>} */
 const SIGNS = { VIS: "●", TAC: "▲" };
 
-/** The names of groups beside their colours. @param {[name: string, colour: string][]} groups @param {string} [source] */
+/** The names of groups beside their colours. @param {[name: string, colour: string][]} groups
+ * @param {string} [source] */
 export const keys = (groups, source) =>
   html`${groups.map(
     ([name, colour]) =>
-      html`<span class="key"><i style="background:${colour}"></i>${name}${name === source && html` <b>source</b>`}</span>`,
+      html`<span class="key"><i style="background:${colour}"></i>${name}
+        ${name === source && html` <b>source</b>`}</span>`,
   )}`;
 
 /** Draw the switches; those of the current colouring show their colours.
@@ -34,7 +36,11 @@ export function showFilters(box, frames, onPoint) {
   };
   /** @param {Filter} kind @param {string} name */
   const choice = (kind, name) =>
-    html`<label data-kind="${kind}" data-name="${name}"><input type="checkbox"${!hidden(kind).has(name) && html` checked`}>${sign(kind, name)}<span>${kind === "domain" ? sensorOf(name) : name}${name === frames.source && html` <b class="source" title="the domain that the head was trained on">source</b>`}</span></label>`;
+    html`<label data-kind="${kind}" data-name="${name}">
+      <input type="checkbox"${!hidden(kind).has(name) && html` checked`}>${sign(kind, name)}
+      <span>${kind === "domain" ? sensorOf(name) : name}
+      ${name === frames.source && html` <b class="source" title="the domain that the head was trained on">source</b>`}
+      </span></label>`;
   const own = KINDS.some(([kind]) => kind === id);
   put(
     box,

@@ -1,4 +1,5 @@
-/** Frames: exact map positions for every stop of p, and the curves. A map comes when it is first shown, its stop first. */
+/** Frames: exact map positions for every stop of p, and the curves. A map comes when it is first shown, its stop
+ * first. */
 
 import { address, get, inSet, Refusal, refused } from "./api.js";
 import { fileOf, held } from "./held.js";
@@ -11,11 +12,14 @@ import { bytesOf, NO_CLASS } from "./text.js";
 const MAGIC = "OVFRAMES";
 const TRIES = 3; // of an array whose connection is lost midway
 const ARRAYS = { u8: Uint8Array, u16: Uint16Array };
-/** An array: its values, and which of its stops have come. @typedef {{values: Uint8Array | Uint16Array, there: boolean[]}} Part */
-/** What fetches an array, of a map from one of its stops outward. @typedef {(name: string, from: number) => Promise<Response>} Fetch */
+/** An array: its values, and which of its stops have come.
+ * @typedef {{values: Uint8Array | Uint16Array, there: boolean[]}} Part */
+/** What fetches an array, of a map from one of its stops outward.
+ * @typedef {(name: string, from: number) => Promise<Response>} Fetch */
 
 export class Frames {
-  /** @param {FramesMeta} meta @param {Fetch | null} [fetchPart] @param {[string, Uint8Array][]} [there] the arrays that are there */
+  /** @param {FramesMeta} meta @param {Fetch | null} [fetchPart] @param {[string, Uint8Array][]} [there] the arrays that
+   * are there */
   constructor(meta, fetchPart = null, there = []) {
     this.meta = meta;
     this.fetchPart = fetchPart;
@@ -231,8 +235,8 @@ export class Frames {
     return names.filter(([, of]) => of === featuresOf(stage)).map(([kind]) => kind);
   }
 
-  /** Positions at one stop of one map; `drawn` is the stop of these positions. While the map comes, they are of the nearest
-   * stop that is there; null without any.
+  /** Positions at one stop of one map; `drawn` is the stop of these positions. While the map comes, they are of the
+   * nearest stop that is there; null without any.
    * @param {string} kind @param {string} stage @param {number} stop @returns {Placed | null} */
   positions(kind, stage, stop) {
     const map = this.meta.maps[`${kind}/${featuresOf(stage)}`];
@@ -286,10 +290,16 @@ function boxes(all, pairs) {
   return halves;
 }
 
+/** @typedef {Pick<Frames, "domains" | "domain" | "classes" | "label">} Pairs */
+/** The domain of a pair, by name. @param {Pairs} frames @param {number} pair */
+export const domainOf = ({ domains, domain }, pair) => domains[domain[pair]];
+/** The class of a pair, by name. @param {Pairs} frames @param {number} pair */
+export const classOf = ({ classes, label }, pair) => classes[label[pair]];
+
 /** p as text: two digits, or three if the stop lies between two hundredths. @param {number} p */
 export const orderText = (p) => (Math.abs(p - +p.toFixed(2)) < 1e-9 ? p.toFixed(2) : p.toFixed(3));
 
-/** @typedef {{head?: string, mode?: string, set?: string, progress?: string, part?: string, from?: string, of?: string}} Named */
+/** @typedef {Partial<Record<"head" | "mode" | "set" | "progress" | "part" | "from" | "of", string>>} Named */
 /** @param {Named} named */
 const query = (named) =>
   `frames?${new URLSearchParams(Object.entries(named).filter(([, value]) => value))}`.replace(/\?$/, "");

@@ -12,7 +12,8 @@ export async function needsHead(root) {
   if (!found?.problem) return false;
   put(
     root.querySelector(".ov"),
-    html`<section class="panel headless"><h2>This tab needs a head that fits the set</h2><p>${found.problem}</p>${remedyHtml(found)}<p class="hint"><a href="?set=sensors">The project’s own set</a> has one.</p></section>`,
+    html`<section class="panel headless"><h2>This tab needs a head that fits the set</h2><p>${found.problem}</p>
+      ${remedyHtml(found)}<p class="hint"><a href="?set=sensors">The project’s own set</a> has one.</p></section>`,
   );
   return true;
 }

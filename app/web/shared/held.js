@@ -29,7 +29,8 @@ function parts({ home }, path, body = "") {
 /** The address of a file for a path; undefined if there is none. @param {Held} page @param {string} path */
 export const fileOf = (page, path) => page.files[parts(page, path).key];
 
-/** `models`: settled once the models are there that an own pair needs, if they are on their way; maps and familiarity wait for it. */
+/** `models`: settled once the models are there that an own pair needs, if they are on their way; maps and familiarity
+ * wait for it. */
 /** @type {{models: Promise<void> | null}} */
 export const line = { models: null };
 

@@ -4,7 +4,8 @@ import { held } from "./held.js";
 import { html, isSimulated, percent, put } from "./text.js";
 import { theSet } from "./theset.js";
 
-const SIMULATED = html`These data are <b>simulated</b>: this project rendered all photos and touches. No figure on this page describes a real sensor.`;
+const SIMULATED = html`These data are <b>simulated</b>: this project rendered all photos and touches. No figure on this
+  page describes a real sensor.`;
 const REAL = html`These are <b>real pairs</b>, according to the header of the file.`;
 
 /** @param {Frames} frames */

@@ -20,8 +20,8 @@ const STEP = 6; // by which a name moves aside
 
 const inkOf = () => (isDark() ? "#f8fafc" : "#0f172a");
 
-/** The groups of a colouring by values of the pairs, or all points as one, and their means in CSS pixels: of VIS, of TAC,
- * of both.
+/** The groups of a colouring by values of the pairs, or all points as one, and their means in CSS pixels: of VIS, of
+ * TAC, of both.
  * @param {Frames} frames @param {Cloud} cloud @param {(point: number) => boolean} shown
  * @param {Pick<Colouring, "values" | "groups" | "of">} chosen
  * @returns {Group[]} */

@@ -18,11 +18,14 @@ export const HUNDREDTHS = {
   stop: (/** @type {number} */ p) => Math.max(0, Math.min(100, Math.round(100 * p))),
 };
 
-/** The ends of the axis of p, whichever stops are there. @param {Pick<Stops, "orders">} frames @returns {[number, number]} */
+/** The ends of the axis of p, whichever stops are there. @param {Pick<Stops, "orders">} frames
+ * @returns {[number, number]} */
 export const span = ({ orders }) => [Math.min(0, orders[0]), Math.max(1, orders[orders.length - 1])];
 
-const BAR = html`<div class="track"><input class="order" type="range" step="${FINE}" aria-label="Fractional order p"><span class="learned-mark" hidden></span></div>
-  <button class="play main" aria-pressed="false" aria-label="Play p from 0 to 1" title="Play (space bar on this button)">▶</button>
+const BAR = html`<div class="track"><input class="order" type="range" step="${FINE}" aria-label="Fractional order p">
+  <span class="learned-mark" hidden></span></div>
+  <button class="play main" aria-pressed="false" aria-label="Play p from 0 to 1"
+    title="Play (space bar on this button)">▶</button>
   <label><i>p</i> = <output class="order-value">0.50</output></label>
   <button class="learned" title="Go to the learned order" hidden></button>`;
 

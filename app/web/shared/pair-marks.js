@@ -67,8 +67,8 @@ export function starAt(nodes, [x, y]) {
   return far.indexOf(Math.min(...near));
 }
 
-/** Draw the pair that a map has beside its points. `before`: its earlier places in map units, the oldest first; `lit`: a node,
- * -1 for none.
+/** Draw the pair that a map has beside its points. `before`: its earlier places in map units, the oldest first; `lit`:
+ * a node, -1 for none.
  * @param {Context} context @param {Cloud} cloud
  * @param {{journey: Journey | null, before: Partial<Record<Modality, Point>>[], lit?: number}} of */
 export function pairMarks(context, cloud, { journey, before, lit = -1 }) {

@@ -42,8 +42,12 @@ export function treeSvg({ classes, tree: { parents, probabilities, in_use: used 
     const inside = depth[i] < last || rows[last].length < 3;
     const anchor = !inside ? "middle" : i && x < WIDE / 2 ? "end" : "start";
     const [left, top] = inside ? [anchor === "end" ? x - 14 : x + 16, y - 2] : [x, y + BELOW + 4];
-    const text = html`<text x="${left}" y="${top}" text-anchor="${anchor}">${name}</text><text class="share" x="${left}" y="${top + 16}" text-anchor="${anchor}">${percent(share)}</text>`;
-    return html`<g data-node="${i}" tabindex="0" role="listitem" aria-label="${words}"><title>${words}</title><polygon class="star ${i === 0 && "root"}" points="${star(x, y, i ? 10 : 13)}"/>${text}</g>`;
+    const text = html`<text x="${left}" y="${top}" text-anchor="${anchor}">${name}</text>
+      <text class="share" x="${left}" y="${top + 16}" text-anchor="${anchor}">${percent(share)}</text>`;
+    return html`<g data-node="${i}" tabindex="0" role="listitem" aria-label="${words}"><title>${words}</title>
+      <polygon class="star ${i === 0 && "root"}" points="${star(x, y, i ? 10 : 13)}"/>${text}</g>`;
   });
-  return html`<svg class="tree-of-pair" viewBox="0 0 ${WIDE} ${TOP + last * ROW + BELOW + 26}" role="list" aria-label="The tree of this pair; ${used ? "its nodes" : "its nodes, which this head does not use,"} are stars on the map">${edges}${nodes}</svg>`;
+  return html`<svg class="tree-of-pair" viewBox="0 0 ${WIDE} ${TOP + last * ROW + BELOW + 26}" role="list"
+    aria-label="The tree of this pair; ${used ? "its nodes" : "its nodes, which this head does not use,"} are stars on
+    the map">${edges}${nodes}</svg>`;
 }

@@ -24,7 +24,8 @@ export const classColour = (index) => TOL_BRIGHT[index % TOL_BRIGHT.length];
 
 /** @typedef {Omit<Colouring, keyof ColourRow>} Grouping */
 /** A colour for each value of the pairs: the index of each, and the names in their order.
- * @type {(values: (f: Colourable) => Numbers, names: (f: Colourable) => string[], colour: (index: number) => string) => Grouping} */
+ * @param {(f: Colourable) => Numbers} values @param {(f: Colourable) => string[]} names
+ * @param {(index: number) => string} colour @returns {Grouping} */
 const byValue = (values, names, colour) => ({
   values,
   groups: (f) => names(f).map((name, i) => [name, colour(i)]),

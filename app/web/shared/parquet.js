@@ -8,8 +8,10 @@
  *   | {name: string, kind: "image", values: Uint8Array[]}} Column
  */
 /** A value of Thrift's compact protocol, after its type: fields are by their numbers, a list's type is its items'.
- * @typedef {["i32" | "i64", number] | ["text", string] | ["list", Value[]] | ["fields", Record<number, Value>]} Value */
-/** Values in the file: a column, or a part of one. @typedef {{path: string[], type: number, parts: Uint8Array[]}} Leaf */
+ * @typedef {["i32" | "i64", number] | ["text", string] | ["list", Value[]] | ["fields", Record<number, Value>]} Value
+ */
+/** Values in the file: a column, or a part of one.
+ * @typedef {{path: string[], type: number, parts: Uint8Array[]}} Leaf */
 
 const CODES = { i32: 5, i64: 6, text: 8, list: 9, fields: 12 };
 const [INT64, FLOAT, DOUBLE, BYTES] = [2, 4, 5, 6];
@@ -85,7 +87,8 @@ const levels = (count) =>
 /** An element of the schema. @param {string} name @param {Record<number, Value>} more */
 const element = (name, more) => fields({ 3: i32(REQUIRED), 4: text(name), ...more });
 
-/** The schema of a column, and where its values are. @param {Column} column @returns {{schema: Value[], leaves: Leaf[]}} */
+/** The schema of a column, and where its values are. @param {Column} column
+ * @returns {{schema: Value[], leaves: Leaf[]}} */
 function described(column) {
   const { name, values } = column;
   if (column.kind === "image") {

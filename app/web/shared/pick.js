@@ -1,6 +1,7 @@
 /** The default pair: one that the head was not trained on and predicts without guessing, if there is one. */
 
 import { json } from "./api.js";
+import { classOf, domainOf } from "./frames.js";
 import { change, state } from "./store.js";
 
 /** @param {Example[]} examples @param {Frames | null} frames */
@@ -25,10 +26,10 @@ export function shelf(examples, frames) {
       .map(({ name, domain, class: truth }) => ({ ref: `example:${name}`, domain, truth, path: name }));
   }
   const first = new Map();
-  frames.domain.forEach((domain, pair) => {
-    const truth = frames.classes[frames.label[pair]];
+  for (let pair = 0; pair < frames.pairs; pair++) {
+    const [domain, truth] = [domainOf(frames, pair), classOf(frames, pair)];
     const key = `${domain} ${truth}`;
-    if (!first.has(key)) first.set(key, { ref: `row:${pair}`, domain: frames.domains[domain], truth, pair });
-  });
+    if (!first.has(key)) first.set(key, { ref: `row:${pair}`, domain, truth, pair });
+  }
   return [...first.values()];
 }

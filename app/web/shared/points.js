@@ -88,7 +88,8 @@ export class Pixels {
     this.context = context;
   }
 
-  /** Begin a picture of some device pixels on one colour. @param {Record<"width" | "height", number>} size @param {string} ground */
+  /** Begin a picture of some device pixels on one colour. @param {Record<"width" | "height", number>} size
+   * @param {string} ground */
   begin({ width, height }, ground) {
     if (this.image.width !== width || this.image.height !== height) {
       this.image = new ImageData(width, height);

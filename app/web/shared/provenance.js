@@ -1,12 +1,15 @@
-/** Where an accuracy comes from, in two sentences: head, training data, test data, what the head was given of the new domain. */
+/** Where an accuracy comes from, in two sentences: head, training data, test data, what the head was given of the new
+ * domain. */
 
 import { orderText } from "./frames.js";
 import { modeOf, sensorOf, worded } from "./tables.js";
 import { html } from "./text.js";
 
-/** `known` is null where a text beside it tells. @param {{head: string, source: string, pairs: string, known?: string | null}} from */
+/** `known` is null where a text beside it tells.
+ * @param {{head: string, source: string, pairs: string, known?: string | null}} from */
 export const provenance = ({ head, source, pairs, known = "nothing from these domains" }) =>
-  html`<p class="provenance">Measured with ${head}, trained on ${source} and tested on ${pairs}.${known && ` The model was given ${known}.`}</p>`;
+  html`<p class="provenance">Measured with ${head}, trained on ${source} and tested
+    on ${pairs}.${known && ` The model was given ${known}.`}</p>`;
 
 /** Who predicts in frames at one stop, in words. @param {Frames} frames @param {number} stop */
 function predictor(frames, stop) {

@@ -13,7 +13,8 @@ export const checked = (on) => html`aria-checked="${String(on)}" tabindex="${on 
 export const radios = (options, chosen, name = "") =>
   html`${options.map(
     ({ key, label, title = "" }) =>
-      html`<button role="radio" data-choice="${name}" data-key="${key}" title="${title}" ${checked(key === chosen)}>${label}</button>`,
+      html`<button role="radio" data-choice="${name}" data-key="${key}" title="${title}" ${checked(key === chosen)}>
+        ${label}</button>`,
   )}`;
 
 /** Let arrow keys choose the next button of a group, or the one before; tabs that are not Gradio's are one, too. */

@@ -108,7 +108,8 @@ export function after(before, patch) {
   return { ...before, ...patch, ...(crosses && { p: otherP, otherP: p }) };
 }
 
-/** Take another state, and call who watches what is new in it. @param {State} next @param {(changed: string[]) => void} [first] */
+/** Take another state, and call who watches what is new in it. @param {State} next
+ * @param {(changed: string[]) => void} [first] */
 function become(next, first = () => {}) {
   const changed = Object.entries(next).flatMap(([name, value]) =>
     state[/** @type {keyof State} */ (name)] === value ? [] : name,
@@ -142,7 +143,8 @@ export function openChapter(chapter, patch = {}) {
   return change({ ...own(usual(chapter)), ...left[chapter], ...patch, chapter, left });
 }
 
-/** The order at which a chapter opens; that of the order's own set waits while another tab is open. @param {number} p */
+/** The order at which a chapter opens; that of the order's own set waits while another tab is open.
+ * @param {number} p */
 export const openAt = (p) => change(state.chapter === "order" && state.view !== "explore" ? { otherP: p } : { p });
 
 /** Back and forward: take the values of the address. `open(view)` opens a tab. @param {(view: string) => void} open */

@@ -1,5 +1,5 @@
-/** What the page offers, as rows of the server: modes of p, measures, steps, colours, methods, rungs, domains. A script goes
- * by what a row can do, never by its name. `app/web/shared/tables.json` has the rows. */
+/** What the page offers, as rows of the server: modes of p, measures, steps, colours, methods, rungs, domains. A script
+ * goes by what a row can do, never by its name. `app/web/shared/tables.json` has the rows. */
 
 const sent = globalThis.document?.querySelector("#omnivat-tables")?.textContent; // a worker has no document
 /** @type {Tables} */
@@ -11,7 +11,8 @@ export const TABLES = sent
  * @param {{kind: string}} frames @returns {Mode} */
 export const modeOf = ({ kind }) => TABLES.modes.find(({ id }) => id === kind) ?? { id: kind, can: [] };
 
-/** Whether a row can do something; docs/extend.md lists the abilities. @param {{can?: string[]} | undefined} row @param {string} ability */
+/** Whether a row can do something; docs/extend.md lists the abilities. @param {{can?: string[]} | undefined} row
+ * @param {string} ability */
 export const can = (row, ability) => Boolean(row?.can?.includes(ability));
 
 /** Whether the mode of frames can. @param {{kind: string}} frames @param {string} ability */
@@ -26,7 +27,8 @@ export const PLACES = TABLES.rungs.filter(({ map }) => map !== undefined);
 /** The rung that the third chapter draws. @param {{rung: string}} address @returns {Partial<RungRow>} */
 export const rungOf = ({ rung }) => TABLES.rungs.find(({ id }) => id === rung) ?? {};
 
-/** A domain by its sensor and data set, "GelSight (TAG)"; one of a visitor's set keeps its name. @param {string} domain */
+/** A domain by its sensor and data set, "GelSight (TAG)"; one of a visitor's set keeps its name.
+ * @param {string} domain */
 export function sensorOf(domain) {
   const name = domain.replace(/-sim$/, "");
   return TABLES.domains.find(({ id }) => id === name)?.title ?? name;

@@ -5,7 +5,8 @@ import { filled } from "./text.js";
 
 const QUIET = new Set("class label pair photo touch noise cosine style guess reading p".split(" "));
 const OFF = "button, summary, select, textarea, pre, code, svg, dfn, h1, [data-term], [role=radio], .definition";
-const AROUND = "p, li, dd, h2, h3, h4, legend, figcaption, td, th, label, button"; // the text that a definition leaves free
+// the text that a definition leaves free
+const AROUND = "p, li, dd, h2, h3, h4, legend, figcaption, td, th, label, button";
 const ROOM = 8; // CSS pixels between a text and its definition
 
 /** Word of the page -> its sentence, and a pattern of the words that are marked. */

@@ -23,10 +23,29 @@ const markup = (value) =>
       : value === null || value === undefined || value === false
         ? ""
         : escaped(value);
-/** Markup from a template. Every value in it is escaped, but for markup and lists of markup; null and false are left out.
+/** @type {WeakMap<TemplateStringsArray, string[]>} */
+const templates = new WeakMap();
+/** The texts of a template without its line breaks, as in JSX: one between words or in a tag is a space, one beside a
+ * tag or a value is nothing. @param {TemplateStringsArray} parts */
+function unbroken(parts) {
+  let tag = false;
+  return parts.map((part) =>
+    part.replace(/[<>]|\s*\n\s*/g, (found, at) => {
+      if (found === "<" || found === ">") tag = found === "<";
+      const [before, after] = [part[at - 1], part[at + found.length]];
+      if (found.trim()) return found;
+      return tag || (before && before !== ">" && after && after !== "<") ? " " : "";
+    }),
+  );
+}
+/** Markup from a template. Every value in it is escaped, but for markup and lists of markup; null and false are left
+ * out.
  * @param {TemplateStringsArray} parts @param {...unknown} values */
-export const html = (parts, ...values) =>
-  new Html(parts.map((part, at) => (at ? markup(values[at - 1]) : "") + part).join(""));
+export const html = (parts, ...values) => {
+  const texts = templates.get(parts) ?? unbroken(parts);
+  templates.set(parts, texts);
+  return new Html(texts.map((text, at) => (at ? markup(values[at - 1]) : "") + text).join(""));
+};
 /** Write markup into an element: the one place of the page that does.
  * @param {Element} box @param {Html} content */
 export const put = (box, content) => {

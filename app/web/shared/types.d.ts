@@ -233,8 +233,8 @@ interface State {
   head2: string;
   beside: string;
   means: string;
-  /** beside the address: the values of each chapter when it was left, and p of the tabs that are not open where the chapter
-   * of the order is: of the others while Explore is, its own while they are */
+  /** beside the address: the values of each chapter when it was left, and p of the tabs that are not open where the
+   * chapter of the order is: of the others while Explore is, its own while they are */
   left: Record<string, Partial<State>>;
   otherP: number;
   /** the step of the guided tour; -1 without it */
@@ -397,7 +397,8 @@ interface Fit {
   remedy: string;
   command: string;
 }
-/** What the head for own pictures reads right: shares on simulated sensors by pictures without labels, pairs on real ones. */
+/** What the head for own pictures reads right: shares on simulated sensors by pictures without labels, pairs on real
+ * ones. */
 interface OwnReader {
   left_out: Record<string, Record<Reading, number>>;
   real?: { pairs: number; always: number; "as they come": Record<Reading, number>; profile: Record<Reading, number> };

@@ -7,7 +7,8 @@ const [WIDEST, LONGEST, SHORTEST] = [0.085, 0.28, 11];
 const [FAINTEST, FAINT, MOST] = [26, [0.35, 0.7], 256];
 const [NODES, SUPPORT, STRAY] = [16, 0.22, 0.24];
 /** @typedef {{ width: number, height: number, values: Float64Array }} Plane
- * @typedef {{ x: number, y: number, depth: number }} Spot @typedef {{ nodes: Spot[], steps: number[][], darkness: number }} Grid */
+ * @typedef {{ x: number, y: number, depth: number }} Spot
+ * @typedef {{ nodes: Spot[], steps: number[][], darkness: number }} Grid */
 
 /** As Python rounds. @param {number} x */
 const even = (x) => (Math.abs(x % 1) === 0.5 ? 2 * Math.round(x / 2) : Math.round(x));
@@ -74,7 +75,8 @@ function groups(good, links) {
   return all;
 }
 
-/** The pixels that share an edge with one; -1 beyond the rim. @param {number} width @returns {(at: number) => number[]} */
+/** The pixels that share an edge with one; -1 beyond the rim. @param {number} width
+ * @returns {(at: number) => number[]} */
 const edges = (width) => (at) => [at - width, at + width, at % width ? at - 1 : -1, (at + 1) % width ? at + 1 : -1];
 
 /** @param {Plane} one */

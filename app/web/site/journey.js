@@ -1,5 +1,5 @@
-/** A pair at every stop of p, as the server gives it, but on linear maps alone: other maps place new rows between neighbours,
- * which takes the whole set at each stop. Runs in the worker. */
+/** A pair at every stop of p, as the server gives it, but on linear maps alone: other maps place new rows between
+ * neighbours, which takes the whole set at each stop. Runs in the worker. */
 
 import { imagesOf, READINGS } from "../shared/images.js";
 import { Refusal } from "../shared/refusal.js";
@@ -48,7 +48,8 @@ export const JOURNEY = {
     const out = await desk.run(head, [pair], orders, wanted);
     /** A value for each stop. @template T @param {(at: number) => T} of */
     const each = (of) => orders.map((_, at) => of(at));
-    /** A value for each node at a stop, from its row. @template T @param {string} name @param {(row: Floats) => T} of */
+    /** A value for each node at a stop, from its row. @template T @param {string} name
+     * @param {(row: Floats) => T} of */
     const ofNodes = (name, of) => (/** @type {number} */ at) =>
       head.parents.map((_, n) => of(rowOf(out[name], at * head.parents.length + n)));
     const spot = (/** @type {Floats} */ row, /** @type {number} */ at) =>

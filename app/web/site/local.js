@@ -53,9 +53,10 @@ export async function prepare() {
   await sent({ base: addressOf(models ?? ""), set: own || home, path: "warm", body: "{}" });
 }
 
-/** Respond to a request: `set` and `path` by name, `query` of the address, `body` text or a Blob; `models`:
- * the address of the models.
- * @param {{ set: string, path: string, query: URLSearchParams, body?: any, signal?: AbortSignal | null, models: string }} asked */
+/** Respond to a request: `set` and `path` by name, `query` of the address, `body` text or a Blob; `models`: the address
+ * of the models.
+ * @param {Record<"set" | "path" | "models", string> & {query: URLSearchParams, body?: any,
+ *   signal?: AbortSignal | null}} asked */
 export async function respond({ set, path, query, body, signal, models }) {
   const content = body instanceof Blob ? await body.arrayBuffer() : (body ?? "{}");
   const { status, value } = await sent(

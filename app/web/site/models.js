@@ -8,7 +8,8 @@ import { inTurn, LOST, runtime } from "./runtime.js";
 import { rowOf, tensorOf, tensors } from "./tensors.js";
 
 const NOT_HERE =
-  "Pictures for this head's encoder need Python: run `python -m pip install -r requirements.txt`, then `python app.py`.";
+  "Pictures for this head's encoder need Python: run `python -m pip install -r requirements.txt`, " +
+  "then `python app.py`.";
 export class Models {
   once = keeper();
 
@@ -89,8 +90,9 @@ export class Models {
     return outputNames.map((/** @type {string} */ output) => out[output]);
   }
 
-  /** Run a head: many pairs of embeddings at one stop of p, or one pair at many. A missing embedding is of zeros; a stop
-   * of null is what the head learned. @param {SiteHead} head @param {Rows[]} pairs @param {(number | null)[]} stops
+  /** Run a head: many pairs of embeddings at one stop of p, or one pair at many. A missing embedding is of zeros; a
+   * stop of null is what the head learned. @param {SiteHead} head @param {Rows[]} pairs
+   * @param {(number | null)[]} stops
    * @param {string[]} [wanted] */
   async run({ file, orders }, pairs, stops, wanted) {
     const { width } = await this.about();

@@ -6,7 +6,8 @@ import { Refusal } from "../shared/refusal.js";
 const SIMD = Uint8Array.from(atob("AGFzbQEAAAABBQFgAAF7AwIBAAoKAQgAQQD9D/1iCw=="), (one) => one.charCodeAt(0));
 const MOST_THREADS = 4;
 const OLD =
-  "This browser has no WebAssembly with SIMD, which the models need, or it is switched off; use one from 2023 or later.";
+  "This browser has no WebAssembly with SIMD, which the models need, or it is switched off; " +
+  "use one from 2023 or later.";
 export const LOST = "A file of this page did not arrive; check the connection and try again.";
 
 /** @param {string | URL} base @param {(url: URL, title: string) => Promise<ArrayBuffer>} bytes */

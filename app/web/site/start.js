@@ -40,4 +40,5 @@ document.body.classList.toggle("dark", matchMedia("(prefers-color-scheme: dark)"
 document.querySelector(".unstarted")?.remove();
 startHeader(document.querySelector("#omnivat-header"));
 await open(state.view);
-if (navigator.serviceWorker) setTimeout(() => keep().catch(() => {}), 2000); // a browser may forbid it; the page works without
+// a browser may forbid it; the page works without
+if (navigator.serviceWorker) setTimeout(() => keep().catch(() => {}), 2000);

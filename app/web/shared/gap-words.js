@@ -1,9 +1,9 @@
 /** What p does to both gaps of a head, computed from its curves. No DOM here. */
 
-import { orderText } from "../shared/frames.js";
-import { GAPS, values } from "../shared/measures.js";
-import { INPUT, OUTPUT, stepsOf } from "../shared/stages.js";
-import { html } from "../shared/text.js";
+import { orderText } from "./frames.js";
+import { GAPS, values } from "./measures.js";
+import { INPUT, OUTPUT, stepsOf } from "./stages.js";
+import { html } from "./text.js";
 
 const STILL = 0.02; // a gap that ranges less is called constant
 
@@ -11,8 +11,8 @@ const STILL = 0.02; // a gap that ranges less is called constant
 const mean = (all) => all.reduce((sum, v) => sum + v, 0) / all.length;
 
 /** One gap over p: its value in the embedding, the lowest and highest of the output with their orders, and the step at
- * which the mean over p falls most. `by` is what closes most of it: "steps" if its fall from the embedding to the highest
- * is at least that from the highest to the lowest, "p" if not, "" if no p brings it below the embedding.
+ * which the mean over p falls most. `by` is what closes most of it: "steps" if its fall from the embedding to the
+ * highest is at least that from the highest to the lowest, "p" if not, "" if no p brings it below the embedding.
  * @param {Frames} frames @param {Measure} measure */
 export function gapOver(frames, { id, title }) {
   const all = (/** @type {string} */ stage) => (values(frames, id, stage) ?? []).filter(Number.isFinite);
@@ -45,7 +45,8 @@ function rangeOf({ title, raw, low, high, lowAt, highAt, by }, i) {
   const before = `(${two(raw)}${i ? "" : " in the embedding"})`;
   if (high - low < STILL) return html`the ${title} stays at <b>${two(low)}</b> ${before}`;
   if (by === "steps") return html`the ${title} stays between <b>${two(low)}</b> and <b>${two(high)}</b> ${before}`;
-  return html`the ${title} lies between <b>${two(low)}</b> ${at(lowAt)} and <b>${two(high)}</b> ${at(highAt)} ${before}`;
+  return html`the ${title} lies between <b>${two(low)}</b> ${at(lowAt)} and <b>
+    ${two(high)}</b> ${at(highAt)} ${before}`;
 }
 
 /** Whether p closes either gap of a head, and what does: an answer, and a sentence with its figures.
