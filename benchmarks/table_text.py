@@ -4,13 +4,8 @@ markers.
     python -m benchmarks.table_text [--check]
 
 It also writes the tables of docs/new-sensor.md, docs/protocol.md and docs/sensor.md, the first
-finding of the README and the findings of the report. A cell is accuracy in percent: the mean over
-sources of the mean over targets, over seeds. Its 95 % interval draws sources, then the targets of
-each, then seeds, all with replacement (10,000 draws). A difference is paired: both methods have the
-same source, target and seed. The mean of several heads has no seed to draw, and there is one set,
-so sets are not drawn.
-
-docs/benchmarks/chirps.jsonl.gz is `runs.jsonl` of
+finding of the README and the findings of the report. docs/benchmarks/chirps.jsonl.gz is
+`runs.jsonl` of
 
     python -m omnivat protocol --embeddings examples/chirps/chirps.safetensors --out DIR \\
         --methods omnivat,omnivat_p0,linear_maps,erm_mlp,nearest_mean --seeds 0,1,2 \\
@@ -19,31 +14,32 @@ docs/benchmarks/chirps.jsonl.gz is `runs.jsonl` of
 """
 
 import argparse
-import json
 import re
 import sys
-from collections import defaultdict
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Any
-
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Iterable, Sequence
 
 from benchmarks import sensor
+from benchmarks._table_record import (
+    RECORDS,
+    ROOT,
+    Array,
+    Record,
+    chirps,
+    interval,
+    less,
+    mean_of,
+    real,
+    signed,
+    told,
+    twins,
+)
 from omnivat.figures.scores import ladder
 from omnivat.figures.still import svg_of
-from omnivat.head.heads import LADDERS, RELIEF
+from omnivat.head.heads import RELIEF
 from omnivat.kit.files import write_text
-from omnivat.kit.lines import lines
-from omnivat.measure.ladder import FORMAT, letters, marks
 from omnivat.measure.rungs import RUNGS as ROWS
-from omnivat.study.protocol.records import FORMAT as RUN
 
-ROOT = Path(__file__).resolve().parents[1]
-RECORDS = ROOT / "docs" / "benchmarks"
 PAGE = RECORDS / "table.md"
-CHIRPS = RECORDS / "chirps.jsonl.gz"
 MARKS = ("<!-- table -->", "<!-- end of table -->")
 FINDINGS = ("<!-- findings -->", "<!-- end of findings -->")
 RUNGS = {"none": "as it comes", "n5": "5 pictures", "n20": "20 pictures", "k5": "5 labels a class"}
@@ -81,310 +77,147 @@ NEEDED = {  # methods of the paper that these sets and this encoder do not give
     "SITR whole": "its own transformer and calibration presses",
     "RobustVisH": "a kinaesthetic branch, and half an hour of training a source",
 }
-# rows of the README
-SHOWN = ("erm_mlp", "linear_maps", "omnivat", "nearest_mean", "baseline")
+OURS, THEIRS, MEAN = "omnivat", "linear_maps", "nearest_mean"
+SHOWN = ("erm_mlp", THEIRS, OURS, MEAN, "baseline")  # rows of the README
 HOME = "OmniVaT without training noise"  # the better of both on real pairs
 FEW = (10, 20)  # training pairs of each class
-DRAWS = 10_000
-Array = NDArray[Any]
-# method -> accuracy in percent (sources, targets, seeds); NaN where absent
-Cells = dict[str, Array]
 
 
-class Record:
-    """The record's accuracies by method, rung, source, target and seed."""
-
-    def __init__(self, file: Path = LADDERS) -> None:
-        first, *runs = lines(file, FORMAT)
-        self.runs = runs
-        self.domains = first["domains"]
-        self.domain = np.array(first["domain"])
-        self.truth = letters(first["truth"])
-        self.alike = np.array([one == "1" for one in first["look_alike"]])
-
-    def cells(self, rung: str, *, alike: bool = False) -> Cells:
-        """Return accuracies of a rung; `alike`: of the pairs that look like another class only."""
-        found: dict[str, dict[tuple[int, int, int], float]] = defaultdict(dict)
-        for run in (one for one in self.runs if rung in one["answers"]):
-            source = self.domains.index(run["source"])
-            known = np.isin(self.truth, self.truth[self.domain == source])
-            counted = known & self.alike if alike else known
-            right = np.where(counted, marks(run["answers"][rung], self.truth), np.nan)
-            for target in range(len(self.domains)):
-                rows = right[(self.domain == target) & ~np.isnan(right)]
-                if (target == source) == (rung == "home") and len(rows):
-                    found[run["method"]][source, target, run["seed"]] = 100 * float(rows.mean())
-        shape = len(self.domains), len(self.domains)
-        tables = {}
-        for name, values in found.items():
-            seeds = sorted({seed for *_, seed in values})
-            tables[name] = np.full((*shape, len(seeds)), np.nan)
-            for (source, target, seed), value in values.items():
-                tables[name][source, target, seeds.index(seed)] = value
-        return tables
+def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown; its first column holds words, the others figures."""
+    marks = ["---", *["---:"] * (len(head) - 1)]
+    return "\n".join(f"| {' | '.join(row)} |" for row in (head, marks, *rows))
 
 
-def by_relief(record: Record, relief: Record) -> list[str]:
+def by_relief(record: Record, relief: Record) -> str:
     """Return readings by relief, and in brackets their gain over colours that know as much."""
-    text = [
-        f"| method | seeds | {' | '.join(words for words, _ in LIT.values())} |",
-        "| --- | ---: |" + " ---: |" * len(LIT),
-    ]
     lit = {rung: relief.cells(rung) for rung in LIT}
     plain = {rung: record.cells(rung) for _, rung in LIT.values()}
-    for name in sorted(lit["n20"], key=lambda name: -interval(lit["n20"][name])[0]):
-        row = [NAMES[name], str(lit["n20"][name].shape[2])]
-        for rung, (_, base) in LIT.items():
-            if name in lit[rung]:
-                gain = less(lit[rung][name], plain[base][name])
-                row.append(f"{interval(lit[rung][name])[0]:.1f} ({gain})")
-            else:
-                row.append("–")
-        text.append(f"| {' | '.join(row)} |")
-    return text
+
+    def cell(name: str, rung: str) -> str:
+        if name not in lit[rung]:
+            return "–"
+        gain = less(lit[rung][name], plain[LIT[rung][1]][name])
+        return f"{mean_of(lit[rung][name]):.1f} ({gain})"
+
+    methods = sorted(lit["n20"].items(), key=lambda row: -mean_of(row[1]))
+    return table(
+        ["method", "seeds", *(words for words, _ in LIT.values())],
+        [[NAMES[m], str(x.shape[2]), *(cell(m, rung) for rung in LIT)] for m, x in methods],
+    )
 
 
-def leads_by_relief(relief: Record) -> list[str]:
+def leads_by_relief(relief: Record) -> str:
     """Return OmniVaT minus each other method, both by relief."""
     rungs = {rung: words for rung, (words, _) in LIT.items() if "," not in words}
-    text = [f"| OmniVaT minus | {' | '.join(rungs.values())} |", "| --- |" + " ---: |" * len(rungs)]
-    lit = {rung: relief.cells(rung) for rung in rungs}
-    for name in lit["n20"]:
-        if name != "omnivat":
-            row = [less(cells["omnivat"], cells[name]) for cells in lit.values()]
-            text.append(f"| {NAMES[name]} | {' | '.join(row)} |")
-    return text
+    lit = [relief.cells(rung) for rung in rungs]
+    return table(
+        ["OmniVaT minus", *rungs.values()],
+        [
+            [NAMES[name], *(less(cells[OURS], cells[name]) for cells in lit)]
+            for name in relief.cells("n20")
+            if name != OURS
+        ],
+    )
 
 
-def interval(cells: Array) -> tuple[float, float, float]:
-    """Return mean and 95 % interval of accuracies (sources, targets, seeds).
-
-    A level of one value, such as the seed of a mean of several heads, is not drawn.
-    """
-    random = np.random.default_rng(0)
-    mean = float(np.nanmean(np.nanmean(cells, axis=(1, 2))))
-    there = np.asarray(~np.isnan(cells).all(axis=2))
-    targets = there.sum(1).min()  # the home cell of each source is empty
-    dense = np.stack([cells[s][there[s]][:targets] for s in range(len(cells))])
-    sources, _, seeds = dense.shape
-    some = random.integers(sources, size=(DRAWS, sources))
-    drawn = random.integers(targets, size=(DRAWS, sources, targets))
-    seed = random.integers(seeds, size=(DRAWS, sources, 1, seeds))
-    values = dense[some[..., None, None], drawn[..., None], seed]
-    low, high = np.quantile(np.nanmean(values, axis=(1, 2, 3)), [0.025, 0.975])
-    return mean, float(low), float(high)
+def main_table(record: Record, only: Iterable[str] = NAMES) -> str:
+    """Return the table of results: methods by rungs, one head and the mean of several."""
+    tables, rows = [record.cells(rung) for rung in RUNGS], []
+    for name in record.complete(NAMES):
+        if name in only:
+            seeds, *costs = record.costs(name)
+            several = tables[0].get(f"{name}_mean")
+            mean = "–" if several is None else told(several)
+            rows.append([NAMES[name], seeds, *(told(x[name]) for x in tables), mean, *costs])
+    head = ["method", "seeds", *RUNGS.values(), "all seeds averaged, as it comes"]
+    return table([*head, "seconds", "numbers"], rows)
 
 
-def facts(runs: Sequence[Mapping[str, Any]], name: str) -> tuple[str, str, int]:
-    """Return seconds of a training, number of parameters, and seeds, for the columns beside."""
-    own = [run for run in runs if run["method"] == name]
-    timed = [
-        run for run in runs if run["method"] == ("linear_maps" if name == "logistic" else name)
-    ]
-    seconds = np.median([run["seconds"] for run in timed])  # the two share one fit
-    parameters = np.median([run["parameters"] for run in own])
-    return f"{seconds:.0f}", f"{parameters:,.0f}", len({run["seed"] for run in own})
-
-
-def complete(record: Record) -> list[str]:
-    """Return the methods of which every source was measured, best first as they come."""
-    sources = {name: {r["source"] for r in record.runs if r["method"] == name} for name in NAMES}
-    cells = record.cells("none")
-    there = [name for name, found in sources.items() if len(found) == len(record.domains)]
-    return sorted(there, key=lambda name: -np.nanmean(np.nanmean(cells[name], axis=(1, 2))))
-
-
-def main_table(record: Record, only: Sequence[str] = ()) -> list[str]:
-    """Return the table of results: methods by rungs, one head and the mean of several.
-
-    only  some of the methods; (): all
-    """
-    text = [
-        (
-            f"| method | seeds | {' | '.join(RUNGS.values())} | all seeds averaged, as it comes |"
-            " seconds | numbers |"
-        ),
-        "| --- | ---: |" + " ---: |" * (len(RUNGS) + 3),
-    ]
-    tables = {rung: record.cells(rung) for rung in RUNGS}
-    for name in complete(record):
-        if only and name not in only:
-            continue
-        row = [NAMES[name]]
-        seconds, numbers, seeds = facts(record.runs, name)
-        row.append(str(seeds))
-        row += [told(cells[name]) for cells in tables.values()]
-        several = tables["none"].get(f"{name}_mean")
-        row.append("–" if several is None else told(several))
-        text.append(f"| {' | '.join([*row, seconds, numbers])} |")
-    return text
-
-
-def told(cells: Array) -> str:
-    """Return accuracy with its interval."""
-    mean, low, high = interval(cells)
-    return f"{mean:.1f} [{low:.1f}, {high:.1f}]"
-
-
-def averaged(record: Record) -> list[str]:
+def averaged(record: Record) -> str:
     """Return the mean of all heads of a method as it comes, beside one head.
 
     Each seed draws other known pairs, so a mean of heads with a profile would know more of them.
     """
-    text = ["| method | heads | one head | their mean | gain |", "| --- | ---: |" + " ---: |" * 3]
-    cells = record.cells("none")
+    cells, rows = record.cells("none"), []
     heads = {r["method"]: r["heads"] for r in record.runs}
-    for name in complete(record):
+    for name in record.complete(NAMES):
         if (several := f"{name}_mean") in heads:
-            one = cells[name].mean(axis=2, keepdims=True)
-            row = [told(cells[name]), told(cells[several]), less(cells[several], one)]
-            text.append(f"| {NAMES[name]} | {heads[several]} | {' | '.join(row)} |")
-    return text
+            gain = less(cells[several], cells[name].mean(axis=2, keepdims=True))
+            figures = [told(cells[name]), told(cells[several]), gain]
+            rows.append([NAMES[name], str(heads[several]), *figures])
+    return table(["method", "heads", "one head", "their mean", "gain"], rows)
 
 
-def chirps() -> dict[str, Array]:
-    """Return method -> accuracies (sources, targets, seeds) on the shipped chirps."""
-    runs = list(lines(CHIRPS, RUN))
-    names = sorted({run["source"] for run in runs})
-    seeds = sorted({run["seed"] for run in runs})
-    found = {run["method"]: np.full((len(names), len(names), len(seeds)), np.nan) for run in runs}
-    for run in runs:
-        table = found[run["method"]][names.index(run["source"])]
-        for target, scores in run["targets"].items():
-            right = 100 * scores["scores"]["fused"]["accuracy"]
-            table[names.index(target), seeds.index(run["seed"])] = right
-    return found
-
-
-def twins() -> dict[str, Array]:
-    """Return method -> accuracies (sources, 1, 1) on twins: the sensor alone changed, touch alone.
-
-    Dots are filled; sources are those that both methods learned.
-    """
-    split = json.loads((RECORDS / "twins.json").read_text(encoding="utf-8"))["split"]
-    by_source = {m: split[m]["filled"]["touch"]["by_source"] for m in ("omnivat", "linear_maps")}
-    shared = [source for source in by_source["omnivat"] if source in by_source["linear_maps"]]
-    return {
-        m: np.array([of[s]["home"] - of[s]["new_objects"] - of[s]["sensor"] for s in shared])[
-            :, None, None
-        ]
-        for m, of in by_source.items()
-    }
-
-
-def real() -> dict[str, Any]:
-    """Return what -> record of the real pairs of VT60."""
-    records = json.loads((RECORDS / "real.json").read_text(encoding="utf-8"))["records"]
-    return {one["what"]: one for one in records if one["part"] == "vt60"}
-
-
-def good_for(record: Record) -> list[str]:
+def good_for(record: Record) -> str:
     """Return where OmniVaT was compared with the linear maps, a row each."""
-    cells = {rung: record.cells(rung) for rung in ("none", "vis", "tac")}
-    none, alike = cells["none"], record.cells("none", alike=True)
-    ours, theirs = "omnivat", "linear_maps"
-    compared = {"chirps, p searched": (chirps()[ours], chirps()[theirs])}
-    compared["chirps, p = 0"] = (chirps()["omnivat_p0"], chirps()[theirs])
-    of_twins = twins()
-    compared["twins: the sensor alone changed, by touch"] = of_twins[ours], of_twins[theirs]
-    for count in FEW:
-        compared[f"{count} pairs of each class"] = (
-            none[f"{ours}@{count}"],
-            none[f"{theirs}@{count}"],
-        )
-    compared["all pairs, 40 of each class"] = (none[ours], none[theirs])
-    compared["touch missing"] = (cells["vis"][ours], cells["vis"][theirs])
-    compared["photo missing"] = (cells["tac"][ours], cells["tac"][theirs])
-    compared["look-alikes"] = (alike[ours], alike[theirs])
-    if f"{ours}_mean" in none:
-        compared["all seeds averaged"] = (none[f"{ours}_mean"], none[f"{theirs}_mean"])
-    text = [
-        "| where | OmniVaT | linear maps | OmniVaT minus linear maps |",
-        "| --- | ---: | ---: | ---: |",
+    none, vis, tac = (record.cells(rung) for rung in ("none", "vis", "tac"))
+    alike, signals, of_twins = record.cells("none", alike=True), chirps(), twins()
+    compared = {
+        "chirps, p searched": (signals[OURS], signals[THEIRS]),
+        "chirps, p = 0": (signals["omnivat_p0"], signals[THEIRS]),
+        "twins: the sensor alone changed, by touch": (of_twins[OURS], of_twins[THEIRS]),
+        **{f"{n} pairs of each class": (none[f"{OURS}@{n}"], none[f"{THEIRS}@{n}"]) for n in FEW},
+        "all pairs, 40 of each class": (none[OURS], none[THEIRS]),
+        "touch missing": (vis[OURS], vis[THEIRS]),
+        "photo missing": (tac[OURS], tac[THEIRS]),
+        "look-alikes": (alike[OURS], alike[THEIRS]),
+        "all seeds averaged": (none[f"{OURS}_mean"], none[f"{THEIRS}_mean"]),
+    }
+    rows = [
+        [where, f"{mean_of(a):.1f}", f"{mean_of(b):.1f}", less(a, b)]
+        for where, (a, b) in compared.items()
     ]
-    for where, (a, b) in compared.items():
-        means = [f"{interval(x)[0]:.1f}" for x in (a, b)]
-        text.append(f"| {where} | {' | '.join(means)} | {less(a, b)} |")
-    told_real = real()
-    one = told_real[f"{HOME} less linear maps"]
-    means = [f"{100 * told_real[name]['value']:.1f}" for name in (HOME, "linear maps")]
-    ends = [100 * one[key] for key in ("value", "low", "high")]
-    lead = f"{ends[0]:+.1f} [{ends[1]:.1f}, {ends[2]:.1f}]".replace("-", "−")
-    return [*text, f"| real pairs, VT60, objects held out | {' | '.join(means)} | {lead} |"]
+    pairs = real()
+    means = [f"{100 * pairs[name]['value']:.1f}" for name in (HOME, "linear maps")]
+    lead = signed(*(100 * pairs[f"{HOME} less linear maps"][k] for k in ("value", "low", "high")))
+    rows.append(["real pairs, VT60, objects held out", *means, lead])
+    return table(["where", "OmniVaT", "linear maps", "OmniVaT minus linear maps"], rows)
 
 
-def not_measured() -> list[str]:
-    """Return the rows of the paper's methods that these sets and this encoder do not give."""
-    return [
-        f"| {name} | – | needs {what}, not measured |{' – |' * 6}" for name, what in NEEDED.items()
-    ]
-
-
-def leads(record: Record) -> list[str]:
+def leads(record: Record) -> str:
     """Return OmniVaT minus each method that was measured as often, by rung."""
-    text = [
-        f"| OmniVaT minus | {' | '.join(RUNGS.values())} | all seeds averaged |",
-        "| --- |" + " ---: |" * 5,
-    ]
-    tables = {rung: record.cells(rung) for rung in RUNGS}
-    for name in complete(record):
-        if name == "omnivat":
-            continue
-        row = [NAMES[name]]
-        for cells in tables.values():
-            row.append(less(cells["omnivat"], cells[name]))
-        several = tables["none"]
-        both = "omnivat_mean" in several and f"{name}_mean" in several
-        row.append(less(several["omnivat_mean"], several[f"{name}_mean"]) if both else "–")
-        text.append(f"| {' | '.join(row)} |")
-    return text
+    tables = [record.cells(rung) for rung in RUNGS]
+    rows = []
+    for name in record.complete(NAMES):
+        if name != OURS:
+            mean = tables[0].get(f"{name}_mean")
+            joint = "–" if mean is None else less(tables[0][f"{OURS}_mean"], mean)
+            rows.append([NAMES[name], *(less(x[OURS], x[name]) for x in tables), joint])
+    return table(["OmniVaT minus", *RUNGS.values(), "all seeds averaged"], rows)
 
 
-def less(ours: Array, theirs: Array) -> str:
-    """Return the paired difference with its interval, over the seeds that both have."""
-    seeds = min(ours.shape[2], theirs.shape[2])
-    mean, low, high = interval(ours[:, :, :seeds] - theirs[:, :, :seeds])
-    return f"{mean:+.1f} [{low:.1f}, {high:.1f}]".replace("-", "−")
-
-
-def apart(record: Record) -> list[str]:
+def apart(record: Record) -> str:
     """Return readings of one image, and look-alikes, as they come, over all seeds."""
-    head = [*READINGS.values(), "look-alikes, both", "look-alikes, photo alone"]
-    text = [f"| method | {' | '.join(head)} |", "| --- |" + " ---: |" * len(head)]
     tables = [record.cells(rung) for rung in READINGS]
     tables += [record.cells(rung, alike=True) for rung in ("none", "vis")]
-    for name in complete(record):
-        if all(name in cells for cells in tables):
-            means = [np.nanmean(np.nanmean(cells[name], axis=(1, 2))) for cells in tables]
-            text.append(f"| {NAMES[name]} | {' | '.join(f'{mean:.1f}' for mean in means)} |")
-    return text
+    return table(
+        ["method", *READINGS.values(), "look-alikes, both", "look-alikes, photo alone"],
+        [
+            [NAMES[name], *(f"{mean_of(cells[name]):.1f}" for cells in tables)]
+            for name in record.complete(NAMES)
+            if all(name in cells for cells in tables)
+        ],
+    )
 
 
-def gains(record: Record) -> list[str]:
-    """Return what every step of knowledge brings over nothing, in points, for docs/new-
-    sensor.md.
-    """
-    names = [
-        name for name in ("omnivat", "linear_maps", "nearest_mean") if name in complete(record)
-    ]
-    text = [
-        f"| known of the target | {' | '.join(NAMES[n] for n in names)} |",
-        "| --- |" + " ---: |" * len(names),
-    ]
+def gains(record: Record) -> str:
+    """Return what every step of knowledge brings over nothing, in points: docs/new-sensor.md."""
+    names = [name for name in (OURS, THEIRS, MEAN) if name in record.complete(NAMES)]
     base = record.cells("none")
+
+    def cell(rung: str, own: Array | None, plain: Array) -> str:
+        if own is None:
+            return "–"
+        return f"{mean_of(own):.1f} %" if rung in ("home", "none") else less(own, plain)
+
+    rows = []
     for rung, words in ((row["id"], row["words"]) for row in ROWS):
         cells = record.cells(rung)
-        row = []
-        for name in names:
-            if name not in cells:
-                row.append("–")
-            elif rung in ("home", "none"):
-                row.append(f"{np.nanmean(np.nanmean(cells[name], axis=(1, 2))):.1f} %")
-            else:
-                row.append(less(cells[name], base[name]))
+        row = [cell(rung, cells.get(name), base[name]) for name in names]
         if set(row) != {"–"}:
-            text.append(f"| {words} | {' | '.join(row)} |")
-    return text
+            rows.append([words, *row])
+    return table(["known of the target", *(NAMES[name] for name in names)], rows)
 
 
 def picture(record: Record) -> str:
@@ -392,186 +225,138 @@ def picture(record: Record) -> str:
     rows = []
     for rung, words in RUNGS.items():
         cells = record.cells(rung)
-        for name in ("linear_maps", "omnivat", "nearest_mean"):
+        for name in (THEIRS, OURS, MEAN):
             mean, low, high = (value / 100 for value in interval(cells[name]))
-            told = {"accuracy": mean, "low": low, "high": high, "method": NAMES[name]}
-            rows.append({"known": words, **told})
+            own = {"accuracy": mean, "low": low, "high": high, "method": NAMES[name]}
+            rows.append({"known": words, **own})
     return svg_of(ladder(rows))
 
 
 def page(record: Record) -> str:
     """Return docs/benchmarks/table.md."""
-    from benchmarks import table
+    from benchmarks.table import __doc__ as protocol
 
-    protocol = (table.__doc__ or "").split("\n\n")
-    return "\n".join(
-        [
-            "# One table of results",
-            "",
-            (
-                "`python -m benchmarks.table --pack` wrote the record"
-                " (`examples/records/ladder.jsonl.gz`),"
-            ),
-            "`python -m benchmarks.table_text` this page and the README's table, and",
-            "`python -m benchmarks.recompute` computes the figures again with code of its own.",
-            "",
-            protocol[2].replace(
-                "`RECIPE`", "noise 4, shift 1, 120 epochs, D = 64 where it applies"
-            ),
-            "",
-            *main_table(record),
-            *not_measured(),
-            "",
-            (
-                "Accuracy in percent on unseen domains, both images; 95 % intervals draw sources,"
-                " targets and seeds. Seconds are the"
-            ),
-            (
-                "median of a training with the choice of its settings, on cores that were shared by"
-                " twenty processes. All seeds averaged:"
-            ),
-            "the mean of the probabilities of all seeds; it has no seed to draw.",
-            "",
-            *leads(record),
-            "",
-            "## By relief",
-            "",
-            (
-                "`python -m benchmarks.table --relief --pack` wrote the record"
-                " (`examples/records/relief.jsonl.gz`): the"
-            ),
-            (
-                "same pairs, with touches read by how the gel bends"
-                " ([relief](../relief.md)). In brackets: points more than by colours"
-            ),
-            (
-                "that know as much of the target, paired, over the seeds of this table. As it"
-                " comes, each touch is read by the lamps"
-            ),
-            "that it gives alone; lamps of 5 or 20 are those of pictures without labels.",
-            "",
-            *by_relief(record, Record(RELIEF)),
-            "",
-            *leads_by_relief(Record(RELIEF)),
-            "",
-            "## What averaging brings",
-            "",
-            (
-                "As it comes. With a profile or labels there is no such row: each seed draws other"
-                " known pairs, so the mean would know more of them."
-            ),
-            "",
-            *averaged(record),
-            "",
-            "## One image, and look-alikes",
-            "",
-            (
-                "Readings of one image alone, and the test pairs that look like another class, as"
-                " they come:"
-            ),
-            "",
-            *apart(record),
-            "",
-        ]
+    relief, recipe = Record(RELIEF), "noise 4, shift 1, 120 epochs, D = 64 where it applies"
+    rules = (protocol or "").split("\n\n")[2].replace("`RECIPE`", recipe)
+    missing = (f"| {name} | – | needs {what}, not measured |" for name, what in NEEDED.items())
+    none = "\n".join(row + " – |" * 6 for row in missing)
+    return f"""# One table of results
+
+`python -m benchmarks.table --pack` wrote the record (`examples/records/ladder.jsonl.gz`),
+`python -m benchmarks.table_text` this page and the README's table, and
+`python -m benchmarks.recompute` computes the figures again with code of its own.
+
+{rules}
+
+{main_table(record)}
+{none}
+
+Accuracy in percent on unseen domains, both images; 95 % intervals draw sources, targets and seeds. Seconds are the
+median of a training with the choice of its settings, on cores that were shared by twenty processes. All seeds averaged:
+the mean of the probabilities of all seeds; it has no seed to draw.
+
+{leads(record)}
+
+## By relief
+
+`python -m benchmarks.table --relief --pack` wrote the record (`examples/records/relief.jsonl.gz`): the
+same pairs, with touches read by how the gel bends ([relief](../relief.md)). In brackets: points more than by colours
+that know as much of the target, paired, over the seeds of this table. As it comes, each touch is read by the lamps
+that it gives alone; lamps of 5 or 20 are those of pictures without labels.
+
+{by_relief(record, relief)}
+
+{leads_by_relief(relief)}
+
+## What averaging brings
+
+As it comes. With a profile or labels there is no such row: each seed draws other known pairs, so the mean would know more of them.
+
+{averaged(record)}
+
+## One image, and look-alikes
+
+Readings of one image alone, and the test pairs that look like another class, as they come:
+
+{apart(record)}
+"""  # noqa: E501
+
+
+def findings(record: Record) -> str:
+    """Return the report's sentences on the table."""
+    cells = {rung: record.cells(rung) for rung in ("home", *RUNGS)}
+    maps = {rung: told(own[THEIRS], " %") for rung, own in cells.items()}
+    ours = {rung: told(own[OURS], " %") for rung, own in cells.items()}
+    lead = {rung: less(own[OURS], own[THEIRS]) for rung, own in cells.items()}
+    joint = less(cells["none"][f"{OURS}_mean"], cells["none"][f"{THEIRS}_mean"])
+    signals = {name: f"{mean_of(values):.1f} %" for name, values in chirps().items()}
+    return (
+        "**The sensor.** Linear maps of photo, touch and both, averaged, are right for"
+        f" {maps['home']} of the test pairs at home and {maps['none']} on sensors that they have"
+        f" not met. OmniVaT has {ours['home']} and {ours['none']}; its lead over the linear maps"
+        f" away is {lead['none']} points, and that of the mean of its heads over the mean of"
+        f" theirs {joint}.\n\n"
+        "**Pictures and labels.** With 5 and 20 pictures of the target without labels the linear"
+        f" maps have {maps['n5']} and {maps['n20']}, with 5 labelled pairs of each class"
+        f" {maps['k5']}. OmniVaT less these is {lead['n5']}, {lead['n20']} and {lead['k5']}"
+        " points. All rows are in docs/benchmarks/table.md, made by `python -m"
+        " benchmarks.table`.\n\n"
+        "**Orders.** On chirps, signals that are concentrated at one order, a search finds that"
+        f" order from the source alone, and a head there is right in {signals[OURS]} where p = 0"
+        f" has {signals['omnivat_p0']} and linear maps {signals[THEIRS]}. On the sensors, heads"
+        " trained at 21 orders differ no more than seeds do: behind a learned dense map, orders"
+        " add nothing to seeds."
     )
 
 
-def findings(record: Record) -> list[str]:
-    """Return the report's sentences on the table."""
-    cells = {rung: record.cells(rung) for rung in ("home", *RUNGS)}
-
-    def told(rung: str, name: str) -> str:
-        mean, low, high = interval(cells[rung][name])
-        return f"{mean:.1f} % [{low:.1f}, {high:.1f}]"
-
-    def lead(rung: str, which: str = "") -> str:
-        return less(cells[rung][f"omnivat{which}"], cells[rung][f"linear_maps{which}"])
-
-    of_chirps = {name: interval(values)[0] for name, values in chirps().items()}
-    return [
-        (
-            "**The sensor.** Linear maps of photo, touch and both, averaged, are right for"
-            f" {told('home', 'linear_maps')} of the test pairs at home and"
-            f" {told('none', 'linear_maps')} on sensors that they have not met. OmniVaT has"
-            f" {told('home', 'omnivat')} and {told('none', 'omnivat')}; its lead over the linear"
-            f" maps away is {lead('none')} points, and that of the mean of its heads over the mean"
-            f" of theirs {lead('none', '_mean')}."
-        ),
-        "",
-        (
-            "**Pictures and labels.** With 5 and 20 pictures of the target without labels the"
-            f" linear maps have {told('n5', 'linear_maps')} and {told('n20', 'linear_maps')}, with"
-            f" 5 labelled pairs of each class {told('k5', 'linear_maps')}. OmniVaT less these is"
-            f" {lead('n5')}, {lead('n20')} and {lead('k5')} points. All rows are in"
-            " docs/benchmarks/table.md, made by `python -m benchmarks.table`."
-        ),
-        "",
-        (
-            "**Orders.** On chirps, signals that are concentrated at one order, a search finds"
-            " that order from the source alone, and a head there is right in"
-            f" {of_chirps['omnivat']:.1f} % where p = 0 has {of_chirps['omnivat_p0']:.1f} % and"
-            f" linear maps {of_chirps['linear_maps']:.1f} %. On the sensors, heads trained at 21"
-            " orders differ no more than seeds do: behind a learned dense map, orders add nothing"
-            " to seeds."
-        ),
-    ]
-
-
-def between(name: str, made: Sequence[str], marks: tuple[str, str] = MARKS) -> str:
-    """Return a document with lines between its markers."""
+def between(name: str, made: str, marks: tuple[str, str] = MARKS) -> str:
+    """Return a document with a text between its markers."""
     text = (ROOT / name).read_text(encoding="utf-8")
     start, end = text.index(marks[0]) + len(marks[0]), text.index(marks[1])
-    return text[:start] + "\n" + "\n".join(made) + "\n" + text[end:]
+    return f"{text[:start]}\n{made}\n{text[end:]}"
 
 
 def readme(record: Record) -> str:
     """Return the README with the table between its markers, and its findings."""
-    others = ", ".join(NEEDED)
     note = (
         "Not measured, for want of weights or pictures ([why](docs/benchmarks/table.md)):"
-        f" {others}."
+        f" {', '.join(NEEDED)}."
     )
-    text = between("README.md", [*main_table(record, SHOWN), "", note])
-    mean = {rung: interval(record.cells(rung)["linear_maps"])[0] for rung in ("none", "n5", "n20")}
-    of_chirps = {name: interval(cells)[0] for name, cells in chirps().items()}
+    text = between("README.md", f"{main_table(record, SHOWN)}\n\n{note}")
     relief = Record(RELIEF)
-    lit = {rung: interval(relief.cells(rung)["linear_maps"])[0] for rung in ("none", "l20", "n20")}
-    said = {
-        r"by relief [\d.]+ % as it comes, [\d.]+ by lamps of 20 pictures, [\d.]+ with their"
-        r" profile": (
-            "by relief {none:.1f} % as it comes, {l20:.1f} by lamps of 20 pictures, {n20:.1f} with"
-            " their profile".format(**lit)
-        ),
-        r"[\d.]+ % as it comes, [\d.]+ with 5 pictures, [\d.]+ with 20": (
-            "{none:.1f} % as it comes, {n5:.1f} with 5 pictures, {n20:.1f} with 20".format(**mean)
-        ),
-        r"chirps: [\d.]+ % with a search for p, [\d.]+ at p = 0, linear maps [\d.]+": (
-            "chirps: {omnivat:.1f} % with a search for p, {omnivat_p0:.1f} at p = 0, linear maps"
-            " {linear_maps:.1f}".format(**of_chirps)
-        ),
-    }
-    for pattern, figure in said.items():
-        text, count = re.subn(pattern, figure, text)
+    found = [
+        *(relief.cells(rung)[THEIRS] for rung in ("none", "l20", "n20")),
+        *(record.cells(rung)[THEIRS] for rung in ("none", "n5", "n20")),
+        *(chirps()[name] for name in (OURS, "omnivat_p0", THEIRS)),
+    ]
+    figures = iter([f"{mean_of(cells):.1f}" for cells in found])
+    for sentence in (
+        "by relief # % as it comes, # by lamps of 20 pictures, # with their profile",
+        "# % as it comes, # with 5 pictures, # with 20",
+        "chirps: # % with a search for p, # at p = 0, linear maps #",
+    ):
+        wanted = re.sub("#", lambda _: next(figures), sentence)
+        text, count = re.subn(sentence.replace("#", r"[\d.]+"), wanted, text)
         if count != 1:
-            raise SystemExit(f"README.md has {count} sentences like '{pattern}'; it needs one.")
+            raise SystemExit(f"README.md has {count} sentences like '{sentence}'; it needs one.")
     return text
 
 
 def main() -> None:
-    """Write both files, or check that they are those of the record."""
+    """Write the documents, or check that they are those of the record."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--check", action="store_true", help="exit with 1 if a file differs")
     options = parser.parse_args()
     record = Record()
-    made = {
-        PAGE: page(record),
-        PAGE.with_suffix(".svg"): picture(record),
-        ROOT / "README.md": readme(record),
-        ROOT / "docs" / "new-sensor.md": between("docs/new-sensor.md", gains(record)),
-        ROOT / "docs" / "sensor.md": between("docs/sensor.md", sensor.table(sensor.recorded())),
-        ROOT / "docs" / "protocol.md": between("docs/protocol.md", good_for(record)),
-        ROOT / "paper" / "paper.md": between("paper/paper.md", findings(record), FINDINGS),
-    }
+    made = {PAGE: page(record), PAGE.with_suffix(".svg"): picture(record)}
+    made[ROOT / "README.md"] = readme(record)
+    for name, text, marks in (
+        ("docs/new-sensor.md", gains(record), MARKS),
+        ("docs/sensor.md", "\n".join(sensor.table(sensor.recorded())), MARKS),
+        ("docs/protocol.md", good_for(record), MARKS),
+        ("paper/paper.md", findings(record), FINDINGS),
+    ):
+        made[ROOT / name] = between(name, text, marks)
     if options.check:
         sys.exit(any(file.read_text(encoding="utf-8") != text for file, text in made.items()))
     for file, text in made.items():
