@@ -18,8 +18,8 @@ from omnivat.measure.twins import Twins
 
 def moved(rows: Array) -> tuple[Array, Array, Array]:
     """Return rows (N, S, W) of S sensors three ways: as they come, with each sensor's mean moved
-    onto the common
-    mean, and with mean and spread moved. All are in units of the common spread."""
+    onto the common mean, and with mean and spread moved. All are in units of the common spread.
+    """
     flat = rows.reshape(-1, rows.shape[-1])
     as_they_come = (rows - flat.mean(0)) / (flat.std(0) + 1e-6)
     centred = as_they_come - as_they_come.mean(0)
@@ -46,9 +46,9 @@ def threads(made: Twins, learning: Embeddings) -> dict[str, Any]:
     the three ways of `moved`.
 
     label     a digit for each press: its class
-    pca, umap  by way: positions of press 0 by sensor 0 to S - 1, then of press 1, ...; little-
-               endian 16-bit pairs of
-              one box for the three ways, in base64. UMAP goes on from the map of the way before
+    pca, umap  by way: positions of press 0 by sensor 0 to S - 1, then of press 1, ...; in base64,
+              little-endian 16-bit pairs of one box for the three ways. UMAP goes on from the map
+              of the way before
     own_twin  [sensor][way]: share of presses whose nearest press by another sensor is their own
               twin, mean of the others
     gap       by way: distance between the means of two sensors' unit rows, mean over pairs of

@@ -113,8 +113,8 @@ def picture(folder: Path, unmet: Planned, domain: SimulatedDomain, kind: str = "
 
 def shown(made: Twins, first: Seen, filled: Seen, each: int = 4) -> list[int]:
     """Return `each` objects of every class, by what the first source's head reads by touch: those
-    that the fill
-    turns right on most sensors, and one that stays wrong on most of them."""
+    that the fill turns right on most sensors, and one that stays wrong on most of them.
+    """
     count = len(made.vis)  # only these have photographs
     turned = (first.right[0, 0] * (filled.right[0] - first.right[0])[1:].sum(0))[:count]
     stays = filled.right[-1, 1:, :count].sum(0)

@@ -112,8 +112,8 @@ def dotted(brightest: Array, grid: Grid) -> tuple[Array, int, float]:
 
 def filled(picture: Array, hole: Array, steps: Array) -> Array:
     """Return the picture (H, W, 3) uint8 with its holes (H, W) filled from their rims, and grain
-    from
-    half a cell of the grid (steps (2, 2), pixels) away."""
+    from half a cell of the grid (steps (2, 2), pixels) away.
+    """
     height, width = hole.shape
     here = np.flatnonzero(hole)
     rows, columns = np.divmod(here, width)
@@ -149,8 +149,8 @@ def grain(picture: Array) -> Array:
 
 def membrane(picture: Array, hole: Array) -> Array:
     """Return the picture (H, W, C) float32 with Laplace's equation solved in its holes (H, W):
-    first in
-    the picture of half the size, then by SWEEPS of relaxation."""
+    first in the picture of half the size, then by SWEEPS of relaxation.
+    """
     height, width = hole.shape
     here = np.flatnonzero(hole)
     known, values = (~hole)[..., None].astype(picture.dtype), picture.copy()

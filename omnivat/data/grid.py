@@ -124,8 +124,8 @@ def running(values: Array, size: int, extreme: Callable[[Array, Array], Array]) 
 
 def summed(values: Array, size: int) -> Array:
     """Return the sum of the square of `size` (odd) pixels around each pixel, in the type of
-    `values`;
-    edges repeat."""
+    `values`; edges repeat.
+    """
     padded = np.pad(values, size // 2, mode="edge")
     height, width = values.shape
     rows: Any = sum(padded[shift : shift + height] for shift in range(size))
@@ -195,8 +195,8 @@ def common_steps(points: Array, shape: tuple[int, ...]) -> Array | None:
 
 def neighbours(points: Array, steps: Array, shape: tuple[int, ...]) -> tuple[Array, Array]:
     """Return each point's neighbour one step forth and back, for both steps, (4, n), -1 if it has
-    none,
-    and whether its place is inside the picture, (4, n). A neighbour's neighbour back is the point.
+    none, and whether its place is inside the picture, (4, n). A neighbour's neighbour back is the
+    point.
     """
     index = np.arange(len(points))
     limit = STRAY**2 * (steps[0] @ steps[0])

@@ -57,7 +57,7 @@ class HeadSettings:
     order_per_modality: bool = False  # separate p for LANG, VIS and TAC
     guide: Guide = "both"  # F-bar of LANG in training: added to embeddings (Eq. 5), query (Eq. 6)
     guide_length: GuideLength = "embedding"  # of that F-bar: √D like embeddings, or 1 as printed
-    fusion: Fusion = "mean"  # late fusion of VIS and TAC in prediction (model/fusion.py)
+    fusion: Fusion = "mean"  # late fusion of VIS and TAC in prediction (`omnivat.head.fusion`)
 
     def __post_init__(self) -> None:
         checked_order(self.order)

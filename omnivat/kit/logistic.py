@@ -16,9 +16,8 @@ def scaling(rows: Tensor, kind: str = "unit") -> Callable[[Tensor], Tensor]:
 
     "unit"      unit length, centred, one scale for all axes (mean squared length D)
     "standard"  mean 0 and variance 1 on each axis; a constant axis becomes 0. Probes do not use it:
-    small
-                sources favour it, but axes that hardly vary in the source become huge on another
-                sensor
+                small sources favour it, but axes that hardly vary in the source become huge on
+                another sensor
     """
     unit = kind == "unit"
     rows = normalize(rows, dim=-1) if unit else rows

@@ -2,9 +2,8 @@
 sets torch's.
 
 `torch.set_num_threads` changes the calling thread, and also the default of threads started later. A
-thread started
-during a small job would then keep one torch thread for ever, so a helper thread resets the default
-at once.
+thread started during a small job would then keep one torch thread for ever, so a helper thread
+resets the default at once.
 """
 
 import functools

@@ -240,7 +240,7 @@ export function showCard() {
   if (pinned) showNeighbours();
 }
 
-/** `pointed`: by the pointer, at which the pictures then are. @param {number} point */
+/** Light a point, -1 for none. @param {number} point @param {boolean} pointed by the pointer, where pictures follow */
 function hover(point, pointed = false) {
   if (point === scene.hovered) return;
   send("arrived", { hovered: point });

@@ -32,8 +32,12 @@ const best = ({ curve, orders }) => orders[(curve ?? []).indexOf(ends(curve)[1])
  * @param {Figures} at */
 const away = ({ twins }, dots = 0, pictures = 0) =>
   twins.away.touch[0][dots][Math.max(0, [0, ...twins.pictures].indexOf(pictures))];
-/** Its share at home. @param {Figures} at */
-const home = ({ twins }) => twins.accuracy.touch[0][0][0][0][0];
+/** Its share at home: of [source][look][pictures][target], all the first, the share beside its interval.
+ * @param {Figures} at */
+const home = ({ twins }) => {
+  const [[[[[share]]]]] = twins.accuracy.touch;
+  return share;
+};
 /** How much of the loss filled dots bring back, from 0 to 1. @param {Figures} at */
 const mended = (at) => (away(at, 1)[0] - away(at)[0]) / (home(at) - away(at)[0]);
 /** What photo and touch alone read right of look-alikes, and whether that cannot tell them apart.

@@ -38,7 +38,7 @@ const profileFile = () => made("save/sensor", { profile: visit.profile });
 /** A label as the name of a folder. @param {string} label */
 const folderOf = (label) => label.replaceAll(/[\\/:]/g, "_");
 
-/** Work of which a newer one stops no older one. @type {(keyof PairWork)[]} */
+/** Work that goes on beside newer work of its kind. @type {(keyof PairWork)[]} */
 export const TOGETHER = ["upload", "explain", "count"];
 /** Where a Refusal of some work is told, if not above everything; "" is nowhere.
  * @type {Partial<Record<keyof PairWork, keyof PairTab["notes"] | "">>} */

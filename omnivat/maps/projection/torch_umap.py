@@ -3,8 +3,8 @@
 Differences from umap-learn: neighbours are exact. Every edge attracts in every step with its
 weight, whereas umap-learn samples edges in proportion to it. In every step, REPELLERS random rows
 repel each row with the same mean strength. All rows move at once by force over degree; this keeps
-the equilibria and prevents hubs from overshooting. The start is spectral (`spectral.py`) or a given
-map."""
+the equilibria and prevents hubs from overshooting. The start is spectral or a given map.
+"""
 
 import math
 from dataclasses import dataclass
