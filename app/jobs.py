@@ -17,7 +17,7 @@ from threading import Condition
 from time import monotonic, sleep
 from typing import Any, Generic, Literal, TypeVar
 
-from app.limits import GIVE_WAY_S, SLOTS, WAITING_JOBS
+from app.limits import GIVE_WAY_S, LONGEST_WAIT_S, SLOTS, WAITING_JOBS
 from app.memory import TRIM
 from app.messages import UNEXPECTED, BusyError, CancelledError, UnexpectedError
 from app.state import VISITOR
@@ -40,8 +40,10 @@ class Lane:
 
     The visitor with the fewest jobs before goes first, whatever the priority of another's second
     job; the server's own work has no visitor and waits for none. Then smaller priorities go first;
-    among equals, paused jobs, then the oldest. One of several slots is for jobs of priority 0, so
-    that a rush of uploads does not hold up drags.
+    among equals, paused jobs, then the oldest. A lane of several slots has short requests. So that
+    a rush of uploads does not hold up drags, a job of priority 0 has one more slot while all others
+    run jobs of larger priorities. So that drags do not hold up an upload for ever, it has
+    priority 0 in the queue once it is LONGEST_WAIT_S old.
     """
 
     def __init__(self, slots: int, threads: ThreadPoolExecutor) -> None:
@@ -55,18 +57,22 @@ class Lane:
         before = Counter(job.visitor for job in self.running - {paused})
         turn = {}
         waiting = [*self.waiting, *([paused] if paused else [])]
-        for job in sorted(waiting, key=lambda job: (job.priority, not job.begun, job.number)):
+        late = monotonic() - LONGEST_WAIT_S if self._slots > 1 else 0.0
+        rank = {
+            job: (min(job.priority, 0) if job.arrived < late else job.priority, not job.begun)
+            for job in waiting
+        }
+        for job in sorted(waiting, key=lambda job: (rank[job], job.number)):
             turn[job] = before[job.visitor] if job.visitor else 0
             before[job.visitor] += 1
-        return sorted(waiting, key=lambda job: (turn[job], job.priority, not job.begun, job.number))
+        return sorted(waiting, key=lambda job: (turn[job], rank[job], job.number))
 
     def let_in(self) -> None:
         """Start or wake the jobs that may run now; the caller holds the lock."""
         for job in self.in_order():
-            later = sum(one.priority > 0 for one in self.running)
-            if len(self.running) >= self._slots:
-                break
-            if job.priority > 0 and later >= max(1, self._slots - 1):
+            first = job.priority <= 0 < min((one.priority for one in self.running), default=0)
+            more = self._slots > 1 and first
+            if len(self.running) >= self._slots + more:
                 continue
             self.waiting.remove(job)
             self.running.add(job)
@@ -91,6 +97,7 @@ class Job(Generic[T]):
     number: int
     future: Future[T] = field(default_factory=Future)
     cancelled: bool = False
+    arrived: float = field(default_factory=monotonic)
     since: float = 0.0  # when it last started running, or ended without a result
     begun: bool = False  # it has a thread, running or paused
     step: Step | None = None

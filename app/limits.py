@@ -16,6 +16,7 @@ MAX_QUESTION_BYTES = 10_000
 MAX_API_BYTES = 4_000_000  # of a request to the API, small pictures included
 REPORT_S = 600  # seconds of a report by the API
 SLOTS = {"quick": 2, "long": 1}  # jobs that run at a time: requests; maps and training
+LONGEST_WAIT_S = 1.0  # of an upload behind newer requests without a picture
 GIVE_WAY_S = 0.1  # longest wait of each training step while requests run or wait
 WAITING_JOBS = 200  # in one lane; more are refused
 DRAWN_PAIRS = 20_000  # a larger set is sampled to this many pairs, and the page shows that

@@ -32,7 +32,8 @@ def mended(touch: "Image", mend: str) -> "Image":
 
         from omnivat.data.dots import fill_dots
 
-        touch = fromarray(fill_dots(np.asarray(touch))[0])
+        filled, dots = fill_dots(np.asarray(touch))
+        touch = fromarray(filled) if dots else touch
     return arranged(touch, way_in(mend))
 
 

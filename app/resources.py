@@ -187,19 +187,19 @@ class Resources:
 
     def _embedded(self, picture: Picture, mend: str) -> "dict[str, Array]":
         """Return an image's vector as photo and as touch; what is the same is computed once."""
-        import torch
-
         from omnivat.encoders.base import for_modality
+        from omnivat.encoders.wrapping import WithoutDots
 
         encoder = self.encoder()
         photo, touch = (for_modality(encoder, name) for name in IMAGES)
-        seen = photo.preprocess(picture.image)
-        vis = photo.embed(seen[None])[0].numpy()
-        if photo is touch and not mend:
-            return {"vis": vis, "tac": vis}
-        felt = touch.preprocess(mended(picture.image, mend))
-        same = getattr(encoder, "one_network", False) and torch.equal(seen, felt)
-        return {"vis": vis, "tac": vis if same else touch.embed(felt[None])[0].numpy()}
+        vis = photo.embed(photo.preprocess(picture.image)[None])[0].numpy()
+        image = mended(picture.image, mend)
+        if getattr(encoder, "one_network", photo is touch):
+            if isinstance(touch, WithoutDots):
+                image, touch = touch.drawn(image), photo
+            if image is picture.image:
+                return {"vis": vis, "tac": vis}
+        return {"vis": vis, "tac": touch.embed(touch.preprocess(image)[None])[0].numpy()}
 
     def _from_set(self, row: int, modality: str) -> "Array":
         import numpy as np

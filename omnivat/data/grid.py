@@ -105,10 +105,11 @@ def reduced(values: Array, scale: int) -> Array:
     if scale == 1:
         return values
     height, width = (side // scale for side in values.shape)
-    rows = (
-        values[: height * scale, : width * scale].reshape(height, scale, -1).sum(1, dtype=np.uint32)
-    )
-    return np.asarray(rows.reshape(height, width, scale).sum(2) // scale**2, np.uint8)
+    exact = np.uint16 if scale <= 16 else np.uint32  # holds 255 scale²
+    whole = values[: height * scale, : width * scale].astype(exact)
+    rows = sum((whole[shift::scale] for shift in range(1, scale)), start=whole[::scale])
+    total = sum((rows[:, shift::scale] for shift in range(1, scale)), start=rows[:, ::scale])
+    return np.asarray(total // scale**2, np.uint8)
 
 
 def running(values: Array, size: int, extreme: Callable[[Array, Array], Array]) -> Array:

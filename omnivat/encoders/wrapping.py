@@ -290,12 +290,13 @@ class WithoutDots(NamedEncoder):
         """Convert an RGB image, without its dots or drawn as its relief, to the tensor (C, H, W)
         for `embed`; `context` by `takes`.
         """
-        for name, read in (("before", self._drawn), ("rest", self.cleaned)):
+        for name, read in (("before", self.drawn), ("rest", self.cleaned)):
             if name in context:
                 context[name] = read(context[name])
-        return super().preprocess(self._drawn(image), **context)
+        return super().preprocess(self.drawn(image), **context)
 
-    def _drawn(self, image: Image.Image) -> Image.Image:
+    def drawn(self, image: Image.Image) -> Image.Image:
+        """Return the image as the encoder sees it; the same object if nothing changes."""
         clean = self.cleaned(image)
         if not self.relief:
             return clean

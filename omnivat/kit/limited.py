@@ -20,8 +20,8 @@ from weakref import finalize
 
 from omnivat.kit.errors import DataError, OmniVatError
 
-# glibc then returns what a large file took
-MALLOC = dict.fromkeys(("MALLOC_MMAP_THRESHOLD_", "MALLOC_TRIM_THRESHOLD_"), "1000000")
+# glibc then returns what a large file took, and goes on using what an ordinary one takes
+MALLOC = dict.fromkeys(("MALLOC_MMAP_THRESHOLD_", "MALLOC_TRIM_THRESHOLD_"), "4000000")
 Process = subprocess.Popen[bytes]
 
 

@@ -236,22 +236,35 @@ def test_work_in_small_steps_gives_way_to_requests_but_never_stops(jobs, monkeyp
     busy.future.result(60)
 
 
-def test_one_slot_stays_for_requests_of_the_first_priority(jobs):
-    go, there, running = Event(), Event(), []
+def test_uploads_take_every_slot_and_a_drag_takes_one_more(jobs):
+    go, here = Event(), Barrier(3)
 
     def upload(job):
-        running.append(job)
-        there.set()
+        here.wait(60)
         go.wait(60)
 
     uploads = [jobs.start(upload, lane="quick", priority=1) for _ in range(3)]
-    there.wait(60)
-    assert jobs.start(lambda job: "drag", lane="quick").future.result(60) == "drag"
-    assert [one.state for one in uploads] == ["running", "waiting", "waiting"]
+    drag = jobs.start(upload, lane="quick")  # the barrier needs it beside two uploads
+    second = jobs.start(lambda job: "drag", lane="quick")
+    until(lambda: not here.n_waiting and drag.state == "running")
+    assert [one.state for one in uploads] == ["running", "running", "waiting"]
+    assert second.state == "waiting" and second.place == 1
+    here.abort()
     go.set()
-    for one in uploads:
-        one.future.result(60)
-    assert len(running) == 3
+    assert second.future.result(60) == "drag"
+
+
+@pytest.mark.parametrize(("longest", "place"), [(60.0, 2), (0.0, 1)])
+def test_an_upload_that_has_waited_long_comes_before_newer_drags(jobs, monkeypatch, longest, place):
+    monkeypatch.setattr("app.jobs.LONGEST_WAIT_S", longest)
+    go = Event()
+    for _ in range(2):
+        jobs.start(lambda job: go.wait(60), lane="quick")
+    upload = jobs.start(lambda job: None, lane="quick", priority=1)
+    jobs.start(lambda job: None, lane="quick")
+    assert upload.place == place
+    go.set()
+    upload.future.result(60)
 
 
 def test_a_closed_runner_leaves_no_thread(jobs):

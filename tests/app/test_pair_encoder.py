@@ -1,6 +1,8 @@
 """A head with separate encoders for photos and touches: an uploaded image has a vector for each."""
 
 import numpy as np
+import pytest
+from PIL import Image
 
 
 def test_a_sent_image_is_read_by_the_encoder_of_the_modality_it_is_used_for(
@@ -31,3 +33,30 @@ def test_a_head_of_relief_reads_touches_as_relief_and_photos_as_they_are(
     seen, felt = (resources.embedding(ref, name) for name in ("vis", "tac"))
     plain = encoder.embed(encoder.preprocess(found.image)[None])[0].numpy()
     assert np.array_equal(seen, plain) and not np.array_equal(felt, plain)
+
+
+@pytest.mark.parametrize(
+    ("picture", "mend", "passes"), [("plain", "", 1), ("plain", "fill", 1), ("dots", "", 2)]
+)
+def test_a_picture_without_dots_is_embedded_once_and_every_vector_is_the_encoders_own(
+    resources, encoder, monkeypatch, picture, mend, passes
+):
+    from app.decoder import Picture
+    from app.mend import mended
+    from omnivat.encoders.base import DotsFilled
+    from tests.unit.data.odd_pictures import gel, printed
+    from tests.unit.data.odd_pictures import picture as of
+
+    filled = DotsFilled(encoder)
+    monkeypatch.setattr(resources, "encoder", lambda: filled)
+    shown = Image.fromarray(of(gel() * (1 - printed()[..., None] * (picture == "dots"))))
+    expected = {
+        "vis": encoder.embed(encoder.preprocess(shown)[None])[0],
+        "tac": filled.tac.embed(filled.tac.preprocess(mended(shown, mend))[None])[0],
+    }
+    runs = []
+    embed = type(encoder).embed
+    monkeypatch.setattr(type(encoder), "embed", lambda *a: runs.append(1) or embed(*a))
+    found = resources._embedded(Picture(image=shown, width=1, height=1), mend)
+    assert len(runs) == passes
+    assert all(np.array_equal(found[name], expected[name]) for name in expected)

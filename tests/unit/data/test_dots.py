@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy.ndimage import gaussian_filter
 
 from omnivat.data.dots import fill_dots, filled
-from omnivat.data.grid import between, common_steps, largest
+from omnivat.data.grid import between, common_steps, largest, reduced
 from simulator.domains import SIMULATED
 from simulator.drawing import tactile
 from simulator.plan import planned
@@ -91,6 +91,15 @@ def test_the_second_fill_finds_nothing():
     assert dots is not None
     again, none = fill_dots(once)
     assert none is None and again is once
+
+
+@pytest.mark.parametrize("scale", [1, 2, 3, 16, 17])
+def test_a_reduced_picture_has_the_exact_means_of_its_blocks(scale):
+    shape = 5 * scale + scale // 2, 4 * scale
+    values = np.random.default_rng(scale).integers(0, 256, shape, np.uint8)
+    values[:scale] = 255  # the largest sum
+    blocks = values[: 5 * scale].reshape(5, scale, 4, scale).astype(int)
+    assert (reduced(values, scale) == blocks.sum((1, 3)) // scale**2).all()
 
 
 @pytest.mark.parametrize("name", ODD)
