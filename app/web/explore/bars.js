@@ -1,5 +1,6 @@
 /** Bars of shares, one below the other. */
 
+import { sum } from "../shared/numbers.js";
 import { html } from "./root.js";
 
 /** A scale with an interval and its mean; a line at chance. @param {Share | undefined} share @param {number} chance */
@@ -14,11 +15,11 @@ export const scaleOf = (share, chance) =>
  * the mean over classes of the share right, and whether the largest class has 1.5 times the mean size.
  * @param {number[][]} counts */
 export function balance(counts) {
-  const sizes = counts.map((row) => row.reduce((sum, n) => sum + n, 0));
-  const whole = sizes.reduce((sum, n) => sum + n, 0) || 1;
+  const sizes = counts.map(sum);
+  const whole = sum(sizes) || 1;
   const recalls = counts.flatMap((row, k) => (sizes[k] ? [row[k] / sizes[k]] : []));
   const always = Math.max(...sizes) / whole;
-  const balanced = recalls.reduce((sum, one) => sum + one, 0) / (recalls.length || 1);
+  const balanced = sum(recalls) / (recalls.length || 1);
   return { always, balanced, uneven: always * recalls.length >= 1.5 };
 }
 

@@ -12,7 +12,7 @@ import { ofFrames } from "../shared/provenance.js";
 import { OUTPUT, stageNamed, stepsOf } from "../shared/stages.js";
 import { making, tell } from "../shared/view.js";
 import { figure, gaps, kindOf, map, pairLines, showLayers, shown } from "./maps.js";
-import { $, change, fill, html, options, put, scene, send, state } from "./root.js";
+import { $, change, fill, grouped, html, options, put, scene, send, state } from "./root.js";
 import { isDouble, painted } from "./scene.js";
 
 /** The accuracy of frames at a stop on the pairs of the first map, and whose it is; only where the head predicts.
@@ -152,8 +152,6 @@ export function counted(pairs, left, right, truth) {
   const broken = changed.filter((pair) => left(pair) === truth(pair)).length;
   return { all: pairs.length, corrected, broken, wrong: changed.length - corrected - broken };
 }
-
-const grouped = (/** @type {number} */ n) => n.toLocaleString("en-US");
 
 /** The sentence below both maps. @param {ReturnType<typeof counted>} counts */
 export function sentence({ all, corrected, broken, wrong }) {

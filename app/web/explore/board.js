@@ -22,7 +22,7 @@ import { modeWords } from "./modes.js";
 import * as nodes from "./nodes.js";
 import { openPanel, panelIsOpen, rememberPanels } from "./panels.js";
 import { listen, peek } from "./pictures.js";
-import { $, change, fill, html, put, scene, send, showWords, state } from "./root.js";
+import { $, change, fill, html, joined, put, scene, send, showWords, state } from "./root.js";
 import { labelCsv } from "./saving.js";
 import { isDouble, nearKey, nearStage, nextPoint, packed, painted, unpacked } from "./scene.js";
 import { showSteps } from "./staircase.js";
@@ -313,11 +313,9 @@ const announceSoon = afterwards(() => {
     return Number.isFinite(gap) && `${title.toLowerCase()} ${asText(id, gap)}`;
   });
   const right = rightAt(frames, stop);
-  $(".announcement").textContent = [
+  $(".announcement").textContent = joined([
     `p ${orderText(frames.orders[stop])}`,
     ...spokenGaps,
     Number.isFinite(right) && `accuracy on unseen domains ${asText(ACCURACY, right)}`,
-  ]
-    .filter(Boolean)
-    .join(", ");
+  ]);
 }, 400);

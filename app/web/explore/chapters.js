@@ -2,6 +2,7 @@
 
 import { remedyHtml } from "../shared/headless.js";
 import { ACCURACY, values } from "../shared/measures.js";
+import { ends } from "../shared/numbers.js";
 import { ofFrames, strangers, unseenPairs } from "../shared/provenance.js";
 import { INPUT, OUTPUT } from "../shared/stages.js";
 import { modeOf, sensorOf, TABLES } from "../shared/tables.js";
@@ -21,9 +22,8 @@ const unseenDomains = (/** @type {Frames} */ frames) => {
  * @param {Frames} frames */
 export function decided(frames) {
   const curve = values(frames, ACCURACY, OUTPUT) ?? [];
-  const known = curve.filter(Number.isFinite);
-  if (!known.length) return null;
-  const [low, high] = [Math.min(...known), Math.max(...known)];
+  const [low, high] = ends(curve);
+  if (high < low) return null; // none is known
   return { best: frames.orders[curve.indexOf(high)], low, high, range: high - low };
 }
 

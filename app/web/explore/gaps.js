@@ -7,6 +7,7 @@ import { orderText } from "../shared/frames.js";
 import { verdictOn } from "../shared/gap-words.js";
 import { framesBy, headLabel, heads } from "../shared/headsets.js";
 import { asText, axis, GAPS, values } from "../shared/measures.js";
+import { best, ends } from "../shared/numbers.js";
 import { journeyStop, starAt } from "../shared/pair-marks.js";
 import { treeSvg } from "../shared/pair-tree.js";
 import { colouring } from "../shared/palette.js";
@@ -123,10 +124,10 @@ function showBars() {
   const rows = GAPS.map(({ id, title, between, signals, help }) => {
     const all = values(frames.whole ?? frames, id, stage) ?? [];
     const now = values(frames, id, stage)?.[stop] ?? NaN;
-    const ends = [Math.min, Math.max].map((end) => end(...all.filter(Number.isFinite)) / most);
+    const [low, high] = ends(all);
     const what = (frames.signals && signals) || between;
     return html`<div class="gap-row ${id}" title="${help}"><span class="who"><b>${title}</b> <small>
-      ${what}</small></span><span class="scale" style="--to:${now / most};--low:${ends[0]};--high:${ends[1]}">
+      ${what}</small></span><span class="scale" style="--to:${now / most};--low:${low / most};--high:${high / most}">
       <i class="bar"></i><i class="range"></i></span><output>${asText(id, now, 2)}</output></div>`;
   });
   draw($(".gap-bars"), html`${rows}`);
@@ -197,12 +198,6 @@ function showPair() {
   light();
 }
 
-/** What a row of probabilities predicts. @param {string[]} classes @param {number[]} row */
-const best = (classes, row) => {
-  const share = Math.max(...row);
-  return { name: classes[row.indexOf(share)], share };
-};
-
 /** What is known of the chosen pair and predicted at this p: class and domain, and the prediction.
  * @param {number} at stop of the journey */
 function known(at) {
@@ -213,7 +208,7 @@ function known(at) {
   const [domain, truth] = ofSet ? [ofSet.domain, ofSet.truth] : example ? example.slice(1) : ["", ""];
   const probabilities = at >= 0 && journey?.readings.fused?.[at];
   const said =
-    journey && probabilities ? best(journey.classes, probabilities) : ofSet && { name: ofSet.said, share: NaN };
+    journey && probabilities ? best(journey.classes, probabilities) : ofSet && { label: ofSet.said, share: NaN };
   return { domain, truth, said };
 }
 
@@ -222,18 +217,18 @@ function saidHtml(at) {
   const { journey } = scene.chosen;
   const { domain, truth, said } = known(at);
   const strange = IMAGES.filter(({ name }) => journey?.images[name]?.guess).map(({ title }) => title);
-  const right = said?.name === truth;
+  const right = said?.label === truth;
   const mark = truth && html`<span class="${right ? "right" : "wrong"}">${right ? "✓" : "✗"}</span> `;
-  const guess = html`<p><b>${said?.name}?</b> A guess:
+  const guess = html`<p><b>${said?.label}?</b> A guess:
     the ${strange.join(" and the ")} ${strange.length > 1 ? "are" : "is"} unlike all training images.
     So is the position.</p>`;
   const sure = said && Number.isFinite(said.share) && ` ${percent(said.share)}`;
   const own = journey?.own && best(journey.own.classes, journey.own.readings.fused);
   const unsure = Object.values(journey?.own?.images ?? {}).some(({ guess }) => guess);
   return html`<div class="said-of"><p>${truth ? html`<b>${truth}</b>, ${sensorOf(domain)}` : html`<b>Your pair</b>`}
-    </p>${said && (strange.length ? guess : html`<p>${mark}<b>${said.name}</b>${sure}</p>`)}${
+    </p>${said && (strange.length ? guess : html`<p>${mark}<b>${said.label}</b>${sure}</p>`)}${
       own &&
-      html`<p>Linear maps, which have no p: <b>${own.name}${unsure && "?"}</b>
+      html`<p>Linear maps, which have no p: <b>${own.label}${unsure && "?"}</b>
     ${!unsure && ` ${percent(own.share)}`}</p>`
     }
     ${
@@ -356,6 +351,6 @@ export function announce() {
   $(".announcement").textContent = [
     `p ${orderText(frames.orders[stop])}, ${stageNamed(state.stage).step}`,
     ...gaps,
-    `${pair}${said ? `, predicted ${said.name}` : ""}`,
+    `${pair}${said ? `, predicted ${said.label}` : ""}`,
   ].join(", ");
 }

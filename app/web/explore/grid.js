@@ -4,7 +4,7 @@ import { imitation, thumbnail, verdict } from "../shared/card.js";
 import { classOf, domainOf, orderText } from "../shared/frames.js";
 import { ofFrames } from "../shared/provenance.js";
 import { sensorOf } from "../shared/tables.js";
-import { $, html, percent, put, scene, state } from "./root.js";
+import { $, html, joined, percent, put, scene, state } from "./root.js";
 import { filtering, near, painted, strangePairs } from "./scene.js";
 import { tagOf, tagPairs } from "./tags.js";
 
@@ -60,9 +60,8 @@ function tile(pair) {
   const { truth, domain, said, right } = verdict(painted(scene, state), pair, stop);
   const note = imitation(facts.pairs, pair);
   const tag = tagOf(frames, pair);
-  const name = [`Pair ${pair}`, truth, note, sensorOf(domain), said && `predicted ${said}`, tag && `tag ${tag}`]
-    .filter(Boolean)
-    .join(", ");
+  const predicted = said && `predicted ${said}`;
+  const name = joined([`Pair ${pair}`, truth, note, sensorOf(domain), predicted, tag && `tag ${tag}`]);
   const words = said
     ? html`${!right && `${truth} `}<span class="${right ? "right" : "wrong"}">${marked(right, said)}</span>`
     : truth;

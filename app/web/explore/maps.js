@@ -12,7 +12,7 @@ import { INPUT, isStill, stageNamed } from "../shared/stages.js";
 import { can, modeOf, sensorOf } from "../shared/tables.js";
 import { gapLines, pairOnMap, withPair } from "./gap-marks.js";
 import { pictures } from "./pictures.js";
-import { $, choice, html, options, percent, put, scene, state } from "./root.js";
+import { $, choice, html, joined, options, percent, put, scene, state } from "./root.js";
 import { filtering, isDouble, lit, loneDomain, near, painted } from "./scene.js";
 
 /** @type {Record<string, string>} */
@@ -160,7 +160,7 @@ export const shapeWords = ({ signals }) => (signals ? "● one recording  ▲ th
 function notes(frames, { trust, stops, drawn }, stop, kind) {
   const analysed = state.chapter === "analyse" && !isDouble(scene, state); // two maps leave no room
   const still = isStill(state.stage, frames);
-  return [
+  const words = [
     analysed &&
       Number.isFinite(trust) &&
       `${percent(trust ?? 0)} of neighbours here are true neighbours (trust ${trust?.toFixed(2)}).`,
@@ -175,7 +175,6 @@ function notes(frames, { trust, stops, drawn }, stop, kind) {
       "The map is the same at every p, because the transform changes no distance.",
     analysed && !still && modeOf(frames).note,
     analysed && kind === "umap" && "Ignore distances and scale.",
-  ]
-    .filter(Boolean)
-    .join(" ");
+  ];
+  return joined(words, " ");
 }

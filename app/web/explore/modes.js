@@ -4,13 +4,14 @@ import { refused } from "../shared/api.js";
 import { framesOf } from "../shared/facts.js";
 import { orderText } from "../shared/frames.js";
 import { ACCURACY, values } from "../shared/measures.js";
+import { mean } from "../shared/numbers.js";
 import { OUTPUT } from "../shared/stages.js";
 import { has, modeOf, OWN_MODE, sensorOf, worded } from "../shared/tables.js";
-import { $, choice, html, percent, scene, send, state } from "./root.js";
+import { $, choice, html, joined, percent, scene, send, state } from "./root.js";
 
 /** @type {(head: NonNullable<FramesMeta["head"]>) => string} */
 const trainings = ({ seeds = [], width }) =>
-  [seeds.length > 1 && `${seeds.length} trainings for each stop`, width && `width ${width}`].filter(Boolean).join(", ");
+  joined([seeds.length > 1 && `${seeds.length} trainings for each stop`, width && `width ${width}`]);
 
 const SIGNALS = " Each pair consists of two recordings of one signal: “photo” is the first, “touch” the second.";
 
@@ -37,9 +38,8 @@ function elsewhere(frames) {
   const curve = values(frames, ACCURACY, OUTPUT);
   const own = curve?.filter((v, i) => Number.isFinite(v) && !(low <= frames.orders[i] && frames.orders[i] <= high));
   if (!own?.length) return "";
-  const mean = own.reduce((sum, v) => sum + v, 0) / own.length;
   const chance = percent(1 / frames.classes.length);
-  return `Outside the band, its mean accuracy in unseen domains is ${percent(mean)} (chance: ${chance}). `;
+  return `Outside the band, its mean accuracy in unseen domains is ${percent(mean(own))} (chance: ${chance}). `;
 }
 
 /** The mode that is wanted: the one in the address, or the first of the set. */

@@ -2,10 +2,12 @@
 
 import { ask, attempt } from "../shared/api.js";
 import { keys } from "../shared/filters.js";
+import { best, mean } from "../shared/numbers.js";
+import { levelsOf } from "../shared/pair-tree.js";
 import { classColour, rgb } from "../shared/palette.js";
 import { awaited } from "../shared/ready.js";
 import { panelIsOpen } from "./panels.js";
-import { $, fill, html, percent, scene, send, state } from "./root.js";
+import { $, fill, grouped, html, percent, scene, send, state } from "./root.js";
 
 const PAUSE = 60; // ms: at most one request in it while p is dragged
 const LETTERS = 9; // of a class below its node
@@ -69,7 +71,7 @@ export function worth(votes, pairs = 0) {
     (name, i) => html`${i > 0 && " or "}<i>${name}</i>`,
   );
   return html`<b>${fixed.length} of ${votes.length} nodes</b> (dashed), used alone, predict ${classes} for at
-    least ${percent(ALIKE)} of the ${pairs.toLocaleString("en-US")} pairs of the set.`;
+    least ${percent(ALIKE)} of the ${grouped(pairs)} pairs of the set.`;
 }
 
 /** How near the nodes of each layer are to right angles, which NOD pushes them to. @param {Tree} tree */
@@ -78,8 +80,7 @@ function angles({ layers, arrangement }) {
   if (arrangement === "interpolation" || !shown.length) return null;
   const words = shown.map(({ nodes, cosines }) => {
     const off = cosines.flatMap((row, i) => row.filter((_, j) => i !== j).map(Math.abs));
-    const mean = off.reduce((sum, v) => sum + v, 0) / off.length;
-    return html`<li>nodes ${nodes[0] + 1}–${nodes[nodes.length - 1] + 1}: ${mean.toFixed(2)}</li>`;
+    return html`<li>nodes ${nodes[0] + 1}–${nodes[nodes.length - 1] + 1}: ${mean(off).toFixed(2)}</li>`;
   });
   return html`<p class="hint">Mean |cosine| between nodes of a level. The loss NOD pushes it to 0 (right angles):</p>
     <ul class="angles">${words}</ul>`;
@@ -87,20 +88,12 @@ function angles({ layers, arrangement }) {
 
 /** @param {Tree} tree @param {boolean[]} fixed */
 function drawTree({ classes, nodes, parents }, fixed) {
-  /** @type {number[]} */
-  const depth = [];
-  /** @type {number[][]} */
-  const rows = [];
-  parents.forEach((parent, i) => {
-    depth[i] = parent < 0 ? 0 : depth[parent] + 1;
-    (rows[depth[i]] ??= []).push(i);
-  });
+  const { depth, rows, across } = levelsOf(parents);
   const width = Math.max(LEAST, ...rows.map((row) => row.length * COLUMN));
   const largest = Math.max(...nodes.map(({ norm }) => norm)) || 1;
   const placed = nodes.map((node, i) => {
-    const row = rows[depth[i]];
-    const x = ((row.indexOf(i) + 0.5) / row.length) * width;
-    return { ...node, x, y: 30 + depth[i] * ROW, r: RADIUS * Math.sqrt(node.norm / largest) };
+    const r = RADIUS * Math.sqrt(node.norm / largest);
+    return { ...node, x: across(i, width), y: 30 + depth[i] * ROW, r };
   });
   const edges = placed.map(({ x, y }, i) => {
     const above = placed[parents[i]];
@@ -120,8 +113,8 @@ const isDeep = (/** @type {string} */ hex) => rgb(hex).reduce((sum, v, c) => sum
 /** @param {{norm: number, probabilities: number[], x: number, y: number, r: number}} node @param {number} number
  * @param {string[]} classes @param {boolean} fixed */
 function disc({ norm, probabilities, x, y, r }, number, classes, fixed) {
-  const best = probabilities.indexOf(Math.max(...probabilities));
-  const colour = classColour(best);
+  const { at, label, share } = best(classes, probabilities);
+  const colour = classColour(at);
   const parts = classes.map((name, k) => `${name} ${percent(probabilities[k], 1)}`).join(", ");
   const side = COLUMN - 14;
   let left = x - side / 2;
@@ -135,6 +128,6 @@ function disc({ norm, probabilities, x, y, r }, number, classes, fixed) {
     <title>Node ${number}: norm ${norm.toFixed(3)}; ${parts}</title>
     <circle class="disc${fixed && " fixed"}" cx="${x}" cy="${y}" r="${r}" style="fill:${colour}"/>
       <text class="index${isDeep(colour) && " pale"}" x="${x}" y="${y + 5}">${number}</text>
-    <text class="name" x="${x}" y="${y + r + 15}">${short(classes[best])}
-      <tspan x="${x}" dy="15">${percent(probabilities[best])}</tspan></text>${bar}</g>`;
+    <text class="name" x="${x}" y="${y + r + 15}">${short(label)}
+      <tspan x="${x}" dy="15">${percent(share)}</tspan></text>${bar}</g>`;
 }

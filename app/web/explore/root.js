@@ -6,7 +6,7 @@ import { draw, fill, html } from "../shared/text.js";
 import { after, START } from "./state.js";
 
 export { change, state } from "../shared/store.js";
-export { draw, fill, html, options, percent, put } from "../shared/text.js";
+export { draw, fill, grouped, html, interval, joined, options, percent, put } from "../shared/text.js";
 
 /** Explore, which `send` alone replaces. @type {Readonly<Scene>} */
 export let scene = START;

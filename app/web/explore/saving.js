@@ -10,7 +10,7 @@ import { modeOf, sensorOf } from "../shared/tables.js";
 import { csv, png, svg } from "./exports.js";
 import { showGrid } from "./grid.js";
 import { kindOf, METHODS, map, shown } from "./maps.js";
-import { $, html, put, scene, state } from "./root.js";
+import { $, html, joined, put, scene, state } from "./root.js";
 import { filtering, painted } from "./scene.js";
 import { loadTags, tagsCsv } from "./tags.js";
 
@@ -63,7 +63,7 @@ export function labelCsv() {
 function caption() {
   const { frames, stop } = scene;
   const { simulated, origin } = frames.meta.embeddings;
-  return [
+  const words = [
     "OmniVaT",
     stageNamed(state.stage).title,
     !frames.headless && `p = ${orderText(frames.orders[stop])}`,
@@ -73,9 +73,8 @@ function caption() {
     ...filtering(scene, state),
     simulated ? "simulated data" : origin,
     "● VIS ▲ TAC",
-  ]
-    .filter(Boolean)
-    .join(" · ");
+  ];
+  return joined(words, " · ");
 }
 
 const colours = () => colouring(painted(scene, state), state.colour);

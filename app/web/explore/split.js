@@ -4,7 +4,7 @@
 import { provenance } from "../shared/provenance.js";
 import { TABLES } from "../shared/tables.js";
 import { barOf, barRow } from "./bars.js";
-import { html, percent } from "./root.js";
+import { grouped, html, interval, percent } from "./root.js";
 
 const TERMS = [
   ["sensor", "another sensor"],
@@ -70,7 +70,7 @@ export function ownHtml(known) {
   const rows = OWN_ROWS.map(({ id, bar: name = "" }) => {
     const { accuracy, low = 0, high = 0, problem } = known[id] ?? {};
     const text = problem ? "–" : accuracy === undefined ? "…" : percent(accuracy);
-    const title = problem ?? (accuracy === undefined ? "" : `95 % interval: ${percent(low)} to ${percent(high)}`);
+    const title = problem ?? (accuracy === undefined ? "" : interval(low, high));
     return { name, ends: [0, accuracy ?? 0], text, title };
   });
   const others = OWN_ROWS.filter(({ home }) => !home);
@@ -81,7 +81,7 @@ export function ownHtml(known) {
     provenance({
       head: "the loaded head",
       source: away.source ?? "",
-      pairs: `${away.pairs?.toLocaleString("en-US")} pairs of ${Object.keys(away.domains ?? {}).join(", ")}`,
+      pairs: `${grouped(away.pairs ?? 0)} pairs of ${Object.keys(away.domains ?? {}).join(", ")}`,
       known: others.flatMap(({ id, brief }) => brief ?? known[id]?.known ?? []).join(", then "),
     });
   return html`${list(rows)}${missing.map((problem) => html`<p class="hint">A bar is missing: ${problem}</p>`)}

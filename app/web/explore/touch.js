@@ -3,7 +3,7 @@
 import { address } from "../shared/api.js";
 import { twins as fetchTwins } from "../shared/facts.js";
 import { marked } from "./grid.js";
-import { $, choice, draw, fill, html, options, percent, scene, send, state } from "./root.js";
+import { $, choice, draw, fill, html, interval, options, percent, scene, send, state } from "./root.js";
 
 /** @type {{key: Reading, label: string, table: Input, title: string}[]} */
 export const READINGS = [
@@ -117,8 +117,8 @@ const background = (sheet, column, columns, row = 0, rows = 1) =>
   `background:url('${address(`twins/${sheet}`)}') ${(100 * column) / (columns - 1 || 1)}% ` +
   `${(100 * row) / (rows - 1 || 1)}%/${100 * columns}% ${100 * rows}%`;
 
-const interval = (/** @type {number} */ low, /** @type {number} */ high, /** @type {number} */ chance) =>
-  `95 % interval: ${percent(low)} to ${percent(high)}; chance: ${percent(chance)}`;
+const beside = (/** @type {number} */ low, /** @type {number} */ high, /** @type {number} */ chance) =>
+  `${interval(low, high)}; chance: ${percent(chance)}`;
 
 /** The object, what is read in its picture by each domain, and what the domain is that is pointed at.
  * @param {Chosen} at @param {Figures} figures @param {number} pointed */
@@ -140,7 +140,7 @@ function pictures(at, { said, truth, shares, chance }, pointed) {
         ${at.reading === "fused" && html`<i class="inset" style="${picture(PHOTO, i)}"></i>`}</span>
       <b class="said">${marked(right, classes[said[i]])}</b><figcaption>${sensor}
         ${i === at.from && html` <small>(training ${WORDS[at.reading].what})</small>`}</figcaption>
-      <span class="share" title="${interval(low, high, chance)}"><span class="scale"
+      <span class="share" title="${beside(low, high, chance)}"><span class="scale"
         style="--share:${share};--low:${low};--high:${high};--chance:${chance}"><i class="fill"></i>
         <i class="range"></i></span><output>${percent(share)}</output></span></figure>`;
   });
@@ -164,7 +164,7 @@ function showFigures(at, { away: [share, low, high], shares, chance }) {
   fill($(".touch .same"), same);
   fill(
     $(".touch .figure"),
-    html`<b class="large" title="${interval(low, high, chance)}">
+    html`<b class="large" title="${beside(low, high, chance)}">
       ${percent(share)}</b> correct ${on} another ${what}, <b>${percent(shares[at.from][0])}</b> ${on} the
       training ${what}.`,
   );

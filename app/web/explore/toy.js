@@ -4,6 +4,7 @@ import { attempt } from "../shared/api.js";
 import { Scale } from "../shared/chart.js";
 import { toyFacts } from "../shared/facts.js";
 import { nearest, orderText } from "../shared/frames.js";
+import { mean } from "../shared/numbers.js";
 import { TAC_COLOUR, VIS_COLOUR } from "../shared/palette.js";
 import { OUTLINES } from "../shared/points.js";
 import { $, draw, html } from "./root.js";
@@ -87,7 +88,7 @@ function wave(re, im, colour, act) {
 function plane(clouds, i, act) {
   const drawn = IMAGES.map(({ name, colour, shape }) => {
     const places = clouds[name][i].map(([x, y]) => [PLANES.x(after(act, x)), PLANES.y(after(act, y))]);
-    const middle = [0, 1].map((axis) => places.reduce((sum, place) => sum + place[axis] / places.length, 0));
+    const middle = [0, 1].map((axis) => mean(places.map((place) => place[axis])));
     const dots = places.map(([x, y]) => OUTLINES[shape](x, y, 2)).join("");
     return { middle, path: html`<path d="${dots}" style="fill:${colour}"/>` };
   });

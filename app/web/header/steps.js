@@ -1,5 +1,6 @@
 /** The tour: a question in each chapter, options, and what is then told. Every figure is one of the page's own. */
 
+import { ends } from "../shared/numbers.js";
 import { PLACES } from "../shared/tables.js";
 import { html, percent } from "../shared/text.js";
 
@@ -19,14 +20,12 @@ const PRESS = { press: "", from: "0", dots: "", known: "0", reading: "tac" };
 const b = (share) => html`<b>${percent(share)}</b>`;
 /** @param {number[] | null} curve */
 const known = (curve) => (curve ?? []).filter(Number.isFinite);
-/** @param {number[] | null} curve @returns {[number, number]} */
-const ends = (curve) => [Math.min(...known(curve)), Math.max(...known(curve))];
 /** @param {number[] | null} curve */
-const range = (curve) => (known(curve).length ? ends(curve)[1] - ends(curve)[0] : NaN);
+const range = (curve) => (known(curve).length ? ends(known(curve))[1] - ends(known(curve))[0] : NaN);
 /** @param {number[] | null} curve */
-const within = (curve) => html`between ${b(ends(curve)[0])} and ${b(ends(curve)[1])}`;
+const within = (curve) => html`between ${ends(known(curve)).map((end, i) => [i > 0 && " and ", b(end)])}`;
 /** @param {Figures} at */
-const best = ({ curve, orders }) => orders[(curve ?? []).indexOf(ends(curve)[1])];
+const best = ({ curve, orders }) => orders[(curve ?? []).indexOf(ends(known(curve))[1])];
 
 /** The share of the head that learned from the first sensor's touches, with its interval: away, by dots and pictures.
  * @param {Figures} at */

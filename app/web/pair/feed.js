@@ -3,6 +3,7 @@
 import { attempt, Refusal } from "../shared/api.js";
 import { drawingOn } from "../shared/canvas.js";
 import { keep, keptJson } from "../shared/memory.js";
+import { mean as meanOf } from "../shared/numbers.js";
 import { View } from "../shared/view.js";
 import { camera } from "./own-pictures.js";
 import { html, options, put, signed, status, TERMS } from "./parts.js";
@@ -227,7 +228,7 @@ export function apart(one, other) {
  * touch.
  * @param {Float32Array[]} frames */
 export function restOf(frames) {
-  const mean = frames[0].map((_, i) => frames.reduce((sum, one) => sum + one[i], 0) / frames.length);
+  const mean = frames[0].map((_, i) => meanOf(frames.map((one) => one[i])));
   const noise = Math.max(...frames.map((one) => apart(one, mean)));
   return noise > LEAST ? null : { mean, limit: Math.max(LEAST, NOISE * noise) };
 }

@@ -5,6 +5,7 @@ import { drawingOn } from "../shared/canvas.js";
 import { classOf, domainOf } from "../shared/frames.js";
 import { change, links, state } from "../shared/store.js";
 import { sensorOf } from "../shared/tables.js";
+import { joined } from "../shared/text.js";
 import { IMAGES, NO_CLASS, TERMS } from "./parts.js";
 
 const LARGEST = 20e6; // bytes
@@ -117,7 +118,7 @@ export const partsOf = (ref) => [ref.slice(0, ref.indexOf(":")), ref.slice(ref.i
  * @param {Pick<PairTab, "examples" | "set" | "sent">} tab @param {Ref} ref @returns {{text: string, truth?: string}} */
 export function describe({ examples, sent, set: { frames } }, ref) {
   const [kind, name] = partsOf(ref);
-  const dotted = (/** @type {unknown[]} */ ...words) => words.filter(Boolean).join(" · ");
+  const dotted = (/** @type {unknown[]} */ ...words) => joined(words, " · ");
   if (kind === "example") {
     const example = examples.find((one) => one.name === name);
     return { text: example ? dotted(example.class, sensorOf(example.domain)) : name, truth: example?.class };

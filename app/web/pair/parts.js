@@ -2,7 +2,7 @@
  * drawn. */
 
 import { IMAGES, imagesOf } from "../shared/images.js";
-import { draw, html } from "../shared/text.js";
+import { draw, grouped, html } from "../shared/text.js";
 
 export { IMAGES, imagesOf, OTHER, READINGS } from "../shared/images.js";
 export { draw, fill, html, NO_CLASS, options, percent, put, row, table } from "../shared/text.js";
@@ -85,7 +85,7 @@ export const folded = (name, ...content) => html`<details><summary>${name}</summ
 export const kinds = (event) => IMAGES.map((kind) => button(event, TERMS[kind].many, html`data-kind="${kind}"`));
 
 /** @param {number} n @param {string} one @param {string} [many] */
-export const plural = (n, one, many = `${one}s`) => `${n.toLocaleString("en-US")} ${n === 1 ? one : many}`;
+export const plural = (n, one, many = `${one}s`) => `${grouped(n)} ${n === 1 ? one : many}`;
 
 /** Draw a part of the tab. Null hides it, undefined leaves it as it is.
  * @param {HTMLElement} box @param {Html | null | undefined} markup */

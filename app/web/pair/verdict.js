@@ -1,6 +1,7 @@
 /** The prediction of one pair in words: both, photo only, touch only. Data in, markup out. */
 
 import { classOf, domainOf } from "../shared/frames.js";
+import { best } from "../shared/numbers.js";
 import { classColour } from "../shared/palette.js";
 import { sensorOf } from "../shared/tables.js";
 import { describe } from "./own-pictures.js";
@@ -26,12 +27,6 @@ import {
 import { cautionOf } from "./reader.js";
 import { tileOf } from "./slots.js";
 import { labelOf, mixed } from "./state.js";
-
-/** The class with the largest probability, and that probability. @param {string[]} classes @param {number[]} row */
-function best(classes, row) {
-  const at = row.indexOf(Math.max(...row));
-  return { label: classes[at], share: row[at] };
-}
 
 const LIVE = "image:"; // frames of cameras are the visitor's own pictures
 const ABSENT = { row: [], label: "", share: 0, used: [], strange: [], guess: false };

@@ -5,12 +5,13 @@ import { ask, askOfImage, attempt, bytesOf, cardOf, get, made, Refusal, readerOf
 import { loaded } from "../shared/facts.js";
 import { headLabel } from "../shared/headsets.js";
 import { keep, kept } from "../shared/memory.js";
+import { mean } from "../shared/numbers.js";
 import { awaited } from "../shared/ready.js";
 import { save } from "../shared/save.js";
 import { OUTPUT } from "../shared/stages.js";
 import { change, openChapter } from "../shared/store.js";
 import { openTab } from "../shared/tabs.js";
-import { base64, bytesOf as decoded } from "../shared/text.js";
+import { base64, bytesOf as decoded, joined } from "../shared/text.js";
 import { guide, live, saveRecording } from "./live.js";
 import { csv } from "./many.js";
 import { camera, describe, snapshot, upload } from "./own-pictures.js";
@@ -286,8 +287,8 @@ async function card({ tab, send }, _, signal) {
   );
   if (!touches[0].length) throw new Refusal("Give touches of your sensor: JPEG, PNG, WebP, BMP or TIFF pictures.");
   const all = touches.flat();
-  const mean = all.reduce((sum, { size }) => sum + size, 0) / all.length;
-  const most = Math.min(TOUCHES, Math.floor(LARGEST / mean / touches.filter(({ length }) => length).length));
+  const size = mean(all.map((file) => file.size));
+  const most = Math.min(TOUCHES, Math.floor(LARGEST / size / touches.filter(({ length }) => length).length));
   const some = touches.map((files) =>
     files.length <= most ? files : Array.from({ length: most }, (_, k) => files[Math.floor((k * files.length) / most)]),
   );
@@ -331,5 +332,5 @@ async function sample({ send }, { files, kind }, signal) {
     throw new Refusal(broken[0] ?? "No picture was among these files. Give photos, tactile images or both.");
   const few = Math.min(...Object.values(profile.counts)) < FEW && `Fewer than ${FEW} of a kind change little.`;
   const failed = broken.length && `${plural(broken.length, "picture was", "pictures were")} left out: ${broken[0]}`;
-  send("profiled", { ...profile, note: [few, failed].filter(Boolean).join(" ") });
+  send("profiled", { ...profile, note: joined([few, failed], " ") });
 }

@@ -3,7 +3,7 @@
 import { classOf, domainOf } from "./frames.js";
 import { saidOf } from "./palette.js";
 import { has, sensorOf } from "./tables.js";
-import { html } from "./text.js";
+import { html, joined } from "./text.js";
 
 /** A thumbnail from the sheet: VIS of pair i is tile i, TAC is tile N + i.
  * @param {Sprite | null} sprite @param {number} tile @param {number} side @param {string} words */
@@ -42,9 +42,7 @@ export function verdict(frames, pair, stop) {
 export function spoken(frames, pair, stop, pinned) {
   const { domain, truth, said, right } = verdict(frames, pair, stop);
   const predicted = said && `predicted as ${said}${frames.labelled ? (right ? ", correct" : ", wrong") : ""}`;
-  return [`Pair ${pair}${pinned ? ", pinned" : ""}`, frames.labelled && truth, sensorOf(domain), predicted]
-    .filter(Boolean)
-    .join(", ");
+  return joined([`Pair ${pair}`, pinned && "pinned", frames.labelled && truth, sensorOf(domain), predicted]);
 }
 
 /** The class that a pair imitates, in words; "" if none. @param {PairNames | null} pairs @param {number} pair */

@@ -14,26 +14,23 @@ const fact =
 const KINDS = { u1: Uint8Array, u2: Uint16Array, i2: Int16Array };
 
 /** Unpack numbers from the server: integers in steps. @param {Packed} packed @returns {Numbers} */
-export function unpacked({ kind, steps, data }) {
+function unpacked({ kind, steps, data }) {
   const whole = new KINDS[kind](bytesOf(data).buffer);
   return steps === 1 ? whole : Float64Array.from(whole, (n) => n / steps);
 }
+
+/** @template {string} Name @param {Record<Name, Packed>} all */
+const each = (all) =>
+  /** @type {Record<Name, Numbers>} */ (
+    Object.fromEntries(Object.entries(all).map(([name, one]) => [name, unpacked(/** @type {Packed} */ (one))]))
+  );
 
 /** Accuracy in unseen domains; values of each pair as typed arrays. @returns {Promise<Unseen>} */
 export const unseen = (set = "") =>
   once(`unseen ${set}`, async () => {
     const found = await json(inSet("unseen", set));
-    const { counts, answers, confidence, cosine } = found.pairs;
-    const { fused, vis, tac } = answers;
-    return {
-      ...found,
-      pairs: {
-        counts: unpacked(counts),
-        answers: { fused: unpacked(fused), vis: unpacked(vis), tac: unpacked(tac) },
-        confidence: unpacked(confidence),
-        cosine: unpacked(cosine),
-      },
-    };
+    const { answers, ...pairs } = found.pairs;
+    return { ...found, pairs: { ...each(pairs), answers: each(answers) } };
   });
 /** What is loaded: head and embeddings with their origin, limits, a sensor’s profile. */
 export const loaded = fact("about");

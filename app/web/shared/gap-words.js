@@ -2,13 +2,11 @@
 
 import { orderText } from "./frames.js";
 import { GAPS, values } from "./measures.js";
+import { ends, mean } from "./numbers.js";
 import { INPUT, OUTPUT, stepsOf } from "./stages.js";
 import { html } from "./text.js";
 
 const STILL = 0.02; // a gap that ranges less is called constant
-
-/** @param {number[]} all */
-const mean = (all) => all.reduce((sum, v) => sum + v, 0) / all.length;
 
 /** One gap over p: its value in the embedding, the lowest and highest of the output with their orders, and the step at
  * which the mean over p falls most. `by` is what closes most of it: "steps" if its fall from the embedding to the
@@ -17,7 +15,7 @@ const mean = (all) => all.reduce((sum, v) => sum + v, 0) / all.length;
 export function gapOver(frames, { id, title }) {
   const all = (/** @type {string} */ stage) => (values(frames, id, stage) ?? []).filter(Number.isFinite);
   const output = values(frames, id, OUTPUT) ?? [];
-  const [low, high] = [Math.min(...all(OUTPUT)), Math.max(...all(OUTPUT))];
+  const [low, high] = ends(all(OUTPUT));
   const [raw] = all(INPUT);
   const steps = stepsOf(frames).filter((step) => all(step.id).length);
   const falls = steps.slice(1).map((step, i) => mean(all(steps[i].id)) - mean(all(step.id)));

@@ -1,7 +1,7 @@
 /** What the data on the screen are, and the limits of every figure: a small panel below the words "simulated data". */
 
 import { held } from "./held.js";
-import { html, isSimulated, percent, put } from "./text.js";
+import { grouped, html, isSimulated, percent, put } from "./text.js";
 import { theSet } from "./theset.js";
 
 const SIMULATED = html`These data are <b>simulated</b>: this project rendered all photos and touches. No figure on this
@@ -13,7 +13,7 @@ function limitsOf(frames) {
   const { pairs, domains, headless, source, meta } = frames;
   const { encoder, origin, simulated } = meta.embeddings;
   const facts = [
-    `${pairs.toLocaleString("en-US")} pairs in ${domains.length} domains. Encoder: ${encoder}.`,
+    `${grouped(pairs)} pairs in ${domains.length} domains. Encoder: ${encoder}.`,
     origin && `Origin of the data: ${origin}.`,
     !headless && `The loaded head was trained on ${source} only.`,
     !headless && "Accuracy is measured on pairs that were not used for training.",

@@ -1,6 +1,7 @@
 /** Groups of points on the map: their names, and the gaps between their VIS and TAC means. */
 
 import { segment, stroked } from "./canvas.js";
+import { mean } from "./numbers.js";
 import { colouring, isDark, isLecture } from "./palette.js";
 import { SHAPES } from "./points.js";
 import { state } from "./store.js";
@@ -92,9 +93,8 @@ export function settled(groups, of, cloud, shown) {
       const there = around(members[i][one]);
       if (there.length > Math.max(least, near.length)) near = there;
     }
-    /** @param {0 | 1} axis */
-    const mean = (axis) => near.reduce((sum, one) => sum + one[axis], 0) / near.length;
-    return { ...group, x: mean(0), y: mean(1) };
+    const [x, y] = [0, 1].map((axis) => mean(near.map((place) => place[axis])));
+    return { ...group, x, y };
   });
 }
 

@@ -51,12 +51,16 @@ export const guessesOf = (journey) =>
 const SHAPE = /** @type {const} */ ({ vis: "circle", tac: "triangle" });
 const there = (/** @type {Point | undefined} */ place) => Boolean(place && Number.isFinite(place[0]));
 
-/** The path of a star. @param {Context} context @param {Point} place @param {number} radius */
-export function star(context, [x, y], radius) {
-  for (let i = 0; i < 10; i++) {
+/** The corners of a star. @param {Point} place @param {number} radius @returns {Point[]} */
+export const starOf = ([x, y], radius) =>
+  Array.from({ length: 10 }, (_, i) => {
     const [angle, r] = [(i * Math.PI) / 5 - Math.PI / 2, i % 2 ? 0.45 * radius : radius];
-    context.lineTo(x + r * Math.cos(angle), y + r * Math.sin(angle));
-  }
+    return [x + r * Math.cos(angle), y + r * Math.sin(angle)];
+  });
+
+/** The path of a star. @param {Context} context @param {Point} place @param {number} radius */
+function star(context, place, radius) {
+  for (const corner of starOf(place, radius)) context.lineTo(...corner);
   context.closePath();
 }
 

@@ -2,6 +2,7 @@
  * scheme. Both are safe for colour-blind readers, and they differ from each other. */
 
 import { has, TABLES } from "./tables.js";
+import { grouped } from "./text.js";
 
 const OKABE_ITO = ["#e69f00", "#56b4e9", "#009e73", "#d55e00", "#0072b2", "#cc79a7", "#f0e442", "#8c8c8c"];
 const TOL_BRIGHT = ["#4477aa", "#ee6677", "#228833", "#ccbb44", "#aa3377", "#66ccee", "#bbbbbb", "#332288"];
@@ -55,7 +56,7 @@ function valuesIn(column) {
   const names = values.map((value) => value || "none");
   const made = {
     index: column.map((value) => place.get(value) ?? values.length),
-    names: others ? [...names, `${others.toLocaleString("en-US")} other values`] : names,
+    names: others ? [...names, `${grouped(others)} other values`] : names,
   };
   known.set(column, made);
   return made;

@@ -3,7 +3,7 @@
 
 import { orderText } from "./frames.js";
 import { modeOf, sensorOf, worded } from "./tables.js";
-import { html } from "./text.js";
+import { grouped, html } from "./text.js";
 
 /** `known` is null where a text beside it tells.
  * @param {{head: string, source: string, pairs: string, known?: string | null}} from */
@@ -37,7 +37,7 @@ export function unseenPairs(frames, unseen) {
   const many = strangers(frames);
   const all = many === 1 ? "1 unseen domain" : `${many} unseen domains`;
   const mean = `${many === 1 ? "" : "mean of "}${all}`;
-  return count ? `${count.toLocaleString("en-US")} pairs (${mean})` : `the pairs of ${all}`;
+  return count ? `${grouped(count)} pairs (${mean})` : `the pairs of ${all}`;
 }
 
 /** The line below an accuracy of frames at one stop; nothing where nothing predicts.

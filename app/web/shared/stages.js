@@ -1,6 +1,7 @@
 /** The steps of the head, with an explanation of each. */
 
 import { can, modeOf, TABLES } from "./tables.js";
+import { joined } from "./text.js";
 
 const { stages } = TABLES;
 /** The encoder's output, and the step whose features are classified. */
@@ -11,7 +12,7 @@ export const stageNamed = (name) => stages.find(({ id }) => id === name) ?? stag
 
 /** A stage in words, for the frames shown. @param {Stage} stage @param {Frames} frames */
 export const explained = ({ id, help, fixed }, frames) =>
-  [help, fixed && (isStill(id, frames) ? fixed : modeOf(frames).moving)].filter(Boolean).join(" ");
+  joined([help, fixed && (isStill(id, frames) ? fixed : modeOf(frames).moving)], " ");
 
 /** The stage whose map is shown: the transform keeps all distances of the projection. @param {string} stage */
 export const featuresOf = (stage) => stages.find(({ id }) => id === stage)?.as ?? stage;

@@ -1,6 +1,7 @@
 /** Open a tab from elsewhere in the page, and keep it in the address. */
 
 import { change, followHistory, state, watch } from "./store.js";
+import { joined } from "./text.js";
 
 const AGAIN = 100; // ms
 
@@ -28,7 +29,7 @@ export function nameDocument() {
   const named = document.querySelector(
     view === "explore" ? `.chapters [data-chapter="${chapter}"]` : `#view-${view}-button`,
   );
-  document.title = [named?.textContent?.trim(), "OmniVaT"].filter(Boolean).join(" · ");
+  document.title = joined([named?.textContent?.trim(), "OmniVaT"], " · ");
 }
 
 export function followTabs() {

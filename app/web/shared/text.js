@@ -56,6 +56,12 @@ export const put = (box, content) => {
 
 /** @param {number} share */
 export const percent = (share, digits = 0) => `${(100 * share).toFixed(digits)}\u00a0%`;
+/** A number with its thousands apart. @param {number} n */
+export const grouped = (n) => n.toLocaleString("en-US");
+/** @param {number} low @param {number} high */
+export const interval = (low, high) => `95 % interval: ${percent(low)} to ${percent(high)}`;
+/** Words between which something stands; what is absent is left out. @param {unknown[]} words */
+export const joined = (words, between = ", ") => words.filter(Boolean).join(between);
 /** @param {string} name */
 export const isSimulated = (name) => name.endsWith("-sim");
 
