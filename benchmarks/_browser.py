@@ -10,7 +10,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from urllib.parse import parse_qsl, urlsplit
 from urllib.request import urlopen
+
+from app.frame_parts import part_of
 
 ROOT = Path(__file__).resolve().parent.parent
 NAMES = ("chromium", "chromium-browser", "google-chrome")
@@ -47,13 +50,17 @@ def opened(browser: Any, address: str, query: str = "", frames: Path | None = No
     page = browser.new_page(viewport={"width": 1440, "height": 900}, permissions=["camera"])
     page.set_default_timeout(120_000)
     if frames:
-        page.route(
-            "**/omnivat/frames",
-            lambda route: route.fulfill(path=frames, headers={"X-Frames": "fine"}),
-        )
+        page.route("**/omnivat/frames?part=*", lambda route: route.fulfill(**reply(route, frames)))
     page.goto(address + query, wait_until="commit")
     page.wait_for_selector(MAP)
     return page
+
+
+def reply(route: Any, frames: Path) -> dict[str, Any]:
+    """Return the part of a frames file that a request names."""
+    query = dict(parse_qsl(urlsplit(route.request.url).query))
+    content = part_of(frames, query["part"], int(query.get("from", 0)))
+    return {"body": content, "headers": {"X-Frames": "fine"}}
 
 
 @contextmanager

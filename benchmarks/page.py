@@ -27,7 +27,7 @@ from omnivat.maps.frames import FrameSet, read_frames, write_frames
 
 VIEWS = ("explore", "pair", "train")
 KEPT_MAPS = ("pca/raw", "pca/frft", "pca/f_hat")  # others would only enlarge the file
-SLOT = '.pair .slot[data-modality="tac"]'
+LIVE = ".pair .cameras [data-send=camerasSwitched]"
 
 # Time from an input event to the second animation frame after it: the first frame draws, and at the
 # start of the second the result is on screen. The minimum is one frame at 60 Hz, 16.7 ms.
@@ -148,15 +148,16 @@ def live(page: Any, pictures: int) -> float:
     """Predict Chromium's test camera, a moving picture; return how many a second."""
     page.evaluate("document.getElementById('view-pair-button').click()")
     page.wait_for_selector(".pair .reading")
+    page.click(".pair .cameras > summary")
     answered: list[dict[str, Any]] = []
     page.on(
         "requestfinished",
         lambda request: answered.append(request.timing) if "/live?" in request.url else None,
     )
-    page.click(f"{SLOT} .live")
+    page.click(LIVE)
     while len(answered) < pictures + 5:  # the first ones load the encoder
         page.wait_for_timeout(50)
-    page.click(f"{SLOT} .live")
+    page.click(LIVE)
     starts = [timing["startTime"] for timing in answered[5:]]
     return float(1000 * (len(starts) - 1) / (starts[-1] - starts[0]))
 
@@ -165,18 +166,20 @@ def measured(chromium: Any, to: Path, moves: int) -> dict[str, float]:
     """Start a server, measure one visit from cold start to every tab opened, stop it."""
     began = time.perf_counter()
     with started() as (process, address, _):
-        page = opened(chromium, address)
+        page = opened(chromium, address, "?chapter=analyse")
         found = {"map_drawn_s": time.perf_counter() - began}
         page.wait_for_load_state("networkidle")
         page.close()
         for name, pairs in (("2k", 1000), ("20k", 10_000)):
-            page = opened(chromium, address, "?p=0", frames_of(pairs, to / f"{name}.bin"))
+            page = opened(
+                chromium, address, "?chapter=analyse&p=0", frames_of(pairs, to / f"{name}.bin")
+            )
             page.wait_for_load_state("networkidle")
             drag(page, moves // 4)  # what runs often is compiled by now
             found |= {f"{name}_{key}": value for key, value in drag(page, moves).items()}
             found[f"{name}_heap_mb"] = heap_mb(page)
             page.close()
-        page = opened(chromium, address, frames=to / "2k.bin")
+        page = opened(chromium, address, "?chapter=analyse", frames=to / "2k.bin")
         every_tab(page)
         found["all_tabs_server_mb"] = resident_mb(process)
         found["all_tabs_heap_mb"] = heap_mb(page)

@@ -17,7 +17,6 @@ from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from http.client import HTTPConnection, HTTPException
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -28,6 +27,7 @@ from PIL import Image
 
 from app.guard import EVENTS
 from app.train.plan import NUMBERS
+from benchmarks._attack_costly import encoded
 from benchmarks._browser import resident_mb, started, summed
 from benchmarks._machine import machine
 from omnivat.kit.files import write_json
@@ -51,9 +51,7 @@ def picture(number: int) -> bytes:
     """Return a JPEG of 640 x 480 that no other number has."""
     random = np.random.default_rng(number)
     small = Image.fromarray(random.integers(0, 256, (12, 16, 3), dtype=np.uint8))
-    with BytesIO() as handle:
-        small.resize((640, 480)).save(handle, "JPEG", quality=90)
-        return handle.getvalue()
+    return encoded(small.resize((640, 480)), "JPEG", quality=90)
 
 
 class Visitor:

@@ -10,6 +10,7 @@ Mbit/s.
 """
 
 import argparse
+import base64
 import functools
 import http.server
 import json
@@ -18,7 +19,6 @@ import threading
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, BinaryIO
@@ -32,6 +32,7 @@ from app.decoder import Decoder
 from app.places import places
 from app.resources import Resources
 from app.site_models import write_models
+from benchmarks._attack_costly import encoded
 from benchmarks._browser import chromium
 from omnivat.encoders.base import for_modality
 from omnivat.head.predict import predict_embeddings
@@ -72,8 +73,6 @@ class Site:
 
     def ask(self, path: str, body: Any, query: str = "") -> tuple[int, Any, float]:
         """Return status, reply and milliseconds of one request; bytes are sent as a file."""
-        import base64
-
         if isinstance(body, bytes):
             body = {"file": base64.b64encode(body).decode()}
         status, reply, ms = self.page.evaluate(ASK, [path, query, body])
@@ -158,13 +157,6 @@ def opened(folder: Path) -> Iterator[Site]:
         yield site
 
 
-def png(image: Image.Image, kind: str = "PNG", **options: Any) -> bytes:
-    """Return the file of a picture."""
-    with BytesIO() as handle:
-        image.save(handle, kind, **options)
-        return handle.getvalue()
-
-
 def own_pairs(resources: Resources, count: int) -> Iterator[dict[str, bytes]]:
     """Yield pairs of files: the examples as they are, then parts cut from them."""
     examples = list(resources.examples().values())
@@ -180,7 +172,9 @@ def own_pairs(resources: Resources, count: int) -> Iterator[dict[str, bytes]]:
                 wide, high = (int(side * random.uniform(0.4, 0.9)) for side in image.size)
                 left = int(random.integers(image.width - wide + 1))
                 top = int(random.integers(image.height - high + 1))
-                pair[name] = png(image.convert("RGB").crop((left, top, left + wide, top + high)))
+                pair[name] = encoded(
+                    image.convert("RGB").crop((left, top, left + wide, top + high)), "PNG"
+                )
         yield pair
 
 
@@ -252,29 +246,29 @@ def odd_pictures(resources: Resources) -> dict[str, bytes]:
     for turn in (3, 6, 7):
         exif = Image.Exif()
         exif[274] = turn
-        turned[f"JPEG, orientation {turn}"] = png(base, "JPEG", quality=95, exif=exif)
-        turned[f"PNG, orientation {turn}"] = png(base, exif=exif)
-        turned[f"WebP, orientation {turn}"] = png(base, "WEBP", lossless=True, exif=exif)
+        turned[f"JPEG, orientation {turn}"] = encoded(base, "JPEG", quality=95, exif=exif)
+        turned[f"PNG, orientation {turn}"] = encoded(base, "PNG", exif=exif)
+        turned[f"WebP, orientation {turn}"] = encoded(base, "WEBP", lossless=True, exif=exif)
     ramp = Image.linear_gradient("L").resize(base.size)
     alpha = base.copy()
     alpha.putalpha(ramp)
     grey = np.asarray(base.convert("L")).astype(np.uint16) * 256 + 77
     large = base.resize((5472, 3648), Image.Resampling.BICUBIC)
-    whole = png(base)
+    whole = encoded(base, "PNG")
     return {
         **turned,
-        "JPEG, CMYK": png(base.convert("CMYK"), "JPEG", quality=95),
-        "JPEG, grey": png(base.convert("L"), "JPEG", quality=95),
-        "JPEG, progressive": png(base, "JPEG", quality=95, progressive=True),
-        "PNG, 16 bit": png(Image.fromarray(grey)),
-        "PNG, palette": png(base.quantize(64)),
-        "PNG, alpha": png(alpha),
-        "WebP, lossy": png(base, "WEBP", quality=90),
-        "GIF": png(base.quantize(128), "GIF"),
-        "BMP": png(base, "BMP"),
-        "JPEG, 20 megapixels": png(large, "JPEG", quality=90),
-        "PNG, 1 pixel wide": png(base.resize((1, 400))),
-        "JPEG, cut short": png(base, "JPEG", quality=95)[:9000],
+        "JPEG, CMYK": encoded(base.convert("CMYK"), "JPEG", quality=95),
+        "JPEG, grey": encoded(base.convert("L"), "JPEG", quality=95),
+        "JPEG, progressive": encoded(base, "JPEG", quality=95, progressive=True),
+        "PNG, 16 bit": encoded(Image.fromarray(grey), "PNG"),
+        "PNG, palette": encoded(base.quantize(64), "PNG"),
+        "PNG, alpha": encoded(alpha, "PNG"),
+        "WebP, lossy": encoded(base, "WEBP", quality=90),
+        "GIF": encoded(base.quantize(128), "GIF"),
+        "BMP": encoded(base, "BMP"),
+        "JPEG, 20 megapixels": encoded(large, "JPEG", quality=90),
+        "PNG, 1 pixel wide": encoded(base.resize((1, 400)), "PNG"),
+        "JPEG, cut short": encoded(base, "JPEG", quality=95)[:9000],
         "PNG, cut short": whole[: len(whole) // 2],
         "PNG, a damaged piece": whole[:3000] + bytes(40) + whole[3040:],
         "text": b"this is no picture",
