@@ -9,6 +9,7 @@ has no seed to draw, and there is one set, so sets are not drawn.
 import json
 from collections import defaultdict
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -40,8 +41,9 @@ class Record:
         self.domain = np.array(first["domain"])
         self.truth = letters(first["truth"])
         self.alike = np.array([one == "1" for one in first["look_alike"]])
+        self.cells = cache(self._cells)
 
-    def cells(self, rung: str, *, alike: bool = False) -> Cells:
+    def _cells(self, rung: str, *, alike: bool = False) -> Cells:
         """Return accuracies of a rung; `alike`: of the pairs that look like another class only."""
         found: Runs = defaultdict(dict)
         for run in (one for one in self.runs if rung in one["answers"]):
@@ -75,21 +77,27 @@ def mean_of(cells: Array) -> float:
     return float(np.nanmean(np.nanmean(cells, axis=(1, 2))))
 
 
+@cache
+def _drawn(sources: int, targets: int, seeds: int) -> Array:
+    """Return the places in a flat table of the values of each draw (DRAWS, values)."""
+    random = np.random.default_rng(0)
+    some = random.integers(sources, size=(DRAWS, sources))[..., None, None]
+    drawn = random.integers(targets, size=(DRAWS, sources, targets))[..., None]
+    seed = random.integers(seeds, size=(DRAWS, sources, 1, seeds))
+    return ((some * targets + drawn) * seeds + seed).reshape(DRAWS, -1)
+
+
 def interval(cells: Array) -> tuple[float, float, float]:
     """Return mean and 95 % interval of accuracies (sources, targets, seeds).
 
     A level of one value, such as the seed of a mean of several heads, is not drawn.
     """
-    random = np.random.default_rng(0)
     there = np.asarray(~np.isnan(cells).all(axis=2))
     targets = there.sum(1).min()  # the home cell of each source is empty
     dense = np.stack([cells[s][there[s]][:targets] for s in range(len(cells))])
-    sources, _, seeds = dense.shape
-    some = random.integers(sources, size=(DRAWS, sources))
-    drawn = random.integers(targets, size=(DRAWS, sources, targets))
-    seed = random.integers(seeds, size=(DRAWS, sources, 1, seeds))
-    values = dense[some[..., None, None], drawn[..., None], seed]
-    low, high = np.quantile(np.nanmean(values, axis=(1, 2, 3)), [0.025, 0.975])
+    values = dense.ravel()[_drawn(*dense.shape)]
+    mean = np.nanmean if np.isnan(dense).any() else np.mean  # the first is slower
+    low, high = np.quantile(mean(values, axis=1), [0.025, 0.975])
     return mean_of(cells), float(low), float(high)
 
 

@@ -13,6 +13,7 @@ import re
 import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import cache
 from pathlib import Path
 from statistics import fmean
 from typing import Any
@@ -24,7 +25,7 @@ RECORDS = ROOT / "examples" / "records"
 TIMES = ROOT / "docs" / "benchmarks"
 ROUNDING = 0.0501  # points
 LUCK = 0.6  # points that other draws of a bootstrap may move a limit
-DRAWS = 10_000
+DRAWS = 4_000
 NUMBER = r"[+-]?\d+\.\d"
 METHODS = {  # row of the README -> method of the records
     "Linear maps of photo, touch and both": "linear_maps",
@@ -94,29 +95,33 @@ def table(text: str, head: str) -> dict[str, list[str]]:
 # the table
 
 
+@cache
+def runs_of(record: str) -> list[Any]:
+    """Return the lines of a record: what all runs share, then the runs by seed."""
+    first, *runs = lines(RECORDS / f"{record}.jsonl.gz")
+    return [first, *sorted(runs, key=lambda run: run["seed"])]
+
+
+@cache
 def cells_of(wanted: str, *, alike: bool = False, record: str = "ladder") -> dict[str, Cells]:
     """Return method -> source -> target -> accuracy of each seed on a rung; `alike`: of the pairs
     that look like another class.
     """
-    first, *runs = lines(RECORDS / f"{record}.jsonl.gz")
+    first, *runs = runs_of(record)
+    truth, looks = (np.array([*first[key]]) for key in ("truth", "look_alike"))
+    place = np.array(first["domain"])
     found: Any = defaultdict(lambda: defaultdict(lambda: defaultdict(list)))
-    for run in sorted(runs, key=lambda run: run["seed"]):
-        home = first["domains"].index(run["source"])
-        known = {c for c, d in zip(first["truth"], first["domain"], strict=True) if d == home}
-        right = defaultdict(list)
-        pairs = zip(
-            run["answers"].get(wanted, ""),
-            first["truth"],
-            first["domain"],
-            first["look_alike"],
-            strict=False,
-        )
-        for said, truth, place, looks in pairs:
-            counted = said != "." and truth in known and (looks == "1" or not alike)
-            if counted and (place == home) == (wanted == "home"):
-                right[place].append(said == truth)
-        for place, hits in right.items():
-            found[run["method"]][run["source"]][place].append(100 * fmean(hits))
+    for run in runs:
+        if wanted not in run["answers"]:
+            continue
+        said, home = np.array([*run["answers"][wanted]]), first["domains"].index(run["source"])
+        counted = (said != ".") & np.isin(truth, truth[place == home])
+        if alike:
+            counted &= looks == "1"
+        counted &= (place == home) == (wanted == "home")
+        for target in np.unique(place[counted]):
+            right = (said == truth)[counted & (place == target)]
+            found[run["method"]][run["source"]][target].append(100 * float(right.mean()))
     return dict(found)
 
 

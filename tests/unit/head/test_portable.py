@@ -15,7 +15,7 @@ pytest.importorskip("onnx", reason="the extra [onnx] is not installed")
 runtime = pytest.importorskip("onnxruntime", reason="the extra [onnx] is not installed")
 pytest.importorskip("onnxscript", reason="the extra [onnx] is not installed")
 
-from omnivat.head.portable import STAGED, write_head  # noqa: E402
+from omnivat.head.portable import STAGED, PortableHead, write_head  # noqa: E402
 from omnivat.maps.sweep.walk import stage_features  # noqa: E402
 
 pytestmark = pytest.mark.slow  # an export takes seconds
@@ -35,13 +35,8 @@ def head_of(**changes):
     return Head(model=model, encoder={}, provenance={})
 
 
-def run(file, vis, tac, orders):
-    session = runtime.InferenceSession(file, providers=["CPUExecutionProvider"])
-    both = torch.tensor([orders, orders], dtype=torch.float64)
-    given = {"vis": vis, "tac": tac, "orders": both}
-    found = session.run(None, {name: value.numpy() for name, value in given.items()})
-    names = [one.name for one in session.get_outputs()]
-    return {n: torch.from_numpy(np.asarray(v)) for n, v in zip(names, found, strict=True)}
+def both(orders):
+    return torch.tensor([orders, orders], dtype=torch.float64)
 
 
 def taught_twice(head):
@@ -59,24 +54,37 @@ def taught_twice(head):
 OTHER = {"complex_to_real": "magnitude", "fusion": "product", "generation": "series"}
 
 
-@pytest.fixture(scope="module", params=["plain", "other", "taught twice"])
-def written(request, tmp_path_factory):
-    """A head as it is by default, one of moduli and of embeddings as they come, or a taught one;
-    and its file.
-    """
-    head = head_of(standardize=False, **OTHER) if request.param == "other" else head_of()
-    if request.param == "taught twice":
-        head = taught_twice(head)
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
+    """A taught head of moduli and of embeddings as they come, and what runs its file."""
+    head = taught_twice(head_of(standardize=False, **OTHER))
     file = tmp_path_factory.mktemp("portable") / "head.onnx"
     write_head(file, head)
-    return head, file
+    session = runtime.InferenceSession(file, providers=["CPUExecutionProvider"])
+    names = [one.name for one in session.get_outputs()]
+
+    def run(vis, tac, orders):
+        given = {"vis": vis, "tac": tac, "orders": both(orders)}
+        found = session.run(None, {name: value.numpy() for name, value in given.items()})
+        return {n: torch.from_numpy(np.asarray(v)) for n, v in zip(names, found, strict=True)}
+
+    return head, run
 
 
-def test_a_portable_head_gives_every_reading_of_the_fast_head_at_any_order(written):
-    head, file = written
+@pytest.fixture(params=["default", "file"])
+def portable(request):
+    """A head as it is by default with its graph before the export, or the file of another one."""
+    if request.param == "file":
+        return request.getfixturevalue("written")
+    head = head_of()
+    return head, lambda vis, tac, orders: PortableHead(head.model)(vis, tac, both(orders))
+
+
+def test_a_portable_head_gives_every_reading_of_the_fast_head_at_any_order(portable):
+    head, run = portable
     vis, tac = torch.randn(2, 1, 24, generator=torch.Generator().manual_seed(1))
     orders = torch.tensor(ORDERS, dtype=torch.float64)
-    found = run(file, *(row.expand(len(ORDERS), -1) for row in (vis, tac)), ORDERS)
+    found = run(*(row.expand(len(ORDERS), -1) for row in (vis, tac)), ORDERS)
     many = torch.zeros(len(ORDERS), dtype=torch.long)
     for given in ({"vis": vis, "tac": tac}, {"vis": vis, "tac": None}, {"vis": None, "tac": tac}):
         out = head.model.from_coefficients(head.model.coefficients(**given)[many], orders)
@@ -89,10 +97,10 @@ def test_a_portable_head_gives_every_reading_of_the_fast_head_at_any_order(writt
             assert torch.allclose(found[f"{name}_size"], wanted.norm(dim=0), atol=1e-5)
 
 
-def test_the_stages_and_trees_of_many_pairs_are_those_of_the_fast_head(written):
-    head, file = written
+def test_the_stages_and_trees_of_many_pairs_are_those_of_the_fast_head(portable):
+    head, run = portable
     vis, tac = torch.randn(2, 5, 24)
-    given = run(file, vis, tac, [0.31] * 5)
+    given = run(vis, tac, [0.31] * 5)
     wanted, *alone = (
         head.model(v, t, order=0.31, nodes=True) for v, t in ((vis, tac), (vis, None), (None, tac))
     )
