@@ -6,7 +6,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 WEB = ROOT / "app" / "web"
-IMPORT = re.compile(r"""(?:^(?:import|export)\b[^;"']*|\bimport\()\s*["'](\.[^"']+)["']""", re.M)
+IMPORT = re.compile(
+    r"""(?:^(?:import|export)\b[^;"']*|\bimport\()\s*["'](\.[^"']+\.js)["']""", re.M
+)
 COMMENT = re.compile(r"/\*.*?\*/", re.S)
 
 

@@ -9,7 +9,8 @@ export const ends = (all) => {
   const known = all.filter(Number.isFinite);
   return [Math.min(...known), Math.max(...known)];
 };
-/** The class of the largest probability, its index and the probability. @param {string[]} classes @param {number[]} row */
+/** The class of the largest probability, its index and the probability.
+ * @param {string[]} classes @param {number[]} row */
 export const best = (classes, row) => {
   const share = Math.max(...row);
   const at = row.indexOf(share);
