@@ -5,33 +5,27 @@ import re
 
 import pytest
 
+from omnivat.data.store import load_embeddings
+from omnivat.head.checkpoint import load_head
 from omnivat.kit.errors import DataError, SettingsError
 from omnivat.notebook import Cell, explore
 
 
 @pytest.mark.slow
-def test_a_cell_holds_the_whole_page_and_asks_no_server(head_folder, tmp_path, monkeypatch):
+def test_a_cell_holds_the_whole_page_of_a_head_and_a_set_in_memory(
+    head_folder, tmp_path, monkeypatch
+):
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path))
-    cell = explore(head_folder, head_folder.parent / "set.safetensors", height=640)
+    pairs = load_embeddings(head_folder.parent / "set.safetensors")
+    cell = explore(load_head(head_folder), pairs, height=640)
     shown = cell._repr_html_()
     assert shown.startswith("<iframe srcdoc=")
     assert "height:640px" in shown
     page = html.unescape(re.search(r'srcdoc="([^"]*)"', shown)[1])
     assert page == cell.page
     assert not re.findall(r'(?:src|href)="(?!data:|#)[^"]+"', page)
-    assert "omnivat-held" in page
+    assert "omnivat-held" in page and "80 VIS-TAC pairs" in page
     assert cell.save(tmp_path / "lecture.html").read_text(encoding="utf-8") == page
-
-
-@pytest.mark.slow
-def test_a_head_and_a_set_in_memory_are_shown_too(head_folder, tmp_path, monkeypatch):
-    from omnivat.data.store import load_embeddings
-    from omnivat.head.checkpoint import load_head
-
-    monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path))
-    head = load_head(head_folder)
-    pairs = load_embeddings(head_folder.parent / "set.safetensors")
-    assert "80 VIS-TAC pairs" in explore(head, pairs).page
 
 
 def test_a_frame_cannot_reach_the_notebook():

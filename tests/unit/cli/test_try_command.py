@@ -11,6 +11,7 @@ from app.server import parser
 from omnivat.cli import try_pairs
 from omnivat.data.profile_file import load_profile
 from omnivat.data.store import load_embeddings, save_embeddings
+from omnivat.head import linear_maps
 from omnivat.head.checkpoint import load_head
 from omnivat.measure.known import measured
 from omnivat.measure.shares import wilson
@@ -21,7 +22,8 @@ from omnivat.study.shift.reading import features_of
 
 @pytest.fixture(autouse=True)
 def short(monkeypatch):
-    monkeypatch.setattr(trial, "EPOCHS", 5)
+    monkeypatch.setattr(trial, "EPOCHS", 2)
+    monkeypatch.setattr(linear_maps, "PLAIN_STEPS", 30)
 
 
 @pytest.fixture

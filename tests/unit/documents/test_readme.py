@@ -15,6 +15,8 @@ from urllib.request import urlopen
 import pytest
 
 from omnivat.cli import main
+from omnivat.head import linear_maps
+from omnivat.study import trial
 
 ROOT = Path(__file__).resolve().parents[3]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -28,7 +30,6 @@ AGAIN = (
 )
 NAMES = {"PAIRS": "examples/pairs", "DOMAIN": "TAG-sim"}
 LIGHTER = {  # an option that leaves out what costs minutes, or waits for a person
-    "try examples/pairs": "--no-page",
     "train ": "--set epochs=2",
     "export --site": "--no-models --sets sensors",
 }
@@ -44,6 +45,8 @@ def folder(tmp_path, monkeypatch):
         (pairs / name).symlink_to(ROOT / "examples" / "pairs" / name)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("OMNIVAT_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(trial, "EPOCHS", 1)
+    monkeypatch.setattr(linear_maps, "PLAIN_STEPS", 10)
     return tmp_path
 
 

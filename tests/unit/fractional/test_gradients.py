@@ -16,7 +16,7 @@ ORDERS = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("size", [1, 2, 3, 5, 8])
+@pytest.mark.parametrize("size", [1, 3, 4])
 @pytest.mark.parametrize("kind", [torch.float64, torch.complex128])
 @pytest.mark.parametrize("order", ORDERS)
 def test_gradients_pass_finite_differences_twice(size, kind, order):

@@ -9,6 +9,7 @@ from PIL import Image
 
 from omnivat.cli import main
 from omnivat.data.store import load_embeddings, save_embeddings
+from omnivat.head import linear_maps
 from omnivat.kit.errors import DataError
 from omnivat.study.comparison import compare, table
 from omnivat.study.comparison.draws import draws_of
@@ -19,6 +20,11 @@ from tests.builders import embeddings_of
 pytestmark = pytest.mark.slow
 PAIRS, WIDTH = 120, 12
 DOMAINS = ("A", "B", "C")
+
+
+@pytest.fixture(autouse=True)
+def short(monkeypatch):
+    monkeypatch.setattr(linear_maps, "PLAIN_STEPS", 30)
 
 
 @pytest.fixture

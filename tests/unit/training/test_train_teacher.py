@@ -60,7 +60,8 @@ def test_a_taught_head_predicts_its_source_at_every_order(source):
 
 
 def test_a_stopped_training_makes_the_same_teachers_again(source, tmp_path):
-    whole = made(source, EVERY).model
+    settings = replace(EVERY, epochs=2)
+    whole = made(source, settings).model
     state = tmp_path / "training.safetensors"
 
     def stop_late(step):
@@ -68,9 +69,9 @@ def test_a_stopped_training_makes_the_same_teachers_again(source, tmp_path):
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        made(source, EVERY, resume=state, watch=Watch(on_step=stop_late))
+        made(source, settings, resume=state, watch=Watch(on_step=stop_late))
     assert state.is_file()
-    resumed = made(source, EVERY, resume=state).model
+    resumed = made(source, settings, resume=state).model
     assert equal_weights(whole, resumed)
     assert not state.exists()
 
@@ -78,11 +79,11 @@ def test_a_stopped_training_makes_the_same_teachers_again(source, tmp_path):
 def test_progress_counts_the_steps_of_the_teachers_too(source):
     steps, epochs = [], []
     watch = Watch(on_step=steps.append, on_epoch=lambda record, model: epochs.append(record))
-    made(source, EVERY, watch=watch)
+    made(source, replace(EVERY, epochs=2), watch=watch)
     assert [step.done for step in steps] == list(range(1, steps[-1].total + 1))
-    # 5 steps × 8 epochs × (two teachers and the head)
-    assert {step.total for step in steps} == {120}
-    assert len(epochs) == EVERY.epochs
+    # 5 steps × 2 epochs × (two teachers and the head)
+    assert {step.total for step in steps} == {30}
+    assert len(epochs) == 2
 
 
 @pytest.fixture
@@ -104,7 +105,7 @@ def teachers(monkeypatch):
     return made
 
 
-@pytest.mark.parametrize("orders", [(0.5,), (0.0, 1.0), (0.0, 0.5, 1.0)])
+@pytest.mark.parametrize("orders", [(0.5,), (0.0, 0.5, 1.0)])
 def test_teachers_hold_evenly_spaced_orders_and_only_they_use_lang(source, teachers, orders):
     settings = replace(EVERY, lang=True, epochs=1, order_teachers=len(orders), batch=8, lr=0.01)
     own = train(source, head_settings(), settings, bank=load_bank())

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 import torch
 
+from omnivat.head import linear_maps as maps
 from omnivat.study.baselines import linear_maps
 from omnivat.study.baselines.contract import COPIES, Fitted, Source
 from omnivat.study.baselines.evidence import best, folds
@@ -93,6 +94,13 @@ def test_noise_reaches_every_drawn_row_and_the_copies_of_a_solved_method(source)
     assert full.both_views().vis.shape == full.vis.shape  # noise enters once
 
 
+@pytest.fixture
+def short(monkeypatch):
+    monkeypatch.setattr(maps, "STEPS", 9)
+    monkeypatch.setattr(maps, "PLAIN_STEPS", 9)
+
+
+@pytest.mark.usefixtures("short")
 def test_the_chosen_noise_is_told_and_another_seed_keeps_it(source, monkeypatch):
     chosen = linear_maps.fit(source).chosen["training noise"]
     assert chosen in linear_maps.CANDIDATES
@@ -106,6 +114,7 @@ def test_the_chosen_noise_is_told_and_another_seed_keeps_it(source, monkeypatch)
         assert fitted.chosen == {"training noise": noise}
 
 
+@pytest.mark.usefixtures("short")
 def test_the_choice_is_made_on_objects_that_the_maps_did_not_see(source, monkeypatch):
     learned = []
     fit = linear_maps._fitted

@@ -12,9 +12,10 @@ from omnivat.encoders.clip import open_clip
 from omnivat.encoders.clip_live import LiveClip
 from omnivat.encoders.lang.clip_prompts import ClipPrompts
 from omnivat.encoders.running import CLIP_MEAN, CLIP_STD, pixels
+from omnivat.head import linear_maps as maps
 from omnivat.kit.errors import DataError
 from omnivat.kit.tables import load
-from omnivat.study.baselines import BASELINES, LABELS, ldc, mmrl, robust_vish, spg
+from omnivat.study.baselines import BASELINES, LABELS, contrastive, ldc, mmrl, robust_vish, spg
 from omnivat.study.baselines.contract import Live, Source
 from omnivat.study.baselines.contrastive import contrastive_loss, supcon_loss
 from omnivat.study.baselines.descent import descend, rate
@@ -138,6 +139,7 @@ def short():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(mmrl, "HOW", replace(mmrl.HOW, epochs=12))
         patch.setattr(ldc, "LEAST", 130)
+        patch.setattr(maps, "STEPS", 60)
         patch.setattr(robust_vish, "HOW", replace(robust_vish.HOW, epochs=1))
         for name in ("PROMPT_EPOCHS", "GAN_EPOCHS"):
             patch.setattr(spg, name, 8)
@@ -155,6 +157,16 @@ def learned(request):
         return fitted, source, inputs(fitted, source)
 
     return of
+
+
+@pytest.fixture
+def brief(monkeypatch):
+    """Hardly any step: what is learned does not matter."""
+    monkeypatch.setattr(ldc, "LEAST", 8)
+    monkeypatch.setattr(ldc, "HOW", replace(ldc.HOW, epochs=2))
+    monkeypatch.setattr(mmrl, "HOW", replace(mmrl.HOW, epochs=2))
+    monkeypatch.setattr(contrastive, "HOW", replace(contrastive.HOW, epochs=2))
+    monkeypatch.setattr(maps, "STEPS", 9)
 
 
 def right(fitted, source):
@@ -198,15 +210,17 @@ def test_features_have_a_row_a_pair_for_each_modality_and_the_pair(name, learned
     assert all(len(rows) == len(source) and rows.ndim == 2 for rows in found.values())
 
 
+@pytest.mark.usefixtures("brief")
 @pytest.mark.parametrize("name", [one for one in ALL if one is not SLOW[0]])
 def test_the_same_seed_gives_the_same_answers_and_leaves_the_global_stream(name, learned):
-    fitted, source, images = learned(name)
+    _, source, images = learned(name)
     before = torch.random.get_rng_state()
-    again = fit(name, source)
+    fitted, again = fit(name, source), fit(name, source)
     assert torch.equal(torch.random.get_rng_state(), before)
     assert torch.equal(again.predict(*images)["fused"], fitted.predict(*images)["fused"])
 
 
+@pytest.mark.usefixtures("brief")
 @pytest.mark.parametrize("name", SLOW)
 def test_only_methods_of_text_need_text(name, clip_source):
     bare = replace(
