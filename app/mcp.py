@@ -41,17 +41,17 @@ class RpcError(DataError):
 
 async def mcp(sets: VisitorSets, request: Request) -> Response:
     """Reply to one JSON-RPC message."""
-    asked: dict[str, Any] = {}
+    message: dict[str, Any] = {}
 
     def read(body: bytes) -> tuple[str, Question] | None:
         try:
-            asked.update(question_from(body))
+            message.update(question_from(body))
         except DataError as error:
             raise RpcError(str(error), PARSE) from error
-        require_version(asked)
-        if asked.get("method") != "tools/call" or "id" not in asked:
+        require_version(message)
+        if message.get("method") != "tools/call" or "id" not in message:
             return None
-        params = asked.get("params")
+        params = message.get("params")
         name, given = (
             (params.get("name"), params.get("arguments") or {}) if _is(params) else ("", {})
         )
@@ -65,19 +65,19 @@ async def mcp(sets: VisitorSets, request: Request) -> Response:
         result = await used(sets, request, read)
         if result is not None:
             found = {"content": _text(json.dumps(result)), "structuredContent": result}
-        elif "id" not in asked:  # a notification, or a reply to nothing
+        elif "id" not in message:  # a notification, or a reply to nothing
             return Response(status_code=202)
         else:
-            found = replied(asked)
+            found = replied(message)
     except OmniVatError as error:
-        return _failed(asked.get("id"), error)
+        return _failed(message.get("id"), error)
     found = {"resultType": "complete", **found}
-    return JSONResponse({"jsonrpc": "2.0", "id": _name(asked.get("id")), "result": found})
+    return JSONResponse({"jsonrpc": "2.0", "id": _name(message.get("id")), "result": found})
 
 
-def require_version(asked: Question) -> None:
+def require_version(message: Question) -> None:
     """Raise RpcError for a request that states an unknown version of the protocol."""
-    params = asked.get("params")
+    params = message.get("params")
     meta = params.get("_meta") if _is(params) else None
     stated = meta.get(f"{META}protocolVersion", VERSION) if _is(meta) else VERSION
     if stated not in VERSIONS:
@@ -85,9 +85,9 @@ def require_version(asked: Question) -> None:
         raise RpcError(f"Version {stated!r:.40} is unknown; there are {known}.", UNSUPPORTED)
 
 
-def replied(asked: Question) -> Reply:
+def replied(message: Question) -> Reply:
     """Return the result of a request that uses no tool; raises RpcError for an unknown one."""
-    method, params = asked.get("method"), asked.get("params")
+    method, params = message.get("method"), message.get("params")
     if method == "ping":
         return {}
     if method == "initialize":
@@ -109,7 +109,7 @@ def replied(asked: Question) -> Reply:
     if method == "tools/list":
         rows = ((name, *tool, {"readOnlyHint": True}) for name, tool in TOOLS.items())
         return {"tools": [dict(zip(LISTED, row, strict=True)) for row in rows], **KEPT}
-    if not isinstance(method, str) or asked.get("jsonrpc") != "2.0":
+    if not isinstance(method, str) or message.get("jsonrpc") != "2.0":
         raise RpcError('A request has "jsonrpc": "2.0", an id and a method.', REQUEST)
     raise RpcError(
         f"The method '{method:.40}' is unknown; there are server/discover, tools/list and"

@@ -79,5 +79,5 @@ def _read(folder: Path) -> tuple[Reply, dict[str, Path]]:
         names = {half: f"{held.name}/{number}/{half}{halves[half].suffix}" for half in halves}
         pictures |= {names[half]: file for half, file in halves.items()}
         rows.append({"class": pair.material, "pictures": names})
-    told = {name: value for name, value in asdict(held).items() if name in TOLD}
-    return told | {"count": len(pairs), "pairs": rows}, pictures
+    facts = {name: value for name, value in asdict(held).items() if name in TOLD}
+    return facts | {"count": len(pairs), "pairs": rows}, pictures

@@ -271,14 +271,14 @@ async def frame_part(
     """Serve one part of a frames file, packed where that makes it smaller; 304 if the browser has
     it.
     """
-    asked = request.query_params
+    query = request.query_params
     tag = f'"{tag_of(file)}-{part}"'
     headers = {**FRESH, **headers, "ETag": tag, "Vary": "Accept-Encoding"}
-    if asked.get("of", tag_of(file)) != tag_of(file):
+    if query.get("of", tag_of(file)) != tag_of(file):
         return refusal("These frames were computed again; the new ones follow.", 410)
     if tag in request.headers.get("if-none-match", ""):
         return Response(status_code=304, headers=headers, background=background)
-    start = asked.get("from", "0")
+    start = query.get("from", "0")
     number = int(start) if start.isascii() and start.isdigit() and len(start) < 6 else -1
     content = await run_in_threadpool(part_of, file, part, number)
     if not part.startswith("map:") and "gzip" in request.headers.get("accept-encoding", ""):

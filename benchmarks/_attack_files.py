@@ -128,8 +128,10 @@ def questions(chance: random.Random, count: int) -> Iterator[dict[str, Any]]:
              "measure", "set", "pairs", "photos", "touches", "profile", "taught", "mode", "colour",
              "theme", "parts", "compare")  # fmt: skip
     for _ in range(count):
-        asked = {name: chance.choice(ATOMS) for name in chance.sample(names, chance.randint(0, 6))}
+        question = {
+            name: chance.choice(ATOMS) for name in chance.sample(names, chance.randint(0, 6))
+        }
         for name in ("vis", "tac"):
             if chance.random() < 0.5:
-                asked[name] = f"row:{chance.randrange(40)}"
-        yield asked
+                question[name] = f"row:{chance.randrange(40)}"
+        yield question

@@ -68,10 +68,10 @@ def fuzz(
 
     fresh: list[Case] = []
     for number, case in enumerate(corpus):
-        told = told_of(case, traced=True)
-        if told["kind"] != "result":
-            raise ValueError(f"good case {number} of {name} is not read: {told}")
-        found.reached.update(told["lines"])
+        outcome = told_of(case, traced=True)
+        if outcome["kind"] != "result":
+            raise ValueError(f"good case {number} of {name} is not read: {outcome}")
+        found.reached.update(outcome["lines"])
     while more(found.cases):
         base = chance.choice(fresh if fresh and chance.random() < 0.5 else corpus)
         ways = set()
@@ -79,19 +79,19 @@ def fuzz(
             way, base = mutated(base, chance.choice(corpus), chance)
             ways.add(way)
         way = ways.pop() if len(ways) == 1 else "several"
-        told = told_of(base, traced=True)
-        if (new := {*told["lines"]} - found.reached) or _bad(told):
-            told = told_of(base, traced=False) if _bad(told) else told
+        outcome = told_of(base, traced=True)
+        if (new := {*outcome["lines"]} - found.reached) or _bad(outcome):
+            outcome = told_of(base, traced=False) if _bad(outcome) else outcome
             found.reached |= new
             found.kept += bool(new)
             fresh += [base] if new else []
-        if why := _bad(told):
-            kind = f"{why}: {told['where']}"
-            found.findings.setdefault(kind, (told["text"], base))
+        if why := _bad(outcome):
+            kind = f"{why}: {outcome['where']}"
+            found.findings.setdefault(kind, (outcome["text"], base))
             found.raw[kind] += 1
-        found.results[way, "finding" if why else told["kind"]] += 1
-        found.most_mb = max(found.most_mb, told["mb"])
-        found.most_s = max(found.most_s, told["seconds"])
+        found.results[way, "finding" if why else outcome["kind"]] += 1
+        found.most_mb = max(found.most_mb, outcome["mb"])
+        found.most_s = max(found.most_s, outcome["seconds"])
     return found
 
 
@@ -102,12 +102,12 @@ def seeds_of(reader: Reader) -> list[Case]:
     return [one if isinstance(one, dict) else {name: one} for name, one in made.items()]
 
 
-def _bad(told: dict[str, Any]) -> str:
+def _bad(outcome: dict[str, Any]) -> str:
     """Return why an outcome is a finding; "" for a result or one sentence within the limits."""
-    if told["kind"] not in ("result", "sentence"):
-        return str(told["kind"])
-    over = [f"{told['mb']:.0f} MB"] * (told["mb"] > MOST_MB)
-    return ", ".join(over + ["time"] * (told["seconds"] > MOST_S))
+    if outcome["kind"] not in ("result", "sentence"):
+        return str(outcome["kind"])
+    over = [f"{outcome['mb']:.0f} MB"] * (outcome["mb"] > MOST_MB)
+    return ", ".join(over + ["time"] * (outcome["seconds"] > MOST_S))
 
 
 def _read(process: Limited, case: Case, **words: Any) -> dict[str, Any]:
@@ -116,8 +116,8 @@ def _read(process: Limited, case: Case, **words: Any) -> dict[str, Any]:
     try:
         return process(b"".join(case.values()), OVER, sizes=sizes, **words)[0]
     except DataError as error:
-        told = {"kind": "over", "text": str(error), "where": "", "lines": [], "mb": 0.0}
-        return told | {"seconds": time.monotonic() - began}
+        outcome = {"kind": "over", "text": str(error), "where": "", "lines": [], "mb": 0.0}
+        return outcome | {"seconds": time.monotonic() - began}
 
 
 def _named(name: str) -> Any:
@@ -147,14 +147,14 @@ def tried(
         at += size
     before, lines = _peak_mb(), set[tuple[CodeType, int]]()
     began, cpu = time.monotonic(), time.process_time()
-    told = _outcome(_named(table)[reader].read, work / "case", lines if traced else None)
+    outcome = _outcome(_named(table)[reader].read, work / "case", lines if traced else None)
     took = min(time.monotonic() - began, time.process_time() - cpu + 1)  # others use the machine
-    told |= {"seconds": took, "mb": max(0.0, _peak_mb(reset=False) - before)}
+    outcome |= {"seconds": took, "mb": max(0.0, _peak_mb(reset=False) - before)}
     outside = {file.name for file in work.parent.iterdir()} - {"work"}
     if outside | ({file.name for file in work.iterdir()} - {"case", "out"}):
-        told |= {"kind": "outside", "text": f"it left {outside} outside of its folder"}
-    told["lines"] = [f"{Path(code.co_filename).name}:{line}" for code, line in lines]
-    return told, b""
+        outcome |= {"kind": "outside", "text": f"it left {outside} outside of its folder"}
+    outcome["lines"] = [f"{Path(code.co_filename).name}:{line}" for code, line in lines]
+    return outcome, b""
 
 
 def _outcome(read: Callable[[Path], object], folder: Path, lines: Lines | None) -> dict[str, Any]:
@@ -243,7 +243,7 @@ def lines_of(everything: dict[str, Found]) -> list[str]:
         for (way, kind), count in found.results.items():
             by[way] += count
             by[f"= {kind}"] += count
-        told = [by["= result"], by["= sentence"], by["= finding"], len(found.reached)]
+        outcome = [by["= result"], by["= sentence"], by["= finding"], len(found.reached)]
         costs = [f"{found.most_mb:.0f}", f"{found.most_s:.2f}"]
-        rows.append([name, *map(str, (found.cases, *told)), *costs, *(str(by[w]) for w in ways)])
+        rows.append([name, *map(str, (found.cases, *outcome)), *costs, *(str(by[w]) for w in ways)])
     return [f"| {' | '.join(row)} |" for row in rows]

@@ -101,7 +101,7 @@ def interval(cells: Array) -> tuple[float, float, float]:
     return mean_of(cells), float(low), float(high)
 
 
-def told(cells: Array, unit: str = "") -> str:
+def with_interval(cells: Array, unit: str = "") -> str:
     """Return accuracy with its interval."""
     mean, low, high = interval(cells)
     return f"{mean:.1f}{unit} [{low:.1f}, {high:.1f}]"

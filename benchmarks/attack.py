@@ -93,14 +93,14 @@ def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Coun
         if len(content) < 2_000_000:
             address = "data:image/png;base64," + b64encode(content).decode()
             send("api", f"image {k}", "/omnivat/api/predict", json={"vis": address})
-    for k, asked in enumerate(questions(random.Random(seed), count)):
+    for k, question in enumerate(questions(random.Random(seed), count)):
         name = list(QUESTIONS)[k % len(QUESTIONS)]
-        content = json.dumps(asked).encode()
-        send("questions", f"{name} {asked!r:.200}", f"/omnivat/{name}", content=content)
+        content = json.dumps(question).encode()
+        send("questions", f"{name} {question!r:.200}", f"/omnivat/{name}", content=content)
         tool = TOOLS[k % len(TOOLS)]
-        call = {"jsonrpc": "2.0", "method": "tools/call", "id": asked.get("k", k)}
-        call["params"] = {"name": tool, "arguments": asked}
-        send("api", f"{tool} {asked!r:.200}", f"/omnivat/api/{tool}", content=content)
+        call = {"jsonrpc": "2.0", "method": "tools/call", "id": question.get("k", k)}
+        call["params"] = {"name": tool, "arguments": question}
+        send("api", f"{tool} {question!r:.200}", f"/omnivat/api/{tool}", content=content)
         send("api", f"mcp {call!r:.200}", "/omnivat/mcp", content=json.dumps(call).encode())
     where = resources.where
     for kind, files in (
@@ -117,8 +117,8 @@ def attack(client: Any, resources: Any, seed: int, count: int) -> dict[str, Coun
         content = spoilt_tensors((where.head / "profile.safetensors").read_bytes(), chance)
         response = send("profiles", f"profile {k}", "/omnivat/sensor", content=content)
         if response.status_code == 200:
-            asked = {"vis": "row:1", "profile": response.json()["profile"]}
-            send("profiles", f"profile {k}, then a pair", "/omnivat/pair", json=asked)
+            question = {"vis": "row:1", "profile": response.json()["profile"]}
+            send("profiles", f"profile {k}, then a pair", "/omnivat/pair", json=question)
     for k, headers in enumerate(callers(random.Random(seed), count)):
         response = send("callers", f"caller {k}", "/omnivat/pair", json={}, headers=headers)
         if response.status_code != 403:
@@ -142,8 +142,8 @@ def used(client: Any, name: str, counts: Counts, what: str) -> None:
         counts.take(response, perf_counter() - began, f"{what}, then {address}")
     for address in ("pair", "tree"):
         began = perf_counter()
-        asked = {"vis": "row:1", "tac": "row:1"}
-        response = client.post(f"/omnivat/{address}?set={name}", json=asked)
+        question = {"vis": "row:1", "tac": "row:1"}
+        response = client.post(f"/omnivat/{address}?set={name}", json=question)
         counts.take(response, perf_counter() - began, f"{what}, then {address}")
 
 

@@ -135,9 +135,9 @@ async def hostile(port: int, until: float, event: dict[str, Any]) -> Counter[str
     return counts
 
 
-def attacked(port: int, until: float, event: dict[str, Any], told: Any) -> None:
+def attacked(port: int, until: float, event: dict[str, Any], pipe: Any) -> None:
     """Run the hostile client in this process; send its counts."""
-    told.send(asyncio.run(hostile(port, until, event)))
+    pipe.send(asyncio.run(hostile(port, until, event)))
 
 
 def watched(

@@ -218,8 +218,8 @@ def table(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         for count in counts:
             found = [named_first(rows, change, count) for change in kind]
             shares.update(share for share in found if share[1])
-            told = [f"{right}/{of}" if of else "–" for right, of in found]
-            cells.append(", ".join(told) if {*told} != {"–"} else "–")
+            texts = [f"{right}/{of}" if of else "–" for right, of in found]
+            cells.append(", ".join(texts) if {*texts} != {"–"} else "–")
         first, *others = (change.words.split() for change in kind)
         start = len([*takewhile(lambda same: len({*same}) == 1, zip(first, *others, strict=False))])
         words = "; ".join(" ".join(one) for one in (first, *(other[start:] for other in others)))

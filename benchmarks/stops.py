@@ -110,9 +110,9 @@ def disturbed(
         out.mkdir()
         began = time.monotonic()
         ended = started(name, names, out)
-        _, told = ended.communicate(timeout=LONGEST_S)
+        _, output = ended.communicate(timeout=LONGEST_S)
         if ended.returncode:
-            raise RuntimeError(f"{name} fails undisturbed: {told.decode()}")
+            raise RuntimeError(f"{name} fails undisturbed: {output.decode()}")
         whole, took = made_in(out), time.monotonic() - began
     for k in range(moments):
         with TemporaryDirectory() as folder:
@@ -124,16 +124,16 @@ def disturbed(
                 how = "over before"
             except subprocess.TimeoutExpired:
                 process.send_signal(number)
-                _, told = process.communicate(timeout=LONGEST_S)
+                _, output = process.communicate(timeout=LONGEST_S)
                 how = number.name
-            faults = ["a traceback"] if b"Traceback" in told else []
+            faults = ["a traceback"] if b"Traceback" in output else []
             # the last: Python's own, for any signal that comes while it starts or closes
             if process.returncode not in (0, 128 + number, -number, -signal.SIGINT):
                 faults.append(f"it ended with {process.returncode}")
             if made_in(out) != whole:  # else it was over, and some commands replace nothing
                 again = started(name, names, out)
-                _, told = again.communicate(timeout=LONGEST_S)
-                faults += [f"again: {told.decode()[-200:]}"] if again.returncode else []
+                _, output = again.communicate(timeout=LONGEST_S)
+                faults += [f"again: {output.decode()[-200:]}"] if again.returncode else []
             made = made_in(out)
             faults += [n for n in sorted({*whole, *made}) if whole.get(n) != made.get(n)]
             yield how, faults

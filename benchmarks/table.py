@@ -171,8 +171,8 @@ def reader_of(method: Learned, embeddings: Embeddings, source: str) -> Reader:
         weights = torch.ones(len(features))
         weights[len(train) :] = WEIGHT / np.bincount(some).max()
 
-        def readings(asked: Raw) -> dict[str, Tensor]:
-            return {"fused": ridge(features, labels, len(classes), weights, method.features(asked))}
+        def readings(raw: Raw) -> dict[str, Tensor]:
+            return {"fused": ridge(features, labels, len(classes), weights, method.features(raw))}
 
         return replace(reader, predict=partial(predicted, readings))
 
@@ -183,8 +183,8 @@ def reader_of(method: Learned, embeddings: Embeddings, source: str) -> Reader:
         sums.index_add_(0, torch.from_numpy(near.label[rows]), features)
         means = normalize(sums, dim=-1)
 
-        def readings(asked: Raw) -> dict[str, Tensor]:
-            cosines = normalize(method.features(asked), dim=-1) @ means.T
+        def readings(raw: Raw) -> dict[str, Tensor]:
+            cosines = normalize(method.features(raw), dim=-1) @ means.T
             return {"fused": (10 * cosines).softmax(-1)}
 
         return replace(reader, predict=partial(predicted, readings))
@@ -209,12 +209,12 @@ def few(embeddings: Embeddings, source: str, count: int, seed: int) -> Embedding
     return embeddings.select(np.setdiff1d(np.arange(len(embeddings)), np.setdiff1d(pool, kept)))
 
 
-def ridge(rows: Tensor, labels: Tensor, classes: int, weights: Tensor, asked: Tensor) -> Tensor:
+def ridge(rows: Tensor, labels: Tensor, classes: int, weights: Tensor, queries: Tensor) -> Tensor:
     """Return the scores of a weighted ridge regression of one-hot classes as probabilities.
 
     Rows are brought to unit length. A class without a row gets probability 0.
     """
-    rows, asked = (normalize(x.double(), dim=-1) for x in (rows, asked))
+    rows, queries = (normalize(x.double(), dim=-1) for x in (rows, queries))
     hot = torch.nn.functional.one_hot(labels, classes).double()
     mean = (weights[:, None] * rows).sum(0) / weights.sum()
     base = (weights[:, None] * hot).sum(0) / weights.sum()
@@ -222,7 +222,7 @@ def ridge(rows: Tensor, labels: Tensor, classes: int, weights: Tensor, asked: Te
     centred, targets = root * (rows - mean), root * (hot - base)
     gram = centred @ centred.T
     gram.diagonal().add_(PENALTY)
-    scores = (asked - mean) @ (centred.T @ torch.linalg.solve(gram, targets)) + base
+    scores = (queries - mean) @ (centred.T @ torch.linalg.solve(gram, targets)) + base
     absent = hot.sum(0) == 0
     shares: Tensor = (10 * scores).masked_fill(absent, -torch.inf).softmax(-1).float()
     return shares
@@ -253,7 +253,7 @@ def facts(embeddings: Embeddings) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Add the missing lines to the records, and pack them where asked to."""
+    """Add the missing lines to the records, and pack them where wanted."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--embeddings", type=Path, default=default_embeddings(), help="a set")
     parser.add_argument("--methods", default=",".join((*METHODS, *PUBLISHED)), help="by name")

@@ -30,8 +30,8 @@ from benchmarks._table_record import (
     mean_of,
     real,
     signed,
-    told,
     twins,
+    with_interval,
 )
 from omnivat.figures.scores import ladder
 from omnivat.figures.still import svg_of
@@ -128,8 +128,9 @@ def main_table(record: Record, only: Iterable[str] = NAMES) -> str:
         if name in only:
             seeds, *costs = record.costs(name)
             several = tables[0].get(f"{name}_mean")
-            mean = "–" if several is None else told(several)
-            rows.append([NAMES[name], seeds, *(told(x[name]) for x in tables), mean, *costs])
+            mean = "–" if several is None else with_interval(several)
+            cells = [with_interval(own[name]) for own in tables]
+            rows.append([NAMES[name], seeds, *cells, mean, *costs])
     head = ["method", "seeds", *RUNGS.values(), "all seeds averaged, as it comes"]
     return table([*head, "seconds", "numbers"], rows)
 
@@ -144,7 +145,7 @@ def averaged(record: Record) -> str:
     for name in record.complete(NAMES):
         if (several := f"{name}_mean") in heads:
             gain = less(cells[several], cells[name].mean(axis=2, keepdims=True))
-            figures = [told(cells[name]), told(cells[several]), gain]
+            figures = [with_interval(cells[name]), with_interval(cells[several]), gain]
             rows.append([NAMES[name], str(heads[several]), *figures])
     return table(["method", "heads", "one head", "their mean", "gain"], rows)
 
@@ -285,8 +286,8 @@ Readings of one image alone, and the test pairs that look like another class, as
 def findings(record: Record) -> str:
     """Return the report's sentences on the table."""
     cells = {rung: record.cells(rung) for rung in ("home", *RUNGS)}
-    maps = {rung: told(own[THEIRS], " %") for rung, own in cells.items()}
-    ours = {rung: told(own[OURS], " %") for rung, own in cells.items()}
+    maps = {rung: with_interval(own[THEIRS], " %") for rung, own in cells.items()}
+    ours = {rung: with_interval(own[OURS], " %") for rung, own in cells.items()}
     lead = {rung: less(own[OURS], own[THEIRS]) for rung, own in cells.items()}
     joint = less(cells["none"][f"{OURS}_mean"], cells["none"][f"{THEIRS}_mean"])
     signals = {name: f"{mean_of(values):.1f} %" for name, values in chirps().items()}

@@ -142,7 +142,7 @@ def one_of(choices: Sequence[Any], words: str = "", first: Any = None) -> Option
     Another text is refused with the nearest choice.
     """
     default = choices[0] if first is None else first
-    told = f"{words}; default: {default}".removeprefix("; ")
+    text = f"{words}; default: {default}".removeprefix("; ")
     named = {str(choice): choice for choice in choices}
 
     def chosen(text: str) -> Any:
@@ -151,7 +151,7 @@ def one_of(choices: Sequence[Any], words: str = "", first: Any = None) -> Option
             raise argparse.ArgumentTypeError(f"'{text}'; {known}")
         return named[text]
 
-    return {"type": chosen, "metavar": f"{{{','.join(named)}}}", "default": default, "help": told}
+    return {"type": chosen, "metavar": f"{{{','.join(named)}}}", "default": default, "help": text}
 
 
 def declare(parser: argparse._ActionsContainer, *names: str, **options: str | Option) -> None:

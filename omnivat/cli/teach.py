@@ -66,13 +66,13 @@ def run(options: argparse.Namespace) -> None:
         why = str(error)
     found = taught(head, lessons)
     save_head(options.out, found)
-    told, tested = ("object", "label", "before", "after"), report.judged if report else ()
+    columns, tested = ("object", "label", "before", "after"), report.judged if report else ()
     record: dict[str, Any] = {
         "pairs": len(lessons),
         "before": report.before if report else None,
         "after": report.after if report else None,
         "share": round(found.provenance["head_share"], 4),
-        "held_out": [{name: getattr(one, name) for name in told} for one in tested],
+        "held_out": [{name: getattr(one, name) for name in columns} for one in tested],
         "curve": asdict(labels) if labels else None,
         "classes": list(found.settings.classes),
         "out": str(options.out),

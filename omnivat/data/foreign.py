@@ -172,15 +172,16 @@ def _named_by_words(table: Columns, columns: Mapping[str, str]) -> dict[str, str
     stems = dict.fromkeys(re.sub(r"_\d+$", "", name) for name in table.names)
     others = [name for name in stems if name not in (*VECTORS, *FILES, *named.values())]
     for half in IMAGES:
-        told = [name for name in others if half_of(name) == half]
-        if half in named or half in stems or table.path(half) or not told:
+        candidates = [name for name in others if half_of(name) == half]
+        if half in named or half in stems or table.path(half) or not candidates:
             continue
-        if len(told) > 1:
-            _require_vectors(table, next(iter(told)))
+        if len(candidates) > 1:
+            _require_vectors(table, next(iter(candidates)))
             raise DataError(
-                f"'{table.place}' has {', '.join(told)}; name one with --column {half}=THEIRS."
+                f"'{table.place}' has {', '.join(candidates)};"
+                f" name one with --column {half}=THEIRS."
             )
-        named[half] = told[0]
+        named[half] = candidates[0]
     return named
 
 

@@ -99,8 +99,8 @@ def part(
                     found[name] = one.shape or (), one.dtype.str, bool(inner == np.uint8)
 
             handle.visititems(visit)
-            told = {name: own for name, own in attributes.items() if own}
-            return {"arrays": found, "attributes": told}, b""
+            filled = {name: own for name, own in attributes.items() if own}
+            return {"arrays": found, "attributes": filled}, b""
     except OmniVatError:
         raise
     except Exception as error:  # h5py has many kinds for damaged files

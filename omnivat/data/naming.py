@@ -133,8 +133,8 @@ def cameras_among(
     others = [name for name in names if name not in touches]
     seen = [name for name in others if not NO_PHOTO & {*re.split(r"[\W_\d]+", name.lower())}]
     others = others if vis or not seen else seen
-    told = [name for name in halves["vis"] if name in others]
-    photos = [vis] if vis else told if len(told) == 1 else others
+    visual = [name for name in halves["vis"] if name in others]
+    photos = [vis] if vis else visual if len(visual) == 1 else others
     if len(photos) > 1 or (not vis and photos and photos[0] in halves["?"]):
         raise DataError(
             f"The touch of {where} is {printable(' and '.join(touches))}. Name the camera of photos"
@@ -210,8 +210,8 @@ def splits_within(names: Iterable[str]) -> dict[str, tuple[str, str]]:
             match = re.fullmatch(pattern, name.strip())
             if match and (split := _SPLIT_OF.get(match["word"].casefold())):
                 found[name] = match["rest"], split
-    told = {(rest.casefold(), split) for rest, split in found.values()}
-    return found if len({rest for rest, _ in told}) < len(told) else {}
+    keys = {(rest.casefold(), split) for rest, split in found.values()}
+    return found if len({rest for rest, _ in keys}) < len(keys) else {}
 
 
 def checked_split(name: str, what: str) -> str:

@@ -18,7 +18,7 @@ from omnivat.kit.threads import one_blas_thread, one_thread
 
 DRAWS = 10  # of the objects that teach, at each count of the curve
 COUNTS = (1, 2, 3, 4, 5, 7, 10, 15, 20, 30, 50)  # objects of a class, on the curve
-LITTLE = 5  # points within which a gain is told to be small
+LITTLE = 5  # points within which a gain is called small
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,10 +99,11 @@ def curve_in_words(counts: Sequence[int], right: Sequence[Rows]) -> str:
 
     gain, twice, whole = step(0, len(counts) - 1)
     if abs(gain) <= twice:
-        told = "More labels bring little here" if twice <= LITTLE else "Too few labels to tell"
-        return f"{told}; {whole}."
+        finding = "More labels bring little here" if twice <= LITTLE else "Too few labels to tell"
+        return f"{finding}; {whole}."
     if len(counts) < 3:
         return f"F{whole[1:]}."
     gain, twice, last = step(len(counts) - 2, len(counts) - 1)
-    told = "more labels may bring more" if gain > twice else "no gain that can be told from chance"
-    return f"F{whole[1:]}. The last step, {last}: {told}."
+    clear, unclear = "more labels may bring more", "no gain that can be told from chance"
+    finding = clear if gain > twice else unclear
+    return f"F{whole[1:]}. The last step, {last}: {finding}."

@@ -105,9 +105,9 @@ def try_pairs(
     records = []
     if folds:
         tested = np.any(folds, axis=0)
-        told = {name: labels[tested] for name, labels in said.items()}
+        predicted = {name: labels[tested] for name, labels in said.items()}
         labels = data.label[own][tested]
-        records.append(_at_home(source, labels, objects[own][tested], told))
+        records.append(_at_home(source, labels, objects[own][tested], predicted))
         lines.append(f"At home, objects that it did not see: {sentence(records[-1])}")
         lines += alone
     else:

@@ -53,8 +53,8 @@ test("always naming the largest class has half of two classes right in balance, 
   );
 });
 
-/** A scene after events, each [name, told, address], or with values in place of an event. */
-function told(scene, ...events) {
+/** A scene after events, each [name, detail, address], or with values in place of an event. */
+function sceneAfter(scene, ...events) {
   let now = scene;
   for (const event of events) {
     const next = Array.isArray(event) ? after(now, event[0], event[1], event[2] ?? state) : { ...now, ...event };
@@ -63,7 +63,7 @@ function told(scene, ...events) {
   return now;
 }
 /** The scene of a set of two pairs, after events. */
-const sceneOf = (own, ...events) => told(START, ["loaded", { set: "", own, sprite: null, modes: [] }], ...events);
+const sceneOf = (own, ...events) => sceneAfter(START, ["loaded", { set: "", own, sprite: null, modes: [] }], ...events);
 const filtered = ["filtered", {}];
 
 test("no cell of a table starts a formula, and numbers stay numbers", () => {
@@ -138,9 +138,9 @@ test("pairs are found by name, class and domain, and look-alikes by what they im
 
 test("another set forgets pointer, selection and facts; a late fact of the set before changes nothing", () => {
   const before = sceneOf(frames(), { hovered: 1, selected: new Set([1]), facts: { pairs: {} } });
-  const now = told(before, ["loaded", { set: "chirps", own: frames({ pairs: 1 }), sprite: null, modes: [] }]);
+  const now = sceneAfter(before, ["loaded", { set: "chirps", own: frames({ pairs: 1 }), sprite: null, modes: [] }]);
   assert.deepEqual([now.hovered, now.selected.size, now.facts.pairs, now.mask.length], [-1, 0, null, 2]);
-  assert.deepEqual(told(now, ["learned", { set: "", facts: { unseen: {} } }]), now);
+  assert.deepEqual(sceneAfter(now, ["learned", { set: "", facts: { unseen: {} } }]), now);
 });
 
 test("the next point is one that the filters leave, from either end", () => {
@@ -161,7 +161,7 @@ test("a cell in the address selects its pairs by the reading, and one that is no
   const pairs = { counts: [1, 1], answers: { fused: [1, 1] } };
   const unseen = { classes: ["wood", "steel"], source: "A", confusion: { fused: { unseen: [], B: [] } }, pairs };
   const scene = sceneOf(frames(), ["learned", { set: "", facts: { unseen } }]);
-  const cell = (cell) => told(scene, ["cellFollowed", {}, { cell, reading: "fused" }]).cell;
+  const cell = (cell) => sceneAfter(scene, ["cellFollowed", {}, { cell, reading: "fused" }]).cell;
   assert.deepEqual(cell("1~1~unseen").pairs, new Set([1]));
   assert.equal(cell("1~1~B").words, "steel predicted as steel");
   assert.deepEqual(cell("0~1~unseen").pairs, new Set()); // the source is no stranger
@@ -391,7 +391,7 @@ test("in the chapter of the order the stops between which p was dragged are kept
   const at = (p, chapter = "order") => ["moved", {}, { p, chapter }];
   const begun = sceneOf(own, at(1));
   assert.deepEqual([begun.stop, begun.dragged.get(own), scenes.whole(begun)], [2, [2, 2], false]);
-  for (const same of [at(1), at(0, "analyse")]) assert.equal(told(begun, same).dragged, begun.dragged);
+  for (const same of [at(1), at(0, "analyse")]) assert.equal(sceneAfter(begun, same).dragged, begun.dragged);
   const all = sceneOf(own, at(1), at(0));
   assert.deepEqual([all.stop, all.dragged.get(own), scenes.whole(all)], [0, [0, 2], true]);
   assert.ok(!scenes.whole(begun));
@@ -406,7 +406,7 @@ test("the map of the last chapter follows the reading: its points, its predictio
     const coloured = scenes.painted(scene, state);
     return colouring(coloured, "correctness").of(coloured, 0)(0);
   };
-  const mask = () => [...told(scene, filtered).mask];
+  const mask = () => [...sceneAfter(scene, filtered).mask];
   assert.deepEqual([mask(), first()], [[0, 0, 1, 1], 1]);
   change({ reading: "fused" });
   assert.deepEqual([mask(), first()], [[1, 1, 1, 1], 0]);
@@ -423,11 +423,11 @@ test("an event makes another scene and leaves the one before as it was, with wha
     ["started", frames({ prediction: [1, 1] }), "sample", 1],
   ];
   for (const [name, what, part, value] of rows) {
-    const now = told(before, [name, what]);
+    const now = sceneAfter(before, [name, what]);
     assert.deepEqual(now[part], value, name);
     assert.ok(now !== before && now.frames === before.frames && now.mask === before.mask, name);
   }
-  assert.equal(told(before, ["sensorChosen", 2], ["sensorChosen", 2]).alone, -1); // all again
+  assert.equal(sceneAfter(before, ["sensorChosen", 2], ["sensorChosen", 2]).alone, -1); // all again
 });
 
 test("look-alikes are scored pairs of unseen domains, one of each class, where the photo alone misleads first", () => {

@@ -28,7 +28,7 @@ import {
   verdictHtml,
 } from "../../app/web/pair/verdict.js";
 import { aboutP, band } from "../../app/web/pair/what-if.js";
-import { changed, told as explained } from "../../app/web/pair/where.js";
+import { changed, outcome as explained } from "../../app/web/pair/where.js";
 import { readerOf, visit } from "../../app/web/shared/api.js";
 import { cells } from "../../app/web/shared/csv.js";
 import { frames, says } from "./browser.js";
@@ -50,7 +50,7 @@ const LABELLED = [
 ];
 const OWN = { vis: "image:a", tac: "image:b", classes: CLASSES };
 /** The tab after some events [name, what goes with it], and the work that the last one asks for. */
-const told = (tab, ...events) =>
+const tabAfter = (tab, ...events) =>
   events.reduce((before, [name, what = {}]) => after(before.tab, name, what), { tab: { ...START, ...tab } });
 
 test("touch only is the touch with the photo absent, never a branch inside the pair", () => {
@@ -149,7 +149,7 @@ test("the line names the next step: teaching waits for two pairs of each of two 
     says(lineHtml({ ...START, ...tab }), words);
 });
 
-test("a gain is told as it was measured, and none of another head than the one that reads", () => {
+test("a gain stands as it was measured, and none of another head than the one that reads", () => {
   const measured = { rung: "k3", known: "three labels a class", accuracy: 0.625, from: "this head" };
   const nothing = { rung: "none", known: "nothing", accuracy: 0.5, from: "this head" };
   const line = (more, third = measured) =>
@@ -162,10 +162,10 @@ test("a gain is told as it was measured, and none of another head than the one t
 
 test("a pair labelled again keeps its last label", () => {
   const again = ["counted", { ...LABELLED[0], label: "steel" }];
-  const { pairs } = told({ pairs: LABELLED }, again).tab;
+  const { pairs } = tabAfter({ pairs: LABELLED }, again).tab;
   assert.equal(pairs.length, 2);
   assert.equal(pairs.at(-1).label, "steel");
-  const fewer = told({ pairs: LABELLED }, again, ["forgotten", { key: keyOf(LABELLED[1]) }]).tab.pairs;
+  const fewer = tabAfter({ pairs: LABELLED }, again, ["forgotten", { key: keyOf(LABELLED[1]) }]).tab.pairs;
   assert.deepEqual(fewer, [pairs.at(-1)]);
 });
 
@@ -208,7 +208,7 @@ test("a picture is called by its pair of the set, by its example or by its file"
   }
 });
 
-test("pictures nearer to the other side are asked about only if all of them are", () => {
+test("pictures nearer to the other side are questioned only if all of them are", () => {
   const [near, far] = [{ strays: false }, { strays: true }];
   for (const [images, words] of [
     [{ vis: far, tac: far }, /Are photo and touch swapped\?/],
@@ -418,14 +418,14 @@ const SHOWN = { vis: "row:0", tac: "row:0", answer: PAIR, classes: CLASSES };
 const pairOf = ({ vis, tac }) => [vis, tac];
 
 test("other pictures are requested anew, and none leave nothing of the last ones", () => {
-  const { tab, next } = told(SHOWN, ["opened", { vis: "row:1" }]);
+  const { tab, next } = tabAfter(SHOWN, ["opened", { vis: "row:1" }]);
   assert.deepEqual([pairOf(tab), tab.busy, next], [["row:1", "row:0"], true, { predict: {} }]);
-  const none = told(SHOWN, ["opened", { vis: "", tac: "" }]).tab;
+  const none = tabAfter(SHOWN, ["opened", { vis: "", tac: "" }]).tab;
   assert.deepEqual([none.answer, none.familiar, none.rivals, none.busy], [null, null, null, false]);
 });
 
 test("an upload replaces a complete pair, offers to put it back, and joins a picture that waits alone", () => {
-  const first = told(SHOWN, ["uploaded", { modality: "vis", ref: "image:x" }]);
+  const first = tabAfter(SHOWN, ["uploaded", { modality: "vis", ref: "image:x" }]);
   assert.deepEqual([pairOf(first.tab), first.tab.away], [["image:x", null], { tac: "row:0" }]);
   assert.deepEqual(pairOf(after(first.tab, "uploaded", { modality: "tac", ref: "image:y" }).tab), [
     "image:x",
@@ -439,20 +439,20 @@ test("an upload replaces a complete pair, offers to put it back, and joins a pic
 
 test("a label waits until uploads and predictions are there, and goes to no example", () => {
   const label = ["answered", { label: "wood" }];
-  assert.deepEqual(told(OWN, label).next, { count: { vis: "image:a", tac: "image:b", label: "wood" } });
-  assert.deepEqual(told(SHOWN, label).next, {});
-  assert.deepEqual(told(OWN, ["again"], label).next, {});
+  assert.deepEqual(tabAfter(OWN, label).next, { count: { vis: "image:a", tac: "image:b", label: "wood" } });
+  assert.deepEqual(tabAfter(SHOWN, label).next, {});
+  assert.deepEqual(tabAfter(OWN, ["again"], label).next, {});
   const file = new Blob();
-  const upload = told(OWN, ["dropped", { modality: "vis", files: [{ path: "x.png", file }] }]).next;
+  const upload = tabAfter(OWN, ["dropped", { modality: "vis", files: [{ path: "x.png", file }] }]).next;
   assert.deepEqual(upload, { upload: { modality: "vis", file } });
-  const sending = told(OWN, ["doing", { vis: READING }]).tab;
+  const sending = tabAfter(OWN, ["doing", { vis: READING }]).tab;
   says(ownHtml(sending), /data-label="wood" disabled/);
   assert.deepEqual(after(sending, "answered", { label: "wood" }).next, {});
 });
 
 test("teaching predicts the pair and the table again, and another label takes it back", () => {
   const report = { judged: [], right: { before: 0, after: 0 }, share: 1 };
-  const { tab, next } = told({ ...OWN, pairs: LABELLED }, ["taught", report]);
+  const { tab, next } = tabAfter({ ...OWN, pairs: LABELLED }, ["taught", report]);
   assert.deepEqual(Object.keys(next), ["predict", "rows", "curve"]);
   assert.deepEqual(lessonsOf(tab, OWN), { lessons: [{ vis: "image:c", tac: null, label: "steel" }] }); // not its own
   const fewer = after(tab, "forgotten", { key: keyOf(LABELLED[1]) });
@@ -463,7 +463,9 @@ test("teaching predicts the pair and the table again, and another label takes it
 });
 
 test("own pictures go from one head to the other without what was taught to it", () => {
-  const { tab, next } = told({ ...OWN, head: "own", pairs: LABELLED, taught: true, report: {} }, ["readerSwitched"]);
+  const { tab, next } = tabAfter({ ...OWN, head: "own", pairs: LABELLED, taught: true, report: {} }, [
+    "readerSwitched",
+  ]);
   assert.deepEqual([tab.head, tab.taught, tab.report, tab.pairs.length], ["", false, null, 2]);
   assert.deepEqual(Object.keys(next), ["predict", "rows"]);
 });
@@ -473,13 +475,13 @@ const READ = [row("a", { readings: { vis: [1, 0] }, said: { vis: "wood" } }), ro
 
 test("many pairs are read in turn, the first opens in place of an example, and none where reading was stopped", () => {
   const read = { done: 1, total: 3, wait: 0 };
-  const note = ["told", { many: " 1 picture left out." }];
+  const note = ["noted", { many: " 1 picture left out." }];
   const begun = [["dropped", { files: [] }], note, ["doing", { read }], ["rowsRead", READ]];
-  const { tab, next } = told(SHOWN, ...begun, ["allRead"]);
+  const { tab, next } = tabAfter(SHOWN, ...begun, ["allRead"]);
   assert.deepEqual([pairOf(tab), tab.rows.length, next], [["image:a", null], 2, { predict: {} }]);
-  assert.deepEqual(pairOf(told(OWN, ...begun, ["allRead"]).tab), pairOf(OWN));
-  says(manyHtml(told(SHOWN, ...begun).tab), /Reading pair 1 of 3/);
-  const stopped = told(SHOWN, ...begun, ["stopped"]);
+  assert.deepEqual(pairOf(tabAfter(OWN, ...begun, ["allRead"]).tab), pairOf(OWN));
+  says(manyHtml(tabAfter(SHOWN, ...begun).tab), /Reading pair 1 of 3/);
+  const stopped = tabAfter(SHOWN, ...begun, ["stopped"]);
   says(manyHtml(stopped.tab), / Cancelled after 2 of 3 pairs. 1 picture left out\./);
   assert.deepEqual([pairOf(stopped.tab), stopped.halt], [pairOf(SHOWN), ["read"]]);
   const none = after(stopped.tab, "closed", {});
@@ -487,7 +489,7 @@ test("many pairs are read in turn, the first opens in place of an example, and n
 });
 
 test("a label of the table is counted at once, and a new prediction keeps labels and what was not read", () => {
-  const { tab } = told({ ...OWN, rows: READ }, ["rowLabelled", { label: "0", value: " wood " }]);
+  const { tab } = tabAfter({ ...OWN, rows: READ }, ["rowLabelled", { label: "0", value: " wood " }]);
   assert.deepEqual(
     tab.pairs.map(({ name, label, said }) => [name, label, said]),
     [["a", "wood", { vis: "wood" }]],
@@ -507,7 +509,7 @@ test("labels of the table are counted with a line on where the count comes from"
 });
 
 test("a profile is kept, followed by the pair and the table, and dropped without a trace", () => {
-  const { tab, next } = told(OWN, ["profiled", { profile: "p", counts: { tac: 6 }, note: "Few." }]);
+  const { tab, next } = tabAfter(OWN, ["profiled", { profile: "p", counts: { tac: 6 }, note: "Few." }]);
   assert.deepEqual(
     [tab.profile, tab.notes.sensor, Object.keys(next)],
     ["p", "Few.", ["predict", "rows", "keepProfile"]],
@@ -517,7 +519,7 @@ test("a profile is kept, followed by the pair and the table, and dropped without
 });
 
 test("a second click on a remedy takes it back, and a profile of touches as they came goes with the first", () => {
-  const { tab, next } = told(OWN, ["profiled", { profile: "p", counts: { tac: 6 } }], ["mended", { word: "bgr" }]);
+  const { tab, next } = tabAfter(OWN, ["profiled", { profile: "p", counts: { tac: 6 } }], ["mended", { word: "bgr" }]);
   assert.deepEqual([tab.mend, tab.profile, tab.counts], ["bgr", "", null]);
   assert.deepEqual(Object.keys(next), ["predict", "rows", "keepProfile"]);
   const both = after(tab, "mended", { word: "half-turn" }).tab;
@@ -532,7 +534,7 @@ test("the first touch of a card takes an example's place, and no own pair's", ()
   assert.equal(after(OWN, "cardRead", { card, tac: "image:7" }).tab.tac, OWN.tac);
 });
 
-test("a lamp is drawn and told on the side from which it lights", () => {
+test("a lamp is drawn and named on the side from which it lights", () => {
   const rose = String(
     roseHtml([
       [0, 2],
@@ -545,7 +547,7 @@ test("a lamp is drawn and told on the side from which it lights", () => {
 });
 
 test("the pair comes back in place of the cameras, once", () => {
-  const { tab } = told(
+  const { tab } = tabAfter(
     SHOWN,
     ["camerasSwitched"],
     ["framed", { frame: { idle: true, readings: {} }, line: "No contact." }],
@@ -553,7 +555,7 @@ test("the pair comes back in place of the cameras, once", () => {
   says(verdictHtml(tab), /There is no contact/);
   const off = after(tab, "camerasSwitched", {});
   assert.deepEqual([off.tab.on, off.tab.frame, off.next, off.halt], [false, null, { predict: {} }, ["live"]]);
-  assert.deepEqual(told(SHOWN, ["camerasSwitched"], ["camerasOff", "No source."]).next, {});
+  assert.deepEqual(tabAfter(SHOWN, ["camerasSwitched"], ["camerasOff", "No source."]).next, {});
 });
 
 test("a recording takes a pair from time to time, and is saved when it or the cameras end", () => {
@@ -567,7 +569,7 @@ test("a recording takes a pair from time to time, and is saved when it or the ca
     at(2100),
     ["framed", { frame, line: "" }],
   ];
-  const { tab } = told(SHOWN, ...begun, at(2300));
+  const { tab } = tabAfter(SHOWN, ...begun, at(2300));
   const times = [2000, 2300];
   assert.deepEqual(
     tab.recording.map(({ time }) => time),
@@ -581,8 +583,8 @@ test("a recording takes a pair from time to time, and is saved when it or the ca
   }
 });
 
-test("nothing second is told to do at the cameras beside the first", () => {
-  const { tab, next } = told(SHOWN, ["camerasSwitched"], ["guide", { what: "label" }]);
+test("a second task at the cameras waits for the first", () => {
+  const { tab, next } = tabAfter(SHOWN, ["camerasSwitched"], ["guide", { what: "label" }]);
   assert.deepEqual(next, { guide: { what: "label" } });
   assert.deepEqual(after(tab, "guide", { what: "calibrate" }).next, {});
 });

@@ -33,26 +33,26 @@ const head = () => ({
 });
 
 test("no thumbnails are requested for a set that has none, and no map before it is shown", async () => {
-  const asked = [];
+  const requested = [];
   globalThis.fetch = async (url) => {
-    asked.push(new URL(url).pathname + new URL(url).search);
-    const isHead = asked.length === 1;
+    requested.push(new URL(url).pathname + new URL(url).search);
+    const isHead = requested.length === 1;
     return new Response(isHead ? JSON.stringify(head()) : new Uint8Array(3), { headers: { "X-Thumbnails": "none" } });
   };
   const { frames, sprite } = await theSet();
   assert.equal(frames.pairs, 1);
   assert.equal(frames.error, 0.5);
   assert.equal(sprite, null);
-  assert.deepEqual(asked, ["/omnivat/frames?part=head", "/omnivat/frames?part=prediction&from=0&of=t1"]);
+  assert.deepEqual(requested, ["/omnivat/frames?part=head", "/omnivat/frames?part=prediction&from=0&of=t1"]);
 });
 
 test("the shown stop of a map comes first and is drawn before the others, again if the line is lost", async () => {
   let source;
-  const asked = [];
+  const requested = [];
   globalThis.fetch = async (url) => {
     const { part, from } = Object.fromEntries(new URL(url).searchParams);
     if (part === "head") return new Response(JSON.stringify(head()));
-    asked.push([part, Number(from)]);
+    requested.push([part, Number(from)]);
     return new Response(
       part === "map:b" ? new ReadableStream({ start: (control) => (source = control) }) : new Uint8Array(3),
     );
@@ -81,7 +81,7 @@ test("the shown stop of a map comes first and is drawn before the others, again 
   source.close();
   await settled();
   assert.equal(frames.positions("umap", "f_hat", 0).points[0], 3);
-  assert.deepEqual(asked, [
+  assert.deepEqual(requested, [
     ["prediction", 0],
     ["map:b", 2],
     ["map:b", 2],

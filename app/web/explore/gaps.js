@@ -94,16 +94,16 @@ const titleOf = (mode) => TABLES.modes.find(({ id }) => id === mode)?.help ?? mo
 /** The answer to the chapter's question. */
 export function tell() {
   const { frames, stop, facts } = scene;
-  const told = verdictOn(frames.whole ?? frames);
+  const outcome = verdictOn(frames.whole ?? frames);
   const title = "Does p close the two gaps?";
-  if (!told) return showWords({ title, figure: html`This needs a head.`, remark: html`` });
+  if (!outcome) return showWords({ title, figure: html`This needs a head.`, remark: html`` });
   const away = can(modeOf(frames), "what-if") && stop !== frames.stop(frames.learned) && rightAt(frames, stop);
   const remark = away
     ? html`The weights belong to p = ${orderText(+frames.learned.toFixed(2))}. Here ${percent(away)} of pairs in unseen
       domains are correct, there ${percent(rightAt(frames, frames.stop(frames.learned)))}: a small gap alone is worth
       nothing.${whence(frames, stop, facts.unseen)}`
     : html``;
-  return showWords({ title, figure: html`<b>${told.answer}</b> ${told.words}`, remark });
+  return showWords({ title, figure: html`<b>${outcome.answer}</b> ${outcome.words}`, remark });
 }
 
 /** Draw what follows p: bars, steps, the pair and its tree. */

@@ -11,9 +11,9 @@ export { draw, fill, grouped, html, interval, joined, options, percent, put } fr
 /** Explore, which `send` alone replaces. @type {Readonly<Scene>} */
 export let scene = START;
 
-/** Tell an event; returns Explore after it. @template {keyof SceneEvents} Name
- * @param {Name} name @param {SceneEvents[Name]} told */
-export const send = (name, told) => (scene = Object.freeze(after(scene, name, told, state)));
+/** Send an event; returns Explore after it. @template {keyof SceneEvents} Name
+ * @param {Name} name @param {SceneEvents[Name]} detail */
+export const send = (name, detail) => (scene = Object.freeze(after(scene, name, detail, state)));
 
 /** The first part of Explore that fits a selector; Explore itself without one. @type {(selector?: string) => Found} */
 export const $ = (selector = "") => document.querySelector(`.ov.explore ${selector}`);

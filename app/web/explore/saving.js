@@ -84,16 +84,16 @@ const say = (/** @type {string} */ sentence) => popUp(html`<p role="alert">${sen
 
 /** Load the tags of a CSV and say how many there are. @param {Found} input */
 export async function loadFile(input) {
-  const told = (/** @type {string} */ sentence) => {
+  const report = (/** @type {string} */ sentence) => {
     $(".load-tags").title = sentence;
     $(".save").open = false;
     say(sentence);
   };
   await attempt(async () => {
-    told(`${loadTags(scene.own, await input.files[0].text())} pairs have a tag now.`);
+    report(`${loadTags(scene.own, await input.files[0].text())} pairs have a tag now.`);
     showGrid();
     labelCsv();
-  }, told);
+  }, report);
   input.value = "";
 }
 

@@ -32,7 +32,7 @@ export const START = /** @type {Scene} */ (
   })
 );
 
-/** @type {{[Name in keyof SceneEvents]: (scene: Scene, told: SceneEvents[Name], address: State) => Partial<Scene>}} */
+/** @type {{[Name in keyof SceneEvents]: (scene: Scene, detail: SceneEvents[Name], address: State) => Partial<Scene>}} */
 const EVENTS = {
   /** What is there now, and nothing follows from it. */
   arrived: (_, parts) => parts,
@@ -68,8 +68,8 @@ const EVENTS = {
 };
 
 /** Explore after an event. @template {keyof SceneEvents} Name
- * @param {Scene} scene @param {Name} name @param {SceneEvents[Name]} told @param {State} address @returns {Scene} */
-export const after = (scene, name, told, address) => ({ ...scene, ...EVENTS[name](scene, told, address) });
+ * @param {Scene} scene @param {Name} name @param {SceneEvents[Name]} detail @param {State} address @returns {Scene} */
+export const after = (scene, name, detail, address) => ({ ...scene, ...EVENTS[name](scene, detail, address) });
 
 /** p has moved: its stop, the last ones before it, and in the chapter of the order the stops between which it was
  * dragged.

@@ -82,7 +82,7 @@ interface Scene extends SetData {
   stairs: string;
   /** what predicts on the second map, once loaded */
   other: Other | null;
-  /** what each node of the tree predicts over the set; null until it is asked for */
+  /** what each node of the tree predicts over the set; null until it is requested */
   votes: Partial<Replies["votes"]> | null;
   /** the first two chapters: what heads predict of the twins, their places, a point and the only sensor in colour */
   twins: Twins;
@@ -102,7 +102,7 @@ interface Scene extends SetData {
   /** what the loaded head reads right on the page's own set, by what is known: a record, or why there is none */
   known: Record<string, Partial<Known> & { problem?: string }>;
 }
-/** What is told to Explore: an event and what goes with it. */
+/** The events of Explore, and what goes with each. */
 interface SceneEvents {
   arrived: Partial<Scene>;
   loaded: SetData;

@@ -1,4 +1,4 @@
-/** The tour: a question in each chapter, options, and what is then told. Every figure is one of the page's own. */
+/** The tour: a question in each chapter, options, and the result. Every figure is one of the page's own. */
 
 import { ends } from "../shared/numbers.js";
 import { PLACES } from "../shared/tables.js";

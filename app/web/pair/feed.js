@@ -170,9 +170,9 @@ export class Feed extends View {
     });
   }
 
-  /** Take the rest picture: the mean of some frames, and their noise. told(n) gets the number so far.
-   * @param {(n: number) => void} told */
-  async takeRest(told) {
+  /** Take the rest picture: the mean of some frames, and their noise. onFrame(n) gets the number so far.
+   * @param {(n: number) => void} onFrame */
+  async takeRest(onFrame) {
     this.rest = null;
     const frames = [];
     const { shape } = this; // another one drops the picture
@@ -181,7 +181,7 @@ export class Feed extends View {
       if (!this.on) return;
       this.draw();
       frames.push(grey(this.canvas));
-      told(frames.length);
+      onFrame(frames.length);
     }
     const rest = restOf(frames);
     this.rest = rest && { shape, ...rest };

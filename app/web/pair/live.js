@@ -73,14 +73,14 @@ export async function live(desk, _, signal) {
       : "No source is chosen. Choose a camera or a video file for the photo, the touch or both.";
   };
   try {
-    await attempt(read, (/** @type {string} */ problem) => send("told", { problem }));
+    await attempt(read, (/** @type {string} */ problem) => send("noted", { problem }));
   } finally {
     close();
-    send("camerasOff", why); // which ends this work, so a problem is told before
+    send("camerasOff", why); // which ends this work, so a problem is noted before
   }
 }
 
-/** Open the sources. Names of cameras are told only once one was allowed. @param {Desk["feeds"]} feeds
+/** Open the sources. Cameras have names only once one was allowed. @param {Desk["feeds"]} feeds
  * @param {AbortSignal} signal */
 async function openAll(feeds, signal) {
   const cameras = feeds.filter(({ menus }) => menus.device.value !== "file");
@@ -169,9 +169,9 @@ const GUIDES = {
   },
 };
 
-/** @param {Desk} desk @param {{what: string}} asked */
+/** @param {Desk} desk @param {{what: string}} wanted */
 export async function guide(desk, { what }) {
-  const tell = (live = "") => desk.send("told", { live });
+  const tell = (live = "") => desk.send("noted", { live });
   tell((await GUIDES[what](desk, tell)) ?? "");
 }
 

@@ -33,10 +33,10 @@ export function manyHtml(tab) {
   }
   if (rows.length) return tableHtml(tab, close);
   if (!unnamed && !notes.many) return null;
-  const asked =
+  const question =
     unnamed &&
     `The names of ${plural(unnamed.count, "picture")} contain neither vis nor tac. Are they photos or touches?`;
-  return html`<div class="stand"><p role="status">${asked ?? notes.many}</p>${unnamed && kinds("dropped")}
+  return html`<div class="stand"><p role="status">${question ?? notes.many}</p>${unnamed && kinds("dropped")}
     ${close}</div>`;
 }
 

@@ -117,9 +117,9 @@ class PairView extends View {
   }
 
   /** @template {keyof PairEvents | keyof PairWork} Name @param {Name} name
-   * @param {(PairEvents & PairWork)[Name]} told */
-  send = (name, told) => {
-    const { tab, next, halt } = after(this.tab, name, told);
+   * @param {(PairEvents & PairWork)[Name]} detail */
+  send = (name, detail) => {
+    const { tab, next, halt } = after(this.tab, name, detail);
     this.tab = tab;
     const { vis, tac, head, profile, mend } = tab;
     Object.assign(visit, { head, profile, mend });
@@ -136,12 +136,12 @@ class PairView extends View {
     if (!beside) this.running[name]?.abort();
     const { signal } = (this.running[name] = new AbortController());
     /** @type {Desk["send"]} */
-    const send = (event, told) => signal.aborted || this.send(event, told);
+    const send = (event, detail) => signal.aborted || this.send(event, detail);
     try {
       await WORK[name](Object.assign(Object.create(this), { send }), what, signal);
     } catch (error) {
       refused(error, (/** @type {string} */ sentence) =>
-        name === "predict" ? send("failed", sentence) : send("told", { [NOTES[name] ?? "problem"]: sentence }),
+        name === "predict" ? send("failed", sentence) : send("noted", { [NOTES[name] ?? "problem"]: sentence }),
       );
     } finally {
       send("doing", { [(beside && what.modality) || name]: undefined });
@@ -172,16 +172,16 @@ class PairView extends View {
   listen() {
     const { box, send } = this;
     box.onclick = (/** @type {Found} */ { target }) => {
-      const told = target.closest("button[data-send]")?.dataset;
-      if (told) send(told.send, told);
+      const dataset = target.closest("button[data-send]")?.dataset;
+      if (dataset) send(dataset.send, dataset);
     };
     box.onchange = (/** @type {Found} */ { target }) => {
-      const { send: event, ...told } = target.dataset;
+      const { send: event, ...detail } = target.dataset;
       if (!event) return;
-      if (target.type !== "file") return send(event, { ...told, [target.name]: target.value });
+      if (target.type !== "file") return send(event, { ...detail, [target.name]: target.value });
       const files = chosenFiles(target.files);
       target.value = "";
-      if (files.length) send(event, { ...told, files });
+      if (files.length) send(event, { ...detail, files });
     };
     box.onsubmit = (/** @type {Found} */ event) => {
       event.preventDefault();
@@ -221,13 +221,13 @@ class PairView extends View {
 export async function start(root) {
   if (await needsHead(root)) return;
   let problem = "";
-  const told = (/** @type {string} */ sentence) => (problem = sentence);
+  const note = (/** @type {string} */ sentence) => (problem = sentence);
   const [examples, set, all, { lost, sent }, facts] = await Promise.all([
     json("examples").catch(() => []),
     theSetSoon(),
-    attempt(heads, told),
+    attempt(heads, note),
     takeLinked(),
-    attempt(() => json("own"), told),
+    attempt(() => json("own"), note),
   ]);
   const desk = new PairView(root, {
     examples,
@@ -256,7 +256,7 @@ export async function start(root) {
   if (!held)
     attempt(
       async () => send("arrived", { real: await json("real") }),
-      (/** @type {string} */ sentence) => send("told", { problem: sentence }),
+      (/** @type {string} */ sentence) => send("noted", { problem: sentence }),
     );
   if (state.vis || state.tac) send("again", {});
   else begin();

@@ -69,8 +69,8 @@ function byName(pictures, classes, rest) {
   const pairs = new Map();
   const alone = [];
   for (const one of pictures) {
-    const { modality: told, key, folder } = named(one.path);
-    const modality = told || rest;
+    const { modality: stated, key, folder } = named(one.path);
+    const modality = stated || rest;
     const pair = pairs.get(key) ?? { name: key, vis: null, tac: null, label: label.get(folder.toLowerCase()) ?? "" };
     if (!modality || pair[modality]) alone.push(one);
     else pairs.set(key, { ...pair, [modality]: one.file });

@@ -73,7 +73,7 @@ export const chooser = (event, words, kind) =>
 export const paragraph = (kind, ...words) => html`<p class="${kind}">${words}</p>`;
 /** @param {unknown} words */
 export const hint = (words) => paragraph("hint", words);
-/** Words that change while they are read, told to screen readers. @param {unknown} words */
+/** Words that change while they are read, also by screen readers. @param {unknown} words */
 export const status = (words, kind = "") => html`<p class="hint ${kind}" role="status">${words}</p>`;
 
 /** A heading with what stands beside it. @param {string} title @param {...unknown} beside */

@@ -14,8 +14,8 @@ export const quietly = (asking) =>
 /** Pairs with what is predicted for exactly them: by the head as trained, or by what lessons teach.
  * @template {Pair} Some @param {Some[]} pairs @param {{lessons?: Lesson[]}} [lessons] @param {AbortSignal} [signal] */
 export async function predicted(pairs, lessons, signal) {
-  const asked = pairs.map(({ vis, tac }) => ({ vis, tac }));
-  const { classes, pairs: answers } = await ask("many", { pairs: asked, ...lessons }, signal);
+  const questions = pairs.map(({ vis, tac }) => ({ vis, tac }));
+  const { classes, pairs: answers } = await ask("many", { pairs: questions, ...lessons }, signal);
   return pairs.map((pair, i) => ({ ...pair, ...answers[i], classes, said: said(classes, answers[i].readings) }));
 }
 

@@ -6,7 +6,7 @@ import { shelf } from "../shared/pick.js";
 import { sensorOf } from "../shared/tables.js";
 import { describe, partsOf } from "./own-pictures.js";
 import { button, chooser, hint, html, IMAGES, OTHER, opener, pressed, signed, TERMS } from "./parts.js";
-import { changed, told } from "./where.js";
+import { changed, outcome } from "./where.js";
 
 /** The picture of an example. @param {string} name @param {Modality} modality */
 const exampleOf = (name, modality) =>
@@ -38,7 +38,7 @@ function slotHtml(tab, modality) {
     <div class="row">${chooser("dropped", "Choose file", choose)}
       ${button("photograph", "Camera", html`class="camera" ${of} title="Take one picture with a camera"`)}
       ${button("explain", "Where?", why)}${opener("Remove", { [modality]: "" }, away)}</div>
-    <p class="what hint">${doing || (parts ? told(parts) : ref ? describe(tab, ref).text : empty)}</p>
+    <p class="what hint">${doing || (parts ? outcome(parts) : ref ? describe(tab, ref).text : empty)}</p>
   </div>`;
 }
 

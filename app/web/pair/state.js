@@ -114,14 +114,14 @@ export const isHeld = ({ busy, doing }) => busy || Boolean(doing.fetch) || [doin
 
 /** Everything about the open pair is requested again. @param {PairTab} tab @param {Partial<PairTab>} change
  * @returns {Change} */
-function asked(tab, change = {}) {
+function requested(tab, change = {}) {
   const there = imagesOf({ ...tab, ...change }).length > 0;
   return { away: null, explained: {}, ...(there ? { busy: true } : NOTHING), ...change, next: { predict: {} } };
 }
 
 /** Other weights or another profile: request the pair and the table again.
  * @param {PairTab} tab @param {Partial<PairTab>} change @param {Partial<PairWork>} [more] */
-const again = (tab, change, more) => ({ ...asked(tab, change), next: { predict: {}, rows: {}, ...more } });
+const again = (tab, change, more) => ({ ...requested(tab, change), next: { predict: {}, rows: {}, ...more } });
 
 /** Labels changed: discard what was taught from the old ones. @param {PairTab} tab @param {OwnPair[]} pairs
  * @returns {Change} */
@@ -153,11 +153,11 @@ const closed = ({ notes, doing }) => ({
 /** A recording is saved when it ends. @param {PairTab} tab */
 const recorded = ({ recording }) => (recording?.length ? { saveRecording: recording } : {});
 
-/** @type {{[Name in keyof PairEvents]: (tab: PairTab, told: PairEvents[Name]) => Change}} */
+/** @type {{[Name in keyof PairEvents]: (tab: PairTab, detail: PairEvents[Name]) => Change}} */
 const EVENTS = {
   // what came of some work
   arrived: (tab, parts) => ({ ...parts, next: parts.set && tab.answer ? { travel: {} } : {} }),
-  told: ({ notes }, more) => ({ notes: { ...notes, ...more } }),
+  noted: ({ notes }, more) => ({ notes: { ...notes, ...more } }),
   doing: ({ doing }, more) => ({ doing: { ...doing, ...more } }),
 
   sent: ({ sent }, more) => ({ sent: { ...sent, ...more } }),
@@ -165,18 +165,18 @@ const EVENTS = {
   touched: ({ touches }, more) => ({ touches: [...new Set([...touches, ...more])] }),
 
   // the pair
-  again: (tab) => asked(tab),
-  opened: (tab, { vis = tab.vis, tac = tab.tac }) => asked(tab, { vis: vis || null, tac: tac || null, lost: "" }),
+  again: (tab) => requested(tab),
+  opened: (tab, { vis = tab.vis, tac = tab.tac }) => requested(tab, { vis: vis || null, tac: tac || null, lost: "" }),
   // a new picture starts a new pair: nothing of a complete pair, or of an example, stays beside it
   uploaded: (tab, { modality, ref }) => {
     const rest = OTHER[modality];
     const left = tab[rest];
     const goes = left && (tab[modality] || !isOwn({ [rest]: left }));
     const pair = { [modality]: ref, ...(goes && { [rest]: null }) };
-    return asked(tab, { ...pair, lost: "", away: goes ? { [rest]: left } : null });
+    return requested(tab, { ...pair, lost: "", away: goes ? { [rest]: left } : null });
   },
   fetched: (tab, { key, pair }) =>
-    asked(tab, { ...pair, lost: "", reals: { ...tab.reals, [key]: pair.tac ?? pair.vis ?? "" } }),
+    requested(tab, { ...pair, lost: "", reals: { ...tab.reals, [key]: pair.tac ?? pair.vis ?? "" } }),
   explained: ({ explained }, parts) => ({ explained: { ...explained, ...parts } }),
   predicted: (tab, { answer, question }) => ({
     ...NOTHING,
@@ -200,7 +200,7 @@ const EVENTS = {
         },
   // the pair comes back in their place
   camerasOff: (tab, why) => {
-    const { next, ...change } = tab.frame ? asked(tab) : {};
+    const { next, ...change } = tab.frame ? requested(tab) : {};
     const off = { on: false, frame: null, recording: null, line: why || tab.line };
     return { ...change, ...off, halt: ["live"], next: { ...next, ...recorded(tab) } };
   },
@@ -209,7 +209,8 @@ const EVENTS = {
     return { frame, line, recording: due ? [...recording, pair] : recording };
   },
   recordSwitched: (tab) => ({ recording: tab.recording ? null : [], next: recorded(tab) }),
-  guide: ({ doing }, told) => (doing.guide ? {} : { doing: { ...doing, guide: told.what }, next: { guide: told } }),
+  guide: ({ doing }, detail) =>
+    doing.guide ? {} : { doing: { ...doing, guide: detail.what }, next: { guide: detail } },
 
   // own pairs
   answered: ({ vis, tac, ...tab }, { label }) =>
@@ -287,9 +288,9 @@ const EVENTS = {
 
 /** The tab after an event, with the work that follows and stops. What changes nothing by itself is work of that name.
  * @template {keyof PairEvents | keyof PairWork} Name
- * @param {PairTab} tab @param {Name} name @param {(PairEvents & PairWork)[Name]} told */
-export function after(tab, name, told) {
-  const event = /** @type {Record<string, (tab: PairTab, told: any) => Change>} */ (EVENTS)[name];
-  const { next = {}, halt = [], ...change } = event?.(tab, told) ?? { next: { [name]: told } };
+ * @param {PairTab} tab @param {Name} name @param {(PairEvents & PairWork)[Name]} detail */
+export function after(tab, name, detail) {
+  const event = /** @type {Record<string, (tab: PairTab, detail: any) => Change>} */ (EVENTS)[name];
+  const { next = {}, halt = [], ...change } = event?.(tab, detail) ?? { next: { [name]: detail } };
   return { tab: { ...tab, ...change }, next, halt };
 }

@@ -134,10 +134,10 @@ interface PairTab {
   unnamed: { files: Chosen[]; count: number } | null; // files whose names do not tell photo from touch
   notes: { problem: string; own: string; sensor: string; card: string; many: string; live: string };
 }
-/** What is told to the tab: an event and what goes with it. */
+/** The events of the tab, and what goes with each. */
 interface PairEvents {
   arrived: Partial<PairTab>;
-  told: Partial<PairTab["notes"]>;
+  noted: Partial<PairTab["notes"]>;
   doing: PairTab["doing"];
   sent: PairTab["sent"];
   touched: Ref[];
@@ -212,7 +212,7 @@ type Change = Partial<PairTab> & { next?: Partial<PairWork>; halt?: (keyof PairW
 /** What work is given: the tab as it is when it begins, and how to tell an event. */
 interface Desk {
   tab: PairTab;
-  send: <Name extends keyof PairEvents | keyof PairWork>(name: Name, told: (PairEvents & PairWork)[Name]) => unknown;
+  send: <Name extends keyof PairEvents | keyof PairWork>(name: Name, detail: (PairEvents & PairWork)[Name]) => unknown;
   box: HTMLElement;
   feeds: import("./feed.js").Feed[];
   map: ((journey: Journey | null, problem?: string) => void) | null;

@@ -28,7 +28,7 @@ export function changed(drops) {
 
 /** The result, in words; without the probability of its class, as the image may be unlike anything seen.
  * @param {Pick<Parts, "class" | "drops" | "taught">} parts */
-export function told({ class: name, drops, taught }) {
+export function outcome({ class: name, drops, taught }) {
   const { most, any, needed, against } = changed(drops);
   const parts = [
     needed && html`orange parts support <i>${name}</i>`,

@@ -1,4 +1,4 @@
-/** The work that Try a pair needs: requests to the server, files in and out. Its end is told as an event; a Refusal
+/** The work that Try a pair needs: requests to the server, files in and out. Its end is an event; a Refusal
  * becomes a sentence in the part that NOTES names. */
 
 import { ask, askOfImage, attempt, bytesOf, cardOf, get, made, Refusal, readerOf, visit } from "../shared/api.js";
@@ -41,7 +41,7 @@ const folderOf = (label) => label.replaceAll(/[\\/:]/g, "_");
 
 /** Work that goes on beside newer work of its kind. @type {(keyof PairWork)[]} */
 export const TOGETHER = ["upload", "explain", "count"];
-/** Where a Refusal of some work is told, if not above everything; "" is nowhere.
+/** Where the sentence of a refused work stands, if not above everything; "" is nowhere.
  * @type {Partial<Record<keyof PairWork, keyof PairTab["notes"] | "">>} */
 export const NOTES = {
   ...{ curve: "", compare: "" },
@@ -100,7 +100,7 @@ export const WORK = {
   },
 
   async upload({ send }, { modality, file }) {
-    send("told", { problem: "" });
+    send("noted", { problem: "" });
     send("doing", { [modality]: READING });
     const ref = await upload(file, send);
     if (modality === "tac") send("touched", [ref]);
@@ -147,7 +147,7 @@ export const WORK = {
     send("counted", await counted({ ...pair, name: [...new Set(names)].join(" + ") }));
   },
   async teach({ tab, send }) {
-    send("told", { own: "Teaching…" });
+    send("noted", { own: "Teaching…" });
     send("taught", await ask("teach", { lessons: lessonsFor(tab.pairs) }));
   },
   /** What fewer labels would have taught; a page without a server has no such curve. */
@@ -178,7 +178,7 @@ export const WORK = {
   guide,
   saveRecording,
 
-  read: (...asked) => awaited(read(...asked)),
+  read: (...given) => awaited(read(...given)),
   /** Predict the pairs of the table again. */
   async rows({ tab, send }, _, signal) {
     const there = tab.rows.filter(({ said }) => said);
@@ -192,8 +192,8 @@ export const WORK = {
   async profileOf({ send }, pictures) {
     send("profiled", await ask("profile", { ...pictures, profile: "" }));
   },
-  card: (...asked) => awaited(card(...asked)),
-  sample: (...asked) => awaited(sample(...asked)),
+  card: (...given) => awaited(card(...given)),
+  sample: (...given) => awaited(sample(...given)),
   async load({ send }, { files }) {
     send("profiled", await profileIn(files[0].file));
   },
@@ -218,7 +218,7 @@ export async function restore({ send }) {
       const { sensor } = text ? { sensor: await profileIn(new Blob([decoded(text)])) } : await loaded();
       if (sensor.profile) send("profiled", /** @type {Profile} */ (sensor)); // without a text: that of --profile
     },
-    (/** @type {string} */ sensor) => text && send("told", { sensor }), // the page itself reports a lost set
+    (/** @type {string} */ sensor) => text && send("noted", { sensor }), // the page itself reports a lost set
   );
   return Boolean(visit.profile);
 }
@@ -255,7 +255,7 @@ async function read({ tab, send }, { files, kind }, signal) {
     : `No pair was recognised among ${plural(files.length, "file")}. Name them x_vis and x_tac, or add a CSV with ` +
       "the columns vis and tac.";
   const left = alone.length ? ` ${plural(alone.length, "picture")} left out: no partner by name.` : "";
-  send("told", { many: total ? left : problem || none });
+  send("noted", { many: total ? left : problem || none });
   const began = Date.now();
   for (let done = 0; done < total; ) {
     const rows = [];

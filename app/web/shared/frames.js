@@ -126,7 +126,7 @@ export class Frames {
     const size = bytes.length / there.length;
     const order = [...there.keys()].sort((a, b) => Math.abs(a - from) - Math.abs(b - from) || a - b);
     const reader = /** @type {ReadableStream<Uint8Array>} */ (response.body).getReader();
-    let [come, told] = [0, 0]; // bytes
+    let [come, reported] = [0, 0]; // bytes
     for (let { value, done } = await reader.read(); !done; { value, done } = await reader.read()) {
       for (let at = 0; value && at < value.length; ) {
         const [place, inside] = [Math.floor(come / size), come % size];
@@ -137,8 +137,8 @@ export class Frames {
         come += some.length;
         there[order[place]] = inside + some.length === size;
       }
-      if (Math.floor(come / size) > told) this.tell();
-      told = Math.floor(come / size);
+      if (Math.floor(come / size) > reported) this.tell();
+      reported = Math.floor(come / size);
     }
   }
 

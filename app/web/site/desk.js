@@ -24,8 +24,8 @@ export class Desk extends Models {
   /** A stage of the whole set, as far as it is computed. @type {{ key: string } & Record<Modality, Floats[]>} */
   walk = { key: "", vis: [], tac: [] };
 
-  /** The pair, the order and the head of a request. @param {any} question @returns {Promise<Asked>} */
-  async asked(question) {
+  /** The pair, the order and the head of a request. @param {any} question @returns {Promise<Resolved>} */
+  async resolved(question) {
     const { order, head } = question;
     /** @type {Rows} */
     const pair = {};
@@ -48,7 +48,7 @@ export class Desk extends Models {
   }
 
   /** Cosine to the nearest training image of each modality, its quantile among the training images, and words.
-   * @param {Asked} asked */
+   * @param {Resolved} found */
   async lookedAt({ pair, head }) {
     const { unlike, words } = (await this.about()).rules.familiar;
     const known = head.familiarity ? await this.file(head.familiarity) : {};

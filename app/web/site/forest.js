@@ -48,7 +48,7 @@ async function featuresOf(desk, head, stage, order, stopped) {
 export const FOREST = {
   /** The tree of one pair. */
   async tree(desk, question) {
-    const { head, order, pair } = await desk.asked(question);
+    const { head, order, pair } = await desk.resolved(question);
     if (!head.parents.length) throw new Refusal("This head generates no nodes: it was trained without DTG.");
     const [alone, other] = imagesOf(pair);
     const wanted = ["nodes", "shares"].map((name) => (other ? name : `${alone}_${name}`));

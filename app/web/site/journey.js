@@ -17,9 +17,9 @@ export const onLinear = (row, map) => [0, 1].map((axis) => rounded(dot([...row, 
 async function byOwn(desk, question) {
   const { heads } = await desk.about();
   if (!heads.own || !imagesOf(question).every((name) => question[name].startsWith("image:"))) return null;
-  const asked = await desk.asked({ ...question, head: "own" });
-  const [out, images] = await Promise.all([desk.run(asked.head, [asked.pair], [null]), desk.lookedAt(asked)]);
-  return { classes: asked.head.classes, readings: readingsOf(out, 0, asked.pair), images };
+  const found = await desk.resolved({ ...question, head: "own" });
+  const [out, images] = await Promise.all([desk.run(found.head, [found.pair], [null]), desk.lookedAt(found)]);
+  return { classes: found.head.classes, readings: readingsOf(out, 0, found.pair), images };
 }
 
 /** @type {Record<string, Route>} */
@@ -27,7 +27,7 @@ export const JOURNEY = {
   async journey(desk, question) {
     if (question.mode) throw new Refusal(WEIGHTLESS);
     const [{ pair, head }, about, maps, own] = await Promise.all([
-      desk.asked(question),
+      desk.resolved(question),
       desk.about(),
       desk.file("places.safetensors"),
       byOwn(desk, question),

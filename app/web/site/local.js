@@ -56,7 +56,7 @@ export async function prepare() {
 /** Respond to a request: `set` and `path` by name, `query` of the address, `body` text or a Blob; `models`: the address
  * of the models.
  * @param {Record<"set" | "path" | "models", string> & {query: URLSearchParams, body?: any,
- *   signal?: AbortSignal | null}} asked */
+ *   signal?: AbortSignal | null}} request */
 export async function respond({ set, path, query, body, signal, models }) {
   const content = body instanceof Blob ? await body.arrayBuffer() : (body ?? "{}");
   const { status, value } = await sent(

@@ -14,23 +14,23 @@ export class Models {
   once = keeper();
 
   /** @param {string | URL} base address of the models @param {string} set its folder
-   * @param {(step: Step) => void} told receives a download on its way */
-  constructor(base, set, told = () => {}) {
+   * @param {(step: Step) => void} onStep called while a download is on its way */
+  constructor(base, set, onStep = () => {}) {
     this.base = base;
     this.folder = new URL(`${set}/`, base);
-    this.told = told;
+    this.onStep = onStep;
   }
 
   runtime = () => runtime(this.base, this.fetch);
 
-  /** The bytes of a file of the models, which lies there packed; the page is told of one with a title.
+  /** The bytes of a file of the models, which lies there packed; one with a title reports its progress.
    * @param {string | URL} file @param {string} [title] */
   fetch = async (file, title) => {
     const response = await fetch(`${new URL(file, this.folder)}.gz`).catch(() => null);
     if (!response?.ok || !response.body) throw new Refusal(LOST);
     const total = Number(response.headers.get("Content-Length")) || 0;
     let done = 0;
-    const tell = (/** @type {number} */ of) => title && this.told({ text: title, done, total: of });
+    const tell = (/** @type {number} */ of) => title && this.onStep({ text: title, done, total: of });
     const counted = new TransformStream({
       transform(/** @type {Uint8Array} */ piece, out) {
         done += piece.length;
@@ -57,9 +57,9 @@ export class Models {
       return inTurn(() => InferenceSession.create(new Uint8Array(bytes), { executionProviders: ["wasm"] }));
     });
 
-  /** A head of the set, as models.json has it. @param {string | null} [asked] @returns {Promise<SiteHead>} */
-  async head(asked) {
-    const name = asked ?? "";
+  /** A head of the set, as models.json has it. @param {string | null} [wanted] @returns {Promise<SiteHead>} */
+  async head(wanted) {
+    const name = wanted ?? "";
     const head = (await this.about()).heads[name];
     if (!head) throw new Refusal(`No head is called '${String(name).slice(0, 40)}' here.`);
     return { ...head, name };

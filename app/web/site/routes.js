@@ -62,12 +62,12 @@ export const READING = {
 
   /** A prediction now and at every stop, with the spectra. */
   async pair(desk, question) {
-    const asked = await desk.asked(question);
-    const { pair, order, head } = asked;
+    const found = await desk.resolved(question);
+    const { pair, order, head } = found;
     const { classes, learned, span, linear } = head;
     const stops = await stopsOf(desk);
     const exact = order ?? learned;
-    const [out, images] = await Promise.all([desk.run(head, [pair], [...stops, exact]), desk.lookedAt(asked)]);
+    const [out, images] = await Promise.all([desk.run(head, [pair], [...stops, exact]), desk.lookedAt(found)]);
     const each = stops.map((_, stop) => readingsOf(out, stop, pair));
     const readings = readingsOf(out, stops.length, pair);
     const shown = READINGS.filter((name) => readings[name]);
@@ -80,7 +80,7 @@ export const READING = {
   },
 
   async attention(desk, question) {
-    const { pair, head } = await desk.asked(question);
+    const { pair, head } = await desk.resolved(question);
     const names = imagesOf(pair);
     if (!head.attends) throw new Refusal("This head has no MFFA, so there is no attention to show.");
     const out = await desk.run(head, [pair], await stopsOf(desk));
@@ -95,7 +95,7 @@ export const READING = {
   },
 
   async familiar(desk, question) {
-    const { pair, head } = await desk.asked(question);
+    const { pair, head } = await desk.resolved(question);
     const images = imagesOf(pair).map(async (name) => {
       const own = await desk.rowOf(question[name]);
       return [name, { nearest: await nearestPairs(desk, head, name, /** @type {Floats} */ (pair[name]), own) }];

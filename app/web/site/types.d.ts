@@ -23,7 +23,7 @@ type SiteHead = {
   [other: string]: any;
 };
 /** What a request names; see app/pair_input.py. */
-type Asked = { pair: Rows; order: number | null; head: SiteHead };
+type Resolved = { pair: Rows; order: number | null; head: SiteHead };
 /** A question's other parts: the bytes of its file, and whether it was withdrawn. */
 type Sent = { body: Uint8Array; stopped: () => boolean };
 type Route = (desk: import("./desk.js").Desk, question: any, sent: Sent) => Promise<unknown>;

@@ -186,7 +186,7 @@ def remove(path: Path) -> None:
 
 def _environment() -> dict[str, str]:
     """Return the environment of Git: English, no questions, no repository of the caller, no file
-    that was not asked for, and no transport that runs a command.
+    that was not requested, and no transport that runs a command.
     """
     kept = {
         name: value

@@ -296,8 +296,8 @@ def _no_pairs(source: Path, skipped: list[Skipped]) -> str:
             f"'{show(source)}' is a set that `datasets` saved; write it with"
             " datasets.load_from_disk(FOLDER).to_parquet(FILE), and import that file."
         )
-    told = halves_among(folder.name for folder in folders_in(source))
-    named = [show(name) for half in (*IMAGES, "?") for name in told[half]]
+    halves = halves_among(folder.name for folder in folders_in(source))
+    named = [show(name) for half in (*IMAGES, "?") for name in halves[half]]
     perhaps = f" (perhaps {', '.join(named)})" if named else ""
     message = (
         f"No pairs in '{show(source)}'; expected {LAYOUT}, or folders of photos and of touches,"

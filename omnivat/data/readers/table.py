@@ -142,8 +142,8 @@ def rows_of(
     header = next(iter(rows.values()), {})
     theirs = {name: [name, *others] for name, others in {**COLUMNS, **TIMES}.items()}
     for half in IMAGES:
-        told = [name for name in filled if half_of(name) == half and name != BEFORE]
-        by_word = [name for name in told if _names_files(rows, name, file.parent)]
+        candidates = [name for name in filled if half_of(name) == half and name != BEFORE]
+        by_word = [name for name in candidates if _names_files(rows, name, file.parent)]
         theirs[half] = [named[half]] if named[half] else [half] * (half in header) or by_word
         if len(theirs[half]) > 1:
             raise DataError(

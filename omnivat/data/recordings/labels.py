@@ -168,14 +168,14 @@ def from_names(made: Sequence[Recording], columns: Mapping[str, str], file: Path
     groups, domains = classes_of(places)
     words = {re.sub(r"\d+$", "", units[-1]) for units in places if units}
     for one in made:
-        units, told = one.place.units, {*one.texts.get("domain", ())}
+        units, stated = one.place.units, {*one.texts.get("domain", ())}
         if units in domains and not one.texts.get("domain"):
             one.texts["domain"] = [domains[units]]
-            told.add(domains[units])
+            stated.add(domains[units])
         if named and units in groups:
             one.texts["material"] = [groups[units]]
-            told.add(groups[units])
-        if units and not {*units} <= told and not any(one.texts.get("object", ())):
+            stated.add(groups[units])
+        if units and not {*units} <= stated and not any(one.texts.get("object", ())):
             split = one.place.split if len(words) < 2 else ""  # demo_0 of train is not that of test
             one.texts["object"] = ["/".join(filter(None, (split, *units)))]
     lost = [one for one in made if one.place.units and not one.texts.get("material")]

@@ -122,12 +122,12 @@ class LeRobot:
         stated = self.info.get("splits")
         stated = stated.items() if isinstance(stated, dict) else ()
         spans = {split_of(name): re.fullmatch(r"(\d{1,9}):(\d{1,9})", str(v)) for name, v in stated}
-        told = {name: span for name, span in spans.items() if name and span}
+        named = {name: span for name, span in spans.items() if name and span}
         return {
             number: name
-            for name, span in told.items()
+            for name, span in named.items()
             for number in range(int(span[1]), min(int(span[2]), int(span[1]) + MOST_EPISODES))
-            if len(told) > 1
+            if len(named) > 1
         }
 
     def _track(self, key: str, episode: Mapping[str, Any]) -> Track:

@@ -98,8 +98,8 @@ def stored_clips(
             if (one := table.pictures_of(name))
         ]
         _require_pictures(found, [file])
-        told = (file.stem.partition("-")[0], file.parent.name if file.parent != root else "")
-        split = next(filter(None, map(split_of, told)), "")
+        names = (file.stem.partition("-")[0], file.parent.name if file.parent != root else "")
+        split = next(filter(None, map(split_of, names)), "")
         above = [p for p in file.relative_to(root).parent.parts if p != "data" and not split_of(p)]
         only = Recording(columns=found)
         only.place.split = split

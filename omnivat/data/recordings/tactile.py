@@ -51,18 +51,18 @@ def tactile_clips(file: Path, domain: str, labels: Path | None = None) -> list[C
     except OmniVatError as error:
         sensors = {"": (partial(_refused, str(error)), {})}
     clips = []
-    for name, (track, told) in sensors.items():
-        thing = row.get("object") or told.get("object", "")
+    for name, (track, stated) in sensors.items():
+        thing = row.get("object") or stated.get("object", "")
         clips.append(
             Clip(
                 read=partial(_read, track),
                 name=f"{file.stem} {name}".rstrip(),
-                domain=row.get("domain") or domain or told.get("domain") or file.stem,
-                material=class_key(row.get("material") or told.get("material") or thing)
+                domain=row.get("domain") or domain or stated.get("domain") or file.stem,
+                material=class_key(row.get("material") or stated.get("material") or thing)
                 or NO_CLASS,
                 object=thing or file.stem,
                 split=checked_split(row.get("split", ""), f"--labels, file {file.name}"),
-                cameras=f"photo none, touch {told['domain']}" if told else "",
+                cameras=f"photo none, touch {stated['domain']}" if stated else "",
             )
         )
     return clips
@@ -95,11 +95,11 @@ def _hapt(folder: Path) -> Sensors:
     labels = read_object(own) if own.exists() else {}
     sensor, sampling = (_part(manifest, name, folder) for name in ("sensor", "sampling"))
     rate = number_in(sampling.get("rate_hz"), 1e-3, MOST_RATE, f"rate_hz of '{show(folder)}'")
-    told = {name: str(labels.get(name) or "") for name in ("material", "object")}
-    told["material"] = told["material"] or str(labels.get("material_category") or "")
+    stated = {name: str(labels.get(name) or "") for name in ("material", "object")}
+    stated["material"] = stated["material"] or str(labels.get("material_category") or "")
     kind, serial = (str(sensor.get(name) or "") for name in ("type", "serial"))
     track = partial(_hapt_frames, folder, rate, sampling.get("timestamps_s"))
-    return {"": (track, told | {"domain": f"{kind} {serial}".strip()})}
+    return {"": (track, stated | {"domain": f"{kind} {serial}".strip()})}
 
 
 def _part(manifest: Mapping[str, Any], name: str, folder: Path) -> Mapping[str, Any]:
@@ -148,13 +148,13 @@ def _touch(file: Path) -> Sensors:
         str(one.get("label", "")).lower(): str(one.get("default") or "")
         for one in _list(config, "payload")
     }
-    told = {name: _payload(payload, name) for name in ("material", "object")}
+    stated = {name: _payload(payload, name) for name in ("material", "object")}
     found: Sensors = {}
     for sensor in _list(config, "sensors"):
         name = str(sensor.get("sensor_name", ""))
         number = sensor.get("serial_id") or name
         domain = f"{sensor.get('sensor_type', 'sensor')} {number}".strip()
-        found[name] = partial(_touch_frames, file, name, there[CHUNKS]), told | {"domain": domain}
+        found[name] = partial(_touch_frames, file, name, there[CHUNKS]), stated | {"domain": domain}
     return found
 
 

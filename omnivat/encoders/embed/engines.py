@@ -81,9 +81,9 @@ class Worker:
         self._cache = EmbeddingCache(in_memory=1024)
         if self._encoder.weights_hash != weights_hash:
             raise DataError(
-                f"A worker has other weights of {self._encoder.name} than the machine that asked"
-                f" ({self._encoder.weights_hash}, not {weights_hash}); put the same checkpoint on"
-                " both."
+                f"A worker has other weights of {self._encoder.name} than the sender of the"
+                f" pictures ({self._encoder.weights_hash}, not {weights_hash}); put the same"
+                " checkpoint on both."
             )
 
     def __call__(self, row: dict[str, Any]) -> dict[str, Any]:
