@@ -32,7 +32,9 @@ export const START = /** @type {Scene} */ (
   })
 );
 
-/** @type {{[Name in keyof SceneEvents]: (scene: Scene, detail: SceneEvents[Name], address: State) => Partial<Scene>}} */
+/** @template {keyof SceneEvents} Name
+ * @typedef {(scene: Scene, detail: SceneEvents[Name], address: State) => Partial<Scene>} Reducer */
+/** @type {{[Name in keyof SceneEvents]: Reducer<Name>}} */
 const EVENTS = {
   /** What is there now, and nothing follows from it. */
   arrived: (_, parts) => parts,
