@@ -23,6 +23,8 @@ from omnivat.kit.errors import DataError, OmniVatError
 if TYPE_CHECKING:
     from gradio import Request
 
+    from omnivat.figures.specs import Spec
+
 LOOK_S = 1.0  # between two looks at a run
 WIDE = (700, 1100)  # CSS pixels of a page whose charts have two columns, or three
 KEPT = "omnivat-trainings"  # the browser's record: {"visitor": a name, "runs": names of its runs}
@@ -184,34 +186,39 @@ class TrainTab:
         return self.sets.named(request.query_params.get("set", "")[:64])
 
     def _curves(self, epochs: Sequence[Any], pixels: float, **more: Any) -> Any:
-        from omnivat.figures import training_curves
+        from omnivat.figures.specs import training_spec
 
         columns = 1 + sum(pixels > width for width in WIDE)
-        drawn = training_curves(epochs, columns=columns, **more)
+        drawn = training_spec(epochs, columns=columns, **more)
         return self.update(value=_sent(drawn), visible=True)
 
 
 def _map(run: Run, by: Any) -> Any:
     """Return the map of a finished run as Gradio takes it."""
-    from omnivat.figures import map_figure
+    from omnivat.figures.specs import map_spec
     from omnivat.figures.theme import CLASSES, DOMAINS, MODALITIES
 
     embeddings = run.plan.embeddings.header
     places, domain, label = run.map()
-    group, names, colours = {
+    groups: dict[Any, tuple[Any, Sequence[str], Sequence[str]]] = {
         "class": (label, embeddings.classes, CLASSES),
         "modality": ([0] * len(domain) + [1] * len(domain), ("photo", "touch"), MODALITIES),
-    }.get(by, (domain, [titled(name) for name in embeddings.domains], DOMAINS))
-    drawn = map_figure(places, group, names, title="", colours=colours)
-    return _sent(drawn.update_layout(margin={"l": 0, "r": 0, "t": 8, "b": 8}, height=520))
+        "domain": (domain, [titled(name) for name in embeddings.domains], DOMAINS),
+    }
+    group, names, colours = groups.get(by, groups["domain"])
+    drawn = map_spec(places, group, names, title="", colours=colours)
+    return _sent(drawn, margin={"l": 0, "r": 0, "t": 8, "b": 8}, height=520)
 
 
-def _sent(figure: Any) -> Any:
+def _sent(drawn: "Spec", **layout: Any) -> Any:
     """Return a figure as Gradio sends it, without Plotly's own buttons."""
     from gradio.components.plot import PlotData
 
-    config = json.dumps({"displayModeBar": False})
-    return PlotData(type="plotly", plot=f'{figure.to_json()[:-1]},"config":{config}}}')
+    from omnivat.figures.theme import template
+
+    whole = drawn["layout"] | {"template": template("omnivat")} | layout
+    sent = {"data": drawn["data"], "layout": whole, "config": {"displayModeBar": False}}
+    return PlotData(type="plotly", plot=json.dumps(sent))
 
 
 def _kept(record: Any) -> tuple[str, list[str]]:

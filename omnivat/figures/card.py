@@ -7,7 +7,8 @@ import numpy as np
 import plotly.graph_objects as go
 
 from omnivat.data.relief import Lamps
-from omnivat.figures.page import Figure, axis, figure
+from omnivat.figures.page import Figure, figure
+from omnivat.figures.specs import axis
 from omnivat.kit.errors import DataError
 
 LIGHTS = {"red": "#c2410c", "green": "#15803d", "blue": "#1d4ed8"}

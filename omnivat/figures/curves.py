@@ -1,6 +1,5 @@
 """Curves: any lines, measures against p, the staircase of stages."""
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -8,8 +7,9 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
-from omnivat.figures.page import Figure, around, axis, figure, plain
-from omnivat.figures.theme import ACCENT, AREA, MARK, MODALITIES, SERIES, SOFT
+from omnivat.figures.page import Figure, figure, made
+from omnivat.figures.specs import around, axis, known, plain, training_spec
+from omnivat.figures.theme import ACCENT, AREA, MARK, SERIES, SOFT
 from omnivat.kit.stages import STAGE_TITLES
 from omnivat.maps.frames.records import FrameSet
 
@@ -54,14 +54,14 @@ def lines(
     traces, ends, places = [], [], []
     for index, (name, (xs, ys, *errors)) in enumerate(series.items()):
         bars = [0.0 if e is None or e != e else float(e) for e in errors[0]] if errors else None
-        known = [(y, b) for y, b in zip(ys, bars or [0.0] * len(ys), strict=True) if _is(y)]
-        ends += [float(y) + sign * b for y, b in known if y is not None for sign in (-1, 1)]
+        there = [(y, b) for y, b in zip(ys, bars or [0.0] * len(ys), strict=True) if known(y)]
+        ends += [float(y) + sign * b for y, b in there if y is not None for sign in (-1, 1)]
         places += list(xs)
         colour = SERIES[index % len(SERIES)]
         traces.append(
             go.Scatter(
                 x=list(xs),
-                y=[y if _is(y) else None for y in ys],
+                y=[y if known(y) else None for y in ys],
                 name=plain(name),
                 mode="lines+markers",
                 line_color=colour,
@@ -79,19 +79,6 @@ def lines(
         yaxis=axis(up, range=around(ends, 0.05)),
         hovermode="x unified",
     )
-
-
-TRAINING: dict[str, dict[str, str]] = {  # panel -> name of a line -> its value in an epoch
-    "Loss": {"total": "loss", "cross-entropy": "cross_entropy"},
-    "Accuracy": {"unseen domains": "accuracy/unseen", "source test": "accuracy/source_test"},
-    "Unseen domains, one image": {
-        "photo only": "accuracy:vis/unseen",
-        "touch only": "accuracy:tac/unseen",
-    },
-    "Gaps of F̂": {"modality": "modality_gap/f_hat", "domain": "domain_gap/f_hat"},
-    "Cosine margin of F̂": {"margin": "margin/f_hat"},
-    "p": {"p": "order"},
-}
 
 
 def training_curves(
@@ -114,50 +101,7 @@ def training_curves(
     >>> [words.text.split("<br>")[0] for words in figure.layout.annotations]
     ['<b>Loss</b>', '<b>p</b>']
     """
-    panels = {
-        words: series
-        for words, series in TRAINING.items()
-        if any(_is(one.get(key)) for one in epochs for key in series.values())
-    }
-    rows = max(1, -(-len(panels) // columns))
-    look: dict[str, Any] = {"showlegend": False, "margin": {"l": 44, "r": 8, "t": 44, "b": 26}}
-    found = figure([], title=title, height=44 + 196 * rows, **look)
-    gaps = {"horizontal_spacing": 0.16 / columns, "vertical_spacing": 0.34 / rows}
-    make_subplots(rows, columns, figure=found, **gaps)
-    for place, (words, series) in enumerate(panels.items()):
-        chart = {"row": place // columns + 1, "col": place % columns + 1}
-        share = words.startswith(("Accuracy", "Unseen"))
-        text, top = [], 0.0
-        for (name, key), colour in zip(series.items(), _colours(series), strict=False):
-            known = [(k, one[key]) for k, one in enumerate(epochs, 1) if _is(one.get(key))]
-            xs, ys = [k for k, _ in known], [value for _, value in known]
-            line = {"color": colour, "width": 2, "dash": "dash" if "test" in name else "solid"}
-            mode = "lines" if len(xs) > 1 else "markers"
-            found.add_scatter(x=xs, y=ys, mode=mode, line=line, name=name, **chart)
-            top = max([top, *ys])
-            value = (f"{ys[-1]:.1%}" if share else f"{ys[-1]:.3f}") if ys else "–"
-            text.append(f'<span style="color:{colour}">{name}</span> {value}')
-        across = axis(range=[1, max(2, total or len(epochs))], showgrid=False, nticks=4)
-        found.update_xaxes(across, **chart)
-        high = 1.0 if share or words == "p" else 1.08 * top or 1.0
-        form = {"tickformat": ".0%" if share else "", "exponentformat": "none"}
-        found.update_yaxes(axis(range=[0, high], nticks=4, **form), **chart)
-        if classes and share:
-            found.add_hline(1 / classes, line_color=SOFT, line_dash="dot", **chart)
-        found.add_annotation(
-            text=f"<b>{words}</b><br>{'&nbsp; '.join(text)}",
-            **{"xref": "x domain", "yref": "y domain", "x": 0, "y": 1, "align": "left"},
-            **{"xanchor": "left", "yanchor": "bottom", "showarrow": False, **chart},
-        )
-    return found
-
-
-def _colours(series: Mapping[str, str]) -> Sequence[str]:
-    return MODALITIES if "photo only" in series else [MARK] if "p" in series else SERIES
-
-
-def _is(value: float | None) -> bool:
-    return value is not None and math.isfinite(value)
+    return made(training_spec(epochs, total=total, classes=classes, columns=columns, title=title))
 
 
 def gap_curves(
@@ -231,7 +175,7 @@ def _chart(frames: FrameSet, name: str, words: str, stage: str, mode: Mode) -> l
     low, high = (frames.curves.get(f"{stem}/{end}") for end in ("low", "high"))
     if low is not None and high is not None:
         ends = zip(frames.orders, low, high, strict=True)
-        band = [(p, a, b) for p, a, b in ends if _is(a) and _is(b)]
+        band = [(p, a, b) for p, a, b in ends if known(a) and known(b)]
         outline = [(p, a) for p, a, _ in band] + [(p, b) for p, _, b in reversed(band)]
         traces.append(
             go.Scatter(

@@ -8,18 +8,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from omnivat.figures.page import Figure, figure, plain
+from omnivat.figures.page import Figure, made
+from omnivat.figures.specs import map_spec
 from omnivat.figures.theme import CLASSES, DOMAINS, MODALITIES, RIGHT_WRONG
-from omnivat.kit.errors import SettingsError, ShapeError
+from omnivat.kit.errors import SettingsError
 from omnivat.kit.stages import STAGE_TITLES
 from omnivat.maps.frames.records import FEATURES, FrameSet
 
 CIVIDIS = ["#00224e", "#27406f", "#575d6d", "#7d7c78", "#a59c74", "#d2c060", "#fee838"]
 COLOURS = ("domain", "class", "modality", "correctness", "confidence")
-MANY = 15_000  # from this many points on, WebGL draws them
 LIMIT = 16_000_000  # bytes of a sheet of pictures
 
 
@@ -50,65 +49,8 @@ def map_figure(
     >>> [trace.name for trace in figure.data][:2]
     ['wood', 'steel']
     """
-    places = np.asarray(places, dtype=np.float64)
-    rows, count = len(places), len(places) // max(1, len(modalities))
-    group = np.tile(group, rows // len(group)) if len(group) else np.zeros(rows, int)
-    if places.ndim != 2 or places.shape[1] not in (2, 3) or len(group) != rows or not rows:
-        raise ShapeError(
-            f"places has shape {places.shape} and group {np.shape(group)}; a map needs (M N, 2) or "
-            "(M N, 3), and N or M N groups."
-        )
-    traces = []
-    deep = places.shape[1] == 3
-    kind = go.Scatter3d if deep else go.Scattergl if rows > MANY else go.Scatter
-    symbols = ("circle", "diamond" if deep else "triangle-up")  # no triangle in three dimensions
-    for k, modality in enumerate(modalities):
-        first = k * count
-        for index, name in enumerate(map(plain, names)):
-            own = np.flatnonzero(group[first : first + count] == index).tolist()
-            if not own:
-                continue
-            traces.append(
-                kind(
-                    mode="markers",
-                    name=name,
-                    legendgroup=name,
-                    showlegend=not np.any(group[:first] == index),
-                    marker_color=colours[index % len(colours)],
-                    marker_size=3 if deep else 6,
-                    marker_opacity=0.75,
-                    marker_symbol=symbols[k],
-                    text=None
-                    if hover is None
-                    else [f"{modality} · {plain(hover[i])}" for i in own],
-                    hoverinfo="name" if hover is None else "text",
-                    customdata=[[i, i + count][: len(modalities)] for i in own]
-                    if pictures
-                    else None,
-                    **dict(zip("xyz", np.round(places[first:][own], 4).T, strict=False)),
-                )
-            )
-    shapes = "Circle: photo (VIS); triangle: touch (TAC)" if len(modalities) == 2 else ""
-    words = ". ".join(part for part in (caption.rstrip("."), shapes) if part) + "."
-    return figure(
-        traces, title=title, caption=words, height=620, pictures=pictures, **_axes(places)
-    )
-
-
-def _axes(places: NDArray[Any]) -> dict[str, Any]:
-    if places.shape[1] == 3:
-        bare = {"title": {"text": ""}, "showticklabels": False}
-        scene = {f"{k}axis": bare for k in "xyz"} | {"aspectmode": "data"}
-        return {"scene": scene, "margin": {"l": 0, "r": 0, "t": 44, "b": 0}}
-    middle = (places.max(0) + places.min(0)) / 2
-    half = 1.04 * max(float((places.max(0) - places.min(0)).max()) / 2, 1e-9)
-    across, up = ([float(m - half), float(m + half)] for m in middle)
-    return {
-        "xaxis": {"range": across, "visible": False, "constrain": "domain"},
-        "yaxis": {"range": up, "visible": False, "scaleanchor": "x", "constrain": "domain"},
-        "margin": {"l": 12, "r": 12, "t": 44, "b": 12},
-        "dragmode": "pan",
-    }
+    look: dict[str, Any] = {"title": title, "caption": caption, "colours": colours, "hover": hover}
+    return made(map_spec(places, group, names, pictures=pictures, modalities=modalities, **look))
 
 
 def frames_map(

@@ -4,16 +4,18 @@ import base64
 import gzip
 import json
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cache
 from html import escape
 from pathlib import Path
 from typing import Any
 
 import plotly.graph_objects as go
+import plotly.io
 from plotly.offline import get_plotlyjs
 
 from omnivat.figures.drawing import png
+from omnivat.figures.specs import Spec, spec
 from omnivat.figures.still import picture, svg_of
 from omnivat.figures.theme import CONFIG, THEMES, template
 from omnivat.kit.errors import SettingsError
@@ -30,6 +32,9 @@ CELL = (
     '<iframe srcdoc="{page}" style="width:100%;height:{height}px;border:0" '
     'sandbox="allow-scripts allow-downloads" title="{title}"></iframe>'
 )
+
+TEMPLATES = {name: go.layout.Template(template(name)) for name in THEMES}
+plotly.io.templates.update(TEMPLATES)
 
 
 @cache
@@ -57,7 +62,7 @@ def html_page(title: str, parts: Sequence[Any]) -> str:
         "title": escape(title),
         "body": heading + body,
         "figures": _held("[" + ",".join(_json(one) for one in figures) + "]"),
-        "templates": _held(json.dumps({n: template(n).to_plotly_json() for n in THEMES})),
+        "templates": _held(json.dumps({n: TEMPLATES[n].to_plotly_json() for n in THEMES})),
         "config": json.dumps(CONFIG),
         "library": _library(),
     }
@@ -145,41 +150,12 @@ class Figure(go.Figure):  # type: ignore[misc]  # plotly has no types
         return {"text/html": self._repr_html_()}
 
 
-def figure(
-    traces: Sequence[Any],
-    *,
-    title: str,
-    caption: str = "",
-    height: int = 420,
-    pictures: Mapping[str, Any] | None = None,
-    **layout: Any,
-) -> Figure:
-    """Return a figure in the light template; `layout` holds further fields of Plotly's layout.
-
-    title, caption  plain texts, not markup
-    pictures        from `omnivat.figures.pictures`: shown beside the pointer
-    """
-    meta = {"caption": caption, **({"pictures": dict(pictures)} if pictures else {})}
-    found = Figure(data=list(traces))
-    return found.update_layout(  # type: ignore[no-any-return]
-        template="omnivat", title_text=plain(title), height=height, meta=meta, **layout
-    )
+def figure(traces: Sequence[Any], **how: Any) -> Figure:
+    """Return a figure of traces in the light template; `how` as in `omnivat.figures.specs.spec`."""
+    return made(spec(traces, **how))
 
 
-def plain(text: str) -> str:
-    """Return a text without what Plotly would read as markup."""
-    return str(text).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-
-
-def around(values: Sequence[float], share: float) -> list[float]:
-    """Return the ends of an axis around values, with a share of their span as room beside them."""
-    low, high = (min(values), max(values)) if values else (0.0, 1.0)
-    room = share * (high - low or 1)
-    return [low - room, high + room]
-
-
-def axis(title: str = "", ticks: Sequence[str] = (), **more: Any) -> dict[str, Any]:
-    """Return an axis with labels at 0, 1, 2, ..., if any; `more` holds further fields."""
-    names = {"tickvals": list(range(len(ticks))), "ticktext": [plain(name) for name in ticks]}
-    named = {"showgrid": True, "zeroline": False, **(names if ticks else {})}
-    return {"title": {"text": plain(title)}, **named, **more}
+def made(content: Spec) -> Figure:
+    """Return a figure of Plotly's JSON in the light template."""
+    found = Figure(content)
+    return found.update_layout(template="omnivat")  # type: ignore[no-any-return]

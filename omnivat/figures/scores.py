@@ -6,7 +6,8 @@ from typing import Any
 
 import plotly.graph_objects as go
 
-from omnivat.figures.page import Figure, around, axis, figure, plain
+from omnivat.figures.page import Figure, figure
+from omnivat.figures.specs import around, axis, plain
 from omnivat.figures.theme import READINGS, SERIES, SOFT
 from omnivat.kit.errors import DataError
 from omnivat.measure.gaps import NAMES as GAP_NAMES

@@ -2,9 +2,6 @@
 
 from typing import Any
 
-import plotly.graph_objects as go
-import plotly.io
-
 # the same as in app/web/shared/palette.js, which a test compares
 DOMAINS = ["#e69f00", "#56b4e9", "#009e73", "#d55e00", "#0072b2", "#cc79a7", "#f0e442", "#8c8c8c"]
 CLASSES = ["#4477aa", "#ee6677", "#228833", "#ccbb44", "#aa3377", "#66ccee", "#bbbbbb", "#332288"]
@@ -31,7 +28,7 @@ CONFIG: dict[str, Any] = {
 UPLOAD = "sendChartToCloud"
 
 
-def template(name: str) -> Any:
+def template(name: str) -> dict[str, Any]:
     """Return the template of a theme: "omnivat" or "omnivat_dark"."""
     colour = THEMES[name]
     ink, line, card = colour["ink"], colour["line"], colour["card"]
@@ -42,8 +39,8 @@ def template(name: str) -> Any:
         "yanchor": "bottom",
         "itemsizing": "constant",
     }
-    return go.layout.Template(
-        layout={
+    return {
+        "layout": {
             "font": {"family": FONT, "color": ink, "size": 13},
             "title": {"x": 0, "xref": "container", "pad": {"l": 12}, "font": {"size": 16}},
             "paper_bgcolor": card,
@@ -57,7 +54,7 @@ def template(name: str) -> Any:
             "yaxis": axis,
             "scene": {f"{k}axis": {"backgroundcolor": card, "gridcolor": line} for k in "xyz"},
         },
-        data={
+        "data": {
             "heatmap": [
                 {
                     "colorscale": [card, colour["full"]],
@@ -65,8 +62,4 @@ def template(name: str) -> Any:
                 }
             ]
         },
-    )
-
-
-for _name in THEMES:
-    plotly.io.templates[_name] = template(_name)
+    }

@@ -30,6 +30,11 @@ def test_the_command_line_shows_its_help_without_torch():
     assert not loaded_by(f"exec({code!r})") & {"torch", "umap", "plotly", "gradio", "transformers"}
 
 
+def test_a_figure_as_json_needs_no_plotly():
+    drawn = "from omnivat.figures.specs import training_spec as t; t([{'loss': 2.0, 'order': 0.5}])"
+    assert "plotly" not in loaded_by(drawn)
+
+
 MODULES = [
     module.name
     for module in pkgutil.walk_packages(omnivat.__path__, "omnivat.")
