@@ -86,6 +86,7 @@ def simulate(
     seed: int = 0,
     size: int = 224,
     workers: int | None = None,
+    touches: bool = False,
     renderer: Renderer = rendered,
     on_step: OnStep = ignore,
 ) -> PairSet:
@@ -97,6 +98,7 @@ def simulate(
     pairs_per_class  of each class of each domain
     size             side of an image in pixels
     workers          processes; None means one for each core
+    touches          alone, without photographs
     renderer         by Mitsuba, or `photograph.plain`: flat surfaces without dependencies
 
     The same arguments give the same bytes. Complete images are kept, so an interrupted build
@@ -108,7 +110,8 @@ def simulate(
     plan = list(_plan(domains, pairs_per_class))
     # Alternate between classes, so that an interrupted build has a mixed sample.
     in_turn = sorted(plan, key=lambda pair: int(pair.object.rsplit("-", 1)[1]))
-    images = [(pair, kind) for pair in in_turn for kind in ("vis", "tac")]
+    kinds = ("tac",) if touches else ("vis", "tac")
+    images = [(pair, kind) for pair in in_turn for kind in kinds]
     return draw_set(
         out, plan, images, origin=f"simulated by omnivat, seed {seed}",
         seed=seed, size=size, workers=workers, renderer=renderer, on_step=on_step,

@@ -55,6 +55,15 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_others(built, tmp_p
     assert len(drawn) == 36 and all(other[name] != first[name] for name in drawn)
 
 
+def test_touches_alone_are_those_of_the_whole_set(built, tmp_path):
+    made = simulate(tmp_path, **SMALL, workers=1, touches=True)
+
+    whole, alone = hashes(built), hashes(tmp_path)
+    assert {n for n in alone if "_tac" in n} == {n for n in whole if "_tac" in n}
+    assert all(whole[name] == alone[name] for name in alone if name != "pairs.csv")
+    assert len(made.pairs) == 18 and all(pair.alone == "tac" for pair in made.pairs)
+
+
 def without_package(*_, **__):
     raise MissingPackageError("mitsuba is needed.")
 

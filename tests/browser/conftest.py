@@ -44,6 +44,30 @@ def patient(make):
     return made
 
 
+OPEN = []  # pages of the test that runs
+SHOWN = """() => [location.search, 'ready' in document.body.dataset ? 'ready' : 'not ready',
+  ...[...document.querySelectorAll('h4, .wait, .hint, .problem, .status, .announcement')]
+    .map((one) => one.innerText.trim()).filter(Boolean)].join('\\n').slice(0, 3000)"""
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    """Add to the report of a failed journey what its pages show and which replies are missing."""
+    report = yield
+    if report.when == "call" and report.failed:
+        for page in OPEN:
+            if not page.is_closed():
+                shown = [page.evaluate(SHOWN), "without a reply:", *page.unanswered]
+                report.sections.append(("page", "\n".join(shown)))
+    return report
+
+
+@pytest.fixture(autouse=True)
+def no_page_of_another_test():
+    """Forget the pages of the test before."""
+    OPEN.clear()
+
+
 def missing(what):
     """Skip without a browser; in CI, fail."""
     if os.environ.get("CI"):
@@ -174,6 +198,11 @@ def watched(page, address, problems):
         route(*arguments, **options)
 
     page.held, page.wait_for_selector, page.route = False, settled, hold
+    page.unanswered = []
+    page.on("request", lambda request: page.unanswered.append(request.url))
+    for end in ("requestfinished", "requestfailed"):
+        page.on(end, lambda request: page.unanswered.remove(request.url))
+    OPEN.append(page)
     page.on("pageerror", lambda error: problems.append(f"script failed: {error}"))
     page.on("console", lambda said: note(problems, said))
     page.on(

@@ -21,10 +21,11 @@ PAGE = (ROOT / "docs" / "extend.md").read_text(encoding="utf-8")
 PLUG_IN = """
 import json, sys
 from pathlib import Path
+from omnivat.measure import rungs
+RUNGS, rungs.DRAWS = rungs.RUNGS, 3  # before what takes them is imported
 from app.server import main
 from app.tables import tables
 from omnivat.measure.gaps import GAPS, NAMES
-from omnivat.measure.rungs import RUNGS
 
 folder = Path(__file__).parent
 for kind, row in json.loads((folder / "rows.json").read_text()).items():

@@ -6,7 +6,7 @@ from omnivat.data.domains import DOMAINS
 from omnivat.head.heads import EXAMPLES
 from omnivat.maps.frames import read_frames
 
-from .gestures import MAP, MOVED, READY, TOOLS, open_tab, pixels, place_of_a_point
+from .gestures import MAP, MOVED, READY, TOOLS, grab, open_tab, pixels, place_of_a_point, pull
 
 pytestmark = pytest.mark.browser
 
@@ -34,9 +34,15 @@ def test_a_chapter_is_there_before_gradio_and_nothing_moves_or_is_lost_when_grad
         page.focus(".explore .order-bar [role=slider], .explore .order-bar input")
         page.keyboard.press("ArrowRight")
         page.wait_for_function(moved, arg=opened)
+        box = grab(page, 0.4)
+        held[0].continue_()
+        page.wait_for_selector("#view-explore-button", state="attached")
+        dragged = page.get_attribute(MAP, "data-order")
+        pull(page, box, 0.6)
+        page.wait_for_function(moved, arg=dragged)  # the drag goes on
         before = page.evaluate(place), page.get_attribute(MAP, "data-order")
         focused = page.evaluate("document.activeElement.outerHTML")
-        held[0].continue_()
+        page.mouse.up()
         page.wait_for_selector("body[data-ready]")
         page.wait_for_selector("#omnivat-first", state="detached")
         assert page.locator("#view-explore .explore").is_visible()

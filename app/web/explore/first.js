@@ -26,6 +26,11 @@ awaited(new Promise((done) => (moved = () => done(null))));
 startHeader(header);
 start();
 
+const ENDS = ["pointerup", "pointercancel"];
+let pressed = false;
+for (const kind of ["pointerdown", ...ENDS])
+  addEventListener(kind, () => (pressed = kind === "pointerdown"), { capture: true });
+
 /** @type {Map<Element, HTMLElement>} */
 const places = new Map();
 
@@ -34,6 +39,14 @@ const places = new Map();
 export function adopt(name, place) {
   places.set({ header, explore }[name], place);
   if (places.size < 2) return;
+  if (pressed)
+    for (const end of ENDS) addEventListener(end, () => setTimeout(move), { once: true }); // after the click
+  else move();
+}
+
+/** Both parts move to their places, not while a drag goes on, which would end. */
+function move() {
+  if (!shell.isConnected) return;
   const focused = /** @type {HTMLElement | null} */ (document.activeElement);
   for (const [part, at] of places) at.append(part);
   focused?.focus({ preventScroll: true });
