@@ -1,6 +1,12 @@
 """Open the OmniVaT page: `python app.py`."""
 
-from app.server import main
+import sys
 
 if __name__ == "__main__":
-    raise SystemExit(main())
+    try:
+        from app.server import main
+
+        sys.exit(main())
+    except KeyboardInterrupt:  # before the server took over
+        print("Stopped.", file=sys.stderr)
+        sys.exit(130)

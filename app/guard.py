@@ -6,6 +6,7 @@ its event streams would cost a connection each, for as long as a visitor likes. 
 loads nothing from other hosts.
 """
 
+import logging
 import re
 from base64 import b64encode
 from collections.abc import AsyncIterator, Iterable, Mapping
@@ -23,6 +24,8 @@ from starlette.responses import JSONResponse
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from app.limits import MAX_QUESTION_BYTES
+
+log = logging.getLogger(__name__)
 
 LOOPBACK = frozenset({"localhost", "127.0.0.1", "::1"})
 OPEN = ("/omnivat/", "/assets/", "/static/", "/svelte/", "/custom_component/")
@@ -110,10 +113,30 @@ class Guard:
             await JSONResponse(large, 413)(scope, receive, send)
         elif path == EVENTS or path in PAGE or path.startswith(OPEN):
             sent = [(name, value) for name, value in scope["headers"] if name.lower() not in NAMING]
-            await self._app({**scope, "headers": sent}, receive, self._guarded(send))
+            app = self._event if path == EVENTS else self._app
+            await app({**scope, "headers": sent}, receive, self._guarded(send))
         else:
             missing = {"error": "The page has no such address; open it at '/'."}
             await JSONResponse(missing, 404)(scope, receive, send)
+
+    async def _event(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve an event; one that Gradio cannot read is refused with a sentence."""
+        status = 0
+
+        async def checked(message: Message) -> None:
+            nonlocal status
+            status = message.get("status", status)
+            if status < 400:
+                await send(message)
+
+        try:
+            await self._app(scope, receive, checked)
+        except Exception:  # of a text that is no event of the page
+            log.exception("an event failed")
+            status = status or 400  # nothing is sent after a reply has begun
+        if status >= 400:
+            unread = {"error": "The server cannot read these settings; reload the page."}
+            await JSONResponse(unread, status if status < 500 else 400)(scope, receive, send)
 
     def _guarded(self, send: Send) -> Send:
         """Return a `send` that adds the headers; a page is buffered until it is complete."""

@@ -7,9 +7,11 @@ import signal
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from importlib import import_module
 from threading import Lock
 from time import monotonic
+from types import SimpleNamespace
 from typing import Any
 
 from app.components import FIRST, WEB, component, first, head, needed, styles, theme
@@ -76,6 +78,7 @@ def build(sets: VisitorSets) -> Any:
 
 def launch(page: Any, sets: VisitorSets, arguments: argparse.Namespace, **more: Any) -> Any:
     """Serve the page until it is stopped; with `prevent_thread_lock`, return at once."""
+    from gradio import routes as gradio_routes
     from starlette.middleware import Middleware
     from uvicorn import config
 
@@ -85,6 +88,10 @@ def launch(page: Any, sets: VisitorSets, arguments: argparse.Namespace, **more: 
     # Gradio starts uvicorn with the protocols of these tables
     config.HTTP_PROTOCOLS["auto"] = "app.connections:Connection"
     config.WS_PROTOCOLS["auto"] = None
+    # it would print every event that it cannot read, and a visitor would fill the disk
+    vars(gradio_routes)["traceback"] = SimpleNamespace(
+        print_exc=partial(log.exception, "an event failed")
+    )
     guarded = rules(arguments.host, arguments.allow_host, framed=arguments.allow_framing)
     early = ", ".join(
         [

@@ -5,6 +5,7 @@ import sys
 if __name__ == "__main__":
     try:
         from omnivat.cli import main
-    except KeyboardInterrupt:  # stopped while Python was loading
+    except KeyboardInterrupt:  # while Python was loading
+        print("Stopped. Nothing is half-written.", file=sys.stderr)
         sys.exit(130)
     sys.exit(main())

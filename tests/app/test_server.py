@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from app.preflight import parser
+from app.server import LINES
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -44,6 +45,84 @@ def test_the_first_page_loads_neither_torch_nor_umap_nor_plotly_nor_pandas():
         check=True,
     )
     assert [one for one in done.stdout.splitlines() if one.startswith("LOADED")] == ["LOADED"]
+
+
+EVENTS = """
+import json, os, sys
+from http.client import HTTPConnection
+from urllib.parse import urlsplit
+os.environ["GRADIO_ANALYTICS_ENABLED"] = "False"
+from app.guard import EVENTS
+from app.places import places
+from app.preflight import parser
+from app.resources import Resources
+from app.server import LINES, build, launch, start_log
+from app.visitor_sets import VisitorSets
+start_log()
+sets = VisitorSets(Resources(places()))
+page = build(sets)
+chosen = parser().parse_args(["--no-browser"])
+_, address, _ = launch(page, sets, chosen, prevent_thread_lock=True, quiet=True)
+client = HTTPConnection(urlsplit(address).netloc)
+
+def sent(content):
+    client.request("POST", EVENTS, content, {"Content-Type": "application/json"})
+    reply = client.getresponse()
+    return reply.status, json.loads(reply.read())
+
+client.request("GET", "/config")
+begin = json.loads(client.getresponse().read())["dependencies"][1]
+event = {"data": [None] * len(begin["inputs"]), "fn_index": begin["id"], "session_hash": "a"}
+odd = [None, "", [], {}, [None], -1, 1e308, float("nan"), chr(0xD800), 2**70, [[[]]], "../x"]
+bodies = [b"", b"{", b"[]", b"null", bytes([255])]
+bodies += [json.dumps({**event, key: one}).encode() for key in event for one in odd]
+unlisted = json.dumps({**event, "data": ["", 1, *["x"] * 13]}).encode()
+replies = [sent(body) for body in [*bodies, *[unlisted] * 300]]
+assert all(status == 200 or 400 <= status < 500 for status, _ in replies), replies
+refused = [told["error"] for status, told in replies if status != 200]
+assert all(one.endswith(".") and "reload" in one for one in refused), refused
+print("REFUSED", len(refused) > LINES)
+page.close()
+"""
+
+
+@pytest.mark.slow
+def test_an_event_that_gradio_cannot_read_is_refused_in_a_sentence_and_fills_no_log():
+    done = subprocess.run(
+        [sys.executable, "-c", EVENTS],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert "REFUSED True" in done.stdout, done.stderr[-3000:]
+    assert 0 < done.stderr.count("Value: 'x'") <= 2 * LINES  # two minutes at most
+
+
+STOPPED = """
+import os, runpy, signal, sys
+
+class Finder:  # sends the signal while the page loads
+    def find_spec(self, name, *_):
+        if name == "app.guard":
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Finder())
+runpy.run_path("app.py", run_name="__main__")
+"""
+
+
+def test_a_page_that_is_stopped_while_it_loads_ends_in_a_sentence():
+    done = subprocess.run(
+        [sys.executable, "-c", STOPPED],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "Stopped.\n")
 
 
 def test_gradio_still_finds_the_tables_that_it_was_imported_without():
