@@ -133,8 +133,8 @@ def draw_set(
     """Draw the images that are not yet complete on disk, write the table, and return the pairs.
 
     Without images of one kind, the table has no column for it, and the other stands for both. Every
-    domain's folder also gets the rest picture of its sensor. The first image is drawn here, so that
-    a renderer of one's own fails before anything is written, the others in processes.
+    domain's folder also gets the no-contact picture of its sensor. The first image is drawn here,
+    so that a renderer of one's own fails before anything is written, the others in processes.
 
     Raises MissingPackageError, before any work, with all that the images need.
     """

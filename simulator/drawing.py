@@ -80,7 +80,7 @@ def tactile(thing: Thing, sensor: SensorModel, stream: int, *, size: int) -> Arr
 
 
 def resting(sensor: SensorModel, *, size: int) -> Array:
-    """Return the rest picture (size, size, 3), 0 to 1, of a sensor: nothing touches it."""
+    """Return the no-contact picture (size, size, 3), 0 to 1, of a sensor: nothing touches it."""
     if isinstance(sensor, TaximSensor):
         # nothing within a metre
         return _seen(sensor.calibration, np.full((_HEIGHT, _WIDTH), 1000.0), None, size)

@@ -56,8 +56,8 @@ def paint():
 
 @pytest.fixture(scope="session")
 def presses():
-    """Return a reader of real frames: "gelsight" or "gelsight_mini" -> the rest picture, presses of
-    a ball.
+    """Return a reader of real frames: "gelsight" or "gelsight_mini" -> the no-contact picture, and
+    presses of a ball.
 
     Pictures are (H, W, 3) bytes. They are those that the package `taxim` carries (MIT).
     """

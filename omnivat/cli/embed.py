@@ -97,7 +97,7 @@ def run(options: argparse.Namespace) -> None:
     found = with_ways(found, ways_in(options.flip, options.channels, found.domains()))
     checked(found, options.look)
     if rested := sum(pair.tac_rest is not None for pair in found.pairs):
-        print(f"{rested} of {len(found.pairs)} tactile images have a rest picture")
+        print(f"{rested} of {len(found.pairs)} tactile images have a no-contact picture")
     names = ("weights", "tac_weights", "device", "download", "precision", "dtype", "manifest")
     how = passed(options, *names, "engine", "workers", "dots", "touch")
     how |= {"flips": not options.no_flips, "lamps": lamps_in(options.lamps, found.domains())}

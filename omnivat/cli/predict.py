@@ -121,7 +121,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _rest(options: argparse.Namespace, rested: bool) -> str:
-    """Return --tac-rest for a head that was trained with rest pictures or without.
+    """Return --tac-rest for a head that was trained with no-contact pictures or without.
 
     Raises SettingsError if the two do not fit.
     """
@@ -133,8 +133,8 @@ def _rest(options: argparse.Namespace, rested: bool) -> str:
         )
     if not choice and any(name != MISSING for name in options.images[1::2]):
         raise SettingsError(
-            "This head was trained on tactile images minus a rest picture; name the picture of your"
-            " untouched sensor with --tac-rest FILE (none: predict without)."
+            "This head was trained on tactile images minus a no-contact picture; name the picture"
+            " of your untouched sensor with --tac-rest FILE (none: predict without)."
         )
     return choice or "none"
 
@@ -142,7 +142,8 @@ def _rest(options: argparse.Namespace, rested: bool) -> str:
 def _pairs(
     options: argparse.Namespace, rest: str, of_profile: str
 ) -> list[tuple[Path | None, Path | None, int, Path | None, str]]:
-    """Return VIS, TAC, the side of its square crop, its rest picture and arrangement, of pairs.
+    """Return VIS, TAC, the side of its square crop, its no-contact picture and arrangement, of
+    pairs.
 
     of_profile  the arrangement that the sensor's profile records, where no option names another
     """

@@ -35,7 +35,7 @@ class Header:
     origin: str = ""
     precision: str = "fp32"  # of the encoder
     text_hash: str = ""  # of the text tower in the encoder's checkpoint, if any
-    # domain -> hashes of the rest pictures that were subtracted from its tactile images
+    # domain -> hashes of the no-contact pictures that were subtracted from its tactile images
     tac_rest: Mapping[str, Sequence[str]] = field(default_factory=dict)
     # domain -> how its touches were turned, and their channels swapped
     tac_way: Mapping[str, str] = field(default_factory=dict)

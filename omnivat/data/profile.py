@@ -3,7 +3,8 @@ labels.
 
 A new sensor shifts and stretches the channels. Its profile, matched to the source's, undoes that:
 no label, no gradient, no training. The idea is AdaBN's (Li et al., arXiv:1603.04779), applied to
-the encoder's output; a rest picture subtracted from each tactile image does the same for pixels.
+the encoder's output; a no-contact picture subtracted from each tactile image does the same for
+pixels.
 """
 
 from collections.abc import Mapping, Sequence

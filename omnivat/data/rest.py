@@ -1,4 +1,4 @@
-"""Rest pictures: a tactile image minus the picture of the same sensor while it touches nothing.
+"""No-contact pictures: a tactile image minus that of the same sensor while it touches nothing.
 
 Subtracting one, for each sensor unit, is a habit of the field: Sparsh (Higuera et al., CoRL 2024),
 TVL (Fu et al., ICML 2024), gsrobotics (the mean of the first frames).
@@ -51,12 +51,12 @@ def seen(
     image = central_square(read_image(content, name, reduced=not crop), crop)
     if not rest:
         return arranged(image, way)
-    still = central_square(read_image(rest, "the rest picture", reduced=not crop), crop)
+    still = central_square(read_image(rest, "the no-contact picture", reduced=not crop), crop)
     return arranged(minus_rest(clean(image), clean(still)), way)
 
 
 def with_rest(loaded: PairSet, choice: str) -> PairSet:
-    """Return the pairs with the rest picture of each tactile image.
+    """Return the pairs with the no-contact picture of each tactile image.
 
     choice  "none"; "auto": the nearest `rest.png` in the folders above an image, but not for
             sensors with markers; "all": also for those; otherwise the file to use for every pair
@@ -101,7 +101,7 @@ def has_markers(domain: str) -> bool:
 
 
 def rests_of(pairs: tuple[Pair, ...]) -> dict[str, list[str]]:
-    """Return domain -> hashes of the rest pictures that its pairs use, for a set's header."""
+    """Return domain -> hashes of the no-contact pictures that its pairs use, for a set's header."""
     found: dict[str, set[str]] = defaultdict(set)
     for domain, file in dict.fromkeys((pair.domain, pair.tac_rest) for pair in pairs):
         if file is not None:

@@ -38,7 +38,7 @@ ENCODER = ("name", "weights_hash", "preprocessing")
 MADE = (
     (FILLED, "the dots of touch filled", "with --dots fill", "with --dots keep"),
     (RELIEF, "touch drawn as its relief", "with --touch relief", "with --touch colours"),
-    (RESTED, "a rest picture subtracted from touch", "with --tac-rest", "without --tac-rest"),
+    (RESTED, "a no-contact picture subtracted from touch", "with --tac-rest", "without --tac-rest"),
 )
 
 

@@ -79,8 +79,11 @@ def sensors(count: int, *, profiles: bool = False) -> Known:
 
 
 def rest(subtracted: "Embeddings") -> Known:
-    """Return a picture of each sensor at rest. subtracted  the same pairs, embedded without it"""
-    return Known("rest", "a picture of the sensor at rest", rested=subtracted)
+    """Return a no-contact picture of each sensor.
+
+    subtracted  the same pairs, embedded without it
+    """
+    return Known("rest", "a no-contact picture of the sensor", rested=subtracted)
 
 
 def _row(known: Known, **more: Any) -> Row:

@@ -328,7 +328,7 @@ test("the band is what the head was trained for", () => {
     says(aboutP({ learned: 0.5, span, classes: CLASSES, linear }), words);
 });
 
-test("a frame unlike the rest picture by more than its noise is a contact, and no rest picture holds one", () => {
+test("a frame that differs from the no-contact picture by more than its noise is a contact", () => {
   const frame = (level, pressed = 0) => {
     const data = new Uint8ClampedArray(4 * 64 * 64).fill(level);
     for (let y = 20; y < 30; y++) data.fill(level + pressed, 4 * (64 * y + 20), 4 * (64 * y + 30));

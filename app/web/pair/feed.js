@@ -1,4 +1,4 @@
-/** One picture source of Live: a camera or a video file, cropped and turned; its rest picture and contact. */
+/** One picture source of Live: a camera or a video file, cropped and turned; its no-contact picture and contact. */
 
 import { attempt, Refusal } from "../shared/api.js";
 import { drawingOn } from "../shared/canvas.js";
@@ -10,11 +10,11 @@ import { html, options, put, signed, status, TERMS } from "./parts.js";
 
 const KEPT = "omnivat-live-";
 const SIDE = 256; // pixels of the longer side sent; encoders use 224
-export const FRAMES = 10; // of a rest picture
+export const FRAMES = 10; // of a no-contact picture
 const LATE = 250; // milliseconds to wait for a new frame; some browsers do not announce frames
 const GRID = 16; // blocks along a side of the picture, of which contact changes some
 const LEAST = 3; // grey levels of a block: smaller changes are never contact
-const NOISE = 2; // contact changes a block by more than this many times the most that rest frames do
+const NOISE = 2; // contact changes a block by more than this many times the most that frames without contact do
 /** Crops: [label, size kept of a frame].
  * @type {Record<string, [string, (wide: number, high: number) => [number, number]]>} */
 export const CROPS = {
@@ -92,13 +92,13 @@ export class Feed extends View {
     taken.add(device.value);
   }
 
-  /** What a rest picture depends on: source, crop, turn and size. */
+  /** What a no-contact picture depends on: source, crop, turn and size. */
   get shape() {
     const menus = Object.values(this.menus).map(({ value }) => value);
     return [...menus, this.clip.files?.[0]?.name, this.video.videoWidth, this.video.videoHeight].join();
   }
 
-  /** Tell what became of the rest picture or the source; it stays until something else does.
+  /** Tell what became of the no-contact picture or the source; it stays until something else does.
    * @param {string} sentence */
   say(sentence) {
     this.$(".state").textContent = sentence;
@@ -134,13 +134,15 @@ export class Feed extends View {
     video.load();
   }
 
-  /** Draw the newest frame, cropped and turned. Returns whether it touches something: null without a rest picture. */
+  /** Draw the newest frame, cropped and turned. Returns whether it touches something: null without a no-contact
+   * picture. */
   draw() {
     const { video, canvas } = this;
     if (this.rest && this.rest.shape !== this.shape) {
       this.rest = null;
       this.say(
-        `The rest picture of the ${this.term} was dropped: its source, crop, turn or size changed. Take it again.`,
+        `The no-contact picture of the ${this.term} was dropped: its source, crop, turn or size changed. ` +
+          "Take it again.",
       );
     }
     const { crop, turn } = this.menus;
@@ -170,7 +172,7 @@ export class Feed extends View {
     });
   }
 
-  /** Take the rest picture: the mean of some frames, and their noise. onFrame(n) gets the number so far.
+  /** Take the no-contact picture: the mean of some frames, and their noise. onFrame(n) gets the number so far.
    * @param {(n: number) => void} onFrame */
   async takeRest(onFrame) {
     this.rest = null;
@@ -187,8 +189,8 @@ export class Feed extends View {
     this.rest = rest && { shape, ...rest };
     this.say(
       rest
-        ? `The rest picture is the mean of ${FRAMES} frames.`
-        : "There is no rest picture, because the frames differ as if the sensor was touched. Take it again without " +
+        ? `The no-contact picture is the mean of ${FRAMES} frames.`
+        : "No picture was kept, because the frames differ as if the sensor was touched. Take it again without " +
             "touching the sensor.",
     );
   }
@@ -224,7 +226,7 @@ export function apart(one, other) {
   return Math.max(...changes.map((change) => Math.abs(change - median)));
 }
 
-/** The rest picture of some frames and the limit beyond which a picture is a contact; null if they differ as by a
+/** The no-contact picture of some frames and the limit beyond which a picture is a contact; null if they differ as by a
  * touch.
  * @param {Float32Array[]} frames */
 export function restOf(frames) {

@@ -13,7 +13,7 @@ const AT_ONCE = 2; // requests on the way: one is read while the next one travel
 const WINDOW = 1500; // milliseconds, window of the frame rate
 const PRESSES = 10; // frames of a calibration
 const APART = 300; // milliseconds between two frames of a calibration
-const IDLE = 60; // milliseconds between two looks at a sensor at rest
+const IDLE = 60; // milliseconds between two looks at a sensor without contact
 const AT_REST = { idle: true, classes: [], readings: {}, images: {} };
 
 const pause = (/** @type {number} */ ms) => new Promise((resolve) => setTimeout(resolve, ms));
@@ -24,7 +24,7 @@ export function controlsHtml({ on, line, recording, notes }) {
   const guide = (/** @type {string} */ what, /** @type {string} */ words, /** @type {string} */ title) =>
     button("guide", words, html`data-what="${what}" title="${title}"${off}`);
   return html`<div class="row">${button("camerasSwitched", on ? "Stop" : "Start", html`class="main" ${pressed(on)}`)}
-    ${guide("rest", "Rest picture", "Take ten frames of the untouched sensor")}
+    ${guide("rest", "No-contact picture", "Take ten frames of the untouched sensor")}
     ${guide("calibrate", "Calibrate", "Take ten frames of different presses for the card and the profile of My sensor")}
     </div>
     <div class="row"><label>Label <input type="text" class="label" maxlength="40" size="8"></label>
@@ -33,7 +33,7 @@ export function controlsHtml({ on, line, recording, notes }) {
     ${status(notes.live, "guided")}${status(line, "rate")}`;
 }
 
-/** Draw the newest frames. Returns the open sources, and whether they show a sensor at rest. @param {Desk} desk */
+/** Draw the newest frames. Returns the open sources, and whether no sensor is touched. @param {Desk} desk */
 function drawn({ feeds }) {
   const there = feeds.filter(({ on }) => on);
   return { there, idle: there.map((feed) => feed.draw()).includes(false) };
@@ -139,7 +139,7 @@ const GUIDES = {
   async rest({ feeds }, tell) {
     const touch = /** @type {Desk["feeds"][number]} */ (feeds.find(({ modality }) => modality === "tac"));
     if (touch.on) await touch.takeRest((n) => tell(`Do not touch the sensor: ${n} of ${FRAMES}.`));
-    else touch.say("A rest picture shows the untouched sensor. Choose the source of the touch first.");
+    else touch.say("A no-contact picture shows the untouched sensor. Choose the source of the touch first.");
   },
   /** Frames of different presses become the card and the profile of My sensor; frames without contact are left out. */
   async calibrate(desk, tell) {

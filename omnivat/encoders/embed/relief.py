@@ -17,7 +17,7 @@ from omnivat.data.rest import seen
 from omnivat.encoders.cache import Source
 from omnivat.kit.errors import DataError
 
-Touch = tuple[Source, int, Path | None, str]  # a picture, its crop, rest picture, arrangement
+Touch = tuple[Source, int, Path | None, str]  # a picture, its crop, no-contact picture, arrangement
 
 
 def lamps_of_domains(pairs: Iterable[Pair], known: Mapping[str, Lamps]) -> dict[str, Lamps | str]:

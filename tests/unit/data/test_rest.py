@@ -1,4 +1,4 @@
-"""Rest pictures: what is subtracted, and which picture belongs to which image."""
+"""No-contact pictures: what is subtracted, and which picture belongs to which image."""
 
 from pathlib import Path
 

@@ -144,7 +144,7 @@ def test_a_spoilt_head_is_refused_with_the_name_of_the_file(folder, spoil, sente
 @pytest.mark.parametrize(
     ("mark", "sentence"),
     [
-        (RESTED, "with a rest picture .* Embed the pairs without --tac-rest"),
+        (RESTED, "with a no-contact picture .* Embed the pairs without --tac-rest"),
         (FILLED, "with the dots of touch filled, and .* Embed the pairs with --dots keep"),
     ],
 )
