@@ -24,6 +24,7 @@ from typing import Any
 
 from benchmarks._fuzz_mutations import Case, mutated
 from benchmarks._fuzz_readers import Reader
+from benchmarks._markdown import table
 from omnivat.kit.errors import DataError, OmniVatError
 from omnivat.kit.limited import Limited
 
@@ -225,7 +226,7 @@ def report(names: Iterable[str], seed: int, minutes: float, keep: Path | None) -
                 target.parent.mkdir(parents=True, exist_ok=True)
                 target.write_bytes(content)
     process.close()
-    print("\n".join(lines_of(everything)))
+    print(table_of(everything))
     return int(worst > 0)
 
 
@@ -233,11 +234,11 @@ def _before(until: float, _: int) -> bool:
     return time.monotonic() < until
 
 
-def lines_of(everything: dict[str, Found]) -> list[str]:
+def table_of(everything: dict[str, Found]) -> str:
     """Return the table of readers and mutations, in Markdown: cases and findings by mutation."""
     ways = sorted({way for found in everything.values() for way, _ in found.results})
     head = ["reader", "cases", "read", "refused", "findings", "lines", "MB", "s", *ways]
-    rows = [head, ["---"] * len(head)]
+    rows = []
     for name, found in everything.items():
         by: defaultdict[str, int] = defaultdict(int)
         for (way, kind), count in found.results.items():
@@ -246,4 +247,4 @@ def lines_of(everything: dict[str, Found]) -> list[str]:
         outcome = [by["= result"], by["= sentence"], by["= finding"], len(found.reached)]
         costs = [f"{found.most_mb:.0f}", f"{found.most_s:.2f}"]
         rows.append([name, *map(str, (found.cases, *outcome)), *costs, *(str(by[w]) for w in ways)])
-    return [f"| {' | '.join(row)} |" for row in rows]
+    return table(head, rows, "---")

@@ -26,6 +26,7 @@ from torch import Tensor
 
 from benchmarks._fractional_methods import Method, Transform, methods
 from benchmarks._machine import Spread, interleaved, machine, product_call, threads
+from benchmarks._markdown import table
 from benchmarks._reference import reference
 from omnivat.kit.files import write_text
 
@@ -195,7 +196,7 @@ def main() -> None:
         for batch, size in () if given.quick else FEW:
             rows += measure(batch, size, 1, 7)
     write(rows, given.out)
-    print(table(rows))
+    print(report(rows))
 
 
 def write(rows: list[Row], file: Path) -> None:
@@ -204,16 +205,16 @@ def write(rows: list[Row], file: Path) -> None:
     write_text(file, json.dumps(record, indent=1) + "\n")
 
 
-def table(rows: Sequence[Row]) -> str:
+def report(rows: Sequence[Row]) -> str:
     """Return a table for each size and number of threads, as Markdown."""
     text = []
     for key in dict.fromkeys((r.rows, r.size, r.threads) for r in rows):
         some = [r for r in rows if (r.rows, r.size, r.threads) == key]
         tasks = list(dict.fromkeys(r.task for r in some))
         peer = {r.task: r.time.median for r in some if r.method == PEER}
-        text += ["{} × {}, {} thread(s)".format(*key), ""]
-        text.append("| method | error | share | " + " | ".join(f"{t} | ×" for t in tasks) + " |")
-        text.append("| --- |" + " --- |" * (2 * len(tasks) + 2))
+        head, lines = ["method", "error", "share"], []
+        for task in tasks:
+            head += [task, "×"]
         for name in dict.fromkeys(r.method for r in some):
             own = {r.task: r for r in some if r.method == name}
             share = own["new p"].share if "new p" in own else None
@@ -225,8 +226,8 @@ def table(rows: Sequence[Row]) -> str:
                     f"{spread.median:.3g} ({spread.low:.3g} to {spread.high:.3g})" if spread else ""
                 )
                 cells.append(f"{peer[task] / spread.median:.1f}" if spread and task in peer else "")
-            text.append(f"| {name} | {' | '.join(cells)} |")
-        text.append("")
+            lines.append([name, *cells])
+        text += ["{} × {}, {} thread(s)".format(*key), "", table(head, lines, "---"), ""]
     return "\n".join(text)
 
 

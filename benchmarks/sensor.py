@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks._machine import machine
+from benchmarks._markdown import table
 from omnivat.kit.seeding import derive_seed
 from omnivat.kit.threads import pin_thread
 from omnivat.measure.card.card import card_of, summed
@@ -205,13 +206,12 @@ def recorded(file: Path = RECORD) -> list[Mapping[str, Any]]:
     return [json.loads(line) for line in text.splitlines()]
 
 
-def table(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def report(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return the record as Markdown: the changes of a part in a line, numbers of touches in
     columns; then the interval of each share.
     """
     counts = sorted({row["touches"] for row in rows})
-    text = ["| changed | " + " | ".join(f"{count} touches" for count in counts) + " |"]
-    text.append("| --- |" + " --- |" * len(counts))
+    lines = []
     shares: set[tuple[int, int]] = set()
     for (part, _), some in groupby(CHANGES, lambda one: (one.part, one.words.split()[0])):
         kind, cells = [*some], []
@@ -223,13 +223,14 @@ def table(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         first, *others = (change.words.split() for change in kind)
         start = len([*takewhile(lambda same: len({*same}) == 1, zip(first, *others, strict=False))])
         words = "; ".join(" ".join(one) for one in (first, *(other[start:] for other in others)))
-        text.append(f"| {f'{part} {words}'.strip()} | {' | '.join(cells)} |")
+        lines.append([f"{part} {words}".strip(), *cells])
     ends = [
         f"{right}/{of} {100 * low:.0f}–{100 * high:.0f}"
         for right, of in sorted(shares, key=lambda share: (-share[1], share[0]))
         for low, high in [interval(right, of)]
     ]
-    return [*text, "", f"Wilson's 95 % intervals (%): {', '.join(ends)}."]
+    text = table(["changed", *(f"{count} touches" for count in counts)], lines, "---")
+    return f"{text}\n\nWilson's 95 % intervals (%): {', '.join(ends)}."
 
 
 def named_first(rows: Sequence[Mapping[str, Any]], change: Change, count: int) -> tuple[int, int]:
@@ -275,7 +276,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
                 rows.append(row)
                 with options.record.open("a", encoding="utf-8") as file:
                     file.write(json.dumps(row, ensure_ascii=False) + "\n")
-    print(*table(rows), "", *spent(rows), machine(), sep="\n")
+    print(report(rows), "", *spent(rows), machine(), sep="\n")
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from scipy.stats import t
 from sklearn.linear_model import LogisticRegression
 
+from benchmarks._markdown import table
 from omnivat.data.domains import paper_name
 from omnivat.data.embeddings import Embeddings
 from omnivat.data.store import load_embeddings
@@ -85,10 +86,9 @@ def groups(pairs: Embeddings) -> dict[str, Array]:
     return {name: mask for name, mask in found.items() if mask.any()}
 
 
-def table(said: Mapping[str, Array], pairs: Embeddings) -> str:
+def report(said: Mapping[str, Array], pairs: Embeddings) -> str:
     """Return accuracy (%) of every group and reading, and what both images add, as Markdown."""
-    text = ["| pairs | number | " + " | ".join(READINGS) + " | over VIS | over TAC |"]
-    text.append("| --- |" + " ---: |" * (len(READINGS) + 3))
+    rows = []
     tested = said["VIS"] != UNTESTED
     own = pairs.domain[None] == np.arange(len(tested))[:, None]
     for name, mask in groups(pairs).items():
@@ -98,8 +98,8 @@ def table(said: Mapping[str, Array], pairs: Embeddings) -> str:
             cells = [f"{100 * np.nanmean(share):.1f}" for share in shares]
             cells += [_gain(shares[2], alone) for alone in shares[:2]]
             place = "within a domain" if home else "other domains"
-            text.append(f"| {name}, {place} | {number} | {' | '.join(cells)} |")
-    return "\n".join(text)
+            rows.append([f"{name}, {place}", str(number), *cells])
+    return table(["pairs", "number", *READINGS, "over VIS", "over TAC"], rows)
 
 
 def _gain(both: Array, alone: Array) -> str:
@@ -131,13 +131,15 @@ def main() -> None:
     options = parser.parse_args()
     pairs = load_embeddings(options.embeddings)
     said = predictions(pairs)
-    print(table(said, pairs), "\n")
+    print(report(said, pairs), "\n")
     names = [paper_name(name) for name in pairs.header.domains]
     for reading in READINGS if options.matrices else ():
         shares = 100 * matrix(said[reading], pairs, np.ones(len(pairs), bool))
-        print(f"| {reading}: from, to | {' | '.join(names)} |\n| --- |" + " ---: |" * len(names))
-        for name, row in zip(names, shares, strict=True):
-            print(f"| {name} | " + " | ".join(f"{share:.0f}" for share in row) + " |")
+        rows = [
+            [name, *(f"{share:.0f}" for share in row)]
+            for name, row in zip(names, shares, strict=True)
+        ]
+        print(table([f"{reading}: from, to", *names], rows))
     print("\nThe nearest touch is of the same sensor, % of test pairs:")
     print(", ".join(f"{paper_name(n)} {100 * s:.0f}" for n, s in same_sensor(pairs).items()))
 

@@ -18,6 +18,7 @@ from pathlib import Path
 import torch
 from torch import Tensor
 
+from benchmarks._markdown import table
 from benchmarks._reference import reference
 from omnivat.fractional import dfrft
 from omnivat.kit.files import write_text
@@ -123,23 +124,17 @@ def gradients(size: int, dtype: torch.dtype) -> Cell:
     return Cell("gradients", size, name, worst, REFERENCE[dtype])
 
 
-def table(cells: list[Cell]) -> str:
+def report(cells: list[Cell]) -> str:
     """Markdown: worst error and target of each check and precision, and where it is worst."""
-    lines = [
-        "| check | dtype | worst | at N | target | met |",
-        "| --- | --- | --- | --- | --- | --- |",
-    ]
+    rows = []
     for key in dict.fromkeys((c.check, c.dtype) for c in cells):
         worst = max(
             (c for c in cells if (c.check, c.dtype) == key),
             key=lambda c: math.inf if math.isnan(c.error) else c.error / c.target,
         )
         met = "yes" if worst.error <= worst.target else "**no**"
-        lines.append(
-            f"| {key[0]} | {key[1]} | {worst.error:.1e} | {worst.size} | {worst.target:.1e} |"
-            f" {met} |"
-        )
-    return "\n".join(lines)
+        rows.append([*key, f"{worst.error:.1e}", str(worst.size), f"{worst.target:.1e}", met])
+    return table(["check", "dtype", "worst", "at N", "target", "met"], rows, "---")
 
 
 def measure(sizes: tuple[int, ...], on_size: Callable[[int], None]) -> list[Cell]:
@@ -162,7 +157,7 @@ def main(arguments: list[str] | None = None) -> int:
     cells = measure(sizes, lambda size: print(f"N = {size}: done", flush=True))
     record = json.dumps([asdict(cell) for cell in cells], indent=1)
     write_text(given.out, record + "\n")
-    print(table(cells))
+    print(report(cells))
     missed = [cell for cell in cells if not cell.error <= cell.target]
     for cell in missed:
         print(f"missed: {cell}", file=sys.stderr)

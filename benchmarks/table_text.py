@@ -16,9 +16,10 @@ finding of the README and the findings of the report. docs/benchmarks/chirps.jso
 import argparse
 import re
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 from benchmarks import sensor
+from benchmarks._markdown import table
 from benchmarks._table_record import (
     RECORDS,
     ROOT,
@@ -81,12 +82,6 @@ OURS, THEIRS, MEAN = "omnivat", "linear_maps", "nearest_mean"
 SHOWN = ("erm_mlp", THEIRS, OURS, MEAN, "baseline")  # rows of the README
 HOME = "OmniVaT without training noise"  # the better of both on real pairs
 FEW = (10, 20)  # training pairs of each class
-
-
-def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return a table in Markdown; its first column holds words, the others figures."""
-    marks = ["---", *["---:"] * (len(head) - 1)]
-    return "\n".join(f"| {' | '.join(row)} |" for row in (head, marks, *rows))
 
 
 def by_relief(record: Record, relief: Record) -> str:
@@ -353,7 +348,7 @@ def main() -> None:
     made[ROOT / "README.md"] = readme(record)
     for name, text, marks in (
         ("docs/new-sensor.md", gains(record), MARKS),
-        ("docs/sensor.md", "\n".join(sensor.table(sensor.recorded())), MARKS),
+        ("docs/sensor.md", sensor.report(sensor.recorded()), MARKS),
         ("docs/protocol.md", good_for(record), MARKS),
         ("paper/paper.md", findings(record), FINDINGS),
     ):

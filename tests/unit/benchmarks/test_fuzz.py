@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks._fuzz import MOST_MB, fuzz, limited, lines_of, seeds_of
+from benchmarks._fuzz import MOST_MB, fuzz, limited, seeds_of, table_of
 from benchmarks._fuzz_readers import READERS, Reader
 from omnivat.kit.errors import DataError
 
@@ -132,4 +132,4 @@ def test_each_kind_of_harm_is_found_and_held_cases_are_none(name, process):
     found = fuzz(name, 1, lambda cases: cases < 3, process, f"{__name__}:PLANTED")
     assert all(name in kind for kind in found.findings)
     assert bool(found.findings) == (name != "held")
-    assert lines_of({name: found})[2].startswith(f"| {name} | 3 |")
+    assert table_of({name: found}).splitlines()[2].startswith(f"| {name} | 3 |")
