@@ -12,8 +12,8 @@ from benchmarks.simulated import (
     by_source,
     matrix,
     predictions,
+    report,
     same_sensor,
-    table,
 )
 from tests.builders import embeddings_of
 
@@ -84,7 +84,7 @@ def test_touch_tells_what_looks_alike_and_both_images_use_it():
 
 def test_the_table_has_rows_for_look_alikes_and_none_for_groups_without_pairs():
     pairs = made()
-    text = table(predictions(pairs), pairs)
+    text = report(predictions(pairs), pairs)
     assert "| look like another class, within a domain | 6 | 0.0 | 100.0 |" in text
     assert "feel like" not in text and text.count("\n") == 7
 
